@@ -1,0 +1,59 @@
+# Each target sets up .venv by itself; nothing but python3 >= 3.11 is needed on PATH.
+# Another interpreter: make setup PYTHON=python3.13. Options for pytest: make test ARGS="-k march".
+
+PYTHON ?= python3
+UV_VERSION := 0.13.9
+BIN := .venv/bin
+UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
+
+.PHONY: help setup figures test check bench lock clean
+.DEFAULT_GOAL := help
+
+help: ## show these targets
+	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' Makefile
+
+setup: .venv/.ready ## make .venv ready: the locked dependencies, and ratestate itself, editable
+
+figures: .venv/.ready ## draw every figure of the paper, slip and aging law, into figures/
+	$(BIN)/ratestate figures all --law slip --out figures
+	$(BIN)/ratestate figures all --law aging --out figures
+
+test: .venv/.ready ## run the tests on 2 processes
+	$(BIN)/pytest -n 2 $(ARGS)
+
+check: .venv/.ready ## lint, formatting, types, direction of imports
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: .venv/.ready ## run the benchmark
+	$(BIN)/python benchmarks/run.py $(ARGS)
+
+lock: .venv/.uv-$(UV_VERSION) ## bring requirements.lock up to pyproject.toml; newest versions: ARGS=--upgrade
+	$(UV) pip compile pyproject.toml --extra test --extra check --extra bench \
+	    --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
+	    --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" \
+	    --output-file requirements.lock $(ARGS)
+
+clean: ## remove .venv, caches, figures and builds
+	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
+	rm -rf build dist figures
+	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} + 2> /dev/null || true
+
+# The venv in three steps, each with its stamp: uv, the locked dependencies, ratestate.
+.venv/.uv-$(UV_VERSION):
+	@command -v $(PYTHON) > /dev/null || { echo "error: no $(PYTHON) on PATH; ratestate needs Python 3.11 or newer" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("error: ratestate needs Python 3.11 or newer, and $(PYTHON) is %d.%d; name another: make PYTHON=python3.13" % sys.version_info[:2])'
+	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null || { echo "error: $(PYTHON) has no venv module; on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }
+	$(PYTHON) -m venv --clear .venv
+	$(BIN)/python -m pip --quiet --disable-pip-version-check install uv==$(UV_VERSION)
+	@touch $@
+
+.venv/.locked: requirements.lock .venv/.uv-$(UV_VERSION)
+	$(UV) pip install --require-hashes -r requirements.lock
+	@touch $@
+
+.venv/.ready: pyproject.toml .venv/.locked
+	$(UV) pip install --no-deps -e .
+	@touch $@

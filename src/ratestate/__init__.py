@@ -1,0 +1,80 @@
+"""Spring-slider dynamics under rate-and-state friction.
+
+>>> import ratestate as rs
+>>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="900 MPa/m")
+>>> round(slider.V_c, 6)  # m/s
+0.003162
+
+Nothing heavy is loaded until it is used.
+"""
+
+import sys
+import types
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .arrays import logspace
+    from .cycles import limit_cycle
+    from .errors import NotConverged, ParameterError, SolverError
+    from .loading import Loading
+    from .simulate import simulate
+    from .slider import SpringSlider
+    from .stability import stability
+
+__all__ = [
+    "Loading",
+    "NotConverged",
+    "ParameterError",
+    "SolverError",
+    "SpringSlider",
+    "limit_cycle",
+    "logspace",
+    "simulate",
+    "stability",
+]
+
+#: public name -> module that defines it
+_HOMES = {
+    "Loading": "loading",
+    "NotConverged": "errors",
+    "ParameterError": "errors",
+    "SolverError": "errors",
+    "SpringSlider": "slider",
+    "limit_cycle": "cycles",
+    "logspace": "arrays",
+    "simulate": "simulate",
+    "stability": "stability",
+}
+
+
+def __getattr__(name):
+    if name == "__version__":
+        from importlib.metadata import version
+
+        value = version("ratestate")
+    elif name in _HOMES:
+        from importlib import import_module
+
+        value = getattr(import_module(f"ratestate.{_HOMES[name]}"), name)
+    else:
+        raise AttributeError(f"module 'ratestate' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return [*__all__, "__version__"]
+
+
+class _Package(types.ModuleType):
+    """Keeps the verbs `simulate` and `stability` apart from the files of the same names.
+
+    Importing a submodule binds it to its package under its own name, and would hide the verb.
+    """
+
+    def __setattr__(self, name, value):
+        if not (name in _HOMES and isinstance(value, types.ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

@@ -1,0 +1,198 @@
+"""What happens inside an accepted step, read off its dense output.
+
+Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  An upward
+crossing is a stress maximum and closes a cycle; a downward one is its minimum.  Two successive
+cycles that agree are a limit cycle.
+"""
+
+import math
+
+from numba import njit
+
+from . import lanes as L
+from .lanes import turning
+from .model import CYCLE, RUNAWAY, STEADY_SLIDING, state_rate
+
+# How a march looks for a cycle: not at all; until cycles agree; one more cycle, measured.
+FREE, SEEK, MEASURE = 0.0, 1.0, 2.0
+# Cycles whose change is compared at once: over one cycle, a slow approach hides in rounding.
+WINDOW = 8.0
+
+
+@njit(error_model="numpy")
+def coefficients(y0, y1, k1, k2, k3):
+    """Dense output of one component as a polynomial in s, the fraction of the step."""
+    return y0, (y1 - y0) + k1, k2 - k1, k3 - k2, -k3
+
+
+@njit(error_model="numpy")
+def polynomial(c, s):
+    return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
+
+
+@njit(error_model="numpy")
+def derivative(c, s):
+    return c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))
+
+
+@njit(error_model="numpy")
+def extreme(c):
+    """Where in 0..1 the polynomial's derivative vanishes (bisection, then Newton inside it)."""
+    low, high = 0.0, 1.0
+    d_low = derivative(c, low)
+    if (d_low < 0.0) == (derivative(c, high) < 0.0):
+        return 0.0 if abs(d_low) < abs(derivative(c, high)) else 1.0
+    s = 0.5
+    for _ in range(60):
+        d = derivative(c, s)
+        if (d < 0.0) == (d_low < 0.0):
+            low = s
+        else:
+            high = s
+        curvature = 2.0 * c[2] + s * (6.0 * c[3] + s * 12.0 * c[4])
+        step = d / curvature if curvature != 0.0 else 2.0
+        new = s - step
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - s) < 1e-14:
+            return new
+        s = new
+    return s
+
+
+@njit(error_model="numpy")
+def crossing(c, w_lp, dw, log_w_lp):
+    """Where in 0..1 v = ln(w_lp + dw s); the caller has seen a crossing."""
+    low, high = 0.0, 1.0
+    start = c[0] - (log_w_lp if dw == 0.0 else math.log(w_lp))
+    s = 0.5
+    for _ in range(60):
+        load = w_lp + dw * s
+        value = polynomial(c, s) - (log_w_lp if dw == 0.0 else math.log(load))
+        if (value < 0.0) == (start < 0.0):
+            low = s
+        else:
+            high = s
+        slope = derivative(c, s) - dw / load
+        new = s - value / slope if slope != 0.0 else 2.0
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - s) < 1e-14:
+            return new
+        s = new
+    return s
+
+
+@njit(error_model="numpy")
+def components(s, l):
+    """Polynomials of x, v and psi over the lane's step."""
+    return (
+        coefficients(s[L.X + l], s[L.X_NEW + l], s[L.X_1 + l], s[L.X_2 + l], s[L.X_3 + l]),
+        coefficients(s[L.V + l], s[L.V_NEW + l], s[L.V_1 + l], s[L.V_2 + l], s[L.V_3 + l]),
+        coefficients(
+            s[L.PSI + l], s[L.PSI_NEW + l], s[L.PSI_1 + l], s[L.PSI_2 + l], s[L.PSI_3 + l]
+        ),
+    )
+
+
+@njit(error_model="numpy")
+def relative_change(new, old):
+    return abs(new - old) / abs(new) if new != 0.0 else math.inf
+
+
+@njit(error_model="numpy")
+def close_cycle(s, l, here, x_high):
+    """Book the cycle that ends at this upward crossing; `here` is the time since s[T].
+
+    If changes from cycle to cycle shrink by a factor r, what is left to come is change*r/(1-r).
+    A drop from far above to below the tolerance within one cycle shows a strongly attracting one; a weak one only over a window of several,
+    where the change stands out of the rounding.
+    """
+    if s[L.CROSS_LOW + l] < math.inf:
+        amplitude = x_high - s[L.X_LOW + l]
+        period = (s[L.T + l] - s[L.CROSS_T + l]) + (here - s[L.CROSS_LOW + l])
+        change = max(
+            relative_change(amplitude, s[L.AMPLITUDE + l]),
+            relative_change(period, s[L.PERIOD + l]),
+        )
+        before = s[L.CHANGE + l]
+        s[L.AMPLITUDE + l], s[L.PERIOD + l], s[L.CHANGE + l] = amplitude, period, change
+        s[L.CYCLES + l] += 1.0
+        if s[L.MODE + l] == MEASURE:
+            s[L.STATUS + l] = CYCLE
+        elif s[L.MODE + l] == SEEK:
+            tol = s[L.CYCLE_TOL + l]
+            found = change <= 0.1 * tol and before >= 1e3 * tol
+            if s[L.CYCLES + l] % WINDOW == 0.0:
+                far = max(
+                    relative_change(amplitude, s[L.WINDOW_AMPLITUDE + l]),
+                    relative_change(period, s[L.WINDOW_PERIOD + l]),
+                )
+                r = far / s[L.WINDOW_CHANGE + l]
+                if s[L.CYCLES + l] >= 3.0 * WINDOW:
+                    found = found or (r < 1.0 and far * r / (1.0 - r) <= tol)
+                    found = found or far <= 0.01 * tol
+                s[L.WINDOW_AMPLITUDE + l], s[L.WINDOW_PERIOD + l] = amplitude, period
+                s[L.WINDOW_CHANGE + l] = far
+            if found:
+                s[L.MODE + l], s[L.OBSERVE + l] = MEASURE, 1.0
+                s[L.V_HIGH + l], s[L.V_LOW + l], s[L.G_HIGH + l] = -math.inf, math.inf, 0.0
+    s[L.X_HIGH + l] = x_high
+    s[L.CROSS_T + l], s[L.CROSS_LOW + l] = s[L.T + l], here
+
+
+@njit(error_model="numpy")
+def observe(s, l, law, cx, cv, cpsi):
+    """Extremes of V and of |tau/sigma - mu| inside the step."""
+    beta, eta0 = s[L.BETA + l], s[L.ETA0 + l]
+    kappa, w_lp = s[L.KAPPA + l], s[L.W_LP + l]
+    w_lp_new = w_lp + s[L.H_USED + l] * s[L.RAMP + l]
+    cg = (
+        cx[0] - cv[0] - beta * cpsi[0],
+        cx[1] - cv[1] - beta * cpsi[1],
+        cx[2] - cv[2] - beta * cpsi[2],
+        cx[3] - cv[3] - beta * cpsi[3],
+        cx[4] - cv[4] - beta * cpsi[4],
+    )
+    w0, w1 = s[L.W + l], s[L.W_NEW + l]
+    f0 = state_rate(law, w0, s[L.V + l], s[L.PSI + l], s[L.E + l])
+    f1 = state_rate(law, w1, s[L.V_NEW + l], s[L.PSI_NEW + l], s[L.E_NEW + l])
+    a0, b0 = turning(polynomial(cg, 0.0), kappa * (w_lp - w0), f0, w0, beta, eta0)
+    a1, b1 = turning(polynomial(cg, 1.0), kappa * (w_lp_new - w1), f1, w1, beta, eta0)
+    if (a0 < 0.0) != (a1 < 0.0):
+        see_v(s, l, polynomial(cv, extreme(cv)))
+    if (b0 < 0.0) != (b1 < 0.0):
+        s[L.G_HIGH + l] = max(s[L.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
+
+
+@njit(error_model="numpy")
+def see_v(s, l, v):
+    """Let a value of v count among the extremes."""
+    s[L.V_HIGH + l] = max(s[L.V_HIGH + l], v)
+    s[L.V_LOW + l] = min(s[L.V_LOW + l], v)
+
+
+@njit(error_model="numpy")
+def attend(s, l, law):
+    """Everything of interest in the lane's accepted step, before it is committed."""
+    cx, cv, cpsi = components(s, l)
+    h, w_lp = s[L.H_USED + l], s[L.W_LP + l]
+    dw = h * s[L.RAMP + l]
+    if s[L.OBSERVE + l] > 0.0:
+        observe(s, l, law, cx, cv, cpsi)
+    rises = s[L.W_NEW + l] >= w_lp + dw
+    if (s[L.W + l] < w_lp) == rises:
+        at = crossing(cv, w_lp, dw, s[L.LOG_W_LP + l])
+        if rises:
+            close_cycle(s, l, s[L.T_LOW + l] + at * h, polynomial(cx, at))
+        else:
+            s[L.X_LOW + l] = polynomial(cx, at)
+    v = s[L.V_NEW + l]
+    if v > s[L.V_LIMIT + l]:
+        s[L.STATUS + l] = RUNAWAY
+    elif s[L.STEADY + l] > 0.0:
+        steady = s[L.LOG_W_LP + l]
+        distance = max(abs(v - steady), abs(s[L.PSI_NEW + l] + steady))
+        distance = max(distance, abs(s[L.X_NEW + l] - (1.0 - s[L.BETA + l]) * steady))
+        if distance < s[L.STEADY + l]:
+            s[L.STATUS + l] = STEADY_SLIDING

@@ -1,0 +1,100 @@
+"""One step of the paper's own scheme (eqs 8 and 9), at a fixed time step; order 1.
+
+The motion over a step is the exact oscillation of mass and spring under the friction of the
+step's end; velocity, friction and state there are solved together (Im et al., 2017,
+doi:10.1002/2017JB014476).  In the variables of `model`, with c and s the cosine and sine of
+omega dt, omega = sqrt(K/M):
+
+    x_new = (1 - c) (v_new + beta psi_new) + c (x + kappa d_lp) - (kappa w/omega) s      (eq. 8)
+    w_new = (2/h) (d_lp - (x_new - x)/kappa) - w                                         (eq. 9)
+
+where d_lp is the load point's advance.  One unknown, v_new, remains.  The state is advanced
+exactly for constant V = V_new, or, for the aging law, by backward Euler (``im2017_euler``, as
+the scheme's author published it).
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from .. import laws
+from . import lanes as L
+from .model import IM2017_EULER, NO_ROOT
+
+MAX_ITERATIONS = 200
+
+
+@njit(error_model="numpy")
+def advance_state(law, method, psi, v, w, h):
+    """psi after h at the constant velocity w = e**v, and its derivative with respect to v."""
+    decay = math.exp(-w * h)
+    if law == laws.SLIP:
+        return (psi + v) * decay - v, decay * (1.0 - (psi + v) * w * h) - 1.0
+    theta = math.exp(psi)
+    if method == IM2017_EULER:
+        return math.log((theta + h) / (1.0 + w * h)), -w * h / (1.0 + w * h)
+    grown = -math.expm1(-w * h) / w
+    new = theta * decay + grown
+    return math.log(new), (w * h * decay * (1.0 / w - theta) - grown) / new
+
+
+@njit(error_model="numpy")
+def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
+    """v, psi and x at the end of the step, and whether they were found.
+
+    Newton in v, kept inside a bracket: the mismatch of eq. 9 runs from -inf to inf with v, so a
+    root exists; steps are limited to 2 so that a far guess cannot overflow.
+    """
+    one_c = 2.0 * math.sin(0.5 * omega * h) ** 2
+    fixed = (1.0 - one_c) * (x + kappa * d_lp) - kappa * w * math.sin(omega * h) / omega
+    low, high = -math.inf, math.inf
+    v_new = v
+    for _ in range(MAX_ITERATIONS):
+        w_new = math.exp(v_new)
+        psi_new, slope = advance_state(law, method, psi, v_new, w_new, h)
+        x_new = one_c * (v_new + beta * psi_new) + fixed
+        mismatch = w_new + w - (2.0 / h) * (d_lp - (x_new - x) / kappa)
+        if mismatch < 0.0:
+            low = v_new
+        else:
+            high = v_new
+        gradient = w_new + (2.0 / (h * kappa)) * one_c * (1.0 + beta * slope)
+        move = -mismatch / gradient if gradient > 0.0 else (2.0 if mismatch < 0.0 else -2.0)
+        move = min(max(move, -2.0), 2.0)
+        if not low < v_new + move < high:
+            move = 0.5 * (low + high) - v_new
+        if abs(move) <= 1e-13 * max(1.0, abs(v_new)):
+            return v_new, psi_new, x_new, True
+        v_new += move
+    return v_new, psi_new, x_new, False
+
+
+@njit(error_model="numpy")
+def take(s, l, law, method):
+    """Take one step of the lane and record its outcome as `lanes.take` does."""
+    x, v, psi, w, w_lp = s[L.X + l], s[L.V + l], s[L.PSI + l], s[L.W + l], s[L.W_LP + l]
+    kappa, beta = s[L.KAPPA + l], s[L.BETA + l]
+    s[L.H + l] = s[L.DT + l]
+    h = L.step_size(s[L.DT + l], s[L.LAND + l], s[L.T + l], s[L.T_LOW + l])
+    dw = h * s[L.RAMP + l]
+    omega = math.sqrt(kappa / s[L.ETA0 + l])
+    d_lp = h * (w_lp + 0.5 * dw)
+    v_new, psi_new, x_new, found = solve(
+        law, method, kappa, beta, x, v, psi, w, d_lp, h, omega
+    )
+    found = found and np.isfinite(x_new) and np.isfinite(psi_new)
+    w_new = math.exp(v_new)
+    s[L.X_NEW + l], s[L.V_NEW + l], s[L.PSI_NEW + l] = x_new, v_new, psi_new
+    s[L.W_NEW + l], s[L.E_NEW + l] = w_new, math.exp(-psi_new)
+    # Between its points the scheme says nothing; x is drawn as the cubic with its end slopes.
+    rise = x_new - x
+    s[L.X_1 + l] = h * kappa * (w_lp - w) - rise
+    s[L.X_2 + l] = rise - h * kappa * (w_lp + dw - w_new) - s[L.X_1 + l]
+    s[L.D_LOAD + l] = 0.5 * h * (x * w_lp + x_new * (w_lp + dw))
+    s[L.D_FRICTION + l] = 0.5 * h * ((v + beta * psi) * w + (v_new + beta * psi_new) * w_new)
+    s[L.OK + l] = 1.0 if found else 0.0
+    s[L.H_USED + l], s[L.H_NEXT + l], s[L.MEMORY_NEW + l] = h, s[L.DT + l], 1.0
+    L.needs_attention(s, l, law)
+    if not found:
+        s[L.STATUS + l] = NO_ROOT

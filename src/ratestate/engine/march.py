@@ -1,0 +1,212 @@
+"""The march: lanes filled from a queue, steps taken, breaks landed on, outcomes written.
+
+`march` can be left and entered again: all it knows is in the lane buffer and the queue
+position.  The caller so keeps its hands on a long run (progress, interruption, output drained).
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from . import lanes as L
+from .events import FREE, attend, components, polynomial, see_v
+from .im2017 import take as take_im2017
+from .model import (
+    FINISHED,
+    NOT_FINITE,
+    RODAS5P,
+    RUNNING,
+    STEP_LIMIT,
+    STEP_UNDERFLOW,
+    state_rate,
+)
+
+IDLE = -1.0
+
+
+@njit(error_model="numpy")
+def enter_segment(s, l, law, k, scale, V0, loads, row, restart):
+    """Put the lane at the start of the segment that holds its time (zero-length ones pass)."""
+    last = loads.t.size - 1
+    while k < last and loads.t[k + 1] * scale <= s[L.T + l]:
+        k += 1
+    s[L.SEGMENT + l] = k
+    w_lp = loads.V[row, k] / V0
+    # A kink leaves dx/dT continuous; only a jump restarts the step size and the cycle count.
+    jump = restart or abs(w_lp - s[L.W_LP + l]) > 1e-9 * (w_lp + s[L.W_LP + l])
+    s[L.W_LP + l] = w_lp
+    s[L.RAMP + l] = loads.rate[row, k] / (V0 * scale)
+    s[L.LOG_W_LP + l] = math.log(w_lp) if w_lp > 0.0 else -math.inf
+    land = s[L.T_END + l]
+    if k < last:
+        land = min(land, loads.t[k + 1] * scale)
+    s[L.LAND + l] = land
+    if jump:
+        w = s[L.W + l]
+        f_x = s[L.KAPPA + l] * (w_lp - w)
+        f_psi = state_rate(law, w, s[L.V + l], s[L.PSI + l], s[L.E + l])
+        pace = abs(f_x) + abs(f_psi) + w + w_lp
+        s[L.H + l] = min(land - s[L.T + l], 0.1 * math.sqrt(math.sqrt(s[L.RTOL + l])) / pace)
+        s[L.MEMORY + l] = 1.0
+        s[L.CROSS_LOW + l] = math.inf
+        s[L.CYCLES + l] = 0.0
+
+
+@njit(error_model="numpy")
+def load(s, l, law, i, cases, loads, save_times, results):
+    """Put case i into lane l at t = 0."""
+    for row in range(0, L.SIZE, L.LANES):
+        s[row + l] = 0.0
+    s[L.CASE + l], s[L.STATUS + l] = i, RUNNING
+    s[L.KAPPA + l] = cases.kappa[i]
+    s[L.BETA + l], s[L.ETA0 + l] = cases.beta[i], cases.eta0[i]
+    s[L.X + l], s[L.V + l], s[L.PSI + l] = cases.y[i]
+    s[L.W + l], s[L.E + l] = math.exp(s[L.V + l]), math.exp(-s[L.PSI + l])
+    scale = cases.scale[i]
+    s[L.T_END + l] = cases.t_end[i] * scale
+    s[L.DT + l] = cases.dt[i] * scale
+    s[L.RTOL + l], s[L.MEMORY + l] = cases.rtol[i], 1.0
+    s[L.V_LIMIT + l], s[L.STEADY + l] = cases.v_limit[i], cases.steady_tol[i]
+    s[L.OBSERVE + l], s[L.MODE + l] = cases.observe[i], cases.mode[i]
+    s[L.CYCLE_TOL + l], s[L.MAX_STEPS + l] = cases.cycle_tol[i], cases.max_steps[i]
+    s[L.PERIOD + l] = math.inf
+    s[L.CHANGE + l] = math.inf
+    s[L.V_HIGH + l] = s[L.V_LOW + l] = s[L.V + l]
+    s[L.G_HIGH + l] = abs(s[L.X + l] - s[L.V + l] - s[L.BETA + l] * s[L.PSI + l])
+    enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i], True)
+    n, row = 0, cases.times[i]
+    while n < save_times.shape[1] and save_times[row, n] <= 0.0:
+        results.saved[i, n] = cases.y[i]
+        n += 1
+    await_save(s, l, n, save_times, row, scale)
+
+
+@njit(error_model="numpy")
+def await_save(s, l, n, save_times, row, scale):
+    """Let saved time n be the next one the lane waits for."""
+    s[L.SAVED + l] = n
+    s[L.SAVE_AT + l] = save_times[row, n] * scale if n < save_times.shape[1] else math.inf
+
+
+@njit(error_model="numpy")
+def save(s, l, cases, save_times, saved):
+    """Write the state at each saved time inside the lane's accepted step."""
+    i = int(s[L.CASE + l])
+    row, scale = cases.times[i], cases.scale[i]
+    cx, cv, cpsi = components(s, l)
+    h = s[L.H_USED + l]
+    n = int(s[L.SAVED + l])
+    while n < save_times.shape[1]:
+        at = ((save_times[row, n] * scale - s[L.T + l]) - s[L.T_LOW + l]) / h
+        # The last step ends on t_end up to rounding; a saved time equal to t_end belongs to it.
+        if at > 1.0 + (1e-6 if h > 0.0 and save_times[row, n] >= cases.t_end[i] else 0.0):
+            break
+        at = min(max(at, 0.0), 1.0)
+        saved[i, n, 0] = polynomial(cx, at)
+        saved[i, n, 1] = polynomial(cv, at)
+        saved[i, n, 2] = polynomial(cpsi, at)
+        n += 1
+    await_save(s, l, n, save_times, row, scale)
+
+
+@njit(error_model="numpy")
+def finish(s, l, cases, results):
+    """Write the outcome of the lane's case."""
+    i = int(s[L.CASE + l])
+    status = int(s[L.STATUS + l])
+    results.status[i] = status
+    out = results.numbers[i]
+    out[0] = (s[L.T + l] + s[L.T_LOW + l]) / cases.scale[i]
+    out[1], out[2] = s[L.STEPS + l], s[L.REJECTED + l]
+    if status <= 1:
+        results.final[i, 0], results.final[i, 1] = s[L.X + l], s[L.V + l]
+        results.final[i, 2] = s[L.PSI + l]
+        out[3], out[4] = s[L.LOAD_WORK + l], s[L.DISSIPATION + l]
+        out[5], out[6] = s[L.AMPLITUDE + l], s[L.PERIOD + l]
+        out[7], out[8] = s[L.CYCLES + l], s[L.CHANGE + l]
+        see_v(s, l, s[L.V + l])
+        out[9], out[10], out[11] = s[L.V_HIGH + l], s[L.V_LOW + l], s[L.G_HIGH + l]
+    s[L.CASE + l] = IDLE
+
+
+@njit(error_model="numpy")
+def turn(s, l, law, cases, loads):
+    """At a landing: enter the next segment or finish.  Elsewhere: give up, saying why."""
+    if s[L.STATUS + l] != RUNNING:
+        return
+    if s[L.FAILURES + l] > L.TOO_MANY_FAILURES:
+        s[L.STATUS + l] = NOT_FINITE if s[L.BAD + l] > 0.0 else STEP_UNDERFLOW
+    elif s[L.STEPS + l] + s[L.REJECTED + l] >= s[L.MAX_STEPS + l]:
+        s[L.STATUS + l] = STEP_LIMIT
+    elif s[L.LAND + l] >= s[L.T_END + l]:
+        s[L.STATUS + l] = FINISHED
+    else:
+        s[L.T + l], s[L.T_LOW + l] = s[L.LAND + l], 0.0
+        i, k = int(s[L.CASE + l]), int(s[L.SEGMENT + l])
+        enter_segment(s, l, law, k, cases.scale[i], cases.V0[i], loads, cases.loading[i], False)
+
+
+@njit(nogil=True, error_model="numpy")
+def march(method, law, s, queue, position, cases, loads, save_times, results, path, budget):
+    """March the cases of a queue until it is empty, `path` is full or the budget is spent.
+
+    Parameters
+    ----------
+    method, law : int, codes (model.py, laws.py)
+    s : (SIZE,) the lanes; CASE = IDLE in those that are free
+    queue : (n,) case numbers, in the order in which to start them
+    position : (3,) int64: next in queue; cases done; rows of `path` filled
+    path : (m, 4) T, x, v, psi after each step of lane 0; empty if not wanted
+    budget : int, sweeps over the lanes
+
+    Returns
+    -------
+    bool : whether every case is done
+    """
+    width = 1 if queue.size == 1 else L.LANES
+    vacant = True
+    for _ in range(budget):
+        if vacant:
+            active = 0
+            for l in range(width):
+                if s[L.CASE + l] == IDLE and position[0] < queue.size:
+                    load(s, l, law, queue[position[0]], cases, loads, save_times, results)
+                    position[0] += 1
+                    s[L.EVERY_STEP + l] = 1.0 if path.size > 0 else 0.0
+                active += s[L.CASE + l] != IDLE
+            if active == 0:
+                return True
+            vacant = False
+        if method != RODAS5P:
+            for l in range(width):
+                if s[L.CASE + l] != IDLE:
+                    take_im2017(s, l, law, method)
+        elif width == 1:
+            L.advance_alone(s, law)
+        else:
+            L.advance(s, law)
+        for l in range(width):
+            if s[L.CALL + l] > 0.0 and s[L.CASE + l] != IDLE:
+                attend(s, l, law)
+                if (s[L.T + l] + s[L.T_LOW + l]) + s[L.H_USED + l] >= s[L.SAVE_AT + l]:
+                    save(s, l, cases, save_times, results.saved)
+        if width == 1:
+            L.commit_lane(s, 0)
+        else:
+            L.commit(s)
+        if path.size > 0 and s[L.OK] > 0.0:
+            path[position[2], 0] = s[L.T] + s[L.T_LOW]
+            path[position[2], 1], path[position[2], 2] = s[L.X], s[L.V]
+            path[position[2], 3] = s[L.PSI]
+            position[2] += 1
+        for l in range(width):
+            if s[L.TURN + l] > 0.0 and s[L.CASE + l] != IDLE:
+                turn(s, l, law, cases, loads)
+                if s[L.STATUS + l] != RUNNING:
+                    finish(s, l, cases, results)
+                    position[1] += 1
+                    vacant = True
+        if path.size > 0 and position[2] == path.shape[0]:
+            return False
+    return False

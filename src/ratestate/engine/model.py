@@ -1,0 +1,131 @@
+"""The contract with compiled code: the dimensionless system, its parameters, codes and statuses.
+
+With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu0)/a and T = t V0/Dc,
+
+    dx/dT   = kappa (w_lp - w)               kappa = K Dc/(a sigma)
+    dv/dT   = (x - v - beta psi)/(eta0 w)    eta0  = M V0**2/(a sigma Dc),  beta = b/a
+    dpsi/dT = the evolution law (laws.py)
+
+which is eqs 1-4 of Im, Marone & Elsworth (2019).  g = x - v - beta psi is the inertial force,
+(tau/sigma - mu)/a.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .. import laws
+
+# How a case ended.  0 and 1 are answers; the rest name what stopped it.
+CYCLE = FINISHED = 0
+STEADY_SLIDING = 1
+NOT_FINITE = 2
+STEP_UNDERFLOW = 3
+STEP_LIMIT = 4
+RUNAWAY = 5
+NO_ROOT = 6
+RUNNING = -1
+
+#: status code -> (name, what happened and what helps)
+STATUSES = {
+    FINISHED: ("finished", "finished"),
+    STEADY_SLIDING: ("steady_sliding", "steady sliding: no cycle exists or is reached"),
+    NOT_FINITE: (
+        "not_finite",
+        "a step gave values that are not finite; check that the parameters are of a physical size",
+    ),
+    STEP_UNDERFLOW: (
+        "step_underflow",
+        "the step size shrank without end; loosen rtol, or check that the parameters are of a"
+        " physical size",
+    ),
+    STEP_LIMIT: ("step_limit", "the step limit was reached; shorten t_end or loosen rtol"),
+    RUNAWAY: (
+        "quasi_static_instability",
+        "V grows without bound: no quasi-static motion (M = 0) exists beyond this time; M > 0"
+        " removes the singularity",
+    ),
+    NO_ROOT: (
+        "no_root",
+        "friction and velocity could not be solved together at the end of a step; reduce dt",
+    ),
+}
+
+RODAS5P, IM2017, IM2017_EULER = 0, 1, 2
+#: name of a method -> its code
+METHODS = {"rodas5p": RODAS5P, "im2017": IM2017, "im2017_euler": IM2017_EULER}
+
+
+class Cases(NamedTuple):
+    """What each slider is and is asked; arrays of one value a case unless a shape is given."""
+
+    kappa: np.ndarray
+    beta: np.ndarray
+    eta0: np.ndarray
+    scale: np.ndarray  # V0/Dc [1/s]: T = scale t
+    V0: np.ndarray  # [m/s]
+    y: np.ndarray  # (n, 3) initial x, v, psi
+    t_end: np.ndarray  # [s]
+    dt: np.ndarray  # [s], fixed-step methods only
+    loading: np.ndarray  # row of the Loads tables
+    times: np.ndarray  # row of the saved times
+    rtol: np.ndarray
+    mode: np.ndarray  # FREE or SEEK (events.py)
+    cycle_tol: np.ndarray
+    steady_tol: np.ndarray
+    observe: np.ndarray  # 1 where extremes of V and of the inertial force are wanted
+    v_limit: np.ndarray  # ln(V/V0) that counts as runaway
+    max_steps: np.ndarray
+
+
+class Loads(NamedTuple):
+    """Piecewise-linear load-point histories: S segments, one row a history [s, m/s, m/s^2]."""
+
+    t: np.ndarray  # (S,) start times
+    V: np.ndarray  # (n, S) speed at the start of each segment
+    rate: np.ndarray  # (n, S) acceleration in it
+
+
+class Results(NamedTuple):
+    """What a march leaves behind; NaN where a case failed."""
+
+    final: np.ndarray  # (n, 3) x, v, psi at the end
+    saved: np.ndarray  # (n, n_times, 3)
+    numbers: np.ndarray  # (n, len(NUMBERS))
+    status: np.ndarray  # (n,) int8
+
+
+NUMBERS = (
+    "t",
+    "steps",
+    "rejected",
+    "load_work",
+    "dissipation",
+    "amplitude",
+    "period",
+    "cycles",
+    "change",
+    "v_max",
+    "v_min",
+    "g_max",
+)
+
+slip_rate = njit(forceinline=True, fastmath={"contract"})(laws.slip_rate)
+slip_rate_partials = njit(forceinline=True, fastmath={"contract"})(laws.slip_rate_partials)
+aging_rate = njit(forceinline=True, fastmath={"contract"})(laws.aging_rate)
+aging_rate_partials = njit(forceinline=True, fastmath={"contract"})(laws.aging_rate_partials)
+
+
+@njit(forceinline=True, fastmath={"contract"})
+def state_rate(law, w, v, psi, e):
+    """d psi/dT of the law with this code: all are computed and one selected, so lanes may mix."""
+    return slip_rate(w, v, psi, e) if law == laws.SLIP else aging_rate(w, v, psi, e)
+
+
+@njit(forceinline=True, fastmath={"contract"})
+def state_rate_partials(law, w, v, psi, e):
+    """Derivatives of `state_rate` with respect to v and psi."""
+    s_v, s_psi = slip_rate_partials(w, v, psi, e)
+    a_v, a_psi = aging_rate_partials(w, v, psi, e)
+    return (s_v if law == laws.SLIP else a_v), (s_psi if law == laws.SLIP else a_psi)

@@ -1,0 +1,40 @@
+"""What goes wrong, by name.
+
+::
+
+    RateStateError
+    |-- ParameterError (also a ValueError)    a value, unit or name that cannot be used
+    `-- SolverError    (also a RuntimeError)  a run that ended without an answer
+        |-- QuasiStaticInstability            M = 0 where no quasi-static solution exists
+        `-- NotConverged                      no answer good enough; carries the best estimate
+"""
+
+
+class RateStateError(Exception):
+    """Base of every error that ratestate raises on purpose."""
+
+
+class ParameterError(RateStateError, ValueError):
+    """A parameter has a value, unit, shape or name that cannot be used."""
+
+
+class SolverError(RateStateError, RuntimeError):
+    """A run ended without an answer; the message says where, why and what helps."""
+
+
+class QuasiStaticInstability(SolverError):
+    """A run with M = 0 reached the time beyond which no quasi-static motion exists."""
+
+
+class NotConverged(SolverError):
+    """No answer good enough was found.
+
+    Attributes
+    ----------
+    best : xarray.Dataset or None
+        The best estimate so far.
+    """
+
+    def __init__(self, message, best=None):
+        super().__init__(message)
+        self.best = best

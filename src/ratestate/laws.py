@@ -1,0 +1,142 @@
+"""Rate-and-state friction: the friction law and the state-evolution laws (eqs 1-3).
+
+Each evolution law is written once, in the log variables of the engine,
+
+    w = V/V0,   v = ln w,   psi = ln(V0 theta/Dc),   e = exp(-psi),
+
+as ``d psi/d(t V0/Dc)``.  They know no velocity but V0, so V0 may be chosen freely: the textbook
+form ``d theta/dt`` is the same function with V0 := Dc/theta (then psi = 0 and w = V theta/Dc).
+The functions of log variables are plain arithmetic, and the engine compiles this same source;
+those of V and theta serve floats, NumPy arrays and named DataArrays, in SI units.
+
+Adding a law: one pair of functions here and one entry in `LAWS`, `rate` and `rate_partials`.
+
+Sources: Dieterich (1979) doi:10.1029/JB084iB05p02161 (aging), Ruina (1983)
+doi:10.1029/JB088iB12p10359 (slip); equation numbers are those of Im, Marone & Elsworth (2019).
+"""
+
+import numpy as np
+
+from .errors import ParameterError
+
+SLIP = 0
+AGING = 1
+#: name of an evolution law -> its code inside the engine
+LAWS = {"slip": SLIP, "aging": AGING}
+
+
+def slip_rate(w, v, psi, e):
+    """Slip (Ruina) law, eq. 3, as d psi/dT = -w (v + psi)."""
+    return -w * (v + psi)
+
+
+def slip_rate_partials(w, v, psi, e):
+    """Derivatives of `slip_rate` with respect to v and psi."""
+    return -w * (v + psi) - w, -w
+
+
+def aging_rate(w, v, psi, e):
+    """Aging (Dieterich) law, eq. 2, as d psi/dT = exp(-psi) - w."""
+    return e - w
+
+
+def aging_rate_partials(w, v, psi, e):
+    """Derivatives of `aging_rate` with respect to v and psi."""
+    return -w, -e
+
+
+def rate(law, w, v, psi, e):
+    """d psi/dT of the law with this code (branches become selects in a vectorised loop)."""
+    return slip_rate(w, v, psi, e) if law == SLIP else aging_rate(w, v, psi, e)
+
+
+def rate_partials(law, w, v, psi, e):
+    """Derivatives of `rate` with respect to v and psi."""
+    s_v, s_psi = slip_rate_partials(w, v, psi, e)
+    a_v, a_psi = aging_rate_partials(w, v, psi, e)
+    return (s_v if law == SLIP else a_v), (s_psi if law == SLIP else a_psi)
+
+
+def law_code(law):
+    """Code of the evolution law with this name; ParameterError for an unknown one."""
+    if not isinstance(law, str) or law not in LAWS:
+        raise ParameterError(f"law = {law!r} is unknown; choose {' or '.join(map(repr, LAWS))}")
+    return LAWS[law]
+
+
+def friction(V, theta, *, a, b, mu0, V0, Dc):
+    """Friction coefficient mu (eq. 1).
+
+    mu = mu0 + a ln(V/V0) + b ln(V0 theta/Dc)
+
+    Parameters
+    ----------
+    V : float, array or DataArray
+        Slip velocity [m/s], > 0.
+    theta : float, array or DataArray
+        State [s], > 0.
+    a, b, mu0 : float, array or DataArray
+        Direct effect, evolution effect, friction in steady sliding at V0 [1].
+    V0 : float, array or DataArray
+        Reference velocity [m/s].
+    Dc : float, array or DataArray
+        Critical slip distance [m].
+
+    Returns
+    -------
+    float, array or DataArray
+        mu [1], in the shape that the arguments broadcast to.
+    """
+    return mu0 + a * np.log(V / V0) + b * np.log(V0 * theta / Dc)
+
+
+def friction_partials(V, theta, *, a, b):
+    """Derivatives of `friction` with respect to V [s/m] and theta [1/s]."""
+    return a / V, b / theta
+
+
+def dtheta_dt(V, theta, *, Dc, law):
+    """Rate of change of the state, d theta/dt [1] (aging: eq. 2, slip: eq. 3).
+
+    With Omega = V theta/Dc: 1 - Omega (aging), -Omega ln(Omega) (slip, 0 at V = 0).
+
+    Parameters
+    ----------
+    V : float, array or DataArray
+        Slip velocity [m/s], >= 0.
+    theta : float, array or DataArray
+        State [s], > 0.
+    Dc : float, array or DataArray
+        Critical slip distance [m].
+    law : {"slip", "aging"}
+        Evolution law.
+
+    Raises
+    ------
+    ParameterError
+        Unknown law.
+    """
+    omega = V * theta / Dc
+    # Omega ln(Omega) -> 0 with Omega: the smallest float stands in for 0 under the logarithm
+    return rate(law_code(law), omega, np.log(np.maximum(omega, 5e-324)), 0.0, 1.0)
+
+
+def dtheta_dt_partials(V, theta, *, Dc, law):
+    """Derivatives of `dtheta_dt` with respect to V [s/m] and theta [1/s], for V > 0.
+
+    d theta/dt depends on Omega = V theta/Dc alone, so both follow from one derivative; with
+    V0 := V (w = 1, v = 0, psi = ln Omega) it is that of `rate` with respect to v.
+    """
+    omega = V * theta / Dc
+    slope, _ = rate_partials(law_code(law), 1.0, 0.0, np.log(omega), 1 / omega)
+    return slope * theta / Dc, slope * V / Dc
+
+
+def theta_ss(V, *, Dc):
+    """State [s] in steady sliding at V [m/s], the same for both laws: Dc/V."""
+    return Dc / V
+
+
+def mu_ss(V, *, a, b, mu0, V0):
+    """Friction coefficient [1] in steady sliding at V [m/s]: mu0 + (a - b) ln(V/V0)."""
+    return mu0 + (a - b) * np.log(V / V0)

@@ -1,0 +1,98 @@
+"""The table of quantities: symbol, SI unit, name, allowed range.
+
+Symbols are the paper's.  A new quantity is one row; everything that reads values, labels
+variables or writes messages looks here.
+"""
+
+from typing import NamedTuple
+
+#: unit -> what such a value is called in a message, and an example of one
+KINDS = {
+    "1": ("a pure number", "0.003"),
+    "m": ("a length", "'10 um'"),
+    "s": ("a time", "'10 s'"),
+    "m/s": ("a speed", "'3.2 mm/s'"),
+    "m/s^2": ("an acceleration", "'1 mm/s^2'"),
+    "Pa": ("a stress", "'2 MPa'"),
+    "Pa/m": ("a stiffness", "'900 MPa/m'"),
+    "kg/m^2": ("a mass per area", "'3000 kg/m^2'"),
+    "J/m^2": ("an energy per area", "'1 J/m^2'"),
+    "Hz": ("a frequency", "'390 Hz'"),
+    "1/s": ("a rate", "'1 1/s'"),
+    "rad/s": ("an angular frequency", "'1 rad/s'"),
+}
+
+
+class Quantity(NamedTuple):
+    """A row of `QUANTITIES`: unit, name for plots, allowed range as `to_si` checks it."""
+
+    unit: str
+    long_name: str
+    bound: str = ""  # "", "> 0" or ">= 0"
+    example: str = ""  # where the one in KINDS would mislead
+    may_be_inf: bool = False
+
+
+#: symbol -> `Quantity`.  b may be negative: published fits of some clays and gouges are.
+QUANTITIES = {
+    "a": Quantity("1", "direct effect", "> 0"),
+    "b": Quantity("1", "evolution effect", "", "0.006"),
+    "Dc": Quantity("m", "critical slip distance", "> 0"),
+    "sigma": Quantity("Pa", "normal stress", "> 0"),
+    "K": Quantity("Pa/m", "stiffness per area", "> 0", may_be_inf=True),
+    "M": Quantity("kg/m^2", "mass per area", ">= 0"),
+    "mu0": Quantity("1", "friction coefficient at V0", ">= 0", "0.6"),
+    "V0": Quantity("m/s", "reference velocity", "> 0", "'1 um/s'"),
+    "V": Quantity("m/s", "slip velocity", "> 0"),
+    "V_lp": Quantity("m/s", "load-point velocity", "> 0"),
+    "V_load": Quantity("m/s", "load-point velocity", ">= 0"),
+    "V_start": Quantity("m/s", "slip velocity of the steady start", "> 0"),
+    "V_c": Quantity("m/s", "critical velocity"),
+    "V_max": Quantity("m/s", "largest slip velocity"),
+    "V_min": Quantity("m/s", "smallest slip velocity"),
+    "theta": Quantity("s", "state", "> 0"),
+    "delta": Quantity("m", "slip"),
+    "delta_lp": Quantity("m", "load-point displacement"),
+    "slip": Quantity("m", "slip"),
+    "tau": Quantity("Pa", "shear stress of the spring"),
+    "mu": Quantity("1", "friction coefficient"),
+    "eta": Quantity("1", "dynamic instability coefficient"),
+    "K_c": Quantity("Pa/m", "critical stiffness"),
+    "K_c_qs": Quantity("Pa/m", "quasi-static critical stiffness"),
+    "f_n": Quantity("Hz", "natural frequency"),
+    "eigenvalues": Quantity("1/s", "eigenvalues at steady sliding"),
+    "growth_rate": Quantity("1/s", "growth rate of the least stable mode"),
+    "omega": Quantity("rad/s", "angular frequency of the least stable mode"),
+    "omega_c": Quantity("rad/s", "angular frequency at the Hopf bifurcation"),
+    "stable": Quantity("1", "steady sliding is stable"),
+    "period": Quantity("s", "period of the limit cycle"),
+    "frequency": Quantity("Hz", "frequency of the limit cycle"),
+    "amplitude": Quantity("1", "largest less smallest tau/sigma"),
+    "inertia": Quantity("1", "largest |tau/sigma - mu| over amplitude"),
+    "t": Quantity("s", "time", ">= 0"),
+    "time": Quantity("s", "time", ">= 0"),
+    "t_end": Quantity("s", "end of the run", "> 0"),
+    "times": Quantity("s", "saved times", ">= 0"),
+    "dt": Quantity("s", "time step", "> 0", "'0.1 ms'"),
+    "rtol": Quantity("1", "relative tolerance", "> 0", "1e-6"),
+    "status": Quantity("1", "how the case ended"),
+    "steps": Quantity("1", "accepted steps"),
+    "rejected": Quantity("1", "rejected steps"),
+    "energy_residual": Quantity("1", "energy residual over energy turned over"),
+    "load_work": Quantity("J/m^2", "work of the load point per area"),
+    "dissipation": Quantity("J/m^2", "frictional dissipation per area"),
+    "number": Quantity("1", "number"),  # an axis that is none of the above
+}
+
+
+def attrs(symbol):
+    """Attributes ``units`` and ``long_name`` that a variable with this symbol carries."""
+    return {"units": QUANTITIES[symbol].unit, "long_name": QUANTITIES[symbol].long_name}
+
+
+def expected(symbol):
+    """The end of an error message: what a value of this quantity looks like."""
+    quantity = QUANTITIES[symbol]
+    kind, example = KINDS[quantity.unit]
+    unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
+    return f"expected {kind}{unit} such as {quantity.example or example}"

@@ -1,0 +1,129 @@
+"""The noun: values in, checks, derived quantities, equality."""
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from ratestate import ParameterError, SpringSlider, logspace
+
+FIG_2 = {
+    "a": 0.003,
+    "b": 0.006,
+    "Dc": "10 um",
+    "mu0": 0.6,
+    "V0": 1e-9,
+    "sigma": "2 MPa",
+    "M": 3000,
+    "K": "900 MPa/m",
+    "law": "slip",
+}
+
+
+def test_values_are_si_floats():
+    slider = SpringSlider(**FIG_2)
+    si = {**FIG_2, "Dc": 1e-5, "sigma": 2e6, "M": 3000.0, "K": 9e8}
+    assert slider.parameters == si
+    assert slider == SpringSlider(**si) == SpringSlider(**slider.parameters)
+    assert slider == eval(repr(slider))
+    assert len(repr(slider)) < 200
+
+
+def test_defaults():
+    slider = SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8)
+    assert (slider.M, slider.mu0, slider.V0, slider.law) == (0.0, 0.6, 1e-6, "slip")
+
+
+def test_derived_quantities():
+    slider = SpringSlider(**FIG_2)
+    assert slider.K_c_qs == pytest.approx(600e6, rel=1e-15, abs=0)
+    assert slider.V_c == pytest.approx(1e-5**0.5, rel=1e-15, abs=0)
+    assert slider.f_n == pytest.approx(np.sqrt(9e8 / 3000) / (2 * np.pi), rel=1e-15, abs=0)
+    assert slider.eta("3.2 mm/s") == pytest.approx(0.512, rel=1e-14, abs=0)
+    assert slider.K_c("3.2 mm/s") == pytest.approx(1.512 * 600e6, rel=1e-14, abs=0)
+    assert {type(x) for x in (slider.K_c_qs, slider.V_c, slider.f_n, slider.eta(1e-3))} == {float}
+
+
+def test_derived_quantities_broadcast_by_name_and_carry_units():
+    slider = SpringSlider(**FIG_2).replace(M=logspace("M", 1e2, 1e5, 4))
+    V = logspace("V_lp", 1e-4, 1e-2, 3)
+    assert slider.eta(V).dims == ("M", "V_lp")
+    assert slider.V_c.attrs == {"units": "m/s", "long_name": "critical velocity"}
+    assert slider.V_c.name == "V_c"
+    for M in slider.M.values:
+        one = slider.replace(M=M)
+        assert slider.V_c.sel(M=M) == one.V_c
+        assert slider.f_n.sel(M=M) == one.f_n
+        np.testing.assert_allclose(
+            slider.K_c(V).sel(M=M), [one.K_c(v) for v in V.values], rtol=1e-15
+        )
+    assert type(slider.K_c_qs) is float
+
+
+def test_frozen():
+    slider = SpringSlider(**FIG_2)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        slider.K = 1.0
+    with pytest.raises(TypeError):
+        SpringSlider(0.003, 0.006)
+    with pytest.raises(TypeError, match="damping"):
+        slider.replace(damping=1.0)
+
+
+def test_equality_and_hash():
+    slider = SpringSlider(**FIG_2)
+    swept = slider.replace(M=logspace("M", 1, 10, 3))
+    assert swept == slider.replace(M=logspace("M", 1, 10, 3))
+    assert swept != slider.replace(M=logspace("M", 1, 11, 3))
+    assert swept != slider
+    assert slider != slider.replace(law="aging")
+    assert slider != "slider"
+    same = slider.replace(M="3000 kg/m^2")
+    assert hash(slider) == hash(same)
+    assert len({slider, same, swept}) == 2
+    assert "M=<M: 3; 1 to 10 kg/m^2>" in repr(swept)
+
+
+def test_unlabelled_array_along_its_own_symbol():
+    slider = SpringSlider(**FIG_2).replace(M=xr.DataArray([100, 1000], dims="M"))
+    np.testing.assert_array_equal(slider.V_c.coords["M"], [100, 1000])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sigma": -2e6}, "sigma = -2e+06 Pa must be > 0; expected a stress [Pa] such as '2 MPa'"),
+        ({"sigma": 0}, "sigma = 0 Pa must be > 0"),
+        ({"Dc": 0}, "Dc = 0 m must be > 0"),
+        ({"Dc": "-1 um"}, "Dc = '-1 um' must be > 0"),
+        ({"a": -0.003}, "a = -0.003 must be > 0"),
+        ({"K": 0}, "K = 0 Pa/m must be > 0"),
+        ({"K": -1}, "K = -1 Pa/m must be > 0"),
+        ({"M": -1}, "M = -1 kg/m^2 must be >= 0"),
+        ({"M": np.inf}, "M = inf kg/m^2 must be finite"),
+        ({"mu0": -0.6}, "mu0 = -0.6 must be >= 0"),
+        ({"V0": "10 um"}, "V0 = '10 um' is a length [m]; expected a speed [m/s]"),
+        ({"b": np.nan}, "b = nan is not a number"),
+        ({"law": "ruina"}, "law = 'ruina' is unknown; choose 'slip' or 'aging'"),
+        ({"M": [1, 2]}, "xarray.DataArray(values, dims='M')"),
+        (
+            {"M": logspace("M", 1, 10, 3), "K": xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M")},
+            "K and M have different coordinates along the dimension 'M'",
+        ),
+    ],
+)
+def test_bad_input(changes, message):
+    with pytest.raises(ParameterError, match=re.escape(message)):
+        SpringSlider(**{**FIG_2, **changes})
+    with pytest.raises(ParameterError, match=re.escape(message)):
+        SpringSlider(**FIG_2).replace(**changes)
+
+
+def test_speeds_are_checked():
+    slider = SpringSlider(**FIG_2).replace(M=logspace("M", 1, 10, 3))
+    with pytest.raises(ParameterError, match="V = '3 um' is a length"):
+        slider.K_c("3 um")
+    with pytest.raises(ParameterError, match="M and V have 3 and 2 values"):
+        slider.eta(xr.DataArray([1.0, 2.0], dims="M"))
