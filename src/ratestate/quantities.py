@@ -79,8 +79,8 @@ QUANTITIES = {
     "steps": Quantity("1", "accepted steps"),
     "rejected": Quantity("1", "rejected steps"),
     "energy_residual": Quantity("1", "energy residual over energy turned over"),
-    "load_work": Quantity("J/m^2", "work of the load point per area"),
-    "dissipation": Quantity("J/m^2", "frictional dissipation per area"),
+    "cycles": Quantity("1", "cycles completed"),
+    "inertial_force": Quantity("1", "largest |tau/sigma - mu|"),
     "number": Quantity("1", "number"),  # an axis that is none of the above
 }
 

@@ -11,10 +11,8 @@ from numba import njit
 
 from . import lanes as L
 from .lanes import turning
-from .model import CYCLE, RUNAWAY, STEADY_SLIDING, state_rate
+from .model import CYCLE, MEASURE, RUNAWAY, SEEK, STEADY_SLIDING, state_rate
 
-# How a march looks for a cycle: not at all; until cycles agree; one more cycle, measured.
-FREE, SEEK, MEASURE = 0.0, 1.0, 2.0
 # Cycles whose change is compared at once: over one cycle, a slow approach hides in rounding.
 WINDOW = 8.0
 

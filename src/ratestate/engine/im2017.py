@@ -80,9 +80,7 @@ def take(s, l, law, method):
     dw = h * s[L.RAMP + l]
     omega = math.sqrt(kappa / s[L.ETA0 + l])
     d_lp = h * (w_lp + 0.5 * dw)
-    v_new, psi_new, x_new, found = solve(
-        law, method, kappa, beta, x, v, psi, w, d_lp, h, omega
-    )
+    v_new, psi_new, x_new, found = solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega)
     found = found and np.isfinite(x_new) and np.isfinite(psi_new)
     w_new = math.exp(v_new)
     s[L.X_NEW + l], s[L.V_NEW + l], s[L.PSI_NEW + l] = x_new, v_new, psi_new

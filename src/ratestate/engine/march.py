@@ -10,13 +10,16 @@ import numpy as np
 from numba import njit
 
 from . import lanes as L
-from .events import FREE, attend, components, polynomial, see_v
+from .events import attend, components, polynomial, see_v
 from .im2017 import take as take_im2017
 from .model import (
     FINISHED,
+    FREE,
+    NO_CONVERGENCE,
     NOT_FINITE,
     RODAS5P,
     RUNNING,
+    STEADY_SLIDING,
     STEP_LIMIT,
     STEP_UNDERFLOW,
     state_rate,
@@ -112,21 +115,22 @@ def save(s, l, cases, save_times, saved):
 
 @njit(error_model="numpy")
 def finish(s, l, cases, results):
-    """Write the outcome of the lane's case."""
+    """Write the outcome of the lane's case; a failed one leaves no states."""
     i = int(s[L.CASE + l])
     status = int(s[L.STATUS + l])
     results.status[i] = status
     out = results.numbers[i]
     out[0] = (s[L.T + l] + s[L.T_LOW + l]) / cases.scale[i]
     out[1], out[2] = s[L.STEPS + l], s[L.REJECTED + l]
-    if status <= 1:
+    if status <= STEADY_SLIDING:
         results.final[i, 0], results.final[i, 1] = s[L.X + l], s[L.V + l]
         results.final[i, 2] = s[L.PSI + l]
-        out[3], out[4] = s[L.LOAD_WORK + l], s[L.DISSIPATION + l]
-        out[5], out[6] = s[L.AMPLITUDE + l], s[L.PERIOD + l]
-        out[7], out[8] = s[L.CYCLES + l], s[L.CHANGE + l]
-        see_v(s, l, s[L.V + l])
-        out[9], out[10], out[11] = s[L.V_HIGH + l], s[L.V_LOW + l], s[L.G_HIGH + l]
+    else:
+        results.saved[i] = np.nan
+    out[3], out[4] = s[L.LOAD_WORK + l], s[L.DISSIPATION + l]
+    out[5], out[6] = s[L.AMPLITUDE + l], s[L.PERIOD + l]
+    out[7], out[8] = s[L.CYCLES + l], s[L.CHANGE + l]
+    out[9], out[10], out[11] = s[L.V_HIGH + l], s[L.V_LOW + l], s[L.G_HIGH + l]
     s[L.CASE + l] = IDLE
 
 
@@ -138,7 +142,7 @@ def turn(s, l, law, cases, loads):
     if s[L.FAILURES + l] > L.TOO_MANY_FAILURES:
         s[L.STATUS + l] = NOT_FINITE if s[L.BAD + l] > 0.0 else STEP_UNDERFLOW
     elif s[L.STEPS + l] + s[L.REJECTED + l] >= s[L.MAX_STEPS + l]:
-        s[L.STATUS + l] = STEP_LIMIT
+        s[L.STATUS + l] = STEP_LIMIT if s[L.MODE + l] == FREE else NO_CONVERGENCE
     elif s[L.LAND + l] >= s[L.T_END + l]:
         s[L.STATUS + l] = FINISHED
     else:
@@ -147,13 +151,14 @@ def turn(s, l, law, cases, loads):
         enter_segment(s, l, law, k, cases.scale[i], cases.V0[i], loads, cases.loading[i], False)
 
 
-@njit(nogil=True, error_model="numpy")
-def march(method, law, s, queue, position, cases, loads, save_times, results, path, budget):
+@njit(nogil=True, cache=True, error_model="numpy")
+def march(method, law, alone, s, queue, position, cases, loads, save_times, results, path, budget):
     """March the cases of a queue until it is empty, `path` is full or the budget is spent.
 
     Parameters
     ----------
     method, law : int, codes (model.py, laws.py)
+    alone : bool, whether to march in lane 0 only, by the scalar path
     s : (SIZE,) the lanes; CASE = IDLE in those that are free
     queue : (n,) case numbers, in the order in which to start them
     position : (3,) int64: next in queue; cases done; rows of `path` filled
@@ -164,7 +169,7 @@ def march(method, law, s, queue, position, cases, loads, save_times, results, pa
     -------
     bool : whether every case is done
     """
-    width = 1 if queue.size == 1 else L.LANES
+    width = 1 if alone else L.LANES
     vacant = True
     for _ in range(budget):
         if vacant:
@@ -182,7 +187,7 @@ def march(method, law, s, queue, position, cases, loads, save_times, results, pa
             for l in range(width):
                 if s[L.CASE + l] != IDLE:
                     take_im2017(s, l, law, method)
-        elif width == 1:
+        elif alone:
             L.advance_alone(s, law)
         else:
             L.advance(s, law)
@@ -191,7 +196,7 @@ def march(method, law, s, queue, position, cases, loads, save_times, results, pa
                 attend(s, l, law)
                 if (s[L.T + l] + s[L.T_LOW + l]) + s[L.H_USED + l] >= s[L.SAVE_AT + l]:
                     save(s, l, cases, save_times, results.saved)
-        if width == 1:
+        if alone:
             L.commit_lane(s, 0)
         else:
             L.commit(s)
@@ -204,6 +209,8 @@ def march(method, law, s, queue, position, cases, loads, save_times, results, pa
             if s[L.TURN + l] > 0.0 and s[L.CASE + l] != IDLE:
                 turn(s, l, law, cases, loads)
                 if s[L.STATUS + l] != RUNNING:
+                    if s[L.MODE + l] == FREE:
+                        see_v(s, l, s[L.V + l])
                     finish(s, l, cases, results)
                     position[1] += 1
                     vacant = True

@@ -25,6 +25,7 @@ STEP_UNDERFLOW = 3
 STEP_LIMIT = 4
 RUNAWAY = 5
 NO_ROOT = 6
+NO_CONVERGENCE = 7
 RUNNING = -1
 
 #: status code -> (name, what happened and what helps)
@@ -49,6 +50,11 @@ STATUSES = {
     NO_ROOT: (
         "no_root",
         "friction and velocity could not be solved together at the end of a step; reduce dt",
+    ),
+    NO_CONVERGENCE: (
+        "no_convergence",
+        "cycles had not settled when the step limit was reached; loosen rtol, or move away from"
+        " the stability boundary",
     ),
 }
 
@@ -110,6 +116,9 @@ NUMBERS = (
     "v_min",
     "g_max",
 )
+
+# How a march looks for a cycle: not at all; until cycles agree; one more cycle, measured.
+FREE, SEEK, MEASURE = 0.0, 1.0, 2.0
 
 slip_rate = njit(forceinline=True, fastmath={"contract"})(laws.slip_rate)
 slip_rate_partials = njit(forceinline=True, fastmath={"contract"})(laws.slip_rate_partials)

@@ -23,7 +23,6 @@ import math
 
 from numba import njit
 
-
 from ..laws import SLIP
 from .exp import exp as exp_in_lanes
 from .model import state_rate, state_rate_partials

@@ -1,0 +1,75 @@
+"""A batch in the engine's terms: dimensionless cases, an order that fills lanes, failures."""
+
+import numpy as np
+
+from .engine import drive
+from .engine.model import FREE, METHODS, NO_CONVERGENCE, RUNAWAY, STATUSES, Cases
+from .errors import NotConverged, QuasiStaticInstability, SolverError
+
+# Beyond this a quasi-static run has met its instability: no slip is faster than light.
+V_LIMIT = 3e8
+
+
+def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, **asked):
+    """`Cases` of a batch that holds the slider's parameters.
+
+    Parameters
+    ----------
+    y0 : (n, 3) x, v, psi at t = 0
+    t_end : (n,) [s]
+    loading, times : (n,) rows of the tables of load histories and of saved times
+    dt, rtol : float
+    **asked : mode, cycle_tol, steady_tol, observe, max_steps, where not the defaults below
+    """
+    a, b, Dc, sigma, K, M, V0 = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V0"))
+    defaults = {"mode": FREE, "cycle_tol": 0.0, "steady_tol": 0.0, "observe": 0.0}
+    asked = defaults | {"max_steps": 1e12, "dt": dt or 0.0, "rtol": rtol} | asked
+    return Cases(
+        kappa=K * Dc / (a * sigma),
+        beta=b / a,
+        eta0=M * V0**2 / (a * sigma * Dc),
+        scale=V0 / Dc,
+        V0=V0,
+        y=np.ascontiguousarray(y0),
+        t_end=np.asarray(t_end, float),
+        loading=loading,
+        times=times,
+        v_limit=np.log(V_LIMIT / V0),
+        **{name: np.broadcast_to(value, batch.n).astype(float) for name, value in asked.items()},
+    )
+
+
+def march(method, law, cases, loads, save_times, which, progress=None):
+    """March the cases with these numbers; `Results` over all."""
+    order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
+    alone = len(cases.beta) == 1
+    code = METHODS[method]
+    return drive.run(code, law, cases, loads, save_times, order, alone, progress)
+
+
+def march_path(method, law, cases, loads, progress=None):
+    """March the one case, keeping each step: times [s], states (1, m, 3), `Results`."""
+    path, results = drive.run_path(METHODS[method], law, cases, loads, progress)
+    t = np.minimum(path[:, 0] / cases.scale[0], cases.t_end[0])
+    return t, path[None, :, 1:], results
+
+
+def cost(cases, loads):
+    """A guess at the steps of each case: oscillations at the frequency of the Hopf bifurcation.
+
+    Bounded by the natural frequency; it need only put long cases first.
+    """
+    fastest = loads.V.max(axis=1)[cases.loading] / cases.V0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        natural = np.sqrt(cases.kappa / cases.eta0)
+    pace = np.minimum(fastest * np.sqrt(np.maximum(cases.beta - 1.0, 0.01)), natural)
+    return np.nan_to_num(pace, nan=0.0) * cases.scale * np.minimum(cases.t_end, 1e300)
+
+
+def failure(verb, slider, status, t, best=None):
+    """The exception for a single case that ended with this status at time t [s]."""
+    name, text = STATUSES[int(status)]
+    message = f"{verb} stopped at t = {t:.9g} s ({name}): {text}.\n{slider!r}"
+    if status == RUNAWAY:
+        return QuasiStaticInstability(message)
+    return NotConverged(message, best) if status == NO_CONVERGENCE else SolverError(message)

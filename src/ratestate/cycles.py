@@ -1,0 +1,134 @@
+"""The verb `limit_cycle`: what a steadily driven slider settles into."""
+
+import numpy as np
+import xarray
+
+from .batch import Batch
+from .cases import engine_cases, failure, march
+from .dataset import provenance, status_variable
+from .engine.model import NO_CONVERGENCE, NUMBERS, SEEK, STEADY_SLIDING, Loads
+from .errors import ParameterError
+from .laws import law_code
+from .progress import bar
+from .stability import K_c
+from .start import initial_state
+from .units import is_array, to_si
+
+TAKEN = ["period", "frequency", "amplitude", "V_max", "V_min", "inertia", "status"]
+# The march must be finer than what is asked of the cycle, which sums its errors.
+MARCH_RTOL = 0.1
+# Steps after which cycles that still change count as not settling.
+MAX_STEPS = 2e7
+
+
+def limit_cycle(slider, V_lp, *, rtol=1e-8):
+    """The cycle that a slider reaches from steady sliding at V_lp/10.
+
+    Marches until successive cycles agree, then measures one more.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        Parameters that are named DataArrays make a sweep.
+    V_lp : float, str, pint.Quantity or DataArray
+        Load-point velocity [m/s], > 0.
+    rtol : float
+        Relative accuracy of amplitude and period, from 1e-12 to 1e-2.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the sweep's dimensions: ``period`` [s], ``frequency`` [Hz], ``amplitude`` (max - min
+        of tau/sigma), ``V_max`` and ``V_min`` [m/s], ``inertia`` (max |tau/sigma - mu| over the
+        amplitude), ``status`` (int8 with CF flags).  Status 0 is a cycle; 1 is steady sliding:
+        amplitude and inertia are 0, V_max = V_min = V_lp, period and frequency are NaN.
+
+    Raises
+    ------
+    ParameterError
+        An input that cannot be used.
+    QuasiStaticInstability
+        M = 0, and the motion runs into an instability.
+    NotConverged
+        Cycles did not settle; ``best`` holds the last one.
+    SolverError
+        Any other failure.  In a sweep such cases are NaN, with their status.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> cycle = rs.limit_cycle(slider, V_lp="3.2 mm/s")
+    >>> round(float(cycle.frequency), 3)  # Hz
+    50.595
+    """
+    rtol = to_si("rtol", rtol)
+    if is_array(rtol) or not 1e-12 <= rtol <= 1e-2:
+        raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-12 to 1e-2, such as 1e-8")
+    V_lp = to_si("V_lp", V_lp)
+    values = {symbol: value for symbol, value in slider.parameters.items() if symbol != "law"}
+    batch = Batch({**values, "V_lp": V_lp, "V_start": 0.1 * V_lp}, taken=TAKEN)
+    with bar("limit_cycle") as progress:
+        status, numbers = _settle(batch, law_code(slider.law), rtol, progress)
+    variables = _measures(batch, status, numbers)
+    variables["status"] = status_variable(batch, status)
+    coords = batch.coordinates(TAKEN)
+    coords.pop("V_start", None)
+    if "V_lp" not in coords:
+        coords["V_lp"] = batch.variable(batch.flat("V_lp"), "V_lp") if batch.dims == () else V_lp
+    result = xarray.Dataset(variables, coords)
+    result.attrs = provenance("limit_cycle", slider, rtol=rtol, V_lp=str(V_lp))
+    if batch.shape == () and status[0] > STEADY_SLIDING:
+        best = result if status[0] == NO_CONVERGENCE else None
+        raise failure("limit_cycle", slider, status[0], numbers["t"][0], best)
+    return result
+
+
+def _settle(batch, law, rtol, progress):
+    """Status (n,) and the engine's numbers (name -> (n,)) of marching until cycles agree."""
+    a, b, Dc, sigma, K, M, V = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V_lp"))
+    always_steady = (b <= a) | np.isinf(K)
+    steady = K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K
+    march_rtol = max(MARCH_RTOL * rtol, 1e-13)
+    zeros = np.zeros(batch.n, np.int64)
+    cases = engine_cases(
+        batch,
+        initial_state(batch, V),
+        t_end=np.full(batch.n, np.inf),
+        loading=np.arange(batch.n),
+        times=zeros,
+        rtol=march_rtol,
+        mode=SEEK,
+        cycle_tol=rtol,
+        # Where steady sliding is stable, being this near to it is the end of the story.
+        steady_tol=np.where(steady, 10.0 * march_rtol, 0.0),
+        max_steps=MAX_STEPS,
+    )
+    loads = Loads(np.zeros(1), V[:, None].copy(), np.zeros((batch.n, 1)))
+    which = np.flatnonzero(~always_steady)
+    results = march("rodas5p", law, cases, loads, np.empty((1, 0)), which, progress)
+    results.status[always_steady] = STEADY_SLIDING
+    return results.status, dict(zip(NUMBERS, results.numbers.T, strict=True))
+
+
+def _measures(batch, status, numbers):
+    """The result's variables, name -> Variable; `numbers` of a settled cycle or the last one."""
+    a, Dc, V0, V = map(batch.flat, ("a", "Dc", "V0", "V_lp"))
+    steady = status == STEADY_SLIDING
+    known = (status < STEADY_SLIDING) | ((status == NO_CONVERGENCE) & (batch.shape == ()))
+    period = np.where(known, numbers["period"] * Dc / V0, np.nan)
+    amplitude = np.where(known, numbers["amplitude"], np.nan)
+
+    def where_cycle(value, if_steady):
+        return np.where(known, value, np.where(steady, if_steady, np.nan))
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        values = {
+            "period": period,
+            "frequency": 1.0 / period,
+            "amplitude": where_cycle(a * amplitude, 0.0),
+            "V_max": where_cycle(V0 * np.exp(numbers["v_max"]), V),
+            "V_min": where_cycle(V0 * np.exp(numbers["v_min"]), V),
+            "inertia": where_cycle(numbers["g_max"] / amplitude, 0.0),
+        }
+    return {name: batch.variable(value, name) for name, value in values.items()}

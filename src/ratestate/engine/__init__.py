@@ -1,0 +1,47 @@
+"""Compiled code only: no xarray, no units, no files.
+
+numba's cache on disk looks at the time stamp of the one file that holds a cached function, so it
+goes stale when a function in another file changes.  The kernels here are therefore cached in a
+folder named by a hash of all their sources: other sources, other folder.
+"""
+
+import contextlib
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+import numba
+
+
+def _cache_folder():
+    """The folder for these sources, or a temporary one where the usual place is read-only."""
+    here = Path(__file__).parent
+    sources = [here.parent / "laws.py", *sorted(here.glob("*.py"))]
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    base = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    folder = Path(base) / "ratestate" / f"kernels-{digest}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return folder
+    except OSError:
+        pass
+    return Path(tempfile.mkdtemp(prefix="ratestate-kernels-"))
+
+
+@contextlib.contextmanager
+def _cached_in(folder):
+    """Let functions decorated inside cache in this folder; others keep their own place."""
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder)
+    try:
+        yield
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+CACHE = _cache_folder()
+
+with _cached_in(CACHE):
+    from . import march as _march  # noqa: F401  importing is what binds its cache

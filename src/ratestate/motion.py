@@ -1,0 +1,131 @@
+"""A batch of runs: into the engine, and back into quantities with units."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from . import rigid
+from .cases import engine_cases, march, march_path
+from .engine.model import FINISHED, NUMBERS, Loads
+from .start import initial_state
+
+
+class Motion(NamedTuple):
+    """What a batch of n cases did, at m times each."""
+
+    t: np.ndarray  # (m,) or, where each case has its own, (n, m) [s]
+    states: np.ndarray  # (n, m, 3) x, v, psi
+    numbers: dict  # name (engine.model.NUMBERS, "energy_residual") -> (n,)
+    status: np.ndarray  # (n,)
+
+
+def move(batch, law, loading, times, method, dt, rtol, progress):
+    """Run all cases of a batch that holds the slider, V_start, t_end and any initial values.
+
+    times : None (own steps of a single case, final state of several), (m,) or DataArray
+    """
+    table, rows = batch.rows(loading.V)
+    rates, _ = batch.rows(loading.rate)
+    y0 = initial_state(batch, table[rows, 0])
+    t_end = batch.flat("t_end")
+    wanted, time_rows = batch.rows(np.empty(0) if times is None else times)
+    cases = engine_cases(
+        batch, y0, t_end=t_end, loading=rows, times=time_rows, dt=dt, rtol=rtol, observe=1.0
+    )
+    loads = Loads(loading.t, table, rates)
+    is_rigid = np.isinf(batch.flat("K"))
+    if own_steps := batch.shape == () and times is None:
+        if is_rigid[0]:
+            t = rigid.grid(loading.t, table[0], t_end[0], batch.flat("Dc")[0])
+            states = np.full((1, t.size, 3), np.nan)
+        else:
+            t, states, results = march_path(method, law, cases, loads, progress)
+    elif times is None:
+        t = t_end[:1] if (t_end == t_end[0]).all() else t_end[:, None]
+    else:
+        t = wanted[0] if len(wanted) == 1 else wanted[time_rows]
+    if not own_steps or is_rigid[0]:
+        results = march(method, law, cases, loads, wanted, np.flatnonzero(~is_rigid), progress)
+        if not own_steps:
+            states = results.final[:, None] if times is None else results.saved
+    numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
+    numbers["energy_residual"] = energy_residual(batch, loading, rows, cases, y0, results)
+    for i in np.flatnonzero(is_rigid):
+        segments = (loading.t, table[rows[i]], rates[rows[i]])
+        at = t if t.ndim == 1 else t[i]
+        scales = {symbol: batch.flat(symbol)[i] for symbol in ("a", "b", "Dc", "sigma", "M", "V0")}
+        states[i], found = rigid.march(law, y0[i, 2], at, t_end[i], segments, **scales)
+        results.status[i] = FINISHED
+        for name, value in found.items():
+            numbers[name][i] = value
+    return Motion(t, states, numbers, results.status)
+
+
+def energy_residual(batch, loading, rows, cases, y0, results):
+    """(n,) (load work - dissipation - change of stored energy)/(all of them).
+
+    In units of a sigma Dc per area; the parts that mu0 contributes to work, dissipation and
+    spring energy cancel exactly, since slip is delta_lp - tau/K.
+    """
+    x0, v0, _ = y0.T
+    x1, v1, _ = results.final.T
+    load, friction = (results.numbers[:, NUMBERS.index(n)] for n in ("load_work", "dissipation"))
+    kinetic = 0.5 * cases.eta0 * (np.exp(2.0 * v1) - np.exp(2.0 * v0))
+    spring = (x1 - x0) * (x1 + x0) / (2.0 * cases.kappa)
+    base = batch.flat("mu0") / batch.flat("a")
+    advance = _advance(batch, loading, rows) / batch.flat("Dc")
+    slip = advance - (x1 - x0) / cases.kappa
+    turned_over = (
+        np.abs(base * advance + load)
+        + np.abs(base * slip + friction)
+        + np.abs(spring + base * (x1 - x0) / cases.kappa + kinetic)
+    )
+    return (load - friction - spring - kinetic) / turned_over
+
+
+def _advance(batch, loading, rows):
+    """(n,) displacement of the load point over each run [m]."""
+    return batch.of(loading.delta_lp, batch.flat("t_end")[:, None])[:, 0]
+
+
+def series(batch, loading, motion):
+    """The variables along time, as name -> Variable in the sweep's dimensions and ``time``."""
+    a, b, mu0, sigma, V0, Dc, K = (
+        batch.flat(symbol)[:, None] for symbol in ("a", "b", "mu0", "sigma", "V0", "Dc", "K")
+    )
+    x, v, psi = np.moveaxis(motion.states, -1, 0)
+    t = np.broadcast_to(motion.t, x.shape)
+    tau = sigma * (mu0 + a * x)
+    delta_lp = batch.of(loading.delta_lp, t)
+    values = {
+        "V": V0 * np.exp(v),
+        "theta": Dc / V0 * np.exp(psi),
+        "delta": delta_lp - tau / K,
+        "delta_lp": delta_lp,
+        "V_load": batch.of(loading.V_load, t),
+        "tau": tau,
+        "mu": mu0 + a * (v + b / a * psi),
+    }
+    return {name: batch.variable(value, name, "time") for name, value in values.items()}
+
+
+def observables(batch, motion, rtol):
+    """The variables that have one value a case, as name -> Variable."""
+    a, V0 = batch.flat("a"), batch.flat("V0")
+    found = motion.numbers
+    counts = found["amplitude"] > 10.0 * rtol  # smaller cycles are rounding about steady sliding
+    with np.errstate(divide="ignore", invalid="ignore"):
+        frequency = V0 / batch.flat("Dc") / found["period"]
+    values = {
+        "cycles": np.where(counts, found["cycles"], 0.0),
+        "amplitude": np.where(counts, a * found["amplitude"], 0.0),
+        "frequency": np.where(counts, frequency, 0.0),
+        "V_max": V0 * np.exp(found["v_max"]),
+        "V_min": V0 * np.exp(found["v_min"]),
+        "inertial_force": a * found["g_max"],
+    }
+    failed = motion.status != FINISHED
+    values = {name: np.where(failed, np.nan, value) for name, value in values.items()}
+    values["steps"] = found["steps"].astype(np.int64)
+    values["energy_residual"] = found["energy_residual"]
+    return {name: batch.variable(value, name) for name, value in values.items()}

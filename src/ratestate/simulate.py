@@ -1,0 +1,196 @@
+"""The verb `simulate`: a slider, a loading, an end; out comes the motion."""
+
+import json
+
+import numpy as np
+import xarray
+
+from .arrays import column
+from .batch import Batch
+from .cases import failure
+from .dataset import loading_record, plain, provenance, status_variable
+from .engine.model import FINISHED, METHODS
+from .errors import ParameterError
+from .laws import AGING, law_code
+from .motion import move, observables, series
+from .progress import bar
+from .quantities import attrs
+from .start import initial_values
+from .units import is_array, to_si
+
+# Names of the result, which a dimension or coordinate of the sweep cannot have.
+TAKEN = ["V", "theta", "delta", "delta_lp", "V_load", "tau", "mu", "status", "steps", "energy_residual", "amplitude", "frequency", "cycles", "V_max", "V_min", "inertial_force", "t"]
+
+
+def simulate(
+    slider,
+    loading,
+    t_end,
+    *,
+    V_start=None,
+    initial=None,
+    times=None,
+    rtol=1e-6,
+    method="rodas5p",
+    dt=None,
+):
+    """March a slider, or a sweep of sliders, under a load-point history (eqs 1-4).
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        Parameters that are named DataArrays make a sweep.
+    loading : Loading
+        What the load point does; t = 0 starts its clock and the run.
+    t_end : float, str, pint.Quantity or DataArray
+        End of the run [s], > 0.
+    V_start : float, str, pint.Quantity or DataArray, optional
+        The run starts in steady sliding at this speed [m/s], > 0; by default at the loading's
+        first, which must then be > 0.
+    initial : dict, optional
+        Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override those of the steady start.
+        Where M = 0 two of them fix the third: V and theta, or V and tau, or theta and tau.
+    times : array_like or DataArray, optional
+        Times to save [s], in increasing order, from 0 to t_end: 1-D, or a DataArray with the
+        dimension ``time`` and those of the sweep.  By default the solver's own steps for one
+        slider, the final state for a sweep.
+    rtol : float
+        Error allowed in a step, in tau/(a sigma), ln V and ln theta.
+    method : {"rodas5p", "im2017", "im2017_euler"}
+        Rodas5P, adaptive; or the paper's own scheme (eqs 8, 9) with fixed steps dt, where the
+        state advances exactly for constant V or, "im2017_euler", by backward Euler (aging law).
+    dt : float or str, optional
+        Time step of im2017 [s], > 0; the last one before a break of the loading is cut short.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the sweep's dimensions, then ``time``: ``V`` and ``V_load`` (slider and load point,
+        [m/s]), ``theta`` [s], ``delta`` and ``delta_lp`` [m], ``tau`` [Pa] (the spring's),
+        ``mu``.  Per case: ``status`` (int8 with CF flags; 0 finished), ``steps``,
+        ``energy_residual`` (load work less stored and dissipated energy, over all of them),
+        ``cycles`` (completed since the last jump in the loading), ``amplitude`` (max - min of
+        tau/sigma) and ``frequency`` [Hz] of the last of them (0 if none), ``V_max`` and
+        ``V_min`` [m/s] of the run, ``inertial_force`` (its largest |tau/sigma - mu|).
+        delta_lp(0) = 0 and delta(0) = -tau(0)/K (0 where K = inf).
+
+    Raises
+    ------
+    ParameterError
+        An input that cannot be used.
+    QuasiStaticInstability
+        M = 0, and no quasi-static motion exists beyond some time before t_end.
+    SolverError
+        Any other run without an answer.  In a sweep such cases are NaN, with their status.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> run = rs.simulate(slider, rs.Loading.steps("0.1 mm/s", (1.0, "3.2 mm/s")), t_end=11)
+    >>> run.sizes["time"] > 1000 and int(run.status) == 0
+    True
+    """
+    rtol, dt = solver_settings(rtol, method, dt, slider)
+    values = {symbol: value for symbol, value in slider.parameters.items() if symbol != "law"}
+    values["t_end"] = to_si("t_end", t_end)
+    values["V_start"] = first_speed(loading) if V_start is None else to_si("V_start", V_start)
+    values |= initial_values(initial)
+    loading.covers(values["t_end"])
+    times = saved_times(times, values["t_end"])
+    own = {"V_lp": loading.V} if is_array(loading.V) else {}
+    own |= {"time": times} if is_array(times) else {}
+    batch = Batch(values, own, taken=TAKEN)
+
+    with bar("simulate") as progress:
+        motion = move(batch, law_code(slider.law), loading, times, method, dt, rtol, progress)
+    if batch.shape == () and motion.status[0] != FINISHED:
+        raise failure("simulate", slider, motion.status[0], motion.numbers["t"][0])
+    variables = series(batch, loading, motion)
+    variables["status"] = status_variable(batch, motion.status)
+    variables |= observables(batch, motion, rtol)
+    result = xarray.Dataset(variables, batch.coordinates(TAKEN))
+    if motion.t.ndim == 1:
+        result.coords["time"] = ("time", motion.t, attrs("time"))
+    else:  # times of its own for each case
+        result.coords["t"] = batch.variable(motion.t, "t", "time")
+    result.attrs = provenance(
+        "simulate",
+        slider,
+        method=method,
+        rtol=rtol,
+        dt=dt,
+        V_start=json.dumps(plain(values["V_start"])),
+        t_end=json.dumps(plain(values["t_end"])),
+        initial=json.dumps({k[:-8]: plain(v) for k, v in values.items() if k[-8:] == "_initial"}),
+        loading=loading_record(loading),
+    )
+    return result
+
+
+def solver_settings(rtol, method, dt, slider):
+    """rtol and dt as floats, checked against the method."""
+    rtol = to_si("rtol", rtol)
+    if is_array(rtol) or not 1e-13 <= rtol <= 0.1:
+        raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-13 to 0.1, such as 1e-6")
+    if method not in METHODS:
+        raise ParameterError(f"method = {method!r} is unknown; choose one of {', '.join(METHODS)}")
+    if method == "rodas5p":
+        if dt is not None:
+            raise ParameterError(f"dt = {dt!r}: rodas5p chooses its steps itself; leave dt out")
+        return rtol, None
+    if dt is None:
+        raise ParameterError(
+            f"{method} needs a time step: give dt [s], for example dt=0.05/(2*pi*slider.f_n)"
+        )
+    dt = to_si("dt", dt)
+    if is_array(dt):
+        raise ParameterError("dt must be one number, common to all cases")
+    if np.any(np.equal(slider.M, 0.0)) or np.any(np.isinf(slider.K)):
+        raise ParameterError(
+            f"{method} needs mass and spring: M > 0 and K < inf (it steps by sqrt(K/M)); "
+            f"use method='rodas5p' for M = 0 or K = inf"
+        )
+    if method == "im2017_euler" and law_code(slider.law) != AGING:
+        raise ParameterError(
+            "im2017_euler is for law='aging'; use method='im2017' for the slip law"
+        )
+    return rtol, dt
+
+
+def first_speed(loading):
+    """The loading's first speed, as the start [m/s]."""
+    V = loading.V_first
+    if not np.all(np.greater(V, 0.0)):
+        raise ParameterError(
+            "V_lp = 0 m/s at t = 0: there is no steady sliding at rest; give V_start, for example "
+            "V_start='1 um/s'"
+        )
+    return V
+
+
+def saved_times(times, t_end):
+    """Saved times [s]: None, an array (m,), or a DataArray with ``time`` last; checked."""
+    if times is None:
+        return None
+    if not is_array(times) or times.ndim == 1:
+        times = column("times", times)
+        if is_array(times):
+            raise ParameterError("times is a list of DataArrays; give one with a dimension 'time'")
+    else:
+        times = to_si("times", times)
+        if "time" not in times.dims:
+            raise ParameterError(f"times has dimensions {times.dims}; one must be 'time'")
+        times = times.drop_vars("time", errors="ignore").transpose(..., "time")
+    values = np.asarray(times)
+    if values.size == 0:
+        raise ParameterError("times is empty; leave it out to get the solver's own steps")
+    if not (np.diff(values, axis=-1) > 0).all():
+        raise ParameterError("times [s] must increase; sort them and drop repeated ones")
+    latest = times.max("time") if is_array(times) else values.max()
+    if np.any(latest > t_end * (1.0 + 1e-12)):
+        raise ParameterError(
+            f"times reach {float(np.max(latest)):.9g} s, beyond t_end = {float(np.max(t_end)):.9g}"
+            f" s; extend t_end or drop the later times"
+        )
+    return times
