@@ -56,7 +56,7 @@ def test_log_form_and_textbook_form_are_one(law, log_V, log_omega, log_V0):
     V, V0, Dc = 10**log_V, 10**log_V0, 1e-5
     theta = Dc / V * 10**log_omega
     psi = math.log(V0 * theta / Dc)
-    rate = laws.rate(laws.LAWS[law], V / V0, math.log(V / V0), psi, math.exp(-psi))
+    rate = laws.LAWS[law].rate(V / V0, math.log(V / V0), psi, math.exp(-psi))
     expected = laws.dtheta_dt(V, theta, Dc=Dc, law=law)
     assert theta * V0 / Dc * rate == pytest.approx(expected, rel=1e-11, abs=1e-12)
 
@@ -89,13 +89,13 @@ def test_partials_of_evolution(law, log_V, log_omega):
 @pytest.mark.parametrize("law", LAWS)
 @given(v=st.floats(-20, 20), psi=st.floats(-20, 20))
 def test_partials_of_the_log_form(law, v, psi):
-    code, h = laws.LAWS[law], 1e-30
+    h = 1e-30
 
     def rate(v, psi):
-        return laws.rate(code, np.exp(v), v, psi, np.exp(-psi))
+        return laws.LAWS[law].rate(np.exp(v), v, psi, np.exp(-psi))
 
     zero = 1e-14 * math.exp(v) * (1 + abs(v + psi))  # the slip law's 1 + v + psi changes sign
-    by_v, by_psi = laws.rate_partials(code, math.exp(v), v, psi, math.exp(-psi))
+    by_v, by_psi = laws.LAWS[law].rate_partials(math.exp(v), v, psi, math.exp(-psi))
     assert by_v == pytest.approx(rate(v + 1j * h, psi).imag / h, rel=1e-12, abs=zero)
     assert by_psi == pytest.approx(rate(v, psi + 1j * h).imag / h, rel=1e-12, abs=0)
 

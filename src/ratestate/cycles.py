@@ -1,20 +1,22 @@
 """The verb `limit_cycle`: what a steadily driven slider settles into."""
 
+import json
+
 import numpy as np
 import xarray
 
 from .batch import Batch
 from .cases import engine_cases, failure, march
-from .dataset import provenance, status_variable
+from .dataset import plain, provenance, status_variable
 from .engine.model import NO_CONVERGENCE, NUMBERS, SEEK, STEADY_SLIDING, Loads
 from .errors import ParameterError
-from .laws import law_code
+from .laws import evolution_law
 from .progress import bar
 from .stability import K_c
 from .start import initial_state
 from .units import is_array, to_si
 
-TAKEN = ["period", "frequency", "amplitude", "V_max", "V_min", "inertia", "status"]
+TAKEN = "period frequency amplitude V_max V_min inertia status".split()
 # The march must be finer than what is asked of the cycle, which sums its errors.
 MARCH_RTOL = 0.1
 # Steps after which cycles that still change count as not settling.
@@ -69,7 +71,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     values = {symbol: value for symbol, value in slider.parameters.items() if symbol != "law"}
     batch = Batch({**values, "V_lp": V_lp, "V_start": 0.1 * V_lp}, taken=TAKEN)
     with bar("limit_cycle") as progress:
-        status, numbers = _settle(batch, law_code(slider.law), rtol, progress)
+        status, numbers = _settle(batch, evolution_law(slider.law).code, rtol, progress)
     variables = _measures(batch, status, numbers)
     variables["status"] = status_variable(batch, status)
     coords = batch.coordinates(TAKEN)
@@ -77,7 +79,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     if "V_lp" not in coords:
         coords["V_lp"] = batch.variable(batch.flat("V_lp"), "V_lp") if batch.dims == () else V_lp
     result = xarray.Dataset(variables, coords)
-    result.attrs = provenance("limit_cycle", slider, rtol=rtol, V_lp=str(V_lp))
+    result.attrs = provenance("limit_cycle", slider, rtol=rtol, V_lp=json.dumps(plain(V_lp)))
     if batch.shape == () and status[0] > STEADY_SLIDING:
         best = result if status[0] == NO_CONVERGENCE else None
         raise failure("limit_cycle", slider, status[0], numbers["t"][0], best)

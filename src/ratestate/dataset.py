@@ -28,15 +28,31 @@ def provenance(verb, slider, **settings):
     }
 
 
+# An attribute of a NetCDF file holds 64 KiB; longer lists go into variables.
+MANY = 1000
+
+
 def plain(value):
-    """A value as JSON holds it; a DataArray by dimensions and values."""
+    """A value as JSON holds it; a DataArray by dimensions and values (or where those stand)."""
     if not is_array(value):
         return value
-    return {"dims": list(value.dims), "values": value.values.tolist()}
+    values = value.values.tolist() if value.size <= MANY else f"coordinate {value.name}"
+    return {"dims": list(value.dims), "values": values}
 
 
-def loading_record(loading):
-    """The loading as JSON text: segments' starts, speeds and accelerations, and its end."""
-    V, rate = (plain(v) if is_array(v) else v.tolist() for v in (loading.V, loading.rate))
-    last = loading.t_last if np.isfinite(loading.t_last) else None
-    return json.dumps({"t": loading.t.tolist(), "V": V, "rate": rate, "t_last": last})
+def record_loading(result, loading):
+    """Put the loading into a result: segments' starts, speeds and accelerations, and its end.
+
+    As JSON in the attribute ``loading``, or, if long, as variables along ``segment``.
+    """
+    columns = {"t": loading.t, "V": loading.V, "rate": loading.rate}
+    record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}
+    units = {"t": "s", "V": "m/s", "rate": "m/s^2"}
+    if np.size(loading.V) <= MANY:
+        record |= {k: plain(v) if is_array(v) else v.tolist() for k, v in columns.items()}
+    else:
+        for name, column in columns.items():
+            variable = column.variable if is_array(column) else ("segment", column)
+            result[f"loading_{name}"] = variable
+            result[f"loading_{name}"].attrs = {"units": units[name], "long_name": f"loading {name}"}
+    result.attrs["loading"] = json.dumps(record)

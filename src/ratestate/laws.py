@@ -9,11 +9,15 @@ form ``d theta/dt`` is the same function with V0 := Dc/theta (then psi = 0 and w
 The functions of log variables are plain arithmetic, and the engine compiles this same source;
 those of V and theta serve floats, NumPy arrays and named DataArrays, in SI units.
 
-Adding a law: one pair of functions here and one entry in `LAWS`, `rate` and `rate_partials`.
+Adding a law: one pair of functions and one row of `LAWS` here, and its place in the selection
+that the engine compiles (`state_rate` in engine/model.py, the loops in engine/lanes.py).
 
 Sources: Dieterich (1979) doi:10.1029/JB084iB05p02161 (aging), Ruina (1983)
 doi:10.1029/JB088iB12p10359 (slip); equation numbers are those of Im, Marone & Elsworth (2019).
 """
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +25,6 @@ from .errors import ParameterError
 
 SLIP = 0
 AGING = 1
-#: name of an evolution law -> its code inside the engine
-LAWS = {"slip": SLIP, "aging": AGING}
 
 
 def slip_rate(w, v, psi, e):
@@ -45,20 +47,23 @@ def aging_rate_partials(w, v, psi, e):
     return -w, -e
 
 
-def rate(law, w, v, psi, e):
-    """d psi/dT of the law with this code (branches become selects in a vectorised loop)."""
-    return slip_rate(w, v, psi, e) if law == SLIP else aging_rate(w, v, psi, e)
+class EvolutionLaw(NamedTuple):
+    """A row of `LAWS`: code inside the engine, rate d psi/dT and its derivatives."""
+
+    code: int
+    rate: Callable
+    rate_partials: Callable
 
 
-def rate_partials(law, w, v, psi, e):
-    """Derivatives of `rate` with respect to v and psi."""
-    s_v, s_psi = slip_rate_partials(w, v, psi, e)
-    a_v, a_psi = aging_rate_partials(w, v, psi, e)
-    return (s_v if law == SLIP else a_v), (s_psi if law == SLIP else a_psi)
+#: name of an evolution law -> what it is
+LAWS = {
+    "slip": EvolutionLaw(SLIP, slip_rate, slip_rate_partials),
+    "aging": EvolutionLaw(AGING, aging_rate, aging_rate_partials),
+}
 
 
-def law_code(law):
-    """Code of the evolution law with this name; ParameterError for an unknown one."""
+def evolution_law(law):
+    """The row of `LAWS` with this name; ParameterError for an unknown one."""
     if not isinstance(law, str) or law not in LAWS:
         raise ParameterError(f"law = {law!r} is unknown; choose {' or '.join(map(repr, LAWS))}")
     return LAWS[law]
@@ -118,17 +123,17 @@ def dtheta_dt(V, theta, *, Dc, law):
     """
     omega = V * theta / Dc
     # Omega ln(Omega) -> 0 with Omega: the smallest float stands in for 0 under the logarithm
-    return rate(law_code(law), omega, np.log(np.maximum(omega, 5e-324)), 0.0, 1.0)
+    return evolution_law(law).rate(omega, np.log(np.maximum(omega, 5e-324)), 0.0, 1.0)
 
 
 def dtheta_dt_partials(V, theta, *, Dc, law):
     """Derivatives of `dtheta_dt` with respect to V [s/m] and theta [1/s], for V > 0.
 
     d theta/dt depends on Omega = V theta/Dc alone, so both follow from one derivative; with
-    V0 := V (w = 1, v = 0, psi = ln Omega) it is that of `rate` with respect to v.
+    V0 := V (w = 1, v = 0, psi = ln Omega) it is that of the law's rate with respect to v.
     """
     omega = V * theta / Dc
-    slope, _ = rate_partials(law_code(law), 1.0, 0.0, np.log(omega), 1 / omega)
+    slope, _ = evolution_law(law).rate_partials(1.0, 0.0, np.log(omega), 1 / omega)
     return slope * theta / Dc, slope * V / Dc
 
 

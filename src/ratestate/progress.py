@@ -3,6 +3,7 @@
 import contextlib
 import sys
 import time
+from typing import Any
 
 PATIENCE = 1.0  # s
 
@@ -14,7 +15,7 @@ def bar(label):
         yield None
         return
     begin = time.monotonic()
-    shown = None
+    shown: Any = None
 
     def update(fraction):
         nonlocal shown

@@ -5,6 +5,8 @@ s = ln(V theta/Dc).  At constant V they relax over the slip distance Dc (closed 
 the same relaxation stands under an integral over the slip still to come.
 """
 
+import itertools
+
 import numpy as np
 
 from .errors import ParameterError
@@ -86,7 +88,7 @@ def grid(starts, V, t_end, Dc):
     if len(breaks) > 100:  # a sampled record: its own rows
         return breaks
     pieces = [np.zeros(1)]
-    for k, (begin, end) in enumerate(zip(breaks[:-1], breaks[1:], strict=True)):
+    for k, (begin, end) in enumerate(itertools.pairwise(breaks)):
         near = begin + np.linspace(0.0, 10.0 * Dc / max(V[k], 1e-300), 201)[1:]
         pieces += [near[near < end], np.linspace(begin, end, 101)[1:]]
     return np.unique(np.concatenate(pieces))

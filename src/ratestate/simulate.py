@@ -8,10 +8,10 @@ import xarray
 from .arrays import column
 from .batch import Batch
 from .cases import failure
-from .dataset import loading_record, plain, provenance, status_variable
+from .dataset import plain, provenance, record_loading, status_variable
 from .engine.model import FINISHED, METHODS
 from .errors import ParameterError
-from .laws import AGING, law_code
+from .laws import AGING, evolution_law
 from .motion import move, observables, series
 from .progress import bar
 from .quantities import attrs
@@ -19,7 +19,10 @@ from .start import initial_values
 from .units import is_array, to_si
 
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
-TAKEN = ["V", "theta", "delta", "delta_lp", "V_load", "tau", "mu", "status", "steps", "energy_residual", "amplitude", "frequency", "cycles", "V_max", "V_min", "inertial_force", "t"]
+TAKEN = (
+    "V theta delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
+    " V_max V_min inertial_force t"
+).split()
 
 
 def simulate(
@@ -103,7 +106,9 @@ def simulate(
     batch = Batch(values, own, taken=TAKEN)
 
     with bar("simulate") as progress:
-        motion = move(batch, law_code(slider.law), loading, times, method, dt, rtol, progress)
+        motion = move(
+            batch, evolution_law(slider.law).code, loading, times, method, dt, rtol, progress
+        )
     if batch.shape == () and motion.status[0] != FINISHED:
         raise failure("simulate", slider, motion.status[0], motion.numbers["t"][0])
     variables = series(batch, loading, motion)
@@ -123,8 +128,8 @@ def simulate(
         V_start=json.dumps(plain(values["V_start"])),
         t_end=json.dumps(plain(values["t_end"])),
         initial=json.dumps({k[:-8]: plain(v) for k, v in values.items() if k[-8:] == "_initial"}),
-        loading=loading_record(loading),
     )
+    record_loading(result, loading)
     return result
 
 
@@ -151,7 +156,7 @@ def solver_settings(rtol, method, dt, slider):
             f"{method} needs mass and spring: M > 0 and K < inf (it steps by sqrt(K/M)); "
             f"use method='rodas5p' for M = 0 or K = inf"
         )
-    if method == "im2017_euler" and law_code(slider.law) != AGING:
+    if method == "im2017_euler" and evolution_law(slider.law).code != AGING:
         raise ParameterError(
             "im2017_euler is for law='aging'; use method='im2017' for the slip law"
         )

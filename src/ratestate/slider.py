@@ -4,7 +4,7 @@ import dataclasses
 from typing import Any
 
 from .arrays import check_aligned
-from .laws import law_code
+from .laws import evolution_law
 from .quantities import QUANTITIES
 from .stability import K_c, K_c_qs, V_c, eta, f_n
 from .units import is_array, named, to_si
@@ -62,7 +62,7 @@ class SpringSlider:
     law: str = "slip"
 
     def __post_init__(self):
-        law_code(self.law)
+        evolution_law(self.law)
         for symbol, value in self.parameters.items():
             if symbol != "law":
                 object.__setattr__(self, symbol, to_si(symbol, value))

@@ -10,8 +10,11 @@ import hashlib
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
-import numba
+from numba import config as numba_config
+
+config: Any = numba_config  # numba sets its attributes at run time
 
 
 def _cache_folder():
@@ -19,7 +22,7 @@ def _cache_folder():
     here = Path(__file__).parent
     sources = [here.parent / "laws.py", *sorted(here.glob("*.py"))]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
-    base = numba.config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    base = config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(base) / "ratestate" / f"kernels-{digest}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -33,12 +36,12 @@ def _cache_folder():
 @contextlib.contextmanager
 def _cached_in(folder):
     """Let functions decorated inside cache in this folder; others keep their own place."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder)
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(folder)
     try:
         yield
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
 CACHE = _cache_folder()

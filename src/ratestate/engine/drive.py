@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from . import CACHE
-from . import lanes as L
+from . import rows as R
 from .march import IDLE, march
 from .model import NUMBERS, RUNNING, Results
 
@@ -36,7 +36,7 @@ def run(method, law, cases, loads, save_times, order, alone, progress=None):
     """
     n = len(order)
     results = _results(len(cases.beta), save_times.shape[1])
-    threads = max(1, min(_cores(), n // L.LANES))
+    threads = max(1, min(_cores(), n // R.LANES))
     _announce()
     stop = threading.Event()
     workers = [
@@ -90,8 +90,8 @@ class _Worker:
     """One set of lanes and its queue."""
 
     def __init__(self, method, law, queue, cases, loads, alone):
-        self.s = np.zeros(L.SIZE)
-        self.s[L.CASE : L.CASE + L.LANES] = IDLE
+        self.s = np.zeros(R.SIZE)
+        self.s[R.CASE : R.CASE + R.LANES] = IDLE
         self.position = np.zeros(3, np.int64)
         self.fixed = (method, law, alone, self.s, queue, self.position, cases, loads)
 
@@ -117,10 +117,10 @@ def _fraction(workers, n):
     """Cases done, and the parts of those under way, over all."""
     done = 0.0
     for worker in workers:
-        s, lanes = worker.s, slice(0, L.LANES)
-        busy = s[L.CASE :][lanes] != IDLE
+        s, lanes = worker.s, slice(0, R.LANES)
+        busy = s[R.CASE :][lanes] != IDLE
         with np.errstate(invalid="ignore"):
-            parts = s[L.T :][lanes] / s[L.T_END :][lanes]
+            parts = s[R.T :][lanes] / s[R.T_END :][lanes]
         done += worker.position[1] + np.nan_to_num(parts[busy]).sum()
     return min(1.0, done / n)
 

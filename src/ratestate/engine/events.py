@@ -9,7 +9,7 @@ import math
 
 from numba import njit
 
-from . import lanes as L
+from . import rows as R
 from .lanes import turning
 from .model import CYCLE, MEASURE, RUNAWAY, SEEK, STEADY_SLIDING, state_rate
 
@@ -85,10 +85,10 @@ def crossing(c, w_lp, dw, log_w_lp):
 def components(s, l):
     """Polynomials of x, v and psi over the lane's step."""
     return (
-        coefficients(s[L.X + l], s[L.X_NEW + l], s[L.X_1 + l], s[L.X_2 + l], s[L.X_3 + l]),
-        coefficients(s[L.V + l], s[L.V_NEW + l], s[L.V_1 + l], s[L.V_2 + l], s[L.V_3 + l]),
+        coefficients(s[R.X + l], s[R.X_NEW + l], s[R.X_1 + l], s[R.X_2 + l], s[R.X_3 + l]),
+        coefficients(s[R.V + l], s[R.V_NEW + l], s[R.V_1 + l], s[R.V_2 + l], s[R.V_3 + l]),
         coefficients(
-            s[L.PSI + l], s[L.PSI_NEW + l], s[L.PSI_1 + l], s[L.PSI_2 + l], s[L.PSI_3 + l]
+            s[R.PSI + l], s[R.PSI_NEW + l], s[R.PSI_1 + l], s[R.PSI_2 + l], s[R.PSI_3 + l]
         ),
     )
 
@@ -103,48 +103,49 @@ def close_cycle(s, l, here, x_high):
     """Book the cycle that ends at this upward crossing; `here` is the time since s[T].
 
     If changes from cycle to cycle shrink by a factor r, what is left to come is change*r/(1-r).
-    A drop from far above to below the tolerance within one cycle shows a strongly attracting one; a weak one only over a window of several,
-    where the change stands out of the rounding.
+    A drop from far above to below the tolerance within one cycle shows a strongly attracting
+    one; a weakly attracting one shows only over a window of several, where the change stands
+    out of the rounding.
     """
-    if s[L.CROSS_LOW + l] < math.inf:
-        amplitude = x_high - s[L.X_LOW + l]
-        period = (s[L.T + l] - s[L.CROSS_T + l]) + (here - s[L.CROSS_LOW + l])
+    if s[R.CROSS_LOW + l] < math.inf:
+        amplitude = x_high - s[R.X_LOW + l]
+        period = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
         change = max(
-            relative_change(amplitude, s[L.AMPLITUDE + l]),
-            relative_change(period, s[L.PERIOD + l]),
+            relative_change(amplitude, s[R.AMPLITUDE + l]),
+            relative_change(period, s[R.PERIOD + l]),
         )
-        before = s[L.CHANGE + l]
-        s[L.AMPLITUDE + l], s[L.PERIOD + l], s[L.CHANGE + l] = amplitude, period, change
-        s[L.CYCLES + l] += 1.0
-        if s[L.MODE + l] == MEASURE:
-            s[L.STATUS + l] = CYCLE
-        elif s[L.MODE + l] == SEEK:
-            tol = s[L.CYCLE_TOL + l]
+        before = s[R.CHANGE + l]
+        s[R.AMPLITUDE + l], s[R.PERIOD + l], s[R.CHANGE + l] = amplitude, period, change
+        s[R.CYCLES + l] += 1.0
+        if s[R.MODE + l] == MEASURE:
+            s[R.STATUS + l] = CYCLE
+        elif s[R.MODE + l] == SEEK:
+            tol = s[R.CYCLE_TOL + l]
             found = change <= 0.1 * tol and before >= 1e3 * tol
-            if s[L.CYCLES + l] % WINDOW == 0.0:
+            if s[R.CYCLES + l] % WINDOW == 0.0:
                 far = max(
-                    relative_change(amplitude, s[L.WINDOW_AMPLITUDE + l]),
-                    relative_change(period, s[L.WINDOW_PERIOD + l]),
+                    relative_change(amplitude, s[R.WINDOW_AMPLITUDE + l]),
+                    relative_change(period, s[R.WINDOW_PERIOD + l]),
                 )
-                r = far / s[L.WINDOW_CHANGE + l]
-                if s[L.CYCLES + l] >= 3.0 * WINDOW:
+                r = far / s[R.WINDOW_CHANGE + l]
+                if s[R.CYCLES + l] >= 3.0 * WINDOW:
                     found = found or (r < 1.0 and far * r / (1.0 - r) <= tol)
                     found = found or far <= 0.01 * tol
-                s[L.WINDOW_AMPLITUDE + l], s[L.WINDOW_PERIOD + l] = amplitude, period
-                s[L.WINDOW_CHANGE + l] = far
+                s[R.WINDOW_AMPLITUDE + l], s[R.WINDOW_PERIOD + l] = amplitude, period
+                s[R.WINDOW_CHANGE + l] = far
             if found:
-                s[L.MODE + l], s[L.OBSERVE + l] = MEASURE, 1.0
-                s[L.V_HIGH + l], s[L.V_LOW + l], s[L.G_HIGH + l] = -math.inf, math.inf, 0.0
-    s[L.X_HIGH + l] = x_high
-    s[L.CROSS_T + l], s[L.CROSS_LOW + l] = s[L.T + l], here
+                s[R.MODE + l], s[R.OBSERVE + l] = MEASURE, 1.0
+                s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l] = -math.inf, math.inf, 0.0
+    s[R.X_HIGH + l] = x_high
+    s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
 
 
 @njit(error_model="numpy")
 def observe(s, l, law, cx, cv, cpsi):
     """Extremes of V and of |tau/sigma - mu| inside the step."""
-    beta, eta0 = s[L.BETA + l], s[L.ETA0 + l]
-    kappa, w_lp = s[L.KAPPA + l], s[L.W_LP + l]
-    w_lp_new = w_lp + s[L.H_USED + l] * s[L.RAMP + l]
+    beta, eta0 = s[R.BETA + l], s[R.ETA0 + l]
+    kappa, w_lp = s[R.KAPPA + l], s[R.W_LP + l]
+    w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
     cg = (
         cx[0] - cv[0] - beta * cpsi[0],
         cx[1] - cv[1] - beta * cpsi[1],
@@ -152,45 +153,45 @@ def observe(s, l, law, cx, cv, cpsi):
         cx[3] - cv[3] - beta * cpsi[3],
         cx[4] - cv[4] - beta * cpsi[4],
     )
-    w0, w1 = s[L.W + l], s[L.W_NEW + l]
-    f0 = state_rate(law, w0, s[L.V + l], s[L.PSI + l], s[L.E + l])
-    f1 = state_rate(law, w1, s[L.V_NEW + l], s[L.PSI_NEW + l], s[L.E_NEW + l])
+    w0, w1 = s[R.W + l], s[R.W_NEW + l]
+    f0 = state_rate(law, w0, s[R.V + l], s[R.PSI + l], s[R.E + l])
+    f1 = state_rate(law, w1, s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.E_NEW + l])
     a0, b0 = turning(polynomial(cg, 0.0), kappa * (w_lp - w0), f0, w0, beta, eta0)
     a1, b1 = turning(polynomial(cg, 1.0), kappa * (w_lp_new - w1), f1, w1, beta, eta0)
     if (a0 < 0.0) != (a1 < 0.0):
         see_v(s, l, polynomial(cv, extreme(cv)))
     if (b0 < 0.0) != (b1 < 0.0):
-        s[L.G_HIGH + l] = max(s[L.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
+        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
 
 
 @njit(error_model="numpy")
 def see_v(s, l, v):
     """Let a value of v count among the extremes."""
-    s[L.V_HIGH + l] = max(s[L.V_HIGH + l], v)
-    s[L.V_LOW + l] = min(s[L.V_LOW + l], v)
+    s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
+    s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
 
 
 @njit(error_model="numpy")
 def attend(s, l, law):
     """Everything of interest in the lane's accepted step, before it is committed."""
     cx, cv, cpsi = components(s, l)
-    h, w_lp = s[L.H_USED + l], s[L.W_LP + l]
-    dw = h * s[L.RAMP + l]
-    if s[L.OBSERVE + l] > 0.0:
+    h, w_lp = s[R.H_USED + l], s[R.W_LP + l]
+    dw = h * s[R.RAMP + l]
+    if s[R.OBSERVE + l] > 0.0:
         observe(s, l, law, cx, cv, cpsi)
-    rises = s[L.W_NEW + l] >= w_lp + dw
-    if (s[L.W + l] < w_lp) == rises:
-        at = crossing(cv, w_lp, dw, s[L.LOG_W_LP + l])
+    rises = s[R.W_NEW + l] >= w_lp + dw
+    if (s[R.W + l] < w_lp) == rises:
+        at = crossing(cv, w_lp, dw, s[R.LOG_W_LP + l])
         if rises:
-            close_cycle(s, l, s[L.T_LOW + l] + at * h, polynomial(cx, at))
+            close_cycle(s, l, s[R.T_LOW + l] + at * h, polynomial(cx, at))
         else:
-            s[L.X_LOW + l] = polynomial(cx, at)
-    v = s[L.V_NEW + l]
-    if v > s[L.V_LIMIT + l]:
-        s[L.STATUS + l] = RUNAWAY
-    elif s[L.STEADY + l] > 0.0:
-        steady = s[L.LOG_W_LP + l]
-        distance = max(abs(v - steady), abs(s[L.PSI_NEW + l] + steady))
-        distance = max(distance, abs(s[L.X_NEW + l] - (1.0 - s[L.BETA + l]) * steady))
-        if distance < s[L.STEADY + l]:
-            s[L.STATUS + l] = STEADY_SLIDING
+            s[R.X_LOW + l] = polynomial(cx, at)
+    v = s[R.V_NEW + l]
+    if v > s[R.V_LIMIT + l]:
+        s[R.STATUS + l] = RUNAWAY
+    elif s[R.STEADY + l] > 0.0:
+        steady = s[R.LOG_W_LP + l]
+        distance = max(abs(v - steady), abs(s[R.PSI_NEW + l] + steady))
+        distance = max(distance, abs(s[R.X_NEW + l] - (1.0 - s[R.BETA + l]) * steady))
+        if distance < s[R.STEADY + l]:
+            s[R.STATUS + l] = STEADY_SLIDING

@@ -1,14 +1,15 @@
 """An exponential that a plain loop over lanes can vectorise.
 
-`math.exp` is a call into the C library: one number at a time.  This one is branch-free
-arithmetic (range reduction, a polynomial, the exponent bits), so LLVM turns it into SIMD code.
-It is accurate to about 1 unit in the last place between -708 and 709 and saturates outside,
-where e**x has left the range of normal doubles.  NaN stays NaN.
+`math.exp` is a call into the C library: one number at a time.  These are branch-free arithmetic
+(range reduction, a polynomial, the exponent bits), so LLVM turns them into SIMD code.  They are
+accurate to 2 units in the last place between -708 and 708 and saturate outside, where e**x has
+left the range of normal doubles.  NaN stays NaN.
 """
 
 import numpy as np
 from numba import njit
 
+LIMIT = 708.0
 LOG2_E = 1.4426950408889634
 # ln 2 in two parts: n*LN2_HIGH is exact for every exponent n that a double can have.
 LN2_HIGH = 6.93147180369123816490e-01
@@ -18,27 +19,45 @@ ROUND = 6755399441055744.0
 
 
 @njit(forceinline=True, fastmath={"contract"})
-def exp(x):
-    """e**x for -708 <= x <= 709, saturating outside."""
-    x = -708.0 if x < -708.0 else x
-    x = 709.0 if x > 709.0 else x
+def parts(x):
+    """x = n ln 2 + r: the bits of the integer n, and e**r as even and odd part.
+
+    The polynomial is near-minimax of degree 11 (relative error 2e-17) and summed as a tree,
+    since a lane waits for the longest chain of operations, not for their number.
+    """
+    x = -LIMIT if x < -LIMIT else x
+    x = LIMIT if x > LIMIT else x
     shifted = x * LOG2_E + ROUND
     n = shifted - ROUND
     r = (x - n * LN2_HIGH) - n * LN2_LOW
-    # Taylor to r**13; |r| <= ln(2)/2 leaves a relative error of 4e-18.
-    p = 1.6059043836821613e-10
-    p = p * r + 2.08767569878681e-09
-    p = p * r + 2.505210838544172e-08
-    p = p * r + 2.755731922398589e-07
-    p = p * r + 2.7557319223985893e-06
-    p = p * r + 2.48015873015873e-05
-    p = p * r + 0.0001984126984126984
-    p = p * r + 0.001388888888888889
-    p = p * r + 0.008333333333333333
-    p = p * r + 0.041666666666666664
-    p = p * r + 0.16666666666666666
-    p = p * r + 0.5
-    p = p * r + 1.0
-    p = p * r + 1.0
-    bits = (np.float64(shifted).view(np.int64) + np.int64(1023)) << np.int64(52)
-    return p * np.int64(bits).view(np.float64)
+    r2 = r * r
+    r4 = r2 * r2
+    e0 = 1.0 + r2 * 0.5000000000000016
+    e1 = 0.04166666666651273 + r2 * 0.001388888894606599
+    e2 = 2.4801491875311523e-05 + r2 * 2.763037135492319e-07
+    o0 = 1.0 + r2 * 0.16666666666666394
+    o1 = 0.008333333333462088 + r2 * 0.00019841269604075593
+    o2 = 2.7557490329049117e-06 + r2 * 2.5031360117621017e-08
+    even = e0 + r4 * (e1 + r4 * e2)
+    odd = r * (o0 + r4 * (o1 + r4 * o2))
+    return np.float64(shifted).view(np.int64), even, odd
+
+
+@njit(forceinline=True, fastmath={"contract"})
+def power_of_2(n):
+    """2**n, from the bits of n + ROUND or of ROUND - n."""
+    return np.int64((n + np.int64(1023)) << np.int64(52)).view(np.float64)
+
+
+@njit(forceinline=True, fastmath={"contract"})
+def exp(x):
+    """e**x for -708 <= x <= 708, saturating outside."""
+    n, even, odd = parts(x)
+    return (even + odd) * power_of_2(n)
+
+
+@njit(forceinline=True, fastmath={"contract"})
+def exp_and_inverse(x):
+    """e**x and e**-x for -708 <= x <= 708, saturating outside; no division."""
+    n, even, odd = parts(x)
+    return (even + odd) * power_of_2(n), (even - odd) * power_of_2(-n)

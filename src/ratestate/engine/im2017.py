@@ -20,6 +20,7 @@ from numba import njit
 
 from .. import laws
 from . import lanes as L
+from . import rows as R
 from .model import IM2017_EULER, NO_ROOT
 
 MAX_ITERATIONS = 200
@@ -73,26 +74,26 @@ def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
 @njit(error_model="numpy")
 def take(s, l, law, method):
     """Take one step of the lane and record its outcome as `lanes.take` does."""
-    x, v, psi, w, w_lp = s[L.X + l], s[L.V + l], s[L.PSI + l], s[L.W + l], s[L.W_LP + l]
-    kappa, beta = s[L.KAPPA + l], s[L.BETA + l]
-    s[L.H + l] = s[L.DT + l]
-    h = L.step_size(s[L.DT + l], s[L.LAND + l], s[L.T + l], s[L.T_LOW + l])
-    dw = h * s[L.RAMP + l]
-    omega = math.sqrt(kappa / s[L.ETA0 + l])
+    x, v, psi, w, w_lp = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l], s[R.W_LP + l]
+    kappa, beta = s[R.KAPPA + l], s[R.BETA + l]
+    s[R.H + l] = s[R.DT + l]
+    h = L.step_size(s[R.DT + l], s[R.LAND + l], s[R.T + l], s[R.T_LOW + l])
+    dw = h * s[R.RAMP + l]
+    omega = math.sqrt(kappa / s[R.ETA0 + l])
     d_lp = h * (w_lp + 0.5 * dw)
     v_new, psi_new, x_new, found = solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega)
     found = found and np.isfinite(x_new) and np.isfinite(psi_new)
     w_new = math.exp(v_new)
-    s[L.X_NEW + l], s[L.V_NEW + l], s[L.PSI_NEW + l] = x_new, v_new, psi_new
-    s[L.W_NEW + l], s[L.E_NEW + l] = w_new, math.exp(-psi_new)
+    s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = x_new, v_new, psi_new
+    s[R.W_NEW + l], s[R.E_NEW + l] = w_new, math.exp(-psi_new)
     # Between its points the scheme says nothing; x is drawn as the cubic with its end slopes.
     rise = x_new - x
-    s[L.X_1 + l] = h * kappa * (w_lp - w) - rise
-    s[L.X_2 + l] = rise - h * kappa * (w_lp + dw - w_new) - s[L.X_1 + l]
-    s[L.D_LOAD + l] = 0.5 * h * (x * w_lp + x_new * (w_lp + dw))
-    s[L.D_FRICTION + l] = 0.5 * h * ((v + beta * psi) * w + (v_new + beta * psi_new) * w_new)
-    s[L.OK + l] = 1.0 if found else 0.0
-    s[L.H_USED + l], s[L.H_NEXT + l], s[L.MEMORY_NEW + l] = h, s[L.DT + l], 1.0
+    s[R.X_1 + l] = h * kappa * (w_lp - w) - rise
+    s[R.X_2 + l] = rise - h * kappa * (w_lp + dw - w_new) - s[R.X_1 + l]
+    s[R.D_LOAD + l] = 0.5 * h * (x * w_lp + x_new * (w_lp + dw))
+    s[R.D_FRICTION + l] = 0.5 * h * ((v + beta * psi) * w + (v_new + beta * psi_new) * w_new)
+    s[R.OK + l] = 1.0 if found else 0.0
+    s[R.H_USED + l], s[R.H_NEXT + l], s[R.MEMORY_NEW + l] = h, s[R.DT + l], 1.0
     L.needs_attention(s, l, law)
     if not found:
-        s[L.STATUS + l] = NO_ROOT
+        s[R.STATUS + l] = NO_ROOT

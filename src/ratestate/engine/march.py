@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from . import lanes as L
+from . import rows as R
 from .events import attend, components, polynomial, see_v
 from .im2017 import take as take_im2017
 from .model import (
@@ -32,51 +33,51 @@ IDLE = -1.0
 def enter_segment(s, l, law, k, scale, V0, loads, row, restart):
     """Put the lane at the start of the segment that holds its time (zero-length ones pass)."""
     last = loads.t.size - 1
-    while k < last and loads.t[k + 1] * scale <= s[L.T + l]:
+    while k < last and loads.t[k + 1] * scale <= s[R.T + l]:
         k += 1
-    s[L.SEGMENT + l] = k
+    s[R.SEGMENT + l] = k
     w_lp = loads.V[row, k] / V0
     # A kink leaves dx/dT continuous; only a jump restarts the step size and the cycle count.
-    jump = restart or abs(w_lp - s[L.W_LP + l]) > 1e-9 * (w_lp + s[L.W_LP + l])
-    s[L.W_LP + l] = w_lp
-    s[L.RAMP + l] = loads.rate[row, k] / (V0 * scale)
-    s[L.LOG_W_LP + l] = math.log(w_lp) if w_lp > 0.0 else -math.inf
-    land = s[L.T_END + l]
+    jump = restart or abs(w_lp - s[R.W_LP + l]) > 1e-9 * (w_lp + s[R.W_LP + l])
+    s[R.W_LP + l] = w_lp
+    s[R.RAMP + l] = loads.rate[row, k] / (V0 * scale)
+    s[R.LOG_W_LP + l] = math.log(w_lp) if w_lp > 0.0 else -math.inf
+    land = s[R.T_END + l]
     if k < last:
         land = min(land, loads.t[k + 1] * scale)
-    s[L.LAND + l] = land
+    s[R.LAND + l] = land
     if jump:
-        w = s[L.W + l]
-        f_x = s[L.KAPPA + l] * (w_lp - w)
-        f_psi = state_rate(law, w, s[L.V + l], s[L.PSI + l], s[L.E + l])
+        w = s[R.W + l]
+        f_x = s[R.KAPPA + l] * (w_lp - w)
+        f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], s[R.E + l])
         pace = abs(f_x) + abs(f_psi) + w + w_lp
-        s[L.H + l] = min(land - s[L.T + l], 0.1 * math.sqrt(math.sqrt(s[L.RTOL + l])) / pace)
-        s[L.MEMORY + l] = 1.0
-        s[L.CROSS_LOW + l] = math.inf
-        s[L.CYCLES + l] = 0.0
+        s[R.H + l] = min(land - s[R.T + l], 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace)
+        s[R.MEMORY + l] = 1.0
+        s[R.CROSS_LOW + l] = math.inf
+        s[R.CYCLES + l] = 0.0
 
 
 @njit(error_model="numpy")
 def load(s, l, law, i, cases, loads, save_times, results):
     """Put case i into lane l at t = 0."""
-    for row in range(0, L.SIZE, L.LANES):
+    for row in range(0, R.SIZE, R.LANES):
         s[row + l] = 0.0
-    s[L.CASE + l], s[L.STATUS + l] = i, RUNNING
-    s[L.KAPPA + l] = cases.kappa[i]
-    s[L.BETA + l], s[L.ETA0 + l] = cases.beta[i], cases.eta0[i]
-    s[L.X + l], s[L.V + l], s[L.PSI + l] = cases.y[i]
-    s[L.W + l], s[L.E + l] = math.exp(s[L.V + l]), math.exp(-s[L.PSI + l])
+    s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
+    s[R.KAPPA + l] = cases.kappa[i]
+    s[R.BETA + l], s[R.ETA0 + l] = cases.beta[i], cases.eta0[i]
+    s[R.X + l], s[R.V + l], s[R.PSI + l] = cases.y[i]
+    s[R.W + l], s[R.E + l] = math.exp(s[R.V + l]), math.exp(-s[R.PSI + l])
     scale = cases.scale[i]
-    s[L.T_END + l] = cases.t_end[i] * scale
-    s[L.DT + l] = cases.dt[i] * scale
-    s[L.RTOL + l], s[L.MEMORY + l] = cases.rtol[i], 1.0
-    s[L.V_LIMIT + l], s[L.STEADY + l] = cases.v_limit[i], cases.steady_tol[i]
-    s[L.OBSERVE + l], s[L.MODE + l] = cases.observe[i], cases.mode[i]
-    s[L.CYCLE_TOL + l], s[L.MAX_STEPS + l] = cases.cycle_tol[i], cases.max_steps[i]
-    s[L.PERIOD + l] = math.inf
-    s[L.CHANGE + l] = math.inf
-    s[L.V_HIGH + l] = s[L.V_LOW + l] = s[L.V + l]
-    s[L.G_HIGH + l] = abs(s[L.X + l] - s[L.V + l] - s[L.BETA + l] * s[L.PSI + l])
+    s[R.T_END + l] = cases.t_end[i] * scale
+    s[R.DT + l] = cases.dt[i] * scale
+    s[R.RTOL + l], s[R.MEMORY + l] = cases.rtol[i], 1.0
+    s[R.V_LIMIT + l], s[R.STEADY + l] = cases.v_limit[i], cases.steady_tol[i]
+    s[R.OBSERVE + l], s[R.MODE + l] = cases.observe[i], cases.mode[i]
+    s[R.CYCLE_TOL + l], s[R.MAX_STEPS + l] = cases.cycle_tol[i], cases.max_steps[i]
+    s[R.PERIOD + l] = math.inf
+    s[R.CHANGE + l] = math.inf
+    s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
+    s[R.G_HIGH + l] = abs(s[R.X + l] - s[R.V + l] - s[R.BETA + l] * s[R.PSI + l])
     enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i], True)
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
@@ -88,20 +89,20 @@ def load(s, l, law, i, cases, loads, save_times, results):
 @njit(error_model="numpy")
 def await_save(s, l, n, save_times, row, scale):
     """Let saved time n be the next one the lane waits for."""
-    s[L.SAVED + l] = n
-    s[L.SAVE_AT + l] = save_times[row, n] * scale if n < save_times.shape[1] else math.inf
+    s[R.SAVED + l] = n
+    s[R.SAVE_AT + l] = save_times[row, n] * scale if n < save_times.shape[1] else math.inf
 
 
 @njit(error_model="numpy")
 def save(s, l, cases, save_times, saved):
     """Write the state at each saved time inside the lane's accepted step."""
-    i = int(s[L.CASE + l])
+    i = int(s[R.CASE + l])
     row, scale = cases.times[i], cases.scale[i]
     cx, cv, cpsi = components(s, l)
-    h = s[L.H_USED + l]
-    n = int(s[L.SAVED + l])
+    h = s[R.H_USED + l]
+    n = int(s[R.SAVED + l])
     while n < save_times.shape[1]:
-        at = ((save_times[row, n] * scale - s[L.T + l]) - s[L.T_LOW + l]) / h
+        at = ((save_times[row, n] * scale - s[R.T + l]) - s[R.T_LOW + l]) / h
         # The last step ends on t_end up to rounding; a saved time equal to t_end belongs to it.
         if at > 1.0 + (1e-6 if h > 0.0 and save_times[row, n] >= cases.t_end[i] else 0.0):
             break
@@ -116,38 +117,38 @@ def save(s, l, cases, save_times, saved):
 @njit(error_model="numpy")
 def finish(s, l, cases, results):
     """Write the outcome of the lane's case; a failed one leaves no states."""
-    i = int(s[L.CASE + l])
-    status = int(s[L.STATUS + l])
+    i = int(s[R.CASE + l])
+    status = int(s[R.STATUS + l])
     results.status[i] = status
     out = results.numbers[i]
-    out[0] = (s[L.T + l] + s[L.T_LOW + l]) / cases.scale[i]
-    out[1], out[2] = s[L.STEPS + l], s[L.REJECTED + l]
+    out[0] = (s[R.T + l] + s[R.T_LOW + l]) / cases.scale[i]
+    out[1], out[2] = s[R.STEPS + l], s[R.REJECTED + l]
     if status <= STEADY_SLIDING:
-        results.final[i, 0], results.final[i, 1] = s[L.X + l], s[L.V + l]
-        results.final[i, 2] = s[L.PSI + l]
+        results.final[i, 0], results.final[i, 1] = s[R.X + l], s[R.V + l]
+        results.final[i, 2] = s[R.PSI + l]
     else:
         results.saved[i] = np.nan
-    out[3], out[4] = s[L.LOAD_WORK + l], s[L.DISSIPATION + l]
-    out[5], out[6] = s[L.AMPLITUDE + l], s[L.PERIOD + l]
-    out[7], out[8] = s[L.CYCLES + l], s[L.CHANGE + l]
-    out[9], out[10], out[11] = s[L.V_HIGH + l], s[L.V_LOW + l], s[L.G_HIGH + l]
-    s[L.CASE + l] = IDLE
+    out[3], out[4] = s[R.LOAD_WORK + l], s[R.DISSIPATION + l]
+    out[5], out[6] = s[R.AMPLITUDE + l], s[R.PERIOD + l]
+    out[7], out[8] = s[R.CYCLES + l], s[R.CHANGE + l]
+    out[9], out[10], out[11] = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
+    s[R.CASE + l] = IDLE
 
 
 @njit(error_model="numpy")
 def turn(s, l, law, cases, loads):
     """At a landing: enter the next segment or finish.  Elsewhere: give up, saying why."""
-    if s[L.STATUS + l] != RUNNING:
+    if s[R.STATUS + l] != RUNNING:
         return
-    if s[L.FAILURES + l] > L.TOO_MANY_FAILURES:
-        s[L.STATUS + l] = NOT_FINITE if s[L.BAD + l] > 0.0 else STEP_UNDERFLOW
-    elif s[L.STEPS + l] + s[L.REJECTED + l] >= s[L.MAX_STEPS + l]:
-        s[L.STATUS + l] = STEP_LIMIT if s[L.MODE + l] == FREE else NO_CONVERGENCE
-    elif s[L.LAND + l] >= s[L.T_END + l]:
-        s[L.STATUS + l] = FINISHED
+    if s[R.FAILURES + l] > L.TOO_MANY_FAILURES:
+        s[R.STATUS + l] = NOT_FINITE if s[R.BAD + l] > 0.0 else STEP_UNDERFLOW
+    elif s[R.STEPS + l] + s[R.REJECTED + l] >= s[R.MAX_STEPS + l]:
+        s[R.STATUS + l] = STEP_LIMIT if s[R.MODE + l] == FREE else NO_CONVERGENCE
+    elif s[R.LAND + l] >= s[R.T_END + l]:
+        s[R.STATUS + l] = FINISHED
     else:
-        s[L.T + l], s[L.T_LOW + l] = s[L.LAND + l], 0.0
-        i, k = int(s[L.CASE + l]), int(s[L.SEGMENT + l])
+        s[R.T + l], s[R.T_LOW + l] = s[R.LAND + l], 0.0
+        i, k = int(s[R.CASE + l]), int(s[R.SEGMENT + l])
         enter_segment(s, l, law, k, cases.scale[i], cases.V0[i], loads, cases.loading[i], False)
 
 
@@ -169,48 +170,45 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
     -------
     bool : whether every case is done
     """
-    width = 1 if alone else L.LANES
+    width = 1 if alone else R.LANES
     vacant = True
     for _ in range(budget):
         if vacant:
             active = 0
             for l in range(width):
-                if s[L.CASE + l] == IDLE and position[0] < queue.size:
+                if s[R.CASE + l] == IDLE and position[0] < queue.size:
                     load(s, l, law, queue[position[0]], cases, loads, save_times, results)
                     position[0] += 1
-                    s[L.EVERY_STEP + l] = 1.0 if path.size > 0 else 0.0
-                active += s[L.CASE + l] != IDLE
+                    s[R.EVERY_STEP + l] = 1.0 if path.size > 0 else 0.0
+                active += s[R.CASE + l] != IDLE
             if active == 0:
                 return True
             vacant = False
         if method != RODAS5P:
             for l in range(width):
-                if s[L.CASE + l] != IDLE:
+                if s[R.CASE + l] != IDLE:
                     take_im2017(s, l, law, method)
         elif alone:
             L.advance_alone(s, law)
         else:
-            L.advance(s, law)
+            L.advance(s, law, width)
         for l in range(width):
-            if s[L.CALL + l] > 0.0 and s[L.CASE + l] != IDLE:
+            if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 attend(s, l, law)
-                if (s[L.T + l] + s[L.T_LOW + l]) + s[L.H_USED + l] >= s[L.SAVE_AT + l]:
+                if (s[R.T + l] + s[R.T_LOW + l]) + s[R.H_USED + l] >= s[R.SAVE_AT + l]:
                     save(s, l, cases, save_times, results.saved)
-        if alone:
-            L.commit_lane(s, 0)
-        else:
-            L.commit(s)
-        if path.size > 0 and s[L.OK] > 0.0:
-            path[position[2], 0] = s[L.T] + s[L.T_LOW]
-            path[position[2], 1], path[position[2], 2] = s[L.X], s[L.V]
-            path[position[2], 3] = s[L.PSI]
+        L.commit(s, width)
+        if path.size > 0 and s[R.OK] > 0.0:
+            path[position[2], 0] = s[R.T] + s[R.T_LOW]
+            path[position[2], 1], path[position[2], 2] = s[R.X], s[R.V]
+            path[position[2], 3] = s[R.PSI]
             position[2] += 1
         for l in range(width):
-            if s[L.TURN + l] > 0.0 and s[L.CASE + l] != IDLE:
+            if s[R.TURN + l] > 0.0 and s[R.CASE + l] != IDLE:
                 turn(s, l, law, cases, loads)
-                if s[L.STATUS + l] != RUNNING:
-                    if s[L.MODE + l] == FREE:
-                        see_v(s, l, s[L.V + l])
+                if s[R.STATUS + l] != RUNNING:
+                    if s[R.MODE + l] == FREE:
+                        see_v(s, l, s[R.V + l])
                     finish(s, l, cases, results)
                     position[1] += 1
                     vacant = True

@@ -24,7 +24,7 @@ import math
 from numba import njit
 
 from ..laws import SLIP
-from .exp import exp as exp_in_lanes
+from .exp import exp, exp_and_inverse
 from .model import state_rate, state_rate_partials
 
 GAMMA = 0.21193756319429014
@@ -164,15 +164,17 @@ def dot(c, k1, k2, k3, k4, k5, k6, k7, k8):
 
 
 @njit(forceinline=True, fastmath={"contract"})
-def exponentials(v, psi, law, lone):
-    """w = e**v, and e = e**-psi where the law has it; one number alone takes the C library's."""
-    if lone:
-        return math.exp(v), (0.0 if law == SLIP else math.exp(-psi))
-    return exp_in_lanes(v), (0.0 if law == SLIP else exp_in_lanes(-psi))
+def exponentials(u, law, alone):
+    """w = e**v and 1/w, and e = e**-psi where the law has it; law and alone are literals."""
+    if alone:  # one number at a time, the C library is faster
+        w = math.exp(u[1])
+        return w, 1.0 / w, (0.0 if law == SLIP else math.exp(-u[2]))
+    w, w_inverse = exp_and_inverse(u[1])
+    return w, w_inverse, (0.0 if law == SLIP else exp(-u[2]))
 
 
 @njit(forceinline=True, fastmath={"contract"})
-def stage(u, w, e, w_lp, rest, p, start):
+def stage(u, w, w_inverse, e, w_lp, rest, p, start):
     """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
 
     p = (law, kappa, beta, eta0); start holds what the step's first point fixes.
@@ -181,7 +183,7 @@ def stage(u, w, e, w_lp, rest, p, start):
     w_start, m, gamma_h, kappa_w, s_v, a_psi, pivot = start
     x, v, psi = u
     r_x = kappa * (w_lp - w) + rest[0]
-    r_v = (x - v - beta * psi) * (w_start / w) + m * rest[1]
+    r_v = (x - v - beta * psi) * (w_start * w_inverse) + m * rest[1]
     r_psi = state_rate(law, w, v, psi, e) + rest[2]
     k_v = pivot * (r_v + gamma_h * r_x - (beta * a_psi) * r_psi)
     return gamma_h * (r_x - kappa_w * k_v), k_v, a_psi * (r_psi + s_v * k_v)
@@ -194,15 +196,15 @@ def works(u, w, w_lp, beta):
 
 
 @njit(forceinline=True, fastmath={"contract"})
-def step(y, w, e, w_lp, ramp, h, p, lone):
+def step(y, w, e, w_lp, ramp, h, p, alone):
     """One step of size h from y = (x, v, psi).
 
     Parameters
     ----------
     y, w, e : state, e**v and e**-psi at the start
     w_lp, ramp : load-point speed at the start and its rate d w_lp/dT
-    p : (law, kappa, beta, eta0); law and lone are literals where this is compiled
-    lone : bool, see `exponentials`
+    p : (law, kappa, beta, eta0)
+    law, alone : literals where this is compiled, see `exponentials`
 
     Returns
     -------
@@ -225,63 +227,63 @@ def step(y, w, e, w_lp, ramp, h, p, lone):
     dw = h * ramp
 
     rest = (D[0] * drift, 0.0, 0.0)
-    k1 = stage(y, w, e, w_lp, rest, p, start)
+    k1 = stage(y, w, 1.0 / w, e, w_lp, rest, p, start)
     p1, q1 = works(y, w, w_lp, beta)
 
     u = plus(y, A[1][0], k1)
-    w_u, e_u = exponentials(u[1], u[2], law, lone)
+    w_u, i_u, e_u = exponentials(u, law, alone)
     w_l = w_lp + NODES[1] * dw
     rest = plus((D[1] * drift, 0.0, 0.0), r, times(C[1][0], k1))
-    k2 = stage(u, w_u, e_u, w_l, rest, p, start)
+    k2 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p2, q2 = works(u, w_u, w_l, beta)
 
     u = plus(plus(y, A[2][0], k1), A[2][1], k2)
-    w_u, e_u = exponentials(u[1], u[2], law, lone)
+    w_u, i_u, e_u = exponentials(u, law, alone)
     w_l = w_lp + NODES[2] * dw
     rest = plus((D[2] * drift, 0.0, 0.0), r, plus(times(C[2][0], k1), C[2][1], k2))
-    k3 = stage(u, w_u, e_u, w_l, rest, p, start)
+    k3 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p3, q3 = works(u, w_u, w_l, beta)
 
     u = plus(plus(plus(y, A[3][0], k1), A[3][1], k2), A[3][2], k3)
-    w_u, e_u = exponentials(u[1], u[2], law, lone)
+    w_u, i_u, e_u = exponentials(u, law, alone)
     w_l = w_lp + NODES[3] * dw
     c = plus(plus(times(C[3][0], k1), C[3][1], k2), C[3][2], k3)
     rest = plus((D[3] * drift, 0.0, 0.0), r, c)
-    k4 = stage(u, w_u, e_u, w_l, rest, p, start)
+    k4 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p4, q4 = works(u, w_u, w_l, beta)
 
     u = plus(plus(plus(plus(y, A[4][0], k1), A[4][1], k2), A[4][2], k3), A[4][3], k4)
-    w_u, e_u = exponentials(u[1], u[2], law, lone)
+    w_u, i_u, e_u = exponentials(u, law, alone)
     w_l = w_lp + NODES[4] * dw
     c = plus(plus(plus(times(C[4][0], k1), C[4][1], k2), C[4][2], k3), C[4][3], k4)
     rest = plus((D[4] * drift, 0.0, 0.0), r, c)
-    k5 = stage(u, w_u, e_u, w_l, rest, p, start)
+    k5 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p5, q5 = works(u, w_u, w_l, beta)
 
     w_l = w_lp + dw
     u = plus(plus(plus(plus(y, A[5][0], k1), A[5][1], k2), A[5][2], k3), A[5][3], k4)
     u = plus(u, A[5][4], k5)
-    w_u, e_u = exponentials(u[1], u[2], law, lone)
+    w_u, i_u, e_u = exponentials(u, law, alone)
     c = plus(plus(plus(times(C[5][0], k1), C[5][1], k2), C[5][2], k3), C[5][3], k4)
-    k6 = stage(u, w_u, e_u, w_l, times(r, plus(c, C[5][4], k5)), p, start)
+    k6 = stage(u, w_u, i_u, e_u, w_l, times(r, plus(c, C[5][4], k5)), p, start)
     p6, q6 = works(u, w_u, w_l, beta)
 
     u = plus(u, 1.0, k6)
-    w_u, e_u = exponentials(u[1], u[2], law, lone)
+    w_u, i_u, e_u = exponentials(u, law, alone)
     c = plus(plus(plus(times(C[6][0], k1), C[6][1], k2), C[6][2], k3), C[6][3], k4)
     c = plus(plus(c, C[6][4], k5), C[6][5], k6)
-    k7 = stage(u, w_u, e_u, w_l, times(r, c), p, start)
+    k7 = stage(u, w_u, i_u, e_u, w_l, times(r, c), p, start)
     p7, q7 = works(u, w_u, w_l, beta)
 
     u = plus(u, 1.0, k7)
-    w_u, e_u = exponentials(u[1], u[2], law, lone)
+    w_u, i_u, e_u = exponentials(u, law, alone)
     c = plus(plus(plus(times(C[7][0], k1), C[7][1], k2), C[7][2], k3), C[7][3], k4)
     c = plus(plus(plus(c, C[7][4], k5), C[7][5], k6), C[7][6], k7)
-    k8 = stage(u, w_u, e_u, w_l, times(r, c), p, start)
+    k8 = stage(u, w_u, i_u, e_u, w_l, times(r, c), p, start)
     p8, q8 = works(u, w_u, w_l, beta)
 
     y_new = plus(u, 1.0, k8)
-    w_new, e_new = exponentials(y_new[1], y_new[2], law, lone)
+    w_new, _, e_new = exponentials(y_new, law, alone)
 
     # The two quadratures: s_i = works(u_i) + gradient k_i + h d_i d/dT, weighted by B.
     k = dot(B, k1, k2, k3, k4, k5, k6, k7, k8)
