@@ -20,7 +20,7 @@ TAKEN = "period frequency amplitude V_max V_min inertia status".split()
 # The march must be finer than what is asked of the cycle, which sums its errors.
 MARCH_RTOL = 0.1
 # Steps after which cycles that still change count as not settling.
-MAX_STEPS = 2e7
+MAX_STEPS = 4e6
 
 
 def limit_cycle(slider, V_lp, *, rtol=1e-8):

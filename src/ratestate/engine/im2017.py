@@ -21,6 +21,7 @@ from numba import njit
 from .. import laws
 from . import lanes as L
 from . import rows as R
+from .exp import exp_alone
 from .model import IM2017_EULER, NO_ROOT
 
 MAX_ITERATIONS = 200
@@ -52,7 +53,7 @@ def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
     low, high = -math.inf, math.inf
     v_new = v
     for _ in range(MAX_ITERATIONS):
-        w_new = math.exp(v_new)
+        w_new = exp_alone(v_new)
         psi_new, slope = advance_state(law, method, psi, v_new, w_new, h)
         x_new = one_c * (v_new + beta * psi_new) + fixed
         mismatch = w_new + w - (2.0 / h) * (d_lp - (x_new - x) / kappa)
@@ -83,9 +84,9 @@ def take(s, l, law, method):
     d_lp = h * (w_lp + 0.5 * dw)
     v_new, psi_new, x_new, found = solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega)
     found = found and np.isfinite(x_new) and np.isfinite(psi_new)
-    w_new = math.exp(v_new)
+    w_new = exp_alone(v_new)
     s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = x_new, v_new, psi_new
-    s[R.W_NEW + l], s[R.E_NEW + l] = w_new, math.exp(-psi_new)
+    s[R.W_NEW + l], s[R.E_NEW + l] = w_new, exp_alone(-psi_new)
     # Between its points the scheme says nothing; x is drawn as the cubic with its end slopes.
     rise = x_new - x
     s[R.X_1 + l] = h * kappa * (w_lp - w) - rise

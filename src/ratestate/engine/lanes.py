@@ -13,8 +13,8 @@ from . import rows as R
 from .model import RUNNING, state_rate
 from .rodas5p import step as rodas5p_step
 
-# Rejections in a row that no step size can explain: 5**-60 is far below any time scale.
-TOO_MANY_FAILURES = 60.0
+# Rejections in a row that no step size can explain: 5**-400 is below any eta0 w.
+TOO_MANY_FAILURES = 400.0
 
 # A factor below 1/5 or above 5 says more about the estimate than about the solution.
 SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0

@@ -12,6 +12,7 @@ from numba import njit
 from . import lanes as L
 from . import rows as R
 from .events import attend, components, polynomial, see_v
+from .exp import exp_alone
 from .im2017 import take as take_im2017
 from .model import (
     FINISHED,
@@ -66,7 +67,7 @@ def load(s, l, law, i, cases, loads, save_times, results):
     s[R.KAPPA + l] = cases.kappa[i]
     s[R.BETA + l], s[R.ETA0 + l] = cases.beta[i], cases.eta0[i]
     s[R.X + l], s[R.V + l], s[R.PSI + l] = cases.y[i]
-    s[R.W + l], s[R.E + l] = math.exp(s[R.V + l]), math.exp(-s[R.PSI + l])
+    s[R.W + l], s[R.E + l] = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
     s[R.DT + l] = cases.dt[i] * scale

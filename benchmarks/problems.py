@@ -1,0 +1,80 @@
+"""The problems: P1 to P3, each one slider, and the 156 of Fig. 3; and the engine run on them."""
+
+import numpy as np
+
+from ratestate.arrays import logspace
+from ratestate.batch import Batch
+from ratestate.cases import engine_cases, march
+from ratestate.engine.model import Loads
+from ratestate.laws import evolution_law
+from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP, FIG4
+from ratestate.start import initial_state
+
+# What counts as exact.
+REFERENCE = 1e-12
+
+
+class Problem:
+    """Sliders driven at constant speeds V_lp from steady sliding at V_start, for t_end seconds.
+
+    slider and V_lp may hold named DataArrays; `n` is the number of cases.
+    """
+
+    def __init__(self, slider, V_lp, V_start, t_end):
+        self.slider, self.V_lp, self.V_start, self.t_end = slider, V_lp, V_start, t_end
+        values = {k: v for k, v in slider.parameters.items() if k != "law"}
+        self.batch = Batch({**values, "V_lp": V_lp, "V_start": V_start})
+        self.law = evolution_law(slider.law).code
+        self.n = self.batch.n
+        self._reference = self._numbers = None
+
+    def cases(self, rtol, observe=0.0, dt=None):
+        """The engine's `Cases`."""
+        return engine_cases(
+            self.batch,
+            initial_state(self.batch, self.batch.flat("V_lp")),
+            t_end=np.full(self.n, self.t_end),
+            loading=np.arange(self.n),
+            times=np.zeros(self.n, np.int64),
+            dt=dt,
+            rtol=rtol,
+            observe=observe,
+        )
+
+    def job(self, rtol=1e-6, observe=0.0, method="rodas5p", dt=None):
+        """A function of nothing that marches the problem by the engine and returns `Results`."""
+        cases = self.cases(rtol, observe, dt)
+        loads = Loads(np.zeros(1), self.batch.flat("V_lp")[:, None].copy(), np.zeros((self.n, 1)))
+        none, which = np.empty((1, 0)), np.arange(self.n)
+        return lambda: march(method, self.law, cases, loads, none, which)
+
+    def numbers(self):
+        """(n, 6) kappa, beta, eta0, V0/Dc, V_lp/V0, law; (n, 3) x, v, psi at t = 0."""
+        if self._numbers is None:
+            cases = self.cases(1e-6)
+            w_lp = self.batch.flat("V_lp") / cases.V0
+            law = np.full(self.n, float(self.law))
+            rows = [cases.kappa, cases.beta, cases.eta0, cases.scale, w_lp, law]
+            self._numbers = np.ascontiguousarray(np.transpose(rows)), cases.y
+        return self._numbers
+
+    def errors(self, final):
+        """(n,) largest error at t_end in tau/(a sigma), ln V and psi; NaN where final is."""
+        if self._reference is None:
+            self._reference = self.job(REFERENCE)().final
+        return np.abs(final - self._reference).max(axis=1)
+
+
+def lone():
+    """P1 to P3: name -> Problem; the parameters of Figs. 2 and 4 at their time scales."""
+    return {
+        "P1": Problem(FIG2, 3.2e-3, 1e-4, 10.0),
+        "P2": Problem(FIG4.replace(K=0.96e9), 1e-5, 5e-6, 330.0),
+        "P3": Problem(FIG4.replace(K=0.96e9), 1e-7, 5e-8, 46000.0),
+    }
+
+
+def fig3(law):
+    """Fig. 3: 12 masses, 13 loading velocities, 10 s each from steady sliding at 0.1 mm/s."""
+    slider = FIG2.replace(law=law, M=logspace("M", *FIG3_M))
+    return Problem(slider, logspace("V_lp", *FIG3_V_LP), 1e-4, 10.0)

@@ -1,0 +1,153 @@
+"""Other solvers on the same system in log variables, right-hand side and Jacobian compiled.
+
+Each is a function of (problem, tolerance) that returns the final states (n, 3) and None, or what
+went wrong.  All get the same rtol and atol.
+"""
+
+import contextlib
+import os
+import sys
+import warnings
+
+import numpy as np
+from numba import cfunc, njit
+from scipy.integrate import odeint, solve_ivp
+
+MAX_STEPS = 200_000
+
+
+@njit(inline="always", error_model="numpy")
+def rates(x, v, psi, p):
+    """d/dt of x, v, psi (ratestate/engine/model.py); p = kappa, beta, eta0, V0/Dc, w_lp, law."""
+    w = np.exp(v)
+    f_psi = -w * (v + psi) if p[5] == 0.0 else np.exp(-psi) - w
+    return p[3] * p[0] * (p[4] - w), p[3] * (x - v - p[1] * psi) / (p[2] * w), p[3] * f_psi
+
+
+@njit(error_model="numpy")
+def rhs(t, y, p):
+    """The right-hand side for SciPy."""
+    return np.array(rates(y[0], y[1], y[2], p))
+
+
+@njit(error_model="numpy")
+def jacobian(t, y, p):
+    """Its Jacobian."""
+    x, v, psi = y
+    w = np.exp(v)
+    m = p[2] * w
+    J = np.zeros((3, 3))
+    J[0, 1] = -p[3] * p[0] * w
+    J[1, 0] = p[3] / m
+    J[1, 1] = -p[3] * (1.0 + x - v - p[1] * psi) / m
+    J[1, 2] = -p[3] * p[1] / m
+    J[2, 1] = -p[3] * w * ((v + psi + 1.0) if p[5] == 0.0 else 1.0)
+    J[2, 2] = -p[3] * (w if p[5] == 0.0 else np.exp(-psi))
+    return J
+
+
+def outcome(y, stopped):
+    """The states and what was wrong with them."""
+    if stopped:
+        return np.full_like(y, np.nan), "stops"
+    if not np.isfinite(y).all():
+        return y, "NaN as success"
+    return y, None
+
+
+def scipy_solver(method):
+    """`solve_ivp` by this method."""
+
+    def solve(problem, tol):
+        p, y0 = problem.numbers()
+        keys = {"jac": jacobian, "rtol": tol, "atol": tol, "args": (p[0],)}
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                found = solve_ivp(rhs, (0.0, problem.t_end), y0[0], method, **keys)
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+            return outcome(y0, True)
+        return outcome(found.y[:, -1][None], not found.success)
+
+    return solve
+
+
+def scipy_odeint(problem, tol):
+    """SciPy's older interface to LSODA, whose loop over the steps is compiled."""
+    p, y0 = problem.numbers()
+    keys = {"Dfun": jacobian, "tfirst": True, "rtol": tol, "atol": tol, "mxstep": MAX_STEPS}
+    with warnings.catch_warnings(), quiet():
+        warnings.simplefilter("ignore")
+        y, info = odeint(rhs, y0[0], [0, problem.t_end], (p[0],), full_output=True, **keys)
+    return outcome(y[-1:], info["message"] != "Integration successful.")
+
+
+def scipy_solvers():
+    """name -> solver."""
+    return {
+        "SciPy LSODA (solve_ivp)": scipy_solver("LSODA"),
+        "SciPy LSODA (odeint)": scipy_odeint,
+        "SciPy Radau": scipy_solver("Radau"),
+    }
+
+
+def numbalsoda_solvers():
+    """name -> solver; none where numbalsoda is not installed."""
+    try:
+        import numbalsoda
+    except ImportError:
+        return {}
+    lsoda, dop853 = numbalsoda.lsoda, numbalsoda.dop853
+
+    @cfunc(numbalsoda.lsoda_sig, error_model="numpy")
+    def rhs_c(t, u, du, p):
+        du[0], du[1], du[2] = rates(u[0], u[1], u[2], p)
+
+    # One loop a solver: numba cannot inline a call to a function that it is given.
+    @njit(error_model="numpy")
+    def all_by_lsoda(address, y0, p, t, tol):
+        y, ok = np.empty_like(y0), np.empty(len(y0), np.bool_)
+        for i in range(len(y0)):
+            u, ok[i] = lsoda(address, y0[i], t, p[i], tol, tol, MAX_STEPS)
+            y[i] = u[-1]
+        return y, ok.all()
+
+    @njit(error_model="numpy")
+    def all_by_dop853(address, y0, p, t, tol):
+        y, ok = np.empty_like(y0), np.empty(len(y0), np.bool_)
+        for i in range(len(y0)):
+            u, ok[i] = dop853(address, y0[i], t, p[i], tol, tol, MAX_STEPS)
+            y[i] = u[-1]
+        return y, ok.all()
+
+    def solver(march):
+        def solve(problem, tol):
+            p, y0 = problem.numbers()
+            with quiet():
+                y, ok = march(rhs_c.address, y0, p, np.array([0.0, problem.t_end]), tol)
+            return outcome(y, not ok)
+
+        return solve
+
+    return {
+        "numbalsoda LSODA": solver(all_by_lsoda),
+        "numbalsoda dop853": solver(all_by_dop853),
+    }
+
+
+@contextlib.contextmanager
+def quiet():
+    """Drop what compiled code prints; it is told by its outcome."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = [os.dup(1), os.dup(2)]
+    null = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(null, 1)
+        os.dup2(null, 2)
+        yield
+    finally:
+        for number, copy in zip((1, 2), kept, strict=True):
+            os.dup2(copy, number)
+            os.close(copy)
+        os.close(null)

@@ -1,0 +1,48 @@
+"""The benchmark: `make bench`, or `python benchmarks/run.py [--out DIR] [part ...]`.
+
+Medians of repetitions in which all contenders take turns; ratios first, times as context.
+Prints its tables and writes results.md and results.json.  Compiling is never counted, but for the
+cold start in (e).
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import accuracy
+import scheme
+import startup
+import steps
+import sweep
+from report import CONSOLE, write
+from rivals import numbalsoda_solvers, scipy_solvers
+
+PARTS = {"a": steps, "b": accuracy, "c": sweep, "d": scheme, "e": startup}
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Benchmark of ratestate.")
+    parser.add_argument("parts", nargs="*", help="a b c d e; all by default")
+    parser.add_argument("--out", type=Path, default=Path("build/bench"), help="folder to write to")
+    options = parser.parse_args()
+    if unknown := set(options.parts) - set(PARTS):
+        parser.error(f"no such part: {' '.join(sorted(unknown))}; choose from {' '.join(PARTS)}")
+    start = time.perf_counter()
+    rivals = numbalsoda_solvers()
+    if not rivals:
+        CONSOLE.print("numbalsoda is not installed: left out (CONTRIBUTING.md says how to add it)")
+    rivals |= scipy_solvers()
+    done = []
+    for name in sorted(set(options.parts)) or PARTS:
+        CONSOLE.print(f"({name}) ...", end="\r")
+        part = PARTS[name].run(rivals)
+        part.show()
+        done.append(part)
+    write(done, options.out)
+    goals = [goal for part in done for goal in part.goals]
+    CONSOLE.print(f"{sum(goal.met for goal in goals)} of {len(goals)} goals met.")
+    CONSOLE.print(f"{time.perf_counter() - start:.0f} s; written to {options.out}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,75 @@
+"""(e) Start: importing, the first run with an empty cache, a warm process, a second call."""
+
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from report import Part
+from timing import wall
+
+README = Path(__file__).parent.parent / "README.md"
+REPETITIONS = 5
+
+IMPORT = """
+import time
+start = time.perf_counter()
+import ratestate
+print(time.perf_counter() - start)
+"""
+SECOND = """
+import time
+start = time.perf_counter()
+{run}
+print(time.perf_counter() - start)
+"""
+
+
+def quick_start():
+    """The README's first block of Python, whole, and its import and slider, and its run."""
+    block = re.search(r"```python\n(.*?)```", README.read_text(), re.DOTALL).group(1)
+    before, run = re.match(r"(.*?)^(run\s*=[^\n]*)$", block, re.DOTALL | re.MULTILINE).groups()
+    return block, before, run
+
+
+def python(code, **environment):
+    """What a new Python prints."""
+    kept = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(
+        command, env=kept | environment, capture_output=True, text=True, check=True
+    )
+    return done.stdout
+
+
+def median(job):
+    return statistics.median(job() for _ in range(REPETITIONS))
+
+
+def run(_rivals):
+    """The Part."""
+    block, before, first = quick_start()
+    python(before + first)  # warm: kernels of these sources are in the cache
+    with tempfile.TemporaryDirectory() as folder:
+        cold = wall(lambda: python(before + first, XDG_CACHE_HOME=folder))
+    second = before + first + SECOND.format(run=first)
+    found = {
+        "import ratestate": (median(lambda: float(python(IMPORT))), 0.3),
+        "first run, empty cache (whole process)": (cold, 20.0),
+        "warm process, quick start up to its run": (
+            median(lambda: wall(lambda: python(before + first))),
+            1.2,
+        ),
+        "second simulate in one process": (median(lambda: float(python(second))), 0.02),
+        "warm process, the whole quick start": (wall(lambda: python(block)), None),
+    }
+    part = Part("(e) Start-up, seconds on the clock", ["what", "s"])
+    for name, (seconds, most) in found.items():
+        part.add(name, f"{seconds:.3f}")
+        if most:
+            part.goal(f"{name}: under {most:g} s", f"{seconds:.3f} s", seconds < most)
+    part.notes.append("the quick start is the README's; its last line is a sweep of limit cycles")
+    return part

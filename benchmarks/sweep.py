@@ -1,0 +1,84 @@
+"""(c) Fig. 3's 156 cases: how many seconds of sliding a CPU second buys."""
+
+import numpy as np
+from problems import fig3
+from report import Part, power
+from timing import cpu, interleaved, one_core, wall
+
+import ratestate
+
+MEDIAN = 1e-5  # the median error asked for
+TOLERANCES = 10.0 ** np.arange(-4.0, -8.1, -0.25)
+TOLERANCES_LSODA = 10.0 ** np.arange(-7.0, -10.1, -0.25)
+
+
+def loosest(solve, problem, tolerances):
+    """The loosest tolerance whose median error is at most `MEDIAN`; that error and the worst.
+
+    A case without an answer counts as an infinite error.
+    """
+    for tol in tolerances:
+        errors = np.nan_to_num(problem.errors(solve(tol)), nan=np.inf)
+        if np.median(errors) <= MEDIAN:
+            return tol, np.median(errors), errors
+    return None
+
+
+def run(rivals):
+    """The Part."""
+    part = Part(
+        "(c) Fig. 3, 12 x 13 cases of 10 s: case-seconds per CPU-second at median error 1e-5",
+        ["law, how", "case-s per CPU-s", "CPU s", "tolerance", "median error", "worst", "failed"],
+        notes=[
+            "simulate: the public call, with extremes, energy and the Dataset; engine: without"
+            " these, through the same march",
+            "tolerance: the loosest quarter decade with median error at most 1e-5; errors against"
+            " rtol 1e-12",
+        ],
+    )
+    for law in ("slip", "aging"):
+        _one_law(part, law, rivals.get("numbalsoda LSODA"))
+    return part
+
+
+def _one_law(part, law, lsoda):
+    problem = fig3(law)
+    total = problem.n * problem.t_end
+    tol, median, errors = loosest(lambda t: problem.job(t)().final, problem, TOLERANCES)
+    results = {"engine": (tol, median, errors), "simulate": (tol, median, errors)}
+    jobs = {"engine": problem.job(tol), "simulate": lambda: simulate(problem, tol)}
+    if lsoda:
+        with one_core():
+            lsoda(problem, 1e-4)  # warm
+            chosen = loosest(lambda t: lsoda(problem, t)[0], problem, TOLERANCES_LSODA)
+        if chosen:
+            results["numbalsoda LSODA"] = chosen
+            jobs["numbalsoda LSODA"] = lambda: lsoda(problem, chosen[0])
+        else:
+            part.add(f"{law}, numbalsoda LSODA", "never", *["-"] * 5)
+    with one_core():
+        cpu(jobs["simulate"])  # warm
+        seconds = interleaved(jobs, repetitions=5, most=4.0)
+    for name, spent in seconds.items():
+        tol_used, middle, errors = results[name]
+        row = [f"{total / spent:,.0f}", f"{spent:.3f}", power(tol_used), power(middle)]
+        part.add(f"{law}, {name}", *row, power(errors.max()), np.isinf(errors).sum())
+    clock = np.median([wall(jobs["simulate"]) for _ in range(5)])
+    part.notes.append(
+        f"{law}: simulate on all cores: {total / clock:,.0f} case-seconds per second on the clock"
+        f" ({clock:.3f} s)"
+    )
+    for name in ("engine", "simulate"):
+        rate = total / seconds[name]
+        asked = [3000, 6000] if law == "slip" else [3000]
+        for least in asked:
+            hint = " (meant for an explicit method beside it)" if least == 6000 else ""
+            part.goal(f"{law}, {name}: at least {least:,}{hint}", f"{rate:,.0f}", rate >= least)
+
+
+def simulate(problem, rtol):
+    """The public call."""
+    loading = ratestate.Loading.constant(problem.V_lp)
+    return ratestate.simulate(
+        problem.slider, loading, problem.t_end, V_start=problem.V_start, rtol=rtol
+    )

@@ -1,0 +1,5 @@
+"""The figures of Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026.
+
+`parameters` holds the paper's values; ``fig1`` to ``fig6`` each compute the numbers of a figure
+and draw them; `figures` writes the files.
+"""

@@ -1,0 +1,154 @@
+"""The claims table in writing: on the terminal, as Markdown and as JSON."""
+
+import json
+import math
+from importlib.metadata import version
+
+from .files import replace
+from .layout import LAWS
+
+STYLES = {
+    "agrees": "green",
+    "agrees with the scheme only": "yellow",
+    "differs": "red",
+    "no value given": "dim",
+}
+HEADINGS = ("Claim", "Paper", "Paper's scheme", "Converged", "Verdict")
+INTRODUCTION = """\
+Each claim of Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026, beside what this
+package finds: by the paper's own scheme (eqs 8, 9; `{method}`) at the time steps stated, where
+omega = sqrt(K/M) and omega dt = 0.1 is the largest that its author's script accepts without a
+warning; and converged, by an error-controlled method, with an estimate of the numerical error.
+Verdicts compare the converged value with the paper's to its last printed digit; "agrees with the
+scheme only": the scheme's time step, not physics, is the cause of the difference.
+"""
+
+
+def number(value):
+    """A number to as many digits as a reader can use."""
+    return f"{value:.0f}" if value == round(value) and abs(value) < 1e6 else f"{value:.5g}"
+
+
+def quantity(values, unit):
+    """Values and their unit as text."""
+    return f"{', '.join(map(number, values))} {unit}".rstrip()
+
+
+def converged(row):
+    """The converged values and their error as text."""
+    return f"{quantity(row.converged, row.unit)} (+- {row.error:.0e})"
+
+
+def by_scheme(row):
+    """The scheme's values as text, one line for each time step."""
+    return [
+        f"{quantity(values, row.unit)} at omega dt = {omega_dt:g}, dt = {_times(dt)}"
+        for (omega_dt, *dt), values in row.scheme.items()
+    ]
+
+
+def _times(dt):
+    return ", ".join(f"{1e6 * x:.3g}" for x in dt) + " us"
+
+
+def tally(rows):
+    """How many rows have each verdict, as text."""
+    counts = {verdict: sum(row.verdict == verdict for row in rows) for verdict in STYLES}
+    return "; ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
+
+
+def terminal(rows, law):
+    """A rich Table of the rows, their notes below each claim."""
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        *HEADINGS, title=f"Claims, {LAWS[law]}", caption=tally(rows), show_lines=True, expand=True
+    )
+    for column, ratio in zip(table.columns, (8, 4, 6, 4, 3), strict=True):
+        column.ratio = ratio
+    for row in rows:
+        about = Text(f"{row.claim} ").append(f"[{row.where}]", "dim")
+        if row.note:
+            about.append(f"\n{row.note}", "italic")
+        table.add_row(
+            about,
+            Text(row.paper or "-"),
+            Text("\n".join(by_scheme(row)) or "-"),
+            Text(converged(row)),
+            Text(row.verdict, STYLES[row.verdict]),
+        )
+    return table
+
+
+def markdown(rows, law):
+    """The table as Markdown text: one table, then the notes and how errors were estimated."""
+    from .scheme_map import METHOD
+
+    lines = [
+        f"# Claims, {LAWS[law]}",
+        "",
+        INTRODUCTION.format(method=METHOD[law]),
+        f"{tally(rows)}.",
+        "",
+        "| | " + " | ".join(HEADINGS) + " |",
+        "|-|-|-|-|-|-|",
+    ]
+    for i, row in enumerate(rows, start=1):
+        cells = (
+            str(i),
+            f"{row.claim} ({row.where})",
+            row.paper or "-",
+            "<br>".join(by_scheme(row)) or "-",
+            converged(row),
+            f"**{row.verdict}**",
+        )
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    lines += ["", "## Notes, and where the errors come from", ""]
+    for i, row in enumerate(rows, start=1):
+        lines.append(f"{i}. `{row.id}`: {row.note} Error: {row.error_from}.".replace(":  ", ": "))
+    return "\n".join(lines) + "\n"
+
+
+def record(rows, law):
+    """The table as a dict that JSON can hold; an open end of a range is null."""
+    from .scheme_map import METHOD
+
+    def plain(bound):
+        return bound if math.isfinite(bound) else None
+
+    return {
+        "paper": "doi:10.1016/j.jmps.2018.08.026",
+        "law": law,
+        "scheme": METHOD[law],
+        "versions": {name: version(name) for name in ("ratestate", "numba", "numpy")},
+        "claims": [
+            {
+                "id": row.id,
+                "where": row.where,
+                "claim": row.claim,
+                "paper": row.paper or None,
+                "covers": [[plain(low), plain(high)] for low, high in row.covers] or None,
+                "unit": row.unit or "1",
+                "scheme": [
+                    {"omega_dt": omega_dt, "dt": dt, "values": list(values)}
+                    for (omega_dt, *dt), values in row.scheme.items()
+                ],
+                "converged": list(row.converged),
+                "error": row.error,
+                "error_from": row.error_from,
+                "verdict": row.verdict,
+                "note": row.note or None,
+            }
+            for row in rows
+        ],
+    }
+
+
+def write(rows, law, out):
+    """Write the table as claims_<law>.md and .json into a folder; list of their paths."""
+    text = json.dumps(record(rows, law), indent=2, allow_nan=False) + "\n"
+    return [
+        replace(out / f"claims_{law}.md", lambda path: path.write_text(markdown(rows, law))),
+        replace(out / f"claims_{law}.json", lambda path: path.write_text(text)),
+    ]

@@ -1,0 +1,65 @@
+"""Fig. 3: stable and unstable sliding over mass and loading velocity."""
+
+import numpy as np
+from matplotlib.colors import LogNorm
+
+from .. import plot
+from ..arrays import logspace
+from ..cycles import limit_cycle
+from ..loading import Loading
+from ..simulate import simulate
+from ..stability import stability
+from .layout import figure, styled, titled
+from .parameters import FIG2, FIG2_DURATION, FIG2_START, FIG3_M, FIG3_V_LP
+
+T_STEP = 0.1  # s
+# Of tau/sigma: a tenth of the smallest limit cycle here, and far above what still decays at 10 s.
+UNSTABLE = 1e-4
+
+
+def compute(law):
+    """Amplitudes 10 s after the step, and of the limit cycles: dimensions ``M``, ``V_lp``."""
+    slider = FIG2.replace(law=law, M=logspace("M", *FIG3_M))
+    V_lp = logspace("V_lp", *FIG3_V_LP)
+    loading = Loading.steps(FIG2_START, (T_STEP, V_lp))
+    run = simulate(slider, loading, t_end=T_STEP + FIG2_DURATION)
+    cycle = limit_cycle(slider, V_lp)
+    theory = stability(slider, V_lp)
+    data = run[["amplitude", "frequency", "status"]].drop_vars("time", errors="ignore").squeeze()
+    data["unstable"] = (data.amplitude > UNSTABLE).assign_attrs(
+        units="1", long_name=f"oscillates at 10 s: amplitude above {UNSTABLE:g}"
+    )
+    converged = cycle[["amplitude", "frequency", "status"]]
+    data = data.merge(converged.rename({name: f"cycle_{name}" for name in converged}))
+    data["V_c"], data["stable"] = theory.V_c, theory.stable
+    return titled(data, "Fig. 3. Oscillation 10 s after a velocity step", law)
+
+
+@styled
+def draw(data):
+    """Empty circles where sliding is stable, filled ones by amplitude where not; V_c(M)."""
+    start = plot.value_text("V", float(data.V_start[0]), unit_of=1e-3)
+    fig = figure(data, 4.7, "a b Dc sigma K", f", stepped from {start}")
+    ax = fig.subplots()
+    M, V_lp = (axis.ravel() for axis in np.meshgrid(data.M, data.V_lp, indexing="ij"))
+    amplitude = data.amplitude.transpose("M", "V_lp").values.ravel()
+    filled = data.unstable.transpose("M", "V_lp").values.ravel().astype(bool)
+    ax.scatter(M[~filled], V_lp[~filled], s=18, fc="w", ec="k", lw=0.7, label="stable")
+    dots = ax.scatter(
+        M[filled],
+        V_lp[filled],
+        s=18 + 180 * np.sqrt(amplitude[filled]),
+        c=amplitude[filled],
+        norm=LogNorm(1e-3, 1.0),
+        cmap="viridis_r",
+        ec="k",
+        lw=0.5,
+        label="unstable",
+    )
+    line = data.V_c.sortby("M")
+    ax.plot(line.M, line, "--", color=plot.RED, lw=1.3, zorder=0, label="$V_c(M)$, eq. 10")
+    ax.set(xscale="log", yscale="log", xlabel=r"Mass per area $M$ [kg/m$^2$]")
+    ax.set(ylabel="Loading velocity $V_{lp}$ [m/s]", xlim=(70, 1.4e5), ylim=(1.1e-4, 0.15))
+    fig.colorbar(dots, ax=ax, label=plot.AMPLITUDE, pad=0.02)
+    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=3)
+    return fig

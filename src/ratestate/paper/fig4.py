@@ -1,0 +1,107 @@
+"""Fig. 4: limit cycles from stick-slip to quasi-harmonic oscillation."""
+
+import numpy as np
+import xarray
+
+from .. import plot
+from ..arrays import logspace
+from ..cycles import limit_cycle
+from ..loading import Loading
+from ..quantities import attrs
+from ..simulate import simulate
+from ..stability import stability
+from .layout import figure, letter, steepest, styled, titled
+from .parameters import FIG4, FIG4_K, FIG4_V_LP
+
+PER_DECADE = 40
+EXAMPLES = {"stick_slip": 1e-4, "harmonic": 0.2}  # V_lp [m/s]
+SHOWN = 2.5  # cycles of an example
+
+
+def compute(law):
+    """Limit cycles along ``K`` and ``V_lp``; two as traces along times of their own."""
+    data = sweep(law, FIG4_V_LP)
+    for name, V_lp in EXAMPLES.items():
+        run = example(FIG4.replace(law=law), V_lp)
+        run = run.rename({n: f"{n}_{name}" for n in ("time", *run.data_vars)})
+        data = data.merge(run).assign({f"V_lp_{name}": ((), V_lp, attrs("V_lp"))})
+    return titled(data, "Fig. 4. From stick-slip to quasi-harmonic oscillation", law)
+
+
+def sweep(law, between):
+    """Limit cycles along ``K`` and ``V_lp``, with eta and f_n."""
+    first, last = between
+    V_lp = logspace("V_lp", first, last, round(PER_DECADE * np.log10(last / first)) + 1)
+    slider = FIG4.replace(law=law, K=xarray.DataArray(FIG4_K, dims="K"))
+    data = limit_cycle(slider, V_lp)
+    theory = stability(slider, V_lp)
+    return data.assign({name: theory[name] for name in ("eta", "f_n", "K_c_qs")})
+
+
+def example(slider, V_lp, shown=SHOWN):
+    """The last cycles of a run that has settled: tau and mu at the solver's steps, from time 0."""
+    period = float(limit_cycle(slider, V_lp).period)
+    t_end = 40.0 * period
+    run = simulate(slider, Loading.constant(V_lp), t_end, V_start=0.1 * V_lp, rtol=1e-8)
+    run = run[["tau", "mu"]].sel(time=slice(t_end - shown * period, None))
+    return run.assign_coords(time=run.time.copy(data=run.time - run.time[0]))
+
+
+@styled
+def draw(data):
+    """(a) amplitude and eta against V_lp; (b) a stick-slip cycle, (c) a quasi-harmonic one."""
+    fig = figure(data, 6.2, "a b Dc sigma M")
+    axes = fig.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=[1.2, 1])
+    for color, K in zip(("k", plot.GRAY), data.K.values, strict=True):
+        share = K / float(data.K_c_qs)
+        name = f"{plot.value_text('K', K, unit_of=1e9)} = {share:.2g} {plot.label('K_c_qs')}"
+        plot.amplitudes(data.sel(K=K), axes["a"], color=color, label=name)
+    axes["a"].set_ylim(0, 0.24)
+    axes["a"].legend(loc="upper left", bbox_to_anchor=(0.2, 1.0))
+    _coefficient(axes["a"].twinx(), data)
+    letter(axes["a"], "a")
+    names = {"stick_slip": "stick-slip", "harmonic": "quasi-harmonic oscillation"}
+    for panel, name in zip("bc", names, strict=True):
+        run = data[[f"tau_{name}", f"mu_{name}"]]
+        run = run.rename({f"{symbol}_{name}": symbol for symbol in ("tau", "mu", "time")})
+        plot.trace(run, axes[panel])
+        V_lp = float(data[f"V_lp_{name}"])
+        speed = plot.value_text("V_lp", V_lp, unit_of=10 * V_lp)  # 0.1 mm/s, not 100 um/s
+        letter(axes[panel], panel, f"{names[name]}, {speed}")
+        at = data.isel(K=0).sel(V_lp=V_lp, method="nearest")
+        axes["a"].plot(at.V_lp, at.amplitude, "ko", ms=4)
+        note = {"textcoords": "offset points", "xytext": (0, -12), "ha": "center"}
+        axes["a"].annotate(panel, (float(at.V_lp), float(at.amplitude)), fontweight="bold", **note)
+        if name == "stick_slip":
+            _slip_phase(axes[panel], run, 2.0 / float(data.f_n[0]))
+    axes["c"].legend(loc="upper right", ncols=2)
+    low, high = axes["c"].get_ylim()
+    axes["c"].set_ylim(low, high + 0.15 * (high - low))
+    return fig
+
+
+def _coefficient(ax, data):
+    """eta on an axis of its own, with eta = 1 marked."""
+    ax.loglog(data.V_lp, data.eta, color=plot.BLUE, lw=1.2)
+    one = float(np.exp(np.interp(0.0, np.log(data.eta), np.log(data.V_lp))))
+    ax.plot(one, 1.0, "o", color=plot.BLUE, mfc="w", ms=5)
+    ax.axvline(one, color=plot.BLUE, lw=0.7, ls=":")
+    text = rf"$\eta = 1$ at {1e3 * one:.1f} mm/s"
+    note = {"textcoords": "offset points", "xytext": (-6, 4), "ha": "right"}
+    ax.annotate(text, (one, 1.0), color=plot.BLUE, **note)
+    ax.set(ylim=(1e-9, 1e6))
+    ax.set_ylabel(r"Dynamic instability coefficient $\eta$", color=plot.BLUE)
+    ax.tick_params(axis="y", colors=plot.BLUE)
+
+
+def _slip_phase(ax, run, half):
+    """A drop of the stick-slip cycle, in the room made above it."""
+    low, high = ax.get_ylim()
+    ticks = [tick for tick in ax.get_yticks() if low < tick < high]
+    ax.set(ylim=(low, high + 0.95 * (high - low)), yticks=ticks[:: 1 + len(ticks) // 6])
+    inset = ax.inset_axes((0.16, 0.66, 0.81, 0.31))
+    drop = steepest(run)
+    plot.trace(drop.sel(time=slice(-half, half)), inset)
+    inset.set(ylabel="", xlabel="")
+    text = "slip phase,\ntime in ms"
+    inset.text(0.97, 0.9, text, transform=inset.transAxes, ha="right", va="top", fontsize=7.5)

@@ -1,0 +1,67 @@
+"""Fig. 6: slow stick-slip where the stiffness is all but critical."""
+
+from .. import plot
+from ..cycles import limit_cycle
+from ..loading import Loading
+from ..simulate import simulate
+from ..stability import stability
+from .layout import figure, letter, steepest, styled, titled
+from .parameters import FIG6, FIG6_SPEEDS, FIG6_STEP
+
+T_STEP = FIG6_STEP / FIG6_SPEEDS[0]  # s
+T_END = 310.0  # s: the slip law takes more than 100 s to settle
+START = T_STEP + 8.0  # s, the end of the first part kept
+CYCLES = 4.5  # kept at the end
+
+
+def compute(law):
+    """The run at the solver's steps, its first seconds and its last cycles: ``time``."""
+    slider = FIG6.replace(law=law)
+    slow, fast = FIG6_SPEEDS
+    run = simulate(slider, Loading.steps(slow, (T_STEP, fast)), T_END, rtol=1e-8)
+    cycle = limit_cycle(slider, fast)
+    theory = stability(slider, fast)
+    last = T_END - CYCLES * float(cycle.period)
+    kept = (run.time <= START) | (run.time >= last)
+    data = run[["V", "V_load", "tau", "mu", "delta_lp", "amplitude", "frequency"]].isel(time=kept)
+    data["settled"] = (data.time >= last).assign_attrs(units="1", long_name="in the limit cycle")
+    measures = cycle[["amplitude", "period", "frequency", "inertia", "V_max", "V_min"]]
+    data = data.assign({f"cycle_{name}": value for name, value in measures.items()})
+    data = data.assign({name: theory[name] for name in ("K_c", "K_c_qs", "eta")})
+    return titled(data, "Fig. 6. Slow stick-slip near the critical stiffness", law)
+
+
+@styled
+def draw(data):
+    """tau/sigma and mu after the step, and once settled; a drop of each in the insets."""
+    K = plot.parameter(data, "K")
+    more = f" = {K / float(data.K_c_qs):.5g} {plot.label('K_c_qs')}"
+    fig = figure(data, 4.4, "a b Dc sigma M K", more)
+    left, right = fig.subplots(1, 2, width_ratios=[2.3, 1], sharey=True)
+    first, settled = data.isel(time=~data.settled), data.isel(time=data.settled)
+    slow, fast = (plot.value_text("V_lp", float(data.V_load[i])).split("= ")[1] for i in (0, -1))
+    sigma = plot.parameter(data, "sigma")
+    for ax, run in ((left, first), (right, settled)):
+        plot.trace(run, ax, x="delta_lp")
+        ax.axhspan(settled.tau.min() / sigma, settled.tau.max() / sigma, color="0.93", zorder=0)
+    left.set(ylim=(0.505, 0.58), xlim=(0, 1e3 * first.delta_lp.max()))
+    left.set_yticks([0.53, 0.54, 0.55, 0.56, 0.57])
+    left.legend(loc="upper right", ncols=2)
+    right.set_ylabel("")
+    right.set_xlim(1e3 * settled.delta_lp.min(), 1e3 * settled.delta_lp.max())
+    at_step = f"$K = {K / float(data.K_c):.4f}\\,K_c$, $\\eta = {float(data.eta):.3g}$"
+    letter(left, "a", f"step from {slow} to {fast}, where {at_step}")
+    letter(right, "b", f"limit cycle, at {float(data.time[-1]):.0f} s")
+    _drop(left.inset_axes((0.3, 0.12, 0.3, 0.29)), first, 0.012, "first drop")
+    _drop(right.inset_axes((0.28, 0.12, 0.66, 0.29)), settled, 0.1, "one of its drops")
+    return fig
+
+
+def _drop(ax, run, half, text):
+    """The steepest fall of the stress in a run, from `half` seconds before to as long after."""
+    plot.trace(steepest(run).sel(time=slice(-half, half)), ax)
+    sigma = plot.parameter(run, "sigma")
+    share = abs(run.tau / sigma - run.mu).max() / (run.tau.max() - run.tau.min()) * sigma
+    ax.set_ylabel("")
+    gap = r"|$\tau/\sigma - \mu$| up to" + f" {100 * float(share):.2g} % of it"
+    ax.set_title(f"{text}, with\n{gap}", fontsize=7.5, pad=3)

@@ -1,0 +1,62 @@
+"""The paper's figures as files: a picture, its print version, and the numbers in it."""
+
+from pathlib import Path
+
+from . import fig1, fig2, fig3, fig4, fig5, fig6
+
+#: number -> module, with ``compute(law) -> Dataset`` and ``draw(Dataset) -> Figure``
+FIGURES = {1: fig1, 2: fig2, 3: fig3, 4: fig4, 5: fig5, 6: fig6}
+DPI = 300
+
+
+def stem(number, law):
+    """Name of a figure's files: "fig2_slip"; only "fig1" for Fig. 1, which shows both laws."""
+    return "fig1" if number == 1 else f"fig{number}_{law}"
+
+
+def make(number, law, out):
+    """Compute and draw a figure, and write it.
+
+    Parameters
+    ----------
+    number : int
+        1 to 6.
+    law : {"slip", "aging"}
+        The paper shows the slip law, its supplement the aging law.
+    out : str or pathlib.Path
+        Folder, made if it is missing.  Files of the same names are replaced, each at once.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The .png (300 dpi), the .pdf and the .nc file with the numbers.
+    """
+    module = FIGURES[number]
+    data = module.compute(law)
+    fig = module.draw(data)
+    out = Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    writers = {
+        ".png": lambda path: fig.savefig(path, dpi=DPI),
+        ".pdf": lambda path: fig.savefig(path, metadata={"CreationDate": None}),
+        ".nc": lambda path: write_netcdf(data, path),
+    }
+    return [_replace(out / f"{stem(number, law)}{end}", write) for end, write in writers.items()]
+
+
+def write_netcdf(data, path):
+    """Write a Dataset as compressed NetCDF."""
+    packed = {"zlib": True, "complevel": 4, "shuffle": True}
+    encoding = {name: packed for name, variable in data.variables.items() if variable.ndim}
+    data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+
+
+def _replace(path, write):
+    """Write beside `path` and rename, so that nobody ever finds half a file."""
+    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
+    try:
+        write(partial)
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return path

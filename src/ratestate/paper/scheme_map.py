@@ -1,0 +1,83 @@
+"""What the paper's scheme (eqs 8, 9) does at a given time step: its V_c and its limit cycles.
+
+Steps are given as omega dt, omega = sqrt(K/M): 0.1 is the largest that the script published by
+the scheme's author accepts without a warning.
+"""
+
+import math
+
+import numpy as np
+
+from ..engine.im2017 import solve
+from ..engine.model import METHODS
+from ..laws import evolution_law
+from ..loading import Loading
+from ..simulate import simulate
+from ..stability import eta
+
+LARGEST, FINER = 0.1, 0.01  # omega dt
+#: The scheme as its author published it: the aging law's state by backward Euler.
+METHOD = {"slip": "im2017", "aging": "im2017_euler"}
+# Of ln V, psi and x, to difference the map: rounding then costs 1e-8 of a multiplier.
+PERTURBATION = 1e-5
+
+
+def time_step(slider, omega_dt):
+    """The time step dt [s] that is omega_dt in units of sqrt(M/K)."""
+    return omega_dt * math.sqrt(slider.M / slider.K)
+
+
+def multiplier(slider, V_lp, omega_dt, method):
+    """Spectral radius of one step, linearised about the scheme's own steady sliding.
+
+    The spring's stress there is not the friction: it is what makes eq. 8 repeat itself.
+    """
+    law, code = evolution_law(slider.law).code, METHODS[method]
+    kappa, beta = slider.K * slider.Dc / (slider.a * slider.sigma), slider.b / slider.a
+    omega = math.sqrt(kappa / eta(V_lp, a=slider.a, Dc=slider.Dc, sigma=slider.sigma, M=slider.M))
+    h = omega_dt / omega  # V0 is V_lp here, so that w, V0 theta/Dc and the load's speed are 1
+    bias = kappa * (math.cos(omega_dt) * h - math.sin(omega_dt) / omega)
+    steady = np.array([bias / (2.0 * math.sin(0.5 * omega_dt) ** 2), 0.0, 0.0])
+
+    def step(y):
+        x, v, psi = y
+        v_new, psi_new, x_new, _ = solve(
+            law, code, kappa, beta, x, v, psi, math.exp(v), h, h, omega
+        )
+        return np.array([x_new, v_new, psi_new])
+
+    moves = PERTURBATION * np.eye(3)
+    columns = [step(steady + move) - step(steady - move) for move in moves]
+    jacobian = np.array(columns).T / (2.0 * PERTURBATION)
+    return float(np.abs(np.linalg.eigvals(jacobian)).max())
+
+
+def critical_velocity(slider, omega_dt, method):
+    """The V_lp [m/s] at which the scheme's steady sliding turns unstable; compare eq. 10.
+
+    Bisection; the scheme is anti-damped, so its V_c lies below the true one.
+    """
+    low, high = 0.2 * slider.V_c, 1.05 * slider.V_c
+    while high - low > 1e-7 * slider.V_c:
+        middle = 0.5 * (low + high)
+        if multiplier(slider, middle, omega_dt, method) < 1.0:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+def step_response(slider, V_start, V_lp, duration, omega_dt, method, last=0.0):
+    """The Dataset of a velocity step at t = 0 by the scheme, saved at its steps in `last` [s]."""
+    dt = time_step(slider, omega_dt)
+    n = math.ceil(duration / dt)
+    steps = np.arange(n - math.ceil(last / dt), n + 1)
+    return simulate(
+        slider,
+        Loading.constant(V_lp),
+        n * dt,
+        V_start=V_start,
+        times=steps * dt,
+        method=method,
+        dt=dt,
+    )

@@ -1,0 +1,127 @@
+"""The reference values: quad-precision states, limit cycles by shooting, amplitudes of the paper.
+
+The states are those of ../shared/numerics.md, section 5.  Its periods and amplitudes are means over
+the last three cycles before t, of which P1, P4a and P4b had not quite settled: where simulate
+measures the same three cycles they agree to 1e-8, with the settled cycle to 1e-6 only.  The oracle
+of the settled cycle is a root of the return map by SciPy's Radau (naive.py).
+"""
+
+import math
+
+import naive
+import numpy as np
+import pytest
+
+import ratestate as rs
+
+FIG2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-9, "sigma": 2e6, "M": 3e3, "K": 9e8}
+FIG4 = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-9, "sigma": 4e6, "M": 1e2}
+STICK = FIG4 | {"K": 0.96e9}
+# parameters, law, V_start, V_lp, t, then at t: tau/sigma - mu0, ln(V/V0), psi; period, amplitude
+TABLE = {
+    "P1": (FIG2, "slip", 1e-4, 3.2e-3, 10.0)
+    + (-0.04515566728922, 14.84312491051, -14.938658649, 0.01976489645393, 0.001234696554),
+    "P4a": (FIG2, "aging", 1e-4, 3.2e-3, 10.0)
+    + (-0.04390204256013, 15.06571693061, -14.90710298778, 0.01983572771644, 0.0022991965811),
+    "P2": (STICK, "slip", 5e-6, 1e-5, 330.0)
+    + (-0.05091247702335, 6.421857000585, -10.3777202534, 29.97526508532, 0.061396405204),
+    "P3": (STICK, "slip", 5e-8, 1e-7, 46000.0)
+    + (-0.04374171674246, 1.646292721092, -6.49664754349, 4205.987027919, 0.089865449566),
+    "P4b": (STICK, "aging", 5e-6, 1e-5, 360.0)
+    + (-0.04271483396164, 1.704206223123, -6.404483134664, 32.67658424168, 0.073567974584),
+}
+names = pytest.mark.parametrize("name", TABLE)
+
+
+def run(name, rtol, t_end=None, **settings):
+    parameters, law, V_start, V_lp, t, *_ = TABLE[name]
+    slider = rs.SpringSlider(**parameters, law=law)
+    t = t_end or t
+    loading = rs.Loading.constant(V_lp)
+    return rs.simulate(slider, loading, t, V_start=V_start, rtol=rtol, **{"times": [t]} | settings)
+
+
+def errors(name, rtol):
+    parameters = TABLE[name][0]
+    found = run(name, rtol).isel(time=-1)
+    state = (
+        float(found.tau) / parameters["sigma"] - parameters["mu0"],
+        math.log(found.V / parameters["V0"]),
+        math.log(parameters["V0"] * found.theta / parameters["Dc"]),
+    )
+    return np.abs(np.subtract(state, TABLE[name][5:8]))
+
+
+@names
+def test_states(name):
+    assert (errors(name, 1e-10) < 2e-8).all()
+
+
+@names
+def test_states_at_the_default_tolerance(name):
+    found = errors(name, 1e-6)
+    assert (found < 500e-6).all()
+    assert found.max() > 1e-8  # or the tolerance had no effect
+
+
+@names
+def test_cycles_before_t(name):
+    """Mean period and amplitude of the last three complete cycles."""
+    t, period, amplitude = TABLE[name][4], *TABLE[name][8:]
+    cycles = [run(name, 1e-10, t - k * period) for k in range(3)]
+    assert np.mean([1 / c.frequency for c in cycles]) == pytest.approx(period, rel=1e-8)
+    # P4b's amplitude still changes by 4e-7 a cycle, so it depends on which minima were counted
+    tolerance = 3e-7 if name == "P4b" else 1e-8
+    assert np.mean([c.amplitude for c in cycles]) == pytest.approx(amplitude, rel=tolerance)
+
+
+@names
+def test_limit_cycle(name):
+    parameters, law, _, V_lp, t, *_, table_period, table_amplitude = TABLE[name]
+    found = rs.limit_cycle(rs.SpringSlider(**parameters, law=law), V_lp, rtol=1e-10)
+    assert found.status == 0
+    assert float(found.period) == pytest.approx(table_period, rel=1e-6)
+    assert float(found.amplitude) == pytest.approx(table_amplitude, rel=1e-6)
+    assert float(found.frequency) == pytest.approx(1 / float(found.period), rel=1e-15)
+    # A point of the section V = V_lp to start the shooting from, at a stress maximum
+    near = run(name, 1e-9, times=None)
+    last = near.isel(time=near.time > t - 1.5 * table_period)
+    i = int(last.tau.argmax())
+    stress, log_theta = float(last.tau[i]) / parameters["sigma"], math.log(last.theta[i])
+    twin = naive.Naive(**parameters, law=law)
+    cycle = naive.limit_cycle(
+        twin, stress, log_theta, V_lp, 3 * table_period, tol=1e-10, newtons=2 if t == 10 else 1
+    )
+    assert cycle.residual < 1e-10
+    assert float(found.period) == pytest.approx(cycle.period, rel=1e-9)
+    assert float(found.amplitude) == pytest.approx(cycle.amplitude, rel=1e-8)
+    assert float(found.V_max) == pytest.approx(cycle.V_max, rel=1e-7)
+    assert float(found.V_min) == pytest.approx(cycle.V_min, rel=1e-7)
+    assert float(found.inertia) == pytest.approx(cycle.inertia, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "V_lp", "amplitude", "frequency"),
+    [
+        ("slip", 1e-4, 0.04696781, 0.4192088),
+        ("slip", 1e-2, 0.01899449, 74.91234),
+        ("slip", 1e-1, 0.02583319, 380.3364),
+        ("slip", 1.0, 0.1654362, 487.4721),
+        ("aging", 1e-2, 0.03625932, 53.27594),
+    ],
+)
+def test_figures_4_and_5(law, V_lp, amplitude, frequency):
+    found = rs.limit_cycle(rs.SpringSlider(**STICK, law=law), V_lp)
+    assert float(found.amplitude) == pytest.approx(amplitude, rel=1e-6)
+    assert float(found.frequency) == pytest.approx(frequency, rel=3e-7)
+    assert found.frequency < 493.2  # f_n, never passed
+
+
+@pytest.mark.parametrize(
+    ("law", "amplitude", "frequency"),
+    [("slip", 0.00569786, 2.962584), ("aging", 0.01961776, 2.222700)],
+)
+def test_figure_6(law, amplitude, frequency):
+    found = rs.limit_cycle(rs.SpringSlider(**FIG2 | {"K": 1.0005 * 6e8}, law=law), 2e-4)
+    assert float(found.amplitude) == pytest.approx(amplitude, rel=1e-6)
+    assert float(found.frequency) == pytest.approx(frequency, rel=3e-7)
