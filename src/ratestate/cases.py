@@ -8,6 +8,8 @@ from .errors import NotConverged, QuasiStaticInstability, SolverError
 
 # Beyond this a quasi-static run has met its instability: no slip is faster than light.
 V_LIMIT = 3e8
+# Some 20 s of a case alone, and millions of cycles: beyond it a run counts as stuck.
+MAX_STEPS = 1e8
 
 
 def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, **asked):
@@ -23,7 +25,7 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, **asked):
     """
     a, b, Dc, sigma, K, M, V0 = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V0"))
     defaults = {"mode": FREE, "cycle_tol": 0.0, "steady_tol": 0.0, "observe": 0.0}
-    asked = defaults | {"max_steps": 1e12, "dt": dt or 0.0, "rtol": rtol} | asked
+    asked = defaults | {"max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol} | asked
     return Cases(
         kappa=K * Dc / (a * sigma),
         beta=b / a,
@@ -34,7 +36,7 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, **asked):
         t_end=np.asarray(t_end, float),
         loading=loading,
         times=times,
-        v_limit=np.log(V_LIMIT / V0),
+        v_limit=np.where(M == 0.0, np.log(V_LIMIT / V0), np.inf),
         **{name: np.broadcast_to(value, batch.n).astype(float) for name, value in asked.items()},
     )
 

@@ -5,21 +5,28 @@ Nothing heavy is imported before a command needs it, so help and version come at
 
 import contextlib
 import enum
-import sys
+import tempfile
+import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+from .errors import RateStateError
 
 FAILED, INTERRUPTED = 2, 130
-#: What ``figures`` can be asked for, beside "all": the paper's six, and one on its scheme.
-NAMES = ["1", "2", "3", "4", "5", "6", "scheme"]
+#: What ``figures`` can draw: the paper's six, and the error of its scheme.
+FIGURES = ["1", "2", "3", "4", "5", "6", "scheme"]
+WIDTH = 140  # of the claims table where no terminal says how wide it is
+
+main = typer.Typer(
+    name="ratestate",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,  # a traceback that can be copied into a report
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 
 
 class Law(enum.StrEnum):
@@ -27,14 +34,6 @@ class Law(enum.StrEnum):
 
     slip = "slip"
     aging = "aging"
-
-
-def main():
-    """Run the command line; Ctrl-C ends it with exit code 130."""
-    try:
-        app(standalone_mode=False)
-    except typer.Exit as end:
-        sys.exit(end.exit_code)
 
 
 def _version(wanted: bool) -> None:
@@ -45,8 +44,8 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
-def ratestate(
+@main.callback()
+def _ratestate(
     version: Annotated[
         bool,
         typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
@@ -54,5 +53,104 @@ def ratestate(
 ) -> None:
     """Dynamics of a slider on a spring under rate-and-state friction.
 
-    Example:  ratestate figures all --law slip --out figures
+    Example: ratestate figures 2 3 --law slip --out figures
     """
+
+
+@contextlib.contextmanager
+def _ending_well() -> Iterator[None]:
+    """End what can be foreseen with one message on stderr and an exit code."""
+    try:
+        yield
+    except RateStateError as error:
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(FAILED) from error
+    except OSError as error:
+        typer.echo(f"error: cannot write: {error}", err=True)
+        raise typer.Exit(FAILED) from error
+    except KeyboardInterrupt as interrupt:
+        typer.echo("interrupted; files already listed are whole", err=True)
+        raise typer.Exit(INTERRUPTED) from interrupt
+
+
+def _wanted(names: list[str]) -> list[str]:
+    """The figures asked for, in the order of the paper."""
+    if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
+        raise typer.BadParameter(
+            f"{unknown[0]!r} is no figure; choose among {', '.join(FIGURES)} and all"
+        )
+    return [name for name in FIGURES if "all" in names or name in names]
+
+
+@main.command()
+def figures(
+    which: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[1..6|scheme|all]...",
+            help="Figures of the paper; scheme: the error of its method against the time step; "
+            "all (the default): all of these and the claims table.",
+            show_default=False,
+        ),
+    ] = None,
+    law: Annotated[Law, typer.Option(help="Evolution law.")] = Law.slip,
+    out: Annotated[Path, typer.Option(help="Folder for the files; made if missing.")] = Path(
+        "figures"
+    ),
+) -> None:
+    """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
+
+    Each figure is written as .png, .pdf and .nc (its numbers), the claims as .md and .json.
+
+    Example: ratestate figures all --law aging --out figures
+    """
+    names = which or ["all"]
+    wanted = _wanted(names)
+    with _ending_well():
+        out.mkdir(parents=True, exist_ok=True)
+        # Rather now than after minutes of work.
+        with tempfile.TemporaryFile(dir=out):
+            pass
+        for name in wanted:
+            _draw(name, law.value, out)
+        if "all" in names:
+            _check_claims(law.value, out)
+
+
+def _draw(name: str, law: str, out: Path) -> None:
+    """Make one figure and list its files."""
+    from .paper.figures import make
+
+    title = "the scheme's error" if name == "scheme" else f"Fig. {name}"
+    with _reported(f"{title}, {law} law") as files:
+        files += make(name if name == "scheme" else int(name), law, out)
+
+
+def _check_claims(law: str, out: Path) -> None:
+    """Check the claims, write them, and print the table on stdout."""
+    from rich.console import Console
+
+    from .paper import claims_table
+    from .paper.claims import claims
+
+    with _reported(f"claims, {law} law") as files:
+        rows = claims(law)
+        files += claims_table.write(rows, law, out)
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=WIDTH)
+    console.print(claims_table.terminal(rows, law))
+
+
+@contextlib.contextmanager
+def _reported(what: str) -> Iterator[list[Path]]:
+    """Say on stderr what is being made; afterwards how long it took and which files it left."""
+    from rich.console import Console
+
+    console = Console(stderr=True, highlight=False)
+    console.print(f"[bold]{what}[/bold] ...")
+    begin, files = time.monotonic(), list[Path]()
+    yield files
+    console.print(f"  {time.monotonic() - begin:.1f} s", style="dim")
+    for path in files:
+        typer.echo(f"  {path}", err=True)

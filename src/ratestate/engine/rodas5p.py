@@ -22,7 +22,7 @@ weights `B` that the method implies for a pure quadrature.
 from numba import njit
 
 from ..laws import SLIP
-from .exp import exp, exp_alone, exp_and_inverse
+from .exp import LIMIT, exp, exp_alone, exp_and_inverse
 from .model import state_rate, state_rate_partials
 
 GAMMA = 0.21193756319429014
@@ -217,7 +217,8 @@ def step(y, w, e, w_lp, ramp, h, p, alone):
     m = eta0 * w
     kappa_w = kappa * w
     a_psi = gamma_h / (1.0 - gamma_h * f_psi)
-    diagonal = 1.0 + (y[0] - y[1] - beta * y[2])
+    # -(eta0 w) d/dv of g/(eta0 w); at rest w is a constant (exp.py)
+    diagonal = 1.0 + (y[0] - y[1] - beta * y[2] if y[1] > -LIMIT else 0.0)
     pivot = 1.0 / (m / gamma_h + diagonal + gamma_h * kappa_w + beta * a_psi * f_v)
     start = (w, m, gamma_h, kappa_w, f_v, a_psi, pivot)
     r = 1.0 / h
