@@ -4,13 +4,14 @@ import dataclasses
 import json
 import os
 import platform
+import sys
 from importlib import metadata
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
-CONSOLE = Console()
+CONSOLE = Console(width=None if sys.stdout.isatty() else 120)
 
 
 @dataclasses.dataclass
@@ -35,6 +36,7 @@ class Part:
     rows: list[list[str]] = dataclasses.field(default_factory=list)
     notes: list[str] = dataclasses.field(default_factory=list)
     goals: list[Goal] = dataclasses.field(default_factory=list)
+    text: int = 1  # leading columns that are words, not numbers
 
     def add(self, *cells):
         self.rows.append([str(cell) for cell in cells])
@@ -46,7 +48,7 @@ class Part:
         """Print it."""
         table = Table(title=self.title, title_justify="left", title_style="bold")
         for i, column in enumerate(self.columns):
-            table.add_column(column, justify="left" if i == 0 else "right")
+            table.add_column(column, justify="left" if i < self.text else "right")
         for row in self.rows:
             table.add_row(*row)
         CONSOLE.print(table)
@@ -59,7 +61,7 @@ class Part:
 
     def markdown(self):
         lines = [f"## {self.title}", "", _row(self.columns)]
-        lines.append(_row(["---"] + ["---:"] * (len(self.columns) - 1)))
+        lines.append(_row(["---" if i < self.text else "---:" for i in range(len(self.columns))]))
         lines += [_row(row) for row in self.rows]
         lines += ["", *(f"- {note}" for note in self.notes)]
         if self.goals:

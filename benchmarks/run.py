@@ -34,8 +34,9 @@ def main():
     rivals |= scipy_solvers()
     done = []
     for name in sorted(set(options.parts)) or PARTS:
-        CONSOLE.print(f"({name}) ...", end="\r")
+        began = time.perf_counter()
         part = PARTS[name].run(rivals)
+        part.notes.append(f"this part took {time.perf_counter() - began:.0f} s")
         part.show()
         done.append(part)
     write(done, options.out)

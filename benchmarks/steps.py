@@ -24,7 +24,7 @@ def run(_rivals):
     }
     with one_core():
         counts = {key: job().numbers.sum(axis=0) for key, job in jobs.items()}  # and warm
-        seconds = interleaved(jobs)
+        seconds = interleaved(jobs, repetitions=5)
     ns = {key: 1e9 * seconds[key] / counts[key][STEPS] for key in jobs}
     for name in problems:
         steps, rejected = counts[name, 0.0][[STEPS, REJECTED]]

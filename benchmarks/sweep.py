@@ -8,8 +8,12 @@ from timing import cpu, interleaved, one_core, wall
 import ratestate
 
 MEDIAN = 1e-5  # the median error asked for
-TOLERANCES = 10.0 ** np.arange(-4.0, -8.1, -0.25)
-TOLERANCES_LSODA = 10.0 ** np.arange(-7.0, -10.1, -0.25)
+TOLERANCES = 10.0 ** np.arange(-5.5, -8.1, -0.25)
+# Looser ones leave a larger error, and take seconds to say so.
+TOLERANCES_LSODA = {
+    "slip": 10.0 ** np.arange(-9.0, -10.6, -0.25),
+    "aging": 10.0 ** np.arange(-9.25, -10.6, -0.25),
+}
 
 
 def loosest(solve, problem, tolerances):
@@ -28,12 +32,13 @@ def run(rivals):
     """The Part."""
     part = Part(
         "(c) Fig. 3, 12 x 13 cases of 10 s: case-seconds per CPU-second at median error 1e-5",
-        ["law, how", "case-s per CPU-s", "CPU s", "tolerance", "median error", "worst", "failed"],
+        ["law", "how", "case-s per CPU-s", "CPU s", "tolerance", "median error", "worst", "failed"],
+        text=2,
         notes=[
             "simulate: the public call, with extremes, energy and the Dataset; engine: without"
             " these, through the same march",
             "tolerance: the loosest quarter decade with median error at most 1e-5; errors against"
-            " rtol 1e-12",
+            " rtol 1e-12; a failed case counts as infinite",
         ],
     )
     for law in ("slip", "aging"):
@@ -49,20 +54,20 @@ def _one_law(part, law, lsoda):
     jobs = {"engine": problem.job(tol), "simulate": lambda: simulate(problem, tol)}
     if lsoda:
         with one_core():
-            lsoda(problem, 1e-4)  # warm
-            chosen = loosest(lambda t: lsoda(problem, t)[0], problem, TOLERANCES_LSODA)
+            lsoda(problem, 1e-2)  # warm
+            chosen = loosest(lambda t: lsoda(problem, t)[0], problem, TOLERANCES_LSODA[law])
         if chosen:
             results["numbalsoda LSODA"] = chosen
             jobs["numbalsoda LSODA"] = lambda: lsoda(problem, chosen[0])
         else:
-            part.add(f"{law}, numbalsoda LSODA", "never", *["-"] * 5)
+            part.add(law, "numbalsoda LSODA", "never", *["-"] * 5)
     with one_core():
         cpu(jobs["simulate"])  # warm
         seconds = interleaved(jobs, repetitions=5, most=4.0)
     for name, spent in seconds.items():
         tol_used, middle, errors = results[name]
         row = [f"{total / spent:,.0f}", f"{spent:.3f}", power(tol_used), power(middle)]
-        part.add(f"{law}, {name}", *row, power(errors.max()), np.isinf(errors).sum())
+        part.add(law, name, *row, power(errors[np.isfinite(errors)].max()), np.isinf(errors).sum())
     clock = np.median([wall(jobs["simulate"]) for _ in range(5)])
     part.notes.append(
         f"{law}: simulate on all cores: {total / clock:,.0f} case-seconds per second on the clock"

@@ -87,7 +87,7 @@ def figures(
     which: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[1..6|scheme|all]...",
+            metavar="1..6|scheme|all",
             help="Figures of the paper; scheme: the error of its method against the time step; "
             "all (the default): all of these and the claims table.",
             show_default=False,

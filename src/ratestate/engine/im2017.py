@@ -64,9 +64,12 @@ def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
         gradient = w_new + (2.0 / (h * kappa)) * one_c * (1.0 + beta * slope)
         move = -mismatch / gradient if gradient > 0.0 else (2.0 if mismatch < 0.0 else -2.0)
         move = min(max(move, -2.0), 2.0)
-        if not low < v_new + move < high:
+        # Rounding in x can hide the root below 1e-13 of v: a move that small is the answer even
+        # where the bracket, one of its ends perhaps still infinite, would ask for another.
+        tiny = 1e-13 * max(1.0, abs(v_new))
+        if abs(move) > tiny and not low < v_new + move < high:
             move = 0.5 * (low + high) - v_new
-        if abs(move) <= 1e-13 * max(1.0, abs(v_new)):
+        if abs(move) <= tiny:
             return v_new, psi_new, x_new, True
         v_new += move
     return v_new, psi_new, x_new, False

@@ -1,10 +1,8 @@
 """A row of the claims table: what the paper says, and what comes out."""
 
 import dataclasses
-import math
 
 TIGHT, LOOSE = 1e-10, 1e-8  # rtol of the converged values, and of those they are compared with
-NO_BOUND = (-math.inf, math.inf)
 CLOSED_FORM = "closed form; rounding only"
 TWO_RUNS = f"difference between rtol {TIGHT:g} and {LOOSE:g}"
 

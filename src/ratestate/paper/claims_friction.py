@@ -24,7 +24,9 @@ def on_friction(law):
     start, end = mu[0], mu[-1]
     rise, fall, net = start - slider.mu0, start - end, end - slider.mu0
     peak = _peak(slider.replace(K=STIFFNESS * slider.sigma)) - slider.mu0
-    exact = slider.Dc if law == "slip" else slider.Dc * math.log((math.e - 1) / math.expm1(1 / math.e))
+    exact = (
+        slider.Dc if law == "slip" else slider.Dc * math.log((math.e - 1) / math.expm1(1 / math.e))
+    )
     rows = [
         (
             "direct_effect",
@@ -76,7 +78,9 @@ def _run(slider, reach, rtol):
     """An e-fold step from V0 at even slips of the load point up to `reach` [m]."""
     V = math.e * slider.V0
     times = np.linspace(0.0, reach / V, 4001)
-    return simulate(slider, Loading.constant(V), times[-1], V_start=slider.V0, times=times, rtol=rtol)
+    return simulate(
+        slider, Loading.constant(V), times[-1], V_start=slider.V0, times=times, rtol=rtol
+    )
 
 
 def _response(slider):

@@ -38,9 +38,7 @@ def _inertia(law):
             run = simulate(slider, Loading.constant(V_lp), t_end, V_start=0.1 * V_lp, rtol=rtol)
             return (_share(run.sel(time=slice(t_end - period, None)), slider),)
 
-        run = step_response(
-            slider, 0.1 * V_lp, V_lp, CYCLES * period, LARGEST, METHOD[law], period
-        )
+        run = step_response(slider, 0.1 * V_lp, V_lp, CYCLES * period, LARGEST, METHOD[law], period)
         claims.append(
             Claim(
                 id=f"inertia_in_{name}",

@@ -4,7 +4,8 @@ import json
 import math
 from importlib.metadata import version
 
-from .files import replace
+from .claim import CLOSED_FORM
+from .figures import replace
 from .layout import LAWS
 
 STYLES = {
@@ -19,8 +20,9 @@ Each claim of Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026, besi
 package finds: by the paper's own scheme (eqs 8, 9; `{method}`) at the time steps stated, where
 omega = sqrt(K/M) and omega dt = 0.1 is the largest that its author's script accepts without a
 warning; and converged, by an error-controlled method, with an estimate of the numerical error.
-Verdicts compare the converged value with the paper's to its last printed digit; "agrees with the
-scheme only": the scheme's time step, not physics, is the cause of the difference.
+Verdicts compare the converged value with the range that the paper's statement is taken to mean: a
+number to half a unit of its last digit, words as stated.  "Agrees with the scheme only": the time
+step, not physics, is the cause of the difference.
 """
 
 
@@ -34,9 +36,25 @@ def quantity(values, unit):
     return f"{', '.join(map(number, values))} {unit}".rstrip()
 
 
+def paper(row):
+    """What the paper says, and the ranges that count as the same."""
+    return [row.paper, f"taken as {', '.join(map(_between, row.covers))}"] if row.covers else ["-"]
+
+
+def _between(bounds):
+    low, high = bounds
+    if low == high:
+        return number(low)
+    if math.isinf(low) or math.isinf(high):
+        return f"> {number(low)}" if math.isinf(high) else f"< {number(high)}"
+    return f"{number(low)}..{number(high)}"
+
+
 def converged(row):
     """The converged values and their error as text."""
-    return f"{quantity(row.converged, row.unit)} (+- {row.error:.0e})"
+    error = f"+- {row.error:.0e}" if row.error else "+- 0"
+    error = "closed form" if row.error_from == CLOSED_FORM else error
+    return f"{quantity(row.converged, row.unit)} ({error})"
 
 
 def by_scheme(row):
@@ -73,7 +91,7 @@ def terminal(rows, law):
             about.append(f"\n{row.note}", "italic")
         table.add_row(
             about,
-            Text(row.paper or "-"),
+            Text("\n".join(paper(row))),
             Text("\n".join(by_scheme(row)) or "-"),
             Text(converged(row)),
             Text(row.verdict, STYLES[row.verdict]),
@@ -98,7 +116,7 @@ def markdown(rows, law):
         cells = (
             str(i),
             f"{row.claim} ({row.where})",
-            row.paper or "-",
+            "<br>".join(paper(row)),
             "<br>".join(by_scheme(row)) or "-",
             converged(row),
             f"**{row.verdict}**",

@@ -2,16 +2,17 @@
 
 from pathlib import Path
 
-from . import fig1, fig2, fig3, fig4, fig5, fig6
+from . import fig1, fig2, fig3, fig4, fig5, fig6, scheme
 
-#: number -> module, with ``compute(law) -> Dataset`` and ``draw(Dataset) -> Figure``
-FIGURES = {1: fig1, 2: fig2, 3: fig3, 4: fig4, 5: fig5, 6: fig6}
+#: number or name -> module, with ``compute(law) -> Dataset`` and ``draw(Dataset) -> Figure``
+FIGURES = {1: fig1, 2: fig2, 3: fig3, 4: fig4, 5: fig5, 6: fig6, "scheme": scheme}
 DPI = 300
 
 
 def stem(number, law):
     """Name of a figure's files: "fig2_slip"; only "fig1" for Fig. 1, which shows both laws."""
-    return "fig1" if number == 1 else f"fig{number}_{law}"
+    name = number if number == "scheme" else f"fig{number}"
+    return name if number == 1 else f"{name}_{law}"
 
 
 def make(number, law, out):
@@ -19,8 +20,8 @@ def make(number, law, out):
 
     Parameters
     ----------
-    number : int
-        1 to 6.
+    number : int or "scheme"
+        1 to 6, or the error of the paper's scheme against its time step.
     law : {"slip", "aging"}
         The paper shows the slip law, its supplement the aging law.
     out : str or pathlib.Path
@@ -41,7 +42,7 @@ def make(number, law, out):
         ".pdf": lambda path: fig.savefig(path, metadata={"CreationDate": None}),
         ".nc": lambda path: write_netcdf(data, path),
     }
-    return [_replace(out / f"{stem(number, law)}{end}", write) for end, write in writers.items()]
+    return [replace(out / f"{stem(number, law)}{end}", write) for end, write in writers.items()]
 
 
 def write_netcdf(data, path):
@@ -51,7 +52,7 @@ def write_netcdf(data, path):
     data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
 
 
-def _replace(path, write):
+def replace(path, write):
     """Write beside `path` and rename, so that nobody ever finds half a file."""
     partial = path.with_name(f".{path.stem}.partial{path.suffix}")
     try:

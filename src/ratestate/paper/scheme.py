@@ -43,7 +43,7 @@ def compute(law):
             for i, (name, unit, text) in enumerate(zip(names, units, long_names, strict=True))
         },
         {
-            "scheme": METHODS[law],
+            "scheme": ("scheme", METHODS[law], {"units": "1", "long_name": "the scheme's variant"}),
             "omega_dt": ("omega_dt", OMEGA_DT, {"units": "1", "long_name": "sqrt(K/M) dt"}),
         },
         cycle.attrs,

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..engine.im2017 import solve
 from ..engine.model import METHODS
+from ..errors import SolverError
 from ..laws import evolution_law
 from ..loading import Loading
 from ..simulate import simulate
@@ -41,9 +42,11 @@ def multiplier(slider, V_lp, omega_dt, method):
 
     def step(y):
         x, v, psi = y
-        v_new, psi_new, x_new, _ = solve(
+        v_new, psi_new, x_new, found = solve(
             law, code, kappa, beta, x, v, psi, math.exp(v), h, h, omega
         )
+        if not found:
+            raise SolverError(f"the scheme has no step at omega dt = {omega_dt:g}; reduce it")
         return np.array([x_new, v_new, psi_new])
 
     moves = PERTURBATION * np.eye(3)

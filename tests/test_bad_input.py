@@ -1,0 +1,188 @@
+"""What cannot be used is refused at once: a message with symbol, value, unit and remedy."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import ratestate as rs
+from ratestate import Loading, ParameterError, limit_cycle, simulate
+
+SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
+LOADING = Loading.constant(1e-3)
+NAN, INF = float("nan"), float("inf")
+
+
+def axis(values, coordinate=None):
+    return xr.DataArray(values, dims="q", coords=None if coordinate is None else {"q": coordinate})
+
+
+@pytest.mark.parametrize(
+    ("settings", "symbol", "value", "remedy"),
+    [
+        ({"t_end": 0}, "t_end", "0 s", "such as '10 s'"),
+        ({"t_end": -1}, "t_end", "-1 s", "must be > 0"),
+        ({"t_end": NAN}, "t_end", "nan s", "such as '10 s'"),
+        ({"t_end": INF}, "t_end", "inf s", "must be finite"),
+        ({"t_end": "3 mm"}, "t_end", "'3 mm'", "such as '10 s'"),
+        ({"t_end": None}, "t_end", "None", "such as '10 s'"),
+        ({"t_end": [1.0, 2.0]}, "t_end", "[1.0, 2.0]", "xarray.DataArray"),
+        ({"times": [0.5, 2.0]}, "times", "2 s", "extend t_end or drop"),
+        ({"times": [0.5, 1.0 + 1e-9]}, "times", "t_end = 1 s", "extend t_end or drop"),
+        ({"times": [0.5, 0.2]}, "times", "[s]", "sort them"),
+        ({"times": [0.5, 0.5]}, "times", "[s]", "drop repeated"),
+        ({"times": [-0.1, 0.5]}, "times", "-0.1 s", "must be >= 0"),
+        ({"times": [0.1, NAN]}, "times", "nan s", "such as '10 s'"),
+        ({"times": ["1 mm"]}, "times[0]", "'1 mm'", "such as '10 s'"),
+        ({"times": 0.5}, "times", "0.5", "array"),
+        ({"times": [[0.1, 0.2]]}, "times", "2 dimensions", "a column has 1"),
+        (
+            {"times": xr.DataArray([[0.1, 0.2]], dims=["q", "r"])},
+            "times",
+            "('q', 'r')",
+            "must be 'time'",
+        ),
+        ({"method": "rk4"}, "method", "'rk4'", "rodas5p"),
+        ({"method": "im2017"}, "dt", "im2017", "give dt [s]"),
+        ({"method": "im2017", "dt": 0.0}, "dt", "0 s", "must be > 0"),
+        ({"method": "im2017", "dt": -1e-3}, "dt", "-0.001 s", "must be > 0"),
+        ({"method": "im2017", "dt": NAN}, "dt", "nan s", "such as '0.1 ms'"),
+        ({"method": "im2017", "dt": "1 mm"}, "dt", "'1 mm'", "such as '0.1 ms'"),
+        ({"method": "im2017", "dt": axis([1e-4])}, "dt", "", "one number"),
+        ({"method": "im2017_euler", "dt": 1e-4}, "im2017_euler", "law='aging'", "method='im2017'"),
+        ({"dt": 1e-4}, "dt", "0.0001", "leave dt out"),
+        ({"rtol": 0.0}, "rtol", "0", "must be > 0"),
+        ({"rtol": -1e-6}, "rtol", "-1e-06", "such as 1e-6"),
+        ({"rtol": 1e-15}, "rtol", "1e-15", "from 1e-13 to 0.1"),
+        ({"rtol": 1.0}, "rtol", "1.0", "from 1e-13 to 0.1"),
+        ({"rtol": NAN}, "rtol", "nan", "such as 1e-6"),
+        ({"rtol": axis([1e-6])}, "rtol", "", "one number"),
+        ({"V_start": 0.0}, "V_start", "0 m/s", "must be > 0"),
+        ({"V_start": -1e-3}, "V_start", "-0.001 m/s", "such as '3.2 mm/s'"),
+        ({"V_start": "3.2 mm"}, "V_start", "'3.2 mm'", "such as '3.2 mm/s'"),
+        ({"V_start": NAN}, "V_start", "nan m/s", "such as '3.2 mm/s'"),
+        ({"initial": {"V": 0.0}}, "initial V", "0 m/s", "must be > 0"),
+        ({"initial": {"theta": "1 m"}}, "initial theta", "'1 m'", "a time [s]"),
+        ({"initial": {"tau": NAN}}, "initial tau", "nan Pa", "a stress [Pa]"),
+        ({"initial": {"mu": 0.6}}, "initial", "{'mu': 0.6}", "V, theta and tau"),
+        ({"initial": 3.0}, "initial", "3.0", "must be a dict"),
+    ],
+)
+def test_simulate(settings, symbol, value, remedy):
+    with pytest.raises(ParameterError) as caught:
+        simulate(SLIDER, LOADING, **{"t_end": 1.0} | settings)
+    for part in (symbol, value, remedy):
+        assert part in str(caught.value)
+    assert isinstance(caught.value, ValueError)
+    assert caught.value.__suppress_context__ or caught.value.__context__ is None
+
+
+@pytest.mark.parametrize(
+    ("settings", "parts"),
+    [
+        ({"V_lp": 0.0}, ["V_lp = 0 m/s", "must be > 0", "'3.2 mm/s'"]),
+        ({"V_lp": -1.0}, ["V_lp = -1 m/s", "must be > 0"]),
+        ({"V_lp": NAN}, ["V_lp = nan m/s", "'3.2 mm/s'"]),
+        ({"V_lp": "3.2 mm"}, ["V_lp = '3.2 mm'", "a length", "'3.2 mm/s'"]),
+        ({"V_lp": axis([1e-3, -1e-3])}, ["V_lp = -0.001 m/s", "must be > 0"]),
+        ({"rtol": 1e-14}, ["rtol = 1e-14", "from 1e-12 to 1e-2"]),
+        ({"rtol": 0.5}, ["rtol = 0.5", "from 1e-12 to 1e-2"]),
+        ({"rtol": NAN}, ["rtol = nan"]),
+    ],
+)
+def test_limit_cycle(settings, parts):
+    with pytest.raises(ParameterError) as caught:
+        limit_cycle(SLIDER, **{"V_lp": 1e-3} | settings)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+@pytest.mark.parametrize("M", [0.0, axis([0.0, 1e3])])
+def test_the_papers_scheme_needs_mass(M):
+    with pytest.raises(ParameterError, match=r"M > 0.*rodas5p"):
+        simulate(SLIDER.replace(M=M), LOADING, 1.0, method="im2017", dt=1e-4)
+
+
+def test_the_papers_scheme_needs_a_spring():
+    with pytest.raises(ParameterError, match=r"K < inf.*rodas5p"):
+        simulate(SLIDER.replace(K=INF), LOADING, 1.0, method="im2017", dt=1e-4)
+
+
+def test_the_papers_scheme_cannot_step_over_its_own_oscillation():
+    """Beyond omega dt = pi the scheme returns numbers without meaning."""
+    with pytest.raises(ParameterError, match=r"dt = .* s"):
+        simulate(SLIDER, LOADING, 1.0, method="im2017", dt=0.1, V_start=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("slider", "loading", "more", "symbols"),
+    [
+        (axis([1.0, 2.0], [0, 1]), axis([1e-3, 2e-3], [5, 6]), {}, "M V"),
+        (axis([1.0, 2.0]), axis([1e-3, 2e-3, 3e-3]), {}, "M V"),
+        (axis([1.0, 2.0], [0, 1]), 1e-3, {"V_start": axis([1e-3, 2e-3], [5, 6])}, "M V_start"),
+        (axis([1.0, 2.0], [0, 1]), 1e-3, {"t_end": axis([1.0, 2.0], [5, 6])}, "M t_end"),
+        (axis([1.0, 2.0]), 1e-3, {"initial": {"theta": axis([1.0] * 3)}}, "M theta"),
+        (
+            axis([1.0, 2.0]),
+            1e-3,
+            {"times": xr.DataArray(np.tile([0.1, 0.2], (3, 1)), dims=["q", "time"])},
+            "M time",
+        ),
+        (3e3, axis([1e-3, 2e-3], [0, 1]), {"V_start": axis([1e-3, 2e-3], [5, 6])}, "V_start V_lp"),
+    ],
+)
+def test_clashing_coordinates(slider, loading, more, symbols):
+    with pytest.raises(ParameterError, match=r"along the dimension 'q'; give both") as caught:
+        simulate(
+            SLIDER.replace(M=slider), Loading.constant(loading), **{"t_end": 1.0} | more
+        )
+    for symbol in symbols.split():
+        assert symbol in str(caught.value)
+
+
+def test_limit_cycle_with_clashing_coordinates():
+    slider = SLIDER.replace(M=axis([1.0, 2.0], [0, 1]))
+    with pytest.raises(ParameterError, match=r"M and V_lp have different coordinates"):
+        limit_cycle(slider, axis([1e-3, 2e-3], [5, 6]))
+
+
+@pytest.mark.parametrize("name", ["tau", "status", "V", "amplitude"])
+def test_a_dimension_named_like_a_result(name):
+    slider = SLIDER.replace(M=xr.DataArray([1.0, 2.0], dims=name))
+    with pytest.raises(ParameterError, match=rf"{name}.*rename it"):
+        simulate(slider, LOADING, 0.1)
+
+
+def test_series_too_short():
+    series = Loading.series([0, 1.0], [1e-3, 2e-3])
+    with pytest.raises(ParameterError, match=r"t_end = 2.0 s is beyond .* 1.0 s; shorten t_end or"):
+        simulate(SLIDER, series, 2.0)
+    with pytest.raises(ParameterError, match=r"t_end = 1.5 s is beyond"):
+        simulate(SLIDER, series, axis([0.5, 1.5]))
+    assert simulate(SLIDER, series, 1.0, times=[1.0]).status == 0
+
+
+@pytest.mark.parametrize(
+    "loading",
+    [
+        Loading.constant(0.0),
+        Loading.steps(0.0, (1.0, 1e-3)),
+        Loading.series([0, 1.0], [0.0, 1e-3]),
+        Loading.constant(axis([1e-3, 0.0])),
+    ],
+    ids=["constant", "steps", "series", "one of two"],
+)
+def test_start_at_rest(loading):
+    with pytest.raises(ParameterError, match=r"V_lp = 0 m/s at t = 0.*V_start='1 um/s'"):
+        simulate(SLIDER, loading, 0.5)
+    assert (simulate(SLIDER, loading, 0.5, V_start="1 um/s", times=[0.5]).status == 0).all()
+
+
+def test_rigid_drive_at_rest():
+    with pytest.raises(ParameterError, match=r"V_lp = 0 m/s with K = inf.*finite K"):
+        simulate(SLIDER.replace(K=INF), Loading.steps(1e-3, (0.5, 0.0)), 1.0)
+
+
+@pytest.mark.parametrize("call", [lambda x: simulate(SLIDER, x, 1.0), lambda x: limit_cycle(x, 1)])
+def test_wrong_kind_of_argument(call):
+    with pytest.raises((ParameterError, TypeError), match="Loading|SpringSlider"):
+        call(1e-3)

@@ -1,0 +1,651 @@
+"""simulate: its contract, and its numbers against closed forms and SciPy's Radau."""
+
+import json
+import math
+
+import naive
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import quad, solve_ivp
+
+import ratestate as rs
+from ratestate import Loading, SpringSlider, logspace, simulate
+
+BASE = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-9, "sigma": 2e6, "M": 3e3, "K": 9e8}
+SLIDER = SpringSlider(**BASE)
+STIFF = SLIDER.replace(K=3e9)  # always stable
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+IN_TIME = ["V", "theta", "delta", "delta_lp", "V_load", "tau", "mu"]
+
+
+def logs(run, i=-1):
+    """tau/(a sigma), ln V, ln theta at one time of a run of one slider with BASE's a and sigma."""
+    at = run.isel(time=i)
+    return np.array([float(at.tau) / 6e3, math.log(at.V), math.log(at.theta)])
+
+
+# The result ---------------------------------------------------------------------------------------
+
+
+def test_own_steps_of_one_slider():
+    run = simulate(SLIDER, Loading.steps(1e-4, (0.3, 1e-3), (0.7, 0.0)), 1.1)
+    assert set(run.sizes) == {"time"}
+    assert list(run.data_vars)[: len(IN_TIME)] == IN_TIME
+    for name in IN_TIME:
+        assert run[name].dims == ("time",)
+        assert np.isfinite(run[name]).all()
+    for name in ("status", "steps", "energy_residual", "amplitude", "frequency", "cycles"):
+        assert run[name].dims == ()
+    for name, units in {"V": "m/s", "tau": "Pa", "theta": "s", "delta": "m", "mu": "1"}.items():
+        assert run[name].attrs["units"] == units
+        assert run[name].attrs["long_name"]
+    assert "V_lp" not in run.data_vars
+    assert run.time.attrs["units"] == "s"
+    assert run.sizes["time"] == int(run.steps) + 1
+    assert (np.diff(run.time) > 0).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_steps_land_on_breaks_and_end(seed):
+    """To the last bit, whatever the times: the march lands there, it does not come near."""
+    rng = np.random.default_rng(seed)
+    for _ in range(20):
+        t_end = rng.uniform(0.01, 0.5)
+        t1, t2 = np.sort(rng.uniform(0.1, 0.9, 2)) * t_end
+        run = simulate(SLIDER, Loading.steps(1e-4, (t1, 1e-3), (t2, 2e-4)), t_end, rtol=1e-4)
+        time = run.time.values
+        assert time[0] == 0
+        assert time[-1] == t_end
+        assert np.abs(time - t1).min() == np.abs(time - t2).min() == 0
+        # V_load(t) is the speed after a jump, and V has none: tau and V are continuous
+        assert run.V_load.sel(time=t1) == 1e-3
+        assert run.V_load.sel(time=t2) == 2e-4
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_saved_times_are_all_there(seed):
+    """No NaN beside status 0: neither at t_end nor where a time falls on a step's end."""
+    rng = np.random.default_rng(seed)
+    for _ in range(40):
+        t_end = rng.uniform(0.01, 0.5)
+        times = [0.0, t_end / 3, t_end]
+        run = simulate(
+            SLIDER, Loading.steps(1e-4, (t_end / 3, 1e-3)), t_end, times=times, rtol=1e-4
+        )
+        assert run.status == 0
+        assert np.isfinite(run.V.values).all()
+        assert run.time.values.tolist() == times
+    n = 200
+    t_end = xr.DataArray(rng.uniform(0.01, 0.5, n), dims="case")
+    fractions = xr.DataArray([0.25, 0.5, 1.0], dims="time")
+    M = xr.DataArray(10 ** rng.uniform(0, 5, n), dims="case")
+    batch = simulate(
+        SLIDER.replace(M=M),
+        Loading.steps(1e-4, (0.005, 3e-3), (0.1, 0.0), (0.2, 1e-2)),
+        t_end,
+        times=t_end * fractions,
+        rtol=1e-4,
+    )
+    assert (batch.status == 0).all()
+    assert np.isfinite(batch.V.values).all()
+
+
+def test_last_time_may_pass_t_end_by_rounding():
+    for t in (0.3 * (1 + 5e-13), 0.3, 0.3 * (1 - 5e-13)):
+        run = simulate(SLIDER, Loading.constant(1e-3), 0.3, V_start=1e-4, times=[0.1, t])
+        assert np.isfinite(run.V.values).all()
+
+
+def test_saved_times_agree_with_a_run_that_ends_there():
+    loading = Loading.steps(1e-4, (0.2, 3e-3))
+    times = np.linspace(0, 0.5, 41)
+    saved = simulate(SLIDER, loading, 0.5, times=times, rtol=1e-10)
+    for i in (5, 16, 17, 29, 40):
+        ended = simulate(SLIDER, loading, times[i], times=[times[i]], rtol=1e-10)
+        np.testing.assert_allclose(logs(saved, i), logs(ended), rtol=0, atol=2e-8)
+    np.testing.assert_array_equal(logs(saved, 0), logs(simulate(SLIDER, loading, 0.5), 0))
+
+
+def test_batch_without_times_is_the_final_state():
+    sweep = SLIDER.replace(M=logspace("M", 10, 1e4, 4))
+    loading = Loading.steps(1e-4, (0.1, logspace("V_lp", 1e-4, 1e-2, 3)))
+    run = simulate(sweep, loading, 0.3)
+    assert run.V.dims == ("M", "V_lp", "time") or run.V.dims == ("V_lp", "M", "time")
+    assert run.sizes["time"] == 1
+    assert run.time.values.tolist() == [0.3]
+    assert run.status.dims == run.V.dims[:2]
+    assert run.M.values.tolist() == [10, 100, 1000, 10000]
+    one = simulate(
+        SLIDER.replace(M=100.0), Loading.steps(1e-4, (0.1, 1e-3)), 0.3, times=[0.3], rtol=1e-6
+    )
+    np.testing.assert_allclose(
+        logs(run.sel(M=100).sel(V_lp=1e-3, method="nearest")), logs(one), rtol=0, atol=1e-9
+    )
+
+
+def test_t_end_as_array():
+    t_end = xr.DataArray([0.1, 0.2, 0.35], dims="run")
+    run = simulate(SLIDER, Loading.steps(1e-4, (0.15, 1e-3)), t_end)
+    assert run.V.dims == ("run", "time")
+    assert run.t.values[:, 0].tolist() == [0.1, 0.2, 0.35]
+    for i, end in enumerate(t_end.values):
+        one = simulate(SLIDER, Loading.steps(1e-4, (0.15, 1e-3)), end, times=[end])
+        np.testing.assert_allclose(logs(run.isel(run=i)), logs(one), rtol=0, atol=1e-9)
+
+
+def test_times_as_array():
+    times = xr.DataArray([[0.1, 0.2], [0.05, 0.3]], dims=["run", "time"])
+    loading = Loading.steps(1e-4, (0.15, 1e-3))
+    for given in (times, times.transpose("time", "run")):
+        run = simulate(SLIDER, loading, 0.3, times=given)
+        assert run.V.dims == ("run", "time")
+        np.testing.assert_array_equal(run.t, times)
+        assert run.t.attrs["units"] == "s"
+    one = simulate(SLIDER, loading, 0.3, times=[0.05, 0.3])
+    for i in (0, 1):
+        np.testing.assert_allclose(logs(run.isel(run=1), i), logs(one, i), rtol=0, atol=1e-9)
+
+
+def test_status_and_flags():
+    sweep = SLIDER.replace(M=xr.DataArray([0.0, 3e3], dims="M"))
+    run = simulate(sweep, Loading.steps(1e-4, (0.1, 3e-3)), 1.0)
+    assert run.status.dtype == np.int8
+    meanings = run.status.attrs["flag_meanings"].split()
+    values = run.status.attrs["flag_values"]
+    assert values.dtype == np.int8
+    assert len(meanings) == len(values) == len(set(meanings)) == len(set(values.tolist()))
+    names = dict(zip(values.tolist(), meanings, strict=True))
+    assert names[0] == "finished"
+    assert names[1] == "steady_sliding"
+    assert [names[int(s)] for s in run.status] == ["quasi_static_instability", "finished"]
+    assert np.isnan(run.V[0]).all()
+    assert np.isfinite(run.V[1]).all()
+    for name in IN_TIME:
+        if name not in ("V_load", "delta_lp"):  # those the loading knows
+            assert np.isnan(run[name][0]).all(), name
+
+
+def test_provenance_is_enough_to_run_again():
+    initial = {"theta": "1 s"}
+    loading = Loading.steps(1e-4, (0.1, 3e-3))
+    run = simulate(SLIDER, loading, 0.2, initial=initial, rtol=1e-7)
+    slider = SpringSlider(**json.loads(run.attrs["slider"]))
+    assert slider == SLIDER
+    record = json.loads(run.attrs["loading"])
+    assert record["t"] == [0.0, 0.1]
+    assert record["V"] == [1e-4, 3e-3]
+    again = simulate(
+        slider,
+        Loading.steps(record["V"][0], (record["t"][1], record["V"][1])),
+        json.loads(run.attrs["t_end"]),
+        V_start=json.loads(run.attrs["V_start"]),
+        initial=json.loads(run.attrs["initial"]),
+        rtol=run.attrs["rtol"],
+        method=run.attrs["method"],
+    )
+    xr.testing.assert_identical(run, again)
+    assert {"ratestate", "numba", "numpy"} <= set(json.loads(run.attrs["versions"]))
+
+
+@pytest.mark.parametrize("case", ["one", "sweep", "record", "rigid"])
+def test_netcdf_round_trip(case, tmp_path):
+    pytest.importorskip("h5netcdf")
+    t = np.linspace(0, 0.5, 3001)
+    slider, loading, more = {
+        "one": (SLIDER, Loading.constant(1e-3), {"V_start": 1e-4}),
+        "sweep": (SLIDER.replace(M=logspace("M", 10, 1e4, 3)), Loading.constant(1e-3), {}),
+        "record": (SLIDER, Loading.series(t, 1e-3 * (2 + np.sin(40 * t))), {"times": t}),
+        "rigid": (SLIDER.replace(K=np.inf), Loading.steps(1e-4, (0.1, 1e-3)), {}),
+    }[case]
+    run = simulate(slider, loading, 0.5, **more)
+    run.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "run.nc", engine="h5netcdf") as back:
+        xr.testing.assert_equal(run, back.load())
+        assert back.status.dtype == np.int8
+        assert back.status.attrs["flag_meanings"] == run.status.attrs["flag_meanings"]
+        assert back.attrs["slider"] == run.attrs["slider"]
+
+
+# The start and the load point ---------------------------------------------------------------------
+
+
+@LAWS
+def test_start_in_steady_sliding(law):
+    slider = SLIDER.replace(law=law)
+    run = simulate(slider, Loading.constant(2e-4), 0.01, V_start=1e-3).isel(time=0)
+    assert float(run.V) == pytest.approx(1e-3, rel=1e-14)
+    assert float(run.theta) == pytest.approx(1e-5 / 1e-3, rel=1e-14)
+    assert float(run.mu) == pytest.approx(0.6 - 0.003 * math.log(1e-3 / 1e-9), rel=1e-14)
+    assert float(run.tau) == pytest.approx(2e6 * float(run.mu), rel=1e-14)
+    assert run.delta_lp == 0
+    assert float(run.delta) == pytest.approx(-float(run.tau) / 9e8, rel=1e-14)
+    stays = simulate(STIFF.replace(law=law), Loading.constant(2e-4), 5.0)
+    np.testing.assert_allclose(stays.V, 2e-4, rtol=1e-12)
+    np.testing.assert_allclose(stays.mu, stays.mu[0], rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    "initial",
+    [
+        {"V": 1e-6},
+        {"theta": "10 s"},
+        {"tau": "1 MPa"},
+        {"V": 1e-6, "theta": 10.0},
+        {"V": 1e-6, "tau": 1e6},
+        {"theta": 10.0, "tau": 1e6},
+        {"V": 1e-6, "theta": 10.0, "tau": 1e6},
+    ],
+)
+@pytest.mark.parametrize("M", [0.0, 3e3])
+def test_initial_values(initial, M):
+    slider = STIFF.replace(M=M)
+    if M == 0 and len(initial) == 3:
+        with pytest.raises(rs.ParameterError, match=r"do not agree.*sigma mu"):
+            simulate(slider, Loading.constant(1e-3), 0.01, initial=initial)
+        return
+    run = simulate(slider, Loading.constant(1e-3), 0.01, initial=initial).isel(time=0)
+    V, theta = 1e-3, 1e-2
+    tau = 2e6 * (0.6 - 0.003 * math.log(1e6))
+    wanted = {"V": V, "theta": theta, "tau": tau}
+    given = {k: {"10 s": 10.0, "1 MPa": 1e6}.get(v, v) for k, v in initial.items()}
+    wanted |= given
+    if M == 0:  # on the friction curve
+        if set(given) in ({"V"}, {"V", "theta"}):
+            del wanted["tau"]
+        elif set(given) == {"V", "tau"}:
+            del wanted["theta"]
+        else:
+            del wanted["V"]
+        assert float(run.tau) == pytest.approx(2e6 * float(run.mu), rel=1e-14)
+    for name, value in wanted.items():
+        assert float(run[name]) == pytest.approx(value, rel=1e-12), name
+
+
+def test_initial_values_with_a_rigid_drive():
+    slider = SLIDER.replace(K=np.inf, M=0.0)
+    run = simulate(slider, Loading.constant(1e-3), 0.01, initial={"theta": 10.0}).isel(time=0)
+    assert float(run.V) == pytest.approx(1e-3, rel=1e-15)
+    assert float(run.theta) == pytest.approx(10.0, rel=1e-13)
+    assert run.delta == 0
+
+
+def test_slip_is_what_the_spring_says():
+    loading = Loading.series([0, 0.1, 0.1, 0.3], [1e-4, 2e-3, 0, 1e-3])
+    run = simulate(SLIDER, loading, 0.3, V_start=1e-4, rtol=1e-9, times=np.linspace(0, 0.3, 3001))
+    np.testing.assert_allclose(run.delta, run.delta_lp - run.tau / 9e8, rtol=1e-14, atol=1e-18)
+    np.testing.assert_array_equal(run.delta_lp, loading.delta_lp(run.time.values))
+    np.testing.assert_array_equal(run.V_load, loading.V_load(run.time.values))
+    # ... and that is the integral of V (by Simpson)
+    dt = run.time.values[1]
+    V = run.V.values
+    slip = np.cumsum((V[:-2:2] + 4 * V[1:-1:2] + V[2::2]) * dt / 3)
+    np.testing.assert_allclose(run.delta.values[2::2] - run.delta.values[0], slip, atol=2e-11)
+
+
+# Numbers: Radau -----------------------------------------------------------------------------------
+
+HISTORIES = {
+    "steps": ([0, 0.05, 0.11], [1e-3, 3e-3, 5e-4], [0, 0, 0]),
+    "hold": ([0, 0.05, 10.0], [1e-3, 0.0, 1e-3], [0, 0, 0]),
+    "ramps": ([0, 0.05, 0.1], [1e-3, 1e-3, 5e-3], [0, 0.08, -0.04]),
+    "up from rest": ([0, 0.05, 0.25], [0.0, 0.0, 4e-3], [0, 0.02, 0]),
+}
+ENDS = {"steps": 0.15, "hold": 10.05, "ramps": 0.2, "up from rest": 0.3}
+
+
+def as_loading(t, V, rate, t_end):
+    """The history as a series, jumps being repeated times."""
+    ends = [*t[1:], t_end]
+    rows, speeds = [], []
+    for begin, end, v, r in zip(t, ends, V, rate, strict=True):
+        rows += [begin, end]
+        speeds += [v, max(v + r * (end - begin), 0.0)]
+    keep = [0]
+    for i in range(1, len(rows)):
+        if (rows[i], speeds[i]) != (rows[keep[-1]], speeds[keep[-1]]):
+            keep.append(i)
+    return Loading.series([rows[i] for i in keep], [speeds[i] for i in keep])
+
+
+@LAWS
+@pytest.mark.parametrize("M", [0.0, 30.0, 3e3])
+@pytest.mark.parametrize("history", HISTORIES)
+def test_against_radau(history, M, law):
+    parameters = BASE | {"M": M, "K": 3e9 if M == 0 else 9e8}
+    slider = SpringSlider(**parameters, law=law)
+    twin = naive.Naive(**parameters, law=law)
+    t, V, rate = HISTORIES[history]
+    t_end = ENDS[history]
+    exact = naive.march(
+        twin, twin.steady(1e-3), list(zip(t, V, rate, strict=True)), t_end, tol=1e-10
+    )
+    loading = as_loading(t, V, rate, t_end)
+    for rtol, bound in ((1e-10, 3e-8), (1e-6, 1e-4)):
+        run = simulate(slider, loading, t_end, V_start=1e-3, rtol=rtol, times=[t_end])
+        found = np.array([run.tau[0] / 2e6, np.log(run.V[0]), np.log(run.theta[0])])
+        assert (np.abs(found - exact) / [0.003, 1, 1] < bound).all(), (rtol, found - exact)
+        assert abs(run.energy_residual) < 10 * rtol
+        if M == 0:
+            assert float(run.tau[0]) == pytest.approx(2e6 * float(run.mu[0]), rel=1e-13)
+
+
+@LAWS
+def test_stick_slip_against_radau(law):
+    """Through two events, in which V spans nine orders of magnitude."""
+    parameters = BASE | {"a": 0.005, "b": 0.008, "sigma": 4e6, "M": 100.0, "K": 9.6e8}
+    twin = naive.Naive(**parameters, law=law)
+    exact = naive.march(twin, twin.steady(5e-6), [(0.0, 1e-5, 0.0)], 60.0, tol=1e-9)
+    run = simulate(
+        SpringSlider(**parameters, law=law),
+        Loading.constant(1e-5),
+        60.0,
+        V_start=5e-6,
+        rtol=1e-9,
+        times=[60.0],
+    )
+    found = np.array([run.tau[0] / 4e6, np.log(run.V[0]), np.log(run.theta[0])])
+    assert (np.abs(found - exact) < 1e-6).all()
+    assert run.V_max / run.V_min > 1e5
+
+
+@LAWS
+@pytest.mark.parametrize("rtol", [1e-4, 1e-7])
+@pytest.mark.parametrize("M", [0.0, 100.0])
+def test_reloading_after_rest_in_contact(law, M, rtol):
+    """From hardly any stress: V rises over hundreds of e-folds and tau = sigma mu all the while.
+
+    Rounding in tau - sigma mu must not be amplified from step to step where V grows so fast.
+    """
+    slider = STIFF.replace(law=law, M=M)
+    t_end = 0.9 * 1.1e6 / 3e9 / 1e-3
+    times = np.linspace(0.05, 1, 20) * t_end
+    run = simulate(
+        slider, Loading.constant(1e-3), t_end, initial={"tau": 0.0}, times=times, rtol=rtol
+    )
+    assert np.log(run.V[0]) < -150
+    np.testing.assert_allclose(run.tau, 3e9 * 1e-3 * times, rtol=1e-5)  # it sticks
+    late = run.isel(time=slice(2, None))
+    np.testing.assert_allclose(late.tau, 2e6 * late.mu, rtol=0, atol=20 * rtol * 6e3)
+    after = simulate(
+        slider, Loading.constant(1e-3), 1.0, initial={"tau": 0.0}, times=[1.0], rtol=rtol
+    )
+    assert float(after.V[0]) == pytest.approx(1e-3, rel=max(1e-6, 100 * rtol))
+
+
+def test_sampled_record_against_radau():
+    rng = np.random.default_rng(5)
+    t = np.linspace(0, 0.1, 41)
+    V = 1e-3 * np.exp(0.5 * rng.standard_normal(41))
+    twin = naive.Naive(**BASE)
+    segments = list(zip(t[:-1], V[:-1], np.diff(V) / np.diff(t), strict=True))
+    exact = naive.march(twin, twin.steady(V[0]), segments, 0.1, tol=1e-9)
+    run = simulate(SLIDER, Loading.series(t, V), 0.1, rtol=1e-9, times=[0.1])
+    np.testing.assert_allclose(logs(run), exact / [0.003, 1, 1], rtol=0, atol=1e-7)
+
+
+@LAWS
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6])
+def test_landing_on_a_jump(law, rtol):
+    """A run over a jump is two runs, the second from where the first ended, at any tolerance."""
+    slider = SLIDER.replace(law=law)
+    whole = simulate(slider, Loading.steps(1e-4, (0.0371, 4e-3)), 0.0642, rtol=rtol)
+    first = simulate(slider, Loading.constant(1e-4), 0.0371, rtol=rtol).isel(time=-1)
+    second = simulate(
+        slider,
+        Loading.constant(4e-3),
+        0.0642 - 0.0371,
+        rtol=rtol,
+        initial={k: float(first[k]) for k in ("V", "theta", "tau")},
+    )
+    np.testing.assert_allclose(logs(whole), logs(second), rtol=0, atol=1e-8)
+    assert int(whole.steps) == int(first.steps) + int(second.steps)
+
+
+# Numbers: energy ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9])
+@LAWS
+def test_energy_residual(law, rtol):
+    """Over masses from none to large, through steps, holds, ramps and stick-slip."""
+    M = xr.DataArray([0.0, 1e-3, 1.0, 100.0, 3e3, 1e5], dims="M")
+    K = xr.DataArray([3e9, 1e10, 6.5e8, 1e8], dims="K")
+    slider = SLIDER.replace(M=M, K=K, law=law)
+    loadings = [
+        Loading.steps(1e-3, (0.05, 0.0), (1.0, 5e-3)),
+        Loading.series([0, 0.3, 0.3, 0.7, 1.2], [1e-3, 5e-3, 0, 1e-3, 0]),
+        Loading.constant(1e-3),
+    ]
+    for loading in loadings:
+        run = simulate(slider, loading, 1.2, V_start=2e-4, rtol=rtol)
+        done = run.status == 0
+        assert (run.energy_residual.where(done, 0) < 10 * rtol).all()
+        assert (run.energy_residual.where(done, 0) > -10 * rtol).all()
+        assert np.isfinite(run.energy_residual.where(done, 0)).all()
+        assert done.sum() >= 20
+        assert np.abs(run.energy_residual.where(done, 0)).max() > 1e-20
+
+
+def test_energy_by_hand():
+    """The balance of the saved motion itself: load work = friction + spring + kinetic energy."""
+    t = np.linspace(0, 0.05, 20001)
+    run = simulate(SLIDER, Loading.constant(3e-3), 0.05, V_start=1e-3, rtol=1e-10, times=t)
+
+    def integral(y):
+        y = y.values
+        return (y[:-2:2] + 4 * y[1:-1:2] + y[2::2]).sum() * t[1] / 3
+
+    load = integral(run.tau * 3e-3)
+    friction = integral(2e6 * run.mu * run.V)
+    spring = float((run.tau[-1] ** 2 - run.tau[0] ** 2) / 2 / 9e8)
+    kinetic = float(1500 * (run.V[-1] ** 2 - run.V[0] ** 2))
+    assert load - friction == pytest.approx(spring + kinetic, abs=1e-8 * load)
+    assert abs(spring) > 1e-4 * load
+
+
+# Observables --------------------------------------------------------------------------------------
+
+
+@LAWS
+def test_extremes_of_a_run(law):
+    """V_max, V_min and the inertial force are those of a densely saved run."""
+    slider = SpringSlider(
+        a=0.005, b=0.008, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=4e6, M=100.0, K=9.6e8, law=law
+    )
+    loading = Loading.constant(1e-3)
+    run = simulate(slider, loading, 2.0, V_start=1e-4, rtol=1e-8)
+    events = run.time.values[np.log(run.V.values) > np.log(float(run.V_max)) - 1]
+    around = np.linspace(events[-1] - 2e-3, events[-1] + 2e-3, 100001)
+    times = np.unique(np.concatenate([np.linspace(0, 2, 50001), around[around < 2]]))
+    saved = simulate(slider, loading, 2.0, V_start=1e-4, rtol=1e-8, times=times)
+    assert float(run.V_max) == pytest.approx(float(max(saved.V.max(), run.V.max())), rel=2e-3)
+    assert run.V_max >= run.V.max() * (1 - 1e-9)
+    assert run.V_min <= run.V.min() * (1 + 1e-9)
+    assert float(run.V_min) == pytest.approx(float(min(saved.V.min(), run.V.min())), rel=1e-3)
+    force = np.abs(run.tau / 4e6 - run.mu).max()
+    assert float(run.inertial_force) >= force * (1 - 1e-6)
+    assert float(run.inertial_force) == pytest.approx(float(force), rel=0.05)
+
+
+# Rigid drive, K = inf -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("M", [0.0, 3e3])
+@LAWS
+def test_rigid_step(law, M):
+    """Fig. 1: V = V_lp, and the state relaxes over Dc of slip."""
+    V1, V2, Dc, t1 = 1e-4, 1e-3, 1e-5, 0.1
+    slider = SLIDER.replace(K=np.inf, M=M, law=law)
+    times = np.array([0.0, 0.05, 0.1, 0.103, 0.11, 0.15, 0.3])
+    run = simulate(slider, Loading.steps(V1, (t1, V2)), 0.3, times=times)
+    decay = np.exp(-V2 * np.maximum(times - t1, 0) / Dc)
+    if law == "slip":
+        theta = Dc / V2 * np.exp(np.log(V2 / V1) * decay)
+    else:
+        theta = Dc / V2 + (Dc / V1 - Dc / V2) * decay
+    V = np.where(times < t1, V1, V2)
+    theta = np.where(times < t1, Dc / V1, theta)
+    np.testing.assert_allclose(run.V, V, rtol=1e-14)
+    np.testing.assert_allclose(run.theta, theta, rtol=1e-12)
+    mu = 0.6 + 0.003 * np.log(V / 1e-9) + 0.006 * np.log(1e-9 * theta / Dc)
+    np.testing.assert_allclose(run.mu, mu, rtol=1e-13)
+    np.testing.assert_allclose(run.tau, 2e6 * mu, rtol=1e-13)
+    np.testing.assert_allclose(run.delta, run.delta_lp, rtol=1e-15)
+    own = simulate(slider, Loading.steps(V1, (t1, V2)), 0.3)
+    assert own.time[0] == 0
+    assert own.time[-1] == 0.3
+    assert t1 in own.time
+    assert float(own.mu.max()) == pytest.approx(float(mu[2]), rel=1e-12)  # the direct effect, a ln(V2/V1)
+    assert float(own.V_max) == pytest.approx(V2, rel=1e-12)
+    assert float(own.V_min) == pytest.approx(V1, rel=1e-12)
+
+
+@LAWS
+@pytest.mark.parametrize("rate", [0.05, -4e-4])
+def test_rigid_ramp(law, rate):
+    """Against quadrature of the linear equation that the state obeys."""
+    V1, Dc, t_end = 1e-3, 1e-5, 2.0
+    speed = lambda t: V1 + rate * t  # noqa: E731
+    loading = Loading.series([0, t_end], [V1, speed(t_end)])
+    times = [0.01, 0.3, 2.0]
+    run = simulate(SLIDER.replace(K=np.inf, law=law), loading, t_end, times=times, V_start=1e-4)
+    for i, t in enumerate(times):
+        slip = lambda s, t=t: (t - s) * 0.5 * (speed(s) + speed(t))  # noqa: E731
+        decay = np.exp(-slip(0.0) / Dc)
+        window = max(0.0, t - 60 * Dc / min(speed(t), V1))
+
+        def integrate(f, t=t, slip=slip, window=window):
+            g = lambda s: f(s) * np.exp(-slip(s) / Dc)  # noqa: E731
+            return quad(g, window, t, epsabs=0, epsrel=1e-12, limit=500)[0]
+
+        if law == "aging":
+            theta = Dc / 1e-4 * decay + integrate(lambda s: 1.0)
+        else:
+            log = np.log(V1 / 1e-4) * decay + integrate(lambda s: rate / speed(s))
+            theta = Dc / speed(t) * np.exp(log)
+        assert float(run.theta[i]) == pytest.approx(theta, rel=1e-9)
+        # the ramp takes its force: tau = sigma mu + M dV/dt
+        assert float(run.tau[i] - 2e6 * run.mu[i]) == pytest.approx(3e3 * rate, abs=1e-8)
+
+
+# M = 0: the instability ---------------------------------------------------------------------------
+
+
+@LAWS
+@pytest.mark.parametrize("V_lp", [1e-6, 1e-3])
+def test_quasi_static_instability(law, V_lp):
+    parameters = BASE | {"M": 0.0, "K": 3e8}
+    slider = SpringSlider(**parameters, law=law)
+    twin = naive.Naive(**parameters, law=law)
+    fast = lambda t, y: twin.log_velocity(*y) - math.log(1e3)  # noqa: E731
+    fast.terminal = True
+    start = twin.steady(V_lp / 2)
+    # Beyond 1 km/s what is left of time is about Dc/V = 1e-8 s
+    run_up = twin.solve([start[0], start[2]], 0, 1.0 / V_lp, V_lp, tol=1e-10, events=fast)
+    exact = run_up.t_events[0][0]
+    assert 1e-8 < 1e-6 * exact
+    with pytest.raises(rs.SolverError, match=r"M = 0.*M > 0 removes") as caught:
+        simulate(slider, Loading.constant(V_lp), 1.0 / V_lp, V_start=V_lp / 2, rtol=1e-9)
+    found = float(str(caught.value).split("t = ")[1].split(" s")[0])
+    assert found == pytest.approx(exact, rel=1e-6)
+    assert type(caught.value).__name__ == "QuasiStaticInstability"
+    M = xr.DataArray([0.0, 100.0], dims="M")
+    batch = simulate(
+        slider.replace(M=M),
+        Loading.constant(V_lp),
+        1.2 * exact,
+        V_start=V_lp / 2,
+    )
+    assert batch.status[0] > 1
+    assert np.isnan(batch.V[0]).all()
+    assert batch.status[1] == 0
+    before = simulate(slider, Loading.constant(V_lp), 0.9 * exact, V_start=V_lp / 2)
+    assert before.status == 0
+
+
+def test_quasi_static_is_the_limit_of_small_mass():
+    loading = Loading.steps(1e-3, (0.01, 3e-3))
+    states = [
+        logs(simulate(STIFF.replace(M=M), loading, 0.02, times=[0.02], rtol=1e-11))
+        for M in (0.0, 1e-3, 1e-2)
+    ]
+    error = [np.abs(s - states[0]).max() for s in states[1:]]
+    assert 0 < error[0] < 1e-6
+    assert 9 < error[1] / error[0] < 11
+
+
+# The paper's scheme -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("law", "method"), [("slip", "im2017"), ("aging", "im2017"), ("aging", "im2017_euler")]
+)
+def test_im2017_is_eqs_8_and_9(law, method):
+    """Each step, checked against the paper's equations in physical variables."""
+    dt, K, M = 1e-4, 9e8, 3e3
+    run = simulate(
+        SLIDER.replace(law=law), Loading.constant(2e-3), 0.01, V_start=1e-3, method=method, dt=dt
+    )
+    t, V, theta, tau = (run[k].values for k in ("time", "V", "theta", "tau"))
+    np.testing.assert_allclose(np.diff(t), dt, rtol=1e-9)
+    mu = 0.6 + 0.003 * np.log(V / 1e-9) + 0.006 * np.log(1e-9 * theta / 1e-5)
+    np.testing.assert_allclose(run.mu, mu, rtol=1e-13)
+    omega = math.sqrt(K / M)
+    delta, d_lp = run.delta.values, run.delta_lp.values
+    # eq. 8: K (delta_lp - delta) oscillates about the friction of the step's end
+    c, s = math.cos(omega * dt), math.sin(omega * dt)
+    swing = K * (d_lp[1:] - delta[:-1]) - 2e6 * mu[1:]
+    stress = 2e6 * mu[1:] + swing * c - K * V[:-1] / omega * s
+    np.testing.assert_allclose(tau[1:], stress, rtol=1e-9)
+    # eq. 9: V_new is twice the mean velocity less the old one
+    np.testing.assert_allclose(V[1:], 2 * np.diff(delta) / dt - V[:-1], rtol=1e-7)
+    omega_theta = V[1:] * dt / 1e-5
+    if law == "slip":
+        new = 1e-5 / V[1:] * (V[1:] * theta[:-1] / 1e-5) ** np.exp(-omega_theta)
+    elif method == "im2017":
+        new = 1e-5 / V[1:] + (theta[:-1] - 1e-5 / V[1:]) * np.exp(-omega_theta)
+    else:
+        new = (theta[:-1] + dt) / (1 + omega_theta)
+    np.testing.assert_allclose(theta[1:], new, rtol=1e-11)
+
+
+def test_series_and_own_odd_shapes():
+    """A sampled record that differs from slider to slider, swept with another parameter."""
+    t = np.linspace(0, 0.1, 11)
+    gain = xr.DataArray([1.0, 2.0, 3.0], dims="gain")
+    V = [1e-3 * gain * (1 + 0.5 * math.sin(40 * s)) for s in t]
+    run = simulate(STIFF.replace(M=logspace("M", 1, 100, 2)), Loading.series(t, V), 0.1, rtol=1e-8)
+    assert set(run.V.dims) == {"gain", "M", "time"}
+    speeds = [float(v[2]) for v in V]
+    one = simulate(STIFF.replace(M=100.0), Loading.series(t, speeds), 0.1, rtol=1e-8, times=[0.1])
+    np.testing.assert_allclose(logs(run.isel(gain=2, M=1)), logs(one), rtol=0, atol=1e-9)
+
+
+def test_a_rigid_case_in_a_batch_is_the_limit_of_stiff_ones():
+    K = xr.DataArray([1e13, np.inf], dims="K")
+    times = [0.02, 0.05]
+    run = simulate(
+        SLIDER.replace(K=K, M=1.0), Loading.steps(1e-3, (0.01, 3e-3)), 0.05, times=times
+    )
+    np.testing.assert_allclose(run.mu[0], run.mu[1], rtol=1e-5)
+    np.testing.assert_allclose(run.V[0], run.V[1], rtol=1e-4)
+    assert not (run.mu[0] == run.mu[1]).all()
+
+
+def test_aging_hold_closed_form():
+    """At rest theta grows with time, and the state equation of the twin says how fast."""
+    run = simulate(
+        STIFF.replace(law="aging"), Loading.steps(1e-3, (0.1, 0.0)), 1e4, times=[1e2, 1e4]
+    )
+    assert float(run.theta[1] - run.theta[0]) == pytest.approx(9900, rel=1e-6)
+    twin = naive.Naive(**BASE | {"K": 3e9}, law="aging")
+    state = solve_ivp(
+        lambda t, y: twin.rates(t, y, lambda t: 0.0),
+        (0.1, 1e2),
+        twin.steady(1e-3),
+        method="LSODA",
+        rtol=1e-10,
+        atol=1e-13,
+    ).y[:, -1]
+    np.testing.assert_allclose(logs(run, 0), state / [0.003, 1, 1], rtol=0, atol=1e-4)
