@@ -12,7 +12,7 @@ from report import Part
 from timing import wall
 
 README = Path(__file__).parent.parent / "README.md"
-REPETITIONS = 5
+REPETITIONS = 3
 
 IMPORT = """
 import time

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import ratestate as rs
@@ -16,7 +16,7 @@ bounded = settings(
     deadline=None,
     derandomize=True,
     suppress_health_check=list(HealthCheck),
-    print_blob=False,
+    phases=[Phase.generate],  # a batch of 24 cases would shrink for minutes
 )
 
 
@@ -90,7 +90,7 @@ def test_simulate(law, cases, spans, fate):
         assert np.isfinite(run[name].values[done]).all(), name
         if name not in ("V_load", "delta_lp"):
             assert np.isnan(run[name].values[~done]).all(), name
-    runaway = status == [k for k, v in names.items() if v == "quasi_static_instability"][0]
+    runaway = status == next(k for k, v in names.items() if v == "quasi_static_instability")
     assert (p["M"].values[runaway] == 0).all()  # inertia bounds the speed
     # No case of ordinary friction fails but by running away, in the range that is claimed
     assert (done | runaway).all(), [(c, names[s]) for c, s in zip(cases, status, strict=True)]
@@ -103,8 +103,10 @@ def test_simulate(law, cases, spans, fate):
     )
     massless = good.isel(case=p["M"].values[done] == 0)
     scale = (slider.a * slider.sigma)[done][p["M"].values[done] == 0]
-    assert (np.abs(massless.tau - slider.sigma[done][p["M"].values[done] == 0] * massless.mu)
-            <= 100 * rtol * scale).all()
+    assert (
+        np.abs(massless.tau - slider.sigma[done][p["M"].values[done] == 0] * massless.mu)
+        <= 100 * rtol * scale
+    ).all()
     assert (good.V_max >= good.V.max("time") * (1 - 1e-4)).all()
     assert (good.V_min <= good.V.min("time") * (1 + 1e-4)).all()
 
@@ -121,8 +123,10 @@ def test_limit_cycle(law, cases, rtol):
     cycle, steady, failed = found.isel(case=status == 0), found.isel(case=status == 1), status > 1
     for name in ["period", "frequency", "amplitude", "V_max", "V_min", "inertia"]:
         assert np.isfinite(cycle[name].values).all(), name
-        assert (cycle[name].values > 0).all(), name
+        # far beyond eta = 1 the slider all but rests on its way back, and e**-1000 is 0
+        assert (cycle[name].values > (-1 if name == "V_min" else 0)).all(), name
         assert np.isnan(found[name].values[failed]).all(), name
+    assert (cycle.V_min >= 0).all()
     assert np.isnan(steady.period).all()
     assert (steady.amplitude == 0).all()
     V = p["V_lp"]
@@ -150,16 +154,19 @@ def test_own_steps(law, cases):
     slider, p = build(cases, law)
     for i in range(len(cases)):
         one = rs.SpringSlider(
-            **{k: v if isinstance(v, str | float) else float(v[i]) for k, v in slider.parameters.items()}
+            **{
+                k: v if isinstance(v, str | float) else float(v[i])
+                for k, v in slider.parameters.items()
+            }
         )
         V, Dc = float(p["V_lp"][i]), float(p["Dc"][i])
         t_end = 10 * Dc / V * (1 + 1 / float(p["kappa"][i]))
-        try:
-            run = rs.simulate(one, rs.Loading.constant(V), t_end, V_start=0.1 * V, rtol=1e-5)
-        except rs.SolverError as error:
-            assert "t = " in str(error)  # noqa: PT017
-            assert float(p["M"][i]) == 0.0  # noqa: PT017
+        ask = one, rs.Loading.constant(V), t_end
+        if one.M == 0.0 and rs.simulate(slider, ask[1], t_end, V_start=0.1 * V).status[i] > 1:
+            with pytest.raises(rs.SolverError, match="t = "):
+                rs.simulate(*ask, V_start=0.1 * V, rtol=1e-5)
             continue
+        run = rs.simulate(*ask, V_start=0.1 * V, rtol=1e-5)
         assert (np.diff(run.time) >= 0).all()
         assert np.isfinite(run.V).all()
         assert np.isfinite(run.tau).all()

@@ -35,7 +35,7 @@ def test_a_heavy_mass_stops_and_starts_again(law):
     )
     cycle = rs.limit_cycle(slider, 0.0106)
     assert int(cycle.status) == 0
-    assert 0 <= float(cycle.V_min) < 1e-100
+    assert 0 < float(cycle.V_min) < 1e-100
     assert 2 * 0.0106 < float(cycle.V_max) < 4 * 0.0106
 
 
@@ -46,6 +46,6 @@ def test_a_slider_thrown_far_back_is_at_rest_in_few_steps():
     )
     run = rs.simulate(slider, rs.Loading.constant(6.92), 0.0335, V_start=6871.0)
     assert 1000 < int(run.steps) < 30000
-    assert float(run.V_min) == 0
+    assert 0 < float(run.V_min) < 1e-200
     assert abs(float(run.energy_residual)) < 1e-5
     assert np.isfinite(run.to_array().values).all()

@@ -5,8 +5,8 @@ import xarray
 
 from .arrays import check_aligned
 from .errors import ParameterError
-from .quantities import attrs
-from .units import is_array
+from .quantities import QUANTITIES, attrs
+from .units import RESERVED, is_array
 
 
 class Batch:
@@ -82,14 +82,17 @@ class Batch:
     def coordinates(self, taken):
         """Coordinates of the sweep: those the arrays bring, and the arrays themselves."""
         coords: dict = {}
+        taken = RESERVED | set(taken)
         for symbol, value in self.values.items():
             if is_array(value):
-                coords |= {k: v for k, v in value.coords.items() if k not in coords}
-                if symbol not in self.dims and symbol not in taken:
+                coords |= {k: v for k, v in value.coords.items() if k not in taken | set(coords)}
+                if symbol in QUANTITIES and symbol not in taken | set(self.dims):
                     coords[symbol] = value.variable
         for value in self.own.values():
             kept = set(value.dims[:-1])
             coords |= {
-                k: v for k, v in value.coords.items() if k not in coords and set(v.dims) <= kept
+                k: v
+                for k, v in value.coords.items()
+                if k not in taken | set(coords) and set(v.dims) <= kept
             }
         return coords

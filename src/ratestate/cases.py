@@ -3,8 +3,9 @@
 import numpy as np
 
 from .engine import drive
-from .engine.model import FREE, METHODS, NO_CONVERGENCE, RUNAWAY, STATUSES, Cases
-from .errors import NotConverged, QuasiStaticInstability, SolverError
+from .engine.exp import LIMIT
+from .engine.model import FREE, METHODS, NO_CONVERGENCE, RIGID_REST, RUNAWAY, STATUSES, Cases
+from .errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 
 # Beyond this a quasi-static run has met its instability: no slip is faster than light.
 V_LIMIT = 3e8
@@ -41,7 +42,7 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, **asked):
     )
 
 
-def march(method, law, cases, loads, save_times, which, progress=None):
+def run_cases(method, law, cases, loads, save_times, which, progress=None):
     """March the cases with these numbers; `Results` over all."""
     order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
     alone = len(cases.beta) == 1
@@ -49,11 +50,21 @@ def march(method, law, cases, loads, save_times, which, progress=None):
     return drive.run(code, law, cases, loads, save_times, order, alone, progress)
 
 
-def march_path(method, law, cases, loads, progress=None):
+def run_path(method, law, cases, loads, progress=None):
     """March the one case, keeping each step: times [s], states (1, m, 3), `Results`."""
     path, results = drive.run_path(METHODS[method], law, cases, loads, progress)
-    t = np.minimum(path[:, 0] / cases.scale[0], cases.t_end[0])
-    return t, path[None, :, 1:], results
+    t = path[:, 0] / cases.scale[0]
+    # Scaling to seconds rounds; a step that lands on a break, or the end, is at its very time.
+    for breaks in (loads.t, cases.t_end):
+        at = np.clip(np.searchsorted(breaks, t), 1, len(breaks)) - 1
+        for k in (at, np.minimum(at + 1, len(breaks) - 1)):
+            t = np.where(np.abs(t - breaks[k]) <= 1e-15 * breaks[k], breaks[k], t)
+    return np.minimum(t, cases.t_end[0]), path[None, :, 1:], results
+
+
+def speed(v, V0):
+    """V [m/s] from v = ln(V/V0); at rest, the smallest that the engine tells from 0."""
+    return V0 * np.exp(np.maximum(v, -LIMIT))
 
 
 def cost(cases, loads):
@@ -71,6 +82,8 @@ def cost(cases, loads):
 def failure(verb, slider, status, t, best=None):
     """The exception for a single case that ended with this status at time t [s]."""
     name, text = STATUSES[int(status)]
+    if status == RIGID_REST:
+        return ParameterError(f"{text}.\n{slider!r}")
     message = f"{verb} stopped at t = {t:.9g} s ({name}): {text}.\n{slider!r}"
     if status == RUNAWAY:
         return QuasiStaticInstability(message)

@@ -6,21 +6,25 @@ import numpy as np
 import xarray
 
 from .batch import Batch
-from .cases import engine_cases, failure, march
+from .cases import engine_cases, failure, run_cases, speed
 from .dataset import plain, provenance, status_variable
 from .engine.model import NO_CONVERGENCE, NUMBERS, SEEK, STEADY_SLIDING, Loads
 from .errors import ParameterError
 from .laws import evolution_law
 from .progress import bar
-from .stability import K_c
+from .quantities import attrs
+from .slider import SpringSlider
+from .stability import K_c, eta
 from .start import initial_state
 from .units import is_array, to_si
 
 TAKEN = "period frequency amplitude V_max V_min inertia status".split()
 # The march must be finer than what is asked of the cycle, which sums its errors.
 MARCH_RTOL = 0.1
-# Steps after which cycles that still change count as not settling.
+# Steps after which cycles that still change count as not settling; where eta is large they
+# settle over some eta of them.
 MAX_STEPS = 4e6
+MOST_STEPS = 4e7
 
 
 def limit_cycle(slider, V_lp, *, rtol=1e-8):
@@ -64,6 +68,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     >>> round(float(cycle.frequency), 3)  # Hz
     50.595
     """
+    if not isinstance(slider, SpringSlider):
+        raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not 1e-12 <= rtol <= 1e-2:
         raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-12 to 1e-2, such as 1e-8")
@@ -76,8 +82,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     variables["status"] = status_variable(batch, status)
     coords = batch.coordinates(TAKEN)
     coords.pop("V_start", None)
-    if "V_lp" not in coords:
-        coords["V_lp"] = batch.variable(batch.flat("V_lp"), "V_lp") if batch.dims == () else V_lp
+    if not is_array(V_lp):
+        coords["V_lp"] = ((), V_lp, attrs("V_lp"))
     result = xarray.Dataset(variables, coords)
     result.attrs = provenance("limit_cycle", slider, rtol=rtol, V_lp=json.dumps(plain(V_lp)))
     if batch.shape == () and status[0] > STEADY_SLIDING:
@@ -104,11 +110,11 @@ def _settle(batch, law, rtol, progress):
         cycle_tol=rtol,
         # Where steady sliding is stable, being this near to it is the end of the story.
         steady_tol=np.where(steady, 10.0 * march_rtol, 0.0),
-        max_steps=MAX_STEPS,
+        max_steps=np.minimum(MAX_STEPS * (1.0 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M)), MOST_STEPS),
     )
     loads = Loads(np.zeros(1), V[:, None].copy(), np.zeros((batch.n, 1)))
     which = np.flatnonzero(~always_steady)
-    results = march("rodas5p", law, cases, loads, np.empty((1, 0)), which, progress)
+    results = run_cases("rodas5p", law, cases, loads, np.empty((1, 0)), which, progress)
     results.status[always_steady] = STEADY_SLIDING
     return results.status, dict(zip(NUMBERS, results.numbers.T, strict=True))
 
@@ -129,8 +135,8 @@ def _measures(batch, status, numbers):
             "period": period,
             "frequency": 1.0 / period,
             "amplitude": where_cycle(a * amplitude, 0.0),
-            "V_max": where_cycle(V0 * np.exp(numbers["v_max"]), V),
-            "V_min": where_cycle(V0 * np.exp(numbers["v_min"]), V),
+            "V_max": where_cycle(speed(numbers["v_max"], V0), V),
+            "V_min": where_cycle(speed(numbers["v_min"], V0), V),
             "inertia": where_cycle(numbers["g_max"] / amplitude, 0.0),
         }
     return {name: batch.variable(value, name) for name, value in values.items()}

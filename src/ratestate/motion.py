@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from . import rigid
-from .cases import engine_cases, march, march_path
-from .engine.model import FINISHED, NUMBERS, Loads
+from .cases import engine_cases, run_cases, run_path, speed
+from .engine.model import FINISHED, NUMBERS, RIGID_REST, Loads
 from .start import initial_state
 
 
@@ -39,29 +39,31 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
             t = rigid.grid(loading.t, table[0], t_end[0], batch.flat("Dc")[0])
             states = np.full((1, t.size, 3), np.nan)
         else:
-            t, states, results = march_path(method, law, cases, loads, progress)
+            t, states, results = run_path(method, law, cases, loads, progress)
     elif times is None:
         t = t_end[:1] if (t_end == t_end[0]).all() else t_end[:, None]
     else:
         t = wanted[0] if len(wanted) == 1 else wanted[time_rows]
     if not own_steps or is_rigid[0]:
-        results = march(method, law, cases, loads, wanted, np.flatnonzero(~is_rigid), progress)
+        results = run_cases(method, law, cases, loads, wanted, np.flatnonzero(~is_rigid), progress)
         if not own_steps:
             states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
-    numbers["energy_residual"] = energy_residual(batch, loading, rows, cases, y0, results)
+    numbers["energy_residual"] = energy_residual(batch, loading, cases, y0, results)
     for i in np.flatnonzero(is_rigid):
         segments = (loading.t, table[rows[i]], rates[rows[i]])
         at = t if t.ndim == 1 else t[i]
         scales = {symbol: batch.flat(symbol)[i] for symbol in ("a", "b", "Dc", "sigma", "M", "V0")}
-        states[i], found = rigid.march(law, y0[i, 2], at, t_end[i], segments, **scales)
-        results.status[i] = FINISHED
-        for name, value in found.items():
-            numbers[name][i] = value
+        followed = rigid.follow(law, y0[i, 2], at, t_end[i], segments, **scales)
+        results.status[i] = RIGID_REST if followed is None else FINISHED
+        if followed is not None:
+            states[i], found = followed
+            for name, value in found.items():
+                numbers[name][i] = value
     return Motion(t, states, numbers, results.status)
 
 
-def energy_residual(batch, loading, rows, cases, y0, results):
+def energy_residual(batch, loading, cases, y0, results):
     """(n,) (load work - dissipation - change of stored energy)/(all of them).
 
     In units of a sigma Dc per area; the parts that mu0 contributes to work, dissipation and
@@ -73,19 +75,15 @@ def energy_residual(batch, loading, rows, cases, y0, results):
     kinetic = 0.5 * cases.eta0 * (np.exp(2.0 * v1) - np.exp(2.0 * v0))
     spring = (x1 - x0) * (x1 + x0) / (2.0 * cases.kappa)
     base = batch.flat("mu0") / batch.flat("a")
-    advance = _advance(batch, loading, rows) / batch.flat("Dc")
+    advance = batch.of(loading.delta_lp, batch.flat("t_end")[:, None])[:, 0] / batch.flat("Dc")
     slip = advance - (x1 - x0) / cases.kappa
     turned_over = (
         np.abs(base * advance + load)
         + np.abs(base * slip + friction)
         + np.abs(spring + base * (x1 - x0) / cases.kappa + kinetic)
     )
-    return (load - friction - spring - kinetic) / turned_over
-
-
-def _advance(batch, loading, rows):
-    """(n,) displacement of the load point over each run [m]."""
-    return batch.of(loading.delta_lp, batch.flat("t_end")[:, None])[:, 0]
+    residual = load - friction - spring - kinetic
+    return residual / np.where(turned_over > 0.0, turned_over, 1.0)
 
 
 def series(batch, loading, motion):
@@ -98,7 +96,7 @@ def series(batch, loading, motion):
     tau = sigma * (mu0 + a * x)
     delta_lp = batch.of(loading.delta_lp, t)
     values = {
-        "V": V0 * np.exp(v),
+        "V": speed(v, V0),
         "theta": Dc / V0 * np.exp(psi),
         "delta": delta_lp - tau / K,
         "delta_lp": delta_lp,
@@ -113,19 +111,20 @@ def observables(batch, motion, rtol):
     """The variables that have one value a case, as name -> Variable."""
     a, V0 = batch.flat("a"), batch.flat("V0")
     found = motion.numbers
-    counts = found["amplitude"] > 10.0 * rtol  # smaller cycles are rounding about steady sliding
+    # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.
+    counts = (found["amplitude"] > 10.0 * rtol) & (found["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         frequency = V0 / batch.flat("Dc") / found["period"]
     values = {
         "cycles": np.where(counts, found["cycles"], 0.0),
         "amplitude": np.where(counts, a * found["amplitude"], 0.0),
         "frequency": np.where(counts, frequency, 0.0),
-        "V_max": V0 * np.exp(found["v_max"]),
-        "V_min": V0 * np.exp(found["v_min"]),
+        "V_max": speed(found["v_max"], V0),
+        "V_min": speed(found["v_min"], V0),
         "inertial_force": a * found["g_max"],
     }
     failed = motion.status != FINISHED
     values = {name: np.where(failed, np.nan, value) for name, value in values.items()}
-    values["steps"] = found["steps"].astype(np.int64)
+    values["steps"] = np.nan_to_num(found["steps"]).astype(np.int64)
     values["energy_residual"] = found["energy_residual"]
     return {name: batch.variable(value, name) for name, value in values.items()}

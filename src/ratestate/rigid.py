@@ -1,15 +1,14 @@
 """The rigid limit K = inf: V = V_lp at all times, and only the state evolves.
 
 With the velocity given, both laws are linear: the aging law in theta, the slip law in
-s = ln(V theta/Dc).  At constant V they relax over the slip distance Dc (closed form); on a ramp
-the same relaxation stands under an integral over the slip still to come.
+s = ln(V theta/Dc).  What they start from decays over the slip distance Dc, and what forces them
+stands under an integral over the slip still to come.
 """
 
 import itertools
 
 import numpy as np
 
-from .errors import ParameterError
 from .laws import SLIP
 
 # What was forced more than 45 Dc of slip ago has decayed below rounding.
@@ -50,27 +49,24 @@ def states(law, psi0, t, segments, Dc, V0):
     return out
 
 
-def march(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
+def follow(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
     """States (m, 3) x, v, psi at times t, and the numbers of a run as the engine reports them.
 
-    tau includes the force M dV_lp/dt that a ramp takes; the impulse of a jump is not shown.
+    None where the load point rests.  tau includes the force M dV_lp/dt that a ramp takes; the
+    impulse of a jump is not shown.
     """
     starts, V, rate = segments
     k = np.searchsorted(starts, t, side="right") - 1
-    speed = V[k] + rate[k] * (t - starts[k])
     ends = np.minimum(np.append(starts[1:], np.inf), t_end)
     used = starts < t_end
     reached = np.concatenate([V[used], (V + rate * (ends - starts))[used]])
     if not (reached > 0.0).all():
-        raise ParameterError(
-            "V_lp = 0 m/s with K = inf: a rigidly driven slider at rest has no friction defined by"
-            " eq. 1; give a finite K, or a small V_lp for the hold"
-        )
+        return None
     psi = states(law, psi0, t, segments, Dc, V0)
-    v = np.log(speed / V0)
+    v = np.log((V[k] + rate[k] * (t - starts[k])) / V0)
     inertia = M * rate / (a * sigma)
-    x = v + b / a * psi + inertia[k]
     found = {
+        "t": t_end,
         "steps": 0.0,
         "energy_residual": 0.0,  # the load point's work is friction's, by V = V_lp
         "amplitude": 0.0,
@@ -79,7 +75,7 @@ def march(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
         "v_min": np.log(reached.min() / V0),
         "g_max": np.abs(inertia[used]).max(),
     }
-    return np.stack([x, v, psi], axis=-1), found
+    return np.stack([v + b / a * psi + inertia[k], v, psi], axis=-1), found
 
 
 def grid(starts, V, t_end, Dc):
@@ -101,30 +97,37 @@ def relax(law, psi, V, rate, dt, Dc, V0):
     V_end = V + rate * dt
     decay = np.exp(-dt * 0.5 * (V + V_end) / Dc)
     if law == SLIP:
-        s = (psi + np.log(V / V0)) * decay + _forcing(V, V_end, rate, Dc, lambda u: 1.0 + 0.0 * u)
-        return s - np.log(V_end / V0)
-    # theta in units of Dc/V0; d ln V = rate dt/V turns the integral over time into one over ln V
-    if rate == 0.0:
-        grown = V0 / V * -np.expm1(-dt * V / Dc)
-    else:
-        grown = _forcing(V, V_end, rate, Dc, lambda u: np.exp(u) * V0 / (Dc * rate))
-    return np.log(np.exp(psi) * decay + grown)
+        forced = _forced(V, V_end, rate, dt, Dc, lambda speed: rate * Dc / speed**2)
+        return (psi + np.log(V / V0)) * decay + forced - np.log(V_end / V0)
+    return np.log(np.exp(psi) * decay + _forced(V, V_end, rate, dt, Dc, lambda speed: V0 / speed))
 
 
-def _forcing(V, V_end, rate, Dc, f):
-    """Integral over u = ln V of f(u) exp(-slip still to come/Dc), by Gauss's rule on panels."""
-    if rate == 0.0:
-        return 0.0
+def _forced(V, V_end, rate, dt, Dc, f):
+    """Integral of f(V) exp(-y) over y, the slip still to come in units of Dc.
+
+    f is the law's forcing for a slip of Dc: of theta in units of Dc/V0, or of s.
+    """
+    slip = min(dt * 0.5 * (V + V_end) / Dc, MEMORY)
+    oldest = np.sqrt(max(V_end**2 - 2.0 * rate * Dc * slip, min(V, V_end) ** 2))
+    u, u_end = np.log(oldest), np.log(V_end)
+    by_speed = np.linspace(u, u_end, int(2 * abs(u_end - u)) + 2)
     lag = 2.0 * rate * Dc
-    oldest = V_end**2 - MEMORY * lag
-    far = np.sqrt(max(V**2, oldest) if rate > 0.0 else min(V**2, oldest))
-    begin, end = np.log(far), np.log(V_end)
-    distance = (V_end**2 - far**2) / lag
-    by_slip = 0.5 * np.log(V_end**2 - lag * np.linspace(distance, 0.0, int(distance) + 2))
-    by_speed = np.linspace(begin, end, int(2 * abs(end - begin)) + 2)
-    knots = np.unique(np.concatenate([by_slip[1:-1], by_speed]))
-    knots = knots if rate > 0 else knots[::-1]
+    if oldest < 0.7 * V_end:  # V spans decades: over u = ln V, with dy = -2 V^2/lag du
+        by_slip = V_end**2 - lag * np.arange(1.0, slip)
+        knots = np.unique(np.concatenate([by_speed, 0.5 * np.log(by_slip)]))
+        u, weights = _gauss(knots)
+        speed = np.exp(u)
+        y = (V_end**2 - speed**2) / lag
+        return float(np.sum(weights * f(speed) * np.exp(-y) * 2.0 * speed**2 / lag))
+    knots = np.linspace(0.0, slip, int(slip) + 2)
+    if len(by_speed) > 2:
+        by_speed = (V_end**2 - np.exp(2.0 * by_speed[1:-1])) / lag
+        knots = np.unique(np.concatenate([knots, by_speed]))
+    y, weights = _gauss(knots)
+    return float(np.sum(weights * f(np.sqrt(V_end**2 - lag * y)) * np.exp(-y)))
+
+
+def _gauss(knots):
+    """Nodes and weights of Gauss's rule on the panels between the knots."""
     half = 0.5 * np.diff(knots)[:, None]
-    u = knots[:-1, None] + half * (1.0 + NODES)
-    ahead = (V_end**2 - np.exp(2.0 * u)) / lag
-    return float(np.sum(WEIGHTS * half * f(u) * np.exp(-ahead)))
+    return knots[:-1, None] + half * (1.0 + NODES), half * WEIGHTS

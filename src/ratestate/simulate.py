@@ -12,9 +12,11 @@ from .dataset import plain, provenance, record_loading, status_variable
 from .engine.model import FINISHED, METHODS
 from .errors import ParameterError
 from .laws import AGING, evolution_law
+from .loading import Loading
 from .motion import move, observables, series
 from .progress import bar
 from .quantities import attrs
+from .slider import SpringSlider
 from .start import initial_values
 from .units import is_array, to_si
 
@@ -94,6 +96,12 @@ def simulate(
     >>> run.sizes["time"] > 1000 and int(run.status) == 0
     True
     """
+    if not isinstance(slider, SpringSlider):
+        raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
+    if not isinstance(loading, Loading):
+        raise ParameterError(
+            f"loading = {loading!r} is not a Loading; for one speed give Loading.constant(...)"
+        )
     rtol, dt = solver_settings(rtol, method, dt, slider)
     values = {symbol: value for symbol, value in slider.parameters.items() if symbol != "law"}
     values["t_end"] = to_si("t_end", t_end)
@@ -114,7 +122,10 @@ def simulate(
     variables = series(batch, loading, motion)
     variables["status"] = status_variable(batch, motion.status)
     variables |= observables(batch, motion, rtol)
-    result = xarray.Dataset(variables, batch.coordinates(TAKEN))
+    coords = batch.coordinates(TAKEN)
+    if V_start is None:
+        coords.pop("V_start", None)
+    result = xarray.Dataset(variables, coords)
     if motion.t.ndim == 1:
         result.coords["time"] = ("time", motion.t, attrs("time"))
     else:  # times of its own for each case
@@ -138,7 +149,7 @@ def solver_settings(rtol, method, dt, slider):
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not 1e-13 <= rtol <= 0.1:
         raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-13 to 0.1, such as 1e-6")
-    if method not in METHODS:
+    if not isinstance(method, str) or method not in METHODS:
         raise ParameterError(f"method = {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if method == "rodas5p":
         if dt is not None:
@@ -155,6 +166,11 @@ def solver_settings(rtol, method, dt, slider):
         raise ParameterError(
             f"{method} needs mass and spring: M > 0 and K < inf (it steps by sqrt(K/M)); "
             f"use method='rodas5p' for M = 0 or K = inf"
+        )
+    if (turn := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
+        raise ParameterError(
+            f"dt = {dt:g} s is {turn:.3g}/omega, omega = sqrt(K/M): more than half a natural "
+            f"period; take dt of 0.1/omega or less"
         )
     if method == "im2017_euler" and evolution_law(slider.law).code != AGING:
         raise ParameterError(
@@ -178,6 +194,8 @@ def saved_times(times, t_end):
     """Saved times [s]: None, an array (m,), or a DataArray with ``time`` last; checked."""
     if times is None:
         return None
+    if np.size(times) == 0:
+        raise ParameterError("times is empty; leave it out to get the solver's own steps")
     if not is_array(times) or times.ndim == 1:
         times = column("times", times)
         if is_array(times):
@@ -188,8 +206,6 @@ def saved_times(times, t_end):
             raise ParameterError(f"times has dimensions {times.dims}; one must be 'time'")
         times = times.drop_vars("time", errors="ignore").transpose(..., "time")
     values = np.asarray(times)
-    if values.size == 0:
-        raise ParameterError("times is empty; leave it out to get the solver's own steps")
     if not (np.diff(values, axis=-1) > 0).all():
         raise ParameterError("times [s] must increase; sort them and drop repeated ones")
     latest = times.max("time") if is_array(times) else values.max()
@@ -198,4 +214,4 @@ def saved_times(times, t_end):
             f"times reach {float(np.max(latest)):.9g} s, beyond t_end = {float(np.max(t_end)):.9g}"
             f" s; extend t_end or drop the later times"
         )
-    return times
+    return np.minimum(times, t_end if is_array(times) else float(np.min(t_end)))  # rounding

@@ -54,9 +54,15 @@ def initial_state(batch, V_load):
             f"initial V, theta and tau do not agree: without inertia (M = 0) tau must be sigma mu "
             f"= {sigma[i] * mu:.6g} Pa; leave one of them out, or give M > 0"
         )
-    if set(given) == {"V", "tau"} and (bound & ~rigid).any():
+    if "V" in given and (np.abs(v - np.log(given["V"] / V0)) > 1e-9).any():
+        raise ParameterError(
+            "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
+            "leave V out"
+        )
+    by_stress = bound & (("V" in given) | rigid)
+    if "tau" in given and "theta" not in given and by_stress.any():
         with np.errstate(divide="ignore", invalid="ignore"):
-            psi = np.where(bound & ~rigid, (x - v) / beta, psi)
+            psi = np.where(by_stress, (x - v) / beta, psi)
         if not np.isfinite(psi).all():
             raise ParameterError("b = 0: initial V and tau do not fix theta; give theta and tau")
     elif "V" in given:

@@ -11,11 +11,12 @@ import numpy as np
 from . import CACHE
 from . import rows as R
 from .march import IDLE, march
-from .model import NUMBERS, RUNNING, Results
+from .model import NUMBERS, RUNNING, STEP_LIMIT, Results
 
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
 PATH_ROWS = 8192
+MAX_ROWS = 10_000_000  # of a path: 320 MB
 
 
 def run(method, law, cases, loads, save_times, order, alone, progress=None):
@@ -77,12 +78,17 @@ def run_path(method, law, cases, loads, progress=None):
     buffer = np.empty((PATH_ROWS, 4))
     pieces = [np.array([[0.0, *cases.y[0]]])]
     done = False
-    while not done:
+    rows = 0
+    while not done and rows < MAX_ROWS:
         done = worker.go(save_times, results, buffer)
+        rows += worker.position[2]
         pieces.append(buffer[: worker.position[2]].copy())
         worker.position[2] = 0
         if progress:
             progress(_fraction([worker], 1))
+    if not done:
+        results.status[0] = STEP_LIMIT
+        results.numbers[0, NUMBERS.index("t")] = pieces[-1][-1, 0] / cases.scale[0]
     return np.concatenate(pieces), results
 
 
@@ -131,6 +137,7 @@ def _cores():
 
 def _announce():
     """Say that kernels are about to be compiled, if there are none in the cache."""
-    if not march.signatures and not any(CACHE.rglob("*.nbi")):
+    compiled = getattr(march, "signatures", True)  # a plain function where the compiler is off
+    if not compiled and not any(CACHE.rglob("*.nbi")):
         sys.stderr.write("ratestate: compiling its kernels for this machine (15 s, once) ...\n")
         sys.stderr.flush()

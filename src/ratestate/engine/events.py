@@ -118,7 +118,10 @@ def close_cycle(s, l, here, x_high):
         s[R.AMPLITUDE + l], s[R.PERIOD + l], s[R.CHANGE + l] = amplitude, period, change
         s[R.CYCLES + l] += 1.0
         if s[R.MODE + l] == MEASURE:
-            s[R.STATUS + l] = CYCLE
+            if change <= 10.0 * s[R.CYCLE_TOL + l]:
+                s[R.STATUS + l] = CYCLE
+            else:  # every other cycle agrees, or agreement was by chance
+                s[R.MODE + l], s[R.OBSERVE + l] = SEEK, 0.0
         elif s[R.MODE + l] == SEEK:
             tol = s[R.CYCLE_TOL + l]
             found = change <= 0.1 * tol and before >= 1e3 * tol
@@ -142,7 +145,7 @@ def close_cycle(s, l, here, x_high):
 
 @njit(error_model="numpy")
 def observe(s, l, law, cx, cv, cpsi):
-    """Extremes of V and of |tau/sigma - mu| inside the step."""
+    """Extremes of V and of |tau/sigma - mu| inside the step; `commit` sees to its end."""
     beta, eta0 = s[R.BETA + l], s[R.ETA0 + l]
     kappa, w_lp = s[R.KAPPA + l], s[R.W_LP + l]
     w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
@@ -156,19 +159,15 @@ def observe(s, l, law, cx, cv, cpsi):
     w0, w1 = s[R.W + l], s[R.W_NEW + l]
     f0 = state_rate(law, w0, s[R.V + l], s[R.PSI + l], s[R.E + l])
     f1 = state_rate(law, w1, s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.E_NEW + l])
-    a0, b0 = turning(polynomial(cg, 0.0), kappa * (w_lp - w0), f0, w0, beta, eta0)
-    a1, b1 = turning(polynomial(cg, 1.0), kappa * (w_lp_new - w1), f1, w1, beta, eta0)
+    x1, v1, psi1 = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l]
+    a0, b0 = turning(cx[0], cv[0], cpsi[0], kappa * (w_lp - w0), f0, w0, beta, eta0)
+    a1, b1 = turning(x1, v1, psi1, kappa * (w_lp_new - w1), f1, w1, beta, eta0)
     if (a0 < 0.0) != (a1 < 0.0):
-        see_v(s, l, polynomial(cv, extreme(cv)))
+        v = polynomial(cv, extreme(cv))
+        s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
+        s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if (b0 < 0.0) != (b1 < 0.0):
         s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
-
-
-@njit(error_model="numpy")
-def see_v(s, l, v):
-    """Let a value of v count among the extremes."""
-    s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
-    s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
 
 
 @njit(error_model="numpy")

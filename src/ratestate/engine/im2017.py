@@ -77,7 +77,7 @@ def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
 
 @njit(error_model="numpy")
 def take(s, l, law, method):
-    """Take one step of the lane and record its outcome as `lanes.take` does."""
+    """Take one step of the lane and record its outcome as `lanes.try_step` and `judge` do."""
     x, v, psi, w, w_lp = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l], s[R.W_LP + l]
     kappa, beta = s[R.KAPPA + l], s[R.BETA + l]
     s[R.H + l] = s[R.DT + l]

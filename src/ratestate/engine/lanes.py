@@ -21,14 +21,16 @@ SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 
 @njit(forceinline=True, error_model="numpy", fastmath={"contract"})
-def turning(g, f_x, f_psi, w, beta, eta0):
+def turning(x, v, psi, f_x, f_psi, w, beta, eta0):
     """Numbers whose signs change where V, and where |g|, has an extreme.
 
-    dv/dT has the sign of g, or of f_x - beta f_psi where there is no inertia; dg/dT that of
-    eta0 w (f_x - beta f_psi) - g.
+    dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - beta f_psi; dg/dT
+    has that of eta0 w (f_x - beta f_psi) - g.
     """
+    g = x - v - beta * psi
     drive = f_x - beta * f_psi
-    return (g if eta0 > 0.0 else drive), eta0 * w * drive - g
+    rounding = 1e-13 * (abs(x) + abs(v) + abs(beta * psi))
+    return (drive if abs(g) <= rounding else g), eta0 * w * drive - g
 
 
 @njit(forceinline=True, error_model="numpy", fastmath={"contract"})
@@ -72,12 +74,12 @@ def needs_attention(s, l, law):
     crosses = (s[R.W + l] < w_lp) != (w < w_lp_new)
     f_psi0 = state_rate(law, s[R.W + l], s[R.V + l], s[R.PSI + l], s[R.E + l])
     f_psi1 = state_rate(law, w, v, psi, s[R.E_NEW + l])
-    g0 = s[R.X + l] - s[R.V + l] - beta * s[R.PSI + l]
-    g1 = x - v - beta * psi
-    a0, b0 = turning(g0, kappa * (w_lp - s[R.W + l]), f_psi0, s[R.W + l], beta, eta0)
-    a1, b1 = turning(g1, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
+    x0, v0, psi0, w0 = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l]
+    a0, b0 = turning(x0, v0, psi0, kappa * (w_lp - w0), f_psi0, w0, beta, eta0)
+    a1, b1 = turning(x, v, psi, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
     turns = (((a0 < 0.0) != (a1 < 0.0)) | ((b0 < 0.0) != (b1 < 0.0))) & (s[R.OBSERVE + l] > 0.0)
-    saves = (s[R.T + l] + s[R.T_LOW + l]) + h >= s[R.SAVE_AT + l]
+    # as `step_size` has it, so that a saved time that is a landing falls into the step to it
+    saves = h >= (s[R.SAVE_AT + l] - s[R.T + l]) - s[R.T_LOW + l]
     log_w_lp = s[R.LOG_W_LP + l]
     distance = max(abs(v - log_w_lp), abs(psi + log_w_lp))
     distance = max(distance, abs(x - (1.0 - beta) * log_w_lp))
@@ -125,6 +127,8 @@ def commit_lane(s, l):
     load, d_load = s[R.LOAD_WORK + l], s[R.D_LOAD + l]
     friction, d_friction = s[R.DISSIPATION + l], s[R.D_FRICTION + l]
     steps, rejected, failures = s[R.STEPS + l], s[R.REJECTED + l], s[R.FAILURES + l]
+    v_high, v_low, g_high = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
+    g1 = abs(x1 - v1 - s[R.BETA + l] * psi1)
     land, status, max_steps = s[R.LAND + l], s[R.STATUS + l], s[R.MAX_STEPS + l]
     increment = low + h
     t1 = t + increment
@@ -136,6 +140,9 @@ def commit_lane(s, l):
     s[R.X + l], s[R.V + l] = x1 if ok else x, v1 if ok else v
     s[R.PSI + l], s[R.W + l], s[R.E + l] = psi1 if ok else psi, w1 if ok else w, e1 if ok else e
     s[R.W_LP + l] = w_lp1 if ok else w_lp
+    s[R.V_HIGH + l] = v1 if ok & (v1 > v_high) else v_high
+    s[R.V_LOW + l] = v1 if ok & (v1 < v_low) else v_low
+    s[R.G_HIGH + l] = g1 if ok & (g1 > g_high) else g_high
     s[R.LOAD_WORK + l] = load1 if ok else load
     s[R.DISSIPATION + l] = friction1 if ok else friction
     s[R.MEMORY + l] = memory if ok else 1.0

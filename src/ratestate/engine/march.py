@@ -11,7 +11,7 @@ from numba import njit
 
 from . import lanes as L
 from . import rows as R
-from .events import attend, components, polynomial, see_v
+from .events import attend, components, polynomial
 from .exp import exp_alone
 from .im2017 import take as take_im2017
 from .model import (
@@ -31,7 +31,7 @@ IDLE = -1.0
 
 
 @njit(error_model="numpy")
-def enter_segment(s, l, law, k, scale, V0, loads, row, restart):
+def enter_segment(s, l, law, k, scale, V0, loads, row):
     """Put the lane at the start of the segment that holds its time (zero-length ones pass)."""
     last = loads.t.size - 1
     while k < last and loads.t[k + 1] * scale <= s[R.T + l]:
@@ -39,7 +39,11 @@ def enter_segment(s, l, law, k, scale, V0, loads, row, restart):
     s[R.SEGMENT + l] = k
     w_lp = loads.V[row, k] / V0
     # A kink leaves dx/dT continuous; only a jump restarts the step size and the cycle count.
-    jump = restart or abs(w_lp - s[R.W_LP + l]) > 1e-9 * (w_lp + s[R.W_LP + l])
+    jump = k == 0
+    if k > 0:
+        start = loads.V[row, k - 1]
+        end = start + loads.rate[row, k - 1] * (loads.t[k] - loads.t[k - 1])
+        jump = abs(loads.V[row, k] - end) > 1e-9 * max(start, loads.V[row, k])
     s[R.W_LP + l] = w_lp
     s[R.RAMP + l] = loads.rate[row, k] / (V0 * scale)
     s[R.LOG_W_LP + l] = math.log(w_lp) if w_lp > 0.0 else -math.inf
@@ -54,8 +58,8 @@ def enter_segment(s, l, law, k, scale, V0, loads, row, restart):
         pace = abs(f_x) + abs(f_psi) + w + w_lp
         s[R.H + l] = min(land - s[R.T + l], 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace)
         s[R.MEMORY + l] = 1.0
-        s[R.CROSS_LOW + l] = math.inf
-        s[R.CYCLES + l] = 0.0
+        s[R.CROSS_LOW + l] = s[R.PERIOD + l] = s[R.CHANGE + l] = math.inf
+        s[R.CYCLES + l] = s[R.AMPLITUDE + l] = 0.0
 
 
 @njit(error_model="numpy")
@@ -75,11 +79,9 @@ def load(s, l, law, i, cases, loads, save_times, results):
     s[R.V_LIMIT + l], s[R.STEADY + l] = cases.v_limit[i], cases.steady_tol[i]
     s[R.OBSERVE + l], s[R.MODE + l] = cases.observe[i], cases.mode[i]
     s[R.CYCLE_TOL + l], s[R.MAX_STEPS + l] = cases.cycle_tol[i], cases.max_steps[i]
-    s[R.PERIOD + l] = math.inf
-    s[R.CHANGE + l] = math.inf
     s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
     s[R.G_HIGH + l] = abs(s[R.X + l] - s[R.V + l] - s[R.BETA + l] * s[R.PSI + l])
-    enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i], True)
+    enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i])
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
         results.saved[i, n] = cases.y[i]
@@ -104,10 +106,9 @@ def save(s, l, cases, save_times, saved):
     n = int(s[R.SAVED + l])
     while n < save_times.shape[1]:
         at = ((save_times[row, n] * scale - s[R.T + l]) - s[R.T_LOW + l]) / h
-        # The last step ends on t_end up to rounding; a saved time equal to t_end belongs to it.
-        if at > 1.0 + (1e-6 if h > 0.0 and save_times[row, n] >= cases.t_end[i] else 0.0):
+        if at > 1.0:
             break
-        at = min(max(at, 0.0), 1.0)
+        at = max(at, 0.0)
         saved[i, n, 0] = polynomial(cx, at)
         saved[i, n, 1] = polynomial(cv, at)
         saved[i, n, 2] = polynomial(cpsi, at)
@@ -150,7 +151,7 @@ def turn(s, l, law, cases, loads):
     else:
         s[R.T + l], s[R.T_LOW + l] = s[R.LAND + l], 0.0
         i, k = int(s[R.CASE + l]), int(s[R.SEGMENT + l])
-        enter_segment(s, l, law, k, cases.scale[i], cases.V0[i], loads, cases.loading[i], False)
+        enter_segment(s, l, law, k, cases.scale[i], cases.V0[i], loads, cases.loading[i])
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -196,7 +197,7 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
         for l in range(width):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 attend(s, l, law)
-                if (s[R.T + l] + s[R.T_LOW + l]) + s[R.H_USED + l] >= s[R.SAVE_AT + l]:
+                if s[R.H_USED + l] >= (s[R.SAVE_AT + l] - s[R.T + l]) - s[R.T_LOW + l]:
                     save(s, l, cases, save_times, results.saved)
         L.commit(s, width)
         if path.size > 0 and s[R.OK] > 0.0:
@@ -208,8 +209,6 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
             if s[R.TURN + l] > 0.0 and s[R.CASE + l] != IDLE:
                 turn(s, l, law, cases, loads)
                 if s[R.STATUS + l] != RUNNING:
-                    if s[R.MODE + l] == FREE:
-                        see_v(s, l, s[R.V + l])
                     finish(s, l, cases, results)
                     position[1] += 1
                     vacant = True

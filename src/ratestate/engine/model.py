@@ -26,6 +26,7 @@ STEP_LIMIT = 4
 RUNAWAY = 5
 NO_ROOT = 6
 NO_CONVERGENCE = 7
+RIGID_REST = 8
 RUNNING = -1
 
 #: status code -> (name, what happened and what helps)
@@ -41,7 +42,11 @@ STATUSES = {
         "the step size shrank without end; loosen rtol, or check that the parameters are of a"
         " physical size",
     ),
-    STEP_LIMIT: ("step_limit", "the step limit was reached; shorten t_end or loosen rtol"),
+    STEP_LIMIT: (
+        "step_limit",
+        "the step limit was reached; shorten t_end or loosen rtol, and give times if the solver's"
+        " own steps were to be kept",
+    ),
     RUNAWAY: (
         "quasi_static_instability",
         "V grows without bound: no quasi-static motion (M = 0) exists beyond this time; M > 0"
@@ -53,8 +58,13 @@ STATUSES = {
     ),
     NO_CONVERGENCE: (
         "no_convergence",
-        "cycles had not settled when the step limit was reached; loosen rtol, or move away from"
-        " the stability boundary",
+        "cycles had not settled when the step limit was reached: the approach is slow near the"
+        " stability boundary and where eta is large; loosen rtol",
+    ),
+    RIGID_REST: (
+        "rigid_rest",
+        "V_lp = 0 m/s with K = inf: eq. 1 gives no friction at rest; give a finite K, or a small"
+        " V_lp for the hold",
     ),
 }
 

@@ -5,6 +5,7 @@ import xarray
 
 from .. import plot
 from ..loading import Loading
+from ..quantities import attrs
 from ..simulate import simulate
 from ..stability import stability
 from .layout import figure, letter, styled, titled
@@ -32,13 +33,14 @@ def compute(law):
     data = data.assign_coords(time=data.time.copy(data=data.time - T_STEP))
     data["K_c"] = stability(slider, data.V_lp).K_c
     data["K_c_start"] = stability(slider, FIG2_START).K_c.drop_vars("V_lp")
+    data["V_start"] = ((), FIG2_START, attrs("V_start"))
     return titled(data, "Fig. 2. Velocity steps across the critical velocity", law)
 
 
 @styled
 def draw(data):
     """(a) tau/sigma against time, with its end and the phase plane inset; (b) K_c beside K."""
-    start = plot.value_text("V", float(data.V_start[0]), unit_of=1e-3)
+    start = plot.value_text("V", float(data.V_start), unit_of=1e-3)
     fig = figure(data, 6.2, "a b Dc sigma M K", f", stepped from {start}")
     top, bottom = fig.subplots(2, 1, height_ratios=[3.3, 1], sharex=True)
     sigma = plot.parameter(data, "sigma")

@@ -7,6 +7,7 @@ from .. import plot
 from ..arrays import logspace
 from ..cycles import limit_cycle
 from ..loading import Loading
+from ..quantities import attrs
 from ..simulate import simulate
 from ..stability import stability
 from .layout import figure, styled, titled
@@ -32,13 +33,14 @@ def compute(law):
     converged = cycle[["amplitude", "frequency", "status"]]
     data = data.merge(converged.rename({name: f"cycle_{name}" for name in converged}))
     data["V_c"], data["stable"] = theory.V_c, theory.stable
+    data["V_start"] = ((), FIG2_START, attrs("V_start"))
     return titled(data, "Fig. 3. Oscillation 10 s after a velocity step", law)
 
 
 @styled
 def draw(data):
     """Empty circles where sliding is stable, filled ones by amplitude where not; V_c(M)."""
-    start = plot.value_text("V", float(data.V_start[0]), unit_of=1e-3)
+    start = plot.value_text("V", float(data.V_start), unit_of=1e-3)
     fig = figure(data, 4.7, "a b Dc sigma K", f", stepped from {start}")
     ax = fig.subplots()
     M, V_lp = (axis.ravel() for axis in np.meshgrid(data.M, data.V_lp, indexing="ij"))
