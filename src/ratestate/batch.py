@@ -28,7 +28,7 @@ class Batch:
 
     def __init__(self, values, own=None, taken=()):
         own = own or {}
-        check_aligned({**values, **own})
+        check_aligned({**own, **values})
         sizes: dict = {}
         for value in [*values.values(), *own.values()]:
             if is_array(value):

@@ -139,5 +139,5 @@ def _announce():
     """Say that kernels are about to be compiled, if there are none in the cache."""
     compiled = getattr(march, "signatures", True)  # a plain function where the compiler is off
     if not compiled and not any(CACHE.rglob("*.nbi")):
-        sys.stderr.write("ratestate: compiling its kernels for this machine (15 s, once) ...\n")
+        sys.stderr.write("ratestate: compiling kernels for this machine, some 15 s, once ...\n")
         sys.stderr.flush()

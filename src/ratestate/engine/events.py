@@ -7,9 +7,8 @@ cycles that agree are a limit cycle.
 
 import math
 
-from numba import njit
-
 from . import rows as R
+from .jit import inner
 from .lanes import turning
 from .model import CYCLE, MEASURE, RUNAWAY, SEEK, STEADY_SLIDING, state_rate
 
@@ -17,23 +16,23 @@ from .model import CYCLE, MEASURE, RUNAWAY, SEEK, STEADY_SLIDING, state_rate
 WINDOW = 8.0
 
 
-@njit(error_model="numpy")
+@inner
 def coefficients(y0, y1, k1, k2, k3):
     """Dense output of one component as a polynomial in s, the fraction of the step."""
     return y0, (y1 - y0) + k1, k2 - k1, k3 - k2, -k3
 
 
-@njit(error_model="numpy")
+@inner
 def polynomial(c, s):
     return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
 
 
-@njit(error_model="numpy")
+@inner
 def derivative(c, s):
     return c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))
 
 
-@njit(error_model="numpy")
+@inner
 def extreme(c):
     """Where in 0..1 the polynomial's derivative vanishes (bisection, then Newton inside it)."""
     low, high = 0.0, 1.0
@@ -58,7 +57,7 @@ def extreme(c):
     return s
 
 
-@njit(error_model="numpy")
+@inner
 def crossing(c, w_lp, dw, log_w_lp):
     """Where in 0..1 v = ln(w_lp + dw s); the caller has seen a crossing."""
     low, high = 0.0, 1.0
@@ -81,7 +80,7 @@ def crossing(c, w_lp, dw, log_w_lp):
     return s
 
 
-@njit(error_model="numpy")
+@inner
 def components(s, l):
     """Polynomials of x, v and psi over the lane's step."""
     return (
@@ -93,12 +92,12 @@ def components(s, l):
     )
 
 
-@njit(error_model="numpy")
+@inner
 def relative_change(new, old):
     return abs(new - old) / abs(new) if new != 0.0 else math.inf
 
 
-@njit(error_model="numpy")
+@inner
 def close_cycle(s, l, here, x_high):
     """Book the cycle that ends at this upward crossing; `here` is the time since s[T].
 
@@ -124,7 +123,8 @@ def close_cycle(s, l, here, x_high):
                 s[R.MODE + l], s[R.OBSERVE + l] = SEEK, 0.0
         elif s[R.MODE + l] == SEEK:
             tol = s[R.CYCLE_TOL + l]
-            found = change <= 0.1 * tol and before >= 1e3 * tol
+            # the first cycle's change is against none
+            found = change <= 0.1 * tol and before >= 1e3 * tol and s[R.CYCLES + l] > 2.0
             if s[R.CYCLES + l] % WINDOW == 0.0:
                 far = max(
                     relative_change(amplitude, s[R.WINDOW_AMPLITUDE + l]),
@@ -143,7 +143,7 @@ def close_cycle(s, l, here, x_high):
     s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
 
 
-@njit(error_model="numpy")
+@inner
 def observe(s, l, law, cx, cv, cpsi):
     """Extremes of V and of |tau/sigma - mu| inside the step; `commit` sees to its end."""
     beta, eta0 = s[R.BETA + l], s[R.ETA0 + l]
@@ -170,7 +170,7 @@ def observe(s, l, law, cx, cv, cpsi):
         s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
 
 
-@njit(error_model="numpy")
+@inner
 def attend(s, l, law):
     """Everything of interest in the lane's accepted step, before it is committed."""
     cx, cv, cpsi = components(s, l)

@@ -2,14 +2,15 @@
 
 `math.exp` is a call into the C library: one number at a time.  These are branch-free arithmetic
 (range reduction, a polynomial, the exponent bits), so LLVM turns them into SIMD code.  They are
-accurate to 2 units in the last place between -600 and 600 and saturate outside: a speed of
+accurate to 3 units in the last place between -600 and 600 and saturate outside: a speed of
 1e-260 V0 is rest, and the time scales that go with it still fit into a double.  NaN stays NaN.
 """
 
 import math
 
 import numpy as np
-from numba import njit
+
+from .jit import inlined
 
 LIMIT = 600.0
 LOG2_E = 1.4426950408889634
@@ -20,7 +21,7 @@ LN2_LOW = 1.90821492927058770002e-10
 ROUND = 6755399441055744.0
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def parts(x):
     """x = n ln 2 + r: the bits of the integer n, and e**r as even and odd part.
 
@@ -45,26 +46,26 @@ def parts(x):
     return np.float64(shifted).view(np.int64), even, odd
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def power_of_2(n):
     """2**n, from the bits of n + ROUND or of ROUND - n."""
     return np.int64((n + np.int64(1023)) << np.int64(52)).view(np.float64)
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def exp(x):
     """e**x for -600 <= x <= 600, saturating outside."""
     n, even, odd = parts(x)
     return (even + odd) * power_of_2(n)
 
 
-@njit(forceinline=True)
+@inlined
 def exp_alone(x):
     """e**x like `exp`, by the C library, which is faster for one number at a time."""
     return math.exp(min(max(x, -LIMIT), LIMIT))
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def exp_and_inverse(x):
     """e**x and e**-x for -600 <= x <= 600, saturating outside; no division."""
     n, even, odd = parts(x)

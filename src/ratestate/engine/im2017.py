@@ -16,18 +16,18 @@ the scheme's author published it).
 import math
 
 import numpy as np
-from numba import njit
 
 from .. import laws
 from . import lanes as L
 from . import rows as R
 from .exp import exp_alone
+from .jit import inner, kernel
 from .model import IM2017_EULER, NO_ROOT
 
 MAX_ITERATIONS = 200
 
 
-@njit(error_model="numpy")
+@inner
 def advance_state(law, method, psi, v, w, h):
     """psi after h at the constant velocity w = e**v, and its derivative with respect to v."""
     decay = math.exp(-w * h)
@@ -41,7 +41,7 @@ def advance_state(law, method, psi, v, w, h):
     return math.log(new), (w * h * decay * (1.0 / w - theta) - grown) / new
 
 
-@njit(error_model="numpy")
+@kernel
 def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
     """v, psi and x at the end of the step, and whether they were found.
 
@@ -75,7 +75,7 @@ def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
     return v_new, psi_new, x_new, False
 
 
-@njit(error_model="numpy")
+@inner
 def take(s, l, law, method):
     """Take one step of the lane and record its outcome as `lanes.try_step` and `judge` do."""
     x, v, psi, w, w_lp = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l], s[R.W_LP + l]

@@ -6,10 +6,9 @@ instructions, and gets the same bits, wherever it sits.
 
 import math
 
-from numba import njit
-
 from ..laws import AGING, SLIP
 from . import rows as R
+from .jit import inlined, lanewise
 from .model import RUNNING, state_rate
 from .rodas5p import step as rodas5p_step
 
@@ -20,7 +19,7 @@ TOO_MANY_FAILURES = 400.0
 SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 
-@njit(forceinline=True, error_model="numpy", fastmath={"contract"})
+@inlined
 def turning(x, v, psi, f_x, f_psi, w, beta, eta0):
     """Numbers whose signs change where V, and where |g|, has an extreme.
 
@@ -33,14 +32,14 @@ def turning(x, v, psi, f_x, f_psi, w, beta, eta0):
     return (drive if abs(g) <= rounding else g), eta0 * w * drive - g
 
 
-@njit(forceinline=True, error_model="numpy", fastmath={"contract"})
+@inlined
 def step_size(h, land, t, t_low):
     """The step to try: never past the next landing, nor so near it that a crumb remains."""
     left = (land - t) - t_low
     return left if h * (1.0 + 1e-9) >= left else h
 
 
-@njit(forceinline=True, error_model="numpy", fastmath={"contract"})
+@inlined
 def judge(s, l):
     """Accept or reject by a PI controller; powers by square roots, which vectorise."""
     err, h, planned = s[R.ERROR + l], s[R.H_USED + l], s[R.H + l]
@@ -64,7 +63,7 @@ def judge(s, l):
     s[R.MEMORY_NEW + l] = sixteenth if sixteenth > 0.05 else 0.05
 
 
-@njit(forceinline=True, error_model="numpy", fastmath={"contract"})
+@inlined
 def needs_attention(s, l, law):
     """Whether the accepted step holds anything that the scalar code must look at."""
     kappa, beta, eta0 = s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l]
@@ -88,14 +87,14 @@ def needs_attention(s, l, law):
     s[R.CALL + l] = 1.0 if ok & flag else 0.0
 
 
-@njit(forceinline=True, error_model="numpy", fastmath={"contract"})
-def try_step(s, l, law, alone):
-    """Try one step of the lane by Rodas5P and record its outcome; law and alone are literals."""
+@inlined
+def try_step(s, l, law):
+    """Try one step of the lane by Rodas5P and record its outcome; law is a literal."""
     h = step_size(s[R.H + l], s[R.LAND + l], s[R.T + l], s[R.T_LOW + l])
     y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
     p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
     y_new, w_new, e_new, error, k1, k2, k3, load, friction = rodas5p_step(
-        y, s[R.W + l], s[R.E + l], s[R.W_LP + l], s[R.RAMP + l], h, p, alone
+        y, s[R.W + l], s[R.E + l], s[R.W_LP + l], s[R.RAMP + l], h, p
     )
     s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = y_new
     s[R.W_NEW + l], s[R.E_NEW + l] = w_new, e_new
@@ -108,7 +107,7 @@ def try_step(s, l, law, alone):
     s[R.ERROR + l] = max(err, abs(error[2])) / s[R.RTOL + l]
 
 
-@njit(forceinline=True, error_model="numpy", fastmath={"contract"})
+@inlined
 def commit_lane(s, l):
     """Move an accepted step's outcome into the state; time is summed in two parts (Kahan).
 
@@ -156,38 +155,27 @@ def commit_lane(s, l):
     s[R.H + l] = h_next
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@lanewise
 def advance(s, law, n):
-    """Try one step in all n = `LANES` lanes, judge it, and look whether it holds events.
+    """Try one step in the first n lanes, judge it, and look whether it holds events.
 
-    Three loops, since LLVM vectorises each but not their union; and a length known at compile
-    time would get them unrolled instead.  A loop for each law spares the slip law its unused
-    exponential.
+    n is `LANES`, or 1 for a slider alone, which the loops' scalar remainder then takes; a length
+    known at compile time would get the loops unrolled.  They are three since LLVM vectorises
+    each but not their union, and a loop for each law spares the slip law its unused exponential.
     """
     if law == SLIP:
         for l in range(n):
-            try_step(s, l, SLIP, False)
+            try_step(s, l, SLIP)
     else:
         for l in range(n):
-            try_step(s, l, AGING, False)
+            try_step(s, l, AGING)
     for l in range(n):
         judge(s, l)
     for l in range(n):
         needs_attention(s, l, law)
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
-def advance_alone(s, law):
-    """`advance` for lane 0 only."""
-    if law == SLIP:
-        try_step(s, 0, SLIP, True)
-    else:
-        try_step(s, 0, AGING, True)
-    judge(s, 0)
-    needs_attention(s, 0, law)
-
-
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@lanewise
 def commit(s, n):
     """`commit_lane` in the first n lanes."""
     for l in range(n):

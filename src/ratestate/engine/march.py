@@ -7,13 +7,13 @@ position.  The caller so keeps its hands on a long run (progress, interruption, 
 import math
 
 import numpy as np
-from numba import njit
 
 from . import lanes as L
 from . import rows as R
 from .events import attend, components, polynomial
 from .exp import exp_alone
 from .im2017 import take as take_im2017
+from .jit import inner, kernel
 from .model import (
     FINISHED,
     FREE,
@@ -30,7 +30,7 @@ from .model import (
 IDLE = -1.0
 
 
-@njit(error_model="numpy")
+@inner
 def enter_segment(s, l, law, k, scale, V0, loads, row):
     """Put the lane at the start of the segment that holds its time (zero-length ones pass)."""
     last = loads.t.size - 1
@@ -62,7 +62,7 @@ def enter_segment(s, l, law, k, scale, V0, loads, row):
         s[R.CYCLES + l] = s[R.AMPLITUDE + l] = 0.0
 
 
-@njit(error_model="numpy")
+@inner
 def load(s, l, law, i, cases, loads, save_times, results):
     """Put case i into lane l at t = 0."""
     for row in range(0, R.SIZE, R.LANES):
@@ -89,14 +89,14 @@ def load(s, l, law, i, cases, loads, save_times, results):
     await_save(s, l, n, save_times, row, scale)
 
 
-@njit(error_model="numpy")
+@inner
 def await_save(s, l, n, save_times, row, scale):
     """Let saved time n be the next one the lane waits for."""
     s[R.SAVED + l] = n
     s[R.SAVE_AT + l] = save_times[row, n] * scale if n < save_times.shape[1] else math.inf
 
 
-@njit(error_model="numpy")
+@inner
 def save(s, l, cases, save_times, saved):
     """Write the state at each saved time inside the lane's accepted step."""
     i = int(s[R.CASE + l])
@@ -116,7 +116,7 @@ def save(s, l, cases, save_times, saved):
     await_save(s, l, n, save_times, row, scale)
 
 
-@njit(error_model="numpy")
+@inner
 def finish(s, l, cases, results):
     """Write the outcome of the lane's case; a failed one leaves no states."""
     i = int(s[R.CASE + l])
@@ -137,7 +137,7 @@ def finish(s, l, cases, results):
     s[R.CASE + l] = IDLE
 
 
-@njit(error_model="numpy")
+@inner
 def turn(s, l, law, cases, loads):
     """At a landing: enter the next segment or finish.  Elsewhere: give up, saying why."""
     if s[R.STATUS + l] != RUNNING:
@@ -154,7 +154,7 @@ def turn(s, l, law, cases, loads):
         enter_segment(s, l, law, k, cases.scale[i], cases.V0[i], loads, cases.loading[i])
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@kernel
 def march(method, law, alone, s, queue, position, cases, loads, save_times, results, path, budget):
     """March the cases of a queue until it is empty, `path` is full or the budget is spent.
 
@@ -190,8 +190,6 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
             for l in range(width):
                 if s[R.CASE + l] != IDLE:
                     take_im2017(s, l, law, method)
-        elif alone:
-            L.advance_alone(s, law)
         else:
             L.advance(s, law, width)
         for l in range(width):

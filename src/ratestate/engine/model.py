@@ -13,9 +13,9 @@ which is eqs 1-4 of Im, Marone & Elsworth (2019).  g = x - v - beta psi is the i
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from .. import laws
+from .jit import inlined
 
 # How a case ended.  0 and 1 are answers; the rest name what stopped it.
 CYCLE = FINISHED = 0
@@ -130,19 +130,19 @@ NUMBERS = (
 # How a march looks for a cycle: not at all; until cycles agree; one more cycle, measured.
 FREE, SEEK, MEASURE = 0.0, 1.0, 2.0
 
-slip_rate = njit(forceinline=True, fastmath={"contract"})(laws.slip_rate)
-slip_rate_partials = njit(forceinline=True, fastmath={"contract"})(laws.slip_rate_partials)
-aging_rate = njit(forceinline=True, fastmath={"contract"})(laws.aging_rate)
-aging_rate_partials = njit(forceinline=True, fastmath={"contract"})(laws.aging_rate_partials)
+slip_rate = inlined(laws.slip_rate)
+slip_rate_partials = inlined(laws.slip_rate_partials)
+aging_rate = inlined(laws.aging_rate)
+aging_rate_partials = inlined(laws.aging_rate_partials)
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def state_rate(law, w, v, psi, e):
     """d psi/dT of the law with this code: all are computed and one selected, so lanes may mix."""
     return slip_rate(w, v, psi, e) if law == laws.SLIP else aging_rate(w, v, psi, e)
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def state_rate_partials(law, w, v, psi, e):
     """Derivatives of `state_rate` with respect to v and psi."""
     s_v, s_psi = slip_rate_partials(w, v, psi, e)

@@ -19,10 +19,9 @@ Beside the state, a step integrates the load-point work and the frictional dissi
 weights `B` that the method implies for a pure quadrature.
 """
 
-from numba import njit
-
 from ..laws import SLIP
-from .exp import LIMIT, exp, exp_alone, exp_and_inverse
+from .exp import LIMIT, exp, exp_and_inverse
+from .jit import inlined
 from .model import state_rate, state_rate_partials
 
 GAMMA = 0.21193756319429014
@@ -142,36 +141,33 @@ B = quadrature_weights()
 DRIFT = sum(b * d for b, d in zip(B, D, strict=True))
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def plus(y, a, k):
     """y + a k for triples (x, v, psi)."""
     return y[0] + a * k[0], y[1] + a * k[1], y[2] + a * k[2]
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def times(a, k):
     """a k for a triple."""
     return a * k[0], a * k[1], a * k[2]
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def dot(c, k1, k2, k3, k4, k5, k6, k7, k8):
     """sum_i c_i k_i for triples."""
     y = plus(plus(plus(times(c[0], k1), c[1], k2), c[2], k3), c[3], k4)
     return plus(plus(plus(plus(y, c[4], k5), c[5], k6), c[6], k7), c[7], k8)
 
 
-@njit(forceinline=True, fastmath={"contract"})
-def exponentials(u, law, alone):
-    """w = e**v and 1/w, and e = e**-psi where the law has it; law and alone are literals."""
-    if alone:
-        w = exp_alone(u[1])
-        return w, 1.0 / w, (0.0 if law == SLIP else exp_alone(-u[2]))
+@inlined
+def exponentials(u, law):
+    """w = e**v and 1/w, and e = e**-psi where the law, a literal, has it."""
     w, w_inverse = exp_and_inverse(u[1])
     return w, w_inverse, (0.0 if law == SLIP else exp(-u[2]))
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def stage(u, w, w_inverse, e, w_lp, rest, p, start):
     """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
 
@@ -187,22 +183,21 @@ def stage(u, w, w_inverse, e, w_lp, rest, p, start):
     return gamma_h * (r_x - kappa_w * k_v), k_v, a_psi * (r_psi + s_v * k_v)
 
 
-@njit(forceinline=True, fastmath={"contract"})
+@inlined
 def works(u, w, w_lp, beta):
     """Powers per a sigma V0 beyond their mu0 part: of the load point, x w_lp; of friction."""
     return u[0] * w_lp, (u[1] + beta * u[2]) * w
 
 
-@njit(forceinline=True, fastmath={"contract"})
-def step(y, w, e, w_lp, ramp, h, p, alone):
+@inlined
+def step(y, w, e, w_lp, ramp, h, p):
     """One step of size h from y = (x, v, psi).
 
     Parameters
     ----------
     y, w, e : state, e**v and e**-psi at the start
     w_lp, ramp : load-point speed at the start and its rate d w_lp/dT
-    p : (law, kappa, beta, eta0)
-    law, alone : literals where this is compiled, see `exponentials`
+    p : (law, kappa, beta, eta0), law a literal where this is compiled
 
     Returns
     -------
@@ -230,21 +225,21 @@ def step(y, w, e, w_lp, ramp, h, p, alone):
     p1, q1 = works(y, w, w_lp, beta)
 
     u = plus(y, A[1][0], k1)
-    w_u, i_u, e_u = exponentials(u, law, alone)
+    w_u, i_u, e_u = exponentials(u, law)
     w_l = w_lp + NODES[1] * dw
     rest = plus((D[1] * drift, 0.0, 0.0), r, times(C[1][0], k1))
     k2 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p2, q2 = works(u, w_u, w_l, beta)
 
     u = plus(plus(y, A[2][0], k1), A[2][1], k2)
-    w_u, i_u, e_u = exponentials(u, law, alone)
+    w_u, i_u, e_u = exponentials(u, law)
     w_l = w_lp + NODES[2] * dw
     rest = plus((D[2] * drift, 0.0, 0.0), r, plus(times(C[2][0], k1), C[2][1], k2))
     k3 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p3, q3 = works(u, w_u, w_l, beta)
 
     u = plus(plus(plus(y, A[3][0], k1), A[3][1], k2), A[3][2], k3)
-    w_u, i_u, e_u = exponentials(u, law, alone)
+    w_u, i_u, e_u = exponentials(u, law)
     w_l = w_lp + NODES[3] * dw
     c = plus(plus(times(C[3][0], k1), C[3][1], k2), C[3][2], k3)
     rest = plus((D[3] * drift, 0.0, 0.0), r, c)
@@ -252,7 +247,7 @@ def step(y, w, e, w_lp, ramp, h, p, alone):
     p4, q4 = works(u, w_u, w_l, beta)
 
     u = plus(plus(plus(plus(y, A[4][0], k1), A[4][1], k2), A[4][2], k3), A[4][3], k4)
-    w_u, i_u, e_u = exponentials(u, law, alone)
+    w_u, i_u, e_u = exponentials(u, law)
     w_l = w_lp + NODES[4] * dw
     c = plus(plus(plus(times(C[4][0], k1), C[4][1], k2), C[4][2], k3), C[4][3], k4)
     rest = plus((D[4] * drift, 0.0, 0.0), r, c)
@@ -262,20 +257,20 @@ def step(y, w, e, w_lp, ramp, h, p, alone):
     w_l = w_lp + dw
     u = plus(plus(plus(plus(y, A[5][0], k1), A[5][1], k2), A[5][2], k3), A[5][3], k4)
     u = plus(u, A[5][4], k5)
-    w_u, i_u, e_u = exponentials(u, law, alone)
+    w_u, i_u, e_u = exponentials(u, law)
     c = plus(plus(plus(times(C[5][0], k1), C[5][1], k2), C[5][2], k3), C[5][3], k4)
     k6 = stage(u, w_u, i_u, e_u, w_l, times(r, plus(c, C[5][4], k5)), p, start)
     p6, q6 = works(u, w_u, w_l, beta)
 
     u = plus(u, 1.0, k6)
-    w_u, i_u, e_u = exponentials(u, law, alone)
+    w_u, i_u, e_u = exponentials(u, law)
     c = plus(plus(plus(times(C[6][0], k1), C[6][1], k2), C[6][2], k3), C[6][3], k4)
     c = plus(plus(c, C[6][4], k5), C[6][5], k6)
     k7 = stage(u, w_u, i_u, e_u, w_l, times(r, c), p, start)
     p7, q7 = works(u, w_u, w_l, beta)
 
     u = plus(u, 1.0, k7)
-    w_u, i_u, e_u = exponentials(u, law, alone)
+    w_u, i_u, e_u = exponentials(u, law)
     c = plus(plus(plus(times(C[7][0], k1), C[7][1], k2), C[7][2], k3), C[7][3], k4)
     c = plus(plus(plus(c, C[7][4], k5), C[7][5], k6), C[7][6], k7)
     m_end = eta0 * w_u
@@ -290,7 +285,7 @@ def step(y, w, e, w_lp, ramp, h, p, alone):
     shift = on_manifold - v_new if negligible else 0.0
     y_new = (x_new, on_manifold if negligible else v_new, psi_new)
     error = (k8[0], k8[1] + shift, k8[2])
-    w_new, _, e_new = exponentials(y_new, law, alone)
+    w_new, _, e_new = exponentials(y_new, law)
 
     # The two quadratures: s_i = works(u_i) + gradient k_i + h d_i d/dT, weighted by B.
     k = dot(B, k1, k2, k3, k4, k5, k6, k7, k8)

@@ -1,0 +1,21 @@
+"""How the kernels are compiled.
+
+Contraction (a*b + c in one rounding) is the only liberty taken: numbers are never assumed finite,
+nor sums associative.  What compiled code alone calls goes without the wrappers through which
+Python would call it; compiling takes a third less.
+"""
+
+from typing import Any
+
+from numba import njit
+
+_INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+#: arithmetic that must end up inside a vectorised loop
+inlined = njit(forceinline=True, fastmath={"contract"}, **_INNER)
+#: loops over lanes
+lanewise = njit(fastmath={"contract"}, **_INNER)
+#: scalar code between them
+inner = njit(**_INNER)
+#: what Python calls
+kernel = njit(nogil=True, cache=True, error_model="numpy")
