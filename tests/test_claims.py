@@ -106,8 +106,8 @@ def test_aging_law():
     assert verdicts == {
         "evolution_distance": "differs",
         "cycle_range": "no value given",
-        "slow_inertia": "no value given",
-        "first_drop_inertia": "no value given",
+        "slow_inertia": "differs",
+        "first_drop_inertia": "differs",
     }
     exact_distance = 10 * math.log((math.e - 1) / math.expm1(1 / math.e))
     assert rows["evolution_distance"].converged[0] == pytest.approx(exact_distance, rel=1e-5)

@@ -15,7 +15,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .arrays import logspace
     from .cycles import limit_cycle
-    from .errors import NotConverged, ParameterError, SolverError
+    from .errors import (
+        NotConverged,
+        ParameterError,
+        QuasiStaticInstability,
+        RateStateError,
+        SolverError,
+    )
     from .loading import Loading
     from .simulate import simulate
     from .slider import SpringSlider
@@ -25,6 +31,8 @@ __all__ = [
     "Loading",
     "NotConverged",
     "ParameterError",
+    "QuasiStaticInstability",
+    "RateStateError",
     "SolverError",
     "SpringSlider",
     "limit_cycle",
@@ -38,6 +46,8 @@ _HOMES = {
     "Loading": "loading",
     "NotConverged": "errors",
     "ParameterError": "errors",
+    "QuasiStaticInstability": "errors",
+    "RateStateError": "errors",
     "SolverError": "errors",
     "SpringSlider": "slider",
     "limit_cycle": "cycles",

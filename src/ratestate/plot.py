@@ -42,7 +42,6 @@ LETTERS = {
     "mu0": r"\mu_0",
     "sigma": r"\sigma",
     "V_lp": "V_{lp}",
-    "K_c": "K_c",
     "K_c_qs": "K_{c,qs}",
     "eta": r"\eta",
 }

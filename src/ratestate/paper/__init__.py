@@ -1,5 +1,6 @@
 """The figures of Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026.
 
 `parameters` holds the paper's values; ``fig1`` to ``fig6`` each compute the numbers of a figure
-and draw them; `figures` writes the files.
+and draw them, `scheme` does so for the error of the paper's scheme; `figures` writes the files.
+`claims` checks what the paper says, and `claims_table` writes it down.
 """

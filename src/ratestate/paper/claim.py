@@ -82,7 +82,7 @@ def pair(measure, *args):
 
 def exact(*values):
     """Values of closed forms."""
-    error = max(abs(value) for value in values) * 1e-15
+    error = max(abs(value) for value in values) * 1e-14
     return {"converged": values, "error": error, "error_from": CLOSED_FORM}
 
 

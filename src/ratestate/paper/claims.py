@@ -27,8 +27,8 @@ def claims(law="slip"):
     Parameters
     ----------
     law : {"slip", "aging"}
-        The paper's text is about the slip law; its supplement repeats the runs with the aging
-        law, of which the text gives no numbers.
+        The paper's text, and all of its numbers, are about the slip law; what it says in words
+        is put to the aging law too, with which its supplement repeats runs.
 
     Returns
     -------

@@ -65,7 +65,7 @@ def on_map(law):
 def _after_10_s(slider, V_lp, rtol):
     """Amplitude of the last oscillation, 10 s after the step."""
     run = simulate(slider, Loading.constant(V_lp), FIG2_DURATION, V_start=FIG2_START, rtol=rtol)
-    return run.amplitude.drop_vars("time", errors="ignore").squeeze()
+    return run.amplitude
 
 
 def _by_scheme(law, V_lp, above):
@@ -77,7 +77,7 @@ def _by_scheme(law, V_lp, above):
     for M in above.M.values:
         slider = FIG2.replace(law=law, M=float(M))
         run = step_response(slider, FIG2_START, V_lp, FIG2_DURATION, LARGEST, METHOD[law])
-        unstable = run.amplitude.squeeze() > UNSTABLE
+        unstable = run.amplitude > UNSTABLE
         wrong += [(slider, float(V)) for V in V_lp[(unstable != above.sel(M=M)).values]]
     still = 0
     for slider, V in wrong:

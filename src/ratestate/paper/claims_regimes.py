@@ -25,7 +25,7 @@ def on_regimes(law):
 def _inertia(law):
     rows = {
         "stick_slip": ("only in the short slip of stick-slip", "a short part", (0.0, 0.1)),
-        "harmonic": ("throughout quasi-harmonic cycles", "the whole cycle", (0.5, 1.0)),
+        "harmonic": ("throughout quasi-harmonic cycles", "the whole cycle", (0.9, 1.0)),
     }
     slider = FIG4.replace(law=law)
     claims = []

@@ -31,9 +31,7 @@ def on_slow_slip(law):
         return (_relative_inertia(run, slider),)
 
     common: dict[str, Any] = {"where": "sec. 4.1, Fig. 6", "unit": ""}
-    inertia: dict[str, Any] = {"paper": "", "covers": ()}
-    if law == "slip":
-        inertia = {"paper": "insignificant", "covers": ((0.0, 0.05),)}
+    inertia: dict[str, Any] = {"paper": "insignificant", "covers": ((0.0, 0.05),)}
     return [
         Claim(
             id="eta_fig6",

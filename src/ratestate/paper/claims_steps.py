@@ -98,7 +98,9 @@ def _fate(slider, V_lp, steps):
     note = ""
     if V_lp < slider.V_c < 1.1 * V_lp:
         note = f"By the scheme with omega dt = {LARGEST:g} this speed lies above V_c"
-        slip = ": the paper's runs, which find it stable, took smaller steps."
+        slip = (
+            ": the paper's runs find it stable, so by this form of the scheme took smaller steps."
+        )
         note += slip if slider.law == "slip" else "."
     return Claim(
         id=f"step_to_{1e3 * V_lp:g}",

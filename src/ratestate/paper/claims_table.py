@@ -21,8 +21,9 @@ package finds: by the paper's own scheme (eqs 8, 9; `{method}`) at the time step
 omega = sqrt(K/M) and omega dt = 0.1 is the largest that its author's script accepts without a
 warning; and converged, by an error-controlled method, with an estimate of the numerical error.
 Verdicts compare the converged value with the range that the paper's statement is taken to mean: a
-number to half a unit of its last digit, words as stated.  "Agrees with the scheme only": the time
-step, not physics, is the cause of the difference.
+number to half a unit of its last digit, words as stated.  The paper's numbers are for the slip law
+and are judged for it alone; its words are put to both laws.  "Agrees with the scheme only": the
+scheme, at a step stated, gives the paper's value, so that its time step can explain the difference.
 """
 
 

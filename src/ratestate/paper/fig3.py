@@ -26,7 +26,7 @@ def compute(law):
     run = simulate(slider, loading, t_end=T_STEP + FIG2_DURATION)
     cycle = limit_cycle(slider, V_lp)
     theory = stability(slider, V_lp)
-    data = run[["amplitude", "frequency", "status"]].drop_vars("time", errors="ignore").squeeze()
+    data = run[["amplitude", "frequency", "status"]]
     data["unstable"] = (data.amplitude > UNSTABLE).assign_attrs(
         units="1", long_name=f"oscillates at 10 s: amplitude above {UNSTABLE:g}"
     )
