@@ -51,7 +51,8 @@ def draw(data):
     right.set_xlim(1e3 * settled.delta_lp.min(), 1e3 * settled.delta_lp.max())
     at_step = f"$K = {K / float(data.K_c):.4f}\\,K_c$, $\\eta = {float(data.eta):.3g}$"
     letter(left, "a", f"step from {slow} to {fast}, where {at_step}")
-    letter(right, "b", f"limit cycle, at {float(data.time[-1]):.0f} s (gray: its range)")
+    left.text(0.98, 0.5, "gray band: range of (b)", transform=left.transAxes, ha="right")
+    letter(right, "b", f"limit cycle, at {float(data.time[-1]):.0f} s")
     _drop(left.inset_axes((0.3, 0.12, 0.3, 0.29)), first, 0.012, "first drop")
     _drop(right.inset_axes((0.28, 0.12, 0.66, 0.29)), settled, 0.1, "one of its drops")
     return fig
