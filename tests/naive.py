@@ -12,6 +12,18 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
+# The paper's, of its Fig. 2
+FIG2 = {
+    "a": 0.003,
+    "b": 0.006,
+    "Dc": 1e-5,
+    "mu0": 0.6,
+    "V0": 1e-9,
+    "sigma": 2e6,
+    "M": 3e3,
+    "K": 9e8,
+}
+
 
 class Naive(NamedTuple):
     """Parameters in SI, as of SpringSlider, with finite K."""
@@ -120,7 +132,10 @@ def march(case, y, segments, t_end, tol=1e-12, method="Radau"):
     for k, (start, V, rate) in enumerate(segments):
         end = min(segments[k + 1][0] if k + 1 < len(segments) else math.inf, t_end)
         if end > start:
-            speed = lambda t, start=start, V=V, rate=rate: V + rate * (t - start)  # noqa: E731
+
+            def speed(t, start=start, V=V, rate=rate):
+                return V + rate * (t - start)
+
             y = case.solve(y, start, end, speed, tol, method=method).y[:, -1]
     if case.M == 0:
         return np.array([y[0], case.log_velocity(*y), y[1]])

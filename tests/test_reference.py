@@ -14,16 +14,7 @@ import pytest
 
 import ratestate as rs
 
-FIG2 = {
-    "a": 0.003,
-    "b": 0.006,
-    "Dc": 1e-5,
-    "mu0": 0.6,
-    "V0": 1e-9,
-    "sigma": 2e6,
-    "M": 3e3,
-    "K": 9e8,
-}
+FIG2 = naive.FIG2
 FIG4 = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-9, "sigma": 4e6, "M": 1e2}
 STICK = FIG4 | {"K": 0.96e9}
 # parameters, law, V_start, V_lp, t, then at t: tau/sigma - mu0, ln(V/V0), psi; period, amplitude

@@ -134,7 +134,9 @@ def test_one_step_is_the_method(law, eta0):
     def speed(t):
         return w_lp + ramp * t
 
-    f = lambda t, y: np.array(twin.rates(t, y, speed))  # noqa: E731
+    def f(t, y):
+        return np.array(twin.rates(t, y, speed))
+
     f_t = np.array([kappa * ramp, 0, 0])
     y_new, error, dense = plain_step(f, twin.jacobian(0, y, speed), f_t, y, h)
     got = step(tuple(y), w_lp, ramp, h, (CODE[law], kappa, beta, eta0))
@@ -170,7 +172,10 @@ def plain_march(n, f, jacobian, f_t, y, t_end):
     h = t_end / n
     for i in range(n):
         t = i * h
-        g = lambda s, y, t=t: f(t + s, y)  # noqa: E731
+
+        def g(s, y, t=t):
+            return f(t + s, y)
+
         y, _, _ = plain_step(g, jacobian(t, y), f_t(t, y), y, h)
     return y
 

@@ -12,16 +12,7 @@ from scipy.integrate import quad, solve_ivp
 import ratestate as rs
 from ratestate import Loading, SpringSlider, logspace, simulate
 
-BASE = {
-    "a": 0.003,
-    "b": 0.006,
-    "Dc": 1e-5,
-    "mu0": 0.6,
-    "V0": 1e-9,
-    "sigma": 2e6,
-    "M": 3e3,
-    "K": 9e8,
-}
+BASE = naive.FIG2
 SLIDER = SpringSlider(**BASE)
 STIFF = SLIDER.replace(K=3e9)  # always stable
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
@@ -517,17 +508,25 @@ def test_rigid_step(law, M):
 def test_rigid_ramp(law, rate):
     """Against quadrature of the linear equation that the state obeys."""
     V1, Dc, t_end = 1e-3, 1e-5, 2.0
-    speed = lambda t: V1 + rate * t  # noqa: E731
+
+    def speed(t):
+        return V1 + rate * t
+
     loading = Loading.series([0, t_end], [V1, speed(t_end)])
     times = [0.01, 0.3, 2.0]
     run = simulate(SLIDER.replace(K=np.inf, law=law), loading, t_end, times=times, V_start=1e-4)
     for i, t in enumerate(times):
-        slip = lambda s, t=t: (t - s) * 0.5 * (speed(s) + speed(t))  # noqa: E731
+
+        def slip(s, t=t):
+            return (t - s) * 0.5 * (speed(s) + speed(t))
+
         decay = np.exp(-slip(0.0) / Dc)
         window = max(0.0, t - 60 * Dc / min(speed(t), V1))
 
         def integrate(f, t=t, slip=slip, window=window):
-            g = lambda s: f(s) * np.exp(-slip(s) / Dc)  # noqa: E731
+            def g(s):
+                return f(s) * np.exp(-slip(s) / Dc)
+
             return quad(g, window, t, epsabs=0, epsrel=1e-12, limit=500)[0]
 
         if law == "aging":
@@ -549,7 +548,10 @@ def test_quasi_static_instability(law, V_lp):
     parameters = BASE | {"M": 0.0, "K": 3e8}
     slider = SpringSlider(**parameters, law=law)
     twin = naive.Naive(**parameters, law=law)
-    fast = lambda t, y: twin.log_velocity(*y) - math.log(1e3)  # noqa: E731
+
+    def fast(t, y):
+        return twin.log_velocity(*y) - math.log(1e3)
+
     fast.terminal = True
     start = twin.steady(V_lp / 2)
     # Beyond 1 km/s what is left of time is about Dc/V = 1e-8 s

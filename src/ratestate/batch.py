@@ -86,6 +86,7 @@ class Batch:
         for symbol, value in self.values.items():
             if is_array(value):
                 coords |= {k: v for k, v in value.coords.items() if k not in taken | set(coords)}
+                # (initial values have names of their own, and no place among the coordinates)
                 if symbol in QUANTITIES and symbol not in taken | set(self.dims):
                     coords[symbol] = value.variable
         for value in self.own.values():

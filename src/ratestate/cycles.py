@@ -13,7 +13,7 @@ from .errors import ParameterError
 from .laws import evolution_law
 from .progress import bar
 from .quantities import attrs
-from .slider import SpringSlider
+from .slider import checked
 from .stability import K_c, eta
 from .start import initial_state
 from .units import is_array, to_si
@@ -68,14 +68,12 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     >>> round(float(cycle.frequency), 3)  # Hz
     50.595
     """
-    if not isinstance(slider, SpringSlider):
-        raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
+    checked(slider)
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not 1e-12 <= rtol <= 1e-2:
         raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-12 to 1e-2, such as 1e-8")
     V_lp = to_si("V_lp", V_lp)
-    values = {symbol: value for symbol, value in slider.parameters.items() if symbol != "law"}
-    batch = Batch({**values, "V_lp": V_lp, "V_start": 0.1 * V_lp}, taken=TAKEN)
+    batch = Batch({**slider.values, "V_lp": V_lp, "V_start": 0.1 * V_lp}, taken=TAKEN)
     with bar("limit_cycle") as progress:
         status, numbers = _settle(batch, evolution_law(slider.law).code, rtol, progress)
     variables = _measures(batch, status, numbers)

@@ -16,7 +16,7 @@ from .loading import Loading
 from .motion import move, observables, series
 from .progress import bar
 from .quantities import attrs
-from .slider import SpringSlider
+from .slider import checked
 from .start import initial_values
 from .units import is_array, to_si
 
@@ -96,14 +96,13 @@ def simulate(
     >>> run.sizes["time"] > 1000 and int(run.status) == 0
     True
     """
-    if not isinstance(slider, SpringSlider):
-        raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
+    checked(slider)
     if not isinstance(loading, Loading):
         raise ParameterError(
             f"loading = {loading!r} is not a Loading; for one speed give Loading.constant(...)"
         )
     rtol, dt = solver_settings(rtol, method, dt, slider)
-    values = {symbol: value for symbol, value in slider.parameters.items() if symbol != "law"}
+    values = slider.values
     values["t_end"] = to_si("t_end", t_end)
     values["V_start"] = first_speed(loading) if V_start is None else to_si("V_start", V_start)
     values |= initial_values(initial)

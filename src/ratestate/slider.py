@@ -4,6 +4,7 @@ import dataclasses
 from typing import Any
 
 from .arrays import check_aligned
+from .errors import ParameterError
 from .laws import evolution_law
 from .quantities import QUANTITIES
 from .stability import K_c, K_c_qs, V_c, eta, f_n
@@ -78,6 +79,11 @@ class SpringSlider:
         return dataclasses.replace(self, **changes)
 
     @property
+    def values(self):
+        """dict of the parameters that are quantities: `parameters` but for the law."""
+        return {symbol: v for symbol, v in self.parameters.items() if symbol != "law"}
+
+    @property
     def K_c_qs(self):
         """Quasi-static critical stiffness [Pa/m], (b - a) sigma/Dc."""
         return named("K_c_qs", K_c_qs(**self._pick("a b Dc sigma")))
@@ -123,6 +129,13 @@ class SpringSlider:
 
     def __hash__(self):
         return hash(tuple(v.shape if is_array(v) else v for v in self.parameters.values()))
+
+
+def checked(slider):
+    """The slider; ParameterError if it is none."""
+    if not isinstance(slider, SpringSlider):
+        raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
+    return slider
 
 
 def _same(x, y):

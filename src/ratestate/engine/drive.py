@@ -37,6 +37,8 @@ def run(method, law, cases, loads, save_times, order, alone, progress=None):
     """
     n = len(order)
     results = _results(len(cases.beta), save_times.shape[1])
+    if n == 0:  # nothing for which to load, or even compile, the kernels
+        return results
     threads = max(1, min(_cores(), n // R.LANES))
     _announce()
     stop = threading.Event()

@@ -9,8 +9,8 @@ import math
 
 from . import rows as R
 from .jit import inner
-from .lanes import turning
-from .model import CYCLE, MEASURE, RUNAWAY, SEEK, STEADY_SLIDING, state_rate
+from .lanes import steadies, turns
+from .model import CYCLE, MEASURE, RUNAWAY, SEEK, STEADY_SLIDING
 
 # Cycles whose change is compared at once: over one cycle, a slow approach hides in rounding.
 WINDOW = 8.0
@@ -146,9 +146,7 @@ def close_cycle(s, l, here, x_high):
 @inner
 def observe(s, l, law, cx, cv, cpsi):
     """Extremes of V and of |tau/sigma - mu| inside the step; `commit` sees to its end."""
-    beta, eta0 = s[R.BETA + l], s[R.ETA0 + l]
-    kappa, w_lp = s[R.KAPPA + l], s[R.W_LP + l]
-    w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
+    beta = s[R.BETA + l]
     cg = (
         cx[0] - cv[0] - beta * cpsi[0],
         cx[1] - cv[1] - beta * cpsi[1],
@@ -156,17 +154,12 @@ def observe(s, l, law, cx, cv, cpsi):
         cx[3] - cv[3] - beta * cpsi[3],
         cx[4] - cv[4] - beta * cpsi[4],
     )
-    w0, w1 = s[R.W + l], s[R.W_NEW + l]
-    f0 = state_rate(law, w0, s[R.V + l], s[R.PSI + l], s[R.E + l])
-    f1 = state_rate(law, w1, s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.E_NEW + l])
-    x1, v1, psi1 = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l]
-    a0, b0 = turning(cx[0], cv[0], cpsi[0], kappa * (w_lp - w0), f0, w0, beta, eta0)
-    a1, b1 = turning(x1, v1, psi1, kappa * (w_lp_new - w1), f1, w1, beta, eta0)
-    if (a0 < 0.0) != (a1 < 0.0):
+    v_turns, g_turns = turns(s, l, law)
+    if v_turns:
         v = polynomial(cv, extreme(cv))
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
-    if (b0 < 0.0) != (b1 < 0.0):
+    if g_turns:
         s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
 
 
@@ -185,12 +178,7 @@ def attend(s, l, law):
             close_cycle(s, l, s[R.T_LOW + l] + at * h, polynomial(cx, at))
         else:
             s[R.X_LOW + l] = polynomial(cx, at)
-    v = s[R.V_NEW + l]
-    if v > s[R.V_LIMIT + l]:
+    if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
         s[R.STATUS + l] = RUNAWAY
-    elif s[R.STEADY + l] > 0.0:
-        steady = s[R.LOG_W_LP + l]
-        distance = max(abs(v - steady), abs(s[R.PSI_NEW + l] + steady))
-        distance = max(distance, abs(s[R.X_NEW + l] - (1.0 - s[R.BETA + l]) * steady))
-        if distance < s[R.STEADY + l]:
-            s[R.STATUS + l] = STEADY_SLIDING
+    elif steadies(s, l):
+        s[R.STATUS + l] = STEADY_SLIDING

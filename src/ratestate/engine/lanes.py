@@ -64,27 +64,49 @@ def judge(s, l):
 
 
 @inlined
-def needs_attention(s, l, law):
-    """Whether the accepted step holds anything that the scalar code must look at."""
+def turns(s, l, law):
+    """Whether V, and whether |g|, has an extreme inside the step."""
     kappa, beta, eta0 = s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l]
-    ok, h, w_lp = s[R.OK + l] > 0.0, s[R.H_USED + l], s[R.W_LP + l]
-    w_lp_new = w_lp + h * s[R.RAMP + l]
+    w_lp = s[R.W_LP + l]
+    w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
     x, v, psi, w = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.W_NEW + l]
-    crosses = (s[R.W + l] < w_lp) != (w < w_lp_new)
     f_psi0 = state_rate(law, s[R.W + l], s[R.V + l], s[R.PSI + l], s[R.E + l])
     f_psi1 = state_rate(law, w, v, psi, s[R.E_NEW + l])
     x0, v0, psi0, w0 = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l]
     a0, b0 = turning(x0, v0, psi0, kappa * (w_lp - w0), f_psi0, w0, beta, eta0)
     a1, b1 = turning(x, v, psi, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
-    turns = (((a0 < 0.0) != (a1 < 0.0)) | ((b0 < 0.0) != (b1 < 0.0))) & (s[R.OBSERVE + l] > 0.0)
-    # as `step_size` has it, so that a saved time that is a landing falls into the step to it
-    saves = h >= (s[R.SAVE_AT + l] - s[R.T + l]) - s[R.T_LOW + l]
-    log_w_lp = s[R.LOG_W_LP + l]
-    distance = max(abs(v - log_w_lp), abs(psi + log_w_lp))
-    distance = max(distance, abs(x - (1.0 - beta) * log_w_lp))
-    steady = distance < s[R.STEADY + l]
-    flag = crosses | turns | saves | steady | (v > s[R.V_LIMIT + l]) | (s[R.EVERY_STEP + l] > 0.0)
-    s[R.CALL + l] = 1.0 if ok & flag else 0.0
+    return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0)
+
+
+@inlined
+def saves(s, l):
+    """Whether the next saved time lies in the step.
+
+    In the words of `step_size`, so that a saved time that is a landing lies in the step to it.
+    """
+    return s[R.H_USED + l] >= (s[R.SAVE_AT + l] - s[R.T + l]) - s[R.T_LOW + l]
+
+
+@inlined
+def steadies(s, l):
+    """Whether the step ends within the lane's tolerance of steady sliding at V_lp."""
+    v = s[R.LOG_W_LP + l]
+    distance = max(abs(s[R.V_NEW + l] - v), abs(s[R.PSI_NEW + l] + v))
+    distance = max(distance, abs(s[R.X_NEW + l] - (1.0 - s[R.BETA + l]) * v))
+    return distance < s[R.STEADY + l]
+
+
+@inlined
+def needs_attention(s, l, law):
+    """Whether the accepted step holds anything that the scalar code must look at."""
+    w_lp = s[R.W_LP + l]
+    crosses = (s[R.W + l] < w_lp) != (s[R.W_NEW + l] < w_lp + s[R.H_USED + l] * s[R.RAMP + l])
+    v_turns, g_turns = turns(s, l, law)
+    extreme = (v_turns | g_turns) & (s[R.OBSERVE + l] > 0.0)
+    runs_away = s[R.V_NEW + l] > s[R.V_LIMIT + l]
+    flag = crosses | extreme | saves(s, l) | steadies(s, l) | runs_away
+    flag = flag | (s[R.EVERY_STEP + l] > 0.0)
+    s[R.CALL + l] = 1.0 if (s[R.OK + l] > 0.0) & flag else 0.0
 
 
 @inlined

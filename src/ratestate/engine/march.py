@@ -75,7 +75,7 @@ def load(s, l, law, i, cases, loads, save_times, results):
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
     s[R.DT + l] = cases.dt[i] * scale
-    s[R.RTOL + l], s[R.MEMORY + l] = cases.rtol[i], 1.0
+    s[R.RTOL + l] = cases.rtol[i]
     s[R.V_LIMIT + l], s[R.STEADY + l] = cases.v_limit[i], cases.steady_tol[i]
     s[R.OBSERVE + l], s[R.MODE + l] = cases.observe[i], cases.mode[i]
     s[R.CYCLE_TOL + l], s[R.MAX_STEPS + l] = cases.cycle_tol[i], cases.max_steps[i]
@@ -195,7 +195,7 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
         for l in range(width):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 attend(s, l, law)
-                if s[R.H_USED + l] >= (s[R.SAVE_AT + l] - s[R.T + l]) - s[R.T_LOW + l]:
+                if L.saves(s, l):
                     save(s, l, cases, save_times, results.saved)
         L.commit(s, width)
         if path.size > 0 and s[R.OK] > 0.0:

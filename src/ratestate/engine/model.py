@@ -87,7 +87,7 @@ class Cases(NamedTuple):
     loading: np.ndarray  # row of the Loads tables
     times: np.ndarray  # row of the saved times
     rtol: np.ndarray
-    mode: np.ndarray  # FREE or SEEK (events.py)
+    mode: np.ndarray  # FREE or SEEK, below
     cycle_tol: np.ndarray
     steady_tol: np.ndarray
     observe: np.ndarray  # 1 where extremes of V and of the inertial force are wanted
@@ -138,7 +138,7 @@ aging_rate_partials = inlined(laws.aging_rate_partials)
 
 @inlined
 def state_rate(law, w, v, psi, e):
-    """d psi/dT of the law with this code: all are computed and one selected, so lanes may mix."""
+    """d psi/dT of the law with this code, a literal wherever speed counts."""
     return slip_rate(w, v, psi, e) if law == laws.SLIP else aging_rate(w, v, psi, e)
 
 
