@@ -9,7 +9,7 @@ form ``d theta/dt`` is the same function with V0 := Dc/theta (then psi = 0 and w
 The functions of log variables are plain arithmetic, and the engine compiles this same source;
 those of V and theta serve floats, NumPy arrays and named DataArrays, in SI units.
 
-Adding a law: one pair of functions and one row of `LAWS` here, and its place in the selection
+Adding a law: its rate and derivatives and one row of `LAWS` here, and its place in the selection
 that the engine compiles (`state_rate` in engine/model.py, the loops in engine/lanes.py).
 
 Sources: Dieterich (1979) doi:10.1029/JB084iB05p02161 (aging), Ruina (1983)
@@ -37,6 +37,16 @@ def slip_rate_partials(w, v, psi, e):
     return -w * (v + psi) - w, -w
 
 
+def slip_rate_partials_2(w, v, psi, e):
+    """Second derivatives of `slip_rate`: vv, v psi, psi psi."""
+    return -w * (v + psi) - 2.0 * w, -w, 0.0
+
+
+def slip_rate_partials_3(w, v, psi, e):
+    """Third derivatives of `slip_rate`: vvv, vv psi, v psi psi, psi psi psi."""
+    return -w * (v + psi) - 3.0 * w, -w, 0.0, 0.0
+
+
 def aging_rate(w, v, psi, e):
     """Aging (Dieterich) law, eq. 2, as d psi/dT = exp(-psi) - w."""
     return e - w
@@ -47,18 +57,34 @@ def aging_rate_partials(w, v, psi, e):
     return -w, -e
 
 
+def aging_rate_partials_2(w, v, psi, e):
+    """Second derivatives of `aging_rate`: vv, v psi, psi psi."""
+    return -w, 0.0, e
+
+
+def aging_rate_partials_3(w, v, psi, e):
+    """Third derivatives of `aging_rate`: vvv, vv psi, v psi psi, psi psi psi."""
+    return -w, 0.0, 0.0, -e
+
+
 class EvolutionLaw(NamedTuple):
     """A row of `LAWS`: code inside the engine, rate d psi/dT and its derivatives."""
 
     code: int
     rate: Callable
     rate_partials: Callable
+    rate_partials_2: Callable
+    rate_partials_3: Callable
 
 
 #: name of an evolution law -> what it is
 LAWS = {
-    "slip": EvolutionLaw(SLIP, slip_rate, slip_rate_partials),
-    "aging": EvolutionLaw(AGING, aging_rate, aging_rate_partials),
+    "slip": EvolutionLaw(
+        SLIP, slip_rate, slip_rate_partials, slip_rate_partials_2, slip_rate_partials_3
+    ),
+    "aging": EvolutionLaw(
+        AGING, aging_rate, aging_rate_partials, aging_rate_partials_2, aging_rate_partials_3
+    ),
 }
 
 
