@@ -14,12 +14,14 @@ FIG2 = SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e
 STICK = SpringSlider(a=0.005, b=0.008, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=4e6, M=1e2, K=0.96e9)
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 MEASURES = ["period", "frequency", "amplitude", "V_max", "V_min", "inertia"]
+FIRMNESS = ["slow_fraction", "fundamental", "stable", "residual", "error"]
 
 
 def test_contract():
     found = limit_cycle(STICK, "10 um/s")
-    assert list(found.data_vars) == [*MEASURES, "status"]
-    for name in MEASURES:
+    assert list(found.data_vars) == [*MEASURES, *FIRMNESS, "multipliers", "status"]
+    assert found.multipliers.dims == ("multiplier",)
+    for name in [*MEASURES, *FIRMNESS]:
         assert found[name].dims == ()
         assert found[name].attrs["units"]
         assert found[name].attrs["long_name"]
@@ -197,17 +199,19 @@ def test_small_cycles_beyond_the_boundary(law):
     assert above.status == 1
 
 
-def test_not_converged_carries_its_best(monkeypatch):
-    """Cycles that have not settled are refused, not guessed."""
-    monkeypatch.setattr("ratestate.cycles.MAX_STEPS", 3000)
-    slider = FIG2.replace(K=0.999 * float(FIG2.K_c(1e-2)))
-    with pytest.raises(rs.NotConverged, match="no_convergence") as caught:
-        limit_cycle(slider, 1e-2)
+# Where b >> a and K is near K_c_qs the slip law's cycles do not repeat: multipliers below -1
+CHAOS = SpringSlider(a=0.01, b=0.12, Dc=1e-5, sigma=1e6, K=1.06 * 1.1e10, M=1.425e5)
+
+
+def test_not_converged_carries_its_best():
+    """Cycles that do not settle are refused, not guessed."""
+    with pytest.raises(rs.NotConverged, match="no_convergence.*period doubling") as caught:
+        limit_cycle(CHAOS, 1e-3)
     assert caught.value.best.status > 1
     assert np.isfinite(caught.value.best.period)
     assert np.isfinite(caught.value.best.amplitude)
-    K = xr.DataArray([slider.K, np.inf], dims="K")
-    batch = limit_cycle(slider.replace(K=K), 1e-2)
+    K = xr.DataArray([CHAOS.K, np.inf], dims="K")
+    batch = limit_cycle(CHAOS.replace(K=K), 1e-3)
     assert batch.status[0] > 1
     assert batch.status[1] == 1
     assert np.isnan(batch.amplitude[0])

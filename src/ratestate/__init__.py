@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         RateStateError,
         SolverError,
     )
+    from .hopf import bautin, hopf
     from .loading import Loading
     from .simulate import simulate
     from .slider import SpringSlider
@@ -35,6 +36,8 @@ __all__ = [
     "RateStateError",
     "SolverError",
     "SpringSlider",
+    "bautin",
+    "hopf",
     "limit_cycle",
     "logspace",
     "simulate",
@@ -50,6 +53,8 @@ _HOMES = {
     "RateStateError": "errors",
     "SolverError": "errors",
     "SpringSlider": "slider",
+    "bautin": "hopf",
+    "hopf": "hopf",
     "limit_cycle": "cycles",
     "logspace": "arrays",
     "simulate": "simulate",
@@ -77,7 +82,7 @@ def __dir__():
 
 
 class _Package(types.ModuleType):
-    """Keeps the verbs `simulate` and `stability` apart from the files of the same names.
+    """Keeps the verbs `hopf`, `simulate` and `stability` apart from files of the same names.
 
     Importing a submodule binds it to its package under its own name, and would hide the verb.
     """

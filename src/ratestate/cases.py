@@ -4,7 +4,7 @@ import numpy as np
 
 from .engine import drive
 from .engine.exp import LIMIT
-from .engine.model import FREE, METHODS, NO_CONVERGENCE, RIGID_REST, RUNAWAY, STATUSES, Cases
+from .engine.model import METHODS, NO_CONVERGENCE, RIGID_REST, RUNAWAY, STATUSES, Cases
 from .errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 
 # Beyond this a quasi-static run has met its instability: no slip is faster than light.
@@ -13,7 +13,7 @@ V_LIMIT = 3e8
 MAX_STEPS = 1e8
 
 
-def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, **asked):
+def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0):
     """`Cases` of a batch that holds the slider's parameters.
 
     Parameters
@@ -22,11 +22,9 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, **asked):
     t_end : (n,) [s]
     loading, times : (n,) rows of the tables of load histories and of saved times
     dt, rtol : float
-    **asked : mode, cycle_tol, steady_tol, observe, max_steps, where not the defaults below
     """
     a, b, Dc, sigma, K, M, V0 = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V0"))
-    defaults = {"mode": FREE, "cycle_tol": 0.0, "steady_tol": 0.0, "observe": 0.0}
-    asked = defaults | {"max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol} | asked
+    asked = {"observe": observe, "max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol}
     return Cases(
         kappa=K * Dc / (a * sigma),
         beta=b / a,
@@ -79,12 +77,13 @@ def cost(cases, loads):
     return np.nan_to_num(pace, nan=0.0) * cases.scale * np.minimum(cases.t_end, 1e300)
 
 
-def failure(verb, slider, status, t, best=None):
-    """The exception for a single case that ended with this status at time t [s]."""
+def failure(verb, slider, status, t=None, best=None):
+    """The exception for a single case that ended with this status, at time t [s] if known."""
     name, text = STATUSES[int(status)]
     if status == RIGID_REST:
         return ParameterError(f"{text}.\n{slider!r}")
-    message = f"{verb} stopped at t = {t:.9g} s ({name}): {text}.\n{slider!r}"
+    when = "" if t is None else f" at t = {t:.9g} s"
+    message = f"{verb} stopped{when} ({name}): {text}.\n{slider!r}"
     if status == RUNAWAY:
         return QuasiStaticInstability(message)
     return NotConverged(message, best) if status == NO_CONVERGENCE else SolverError(message)

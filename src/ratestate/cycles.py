@@ -1,4 +1,4 @@
-"""The verb `limit_cycle`: what a steadily driven slider settles into."""
+"""The verb `limit_cycle`: what a steadily driven slider settles into, and how firmly."""
 
 import json
 
@@ -6,25 +6,25 @@ import numpy as np
 import xarray
 
 from .batch import Batch
-from .cases import engine_cases, failure, run_cases, speed
+from .cases import V_LIMIT, failure, speed
 from .dataset import plain, provenance, status_variable
-from .engine.model import NO_CONVERGENCE, NUMBERS, SEEK, STEADY_SLIDING, Loads
+from .engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from .errors import ParameterError
-from .laws import evolution_law
+from .measure import measure
 from .progress import bar
 from .quantities import attrs
+from .settle import settle
+from .shooting import System
 from .slider import checked
 from .stability import K_c, eta
-from .start import initial_state
 from .units import is_array, to_si
 
-TAKEN = "period frequency amplitude V_max V_min inertia status".split()
-# The march must be finer than what is asked of the cycle, which sums its errors.
-MARCH_RTOL = 0.1
-# Steps after which cycles that still change count as not settling; where eta is large they
-# settle over some eta of them.
-MAX_STEPS = 4e6
-MOST_STEPS = 4e7
+TAKEN = (
+    "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
+    " multiplier stable residual error status"
+).split()
+# Sliders in hand at a time: enough to fill every lane, few enough to hold in memory.
+CHUNK = 1 << 15
 
 
 def limit_cycle(slider, V_lp, *, rtol=1e-8):
@@ -73,68 +73,85 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     if is_array(rtol) or not 1e-12 <= rtol <= 1e-2:
         raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-12 to 1e-2, such as 1e-8")
     V_lp = to_si("V_lp", V_lp)
-    batch = Batch({**slider.values, "V_lp": V_lp, "V_start": 0.1 * V_lp}, taken=TAKEN)
+    batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
     with bar("limit_cycle") as progress:
-        status, numbers = _settle(batch, evolution_law(slider.law).code, rtol, progress)
-    variables = _measures(batch, status, numbers)
+        status, found = _cycles(batch, slider.law, rtol, progress)
+    variables = cycle_variables(batch, status, found)
     variables["status"] = status_variable(batch, status)
     coords = batch.coordinates(TAKEN)
-    coords.pop("V_start", None)
     if not is_array(V_lp):
         coords["V_lp"] = ((), V_lp, attrs("V_lp"))
     result = xarray.Dataset(variables, coords)
     result.attrs = provenance("limit_cycle", slider, rtol=rtol, V_lp=json.dumps(plain(V_lp)))
     if batch.shape == () and status[0] > STEADY_SLIDING:
         best = result if status[0] == NO_CONVERGENCE else None
-        raise failure("limit_cycle", slider, status[0], numbers["t"][0], best)
+        raise failure("limit_cycle", slider, status[0], best=best)
     return result
 
 
-def _settle(batch, law, rtol, progress):
-    """Status (n,) and the engine's numbers (name -> (n,)) of marching until cycles agree."""
+def dimensionless(batch, law):
+    """`System` of a batch that holds the slider and V_lp."""
     a, b, Dc, sigma, K, M, V = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V_lp"))
-    always_steady = (b <= a) | np.isinf(K)
-    steady = K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K
-    march_rtol = max(MARCH_RTOL * rtol, 1e-13)
-    zeros = np.zeros(batch.n, np.int64)
-    cases = engine_cases(
-        batch,
-        initial_state(batch, V),
-        t_end=np.full(batch.n, np.inf),
-        loading=np.arange(batch.n),
-        times=zeros,
-        rtol=march_rtol,
-        mode=SEEK,
-        cycle_tol=rtol,
-        # Where steady sliding is stable, being this near to it is the end of the story.
-        steady_tol=np.where(steady, 10.0 * march_rtol, 0.0),
-        max_steps=np.minimum(MAX_STEPS * (1.0 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M)), MOST_STEPS),
-    )
-    loads = Loads(np.zeros(1), V[:, None].copy(), np.zeros((batch.n, 1)))
-    which = np.flatnonzero(~always_steady)
-    results = run_cases("rodas5p", law, cases, loads, np.empty((1, 0)), which, progress)
-    results.status[always_steady] = STEADY_SLIDING
-    return results.status, dict(zip(NUMBERS, results.numbers.T, strict=True))
+    v_limit = np.where(M == 0.0, np.log(V_LIMIT / V), np.inf)
+    return System(law, K * Dc / (a * sigma), b / a, eta(V, a=a, Dc=Dc, sigma=sigma, M=M), v_limit)
 
 
-def _measures(batch, status, numbers):
-    """The result's variables, name -> Variable; `numbers` of a settled cycle or the last one."""
-    a, Dc, V0, V = map(batch.flat, ("a", "Dc", "V0", "V_lp"))
+def _cycles(batch, law, rtol, progress):
+    """Status (n,) of all cases, and what `measure` found of those that have a cycle."""
+    system = dimensionless(batch, law)
+    status = np.full(batch.n, STEADY_SLIDING)
+    moves = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
+    found: dict = {}
+    alone = batch.n == 1
+    for first in range(0, len(moves), CHUNK):
+        which = moves[first : first + CHUNK]
+        part = system.at(which)
+        v = np.full(len(which), -np.log(10.0))  # steady sliding at V_lp/10
+        start = np.stack([(1.0 - part.beta) * v, v, -v], axis=1)
+
+        def advance(fraction, first=first, count=len(which)):
+            if progress:
+                progress((first + fraction * count) / len(moves))
+
+        settled = settle(part, start, rtol, alone, advance)
+        status[which] = settled.status
+        cycle = (settled.status == FINISHED) | (alone & (settled.status == NO_CONVERGENCE))
+        for name, value in measure(part.at(cycle), settled.at(cycle), alone).items():
+            whole = found.setdefault(name, np.full((batch.n, *value.shape[1:]), np.nan, value.dtype))
+            whole[which[cycle]] = value
+    return status, found
+
+
+def cycle_variables(batch, status, found):
+    """The result's variables, name -> Variable, of what `measure` found; NaN where it failed.
+
+    batch : holds the slider and V_lp
+    found : name -> (n,) or (n, 2), NaN where there is no cycle; empty where there is none at all
+    """
+    a, b, Dc, sigma, K, M, V = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V_lp"))
     steady = status == STEADY_SLIDING
-    known = (status < STEADY_SLIDING) | ((status == NO_CONVERGENCE) & (batch.shape == ()))
-    period = np.where(known, numbers["period"] * Dc / V0, np.nan)
-    amplitude = np.where(known, numbers["amplitude"], np.nan)
+    nothing = np.full(batch.n, np.nan)
 
-    def where_cycle(value, if_steady):
-        return np.where(known, value, np.where(steady, if_steady, np.nan))
+    def of(name, if_steady=np.nan):
+        return np.where(steady, if_steady, found.get(name, nothing))
 
+    period, amplitude = of("period") * Dc / V, of("amplitude", 0.0)
+    multipliers = found.get("multipliers", np.full((batch.n, 2), np.nan, complex))
     with np.errstate(divide="ignore", invalid="ignore"):
         values = {
             "period": period,
             "frequency": 1.0 / period,
-            "amplitude": where_cycle(a * amplitude, 0.0),
-            "V_max": where_cycle(speed(numbers["v_max"], V0), V),
-            "V_min": where_cycle(speed(numbers["v_min"], V0), V),
-            "inertia": where_cycle(numbers["g_max"] / amplitude, 0.0),
+            "amplitude": a * amplitude,
+            "V_max": speed(of("v_max", 0.0), V),
+            "V_min": speed(of("v_min", 0.0), V),
+            "inertia": np.where(steady, 0.0, of("g_max") / amplitude),
+            "slow_fraction": of("slow_fraction", 0.0),
+            "fundamental": of("fundamental"),
+            "stable": np.where(steady, K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K,
+                               np.abs(multipliers[:, 0]) < 1.0),
+            "residual": of("residual", 0.0),
+            "error": of("error", 0.0),
         }
-    return {name: batch.variable(value, name) for name, value in values.items()}
+    variables = {name: batch.variable(value, name) for name, value in values.items()}
+    variables["multipliers"] = batch.variable(multipliers, "multipliers", "multiplier")
+    return variables

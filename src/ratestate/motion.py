@@ -29,9 +29,7 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
     y0 = initial_state(batch, table[rows, 0])
     t_end = batch.flat("t_end")
     wanted, time_rows = batch.rows(np.empty(0) if times is None else times)
-    cases = engine_cases(
-        batch, y0, t_end=t_end, loading=rows, times=time_rows, dt=dt, rtol=rtol, observe=1.0
-    )
+    cases = engine_cases(batch, y0, t_end=t_end, loading=rows, times=time_rows, dt=dt, rtol=rtol)
     loads = Loads(loading.t, table, rates)
     is_rigid = np.isinf(batch.flat("K"))
     if own_steps := batch.shape == () and times is None:

@@ -47,4 +47,6 @@ def _cached_in(folder):
 CACHE = _cache_folder()
 
 with _cached_in(CACHE):
-    from . import march as _march  # noqa: F401  importing is what binds its cache
+    # importing is what binds their caches
+    from . import march as _march  # noqa: F401
+    from . import return_map as _return_map  # noqa: F401

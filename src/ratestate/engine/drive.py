@@ -3,8 +3,7 @@
 import os
 import sys
 import threading
-import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from . import CACHE
 from . import rows as R
 from .march import IDLE, march
 from .model import NUMBERS, RUNNING, STEP_LIMIT, Results
+from .return_map import RETURN_NUMBERS, Returns, return_map
 
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
@@ -35,54 +35,76 @@ def run(method, law, cases, loads, save_times, order, alone, progress=None):
     -------
     Results
     """
-    n = len(order)
     results = _results(len(cases.beta), save_times.shape[1])
+    fixed = (cases, loads, save_times, results, np.empty((0, 4)))
+
+    def worker(queue):
+        return _Worker(march, R.SIZE, (method, law, alone), queue, fixed)
+
+    _share(order, worker, progress)
+    return results
+
+
+def run_returns(law, starts, alone):
+    """Take all cases to their next upward crossing of the section; `Returns` (return_map.py).
+
+    law, alone : as for `run`
+    starts : Starts (return_map.py)
+    """
+    n = len(starts.beta)
+    returns = Returns(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
+
+    def worker(queue):
+        return _Worker(return_map, R.RETURN_SIZE, (law, alone), queue, (starts, returns))
+
+    _share(np.arange(n), worker)
+    return returns
+
+
+def _share(order, worker, progress=None):
+    """Let as many workers as there are cores and full sets of lanes take all cases.
+
+    worker : callable, queue -> `_Worker`
+    """
+    n = len(order)
     if n == 0:  # nothing for which to load, or even compile, the kernels
-        return results
+        return
     threads = max(1, min(_cores(), n // R.LANES))
-    _announce()
-    stop = threading.Event()
-    workers = [
-        _Worker(method, law, np.ascontiguousarray(order[i::threads]), cases, loads, alone)
-        for i in range(threads)
-    ]
-    no_path = np.empty((0, 4))
-
-    def work(worker):
-        while not stop.is_set() and not worker.go(save_times, results, no_path):
-            pass
-
+    workers = [worker(np.ascontiguousarray(order[i::threads])) for i in range(threads)]
     if threads == 1:
-        for _ in _until(lambda: workers[0].go(save_times, results, no_path)):
+        for _ in _until(workers[0].go):
             if progress:
                 progress(_fraction(workers, n))
-        return results
+        return
+    stop = threading.Event()
+
+    def work(worker):
+        while not stop.is_set() and not worker.go():
+            pass
+
     with ThreadPoolExecutor(threads) as pool:
         futures = [pool.submit(work, worker) for worker in workers]
         try:
-            while not all(future.done() for future in futures):
-                time.sleep(0.001 if n < 1000 else 0.05)
+            while wait(futures, timeout=0.05).not_done:
                 if progress:
                     progress(_fraction(workers, n))
         finally:
             stop.set()
         for future in futures:
             future.result()
-    return results
 
 
 def run_path(method, law, cases, loads, progress=None):
     """March the one case and keep every step: (m, 4) T, x, v, psi from t = 0 on, and Results."""
     results = _results(1, 0)
-    _announce()
-    worker = _Worker(method, law, np.zeros(1, np.int64), cases, loads, True)
-    save_times = np.empty((1, 0))
     buffer = np.empty((PATH_ROWS, 4))
+    fixed = (cases, loads, np.empty((1, 0)), results, buffer)
+    worker = _Worker(march, R.SIZE, (method, law, True), np.zeros(1, np.int64), fixed)
     pieces = [np.array([[0.0, *cases.y[0]]])]
     done = False
     rows = 0
     while not done and rows < MAX_ROWS:
-        done = worker.go(save_times, results, buffer)
+        done = worker.go()
         rows += worker.position[2]
         pieces.append(buffer[: worker.position[2]].copy())
         worker.position[2] = 0
@@ -95,16 +117,18 @@ def run_path(method, law, cases, loads, progress=None):
 
 
 class _Worker:
-    """One set of lanes and its queue."""
+    """One set of lanes, its queue, and the kernel that works it off."""
 
-    def __init__(self, method, law, queue, cases, loads, alone):
-        self.s = np.zeros(R.SIZE)
+    def __init__(self, kernel, size, codes, queue, fixed):
+        _announce(kernel)
+        self.s = np.zeros(size)
         self.s[R.CASE : R.CASE + R.LANES] = IDLE
         self.position = np.zeros(3, np.int64)
-        self.fixed = (method, law, alone, self.s, queue, self.position, cases, loads)
+        self.kernel, self.arguments = kernel, (*codes, self.s, queue, self.position, *fixed)
 
-    def go(self, save_times, results, path):
-        return march(*self.fixed, save_times, results, path, BUDGET)
+    def go(self):
+        """Work for a while; whether all is done."""
+        return self.kernel(*self.arguments, BUDGET)
 
 
 def _results(n, n_times):
@@ -137,9 +161,9 @@ def _cores():
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _announce():
-    """Say that kernels are about to be compiled, if there are none in the cache."""
-    compiled = getattr(march, "signatures", True)  # a plain function where the compiler is off
-    if not compiled and not any(CACHE.rglob("*.nbi")):
+def _announce(kernel):
+    """Say that a kernel is about to be compiled, if it is not in the cache."""
+    compiled = getattr(kernel, "signatures", True)  # a plain function where the compiler is off
+    if not compiled and not any(CACHE.rglob(f"*.{kernel.__name__}-*.nbi")):
         sys.stderr.write("ratestate: compiling kernels for this machine, some 15 s, once ...\n")
         sys.stderr.flush()

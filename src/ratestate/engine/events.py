@@ -1,19 +1,15 @@
 """What happens inside an accepted step, read off its dense output.
 
 Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  An upward
-crossing is a stress maximum and closes a cycle; a downward one is its minimum.  Two successive
-cycles that agree are a limit cycle.
+crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 """
 
 import math
 
 from . import rows as R
 from .jit import inner
-from .lanes import steadies, turns
-from .model import CYCLE, MEASURE, RUNAWAY, SEEK, STEADY_SLIDING
-
-# Cycles whose change is compared at once: over one cycle, a slow approach hides in rounding.
-WINDOW = 8.0
+from .lanes import turns
+from .model import RUNAWAY
 
 
 @inner
@@ -93,53 +89,12 @@ def components(s, l):
 
 
 @inner
-def relative_change(new, old):
-    return abs(new - old) / abs(new) if new != 0.0 else math.inf
-
-
-@inner
 def close_cycle(s, l, here, x_high):
-    """Book the cycle that ends at this upward crossing; `here` is the time since s[T].
-
-    If changes from cycle to cycle shrink by a factor r, what is left to come is change*r/(1-r).
-    A drop from far above to below the tolerance within one cycle shows a strongly attracting
-    one; a weakly attracting one shows only over a window of several, where the change stands
-    out of the rounding.
-    """
+    """Book the cycle that ends at this upward crossing; `here` is the time since s[T]."""
     if s[R.CROSS_LOW + l] < math.inf:
-        amplitude = x_high - s[R.X_LOW + l]
-        period = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
-        change = max(
-            relative_change(amplitude, s[R.AMPLITUDE + l]),
-            relative_change(period, s[R.PERIOD + l]),
-        )
-        before = s[R.CHANGE + l]
-        s[R.AMPLITUDE + l], s[R.PERIOD + l], s[R.CHANGE + l] = amplitude, period, change
+        s[R.AMPLITUDE + l] = x_high - s[R.X_LOW + l]
+        s[R.PERIOD + l] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
         s[R.CYCLES + l] += 1.0
-        if s[R.MODE + l] == MEASURE:
-            if change <= 10.0 * s[R.CYCLE_TOL + l]:
-                s[R.STATUS + l] = CYCLE
-            else:  # every other cycle agrees, or agreement was by chance
-                s[R.MODE + l], s[R.OBSERVE + l] = SEEK, 0.0
-        elif s[R.MODE + l] == SEEK:
-            tol = s[R.CYCLE_TOL + l]
-            # the first cycle's change is against none
-            found = change <= 0.1 * tol and before >= 1e3 * tol and s[R.CYCLES + l] > 2.0
-            if s[R.CYCLES + l] % WINDOW == 0.0:
-                far = max(
-                    relative_change(amplitude, s[R.WINDOW_AMPLITUDE + l]),
-                    relative_change(period, s[R.WINDOW_PERIOD + l]),
-                )
-                r = far / s[R.WINDOW_CHANGE + l]
-                if s[R.CYCLES + l] >= 3.0 * WINDOW:
-                    found = found or (r < 1.0 and far * r / (1.0 - r) <= tol)
-                    found = found or far <= 0.01 * tol
-                s[R.WINDOW_AMPLITUDE + l], s[R.WINDOW_PERIOD + l] = amplitude, period
-                s[R.WINDOW_CHANGE + l] = far
-            if found:
-                s[R.MODE + l], s[R.OBSERVE + l] = MEASURE, 1.0
-                s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l] = -math.inf, math.inf, 0.0
-    s[R.X_HIGH + l] = x_high
     s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
 
 
@@ -180,5 +135,3 @@ def attend(s, l, law):
             s[R.X_LOW + l] = polynomial(cx, at)
     if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
         s[R.STATUS + l] = RUNAWAY
-    elif steadies(s, l):
-        s[R.STATUS + l] = STEADY_SLIDING

@@ -16,12 +16,9 @@ from .im2017 import take as take_im2017
 from .jit import inner, kernel
 from .model import (
     FINISHED,
-    FREE,
-    NO_CONVERGENCE,
     NOT_FINITE,
     RODAS5P,
     RUNNING,
-    STEADY_SLIDING,
     STEP_LIMIT,
     STEP_UNDERFLOW,
     state_rate,
@@ -58,7 +55,7 @@ def enter_segment(s, l, law, k, scale, V0, loads, row):
         pace = abs(f_x) + abs(f_psi) + w + w_lp
         s[R.H + l] = min(land - s[R.T + l], 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace)
         s[R.MEMORY + l] = 1.0
-        s[R.CROSS_LOW + l] = s[R.PERIOD + l] = s[R.CHANGE + l] = math.inf
+        s[R.CROSS_LOW + l] = s[R.PERIOD + l] = math.inf
         s[R.CYCLES + l] = s[R.AMPLITUDE + l] = 0.0
 
 
@@ -76,9 +73,8 @@ def load(s, l, law, i, cases, loads, save_times, results):
     s[R.T_END + l] = cases.t_end[i] * scale
     s[R.DT + l] = cases.dt[i] * scale
     s[R.RTOL + l] = cases.rtol[i]
-    s[R.V_LIMIT + l], s[R.STEADY + l] = cases.v_limit[i], cases.steady_tol[i]
-    s[R.OBSERVE + l], s[R.MODE + l] = cases.observe[i], cases.mode[i]
-    s[R.CYCLE_TOL + l], s[R.MAX_STEPS + l] = cases.cycle_tol[i], cases.max_steps[i]
+    s[R.V_LIMIT + l], s[R.MAX_STEPS + l] = cases.v_limit[i], cases.max_steps[i]
+    s[R.OBSERVE + l] = cases.observe[i]
     s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
     s[R.G_HIGH + l] = abs(s[R.X + l] - s[R.V + l] - s[R.BETA + l] * s[R.PSI + l])
     enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i])
@@ -125,16 +121,24 @@ def finish(s, l, cases, results):
     out = results.numbers[i]
     out[0] = (s[R.T + l] + s[R.T_LOW + l]) / cases.scale[i]
     out[1], out[2] = s[R.STEPS + l], s[R.REJECTED + l]
-    if status <= STEADY_SLIDING:
+    if status == FINISHED:
         results.final[i, 0], results.final[i, 1] = s[R.X + l], s[R.V + l]
         results.final[i, 2] = s[R.PSI + l]
     else:
         results.saved[i] = np.nan
     out[3], out[4] = s[R.LOAD_WORK + l], s[R.DISSIPATION + l]
     out[5], out[6] = s[R.AMPLITUDE + l], s[R.PERIOD + l]
-    out[7], out[8] = s[R.CYCLES + l], s[R.CHANGE + l]
-    out[9], out[10], out[11] = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
+    out[7] = s[R.CYCLES + l]
+    out[8], out[9], out[10] = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
     s[R.CASE + l] = IDLE
+
+
+@inner
+def stuck(s, l):
+    """Why a lane cannot go on."""
+    if s[R.FAILURES + l] > L.TOO_MANY_FAILURES:
+        return NOT_FINITE if s[R.BAD + l] > 0.0 else STEP_UNDERFLOW
+    return STEP_LIMIT
 
 
 @inner
@@ -142,10 +146,8 @@ def turn(s, l, law, cases, loads):
     """At a landing: enter the next segment or finish.  Elsewhere: give up, saying why."""
     if s[R.STATUS + l] != RUNNING:
         return
-    if s[R.FAILURES + l] > L.TOO_MANY_FAILURES:
-        s[R.STATUS + l] = NOT_FINITE if s[R.BAD + l] > 0.0 else STEP_UNDERFLOW
-    elif s[R.STEPS + l] + s[R.REJECTED + l] >= s[R.MAX_STEPS + l]:
-        s[R.STATUS + l] = STEP_LIMIT if s[R.MODE + l] == FREE else NO_CONVERGENCE
+    if s[R.OK + l] == 0.0 or s[R.STEPS + l] + s[R.REJECTED + l] >= s[R.MAX_STEPS + l]:
+        s[R.STATUS + l] = stuck(s, l)
     elif s[R.LAND + l] >= s[R.T_END + l]:
         s[R.STATUS + l] = FINISHED
     else:

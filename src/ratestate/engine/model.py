@@ -58,8 +58,8 @@ STATUSES = {
     ),
     NO_CONVERGENCE: (
         "no_convergence",
-        "cycles had not settled when the step limit was reached: the approach is slow near the"
-        " stability boundary and where eta is large; loosen rtol",
+        "successive cycles do not settle into one: they repeat after several turns (period"
+        " doubling) or never (chaos); simulate follows them",
     ),
     RIGID_REST: (
         "rigid_rest",
@@ -87,9 +87,6 @@ class Cases(NamedTuple):
     loading: np.ndarray  # row of the Loads tables
     times: np.ndarray  # row of the saved times
     rtol: np.ndarray
-    mode: np.ndarray  # FREE or SEEK, below
-    cycle_tol: np.ndarray
-    steady_tol: np.ndarray
     observe: np.ndarray  # 1 where extremes of V and of the inertial force are wanted
     v_limit: np.ndarray  # ln(V/V0) that counts as runaway
     max_steps: np.ndarray
@@ -121,19 +118,17 @@ NUMBERS = (
     "amplitude",
     "period",
     "cycles",
-    "change",
     "v_max",
     "v_min",
     "g_max",
 )
 
-# How a march looks for a cycle: not at all; until cycles agree; one more cycle, measured.
-FREE, SEEK, MEASURE = 0.0, 1.0, 2.0
-
 slip_rate = inlined(laws.slip_rate)
 slip_rate_partials = inlined(laws.slip_rate_partials)
 aging_rate = inlined(laws.aging_rate)
+slip_rate_partials_2 = inlined(laws.slip_rate_partials_2)
 aging_rate_partials = inlined(laws.aging_rate_partials)
+aging_rate_partials_2 = inlined(laws.aging_rate_partials_2)
 
 
 @inlined
@@ -148,3 +143,13 @@ def state_rate_partials(law, w, v, psi, e):
     s_v, s_psi = slip_rate_partials(w, v, psi, e)
     a_v, a_psi = aging_rate_partials(w, v, psi, e)
     return (s_v if law == laws.SLIP else a_v), (s_psi if law == laws.SLIP else a_psi)
+
+
+@inlined
+def state_rate_partials_2(law, w, v, psi, e):
+    """Second derivatives of `state_rate`: vv, v psi, psi psi."""
+    s_vv, s_vpsi, s_psipsi = slip_rate_partials_2(w, v, psi, e)
+    a_vv, a_vpsi, a_psipsi = aging_rate_partials_2(w, v, psi, e)
+    if law == laws.SLIP:
+        return s_vv, s_vpsi, s_psipsi
+    return a_vv, a_vpsi, a_psipsi

@@ -137,6 +137,7 @@ def quadrature_weights():
     return tuple(weights)
 
 
+ZERO = (0.0, 0.0, 0.0)
 B = quadrature_weights()
 DRIFT = sum(b * d for b, d in zip(B, D, strict=True))
 
@@ -154,10 +155,40 @@ def times(a, k):
 
 
 @inlined
+def sum2(y, c, k1, k2):
+    """y + sum_i c_i k_i for triples, here and below."""
+    return plus(plus(y, c[0], k1), c[1], k2)
+
+
+@inlined
+def sum3(y, c, k1, k2, k3):
+    return plus(sum2(y, c, k1, k2), c[2], k3)
+
+
+@inlined
+def sum4(y, c, k1, k2, k3, k4):
+    return plus(sum3(y, c, k1, k2, k3), c[3], k4)
+
+
+@inlined
+def sum5(y, c, k1, k2, k3, k4, k5):
+    return plus(sum4(y, c, k1, k2, k3, k4), c[4], k5)
+
+
+@inlined
+def sum6(y, c, k1, k2, k3, k4, k5, k6):
+    return plus(sum5(y, c, k1, k2, k3, k4, k5), c[5], k6)
+
+
+@inlined
+def sum7(y, c, k1, k2, k3, k4, k5, k6, k7):
+    return plus(sum6(y, c, k1, k2, k3, k4, k5, k6), c[6], k7)
+
+
+@inlined
 def dot(c, k1, k2, k3, k4, k5, k6, k7, k8):
     """sum_i c_i k_i for triples."""
-    y = plus(plus(plus(times(c[0], k1), c[1], k2), c[2], k3), c[3], k4)
-    return plus(plus(plus(plus(y, c[4], k5), c[5], k6), c[6], k7), c[7], k8)
+    return plus(sum7(ZERO, c, k1, k2, k3, k4, k5, k6, k7), c[7], k8)
 
 
 @inlined
@@ -168,19 +199,53 @@ def exponentials(u, law):
 
 
 @inlined
+def prepare(y, w, e, h, p):
+    """What the first point y of a step fixes: the arrow matrix, and its pivot."""
+    law, kappa, beta, eta0 = p
+    f_v, f_psi = state_rate_partials(law, w, y[1], y[2], e)
+    gamma_h = GAMMA * h
+    m = eta0 * w
+    kappa_w = kappa * w
+    a_psi = gamma_h / (1.0 - gamma_h * f_psi)
+    # -(eta0 w) d/dv of g/(eta0 w); at rest w is a constant (exp.py)
+    diagonal = 1.0 + (y[0] - y[1] - beta * y[2] if y[1] > -LIMIT else 0.0)
+    pivot = 1.0 / (m / gamma_h + diagonal + gamma_h * kappa_w + beta * a_psi * f_v)
+    return w, m, gamma_h, kappa_w, f_v, a_psi, pivot
+
+
+@inlined
+def solve(r_x, r_v, r_psi, beta, start):
+    """Solve the arrow matrix of `prepare` for this right-hand side."""
+    _, _, gamma_h, kappa_w, s_v, a_psi, pivot = start
+    k_v = pivot * (r_v + gamma_h * r_x - (beta * a_psi) * r_psi)
+    return gamma_h * (r_x - kappa_w * k_v), k_v, a_psi * (r_psi + s_v * k_v)
+
+
+@inlined
+def on_manifold(y_new, v_start, m_end, beta, h):
+    """y_new with v held on x - beta psi, and whether it is, where inertia is below rounding.
+
+    Over a step in which w changes by orders of magnitude, J sees a deviation at its start and
+    not at its end.
+    """
+    x, v, psi = y_new
+    held = x - beta * psi
+    negligible = m_end * max(1.0, abs(v - v_start)) < 1e-14 * h
+    return (x, held if negligible else v, psi), negligible
+
+
+@inlined
 def stage(u, w, w_inverse, e, w_lp, rest, p, start):
     """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
 
-    p = (law, kappa, beta, eta0); start holds what the step's first point fixes.
+    p = (law, kappa, beta, eta0); start is what `prepare` found.
     """
     law, kappa, beta, _ = p
-    w_start, m, gamma_h, kappa_w, s_v, a_psi, pivot = start
     x, v, psi = u
     r_x = kappa * (w_lp - w) + rest[0]
-    r_v = (x - v - beta * psi) * (w_start * w_inverse) + m * rest[1]
+    r_v = (x - v - beta * psi) * (start[0] * w_inverse) + start[1] * rest[1]
     r_psi = state_rate(law, w, v, psi, e) + rest[2]
-    k_v = pivot * (r_v + gamma_h * r_x - (beta * a_psi) * r_psi)
-    return gamma_h * (r_x - kappa_w * k_v), k_v, a_psi * (r_psi + s_v * k_v)
+    return solve(r_x, r_v, r_psi, beta, start)
 
 
 @inlined
@@ -207,15 +272,7 @@ def step(y, w, e, w_lp, ramp, h, p):
     load_work, dissipation : integrals of `works` over the step
     """
     law, kappa, beta, eta0 = p
-    f_v, f_psi = state_rate_partials(law, w, y[1], y[2], e)
-    gamma_h = GAMMA * h
-    m = eta0 * w
-    kappa_w = kappa * w
-    a_psi = gamma_h / (1.0 - gamma_h * f_psi)
-    # -(eta0 w) d/dv of g/(eta0 w); at rest w is a constant (exp.py)
-    diagonal = 1.0 + (y[0] - y[1] - beta * y[2] if y[1] > -LIMIT else 0.0)
-    pivot = 1.0 / (m / gamma_h + diagonal + gamma_h * kappa_w + beta * a_psi * f_v)
-    start = (w, m, gamma_h, kappa_w, f_v, a_psi, pivot)
+    start = prepare(y, w, e, h, p)
     r = 1.0 / h
     drift = h * kappa * ramp
     dw = h * ramp
@@ -231,60 +288,49 @@ def step(y, w, e, w_lp, ramp, h, p):
     k2 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p2, q2 = works(u, w_u, w_l, beta)
 
-    u = plus(plus(y, A[2][0], k1), A[2][1], k2)
+    u = sum2(y, A[2], k1, k2)
     w_u, i_u, e_u = exponentials(u, law)
     w_l = w_lp + NODES[2] * dw
-    rest = plus((D[2] * drift, 0.0, 0.0), r, plus(times(C[2][0], k1), C[2][1], k2))
+    rest = plus((D[2] * drift, 0.0, 0.0), r, sum2(ZERO, C[2], k1, k2))
     k3 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p3, q3 = works(u, w_u, w_l, beta)
 
-    u = plus(plus(plus(y, A[3][0], k1), A[3][1], k2), A[3][2], k3)
+    u = sum3(y, A[3], k1, k2, k3)
     w_u, i_u, e_u = exponentials(u, law)
     w_l = w_lp + NODES[3] * dw
-    c = plus(plus(times(C[3][0], k1), C[3][1], k2), C[3][2], k3)
-    rest = plus((D[3] * drift, 0.0, 0.0), r, c)
+    rest = plus((D[3] * drift, 0.0, 0.0), r, sum3(ZERO, C[3], k1, k2, k3))
     k4 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p4, q4 = works(u, w_u, w_l, beta)
 
-    u = plus(plus(plus(plus(y, A[4][0], k1), A[4][1], k2), A[4][2], k3), A[4][3], k4)
+    u = sum4(y, A[4], k1, k2, k3, k4)
     w_u, i_u, e_u = exponentials(u, law)
     w_l = w_lp + NODES[4] * dw
-    c = plus(plus(plus(times(C[4][0], k1), C[4][1], k2), C[4][2], k3), C[4][3], k4)
-    rest = plus((D[4] * drift, 0.0, 0.0), r, c)
+    rest = plus((D[4] * drift, 0.0, 0.0), r, sum4(ZERO, C[4], k1, k2, k3, k4))
     k5 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p5, q5 = works(u, w_u, w_l, beta)
 
     w_l = w_lp + dw
-    u = plus(plus(plus(plus(y, A[5][0], k1), A[5][1], k2), A[5][2], k3), A[5][3], k4)
-    u = plus(u, A[5][4], k5)
+    u = sum5(y, A[5], k1, k2, k3, k4, k5)
     w_u, i_u, e_u = exponentials(u, law)
-    c = plus(plus(plus(times(C[5][0], k1), C[5][1], k2), C[5][2], k3), C[5][3], k4)
-    k6 = stage(u, w_u, i_u, e_u, w_l, times(r, plus(c, C[5][4], k5)), p, start)
+    rest = times(r, sum5(ZERO, C[5], k1, k2, k3, k4, k5))
+    k6 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p6, q6 = works(u, w_u, w_l, beta)
 
     u = plus(u, 1.0, k6)
     w_u, i_u, e_u = exponentials(u, law)
-    c = plus(plus(plus(times(C[6][0], k1), C[6][1], k2), C[6][2], k3), C[6][3], k4)
-    c = plus(plus(c, C[6][4], k5), C[6][5], k6)
-    k7 = stage(u, w_u, i_u, e_u, w_l, times(r, c), p, start)
+    rest = times(r, sum6(ZERO, C[6], k1, k2, k3, k4, k5, k6))
+    k7 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p7, q7 = works(u, w_u, w_l, beta)
 
     u = plus(u, 1.0, k7)
     w_u, i_u, e_u = exponentials(u, law)
-    c = plus(plus(plus(times(C[7][0], k1), C[7][1], k2), C[7][2], k3), C[7][3], k4)
-    c = plus(plus(plus(c, C[7][4], k5), C[7][5], k6), C[7][6], k7)
-    m_end = eta0 * w_u
-    k8 = stage(u, w_u, i_u, e_u, w_l, times(r, c), p, start)
+    rest = times(r, sum7(ZERO, C[7], k1, k2, k3, k4, k5, k6, k7))
+    k8 = stage(u, w_u, i_u, e_u, w_l, rest, p, start)
     p8, q8 = works(u, w_u, w_l, beta)
 
-    x_new, v_new, psi_new = plus(u, 1.0, k8)
-    # With inertia below rounding, v is fixed by x and psi.  Held there exactly: over a step in
-    # which w changes by orders of magnitude, J sees a deviation at its start and not at its end.
-    on_manifold = x_new - beta * psi_new
-    negligible = m_end * max(1.0, abs(v_new - y[1])) < 1e-14 * h
-    shift = on_manifold - v_new if negligible else 0.0
-    y_new = (x_new, on_manifold if negligible else v_new, psi_new)
-    error = (k8[0], k8[1] + shift, k8[2])
+    free = plus(u, 1.0, k8)
+    y_new, _ = on_manifold(free, y[1], eta0 * w_u, beta, h)
+    error = (k8[0], k8[1] + (y_new[1] - free[1]), k8[2])
     w_new, _, e_new = exponentials(y_new, law)
 
     # The two quadratures: s_i = works(u_i) + gradient k_i + h d_i d/dT, weighted by B.

@@ -6,8 +6,8 @@ aliases another, so that it vectorises.
 """
 
 LANES = 16
-ROWS = 74
-SIZE = ROWS * LANES
+SIZE = 67 * LANES  # of a march
+RETURN_SIZE = 94 * LANES  # of a return map, which adds rows to it
 
 # fmt: off
 (
@@ -28,11 +28,21 @@ SIZE = ROWS * LANES
     LOAD_WORK, DISSIPATION,                 # accumulated works
     STEPS, REJECTED, FAILURES,              # counts; rejections in a row
     V_HIGH, V_LOW, G_HIGH,                  # extremes of ln w and |g|
-    X_HIGH, X_LOW,                          # last stress extremes
+    X_LOW,                                  # last stress minimum
     CROSS_T, CROSS_LOW,                     # time in two parts of the last rise of V through V_lp
-    AMPLITUDE, PERIOD, CYCLES, CHANGE,      # last cycle, its number, its change from the one before
-    WINDOW_AMPLITUDE, WINDOW_PERIOD,        # the same a window of cycles ago (events.py)
-    WINDOW_CHANGE, MODE, CYCLE_TOL, STATUS,
-    CASE, SEGMENT, SAVED, T_END, MAX_STEPS, DT,
+    AMPLITUDE, PERIOD, CYCLES,              # last cycle, its number
+    STATUS, CASE, SEGMENT, SAVED, T_END, MAX_STEPS, DT,
 ) = range(0, SIZE, LANES)
+
+# Rows of a return map (return_map.py)
+(
+    X_A, V_A, PSI_A, X_B, V_B, PSI_B,       # two perturbations of the state
+    X_A_NEW, V_A_NEW, PSI_A_NEW,            # the step's outcome for them
+    X_B_NEW, V_B_NEW, PSI_B_NEW,
+    EARLY_A, EARLY_B,                       # how much earlier they are: shifts along the orbit
+    TRACE, D_TRACE,                         # integral of the trace of J; the step's part
+    SINCE, LANDING, H_PLANNED,              # steps since a crossing; the step that ends at one
+    X_A_LOW, X_B_LOW,                       # perturbations of the stress minimum
+    GUESS, SLOW, MEAN, SQUARE, COSINE, SINE,  # waveform: period assumed; integrals
+) = range(SIZE, RETURN_SIZE, LANES)
 # fmt: on

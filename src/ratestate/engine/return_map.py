@@ -1,0 +1,331 @@
+"""The return map: from a point of the section V = V_lp to the next, with its derivative.
+
+Speeds are in units of a constant V_lp and times in Dc/V_lp, so the section is v = 0.  On it dx/dT
+vanishes: an upward crossing is a maximum of the stress and the point to return to, a downward
+one its minimum.  A step that holds a crossing is cut to end there, so that the map is as
+accurate as the steps are.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..laws import AGING, SLIP
+from . import lanes as L
+from . import rows as R
+from .events import components, crossing, observe, polynomial
+from .exp import exp_alone
+from .jit import inlined, inner, kernel, lanewise
+from .lanes import steadies
+from .march import IDLE, stuck
+from .model import FINISHED, RUNAWAY, RUNNING, STEADY_SLIDING, state_rate
+from .tangent import step as tangent_step
+
+# Below this eta, G = dv/dT on the section is lost in the rounding of x - beta psi, and follows
+# from x and psi to within eta of itself.
+SLAVED = 1e-9
+# ln(V/V_lp) below which the slider counts as sticking.
+STICKING = -2.302585092994046
+# A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
+NEAREST = 1e-6
+# Gauss-Legendre nodes and weights on 0..1, for the waveform.
+NODES = (0.1127016653792583, 0.5, 0.8872983346207417)
+WEIGHTS = (0.2777777777777778, 0.4444444444444444, 0.2777777777777778)
+
+
+class Starts(NamedTuple):
+    """From where each slider sets out; arrays of one value a case unless a shape is given."""
+
+    kappa: np.ndarray
+    beta: np.ndarray
+    eta: np.ndarray
+    y: np.ndarray  # (n, 3) x, v, psi
+    along: np.ndarray  # (n, 2, 3) two perturbations of it
+    rtol: np.ndarray
+    steady_tol: np.ndarray
+    observe: np.ndarray  # 1 where extremes and waveform are wanted
+    period: np.ndarray  # assumed for the waveform
+    v_limit: np.ndarray  # ln(V/V_lp) that counts as runaway
+    max_steps: np.ndarray
+
+
+class Returns(NamedTuple):
+    """Where each slider came back to the section, and what happened on the way."""
+
+    numbers: np.ndarray  # (n, len(RETURN_NUMBERS))
+    status: np.ndarray  # (n,) int8
+
+
+#: _a and _b: derivatives along the two perturbations
+RETURN_NUMBERS = (
+    *("period", "x", "psi", "G", "x_low"),
+    *("period_a", "x_a", "psi_a", "x_low_a", "period_b", "x_b", "psi_b", "x_low_b"),
+    *("trace", "v_max", "v_min", "g_max", "slow", "mean", "square", "cosine", "sine", "steps"),
+)
+
+
+@inlined
+def try_step(s, l, law):
+    """Try one step of the lane, perturbations included, and record its outcome."""
+    h = s[R.H + l]
+    y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
+    a = (s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l])
+    b = (s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l])
+    p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
+    y_new, w_new, e_new, a_new, b_new, error, k1, k2, k3, trace = tangent_step(
+        y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p
+    )
+    s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = y_new
+    s[R.W_NEW + l], s[R.E_NEW + l] = w_new, e_new
+    s[R.X_A_NEW + l], s[R.V_A_NEW + l], s[R.PSI_A_NEW + l] = a_new
+    s[R.X_B_NEW + l], s[R.V_B_NEW + l], s[R.PSI_B_NEW + l] = b_new
+    s[R.X_1 + l], s[R.V_1 + l], s[R.PSI_1 + l] = k1
+    s[R.X_2 + l], s[R.V_2 + l], s[R.PSI_2 + l] = k2
+    s[R.X_3 + l], s[R.V_3 + l], s[R.PSI_3 + l] = k3
+    s[R.D_TRACE + l] = trace
+    s[R.H_USED + l] = h
+    err = max(abs(error[0]), abs(error[1]))
+    s[R.ERROR + l] = max(err, abs(error[2])) / s[R.RTOL + l]
+
+
+@lanewise
+def advance(s, law, n):
+    """Try one step in the first n lanes, judge it, and look whether it holds events."""
+    if law == SLIP:
+        for l in range(n):
+            try_step(s, l, SLIP)
+    else:
+        for l in range(n):
+            try_step(s, l, AGING)
+    for l in range(n):
+        L.judge(s, l)
+    for l in range(n):
+        L.needs_attention(s, l, law)
+
+
+@inlined
+def commit_lane(s, l, law):
+    """`lanes.commit_lane` for what a return map adds, once that is done.
+
+    A perturbation along the orbit is a shift in time.  It grows and shrinks with the speed of the
+    state, by twenty orders of magnitude in a stick-slip cycle, and would take all digits of the
+    rest: it is taken out after each step.
+    """
+    ok = s[R.OK + l] > 0.0
+    beta, w = s[R.BETA + l], s[R.W + l]
+    x, v, psi = s[R.X + l], s[R.V + l], s[R.PSI + l]
+    f_x = s[R.KAPPA + l] * (1.0 - w)
+    f_psi = state_rate(law, w, v, psi, s[R.E + l])
+    g = x - v - beta * psi
+    rounding = 1e-13 * (abs(x) + abs(v) + abs(beta * psi))
+    f_v = f_x - beta * f_psi if abs(g) <= rounding else g / (s[R.ETA0 + l] * w)
+    pace = max(max(abs(f_x), abs(f_v)), max(abs(f_psi), 1e-300))
+    r_x, r_v, r_psi = f_x / pace, f_v / pace, f_psi / pace
+    share = 1.0 / (r_x * r_x + r_v * r_v + r_psi * r_psi)
+    a_x, a_v, a_psi = s[R.X_A_NEW + l], s[R.V_A_NEW + l], s[R.PSI_A_NEW + l]
+    b_x, b_v, b_psi = s[R.X_B_NEW + l], s[R.V_B_NEW + l], s[R.PSI_B_NEW + l]
+    along_a = share * (a_x * r_x + a_v * r_v + a_psi * r_psi)
+    along_b = share * (b_x * r_x + b_v * r_v + b_psi * r_psi)
+    s[R.X_A + l] = a_x - along_a * r_x if ok else s[R.X_A + l]
+    s[R.V_A + l] = a_v - along_a * r_v if ok else s[R.V_A + l]
+    s[R.PSI_A + l] = a_psi - along_a * r_psi if ok else s[R.PSI_A + l]
+    s[R.X_B + l] = b_x - along_b * r_x if ok else s[R.X_B + l]
+    s[R.V_B + l] = b_v - along_b * r_v if ok else s[R.V_B + l]
+    s[R.PSI_B + l] = b_psi - along_b * r_psi if ok else s[R.PSI_B + l]
+    s[R.EARLY_A + l] += along_a / pace if ok else 0.0
+    s[R.EARLY_B + l] += along_b / pace if ok else 0.0
+    s[R.TRACE + l] += s[R.D_TRACE + l] if ok else 0.0
+    s[R.SINCE + l] += s[R.OK + l]
+
+
+@lanewise
+def commit(s, law, n):
+    """`commit_lane` in the first n lanes."""
+    if law == SLIP:
+        for l in range(n):
+            commit_lane(s, l, SLIP)
+    else:
+        for l in range(n):
+            commit_lane(s, l, AGING)
+
+
+@inner
+def load(s, l, law, i, starts):
+    """Put case i into lane l."""
+    for row in range(0, R.RETURN_SIZE, R.LANES):
+        s[row + l] = 0.0
+    s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
+    s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l] = starts.kappa[i], starts.beta[i], starts.eta[i]
+    s[R.X + l], s[R.V + l], s[R.PSI + l] = starts.y[i]
+    s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l] = starts.along[i, 0]
+    s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l] = starts.along[i, 1]
+    w, e = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
+    s[R.W + l], s[R.E + l] = w, e
+    s[R.W_LP + l] = 1.0
+    s[R.T_END + l] = s[R.LAND + l] = s[R.SAVE_AT + l] = math.inf
+    s[R.RTOL + l], s[R.STEADY + l] = starts.rtol[i], starts.steady_tol[i]
+    s[R.MAX_STEPS + l], s[R.V_LIMIT + l] = starts.max_steps[i], starts.v_limit[i]
+    s[R.OBSERVE + l] = s[R.EVERY_STEP + l] = starts.observe[i]
+    s[R.GUESS + l] = starts.period[i]
+    s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
+    s[R.X_LOW + l] = s[R.X_A_LOW + l] = s[R.X_B_LOW + l] = math.nan
+    # A start on the section is a crossing already made: the step from it leads to no other.
+    s[R.SINCE + l] = 0.0 if s[R.V + l] == 0.0 else 1.0
+    s[R.MEMORY + l] = 1.0
+    f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], e)
+    pace = s[R.KAPPA + l] * abs(1.0 - w) + abs(f_psi) + w + 1.0
+    s[R.H + l] = 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace
+
+
+@inner
+def rates(s, l, law):
+    """dx/dT, dv/dT and dpsi/dT at the end of the lane's step."""
+    beta, eta = s[R.BETA + l], s[R.ETA0 + l]
+    x, v, psi, w = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.W_NEW + l]
+    f_x = s[R.KAPPA + l] * (1.0 - w)
+    f_psi = state_rate(law, w, v, psi, s[R.E_NEW + l])
+    f_v = f_x - beta * f_psi if eta < SLAVED else (x - v - beta * psi) / (eta * w)
+    return f_x, f_v, f_psi
+
+
+@inner
+def land(s, l, law):
+    """Move the end of a step that was cut at a crossing onto the section, and book it."""
+    f_x, f_v, f_psi = rates(s, l, law)
+    dt = -s[R.V_NEW + l] / f_v
+    s[R.X_NEW + l] += 0.5 * f_x * dt  # dx/dT vanishes at the section
+    s[R.PSI_NEW + l] += f_psi * dt
+    s[R.V_NEW + l], s[R.W_NEW + l] = 0.0, 1.0
+    s[R.E_NEW + l] = exp_alone(-s[R.PSI_NEW + l])
+    s[R.H_USED + l] += dt
+    s[R.H_NEXT + l] = s[R.H_PLANNED + l]
+    s[R.LANDING + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
+    s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
+    if f_v > 0.0:
+        s[R.STATUS + l] = FINISHED
+    else:
+        s[R.X_LOW + l] = s[R.X_NEW + l]
+        s[R.X_A_LOW + l], s[R.X_B_LOW + l] = s[R.X_A_NEW + l], s[R.X_B_NEW + l]
+
+
+@inner
+def record_waveform(s, l, cx, cv):
+    """Add the step to the time spent sticking and to the Fourier integrals of the stress."""
+    h = s[R.H_USED + l]
+    sticks, stuck_before = s[R.V_NEW + l] < STICKING, s[R.V + l] < STICKING
+    part = 1.0 if sticks else 0.0
+    if sticks != stuck_before:
+        at = crossing(cv, 0.1, 0.0, STICKING)
+        part = 1.0 - at if sticks else at
+    s[R.SLOW + l] += part * h
+    pace = 2.0 * math.pi / s[R.GUESS + l]
+    for k in range(3):
+        x = polynomial(cx, NODES[k])
+        weight = WEIGHTS[k] * h
+        phase = pace * (s[R.T + l] + (s[R.T_LOW + l] + NODES[k] * h))
+        s[R.MEAN + l] += weight * x
+        s[R.SQUARE + l] += weight * x * x
+        s[R.COSINE + l] += weight * x * math.cos(phase)
+        s[R.SINE + l] += weight * x * math.sin(phase)
+
+
+@inner
+def attend(s, l, law):
+    """Everything of interest in the lane's accepted step, before it is committed."""
+    cx, cv, cpsi = components(s, l)
+    landing = s[R.LANDING + l]
+    if landing > 0.0 and s[R.H_USED + l] >= landing:
+        if s[R.OBSERVE + l] > 0.0:
+            observe(s, l, law, cx, cv, cpsi)
+            record_waveform(s, l, cx, cv)
+        land(s, l, law)
+        return
+    s[R.LANDING + l] = 0.0
+    rises = s[R.W_NEW + l] >= 1.0
+    if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
+        at = max(crossing(cv, 1.0, 0.0, 0.0), NEAREST)
+        s[R.H_PLANNED + l] = s[R.H_NEXT + l]
+        s[R.H_NEXT + l] = s[R.LANDING + l] = at * s[R.H_USED + l]
+        s[R.EVERY_STEP + l], s[R.OK + l] = 1.0, 0.0
+        return
+    s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
+    if s[R.OBSERVE + l] > 0.0:
+        observe(s, l, law, cx, cv, cpsi)
+        record_waveform(s, l, cx, cv)
+    if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
+        s[R.STATUS + l] = RUNAWAY
+    elif steadies(s, l):
+        s[R.STATUS + l] = STEADY_SLIDING
+
+
+@inner
+def finish(s, l, law, returns):
+    """Write the outcome of the lane's case; derivatives are those of the section's points."""
+    i = int(s[R.CASE + l])
+    status = int(s[R.STATUS + l])
+    returns.status[i] = status if status != RUNNING else stuck(s, l)
+    out = returns.numbers[i]
+    eta, beta = s[R.ETA0 + l], s[R.BETA + l]
+    x, psi, w = s[R.X + l], s[R.PSI + l], s[R.W + l]
+    f_psi = state_rate(law, w, s[R.V + l], psi, s[R.E + l])
+    slope = -beta * f_psi if eta < SLAVED else (x - beta * psi) / eta
+    out[0] = s[R.T + l] + s[R.T_LOW + l]
+    out[1], out[2], out[3], out[4] = x, psi, slope, s[R.X_LOW + l]
+    earlier_a, earlier_b = s[R.V_A + l] / slope, s[R.V_B + l] / slope
+    out[5] = -earlier_a - s[R.EARLY_A + l]
+    out[6], out[7] = s[R.X_A + l], s[R.PSI_A + l] - f_psi * earlier_a
+    out[8] = s[R.X_A_LOW + l]
+    out[9] = -earlier_b - s[R.EARLY_B + l]
+    out[10], out[11] = s[R.X_B + l], s[R.PSI_B + l] - f_psi * earlier_b
+    out[12] = s[R.X_B_LOW + l]
+    out[13] = s[R.TRACE + l]
+    out[14], out[15], out[16] = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
+    out[17], out[18], out[19] = s[R.SLOW + l], s[R.MEAN + l], s[R.SQUARE + l]
+    out[20], out[21] = s[R.COSINE + l], s[R.SINE + l]
+    out[22] = s[R.STEPS + l] + s[R.REJECTED + l]
+    s[R.CASE + l] = IDLE
+
+
+@kernel
+def return_map(law, alone, s, queue, position, starts, returns, budget):
+    """Take the cases of a queue to their next upward crossing of the section.
+
+    Parameters
+    ----------
+    law : int, code (laws.py)
+    alone : bool, whether to march in lane 0 only, by the scalar path
+    s : (RETURN_SIZE,) the lanes; CASE = IDLE in those that are free
+    queue : (n,) case numbers, in the order in which to start them
+    position : (3,) int64: next in queue; cases done; unused
+    budget : int, sweeps over the lanes
+
+    Returns
+    -------
+    bool : whether every case is done
+    """
+    width = 1 if alone else R.LANES
+    vacant = True
+    for _ in range(budget):
+        if vacant:
+            active = 0
+            for l in range(width):
+                if s[R.CASE + l] == IDLE and position[0] < queue.size:
+                    load(s, l, law, queue[position[0]], starts)
+                    position[0] += 1
+                active += s[R.CASE + l] != IDLE
+            if active == 0:
+                return True
+            vacant = False
+        advance(s, law, width)
+        for l in range(width):
+            if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
+                attend(s, l, law)
+        L.commit(s, width)
+        commit(s, law, width)
+        for l in range(width):
+            if s[R.TURN + l] > 0.0 and s[R.CASE + l] != IDLE:
+                finish(s, l, law, returns)
+                position[1] += 1
+                vacant = True
+    return False

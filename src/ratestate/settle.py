@@ -1,0 +1,133 @@
+"""Which limit cycle a slider settles into, and that cycle to full accuracy.
+
+Where steady sliding and cycles coexist, the answer depends on the start.  So the orbit itself is
+followed from the start on, turn by turn; but where successive turns differ little it leaps, by at
+most half of what Newton's method says is left, and by no more than a third of itself, so that it
+does not pass over a fixed point that would have held it.  Near a stable one, Newton's method takes
+over.  Near steady sliding, where the return map drowns in rounding, harmonic balance does.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
+from .shooting import multipliers, newton_step, state, turn
+from .soft import soft_cycle
+
+# Turns after which a slider that has not settled counts as never settling.
+MOST_ROUNDS = 400
+# A leap, and a step of Newton's method that is trusted, relative to the distance from u = 0.
+REACH = 0.3
+# Amplitudes of ln V at which a stable steady sliding is reached; at which cycles are soft.
+STEADY, SOFT = 1e-2, 2e-2
+# Tolerance of a step in x, v and psi: the loosest (beyond which derivatives of the map may be
+# wrong), and what rounding allows.
+LOOSE, TIGHTEST = 1e-6, 2e-14
+# Looser answers are not cheaper.
+LOOSEST_ANSWER = 1e-5
+# How much finer than what a turn moves, or than what is asked, it must be.
+FINER = 0.1
+
+
+class Settled(NamedTuple):
+    """Where n sliders end up."""
+
+    status: np.ndarray  # engine.model: FINISHED is a cycle
+    u: np.ndarray  # (n, 2) its stress maximum; where there is none, the last one
+    tol: np.ndarray  # (n,) tolerance of its turn
+    period: np.ndarray  # (n,)
+    error: np.ndarray  # (n,) of a soft cycle, estimated relative error of u; 0 elsewhere
+
+    def at(self, which):
+        """The sliders with these numbers, or where this is true."""
+        return Settled(*(values[which] for values in self))
+
+
+def settle(system, start, rtol, alone, progress):
+    """Follow n sliders from the states start (n, 3) until they settle; `Settled`.
+
+    rtol : relative accuracy of the cycle
+    alone : whether this is the one case of a call
+    progress : callable, given the fraction of sliders that have settled
+    """
+    n = len(start)
+    rtol = min(rtol, LOOSEST_ANSWER)
+    stable = system.margin > 0.0
+    steady_tol = np.where(stable, 1e-6, 0.0)
+    first = turn(system, start, LOOSE, alone=alone, steady_tol=steady_tol)
+    found = Settled(
+        np.where(first.came_back, RUNNING, first.status),
+        first.image.copy(),
+        np.full(n, LOOSE),
+        first.numbers["period"],
+        np.zeros(n),
+    )
+    for number in range(MOST_ROUNDS):
+        active = np.flatnonzero(found.status == RUNNING)
+        progress(1.0 - len(active) / n)
+        if not len(active):
+            break
+        part, u, tol = system.at(active), found.u[active], found.tol[active]
+        turns = turn(part, state(part, u), tol, alone=alone, steady_tol=steady_tol[active])
+        found.status[active] = np.where(turns.came_back, RUNNING, turns.status)
+        found.period[active] = turns.numbers["period"]
+        found.u[active], found.tol[active], done = _advance(part, turns, u, tol, rtol, leap=number > 0)
+        found.status[active[done]] = FINISHED
+        # near steady sliding, G = r sqrt(beta - 1) with r the amplitude of ln V
+        r = u[:, 1] / np.sqrt(np.maximum(part.beta - 1.0, 1e-300))
+        inward = np.linalg.norm(turns.image, axis=1) < np.linalg.norm(u, axis=1)
+        ends = stable[active] & inward & (r < STEADY) & turns.came_back
+        found.status[active[ends]] = STEADY_SLIDING
+        _soften(system, found, active[~stable[active] & (r < SOFT) & turns.came_back])
+    found.status[found.status == RUNNING] = NO_CONVERGENCE
+    return found
+
+
+def _advance(system, turns, u, tol, rtol, leap):
+    """The next u and tolerance, and whether Newton's method has converged there."""
+
+    def length_of(vectors):
+        # where inertia is small, G follows from psi, and is the less known the smaller eta is
+        return np.hypot(vectors[:, 0], np.minimum(system.eta, 1.0) * vectors[:, 1])
+
+    move = turns.image - u
+    size, length = length_of(u), length_of(move)
+    newton = newton_step(turns, u)
+    left = length_of(newton)
+    first, second = multipliers(turns).T
+    attracts = np.abs(first) < 1.0
+    rising = (u + newton)[:, 1] > 0.0
+    trusted = attracts & rising & (left <= REACH * size)
+    # A leap prolongs what the turn moved along its slow direction.  It must not pass a fixed
+    # point, nor amplify turns that alternate.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        matrix = turns.jacobian - second.real[:, None, None] * np.eye(2)
+        slow = (matrix @ move[:, :, None])[:, :, 0] / (first - second).real[:, None]
+        along = length_of(slow)
+        room = np.minimum(REACH * size, np.where(attracts, 0.5 * along / np.abs(1 - first), np.inf))
+        more = np.where(leap & (first.imag == 0.0) & (first.real > 0.0), room / along - 1.0, 0.0)
+        leapt = turns.image + more[:, None] * slow
+    leapt = np.where(((more > 0.0) & (leapt[:, 1] > 0.0))[:, None], leapt, turns.image)
+    attraction = np.minimum(1.0, np.abs(1.0 - first))
+    finest = np.maximum(FINER * rtol * size * attraction, TIGHTEST)
+    with np.errstate(invalid="ignore"):
+        ahead = np.where(trusted, length * left / size, 0.1 * length)
+    next_tol = np.clip(np.nan_to_num(FINER * ahead, nan=LOOSE), finest, LOOSE)
+    resolved = np.maximum(FINER * rtol * size, 10.0 * tol / attraction)
+    done = trusted & (tol <= 2.0 * finest) & (left <= resolved)
+    return np.where(trusted[:, None], u + newton, leapt), next_tol, done
+
+
+def _soften(system, found, which):
+    """Put the soft cycles of these sliders into `found`, where they have one."""
+    if not len(which):
+        return
+    part = system.at(which)
+    soft = soft_cycle(part.law, part.kappa, part.beta, part.eta)
+    which, soft = which[soft.found], type(soft)(*(values[soft.found] for values in soft))
+    found.status[which] = FINISHED
+    found.u[which] = np.stack([soft.psi, soft.G], axis=1)
+    found.period[which] = 2.0 * np.pi / soft.omega
+    found.error[which] = soft.error
+    found.tol[which] = TIGHTEST
