@@ -109,7 +109,7 @@ def _advance(system, turns, u, tol, rtol, leap):
         more = np.where(leap & (first.imag == 0.0) & (first.real > 0.0), room / along - 1.0, 0.0)
         leapt = turns.image + more[:, None] * slow
     leapt = np.where(((more > 0.0) & (leapt[:, 1] > 0.0))[:, None], leapt, turns.image)
-    attraction = np.minimum(1.0, np.abs(1.0 - first))
+    attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)
     finest = np.maximum(FINER * rtol * size * attraction, TIGHTEST)
     with np.errstate(invalid="ignore"):
         ahead = np.where(trusted, length * left / size, 0.1 * length)

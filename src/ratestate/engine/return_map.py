@@ -119,7 +119,8 @@ def commit_lane(s, l, law):
     f_psi = state_rate(law, w, v, psi, s[R.E + l])
     g = x - v - beta * psi
     rounding = 1e-13 * (abs(x) + abs(v) + abs(beta * psi))
-    f_v = f_x - beta * f_psi if abs(g) <= rounding else g / (s[R.ETA0 + l] * w)
+    m = s[R.ETA0 + l] * w
+    f_v = f_x - beta * f_psi if (abs(g) <= rounding) | (m == 0.0) else g / m
     pace = max(max(abs(f_x), abs(f_v)), max(abs(f_psi), 1e-300))
     r_x, r_v, r_psi = f_x / pace, f_v / pace, f_psi / pace
     share = 1.0 / (r_x * r_x + r_v * r_v + r_psi * r_psi)
