@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .arrays import logspace
+    from .branch import continue_cycle
     from .cycles import limit_cycle
     from .errors import (
         NotConverged,
@@ -37,6 +38,7 @@ __all__ = [
     "SolverError",
     "SpringSlider",
     "bautin",
+    "continue_cycle",
     "hopf",
     "limit_cycle",
     "logspace",
@@ -54,6 +56,7 @@ _HOMES = {
     "SolverError": "errors",
     "SpringSlider": "slider",
     "bautin": "hopf",
+    "continue_cycle": "branch",
     "hopf": "hopf",
     "limit_cycle": "cycles",
     "logspace": "arrays",

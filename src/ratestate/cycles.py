@@ -6,17 +6,17 @@ import numpy as np
 import xarray
 
 from .batch import Batch
-from .cases import V_LIMIT, failure, speed
+from .cases import failure, speed
 from .dataset import plain, provenance, status_variable
 from .engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from .errors import ParameterError
 from .measure import measure
 from .progress import bar
 from .quantities import attrs
-from .settle import settle
-from .shooting import System
+from .settle import settle, steady_start
+from .shooting import system_of
 from .slider import checked
-from .stability import K_c, eta
+from .stability import K_c
 from .units import is_array, to_si
 
 TAKEN = (
@@ -89,16 +89,9 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     return result
 
 
-def dimensionless(batch, law):
-    """`System` of a batch that holds the slider and V_lp."""
-    a, b, Dc, sigma, K, M, V = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V_lp"))
-    v_limit = np.where(M == 0.0, np.log(V_LIMIT / V), np.inf)
-    return System(law, K * Dc / (a * sigma), b / a, eta(V, a=a, Dc=Dc, sigma=sigma, M=M), v_limit)
-
-
 def _cycles(batch, law, rtol, progress):
     """Status (n,) of all cases, and what `measure` found of those that have a cycle."""
-    system = dimensionless(batch, law)
+    system = system_of(law, **{symbol: batch.flat(symbol) for symbol in batch.values})
     status = np.full(batch.n, STEADY_SLIDING)
     moves = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
     found: dict = {}
@@ -106,19 +99,14 @@ def _cycles(batch, law, rtol, progress):
     for first in range(0, len(moves), CHUNK):
         which = moves[first : first + CHUNK]
         part = system.at(which)
-        v = np.full(len(which), -np.log(10.0))  # steady sliding at V_lp/10
-        start = np.stack([(1.0 - part.beta) * v, v, -v], axis=1)
-
-        def advance(fraction, first=first, count=len(which)):
-            if progress:
-                progress((first + fraction * count) / len(moves))
-
-        settled = settle(part, start, rtol, alone, advance)
+        before, share = first / len(moves), len(which) / len(moves)
+        advance = progress and (lambda done, b=before, s=share: progress(b + s * done))
+        settled = settle(part, steady_start(part), rtol, alone, advance)
         status[which] = settled.status
         cycle = (settled.status == FINISHED) | (alone & (settled.status == NO_CONVERGENCE))
         for name, value in measure(part.at(cycle), settled.at(cycle), alone).items():
-            whole = found.setdefault(name, np.full((batch.n, *value.shape[1:]), np.nan, value.dtype))
-            whole[which[cycle]] = value
+            empty = np.full((batch.n, *value.shape[1:]), np.nan, value.dtype)
+            found.setdefault(name, empty)[which[cycle]] = value
     return status, found
 
 
@@ -147,8 +135,11 @@ def cycle_variables(batch, status, found):
             "inertia": np.where(steady, 0.0, of("g_max") / amplitude),
             "slow_fraction": of("slow_fraction", 0.0),
             "fundamental": of("fundamental"),
-            "stable": np.where(steady, K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K,
-                               np.abs(multipliers[:, 0]) < 1.0),
+            "stable": np.where(
+                steady,
+                K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K,
+                np.abs(multipliers[:, 0]) < 1.0,
+            ),
             "residual": of("residual", 0.0),
             "error": of("error", 0.0),
         }

@@ -12,14 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from .engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
-from .shooting import multipliers, newton_step, state, turn
+from .shooting import multipliers, newton_step, small_amplitude, state, turn
 from .soft import soft_cycle
 
 # Turns after which a slider that has not settled counts as never settling.
 MOST_ROUNDS = 400
 # A leap, and a step of Newton's method that is trusted, relative to the distance from u = 0.
 REACH = 0.3
-# Amplitudes of ln V at which a stable steady sliding is reached; at which cycles are soft.
+# Amplitudes of ln V below which a stable steady sliding is reached; below which cycles are soft.
 STEADY, SOFT = 1e-2, 2e-2
 # Tolerance of a step in x, v and psi: the loosest (beyond which derivatives of the map may be
 # wrong), and what rounding allows.
@@ -44,12 +44,18 @@ class Settled(NamedTuple):
         return Settled(*(values[which] for values in self))
 
 
+def steady_start(system):
+    """(n, 3) x, v, psi of steady sliding at V_lp/10."""
+    v = np.full(len(system.beta), -np.log(10.0))
+    return np.stack([(1.0 - system.beta) * v, v, -v], axis=1)
+
+
 def settle(system, start, rtol, alone, progress):
     """Follow n sliders from the states start (n, 3) until they settle; `Settled`.
 
     rtol : relative accuracy of the cycle
     alone : whether this is the one case of a call
-    progress : callable, given the fraction of sliders that have settled
+    progress : callable or None, given the fraction of sliders that have settled
     """
     n = len(start)
     rtol = min(rtol, LOOSEST_ANSWER)
@@ -65,17 +71,19 @@ def settle(system, start, rtol, alone, progress):
     )
     for number in range(MOST_ROUNDS):
         active = np.flatnonzero(found.status == RUNNING)
-        progress(1.0 - len(active) / n)
+        if progress:
+            progress(1.0 - len(active) / n)
         if not len(active):
             break
         part, u, tol = system.at(active), found.u[active], found.tol[active]
         turns = turn(part, state(part, u), tol, alone=alone, steady_tol=steady_tol[active])
         found.status[active] = np.where(turns.came_back, RUNNING, turns.status)
         found.period[active] = turns.numbers["period"]
-        found.u[active], found.tol[active], done = _advance(part, turns, u, tol, rtol, leap=number > 0)
+        found.u[active], found.tol[active], done = _advance(
+            part, turns, u, tol, rtol, leap=number > 0
+        )
         found.status[active[done]] = FINISHED
-        # near steady sliding, G = r sqrt(beta - 1) with r the amplitude of ln V
-        r = u[:, 1] / np.sqrt(np.maximum(part.beta - 1.0, 1e-300))
+        r = small_amplitude(part, u)
         inward = np.linalg.norm(turns.image, axis=1) < np.linalg.norm(u, axis=1)
         ends = stable[active] & inward & (r < STEADY) & turns.came_back
         found.status[active[ends]] = STEADY_SLIDING

@@ -7,17 +7,20 @@ ends on the section V = V_lp, V rising, where the stress has its maximum.  Its p
     u = (psi, G),     G = dv/dT = (x - beta psi)/eta,     x = beta psi + eta G,
 
 in which nothing cancels, neither for small eta, where inertia is lost in rounding and G follows
-from psi (G = -beta dpsi/dT), nor near steady sliding.  A limit cycle is a fixed point of the map from u to the next u.
+from psi (G = -beta dpsi/dT), nor near steady sliding.  A limit cycle is a fixed point of the map
+from u to the next u.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from .cases import V_LIMIT
 from .engine import drive
 from .engine.model import FINISHED
 from .engine.return_map import RETURN_NUMBERS, SLAVED, Starts
 from .laws import evolution_law
+from .stability import eta
 
 # Of one turn: some hundred times what a stick-slip cycle over 20 decades of V takes.
 MAX_STEPS = 1e6
@@ -42,6 +45,13 @@ class System(NamedTuple):
         return self.kappa - (self.beta - 1.0) * (1.0 + self.eta)
 
 
+def system_of(law, *, a, b, Dc, sigma, K, M, V_lp, **_):
+    """`System` of sliders with these parameters [SI], each (n,); those left over play no part."""
+    inertia = eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
+    v_limit = np.where(M == 0.0, np.log(V_LIMIT / V_lp), np.inf)
+    return System(law, K * Dc / (a * sigma), b / a, inertia, v_limit)
+
+
 class Turns(NamedTuple):
     """What one turn of each of n sliders did; NaN where it did not come back to the section."""
 
@@ -60,6 +70,15 @@ def state(system, u):
     psi, G = u.T
     x = system.beta * psi + system.eta * G
     return np.stack([x, np.zeros_like(x), psi], axis=1)
+
+
+def small_amplitude(system, u):
+    """(n,) amplitude r of ln V on an orbit through u near steady sliding, of frequency omega_c.
+
+    dx/dT = -kappa v there, so that x = r kappa/omega_c at its maximum.
+    """
+    x = state(system, u)[:, 0]
+    return x * np.sqrt(np.maximum(system.beta - 1.0, 0.0)) / system.kappa
 
 
 def turn(system, y, rtol, *, alone, steady_tol=0.0, period=None):

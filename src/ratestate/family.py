@@ -1,0 +1,90 @@
+"""A family of sliders along one parameter, as a map whose fixed points are limit cycles.
+
+The parameter enters as p, its natural logarithm, so that its values stay positive and steps are
+relative.  The points of the section are taken as U = (psi, G eta/(1 + eta)): in these the errors
+of a turn are of one size, however small eta is.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .laws import evolution_law
+from .settle import TIGHTEST
+from .shooting import small_amplitude, state, system_of, turn
+
+#: what a family can run along
+PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
+# Below this eta, G follows from psi to within eta^2, and Newton's method need not look for it.
+GUIDED = 1e-7
+
+
+class Orbits(NamedTuple):
+    """What `ratestate.continuation.follow` wants of one turn of each of m sliders."""
+
+    image: np.ndarray  # (m, 2) the next U
+    jacobian: np.ndarray  # (m, 2, 2)
+    ok: np.ndarray  # (m,) whether it came back to the section
+    measures: dict  # "period" and "tol", (m,)
+
+
+class Family(NamedTuple):
+    """Sliders that differ in one parameter."""
+
+    law: str
+    values: dict  # symbol -> float, V_lp among them
+    parameter: str
+    rtol: float
+
+    def at(self, p):
+        """Values of all symbols at p (m,), symbol -> (m,)."""
+        columns = {symbol: np.full(np.shape(p), value) for symbol, value in self.values.items()}
+        return columns | {self.parameter: np.exp(p)}
+
+    def system(self, p):
+        """`System` of the sliders at p (m,)."""
+        return system_of(self.law, **self.at(np.atleast_1d(p)))
+
+    def margin(self, p):
+        """(K - K_c) Dc/(a sigma) at one p: negative where steady sliding is unstable."""
+        return float(self.system(p).margin[0])
+
+    def amplitude(self, U, p):
+        """Amplitude of ln V of a small cycle through U (2,) at p."""
+        return float(small_amplitude(self.system(p), self.points(U[None], p))[0])
+
+    def points(self, U, p):
+        """(m, 2) u = (psi, G) of the section's points U (m, 2)."""
+        system = self.system(p)
+        psi = U[:, 0]
+        rate = evolution_law(self.law).rate(1.0, 0.0, psi, np.exp(-psi))
+        G = np.where(system.eta < GUIDED, -system.beta * rate, U[:, 1] / _scale(system))
+        return np.stack([psi, G], axis=1)
+
+    def chart(self, u, p):
+        """(m, 2) U of the section's points u (m, 2)."""
+        return np.stack([u[:, 0], _scale(self.system(p)) * u[:, 1]], axis=1)
+
+    def tolerance(self, u, p):
+        """(m,) tolerance of a step; a turn changes a small r by some r^3."""
+        r = np.minimum(1.0, np.abs(small_amplitude(self.system(p), u)))
+        return np.maximum(0.01 * self.rtol * r**3, TIGHTEST)
+
+    def turns(self, U, p):
+        """One turn of each of m sliders from U (m, 2), p (m,); `Orbits`."""
+        system, u = self.system(p), self.points(U, p)
+        tol = self.tolerance(u, p)
+        usable = (system.beta > 1.0) & (u[:, 1] > 0.0) & np.isfinite(u).all(axis=1)
+        u[~usable] = np.nan
+        found = turn(system, state(system, u), tol, alone=False)
+        scale = _scale(system)
+        jacobian = found.jacobian.copy()
+        jacobian[:, 1, :] *= scale[:, None]
+        jacobian[:, :, 1] *= np.where(system.eta < GUIDED, 0.0, 1.0 / scale)[:, None]
+        image = np.stack([found.image[:, 0], scale * found.image[:, 1]], axis=1)
+        measures = {"period": found.numbers["period"], "tol": tol}
+        return Orbits(image, jacobian, usable & found.came_back, measures)
+
+
+def _scale(system):
+    return system.eta / (1.0 + system.eta)
