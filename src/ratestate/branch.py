@@ -7,23 +7,18 @@ import xarray
 
 from .batch import Batch
 from .branch_ends import beginning, hopf_measures, hopf_near
-from .continuation import follow
 from .cycles import TAKEN, cycle_variables
 from .dataset import provenance, status_variable
 from .engine.model import FINISHED
 from .errors import NotConverged, ParameterError
 from .family import PARAMETERS, Family
-from .measure import measure
 from .progress import bar
 from .quantities import attrs
-from .settle import Settled
 from .slider import checked
 from .units import is_array, to_si
 
 # Amplitude of ln V at which a branch has come to a Hopf point.
 NEAR = 0.02
-# Size of U (family.py) from which on steps and errors along the branch are relative.
-SCALE = 1e-3
 MAX_POINTS = 2000
 #: why a branch ends before it should -> what that means
 ENDS = {
@@ -87,17 +82,13 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         def advance(point):
             progress(float(np.clip((point.p - p_start) / (p_stop - p_start), 0.0, 1.0)))
 
-        branch = follow(
-            family.turns,
+        branch = family.follow(
             begin.U,
             begin.p,
             stop=p_stop,
             start=p_start,
             along=None if begin.hopf is None else np.append(begin.U, 0.0),
-            scale=np.full(2, SCALE),
             amplitude=lambda point: family.amplitude(point.u, point.p) - NEAR,
-            tol=rtol,
-            noise=0.1 * rtol,
             max_points=MAX_POINTS,
             progress=progress and advance,
         )
@@ -127,17 +118,8 @@ def _dataset(family, branch, hopf, given):
     """
     points = branch.points
     p = np.array([point.p for point in points])
-    U = np.array([point.u for point in points]).reshape(-1, 2)
     special = [point.special for point in points]
-    u = family.points(U, p)
-    settled = Settled(
-        np.full(len(p), FINISHED),
-        u,
-        family.tolerance(u, p),
-        np.array([point.measures["period"] for point in points]),
-        np.array([point.error for point in points]) + 1e-16,
-    )
-    found = measure(family.system(p), settled, False)
+    found = family.measures(points)
     if hopf is None and points:
         special[0] = "start"
     ends = [] if hopf is None else [(0, hopf)]

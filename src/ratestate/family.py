@@ -9,12 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .continuation import follow
+from .engine.model import FINISHED
 from .laws import evolution_law
-from .settle import TIGHTEST
+from .measure import measure
+from .settle import TIGHTEST, Settled
 from .shooting import small_amplitude, state, system_of, turn
 
 #: what a family can run along
 PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
+# Size of U from which on steps and errors along a branch are relative; errors of a turn over rtol.
+SCALE, NOISE = 1e-3, 0.1
 # Below this eta, G follows from psi to within eta^2, and Newton's method need not look for it.
 GUIDED = 1e-7
 
@@ -84,6 +89,32 @@ class Family(NamedTuple):
         image = np.stack([found.image[:, 0], scale * found.image[:, 1]], axis=1)
         measures = {"period": found.numbers["period"], "tol": tol}
         return Orbits(image, jacobian, usable & found.came_back, measures)
+
+    def follow(self, U, p, **asked):
+        """`continuation.follow` from U (2,) at p with what is known of these maps."""
+        return follow(
+            self.turns,
+            U,
+            p,
+            scale=np.full(2, SCALE),
+            tol=self.rtol,
+            noise=NOISE * self.rtol,
+            **asked,
+        )
+
+    def measures(self, points):
+        """What `measure` finds of the points of a branch, name -> (n,) or (n, 2)."""
+        p = np.array([point.p for point in points])
+        u = self.points(np.array([point.u for point in points]).reshape(-1, 2), p)
+        settled = Settled(
+            np.full(len(p), FINISHED),
+            u,
+            self.tolerance(u, p),
+            np.array([point.measures["period"] for point in points]),
+            # Of the branch; > 0 says that a cycle is not to be corrected at constant p.
+            np.array([point.error for point in points]) + 1e-16,
+        )
+        return measure(self.system(p), settled, False)
 
 
 def _scale(system):

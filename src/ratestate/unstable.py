@@ -1,0 +1,40 @@
+"""The unstable cycle between stable steady sliding and a limit cycle that coexists with it."""
+
+import numpy as np
+
+from .family import Family
+
+#: what `cycles_around` finds
+CYCLES = (
+    *("amplitude", "period"),
+    *("unstable_amplitude", "unstable_period", "unstable_multiplier"),
+)
+RTOL = 1e-8
+# Stiffness, as a multiple of the slider's, by which the two cycles must have met.
+FARTHEST = 100.0
+
+
+def cycles_around(system, which, u):
+    """Measures of stable cycles and of the unstable ones inside them, name -> (n,).
+
+    On raising the stiffness the two meet in a fold: the branch that leaves the stable cycle comes
+    back to the slider's own stiffness as the unstable one.
+
+    system : n sliders; which : numbers of those that have a cycle; u : (n, 2) about where
+    """
+    found = {name: np.full(len(u), np.nan) for name in CYCLES}
+    for i in which:
+        numbers = (float(values[i]) for values in (system.kappa, system.beta, system.eta))
+        kappa, beta, eta = numbers
+        # With V_lp = Dc = sigma = a = 1 the slider is its own dimensionless form.
+        values = {"a": 1.0, "b": beta, "Dc": 1.0, "sigma": 1.0, "K": kappa, "M": eta, "V_lp": 1.0}
+        family, p = Family(system.law, values, "K", RTOL), np.log(kappa)
+        branch = family.follow(family.chart(u[i : i + 1], p)[0], p, stop=p + np.log(FARTHEST))
+        points = branch.points[:1] + (branch.points[-1:] if branch.end == "start" else [])
+        for point, prefix in zip(points, ("", "unstable_"), strict=False):
+            measured = family.measures([point])
+            found[f"{prefix}amplitude"][i] = measured["amplitude"][0]
+            found[f"{prefix}period"][i] = measured["period"][0]
+        if branch.end == "start":
+            found["unstable_multiplier"][i] = measured["multipliers"][0, 0].real
+    return found
