@@ -23,6 +23,8 @@ TAKEN = (
     "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
     " multiplier stable residual error status"
 ).split()
+# Relative error beyond which an answer is refused.
+WORST = 1e-2
 # Sliders in hand at a time: enough to fill every lane, few enough to hold in memory.
 CHUNK = 1 << 15
 
@@ -30,7 +32,9 @@ CHUNK = 1 << 15
 def limit_cycle(slider, V_lp, *, rtol=1e-8):
     """The cycle that a slider reaches from steady sliding at V_lp/10.
 
-    Marches until successive cycles agree, then measures one more.
+    By shooting: Newton's method on the return map of the section V = V_lp, where the stress has
+    its maximum, with the map's derivative from the variational equations.  The motion from the
+    start on decides which of several cycles, or steady sliding, it is.
 
     Parameters
     ----------
@@ -44,10 +48,21 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     Returns
     -------
     xarray.Dataset
-        In the sweep's dimensions: ``period`` [s], ``frequency`` [Hz], ``amplitude`` (max - min
-        of tau/sigma), ``V_max`` and ``V_min`` [m/s], ``inertia`` (max |tau/sigma - mu| over the
-        amplitude), ``status`` (int8 with CF flags).  Status 0 is a cycle; 1 is steady sliding:
-        amplitude and inertia are 0, V_max = V_min = V_lp, period and frequency are NaN.
+        In the sweep's dimensions:
+
+        - ``period`` [s], ``frequency`` [Hz], ``amplitude`` (max - min of tau/sigma), ``V_max``
+          and ``V_min`` [m/s], ``inertia`` (max |tau/sigma - mu| over the amplitude);
+        - ``slow_fraction``, the part of the period in which V < V_lp/10, and ``fundamental``, the
+          share of the first harmonic in the variance of tau (1: harmonic, 6/pi^2: sawtooth);
+        - ``multipliers``, complex, in the dimension ``multiplier``: the two Floquet multipliers
+          beside the trivial 1, the larger first, by which small distances from the cycle change
+          in a period.  Their product is the exponential of the integrated trace of the Jacobian;
+          below 1e-8 no more than that is certain;
+        - ``stable``, whether small disturbances decay;
+        - ``residual``, the relative distance by which a turn fails to close, and ``error``, the
+          estimated relative error of amplitude and period;
+        - ``status`` (int8 with CF flags).  0 is a cycle; 1 is steady sliding: amplitude, inertia
+          and error are 0, V_max = V_min = V_lp, what only a cycle has is NaN.
 
     Raises
     ------
@@ -56,7 +71,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     QuasiStaticInstability
         M = 0, and the motion runs into an instability.
     NotConverged
-        Cycles did not settle; ``best`` holds the last one.
+        The motion settles into no cycle that repeats after one turn, or double precision does not
+        fix it to 1 %; ``best`` holds the last turn.
     SolverError
         Any other failure.  In a sweep such cases are NaN, with their status.
 
@@ -67,6 +83,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     >>> cycle = rs.limit_cycle(slider, V_lp="3.2 mm/s")
     >>> round(float(cycle.frequency), 3)  # Hz
     50.595
+    >>> round(float(cycle.multipliers[0].real), 4)  # of a disturbance, left after a period
+    0.9706
     """
     checked(slider)
     rtol = to_si("rtol", rtol)
@@ -107,6 +125,10 @@ def _cycles(batch, law, rtol, progress):
         for name, value in measure(part.at(cycle), settled.at(cycle), alone).items():
             empty = np.full((batch.n, *value.shape[1:]), np.nan, value.dtype)
             found.setdefault(name, empty)[which[cycle]] = value
+    doubtful = (status == FINISHED) & ~(found.get("error", np.zeros(batch.n)) <= WORST)
+    status[doubtful] = NO_CONVERGENCE
+    for value in () if alone else found.values():
+        value[doubtful] = np.nan
     return status, found
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from .engine.model import FINISHED
 from .settle import FINER, TIGHTEST
-from .shooting import multipliers, newton_step, state, turn
+from .shooting import distance, multipliers, newton_step, state, turn
 
 #: symbols of what `measure` finds, each of shape (n,) but for the multipliers, (n, 2)
 MEASURES = (
@@ -47,7 +47,7 @@ def measure(system, settled, alone):
             "slow_fraction": found["slow"] / found["period"],
             "fundamental": 2.0 * wave / variance,
             "multipliers": multipliers(turns),
-            "residual": np.linalg.norm(closes, axis=1) / np.linalg.norm(u, axis=1),
+            "residual": distance(system, closes) / distance(system, u),
             "error": np.where(soft, settled.error, 0.0) + changes.max(axis=0) + 10.0 * tol,
         }
     closed = turns.status == FINISHED

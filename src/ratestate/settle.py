@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
-from .shooting import multipliers, newton_step, small_amplitude, state, turn
+from .shooting import distance, multipliers, newton_step, small_amplitude, state, turn
 from .soft import soft_cycle
 
 # Turns after which a slider that has not settled counts as never settling.
@@ -84,7 +84,7 @@ def settle(system, start, rtol, alone, progress):
         )
         found.status[active[done]] = FINISHED
         r = small_amplitude(part, u)
-        inward = np.linalg.norm(turns.image, axis=1) < np.linalg.norm(u, axis=1)
+        inward = distance(part, turns.image) < distance(part, u)
         ends = stable[active] & inward & (r < STEADY) & turns.came_back
         found.status[active[ends]] = STEADY_SLIDING
         _soften(system, found, active[~stable[active] & (r < SOFT) & turns.came_back])
@@ -94,35 +94,33 @@ def settle(system, start, rtol, alone, progress):
 
 def _advance(system, turns, u, tol, rtol, leap):
     """The next u and tolerance, and whether Newton's method has converged there."""
-
-    def length_of(vectors):
-        # where inertia is small, G follows from psi, and is the less known the smaller eta is
-        return np.hypot(vectors[:, 0], np.minimum(system.eta, 1.0) * vectors[:, 1])
-
     move = turns.image - u
-    size, length = length_of(u), length_of(move)
     newton = newton_step(turns, u)
-    left = length_of(newton)
+    size, length = distance(system, u), distance(system, move)
+    left = distance(system, newton) / size
     first, second = multipliers(turns).T
     attracts = np.abs(first) < 1.0
     rising = (u + newton)[:, 1] > 0.0
-    trusted = attracts & rising & (left <= REACH * size)
+    trusted = attracts & rising & (left <= REACH)
     # A leap prolongs what the turn moved along its slow direction.  It must not pass a fixed
     # point, nor amplify turns that alternate.
     with np.errstate(divide="ignore", invalid="ignore"):
         matrix = turns.jacobian - second.real[:, None, None] * np.eye(2)
         slow = (matrix @ move[:, :, None])[:, :, 0] / (first - second).real[:, None]
-        along = length_of(slow)
-        room = np.minimum(REACH * size, np.where(attracts, 0.5 * along / np.abs(1 - first), np.inf))
-        more = np.where(leap & (first.imag == 0.0) & (first.real > 0.0), room / along - 1.0, 0.0)
+        along = distance(system, slow)
+        until = np.where(attracts, 0.5 * along / np.abs(1.0 - first), np.inf)
+        more = np.minimum(REACH * size, until) / along - 1.0
+        more = np.where(leap & (first.imag == 0.0) & (first.real > 0.0), more, 0.0)
         leapt = turns.image + more[:, None] * slow
     leapt = np.where(((more > 0.0) & (leapt[:, 1] > 0.0))[:, None], leapt, turns.image)
     attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)
-    finest = np.maximum(FINER * rtol * size * attraction, TIGHTEST)
+    # The engine's tolerance is absolute in ln V, and that of a small cycle must be smaller.
+    scale = np.minimum(1.0, small_amplitude(system, u))
+    finest = np.maximum(FINER * rtol * scale * attraction, TIGHTEST)
     with np.errstate(invalid="ignore"):
-        ahead = np.where(trusted, length * left / size, 0.1 * length)
-    next_tol = np.clip(np.nan_to_num(FINER * ahead, nan=LOOSE), finest, LOOSE)
-    resolved = np.maximum(FINER * rtol * size, 10.0 * tol / attraction)
+        ahead = length / size * np.where(trusted, left, 0.1)
+    next_tol = np.clip(np.nan_to_num(FINER * ahead * scale, nan=LOOSE), finest, LOOSE)
+    resolved = np.maximum(FINER * rtol, 10.0 * tol / (scale * attraction))
     done = trusted & (tol <= 2.0 * finest) & (left <= resolved)
     return np.where(trusted[:, None], u + newton, leapt), next_tol, done
 

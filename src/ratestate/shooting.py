@@ -72,6 +72,11 @@ def state(system, u):
     return np.stack([x, np.zeros_like(x), psi], axis=1)
 
 
+def distance(system, vectors):
+    """(n,) length of vectors (n, 2) of (psi, G): what they change in x, beta psi and eta G."""
+    return np.hypot(system.beta * vectors[:, 0], system.eta * vectors[:, 1])
+
+
 def small_amplitude(system, u):
     """(n,) amplitude r of ln V on an orbit through u near steady sliding, of frequency omega_c.
 

@@ -44,7 +44,7 @@ STATUSES = {
     ),
     STEP_LIMIT: (
         "step_limit",
-        "the step limit was reached; shorten t_end or loosen rtol, and give times if the solver's"
+        "the step limit was reached; loosen rtol or shorten t_end, and give times if the solver's"
         " own steps were to be kept",
     ),
     RUNAWAY: (
@@ -59,7 +59,8 @@ STATUSES = {
     NO_CONVERGENCE: (
         "no_convergence",
         "successive cycles do not settle into one: they repeat after several turns (period"
-        " doubling) or never (chaos); simulate follows them",
+        " doubling) or never (chaos), and simulate follows them; or double precision does not fix"
+        " the cycle to 1 %, as very near a stability boundary or almost without inertia",
     ),
     RIGID_REST: (
         "rigid_rest",
