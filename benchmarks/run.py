@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import accuracy
+import cycles
 import scheme
 import startup
 import steps
@@ -17,12 +18,12 @@ import sweep
 from report import CONSOLE, write
 from rivals import numbalsoda_solvers, scipy_solvers
 
-PARTS = {"a": steps, "b": accuracy, "c": sweep, "d": scheme, "e": startup}
+PARTS = {"a": steps, "b": accuracy, "c": sweep, "d": scheme, "e": startup, "f": cycles}
 
 
 def main():
     parser = argparse.ArgumentParser(description="Benchmark of ratestate.")
-    parser.add_argument("parts", nargs="*", help="a b c d e; all by default")
+    parser.add_argument("parts", nargs="*", help="a b c d e f; all by default")
     parser.add_argument("--out", type=Path, default=Path("build/bench"), help="folder to write to")
     options = parser.parse_args()
     if unknown := set(options.parts) - set(PARTS):

@@ -75,7 +75,7 @@ def test_a_figure_is_written_and_listed(tmp_path):
 def test_all_is_every_figure_the_scheme_and_the_claims(made, tmp_path):
     result = call("figures", "all", "--law", "aging", "--out", tmp_path)
     assert result.exit_code == 0, result.output
-    assert made == [(name, "aging") for name in [1, 2, 3, 4, 5, 6, "scheme"]]
+    assert made == [(name, "aging") for name in [1, 2, 3, 4, 5, 6, "scheme", "branches", "basins"]]
     assert {path.name for path in tmp_path.iterdir()} == {"claims_aging.md", "claims_aging.json"}
     assert "Water is wet." in result.stdout
     assert "scheme_aging.png" in result.stderr

@@ -1,4 +1,4 @@
-"""The command line: ``ratestate figures`` and ``ratestate --version``.
+"""The command line: ``ratestate figures``, ``ratestate atlas`` and ``ratestate --version``.
 
 Nothing heavy is imported before a command needs it, so help and version come at once.
 """
@@ -16,8 +16,13 @@ import typer
 from .errors import RateStateError
 
 FAILED, INTERRUPTED = 2, 130
-#: What ``figures`` can draw: the paper's six, and the error of its scheme.
-FIGURES = ["1", "2", "3", "4", "5", "6", "scheme"]
+#: What ``figures`` can draw: the paper's six, and others -> what they show.
+OTHERS = {
+    "scheme": "the scheme's error",
+    "branches": "branches of limit cycles",
+    "basins": "basins of steady sliding",
+}
+FIGURES = ["1", "2", "3", "4", "5", "6", *OTHERS]
 WIDTH = 140  # of the claims table where no terminal says how wide it is
 
 main = typer.Typer(
@@ -73,6 +78,13 @@ def _ending_well() -> Iterator[None]:
         raise typer.Exit(INTERRUPTED) from interrupt
 
 
+def _writable(out: Path) -> None:
+    """Make the folder, and see whether it takes files: rather now than after minutes of work."""
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=out):
+        pass
+
+
 def _wanted(names: list[str]) -> list[str]:
     """The figures asked for, in the order of the paper."""
     if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
@@ -87,8 +99,9 @@ def figures(
     which: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="1..6|scheme|all",
+            metavar="1..6|scheme|branches|basins|all",
             help="Figures of the paper; scheme: the error of its method against the time step; "
+            "branches: stable and unstable limit cycles; basins: what stable sliding survives; "
             "all (the default): all of these and the claims table.",
             show_default=False,
         ),
@@ -107,23 +120,51 @@ def figures(
     names = which or ["all"]
     wanted = _wanted(names)
     with _ending_well():
-        out.mkdir(parents=True, exist_ok=True)
-        # Rather now than after minutes of work.
-        with tempfile.TemporaryFile(dir=out):
-            pass
+        _writable(out)
         for name in wanted:
             _draw(name, law.value, out)
         if "all" in names:
             _check_claims(law.value, out)
 
 
+@main.command()
+def atlas(
+    b_over_a: Annotated[float, typer.Option(help="b/a, above 1.")] = 2.0,
+    law: Annotated[
+        Law | None, typer.Option(help="Evolution law.", show_default="both, one after the other")
+    ] = None,
+    n: Annotated[int, typer.Option(help="Points along either axis.", min=2)] = 200,
+    out: Annotated[Path, typer.Option(help="Folder for the files; made if missing.")] = Path(
+        "figures"
+    ),
+) -> None:
+    """Map what any spring-slider does, over its stiffness and its speed.
+
+    For each law, atlas_LAW.png and .pdf (the map) and .nc (its numbers).  A machine, rig or fault
+    with this b/a is a point on it, at K/K_c_qs and eta.
+
+    Example: ratestate atlas --b-over-a 1.6 --law aging --out figures
+    """
+    with _ending_well():
+        _writable(out)
+        for each in [law] if law else Law:
+            _chart(b_over_a, each.value, n, out)
+
+
+def _chart(b_over_a: float, law: str, n: int, out: Path) -> None:
+    """Make the atlas of one law and list its files."""
+    from .paper.atlas import make
+
+    with _reported(f"atlas, {law} law, b/a = {b_over_a:g}") as files:
+        files += make(law, out, b_over_a=b_over_a, n=n)
+
+
 def _draw(name: str, law: str, out: Path) -> None:
     """Make one figure and list its files."""
     from .paper.figures import make
 
-    title = "the scheme's error" if name == "scheme" else f"Fig. {name}"
-    with _reported(f"{title}, {law} law") as files:
-        files += make(name if name == "scheme" else int(name), law, out)
+    with _reported(f"{OTHERS.get(name, f'Fig. {name}')}, {law} law") as files:
+        files += make(name if name in OTHERS else int(name), law, out)
 
 
 def _check_claims(law: str, out: Path) -> None:

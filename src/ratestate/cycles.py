@@ -10,7 +10,7 @@ from .cases import failure, speed
 from .dataset import plain, provenance, status_variable
 from .engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from .errors import ParameterError
-from .measure import measure
+from .measure import refine
 from .progress import bar
 from .quantities import attrs
 from .settle import settle, steady_start
@@ -108,7 +108,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
 
 
 def _cycles(batch, law, rtol, progress):
-    """Status (n,) of all cases, and what `measure` found of those that have a cycle."""
+    """Status (n,) of all cases, and what `refine` found of those that have a cycle."""
     system = system_of(law, **{symbol: batch.flat(symbol) for symbol in batch.values})
     status = np.full(batch.n, STEADY_SLIDING)
     moves = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
@@ -122,7 +122,7 @@ def _cycles(batch, law, rtol, progress):
         settled = settle(part, steady_start(part), rtol, alone, advance)
         status[which] = settled.status
         cycle = (settled.status == FINISHED) | (alone & (settled.status == NO_CONVERGENCE))
-        for name, value in measure(part.at(cycle), settled.at(cycle), alone).items():
+        for name, value in refine(part.at(cycle), settled.at(cycle), rtol, alone).items():
             empty = np.full((batch.n, *value.shape[1:]), np.nan, value.dtype)
             found.setdefault(name, empty)[which[cycle]] = value
     doubtful = (status == FINISHED) & ~(found.get("error", np.zeros(batch.n)) <= WORST)

@@ -4,8 +4,10 @@ import json
 from importlib.metadata import version
 
 import numpy as np
+import xarray
 
 from .engine.model import STATUSES
+from .errors import ParameterError
 from .units import is_array
 
 
@@ -38,6 +40,39 @@ def plain(value):
         return value
     values = value.values.tolist() if value.size <= MANY else f"coordinate {value.name}"
     return {"dims": list(value.dims), "values": values}
+
+
+def parameter(result, symbol):
+    """A parameter of the slider that a result was made with, or its V_lp.
+
+    Returns
+    -------
+    float, DataArray or str
+        A DataArray for one that was swept, with the cases that the result still has; also, along
+        ``point``, for the one that changes along a branch.  str: the evolution law.
+
+    Raises
+    ------
+    ParameterError
+        The result has lost its attributes.
+    """
+    if "slider" not in result.attrs:
+        raise ParameterError(
+            f"{symbol} is unknown: the Dataset has lost its attribute 'slider' (arithmetic drops "
+            f"attributes; copy data.attrs over)"
+        )
+    if result.attrs.get("parameter") == symbol:
+        return result[symbol]
+    value = json.loads(result.attrs["V_lp" if symbol == "V_lp" else "slider"])
+    value = value if symbol == "V_lp" else value[symbol]
+    # A coordinate of this name has the values of the cases that the result still holds, unless
+    # it only labels a dimension called like the symbol.
+    if isinstance(value, dict) and not isinstance(values := value["values"], str):
+        if not (symbol in result.coords and np.isin(result[symbol], values).all()):
+            return xarray.DataArray(values, dims=value["dims"])
+    if symbol not in result.coords:
+        return value
+    return result[symbol] if result[symbol].ndim else result[symbol].item()
 
 
 def record_loading(result, loading):

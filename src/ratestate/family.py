@@ -13,7 +13,7 @@ from .continuation import follow
 from .engine.model import FINISHED
 from .laws import evolution_law
 from .measure import measure
-from .settle import TIGHTEST, Settled
+from .settle import Settled, tightest
 from .shooting import small_amplitude, state, system_of, turn
 
 #: what a family can run along
@@ -72,8 +72,9 @@ class Family(NamedTuple):
 
     def tolerance(self, u, p):
         """(m,) tolerance of a step; a turn changes a small r by some r^3."""
-        r = np.minimum(1.0, np.abs(small_amplitude(self.system(p), u)))
-        return np.maximum(0.01 * self.rtol * r**3, TIGHTEST)
+        system = self.system(p)
+        r = np.minimum(1.0, np.abs(small_amplitude(system, u)))
+        return np.maximum(0.01 * self.rtol * r**3, tightest(system, u))
 
     def turns(self, U, p):
         """One turn of each of m sliders from U (m, 2), p (m,); `Orbits`."""

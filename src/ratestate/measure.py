@@ -3,14 +3,36 @@
 import numpy as np
 
 from .engine.model import FINISHED
-from .settle import FINER, TIGHTEST
-from .shooting import distance, multipliers, newton_step, state, turn
+from .settle import FINER, tightest
+from .shooting import distance, multipliers, newton_step, small_amplitude, state, turn
 
-#: symbols of what `measure` finds, each of shape (n,) but for the multipliers, (n, 2)
+# Of the error estimate.
+SAFETY = 3.0
+#: symbols of what `measure` finds, each of shape (n,) but for multipliers and u, (n, 2)
 MEASURES = (
     *("period", "amplitude", "v_max", "v_min", "g_max", "slow_fraction", "fundamental"),
-    *("multipliers", "residual", "error"),
+    *("multipliers", "u", "residual", "error"),
 )
+# Turns, each finer than the last, to which a cycle that is not yet known well enough is put.
+MOST_TURNS = 8
+
+
+def refine(system, settled, rtol, alone):
+    """`measure`, repeated with finer turns where the error is larger than rtol."""
+    found = measure(system, settled, alone)
+    for _ in range(MOST_TURNS):
+        floor = tightest(system, settled.u)
+        worse = (found["error"] > rtol) & (settled.tol > floor) & (settled.error == 0.0)
+        if not worse.any():
+            break
+        part = settled.at(worse)
+        finer = part.tol * np.clip(rtol / found["error"][worse], 0.01, 0.3)
+        tol = np.maximum(finer, floor[worse])
+        settled.tol[worse], settled.u[worse] = tol, found["u"][worse]
+        settled.period[worse] = found["period"][worse]
+        for name, value in measure(system.at(worse), settled.at(worse), alone).items():
+            found[name][worse] = value
+    return found
 
 
 def measure(system, settled, alone):
@@ -18,14 +40,15 @@ def measure(system, settled, alone):
 
     In units of a (stress), Dc/V_lp (time) and ln V_lp (speeds).  The turn is finer than the one
     that found the cycle.  The step of Newton's method that it still asks for is taken, to first
-    order, in the period and the amplitude, and reported as their error.
+    order, in the period and the amplitude; as errors go with the tolerance, the error left is
+    smaller than what it changes by as much as the turn is finer.  Cycles that come with an error
+    are known better, or under another condition, and left as they are.
     """
-    tol = np.maximum(FINER * settled.tol, TIGHTEST)
+    tol = np.maximum(FINER * settled.tol, tightest(system, settled.u))
     u = settled.u
     turns = turn(system, state(system, u), tol, alone=alone, period=settled.period)
     found = turns.numbers
-    soft = settled.error > 0.0
-    step = np.where(soft[:, None], 0.0, newton_step(turns, u))
+    step = np.where((settled.error > 0.0)[:, None], 0.0, newton_step(turns, u))
     psi, G = (u + step).T
     with np.errstate(divide="ignore", invalid="ignore"):
         low = found["x_low"] + found["x_low_a"] * step[:, 0] + found["x_low_b"] * step[:, 1]
@@ -33,6 +56,7 @@ def measure(system, settled, alone):
         shift = found["period_a"] * step[:, 0] + found["period_b"] * step[:, 1]
         period = found["period"] + shift
         before = state(system, u)[:, 0] - found["x_low"]
+        least = tol / np.minimum(1.0, np.abs(small_amplitude(system, u)))
         changes = np.abs([amplitude - before, shift]) / [amplitude, period]
         mean = found["mean"] / found["period"]
         variance = found["square"] / found["period"] - mean**2
@@ -47,8 +71,9 @@ def measure(system, settled, alone):
             "slow_fraction": found["slow"] / found["period"],
             "fundamental": 2.0 * wave / variance,
             "multipliers": multipliers(turns),
+            "u": u + step,
             "residual": distance(system, closes) / distance(system, u),
-            "error": np.where(soft, settled.error, 0.0) + changes.max(axis=0) + 10.0 * tol,
+            "error": settled.error + SAFETY * (tol / settled.tol * changes.max(axis=0) + least),
         }
     closed = turns.status == FINISHED
     return {

@@ -99,6 +99,18 @@ QUANTITIES = {
     "type": Quantity("1", "type of the Hopf bifurcation"),
     "amplitude_coefficient": Quantity("1", "growth of amplitude from the Hopf bifurcation"),
     "b_over_a": Quantity("1", "evolution effect over direct effect", "", "2"),
+    "regime": Quantity("1", "regime by the measured cycle"),
+    "regime_by_eta": Quantity("1", "regime by eta: stick-slip below 1, quasi-harmonic from 1 on"),
+    "agree": Quantity("1", "whether both tell the same regime"),
+    "amplitude_over_a": Quantity("1", "amplitude over a"),
+    "slip_per_cycle": Quantity("1", "slip per cycle over Dc, V_lp period/Dc"),
+    "frequency_over_f_n": Quantity("1", "frequency of the limit cycle over the natural frequency"),
+    "V_max_over_V_lp": Quantity("1", "largest slip velocity over load-point velocity"),
+    "K_over_K_c_qs": Quantity("1", "stiffness over the quasi-static critical one", "> 0"),
+    "K_over_K_c": Quantity("1", "stiffness over the critical one", "> 0"),
+    "K_c_over_K_c_qs": Quantity("1", "critical stiffness over the quasi-static one"),
+    "K_fold_over_K_c_qs": Quantity("1", "stiffness up to which a cycle and stable sliding coexist"),
+    "eta_bautin": Quantity("1", "eta at which the Hopf bifurcation changes its type"),
     "number": Quantity("1", "number"),  # an axis that is none of the above
 }
 

@@ -22,12 +22,14 @@ REACH = 0.3
 # Amplitudes of ln V below which a stable steady sliding is reached; below which cycles are soft.
 STEADY, SOFT = 1e-2, 2e-2
 # Tolerance of a step in x, v and psi: the loosest (beyond which derivatives of the map may be
-# wrong), and what rounding allows.
+# wrong), and what rounding of numbers of order 1 allows.
 LOOSE, TIGHTEST = 1e-6, 2e-14
 # Looser answers are not cheaper.
 LOOSEST_ANSWER = 1e-5
-# How much finer than what a turn moves, or than what is asked, it must be.
+# How much finer than what it moves a turn must be.
 FINER = 0.1
+# Errors of a turn, in its tolerance, with which Newton's method must live.
+NOISE = 3.0
 
 
 class Settled(NamedTuple):
@@ -37,7 +39,7 @@ class Settled(NamedTuple):
     u: np.ndarray  # (n, 2) its stress maximum; where there is none, the last one
     tol: np.ndarray  # (n,) tolerance of its turn
     period: np.ndarray  # (n,)
-    error: np.ndarray  # (n,) of a soft cycle, estimated relative error of u; 0 elsewhere
+    error: np.ndarray  # (n,) of a soft cycle, estimated relative error; 0 elsewhere
 
     def at(self, which):
         """The sliders with these numbers, or where this is true."""
@@ -116,13 +118,18 @@ def _advance(system, turns, u, tol, rtol, leap):
     attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)
     # The engine's tolerance is absolute in ln V, and that of a small cycle must be smaller.
     scale = np.minimum(1.0, small_amplitude(system, u))
-    finest = np.maximum(FINER * rtol * scale * attraction, TIGHTEST)
+    finest = np.maximum(rtol * scale * attraction, tightest(system, u))
     with np.errstate(invalid="ignore"):
         ahead = length / size * np.where(trusted, left, 0.1)
     next_tol = np.clip(np.nan_to_num(FINER * ahead * scale, nan=LOOSE), finest, LOOSE)
-    resolved = np.maximum(FINER * rtol, 10.0 * tol / (scale * attraction))
+    resolved = np.maximum(rtol, NOISE * tol / (scale * attraction))
     done = trusted & (tol <= 2.0 * finest) & (left <= resolved)
     return np.where(trusted[:, None], u + newton, leapt), next_tol, done
+
+
+def tightest(system, u):
+    """(n,) the smallest tolerance that rounding of x leaves a meaning."""
+    return TIGHTEST * np.maximum(1.0, distance(system, u))
 
 
 def _soften(system, found, which):
@@ -131,9 +138,10 @@ def _soften(system, found, which):
         return
     part = system.at(which)
     soft = soft_cycle(part.law, part.kappa, part.beta, part.eta)
-    which, soft = which[soft.found], type(soft)(*(values[soft.found] for values in soft))
+    near = soft.found & (soft.r < 2.0 * SOFT)
+    which, soft = which[near], type(soft)(*(values[near] for values in soft))
     found.status[which] = FINISHED
     found.u[which] = np.stack([soft.psi, soft.G], axis=1)
     found.period[which] = 2.0 * np.pi / soft.omega
     found.error[which] = soft.error
-    found.tol[which] = TIGHTEST
+    found.tol[which] = tightest(system.at(which), found.u[which])

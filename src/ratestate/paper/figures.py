@@ -1,18 +1,23 @@
-"""The paper's figures as files: a picture, its print version, and the numbers in it."""
+"""The paper's figures, and ours beyond it, as files: a picture, its print version, its numbers."""
 
 from pathlib import Path
 
-from . import fig1, fig2, fig3, fig4, fig5, fig6, scheme
+from . import basins, branches, fig1, fig2, fig3, fig4, fig5, fig6, scheme
 
 #: number or name -> module, with ``compute(law) -> Dataset`` and ``draw(Dataset) -> Figure``
-FIGURES = {1: fig1, 2: fig2, 3: fig3, 4: fig4, 5: fig5, 6: fig6, "scheme": scheme}
+FIGURES = {
+    **{1: fig1, 2: fig2, 3: fig3, 4: fig4, 5: fig5, 6: fig6},
+    **{"scheme": scheme, "branches": branches, "basins": basins},
+}
+#: those that show both laws
+BOTH_LAWS = (1, "basins")
 DPI = 300
 
 
 def stem(number, law):
-    """Name of a figure's files: "fig2_slip"; only "fig1" for Fig. 1, which shows both laws."""
-    name = number if number == "scheme" else f"fig{number}"
-    return name if number == 1 else f"{name}_{law}"
+    """Name of a figure's files: "fig2_slip"; without the law where it shows both."""
+    name = f"fig{number}" if isinstance(number, int) else number
+    return name if number in BOTH_LAWS else f"{name}_{law}"
 
 
 def make(number, law, out):
@@ -20,8 +25,9 @@ def make(number, law, out):
 
     Parameters
     ----------
-    number : int or "scheme"
-        1 to 6, or the error of the paper's scheme against its time step.
+    number : int or str
+        1 to 6; "scheme", the error of the paper's method against its time step; "branches",
+        limit cycles along V_lp; "basins", how hard stable sliding may be pushed.
     law : {"slip", "aging"}
         The paper shows the slip law, its supplement the aging law.
     out : str or pathlib.Path
