@@ -1,0 +1,134 @@
+"""Beyond the paper: K > K_c is not the whole story.  What sliding that is stable survives."""
+
+import numpy as np
+import xarray
+
+from .. import plot
+from ..arrays import logspace
+from ..basin import escape
+from ..branch import continue_cycle
+from ..loading import Loading
+from ..quantities import attrs
+from ..quasi_static import runaway_step, runaway_step_lower_bound, runaway_step_upper_bound
+from ..simulate import simulate
+from .layout import figure, letter, styled, titled
+from .parameters import FIG2
+
+# With inertia, aging law: a spring barely stiffer than K_c, between the fold and V_c.
+RATIO = 1.01  # K/K_c_qs
+SPEEDS = (0.74, 0.995, 24)  # V_lp/V_c: first, last, number
+EXAMPLE = 0.9  # V_lp/V_c of the runs shown
+ASIDE = 0.05  # by which their steps miss the edge of the basin
+CYCLES = 500.0
+# Without inertia, slip law: stiffness over K_c_qs, at a speed from which light is far.
+STIFFNESS = (1.0001, 10.0, 25)
+SLOW = 1e-12  # m/s
+
+
+def compute(law):
+    """Branch, edges of the basin and two runs beside one (aging); edges without mass (slip)."""
+    aging = FIG2.replace(law="aging", K=RATIO * FIG2.K_c_qs)
+    V_c = float(aging.V_c)
+    branch = continue_cycle(aging, "V_lp", 3.0 * V_c, 1e-2 * V_c)
+    V_lp = xarray.DataArray(V_c * np.linspace(*SPEEDS), dims="V_lp", attrs=attrs("V_lp"))
+    edge = escape(aging, V_lp.assign_coords(V_lp=V_lp))
+    at = escape(aging, EXAMPLE * V_c)
+    side = xarray.DataArray([1.0 - ASIDE, 1.0 + ASIDE], dims="side")
+    before = EXAMPLE * V_c / (1.0 + (float(at.step_up) - 1.0) * side)
+    period = float(at.unstable_period)
+    times = np.linspace(-2.0, CYCLES, 12000) * period
+    loading = Loading.steps(before, (2.0 * period, EXAMPLE * V_c))
+    runs = simulate(aging, loading, times[-1] + 2.0 * period, times=times + 2.0 * period)
+    slip = FIG2.replace(M=0.0, K=FIG2.K_c_qs * logspace("K", *STIFFNESS).rename("ratio"))
+    threshold = escape(slip, SLOW)
+    data = xarray.Dataset(
+        {
+            "branch_V_lp": ("point", branch.V_lp.values, attrs("V_lp")),
+            "branch_amplitude": branch.amplitude,
+            "branch_stable": branch.stable,
+            "branch_special": branch.special,
+            "step_up": edge.step_up,
+            "kick_up": edge.kick_up,
+            "run_tau": runs.tau,
+            "run_V_before": before,
+        }
+    )
+    data = data.assign_coords(time=runs.time - 2.0 * period, V_c=((), V_c, attrs("V_c")))
+    data["threshold"] = ("ratio", threshold.step_up.values, attrs("step_up"))
+    data = data.assign_coords(ratio=slip.K.values / FIG2.K_c_qs)
+    known = {symbol: getattr(FIG2, symbol) for symbol in ("a", "b", "Dc", "sigma")}
+    bounds = {"lower": runaway_step_lower_bound, "upper": runaway_step_upper_bound}
+    for name, bound in bounds.items():
+        data[f"threshold_{name}"] = ("ratio", bound(K=slip.K.values, **known))
+    data["threshold_at_K_c_qs"] = runaway_step(a=FIG2.a, b=FIG2.b)
+    data.attrs = branch.attrs
+    return titled(data, "How hard stable sliding may be pushed")
+
+
+@styled
+def draw(data):
+    """Coexistence, two steps on either side of the edge, the edge; and the edge without mass."""
+    fig = figure(data, 5.6, "a b Dc sigma M")
+    (top_left, top_right), (low_left, low_right) = fig.subplots(2, 2)
+    V_c = float(data.V_c)
+    _coexistence(data, top_left, V_c)
+    _two_steps(data, top_right, V_c)
+    relative = data.V_lp / V_c
+    low_left.plot(relative, data.step_up, "k", lw=1.2, label=r"step, $V_{lp}/V$")
+    kick = data.kick_up / (plot.parameter(data, "a") * plot.parameter(data, "sigma"))
+    low_left.plot(
+        relative, kick, color=plot.RED, ls="--", lw=1.2, label=r"kick, $\Delta\tau/a\sigma$"
+    )
+    low_left.set(
+        xlabel=r"$V_{lp}/V_c$", ylabel="Smallest that does not come back", ylim=(0.0, None)
+    )
+    low_left.legend()
+    low_right.fill_between(
+        data.ratio,
+        data.threshold_lower,
+        data.threshold_upper,
+        color="0.88",
+        label="closed-form bounds",
+    )
+    low_right.plot(data.ratio, data.threshold, "k", lw=1.2, label="runs away beyond")
+    low_right.plot(
+        1.0, data.threshold_at_K_c_qs, "o", color=plot.RED, ms=4, label="$b/(b-a)$, exact"
+    )
+    low_right.set(xscale="log", yscale="log", xlabel="$K/K_{c,qs}$", ylabel=r"Step $V_{lp}/V$")
+    low_right.legend(loc="upper left")
+    letter(top_left, "a", rf"aging law, $K = {RATIO:g}\,K_{{c,qs}}$")
+    letter(top_right, "b", rf"aging law, steps to {EXAMPLE:g} $V_c$")
+    letter(low_left, "c", "aging law, edge of the basin")
+    letter(low_right, "d", "slip law without mass ($M = 0$)")
+    return fig
+
+
+def _coexistence(data, ax, V_c):
+    """The two cycles and steady sliding, and where all of them are."""
+    V, amplitude = data.branch_V_lp / V_c, data.branch_amplitude
+    stable = data.branch_stable.astype(bool)
+    fold = float(V[data.branch_special == "fold"][0])
+    ax.axvspan(fold, 1.0, color="#fdf0d5", lw=0)
+    ax.plot(V.where(stable), amplitude.where(stable), "k", lw=1.2, label="stable cycle")
+    ax.plot(V.where(~stable), amplitude.where(~stable), "k--", lw=1.2, label="unstable cycle")
+    ax.plot([0.5, 1.0], [0.0, 0.0], color=plot.BLUE, lw=2.0, label="stable sliding", clip_on=False)
+    ax.plot([1.0, 1.5], [0.0, 0.0], color=plot.BLUE, lw=2.0, ls=":", clip_on=False)
+    ax.set(xlim=(0.5, 1.5), ylim=(0.0, 0.022), xlabel=r"$V_{lp}/V_c$", ylabel=plot.AMPLITUDE)
+    ax.legend(loc="lower right")
+
+
+def _two_steps(data, ax, V_c):
+    """tau/sigma after a step that is just too small, and one just large enough."""
+    sigma = plot.parameter(data, "sigma")
+    for side, color, text in ((1, "0.75", "does not come back"), (0, plot.BLUE, "comes back")):
+        ratio = EXAMPLE * V_c / float(data.run_V_before[side])
+        ax.plot(
+            data.time,
+            data.run_tau[side] / sigma,
+            color=color,
+            lw=0.6,
+            label=f"step by {ratio:.2f} {text}",
+        )
+    ax.set(xlabel="Time after the step [s]", ylabel=plot.STRESS)
+    ax.set_ylim(0.5495, 0.5765)
+    ax.legend(loc="upper left")
