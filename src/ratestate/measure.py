@@ -6,13 +6,8 @@ from .engine.model import FINISHED
 from .settle import FINER, tightest
 from .shooting import distance, multipliers, newton_step, small_amplitude, state, turn
 
-# Of the error estimate.
-SAFETY = 3.0
-#: symbols of what `measure` finds, each of shape (n,) but for multipliers and u, (n, 2)
-MEASURES = (
-    *("period", "amplitude", "v_max", "v_min", "g_max", "slow_fraction", "fundamental"),
-    *("multipliers", "u", "residual", "error"),
-)
+# Of the error estimate: its safety, and what is left of a turn by rounding.
+SAFETY, EPS = 3.0, 2.0**-52
 # Turns, each finer than the last, to which a cycle that is not yet known well enough is put.
 MOST_TURNS = 8
 
@@ -36,7 +31,7 @@ def refine(system, settled, rtol, alone):
 
 
 def measure(system, settled, alone):
-    """Measures of the cycles in `settled`, by symbol; NaN where a turn did not close.
+    """Measures of the cycles in `settled`, name -> (n,) or (n, 2); NaN where a turn did not close.
 
     In units of a (stress), Dc/V_lp (time) and ln V_lp (speeds).  The turn is finer than the one
     that found the cycle.  The step of Newton's method that it still asks for is taken, to first
@@ -48,7 +43,10 @@ def measure(system, settled, alone):
     u = settled.u
     turns = turn(system, state(system, u), tol, alone=alone, period=settled.period)
     found = turns.numbers
-    step = np.where((settled.error > 0.0)[:, None], 0.0, newton_step(turns, u))
+    fixed = settled.error > 0.0
+    step = np.where(fixed[:, None], 0.0, newton_step(turns, u))
+    floquet = multipliers(turns)
+    attraction = np.where(fixed, 1.0, np.minimum(1.0, np.abs(1.0 - floquet[:, 0])))
     psi, G = (u + step).T
     with np.errstate(divide="ignore", invalid="ignore"):
         low = found["x_low"] + found["x_low_a"] * step[:, 0] + found["x_low_b"] * step[:, 1]
@@ -56,7 +54,8 @@ def measure(system, settled, alone):
         shift = found["period_a"] * step[:, 0] + found["period_b"] * step[:, 1]
         period = found["period"] + shift
         before = state(system, u)[:, 0] - found["x_low"]
-        least = tol / np.minimum(1.0, np.abs(small_amplitude(system, u)))
+        scale = np.minimum(1.0, np.abs(small_amplitude(system, u)))
+        least = (tol + EPS / attraction) / scale
         changes = np.abs([amplitude - before, shift]) / [amplitude, period]
         mean = found["mean"] / found["period"]
         variance = found["square"] / found["period"] - mean**2
@@ -70,7 +69,7 @@ def measure(system, settled, alone):
             "g_max": found["g_max"],
             "slow_fraction": found["slow"] / found["period"],
             "fundamental": 2.0 * wave / variance,
-            "multipliers": multipliers(turns),
+            "multipliers": floquet,
             "u": u + step,
             "residual": distance(system, closes) / distance(system, u),
             "error": settled.error + SAFETY * (tol / settled.tol * changes.max(axis=0) + least),

@@ -28,8 +28,8 @@ LOOSE, TIGHTEST = 1e-6, 2e-14
 LOOSEST_ANSWER = 1e-5
 # How much finer than what it moves a turn must be.
 FINER = 0.1
-# Errors of a turn, in its tolerance, with which Newton's method must live.
-NOISE = 3.0
+# Errors of a turn, in its tolerance, with which Newton's method must live; at the tightest.
+NOISE, ROUNDING = 3.0, 100.0
 
 
 class Settled(NamedTuple):
@@ -122,7 +122,8 @@ def _advance(system, turns, u, tol, rtol, leap):
     with np.errstate(invalid="ignore"):
         ahead = length / size * np.where(trusted, left, 0.1)
     next_tol = np.clip(np.nan_to_num(FINER * ahead * scale, nan=LOOSE), finest, LOOSE)
-    resolved = np.maximum(rtol, NOISE * tol / (scale * attraction))
+    noise = np.where(tol > tightest(system, u), NOISE, ROUNDING)
+    resolved = np.maximum(rtol, noise * tol / (scale * attraction))
     done = trusted & (tol <= 2.0 * finest) & (left <= resolved)
     return np.where(trusted[:, None], u + newton, leapt), next_tol, done
 
