@@ -6,6 +6,8 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
 
 import ratestate as rs
 from ratestate import SpringSlider, limit_cycle, logspace, simulate
@@ -205,7 +207,7 @@ CHAOS = SpringSlider(a=0.01, b=0.12, Dc=1e-5, sigma=1e6, K=1.06 * 1.1e10, M=1.42
 
 def test_not_converged_carries_its_best():
     """Cycles that do not settle are refused, not guessed."""
-    with pytest.raises(rs.NotConverged, match="no_convergence.*period doubling") as caught:
+    with pytest.raises(rs.NotConverged, match=r"no_convergence.*period doubling") as caught:
         limit_cycle(CHAOS, 1e-3)
     assert caught.value.best.status > 1
     assert np.isfinite(caught.value.best.period)
@@ -215,3 +217,262 @@ def test_not_converged_carries_its_best():
     assert batch.status[0] > 1
     assert batch.status[1] == 1
     assert np.isnan(batch.amplitude[0])
+
+
+# The cycle by other means -------------------------------------------------------------------------
+
+
+def sliders(ratio, beta, eta, law):
+    """Sliders with these K/K_c_qs, b/a and, at V_lp = 1 mm/s, eta; in the dimension case."""
+    values = np.broadcast_arrays([0.0], ratio, beta, eta)[1:]
+    ratio, beta, eta = (xr.DataArray(np.array(v, float), dims="case") for v in values)
+    a, sigma, Dc = 0.005, 4e6, 1e-5
+    return SpringSlider(
+        a=a,
+        b=a * beta,
+        Dc=Dc,
+        sigma=sigma,
+        K=ratio * (beta - 1) * a * sigma / Dc,
+        M=eta * a * sigma * Dc / 1e-3**2,
+        law=law,
+    )
+
+
+def march(slider, V_lp, t_end):
+    """Amplitude and frequency of the last cycle of a run from V_lp/10."""
+    loading, end = rs.Loading.constant(V_lp), t_end * xr.DataArray([1.0], dims="time")
+    run = simulate(slider, loading, t_end, V_start=V_lp / 10, times=end, rtol=1e-11)
+    return run.amplitude, run.frequency
+
+
+def off(found, exact):
+    """Relative difference of amplitude or period, whichever is larger."""
+    amplitude = np.abs(found.amplitude / exact.amplitude - 1)
+    return np.maximum(amplitude, np.abs(found.period / exact.period - 1)).values
+
+
+@pytest.mark.parametrize(
+    ("slider", "V_lp", "period", "amplitude", "rtol"),
+    [
+        (FIG2, 3.2e-3, 0.019764896443215, 0.00123469636703, 1e-11),
+        (FIG2.replace(law="aging"), 3.2e-3, 0.019835727664857, 0.00229919602080, 1e-11),
+        (STICK, 1e-5, 29.97526508532, 0.061396405204, 1e-10),
+        (STICK, 1e-7, 4205.987027919, 0.089865449566, 1e-10),
+        (STICK.replace(law="aging"), 1e-5, 32.676591512, 0.07356797895, 1e-9),
+    ],
+    ids=["P1", "P4a", "P2", "P3", "P4b"],
+)
+def test_reference_cycles(slider, V_lp, period, amplitude, rtol):
+    """Table of numerics.md, P1 and P4 settled."""
+    found = limit_cycle(slider, V_lp, rtol=1e-10)
+    assert float(found.period) == pytest.approx(period, rel=rtol)
+    assert float(found.amplitude) == pytest.approx(amplitude, rel=rtol)
+    assert 0 < float(found.error) <= 1e-10
+    assert found.stable
+    rough = limit_cycle(slider, V_lp, rtol=1e-5)
+    assert 1e-12 < off(rough, found) < float(rough.error) <= 1e-5
+
+
+@LAWS
+def test_agrees_with_marching(law):
+    rng = np.random.default_rng(41)
+    n = 16
+    beta, eta = 1 + 10 ** rng.uniform(-0.5, 0.7, n), 10 ** rng.uniform(-9, 2, n)
+    soft, stiff = rng.uniform(0.05, 0.95, n), 1 + rng.uniform(0, 0.7, n) * eta
+    slider = sliders(np.where(rng.random(n) < 0.5, soft, stiff), beta, eta, law)
+    found = limit_cycle(slider, 1e-3, rtol=1e-9)
+    assert (found.status == 0).all()
+    size = np.abs(found.multipliers.values[:, 0])
+    amplitude, frequency = march(slider, 1e-3, 60 * found.period)
+    settled = size < 0.7  # within 60 cycles
+    assert settled.sum() > 8
+    assert (np.abs(amplitude / found.amplitude - 1)[settled] < 1e-7).all()
+    assert (np.abs(frequency * found.period - 1)[settled] < 1e-8).all()
+    # and multipliers tell how far the others still are
+    assert (np.abs(amplitude / found.amplitude - 1)[size > 0.95] > 1e-6).all()
+
+
+@LAWS
+def test_thirteen_decades(law):
+    """Where inertia is slight the amplitude grows with ln V_lp alone, later like V_lp."""
+    V_lp = xr.DataArray(10.0 ** np.arange(-12, 2), dims="V_lp")
+    found = limit_cycle(STICK.replace(law=law), V_lp, rtol=1e-9)
+    assert (found.status == 0).all()
+    assert (found.error <= 1e-9).all()
+    growth = np.diff(found.amplitude) / 0.003  # in units of b - a
+    assert ((growth[:7] < -0.6 * math.log(10)) & (growth[:7] > -2.1 * math.log(10))).all()
+    assert (np.diff(np.abs(growth[:7])) > 0).all()
+    pulled = found.amplitude / (0.96e9 / 4e6 * V_lp * found.period)
+    assert ((pulled[:7] > 0.7) & (pulled < 1)).all()  # the load point's way, nearly all sticking
+    assert (np.diff(found.slow_fraction[:10]) < 0).all()
+    assert 8 < found.amplitude[-1] / found.amplitude[-2] < 11
+    assert (1 - found.fundamental[-1]) < 1e-4
+    f_n = float(STICK.f_n)
+    assert found.frequency[-1] == pytest.approx(f_n, rel=0.02)
+    amplitude, _ = march(STICK.replace(law=law), V_lp[:11:3], 40 * found.period[:11:3])
+    np.testing.assert_allclose(amplitude, found.amplitude[::3][: len(amplitude)], rtol=1e-7)
+
+
+@LAWS
+@pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-8])
+def test_error_is_what_it_says(law, rtol):
+    """Neither too small nor far too large, of random sliders and close to the Hopf point."""
+    rng = np.random.default_rng(42)
+    n = 160
+    beta, eta = 1 + 10 ** rng.uniform(-1, 0.7, n), 10 ** rng.uniform(-12, 3, n)
+    below = rng.uniform(0.02, 0.995, n)
+    within = 1 + eta * (1 - 10 ** rng.uniform(-9, 0, n))
+    slider = sliders(np.where((eta < 1e-5) | (rng.random(n) < 0.4), below, within), beta, eta, law)
+    found, exact = (limit_cycle(slider, 1e-3, rtol=r) for r in (rtol, 1e-10))
+    cycle = (exact.status == 0).values
+    assert cycle.mean() > 0.97
+    np.testing.assert_array_equal(found.status == 0, cycle)
+    error, exactly = found.error.values[cycle], exact.error.values[cycle]
+    far = off(found, exact)[cycle]
+    assert (far <= error + exactly).all(), np.nanmax(far / error)
+    precise = exactly < 0.1 * rtol
+    assert precise.mean() > 0.8
+    assert (error[precise] <= rtol).all()
+    assert np.median(error) > 1e-3 * rtol
+    assert np.median(far / error) > 1e-3
+    assert far.max() > 0.01 * rtol  # the test is not blind
+
+
+@LAWS
+@pytest.mark.parametrize("K", [6.3e8, 9e8, 2.4e9, 6e10])
+def test_birth(law, K):
+    """Just above V_c the amplitude grows as the normal form says, or jumps, as the type says."""
+    slider = FIG2.replace(K=K, law=law)
+    point = rs.hopf(slider)
+    epsilon = xr.DataArray(10.0 ** -np.arange(2, 11), dims="epsilon")
+    V_lp = float(point.V_c) * (1 + epsilon)
+    epsilon = V_lp / float(point.V_c) - 1  # as rounded
+    found = limit_cycle(slider, V_lp, rtol=1e-8)
+    assert (found.status == 0).all()
+    ratio = found.amplitude / (point.amplitude_coefficient * np.sqrt(epsilon))
+    if point.type == "subcritical":
+        assert (np.diff(found.amplitude) < 0).all()  # down to that of the fold's other side
+        assert float(found.amplitude[-1] / found.amplitude[0]) > 0.9
+        assert (found.multipliers[:, 0].real < 0.95).all()
+        return
+    rounding = 2.0**-52 / epsilon * 20  # of K_c - K
+    assert (np.abs(ratio - 1) < 2 * epsilon + rounding).all()
+    assert (np.abs(found.frequency / point.frequency - 1) < 2 * epsilon).all()
+    assert (found.error < 1e-8 + 2 * rounding).all()
+    # one turn takes away twice as much of a small distance as it adds to that from steady sliding
+    added = rs.stability(slider, V_lp).growth_rate * found.period
+    taken = -np.log(found.multipliers[:, 0].real)
+    np.testing.assert_allclose(taken[:4], 2 * added[:4], rtol=0.03)
+
+
+def test_which_of_two():
+    """Above K_c, aging law: a cycle where marching from V_lp/10 finds one, else steady sliding."""
+    beta, eta = 2.0, 0.05
+    above = np.array([0.001, 0.003, 0.005, 0.0054, 0.0065, 0.009, 0.02])
+    slider = sliders((1 + eta) * (1 + above), beta, eta, "aging")
+    assert rs.stability(slider, 1e-3).stable.all()
+    found = limit_cycle(slider, 1e-3)
+    amplitude, frequency = march(slider, 1e-3, xr.DataArray(np.full(7, 60.0), dims="case"))
+    cycle = (amplitude > 0.002).values  # 0.4 a
+    assert 2 < cycle.sum() < 6
+    np.testing.assert_array_equal(found.status == 0, cycle)
+    assert ((amplitude < 1e-4) | (amplitude > 0.01)).all()  # all has settled
+    np.testing.assert_allclose(found.amplitude[cycle], amplitude[cycle], rtol=1e-7)
+    np.testing.assert_allclose(found.frequency[cycle], frequency[cycle], rtol=1e-7)
+    assert found.stable.all()
+
+
+@LAWS
+def test_alone_or_among_others(law):
+    rng = np.random.default_rng(43)
+    n = 12
+    beta, eta = 1 + 10 ** rng.uniform(-1, 0.7, n), 10 ** rng.uniform(-12, 3, n)
+    slider = sliders(rng.uniform(0.05, 1.0, n), beta, eta, law)
+    whole = limit_cycle(slider, 1e-3, rtol=1e-7)
+    for i in range(n):
+        one = SpringSlider(
+            **{
+                name: value if isinstance(value, str | float) else float(value[i])
+                for name, value in slider.parameters.items()
+            }
+        )
+        found, there = limit_cycle(one, 1e-3, rtol=1e-7), whole.isel(case=i)
+        assert found.status == there.status == 0
+        assert off(found, there) <= found.error + there.error
+        for name in ("V_max", "inertia", "slow_fraction", "fundamental"):
+            assert float(found[name]) == pytest.approx(float(there[name]), rel=1e-5), name
+
+
+def test_refuses_what_rounding_hides():
+    """K within some 1e-8 of K_c_qs, slip law: 1 - x at the maximum decides and is near rounding.
+
+    An answer must be the march's, or none.
+    """
+    ratio = np.array([1.0000000029736542, 0.9999999939871425, 0.9999999982897817])
+    beta = np.array([8.876906879406981, 5.620786420412522, 6.4598021176661])
+    eta = np.array([1.2428649481345794e-08, 1.6080802097855824e-08, 1.7852125578693688e-09])
+    for rtol in (1e-3, 1e-6, 1e-9):
+        found = limit_cycle(sliders(ratio, beta, eta, "slip"), 1e-3, rtol=rtol)
+        cycle = found.isel(case=found.status == 0)
+        assert ((found.status == 0) | (found.status > 1)).all()
+        assert (cycle.amplitude > 0).all()
+        assert (cycle.period > 0).all()
+        assert ((cycle.error > 0) & (cycle.error <= 1e-2)).all()
+        # the load point's way in a period bounds the stress it can build up
+        pulled = sliders(ratio, beta, eta, "slip").K / 4e6 * 1e-3 * found.period
+        assert (cycle.amplitude < pulled[found.status == 0]).all()
+
+
+# Everywhere ---------------------------------------------------------------------------------------
+
+
+def log_range(low, high):
+    return st.floats(math.log10(low), math.log10(high)).map(lambda x: 10.0**x)
+
+
+kind = st.tuples(
+    st.one_of(st.floats(0.3, 0.99), log_range(1e-3, 11).map(lambda x: 1 + x)),  # b/a
+    st.one_of(st.just(0.0), log_range(1e-20, 1e5)),  # eta
+    # K/K_c_qs, and how far from there to K/K_c
+    st.one_of(log_range(1e-3, 1e3), st.sampled_from([1.0, 0.9999, math.inf])),
+    st.one_of(st.just(0.0), st.floats(0, 2)),
+)
+
+
+@LAWS
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
+@given(kinds=st.lists(kind, min_size=24, max_size=24))
+@settings(
+    max_examples=8,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=list(HealthCheck),
+    phases=[Phase.generate],
+)
+def test_answers_or_names_why_not(law, rtol, kinds):
+    beta, eta, ratio, towards = np.array(kinds).T
+    ratio = np.where(beta > 1, ratio, 10.0) * (1 + towards * eta)
+    slider = sliders(ratio * np.sign(beta - 1), beta, eta, law)
+    found = limit_cycle(slider, 1e-3, rtol=rtol)
+    status = found.status.values
+    assert set(status.tolist()) <= set(found.status.attrs["flag_values"].tolist()) - {4}
+    cycle, steady, none = (found.isel(case=test) for test in (status == 0, status == 1, status > 1))
+    numbers = [*MEASURES, *FIRMNESS[:2], "residual", "error", "multipliers"]
+    for name in numbers:
+        assert np.isfinite(cycle[name].values).all(), name
+        assert np.isnan(none[name].values).all(), name
+    assert (cycle.period > 0).all()
+    assert (cycle.amplitude > 0).all()
+    assert ((cycle.V_min < 1e-3) & (cycle.V_max > 1e-3)).all()
+    assert ((cycle.error > 0) & (cycle.error <= 1e-2)).all()
+    assert ((cycle.residual >= 0) & (cycle.residual < 1e-2)).all()
+    assert ((cycle.slow_fraction >= 0) & (cycle.slow_fraction < 1)).all()
+    assert ((cycle.fundamental > 0.2) & (cycle.fundamental < 1 + 1e-9)).all()
+    assert (np.abs(cycle.multipliers) < 1 + 1e-6).all()  # it has been reached, and so attracts
+    assert (np.abs(cycle.multipliers[:, 0]) >= np.abs(cycle.multipliers[:, 1])).all()
+    for name in ("amplitude", "inertia", "slow_fraction", "residual", "error"):
+        assert (steady[name] == 0).all(), name
+    margin = (slider.K / slider.K_c(1e-3) - 1).values
+    assert (steady.stable.values | (np.abs(margin) < 1e-12)[status == 1]).all()
+    unstable = (margin < -1e-12) & (slider.b > slider.a).values
+    assert not (unstable & (status == 1)).any()

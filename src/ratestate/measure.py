@@ -56,7 +56,9 @@ def measure(system, settled, alone):
         before = state(system, u)[:, 0] - found["x_low"]
         scale = np.minimum(1.0, np.abs(small_amplitude(system, u)))
         least = (tol + EPS / attraction) / scale
-        changes = np.abs([amplitude - before, shift]) / [amplitude, period]
+        # A cycle that is corrected away was none.
+        whole = np.where((amplitude > 0.0) & (period > 0.0), [amplitude, period], 0.0)
+        changes = np.abs([amplitude - before, shift]) / whole
         mean = found["mean"] / found["period"]
         variance = found["square"] / found["period"] - mean**2
         wave = (found["cosine"] ** 2 + found["sine"] ** 2) / found["period"] ** 2
