@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .continuation import follow
+from .continuation import Steps, follow
 from .engine.model import FINISHED
 from .laws import evolution_law
 from .measure import measure
@@ -20,6 +20,8 @@ from .shooting import small_amplitude, state, system_of, turn
 PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
 # Size of U from which on steps and errors along a branch are relative; errors of a turn over rtol.
 SCALE, NOISE = 1e-3, 0.1
+# So that a branch looks smooth.
+STEPS = Steps(largest=0.06)
 # Below this eta, G follows from psi to within eta^2, and Newton's method need not look for it.
 GUIDED = 1e-7
 

@@ -9,8 +9,8 @@ from ..quantities import attrs
 from .layout import figure, letter, styled, titled
 from .parameters import FIG2
 
-RATIOS = (1.01, 1.1, 1.5)  # K/K_c_qs
-V_LP = (0.3, 1e-5)  # m/s: from inertia-dominated vibration down to the Hopf point
+RATIOS = (1.01, 1.05, 1.5)  # K/K_c_qs
+SPEEDS = (3.0, 0.3)  # V_lp/V_c: from beyond the Hopf point back to it, through a fold or not
 COLORS = ("#1f4fd8", "#0b8457", "k")
 
 
@@ -19,37 +19,57 @@ def compute(law):
     branches = []
     for ratio in RATIOS:
         slider = FIG2.replace(law=law, K=ratio * FIG2.K_c_qs)
-        branch = continue_cycle(slider, "V_lp", *V_LP)
+        branch = continue_cycle(slider, "V_lp", *(x * slider.V_c for x in SPEEDS))
         branches.append(branch.reset_coords("V_lp").assign_coords(point=branch.point))
     K = xarray.DataArray([ratio * FIG2.K_c_qs for ratio in RATIOS], dims="K", attrs=attrs("K"))
     data = xarray.concat(branches, K, join="outer", combine_attrs="override")
     data["special"] = data.special.where(data.special.notnull(), "").astype(str)
+    data["V_c"] = FIG2.replace(K=data.K).V_c
     return titled(data, "Limit cycles of the slider of Fig. 2, stable and unstable", law)
 
 
 @styled
 def draw(data):
-    """Amplitude, speeds and Floquet multiplier along each branch; dashes where it is unstable."""
-    fig = figure(data, 6.2, "a b Dc sigma M")
-    grid = fig.add_gridspec(2, 2, height_ratios=(1.25, 1))
-    top, left, right = fig.add_subplot(grid[0, :]), *(fig.add_subplot(grid[1, i]) for i in (0, 1))
+    """Each spring's bifurcation diagram; speeds and Floquet multiplier along all branches."""
+    fig = figure(data, 5.4, "a b Dc sigma M")
+    grid = fig.add_gridspec(2, 6, height_ratios=(1.1, 1))
+    tops = [fig.add_subplot(grid[0, 2 * i : 2 * i + 2]) for i in range(3)]
+    left, right = (fig.add_subplot(grid[1, 3 * i : 3 * i + 3]) for i in range(2))
     for i, (ratio, color) in enumerate(zip(RATIOS, COLORS, strict=True)):
         branch = data.isel(K=i).dropna("point", subset=["V_lp"])
-        plot.branch(branch, top, color=color, label=rf"$K = {ratio:g}\,K_{{c,qs}}$")
-        stable = branch.stable.astype(bool).values
-        for part, dashes in ((stable, "-"), (~stable, (0, (3, 1.5)))):
-            shown = branch.where(xarray.DataArray(part, dims="point"))
-            left.plot(shown.V_lp, shown.V_max / shown.V_lp, color=color, lw=1.0, ls=dashes)
-            left.plot(shown.V_lp, shown.V_min / shown.V_lp, color=color, lw=1.0, ls=dashes)
-            first = np.abs(shown.multipliers.isel(multiplier=0))
-            right.plot(shown.V_lp, first, color=color, lw=1.0, ls=dashes)
-    left.axhline(1.0, color=plot.GRAY, lw=0.7, zorder=0)
-    right.axhline(1.0, color=plot.GRAY, lw=0.7, zorder=0)
-    left.set(xscale="log", yscale="log", ylabel=r"$V_{max}$, $V_{min}$ over $V_{lp}$")
-    right.set(xscale="log", ylabel="Larger Floquet multiplier")
+        V_c = float(data.V_c[i])
+        plot.branch(branch.assign_coords(V_lp=branch.V_lp), tops[i], color=color)
+        tops[i].get_legend().remove()
+        tops[i].plot([0.6 * V_c, float(branch.V_lp.min())], [0.0, 0.0], "k", lw=1.6)
+        tops[i].set(xscale="linear", xlim=(0.6 * V_c, 1.6 * V_c), ylim=(-0.0005, 0.021))
+        tops[i].ticklabel_format(axis="x", style="sci", scilimits=(-3, -3))
+        tops[i].set_xlabel("$V_{lp}$ [m/s]")
+        tops[i].axvline(V_c, color=plot.GRAY, lw=0.6, ls=":", zorder=0)
+        letter(tops[i], "abc"[i], rf"$K = {ratio:g}\,K_{{c,qs}}$")
+        _along(branch, V_c, left, right, color, rf"$K = {ratio:g}\,K_{{c,qs}}$")
+    for ax in tops[1:]:
+        ax.set(ylabel="", yticklabels=[])
+    handles, names = tops[0].get_legend_handles_labels()
+    known = dict(zip(names, handles, strict=True))
+    known.pop("start")
+    tops[2].legend(known.values(), known.keys(), loc="upper left", fontsize=6.5)
+    left.set(yscale="log", ylabel=r"$V_{max}$, $V_{min}$ over $V_{lp}$", ylim=(5e-3, 50))
+    right.set(ylabel="Larger Floquet multiplier", ylim=(None, 1.04))
     for ax in (left, right):
-        ax.set_xlabel("Loading velocity $V_{lp}$ [m/s]")
-    letter(top, "a", "solid: stable, dashed: unstable")
-    letter(left, "b", "fastest and slowest slip")
-    letter(right, "c", "what a period leaves of a disturbance")
+        ax.axhline(1.0, color=plot.GRAY, lw=0.7, zorder=0)
+        ax.set(xlabel="$V_{lp}/V_c$", xlim=(0.6, 2.0))
+    right.legend()
+    letter(left, "d", "fastest and slowest slip")
+    letter(right, "e", "what a period leaves of a disturbance")
     return fig
+
+
+def _along(branch, V_c, left, right, color, label):
+    """Extreme speeds and the larger multiplier, solid where the cycle is stable, else dashed."""
+    stable = branch.stable.astype(bool) | (branch.special != "")
+    for part, dashes, name in ((stable, "-", label), (~stable, (0, (3, 1.5)), None)):
+        shown = branch.where(part)
+        for speed in (shown.V_max, shown.V_min):
+            left.plot(shown.V_lp / V_c, speed / shown.V_lp, color=color, lw=1.0, ls=dashes)
+        first = np.abs(shown.multipliers.isel(multiplier=0))
+        right.plot(shown.V_lp / V_c, first, color=color, lw=1.0, ls=dashes, label=name)

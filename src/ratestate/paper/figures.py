@@ -5,10 +5,8 @@ from pathlib import Path
 from . import basins, branches, fig1, fig2, fig3, fig4, fig5, fig6, scheme
 
 #: number or name -> module, with ``compute(law) -> Dataset`` and ``draw(Dataset) -> Figure``
-FIGURES = {
-    **{1: fig1, 2: fig2, 3: fig3, 4: fig4, 5: fig5, 6: fig6},
-    **{"scheme": scheme, "branches": branches, "basins": basins},
-}
+PAPER = dict(enumerate((fig1, fig2, fig3, fig4, fig5, fig6), start=1))
+FIGURES = PAPER | {"scheme": scheme, "branches": branches, "basins": basins}
 #: those that show both laws
 BOTH_LAWS = (1, "basins")
 DPI = 300

@@ -1,0 +1,91 @@
+"""Beyond the paper: the atlas, with the sliders of the paper's figures on it."""
+
+from pathlib import Path
+
+import numpy as np
+
+from .. import plot
+from ..atlas import atlas
+from .figures import DPI, replace, write_netcdf
+from .layout import LAWS, figure, letter, styled
+from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_K, FIG4_V_LP, FIG6, FIG6_SPEEDS
+
+#: variable -> what it is, and its contours
+MAPS = {
+    "amplitude_over_a": (r"amplitude of $\tau/\sigma$ over $a$", (3, 10, 30, 100, 1e3, 1e4)),
+    "slip_per_cycle": ("slip per cycle over $D_c$", (10, 30, 100, 300, 1e3, 1e4)),
+    "V_max_over_V_lp": (r"$V_{max}/V_{lp}$", (2, 10, 100, 1e4, 1e6, 1e8, 1e10)),
+}
+
+
+def make(law, out, *, b_over_a=2.0, n=200):
+    """Compute and draw the atlas for one law, and write it; see `ratestate.atlas.atlas`.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The .png, the .pdf and the .nc file with the numbers, each replaced at once.
+    """
+    data = atlas(b_over_a, law, n=n)
+    fig = draw(data)
+    out = Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    writers = {
+        ".png": lambda path: fig.savefig(path, dpi=DPI),
+        ".pdf": lambda path: fig.savefig(path, metadata={"CreationDate": None}),
+        ".nc": lambda path: write_netcdf(data, path),
+    }
+    return [replace(out / f"atlas_{law}{end}", write) for end, write in writers.items()]
+
+
+@styled
+def draw(data):
+    """(a) regimes; (b) the same close to K_c; (c-e) amplitude, slip per cycle, largest velocity."""
+    title = f"Limit cycles of a spring-slider, {LAWS[data.attrs['law']]}"
+    more = (
+        f"$b/a$ = {float(data.b_over_a):g}.  A machine, rig or fault is a point; "
+        "ten times its speed is two decades up."
+    )
+    fig = figure(data.assign_attrs(title=title), 8.2, "", more)
+    grid = fig.add_gridspec(2, 3, height_ratios=(1.75, 1))
+    main = fig.add_subplot(grid[0, :])
+    artists = plot.atlas(data, main)
+    letter(main, "a", "regimes, and contours of $V_{max}/V_{lp}$")
+    speed = main.secondary_yaxis("right", functions=(np.sqrt, np.square))
+    speed.set_ylabel(r"$V_{lp}$ over that at which $\eta = 1$")
+    for x, y, text in (
+        *((0.03, 1e-3, "stick-slip"), (6.0, 1e2, "quasi-harmonic vibration")),
+        (30.0, 1e-1, "steady sliding"),
+    ):
+        main.text(x, y, text, ha="center", fontsize=9, style="italic")
+    sliders = _references(main)
+    near = main.inset_axes((0.555, 0.11, 0.43, 0.42))
+    artists += plot.transition(data, near)
+    near.set(ylim=(1e-9, 1e2))
+    letter(near, "b", "close to $K_c$")
+    legend = {artist.get_label(): artist for artist in [*artists, sliders]}
+    box = {"frameon": True, "framealpha": 1.0, "edgecolor": "0.7"}
+    main.legend(handles=[*legend.values()], loc="lower left", fontsize=6.5, **box)
+    for i, (name, (text, levels)) in enumerate(MAPS.items()):
+        ax = fig.add_subplot(grid[1, i])
+        plot.contours(data, name, ax, levels)
+        letter(ax, "cde"[i], text)
+        if i == 0:
+            ax.set_ylabel(r"$\eta$")
+    return fig
+
+
+def _references(ax):
+    """Draw the sliders of the paper's Figs 2, 4 and 6 over their speeds; a line for a legend."""
+    for slider, K, speeds, name, shift in (
+        (FIG2, FIG2.K, FIG2_SPEEDS, "Fig. 2", (5, -3)),
+        (FIG4, FIG4_K[0], FIG4_V_LP, "", (0, 0)),
+        (FIG4, FIG4_K[1], FIG4_V_LP, "Fig. 4", (-27, -3)),
+        (FIG6, FIG6.K, FIG6_SPEEDS, "Fig. 6", (5, -3)),
+    ):
+        eta = np.array([slider.eta(V) for V in speeds])
+        ratio = np.full(len(eta), K / slider.K_c_qs)
+        (line,) = ax.plot(ratio, eta, "o-", color="k", ms=3, lw=0.9, zorder=4)
+        ax.annotate(name, (ratio[0], eta[0]), shift, textcoords="offset points", fontsize=7)
+    line.set_label("the paper's sliders (Fig. 4: $b/a$ = 1.6)")
+    return line
