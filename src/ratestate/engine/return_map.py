@@ -29,9 +29,8 @@ SLAVED = 1e-9
 STICKING = -2.302585092994046
 # A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
 NEAREST = 1e-6
-# Gauss-Legendre nodes and weights on 0..1, for the waveform.
-NODES = (0.1127016653792583, 0.5, 0.8872983346207417)
-WEIGHTS = (0.2777777777777778, 0.4444444444444444, 0.2777777777777778)
+# Gauss-Legendre nodes on 0..1 are 0.5 and 0.5 -+ ASIDE, of weights CENTRE and (1 - CENTRE)/2.
+ASIDE, CENTRE = 0.3872983346207417, 0.4444444444444444
 
 
 class Starts(NamedTuple):
@@ -221,14 +220,17 @@ def record_waveform(s, l, cx, cv):
         part = 1.0 - at if sticks else at
     s[R.SLOW + l] += part * h
     pace = 2.0 * math.pi / s[R.GUESS + l]
-    for k in range(3):
-        x = polynomial(cx, NODES[k])
-        weight = WEIGHTS[k] * h
-        phase = pace * (s[R.T + l] + (s[R.T_LOW + l] + NODES[k] * h))
-        s[R.MEAN + l] += weight * x
-        s[R.SQUARE + l] += weight * x * x
-        s[R.COSINE + l] += weight * x * math.cos(phase)
-        s[R.SINE + l] += weight * x * math.sin(phase)
+    phase = pace * (s[R.T + l] + (s[R.T_LOW + l] + 0.5 * h))
+    c, sin = math.cos(phase), math.sin(phase)
+    c_aside, s_aside = math.cos(pace * ASIDE * h), math.sin(pace * ASIDE * h)
+    middle = CENTRE * polynomial(cx, 0.5)
+    early, late = polynomial(cx, 0.5 - ASIDE), polynomial(cx, 0.5 + ASIDE)
+    weight = 0.5 - 0.5 * CENTRE
+    total, skew = weight * (late + early), weight * (late - early)
+    s[R.MEAN + l] += h * (middle + total)
+    s[R.SQUARE + l] += h * (middle * middle / CENTRE + weight * (early * early + late * late))
+    s[R.COSINE + l] += h * (c * (middle + total * c_aside) - sin * skew * s_aside)
+    s[R.SINE + l] += h * (sin * (middle + total * c_aside) + c * skew * s_aside)
 
 
 @inner
