@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 import ratestate
 from ratestate import ParameterError, SolverError
 from ratestate.cli import main
-from ratestate.paper import claims, figures
+from ratestate.paper import atlas, claims, figures
 from ratestate.paper.claim import Claim, exact
 
 ROW = Claim(id="x", where="sec. 1", claim="Water is wet.", paper="wet", unit="", **exact(1.0))
@@ -40,11 +40,13 @@ def test_version():
     assert result.output.strip() == ratestate.__version__
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["figures", "--help"]])
-def test_help_has_an_example(arguments):
-    result = call(*arguments)
+@pytest.mark.parametrize(
+    ("arguments", "example"), [([], "figures"), (["figures"], "figures"), (["atlas"], "atlas")]
+)
+def test_help_has_an_example(arguments, example):
+    result = call(*arguments, "--help")
     assert result.exit_code == 0
-    assert "Example: ratestate figures" in result.output
+    assert f"Example: ratestate {example}" in result.output
 
 
 def test_help_and_version_load_nothing_heavy():
@@ -144,3 +146,42 @@ def test_interrupt_exits_130(monkeypatch, tmp_path):
     result = call("figures", "1", "--out", tmp_path)
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
+
+
+@pytest.fixture
+def charted(monkeypatch):
+    """List of what atlases were asked for."""
+    asked = []
+
+    def make(law, out, **options):
+        asked.append((law, options))
+        return [out / f"atlas_{law}.png"]
+
+    monkeypatch.setattr(atlas, "make", make)
+    return asked
+
+
+def test_atlas_is_of_both_laws_unless_one_is_named(charted, tmp_path):
+    result = call("atlas", "--out", tmp_path / "new")
+    assert result.exit_code == 0, result.output
+    assert charted == [(law, {"b_over_a": 2.0, "n": 200}) for law in ("slip", "aging")]
+    assert str(tmp_path / "new" / "atlas_aging.png") in result.stderr
+    charted.clear()
+    result = call("atlas", "--law", "slip", "--b-over-a", 1.6, "--n", 50, "--out", tmp_path)
+    assert charted == [("slip", {"b_over_a": 1.6, "n": 50})]
+
+
+@pytest.mark.parametrize("arguments", [["--n", "1"], ["--law", "sloth"], ["--b-over-a", "two"]])
+def test_atlas_refuses_what_it_cannot_read(charted, tmp_path, arguments):
+    result = call("atlas", *arguments, "--out", tmp_path)
+    assert result.exit_code == 2
+    assert f"Invalid value for '{arguments[0]}'" in result.stderr
+    assert charted == []
+
+
+def test_atlas_without_instability_is_one_message(tmp_path):
+    result = call("atlas", "--b-over-a", 0.5, "--out", tmp_path)
+    assert result.exit_code == 2
+    last = result.stderr.splitlines()[-1]
+    assert last == "error: b_over_a = 0.5 must be one number > 1, such as 2"
+    assert list(tmp_path.iterdir()) == []

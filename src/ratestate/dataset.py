@@ -1,5 +1,6 @@
 """What results carry beside their numbers: status flags and provenance."""
 
+import functools
 import json
 from importlib.metadata import version
 
@@ -26,8 +27,14 @@ def provenance(verb, slider, **settings):
         "title": f"ratestate {verb}",
         "slider": json.dumps(parameters),
         **{k: v for k, v in settings.items() if v is not None},
-        "versions": json.dumps({name: version(name) for name in ("ratestate", "numba", "numpy")}),
+        "versions": _versions(),
     }
+
+
+@functools.cache
+def _versions():
+    """Versions of what makes the numbers, as JSON; looking them up takes a millisecond."""
+    return json.dumps({name: version(name) for name in ("ratestate", "numba", "numpy")})
 
 
 # An attribute of a NetCDF file holds 64 KiB; longer lists go into variables.
@@ -65,14 +72,16 @@ def parameter(result, symbol):
         return result[symbol]
     value = json.loads(result.attrs["V_lp" if symbol == "V_lp" else "slider"])
     value = value if symbol == "V_lp" else value[symbol]
-    # A coordinate of this name has the values of the cases that the result still holds, unless
-    # it only labels a dimension called like the symbol.
-    if isinstance(value, dict) and not isinstance(values := value["values"], str):
-        if not (symbol in result.coords and np.isin(result[symbol], values).all()):
-            return xarray.DataArray(values, dims=value["dims"])
-    if symbol not in result.coords:
-        return value
-    return result[symbol] if result[symbol].ndim else result[symbol].item()
+    if symbol in result.coords and not _labels(result[symbol], value):
+        # with the cases that the result still holds
+        return result[symbol] if result[symbol].ndim else result[symbol].item()
+    return xarray.DataArray(value["values"], dims=value["dims"]) if type(value) is dict else value
+
+
+def _labels(coordinate, value):
+    """Whether a coordinate only labels a dimension that is called like the symbol."""
+    listed = isinstance(value, dict) and isinstance(value["values"], list)
+    return listed and not np.isin(coordinate, value["values"]).all()
 
 
 def record_loading(result, loading):

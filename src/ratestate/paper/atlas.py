@@ -87,5 +87,5 @@ def _references(ax):
         ratio = np.full(len(eta), K / slider.K_c_qs)
         (line,) = ax.plot(ratio, eta, "o-", color="k", ms=3, lw=0.9, zorder=4)
         ax.annotate(name, (ratio[0], eta[0]), shift, textcoords="offset points", fontsize=7)
-    line.set_label("the paper's sliders (Fig. 4: $b/a$ = 1.6)")
+    line.set_label("the paper's sliders ($b/a$ = 2; Fig. 4: 1.6)")
     return line

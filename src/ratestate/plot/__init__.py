@@ -1,0 +1,51 @@
+"""Pictures of results: functions of (Dataset, ax), which the paper's figures are made of.
+
+>>> import ratestate as rs
+>>> from matplotlib.figure import Figure
+>>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="900 MPa/m")
+>>> run = rs.simulate(slider, rs.Loading.steps("0.1 mm/s", (1.0, "3.2 mm/s")), t_end=1.2)
+>>> black, red = trace(run, Figure().subplots())
+
+Parameters that a picture needs (the normal stress, for tau/sigma) are read from the provenance
+that every result carries.
+"""
+
+from ..dataset import parameter
+from .bifurcation import branch
+from .chart import atlas, contours, transition
+from .labels import (
+    AMPLITUDE,
+    BLUE,
+    GRAY,
+    LETTERS,
+    PREFIXES,
+    RED,
+    STRESS,
+    UNITS,
+    label,
+    prefixed,
+    value_text,
+)
+from .runs import amplitudes, phase, trace
+
+__all__ = [
+    "AMPLITUDE",
+    "BLUE",
+    "GRAY",
+    "LETTERS",
+    "PREFIXES",
+    "RED",
+    "STRESS",
+    "UNITS",
+    "amplitudes",
+    "atlas",
+    "branch",
+    "contours",
+    "label",
+    "parameter",
+    "phase",
+    "prefixed",
+    "trace",
+    "transition",
+    "value_text",
+]

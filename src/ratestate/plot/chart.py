@@ -1,0 +1,113 @@
+"""The atlas as maps: regimes, close-up of the transition, contours."""
+
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
+from matplotlib.patches import Patch
+
+from ..regimes import REGIMES
+from .labels import RED, label
+
+#: colours of the regimes, in the order of `REGIMES`
+COLORS = ("w", "#9fd3b6", "#f7dcae", "#bdcdf0", "0.6")
+STEADY = REGIMES.index("steady")
+RATIO = rf"Stiffness $K$/{label('K_c_qs')}"
+ETA = r"$\eta = M V_{lp}^2/(\sigma a D_c)$"
+# Distance from K_c below which the close-up is linear in it.
+LINEAR = 1e-4
+
+
+def atlas(data, ax):
+    """Draw the regimes over K/K_c_qs and eta, the curve K_c, and contours of V_max/V_lp.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        From `ratestate.atlas.atlas`.
+    ax : matplotlib.axes.Axes
+
+    Returns
+    -------
+    list of matplotlib.artist.Artist
+        For a legend: the regimes that occur, and the curve by type of the bifurcation.
+    """
+    _axes(data, ax)
+    ax.set_ylabel(ETA)
+    x, eta = data.K_over_K_c_qs, data.eta
+    _paint(ax, x, eta, data.regime)
+    fastest = data.V_max_over_V_lp.where(data.regime != STEADY)
+    _lines(ax, x, eta, fastest, 10.0 ** np.arange(1, 12), colors="0.35")
+    curve = _hopf_curve(ax, data.K_c_over_K_c_qs.values, data)
+    return [*_patches(data.regime), *curve]
+
+
+def transition(data, ax):
+    """Draw the regimes close to K_c over K/K_c - 1, and where a cycle coexists with steady sliding.
+
+    Parameters and return value as for `atlas`.
+    """
+    ax.set_xscale("symlog", linthresh=LINEAR, linscale=0.4)
+    ax.set(yscale="log", xlim=(float(data.K_over_K_c[0]) - 1.0, 0.1))
+    ax.set_xticks([-0.1, -1e-3, 0.0, 1e-3, 1e-2])
+    ax.set(xlabel=f"$K$/{label('K_c')} $-$ 1", ylabel=label("eta"))
+    _paint(ax, data.K_over_K_c - 1.0, data.eta, data.regime_close)
+    width = (data.K_fold_over_K_c_qs / data.K_c_over_K_c_qs - 1.0).values
+    both = Patch(fc="w", ec=RED, hatch="////", lw=0.0, label="cycle and steady sliding both stable")
+    strip = {"fc": both.get_facecolor(), "ec": both.get_edgecolor(), "hatch": both.get_hatch()}
+    ax.fill_betweenx(data.eta, 0.0, width, where=width > 0, lw=0.0, **strip)
+    curve = _hopf_curve(ax, np.zeros(data.sizes["eta"]), data)
+    return [*_patches(data.regime_close), *([both] if (width > 0).any() else []), *curve]
+
+
+def contours(data, name, ax, levels):
+    """Draw a variable of the atlas in colours on a logarithmic scale, with contours."""
+    _axes(data, ax)
+    values = data[name].where(data.regime != STEADY)
+    x, eta = data.K_over_K_c_qs, data.eta
+    style = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
+    ax.pcolormesh(x, eta, values, norm=LogNorm(levels[0], levels[-1]), **style)
+    _lines(ax, x, eta, values, levels, colors="w")
+    ax.plot(data.K_c_over_K_c_qs, eta, "k", lw=1.0)
+
+
+def _axes(data, ax):
+    """Logarithmic axes over the whole of the atlas; labels of contours need them beforehand."""
+    ax.set(xscale="log", yscale="log", xlabel=RATIO)
+    ax.set(xlim=data.K_over_K_c_qs.values[[0, -1]], ylim=data.eta.values[[0, -1]])
+
+
+def _lines(ax, x, eta, values, levels, colors):
+    """Labelled contours."""
+    lines = ax.contour(x, eta, values, levels=levels, colors=colors, linewidths=0.5)
+    ax.clabel(lines, fmt=_round, fontsize=6.5, inline_spacing=2)
+
+
+def _round(value):
+    """A value of one digit as text, in powers of ten if it is large."""
+    power = round(np.log10(value))
+    return f"{value:g}" if value < 1e3 else f"$10^{{{power}}}$"
+
+
+def _paint(ax, x, eta, regimes):
+    """Colour a map of regimes."""
+    norm = BoundaryNorm(np.arange(-0.5, len(REGIMES)), len(REGIMES))
+    style = {"shading": "nearest", "rasterized": True, "zorder": 0}
+    ax.pcolormesh(x, eta, regimes, cmap=ListedColormap(COLORS), norm=norm, **style)
+
+
+def _patches(regimes):
+    """For a legend: the regimes that occur."""
+    codes = np.setdiff1d(regimes, STEADY)
+    return [Patch(fc=COLORS[code], ec="0.5", lw=0.5, label=REGIMES[code]) for code in codes]
+
+
+def _hopf_curve(ax, x, data):
+    """Draw K_c at abscissae x by type of the bifurcation; the lines drawn."""
+    lines = []
+    kinds = (("supercritical", "softly", "k"), ("subcritical", "with a jump", RED))
+    for kind, how, color in kinds:
+        here = data.type.values == kind
+        if here.any():
+            shown = np.where(here, x, np.nan)
+            name = f"{label('K_c')}: {how} ({kind})"
+            lines += ax.plot(shown, data.eta, color=color, lw=1.6, label=name, zorder=3)
+    return lines
