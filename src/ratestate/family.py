@@ -11,6 +11,7 @@ import numpy as np
 
 from .continuation import Steps, follow
 from .engine.model import FINISHED
+from .engine.return_map import SLAVED
 from .laws import evolution_law
 from .measure import measure
 from .settle import Settled, tightest
@@ -22,8 +23,6 @@ PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
 SCALE, NOISE = 1e-3, 0.1
 # So that a branch looks smooth.
 STEPS = Steps(largest=0.06)
-# Below this eta, G follows from psi to within eta^2, and Newton's method need not look for it.
-GUIDED = 1e-7
 
 
 class Orbits(NamedTuple):
@@ -65,7 +64,7 @@ class Family(NamedTuple):
         system = self.system(p)
         psi = U[:, 0]
         rate = evolution_law(self.law).rate(1.0, 0.0, psi, np.exp(-psi))
-        G = np.where(system.eta < GUIDED, -system.beta * rate, U[:, 1] / _scale(system))
+        G = np.where(system.eta < SLAVED, -system.beta * rate, U[:, 1] / _scale(system))
         return np.stack([psi, G], axis=1)
 
     def chart(self, u, p):
@@ -88,7 +87,7 @@ class Family(NamedTuple):
         scale = _scale(system)
         jacobian = found.jacobian.copy()
         jacobian[:, 1, :] *= scale[:, None]
-        jacobian[:, :, 1] *= np.where(system.eta < GUIDED, 0.0, 1.0 / scale)[:, None]
+        jacobian[:, :, 1] *= np.where(system.eta < SLAVED, 0.0, 1.0 / scale)[:, None]
         image = np.stack([found.image[:, 0], scale * found.image[:, 1]], axis=1)
         measures = {"period": found.numbers["period"], "tol": tol}
         return Orbits(image, jacobian, usable & found.came_back, measures)

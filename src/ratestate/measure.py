@@ -55,7 +55,7 @@ def measure(system, settled, alone):
         period = found["period"] + shift
         before = state(system, u)[:, 0] - found["x_low"]
         scale = np.minimum(1.0, np.abs(small_amplitude(system, u)))
-        least = (tol + EPS / attraction) / scale
+        least = (tol + EPS * np.maximum(1.0, distance(system, u)) / attraction) / scale
         # A cycle that is corrected away was none.
         whole = np.where((amplitude > 0.0) & (period > 0.0), [amplitude, period], 0.0)
         changes = np.abs([amplitude - before, shift]) / whole

@@ -13,7 +13,7 @@ import numpy as np
 
 from .engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
 from .shooting import distance, multipliers, newton_step, small_amplitude, state, turn
-from .soft import soft_cycle
+from .soft import curvature, soft_cycle
 
 # Turns after which a slider that has not settled counts as never settling.
 MOST_ROUNDS = 400
@@ -86,9 +86,9 @@ def settle(system, start, rtol, alone, progress):
         )
         found.status[active[done]] = FINISHED
         r = small_amplitude(part, u)
-        inward = distance(part, turns.image) < distance(part, u)
-        ends = stable[active] & inward & (r < STEADY) & turns.came_back
-        found.status[active[ends]] = STEADY_SLIDING
+        # Only unstable cycles are that small beside stable sliding; inside them it is reached.
+        inside = (r < STEADY) & (part.margin > curvature(part.law, part.beta, part.eta) * r**2)
+        found.status[active[stable[active] & inside & turns.came_back]] = STEADY_SLIDING
         _soften(system, found, active[~stable[active] & (r < SOFT) & turns.came_back])
     found.status[found.status == RUNNING] = NO_CONVERGENCE
     return found

@@ -142,7 +142,7 @@ def multipliers(turns):
         product = np.exp(np.nan_to_num(turns.numbers["trace"], nan=-np.inf))
     root = np.sqrt(half.astype(complex) ** 2 - product)
     first = half + np.where(half < 0.0, -root, root)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         second = np.where(first == 0.0, 0.0, product / first)
     return np.stack([first, second], axis=1)
 

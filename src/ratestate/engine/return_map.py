@@ -22,9 +22,9 @@ from .march import IDLE, stuck
 from .model import FINISHED, RUNAWAY, RUNNING, STEADY_SLIDING, state_rate
 from .tangent import step as tangent_step
 
-# Below this eta, G = dv/dT on the section is lost in the rounding of x - beta psi, and follows
-# from x and psi to within eta of itself.
-SLAVED = 1e-9
+# Below this eta, G = dv/dT on the section is better known as -beta dpsi/dT, which it is to within
+# eta of itself, than from x - beta psi, whose rounding is divided by eta.
+SLAVED = 1e-7
 # ln(V/V_lp) below which the slider counts as sticking.
 STICKING = -2.302585092994046
 # A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
