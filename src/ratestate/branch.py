@@ -136,7 +136,7 @@ def _dataset(family, branch, hopf, given):
     status = np.full(len(p), FINISHED)
     variables = cycle_variables(batch, status, found)
     variables["status"] = status_variable(batch, status)
-    variables["special"] = ("point", np.array(special, dtype=str), {"long_name": "special point"})
+    variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*TAKEN, "special"]))
     result["inertia"][result.special == "hopf"] = 0.5 - 0.5 / (
         1.0 + family.system(p[result.special == "hopf"]).eta

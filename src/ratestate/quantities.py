@@ -74,6 +74,7 @@ QUANTITIES = {
     "multipliers": Quantity("1", "Floquet multipliers"),
     "residual": Quantity("1", "relative distance by which a cycle does not close"),
     "error": Quantity("1", "estimated relative error of amplitude and period"),
+    "special": Quantity("1", "special point of a branch"),
     "step_up": Quantity("1", "smallest V_lp/V of a step up that leaves steady sliding"),
     "step_down": Quantity("1", "largest V_lp/V of a step down that leaves steady sliding"),
     "kick_up": Quantity("Pa", "smallest rise of tau that leaves steady sliding"),

@@ -1,12 +1,10 @@
 """Beyond the paper: the atlas, with the sliders of the paper's figures on it."""
 
-from pathlib import Path
-
 import numpy as np
 
 from .. import plot
 from ..atlas import atlas
-from .figures import DPI, replace, write_netcdf
+from .figures import write
 from .layout import LAWS, figure, letter, styled
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_K, FIG4_V_LP, FIG6, FIG6_SPEEDS
 
@@ -27,15 +25,7 @@ def make(law, out, *, b_over_a=2.0, n=200):
         The .png, the .pdf and the .nc file with the numbers, each replaced at once.
     """
     data = atlas(b_over_a, law, n=n)
-    fig = draw(data)
-    out = Path(out)
-    out.mkdir(parents=True, exist_ok=True)
-    writers = {
-        ".png": lambda path: fig.savefig(path, dpi=DPI),
-        ".pdf": lambda path: fig.savefig(path, metadata={"CreationDate": None}),
-        ".nc": lambda path: write_netcdf(data, path),
-    }
-    return [replace(out / f"atlas_{law}{end}", write) for end, write in writers.items()]
+    return write(data, draw(data), out, f"atlas_{law}")
 
 
 @styled

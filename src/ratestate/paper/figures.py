@@ -38,7 +38,11 @@ def make(number, law, out):
     """
     module = FIGURES[number]
     data = module.compute(law)
-    fig = module.draw(data)
+    return write(data, module.draw(data), out, stem(number, law))
+
+
+def write(data, fig, out, name):
+    """Write a figure and its numbers as NAME.png, .pdf and .nc into a folder, made if missing."""
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
     writers = {
@@ -46,7 +50,7 @@ def make(number, law, out):
         ".pdf": lambda path: fig.savefig(path, metadata={"CreationDate": None}),
         ".nc": lambda path: write_netcdf(data, path),
     }
-    return [replace(out / f"{stem(number, law)}{end}", write) for end, write in writers.items()]
+    return [replace(out / f"{name}{end}", write) for end, write in writers.items()]
 
 
 def write_netcdf(data, path):
