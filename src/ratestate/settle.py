@@ -85,11 +85,9 @@ def settle(system, start, rtol, alone, progress):
             part, turns, u, tol, rtol, leap=number > 0
         )
         found.status[active[done]] = FINISHED
-        r = small_amplitude(part, u)
-        # Only unstable cycles are that small beside stable sliding; inside them it is reached.
-        inside = (r < STEADY) & (part.margin > curvature(part.law, part.beta, part.eta) * r**2)
-        found.status[active[stable[active] & inside & turns.came_back]] = STEADY_SLIDING
-        _soften(system, found, active[~stable[active] & (r < SOFT) & turns.came_back])
+        small = np.where(turns.came_back, small_amplitude(part, u), np.inf)
+        _come_to_rest(system, found, active, np.where(stable[active], small, np.inf))
+        _soften(system, found, active[~stable[active] & (small < SOFT)])
     found.status[found.status == RUNNING] = NO_CONVERGENCE
     return found
 
@@ -131,6 +129,18 @@ def _advance(system, turns, u, tol, rtol, leap):
 def tightest(system, u):
     """(n,) the smallest tolerance that rounding of x leaves a meaning."""
     return TIGHTEST * np.maximum(1.0, distance(system, u))
+
+
+def _come_to_rest(system, found, active, r):
+    """Let sliders with these numbers end in steady sliding where their amplitudes r say so.
+
+    Only unstable cycles are that small beside stable sliding; inside them it is reached.
+    """
+    which, r = active[r < STEADY], r[r < STEADY]
+    if len(which):
+        part = system.at(which)
+        inside = part.margin > curvature(part.law, part.beta, part.eta) * r**2
+        found.status[which[inside]] = STEADY_SLIDING
 
 
 def _soften(system, found, which):

@@ -110,6 +110,22 @@ def needs_attention(s, l, law):
 
 
 @inlined
+def record(s, l, h, new, error, dense):
+    """Put the outcome of a step into its rows.
+
+    new : y_new, w_new, e_new; error : triple; dense : the dense output's K_1, K_2, K_3
+    """
+    s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = new[0]
+    s[R.W_NEW + l], s[R.E_NEW + l] = new[1], new[2]
+    s[R.X_1 + l], s[R.V_1 + l], s[R.PSI_1 + l] = dense[0]
+    s[R.X_2 + l], s[R.V_2 + l], s[R.PSI_2 + l] = dense[1]
+    s[R.X_3 + l], s[R.V_3 + l], s[R.PSI_3 + l] = dense[2]
+    s[R.H_USED + l] = h
+    err = max(abs(error[0]), abs(error[1]))
+    s[R.ERROR + l] = max(err, abs(error[2])) / s[R.RTOL + l]
+
+
+@inlined
 def try_step(s, l, law):
     """Try one step of the lane by Rodas5P and record its outcome; law is a literal."""
     h = step_size(s[R.H + l], s[R.LAND + l], s[R.T + l], s[R.T_LOW + l])
@@ -118,15 +134,8 @@ def try_step(s, l, law):
     y_new, w_new, e_new, error, k1, k2, k3, load, friction = rodas5p_step(
         y, s[R.W + l], s[R.E + l], s[R.W_LP + l], s[R.RAMP + l], h, p
     )
-    s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = y_new
-    s[R.W_NEW + l], s[R.E_NEW + l] = w_new, e_new
-    s[R.X_1 + l], s[R.V_1 + l], s[R.PSI_1 + l] = k1
-    s[R.X_2 + l], s[R.V_2 + l], s[R.PSI_2 + l] = k2
-    s[R.X_3 + l], s[R.V_3 + l], s[R.PSI_3 + l] = k3
     s[R.D_LOAD + l], s[R.D_FRICTION + l] = load, friction
-    s[R.H_USED + l] = h
-    err = max(abs(error[0]), abs(error[1]))
-    s[R.ERROR + l] = max(err, abs(error[2])) / s[R.RTOL + l]
+    record(s, l, h, (y_new, w_new, e_new), error, (k1, k2, k3))
 
 
 @inlined
@@ -177,6 +186,15 @@ def commit_lane(s, l):
     s[R.H + l] = h_next
 
 
+@inlined
+def assess(s, law, n):
+    """Judge the steps of the first n lanes, and look whether they hold events."""
+    for l in range(n):
+        judge(s, l)
+    for l in range(n):
+        needs_attention(s, l, law)
+
+
 @lanewise
 def advance(s, law, n):
     """Try one step in the first n lanes, judge it, and look whether it holds events.
@@ -191,10 +209,7 @@ def advance(s, law, n):
     else:
         for l in range(n):
             try_step(s, l, AGING)
-    for l in range(n):
-        judge(s, l)
-    for l in range(n):
-        needs_attention(s, l, law)
+    assess(s, law, n)
 
 
 @lanewise

@@ -75,17 +75,10 @@ def try_step(s, l, law):
     y_new, w_new, e_new, a_new, b_new, error, k1, k2, k3, trace = tangent_step(
         y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p
     )
-    s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = y_new
-    s[R.W_NEW + l], s[R.E_NEW + l] = w_new, e_new
     s[R.X_A_NEW + l], s[R.V_A_NEW + l], s[R.PSI_A_NEW + l] = a_new
     s[R.X_B_NEW + l], s[R.V_B_NEW + l], s[R.PSI_B_NEW + l] = b_new
-    s[R.X_1 + l], s[R.V_1 + l], s[R.PSI_1 + l] = k1
-    s[R.X_2 + l], s[R.V_2 + l], s[R.PSI_2 + l] = k2
-    s[R.X_3 + l], s[R.V_3 + l], s[R.PSI_3 + l] = k3
     s[R.D_TRACE + l] = trace
-    s[R.H_USED + l] = h
-    err = max(abs(error[0]), abs(error[1]))
-    s[R.ERROR + l] = max(err, abs(error[2])) / s[R.RTOL + l]
+    L.record(s, l, h, (y_new, w_new, e_new), error, (k1, k2, k3))
 
 
 @lanewise
@@ -97,10 +90,7 @@ def advance(s, law, n):
     else:
         for l in range(n):
             try_step(s, l, AGING)
-    for l in range(n):
-        L.judge(s, l)
-    for l in range(n):
-        L.needs_attention(s, l, law)
+    L.assess(s, law, n)
 
 
 @inlined
