@@ -31,7 +31,7 @@ LADDER = np.geomspace(1e-4, 27.6, 96)
 #: how an orbit that does not come back ends -> what to call that
 OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles", RUNAWAY: "runaway"}
 # Each round divides what is left between two of them by so many parts, down to this.
-PARTS, ACCURACY = 16, 1e-8
+PARTS, ACCURACY = 16, 1e-6
 # To know in which basin an orbit is, it need not be followed more closely.
 RTOL = 1e-5
 
@@ -55,13 +55,13 @@ def escape(slider, V_lp):
         ``step_up`` and ``step_down`` [1]: ratio of V_lp to the speed before, > 1 and < 1;
         ``kick_up`` and ``kick_down`` [Pa]: change of tau.  They are inf (step_down: 0) where no
         disturbance of up to 12 decades of V, or 27 a sigma, leaves the basin, and 1 and 0 where
-        steady sliding is unstable (K <= K_c).  ``outcome``: what lies beyond, "cycle",
-        "irregular cycles" (they do not repeat), "runaway" (M = 0: faster
-        than light), "no steady sliding" where it is
-        unstable, or "none".  Of the limit cycle beyond
-        ``amplitude`` and ``period`` [s], and of the unstable cycle between, ``unstable_amplitude``
-        (max - min of tau/sigma), ``unstable_period`` [s] and ``unstable_multiplier`` (by which a
-        distance from it grows in a period); NaN where there is none.
+        steady sliding is unstable (K <= K_c).  ``outcome``: what lies beyond, "cycle", "irregular
+        cycles" (they do not repeat), "runaway" (M = 0: faster than light, which unless V_lp is
+        small comes somewhat before no return), "none", or "no steady sliding" where that is
+        unstable.  Of the limit cycle beyond ``amplitude`` and ``period`` [s], and of the unstable
+        cycle between, ``unstable_amplitude`` (max - min of tau/sigma), ``unstable_period`` [s] and
+        ``unstable_multiplier`` (by which a distance from it grows in a period); NaN where there is
+        none.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def escape(slider, V_lp):
     ...                          M=3000, law="aging")
     >>> edge = escape(slider, "0.4 mm/s")
     >>> str(edge.outcome.values), round(float(edge.step_up), 2)
-    ('cycle', 0)
+    ('cycle', 1.92)
     """
     checked(slider)
     V_lp = to_si("V_lp", V_lp)
@@ -146,7 +146,11 @@ def _edges(system, kind, largest, progress):
         part = system.at(np.repeat(which, m))
         start = _disturbed(part, np.repeat(kind[which], m), trial.ravel())
         settled = settle(part, start, RTOL, False, progress)
-        leaves = (settled.status != STEADY_SLIDING).reshape(-1, m)
+        # Without inertia an orbit that neither rests nor runs away keeps its size, or nearly so.
+        stays = (settled.status == STEADY_SLIDING) | (
+            (part.eta == 0.0) & (settled.status != RUNAWAY)
+        )
+        leaves = ~stays.reshape(-1, m)
         first, some = leaves.argmax(axis=1), leaves.any(axis=1)
         row = np.arange(len(which))
         last = np.where(some, first, m) - 1
@@ -163,7 +167,7 @@ def _edges(system, kind, largest, progress):
 def _thresholds(system, progress):
     """Sizes (4, n) from which on the basin is left, what lies beyond (n,), and its u (n, 2)."""
     n = len(system.beta)
-    slides = (system.beta <= 1.0) | (system.margin > 0.0)
+    slides = system.margin > 0.0
     sizes = np.where(slides, np.inf, 0.0) * np.ones((4, 1))
     outcome = np.where(slides, "none", "no steady sliding").astype("<U17")
     u = np.full((n, 2), np.nan)
@@ -173,6 +177,8 @@ def _thresholds(system, progress):
     with np.errstate(divide="ignore"):  # a step down is from a speed below V_c (eq. 10)
         down = 0.5 * np.log((part.kappa / (part.beta - 1.0) - 1.0) / part.eta)
     largest = np.where(kind == 1, np.minimum(down, LADDER[-1]), LADDER[-1])
+    # A disturbance that is itself about as fast as light would say nothing.
+    largest = np.minimum(largest, np.where(kind == 3, np.inf, 0.9 * part.v_limit))
     edge = _edges(part, kind, largest, progress)
     sizes[:, may_leave] = edge.high.reshape(4, -1)
     for i, status, point in zip(slider, edge.status, edge.u, strict=True):

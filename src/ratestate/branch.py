@@ -13,7 +13,7 @@ from .engine.model import FINISHED
 from .errors import NotConverged, ParameterError
 from .family import PARAMETERS, Family
 from .progress import bar
-from .quantities import attrs
+from .quantities import QUANTITIES, attrs
 from .slider import checked
 from .units import is_array, to_si
 
@@ -22,8 +22,8 @@ NEAR = 0.02
 MAX_POINTS = 2000
 #: why a branch ends before it should -> what that means
 ENDS = {
-    "no return": "beyond this no orbit comes back to the section: the slider stops or runs away, "
-    "or the parameters leave the range that double precision holds",
+    "no return": "beyond this no orbit comes back to the section within 200,000 steps: the slider "
+    "stops or runs away, or the parameters leave the range that double precision holds",
     "no convergence": "Newton's method finds no further cycle",
     "max_points": f"it has {MAX_POINTS} points and is not at its end",
 }
@@ -55,8 +55,10 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     xarray.Dataset
         In the dimension ``point``, in order along the branch: the parameter under its own name,
         the variables of `limit_cycle`, and ``special``: "", "hopf", "fold" (two cycles meet),
-        "period_doubling", "torus", and "start" or "stop" at an end.  ``error`` is that of the
-        branch: near a fold the cycle at a given parameter is less well known.
+        "period_doubling", "torus", and "start" or "stop" at an end.  (With these two laws there
+        is no torus: the product of the multipliers is below exp(-(1 + 1/eta) V_lp period/Dc).)
+        ``error`` is that of the branch: near a fold or a Hopf point the cycle at a given
+        parameter is less well known.
 
     Raises
     ------
@@ -131,10 +133,13 @@ def _dataset(family, branch, hopf, given):
         for name, value in hopf_measures(family, place).items():
             found[name] = np.insert(found[name], index, value[0], axis=0)
     along = [given.get(name, x) for name, x in zip(special, np.exp(p), strict=True)]
-    values = family.values | {family.parameter: xarray.DataArray(along, dims="point")}
+    values = family.values | {
+        family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
+    }
     batch = Batch(values, taken=TAKEN)
     status = np.full(len(p), FINISHED)
-    variables = cycle_variables(batch, status, found)
+    stable = np.abs(found["multipliers"][:, 0]) < 1.0
+    variables = cycle_variables(batch, status, found, stable)
     variables["status"] = status_variable(batch, status)
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*TAKEN, "special"]))
@@ -173,9 +178,10 @@ def _asked(slider, parameter, start, stop, V_lp, rtol):
     values |= {parameter: given["start"]}
     for symbol, value in {**values, **given}.items():
         if symbol in (*PARAMETERS, "start", "stop") and symbol != "b" and not 0 < value < np.inf:
+            unit = QUANTITIES[symbol if symbol in QUANTITIES else parameter].unit
             raise ParameterError(
-                f"{symbol} = {value!r}: a limit cycle needs inertia and a spring, "
-                f"so give 0 < {symbol} < inf"
+                f"{symbol} = {value!r} {unit}: a limit cycle needs inertia and a spring, and a "
+                f"parameter is followed in its logarithm, so give 0 < {symbol} < inf"
             )
     if given["start"] == given["stop"]:
         raise ParameterError(f"start = stop = {given['start']!r}: nothing to follow")

@@ -94,7 +94,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
     with bar("limit_cycle") as progress:
         status, found = _cycles(batch, slider.law, rtol, progress)
-    variables = cycle_variables(batch, status, found)
+    # Only cycles that attract are settled into; the multipliers of the softest round to 1.
+    variables = cycle_variables(batch, status, found, stable=status == FINISHED)
     variables["status"] = status_variable(batch, status)
     coords = batch.coordinates(TAKEN)
     if not is_array(V_lp):
@@ -132,11 +133,12 @@ def _cycles(batch, law, rtol, progress):
     return status, found
 
 
-def cycle_variables(batch, status, found):
+def cycle_variables(batch, status, found, stable):
     """The result's variables, name -> Variable, of what `measure` found; NaN where it failed.
 
     batch : holds the slider and V_lp
     found : name -> (n,) or (n, 2), NaN where there is no cycle; empty where there is none at all
+    stable : (n,) whether the cycles are
     """
     a, b, Dc, sigma, K, M, V = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V_lp"))
     steady = status == STEADY_SLIDING
@@ -157,11 +159,7 @@ def cycle_variables(batch, status, found):
             "inertia": np.where(steady, 0.0, of("g_max") / amplitude),
             "slow_fraction": of("slow_fraction", 0.0),
             "fundamental": of("fundamental"),
-            "stable": np.where(
-                steady,
-                K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K,
-                np.abs(multipliers[:, 0]) < 1.0,
-            ),
+            "stable": np.where(steady, K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K, stable),
             "residual": of("residual", 0.0),
             "error": of("error", 0.0),
         }

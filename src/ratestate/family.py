@@ -49,7 +49,8 @@ class Family(NamedTuple):
 
     def system(self, p):
         """`System` of the sliders at p (m,)."""
-        return system_of(self.law, **self.at(np.atleast_1d(p)))
+        with np.errstate(over="ignore"):  # beyond what is physical, no orbit comes back
+            return system_of(self.law, **self.at(np.atleast_1d(p)))
 
     def margin(self, p):
         """(K - K_c) Dc/(a sigma) at one p: negative where steady sliding is unstable."""

@@ -6,8 +6,8 @@ from .engine.model import FINISHED
 from .settle import FINER, tightest
 from .shooting import distance, multipliers, newton_step, small_amplitude, state, turn
 
-# Of the error estimate: its safety, and what is left of a turn by rounding.
-SAFETY, EPS = 3.0, 2.0**-52
+# Of the error estimate: its safety, and what rounding makes of a turn.
+SAFETY, ROUNDING = 3.0, 30.0 * 2.0**-52
 # Turns, each finer than the last, to which a cycle that is not yet known well enough is put.
 MOST_TURNS = 8
 
@@ -48,14 +48,14 @@ def measure(system, settled, alone):
     floquet = multipliers(turns)
     attraction = np.where(fixed, 1.0, np.minimum(1.0, np.abs(1.0 - floquet[:, 0])))
     psi, G = (u + step).T
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         low = found["x_low"] + found["x_low_a"] * step[:, 0] + found["x_low_b"] * step[:, 1]
         amplitude = system.beta * psi + system.eta * G - low
         shift = found["period_a"] * step[:, 0] + found["period_b"] * step[:, 1]
         period = found["period"] + shift
         before = state(system, u)[:, 0] - found["x_low"]
         scale = np.minimum(1.0, np.abs(small_amplitude(system, u)))
-        least = (tol + EPS * np.maximum(1.0, distance(system, u)) / attraction) / scale
+        least = (tol + ROUNDING * np.maximum(1.0, distance(system, u)) / attraction) / scale
         # A cycle that is corrected away was none.
         whole = np.where((amplitude > 0.0) & (period > 0.0), [amplitude, period], 0.0)
         changes = np.abs([amplitude - before, shift]) / whole

@@ -110,7 +110,9 @@ def _advance(system, turns, u, tol, rtol, leap):
         along = distance(system, slow)
         until = np.where(attracts, 0.5 * along / np.abs(1.0 - first), np.inf)
         more = np.minimum(REACH * size, until) / along - 1.0
-        more = np.where(leap & (first.imag == 0.0) & (first.real > 0.0), more, 0.0)
+        # Without inertia orbits are all but neutral at K_c_qs: a leap there would be a random walk.
+        may = leap & (first.imag == 0.0) & (first.real > 0.0) & (system.eta > 0.0)
+        more = np.where(may, more, 0.0)
         leapt = turns.image + more[:, None] * slow
     leapt = np.where(((more > 0.0) & (leapt[:, 1] > 0.0))[:, None], leapt, turns.image)
     attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)

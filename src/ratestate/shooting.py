@@ -22,8 +22,8 @@ from .engine.return_map import RETURN_NUMBERS, SLAVED, Starts
 from .laws import evolution_law
 from .stability import eta
 
-# Of one turn: some hundred times what a stick-slip cycle over 20 decades of V takes.
-MAX_STEPS = 1e6
+# Of one turn: a hundred times what a stick-slip cycle over 20 decades of V takes.
+MAX_STEPS = 2e5
 
 
 class System(NamedTuple):

@@ -30,11 +30,14 @@ def cycles_around(system, which, u):
         values = {"a": 1.0, "b": beta, "Dc": 1.0, "sigma": 1.0, "K": kappa, "M": eta, "V_lp": 1.0}
         family, p = Family(system.law, values, "K", RTOL), np.log(kappa)
         branch = family.follow(family.chart(u[i : i + 1], p)[0], p, stop=p + np.log(FARTHEST))
-        points = branch.points[:1] + (branch.points[-1:] if branch.end == "start" else [])
+        # Close to the Hopf point p hardly changes along the branch, and no solution at exactly
+        # the first p stands out of the noise.
+        back = len(branch.points) > 2 and abs(branch.points[-1].p - p) <= RTOL
+        points = branch.points[:1] + (branch.points[-1:] if back else [])
         for point, prefix in zip(points, ("", "unstable_"), strict=False):
             measured = family.measures([point])
             found[f"{prefix}amplitude"][i] = measured["amplitude"][0]
             found[f"{prefix}period"][i] = measured["period"][0]
-        if branch.end == "start":
+        if back:
             found["unstable_multiplier"][i] = measured["multipliers"][0, 0].real
     return found
