@@ -30,6 +30,8 @@ TAKEN = [*KINDS, "outcome", *CYCLES]
 LADDER = np.geomspace(1e-4, 27.6, 96)
 #: how an orbit that does not come back ends -> what to call that
 OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles", RUNAWAY: "runaway"}
+# ln(V/V_lp) that no motion without inertia comes back from.
+FASTEST = 200.0
 # Each round divides what is left between two of them by so many parts, down to this.
 PARTS, ACCURACY = 16, 1e-6
 # To know in which basin an orbit is, it need not be followed more closely.
@@ -56,9 +58,8 @@ def escape(slider, V_lp):
         ``kick_up`` and ``kick_down`` [Pa]: change of tau.  They are inf (step_down: 0) where no
         disturbance of up to 12 decades of V, or 27 a sigma, leaves the basin, and 1 and 0 where
         steady sliding is unstable (K <= K_c).  ``outcome``: what lies beyond, "cycle", "irregular
-        cycles" (they do not repeat), "runaway" (M = 0: faster than light, which unless V_lp is
-        small comes somewhat before no return), "none", or "no steady sliding" where that is
-        unstable.  Of the limit cycle beyond ``amplitude`` and ``period`` [s], and of the unstable
+        cycles" (they do not repeat), "runaway" (M = 0), "none", or "no steady sliding" where that
+        is unstable.  Of the limit cycle beyond ``amplitude`` and ``period`` [s], and of the unstable
         cycle between, ``unstable_amplitude`` (max - min of tau/sigma), ``unstable_period`` [s] and
         ``unstable_multiplier`` (by which a distance from it grows in a period); NaN where there is
         none.
@@ -84,6 +85,8 @@ def escape(slider, V_lp):
     V_lp = to_si("V_lp", V_lp)
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
     system = system_of(slider.law, **{symbol: batch.flat(symbol) for symbol in batch.values})
+    # A runaway without inertia is one without end; what is merely faster than light may come back.
+    system = system._replace(v_limit=np.where(system.eta > 0.0, np.inf, FASTEST))
     with bar("escape") as progress:
         sizes, outcome, u = _thresholds(system, progress)
     lost = outcome == "unknown"
@@ -97,7 +100,7 @@ def escape(slider, V_lp):
             "step_up": np.exp(sizes[0]),
             "step_down": np.exp(-sizes[1]),
             "kick_up": stress * sizes[2],
-            "kick_down": -stress * sizes[3],
+            "kick_down": 0.0 - stress * sizes[3],
             "amplitude": batch.flat("a") * cycles["amplitude"],
             "period": time * cycles["period"],
             "unstable_amplitude": batch.flat("a") * cycles["unstable_amplitude"],
@@ -171,14 +174,16 @@ def _thresholds(system, progress):
     sizes = np.where(slides, np.inf, 0.0) * np.ones((4, 1))
     outcome = np.where(slides, "none", "no steady sliding").astype("<U17")
     u = np.full((n, 2), np.nan)
-    may_leave = np.flatnonzero(slides & (system.beta > 1.0) & np.isfinite(system.kappa))
+    # Without inertia and by the aging law every orbit comes back (Ranjith & Rice 1999), though
+    # some by way of speeds that no number holds.
+    returns = (system.eta == 0.0) & (system.law == "aging")
+    weakens = (system.beta > 1.0) & np.isfinite(system.kappa)
+    may_leave = np.flatnonzero(slides & weakens & ~returns)
     slider, kind = np.tile(may_leave, 4), np.repeat(np.arange(4), len(may_leave))
     part = system.at(slider)
     with np.errstate(divide="ignore"):  # a step down is from a speed below V_c (eq. 10)
         down = 0.5 * np.log((part.kappa / (part.beta - 1.0) - 1.0) / part.eta)
     largest = np.where(kind == 1, np.minimum(down, LADDER[-1]), LADDER[-1])
-    # A disturbance that is itself about as fast as light would say nothing.
-    largest = np.minimum(largest, np.where(kind == 3, np.inf, 0.9 * part.v_limit))
     edge = _edges(part, kind, largest, progress)
     sizes[:, may_leave] = edge.high.reshape(4, -1)
     for i, status, point in zip(slider, edge.status, edge.u, strict=True):

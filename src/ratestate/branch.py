@@ -19,13 +19,14 @@ from .units import is_array, to_si
 
 # Amplitude of ln V at which a branch has come to a Hopf point.
 NEAR = 0.02
-MAX_POINTS = 2000
+MAX_POINTS = 1000
 #: why a branch ends before it should -> what that means
 ENDS = {
     "no return": "beyond this no orbit comes back to the section within 200,000 steps: the slider "
     "stops or runs away, or the parameters leave the range that double precision holds",
     "no convergence": "Newton's method finds no further cycle",
-    "max_points": f"it has {MAX_POINTS} points and is not at its end",
+    "max_points": f"it has {MAX_POINTS} points and is not at its end; steps are short where orbits "
+    "graze a stop, at eta above some 1e4",
 }
 
 

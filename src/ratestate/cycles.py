@@ -127,6 +127,8 @@ def _cycles(batch, law, rtol, progress):
             empty = np.full((batch.n, *value.shape[1:]), np.nan, value.dtype)
             found.setdefault(name, empty)[which[cycle]] = value
     doubtful = (status == FINISHED) & ~(found.get("error", np.zeros(batch.n)) <= WORST)
+    if found:  # what does not attract, seen closely, was not settled into
+        doubtful |= (status == FINISHED) & ~(np.abs(found["multipliers"][:, 0]) < 1.0)
     status[doubtful] = NO_CONVERGENCE
     for value in () if alone else found.values():
         value[doubtful] = np.nan

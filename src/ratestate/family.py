@@ -14,13 +14,16 @@ from .engine.model import FINISHED
 from .engine.return_map import SLAVED
 from .laws import evolution_law
 from .measure import measure
-from .settle import Settled, tightest
+from .settle import TIGHTEST, Settled, tightest
 from .shooting import small_amplitude, state, system_of, turn
 
 #: what a family can run along
 PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
-# Size of U from which on steps and errors along a branch are relative; errors of a turn over rtol.
-SCALE, NOISE = 1e-3, 0.1
+# Size of U from which on steps and errors along a branch are relative.  psi is known absolutely, to
+# the tolerance of a turn, and at large eta it is small and matters little.
+SCALE = np.array([0.02, 1e-3])
+# Of rtol: the tolerance of a turn, and the error that it leaves in units of SCALE.
+TOLERANCE, NOISE = 0.002, 0.1
 # So that a branch looks smooth.
 STEPS = Steps(largest=0.06)
 
@@ -76,7 +79,7 @@ class Family(NamedTuple):
         """(m,) tolerance of a step; a turn changes a small r by some r^3."""
         system = self.system(p)
         r = np.minimum(1.0, np.abs(small_amplitude(system, u)))
-        return np.maximum(0.01 * self.rtol * r**3, tightest(system, u))
+        return np.maximum(TOLERANCE * self.rtol * r**3, tightest(system, u))
 
     def turns(self, U, p):
         """One turn of each of m sliders from U (m, 2), p (m,); `Orbits`."""
@@ -95,15 +98,13 @@ class Family(NamedTuple):
 
     def follow(self, U, p, **asked):
         """`continuation.follow` from U (2,) at p with what is known of these maps."""
-        return follow(
-            self.turns,
-            U,
-            p,
-            scale=np.full(2, SCALE),
-            tol=self.rtol,
-            noise=NOISE * self.rtol,
-            **asked,
-        )
+        # At large eta the stress is large, and its rounding too: tau/(a sigma) swings by some
+        # sqrt(kappa eta) where sliding stops and goes.
+        system = self.system(np.array([p, asked["stop"]]))
+        swing = np.sqrt(np.max(np.maximum(1.0, system.kappa * system.eta)))
+        noise = max(NOISE * self.rtol, TIGHTEST * swing / SCALE[0])
+        known = {"scale": SCALE, "tol": self.rtol, "noise": noise, "steps": STEPS}
+        return follow(self.turns, U, p, **known, **asked)
 
     def measures(self, points):
         """What `measure` finds of the points of a branch, name -> (n,) or (n, 2)."""

@@ -15,6 +15,8 @@ import numpy as np
 NO_RETURN = "no return"
 NO_CONVERGENCE = "no convergence"
 MOST_ITERATIONS = 10
+# Of an image between neighbouring p, in weights; a kink, as where orbits graze a stop, is no jump.
+JUMP = 0.01
 
 
 class Point(NamedTuple):
@@ -122,9 +124,7 @@ def _linearised(problem, y, weights):
         raise Lost(NO_RETURN)
     above, below = (1 if known[1] else 0), (2 if known[2] else 0)
     change, one_sided = orbit.image[above] - orbit.image[below], orbit.image[0] - orbit.image[below]
-    unequal = (
-        np.abs(change - 2 * one_sided) > 0.9 * np.abs(change) + 100 * problem.noise * weights[:-1]
-    )
+    unequal = np.abs(change - 2 * one_sided) > 0.9 * np.abs(change) + JUMP * weights[:-1]
     if known.all() and unequal.any():
         raise Lost(NO_CONVERGENCE)  # the map jumps: to Newton's method that is a steep slope
     dP_dp = change / (p[above] - p[below])

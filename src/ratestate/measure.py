@@ -3,6 +3,7 @@
 import numpy as np
 
 from .engine.model import FINISHED
+from .modes import steady_modes
 from .settle import FINER, tightest
 from .shooting import distance, multipliers, newton_step, small_amplitude, state, turn
 
@@ -27,7 +28,22 @@ def refine(system, settled, rtol, alone):
         settled.period[worse] = found["period"][worse]
         for name, value in measure(system.at(worse), settled.at(worse), alone).items():
             found[name][worse] = value
+    soft = settled.error > 0.0
+    first = _soft_multiplier(system.at(soft), found["period"][soft])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        second = np.prod(found["multipliers"][soft], axis=1) / first
+    found["multipliers"][soft] = np.stack([first, second], axis=1)
     return found
+
+
+def _soft_multiplier(system, period):
+    """(n,) larger multiplier of soft cycles, which a turn would round to 1.
+
+    With dr/dT = g r + l r^3, g the growth rate of steady sliding, a distance from r^2 = -g/l
+    grows at the rate -2 g.
+    """
+    modes = steady_modes(system.eta, system.kappa, system.beta, system.margin)
+    return np.exp(-2.0 * modes[:, 0].real * period)
 
 
 def measure(system, settled, alone):

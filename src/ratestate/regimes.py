@@ -63,6 +63,9 @@ def classify(cycle):
     >>> str(found.regime.values), str(found.regime_by_eta.values), bool(found.agree)
     ('quasi-harmonic', 'stick-slip', False)
     """
+    wanted = {"inertia", "fundamental", "slow_fraction", "V_max", "status"}
+    if not (isinstance(cycle, xarray.Dataset) and wanted <= set(cycle.data_vars)):
+        raise ParameterError("classify wants the Dataset that limit_cycle or continue_cycle gives")
     if "eta" in cycle.dims:
         raise ParameterError("a dimension called 'eta' clashes with the result; rename it")
     measured = cycle[["inertia", "fundamental", "slow_fraction", "V_max"]]

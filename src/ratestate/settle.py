@@ -29,7 +29,7 @@ LOOSEST_ANSWER = 1e-5
 # How much finer than what it moves a turn must be.
 FINER = 0.1
 # Errors of a turn, in its tolerance, with which Newton's method must live; at the tightest.
-NOISE, ROUNDING = 3.0, 100.0
+NOISE, ROUNDING = 3.0, 1e4
 
 
 class Settled(NamedTuple):
@@ -61,7 +61,7 @@ def settle(system, start, rtol, alone, progress):
     """
     n = len(start)
     rtol = min(rtol, LOOSEST_ANSWER)
-    stable = system.margin > 0.0
+    stable = system.margin >= 0.0
     steady_tol = np.where(stable, 1e-6, 0.0)
     first = turn(system, start, LOOSE, alone=alone, steady_tol=steady_tol)
     found = Settled(

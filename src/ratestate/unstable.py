@@ -3,6 +3,9 @@
 import numpy as np
 
 from .family import Family
+from .measure import refine
+from .settle import settle
+from .shooting import state
 
 #: what `cycles_around` finds
 CYCLES = (
@@ -23,21 +26,22 @@ def cycles_around(system, which, u):
     system : n sliders; which : numbers of those that have a cycle; u : (n, 2) about where
     """
     found = {name: np.full(len(u), np.nan) for name in CYCLES}
-    for i in which:
+    part = system.at(which)
+    settled = settle(part, state(part, u[which]), RTOL, False, None)
+    stable = refine(part, settled, RTOL, False)
+    found["amplitude"][which], found["period"][which] = stable["amplitude"], stable["period"]
+    for i, u_i in zip(which, settled.u, strict=True):
         numbers = (float(values[i]) for values in (system.kappa, system.beta, system.eta))
         kappa, beta, eta = numbers
         # With V_lp = Dc = sigma = a = 1 the slider is its own dimensionless form.
         values = {"a": 1.0, "b": beta, "Dc": 1.0, "sigma": 1.0, "K": kappa, "M": eta, "V_lp": 1.0}
         family, p = Family(system.law, values, "K", RTOL), np.log(kappa)
-        branch = family.follow(family.chart(u[i : i + 1], p)[0], p, stop=p + np.log(FARTHEST))
+        branch = family.follow(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST))
         # Close to the Hopf point p hardly changes along the branch, and no solution at exactly
         # the first p stands out of the noise.
-        back = len(branch.points) > 2 and abs(branch.points[-1].p - p) <= RTOL
-        points = branch.points[:1] + (branch.points[-1:] if back else [])
-        for point, prefix in zip(points, ("", "unstable_"), strict=False):
-            measured = family.measures([point])
-            found[f"{prefix}amplitude"][i] = measured["amplitude"][0]
-            found[f"{prefix}period"][i] = measured["period"][0]
-        if back:
+        if len(branch.points) > 2 and abs(branch.points[-1].p - p) <= RTOL:
+            measured = family.measures(branch.points[-1:])
+            found["unstable_amplitude"][i] = measured["amplitude"][0]
+            found["unstable_period"][i] = measured["period"][0]
             found["unstable_multiplier"][i] = measured["multipliers"][0, 0].real
     return found

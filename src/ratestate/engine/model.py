@@ -44,8 +44,8 @@ STATUSES = {
     ),
     STEP_LIMIT: (
         "step_limit",
-        "the step limit was reached; loosen rtol or shorten t_end, and give times if the solver's"
-        " own steps were to be kept",
+        "the step limit was reached; loosen rtol; in simulate also shorten t_end, or give times if"
+        " the solver's own steps were to be kept",
     ),
     RUNAWAY: (
         "quasi_static_instability",
@@ -60,7 +60,8 @@ STATUSES = {
         "no_convergence",
         "successive cycles do not settle into one: they repeat after several turns (period"
         " doubling) or never (chaos), and simulate follows them; or double precision does not fix"
-        " the cycle to 1 %, as very near a stability boundary or almost without inertia",
+        " the cycle to 1 %, as very near a stability boundary or almost without inertia; and"
+        " without any (M = 0) at K_c_qs, no cycle is singled out",
     ),
     RIGID_REST: (
         "rigid_rest",

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..dataset import parameter
+from ..errors import ParameterError
 from ..quantities import QUANTITIES
 from ..stability import K_c
 from .labels import AMPLITUDE, BLUE, GRAY, RED
@@ -40,6 +41,8 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
     -------
     matplotlib.axes.Axes
     """
+    if not {"parameter", "rtol"} <= set(getattr(data, "attrs", ())):
+        raise ParameterError("branch wants the Dataset that continue_cycle gives")
     if ax is None:
         from matplotlib import pyplot
 
