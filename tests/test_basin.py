@@ -239,16 +239,13 @@ def test_runaway_against_plain_marching(name):
 
 
 def test_without_inertia_the_aging_law_comes_back():
-    """Above K_c_qs from every start; only excursions beyond the speed of light count as none."""
-    K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.5, 2.0, 10.0]), dims="K")
+    """Above K_c_qs from every start, by way of whatever speed."""
+    K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.001, 1.5, 2.0, 10.0]), dims="K")
     found = escape(MASSLESS.replace(K=K, law="aging"), 1e-9)
     assert (found.step_up == np.inf).all()
     assert (found.step_down == 0).all()
-    # near K_c_qs a large one swings past the speed of light before it would come back
-    near = escape(MASSLESS.replace(K=1.001 * MASSLESS.K_c_qs, law="aging"), 1e-9)
-    assert near.outcome == "runaway"
-    nearer = escape(MASSLESS.replace(K=1.001 * MASSLESS.K_c_qs, law="aging"), 1e-6)
-    assert 30 < nearer.step_up < near.step_up < 60
+    assert (found.kick_up == np.inf).all()
+    assert (found.outcome == "none").all()
 
 
 def test_inertia_small_and_none():

@@ -149,7 +149,7 @@ def test_drawing_from_a_file_alone(numbers, number, law, tmp_path):
     for name, variable in data.variables.items():
         assert name == "law" or {"units", "long_name"} <= set(variable.attrs), name
     fig.savefig(tmp_path / "figure.png", dpi=40)  # warnings, which are errors here, come late
-    assert number == 1 or f"{law} (" in fig.get_suptitle()
+    assert number in figures.BOTH_LAWS or f"{law} (" in fig.get_suptitle()
 
 
 def test_files(tmp_path):

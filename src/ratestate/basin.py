@@ -59,10 +59,10 @@ def escape(slider, V_lp):
         disturbance of up to 12 decades of V, or 27 a sigma, leaves the basin, and 1 and 0 where
         steady sliding is unstable (K <= K_c).  ``outcome``: what lies beyond, "cycle", "irregular
         cycles" (they do not repeat), "runaway" (M = 0), "none", or "no steady sliding" where that
-        is unstable.  Of the limit cycle beyond ``amplitude`` and ``period`` [s], and of the unstable
-        cycle between, ``unstable_amplitude`` (max - min of tau/sigma), ``unstable_period`` [s] and
-        ``unstable_multiplier`` (by which a distance from it grows in a period); NaN where there is
-        none.
+        is unstable.  Of the limit cycle beyond ``amplitude`` and ``period`` [s], and of the
+        unstable cycle between, ``unstable_amplitude`` (max - min of tau/sigma),
+        ``unstable_period`` [s] and ``unstable_multiplier`` (by which a distance from it grows in a
+        period); NaN where there is none.
 
     Raises
     ------

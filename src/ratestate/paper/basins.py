@@ -50,17 +50,19 @@ def compute(law):
             "step_up": edge.step_up,
             "kick_up": edge.kick_up,
             "run_tau": runs.tau,
-            "run_V_before": before,
+            "run_V_before": before.assign_attrs(attrs("V_start")),
         }
     )
-    data = data.assign_coords(time=runs.time - 2.0 * period, V_c=((), V_c, attrs("V_c")))
+    since = (runs.time - 2.0 * period).assign_attrs(attrs("time"))
+    data = data.assign_coords(time=since, V_c=((), V_c, attrs("V_c")))
     data["threshold"] = ("ratio", threshold.step_up.values, attrs("step_up"))
-    data = data.assign_coords(ratio=slip.K.values / FIG2.K_c_qs)
+    one = {"units": "1", "long_name": "K/K_c_qs"}
+    data = data.assign_coords(ratio=("ratio", slip.K.values / FIG2.K_c_qs, one))
     known = {symbol: getattr(FIG2, symbol) for symbol in ("a", "b", "Dc", "sigma")}
     bounds = {"lower": runaway_step_lower_bound, "upper": runaway_step_upper_bound}
     for name, bound in bounds.items():
-        data[f"threshold_{name}"] = ("ratio", bound(K=slip.K.values, **known))
-    data["threshold_at_K_c_qs"] = runaway_step(a=FIG2.a, b=FIG2.b)
+        data[f"threshold_{name}"] = ("ratio", bound(K=slip.K.values, **known), attrs("step_up"))
+    data["threshold_at_K_c_qs"] = ((), runaway_step(a=FIG2.a, b=FIG2.b), attrs("step_up"))
     data.attrs = branch.attrs
     return titled(data, "How hard stable sliding may be pushed")
 

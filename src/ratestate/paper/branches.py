@@ -23,7 +23,9 @@ def compute(law):
         branches.append(branch.reset_coords("V_lp").assign_coords(point=branch.point))
     K = xarray.DataArray([ratio * FIG2.K_c_qs for ratio in RATIOS], dims="K", attrs=attrs("K"))
     data = xarray.concat(branches, K, join="outer", combine_attrs="override")
-    data["special"] = data.special.where(data.special.notnull(), "").astype(str)
+    data = data.drop_vars("point")
+    known = data.special.notnull()
+    data["special"] = data.special.where(known, "").astype(str).assign_attrs(attrs("special"))
     data["V_c"] = FIG2.replace(K=data.K).V_c
     return titled(data, "Limit cycles of the slider of Fig. 2, stable and unstable", law)
 
