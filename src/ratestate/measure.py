@@ -72,7 +72,7 @@ def measure(system, settled, alone):
         before = state(system, u)[:, 0] - found["x_low"]
         scale = np.minimum(1.0, np.abs(small_amplitude(system, u)))
         # Where the stress is large and the cycle hardly attracts, rounding can feign one.
-        drowned = ROUNDING * distance(system, u) > 0.1 * attraction
+        drowned = ROUNDING * distance(system, u) > 1e-4 * attraction
         least = tol / scale + np.where(drowned & ~fixed, np.inf, ROUNDING / attraction)
         # A cycle that is corrected away was none.
         whole = np.where((amplitude > 0.0) & (period > 0.0), [amplitude, period], 0.0)

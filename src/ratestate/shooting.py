@@ -74,7 +74,8 @@ def state(system, u):
 
 def distance(system, vectors):
     """(n,) length of vectors (n, 2) of (psi, G): what they change in x, beta psi and eta G."""
-    return np.hypot(system.beta * vectors[:, 0], system.eta * vectors[:, 1])
+    with np.errstate(invalid="ignore"):  # no mass, and no step of Newton's method
+        return np.hypot(system.beta * vectors[:, 0], system.eta * vectors[:, 1])
 
 
 def small_amplitude(system, u):
