@@ -189,9 +189,10 @@ def _branches(part):
         ("aging", FIG2.replace(law="aging", K=1.01 * FIG2.K_c_qs), 1e-2, 1e-4),
     ):
         kept = []
-        job = lambda s=slider, a=start, b=stop, k=kept: k.append(  # noqa: E731
-            rs.continue_cycle(s, "V_lp", a, b)
-        )
+
+        def job(slider=slider, start=start, stop=stop, kept=kept):
+            kept.append(rs.continue_cycle(slider, "V_lp", start, stop))
+
         seconds = np.median([cpu(job) for _ in range(3)])
         special = [name for name in kept[-1].special.values if name not in ("", "start", "stop")]
         part.notes.append(

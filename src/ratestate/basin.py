@@ -16,11 +16,10 @@ from .dataset import plain, provenance
 from .engine.model import FINISHED, NO_CONVERGENCE, RUNAWAY, STEADY_SLIDING
 from .errors import SolverError
 from .progress import bar
-from .quantities import attrs
 from .settle import settle
 from .shooting import system_of
 from .slider import checked
-from .units import is_array, to_si
+from .units import to_si
 from .unstable import CYCLES, cycles_around
 
 #: disturbances, in the order of `_disturbed`
@@ -84,7 +83,7 @@ def escape(slider, V_lp):
     checked(slider)
     V_lp = to_si("V_lp", V_lp)
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
-    system = system_of(slider.law, **{symbol: batch.flat(symbol) for symbol in batch.values})
+    system = system_of(slider.law, **batch.columns)
     # A runaway without inertia is one without end; what is merely faster than light may come back.
     system = system._replace(v_limit=np.where(system.eta > 0.0, np.inf, FASTEST))
     with bar("escape") as progress:
@@ -109,10 +108,7 @@ def escape(slider, V_lp):
         }
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     variables["outcome"] = batch.variable(outcome, "outcome")
-    coords = batch.coordinates(TAKEN)
-    if not is_array(V_lp):
-        coords["V_lp"] = ((), V_lp, attrs("V_lp"))
-    result = xarray.Dataset(variables, coords)
+    result = xarray.Dataset(variables, batch.coordinates(TAKEN))
     result.attrs = provenance("escape", slider, V_lp=json.dumps(plain(V_lp)))
     return result
 
@@ -127,22 +123,21 @@ def _disturbed(system, kind, size):
 
 
 class Edge(NamedTuple):
-    """Between which sizes (low, high) the first disturbance that does not come back lies."""
+    """The first disturbance of each of n sliders that does not come back."""
 
-    low: np.ndarray
-    high: np.ndarray
+    size: np.ndarray  # (n,) inf if all do
     status: np.ndarray  # how it ends
     u: np.ndarray  # (n, 2) where, if on a cycle
 
 
 def _edges(system, kind, largest, progress):
-    """`Edge` of sliders (n,) under disturbances of these kinds (n,); high is inf if all return.
+    """`Edge` of sliders (n,) under disturbances of these kinds (n,).
 
     largest : (n,) size up to which to look
     """
     n = len(kind)
     low, high = np.zeros(n), np.full(n, np.inf)
-    edge = Edge(low, high, np.full(n, STEADY_SLIDING), np.full((n, 2), np.nan))
+    edge = Edge(high, np.full(n, STEADY_SLIDING), np.full((n, 2), np.nan))
     trial, which = np.minimum(LADDER, largest[:, None]), np.arange(n)
     while len(which):
         m = trial.shape[1]
@@ -185,7 +180,7 @@ def _thresholds(system, progress):
         down = 0.5 * np.log((part.kappa / (part.beta - 1.0) - 1.0) / part.eta)
     largest = np.where(kind == 1, np.minimum(down, LADDER[-1]), LADDER[-1])
     edge = _edges(part, kind, largest, progress)
-    sizes[:, may_leave] = edge.high.reshape(4, -1)
+    sizes[:, may_leave] = edge.size.reshape(4, -1)
     for i, status, point in zip(slider, edge.status, edge.u, strict=True):
         if status != STEADY_SLIDING:
             outcome[i] = OUTCOMES.get(int(status), "unknown")

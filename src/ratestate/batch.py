@@ -42,6 +42,11 @@ class Batch:
         self.dims, self.shape = tuple(sizes), tuple(sizes.values())
         self.n = int(np.prod(self.shape, dtype=int))
 
+    @property
+    def columns(self):
+        """dict of the values of all symbols, symbol -> (n,)."""
+        return {symbol: self.flat(symbol) for symbol in self.values}
+
     def flat(self, symbol):
         """(n,) array of the values of one symbol."""
         return self._flat(self.values[symbol])
@@ -80,8 +85,13 @@ class Batch:
         return xarray.Variable((*self.dims, *last), shaped, attrs(symbol))
 
     def coordinates(self, taken):
-        """Coordinates of the sweep: those the arrays bring, and the arrays themselves."""
+        """Coordinates of the sweep: those the arrays bring, and the arrays themselves.
+
+        V_lp is one even if all cases share it: results say at which speed they hold.
+        """
         coords: dict = {}
+        if "V_lp" in self.values and not is_array(self.values["V_lp"]):
+            coords["V_lp"] = ((), self.values["V_lp"], attrs("V_lp"))
         taken = RESERVED | set(taken)
         for symbol, value in self.values.items():
             if is_array(value):

@@ -147,8 +147,6 @@ def _dataset(family, branch, hopf, given):
     result["inertia"][result.special == "hopf"] = 0.5 - 0.5 / (
         1.0 + family.system(p[result.special == "hopf"]).eta
     )
-    if family.parameter != "V_lp":
-        result.coords["V_lp"] = ((), family.values["V_lp"], attrs("V_lp"))
     return result
 
 

@@ -25,6 +25,9 @@ class Steps(NamedTuple):
     largest: float = 0.2
 
 
+STEPS = Steps()
+
+
 class Branch(NamedTuple):
     """Fixed points in their order along a branch, and why it ends.
 
@@ -49,7 +52,7 @@ def follow(
     amplitude=None,
     tol=1e-8,
     noise=1e-10,
-    steps=Steps(),  # noqa: B008 - immutable
+    steps=STEPS,
     max_points=1000,
     progress=None,
 ):

@@ -12,7 +12,6 @@ from .engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from .errors import ParameterError
 from .measure import refine
 from .progress import bar
-from .quantities import attrs
 from .settle import settle, steady_start
 from .shooting import system_of
 from .slider import checked
@@ -97,10 +96,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     # Only cycles that attract are settled into; the multipliers of the softest round to 1.
     variables = cycle_variables(batch, status, found, stable=status == FINISHED)
     variables["status"] = status_variable(batch, status)
-    coords = batch.coordinates(TAKEN)
-    if not is_array(V_lp):
-        coords["V_lp"] = ((), V_lp, attrs("V_lp"))
-    result = xarray.Dataset(variables, coords)
+    result = xarray.Dataset(variables, batch.coordinates(TAKEN))
     result.attrs = provenance("limit_cycle", slider, rtol=rtol, V_lp=json.dumps(plain(V_lp)))
     if batch.shape == () and status[0] > STEADY_SLIDING:
         best = result if status[0] == NO_CONVERGENCE else None
@@ -110,7 +106,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
 
 def _cycles(batch, law, rtol, progress):
     """Status (n,) of all cases, and what `refine` found of those that have a cycle."""
-    system = system_of(law, **{symbol: batch.flat(symbol) for symbol in batch.values})
+    system = system_of(law, **batch.columns)
     status = np.full(batch.n, STEADY_SLIDING)
     moves = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
     found: dict = {}

@@ -6,7 +6,6 @@ import xarray
 from .batch import Batch
 from .errors import ParameterError
 from .normal_form import growth_slopes, law_curvatures, lyapunov_1, stress_swing, turning_point
-from .quantities import attrs
 from .slider import checked
 from .stability import K_c, V_c, eta, omega_c
 from .units import is_array, named, to_si
@@ -75,8 +74,6 @@ def hopf(slider, V_lp=None):
     batch = Batch({s: values[s] for s in ("a", "b", "Dc", "sigma", "M")} | other, taken=VARIABLES)
     columns = _bifurcation(slider.law, parameter, *map(batch.flat, batch.values))
     coords = batch.coordinates(VARIABLES)
-    if not is_array(other.get("V_lp", 0.0)) and V_lp is not None:
-        coords["V_lp"] = ((), other["V_lp"], attrs("V_lp"))
     result = xarray.Dataset({s: batch.variable(columns[s], s) for s in VARIABLES}, coords)
     result["frequency"].attrs["long_name"] = "frequency at the Hopf bifurcation"
     result["lyapunov_1"].attrs["comment"] = "dr/dt = growth_rate r + lyapunov_1 r^3, r of ln V"

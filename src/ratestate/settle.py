@@ -118,11 +118,12 @@ def _advance(system, turns, u, tol, rtol, leap):
     attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)
     # The engine's tolerance is absolute in ln V, and that of a small cycle must be smaller.
     scale = np.minimum(1.0, small_amplitude(system, u))
-    finest = np.maximum(rtol * scale * attraction, tightest(system, u))
+    floor = tightest(system, u)
+    finest = np.maximum(rtol * scale * attraction, floor)
     with np.errstate(invalid="ignore"):
         ahead = length / size * np.where(trusted, left, 0.1)
     next_tol = np.clip(np.nan_to_num(FINER * ahead * scale, nan=LOOSE), finest, LOOSE)
-    noise = np.where(tol > tightest(system, u), NOISE, ROUNDING)
+    noise = np.where(tol > floor, NOISE, ROUNDING)
     resolved = np.maximum(rtol, noise * tol / (scale * attraction))
     done = trusted & (tol <= 2.0 * finest) & (left <= resolved)
     return np.where(trusted[:, None], u + newton, leapt), next_tol, done
