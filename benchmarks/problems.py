@@ -46,7 +46,7 @@ class Problem:
         cases = self.cases(rtol, observe, dt)
         loads = Loads(np.zeros(1), self.batch.flat("V_lp")[:, None].copy(), np.zeros((self.n, 1)))
         none, which = np.empty((1, 0)), np.arange(self.n)
-        return lambda: run_cases(method, self.law, cases, loads, none, which)
+        return lambda: run_cases(method, self.law, cases, loads, none, which, self.n == 1)
 
     def numbers(self):
         """(n, 6) kappa, beta, eta0, V0/Dc, V_lp/V0, law; (n, 3) x, v, psi at t = 0."""

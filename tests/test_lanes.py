@@ -68,7 +68,7 @@ def test_repeats_in_every_lane(reference, law):
 @LAWS
 @pytest.mark.parametrize("cores", [1, 2, 3, 7])
 def test_threads(reference, law, cores, monkeypatch):
-    monkeypatch.setattr(drive, "_cores", lambda: cores)
+    monkeypatch.setattr(drive, "cores", lambda: cores)
     pick = np.tile(np.arange(40), 4)  # enough for that many sets of lanes
     same(run(*cases(40), law, pick), reference[law].isel(case=pick))
 

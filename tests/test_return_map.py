@@ -299,7 +299,7 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
         np.testing.assert_array_equal(run(pick), whole[pick])
     np.testing.assert_array_equal(run(np.full(35, 7)), whole[np.full(35, 7)])
     for cores in (1, 2, 5):
-        monkeypatch.setattr(drive, "_cores", lambda cores=cores: cores)
+        monkeypatch.setattr(drive, "cores", lambda cores=cores: cores)
         pick = rng.permutation(np.tile(np.arange(40), 3))
         np.testing.assert_array_equal(run(pick), whole[pick])
 

@@ -1,5 +1,7 @@
 """Named arrays: the axes of a sweep, whether several fit together, and columns of a record."""
 
+import dataclasses
+
 import numpy as np
 
 from .errors import ParameterError
@@ -88,6 +90,23 @@ def check_aligned(values):
                 f"{other} and {symbol} {clash} along the dimension {dim!r}; give both the same "
                 f"coordinate, or rename one dimension to sweep over all combinations"
             )
+
+
+def cut(value, places):
+    """A value at some places of a sweep.
+
+    Parameters
+    ----------
+    value : DataArray, or dataclass or dict that may hold some; anything else stays as it is
+    places : dict
+        Sweep dimension -> slice or list of indices.  Dimensions stay, however few the places.
+    """
+    if is_array(value):
+        return value.isel(places, missing_dims="ignore")
+    if dataclasses.is_dataclass(value):
+        parts = {f.name: cut(getattr(value, f.name), places) for f in dataclasses.fields(value)}
+        return dataclasses.replace(value, **parts)
+    return {k: cut(v, places) for k, v in value.items()} if isinstance(value, dict) else value
 
 
 def column(symbol, values):

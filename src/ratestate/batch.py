@@ -24,6 +24,7 @@ class Batch:
     Attributes
     ----------
     dims, shape, n : the sweep's dimensions, their sizes, the number of cases
+    alone : whether it is no sweep but a single case, which may take the engine's scalar path
     """
 
     def __init__(self, values, own=None, taken=()):
@@ -41,6 +42,7 @@ class Batch:
         self.values, self.own, self.sizes = values, own, sizes
         self.dims, self.shape = tuple(sizes), tuple(sizes.values())
         self.n = int(np.prod(self.shape, dtype=int))
+        self.alone = not self.dims
 
     @property
     def columns(self):

@@ -40,10 +40,9 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0
     )
 
 
-def run_cases(method, law, cases, loads, save_times, which, progress=None):
+def run_cases(method, law, cases, loads, save_times, which, alone, progress=None):
     """March the cases with these numbers; `Results` over all."""
     order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
-    alone = len(cases.beta) == 1
     code = METHODS[method]
     return drive.run(code, law, cases, loads, save_times, order, alone, progress)
 

@@ -1,6 +1,9 @@
 """The verb `limit_cycle`: what a steadily driven slider settles into, and how firmly."""
 
+import dataclasses
+import functools
 import json
+from typing import Any
 
 import numpy as np
 import xarray
@@ -14,7 +17,7 @@ from .measure import refine
 from .progress import bar
 from .settle import settle, steady_start
 from .shooting import system_of
-from .slider import checked
+from .slider import SpringSlider, checked
 from .stability import K_c
 from .units import is_array, to_si
 
@@ -85,23 +88,48 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     >>> round(float(cycle.multipliers[0].real), 4)  # of a disturbance, left after a period
     0.9706
     """
-    checked(slider)
+    call = limit_cycle_call(slider, V_lp, rtol=rtol)
+    with bar("limit_cycle") as progress:
+        result = call.dataset(call.run(progress))
+    if call.batch.alone and (status := int(result.status)) > STEADY_SLIDING:
+        best = result if status == NO_CONVERGENCE else None
+        raise failure("limit_cycle", slider, status, best=best)
+    return result
+
+
+def limit_cycle_call(slider, V_lp, *, rtol=1e-8):
+    """`LimitCycleCall` with these arguments of `limit_cycle`, checked."""
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not 1e-12 <= rtol <= 1e-2:
         raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-12 to 1e-2, such as 1e-8")
-    V_lp = to_si("V_lp", V_lp)
-    batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
-    with bar("limit_cycle") as progress:
-        status, found = _cycles(batch, slider.law, rtol, progress)
-    # Only cycles that attract are settled into; the multipliers of the softest round to 1.
-    variables = cycle_variables(batch, status, found, stable=status == FINISHED)
-    variables["status"] = status_variable(batch, status)
-    result = xarray.Dataset(variables, batch.coordinates(TAKEN))
-    result.attrs = provenance("limit_cycle", slider, rtol=rtol, V_lp=json.dumps(plain(V_lp)))
-    if batch.shape == () and status[0] > STEADY_SLIDING:
-        best = result if status[0] == NO_CONVERGENCE else None
-        raise failure("limit_cycle", slider, status[0], best=best)
-    return result
+    return LimitCycleCall(checked(slider), to_si("V_lp", V_lp), rtol)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class LimitCycleCall:
+    """`limit_cycle` with its arguments, checked and in SI."""
+
+    slider: SpringSlider
+    V_lp: Any
+    rtol: float
+
+    @functools.cached_property
+    def batch(self):
+        """All that has a value for each case."""
+        return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=TAKEN)
+
+    def run(self, progress=None):
+        """The result's variables, name -> Variable in the dimensions of the sweep."""
+        status, found = _cycles(self.batch, self.slider.law, self.rtol, progress)
+        # Only cycles that attract are settled into; the multipliers of the softest round to 1.
+        variables = cycle_variables(self.batch, status, found, stable=status == FINISHED)
+        return variables | {"status": status_variable(self.batch, status)}
+
+    def dataset(self, variables):
+        """Variables of all cases as the result: with coordinates and provenance."""
+        settings = {"rtol": self.rtol, "V_lp": json.dumps(plain(self.V_lp))}
+        attrs = provenance("limit_cycle", self.slider, **settings)
+        return xarray.Dataset(variables, self.batch.coordinates(TAKEN), attrs)
 
 
 def _cycles(batch, law, rtol, progress):
@@ -110,7 +138,7 @@ def _cycles(batch, law, rtol, progress):
     status = np.full(batch.n, STEADY_SLIDING)
     moves = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
     found: dict = {}
-    alone = batch.n == 1
+    alone = batch.alone
     for first in range(0, len(moves), CHUNK):
         which = moves[first : first + CHUNK]
         part = system.at(which)

@@ -8,6 +8,7 @@ from . import rigid
 from .cases import engine_cases, run_cases, run_path, speed
 from .engine.model import FINISHED, NUMBERS, RIGID_REST, Loads
 from .start import initial_state
+from .units import is_array
 
 
 class Motion(NamedTuple):
@@ -32,18 +33,19 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
     cases = engine_cases(batch, y0, t_end=t_end, loading=rows, times=time_rows, dt=dt, rtol=rtol)
     loads = Loads(loading.t, table, rates)
     is_rigid = np.isinf(batch.flat("K"))
-    if own_steps := batch.shape == () and times is None:
+    if own_steps := batch.alone and times is None:
         if is_rigid[0]:
             t = rigid.grid(loading.t, table[0], t_end[0], batch.flat("Dc")[0])
             states = np.full((1, t.size, 3), np.nan)
         else:
             t, states, results = run_path(method, law, cases, loads, progress)
     elif times is None:
-        t = t_end[:1] if (t_end == t_end[0]).all() else t_end[:, None]
+        t = t_end[:, None] if is_array(batch.values["t_end"]) else t_end[:1]
     else:
-        t = wanted[0] if len(wanted) == 1 else wanted[time_rows]
+        t = wanted[time_rows] if is_array(times) else wanted[0]
     if not own_steps or is_rigid[0]:
-        results = run_cases(method, law, cases, loads, wanted, np.flatnonzero(~is_rigid), progress)
+        which = np.flatnonzero(~is_rigid)
+        results = run_cases(method, law, cases, loads, wanted, which, batch.alone, progress)
         if not own_steps:
             states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))

@@ -124,7 +124,8 @@ def _advance(system, turns, u, tol, rtol, leap):
         ahead = length / size * np.where(trusted, left, 0.1)
     next_tol = np.clip(np.nan_to_num(FINER * ahead * scale, nan=LOOSE), finest, LOOSE)
     noise = np.where(tol > floor, NOISE, ROUNDING)
-    resolved = np.maximum(rtol, noise * tol / (scale * attraction))
+    with np.errstate(divide="ignore"):  # a multiplier of exactly 1 resolves nothing
+        resolved = np.maximum(rtol, noise * tol / (scale * attraction))
     done = trusted & (tol <= 2.0 * finest) & (left <= resolved)
     return np.where(trusted[:, None], u + newton, leapt), next_tol, done
 

@@ -1,6 +1,9 @@
 """The verb `simulate`: a slider, a loading, an end; out comes the motion."""
 
+import dataclasses
+import functools
 import json
+from typing import Any
 
 import numpy as np
 import xarray
@@ -16,7 +19,7 @@ from .loading import Loading
 from .motion import move, observables, series
 from .progress import bar
 from .quantities import attrs
-from .slider import checked
+from .slider import SpringSlider, checked
 from .start import initial_values
 from .units import is_array, to_si
 
@@ -96,51 +99,117 @@ def simulate(
     >>> run.sizes["time"] > 1000 and int(run.status) == 0
     True
     """
+    call = simulate_call(
+        slider,
+        loading,
+        t_end,
+        V_start=V_start,
+        initial=initial,
+        times=times,
+        rtol=rtol,
+        method=method,
+        dt=dt,
+    )
+    with bar("simulate") as progress:
+        motion = call.move(progress)
+    if call.batch.alone and motion.status[0] != FINISHED:
+        raise failure("simulate", slider, motion.status[0], motion.numbers["t"][0])
+    return call.dataset(call.variables(motion))
+
+
+def simulate_call(
+    slider,
+    loading,
+    t_end,
+    *,
+    V_start=None,
+    initial=None,
+    times=None,
+    rtol=1e-6,
+    method="rodas5p",
+    dt=None,
+):
+    """`SimulateCall` with these arguments of `simulate`, checked."""
     checked(slider)
     if not isinstance(loading, Loading):
         raise ParameterError(
             f"loading = {loading!r} is not a Loading; for one speed give Loading.constant(...)"
         )
     rtol, dt = solver_settings(rtol, method, dt, slider)
-    values = slider.values
-    values["t_end"] = to_si("t_end", t_end)
-    values["V_start"] = first_speed(loading) if V_start is None else to_si("V_start", V_start)
-    values |= initial_values(initial)
-    loading.covers(values["t_end"])
-    times = saved_times(times, values["t_end"])
-    own = {"V_lp": loading.V} if is_array(loading.V) else {}
-    own |= {"time": times} if is_array(times) else {}
-    batch = Batch(values, own, taken=TAKEN)
+    t_end = to_si("t_end", t_end)
+    V_start = None if V_start is None else to_si("V_start", V_start)
+    initial = initial_values(initial)
+    loading.covers(t_end)
+    times = saved_times(times, t_end)
+    return SimulateCall(slider, loading, t_end, V_start, initial, times, rtol, method, dt)
 
-    with bar("simulate") as progress:
-        motion = move(
-            batch, evolution_law(slider.law).code, loading, times, method, dt, rtol, progress
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class SimulateCall:
+    """`simulate` with its arguments, checked and in SI."""
+
+    slider: SpringSlider
+    loading: Loading
+    t_end: Any
+    V_start: Any  # None: the loading's first speed
+    initial: dict
+    times: Any
+    rtol: float
+    method: str
+    dt: float | None
+
+    @functools.cached_property
+    def batch(self):
+        """All that has a value for each case."""
+        start = first_speed(self.loading) if self.V_start is None else self.V_start
+        values = {**self.slider.values, "t_end": self.t_end, "V_start": start, **self.initial}
+        own = {"V_lp": self.loading.V} if is_array(self.loading.V) else {}
+        own |= {"time": self.times} if is_array(self.times) else {}
+        return Batch(values, own, taken=TAKEN)
+
+    def run(self, progress=None):
+        """The result's variables, name -> Variable in the dimensions of the sweep, then time."""
+        return self.variables(self.move(progress))
+
+    def move(self, progress):
+        """The `Motion` of all cases."""
+        law = evolution_law(self.slider.law).code
+        return move(
+            self.batch, law, self.loading, self.times, self.method, self.dt, self.rtol, progress
         )
-    if batch.shape == () and motion.status[0] != FINISHED:
-        raise failure("simulate", slider, motion.status[0], motion.numbers["t"][0])
-    variables = series(batch, loading, motion)
-    variables["status"] = status_variable(batch, motion.status)
-    variables |= observables(batch, motion, rtol)
-    coords = batch.coordinates(TAKEN)
-    if V_start is None:
-        coords.pop("V_start", None)
-    result = xarray.Dataset(variables, coords)
-    if motion.t.ndim == 1:
-        result.coords["time"] = ("time", motion.t, attrs("time"))
-    else:  # times of its own for each case
-        result.coords["t"] = batch.variable(motion.t, "t", "time")
-    result.attrs = provenance(
-        "simulate",
-        slider,
-        method=method,
-        rtol=rtol,
-        dt=dt,
-        V_start=json.dumps(plain(values["V_start"])),
-        t_end=json.dumps(plain(values["t_end"])),
-        initial=json.dumps({k[:-8]: plain(v) for k, v in values.items() if k[-8:] == "_initial"}),
-    )
-    record_loading(result, loading)
-    return result
+
+    def variables(self, motion):
+        """What `run` gives, of this motion."""
+        variables = series(self.batch, self.loading, motion)
+        variables["status"] = status_variable(self.batch, motion.status)
+        variables |= observables(self.batch, motion, self.rtol)
+        if motion.t.ndim == 1:
+            variables["time"] = xarray.Variable("time", motion.t, attrs("time"))
+        else:  # times of its own for each case
+            variables["t"] = self.batch.variable(motion.t, "t", "time")
+        return variables
+
+    def dataset(self, variables):
+        """Variables of all cases as the result: with coordinates and provenance."""
+        coords = self.batch.coordinates(TAKEN)
+        if self.V_start is None:
+            coords.pop("V_start", None)
+        initial = {name.removesuffix("_initial"): plain(v) for name, v in self.initial.items()}
+        values = {symbol: plain(self.batch.values[symbol]) for symbol in ("V_start", "t_end")}
+        texts = {name: json.dumps(value) for name, value in values.items()}
+        attributes = provenance(
+            "simulate",
+            self.slider,
+            method=self.method,
+            rtol=self.rtol,
+            dt=self.dt,
+            initial=json.dumps(initial),
+            **texts,
+        )
+        result = xarray.Dataset(variables, coords, attributes)
+        result = result.set_coords({"t"} & set(variables))
+        record_loading(result, self.loading)
+        return result
 
 
 def solver_settings(rtol, method, dt, slider):

@@ -1,9 +1,12 @@
 """Driving the march from Python: threads, progress, interruption, the solver's own steps."""
 
+import contextlib
+import contextvars
 import os
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor, wait
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +20,32 @@ from .return_map import RETURN_NUMBERS, Returns, return_map
 BUDGET = 20_000
 PATH_ROWS = 8192
 MAX_ROWS = 10_000_000  # of a path: 320 MB
+
+
+class Place(NamedTuple):
+    """Where kernels run: on how many threads (None: one a core), until when, on which device."""
+
+    threads: int | None = None
+    stop: threading.Event | None = None
+    device: str = "cpu"
+
+
+HERE = Place()
+_place = contextvars.ContextVar("place", default=HERE)
+
+
+class Stopped(Exception):
+    """The event `Place.stop` was set before the kernels were done."""
+
+
+@contextlib.contextmanager
+def place(**where):
+    """Let kernels that this thread starts inside run at `Place(**where)`."""
+    token = _place.set(Place(**where))
+    try:
+        yield
+    finally:
+        _place.reset(token)
 
 
 def run(method, law, cases, loads, save_times, order, alone, progress=None):
@@ -35,6 +64,10 @@ def run(method, law, cases, loads, save_times, order, alone, progress=None):
     -------
     Results
     """
+    if _place.get().device == "cuda":
+        from . import cuda
+
+        return cuda.run(law, cases, loads, save_times, order, progress, _place.get().stop)
     results = _results(len(cases.beta), save_times.shape[1])
     fixed = (cases, loads, save_times, results, np.empty((0, 4)))
 
@@ -51,6 +84,10 @@ def run_returns(law, starts, alone):
     law, alone : as for `run`
     starts : Starts (return_map.py)
     """
+    if _place.get().device == "cuda":
+        from . import cuda
+
+        return cuda.run_returns(law, starts, _place.get().stop)
     n = len(starts.beta)
     returns = Returns(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
 
@@ -69,12 +106,19 @@ def _share(order, worker, progress=None):
     n = len(order)
     if n == 0:  # nothing for which to load, or even compile, the kernels
         return
-    threads = max(1, min(_cores(), n // R.LANES))
+    here = _place.get()
+    threads = max(1, min(here.threads or cores(), n // R.LANES))
     workers = [worker(np.ascontiguousarray(order[i::threads])) for i in range(threads)]
+
+    def look():
+        if here.stop and here.stop.is_set():
+            raise Stopped
+        if progress:
+            progress(_fraction(workers, n))
+
     if threads == 1:
-        for _ in _until(workers[0].go):
-            if progress:
-                progress(_fraction(workers, n))
+        while not workers[0].go():
+            look()
         return
     stop = threading.Event()
 
@@ -86,8 +130,7 @@ def _share(order, worker, progress=None):
         futures = [pool.submit(work, worker) for worker in workers]
         try:
             while wait(futures, timeout=0.05).not_done:
-                if progress:
-                    progress(_fraction(workers, n))
+                look()
         finally:
             stop.set()
         for future in futures:
@@ -140,11 +183,6 @@ def _results(n, n_times):
     )
 
 
-def _until(step):
-    while not step():
-        yield
-
-
 def _fraction(workers, n):
     """Cases done, and the parts of those under way, over all."""
     done = 0.0
@@ -157,7 +195,8 @@ def _fraction(workers, n):
     return min(1.0, done / n)
 
 
-def _cores():
+def cores():
+    """How many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
