@@ -35,7 +35,7 @@ print(*({"xarray", "pint", "numba", "pandas", "scipy", "matplotlib"} & set(sys.m
     assert run(code) == []
 
 
-@pytest.mark.parametrize("verb", ["hopf", "stability", "simulate"])
+@pytest.mark.parametrize("verb", ["hopf", "simulate"])
 @pytest.mark.parametrize(
     "before",
     [

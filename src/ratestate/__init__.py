@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from .loading import Loading
     from .simulate import simulate
     from .slider import SpringSlider
-    from .stability import stability
+    from .steady import stability
+    from .sweeps.verb import sweep
 
 __all__ = [
     "Loading",
@@ -44,6 +45,7 @@ __all__ = [
     "logspace",
     "simulate",
     "stability",
+    "sweep",
 ]
 
 #: public name -> module that defines it
@@ -61,7 +63,8 @@ _HOMES = {
     "limit_cycle": "cycles",
     "logspace": "arrays",
     "simulate": "simulate",
-    "stability": "stability",
+    "stability": "steady",
+    "sweep": "sweeps.verb",
 }
 
 

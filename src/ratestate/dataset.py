@@ -27,12 +27,12 @@ def provenance(verb, slider, **settings):
         "title": f"ratestate {verb}",
         "slider": json.dumps(parameters),
         **{k: v for k, v in settings.items() if v is not None},
-        "versions": _versions(),
+        "versions": versions(),
     }
 
 
 @functools.cache
-def _versions():
+def versions():
     """Versions of what makes the numbers, as JSON; looking them up takes a millisecond."""
     return json.dumps({name: version(name) for name in ("ratestate", "numba", "numpy")})
 

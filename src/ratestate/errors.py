@@ -4,6 +4,7 @@
 
     RateStateError
     |-- ParameterError (also a ValueError)    a value, unit or name that cannot be used
+    |-- StoreError     (also an OSError)      a store that cannot be made, read or written
     `-- SolverError    (also a RuntimeError)  a run that ended without an answer
         |-- QuasiStaticInstability            M = 0 where no quasi-static solution exists
         `-- NotConverged                      no answer good enough; carries the best estimate
@@ -16,6 +17,10 @@ class RateStateError(Exception):
 
 class ParameterError(RateStateError, ValueError):
     """A parameter has a value, unit, shape or name that cannot be used."""
+
+
+class StoreError(RateStateError, OSError):
+    """A store of results cannot be made, read or written; nothing that it holds is lost."""
 
 
 class SolverError(RateStateError, RuntimeError):

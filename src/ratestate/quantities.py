@@ -90,6 +90,7 @@ QUANTITIES = {
     "dt": Quantity("s", "time step", "> 0", "'0.1 ms'"),
     "rtol": Quantity("1", "relative tolerance", "> 0", "1e-6"),
     "status": Quantity("1", "how the case ended"),
+    "message": Quantity("1", "why the case has no answer"),
     "steps": Quantity("1", "accepted steps"),
     "rejected": Quantity("1", "rejected steps"),
     "energy_residual": Quantity("1", "energy residual over energy turned over"),

@@ -9,11 +9,8 @@ doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Els
 
 import numpy as np
 
-from .arrays import check_aligned
-from .errors import ParameterError
 from .modes import steady_modes
-from .quantities import attrs
-from .units import is_array, to_si
+from .units import is_array
 
 
 def eta(V, *, a, Dc, sigma, M):
@@ -117,66 +114,3 @@ def _elementwise(function, *values, dims=()):
 
         return xarray.apply_ufunc(of_arrays, *values, output_core_dims=[dims])
     return function(*np.broadcast_arrays(*(np.asarray(value, float) for value in values)))[()]
-
-
-def stability(slider, V_lp):
-    """Linear stability of a slider in steady sliding.
-
-    Parameters
-    ----------
-    slider : SpringSlider
-        Parameters may be named DataArrays.
-    V_lp : float, str, pint.Quantity or xarray.DataArray
-        Load-point velocity [m/s], > 0.
-
-    Returns
-    -------
-    xarray.Dataset
-        In the dimensions of the named DataArrays together: ``K_c`` (eq. 6) and ``K_c_qs``
-        [Pa/m], ``eta`` (eq. 7), ``V_c`` (eq. 10) [m/s], ``f_n`` [Hz], ``eigenvalues`` [1/s]
-        (last dimension ``mode``, least stable first), ``growth_rate`` [1/s] and ``omega``
-        [rad/s] (real and imaginary part of the first mode; omega is 0 if it does not
-        oscillate), ``omega_c`` [rad/s] and ``stable`` (K > K_c).  For limits such as M = 0,
-        K = inf or b <= a see the functions of the same names in this module.
-
-    Raises
-    ------
-    ParameterError
-        V_lp is not a speed > 0, or its coordinates clash with those of the slider.
-    """
-    import xarray
-
-    V = to_si("V_lp", V_lp)
-    parameters = slider.parameters
-    law = parameters.pop("law")
-    check_aligned({**parameters, "V_lp": V})
-    a, b, Dc, sigma, K, M = (parameters[symbol] for symbol in ("a", "b", "Dc", "sigma", "K", "M"))
-    modes = eigenvalues(V, a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M)
-    modes = modes if is_array(modes) else xarray.DataArray(modes, dims="mode")
-    first = modes.isel(mode=0)
-    critical = K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)
-    variables = {
-        "K_c": critical,
-        "K_c_qs": K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma),
-        "eta": eta(V, a=a, Dc=Dc, sigma=sigma, M=M),
-        "V_c": V_c(a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M),
-        "f_n": f_n(K=K, M=M),
-        "eigenvalues": modes,
-        "growth_rate": first.real,
-        "omega": abs(first.imag),
-        "omega_c": omega_c(V, a=a, b=b, Dc=Dc),
-        "stable": critical < K,
-    }
-    sweep = dict.fromkeys(dim for v in (*parameters.values(), V) if is_array(v) for dim in v.dims)
-    if clash := [dim for dim in sweep if dim in variables]:
-        raise ParameterError(f"a dimension called {clash[0]!r} clashes with the result; rename it")
-    result = xarray.Dataset()
-    for symbol, value in variables.items():
-        result[symbol] = value if is_array(value) else xarray.DataArray(value)
-        result[symbol].attrs = attrs(symbol)
-    if not is_array(V):
-        result.coords["V_lp"] = ((), V, attrs("V_lp"))
-    elif "V_lp" not in V.dims:
-        result.coords["V_lp"] = V
-    result = result.transpose(*sweep, "mode", missing_dims="ignore")  # mu0 and V0 play no part
-    return result.assign_attrs(slider=repr(slider), law=law)

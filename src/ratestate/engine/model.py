@@ -27,6 +27,7 @@ RUNAWAY = 5
 NO_ROOT = 6
 NO_CONVERGENCE = 7
 RIGID_REST = 8
+CRASHED = 9
 RUNNING = -1
 
 #: status code -> (name, what happened and what helps)
@@ -67,6 +68,11 @@ STATUSES = {
         "rigid_rest",
         "V_lp = 0 m/s with K = inf: eq. 1 gives no friction at rest; give a finite K, or a small"
         " V_lp for the hold",
+    ),
+    CRASHED: (
+        "crashed",
+        "the case ended in an error of the program or took its process down, each time; please"
+        " report it, with its parameters",
     ),
 }
 

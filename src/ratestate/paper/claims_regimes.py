@@ -7,7 +7,7 @@ import numpy as np
 from ..cycles import limit_cycle
 from ..loading import Loading
 from ..simulate import simulate
-from ..stability import stability
+from ..steady import stability
 from .claim import Claim, exact, pair
 from .fig4 import EXAMPLES
 from .parameters import FIG2, FIG2_SPEEDS, FIG4

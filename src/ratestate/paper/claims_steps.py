@@ -8,7 +8,7 @@ import xarray
 from ..cycles import limit_cycle
 from ..loading import Loading
 from ..simulate import simulate
-from ..stability import stability
+from ..steady import stability
 from .claim import Claim, exact, pair, to_digits
 from .fig3 import UNSTABLE
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START

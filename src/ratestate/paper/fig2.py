@@ -7,7 +7,7 @@ from .. import plot
 from ..loading import Loading
 from ..quantities import attrs
 from ..simulate import simulate
-from ..stability import stability
+from ..steady import stability
 from .layout import figure, letter, styled, titled
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
 

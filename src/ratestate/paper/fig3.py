@@ -9,7 +9,7 @@ from ..cycles import limit_cycle
 from ..loading import Loading
 from ..quantities import attrs
 from ..simulate import simulate
-from ..stability import stability
+from ..steady import stability
 from .layout import figure, styled, titled
 from .parameters import FIG2, FIG2_DURATION, FIG2_START, FIG3_M, FIG3_V_LP
 

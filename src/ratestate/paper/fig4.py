@@ -9,7 +9,7 @@ from ..cycles import limit_cycle
 from ..loading import Loading
 from ..quantities import attrs
 from ..simulate import simulate
-from ..stability import stability
+from ..steady import stability
 from .layout import figure, letter, steepest, styled, titled
 from .parameters import FIG4, FIG4_K, FIG4_V_LP
 

@@ -4,7 +4,7 @@ from .. import plot
 from ..cycles import limit_cycle
 from ..loading import Loading
 from ..simulate import simulate
-from ..stability import stability
+from ..steady import stability
 from .layout import figure, letter, steepest, styled, titled
 from .parameters import FIG6, FIG6_SPEEDS, FIG6_STEP
 

@@ -1,0 +1,7 @@
+"""Sweeps of any size: cut in chunks, spread over cores or a cluster, kept in a store.
+
+``verb`` has the function `sweep`.  ``calls``: what can be swept; ``chunks``: how it is cut;
+``probe``: what a case costs; ``solve``: all cases of a part, each bad one by itself; ``task``: a
+chunk solved and stored; ``here`` and ``cluster``: who does the tasks; ``store``, ``create`` and
+``inputs``: what is kept; ``status``: what a store or a result holds; ``bar``: progress.
+"""

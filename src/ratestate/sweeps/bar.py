@@ -1,0 +1,102 @@
+"""How far a sweep has come: a bar on a terminal, a line now and then in a log."""
+
+import sys
+import time
+from typing import Any
+
+# Seconds until a bar appears; between two lines of a log.
+PATIENCE, LOG_EVERY = 1.0, 30.0
+
+
+class Report:
+    """Counts the cases of a sweep; shows, on stderr, cases done, failures, rate and time left.
+
+    Parameters
+    ----------
+    label : str
+    chunks : Chunks
+    done : (chunks,) bool
+        Those done by earlier sessions.
+    failed : int
+        Cases of theirs that failed.
+    quiet : bool
+        Whether to show nothing.
+    """
+
+    def __init__(self, label, chunks, done, failed, quiet):
+        self.label, self.chunks, self.quiet = label, chunks, quiet
+        self.total = sum(chunks.cases(i) for i in range(chunks.number))
+        self.before = sum(chunks.cases(i) for i in range(chunks.number) if done[i])
+        self.done, self.failed = self.before, failed
+        self.parts: dict = {}  # chunk under way -> fraction done
+        self.begin = self.logged = time.monotonic()
+        self.bar: Any = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.bar is not None:
+            self.bar.stop()
+
+    def part(self, i, fraction):
+        """This much of chunk i is done; called by the threads that do it."""
+        self.parts[i] = fraction
+
+    def finished(self, outcome):
+        """A chunk is done."""
+        self.parts.pop(outcome.chunk, None)
+        self.done += self.chunks.cases(outcome.chunk)
+        self.failed += outcome.failed
+        self.show()
+
+    def text(self, now):
+        """Cases done, failures, rate and time left, in words."""
+        done = self.done + sum(
+            fraction * self.chunks.cases(i) for i, fraction in list(self.parts.items())
+        )
+        rate = (done - self.before) / max(now - self.begin, 1e-9)
+        words = f"{done:,.0f} of {self.total:,} cases, {self.failed:,} failed"
+        if rate > 0.0:
+            words += f", {rate:,.3g} cases/s" if rate < 10.0 else f", {rate:,.0f} cases/s"
+            words += f", {_duration((self.total - done) / rate)} left"
+        return done, words
+
+    def show(self):
+        """Bring what is seen up to date."""
+        now = time.monotonic()
+        if self.quiet or now - self.begin < PATIENCE:
+            return
+        done, words = self.text(now)
+        if sys.stderr.isatty():
+            self._draw(done, words)
+        elif now - self.logged > LOG_EVERY:
+            self.logged = now
+            sys.stderr.write(f"{self.label}: {words}\n")
+            sys.stderr.flush()
+
+    def _draw(self, done, words):
+        if self.bar is None:
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TextColumn
+
+            self.bar = Progress(
+                self.label,
+                BarColumn(),
+                TextColumn("{task.description}"),
+                console=Console(stderr=True),
+                transient=True,
+            )
+            self.bar.add_task(words, total=self.total)
+            self.bar.start()
+        self.bar.update(self.bar.task_ids[0], completed=done, description=words)
+
+
+def _duration(seconds):
+    """Seconds in words: 40 s, 3 min 20 s, 5 h 10 min, 2 d 3 h."""
+    parts = []
+    for size, unit in ((86400, "d"), (3600, "h"), (60, "min"), (1, "s")):
+        count, seconds = divmod(seconds, size)
+        if count or unit == "s":
+            parts.append(f"{count:.0f} {unit}")
+    return " ".join(parts[:2])

@@ -1,0 +1,78 @@
+"""What can be swept: verbs, whose checked calls can be cut in parts.
+
+A call is a frozen dataclass of arguments in SI.  ``batch`` broadcasts them, ``run()`` gives the
+variables of all its cases, ``dataset(variables)`` the result; `ratestate.arrays.cut` cuts it.
+"""
+
+import inspect
+from collections.abc import Callable
+
+from ..arrays import cut
+from ..cycles import limit_cycle, limit_cycle_call
+from ..errors import ParameterError
+from ..simulate import simulate, simulate_call
+from ..start import initial_state
+from ..steady import stability, stability_call
+
+#: name of a verb -> the verb, and what checks its arguments
+VERBS: dict[str, tuple[Callable, Callable]] = {
+    "limit_cycle": (limit_cycle, limit_cycle_call),
+    "simulate": (simulate, simulate_call),
+    "stability": (stability, stability_call),
+}
+
+
+def call_of(verb, slider, arguments):
+    """Name of the verb, and its checked call.
+
+    Parameters
+    ----------
+    verb : callable or str
+        A verb, or its name.
+    slider : SpringSlider
+    arguments : dict
+        The verb's other arguments, by name.
+
+    Raises
+    ------
+    ParameterError
+        An argument that the verb would refuse, for any of the cases; nothing to sweep over.
+    """
+    name = next((name for name, (known, _) in VERBS.items() if verb in (name, known)), None)
+    if name is None:
+        raise ParameterError(f"verb = {verb!r} cannot be swept; choose one of {', '.join(VERBS)}")
+    checked_call = VERBS[name][1]
+    try:
+        inspect.signature(checked_call).bind(slider, **arguments)
+    except TypeError as error:
+        raise ParameterError(f"sweep of {name}: {error}; see help(ratestate.{name})") from None
+    call = checked_call(slider, **arguments)
+    if call.batch.alone:
+        raise ParameterError(
+            f"nothing to sweep over: give a parameter as a named DataArray, for example "
+            f"M=ratestate.logspace('M', 100, 1e5, 12); for a single case call {name} itself"
+        )
+    if call.batch.n == 0:
+        raise ParameterError(f"no cases: dimensions {dict(call.batch.sizes)}; give each a value")
+    return name, call
+
+
+def check(call, chunks):
+    """Raise ParameterError for any case whose arguments contradict each other."""
+    if getattr(call, "initial", None):
+        for places in chunks:
+            batch = cut(call, places).batch
+            initial_state(batch, batch.rows(call.loading.V)[0][:, 0])
+
+
+DEVICES = ("cpu", "cuda")
+
+
+def check_device(name, call, device):
+    """Raise ParameterError unless this device can do the call."""
+    if device not in DEVICES:
+        raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
+    if device == "cuda" and name == "stability":
+        raise ParameterError("device = 'cuda': stability is in closed form; leave device out")
+    if device == "cuda" and name == "simulate" and call.method != "rodas5p":
+        raise ParameterError(f"device = 'cuda' knows rodas5p only, not method = {call.method!r}")

@@ -1,0 +1,35 @@
+"""Chunks of a sweep on threads of this process; compiled code lets them run side by side."""
+
+import itertools
+import threading
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+
+from ..arrays import cut
+from ..engine.drive import cores
+
+
+def outcomes(tasks, call, numbers, report):
+    """Do the chunks with these numbers, and yield their `Outcome`s as they come.
+
+    report : `Report`, told of parts of chunks
+    """
+    workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
+    threads = cores() // workers
+    stop, queue = threading.Event(), iter(numbers)
+
+    def work(i):
+        part = cut(call, tasks.chunks.places(i))
+        return tasks.do(i, part, lambda fraction: report.part(i, fraction), threads, stop)
+
+    pool = ThreadPoolExecutor(workers)
+    try:
+        pending = {pool.submit(work, i) for i in itertools.islice(queue, workers)}
+        while pending:
+            finished, pending = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
+            pending |= {pool.submit(work, i) for i in itertools.islice(queue, len(finished))}
+            report.show()
+            for future in finished:
+                yield future.result()
+    finally:
+        stop.set()
+        pool.shutdown(cancel_futures=True)

@@ -1,0 +1,74 @@
+"""What a case of a sweep costs, and so how many of them make a chunk."""
+
+import math
+import time
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import cut
+from ..engine import drive
+from .solve import bytes_of_a_case, kinds_of, solve
+
+# Cases to try, spread over the sweep.
+SAMPLE = 64
+# A chunk: seconds that it takes, at least (below, overhead shows) and at most (what a pulled plug
+# costs); how many each worker gets of a long sweep; its cases; its bytes.
+SECONDS = (1.0, 10.0)
+SHARE = 8
+MOST_CASES = 1 << 15
+MOST_BYTES = 1 << 26
+# A GPU works on this many at once.
+CASES_ON_GPU = 1 << 17
+
+
+class Form(NamedTuple):
+    """What the result of a sweep is like."""
+
+    kinds: dict  # variable -> `Kind`
+    static: dict  # those variables that are common to all cases
+
+
+def form_of(call):
+    """`Form` of a call's result, by its first case; compiles the kernels where needed."""
+    dims = call.batch.dims
+    first = solve(cut(call, {dim: slice(0, 1) for dim in dims}))
+    static = {name: v for name, v in first.items() if not set(v.dims) & set(dims)}
+    return Form(kinds_of(first, dims), static)
+
+
+def seconds_of_a_case(call):
+    """What a case costs on one core, by a sample all over the sweep."""
+    sample = cut(call, spread(call.batch.sizes))
+    begin = time.perf_counter()
+    with drive.place(threads=1):
+        solve(sample)
+    return (time.perf_counter() - begin) / sample.batch.n
+
+
+def spread(sizes):
+    """Places of about `SAMPLE` cases all over a sweep: dimension -> list of indices."""
+    left, places = float(SAMPLE), {}
+    for number, dim in enumerate(sorted(sizes, key=sizes.__getitem__)):
+        side = max(1, round(left ** (1.0 / (len(sizes) - number))))
+        count = min(side, sizes[dim])
+        places[dim] = np.unique(np.linspace(0, sizes[dim] - 1, count).round().astype(int)).tolist()
+        left /= count
+    return places
+
+
+def cases_of_a_chunk(call, form, workers, device):
+    """How many cases make a chunk for so many workers (cores).
+
+    A short sweep is one chunk, on all cores; of a long one each worker gets several.
+    """
+    n = call.batch.n
+    fits = MOST_BYTES // max(1, bytes_of_a_case(form.kinds))
+    if device == "cuda":
+        return max(1, min(n, CASES_ON_GPU, fits))
+    total = seconds_of_a_case(call) * n
+    number = 1
+    if total > 2.0 * workers * SECONDS[0]:
+        seconds = float(np.clip(total / (SHARE * workers), *SECONDS))
+        number = workers * math.ceil(total / (seconds * workers))
+    return max(1, min(math.ceil(n / number), MOST_CASES, fits))

@@ -1,0 +1,90 @@
+"""What a store, or a result, holds."""
+
+from collections import Counter
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..engine.model import STATUSES, STEADY_SLIDING
+from .chunks import Chunks
+from .solve import ANSWERED
+
+
+class Held(NamedTuple):
+    """What a store holds."""
+
+    path: Path
+    verb: str
+    dims: dict  # dimension -> number of values
+    cases: int
+    done: int  # cases
+    failed: int
+    steady: int  # that slide steadily
+    chunks: int
+    chunks_done: int
+    versions: dict  # of the programs that made it
+    size: int  # bytes on disk
+
+
+def held(path):
+    """What the store at a path holds; `Held`.
+
+    Raises
+    ------
+    StoreError
+        It is no store of a sweep, or cannot be read.
+    """
+    import zarr
+
+    from .store import read
+
+    path = Path(path)
+    inside, _ = read(path)
+    chunks = Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
+    status, done = zarr.open_array(path / "status", mode="r"), inside["done"][:]
+    number: Counter = Counter()
+    for i in np.flatnonzero(done):
+        codes, counts = np.unique(status[tuple(chunks.places(i).values())], return_counts=True)
+        number.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
+    return Held(
+        path,
+        inside.attrs["verb"],
+        chunks.sizes,
+        status.size,
+        number.total(),
+        sum(count for code, count in number.items() if code not in ANSWERED),
+        number.get(STEADY_SLIDING, 0),
+        chunks.number,
+        int(done.sum()),
+        inside.attrs["versions"],
+        sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
+    )
+
+
+def failures(data, most=20):
+    """The first failed cases of a sweep's result.
+
+    Parameters
+    ----------
+    data : Dataset
+        With ``status`` and ``message``.
+    most : int
+
+    Returns
+    -------
+    list of (place, name, message), int
+        Place: dimension -> label, or number where it has none; name of the status; and of how many
+        they are the first.
+    """
+    status = data["status"].values
+    where = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))
+    found = []
+    for index in where[:most]:
+        place = {
+            dim: data[dim].values[i] if dim in data.coords else int(i)
+            for dim, i in zip(data["status"].dims, index, strict=True)
+        }
+        at = tuple(index)
+        found.append((place, STATUSES[int(status[at])][0], str(data["message"].values[at])))
+    return found, len(where)

@@ -1,0 +1,51 @@
+"""A chunk of a sweep: solved, and stored if there is a store."""
+
+import json
+from typing import NamedTuple
+
+from ..dataset import versions
+from ..engine import drive
+from ..errors import StoreError
+from .solve import failed, solve
+
+
+class Outcome(NamedTuple):
+    """What became of a chunk."""
+
+    chunk: int
+    failed: int  # cases without an answer
+    variables: dict | None  # None: they are in the store
+
+
+class Tasks(NamedTuple):
+    """What all chunks of a sweep share."""
+
+    chunks: tuple
+    kinds: dict
+    store: object  # its path, or None
+    device: str
+
+    def outcome(self, i, variables):
+        """Store the variables of chunk i, if there is a store; `Outcome`."""
+        number = failed(variables)
+        if self.store is None:
+            return Outcome(i, number, variables)
+        from .store import write
+
+        write(self.store, self.chunks, i, variables)
+        return Outcome(i, number, None)
+
+    def do(self, i, part, progress=None, threads=1, stop=None):
+        """Solve chunk i, the cases of the call `part`; `Outcome`."""
+        with drive.place(threads=threads, stop=stop, device=self.device):
+            return self.outcome(i, solve(part, self.kinds, progress))
+
+
+def do_elsewhere(tasks, i, part, expected):
+    """`Tasks.do` in a worker process, which must have the versions expected."""
+    if versions() != expected:
+        raise StoreError(
+            f"a worker has other versions, {json.loads(versions())}, than those expected, "
+            f"{json.loads(expected)}: results would differ in their last digits; install the same"
+        )
+    return tasks.do(i, part)

@@ -1,0 +1,156 @@
+"""The verb `sweep`: another verb over as many cases as there are, and through any interruption."""
+
+import contextlib
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..engine import drive
+from ..errors import ParameterError
+from . import cluster, here
+from .bar import Report
+from .calls import call_of, check, check_device
+from .chunks import chunks_of
+from .probe import cases_of_a_chunk, form_of
+from .status import held
+from .store import create, opened, result_of
+from .task import Tasks
+
+
+def sweep(
+    verb,
+    slider,
+    *,
+    store=None,
+    client=None,
+    chunk=None,
+    progress=True,
+    device="cpu",
+    **arguments,
+):
+    """Another verb over all named DataArrays among its arguments, in chunks.
+
+    Cases have the same bits however they are divided, on however many cores, threads or machines.
+    A case that fails costs itself only.
+
+    Parameters
+    ----------
+    verb : callable or str
+        `limit_cycle`, `simulate` or `stability`, or the name.
+    slider : SpringSlider
+        With DataArrays for parameters, or none.
+    store : str or path, optional
+        Folder of a Zarr store, such as "x.zarr".  Made if there is none.  One that the same sweep
+        began is gone on with: what is done is not done again.  Without it the result is in memory.
+    client : dask.distributed.Client, optional
+        Cluster that does the work; its workers must see the store under the same path.  Without
+        it all cores here do.
+    chunk : int, optional
+        Cases that are solved, and stored, at a time.  By default of some seconds, as a first probe
+        says.
+    progress : bool
+        Whether to show on stderr how far it is: a bar on a terminal, else a line now and then.
+    device : {"cpu", "cuda"}
+        "cuda": an NVIDIA GPU (of each worker, with a client).
+    **arguments
+        The verb's other arguments.
+
+    Returns
+    -------
+    xarray.Dataset
+        As the verb's, with the variable ``message``, which says of each failed case why, and
+        ``status`` for `stability` too.  With a store, the opened store: numbers are read where they
+        are used.
+
+    Raises
+    ------
+    ParameterError
+        An argument that cannot be used, for any case; nothing to sweep over.
+    StoreError
+        The store belongs to another sweep (differences are listed), is in use, or cannot be
+        written; nothing that it holds is lost.
+    SolverError
+        The cluster was lost.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m",
+    ...                          M=rs.logspace("M", 100, 1e5, 12))
+    >>> found = rs.sweep(rs.limit_cycle, slider, V_lp=rs.logspace("V_lp", 1e-3, 1e-1, 13))
+    >>> dict(found.sizes)["M"], int((found.status == 0).sum())
+    (12, 120)
+    """
+    name, call = call_of(verb, slider, arguments)
+    check_device(name, call, device)
+    if chunk is not None and (isinstance(chunk, bool) or not isinstance(chunk, int) or chunk < 1):
+        raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
+    plan = Plan(name, call, chunk, client, device, progress)
+    with drive.place(device=device if client is None else "cpu"):
+        form = form_of(call)  # here, so that no thread needs to compile
+        return _in_memory(plan, form) if store is None else _in_store(plan, form, Path(store))
+
+
+class Plan(NamedTuple):
+    """What is to be done, by whom."""
+
+    name: str  # of the verb
+    call: Any
+    chunk: int | None
+    client: Any
+    device: str
+    progress: bool
+
+    def chunks(self, form):
+        """`Chunks` of a sweep that begins; its arguments are checked case by case."""
+        client, call = self.client, self.call
+        workers = sum(client.nthreads().values()) if client else drive.cores()
+        cases = self.chunk or cases_of_a_chunk(call, form, max(1, workers), self.device)
+        chunks = chunks_of(call.batch.sizes, cases)
+        check(call, chunks)
+        return chunks
+
+    def outcomes(self, form, chunks, store=None, done=None, failed=0):
+        """Do all chunks that are not done, and yield their `Outcome`s as they come."""
+        done = np.zeros(chunks.number, bool) if done is None else done
+        tasks = Tasks(chunks, form.kinds, store, self.device)
+        numbers = np.flatnonzero(~done).tolist()
+        label = f"sweep of {self.name}"
+        with Report(label, chunks, done, failed, quiet=not self.progress) as report:
+            if self.client is None:
+                outcomes = here.outcomes(tasks, self.call, numbers, report)
+            else:
+                outcomes = cluster.outcomes(self.client, tasks, self.call, numbers, report)
+            with contextlib.closing(outcomes):
+                for outcome in outcomes:
+                    report.finished(outcome)
+                    yield outcome
+
+
+def _in_memory(plan, form):
+    """The result, put together from its chunks."""
+    chunks = plan.chunks(form)
+    try:
+        variables = {name: kind.empty(plan.call.batch.sizes) for name, kind in form.kinds.items()}
+    except MemoryError:
+        raise ParameterError(
+            f"the result of {plan.call.batch.n:,} cases does not fit into memory; give a store"
+        ) from None
+    for outcome in plan.outcomes(form, chunks):
+        places = chunks.places(outcome.chunk)
+        for name, found in outcome.variables.items():
+            where = tuple(places.get(dim, slice(None)) for dim in found.dims)
+            variables[name].values[where] = found.values
+    return plan.call.dataset(variables)
+
+
+def _in_store(plan, form, path):
+    """The store, made or gone on with, when all is done."""
+    if not path.exists():
+        create(path, plan.name, plan.call, plan.chunks(form), form)
+    with opened(path, plan.name, plan.call, plan.chunk) as store:
+        failed = held(path).failed
+        for _ in plan.outcomes(form, store.chunks, path, store.done, failed):
+            pass
+    return result_of(path)
