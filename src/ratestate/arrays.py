@@ -103,7 +103,7 @@ def cut(value, places):
     """
     if is_array(value):
         return value.isel(places, missing_dims="ignore")
-    if dataclasses.is_dataclass(value):
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
         parts = {f.name: cut(getattr(value, f.name), places) for f in dataclasses.fields(value)}
         return dataclasses.replace(value, **parts)
     return {k: cut(v, places) for k, v in value.items()} if isinstance(value, dict) else value

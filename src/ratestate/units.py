@@ -119,6 +119,8 @@ def _convert(symbol, number, unit, given):
     """Number with a unit, both as text, as a float in SI (correctly rounded)."""
     try:
         return float(Decimal(number) * _factor(QUANTITIES[symbol].unit, unit))
+    except ArithmeticError:  # decimal exponents of ten digits
+        raise ParameterError(f"{given} is beyond any size; {expected(symbol)}") from None
     except ValueError as error:
         raise ParameterError(f"{given} {error}; {expected(symbol)}") from None
 

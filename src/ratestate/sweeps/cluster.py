@@ -98,7 +98,7 @@ SLURM = {
 }
 
 
-def slurm_cluster(text):
+def slurm_cluster(text, start=True):
     """A Dask cluster of SLURM jobs, from options such as "jobs=10,cores=16,memory=8GB".
 
     Parameters
@@ -106,6 +106,8 @@ def slurm_cluster(text):
     text : str
         ``jobs`` (default 1), and for each job ``cores`` and ``memory``, which are needed,
         ``walltime``, ``queue``, ``account`` and ``processes``; key=value, separated by commas.
+    start : bool
+        Whether to submit the jobs; else ``job_script()`` of the cluster shows what would be.
 
     Raises
     ------
@@ -132,8 +134,10 @@ def slurm_cluster(text):
     # One process a core: each has its own Python, and a case that kills it kills no others.
     settings = {SLURM[key]: value for key, value in options.items()}
     settings |= {"cores": cores, "processes": int(options.get("processes", cores))}
+    settings["scheduler_options"] = {"dashboard_address": ":0"}  # another sweep may be running
     cluster = jobqueue.SLURMCluster(**settings)
-    cluster.scale(jobs=jobs)
+    if start:
+        cluster.scale(jobs=jobs)
     return cluster
 
 

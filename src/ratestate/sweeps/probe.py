@@ -1,6 +1,8 @@
 """What a case of a sweep costs, and so how many of them make a chunk."""
 
+import contextlib
 import math
+import threading
 import time
 from typing import NamedTuple
 
@@ -12,10 +14,12 @@ from .solve import bytes_of_a_case, kinds_of, solve
 
 # Cases to try, spread over the sweep.
 SAMPLE = 64
+# Seconds after which to be content with a part of them.
+BUDGET = 0.05
 # A chunk: seconds that it takes, at least (below, overhead shows) and at most (what a pulled plug
 # costs); how many each worker gets of a long sweep; its cases; its bytes.
 SECONDS = (1.0, 10.0)
-SHARE = 8
+SHARE = 16
 MOST_CASES = 1 << 15
 MOST_BYTES = 1 << 26
 # A GPU works on this many at once.
@@ -38,12 +42,22 @@ def form_of(call):
 
 
 def seconds_of_a_case(call):
-    """What a case costs on one core, by a sample all over the sweep."""
+    """What a case costs on one core, by a sample all over the sweep, or what can be done of it.
+
+    An upper bound where costs differ, since the most costly cases come first.
+    """
     sample = cut(call, spread(call.batch.sizes))
-    begin = time.perf_counter()
-    with drive.place(threads=1):
-        solve(sample)
-    return (time.perf_counter() - begin) / sample.batch.n
+    stop, begin, done = threading.Event(), time.perf_counter(), 1.0
+
+    def look(fraction):
+        nonlocal done
+        if fraction > 0.0 and time.perf_counter() - begin > BUDGET:
+            done = fraction
+            stop.set()
+
+    with drive.place(threads=1, stop=stop), contextlib.suppress(drive.Stopped):
+        solve(sample, progress=look)
+    return (time.perf_counter() - begin) / (done * sample.batch.n)
 
 
 def spread(sizes):
