@@ -61,8 +61,9 @@ def check(call, chunks):
     """Raise ParameterError for any case whose arguments contradict each other."""
     if getattr(call, "initial", None):
         for places in chunks:
-            batch = cut(call, places).batch
-            initial_state(batch, batch.rows(call.loading.V)[0][:, 0])
+            part = cut(call, places)
+            table, rows = part.batch.rows(part.loading.V)
+            initial_state(part.batch, table[rows, 0])
 
 
 DEVICES = ("cpu", "cuda")

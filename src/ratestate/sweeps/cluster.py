@@ -4,6 +4,7 @@ import itertools
 
 from ..arrays import cut
 from ..dataset import versions
+from ..engine import drive
 from ..errors import ParameterError, SolverError
 from .chunks import halves
 from .solve import joined, lost, solve
@@ -60,13 +61,23 @@ def _divided(client, part, tasks, level=0):
 
     if level % HALVINGS == 0 or part.batch.n == 1:
         try:
-            return client.submit(solve, part, tasks.kinds, pure=False).result()
+            return result(client, tasks.device, solve, part, tasks.kinds)
         except KilledWorker as error:
             if part.batch.n == 1:
                 return lost(part, tasks.kinds, f"{type(error).__name__}: its workers died")
     dim, pieces = halves(part.batch.sizes)
     parts = [_divided(client, cut(part, piece), tasks, level + 1) for piece in pieces]
     return joined(parts, dim)
+
+
+def result(client, device, function, *arguments):
+    """What a function returns that a worker calls, with its kernels on one thread."""
+    return client.submit(_placed, device, function, *arguments, pure=False).result()
+
+
+def _placed(device, function, *arguments):
+    with drive.place(threads=1, device=device):
+        return function(*arguments)
 
 
 def client_of(address):

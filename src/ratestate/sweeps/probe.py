@@ -10,10 +10,13 @@ import numpy as np
 
 from ..arrays import cut
 from ..engine import drive
+from ..errors import RateStateError
 from .solve import bytes_of_a_case, kinds_of, solve
 
 # Cases to try, spread over the sweep.
 SAMPLE = 64
+# Cases to try until one ends without an error.
+TRIALS = 8
 # Seconds after which to be content with a part of them.
 BUDGET = 0.05
 # A chunk: seconds that it takes, at least (below, overhead shows) and at most (what a pulled plug
@@ -33,20 +36,33 @@ class Form(NamedTuple):
     static: dict  # those variables that are common to all cases
 
 
-def form_of(call):
-    """`Form` of a call's result, by its first case; compiles the kernels where needed."""
-    dims = call.batch.dims
-    first = solve(cut(call, {dim: slice(0, 1) for dim in dims}))
-    static = {name: v for name, v in first.items() if not set(v.dims) & set(dims)}
-    return Form(kinds_of(first, dims), static)
+def form_of(call, run):
+    """`Form` of a call's result, by one of its cases; compiles the kernels where needed.
+
+    run : callable of a function and its arguments, which says where
+    """
+    dims, sizes = call.batch.dims, call.batch.sizes
+    for trial in range(TRIALS):
+        # the first case, and if that raises, others up to the last
+        at = {dim: trial * (n - 1) // (TRIALS - 1) for dim, n in sizes.items()}
+        try:
+            found = run(solve, cut(call, {dim: slice(i, i + 1) for dim, i in at.items()}))
+        except (drive.Stopped, RateStateError):
+            raise
+        except Exception:
+            if trial == TRIALS - 1:
+                raise
+        else:
+            break
+    static = {name: v for name, v in found.items() if not set(v.dims) & set(dims)}
+    return Form(kinds_of(found, dims), static)
 
 
-def seconds_of_a_case(call):
-    """What a case costs on one core, by a sample all over the sweep, or what can be done of it.
+def seconds_of_a_case(sample, kinds):
+    """What a case costs on one core, by a sample, or what can be done of it.
 
     An upper bound where costs differ, since the most costly cases come first.
     """
-    sample = cut(call, spread(call.batch.sizes))
     stop, begin, done = threading.Event(), time.perf_counter(), 1.0
 
     def look(fraction):
@@ -56,7 +72,7 @@ def seconds_of_a_case(call):
             stop.set()
 
     with drive.place(threads=1, stop=stop), contextlib.suppress(drive.Stopped):
-        solve(sample, progress=look)
+        solve(sample, kinds, progress=look)
     return (time.perf_counter() - begin) / (done * sample.batch.n)
 
 
@@ -71,18 +87,28 @@ def spread(sizes):
     return places
 
 
-def cases_of_a_chunk(call, form, workers, device):
+def cases_of_a_chunk(call, form, workers, device, run):
     """How many cases make a chunk for so many workers (cores).
 
     A short sweep is one chunk, on all cores; of a long one each worker gets several.
+
+    run : as for `form_of`
     """
     n = call.batch.n
     fits = MOST_BYTES // max(1, bytes_of_a_case(form.kinds))
     if device == "cuda":
         return max(1, min(n, CASES_ON_GPU, fits))
-    total = seconds_of_a_case(call) * n
-    number = 1
-    if total > 2.0 * workers * SECONDS[0]:
+    number = SHARE * workers
+    sample = cut(call, spread(call.batch.sizes))
+    try:
+        total = run(seconds_of_a_case, sample, form.kinds) * n
+    except RateStateError:
+        raise
+    except Exception:  # a case of the sample took its worker down; what it costs is not known
+        total = math.inf
+    if total < 2.0 * workers * SECONDS[0]:
+        number = 1
+    elif total < math.inf:
         seconds = float(np.clip(total / (SHARE * workers), *SECONDS))
         number = workers * math.ceil(total / (seconds * workers))
     return max(1, min(math.ceil(n / number), MOST_CASES, fits))

@@ -74,7 +74,7 @@ def _fill(folder, verb, call, chunks, form):
     """Write all that a new store holds into a folder."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # text and joined metadata are new in Zarr 3
-        result = call.dataset(form.static).drop_attrs(deep=False)
+        result = _plain_text(call.dataset(form.static).drop_attrs(deep=False))
         group = zarr.open_group(folder, mode="w", zarr_format=3)
         result.to_zarr(folder, mode="a", consolidated=False, zarr_format=3)
         for name, kind in form.kinds.items():
@@ -97,6 +97,12 @@ def _fill(folder, verb, call, chunks, form):
             "done", shape=(chunks.number,), chunks=(1,), dtype=bool, fill_value=False
         )
         zarr.consolidate_metadata(folder)
+
+
+def _plain_text(data):
+    """The same with labels as text of any length, the one kind that Zarr 3 has settled."""
+    texts = [name for name, value in data.coords.items() if value.dtype.kind == "U"]
+    return data.assign_coords({name: data[name].astype(object) for name in texts})
 
 
 def _add(group, name, kind, chunks):

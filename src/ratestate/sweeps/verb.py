@@ -87,8 +87,8 @@ def sweep(
     if chunk is not None and (isinstance(chunk, bool) or not isinstance(chunk, int) or chunk < 1):
         raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
     plan = Plan(name, call, chunk, client, device, progress)
-    with drive.place(device=device if client is None else "cpu"):
-        form = form_of(call)  # here, so that no thread needs to compile
+    with drive.place(device=device):
+        form = form_of(call, plan.run)  # before any threads, which need not compile then
         return _in_memory(plan, form) if store is None else _in_store(plan, form, Path(store))
 
 
@@ -102,11 +102,17 @@ class Plan(NamedTuple):
     device: str
     progress: bool
 
+    def run(self, function, *arguments):
+        """What a function returns, where the work is to be done."""
+        if self.client is None:
+            return function(*arguments)
+        return cluster.result(self.client, self.device, function, *arguments)
+
     def chunks(self, form):
         """`Chunks` of a sweep that begins; its arguments are checked case by case."""
         client, call = self.client, self.call
         workers = sum(client.nthreads().values()) if client else drive.cores()
-        cases = self.chunk or cases_of_a_chunk(call, form, max(1, workers), self.device)
+        cases = self.chunk or cases_of_a_chunk(call, form, max(1, workers), self.device, self.run)
         chunks = chunks_of(call.batch.sizes, cases)
         check(call, chunks)
         return chunks
