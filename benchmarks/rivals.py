@@ -10,7 +10,7 @@ import sys
 import warnings
 
 import numpy as np
-from numba import cfunc, njit
+from numba import cfunc, njit, prange
 from scipy.integrate import odeint, solve_ivp
 
 MAX_STEPS = 200_000  # far above what a lone problem takes; a stiff one can eat any number
@@ -133,6 +133,36 @@ def numbalsoda_solvers():
         "numbalsoda LSODA": solver(all_by_lsoda),
         "numbalsoda dop853": solver(all_by_dop853),
     }
+
+
+def lsoda_on_all_cores():
+    """numbalsoda's LSODA with the cases spread over the cores by prange; None if not installed."""
+    try:
+        import numbalsoda
+    except ImportError:
+        return None
+    lsoda = numbalsoda.lsoda
+
+    @cfunc(numbalsoda.lsoda_sig, error_model="numpy")
+    def rhs_c(t, u, du, p):
+        du[0], du[1], du[2] = rates(u[0], u[1], u[2], p)
+
+    @njit(error_model="numpy", parallel=True)
+    def march(address, y0, p, t, tol, most):
+        y, ok = np.empty_like(y0), np.empty(len(y0), np.bool_)
+        for i in prange(len(y0)):
+            u, ok[i] = lsoda(address, y0[i], t, p[i], tol, tol, most)
+            y[i] = u[-1]
+        return y, ok
+
+    def solve(problem, tol):
+        p, y0 = problem.numbers()
+        t = np.array([0.0, problem.t_end])
+        with quiet():
+            y, ok = march(rhs_c.address, y0, p, t, tol, 100 * MAX_STEPS)
+        return outcome(y, ok)
+
+    return solve
 
 
 @contextlib.contextmanager

@@ -15,15 +15,16 @@ import scheme
 import startup
 import steps
 import sweep
+import sweeps
 from report import CONSOLE, write
 from rivals import numbalsoda_solvers, scipy_solvers
 
-PARTS = {"a": steps, "b": accuracy, "c": sweep, "d": scheme, "e": startup, "f": cycles}
+PARTS = {"a": steps, "b": accuracy, "c": sweep, "d": scheme, "e": startup, "f": cycles, "g": sweeps}
 
 
 def main():
     parser = argparse.ArgumentParser(description="Benchmark of ratestate.")
-    parser.add_argument("parts", nargs="*", help="a b c d e f; all by default")
+    parser.add_argument("parts", nargs="*", help="a b c d e f g; all by default")
     parser.add_argument("--out", type=Path, default=Path("build/bench"), help="folder to write to")
     options = parser.parse_args()
     if unknown := set(options.parts) - set(PARTS):

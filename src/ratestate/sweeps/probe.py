@@ -14,7 +14,7 @@ from ..errors import RateStateError
 from .solve import bytes_of_a_case, kinds_of, solve
 
 # Cases to try, spread over the sweep.
-SAMPLE = 64
+SAMPLE = 256
 # Cases to try until one ends without an error.
 TRIALS = 8
 # Seconds after which to be content with a part of them.
