@@ -119,7 +119,7 @@ def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
     monkeypatch.setattr(probe, "seconds_of_a_case", lambda *_: seconds)
     call = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={}))
     form = probe.Form(KINDS, {})
-    assert probe.cases_of_a_chunk(call, form, workers, "cpu", here_and_now) == cases
+    assert probe.cases_of_a_chunk(call, form, workers, 1, "cpu", here_and_now) == cases
 
 
 def test_a_probe_stops_in_time():

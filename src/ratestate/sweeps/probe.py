@@ -87,11 +87,13 @@ def spread(sizes):
     return places
 
 
-def cases_of_a_chunk(call, form, workers, device, run):
-    """How many cases make a chunk for so many workers (cores).
+def cases_of_a_chunk(call, form, workers, least, device, run):
+    """How many cases make a chunk.
 
-    A short sweep is one chunk, on all cores; of a long one each worker gets several.
+    Of a long sweep each worker gets several.
 
+    workers : how many there are, each with one core
+    least : number of chunks of a sweep of a few seconds
     run : as for `form_of`
     """
     n = call.batch.n
@@ -107,7 +109,7 @@ def cases_of_a_chunk(call, form, workers, device, run):
     except Exception:  # a case of the sample took its worker down; what it costs is not known
         total = math.inf
     if total < 2.0 * workers * SECONDS[0]:
-        number = 1
+        number = least
     elif total < math.inf:
         seconds = float(np.clip(total / (SHARE * workers), *SECONDS))
         number = workers * math.ceil(total / (seconds * workers))

@@ -1,8 +1,10 @@
 """The verb `sweep`: another verb over as many cases as there are, and through any interruption."""
 
 import contextlib
+import dataclasses
+import functools
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -88,11 +90,11 @@ def sweep(
         raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
     plan = Plan(name, call, chunk, client, device, progress)
     with drive.place(device=device):
-        form = form_of(call, plan.run)  # before any threads, which need not compile then
-        return _in_memory(plan, form) if store is None else _in_store(plan, form, Path(store))
+        return _in_memory(plan) if store is None else _in_store(plan, Path(store))
 
 
-class Plan(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Plan:
     """What is to be done, by whom."""
 
     name: str  # of the verb
@@ -108,19 +110,30 @@ class Plan(NamedTuple):
             return function(*arguments)
         return cluster.result(self.client, self.device, function, *arguments)
 
-    def chunks(self, form):
+    @functools.cached_property
+    def form(self):
+        """`Form` of the result; found before any threads start, which need not compile then."""
+        return form_of(self.call, self.run)
+
+    @functools.cached_property
+    def chunks(self):
         """`Chunks` of a sweep that begins; its arguments are checked case by case."""
-        client, call = self.client, self.call
-        workers = sum(client.nthreads().values()) if client else drive.cores()
-        cases = self.chunk or cases_of_a_chunk(call, form, max(1, workers), self.device, self.run)
+        call, workers, least = self.call, drive.cores(), 1  # chunk, on all cores
+        if self.client is not None:
+            least = workers = max(1, sum(self.client.nthreads().values()))
+        cases = self.chunk or cases_of_a_chunk(
+            call, self.form, workers, least, self.device, self.run
+        )
         chunks = chunks_of(call.batch.sizes, cases)
         check(call, chunks)
         return chunks
 
-    def outcomes(self, form, chunks, store=None, done=None, failed=0):
-        """Do all chunks that are not done, and yield their `Outcome`s as they come."""
-        done = np.zeros(chunks.number, bool) if done is None else done
-        tasks = Tasks(chunks, form.kinds, store, self.device)
+    def outcomes(self, chunks, done, store=None, failed=0):
+        """Do all chunks that are not done, and yield their `Outcome`s as they come.
+
+        failed : number of cases that failed in those that are
+        """
+        tasks = Tasks(chunks, self.form.kinds, store, self.device)
         numbers = np.flatnonzero(~done).tolist()
         label = f"sweep of {self.name}"
         with Report(label, chunks, done, failed, quiet=not self.progress) as report:
@@ -134,16 +147,16 @@ class Plan(NamedTuple):
                     yield outcome
 
 
-def _in_memory(plan, form):
+def _in_memory(plan):
     """The result, put together from its chunks."""
-    chunks = plan.chunks(form)
+    chunks, kinds = plan.chunks, plan.form.kinds
     try:
-        variables = {name: kind.empty(plan.call.batch.sizes) for name, kind in form.kinds.items()}
+        variables = {name: kind.empty(chunks.sizes) for name, kind in kinds.items()}
     except MemoryError:
         raise ParameterError(
             f"the result of {plan.call.batch.n:,} cases does not fit into memory; give a store"
         ) from None
-    for outcome in plan.outcomes(form, chunks):
+    for outcome in plan.outcomes(chunks, np.zeros(chunks.number, bool)):
         places = chunks.places(outcome.chunk)
         for name, found in outcome.variables.items():
             where = tuple(places.get(dim, slice(None)) for dim in found.dims)
@@ -151,12 +164,12 @@ def _in_memory(plan, form):
     return plan.call.dataset(variables)
 
 
-def _in_store(plan, form, path):
+def _in_store(plan, path):
     """The store, made or gone on with, when all is done."""
     if not path.exists():
-        create(path, plan.name, plan.call, plan.chunks(form), form)
+        create(path, plan.name, plan.call, plan.chunks, plan.form)
     with opened(path, plan.name, plan.call, plan.chunk) as store:
-        failed = held(path).failed
-        for _ in plan.outcomes(form, store.chunks, path, store.done, failed):
-            pass
+        if not store.done.all():
+            for _ in plan.outcomes(store.chunks, store.done, path, held(path).failed):
+                pass
     return result_of(path)
