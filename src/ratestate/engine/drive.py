@@ -68,7 +68,7 @@ def run(method, law, cases, loads, save_times, order, alone, progress=None):
         from . import cuda
 
         return cuda.run(law, cases, loads, save_times, order, progress, _place.get().stop)
-    results = _results(len(cases.beta), save_times.shape[1])
+    results = empty_results(len(cases.beta), save_times.shape[1])
     fixed = (cases, loads, save_times, results, np.empty((0, 4)))
 
     def worker(queue):
@@ -139,7 +139,7 @@ def _share(order, worker, progress=None):
 
 def run_path(method, law, cases, loads, progress=None):
     """March the one case and keep every step: (m, 4) T, x, v, psi from t = 0 on, and Results."""
-    results = _results(1, 0)
+    results = empty_results(1, 0)
     buffer = np.empty((PATH_ROWS, 4))
     fixed = (cases, loads, np.empty((1, 0)), results, buffer)
     worker = _Worker(march, R.SIZE, (method, law, True), np.zeros(1, np.int64), fixed)
@@ -174,7 +174,7 @@ class _Worker:
         return self.kernel(*self.arguments, BUDGET)
 
 
-def _results(n, n_times):
+def empty_results(n, n_times):
     return Results(
         np.full((n, 3), np.nan),
         np.full((n, n_times, 3), np.nan),

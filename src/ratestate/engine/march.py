@@ -80,7 +80,8 @@ def load(s, l, law, i, cases, loads, save_times, results):
     enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i])
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
-        results.saved[i, n] = cases.y[i]
+        for component in range(3):
+            results.saved[i, n, component] = cases.y[i, component]
         n += 1
     await_save(s, l, n, save_times, row, scale)
 

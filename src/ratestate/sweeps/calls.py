@@ -69,11 +69,15 @@ def check(call, chunks):
 DEVICES = ("cpu", "cuda")
 
 
-def check_device(name, call, device):
-    """Raise ParameterError unless this device can do the call."""
+def check_device(name, call, device, here):
+    """Raise ParameterError unless this device can do the call, and, if it is to be here, exists."""
     if device not in DEVICES:
         raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
     if device == "cuda" and name == "stability":
         raise ParameterError("device = 'cuda': stability is in closed form; leave device out")
     if device == "cuda" and name == "simulate" and call.method != "rodas5p":
         raise ParameterError(f"device = 'cuda' knows rodas5p only, not method = {call.method!r}")
+    if device == "cuda" and here:
+        from ..engine import cuda
+
+        cuda.check()

@@ -9,7 +9,7 @@ import xarray
 from ..arrays import cut
 from ..engine.drive import Stopped
 from ..engine.model import CRASHED, FINISHED, STATUSES, STEADY_SLIDING
-from ..errors import ParameterError
+from ..errors import RateStateError
 from ..quantities import attrs
 from .chunks import halves
 
@@ -60,7 +60,7 @@ def solve(call, kinds=None, progress=None):
     """
     try:
         return with_messages(call.run(progress), call.batch)
-    except (Stopped, ParameterError):  # of no single case
+    except (Stopped, RateStateError):  # of no single case
         raise
     except Exception as error:
         if kinds is None:

@@ -85,7 +85,7 @@ def sweep(
     (12, 120)
     """
     name, call = call_of(verb, slider, arguments)
-    check_device(name, call, device)
+    check_device(name, call, device, client is None)
     if chunk is not None and (isinstance(chunk, bool) or not isinstance(chunk, int) or chunk < 1):
         raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
     plan = Plan(name, call, chunk, client, device, progress)

@@ -1,0 +1,151 @@
+"""Driving the march on an NVIDIA GPU: arrays there and back, launches, progress, interruption.
+
+Nothing here imports CUDA until it is asked to run.
+"""
+
+import importlib.util
+import time
+import warnings
+from typing import Any
+
+import numpy as np
+
+from ..errors import ParameterError, SolverError
+from . import config
+from . import rows as R
+from .drive import Stopped, empty_results
+from .march import IDLE
+from .model import RUNNING
+from .return_map import RETURN_NUMBERS, Returns
+
+# One warp a block: threads share nothing, and the finer a batch of a few thousand cases is cut, the
+# more evenly it spreads over the multiprocessors.
+BLOCK = 32
+# Of warps on a multiprocessor.  A step keeps its eight stages in registers, and so takes all 255
+# that a thread can have: 65,536 // (255 -> 256 x 32) = 8.  More would wait for their turn with
+# cases in their hands, and these are the last to finish.
+RESIDENT = 8
+# Seconds a launch should take: often enough for a progress bar and for Ctrl-C, and a hundred times
+# what it takes to launch.  The least budget is a few ms even where doubles are slow.
+SLICE = 0.05
+LEAST_BUDGET = 64
+GROWTH = 4
+
+
+def check():
+    """Raise ParameterError, with the remedy, where there is no GPU to run on."""
+    if reason := _missing():
+        raise ParameterError(
+            "device = 'cuda' needs an NVIDIA GPU with its driver, and numba-cuda: pip install"
+            f" 'ratestate[gpu]'; not found here: {reason}; leave device out to run on the CPU"
+        )
+
+
+def _missing():
+    """What there is none of, or nothing."""
+    if not config.ENABLE_CUDASIM and importlib.util.find_spec("numba_cuda") is None:
+        return "numba-cuda"
+    cuda = _numba_cuda()
+    if cuda.is_available():
+        return ""
+    # no driver, or no device; without words: no compiler
+    error = str(cuda.cuda_error() or "the CUDA toolkit (NVVM)")
+    return "; ".join(line.strip().rstrip(".:") for line in error.splitlines() if line.strip(" :"))
+
+
+def _numba_cuda() -> Any:
+    """The module `numba.cuda`: that of numba-cuda, or the simulator's."""
+    from numba import cuda
+
+    return cuda
+
+
+def run(law, cases, loads, save_times, order, progress=None, stop=None):
+    """March all cases by Rodas5P; parameters and `Results` as for `drive.run`.
+
+    stop : threading.Event, optional; `drive.Stopped` is raised soon after it is set
+    """
+    check()
+    from . import cuda_kernels
+
+    n, n_times = len(cases.beta), save_times.shape[1]
+    if n_times == 0:  # for arrays without elements numba would compile anew: a time never reached
+        save_times = np.full((len(save_times), 1), np.inf)
+    results = empty_results(n, save_times.shape[1])
+    kernel = cuda_kernels.march(law)
+    _work(kernel, R.SIZE, order, (cases, loads, save_times), results, progress, stop)
+    return results._replace(saved=results.saved[:, :n_times])
+
+
+def run_returns(law, starts, stop=None):
+    """Take all cases to their next upward crossing of the section; `Returns` (return_map.py).
+
+    law, stop : as for `run`
+    starts : Starts (return_map.py)
+    """
+    check()
+    from . import cuda_kernels
+
+    n = len(starts.beta)
+    returns = Returns(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
+    kernel = cuda_kernels.return_map(law)
+    _work(kernel, R.RETURN_SIZE, np.arange(n), (starts,), returns, None, stop)
+    return returns
+
+
+def _work(kernel, size, order, given, found, progress, stop):
+    """Launch the kernel until all cases are done; what it found is copied into `found`."""
+    if len(order) == 0:
+        return
+    try:
+        _launch(kernel, size, order, given, found, progress, stop)
+    except Exception as error:
+        if not _of_cuda(error):
+            raise
+        raise SolverError(
+            f"the GPU failed ({error}); if its memory is what lacks, give a smaller chunk; without "
+            f"device='cuda' the CPU does the work"
+        ) from error
+
+
+def _launch(kernel, size, order, given, found, progress, stop):
+    """`_work`, whatever goes wrong."""
+    n = len(order)
+    cuda = _numba_cuda()
+    capacity = RESIDENT * cuda.current_context().device.MULTIPROCESSOR_COUNT
+    blocks = min(-(-n // BLOCK), capacity)
+    rows = -(-blocks * BLOCK // R.LANES)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Grid size")  # a small batch makes a small grid
+        launch = kernel[blocks, BLOCK]
+    position, there = np.zeros(2, np.int64), _to_device(found)
+    buffers = cuda.to_device(np.full((rows, size), IDLE))
+    queue, counts = _to_device(order), cuda.to_device(position)
+    rest = (*map(_to_device, given), there)
+    budget = LEAST_BUDGET
+    while position[1] < n:
+        if stop and stop.is_set():
+            raise Stopped
+        under_way = cuda.to_device(np.zeros(1))
+        start = time.perf_counter()
+        launch(buffers, queue, counts, under_way, *rest, budget)
+        counts.copy_to_host(position)  # waits
+        pace = SLICE / (time.perf_counter() - start)
+        budget = max(LEAST_BUDGET, int(budget * min(pace, GROWTH)))
+        if progress:
+            part = np.nan_to_num(under_way.copy_to_host()[0])
+            progress(min(1.0, (position[1] + part) / n))
+    for here, array in zip(found, there, strict=True):
+        array.copy_to_host(here)
+
+
+def _of_cuda(error):
+    """Whether an exception comes from CUDA itself: its memory, its driver, its compiler."""
+    return "cuda" in type(error).__module__
+
+
+def _to_device(arrays):
+    """The array, or the named tuple of arrays, in the GPU's memory."""
+    if isinstance(arrays, tuple):
+        return type(arrays)(*map(_to_device, arrays))
+    return _numba_cuda().to_device(np.ascontiguousarray(arrays))

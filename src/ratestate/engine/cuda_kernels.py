@@ -1,0 +1,107 @@
+"""The CUDA kernels: the engine's own functions of (lane buffer, lane), one slider a thread.
+
+numba-cuda compiles the functions that numba compiled for the CPU, from the same source, so that
+not one formula stands here: only what `march.march` and `return_map.return_map` do with a lane,
+in their order.  Thread t works in lane t % LANES of row t // LANES of `buffers`.  A row of the lane
+buffer is then 16 neighbouring doubles, and what a warp reads or writes of it, two whole lines of
+128 bytes.
+
+A thread whose case is done takes the next of the queue, as a lane does on the CPU: cases differ
+in cost by orders of magnitude, and a warp is as slow as its slowest thread.  A launch ends after
+`budget` steps at the latest and what is under way stays in `buffers`; so the host can look up,
+and no display driver loses patience.
+
+A kernel is made for one law, so that only that law's step is in it.  With both in it, and a
+branch between them, it would have twice the code to keep in the instruction cache.
+"""
+
+import functools
+from typing import Any
+
+from numba import cuda as numba_cuda
+
+from . import lanes as L
+from . import return_map as M
+from . import rows as R
+from .events import attend
+from .march import IDLE, finish, load, save, turn
+from .model import RUNNING
+
+cuda: Any = numba_cuda  # which of its two modules it is, is known at run time
+
+
+@functools.cache
+def march(law):
+    """The kernel of `march.march` by Rodas5P for the law with this code."""
+
+    @cuda.jit
+    def march_on_gpu(
+        buffers, queue, position, under_way, cases, loads, save_times, results, budget
+    ):
+        """March the cases of a queue.
+
+        Parameters
+        ----------
+        buffers : (rows, SIZE) the lanes; CASE = IDLE in those that are free
+        queue : (n,) case numbers, in the order in which to start them
+        position : (2,) int64: next in queue; cases done
+        under_way : (1,) to which the fractions done of unfinished cases are added
+        budget : int, steps a thread
+        """
+        t = cuda.grid(1)
+        s, l = buffers[t // R.LANES], t % R.LANES
+        for _ in range(budget):
+            if s[R.CASE + l] == IDLE:
+                n = cuda.atomic.add(position, 0, 1)
+                if n >= queue.size:
+                    return
+                load(s, l, law, queue[n], cases, loads, save_times, results)
+            L.try_step(s, l, law)
+            L.judge(s, l)
+            L.needs_attention(s, l, law)
+            if s[R.CALL + l] > 0.0:
+                attend(s, l, law)
+                if L.saves(s, l):
+                    save(s, l, cases, save_times, results.saved)
+            L.commit_lane(s, l)
+            if s[R.TURN + l] > 0.0:
+                turn(s, l, law, cases, loads)
+                if s[R.STATUS + l] != RUNNING:
+                    finish(s, l, cases, results)
+                    cuda.atomic.add(position, 1, 1)
+        if s[R.CASE + l] != IDLE:
+            cuda.atomic.add(under_way, 0, s[R.T + l] / s[R.T_END + l])
+
+    return march_on_gpu
+
+
+@functools.cache
+def return_map(law):
+    """The kernel of `return_map.return_map` for the law with this code."""
+
+    @cuda.jit
+    def return_map_on_gpu(buffers, queue, position, under_way, starts, returns, budget):
+        """Take the cases of a queue to their next upward crossing of the section.
+
+        Parameters as for `march`'s; how far an unfinished case has come is not known.
+        """
+        t = cuda.grid(1)
+        s, l = buffers[t // R.LANES], t % R.LANES
+        for _ in range(budget):
+            if s[R.CASE + l] == IDLE:
+                n = cuda.atomic.add(position, 0, 1)
+                if n >= queue.size:
+                    return
+                M.load(s, l, law, queue[n], starts)
+            M.try_step(s, l, law)
+            L.judge(s, l)
+            L.needs_attention(s, l, law)
+            if s[R.CALL + l] > 0.0:
+                M.attend(s, l, law)
+            L.commit_lane(s, l)
+            M.commit_lane(s, l, law)
+            if s[R.TURN + l] > 0.0:
+                M.finish(s, l, law, returns)
+                cuda.atomic.add(position, 1, 1)
+
+    return return_map_on_gpu
