@@ -6,7 +6,7 @@ UV_VERSION := 0.13.9
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
-.PHONY: help setup figures test check bench lock clean
+.PHONY: help setup figures test check bench torture lock clean
 .DEFAULT_GOAL := help
 
 help: ## show these targets
@@ -29,6 +29,9 @@ check: .venv/.ready ## lint, formatting, types, direction of imports
 
 bench: .venv/.ready ## run the benchmark
 	$(BIN)/python benchmarks/run.py $(ARGS)
+
+torture: .venv/.ready ## kill a sweep 30 times, and see that nothing is lost; ARGS="--kills 100 --seed 1"
+	$(BIN)/python tests/torture.py $(ARGS)
 
 lock: .venv/.uv-$(UV_VERSION) ## bring requirements.lock up to pyproject.toml; newest versions: ARGS=--upgrade
 	$(UV) pip compile pyproject.toml --extra test --extra check --extra bench \

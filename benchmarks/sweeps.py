@@ -15,9 +15,9 @@ from timing import cpu, interleaved, one_core, wall
 import ratestate as rs
 from ratestate.atlas import ETA, STIFFNESS
 
-SIDE = 240  # of the grid of limit cycles
+SIDE = 160  # of the grid of limit cycles
 CASES, CHUNK = 40_000, 10_000  # for the store
-TURNS = 5
+TURNS = 3
 
 
 def run(_rivals):

@@ -92,8 +92,9 @@ class Batch:
         V_lp is one even if all cases share it: results say at which speed they hold.
         """
         coords: dict = {}
-        if "V_lp" in self.values and not is_array(self.values["V_lp"]):
-            coords["V_lp"] = ((), self.values["V_lp"], attrs("V_lp"))
+        V_lp = self.values.get("V_lp")
+        if not (V_lp is None or is_array(V_lp) or "V_lp" in self.dims):
+            coords["V_lp"] = ((), V_lp, attrs("V_lp"))
         taken = RESERVED | set(taken)
         for symbol, value in self.values.items():
             if is_array(value):

@@ -40,7 +40,7 @@ def _leaves(value, name=""):
     for key, part in value.items():
         # the slider's parameters are known by their symbols
         inside = f"{name} {key}" if name and name != "slider" else key
-        yield from _leaves(part, inside)
+        yield from _leaves(part, inside.removesuffix("_initial"))
 
 
 def checksum(inputs):

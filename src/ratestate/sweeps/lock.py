@@ -3,6 +3,7 @@
 import contextlib
 import fcntl
 import os
+import shutil
 import warnings
 
 from ..errors import StoreError
@@ -45,23 +46,37 @@ def alone(path, store):
 
 
 def hold(folder):
-    """Mark a folder as in use, for as long as this process lives; a handle to close afterwards."""
-    handle = os.open(folder, os.O_RDONLY)
-    with contextlib.suppress(OSError):
+    """Mark a folder as in use, for as long as this process lives; a handle to close afterwards.
+
+    None: another process has taken it for one that a kill left, and removes it.
+    """
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except FileNotFoundError:
+        return None
+    try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        return None
+    except OSError:  # some network file systems know no locks, and nobody removes anything there
+        return handle
+    if not folder.exists():
+        os.close(handle)
+        return None
     return handle
 
 
-def abandoned(folder):
-    """Whether the process that marked this folder is gone."""
+def remove_if_abandoned(folder):
+    """Remove a folder if the process that marked it is gone."""
     try:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:
-        return False
+        return
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        shutil.rmtree(folder, ignore_errors=True)  # held, so that nobody begins to use it
     except OSError:
-        return False
+        pass
     finally:
         os.close(handle)
-    return True

@@ -37,16 +37,17 @@ def held(path):
     """
     import zarr
 
-    from .store import read
+    from .store import damage_told, read
 
     path = Path(path)
     inside, _ = read(path)
     chunks = Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
-    status, done = zarr.open_array(path / "status", mode="r"), inside["done"][:]
     number: Counter = Counter()
-    for i in np.flatnonzero(done):
-        codes, counts = np.unique(status[tuple(chunks.places(i).values())], return_counts=True)
-        number.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
+    with damage_told(path):
+        status, done = zarr.open_array(path / "status", mode="r"), inside["done"][:]
+        for i in np.flatnonzero(done):
+            codes, counts = np.unique(status[tuple(chunks.places(i).values())], return_counts=True)
+            number.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
     return Held(
         path,
         inside.attrs["verb"],

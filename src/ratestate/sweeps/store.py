@@ -9,27 +9,20 @@ place and renames it, so that a file is whole or absent.
 import contextlib
 import json
 import os
-import shutil
-import tempfile
-import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
 import zarr
-from zarr.codecs import ZstdCodec
 
 from ..dataset import versions
 from ..errors import StoreError
 from .chunks import Chunks, chunks_of
 from .inputs import checksum, differences, inputs_of
-from .lock import abandoned, alone, hold
+from .lock import alone
 
 INSIDE = "sweep"
-PENDING = -1  # status of a case that has not been done
-# Damage is told by a checksum in each file; more effort would hardly make them smaller.
-CODEC = ZstdCodec(level=0, checksum=True)
 
 
 class Store(NamedTuple):
@@ -40,90 +33,8 @@ class Store(NamedTuple):
     done: np.ndarray  # (chunks,) bool
 
 
-def create(path, verb, call, chunks, form):
-    """Make a store without results, in a temporary sibling that is renamed when it is whole.
-
-    Raises
-    ------
-    StoreError
-        The place cannot be written to, or has been taken meanwhile.
-    """
-    try:
-        for sibling in path.parent.glob(f".{path.name}.*.partial"):
-            if abandoned(sibling):
-                shutil.rmtree(sibling, ignore_errors=True)
-        temporary = Path(tempfile.mkdtemp(".partial", f".{path.name}.", path.parent))
-        handle = hold(temporary)
-        try:
-            _fill(temporary, verb, call, chunks, form)
-            temporary.chmod(0o777 & ~_umask())
-            _to_disk(file for file in [temporary, *temporary.rglob("*")])
-            temporary.rename(path)
-            _to_disk([path.parent])
-        finally:
-            os.close(handle)
-            shutil.rmtree(temporary, ignore_errors=True)
-    except OSError as error:
-        raise StoreError(
-            f"{path} cannot be made ({error.strerror}); give a store that does not exist yet, in "
-            f"a folder that does, where you may write and there is room"
-        ) from error
-
-
-def _fill(folder, verb, call, chunks, form):
-    """Write all that a new store holds into a folder."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # text and joined metadata are new in Zarr 3
-        result = _plain_text(call.dataset(form.static).drop_attrs(deep=False))
-        group = zarr.open_group(folder, mode="w", zarr_format=3)
-        result.to_zarr(folder, mode="a", consolidated=False, zarr_format=3)
-        for name, kind in form.kinds.items():
-            if name not in form.static:
-                _add(group, name, kind, chunks)
-        attributes = call.dataset({}).attrs
-        beside = {*result.coords, *({"t"} & form.kinds.keys())} - {*result.dims}
-        group.attrs.update(attributes | {"coordinates": " ".join(sorted(beside))})
-        inputs = inputs_of(verb, call)
-        inside = group.create_group(INSIDE)
-        inputs.to_zarr(folder, group=f"{INSIDE}/inputs", consolidated=False, zarr_format=3)
-        inside.attrs.update(
-            verb=verb,
-            sizes=chunks.sizes,
-            chunk=list(chunks.shape),
-            checksum=checksum(inputs),
-            versions=json.loads(versions()),
-        )
-        inside.create_array(
-            "done", shape=(chunks.number,), chunks=(1,), dtype=bool, fill_value=False
-        )
-        zarr.consolidate_metadata(folder)
-
-
-def _plain_text(data):
-    """The same with labels as text of any length, the one kind that Zarr 3 has settled."""
-    texts = [name for name, value in data.coords.items() if value.dtype.kind == "U"]
-    return data.assign_coords({name: data[name].astype(object) for name in texts})
-
-
-def _add(group, name, kind, chunks):
-    """An array for a variable, a file a chunk."""
-    sizes, shape = chunks.sizes, dict(zip(chunks.sizes, chunks.shape, strict=True))
-    text = kind.dtype == object
-    fill: Any = PENDING if name == "status" else kind.missing
-    group.create_array(
-        name,
-        shape=[{**sizes, **kind.own}[dim] for dim in kind.dims],
-        chunks=[{**shape, **kind.own}[dim] for dim in kind.dims],
-        dtype=str if text else kind.dtype,
-        fill_value=fill,
-        dimension_names=kind.dims,
-        attributes={k: v.tolist() if hasattr(v, "tolist") else v for k, v in kind.attrs.items()},
-        compressors=[CODEC],
-    )
-
-
 @contextlib.contextmanager
-def opened(path, verb, call, chunk):
+def opened(path, verb, call, chunk, device):
     """The `Store` at a path, for this sweep and no other at a time.
 
     Raises
@@ -137,6 +48,8 @@ def opened(path, verb, call, chunk):
         chunks = Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
         lines = _versions_differ(inside.attrs["versions"])
         lines += differences(inputs, inputs_of(verb, call))
+        if device != inside.attrs["device"]:
+            lines.append(f"device: {inside.attrs['device']} in the store, {device} now")
         if chunk is not None and chunks_of(chunks.sizes, chunk).shape != chunks.shape:
             lines.append(f"chunk: blocks of {chunks.shape} cases in the store, chunk={chunk} now")
         if lines:
@@ -147,27 +60,36 @@ def opened(path, verb, call, chunk):
             )
         for partial in path.rglob("*.partial"):
             partial.unlink(missing_ok=True)
-        yield Store(path, chunks, inside["done"][:])
+        with damage_told(path):
+            done = inside["done"][:]
+        yield Store(path, chunks, done)
 
 
-def read(path):
-    """The group with what is known of a sweep, and its inputs; StoreError if that is damaged."""
+@contextlib.contextmanager
+def damage_told(path):
+    """Make a StoreError of all that reading a store that is none, or damaged, may raise."""
     try:
-        inside: Any = zarr.open_group(path / INSIDE, mode="r", use_consolidated=False)
-        with xarray.open_zarr(
-            path, group=f"{INSIDE}/inputs", chunks=None, consolidated=False, decode_cf=False
-        ) as data:
-            inputs = data.load()
-        whole = checksum(inputs) == inside.attrs["checksum"] and {"sizes", "chunk", "versions"} <= {
-            *inside.attrs
-        }
+        yield
+    except StoreError:
+        raise
     except PermissionError as error:
         raise StoreError(f"{path} cannot be read ({error.strerror})") from error
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         raise StoreError(
             f"{path} is no store of a sweep, or a damaged one ({error}); give another path"
         ) from error
-    if not whole:
+
+
+def read(path):
+    """The group with what is known of a sweep, and its inputs; StoreError if that is damaged."""
+    with damage_told(path):
+        inside: Any = zarr.open_group(path / INSIDE, mode="r", use_consolidated=False)
+        with xarray.open_zarr(
+            path, group=f"{INSIDE}/inputs", chunks=None, consolidated=False, decode_cf=False
+        ) as data:
+            inputs = data.load()
+        known = {"verb", "sizes", "chunk", "device", "checksum", "versions"} <= {*inside.attrs}
+    if not known or checksum(inputs) != inside.attrs["checksum"]:
         raise StoreError(f"{path}: its record of the parameters is damaged; give another path")
     return inside, inputs
 
@@ -211,28 +133,24 @@ def _write(path, chunks, i, variables):
             array[tuple(places.get(dim, slice(None)) for dim in variable.dims)] = variable.values
             key = array.metadata.encode_chunk_key(tuple(index.get(dim, 0) for dim in variable.dims))
             files.append(path / name / key)
-    _to_disk(files)
+    to_disk(files, path)
     done = group[f"{INSIDE}/done"]
     done[i] = True
-    _to_disk([path / INSIDE / "done" / done.metadata.encode_chunk_key((i,))])
+    to_disk([path / INSIDE / "done" / done.metadata.encode_chunk_key((i,))], path)
 
 
-def _to_disk(files):
+def to_disk(files, top=None):
     """Have the system write these files, and the folders that name them, to the disk itself."""
     files = [file for file in files if file.exists()]  # zarr leaves out files of fill values
-    for file in {*files, *(file.parent for file in files)}:
+    folders = {file.parent for file in files}
+    if top:
+        folders = {one for file in files for one in file.parents if top in one.parents}
+    for file in {*files, *folders}:
         handle = os.open(file, os.O_RDONLY)
         try:
             os.fsync(handle)
         finally:
             os.close(handle)
-
-
-def _umask():
-    """The mode bits that new files lack."""
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask
 
 
 def result_of(path):

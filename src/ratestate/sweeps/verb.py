@@ -14,9 +14,10 @@ from . import cluster, here
 from .bar import Report
 from .calls import call_of, check, check_device
 from .chunks import chunks_of
+from .create import create, tidy
 from .probe import cases_of_a_chunk, form_of
 from .status import held
-from .store import create, opened, result_of
+from .store import damage_told, opened, result_of
 from .task import Tasks
 
 
@@ -166,9 +167,12 @@ def _in_memory(plan):
 
 def _in_store(plan, path):
     """The store, made or gone on with, when all is done."""
-    if not path.exists():
-        create(path, plan.name, plan.call, plan.chunks, plan.form)
-    with opened(path, plan.name, plan.call, plan.chunk) as store:
+    tidy(path)
+    with damage_told(path):
+        there = path.exists()
+    if not there:
+        create(path, plan.name, plan.call, plan.chunks, plan.form, plan.device)
+    with opened(path, plan.name, plan.call, plan.chunk, plan.device) as store:
         if not store.done.all():
             for _ in plan.outcomes(store.chunks, store.done, path, held(path).failed):
                 pass
