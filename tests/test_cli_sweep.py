@@ -98,7 +98,7 @@ def sweeps(monkeypatch, tmp_path):
     stand_ins = {
         "verb": {"sweep": sweep},
         "status": {"held": held, "failures": failures},
-        "cluster": {"slurm_cluster": Cluster, "client_of": contextlib.nullcontext},
+        "connect": {"slurm_cluster": Cluster, "client_of": contextlib.nullcontext},
     }
     for name, functions in stand_ins.items():
         module = types.ModuleType(f"ratestate.sweeps.{name}")

@@ -7,6 +7,7 @@ from importlib.metadata import version
 import numpy as np
 import xarray
 
+from .engine import DIGEST
 from .engine.model import STATUSES
 from .errors import ParameterError
 from .units import is_array
@@ -34,7 +35,8 @@ def provenance(verb, slider, **settings):
 @functools.cache
 def versions():
     """Versions of what makes the numbers, as JSON; looking them up takes a millisecond."""
-    return json.dumps({name: version(name) for name in ("ratestate", "numba", "numpy")})
+    programs = {name: version(name) for name in ("ratestate", "numba", "numpy")}
+    return json.dumps(programs | {"kernels": DIGEST})
 
 
 # An attribute of a NetCDF file holds 64 KiB; longer lists go into variables.

@@ -51,8 +51,8 @@ def sweep(
         str | None,
         typer.Option(
             metavar="OPTIONS",
-            help="Run in SLURM jobs, such as jobs=10,cores=16,memory=8GB; also walltime=02:00:00, "
-            "queue=NAME, account=NAME.",
+            help="Run in SLURM jobs, such as jobs=10,cores=16,memory=32GB; also walltime=02:00:00, "
+            "queue=NAME, account=NAME, processes=N, interface=ib0.",
         ),
     ] = None,
     job_script: Annotated[
@@ -113,20 +113,20 @@ def _client(scheduler: str | None, slurm: str | None) -> Iterator[Any]:
     """The Dask client asked for, closed in the end; None for threads of this process."""
     with contextlib.ExitStack() as until_done:
         if slurm:
-            from ..sweeps.cluster import slurm_cluster
+            from ..sweeps.connect import slurm_cluster
 
             scheduler = until_done.enter_context(slurm_cluster(slurm)).scheduler_address
         if not scheduler:
             yield None
             return
-        from ..sweeps.cluster import client_of
+        from ..sweeps.connect import client_of
 
         yield until_done.enter_context(client_of(scheduler))
 
 
 def _print_job_script(slurm: str) -> None:
     """Print what --slurm submits, without submitting it."""
-    from ..sweeps.cluster import slurm_cluster
+    from ..sweeps.connect import slurm_cluster
 
     with slurm_cluster(slurm, start=False) as cluster:
         typer.echo(cluster.job_script())

@@ -17,11 +17,15 @@ from numba import config as numba_config
 config: Any = numba_config  # numba sets its attributes at run time
 
 
-def _cache_folder():
-    """The folder for these sources, or a temporary one where the usual place is read-only."""
+def _digest():
+    """A hash of all sources of the kernels."""
     here = Path(__file__).parent
     sources = [here.parent / "laws.py", *sorted(here.glob("*.py"))]
-    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+
+
+def _cache_folder(digest):
+    """The folder for these sources, or a temporary one where the usual place is read-only."""
     base = config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(base) / "ratestate" / f"kernels-{digest}"
     try:
@@ -44,7 +48,8 @@ def _cached_in(folder):
         config.CACHE_DIR = before
 
 
-CACHE = _cache_folder()
+DIGEST = _digest()
+CACHE = _cache_folder(DIGEST)
 
 with _cached_in(CACHE):
     # importing is what binds their caches

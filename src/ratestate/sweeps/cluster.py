@@ -1,164 +1,208 @@
-"""Chunks of a sweep on a Dask cluster, on SLURM if need be."""
+"""Chunks of a sweep on the workers of a Dask cluster, whatever happens to these."""
 
+import contextlib
 import itertools
+import pickle
+import queue
+import sys
+import time
+from typing import Any, NamedTuple
 
 from ..arrays import cut
 from ..dataset import versions
 from ..engine import drive
-from ..errors import ParameterError, SolverError
-from .chunks import halves
-from .solve import joined, lost, solve
+from ..errors import RateStateError, SolverError
+from .apart import Apart
 from .task import do_elsewhere
 
 # Chunks sent ahead for each thread of the cluster, so that none waits for the next.
 AHEAD = 2
-# Halvings of a chunk that took its worker down before parts are tried again: each try of the bad
-# one costs the lives of several workers.
-HALVINGS = 4
+# Seconds between two looks at what has finished; between two at who is there; until it is said
+# that nobody is.
+TICK, LOOK, PATIENCE = 0.05, 1.0, 3.0
 
 
 def outcomes(client, tasks, call, numbers, report):
     """Do the chunks with these numbers, and yield their `Outcome`s as they come.
 
-    Dask repeats what a lost worker did.  A chunk whose workers die again and again is set aside,
-    and divided, when all else is done, until the case that does it is found.
+    A chunk that was on a worker when it died is done again `Apart`, where it can kill no other.
     """
-    from distributed import KilledWorker, as_completed
+    from distributed import CancelledError, KilledWorker
 
-    queue, suspects, futures = iter(numbers), [], {}
+    waiting, apart = iter(numbers), set[int]()
 
-    def submit(i):
-        part = cut(call, tasks.chunks.places(i))
-        future = client.submit(do_elsewhere, tasks, i, part, versions(), pure=False)
-        futures[future] = i
-        return future
+    def send(i):
+        how = Apart(*tasks) if i in apart else tasks
+        work.send(i, do_elsewhere, how, i, cut(call, tasks.chunks.places(i)), versions())
 
-    try:
-        ready = as_completed()
-        for i in itertools.islice(queue, AHEAD * max(1, sum(client.nthreads().values()))):
-            ready.add(submit(i))
-        for future in ready:
-            i = futures.pop(future)
-            for following in itertools.islice(queue, 1):
-                ready.add(submit(following))
-            if future.status == "cancelled":
-                raise SolverError("the cluster gave up its tasks; what is done is stored")
-            if isinstance(future.exception(), KilledWorker):
-                suspects.append(i)
-            else:
-                yield future.result()
+    with _connected(), contextlib.closing(_Work(client)) as work:
+        while True:
+            room = AHEAD * max(1, work.threads()) - len(work.under_way)
+            for i in itertools.islice(waiting, max(0, room)):
+                send(i)
+            if not work.under_way:
+                return
+            for i in work.bereft(but=apart):
+                apart.add(i)
+                send(i)
+            for i, future in work.finished():
+                try:
+                    outcome = future.result()
+                except KilledWorker as error:
+                    if i in apart:
+                        raise SolverError(_OVERWHELMED) from error
+                    apart.add(i)
+                    send(i)
+                except (RateStateError, CancelledError):
+                    raise
+                except Exception as error:
+                    raise _useless(error) from error
+                else:
+                    yield outcome
             report.show()
-        for i in suspects:
-            part = cut(call, tasks.chunks.places(i))
-            yield tasks.outcome(i, _divided(client, part, tasks))
-    finally:
-        client.cancel(list(futures))
 
 
-def _divided(client, part, tasks, level=0):
-    """Variables of a part of which some cases take their worker down."""
-    from distributed import KilledWorker
+def _useless(error):
+    return SolverError(
+        f"a worker cannot do its work ({type(error).__name__}: {error}); it needs the same "
+        f"programs as this process; its log may say more"
+    )
 
-    if level % HALVINGS == 0 or part.batch.n == 1:
-        try:
-            return result(client, tasks.device, solve, part, tasks.kinds)
-        except KilledWorker as error:
-            if part.batch.n == 1:
-                return lost(part, tasks.kinds, f"{type(error).__name__}: its workers died")
-    dim, pieces = halves(part.batch.sizes)
-    parts = [_divided(client, cut(part, piece), tasks, level + 1) for piece in pieces]
-    return joined(parts, dim)
+
+_OVERWHELMED = (
+    "workers die, one after the other, and not of single cases; give them more memory, or the "
+    "sweep a smaller chunk; what is stored is whole"
+)
 
 
 def result(client, device, function, *arguments):
     """What a function returns that a worker calls, with its kernels on one thread."""
-    return client.submit(_placed, device, function, *arguments, pure=False).result()
+    from distributed import CancelledError, KilledWorker
+
+    with _connected(), contextlib.closing(_Work(client)) as work:
+        work.send(0, do_elsewhere, _Call(device, function, arguments), None, None, versions())
+        while not (ended := work.finished()):
+            work.threads()
+        try:
+            found, raised = ended[0][1].result()
+        except (RateStateError, CancelledError, KilledWorker):
+            raise
+        except Exception as error:
+            raise _useless(error) from error
+    if raised:
+        raise raised
+    return found
 
 
-def _placed(device, function, *arguments):
-    with drive.place(threads=1, device=device):
-        return function(*arguments)
+class _Call(NamedTuple):
+    """A function and its arguments."""
+
+    device: str
+    function: Any
+    arguments: tuple
+
+    def do(self, *_):
+        """What it returns, and None; or None, and what it raises."""
+        try:
+            with drive.place(threads=1, device=self.device):
+                return self.function(*self.arguments), None
+        except Exception as error:
+            return None, error
 
 
-def client_of(address):
-    """A client of the Dask scheduler at this address, such as "tcp://10.0.0.1:8786".
+class _WhereUnpickled(NamedTuple):
+    """A call that takes place where this is unpickled.
 
-    Raises
-    ------
-    ParameterError
-        dask.distributed is not installed; nothing answers there.
+    So the scheduler need not know the function, and a worker that does not know it fails in the
+    task; it would die of it, and be gone, if Dask unpickled it.
     """
-    distributed = _needed("distributed")
+
+    function: Any
+    arguments: tuple
+
+    def __reduce__(self):
+        return self.function, self.arguments
+
+
+class _Work:
+    """Numbered tasks under way on a cluster."""
+
+    def __init__(self, client):
+        from distributed import as_completed
+
+        self.client, self.under_way = client, {}
+        self.lost: Any = queue.SimpleQueue()  # keys of tasks whose worker died
+        self.ready = as_completed(loop=client.loop)
+        self.there, self.seen, self.looked = 0, time.monotonic(), -LOOK
+        client.subscribe_topic("all", self._hear)
+
+    def send(self, i, function, *arguments):
+        """Have a worker call a function."""
+        call = pickle.dumps(_WhereUnpickled(function, arguments))
+        future = self.client.submit(pickle.loads, call, pure=False)
+        self.under_way[future] = i
+        self.ready.add(future)
+
+    def finished(self):
+        """(number, future) of tasks that have ended; waits a little if there are none."""
+        ended = self.ready.next_batch(block=False)
+        if not ended:
+            time.sleep(TICK)
+        return [
+            (self.under_way.pop(future), future) for future in ended if future in self.under_way
+        ]
+
+    def _hear(self, event):
+        """Take note of what a worker was at when it died; called by the client's thread."""
+        _, message = event
+        if isinstance(message, dict) and message.get("action") == "remove-worker":
+            for key in () if message.get("expected") else message["processing-tasks"]:
+                self.lost.put(key)
+
+    def bereft(self, but):
+        """Numbers of tasks whose worker died; they are given up, but for some."""
+        keys = {self.lost.get() for _ in range(self.lost.qsize())}
+        found = {f: i for f, i in self.under_way.items() if f.key in keys and i not in but}
+        for future in found:
+            del self.under_way[future]
+        if found:
+            self.client.cancel(list(found))
+        return list(found.values())
+
+    def threads(self):
+        """How many threads the cluster has; says so if there are none for a while."""
+        now = time.monotonic()
+        if now - self.looked < LOOK:
+            return self.there
+        if self.client.status != "running":
+            raise ConnectionError("its scheduler is gone")
+        self.looked, self.there = now, sum(self.client.nthreads().values())
+        if self.there:
+            self.seen = now
+        elif now - self.seen > PATIENCE:
+            self.seen = float("inf")  # said once
+            sys.stderr.write("ratestate: the cluster has no workers; waiting for some ...\n")
+            sys.stderr.flush()
+        return self.there
+
+    def close(self):
+        """Give up what is under way."""
+        if self.client.status == "running":
+            self.client.unsubscribe_topic("all")
+            self.client.cancel(list(self.under_way))
+
+
+@contextlib.contextmanager
+def _connected():
+    """Let the loss of a cluster be a `SolverError`."""
+    from distributed.client import CancelledError, ClosedClientError
+
     try:
-        return distributed.Client(address, timeout="10s")
-    except (OSError, ValueError) as error:
-        raise ParameterError(
-            f"scheduler = {address!r} does not answer ({error}); start one with 'dask scheduler', "
-            f"and give the address that it prints"
+        yield
+    except RateStateError:
+        raise
+    except (CancelledError, ClosedClientError, OSError) as error:
+        raise SolverError(
+            f"the cluster is lost ({getattr(error, 'reason', error)}); what is stored is whole: "
+            f"run the same sweep again, with another cluster or without"
         ) from error
-
-
-#: what `slurm_cluster` reads -> how dask-jobqueue calls it
-SLURM = {
-    "cores": "cores",
-    "memory": "memory",
-    "walltime": "walltime",
-    "queue": "queue",
-    "account": "account",
-    "processes": "processes",
-}
-
-
-def slurm_cluster(text, start=True):
-    """A Dask cluster of SLURM jobs, from options such as "jobs=10,cores=16,memory=8GB".
-
-    Parameters
-    ----------
-    text : str
-        ``jobs`` (default 1), and for each job ``cores`` and ``memory``, which are needed,
-        ``walltime``, ``queue``, ``account`` and ``processes``; key=value, separated by commas.
-    start : bool
-        Whether to submit the jobs; else ``job_script()`` of the cluster shows what would be.
-
-    Raises
-    ------
-    ParameterError
-        An option that is unknown, malformed or missing; dask-jobqueue is not installed.
-    """
-    jobqueue = _needed("dask_jobqueue")
-    example = "for example jobs=10,cores=16,memory=8GB,walltime=02:00:00,queue=short"
-    options: dict = {}
-    for item in text.split(","):
-        key, equals, value = (part.strip() for part in item.partition("="))
-        if not equals or not value or key not in {"jobs", *SLURM}:
-            known = ", ".join(["jobs", *SLURM])
-            raise ParameterError(
-                f"slurm: {item!r} is not key=value with a key of {known}; {example}"
-            )
-        options[key] = value
-    for key in ("jobs", "cores", "processes"):
-        if key in options and not (options[key].isdecimal() and int(options[key]) > 0):
-            raise ParameterError(f"slurm: {key} = {options[key]} must be an integer > 0; {example}")
-    if missing := [key for key in ("cores", "memory") if key not in options]:
-        raise ParameterError(f"slurm: {' and '.join(missing)} of a job must be given; {example}")
-    jobs, cores = int(options.pop("jobs", 1)), int(options["cores"])
-    # One process a core: each has its own Python, and a case that kills it kills no others.
-    settings = {SLURM[key]: value for key, value in options.items()}
-    settings |= {"cores": cores, "processes": int(options.get("processes", cores))}
-    settings["scheduler_options"] = {"dashboard_address": ":0"}  # another sweep may be running
-    cluster = jobqueue.SLURMCluster(**settings)
-    if start:
-        cluster.scale(jobs=jobs)
-    return cluster
-
-
-def _needed(module):
-    """A module of the extra `cluster`."""
-    from importlib import import_module
-
-    try:
-        return import_module(module)
-    except ImportError:
-        raise ParameterError(
-            f"{module} is not installed; pip install 'ratestate[cluster]' brings it"
-        ) from None

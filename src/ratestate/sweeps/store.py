@@ -30,7 +30,8 @@ class Store(NamedTuple):
 
     path: Path
     chunks: Chunks
-    done: np.ndarray  # (chunks,) bool
+    done: np.ndarray  # (chunks,) bool, when it was opened
+    checksum: str  # of its inputs
 
 
 @contextlib.contextmanager
@@ -62,7 +63,7 @@ def opened(path, verb, call, chunk, device):
             partial.unlink(missing_ok=True)
         with damage_told(path):
             done = inside["done"][:]
-        yield Store(path, chunks, done)
+        yield Store(path, chunks, done, inside.attrs["checksum"])
 
 
 @contextlib.contextmanager
@@ -104,8 +105,8 @@ def _versions_differ(stored):
     ]
 
 
-def write(path, chunks, i, variables):
-    """Put the variables of chunk i into the store at a path, and say that they are there.
+def write(store, i, variables):
+    """Put the variables of chunk i into an open store, and say that they are there.
 
     Raises
     ------
@@ -113,16 +114,21 @@ def write(path, chunks, i, variables):
         They cannot be written, or not whole; the store then lacks them, and nothing else.
     """
     try:
-        _write(path, chunks, i, variables)
+        _write(store, i, variables)
+    except StoreError:
+        raise
     except (OSError, KeyError) as error:
         raise StoreError(
-            f"{path} cannot be written to ({error}); what it holds is whole: make room, or mend "
-            f"what is wrong, and run the same sweep again"
+            f"{store.path} cannot be written to ({error}); what it holds is whole: make room, or "
+            f"mend what is wrong, and run the same sweep again"
         ) from error
 
 
-def _write(path, chunks, i, variables):
+def _write(store, i, variables):
+    path, chunks = store.path, store.chunks
     group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=False)
+    if group[INSIDE].attrs["checksum"] != store.checksum:  # a worker may be the last to know
+        raise StoreError(f"{path} has been replaced by the store of another sweep")
     places, index = chunks.places(i), dict(zip(chunks.sizes, chunks.index(i), strict=True))
     files = []
     for name, variable in variables.items():

@@ -1,7 +1,7 @@
 """A chunk of a sweep: solved, and stored if there is a store."""
 
 import json
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..dataset import versions
 from ..engine import drive
@@ -22,7 +22,7 @@ class Tasks(NamedTuple):
 
     chunks: tuple
     kinds: dict
-    store: object  # its path, or None
+    store: Any  # `Store`, or None
     device: str
 
     def outcome(self, i, variables):
@@ -32,7 +32,7 @@ class Tasks(NamedTuple):
             return Outcome(i, number, variables)
         from .store import write
 
-        write(self.store, self.chunks, i, variables)
+        write(self.store, i, variables)
         return Outcome(i, number, None)
 
     def do(self, i, part, progress=None, threads=1, stop=None):

@@ -87,6 +87,11 @@ def sweep(
     """
     name, call = call_of(verb, slider, arguments)
     check_device(name, call, device, client is None)
+    if client is not None and not hasattr(client, "nthreads"):
+        raise ParameterError(
+            f"client = {client!r} is no dask.distributed.Client; for the address of a scheduler "
+            f"give client=Client(address)"
+        )
     if chunk is not None and (isinstance(chunk, bool) or not isinstance(chunk, int) or chunk < 1):
         raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
     plan = Plan(name, call, chunk, client, device, progress)
@@ -132,6 +137,7 @@ class Plan:
     def outcomes(self, chunks, done, store=None, failed=0):
         """Do all chunks that are not done, and yield their `Outcome`s as they come.
 
+        store : open `Store`, or None
         failed : number of cases that failed in those that are
         """
         tasks = Tasks(chunks, self.form.kinds, store, self.device)
@@ -150,19 +156,20 @@ class Plan:
 
 def _in_memory(plan):
     """The result, put together from its chunks."""
-    chunks, kinds = plan.chunks, plan.form.kinds
+    chunks, form = plan.chunks, plan.form
     try:
-        variables = {name: kind.empty(chunks.sizes) for name, kind in kinds.items()}
+        variables = {name: kind.empty(chunks.sizes) for name, kind in form.kinds.items()}
     except MemoryError:
         raise ParameterError(
             f"the result of {plan.call.batch.n:,} cases does not fit into memory; give a store"
         ) from None
     for outcome in plan.outcomes(chunks, np.zeros(chunks.number, bool)):
         places = chunks.places(outcome.chunk)
-        for name, found in outcome.variables.items():
+        for name in variables.keys() - form.static.keys():
+            found = outcome.variables[name]
             where = tuple(places.get(dim, slice(None)) for dim in found.dims)
             variables[name].values[where] = found.values
-    return plan.call.dataset(variables)
+    return plan.call.dataset(variables | form.static)
 
 
 def _in_store(plan, path):
@@ -174,6 +181,6 @@ def _in_store(plan, path):
         create(path, plan.name, plan.call, plan.chunks, plan.form, plan.device)
     with opened(path, plan.name, plan.call, plan.chunk, plan.device) as store:
         if not store.done.all():
-            for _ in plan.outcomes(store.chunks, store.done, path, held(path).failed):
+            for _ in plan.outcomes(store.chunks, store.done, store, held(path).failed):
                 pass
     return result_of(path)

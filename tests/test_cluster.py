@@ -1,0 +1,445 @@
+"""Sweeps on a Dask cluster: the same bits as here, whatever happens to workers; SLURM's script."""
+
+import contextlib
+import json
+import os
+import pickle
+import shutil
+import signal
+import sys
+import threading
+import time
+import types
+
+import numpy as np
+import pytest
+import xarray
+
+import ratestate as rs
+from ratestate.arrays import cut
+from ratestate.cycles import LimitCycleCall, limit_cycle, limit_cycle_call
+from ratestate.dataset import versions
+from ratestate.engine.model import CRASHED
+from ratestate.errors import StoreError
+from ratestate.sweeps import calls, cluster, connect
+from ratestate.sweeps.chunks import chunks_of
+from ratestate.sweeps.status import held
+
+M = rs.logspace("M", 1e2, 1e5, 24)
+V_LP = rs.logspace("V_lp", 2e-3, 1e-1, 2)
+SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=M)
+ARGUMENTS = {
+    "limit_cycle": {"V_lp": V_LP, "rtol": 1e-6},
+    "stability": {"V_lp": V_LP},
+    "simulate": {
+        "loading": rs.Loading.steps("0.1 mm/s", (0.01, V_LP)),
+        "t_end": 0.05,
+        "times": [0.0, 0.01, 0.05],
+    },
+}
+BAD = [(i, 1) for i in (5, 17)]  # places of bad cases
+
+
+def bad(call):
+    """Whether there are bad cases among those of a call."""
+    places = [(M.values[i], V_LP.values[j]) for i, j in BAD]
+    return any(case in places for case in zip(*map(call.batch.flat, ("M", "V_lp")), strict=True))
+
+
+class Slow(LimitCycleCall):
+    """Takes its time, and counts how many of its kind do so at once in this process."""
+
+    now = most = 0
+
+    def run(self, progress=None):
+        Slow.now += 1
+        Slow.most = max(Slow.most, Slow.now)
+        time.sleep(0.2)
+        Slow.now -= 1
+        return super().run(progress)
+
+
+class Deadly(LimitCycleCall):
+    """Kills its process if there are bad cases."""
+
+    def run(self, progress=None):
+        if bad(self):
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().run(progress)
+
+
+class Raising(LimitCycleCall):
+    """Raises if there are bad cases."""
+
+    def run(self, progress=None):
+        if bad(self):
+            raise ZeroDivisionError("spanner")
+        return super().run(progress)
+
+
+@pytest.fixture(autouse=True)
+def in_time():
+    """Let a test that hangs fail."""
+
+    def late(*_):
+        raise TimeoutError("this takes too long")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(120)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture
+def cycles(monkeypatch):
+    """Have limit cycles found by another class."""
+
+    def by(kind):
+        def call(slider, V_lp, *, rtol=1e-8):
+            return kind(**vars(limit_cycle_call(slider, V_lp, rtol=rtol)))
+
+        monkeypatch.setitem(calls.VERBS, "limit_cycle", (limit_cycle, call))
+
+    return by
+
+
+@pytest.fixture(scope="module")
+def client():
+    import dask
+    from distributed import Client, LocalCluster
+
+    # A worker of a LocalCluster that is seen to be down twice within 15 s is given up.
+    with (
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"}),
+        LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs="CRITICAL"
+        ) as workers,
+        Client(workers) as client,
+    ):
+        yield client
+
+
+@contextlib.contextmanager
+def threads(n_workers):
+    """A client, not the default one, of workers that are threads of this process."""
+    from distributed import Client, LocalCluster
+
+    with (
+        LocalCluster(
+            n_workers=n_workers,
+            threads_per_worker=1,
+            processes=False,
+            dashboard_address=":0",
+            silence_logs="CRITICAL",
+        ) as workers,
+        Client(workers, set_as_default=False) as client,
+    ):
+        yield client
+
+
+@pytest.fixture(scope="module")
+def alone():
+    """What the sweep of limit cycles finds without a cluster."""
+    return sweep("limit_cycle")
+
+
+def sweep(verb, **how):
+    return rs.sweep(verb, SLIDER, **ARGUMENTS[verb] | {"progress": False} | how)
+
+
+@contextlib.contextmanager
+def meanwhile(do, when=lambda: True):
+    """Do something in another thread once `when()` holds."""
+
+    def work():
+        while not when() and not over.is_set():
+            time.sleep(0.02)
+        if not over.is_set():
+            do()
+
+    over, thread = threading.Event(), threading.Thread(target=work)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def some_done(path):
+    """Whether a store holds some, but not all chunks."""
+    return lambda: path.exists() and len(list((path / "sweep" / "done" / "c").glob("*"))) > 3
+
+
+def deaths(client):
+    """How many workers have died so far."""
+    events = [message for _, message in client.get_events("all")]
+    return sum(event["action"] == "remove-worker" for event in events)
+
+
+def interrupt():
+    """As Ctrl-C does."""
+    signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+
+
+# ---------------------------------------------------------------------------------------- same bits
+
+
+@pytest.mark.parametrize("verb", ARGUMENTS)
+@pytest.mark.parametrize("store", [False, True])
+def test_the_same_bits_as_here(client, verb, store, tmp_path):
+    path = tmp_path / "x.zarr" if store else None
+    found = sweep(verb, client=client, chunk=5, store=path)
+    xarray.testing.assert_identical(found.load(), sweep(verb))
+
+
+def test_chunks_by_a_probe(client, alone):
+    xarray.testing.assert_identical(sweep("limit_cycle", client=client), alone)
+
+
+def test_a_task_weighs_what_its_cases_do():
+    slider = SLIDER.replace(M=rs.logspace("M", 1e2, 1e5, 1_000_000))
+    name, call = calls.call_of("limit_cycle", slider, {"V_lp": 1e-3})
+    part = cut(call, chunks_of(call.batch.sizes, 1000).places(500))
+    assert 16_000 < len(pickle.dumps(part)) < 20_000  # values and coordinates, and little else
+    assert name == "limit_cycle"
+
+
+# --------------------------------------------------------------------------------- workers that die
+
+
+def test_a_killed_worker_costs_nothing(client, cycles, alone):
+    cycles(Slow)
+    before = deaths(client)
+
+    def several():  # tasks: this is no probe
+        return client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)) > 2
+
+    def kill():
+        time.sleep(0.5)
+        pid = next(iter(client.run(os.getpid).values()))
+        os.kill(pid, signal.SIGKILL)
+
+    with meanwhile(kill, several):
+        found = sweep("limit_cycle", client=client, chunk=2)
+    assert deaths(client) == before + 1
+    xarray.testing.assert_identical(found, alone)
+
+
+def check_failed(found, alone, message):
+    """The bad cases have failed, and the others have the same bits."""
+    where = np.zeros(found.status.shape, bool)
+    where[tuple(zip(*BAD, strict=True))] = True
+    assert np.array_equal(found.status == CRASHED, where)
+    for i, j in BAD:
+        assert message in found.message.item(i, j)
+        assert np.isnan(found.period[i, j])
+    good = xarray.DataArray(~where, dims=found.status.dims)
+    xarray.testing.assert_identical(found.load().where(good), alone.where(good))
+
+
+def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path):
+    cycles(Deadly)
+    before = deaths(client)
+    found = sweep("limit_cycle", client=client, chunk=12, store=tmp_path / "x.zarr")
+    check_failed(found, alone, "its process died, signal 9")
+    assert 1 <= deaths(client) - before <= 4
+    there = held(tmp_path / "x.zarr")
+    assert (there.done, there.failed) == (48, 2)
+
+
+def test_a_case_that_raises_costs_itself_only(client, cycles, alone):
+    cycles(Raising)
+    found = sweep("limit_cycle", client=client, chunk=8)
+    check_failed(found, alone, "ZeroDivisionError: spanner")
+
+
+# --------------------------------------------------------------------------- a cluster that is lost
+
+
+def test_a_cluster_that_closes(cycles, alone, tmp_path):
+    cycles(Slow)
+    path = tmp_path / "x.zarr"
+    with (
+        threads(1) as client,
+        meanwhile(client.cluster.close, some_done(path)),
+        pytest.raises(rs.SolverError, match=r"cluster is lost .* run the same sweep again"),
+    ):
+        sweep("limit_cycle", client=client, chunk=2, store=path)
+    assert 8 <= held(path).done < 48
+    xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
+
+
+def test_an_interrupt_ends_it_soon(client, cycles, alone, tmp_path):
+    cycles(Slow)
+    path, told = tmp_path / "x.zarr", []
+
+    def stop():
+        told.append(time.monotonic())
+        interrupt()
+
+    with meanwhile(stop, some_done(path)), pytest.raises(KeyboardInterrupt):
+        sweep("limit_cycle", client=client, chunk=2, store=path)
+    assert time.monotonic() - told[0] < 1.0
+    time.sleep(1.0)
+    assert client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)) == 0
+    assert 8 <= held(path).done < 48
+    found = sweep("limit_cycle", client=client, store=path)
+    xarray.testing.assert_identical(found.load(), alone)
+
+
+def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, capfd):
+    cycles(Slow)
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    begin, said = time.monotonic(), "ratestate: the cluster has no workers; waiting for some ...\n"
+    Slow.most = 0
+    with threads(0) as client:
+        with (
+            meanwhile(interrupt, lambda: time.monotonic() - begin > 2.0),
+            pytest.raises(KeyboardInterrupt),
+        ):
+            sweep("limit_cycle", client=client, chunk=2)
+        assert time.monotonic() - begin < 3.0
+        assert capfd.readouterr().err == said
+        with meanwhile(lambda: client.cluster.scale(4), lambda: capfd.readouterr().err == said):
+            found = sweep("limit_cycle", client=client, chunk=2)
+    xarray.testing.assert_identical(found, alone)
+    assert Slow.most == 4  # those that came late have work too
+
+
+# ---------------------------------------------------------------------------------- what is refused
+
+
+def test_workers_of_another_version_are_refused(client, monkeypatch):
+    other = json.loads(versions()) | {"numpy": "1.0"}
+    monkeypatch.setattr(cluster, "versions", lambda: json.dumps(other))
+    with pytest.raises(StoreError, match=r"'numpy': '2\..*expected, .*'numpy': '1\.0'"):
+        sweep("limit_cycle", client=client)
+
+
+def test_workers_that_lack_a_program_are_refused(client, cycles, monkeypatch):
+    module = types.ModuleType("only_here")
+    monkeypatch.setitem(sys.modules, "only_here", module)
+    module.Here = type("Here", (LimitCycleCall,), {"__module__": "only_here"})
+    cycles(module.Here)
+    with pytest.raises(rs.SolverError, match=r"only_here.*needs the same programs"):
+        sweep("limit_cycle", client=client, chunk=8)
+
+
+def test_a_store_that_workers_cannot_write_to(client, cycles, alone, tmp_path):
+    cycles(Slow)
+    path = tmp_path / "x.zarr"
+    with (
+        meanwhile(lambda: path.rename(tmp_path / "y.zarr"), some_done(path)),
+        pytest.raises(StoreError, match=r"x\.zarr cannot be written to"),
+    ):
+        sweep("limit_cycle", client=client, chunk=2, store=path)
+    time.sleep(0.5)
+    shutil.rmtree(path, ignore_errors=True)
+    (tmp_path / "y.zarr").rename(path)
+    xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
+
+
+# -------------------------------------------------------------------------------------------- SLURM
+
+
+@pytest.fixture
+def sbatch(tmp_path, monkeypatch):
+    """Stands in for SLURM's program: answers like a script that the returned function gives it."""
+
+    def answer(script):
+        path = tmp_path / "sbatch"
+        path.write_text(f"#!/bin/sh\necho $* >>{tmp_path}/asked\n{script}\n")
+        path.chmod(0o755)
+        return tmp_path / "asked"
+
+    scancel = tmp_path / "scancel"
+    scancel.write_text("#!/bin/sh\n")
+    scancel.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    return answer
+
+
+def script(options):
+    """The lines of the job script for these options."""
+    with connect.slurm_cluster(options, start=False) as found:
+        return found.job_script().strip().splitlines()
+
+
+def test_the_job_script():
+    lines = script(
+        "jobs=3, cores=16, memory=32GB, walltime=1-02:00:00, queue=short,long, account=geo, "
+        "interface=lo"
+    )
+    assert lines[0] == "#!/usr/bin/env bash"
+    wanted = "-p short,long|-A geo|-n 1|--cpus-per-task=16|--mem=30G|-t 1-02:00:00"
+    assert {f"#SBATCH {option}" for option in wanted.split("|")} <= {*lines}
+    command = lines[-1]
+    assert command.startswith(f"{sys.executable} -m distributed.cli.dask_worker tcp://127.0.0.1:")
+    for part in (
+        "--nthreads 1 ",
+        "--memory-limit 1.86GiB ",
+        "--nworkers 16 ",
+        "--nanny ",
+        "--interface lo",
+    ):
+        assert part in command
+    assert "--nthreads 4 " in script("cores=16,memory=32GB,processes=4")[-1]
+
+
+def test_the_job_script_has_what_the_site_needs():
+    import dask
+
+    site = {"job-extra-directives": ["--gres=gpu:1"], "job-script-prologue": ["module load gcc"]}
+    with dask.config.set({"jobqueue.slurm": dask.config.get("jobqueue.slurm") | site}):
+        lines = script("cores=1,memory=4GB")
+    assert "#SBATCH --gres=gpu:1" in lines
+    assert "module load gcc" in lines
+    assert "--nworkers" not in lines[-1]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("", "slurm: '' is not key=value with a key of jobs, cores"),
+        ("cores", "slurm: 'cores' is not key=value"),
+        ("cores=4,memory=4GB,partition=a", "'partition=a' is not key=value with a key of .* queue"),
+        ("cores=4", "slurm: memory of a job must be given; for example jobs=10,cores=16"),
+        ("jobs=4", "slurm: cores and memory of a job must be given"),
+        ("cores=4x,memory=4GB", "slurm: cores = 4x must be an integer > 0"),
+        ("cores=4,memory=4GB,jobs=0", "slurm: jobs = 0 must be an integer > 0"),
+        ("cores=4,memory=4GB,processes=8", "processes = 8 must divide cores = 4"),
+        ("cores=4,memory=four", "memory = four is no size, such as 32GB"),
+        ("cores=4,memory=1GB", "memory = 1GB gives each of 4 processes 250 MB; each needs 500"),
+        ("cores=4,memory=4GB,walltime=2h", "walltime = 2h is not hours:minutes:seconds"),
+        ("cores=4,memory=4GB,interface=ib7", "ib7"),
+    ],
+)
+def test_bad_slurm_options(options, message):
+    with pytest.raises(rs.ParameterError, match=message):
+        connect.slurm_cluster(options)
+
+
+def test_jobs_are_submitted(sbatch):
+    asked = sbatch("echo Submitted batch job 1")
+    with connect.slurm_cluster("jobs=2,cores=1,memory=1GB"):
+        begin = time.monotonic()
+        while len(asked.read_text().splitlines()) < 3 and time.monotonic() - begin < 10.0:
+            time.sleep(0.05)
+    tried, *submitted = asked.read_text().splitlines()
+    assert tried.startswith("--test-only")
+    assert len(submitted) == 2
+
+
+def test_a_job_that_slurm_refuses(sbatch):
+    asked = sbatch("echo sbatch: error: invalid partition specified: nosuch >&2; exit 1")
+    with pytest.raises(rs.ParameterError, match="invalid partition specified: nosuch"):
+        connect.slurm_cluster("jobs=2,cores=1,memory=1GB,queue=nosuch")
+    assert len(asked.read_text().splitlines()) == 1
+
+
+def test_a_machine_without_slurm(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(rs.ParameterError, match="no sbatch; run the sweep where jobs"):
+        connect.slurm_cluster("cores=1,memory=1GB")
