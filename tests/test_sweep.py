@@ -21,10 +21,12 @@ import ratestate as rs
 from ratestate.cycles import LimitCycleCall
 from ratestate.engine import drive
 from ratestate.engine.model import CRASHED, RUNAWAY, STATUSES
+from ratestate.simulate import SimulateCall
+from ratestate.steady import StabilityCall
 from ratestate.sweeps import bar, here, probe
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.chunks import Chunks, chunks_of, halves
-from ratestate.sweeps.solve import Kind, solve
+from ratestate.sweeps.solve import Kind, form_of, solve
 from ratestate.sweeps.status import failures
 from ratestate.sweeps.task import Outcome
 
@@ -87,7 +89,7 @@ def test_halves_are_the_whole(sizes):
 
 @given(sizes)
 def test_a_sample_lies_all_over_the_sweep(sizes):
-    places = probe.spread(sizes)
+    places = probe.spread(sizes, probe.SAMPLE)
     assert places.keys() == sizes.keys()
     assert math.prod(map(len, places.values())) <= 2 * probe.SAMPLE
     for dim, found in places.items():
@@ -110,25 +112,27 @@ KINDS = {"period": Kind(("case",), np.dtype(float), {}, {})}
         (1e-3, 1000, 2, 1000),  # 1 s: one chunk
         (1e-3, 10**4, 2, 1000),  # 10 s: of 1 s
         (1e-3, 10**6, 2, 10000),  # 1000 s: of 10 s
-        (1e-5, 10**8, 2, 1 << 15),  # never more than fits into memory
-        (100.0, 1000, 2, 1),  # never less than one
-        (1e-2, 10**5, 50, 125),  # 1000 s on 50 workers: 16 for each
+        (1e-9, 10**12, 2, (1 << 27) // 8),  # never more than fits into memory
+        (1e-2, 10**5, 50, 128),  # 1000 s on 50 workers: 16 for each, were there not the lanes
+        (0.1, 500, 2, 500),  # not enough to cut it and fill all lanes
+        (0.1, 600, 2, 128),
+        (20.0, 200, 2, 30),  # more than an hour: no longer than 10 minutes each ...
+        (100.0, 1000, 2, 16),  # ... but a case for each lane
     ],
 )
 def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
     monkeypatch.setattr(probe, "seconds_of_a_case", lambda *_: seconds)
     call = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={}))
-    form = probe.Form(KINDS, {})
-    assert probe.cases_of_a_chunk(call, form, workers, 1, "cpu", here_and_now) == cases
+    assert probe.cases_of_a_chunk(call, KINDS, workers, True, "cpu", here_and_now) == cases
 
 
 def test_a_probe_stops_in_time():
     slider = SLIDER.replace(K=rs.logspace("K", 7e8, 8e8, 10))
     how = {"loading": rs.Loading.constant("0.1 m/s"), "V_start": "10 mm/s", "t_end": 20.0}
     call = call_of("simulate", slider, how)[1]
-    solve(dataclasses.replace(call, t_end=1e-3))  # compile
+    solve(dataclasses.replace(call, t_end=1e-3), {})  # compile
     begin = time.perf_counter()
-    a_case = probe.seconds_of_a_case(call, {})
+    a_case = probe.seconds_of_a_case(call, form_of(call).kinds)
     spent = time.perf_counter() - begin
     assert a_case > 1e-3
     assert spent < 30 * a_case  # there are 30 cases
@@ -161,6 +165,7 @@ ARRAYS = {
     },
     "labels": {"M": xarray.DataArray([1e3, 2e3], {"rig": ["A", "B"]}, ("rig",))},
     "one value": {"M": xarray.DataArray([2e3], dims="M")},
+    "a dimension called like another parameter": {"M": xarray.DataArray([1e3, 2e3], dims="K")},
     "no mass, no spring": {
         "M": xarray.DataArray([0.0, 2e3], dims="M"),
         "K": xarray.DataArray([9e8, np.inf], dims="K"),
@@ -272,10 +277,45 @@ def test_the_first_case_may_raise(raising):
     assert (found.status.isel(M=1) <= 1).all()
 
 
-def test_a_sweep_without_any_answer_says_why(raising):
+def test_a_sweep_in_which_every_case_raises(raising):
     slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([BAD, BAD], dims="M"))
-    with pytest.raises(ZeroDivisionError, match="spanner"):
-        sweep("limit_cycle", slider, V_lp=V_LP)
+    found = sweep("limit_cycle", slider, V_lp=V_LP)
+    assert (found.status == CRASHED).all()
+
+
+def test_what_cases_have_in_common_is_kept(monkeypatch):
+    def raises(self, progress=None):
+        raise ZeroDivisionError
+
+    alone = sweep("simulate", chunk=2, **CALLS["simulate"])
+    run = SimulateCall.run
+    monkeypatch.setattr(
+        SimulateCall,
+        "run",
+        lambda self, progress=None: (raises if 1e5 in self.batch.flat("M") else run)(self),
+    )
+    found = sweep("simulate", chunk=2, **CALLS["simulate"])
+    assert np.array_equal(found.time, alone.time)
+    assert (found.status.sel(M=1e5) == CRASHED).all()
+    assert found.isel(M=slice(0, 2)).identical(alone.isel(M=slice(0, 2)))
+
+
+@pytest.mark.parametrize("chunk", [None, 1])
+def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
+    run = StabilityCall.run
+
+    def raises(self, progress=None):
+        if 100.0 in self.batch.flat("M") and progress is not self:
+            raise ZeroDivisionError
+        return run(self)
+
+    monkeypatch.setattr(StabilityCall, "blank", run)
+    monkeypatch.setattr(StabilityCall, "run", raises)
+    slider = SLIDER.replace(b=xarray.DataArray([0.006, 0.007], dims="b"))
+    found = sweep("stability", slider, V_lp=1e-3, chunk=chunk)
+    assert found.K_c_qs.dims == ("b",)
+    if chunk is None:  # (the first chunk along M alone brings it)
+        assert found.K_c_qs.values.tolist() == pytest.approx([6e8, 8e8])
 
 
 # -------------------------------------------------------------------------------------- bad input
@@ -289,6 +329,18 @@ def test_a_sweep_without_any_answer_says_why(raising):
         ({"V_lp": None}, "V_lp"),
         ({"V_lpp": 1.0}, "unexpected keyword argument 'V_lpp'"),
         ({"V_lp": xarray.DataArray([1.0, -1.0], dims="V_lp")}, r"V_lp = -1 m/s .* must be > 0"),
+        (
+            {"slider": SLIDER.replace(M=xarray.DataArray([1e3], dims="message"))},
+            "'message' clashes",
+        ),
+        ({"slider": SLIDER.replace(M=xarray.DataArray([1e3], dims="a/b"))}, "'a/b' clashes"),
+        (
+            {"slider": SLIDER.replace(M=xarray.DataArray([1e3], {"x": [object()]}, ("x",)))},
+            "'x' has labels that cannot be stored",
+        ),
+        ({"client": "tcp://1"}, r"client = 'tcp://1' is no dask.distributed.Client"),
+        ({"store": 3}, "store = 3 must be the path of a folder"),
+        ({"store": "s3://bucket/x.zarr"}, "must be the path of a folder"),
         ({"slider": 3}, "slider = 3 is not a SpringSlider"),
         ({"slider": SLIDER.replace(M=1e3), "V_lp": 1e-3}, "nothing to sweep over"),
         ({"chunk": 0}, "chunk = 0 must be a number of cases"),

@@ -57,6 +57,7 @@ _HOMES = {
     "RateStateError": "errors",
     "SolverError": "errors",
     "SpringSlider": "slider",
+    "StoreError": "errors",
     "bautin": "hopf",
     "continue_cycle": "branch",
     "hopf": "hopf",

@@ -98,14 +98,16 @@ class Batch:
         taken = RESERVED | set(taken)
         for symbol, value in self.values.items():
             if is_array(value):
-                coords |= {k: v for k, v in value.coords.items() if k not in taken | set(coords)}
+                coords |= {
+                    k: v.variable for k, v in value.coords.items() if k not in taken | set(coords)
+                }
                 # (initial values have names of their own, and no place among the coordinates)
                 if symbol in QUANTITIES and symbol not in taken | set(self.dims):
                     coords[symbol] = value.variable
         for value in self.own.values():
             kept = set(value.dims[:-1])
             coords |= {
-                k: v
+                k: v.variable
                 for k, v in value.coords.items()
                 if k not in taken | set(coords) and set(v.dims) <= kept
             }

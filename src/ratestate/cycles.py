@@ -118,6 +118,12 @@ class LimitCycleCall:
         """All that has a value for each case."""
         return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=TAKEN)
 
+    def blank(self):
+        """What `run` gives, without answers."""
+        nothing = np.full(self.batch.n, NO_CONVERGENCE)
+        variables = cycle_variables(self.batch, nothing, {}, stable=False)
+        return variables | {"status": status_variable(self.batch, nothing)}
+
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep."""
         status, found = _cycles(self.batch, self.slider.law, self.rtol, progress)

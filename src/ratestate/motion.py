@@ -6,7 +6,7 @@ import numpy as np
 
 from . import rigid
 from .cases import engine_cases, run_cases, run_path, speed
-from .engine.model import FINISHED, NUMBERS, RIGID_REST, Loads
+from .engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, Loads
 from .start import initial_state
 from .units import is_array
 
@@ -39,10 +39,8 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
             states = np.full((1, t.size, 3), np.nan)
         else:
             t, states, results = run_path(method, law, cases, loads, progress)
-    elif times is None:
-        t = t_end[:, None] if is_array(batch.values["t_end"]) else t_end[:1]
     else:
-        t = wanted[time_rows] if is_array(times) else wanted[0]
+        t = saved_at(batch, times)
     if not own_steps or is_rigid[0]:
         which = np.flatnonzero(~is_rigid)
         results = run_cases(method, law, cases, loads, wanted, which, batch.alone, progress)
@@ -61,6 +59,27 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
             for name, value in found.items():
                 numbers[name][i] = value
     return Motion(t, states, numbers, results.status)
+
+
+def saved_at(batch, times):
+    """When the cases of a batch are saved [s]: (m,) or, where each has times of its own, (n, m).
+
+    times : as for `move`; None saves the end
+    """
+    if times is None:
+        t_end = batch.flat("t_end")
+        return t_end[:, None] if is_array(batch.values["t_end"]) else t_end[:1]
+    table, rows = batch.rows(times)
+    return table[rows] if is_array(times) else table[0]
+
+
+def blank_motion(batch, times):
+    """The `Motion` of a batch of which nothing is known."""
+    t = saved_at(batch, times)
+    nothing = np.full(batch.n, np.nan)
+    numbers = dict.fromkeys((*NUMBERS, "energy_residual"), nothing)
+    states = np.full((batch.n, t.shape[-1], 3), np.nan)
+    return Motion(t, states, numbers, np.full(batch.n, NO_CONVERGENCE))
 
 
 def energy_residual(batch, loading, cases, y0, results):

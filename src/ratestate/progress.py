@@ -11,7 +11,7 @@ PATIENCE = 1.0  # s
 @contextlib.contextmanager
 def bar(label):
     """Give a function of the fraction done; it draws on a terminal, and only after a second."""
-    if not sys.stderr.isatty():
+    if sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
     begin = time.monotonic()

@@ -16,7 +16,7 @@ from .engine.model import FINISHED, METHODS
 from .errors import ParameterError
 from .laws import AGING, evolution_law
 from .loading import Loading
-from .motion import move, observables, series
+from .motion import blank_motion, move, observables, series
 from .progress import bar
 from .quantities import attrs
 from .slider import SpringSlider, checked
@@ -170,6 +170,10 @@ class SimulateCall:
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep, then time."""
         return self.variables(self.move(progress))
+
+    def blank(self):
+        """What `run` gives, without answers."""
+        return self.variables(blank_motion(self.batch, self.times))
 
     def move(self, progress):
         """The `Motion` of all cases."""

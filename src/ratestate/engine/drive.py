@@ -203,6 +203,6 @@ def cores():
 def _announce(kernel):
     """Say that a kernel is about to be compiled, if it is not in the cache."""
     compiled = getattr(kernel, "signatures", True)  # a plain function where the compiler is off
-    if not compiled and not any(CACHE.rglob(f"*.{kernel.__name__}-*.nbi")):
+    if sys.stderr and not compiled and not any(CACHE.rglob(f"*.{kernel.__name__}-*.nbi")):
         sys.stderr.write("ratestate: compiling kernels for this machine, some 15 s, once ...\n")
         sys.stderr.flush()

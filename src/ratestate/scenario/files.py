@@ -67,7 +67,7 @@ def _parsed(path: Path) -> dict[str, Any]:
     """What the file holds, as TOML has it."""
     try:
         text = path.read_bytes()
-        return tomllib.loads(text.decode())
+        return tomllib.loads(text.decode("utf-8-sig"))
     except OSError as error:
         raise ParameterError(f"{path} cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:

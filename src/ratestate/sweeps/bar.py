@@ -1,8 +1,11 @@
 """How far a sweep has come: a bar on a terminal, a line now and then in a log."""
 
+import math
 import sys
 import time
 from typing import Any
+
+import numpy as np
 
 # Seconds until a bar appears; between two lines of a log.
 PATIENCE, LOG_EVERY = 1.0, 30.0
@@ -24,9 +27,10 @@ class Report:
     """
 
     def __init__(self, label, chunks, done, failed, quiet):
-        self.label, self.chunks, self.quiet = label, chunks, quiet
-        self.total = sum(chunks.cases(i) for i in range(chunks.number))
-        self.before = sum(chunks.cases(i) for i in range(chunks.number) if done[i])
+        self.label, self.chunks = label, chunks
+        self.quiet = quiet or sys.stderr is None
+        self.total = math.prod(chunks.sizes.values())
+        self.before = sum(chunks.cases(i) for i in np.flatnonzero(done))
         self.done, self.failed = self.before, failed
         self.parts: dict = {}  # chunk under way -> fraction done
         self.begin = self.logged = time.monotonic()
@@ -68,12 +72,15 @@ class Report:
         if self.quiet or now - self.begin < PATIENCE:
             return
         done, words = self.text(now)
-        if sys.stderr.isatty():
-            self._draw(done, words)
-        elif now - self.logged > LOG_EVERY:
-            self.logged = now
-            sys.stderr.write(f"{self.label}: {words}\n")
-            sys.stderr.flush()
+        try:
+            if sys.stderr.isatty():
+                self._draw(done, words)
+            elif now - self.logged > LOG_EVERY:
+                self.logged = now
+                sys.stderr.write(f"{self.label}: {words}\n")
+                sys.stderr.flush()
+        except OSError:  # whoever read it is gone; the work goes on
+            self.quiet = True
 
     def _draw(self, done, words):
         if self.bar is None:

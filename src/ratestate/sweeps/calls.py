@@ -5,6 +5,7 @@ variables of all its cases, ``dataset(variables)`` the result; `ratestate.arrays
 """
 
 import inspect
+import re
 from collections.abc import Callable
 
 from ..arrays import cut
@@ -20,6 +21,10 @@ VERBS: dict[str, tuple[Callable, Callable]] = {
     "simulate": (simulate, simulate_call),
     "stability": (stability, stability_call),
 }
+
+
+#: names that a sweep's result needs
+TAKEN = ("message", "status", "sweep")
 
 
 def call_of(verb, slider, arguments):
@@ -52,9 +57,29 @@ def call_of(verb, slider, arguments):
             f"nothing to sweep over: give a parameter as a named DataArray, for example "
             f"M=ratestate.logspace('M', 100, 1e5, 12); for a single case call {name} itself"
         )
+    _check_names(call)
     if call.batch.n == 0:
         raise ParameterError(f"no cases: dimensions {dict(call.batch.sizes)}; give each a value")
     return name, call
+
+
+def _check_names(call):
+    """Raise ParameterError for dimensions and coordinates that no result, or store, can have."""
+    coords = call.dataset({}).coords
+    for name in {*call.batch.dims, *coords}:
+        if name in TAKEN or not re.fullmatch(r"[^\s/.][^\s/]*", str(name)):
+            raise ParameterError(
+                f"a dimension or coordinate called {name!r} clashes with what a sweep needs;"
+                f" rename it: a word without spaces, slashes and a leading dot, and none of "
+                f"{', '.join(TAKEN)}"
+            )
+    for name, labels in coords.items():
+        plain = labels.dtype.kind != "O" or all(isinstance(x, str) for x in labels.values.flat)
+        if not plain or (name in coords.indexes and coords.indexes[name].nlevels > 1):
+            raise ParameterError(
+                f"the coordinate {name!r} has labels that cannot be stored; use numbers, dates or "
+                f"text, and .reset_index({name!r}) for a MultiIndex"
+            )
 
 
 def check(call, chunks):

@@ -181,8 +181,9 @@ class _Work:
             self.seen = now
         elif now - self.seen > PATIENCE:
             self.seen = float("inf")  # said once
-            sys.stderr.write("ratestate: the cluster has no workers; waiting for some ...\n")
-            sys.stderr.flush()
+            if sys.stderr:
+                sys.stderr.write("ratestate: the cluster has no workers; waiting for some ...\n")
+                sys.stderr.flush()
         return self.there
 
     def close(self):
@@ -195,7 +196,8 @@ class _Work:
 @contextlib.contextmanager
 def _connected():
     """Let the loss of a cluster be a `SolverError`."""
-    from distributed.client import CancelledError, ClosedClientError
+    from distributed import CancelledError
+    from distributed.client import ClosedClientError
 
     try:
         yield

@@ -5,6 +5,7 @@ import glob
 import json
 import os
 import shutil
+import stat
 import tempfile
 import warnings
 from pathlib import Path
@@ -17,7 +18,7 @@ from ..dataset import versions
 from ..errors import StoreError
 from .inputs import checksum, inputs_of
 from .lock import hold, remove_if_abandoned
-from .store import INSIDE, to_disk
+from .store import INSIDE, noted, to_disk
 
 PENDING = -1  # status of a case that has not been done
 # Damage is told by a checksum in each file; more effort would hardly make them smaller.
@@ -35,12 +36,13 @@ def create(path, verb, call, chunks, form, device):
     try:
         temporary, handle = _sibling(path)
         try:
-            _fill(temporary, call, chunks, form)
+            _fill(temporary, call, chunks, form, device)
             _note(temporary, verb, call, chunks, device)
-            temporary.chmod((temporary / INSIDE).stat().st_mode)  # as folders are made here
-            to_disk(file for file in [temporary, *temporary.rglob("*")])
+            # as folders are made here
+            temporary.chmod(stat.S_IMODE((temporary / INSIDE).stat().st_mode))
+            to_disk([*temporary.rglob("*")], temporary)
             temporary.rename(path)
-            to_disk([path.parent])
+            to_disk([path], path.parent)
         finally:
             os.close(handle)
             shutil.rmtree(temporary, ignore_errors=True)
@@ -68,7 +70,7 @@ def tidy(path):
         remove_if_abandoned(sibling)
 
 
-def _fill(folder, call, chunks, form):
+def _fill(folder, call, chunks, form, device):
     """Write the result into a folder, as far as it is known, with room for the rest."""
     with _unsettled():
         result = _plain_text(call.dataset(form.static).drop_attrs(deep=False))
@@ -78,7 +80,7 @@ def _fill(folder, call, chunks, form):
         for name, kind in form.kinds.items():
             if name not in form.static:
                 _add(group, name, kind, chunks)
-        attributes = call.dataset({}).attrs
+        attributes = call.dataset({}).attrs | noted(device)
         beside = {*result.coords, *({"t"} & form.kinds.keys())} - {*result.dims}
         group.attrs.update(attributes | {"coordinates": " ".join(sorted(beside))})
 

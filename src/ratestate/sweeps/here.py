@@ -14,7 +14,7 @@ def outcomes(tasks, call, numbers, report):
     report : `Report`, told of parts of chunks
     """
     workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
-    threads = cores() // workers
+    threads = -(-cores() // workers)
     stop, queue = threading.Event(), iter(numbers)
 
     def work(i):

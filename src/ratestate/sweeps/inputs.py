@@ -16,18 +16,34 @@ def inputs_of(verb, call):
     variables, texts = {}, {"verb": verb}
     for name, value in _leaves(call):
         if is_array(value):
-            variables[name] = xarray.Variable(value.dims, value.values)
+            variables[name] = _variable(name, value.dims, value.values)
         elif isinstance(value, np.ndarray):
-            variables[name] = xarray.Variable([f"{name}_{i}" for i in range(value.ndim)], value)
+            variables[name] = _variable(name, range(value.ndim), value)
         elif isinstance(value, float | int):
             variables[name] = xarray.Variable((), float(value))
         elif value is not None:
             texts[name] = value
     coordinates = call.dataset({}).coords
     for name, value in coordinates.items():
-        if value.dtype.kind in "biuf":  # labels of other kinds play no part in the numbers
-            variables[f"coordinate {name}"] = xarray.Variable(value.dims, value.values)
+        if value.dtype.kind in "biuf":
+            label = f"coordinate {name}"
+            variables[label] = _variable(label, value.dims, value.values)
+        else:  # texts, dates
+            texts[f"coordinate {name}"] = _in_words(value)
     return xarray.Dataset(variables, attrs=texts)
+
+
+def _variable(name, dims, values):
+    """A variable with dimensions of its own: those of the sweep may have names of parameters."""
+    return xarray.Variable([f"{name}, {dim}" for dim in dims], values)
+
+
+def _in_words(labels):
+    """Labels as text: the first few, and what tells all from others."""
+    texts = labels.values.astype(str).ravel().tolist()
+    digest = hashlib.sha256(json.dumps(texts).encode()).hexdigest()[:16]
+    more = ", ..." if len(texts) > 5 else ""
+    return f"{', '.join(texts[:5])}{more} ({len(texts)} labels, SHA-256 {digest})"
 
 
 def _leaves(value, name=""):
@@ -85,7 +101,8 @@ def _differ(name, there, here):
     pair = f"{old[first].item()!r}{unit} in the store, {new[first].item()!r}{unit} now"
     if not there.dims:
         return pair
-    place = ", ".join(f"{dim}[{i}]" for dim, i in zip(there.dims, first, strict=True))
+    dims = [dim.removeprefix(f"{name}, ") for dim in there.dims]
+    place = ", ".join(f"{dim}[{i}]" for dim, i in zip(dims, first, strict=True))
     return f"{len(other)} of {old.size} values differ, first at {place}: {pair}"
 
 
@@ -94,7 +111,9 @@ def _shown(name, variable):
         return "not given"
     if not variable.dims:
         return f"{variable.values.item()!r}{_unit(name)}"
-    sizes = ", ".join(f"{dim}: {size}" for dim, size in variable.sizes.items())
+    sizes = ", ".join(
+        f"{dim.removeprefix(f'{name}, ')}: {size}" for dim, size in variable.sizes.items()
+    )
     low, high = np.min(variable.values), np.max(variable.values)
     return f"<{sizes}; {low:.6g} to {high:.6g}{_unit(name)}>"
 

@@ -4,81 +4,52 @@ import contextlib
 import math
 import threading
 import time
-from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import cut
 from ..engine import drive
+from ..engine.rows import LANES
 from ..errors import RateStateError
-from .solve import bytes_of_a_case, kinds_of, solve
+from .solve import bytes_of_a_case, solve
 
-# Cases to try, spread over the sweep.
+# Cases to try, spread over the sweep; seconds after which to be content with a part of them.
 SAMPLE = 256
-# Cases to try until one ends without an error.
-TRIALS = 8
-# Seconds after which to be content with a part of them.
 BUDGET = 0.05
 # A chunk: seconds that it takes, at least (below, overhead shows) and at most (what a pulled plug
-# costs); how many each worker gets of a long sweep; its cases; its bytes.
+# costs); how many each worker gets of a long sweep; its bytes.
 SECONDS = (1.0, 10.0)
 SHARE = 16
-MOST_CASES = 1 << 15
-MOST_BYTES = 1 << 26
+MOST_BYTES = 1 << 27
+# Lanes run empty towards the end of a chunk: in one of 8 times as many cases, by a tenth.  Where
+# that takes longer than this [s], fewer must do, but no fewer than there are lanes.
+FULL = 8 * LANES
+LONGEST = 600.0
 # A GPU works on this many at once.
 CASES_ON_GPU = 1 << 17
-
-
-class Form(NamedTuple):
-    """What the result of a sweep is like."""
-
-    kinds: dict  # variable -> `Kind`
-    static: dict  # those variables that are common to all cases
-
-
-def form_of(call, run):
-    """`Form` of a call's result, by one of its cases; compiles the kernels where needed.
-
-    run : callable of a function and its arguments, which says where
-    """
-    dims, sizes = call.batch.dims, call.batch.sizes
-    for trial in range(TRIALS):
-        # the first case, and if that raises, others up to the last
-        at = {dim: trial * (n - 1) // (TRIALS - 1) for dim, n in sizes.items()}
-        try:
-            found = run(solve, cut(call, {dim: slice(i, i + 1) for dim, i in at.items()}))
-        except (drive.Stopped, RateStateError):
-            raise
-        except Exception:
-            if trial == TRIALS - 1:
-                raise
-        else:
-            break
-    static = {name: v for name, v in found.items() if not set(v.dims) & set(dims)}
-    return Form(kinds_of(found, dims), static)
 
 
 def seconds_of_a_case(sample, kinds):
     """What a case costs on one core, by a sample, or what can be done of it.
 
-    An upper bound where costs differ, since the most costly cases come first.
+    Up to five times too much where costs differ, since the most costly cases come first.
     """
-    stop, begin, done = threading.Event(), time.perf_counter(), 1.0
+    stop, begin, done = threading.Event(), time.thread_time(), 1.0
 
     def look(fraction):
         nonlocal done
-        if fraction > 0.0 and time.perf_counter() - begin > BUDGET:
+        if fraction > 0.0 and time.thread_time() - begin > BUDGET:
             done = fraction
             stop.set()
 
     with drive.place(threads=1, stop=stop), contextlib.suppress(drive.Stopped):
         solve(sample, kinds, progress=look)
-    return (time.perf_counter() - begin) / (done * sample.batch.n)
+    return (time.thread_time() - begin) / (done * sample.batch.n)
 
 
-def spread(sizes):
-    """Places of about `SAMPLE` cases all over a sweep: dimension -> list of indices."""
-    left, places = float(SAMPLE), {}
+def spread(sizes, most):
+    """Places of about so many cases all over a sweep: dimension -> list of indices."""
+    left, places = float(most), {}
     for number, dim in enumerate(sorted(sizes, key=sizes.__getitem__)):
         side = max(1, round(left ** (1.0 / (len(sizes) - number))))
         count = min(side, sizes[dim])
@@ -87,30 +58,32 @@ def spread(sizes):
     return places
 
 
-def cases_of_a_chunk(call, form, workers, least, device, run):
+def cases_of_a_chunk(call, kinds, workers, together, device, run):
     """How many cases make a chunk.
 
     Of a long sweep each worker gets several.
 
+    kinds : of the variables
     workers : how many there are, each with one core
-    least : number of chunks of a sweep of a few seconds
-    run : as for `form_of`
+    together : whether all of them can do one chunk, which then is enough for a small sweep
+    run : callable of a function and its arguments, which says where
     """
     n = call.batch.n
-    fits = MOST_BYTES // max(1, bytes_of_a_case(form.kinds))
+    fits = max(1, MOST_BYTES // bytes_of_a_case(kinds))
     if device == "cuda":
-        return max(1, min(n, CASES_ON_GPU, fits))
-    number = SHARE * workers
-    sample = cut(call, spread(call.batch.sizes))
+        return min(n, CASES_ON_GPU, fits)
+    sample = cut(call, spread(call.batch.sizes, min(SAMPLE, fits)))
     try:
-        total = run(seconds_of_a_case, sample, form.kinds) * n
+        a_case = run(seconds_of_a_case, sample, kinds)
     except RateStateError:
         raise
     except Exception:  # a case of the sample took its worker down; what it costs is not known
-        total = math.inf
-    if total < 2.0 * workers * SECONDS[0]:
-        number = least
-    elif total < math.inf:
-        seconds = float(np.clip(total / (SHARE * workers), *SECONDS))
-        number = workers * math.ceil(total / (seconds * workers))
-    return max(1, min(math.ceil(n / number), MOST_CASES, fits))
+        a_case = LONGEST
+    a_case = max(a_case, 1e-9)
+    full = float(np.clip(LONGEST / a_case, LANES, FULL))
+    total = n * a_case
+    if together and (total < 2.0 * workers * SECONDS[0] or n < 2 * workers * full):
+        return min(n, fits, math.ceil(LONGEST * workers / a_case))
+    seconds = float(np.clip(total / (SHARE * workers), *SECONDS))
+    number = workers * math.ceil(total / (seconds * workers))
+    return min(n, fits, math.ceil(max(n / number, full)))

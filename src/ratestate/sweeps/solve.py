@@ -46,15 +46,31 @@ def kinds_of(variables, dims):
     }
 
 
-def solve(call, kinds=None, progress=None):
+class Form(NamedTuple):
+    """What the result of a sweep is like."""
+
+    kinds: dict  # variable -> `Kind`
+    static: dict  # variable -> it, for those that are common to all cases
+
+
+def form_of(call):
+    """`Form` of a call's result."""
+    dims = call.batch.dims
+    first = cut(call, {dim: slice(0, 1) for dim in dims})
+    blank = with_messages(first.blank(), first.batch)
+    static = {name: v for name, v in blank.items() if not set(v.dims) & set(dims)}
+    return Form(kinds_of(blank, dims), static)
+
+
+def solve(call, kinds, progress=None):
     """Variables of all cases of a call, with ``status`` and ``message`` among them.
 
     Parameters
     ----------
     call : a verb's checked call, see `ratestate.sweeps.calls`
-    kinds : dict, optional
-        Of the variables; without it an error of the solver is raised, with it the cases that raise
-        one are found and get the status ``crashed``.
+    kinds : dict
+        Of the variables: for cases that raise an error, which are found and get the status
+        ``crashed``.
     progress : callable, optional
         Given the fraction of the cases done.
     """
@@ -63,8 +79,6 @@ def solve(call, kinds=None, progress=None):
     except (Stopped, RateStateError):  # of no single case
         raise
     except Exception as error:
-        if kinds is None:
-            raise
         if call.batch.n == 1:
             return lost(call, kinds, f"{type(error).__name__}: {error}")
     dim, parts = halves(call.batch.sizes)
@@ -94,13 +108,19 @@ def lost(call, kinds, message):
 
 def joined(parts, dim):
     """Variables of two parts of a sweep that lie beside each other along a dimension."""
-    first = parts[0]
     return {
         name: xarray.Variable.concat([part[name] for part in parts], dim)
         if dim in variable.dims
-        else variable
-        for name, variable in first.items()
+        else _either(variable, parts[1][name])
+        for name, variable in parts[0].items()
     }
+
+
+def _either(one, other):
+    """A variable that two parts have in common, from the one that has an answer."""
+    if one.dtype.kind not in "fc":
+        return one
+    return one.copy(data=np.where(np.isnan(one.values), other.values, one.values))
 
 
 def failed(variables):

@@ -1,14 +1,16 @@
 """What a store, or a result, holds."""
 
+import math
 from collections import Counter
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..engine.model import STATUSES, STEADY_SLIDING
 from .chunks import Chunks
 from .solve import ANSWERED
+from .store import damage_told, read
 
 
 class Held(NamedTuple):
@@ -35,32 +37,47 @@ def held(path):
     StoreError
         It is no store of a sweep, or cannot be read.
     """
-    import zarr
-
-    from .store import damage_told, read
-
     path = Path(path)
     inside, _ = read(path)
     chunks = Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
-    number: Counter = Counter()
     with damage_told(path):
-        status, done = zarr.open_array(path / "status", mode="r"), inside["done"][:]
-        for i in np.flatnonzero(done):
-            codes, counts = np.unique(status[tuple(chunks.places(i).values())], return_counts=True)
-            number.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
+        done = inside["done"][:]
+        number = _counts(path, chunks, done)
     return Held(
         path,
         inside.attrs["verb"],
         chunks.sizes,
-        status.size,
+        math.prod(chunks.sizes.values()),
         number.total(),
-        sum(count for code, count in number.items() if code not in ANSWERED),
-        number.get(STEADY_SLIDING, 0),
+        _failed(number),
+        number[STEADY_SLIDING],
         chunks.number,
         int(done.sum()),
         inside.attrs["versions"],
         sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
     )
+
+
+def failed_in(store):
+    """Number of failed cases among those that an open `Store` has."""
+    with damage_told(store.path):
+        return _failed(_counts(store.path, store.chunks, store.done))
+
+
+def _counts(path, chunks, done):
+    """Status -> number of cases, of the chunks that are done."""
+    import zarr
+
+    array: Any = zarr.open_array(path / "status", mode="r")
+    status, number = array[...], Counter[int]()
+    for i in np.flatnonzero(done):
+        codes, counts = np.unique(status[tuple(chunks.places(i).values())], return_counts=True)
+        number.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
+    return number
+
+
+def _failed(number):
+    return sum(count for code, count in number.items() if code not in ANSWERED)
 
 
 def failures(data, most=20):

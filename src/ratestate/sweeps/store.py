@@ -20,9 +20,10 @@ from ..dataset import versions
 from ..errors import StoreError
 from .chunks import Chunks, chunks_of
 from .inputs import checksum, differences, inputs_of
-from .lock import alone
 
 INSIDE = "sweep"
+# Cases of which all messages are read at once.
+MANY = 10**7
 
 
 class Store(NamedTuple):
@@ -34,36 +35,61 @@ class Store(NamedTuple):
     checksum: str  # of its inputs
 
 
-@contextlib.contextmanager
-def opened(path, verb, call, chunk, device):
-    """The `Store` at a path, for this sweep and no other at a time.
+def examined(path, form, verb, call, chunk, device):
+    """The `Store` at a path, if it is this sweep's.
 
     Raises
     ------
     StoreError
         It was made by another version or from other parameters, listed; it is no store of a
-        sweep, cannot be written to, or is being written to.
+        sweep, or cannot be read.
     """
     inside, inputs = read(path)
-    with alone(path / INSIDE / "zarr.json", path):
-        chunks = Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
-        lines = _versions_differ(inside.attrs["versions"])
-        lines += differences(inputs, inputs_of(verb, call))
-        if device != inside.attrs["device"]:
-            lines.append(f"device: {inside.attrs['device']} in the store, {device} now")
-        if chunk is not None and chunks_of(chunks.sizes, chunk).shape != chunks.shape:
-            lines.append(f"chunk: blocks of {chunks.shape} cases in the store, chunk={chunk} now")
-        if lines:
-            listed = "".join(f"\n  {line}" for line in lines)
-            raise StoreError(
-                f"{path} holds another sweep; give this one a store of its own, or make it the "
-                f"same:{listed}"
-            )
-        for partial in path.rglob("*.partial"):
-            partial.unlink(missing_ok=True)
-        with damage_told(path):
-            done = inside["done"][:]
-        yield Store(path, chunks, done, inside.attrs["checksum"])
+    chunks = Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
+    lines = _versions_differ(inside.attrs["versions"])
+    lines += differences(inputs, inputs_of(verb, call))
+    if device != inside.attrs["device"]:
+        lines.append(f"device: {inside.attrs['device']} in the store, {device} now")
+    if chunk is not None and chunks_of(chunks.sizes, chunk).shape != chunks.shape:
+        lines.append(f"chunk: blocks of {chunks.shape} cases in the store, chunk={chunk} now")
+    if lines:
+        listed = "".join(f"\n  {line}" for line in lines)
+        raise StoreError(
+            f"{path} holds another sweep; give this one a store of its own, or make it the "
+            f"same:{listed}"
+        )
+    with damage_told(path):
+        done = inside["done"][:]
+    store = Store(path, chunks, done, inside.attrs["checksum"])
+    for i in np.flatnonzero(done):  # what has been lost is done again
+        done[i] = all(file.exists() for file in _files(store, i, form.kinds).values())
+    return store
+
+
+def sweep_up(path):
+    """Remove what killed writers left in a store."""
+    for partial in path.rglob("*.partial"):
+        partial.unlink(missing_ok=True)
+
+
+def noted(device):
+    """Attributes of a result that say where it comes from: the GPU's bits are not the CPU's."""
+    return {} if device == "cpu" else {"device": device}
+
+
+def _files(store, i, variables):
+    """Variable -> the file in which chunk i has it, for those that it has.
+
+    What does not depend on some dimensions is written by the first chunk along them.
+    """
+    index = dict(zip(store.chunks.sizes, store.chunks.index(i), strict=True))
+    files = {}
+    for name, variable in variables.items():
+        own = index.keys() & {*variable.dims}
+        if own and not any(index[dim] for dim in index.keys() - own):
+            key = [str(index.get(dim, 0)) for dim in variable.dims]
+            files[name] = store.path.joinpath(name, "c", *key)
+    return files
 
 
 @contextlib.contextmanager
@@ -129,28 +155,20 @@ def _write(store, i, variables):
     group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=False)
     if group[INSIDE].attrs["checksum"] != store.checksum:  # a worker may be the last to know
         raise StoreError(f"{path} has been replaced by the store of another sweep")
-    places, index = chunks.places(i), dict(zip(chunks.sizes, chunks.index(i), strict=True))
-    files = []
-    for name, variable in variables.items():
-        # What does not depend on some dimensions is written by the first chunk along them.
-        own = [dim for dim in variable.dims if dim in places]
-        if own and all(index[dim] == 0 for dim in places if dim not in own):
-            array = group[name]
-            array[tuple(places.get(dim, slice(None)) for dim in variable.dims)] = variable.values
-            key = array.metadata.encode_chunk_key(tuple(index.get(dim, 0) for dim in variable.dims))
-            files.append(path / name / key)
-    to_disk(files, path)
-    done = group[f"{INSIDE}/done"]
-    done[i] = True
-    to_disk([path / INSIDE / "done" / done.metadata.encode_chunk_key((i,))], path)
+    files = _files(store, i, variables)
+    places = chunks.places(i)
+    for name in files:
+        where = tuple(places.get(dim, slice(None)) for dim in variables[name].dims)
+        # (zarr leaves out files of fill values alone; here a missing one shall be a loss, and seen)
+        group[name].with_config({"write_empty_chunks": True})[where] = variables[name].values
+    to_disk(files.values(), path)
+    group[f"{INSIDE}/done"][i] = True
+    to_disk([path / INSIDE / "done" / "c" / str(i)], path)
 
 
-def to_disk(files, top=None):
-    """Have the system write these files, and the folders that name them, to the disk itself."""
-    files = [file for file in files if file.exists()]  # zarr leaves out files of fill values
-    folders = {file.parent for file in files}
-    if top:
-        folders = {one for file in files for one in file.parents if top in one.parents}
+def to_disk(files, top):
+    """Have the system write files, and the folders below `top` that name them, to the disk."""
+    folders = {one for file in files for one in file.parents if one.is_relative_to(top)}
     for file in {*files, *folders}:
         handle = os.open(file, os.O_RDONLY)
         try:
@@ -162,5 +180,7 @@ def to_disk(files, top=None):
 def result_of(path):
     """The result in a store, read where it is used; cases not done have the status -1."""
     data = xarray.open_zarr(path, chunks=None)
+    if data["message"].size > MANY:
+        return data
     # xarray cannot mask zarr's own type for text
     return data.assign(message=data["message"].astype(object))

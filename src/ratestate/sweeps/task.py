@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from ..dataset import versions
 from ..engine import drive
 from ..errors import StoreError
+from .chunks import Chunks
 from .solve import failed, solve
 
 
@@ -20,7 +21,7 @@ class Outcome(NamedTuple):
 class Tasks(NamedTuple):
     """What all chunks of a sweep share."""
 
-    chunks: tuple
+    chunks: Chunks
     kinds: dict
     store: Any  # `Store`, or None
     device: str

@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import functools
+import os
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,11 @@ from .bar import Report
 from .calls import call_of, check, check_device
 from .chunks import chunks_of
 from .create import create, tidy
-from .probe import cases_of_a_chunk, form_of
-from .status import held
-from .store import damage_told, opened, result_of
+from .lock import alone
+from .probe import cases_of_a_chunk
+from .solve import form_of
+from .status import failed_in
+from .store import INSIDE, damage_told, examined, noted, result_of, sweep_up
 from .task import Tasks
 
 
@@ -34,8 +37,8 @@ def sweep(
 ):
     """Another verb over all named DataArrays among its arguments, in chunks.
 
-    Cases have the same bits however they are divided, on however many cores, threads or machines.
-    A case that fails costs itself only.
+    Cases have the same bits however they are divided, on however many cores, threads or machines
+    (of one kind: processors differ in their last digits).  A case that fails costs itself only.
 
     Parameters
     ----------
@@ -64,7 +67,7 @@ def sweep(
     xarray.Dataset
         As the verb's, with the variable ``message``, which says of each failed case why, and
         ``status`` for `stability` too.  With a store, the opened store: numbers are read where they
-        are used.
+        are used, but for the messages of up to ten million cases.
 
     Raises
     ------
@@ -92,11 +95,12 @@ def sweep(
             f"client = {client!r} is no dask.distributed.Client; for the address of a scheduler "
             f"give client=Client(address)"
         )
-    if chunk is not None and (isinstance(chunk, bool) or not isinstance(chunk, int) or chunk < 1):
+    integer = isinstance(chunk, int | np.integer) and not isinstance(chunk, bool)
+    if chunk is not None and not (integer and chunk >= 1):
         raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
     plan = Plan(name, call, chunk, client, device, progress)
     with drive.place(device=device):
-        return _in_memory(plan) if store is None else _in_store(plan, Path(store))
+        return _in_memory(plan) if store is None else _in_store(plan, _folder(store, client))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -118,17 +122,15 @@ class Plan:
 
     @functools.cached_property
     def form(self):
-        """`Form` of the result; found before any threads start, which need not compile then."""
-        return form_of(self.call, self.run)
+        """`Form` of the result."""
+        return form_of(self.call)
 
-    @functools.cached_property
-    def chunks(self):
-        """`Chunks` of a sweep that begins; its arguments are checked case by case."""
-        call, workers, least = self.call, drive.cores(), 1  # chunk, on all cores
-        if self.client is not None:
-            least = workers = max(1, sum(self.client.nthreads().values()))
+    def begin(self):
+        """Check all arguments, case by case, and try what a case costs; `Chunks`."""
+        call, together = self.call, self.client is None
+        workers = drive.cores() if together else max(1, sum(self.client.nthreads().values()))
         cases = self.chunk or cases_of_a_chunk(
-            call, self.form, workers, least, self.device, self.run
+            call, self.form.kinds, workers, together, self.device, self.run
         )
         chunks = chunks_of(call.batch.sizes, cases)
         check(call, chunks)
@@ -156,7 +158,7 @@ class Plan:
 
 def _in_memory(plan):
     """The result, put together from its chunks."""
-    chunks, form = plan.chunks, plan.form
+    chunks, form = plan.begin(), plan.form
     try:
         variables = {name: kind.empty(chunks.sizes) for name, kind in form.kinds.items()}
     except MemoryError:
@@ -169,7 +171,7 @@ def _in_memory(plan):
             found = outcome.variables[name]
             where = tuple(places.get(dim, slice(None)) for dim in found.dims)
             variables[name].values[where] = found.values
-    return plan.call.dataset(variables | form.static)
+    return plan.call.dataset(variables | form.static).assign_attrs(noted(plan.device))
 
 
 def _in_store(plan, path):
@@ -178,9 +180,20 @@ def _in_store(plan, path):
     with damage_told(path):
         there = path.exists()
     if not there:
-        create(path, plan.name, plan.call, plan.chunks, plan.form, plan.device)
-    with opened(path, plan.name, plan.call, plan.chunk, plan.device) as store:
-        if not store.done.all():
-            for _ in plan.outcomes(store.chunks, store.done, store, held(path).failed):
+        create(path, plan.name, plan.call, plan.begin(), plan.form, plan.device)
+    asked = plan.name, plan.call, plan.chunk, plan.device
+    if not examined(path, plan.form, *asked).done.all():
+        with alone(path / INSIDE / "zarr.json", path):
+            store = examined(path, plan.form, *asked)  # as the last to hold it left it
+            sweep_up(path)
+            for _ in plan.outcomes(store.chunks, store.done, store, failed_in(store)):
                 pass
     return result_of(path)
+
+
+def _folder(store, client):
+    """The path of a store; ParameterError if it is none."""
+    if not isinstance(store, str | os.PathLike) or "://" in os.fspath(store):
+        raise ParameterError(f"store = {store!r} must be the path of a folder, such as 'x.zarr'")
+    path = Path(store).expanduser()
+    return path if client is None else path.absolute()  # workers may be somewhere else
