@@ -15,7 +15,7 @@ from .solve import bytes_of_a_case, solve
 
 # Cases to try, spread over the sweep; seconds after which to be content with a part of them.
 SAMPLE = 256
-BUDGET = 0.05
+BUDGET = 0.02
 # A chunk: seconds that it takes, at least (below, overhead shows) and at most (what a pulled plug
 # costs); how many each worker gets of a long sweep; its bytes.
 SECONDS = (1.0, 10.0)
@@ -65,7 +65,7 @@ def cases_of_a_chunk(call, kinds, workers, together, device, run):
 
     kinds : of the variables
     workers : how many there are, each with one core
-    together : whether all of them can do one chunk, which then is enough for a small sweep
+    together : whether all of them can do one chunk, which keeps their lanes full in a small sweep
     run : callable of a function and its arguments, which says where
     """
     n = call.batch.n
@@ -82,7 +82,7 @@ def cases_of_a_chunk(call, kinds, workers, together, device, run):
     a_case = max(a_case, 1e-9)
     full = float(np.clip(LONGEST / a_case, LANES, FULL))
     total = n * a_case
-    if together and (total < 2.0 * workers * SECONDS[0] or n < 2 * workers * full):
+    if together and n < 2 * workers * full:
         return min(n, fits, math.ceil(LONGEST * workers / a_case))
     seconds = float(np.clip(total / (SHARE * workers), *SECONDS))
     number = workers * math.ceil(total / (seconds * workers))
