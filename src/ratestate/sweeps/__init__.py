@@ -2,6 +2,7 @@
 
 ``verb`` has the function `sweep`.  ``calls``: what can be swept; ``chunks``: how it is cut;
 ``probe``: what a case costs; ``solve``: all cases of a part, each bad one by itself; ``task``: a
-chunk solved and stored; ``here`` and ``cluster``: who does the tasks; ``store``, ``create`` and
-``inputs``: what is kept; ``status``: what a store or a result holds; ``bar``: progress.
+chunk solved and stored; ``here`` and ``cluster``: who does the tasks; ``connect``: how to come by a
+cluster; ``apart``: cases that kill their process; ``create``, ``store``, ``lock`` and ``inputs``:
+what is kept; ``status``: what a store or a result holds; ``bar``: progress.
 """

@@ -1,7 +1,8 @@
 """What can be swept: verbs, whose checked calls can be cut in parts.
 
 A call is a frozen dataclass of arguments in SI.  ``batch`` broadcasts them, ``run()`` gives the
-variables of all its cases, ``dataset(variables)`` the result; `ratestate.arrays.cut` cuts it.
+variables of all its cases, ``blank()`` the same without answers, ``dataset(variables)`` the result;
+`ratestate.arrays.cut` cuts it.
 """
 
 import inspect
@@ -21,10 +22,9 @@ VERBS: dict[str, tuple[Callable, Callable]] = {
     "simulate": (simulate, simulate_call),
     "stability": (stability, stability_call),
 }
-
-
 #: names that a sweep's result needs
 TAKEN = ("message", "status", "sweep")
+DEVICES = ("cpu", "cuda")
 
 
 def call_of(verb, slider, arguments):
@@ -89,9 +89,6 @@ def check(call, chunks):
             part = cut(call, places)
             table, rows = part.batch.rows(part.loading.V)
             initial_state(part.batch, table[rows, 0])
-
-
-DEVICES = ("cpu", "cuda")
 
 
 def check_device(name, call, device, here):
