@@ -86,7 +86,7 @@ def sweep(
     ...                          M=rs.logspace("M", 100, 1e5, 12))
     >>> found = rs.sweep(rs.limit_cycle, slider, V_lp=rs.logspace("V_lp", 1e-3, 1e-1, 13))
     >>> dict(found.sizes)["M"], int((found.status == 0).sum())
-    (12, 120)
+    (12, 114)
     """
     name, call = call_of(verb, slider, arguments)
     check_device(name, call, device, client is None)
