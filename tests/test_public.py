@@ -1,5 +1,7 @@
 """The package's face: its names, what importing it costs, and verbs that share a file's name."""
 
+import doctest
+import importlib
 import subprocess
 import sys
 
@@ -57,3 +59,8 @@ import ratestate.{verb}
 assert callable(ratestate.{verb}), {verb}
 """
     run(code)
+
+
+@pytest.mark.parametrize("home", sorted(set(ratestate._HOMES.values())))
+def test_examples_in_docstrings(home):
+    assert doctest.testmod(importlib.import_module(f"ratestate.{home}")).failed == 0
