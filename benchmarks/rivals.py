@@ -89,8 +89,8 @@ def scipy_solvers():
     }
 
 
-def numbalsoda_solvers():
-    """name -> solver; none where numbalsoda is not installed."""
+def numbalsoda_solvers(all_cores=False):
+    """name -> solver, on one core or on all; none where numbalsoda is not installed."""
     os.environ.setdefault("GFORTRAN_UNBUFFERED_ALL", "1")  # so that `quiet` catches all of it
     try:
         import numbalsoda
@@ -103,18 +103,19 @@ def numbalsoda_solvers():
         du[0], du[1], du[2] = rates(u[0], u[1], u[2], p)
 
     # One loop a solver: numba cannot inline a call to a function that it is given.
-    @njit(error_model="numpy")
+    # (prange is range where nothing is parallel)
+    @njit(error_model="numpy", parallel=all_cores)
     def all_by_lsoda(address, y0, p, t, tol, most):
         y, ok = np.empty_like(y0), np.empty(len(y0), np.bool_)
-        for i in range(len(y0)):
+        for i in prange(len(y0)):
             u, ok[i] = lsoda(address, y0[i], t, p[i], tol, tol, most)
             y[i] = u[-1]
         return y, ok
 
-    @njit(error_model="numpy")
+    @njit(error_model="numpy", parallel=all_cores)
     def all_by_dop853(address, y0, p, t, tol, most):
         y, ok = np.empty_like(y0), np.empty(len(y0), np.bool_)
-        for i in range(len(y0)):
+        for i in prange(len(y0)):
             u, ok[i] = dop853(address, y0[i], t, p[i], tol, tol, most)
             y[i] = u[-1]
         return y, ok
@@ -137,32 +138,7 @@ def numbalsoda_solvers():
 
 def lsoda_on_all_cores():
     """numbalsoda's LSODA with the cases spread over the cores by prange; None if not installed."""
-    try:
-        import numbalsoda
-    except ImportError:
-        return None
-    lsoda = numbalsoda.lsoda
-
-    @cfunc(numbalsoda.lsoda_sig, error_model="numpy")
-    def rhs_c(t, u, du, p):
-        du[0], du[1], du[2] = rates(u[0], u[1], u[2], p)
-
-    @njit(error_model="numpy", parallel=True)
-    def march(address, y0, p, t, tol, most):
-        y, ok = np.empty_like(y0), np.empty(len(y0), np.bool_)
-        for i in prange(len(y0)):
-            u, ok[i] = lsoda(address, y0[i], t, p[i], tol, tol, most)
-            y[i] = u[-1]
-        return y, ok
-
-    def solve(problem, tol):
-        p, y0 = problem.numbers()
-        t = np.array([0.0, problem.t_end])
-        with quiet():
-            y, ok = march(rhs_c.address, y0, p, t, tol, 100 * MAX_STEPS)
-        return outcome(y, ok)
-
-    return solve
+    return numbalsoda_solvers(all_cores=True).get("numbalsoda LSODA")
 
 
 @contextlib.contextmanager

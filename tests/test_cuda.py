@@ -21,7 +21,7 @@ from ratestate import shooting
 from ratestate.engine import cuda, drive
 from ratestate.engine.model import FINISHED, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
 from ratestate.engine.return_map import RETURN_NUMBERS
-from ratestate.simulate import simulate_call
+from ratestate.sweeps.calls import call_of
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 JOBS = pytest.mark.parametrize("job", ["simulations", "turns"])
@@ -108,6 +108,8 @@ def turns(law):
 def interrupted(law):
     """The fractions that progress was told, until the third time it was."""
     stop, told = threading.Event(), []
+    slider, loading, t_end = arguments(law)
+    _, call = call_of("simulate", slider, {"loading": loading, "t_end": t_end, "rtol": RTOL})
 
     def progress(fraction):
         told.append(fraction)
@@ -115,7 +117,7 @@ def interrupted(law):
             stop.set()
 
     with drive.place(device="cuda", stop=stop), pytest.raises(drive.Stopped):
-        simulate_call(*arguments(law), rtol=RTOL).move(progress)
+        call.move(progress)
     return {"told": told}
 
 

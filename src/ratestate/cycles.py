@@ -97,7 +97,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     return result
 
 
-def limit_cycle_call(slider, V_lp, *, rtol=1e-8):
+def limit_cycle_call(slider, V_lp, *, rtol):
     """`LimitCycleCall` with these arguments of `limit_cycle`, checked."""
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not 1e-12 <= rtol <= 1e-2:

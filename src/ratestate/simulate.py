@@ -117,18 +117,7 @@ def simulate(
     return call.dataset(call.variables(motion))
 
 
-def simulate_call(
-    slider,
-    loading,
-    t_end,
-    *,
-    V_start=None,
-    initial=None,
-    times=None,
-    rtol=1e-6,
-    method="rodas5p",
-    dt=None,
-):
+def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, method, dt):
     """`SimulateCall` with these arguments of `simulate`, checked."""
     checked(slider)
     if not isinstance(loading, Loading):

@@ -46,12 +46,13 @@ def call_of(verb, slider, arguments):
     name = next((name for name, (known, _) in VERBS.items() if verb in (name, known)), None)
     if name is None:
         raise ParameterError(f"verb = {verb!r} cannot be swept; choose one of {', '.join(VERBS)}")
-    checked_call = VERBS[name][1]
+    known, checked_call = VERBS[name]
     try:
-        inspect.signature(checked_call).bind(slider, **arguments)
+        bound = inspect.signature(known).bind(slider, **arguments)
     except TypeError as error:
         raise ParameterError(f"sweep of {name}: {error}; see help(ratestate.{name})") from None
-    call = checked_call(slider, **arguments)
+    bound.apply_defaults()
+    call = checked_call(*bound.args, **bound.kwargs)
     if call.batch.alone:
         raise ParameterError(
             f"nothing to sweep over: give a parameter as a named DataArray, for example "

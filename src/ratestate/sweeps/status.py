@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import zarr
 
 from ..engine.model import STATUSES, STEADY_SLIDING
 from .chunks import Chunks
@@ -66,8 +67,6 @@ def failed_in(store):
 
 def _counts(path, chunks, done):
     """Status -> number of cases, of the chunks that are done."""
-    import zarr
-
     array: Any = zarr.open_array(path / "status", mode="r")
     status, number = array[...], Counter[int]()
     for i in np.flatnonzero(done):
