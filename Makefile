@@ -33,11 +33,12 @@ bench: .venv/.ready ## run the benchmark
 torture: .venv/.ready ## kill a sweep 30 times, and see that nothing is lost; ARGS="--kills 100 --seed 1"
 	$(BIN)/python tests/torture.py $(ARGS)
 
-lock: .venv/.uv-$(UV_VERSION) ## bring requirements.lock up to pyproject.toml; newest versions: ARGS=--upgrade
-	$(UV) pip compile pyproject.toml --extra test --extra check --extra bench \
-	    --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
-	    --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" \
-	    --output-file requirements.lock $(ARGS)
+COMPILE := pip compile pyproject.toml --universal --python-version 3.11 --fork-strategy fewest \
+    --generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock"
+
+lock: .venv/.uv-$(UV_VERSION) ## bring the two lock files up to pyproject.toml; newest versions: ARGS=--upgrade
+	$(UV) $(COMPILE) --extra test --extra check --extra bench --output-file requirements.lock $(ARGS)
+	$(UV) $(COMPILE) --extra docs --constraint requirements.lock --output-file docs/requirements.lock $(ARGS)
 
 clean: ## remove .venv, caches, figures and builds
 	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
