@@ -409,7 +409,8 @@ def test_threads_share_the_cores(monkeypatch):
 
 
 CODE = """
-import numpy as np, sys, xarray, ratestate as rs
+import signal, ratestate as rs
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 M = rs.logspace("M", 100, 1e5, 40)
 slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=M)
 V_lp = rs.logspace("V_lp", 1e-2, 1e-1, 40)
@@ -427,7 +428,10 @@ def test_an_interrupt_ends_it_soon():
         assert process.stdout.readline() == "ready\n"
         time.sleep(1.0)
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=20)  # the work itself would take hours
+        try:
+            _, errors = process.communicate(timeout=20)  # the work itself would take hours
+        finally:
+            process.kill()
     assert process.returncode == -signal.SIGINT
     assert errors.rstrip().endswith("KeyboardInterrupt")
 
