@@ -9,8 +9,9 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
-from ratestate import Loading, ParameterError, logspace
+from ratestate import Loading, ParameterError, SpringSlider, logspace, simulate
 
 #: 1 mm/s, a step to 3, a hold, a ramp back to 2 (the record's jumps are repeated times)
 T = [0.0, 1.0, 1.0, 2.0, 2.0, 4.0, 4.0, 6.0]
@@ -232,3 +233,192 @@ def test_outside_the_history():
     for bad in (10.5, -1.0, np.nan):
         with pytest.raises(ParameterError, match=r"is outside the loading, 0 to 10.0 s"):
             loading.V_load(np.array([1.0, bad]))
+
+
+def test_steps_holds_and_ramps_follow_each_other():
+    loading = (
+        Loading.constant("1 mm/s")
+        .step("1 s", "3 mm/s")
+        .hold(2, "10 s")
+        .step(12, "2 mm/s")  # where the hold ends
+        .ramp(20, 0, 5)
+        .ramp(25, "4 mm/s", 4)  # where the ramp ends
+        .hold("30 s", 1)
+    )
+    assert loading.t.tolist() == [0, 1, 2, 12, 20, 25, 29, 30, 31]
+    assert loading.V.tolist() == [1e-3, 3e-3, 0, 2e-3, 2e-3, 0, 4e-3, 0, 4e-3]
+    assert loading.rate.tolist() == [0, 0, 0, 0, -2e-3 / 5, 1e-3, 0, 0, 0]
+    assert loading.t_last == np.inf
+    same = Loading.series(
+        [0, 1, 1, 2, 2, 12, 12, 20, 25, 29, 30, 30, 31, 31, 40],
+        np.array([1, 1, 3, 3, 0, 0, 2, 2, 0, 4, 4, 0, 0, 4, 4]) * 1e-3,
+    )
+    t = np.linspace(0, 40, 401)
+    np.testing.assert_allclose(loading.V_load(t), same.V_load(t), rtol=1e-12, atol=1e-18)
+    np.testing.assert_allclose(loading.delta_lp(t), same.delta_lp(t), rtol=1e-14, atol=0)
+
+
+def test_steps_are_those_of_steps():
+    one = Loading.steps("1 mm/s", (1.0, "3 mm/s"), (2.0, 0.0))
+    other = Loading.constant("1 mm/s").step(1.0, "3 mm/s").step(2.0, 0.0)
+    for name in ("t", "V", "rate", "t_last"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_a_ramp_to_the_speed_it_has_may_be_followed_at_once():
+    loading = Loading.constant(1.0).ramp(0.1, 1.0, 0.2).step(0.3, 2.0)  # 0.1 + 0.2 > 0.3
+    assert loading.t.tolist() == [0, 0.1, 0.1 + 0.2]
+    assert loading.V.tolist() == [1, 1, 2]
+
+
+def test_events_with_named_arrays():
+    V1 = logspace("V_lp", 1e-4, 1e-2, 3)
+    after = xr.DataArray([0.0, 1e-3], dims="after")
+    loading = Loading.constant(1e-3).step(1, V1).hold(2, 3).ramp(10, after, 2)
+    assert loading.V.dims == loading.rate.dims == ("V_lp", "after", "segment")
+    for v1 in V1.values:
+        for i, v2 in enumerate(after.values):
+            one = Loading.constant(1e-3).step(1, v1).hold(2, 3).ramp(10, v2, 2)
+            for name in ("V", "rate"):
+                swept = getattr(loading, name).sel(V_lp=v1)[i]
+                np.testing.assert_array_equal(swept, getattr(one, name))
+
+
+@pytest.mark.parametrize(
+    ("event", "message"),
+    [
+        (lambda x: x.step(5, 1.0), "t = 5.0 s must come after t = 5.0 s, where the history has"),
+        (lambda x: x.step(4, 1.0), "t = 4.0 s must come after t = 5.0 s"),
+        (lambda x: x.hold(7, 1).step(7.5, 1.0), "t = 7.5 s must come after t = 8.0 s"),
+        (lambda x: x.step(6, -1.0), "V_lp from t = 6.0 s on = -1 m/s must be >= 0"),
+        (lambda x: x.step(6, "1 mm"), "is a length [m]; expected a speed"),
+        (lambda x: x.hold(6, 0), "hold = 0 s must be > 0; expected a time"),
+        (lambda x: x.hold(6, 1e-17), "hold = 1e-17 is too short or too long after t = 6.0 s"),
+        (lambda x: x.ramp(6, 1, "1 m"), "ramp = '1 m' is a length [m]; expected a time"),
+        (lambda x: x.ramp(6, 1e300, 1e-15), "ramp = 1e-15 is too short; for a jump leave it out"),
+        (lambda x: x.step(logspace("t", 6, 7, 2), 1.0), "the time of a step is one number"),
+        (lambda x: x.hold(6, logspace("t", 6, 7, 2)), "the duration of a hold is one number"),
+        (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
+        (
+            lambda x: x.step(6, logspace("V_lp", 1, 2, 2)).step(7, logspace("V_lp", 1, 3, 2)),
+            "have different coordinates along the dimension 'V_lp'",
+        ),
+    ],
+)
+def test_bad_events(event, message):
+    with pytest.raises(ParameterError, match=re.escape(message)):
+        event(Loading.steps(1.0, (5, 2.0)))
+
+
+MEAN, PERIOD = 1e-3, 2.0
+OMEGA = 2 * np.pi / PERIOD
+
+
+@pytest.mark.parametrize("amplitude", [1e-3, 4e-4])
+def test_the_fundamental_of_a_sinusoid_is_exact(amplitude):
+    loading = Loading.sinusoid(MEAN, amplitude, period=PERIOD, t_end=4 * PERIOD)
+    n = 256 * 1024
+    t = np.arange(n) * (PERIOD / n)
+    c = 2 * np.fft.rfft(loading.V_load(PERIOD + t)) / n / amplitude
+    assert c[1] == pytest.approx(-1j, abs=1e-9)
+    assert c[0].real / 2 == pytest.approx(MEAN / amplitude, rel=1e-12)
+    for m in (255, 257, 511, 513):
+        assert abs(c[m]) * m**2 == pytest.approx(1, rel=0.01)
+    c[[0, 1, 255, 257, 511, 513, 767, 769]] = 0
+    assert abs(c).max() < 1.1 / 1023**2
+
+
+def test_how_far_a_sinusoid_is_off():
+    loading = Loading.sinusoid("1 mm/s", "1 mm/s", frequency="0.5 Hz", t_end="10 s")
+    assert (loading.sine.period, loading.t_last, loading.V_first) == (PERIOD, 10.0, MEAN)
+    t = np.linspace(0, 10, 100_001)
+    speed = MEAN * (1 + np.sin(OMEGA * t))
+    off = abs(loading.V_load(t) - speed).max() / MEAN
+    assert 4.9e-5 < off < 5.1e-5
+    delta = MEAN * t + MEAN / OMEGA * (1 - np.cos(OMEGA * t))
+    assert 1.1e-7 < abs(loading.delta_lp(t) - delta).max() * OMEGA / MEAN < 1.3e-7
+    assert loading.V_load(t).min() > 0  # though it touches 0 in theory
+    loading.covers(10)
+    with pytest.raises(ParameterError, match="beyond the end"):
+        loading.covers(10.1)
+
+
+def test_sinusoids_with_named_arrays():
+    V_lp = logspace("V_lp", 1e-3, 1e-1, 3)
+    amplitude = xr.DataArray([0.0, 1e-3], dims="amplitude")
+    loading = Loading.sinusoid(V_lp, amplitude, period=1, t_end=1.5)
+    assert loading.V.dims == loading.rate.dims == ("V_lp", "amplitude", "segment")
+    for v in V_lp.values:
+        for i, a in enumerate(amplitude.values):
+            one = Loading.sinusoid(v, a, period=1, t_end=1.5)
+            np.testing.assert_array_equal(loading.V.sel(V_lp=v)[i], one.V)
+            np.testing.assert_array_equal(loading.rate.sel(V_lp=v)[i], one.rate)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"amplitude": 1.1e-3}, "amplitude = 0.0011 m/s is more than V_lp = 0.001 m/s"),
+        ({"amplitude": -1e-3}, "amplitude = -0.001 m/s must be >= 0"),
+        ({"amplitude": "1 um"}, "amplitude = '1 um' is a length [m]; expected a speed"),
+        ({"V_lp": 0}, "V_lp = 0 m/s must be > 0"),
+        ({"period": None}, "needs either its period or its frequency"),
+        ({"frequency": 1}, "needs either its period or its frequency"),
+        ({"period": 0}, "period = 0 s must be > 0"),
+        ({"period": None, "frequency": "1 s"}, "frequency = '1 s' is a time [s]; expected a freq"),
+        ({"period": None, "frequency": 1e-320}, "is beyond any size"),
+        ({"period": logspace("period", 1, 2, 2)}, "the period of a sinusoid is one number"),
+        ({"t_end": 1e4}, "2.56e+06 lines for each of 1 cases; no more than 1e+06 lines"),
+        ({"t_end": 1e300}, "2.56e+302 lines"),
+        ({"t_end": 1e3, "V_lp": logspace("V_lp", 1e-3, 1, 50)}, "and 1e+07 in all cases"),
+        ({"t_end": 0}, "t_end = 0 s must be > 0"),
+    ],
+)
+def test_bad_sinusoids(changes, message):
+    arguments = {"V_lp": 1e-3, "amplitude": 1e-3, "period": 1.0, "t_end": 10.0} | changes
+    with pytest.raises(ParameterError, match=re.escape(message)):
+        Loading.sinusoid(**arguments)
+
+
+def rates(t, y, kappa, eta, beta, omega, share):
+    """x, v, psi (or x, psi where eta = 0) under a true sine, in units of V_lp and Dc."""
+    x, psi = y[0], y[-1]
+    v = y[1] if eta else x - beta * psi
+    w = np.exp(v)
+    by = [kappa * (1 + share * np.sin(omega * t) - w), -w * (v + psi)]
+    return [by[0], (x - v - beta * psi) / (eta * w), by[1]] if eta else by
+
+
+@pytest.mark.parametrize("eta", [0.0, 0.8])
+@pytest.mark.parametrize("share", [1e-4, 0.6])
+def test_the_answer_to_a_sinusoid(eta, share):
+    """Against SciPy's under a true sine and, where it is small, the linearised equations."""
+    V, a, b, Dc, sigma = 1e-3, 0.004, 0.006, 1e-5, 1e6
+    beta, omega = b / a, 0.6
+    kappa = 4.0 * (beta - 1) * (1 + eta)
+    slider = SpringSlider(
+        a=a, b=b, Dc=Dc, sigma=sigma, V0=V, K=kappa * a * sigma / Dc, M=eta * sigma * a * Dc / V**2
+    )
+    scale = Dc / V
+    loading = Loading.sinusoid(V, share * V, period=2 * np.pi / omega * scale, t_end=60 * scale)
+    T = np.linspace(40, 60, 400)
+    run = simulate(slider, loading, 60 * scale, times=T * scale, rtol=1e-10)
+    x = (run.tau / sigma - slider.mu0).values / a
+    solution = solve_ivp(
+        rates,
+        (0, 60),
+        np.zeros(3 if eta else 2),
+        method="Radau",
+        t_eval=T,
+        rtol=1e-10,
+        atol=1e-12,
+        args=(kappa, eta, beta, omega, share),
+    )
+    # by what the load point is displaced too far: 1.2e-7 of its swing, times the stiffness
+    assert 1e-7 < abs(x - solution.y[0]).max() / (share * kappa / omega) < 1.4e-7
+    if share == 1e-4:
+        s = 1j * omega
+        friction = 1 - beta / (s + 1) + eta * s
+        answer = share / (1 / friction + s / kappa)
+        linear = (answer * np.exp(s * T)).imag
+        assert abs(x - linear).max() < 3e-4 * abs(answer)

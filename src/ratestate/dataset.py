@@ -1,5 +1,6 @@
 """What results carry beside their numbers: status flags and provenance."""
 
+import dataclasses
 import functools
 import json
 from importlib.metadata import version
@@ -89,12 +90,15 @@ def _labels(coordinate, value):
 def record_loading(result, loading):
     """Put the loading into a result: segments' starts, speeds and accelerations, and its end.
 
-    As JSON in the attribute ``loading``, or, if long, as variables along ``segment``.
+    As JSON in the attribute ``loading``, or, if long, as variables along ``segment``.  In
+    their place, of a sinusoid, what it was made from.
     """
     columns = {"t": loading.t, "V": loading.V, "rate": loading.rate}
     record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}
     units = {"t": "s", "V": "m/s", "rate": "m/s^2"}
-    if np.size(loading.V) <= MANY:
+    if loading.sine is not None:
+        record["sinusoid"] = {k: plain(v) for k, v in dataclasses.asdict(loading.sine).items()}
+    elif np.size(loading.V) <= MANY:
         record |= {k: plain(v) if is_array(v) else v.tolist() for k, v in columns.items()}
     else:
         for name, column in columns.items():

@@ -111,10 +111,7 @@ def simulate(
         dt=dt,
     )
     with bar("simulate") as progress:
-        motion = call.move(progress)
-    if call.batch.alone and motion.status[0] != FINISHED:
-        raise failure("simulate", slider, motion.status[0], motion.numbers["t"][0])
-    return call.dataset(call.variables(motion))
+        return call.result(progress)
 
 
 def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, method, dt):
@@ -156,6 +153,13 @@ class SimulateCall:
         own |= {"time": self.times} if is_array(self.times) else {}
         return Batch(values, own, taken=TAKEN)
 
+    def result(self, progress=None):
+        """The Dataset; the exception for a single case that failed."""
+        motion = self.move(progress)
+        if self.batch.alone and motion.status[0] != FINISHED:
+            raise failure("simulate", self.slider, motion.status[0], motion.numbers["t"][0])
+        return self.dataset(self.variables(motion))
+
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep, then time."""
         return self.variables(self.move(progress))
@@ -190,6 +194,8 @@ class SimulateCall:
         initial = {name.removesuffix("_initial"): plain(v) for name, v in self.initial.items()}
         values = {symbol: plain(self.batch.values[symbol]) for symbol in ("V_start", "t_end")}
         texts = {name: json.dumps(value) for name, value in values.items()}
+        if self.times is not None:
+            texts["times"] = "as saved"  # else the solver's own steps, or the end
         attributes = provenance(
             "simulate",
             self.slider,
@@ -209,7 +215,9 @@ def solver_settings(rtol, method, dt, slider):
     """rtol and dt as floats, checked against the method."""
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not 1e-13 <= rtol <= 0.1:
-        raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-13 to 0.1, such as 1e-6")
+        raise ParameterError(
+            f"rtol = {rtol!r} is out of range; expected one number from 1e-13 to 0.1 such as 1e-6"
+        )
     if not isinstance(method, str) or method not in METHODS:
         raise ParameterError(f"method = {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if method == "rodas5p":
