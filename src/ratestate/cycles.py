@@ -91,9 +91,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     call = limit_cycle_call(slider, V_lp, rtol=rtol)
     with bar("limit_cycle") as progress:
         result = call.dataset(call.run(progress))
-    if call.batch.alone and (status := int(result.status)) > STEADY_SLIDING:
-        best = result if status == NO_CONVERGENCE else None
-        raise failure("limit_cycle", slider, status, best=best)
+    call.refuse_failure(result)
     return result
 
 
@@ -101,7 +99,9 @@ def limit_cycle_call(slider, V_lp, *, rtol):
     """`LimitCycleCall` with these arguments of `limit_cycle`, checked."""
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not 1e-12 <= rtol <= 1e-2:
-        raise ParameterError(f"rtol = {rtol!r} must be one number from 1e-12 to 1e-2, such as 1e-8")
+        raise ParameterError(
+            f"rtol = {rtol!r} is out of range; expected one number from 1e-12 to 1e-2 such as 1e-8"
+        )
     return LimitCycleCall(checked(slider), to_si("V_lp", V_lp), rtol)
 
 
@@ -126,7 +126,14 @@ class LimitCycleCall:
 
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep."""
-        status, found = _cycles(self.batch, self.slider.law, self.rtol, progress)
+        return self.variables(*self.solve(progress))
+
+    def solve(self, progress=None):
+        """Status (n,) of all cases, and what `refine` found of those that have a cycle."""
+        return _cycles(self.batch, self.slider.law, self.rtol, progress)
+
+    def variables(self, status, found):
+        """What `run` gives, of what `solve` found."""
         # Only cycles that attract are settled into; the multipliers of the softest round to 1.
         variables = cycle_variables(self.batch, status, found, stable=status == FINISHED)
         return variables | {"status": status_variable(self.batch, status)}
@@ -136,6 +143,12 @@ class LimitCycleCall:
         settings = {"rtol": self.rtol, "V_lp": json.dumps(plain(self.V_lp))}
         attrs = provenance("limit_cycle", self.slider, **settings)
         return xarray.Dataset(variables, self.batch.coordinates(TAKEN), attrs)
+
+    def refuse_failure(self, result):
+        """Raise what became of a single case that has no answer."""
+        if self.batch.alone and (status := int(result.status)) > STEADY_SLIDING:
+            best = result if status == NO_CONVERGENCE else None
+            raise failure("limit_cycle", self.slider, status, best=best)
 
 
 def _cycles(batch, law, rtol, progress):

@@ -23,6 +23,21 @@ KINDS = {
 }
 
 
+#: power of ten -> prefix
+PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
+#: unit -> the powers of ten with which values are shown, where there are any
+POWERS = {
+    "m": (0, -3, -6, -9),
+    "s": (0, -3, -6),
+    "m/s": (0, -3, -6, -9),
+    "Pa": (9, 6, 3, 0),
+    "Pa/m": (9, 6, 3, 0),
+    "Hz": (3, 0, -3, -6),
+}
+#: name of a long time -> seconds
+LONG_TIMES = {"years": 365.25 * 86400.0, "days": 86400.0, "hours": 3600.0}
+
+
 class Quantity(NamedTuple):
     """A row of `QUANTITIES`: unit, name for plots, allowed range as `to_si` checks it."""
 
@@ -128,3 +143,35 @@ def expected(symbol):
     kind, example = KINDS[quantity.unit]
     unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
     return f"expected {kind}{unit} such as {quantity.example or example}"
+
+
+def power_of(unit, value):
+    """The power of ten of the prefix that brings a value [SI] to 1 or more, or nearest to it.
+
+    It is 0 for values so small that no prefix makes them readable.
+
+    >>> power_of("m/s", 0.0032)
+    -3
+    """
+    powers = POWERS.get(unit, (0,))
+    size = abs(value) * (1 + 1e-9)  # 1e-3 is 1 m, whatever its rounding
+    lowest = powers[-1] if size >= 10.0 ** (powers[-1] - 3) else 0
+    return next((p for p in powers if size >= 10.0**p), lowest)
+
+
+def long_time(seconds):
+    """Name and length [s] of the unit, beyond seconds, in which a time is best told, or None."""
+    return next((unit for unit in LONG_TIMES.items() if seconds >= 2.0 * unit[1]), None)
+
+
+def readable(symbol, value, digits=4):
+    """A value [SI] of a quantity as text that `to_si` reads, with a unit that fits it.
+
+    >>> readable("V_lp", 0.0032)
+    '3.2 mm/s'
+    """
+    unit = QUANTITIES[symbol].unit
+    if unit == "1" or not abs(value) < float("inf"):
+        return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")
+    power = power_of(unit, value)
+    return f"{value / 10.0**power:.{digits}g} {PREFIXES[power]}{unit}"
