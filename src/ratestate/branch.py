@@ -77,7 +77,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     >>> str(branch.special.values[0]), round(float(branch.V_lp[0]), 6)
     ('hopf', 0.003162)
     """
-    family, ends = _asked(slider, parameter, start, stop, V_lp, rtol)
+    family, ends = followed(slider, parameter, start, stop, V_lp, rtol)
     p_start, p_stop = np.log([*ends.values()])
     with bar("continue_cycle") as progress:
         begin = beginning(family, p_start, p_stop)
@@ -108,7 +108,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         last = np.exp(branch.points[-1].p if branch.points else begin.p)
         raise NotConverged(
             f"the branch ends at {parameter} = {last:.6g}, before it gets to {ends['stop']:.6g} "
-            f"({branch.end}): {ENDS[branch.end]}.  The part found is in the attribute `best`.",
+            f"({branch.end}): {ENDS[branch.end]}",
             result,
         )
     return result
@@ -150,7 +150,7 @@ def _dataset(family, branch, hopf, given):
     return result
 
 
-def _asked(slider, parameter, start, stop, V_lp, rtol):
+def followed(slider, parameter, start, stop, V_lp, rtol):
     """`Family`, and dict of start and stop; ParameterError where they make no sense."""
     checked(slider)
     if parameter not in PARAMETERS:

@@ -9,12 +9,58 @@
     sigma = "2 MPa"
     K = "900 MPa/m"
 
-    [sweep]
+    [loading]
+    V_lp = "0.1 mm/s"  # the speed at the start
+    # beside it, none or one of
+    steps = [
+        { t = "1 s", V_lp = "3.2 mm/s" },               # a step
+        { t = "2 s", hold = "100 s" },                  # a rest, then the speed before it
+        { t = "200 s", V_lp = "1 mm/s", ramp = "2 s" }, # a ramp, from t on
+    ]
+    sinusoid = { amplitude = "0.05 mm/s", period = "2 s" }  # or frequency; about V_lp
+    # in place of it, the record of an experiment: two columns of a file beside this one,
+    file = "record.csv"
+    columns = ["time [s]", "V_lp [um/s]"]  # or their numbers; units = ["s", "um/s"] go first
+    # or of this one
+    t = [0, 1, 1, "5 s"]
+    V_lp = ["1 um/s", "1 um/s", "3 um/s", 0]
+
+    [run]  # for `simulate`: t_end and what else it takes
+    t_end = "300 s"
+    V_start = "1 um/s"
+    initial = { theta = "10 s" }
+    times = { from = "0 s", to = "300 s", n = 301 }
+    rtol = 1e-6
+    method = "im2017"
+    dt = "0.1 ms"
+    verb = "limit_cycle"  # in place of "simulate"; rtol then is this verb's
+
+    [sweep]  # comes before the other tables; V_lp stands for the last speed of [loading]
     verb = "limit_cycle"
     M = { from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }
     V_lp = ["1 mm/s", 3.2e-3]
+    # "continue_cycle" follows one parameter, such as K = { from = "700 MPa/m", to = "500 MPa/m" }
+
+    [output]  # relative to the current directory
+    file = "out.nc"   # or .csv, .zarr
+    plot = "out.png"  # or .pdf
 """
 
-from .files import Scenario, load
+from .as_python import python
+from .as_toml import toml
+from .files import load
+from .model import Output, Scenario, run
+from .results import from_result
+from .starts import TEMPLATES, template
 
-__all__ = ["Scenario", "load"]
+__all__ = [
+    "TEMPLATES",
+    "Output",
+    "Scenario",
+    "from_result",
+    "load",
+    "python",
+    "run",
+    "template",
+    "toml",
+]

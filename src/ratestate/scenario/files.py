@@ -1,46 +1,35 @@
-"""From a file to a slider and the arguments of a verb."""
+"""From a file to a scenario."""
 
-import dataclasses
 import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
 from ..errors import ParameterError
-from ..loading import Loading
-from ..slider import SpringSlider
-from .problems import Problems, bare, one_of, shown
-from .tables import SLIDER, missing, slider_table, sweep_table
+from .assemble import Read, assembled
+from .drive import loading_table
+from .model import VERBS, Scenario
+from .problems import Problems, bare, choice, one_of, shown
+from .simple import output_table, run_table, slider_table
+from .sweeps import sweep_table
+from .tables import TABLES
 
-TABLES = ("slider", "sweep")
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Scenario:
-    """What a file asks for: ``verb(slider, **settings)``.
-
-    Attributes
-    ----------
-    verb : str
-        "limit_cycle", "simulate" or "stability".
-    slider : SpringSlider
-        With a DataArray for each parameter that is swept.
-    settings : dict
-        Keyword arguments of the verb, in SI; DataArrays likewise.
-    """
-
-    verb: str
-    slider: SpringSlider
-    settings: dict[str, Any]
+LARGEST = 10**7  # bytes
+DEEPEST = 50  # keys with dots between them: time and memory go with the square
+MOST_TABLES = 100
 
 
-def load(path: str | Path) -> Scenario:
+def load(path: str | Path, verb: str | None = None) -> Scenario:
     """Read a scenario file.
 
     Parameters
     ----------
     path : str or Path
-        A TOML file with the tables [slider] and [sweep].
+        A TOML file with the tables [slider], [loading], [run], [sweep] and [output], of which none
+        but the first must be there; see `ratestate.scenario`.
+    verb : str, optional
+        A verb that is asked of the file in place of its own, which is what [sweep] or [run] says,
+        or "simulate".  What this verb does not take is read, checked, and left out.
 
     Raises
     ------
@@ -48,28 +37,35 @@ def load(path: str | Path) -> Scenario:
         The file cannot be read or used.  Every problem in it is a line of the message:
         ``[table] key: what is wrong, expected what, such as an example``.
     """
-    parsed = _parsed(Path(path))
+    verb = None if verb is None else choice(verb, VERBS)
+    path = Path(path)
+    parsed = _parsed(path)
     problems = Problems()
     tables = _tables(parsed, problems)
-    common = slider_table(tables["slider"], problems)
-    missing("slider", SLIDER.required, tables["slider"].keys() | tables["sweep"].keys(), problems)
-    verb, swept = sweep_table(tables["sweep"], problems)
-    if problems:
-        raise ParameterError("\n".join([f"{path} cannot be used:", *problems]))
-    settings = common | swept
-    slider = SpringSlider(**{key: settings.pop(key) for key in SLIDER.keys if key in settings})
-    if verb == "simulate":
-        settings["loading"] = Loading.constant(settings.pop("V_lp"))
-    return Scenario(verb, slider, settings)
+    run = run_table(tables.get("run", {}), problems)
+    of_run = run.pop("verb", None)
+    read = Read(
+        tables=frozenset(tables),
+        slider=slider_table(tables.get("slider", {}), problems),
+        drive=loading_table(tables.get("loading", {}), path.parent, problems),
+        run=run,
+        sweep=sweep_table(tables.get("sweep"), verb, of_run, problems),
+        output=output_table(tables.get("output", {}), problems),
+    )
+    scenario = assembled(read, problems)
+    if scenario is None:
+        raise ParameterError(f"{path} cannot be used:\n{problems.told(TABLES)}")
+    return scenario
 
 
 def _parsed(path: Path) -> dict[str, Any]:
     """What the file holds, as TOML has it."""
+    text = _bytes(path)
     try:
-        text = path.read_bytes()
-        return tomllib.loads(text.decode("utf-8-sig"))
-    except OSError as error:
-        raise ParameterError(f"{path} cannot be read: {error.strerror}") from None
+        if deep := _deep(text):
+            what = f"line {deep} has a key of more than {DEEPEST} parts, expected values"
+        else:
+            return tomllib.loads(text.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         k = text[: error.start].count(b"\n") + 1
         what = f"line {k} is not UTF-8, expected text"
@@ -86,17 +82,57 @@ def _parsed(path: Path) -> dict[str, Any]:
     raise ParameterError(f'{path} is broken: {what} such as a = 0.003 or Dc = "10 um"')
 
 
+def _bytes(path: Path) -> bytes:
+    """What the file holds, if it is one and not too large."""
+    wanted = "expected a scenario file such as `ratestate init lab` writes"
+    try:
+        size = path.stat().st_size
+        if path.is_file() and size <= LARGEST:
+            return path.read_bytes()
+        what = "Is a directory" if path.is_dir() else "it is no file"
+    except OSError as error:
+        what = str(error.strerror)
+    except ValueError:  # a null character in the path
+        what = "no such name"
+    else:
+        if path.is_file():
+            what = f"it has {size} bytes, more than {LARGEST}"
+            wanted += "; long records go into a file of their own, see [loading] file"
+    raise ParameterError(f"{str(path)!r}"[1:-1] + f" cannot be read: {what}, {wanted}")
+
+
+def _deep(text: bytes) -> int:
+    """The line, from 1 on, of a key of far too many parts; 0 if there is none."""
+    for number, line in enumerate(text.split(b"\n"), 1):
+        if line.count(b".") > DEEPEST and not line.lstrip().startswith(b"#"):
+            for piece in re.split(rb"[,=\[\]{}#]", line):
+                joints = re.findall(rb"[^.\s][ \t]*\.(?=[ \t]*[^.\s])", piece)
+                if len(joints) > DEEPEST:
+                    return number
+    return 0
+
+
 def _tables(parsed: dict[str, Any], problems: Problems) -> dict[str, dict[str, Any]]:
-    """The known tables, empty where missing."""
-    tables: dict[str, dict[str, Any]] = {name: {} for name in TABLES}
+    """The known tables that the file has, empty where they are none."""
+    tables: dict[str, dict[str, Any]] = {}
     known = [f"[{name}]" for name in TABLES]
-    for name, table in parsed.items():
+    for name, table in list(parsed.items())[:MOST_TABLES]:
         place = f"[{bare(name)}]"
-        if not isinstance(table, dict):
-            what = f"{shown(table)} is no table" if name in TABLES else "stands above all tables"
-            problems.add(place if name in TABLES else bare(name), f"{what}, {one_of(known)}")
-        elif name in TABLES:
-            tables[name] = table
-        else:
+        if name in TABLES:
+            tables[name] = table if isinstance(table, dict) else {}
+            if not isinstance(table, dict):
+                problems.add(place, f"{shown(table)} is no table, {one_of(known)}")
+        elif isinstance(table, dict):
             problems.add(place, f"unknown table, {one_of(known, place)}")
+        else:
+            _loose(name, known, problems)
+    if len(parsed) > MOST_TABLES:
+        problems.add("the file", f"has {len(parsed)} tables and keys, {one_of(known)}")
     return tables
+
+
+def _loose(name: str, known: list[str], problems: Problems) -> None:
+    """Note a key above all tables."""
+    homes = [f"[{table}]" for table, keys in TABLES.items() if name in keys]
+    where = f"expected in {' or '.join(homes)}" if homes else one_of(known)
+    problems.add(bare(name), f"stands above all tables, {where}")

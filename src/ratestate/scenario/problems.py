@@ -7,26 +7,49 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 from ..errors import ParameterError
+from ..quantities import KINDS
 
 LONGEST_SHOWN = 60  # characters
+MOST_TOLD = 100  # problems
+_UNITS = re.compile("|".join(re.escape(f" [{unit}]") for unit in KINDS))
 
 
 class Problems(list[str]):
-    """Lines such as ``[sweep] V_lp: '3.2 mm' is a length [m], expected a speed [m/s] ...``."""
+    """Lines such as ``[loading] V_lp: '3.2 mm' is a length, expected a speed such as ...``.
+
+    No more than `MOST_TOLD`; ``untold`` counts the others.
+    """
+
+    untold = 0
 
     def add(self, place: str, what: str) -> None:
         """Note what is wrong at a place such as ``[sweep] M.from``."""
-        self.append(f"{place}: {what}")
+        if len(self) < MOST_TOLD:
+            self.append(f"{place}: {_UNITS.sub('', what)}")
+        else:
+            self.untold += 1
 
-    def at(self, place: str, symbol: str = "") -> "_Noted":
-        """Note a ParameterError of a block and go on; its message may begin with the symbol."""
-        return _Noted(self, place, symbol)
+    def at(self, place: str, symbol: str = "", expected: str = "") -> "_Noted":
+        """Note a ParameterError of a block and go on.
+
+        symbol : what its message may begin with
+        expected : the end of its line, if its message does not say what was expected
+        """
+        return _Noted(self, place, symbol, expected)
+
+    def told(self, tables: Iterable[str]) -> str:
+        """All lines, as one text, in the order of the tables."""
+        order = {f"[{table}]": i for i, table in enumerate(tables)}
+        lines = sorted(self, key=lambda line: order.get(line.split("]")[0] + "]", -1))
+        more = [f"and {self.untold} problems more"] if self.untold else []
+        return "\n".join([*lines, *more])
 
 
 class _Noted(NamedTuple):
     problems: Problems
     place: str
     symbol: str
+    expected: str
 
     def __enter__(self) -> None:
         pass
@@ -40,7 +63,11 @@ class _Noted(NamedTuple):
         if not isinstance(error, ParameterError):
             return False
         what = str(error).removeprefix(f"{self.symbol} = ").removeprefix(f"{self.symbol} ")
-        self.problems.add(self.place, ", expected".join(what.rsplit("; expected", 1)))
+        what = what.removeprefix("[s] ").replace("\n", " ")  # (of times)
+        what = ", expected".join(what.rsplit("; expected", 1))
+        if ", expected " not in what:
+            what += f", {self.expected}"
+        self.problems.add(self.place, what)
         return True
 
 
@@ -64,13 +91,19 @@ def bare(key: str) -> str:
     return key if re.fullmatch(r"[A-Za-z0-9_-]{1,60}", key) else shown(key)
 
 
-def one_of(names: Iterable[str], given: Any = None) -> str:
-    """The end of a message: which names there are, and which of them was perhaps meant."""
-    names = list(names)
+def nearest(given: Any, names: Iterable[str]) -> str | None:
+    """Which of these names was perhaps meant."""
     lower = {name.lower(): name for name in names}
     text = given.lower()[:60] if isinstance(given, str) else ""
     near = difflib.get_close_matches(text, lower, n=1)
-    meant = f"; did you mean {lower[near[0]]}?" if near else ""
+    return lower[near[0]] if near else None
+
+
+def one_of(names: Iterable[str], given: Any = None) -> str:
+    """The end of a message: which names there are, and which of them was perhaps meant."""
+    names = list(names)
+    near = nearest(given, names)
+    meant = f"; did you mean {near}?" if near else ""
     return f"expected {'one of ' if len(names) > 1 else ''}{', '.join(names)}{meant}"
 
 

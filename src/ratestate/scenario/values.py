@@ -110,17 +110,25 @@ def _spread(
     before = len(problems)
     for key in table.keys() - set(KEYS):
         problems.add(f"{place}.{bare(key)}", f"unknown key, {one_of(KEYS, key)}")
-    scale, first, last, n = "", 0.0, 0.0, 0
+    scale, n = "", 0
     with problems.at(f"{place}.scale"):
         scale = choice(table.get("scale", "linear"), ("linear", "log"))
-    bound = "> 0" if scale == "log" else bound
+    first, last = ends(symbol, table, place, problems, "> 0" if scale == "log" else bound)
+    with problems.at(f"{place}.n"):
+        n = _n(table)
+    return Spread(first, last, n, scale) if len(problems) == before else None
+
+
+def ends(
+    symbol: str, table: dict[str, Any], place: str, problems: Problems, bound: str | None = None
+) -> tuple[float, float]:
+    """The first and the last value, 0 for one with a problem."""
+    first = last = 0.0
     with problems.at(f"{place}.from", symbol):
         first = _end(symbol, table, "from", bound)
     with problems.at(f"{place}.to", symbol):
         last = _end(symbol, table, "to", bound)
-    with problems.at(f"{place}.n"):
-        n = _n(table)
-    return Spread(first, last, n, scale) if len(problems) == before else None
+    return first, last
 
 
 def _end(symbol: str, table: dict[str, Any], key: str, bound: str | None) -> float:
