@@ -1,14 +1,18 @@
 """The command line: what it writes, says and returns."""
 
+import json
 import os
+import shlex
 import subprocess
 import sys
+import types
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 import ratestate
-from ratestate import ParameterError, SolverError
+from ratestate import ParameterError, SolverError, cli, scenario
 from ratestate.cli import main
 from ratestate.paper import atlas, claims, figures
 from ratestate.paper.claim import Claim, exact
@@ -34,19 +38,119 @@ def made(monkeypatch):
     return asked
 
 
+@pytest.fixture
+def charted(monkeypatch):
+    """List of what atlases were asked for."""
+    asked = []
+
+    def make(law, out, **options):
+        asked.append((law, options))
+        return [out / f"atlas_{law}.png"]
+
+    monkeypatch.setattr(atlas, "make", make)
+    return asked
+
+
 def test_version():
     result = call("--version")
     assert result.exit_code == 0
     assert result.output.strip() == ratestate.__version__
 
 
-@pytest.mark.parametrize(
-    ("arguments", "example"), [([], "figures"), (["figures"], "figures"), (["atlas"], "atlas")]
-)
-def test_help_has_an_example(arguments, example):
+def told(*arguments):
+    """The help of a command, in one line."""
     result = call(*arguments, "--help")
     assert result.exit_code == 0
-    assert f"Example: ratestate {example}" in result.output
+    return " ".join(result.output.split())
+
+
+COMMANDS = [function.__name__ for function in cli.COMMANDS]
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_has_an_example_and_the_exit_codes(command):
+    text = told(*[command] if command else [])
+    assert text.count(f"Example: ratestate {command}".rstrip()) == 1
+    for code in (
+        "0 done",
+        "1 a bug in ratestate",
+        "2 error or wrong usage",
+        "3 some cases failed",
+        "130 interrupted",
+    ):
+        assert code in text
+    assert "--debug" in text
+
+
+def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
+    """Those of all helps, one after the other, beside the project's own examples."""
+    served = []
+    monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
+    page = types.ModuleType("ratestate.explorer")
+    page.serve = lambda **how: served.append(how)
+    monkeypatch.setitem(sys.modules, page.__name__, page)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(Path(__file__).parents[1] / "examples")
+    for command in ["", *COMMANDS]:
+        (line,) = (
+            line
+            for line in call(*[command] if command else [], "--help").output.splitlines()
+            if "Example: " in line
+        )
+        name, *arguments = shlex.split(line.partition("Example: ")[2])
+        assert name == "ratestate"
+        result = call(*arguments)
+        assert result.exit_code == 0, (line, result.output)
+    assert served == [{"port": 8765, "open_browser": True}]
+    assert made == [(2, "aging"), (4, "aging")]
+    assert charted == [("aging", {"b_over_a": 1.6, "n": 200})]
+    names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures"}
+    assert {path.name for path in tmp_path.iterdir()} == names | {"examples"}
+
+
+@pytest.mark.parametrize("kind", ["lab", "brake", "fault"])
+def test_init_writes_a_file_that_can_be_run(kind, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = call("init", kind)
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / f"{kind}.toml").read_text()
+    assert text == scenario.template(kind)
+    assert scenario.load(tmp_path / f"{kind}.toml").verb == "simulate"
+    assert f"ratestate run {kind}.toml --plot {kind}.png" in result.stdout
+    assert call("init", kind, "--out", "-").stdout == text
+    (tmp_path / f"{kind}.toml").write_text("mine")
+    result = call("init", kind)
+    assert result.exit_code == 2
+    assert result.stderr == f"error: {kind}.toml exists; give another name with --out\n"
+    assert (tmp_path / f"{kind}.toml").read_text() == "mine"
+    assert call("init", kind, "--out", "mine.toml").exit_code == 0
+    assert (tmp_path / "mine.toml").read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["sofa"], "'sofa' is not one of"),
+        (["lab", "--out", "lab.tml"], "does not end in .toml"),
+        (["lab", "--out", "no/lab.toml"], "cannot write: [Errno 2]"),
+    ],
+)
+def test_init_refuses(arguments, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = call("init", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in " ".join(result.stderr.split())
+    assert not [*tmp_path.iterdir()]
+
+
+def test_json_lists_what_was_made(made, charted, tmp_path):
+    found = json.loads(call("figures", "2", "--json", "--out", tmp_path).stdout)
+    assert found == {"files": [str(tmp_path / "fig2_slip.png")]}
+    found = json.loads(call("figures", "all", "--json", "--out", tmp_path).stdout)
+    assert found["claims"][0]["claim"] == "Water is wet."
+    assert len(found["files"]) == 11
+    found = json.loads(call("atlas", "--json", "--out", tmp_path).stdout)
+    assert found == {"files": [str(tmp_path / f"atlas_{law}.png") for law in ("slip", "aging")]}
 
 
 def test_help_and_version_load_nothing_heavy():
@@ -146,19 +250,6 @@ def test_interrupt_exits_130(monkeypatch, tmp_path):
     result = call("figures", "1", "--out", tmp_path)
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
-
-
-@pytest.fixture
-def charted(monkeypatch):
-    """List of what atlases were asked for."""
-    asked = []
-
-    def make(law, out, **options):
-        asked.append((law, options))
-        return [out / f"atlas_{law}.png"]
-
-    monkeypatch.setattr(atlas, "make", make)
-    return asked
 
 
 def test_atlas_is_of_both_laws_unless_one_is_named(charted, tmp_path):

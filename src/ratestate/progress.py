@@ -1,4 +1,4 @@
-"""A progress bar for work that takes more than a second, where someone is there to see it."""
+"""Progress bars for work that takes more than a second, where someone is there to see them."""
 
 import contextlib
 import sys
@@ -8,36 +8,80 @@ from typing import Any
 PATIENCE = 1.0  # s
 
 
-@contextlib.contextmanager
-def bar(label):
-    """Give a function of the fraction done; it draws on a terminal, and only after a second."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        yield None
-        return
-    begin = time.monotonic()
-    shown: Any = None
+def on_terminal():
+    """Whether stderr is a terminal."""
+    return sys.stderr is not None and sys.stderr.isatty()
 
-    def update(fraction):
-        nonlocal shown
-        if shown is None and time.monotonic() - begin > PATIENCE:
+
+class Bar:
+    """A bar on stderr, which comes once work has taken a second, and goes when it is done.
+
+    Parameters
+    ----------
+    label : str
+    total : float
+        How much there is to do.
+    """
+
+    def __init__(self, label, total=1.0):
+        self.label, self.total = label, total
+        self.begin = time.monotonic()
+        self.drawn: Any = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.drawn is not None:
+            self.drawn.stop()
+
+    @property
+    def due(self):
+        """Whether the work has taken long enough for a bar."""
+        return time.monotonic() - self.begin >= PATIENCE
+
+    def show(self, done, words):
+        """Draw how much is done, with some words behind."""
+        if self.drawn is None:
             from rich.console import Console
-            from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
+            from rich.progress import BarColumn, Progress, TextColumn
 
-            shown = Progress(
-                label,
+            self.drawn = Progress(
+                self.label,
                 BarColumn(),
-                TaskProgressColumn(),
-                TimeRemainingColumn(),
+                TextColumn("{task.description}"),
                 console=Console(stderr=True),
                 transient=True,
             )
-            shown.add_task(label, total=1.0)
-            shown.start()
-        if shown is not None:
-            shown.update(shown.task_ids[0], completed=fraction)
+            self.drawn.add_task(words, total=self.total)
+            self.drawn.start()
+        self.drawn.update(self.drawn.task_ids[0], completed=done, description=words)
 
-    try:
+
+@contextlib.contextmanager
+def bar(label):
+    """Give a function of the fraction done, which draws a `Bar`; None where nobody would see it."""
+    if not on_terminal():
+        yield None
+        return
+    with Bar(label) as drawn:
+
+        def update(fraction):
+            if drawn.due:
+                words = f"{fraction:4.0%}"
+                if fraction > 0.0:
+                    passed = time.monotonic() - drawn.begin
+                    words += f", {duration(passed * (1.0 / fraction - 1.0))} left"
+                drawn.show(fraction, words)
+
         yield update
-    finally:
-        if shown is not None:
-            shown.stop()
+
+
+def duration(seconds):
+    """Seconds in words: 40 s, 3 min 20 s, 5 h 10 min, 2 d 3 h."""
+    parts = []
+    for size, unit in ((86400, "d"), (3600, "h"), (60, "min"), (1, "s")):
+        count, seconds = divmod(seconds, size)
+        if count or unit == "s":
+            parts.append(f"{count:.0f} {unit}")
+    return " ".join(parts[:2])

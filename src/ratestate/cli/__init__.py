@@ -1,4 +1,4 @@
-"""The command line: ``ratestate figures``, ``atlas``, ``sweep`` and ``ratestate --version``.
+"""The command line, ``ratestate``: a command is a function in a file of its name or subject.
 
 Nothing heavy is imported before a command needs it, so help and version come at once.
 """
@@ -8,8 +8,15 @@ from typing import Annotated
 import typer
 
 from .atlas import atlas
+from .ends import EXIT_CODES, Debug, command
+from .explore import explore
 from .figures import figures
+from .init import init
+from .run import run
 from .sweep import sweep
+from .verbs import branch, cycle, stability
+
+COMMANDS = (init, run, stability, cycle, branch, sweep, atlas, figures, explore)
 
 main = typer.Typer(
     name="ratestate",
@@ -18,8 +25,8 @@ main = typer.Typer(
     pretty_exceptions_enable=False,  # a traceback that can be copied into a report
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (figures, atlas, sweep):
-    main.command()(command)
+for function in COMMANDS:
+    main.command()(command(function))
 
 
 def _version(wanted: bool) -> None:
@@ -30,14 +37,20 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@main.callback()
+@main.callback(
+    help=f"""Dynamics of a slider on a spring under rate-and-state friction.
+
+    Example: ratestate init lab
+
+    {EXIT_CODES}
+    """
+)
 def _ratestate(
+    context: typer.Context,
     version: Annotated[
         bool,
         typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
     ] = False,
+    debug: Debug = False,
 ) -> None:
-    """Dynamics of a slider on a spring under rate-and-state friction.
-
-    Example: ratestate figures 2 3 --law slip --out figures
-    """
+    context.obj = debug

@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from .shared import Law, ending_well, reported, writable
+from .say import say
+from .shared import Law, reported, writable
 
 
 def atlas(
@@ -17,6 +18,9 @@ def atlas(
     out: Annotated[Path, typer.Option(help="Folder for the files; made if missing.")] = Path(
         "figures"
     ),
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document: the files.")
+    ] = False,
 ) -> None:
     """Map what any spring-slider does, over its stiffness and its speed.
 
@@ -25,15 +29,20 @@ def atlas(
 
     Example: ratestate atlas --b-over-a 1.6 --law aging --out figures
     """
-    with ending_well():
-        writable(out)
-        for each in [law] if law else Law:
-            _chart(b_over_a, each.value, n, out)
+    writable(out)
+    made = [
+        path for each in ([law] if law else Law) for path in _chart(b_over_a, each.value, n, out)
+    ]
+    if json:
+        from .document import strict
+
+        say(strict({"files": [str(path) for path in made]}))
 
 
-def _chart(b_over_a: float, law: str, n: int, out: Path) -> None:
+def _chart(b_over_a: float, law: str, n: int, out: Path) -> list[Path]:
     """Make the atlas of one law and list its files."""
     from ..paper.atlas import make
 
     with reported(f"atlas, {law} law, b/a = {b_over_a:g}") as files:
         files += make(law, out, b_over_a=b_over_a, n=n)
+    return files

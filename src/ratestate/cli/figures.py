@@ -1,11 +1,12 @@
 """``ratestate figures``: the paper's figures and claims."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from .shared import Law, ending_well, reported, writable
+from .say import say, show
+from .shared import Law, reported, writable
 
 #: What ``figures`` can draw: the paper's six, and others -> what they show.
 OTHERS = {
@@ -14,7 +15,6 @@ OTHERS = {
     "basins": "basins of steady sliding",
 }
 FIGURES = ["1", "2", "3", "4", "5", "6", *OTHERS]
-WIDTH = 140  # of the claims table where no terminal says how wide it is
 
 
 def figures(
@@ -32,21 +32,32 @@ def figures(
     out: Annotated[Path, typer.Option(help="Folder for the files; made if missing.")] = Path(
         "figures"
     ),
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document: the files and the claims.")
+    ] = False,
 ) -> None:
     """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
 
     Each figure is written as .png, .pdf and .nc (its numbers), the claims as .md and .json.
 
-    Example: ratestate figures all --law aging --out figures
+    Example: ratestate figures 2 4 --law aging --out figures
     """
     names = which or ["all"]
     wanted = _wanted(names)
-    with ending_well():
-        writable(out)
-        for name in wanted:
-            _draw(name, law.value, out)
-        if "all" in names:
-            _check_claims(law.value, out)
+    writable(out)
+    files = [path for name in wanted for path in _draw(name, law.value, out)]
+    rows = None
+    if "all" in names:
+        with reported(f"claims, {law.value} law") as more:
+            rows, paths = _checked_claims(law.value, out)
+            more += paths
+        files += more
+    if json:
+        _say_json(files, rows, law.value)
+    elif rows is not None:
+        from ..paper import claims_table
+
+        show(claims_table.terminal(rows, law.value))
 
 
 def _wanted(names: list[str]) -> list[str]:
@@ -58,25 +69,28 @@ def _wanted(names: list[str]) -> list[str]:
     return [name for name in FIGURES if "all" in names or name in names]
 
 
-def _draw(name: str, law: str, out: Path) -> None:
+def _draw(name: str, law: str, out: Path) -> list[Path]:
     """Make one figure and list its files."""
     from ..paper.figures import make
 
     with reported(f"{OTHERS.get(name, f'Fig. {name}')}, {law} law") as files:
         files += make(name if name in OTHERS else int(name), law, out)
+    return files
 
 
-def _check_claims(law: str, out: Path) -> None:
-    """Check the claims, write them, and print the table on stdout."""
-    from rich.console import Console
-
+def _checked_claims(law: str, out: Path) -> tuple[list[Any], list[Path]]:
+    """Check the claims and write them; the rows, and the files."""
     from ..paper import claims_table
     from ..paper.claims import claims
 
-    with reported(f"claims, {law} law") as files:
-        rows = claims(law)
-        files += claims_table.write(rows, law, out)
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=WIDTH)
-    console.print(claims_table.terminal(rows, law))
+    rows = claims(law)
+    return rows, claims_table.write(rows, law, out)
+
+
+def _say_json(files: list[Path], rows: list[Any] | None, law: str) -> None:
+    """Print which files were written, and the claims where they were checked."""
+    from ..paper import claims_table
+    from .document import strict
+
+    claims = {} if rows is None else claims_table.record(rows, law)
+    say(strict({"files": [str(path) for path in files], **claims}))

@@ -3,17 +3,46 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
+from .document import strict
+from .say import say
 
 if TYPE_CHECKING:
+    import xarray
+
     from ..sweeps.status import Held
 
 
-def tell(store: Path, file: Path | None) -> None:
+def ended(store: Path, result: "xarray.Dataset", json: bool) -> int:
+    """Say how a sweep into a store ended; the number of failed cases."""
+    from ..sweeps.status import failures, held
+    from .report.sweep import failed_lines
+
+    there = held(store)
+    if json:
+        found, _ = failures(result, most=there.failed)
+        names = ("at", "status", "message")
+        say(strict(_known(there) | {"failures": [dict(zip(names, x, strict=True)) for x in found]}))
+    else:
+        say(summary(there))
+        for line in failed_lines(result) if there.failed else []:
+            say(line)
+    return there.failed
+
+
+def _known(there: "Held") -> dict[str, Any]:
+    """What a store holds, for JSON."""
+    return there._asdict() | {"path": str(there.path)}
+
+
+def tell(store: Path, file: Path | None, json: bool) -> None:
     """Say what a store holds, and whether it is the file's sweep."""
     from ..sweeps.status import held
 
     there = held(store)
+    lines = _differences(store, file) if file else []
+    if json:
+        say(strict(_known(there) | ({"differences": lines} if file else {})))
+        return
     rows = {
         "store": str(there.path),
         "verb": there.verb,
@@ -26,13 +55,12 @@ def tell(store: Path, file: Path | None) -> None:
         "versions": ", ".join(f"{name} {version}" for name, version in there.versions.items()),
         "size": _size(there.size),
     }
-    lines = _differences(store, file) if file else []
     if file:
         rows["file"] = f"{file} asks for {'another sweep:' if lines else 'this very sweep'}"
     for label, text in rows.items():
-        typer.echo(f"{label:<9} {text}")
+        say(f"{label:<9} {text}")
     for line in lines:
-        typer.echo(f"  {line}")
+        say(f"  {line}")
 
 
 def _differences(store: Path, file: Path) -> list[str]:
@@ -68,14 +96,6 @@ def left(store: Path) -> str:
     except Exception:  # of any kind, if it was the import of a module that was interrupted
         return f"what was done is stored in {store}; the same command resumes"
     return f"{there.done} of {there.cases} cases are stored in {store}; the same command resumes"
-
-
-def place(where: dict[str, Any]) -> str:
-    """Which case: its values along the axes, with units."""
-    from ..quantities import QUANTITIES
-
-    units = {dim: QUANTITIES[dim].unit.removesuffix("1") for dim in where}
-    return ", ".join(f"{dim} = {x:.6g} {units[dim]}".rstrip() for dim, x in where.items())
 
 
 def _size(size: int) -> str:

@@ -4,14 +4,19 @@ import contextlib
 import enum
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .shared import SOME_FAILED, ending_well
-from .stored import left, place, summary, tell
+from .ends import SOME_FAILED, leaving
+from .options import Json, Out, Plot
+from .say import say
+from .stored import ended, left, tell
 
-LISTED = 20  # failed cases, at most
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from ..scenario import Output, Scenario
 
 
 class Device(enum.StrEnum):
@@ -59,12 +64,13 @@ def sweep(
         bool, typer.Option("--job-script", help="Only print the job script that --slurm submits.")
     ] = False,
     device: Annotated[Device, typer.Option(help="What computes.")] = Device.cpu,
+    out: Out = None,
+    plot: Plot = None,
+    json: Json = False,
 ) -> None:
     """Run the sweep of a scenario file, or go on with it.
 
     Results are stored as they come: after Ctrl-C or a crash the same command resumes.
-
-    Exit codes: 0 all cases have an answer, 2 error, 3 some cases failed, 130 interrupted.
 
     Example: ratestate sweep examples/fig3.toml --store fig3.zarr
     """
@@ -72,40 +78,38 @@ def sweep(
         raise typer.BadParameter("it cannot go with --scheduler", param_hint="--slurm")
     if job_script and not slurm:
         raise typer.BadParameter("it needs --slurm OPTIONS", param_hint="--job-script")
-    with ending_well(lambda: left(store)):
+    with leaving(lambda: left(store)):
         if slurm and job_script:
             _print_job_script(slurm)
         elif status:
-            tell(store, file)
+            tell(store, file, json)
         elif file is None:
             raise typer.BadParameter(
                 "missing; only --status can do without", param_hint="FILE.toml"
             )
-        elif _run(file, store, scheduler, slurm, chunk=chunk, device=device.value):
-            raise typer.Exit(SOME_FAILED)
+        else:
+            from ..scenario import load
+            from .job import places
+
+            asked = load(file)
+            output = places(asked, out, plot)
+            with _client(scheduler, slurm) as client:
+                _run(asked, output, store, json, client=client, chunk=chunk, device=device.value)
 
 
 def _run(
-    file: Path, store: Path, scheduler: str | None, slurm: str | None, **how: int | str | None
-) -> int:
-    """Run what the file asks for and say how it went; the number of failed cases."""
-    from ..scenario import load
-    from ..sweeps.status import failures, held
+    asked: "Scenario", output: "Output", store: Path, json: bool, **how: "int | str | Client | None"
+) -> None:
+    """Run the sweep asked for, say how it went, and write what else is wanted of the result."""
     from ..sweeps.verb import sweep as run
+    from .job import draw, keep
 
-    asked = load(file)
-    with _client(scheduler, slurm) as client:
-        how |= {"client": client, "progress": True}
-        result = run(asked.verb, asked.slider, store=store, **how, **asked.settings)
-    there = held(store)
-    typer.echo(summary(there))
-    if there.failed:
-        first, number = failures(result, most=LISTED)
-        for where, name, message in first:
-            typer.echo(f"  {place(where)}: {name}: {message}")
-        if number > len(first):
-            typer.echo(f"  and {number - len(first)} more")
-    return there.failed
+    result = run(asked.verb, asked.slider, store=store, progress=True, **how, **asked.settings)
+    number = ended(store, result, json)
+    keep(result, output)
+    draw(result, output)
+    if number:
+        raise typer.Exit(SOME_FAILED)
 
 
 @contextlib.contextmanager
@@ -129,4 +133,4 @@ def _print_job_script(slurm: str) -> None:
     from ..sweeps.connect import slurm_cluster
 
     with slurm_cluster(slurm, start=False) as cluster:
-        typer.echo(cluster.job_script())
+        say(cluster.job_script())

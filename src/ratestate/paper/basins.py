@@ -8,10 +8,11 @@ from ..arrays import logspace
 from ..basin import escape
 from ..branch import continue_cycle
 from ..loading import Loading
+from ..plot.layout import figure, letter, styled
 from ..quantities import attrs
 from ..quasi_static import runaway_step, runaway_step_lower_bound, runaway_step_upper_bound
 from ..simulate import simulate
-from .layout import figure, letter, styled, titled
+from .layout import titled
 from .parameters import FIG2
 
 # With inertia, aging law: a spring barely stiffer than K_c, between the fold and V_c.

@@ -5,8 +5,9 @@ import xarray
 
 from .. import plot
 from ..branch import continue_cycle
+from ..plot.layout import figure, letter, styled
 from ..quantities import attrs
-from .layout import figure, letter, styled, titled
+from .layout import titled
 from .parameters import FIG2
 
 RATIOS = (1.01, 1.05, 1.5)  # K/K_c_qs

@@ -9,8 +9,7 @@ from ..loading import Loading
 from ..simulate import simulate
 from ..steady import stability
 from .claim import Claim, exact, pair
-from .fig4 import EXAMPLES
-from .parameters import FIG2, FIG2_SPEEDS, FIG4
+from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES
 from .scheme_map import LARGEST, METHOD, step_response, time_step
 
 CYCLES = 40  # after which the examples of Fig. 4 have settled
@@ -30,7 +29,7 @@ def _inertia(law):
     slider = FIG4.replace(law=law)
     claims = []
     for name, (text, paper, covers) in rows.items():
-        V_lp = EXAMPLES[name]
+        V_lp = FIG4_EXAMPLES[name]
         period = float(limit_cycle(slider, V_lp).period)
 
         def share(rtol, V_lp=V_lp, period=period):

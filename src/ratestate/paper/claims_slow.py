@@ -7,8 +7,7 @@ from ..cycles import limit_cycle
 from ..loading import Loading
 from ..simulate import simulate
 from .claim import Claim, exact, pair, to_digits
-from .fig4 import EXAMPLES
-from .parameters import FIG4, FIG6, FIG6_SPEEDS
+from .parameters import FIG4, FIG4_EXAMPLES, FIG6, FIG6_SPEEDS
 from .scheme_map import FINER, LARGEST, METHOD, step_response, time_step
 
 SETTLED = 300.0  # s in which Fig. 6 settles by the scheme
@@ -21,7 +20,7 @@ def on_slow_slip(law):
     slow, fast = FIG6_SPEEDS
     step = (LARGEST, time_step(slider, LARGEST))
     settled = step_response(slider, slow, fast, SETTLED, LARGEST, METHOD[law], FIRST)
-    fastest = float(limit_cycle(FIG4.replace(law=law), EXAMPLES["stick_slip"]).V_max)
+    fastest = float(limit_cycle(FIG4.replace(law=law), FIG4_EXAMPLES["stick_slip"]).V_max)
 
     def cycle(rtol):
         return limit_cycle(slider, fast, rtol=rtol)

@@ -4,9 +4,9 @@ import json
 import math
 from importlib.metadata import version
 
+from ..files import replace
+from ..plot.layout import LAWS
 from .claim import CLOSED_FORM
-from .figures import replace
-from .layout import LAWS
 
 STYLES = {
     "agrees": "green",

@@ -5,8 +5,9 @@ import xarray
 
 from .. import plot
 from ..loading import Loading
+from ..plot.layout import LAWS, figure, styled
 from ..simulate import simulate
-from .layout import LAWS, figure, styled, titled
+from .layout import titled
 from .parameters import FIG1
 
 MICRO = plot.PREFIXES[-6]

@@ -5,10 +5,11 @@ import xarray
 
 from .. import plot
 from ..loading import Loading
+from ..plot.layout import figure, letter, styled
 from ..quantities import attrs
 from ..simulate import simulate
 from ..steady import stability
-from .layout import figure, letter, styled, titled
+from .layout import titled
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
 
 T_STEP = 0.1  # s

@@ -7,10 +7,11 @@ from .. import plot
 from ..arrays import logspace
 from ..cycles import limit_cycle
 from ..loading import Loading
+from ..plot.layout import figure, styled
 from ..quantities import attrs
 from ..simulate import simulate
 from ..steady import stability
-from .layout import figure, styled, titled
+from .layout import titled
 from .parameters import FIG2, FIG2_DURATION, FIG2_START, FIG3_M, FIG3_V_LP
 
 T_STEP = 0.1  # s

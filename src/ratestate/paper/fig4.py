@@ -7,21 +7,21 @@ from .. import plot
 from ..arrays import logspace
 from ..cycles import limit_cycle
 from ..loading import Loading
+from ..plot.layout import figure, letter, styled
 from ..quantities import attrs
 from ..simulate import simulate
 from ..steady import stability
-from .layout import figure, letter, steepest, styled, titled
-from .parameters import FIG4, FIG4_K, FIG4_V_LP
+from .layout import steepest, titled
+from .parameters import FIG4, FIG4_EXAMPLES, FIG4_K, FIG4_V_LP
 
 PER_DECADE = 40
-EXAMPLES = {"stick_slip": 1e-4, "harmonic": 0.2}  # V_lp [m/s]
 SHOWN = 2.5  # cycles of an example
 
 
 def compute(law):
     """Limit cycles along ``K`` and ``V_lp``; two as traces along times of their own."""
     data = sweep(law, FIG4_V_LP)
-    for name, V_lp in EXAMPLES.items():
+    for name, V_lp in FIG4_EXAMPLES.items():
         run = example(FIG4.replace(law=law), V_lp)
         run = run.rename({n: f"{n}_{name}" for n in ("time", *run.data_vars)})
         data = data.merge(run).assign({f"V_lp_{name}": ((), V_lp, attrs("V_lp"))})

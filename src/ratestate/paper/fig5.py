@@ -1,8 +1,9 @@
 """Fig. 5: amplitude of limit cycles against their frequency, and the natural frequency."""
 
 from .. import plot
+from ..plot.layout import figure, styled
 from .fig4 import sweep
-from .layout import figure, styled, titled
+from .layout import titled
 from .parameters import FIG4_V_LP, FIG5_V_LP
 
 

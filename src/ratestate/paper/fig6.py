@@ -3,9 +3,10 @@
 from .. import plot
 from ..cycles import limit_cycle
 from ..loading import Loading
+from ..plot.layout import figure, letter, styled
 from ..simulate import simulate
 from ..steady import stability
-from .layout import figure, letter, steepest, styled, titled
+from .layout import steepest, titled
 from .parameters import FIG6, FIG6_SPEEDS, FIG6_STEP
 
 T_STEP = FIG6_STEP / FIG6_SPEEDS[0]  # s

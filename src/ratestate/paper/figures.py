@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from .. import files, plot
 from . import basins, branches, fig1, fig2, fig3, fig4, fig5, fig6, scheme
 
 #: number or name -> module, with ``compute(law) -> Dataset`` and ``draw(Dataset) -> Figure``
@@ -9,7 +10,6 @@ PAPER = dict(enumerate((fig1, fig2, fig3, fig4, fig5, fig6), start=1))
 FIGURES = PAPER | {"scheme": scheme, "branches": branches, "basins": basins}
 #: those that show both laws
 BOTH_LAWS = (1, "basins")
-DPI = 300
 
 
 def stem(number, law):
@@ -45,27 +45,5 @@ def write(data, fig, out, name):
     """Write a figure and its numbers as NAME.png, .pdf and .nc into a folder, made if missing."""
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
-    writers = {
-        ".png": lambda path: fig.savefig(path, dpi=DPI),
-        ".pdf": lambda path: fig.savefig(path, metadata={"CreationDate": None}),
-        ".nc": lambda path: write_netcdf(data, path),
-    }
-    return [replace(out / f"{name}{end}", write) for end, write in writers.items()]
-
-
-def write_netcdf(data, path):
-    """Write a Dataset as compressed NetCDF."""
-    packed = {"zlib": True, "complevel": 4, "shuffle": True}
-    encoding = {name: packed for name, variable in data.variables.items() if variable.ndim}
-    data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
-
-
-def replace(path, write):
-    """Write beside `path` and rename, so that nobody ever finds half a file."""
-    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
-    try:
-        write(partial)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
-    return path
+    pictures = [plot.save(fig, out / f"{name}{end}") for end in (".png", ".pdf")]
+    return [*pictures, files.write(data, out / f"{name}.nc")]

@@ -18,6 +18,7 @@ FIG3_V_LP = (10**-3.8, 1e-1, 13)  # m/s
 FIG4 = SpringSlider(a=0.005, b=0.008, Dc=10e-6, sigma=4e6, K=0.96e9, M=100.0, mu0=0.6, V0=1e-9)
 FIG4_K = [0.96e9, 0.60e9]  # Pa/m
 FIG4_V_LP = (1e-5, 1.0)  # m/s: five orders of magnitude
+FIG4_EXAMPLES = {"stick_slip": 1e-4, "harmonic": 0.2}  # m/s, of its panels (b) and (c)
 FIG5_V_LP = (1e-5, 10.0)  # m/s, with the larger rates of its inset
 
 #: Fig. 6: barely stiff enough for quasi-static sliding, not enough at the second speed.

@@ -5,7 +5,8 @@ import xarray
 
 from .. import plot
 from ..cycles import limit_cycle
-from .layout import figure, letter, styled, titled
+from ..plot.layout import figure, letter, styled
+from .layout import titled
 from .parameters import FIG2, FIG2_SPEEDS, FIG2_START
 from .scheme_map import critical_velocity, step_response, time_step
 

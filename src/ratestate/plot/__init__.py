@@ -1,4 +1,4 @@
-"""Pictures of results: functions of (Dataset, ax), which the paper's figures are made of.
+"""Pictures of results: functions of (Dataset, ax), and `page`, a whole figure of any result.
 
 >>> import ratestate as rs
 >>> from matplotlib.figure import Figure
@@ -26,6 +26,8 @@ from .labels import (
     prefixed,
     value_text,
 )
+from .layout import save
+from .pages import page
 from .runs import amplitudes, phase, trace
 
 __all__ = [
@@ -42,9 +44,11 @@ __all__ = [
     "branch",
     "contours",
     "label",
+    "page",
     "parameter",
     "phase",
     "prefixed",
+    "save",
     "trace",
     "transition",
     "value_text",

@@ -3,12 +3,13 @@
 import math
 import sys
 import time
-from typing import Any
 
 import numpy as np
 
-# Seconds until a bar appears; between two lines of a log.
-PATIENCE, LOG_EVERY = 1.0, 30.0
+from ..progress import Bar, duration, on_terminal
+
+# Seconds between two lines of a log.
+LOG_EVERY = 30.0
 
 
 class Report:
@@ -34,14 +35,13 @@ class Report:
         self.done, self.failed = self.before, failed
         self.parts: dict = {}  # chunk under way -> fraction done
         self.begin = self.logged = time.monotonic()
-        self.bar: Any = None
+        self.bar = Bar(label, self.total)
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        if self.bar is not None:
-            self.bar.stop()
+        self.bar.__exit__()
 
     def part(self, i, fraction):
         """This much of chunk i is done; called by the threads that do it."""
@@ -63,47 +63,21 @@ class Report:
         words = f"{done:,.0f} of {self.total:,} cases, {self.failed:,} failed"
         if rate > 0.0:
             words += f", {rate:,.3g} cases/s" if rate < 10.0 else f", {rate:,.0f} cases/s"
-            words += f", {_duration((self.total - done) / rate)} left"
+            words += f", {duration((self.total - done) / rate)} left"
         return done, words
 
     def show(self):
         """Bring what is seen up to date."""
         now = time.monotonic()
-        if self.quiet or now - self.begin < PATIENCE:
+        if self.quiet or not self.bar.due:
             return
         done, words = self.text(now)
         try:
-            if sys.stderr.isatty():
-                self._draw(done, words)
+            if on_terminal():
+                self.bar.show(done, words)
             elif now - self.logged > LOG_EVERY:
                 self.logged = now
                 sys.stderr.write(f"{self.label}: {words}\n")
                 sys.stderr.flush()
         except OSError:  # whoever read it is gone; the work goes on
             self.quiet = True
-
-    def _draw(self, done, words):
-        if self.bar is None:
-            from rich.console import Console
-            from rich.progress import BarColumn, Progress, TextColumn
-
-            self.bar = Progress(
-                self.label,
-                BarColumn(),
-                TextColumn("{task.description}"),
-                console=Console(stderr=True),
-                transient=True,
-            )
-            self.bar.add_task(words, total=self.total)
-            self.bar.start()
-        self.bar.update(self.bar.task_ids[0], completed=done, description=words)
-
-
-def _duration(seconds):
-    """Seconds in words: 40 s, 3 min 20 s, 5 h 10 min, 2 d 3 h."""
-    parts = []
-    for size, unit in ((86400, "d"), (3600, "h"), (60, "min"), (1, "s")):
-        count, seconds = divmod(seconds, size)
-        if count or unit == "s":
-            parts.append(f"{count:.0f} {unit}")
-    return " ".join(parts[:2])

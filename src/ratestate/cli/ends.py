@@ -1,0 +1,84 @@
+"""How commands end: exit codes, messages, and tracebacks for who asks for them."""
+
+import contextlib
+import functools
+import inspect
+import traceback
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import RateStateError
+
+BUG, FAILED, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
+EXIT_CODES = (
+    "Exit codes: 0 done, 1 a bug in ratestate, 2 error or wrong usage, "
+    "3 some cases failed, 130 interrupted."
+)
+#: how typer itself ends a command
+OWN = (typer.Exit, typer.Abort, typer.BadParameter)
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def command(function: Callable[..., None]) -> Callable[..., None]:
+    """A function as a command: it takes --debug, ends well, and its help has the exit codes."""
+
+    @functools.wraps(function)
+    def ended(*, context: typer.Context, debug: bool, **arguments: Any) -> None:
+        with ending_well(debug or bool(context.obj)):
+            function(**arguments)
+
+    signature = inspect.signature(function)
+    kind = inspect.Parameter.KEYWORD_ONLY
+    more = [
+        inspect.Parameter("debug", kind, default=False, annotation=Debug),
+        inspect.Parameter("context", kind, annotation=typer.Context),
+    ]
+    own = [parameter.replace(kind=kind) for parameter in signature.parameters.values()]
+    ended.__signature__ = inspect.Signature([*own, *more])  # type: ignore[attr-defined]
+    ended.__doc__ = f"{inspect.getdoc(function)}\n\n{EXIT_CODES}"
+    return ended
+
+
+@contextlib.contextmanager
+def ending_well(debug: bool) -> Iterator[None]:
+    """End every error with a message on stderr and an exit code; with its traceback if asked."""
+    try:
+        yield
+    except OWN:
+        raise
+    except KeyboardInterrupt as interrupt:
+        typer.echo(f"interrupted; {str(interrupt) or 'no file is half written'}", err=True)
+        raise typer.Exit(INTERRUPTED) from interrupt
+    except Exception as error:
+        if debug:
+            typer.echo(traceback.format_exc(), err=True, nl=False)
+        message, code = _told(error)
+        typer.echo(message, err=True)
+        raise typer.Exit(code) from error
+
+
+def _told(error: Exception) -> tuple[str, int]:
+    """What is said of an error, and the exit code."""
+    match error:
+        case RateStateError():
+            return f"error: {error}", FAILED
+        case OSError():
+            return f"error: cannot write: {error}", FAILED
+        case MemoryError():
+            return "error: not enough memory; ask for less at a time", FAILED
+        case _:
+            return (
+                f"this is a bug in ratestate: {type(error).__name__}: {error}\n"
+                "Please report it, with what the same command says with --debug."
+            ), BUG
+
+
+@contextlib.contextmanager
+def leaving(what: Callable[[], str]) -> Iterator[None]:
+    """Say after Ctrl-C what is left of the work."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        raise KeyboardInterrupt(what()) from interrupt

@@ -1,0 +1,34 @@
+"""Arguments and options that commands have in common."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+File = Annotated[
+    Path,
+    typer.Argument(
+        metavar="FILE.toml", help="Scenario file; 'ratestate init' writes one.", show_default=False
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="FILE.nc|.csv|.zarr",
+        help="Write all numbers there.",
+        show_default=False,
+    ),
+]
+Plot = Annotated[
+    Path | None,
+    typer.Option(
+        "--plot",
+        metavar="FILE.png|.pdf",
+        help="Draw a picture.",
+        show_default=False,
+    ),
+]
+Json = Annotated[
+    bool, typer.Option("--json", help="Print one JSON document with all numbers, in SI.")
+]

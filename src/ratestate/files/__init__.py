@@ -1,0 +1,18 @@
+"""Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all."""
+
+from .formats import read, write
+from .parts import joined, split
+from .place import NUMBERS, PICTURES, checked, replace
+from .table import csv_text
+
+__all__ = [
+    "NUMBERS",
+    "PICTURES",
+    "checked",
+    "csv_text",
+    "joined",
+    "read",
+    "replace",
+    "split",
+    "write",
+]

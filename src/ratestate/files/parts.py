@@ -1,0 +1,37 @@
+"""Complex variables in files that have no complex numbers: as two real ones."""
+
+import numpy as np
+
+# Suffix -> what of a complex array it is.
+PARTS = {"real": np.real, "imag": np.imag}
+
+
+def split(data):
+    """The same with each complex variable as two real ones, NAME_real and NAME_imag."""
+    for name, variable in data.variables.items():
+        if variable.dtype.kind != "c":
+            continue
+        parts = {
+            f"{name}_{part}": (variable.dims, of(variable.values), _part_attrs(variable, part))
+            for part, of in PARTS.items()
+        }
+        data = data.drop_vars(name).assign(parts)
+    return data
+
+
+def joined(data):
+    """The same with what `split` took apart put together."""
+    for name in [name for name, v in data.variables.items() if v.attrs.get("part") == "real"]:
+        whole = name.removesuffix("_real")
+        real, imag = data[name], data[f"{whole}_imag"]
+        values = np.empty(real.shape, complex)
+        values.real, values.imag = real.values, imag.values  # infinite parts stay what they are
+        attrs = {key: text for key, text in real.attrs.items() if key != "part"}
+        attrs["long_name"] = attrs["long_name"].removesuffix(", real part")
+        data = data.drop_vars([name, f"{whole}_imag"]).assign({whole: (real.dims, values, attrs)})
+    return data
+
+
+def _part_attrs(variable, part):
+    name = {"real": "real part", "imag": "imaginary part"}[part]
+    return variable.attrs | {"long_name": f"{variable.attrs['long_name']}, {name}", "part": part}

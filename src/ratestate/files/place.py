@@ -1,0 +1,73 @@
+"""Places for files: found good or bad beforehand, and filled at once."""
+
+import shutil
+import tempfile
+import uuid
+from pathlib import Path
+
+from ..errors import ParameterError
+
+#: endings of files with numbers, and of pictures
+NUMBERS, PICTURES = (".nc", ".csv", ".zarr"), (".png", ".pdf")
+
+
+def checked(path, endings):
+    """The path, if a file of one of these kinds can be put there, as far as can be told before.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+    endings : tuple of str
+        `NUMBERS` or `PICTURES`.
+
+    Raises
+    ------
+    ParameterError
+        Another ending; a folder in its place; none to put it in.
+    OSError
+        Its folder takes no files.
+    """
+    path = Path(path).expanduser()
+    if path.suffix.lower() not in endings:
+        listed = f"{', '.join(endings[:-1])} or {endings[-1]}"
+        raise ParameterError(f"{str(path)!r}: expected a name that ends in {listed}")
+    if path.is_dir() and not (path.suffix.lower() == ".zarr" and _is_result(path)):
+        what = "a folder that holds no result" if path.suffix.lower() == ".zarr" else "a folder"
+        raise ParameterError(f"{path} is {what} and is not replaced; give another name")
+    if not path.parent.is_dir():
+        raise ParameterError(f"{path}: there is no folder {path.parent}; make it first")
+    with tempfile.TemporaryFile(dir=path.parent):
+        pass
+    return path
+
+
+def replace(path, write):
+    """Write beside `path` and rename, so that nobody ever finds half a file.
+
+    write : function of a path, which makes a file or folder there
+    """
+    partial = path.with_name(f".{path.stem}.{uuid.uuid4().hex}.partial{path.suffix}")
+    try:
+        write(partial)
+        if path.is_dir():
+            old = partial.with_name(f"{partial.name}.old")
+            path.rename(old)
+            partial.rename(path)
+            shutil.rmtree(old)
+        else:
+            partial.replace(path)
+    finally:
+        if partial.is_dir():
+            shutil.rmtree(partial)
+        partial.unlink(missing_ok=True)
+    return path
+
+
+def _is_result(path):
+    """Whether a folder is a Zarr group of arrays alone: no sweep that can be gone on with."""
+    inside = [one for one in path.iterdir() if one.is_dir()]
+    return (path / "zarr.json").is_file() and not any(
+        '"node_type":"group"' in "".join((one / "zarr.json").read_text().split())
+        for one in inside
+        if (one / "zarr.json").is_file()
+    )

@@ -1,0 +1,57 @@
+"""A page for each kind of result: what a person wants to see of it at once."""
+
+import xarray
+
+from ...errors import ParameterError
+from .branch import branch_page
+from .cycle import cycle_page
+from .run import run_page
+from .stability import stability_page
+from .sweep import sweep_page
+
+#: verb -> page of a single slider's result
+SINGLE = {
+    "simulate": run_page,
+    "limit_cycle": cycle_page,
+    "stability": stability_page,
+    "continue_cycle": branch_page,
+}
+#: dimensions of results that are no axes of a sweep
+OWN = ("time", "segment", "mode", "multiplier", "point")
+
+
+def page(result):
+    """A figure of a result, for a file or a notebook.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `simulate`, `limit_cycle`, `stability`, `continue_cycle` or `sweep`: of one slider,
+        or over one axis (lines) or two (maps).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        No such result, or one that has lost its attributes; more than two axes.
+    """
+    title = result.attrs.get("title", "") if isinstance(result, xarray.Dataset) else ""
+    verb = title.removeprefix("ratestate ")
+    if verb not in SINGLE:
+        raise ParameterError("page wants a Dataset as a verb gives it, with its attributes")
+    dims = axes_of(result)
+    return sweep_page(result, verb, dims) if dims else SINGLE[verb](result)
+
+
+def axes_of(result):
+    """Dimensions of the sweep that a result is of: none, one or two."""
+    dims = [dim for dim in result.sizes if dim not in OWN]
+    if len(dims) > 2:
+        raise ParameterError(
+            f"a page shows a sweep over one or two axes, and this one has {len(dims)} "
+            f"({', '.join(map(str, dims))}); pick values of the others with .sel"
+        )
+    return dims

@@ -1,0 +1,124 @@
+"""The page of a sweep: lines over one axis, maps over two."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import LogNorm, Normalize, SymLogNorm
+
+from ...dataset import parameter
+from ...engine.model import FINISHED, STEADY_SLIDING
+from ...quantities import QUANTITIES
+from ..labels import AMPLITUDE, BLUE, GRAY, RED, label, prefixed
+from ..layout import LAWS, figure, letter, styled
+from .axis import axis_of, fitting
+
+#: variable -> what an axis is called
+WORDS = {
+    "amplitude": AMPLITUDE,
+    "frequency": f"Frequency {label('frequency')}",
+    "V_max": f"{label('V_max')} and {label('V_min')}",
+    "K_c": f"Critical stiffness {label('K_c')}",
+    "growth_rate": f"Growth rate {label('growth_rate')}",
+    "omega": f"Angular frequency {label('omega')}",
+}
+#: verb -> variables shown
+SHOWN = {
+    "limit_cycle": ("amplitude", "frequency", "V_max"),
+    "simulate": ("amplitude", "frequency", "V_max"),
+    "stability": ("K_c", "growth_rate", "omega"),
+}
+NAMES = {"limit_cycle": "Limit cycles", "simulate": "Runs", "stability": "Steady sliding"}
+NONE = "no cycle in any case"
+AT = {"color": GRAY, "lw": 0.9, "ls": "--", "label": f"{label('K')} of the slider"}
+
+
+@styled
+def sweep_page(result, verb, dims):
+    """Page of a sweep over one or two dimensions."""
+    law = LAWS[parameter(result, "law")]
+    over = " and ".join(label(str(dim)) for dim in dims)
+    title = f"{NAMES[verb]} over {over}, {law}"
+    names = [name for name in SHOWN[verb] if set(dims) & set(result[name].dims)] or SHOWN[verb]
+    height = 2.0 + 1.5 * len(names) if len(dims) == 1 else 3.2
+    fig = figure(result.assign_attrs(title=title), height, "a b Dc sigma M K")
+    if len(dims) == 1:
+        axes = np.atleast_1d(fig.subplots(len(names), 1, sharex=True))
+        for ax, name in zip(axes, names, strict=True):
+            _lines(ax, result, name, dims[0])
+        axis_of(result, dims[0]).dress(axes[-1].xaxis)
+    else:
+        axes = np.atleast_1d(fig.subplots(1, len(names), sharex=True, sharey=True))
+        for ax, name in zip(axes, names, strict=True):
+            _map(fig, ax, result, name, dims)
+        axis_of(result, dims[0]).dress(axes[0].yaxis)
+    for i, ax in enumerate(axes):
+        letter(ax, "abc"[i])
+    return fig
+
+
+def _values(result, name, dims):
+    """A variable in these dimensions, without the zeros of cases that have no cycle."""
+    values = result[name].variable.set_dims({dim: result.sizes[dim] for dim in dims})
+    values = values.transpose(*dims).values
+    known = np.isfinite(values) & (values > 0.0 if name in ("amplitude", "frequency") else True)
+    return np.where(known, values, np.nan)
+
+
+def _lines(ax, result, name, dim):
+    """A variable against the axis, dots at its cases; V_min beside V_max."""
+    x = axis_of(result, dim).values
+    pair = [name, "V_min"] if name == "V_max" else [name]
+    both = np.concatenate([_values(result, one, [dim]) for one in pair])
+    scale, unit, wide = fitting(both, QUANTITIES[name].unit)
+    if not np.isfinite(scale).any():
+        ax.text(0.5, 0.5, NONE, transform=ax.transAxes, ha="center", va="center")
+    for one, values, color in zip(pair, np.split(scale, len(pair)), ("k", BLUE), strict=False):
+        ax.plot(x, values, "o-", color=color, ms=2.5, lw=1.0, label=label(one))
+    if name == "K_c" and np.ndim(K := parameter(result, "K")) == 0:
+        ax.axhline(K * prefixed(QUANTITIES[name].unit, float(np.nanmax(both)))[0], **AT)
+    if len(ax.lines) > 1:
+        ax.legend()
+    if wide:
+        ax.set_yscale("log")
+    elif (np.nan_to_num(scale) >= 0.0).all():
+        ax.set_ylim(0.0, None)
+    else:
+        ax.axhline(0.0, color=GRAY, lw=0.7, zorder=0)
+    ax.set_ylabel(WORDS[name].replace(" of ", " of\n") + unit)
+    for row in np.flatnonzero(_failed(result, [dim])):
+        ax.axvline(x[row], color=RED, lw=0.8, alpha=0.5, zorder=0)
+
+
+def _failed(result, dims):
+    """Cases without an answer, in these dimensions."""
+    if "status" not in result:
+        return np.zeros([result.sizes[dim] for dim in dims], bool)
+    return ~np.isin(result["status"].transpose(*dims).values, (FINISHED, STEADY_SLIDING))
+
+
+def _map(fig, ax, result, name, dims):
+    """A variable in colours; gray where a case has no answer, white where it has no cycle."""
+    along, across = (axis_of(result, dim) for dim in reversed(dims))
+    values, unit, wide = fitting(_values(result, name, dims), QUANTITIES[name].unit)
+    along.dress(ax.xaxis)
+    style: dict[str, Any] = {"rasterized": True}
+    ticks = None
+    if np.isfinite(values).any():
+        mixed = np.nanmin(values) < 0.0
+        most = float(np.nanmax(np.abs(values)))
+        if mixed:
+            ten = 10.0 ** np.floor(np.log10(most))
+            ticks = [-ten, -0.01 * ten, 0.0, 0.01 * ten, ten]
+            style |= {"cmap": "RdBu_r", "norm": SymLogNorm(1e-3 * ten, vmin=-most, vmax=most)}
+        else:
+            ends = np.nanmin(values), np.nanmax(values)
+            style |= {"cmap": "viridis", "norm": (LogNorm if wide else Normalize)(*ends)}
+        colored = ax.pcolormesh(along.edges, across.edges, values, **style)
+        text = label(name) if name == "V_max" else WORDS[name]
+        fig.colorbar(colored, ax=ax, location="top", label=text + unit, ticks=ticks)
+    else:
+        ax.text(0.5, 0.5, NONE, transform=ax.transAxes, ha="center", va="center")
+    if (failed := _failed(result, dims)).any():
+        gray = np.where(failed, 1.0, np.nan)
+        style = {"cmap": "gray", "vmin": 0.0, "vmax": 2.0, "rasterized": True}
+        ax.pcolormesh(along.edges, across.edges, gray, **style)

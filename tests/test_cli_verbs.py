@@ -1,0 +1,389 @@
+"""``ratestate run``, ``stability``, ``cycle`` and ``branch``: what they print, write and return."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import ratestate as rs
+from ratestate import files
+from ratestate.cli import main
+from ratestate.scenario import model
+from ratestate.verdict import verdict
+
+LAB = """
+[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "2 MPa"
+K = "900 MPa/m"
+M = "3000 kg/m^2"
+V0 = "1 nm/s"
+[loading]
+V_lp = "0.1 mm/s"
+steps = [{ t = "50 ms", V_lp = "3.2 mm/s" }]
+[run]
+t_end = "0.2 s"
+"""
+SWEEP = """
+[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "2 MPa"
+K = "500 MPa/m"
+[sweep]
+verb = "limit_cycle"
+M = [0, "3000 kg/m^2"]
+V_lp = ["1 mm/s", "3 mm/s", "10 mm/s"]
+"""
+SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3e3, V0=1e-9)
+LOADING = rs.Loading.steps(1e-4, (0.05, 3.2e-3))
+BRANCH = ["--start", "3.5 mm/s", "--stop", "3 mm/s"]
+#: command -> its arguments, and the same through the Python API
+VERBS = {
+    "run": ([], lambda: rs.simulate(SLIDER, LOADING, 0.2)),
+    "stability": ([], lambda: rs.stability(SLIDER, 3.2e-3)),
+    "cycle": ([], lambda: rs.limit_cycle(SLIDER, 3.2e-3)),
+    "branch": (BRANCH, lambda: rs.continue_cycle(SLIDER, "V_lp", 3.5e-3, 3e-3)),
+}
+
+
+def call(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def lab(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "lab.toml"
+    path.write_text(LAB)
+    return path
+
+
+@pytest.fixture(scope="module")
+def api():
+    """What the Python API gives, each verb once."""
+    return {command: ask() for command, (_, ask) in VERBS.items()}
+
+
+def strict(text):
+    """The document of strict JSON."""
+
+    def refuse(constant):
+        raise AssertionError(f"{constant} is no JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+@pytest.mark.parametrize("command", VERBS)
+def test_numbers_are_those_of_the_python_api(command, lab, api):
+    out = lab.with_name("out.nc")
+    result = call(command, lab, *VERBS[command][0], "--json", "--out", out)
+    assert result.exit_code == 0, result.output
+    assert result.stderr == f"wrote {out}\n"
+    xr.testing.assert_identical(files.read(out), api[command])
+    found = strict(result.stdout)
+    assert found["title"] == api[command].attrs["title"]
+    assert found["ratestate"] == rs.__version__
+    assert found["failed"] == 0
+    assert found["attrs"]["slider"]["K"] == 9e8
+    same = files.split(api[command])
+    assert found["data_vars"].keys() == {*same.data_vars}
+    assert found["coords"].keys() == {*same.coords}
+    for name, variable in (found["data_vars"] | found["coords"]).items():
+        assert variable["attrs"]["units"] == same[name].attrs["units"]
+        assert variable["dims"] == list(same[name].dims)
+        given = np.array(variable["data"], same[name].dtype)
+        np.testing.assert_array_equal(given, same[name])
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("run", ["At the end, 200 ms, after", "V_max 26.8682 mm/s", "cycles 6", "V_lp = 3.2 mm/s"]),
+        ("stability", ["Steady sliding at 3.2 mm/s is unstable", "907.2 MPa/m", "3.16228 mm/s"]),
+        ("cycle", ["19.7649 ms", "1e-10", "0.0012347", "0.9706, 7.097e-09", "1.141 V_lp"]),
+        ("branch", ["V_lp from 3.162 mm/s to 3.5 mm/s", "3.16228 mm/s", "hopf", "start"]),
+    ],
+)
+def test_tables(command, words, lab):
+    result = call(command, lab, *VERBS[command][0])
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    assert "\x1b" not in result.stdout
+    text = " ".join(result.stdout.split())
+    for word in words:
+        assert word in text
+    assert sorted(path.name for path in lab.parent.iterdir()) == ["lab.toml"]
+
+
+@pytest.mark.parametrize("command", ["run", "stability", "cycle"])
+def test_the_verdict_is_printed(command, lab):
+    said = verdict(SLIDER, 3.2e-3)
+    text = call(command, lab).stdout.rstrip("\n")
+    if command == "run":
+        assert text.endswith(f"In the long run, at V_lp = 3.2 mm/s\n{said.text}")
+    else:
+        assert text.startswith(f"{said.text}\n\n")
+    found = strict(call(command, lab, "--json").stdout)
+    assert found["verdict"] == {"regime": "quasi-harmonic", "text": said.text}
+
+
+def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
+    lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s").replace("t_end", "rtol = 1e-5\nt_end"))
+    result = call("cycle", lab)
+    assert result.exit_code == 0
+    assert "No cycle is reached at V_lp = 1 mm/s: steady sliding" in result.stdout
+    found = strict(call("cycle", lab, "--json").stdout)
+    assert found["data_vars"]["period"]["data"] is None
+    assert found["data_vars"]["multipliers_real"]["data"] == [None, None]
+    lab.write_text(LAB.replace('"900 MPa/m"', "inf"))
+    found = strict(call("stability", lab, "--json").stdout)
+    assert found["data_vars"]["V_c"]["data"] == "inf"
+    assert found["attrs"]["slider"]["K"] == "inf"
+    assert found["data_vars"]["eigenvalues_real"]["data"][1:] == ["-inf", "-inf"]
+    assert "stable at any speed" in call("stability", lab).stdout
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"), [*((command, "csv") for command in VERBS), ("branch", "zarr")]
+)
+def test_other_files(command, ending, lab, api):
+    out = lab.with_name(f"out.{ending}")
+    assert call(command, lab, *VERBS[command][0], "--out", out).exit_code == 0
+    if ending == "zarr":
+        xr.testing.assert_identical(files.read(out), api[command])
+    else:
+        assert out.read_text() == files.csv_text(api[command])
+
+
+@pytest.mark.parametrize("command", VERBS)
+def test_pictures(command, lab, monkeypatch):
+    monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
+    path = lab.with_name("page.png")
+    result = call(command, lab, *VERBS[command][0], "--plot", path)
+    assert result.exit_code == 0, result.output
+    assert result.stderr == f"wrote {path}\n"
+    assert path.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_output_of_the_file_is_for_run_alone(lab):
+    lab.write_text(LAB + '[output]\nfile = "x.csv"\nplot = "x.png"\n')
+    assert call("cycle", lab).exit_code == 0
+    assert call("run", lab, "--out", "y.csv").exit_code == 0
+    assert sorted(path.name for path in lab.parent.iterdir()) == ["lab.toml", "x.png", "y.csv"]
+
+
+# ---------------------------------------------------------------------------------------- sweeps
+
+
+def test_a_sweep_in_memory(lab):
+    lab.write_text(SWEEP)
+    result = call("run", lab, "--out", "x.nc", "--plot", "x.png", "--json")
+    assert result.exit_code == 3, result.output
+    slider = SLIDER.replace(K=5e8, V0=1e-6, M=xr.DataArray([0.0, 3e3], dims="M"))
+    V_lp = xr.DataArray([1e-3, 3e-3, 1e-2], dims="V_lp")
+    expected = rs.sweep("limit_cycle", slider, V_lp=V_lp)
+    xr.testing.assert_identical(files.read("x.nc"), expected)
+    found = strict(result.stdout)
+    assert found["failed"] == 3
+    assert found["data_vars"]["message"]["data"][1] == ["", "", ""]
+    text = call("run", lab).stdout
+    assert "6 cases of limit_cycle over M (2 from 0 kg/m^2 to 3000 kg/m^2), V_lp (3 from" in text
+    assert "3 cycles, 3 failed (quasi static instability)" in text
+    row = next(line.split() for line in text.splitlines() if line.startswith("amplitude"))
+    smallest, largest = (float(f(expected.amplitude)) for f in (np.nanmin, np.nanmax))
+    assert (float(row[1]), row.count("kg/m^2,")) == (pytest.approx(smallest, rel=1e-5), 2)
+    assert f"{largest:.6g}" in row
+    assert "  M = 0 kg/m^2, V_lp = 10 mm/s: quasi_static_instability: V grows" in text
+
+
+def test_a_sweep_over_many_axes_has_no_picture(lab):
+    lab.write_text(SWEEP + "a = [0.003, 0.004]\n")
+    result = call("run", lab, "--plot", "x.png")
+    assert result.exit_code == 2
+    assert "over one or two axes, and this one has 3 (a, M, V_lp)" in result.stderr
+
+
+# ------------------------------------------------------------------------------------------ again
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"), [("run", "zarr"), ("cycle", "nc"), ("stability", "nc"), ("branch", "nc")]
+)
+def test_from_a_result_to_the_same_bits(command, ending, lab):
+    first, second = (lab.with_name(f"{name}.{ending}") for name in ("first", "second"))
+    assert call(command, lab, *VERBS[command][0], "--out", first).exit_code == 0
+    result = call("run", "--from", first, "--out", second)
+    assert result.exit_code == 0, result.output
+    xr.testing.assert_identical(files.read(second), files.read(first))
+
+
+def test_a_sweep_again(lab):
+    lab.write_text(SWEEP)
+    assert call("run", lab, "--out", "x.nc").exit_code == 3
+    assert call("run", "--from", "x.nc", "--out", "y.nc").exit_code == 3
+    xr.testing.assert_identical(files.read("y.nc"), files.read("x.nc"))
+
+
+# ------------------------------------------------------------------------------ what may go wrong
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "none.toml"], "error: none.toml cannot be read: No such file"),
+        (["run"], "give either a file or --from"),
+        (["run", "lab.toml", "--from", "x.nc"], "give either a file or --from"),
+        (["run", "--from", "none.nc"], "error: none.nc does not exist"),
+        (["run", "--from", "lab.toml"], "ends in .nc or .zarr"),
+        (["run", "--from", "x.csv"], "lacks the parameters"),
+        (
+            ["cycle", "lab.toml", "--out", "x.txt"],
+            "expected a name that ends in .nc, .csv or .zarr",
+        ),
+        (["cycle", "lab.toml", "--plot", "x.nc"], "expected a name that ends in .png or .pdf"),
+        (["cycle", "lab.toml", "--out", "no/x.nc"], "error: no/x.nc: there is no folder no"),
+        (["cycle", "lab.toml", "--out", "folder.nc"], "folder.nc is a folder and is not replaced"),
+        (["cycle", "lab.toml", "--out", "folder.zarr"], "is a folder that holds no result"),
+        (["branch", "lab.toml", "--start", "1 mm/s"], "both are needed"),
+        (["explore", "--port", "99999"], "--port"),
+    ],
+)
+def test_what_cannot_be_done_is_found_before_the_work(arguments, message, lab, monkeypatch):
+    def never(*_):
+        raise AssertionError
+
+    for folder in ("folder.nc", "folder.zarr"):
+        lab.with_name(folder).mkdir()
+    before = sorted(lab.parent.rglob("*"))
+    for verb in model.VERBS:
+        monkeypatch.setitem(model.VERBS, verb, never)
+    result = call(*arguments)
+    assert result.exit_code == 2, result.output
+    assert message in " ".join(result.stderr.split())
+    assert "Traceback" not in result.output
+    assert result.stdout == ""
+    assert sorted(lab.parent.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--parameter", "Q", *BRANCH], "parameter = 'Q'"),
+        (["--start", "1 mm", "--stop", "2 mm"], "start = '1 mm' is a length"),
+        ([], "[sweep]: is missing, expected what a branch follows"),
+    ],
+)
+def test_a_branch_of_nothing(arguments, message, lab):
+    result = call("branch", lab, *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_takes_no_files(lab):
+    lab.parent.chmod(0o500)
+    result = call("cycle", lab, "--out", "x.nc")
+    lab.parent.chmod(0o700)
+    assert (result.exit_code, result.stderr[:27]) == (2, "error: cannot write: [Errno")
+
+
+def test_a_disk_that_is_full(lab, monkeypatch):
+    def full(self, path, **_):
+        path.write_text("half")
+        raise OSError(28, "No space left on device")
+
+    lab.with_name("x.nc").write_text("old")
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    result = call("cycle", lab, "--out", "x.nc")
+    assert result.exit_code == 2
+    assert result.stderr == "error: cannot write: [Errno 28] No space left on device\n"
+    assert lab.with_name("x.nc").read_text() == "old"
+    assert len([*lab.parent.iterdir()]) == 2
+
+
+def test_a_part_of_a_branch_is_kept(lab, monkeypatch):
+    monkeypatch.setattr("ratestate.branch.MAX_POINTS", 5)
+    result = call("branch", lab, *BRANCH, "--out", "x.nc")
+    assert result.exit_code == 3
+    assert "error: the branch ends at V_lp = " in result.stderr
+    assert 1 < files.read("x.nc").sizes["point"] <= 6
+    assert "A branch of" in result.stdout
+
+
+def bug(*_, **__):
+    raise ZeroDivisionError("so much for that")
+
+
+def test_a_bug_is_told_and_its_traceback_shown_if_asked(lab, monkeypatch):
+    monkeypatch.setattr("ratestate.scenario.run", bug)
+    result = call("cycle", lab)
+    assert result.exit_code == 1
+    assert result.stderr == (
+        "this is a bug in ratestate: ZeroDivisionError: so much for that\n"
+        "Please report it, with what the same command says with --debug.\n"
+    )
+    for arguments in (
+        ["--debug", "cycle", lab],
+        ["cycle", "--debug", lab],
+        ["cycle", lab, "--debug"],
+    ):
+        result = call(*arguments)
+        assert result.exit_code == 1
+        assert result.stderr.startswith("Traceback (most recent call last)")
+        assert "in bug" in result.stderr
+
+
+def test_debug_shows_where_an_error_was_found(lab):
+    result = call("--debug", "cycle", lab, "--out", "x.txt")
+    assert result.exit_code == 2
+    assert "ParameterError" in result.stderr
+    assert "error: 'x.txt': expected a name" in result.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "message"),
+    [
+        (KeyboardInterrupt(), 130, "interrupted; no file is half written\n"),
+        (MemoryError(), 2, "error: not enough memory; ask for less at a time\n"),
+        (rs.SolverError("stopped at t = 3 s"), 2, "error: stopped at t = 3 s\n"),
+    ],
+)
+def test_other_ends(error, code, message, lab, monkeypatch):
+    def end(*_):
+        raise error
+
+    monkeypatch.setattr("ratestate.scenario.run", end)
+    result = call("cycle", lab, "--out", "x.nc")
+    assert (result.exit_code, result.stderr) == (code, message)
+    assert [path.name for path in lab.parent.iterdir()] == ["lab.toml"]
+
+
+def test_a_reader_that_leaves_ends_it_quietly(lab):
+    command = [sys.executable, "-c", "from ratestate.cli import main; main()"]
+    arguments = ["run", lab, "--json", "--out", "x.csv"]
+    with subprocess.Popen(
+        [*command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        process.stdout.close()  # before anything is said
+        errors = process.stderr.read()
+    assert process.returncode == 0
+    assert errors == "wrote x.csv\n"
+    first, *_, last = lab.with_name("x.csv").read_text().splitlines()
+    assert first.startswith("time [s],V [m/s],")
+    assert last.startswith("0.2,")
+
+
+def test_colours_are_for_terminals(lab, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert "\x1b[" in call("stability", lab).stdout
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b" not in call("stability", lab).stdout

@@ -1,0 +1,177 @@
+"""Results as files: round trips, CSV, places that are found bad beforehand, whole files only."""
+
+import csv
+import io
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+import ratestate as rs
+from ratestate import ParameterError, files
+
+SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=3e3)
+M = xr.DataArray([0.0, 3e3], dims="M")
+#: kinds of results, among them NaN, inf, complex numbers, text, yes and no, flags, three dimensions
+RESULTS = {
+    "run": lambda: rs.simulate(SLIDER, rs.Loading.steps(1e-4, (0.05, 3e-3)), 0.1),
+    "cycle": lambda: rs.limit_cycle(SLIDER, 1e-3),
+    "rigid": lambda: rs.stability(SLIDER.replace(K=np.inf), 1e-3),
+    "branch": lambda: rs.continue_cycle(SLIDER.replace(K=9e8), "V_lp", 3.5e-3, 3e-3, rtol=1e-6),
+    "sweep": lambda: rs.sweep(
+        "limit_cycle", SLIDER.replace(M=M), V_lp=rs.logspace("V_lp", 1, 2, 2)
+    ),
+    "runs": lambda: rs.simulate(
+        SLIDER.replace(M=M + 1.0), rs.Loading.constant(1e-3), 0.1, times=[0.0, 0.05, 0.1]
+    ),
+    "record": lambda: rs.simulate(
+        SLIDER, rs.Loading.series(np.linspace(0, 1, 1200), np.full(1200, 1e-3)), 1e-3
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def results():
+    return {kind: make() for kind, make in RESULTS.items()}
+
+
+@pytest.mark.parametrize("kind", RESULTS)
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_round_trips(kind, ending, results, tmp_path):
+    path = tmp_path / f"x.{ending}"
+    for _ in range(2):  # the second replaces the first
+        assert files.write(results[kind], path) == path
+    again = files.read(path)
+    xr.testing.assert_identical(again, results[kind])
+    for name, variable in results[kind].variables.items():
+        same = again[name].dtype == variable.dtype
+        assert same or {again[name].dtype.kind, variable.dtype.kind} <= {"O", "U"}, name
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]
+
+
+def test_netcdf_has_nothing_that_others_cannot_read(results, tmp_path):
+    for kind in ("rigid", "sweep"):
+        path = files.write(results[kind], tmp_path / "x.nc")
+        with h5py.File(path) as file:
+            for name, variable in file.items():
+                assert variable.dtype.kind in "iufO", name  # no compound types
+    with xr.open_dataset(tmp_path / "x.nc") as plain:
+        multipliers = plain.multipliers_real + 1j * plain.multipliers_imag
+        assert plain.multipliers_imag.attrs["long_name"] == "Floquet multipliers, imaginary part"
+    np.testing.assert_array_equal(multipliers, results["sweep"].multipliers)
+
+
+def test_complex_numbers_with_infinite_parts_come_back():
+    values = np.array([complex(-np.inf, 0.0), complex(np.nan, 1.0), 1 + 2j])
+    attrs = {"units": "1/s", "long_name": "rate"}
+    data = xr.Dataset({"rate": ("mode", values, attrs)})
+    apart = files.split(data)
+    assert {*apart.variables} == {"rate_real", "rate_imag"}
+    assert apart.rate_real.values[0] == -np.inf
+    xr.testing.assert_identical(files.joined(apart), data)
+
+
+def rows_of(data):
+    return [*csv.DictReader(io.StringIO(files.csv_text(data)))]
+
+
+def test_csv_of_a_run(results):
+    run, rows = results["run"], rows_of(results["run"])
+    assert [*rows[0]][:3] == ["time [s]", "V [m/s]", "theta [s]"]
+    assert "status" not in rows[0]  # of the run as a whole
+    for column, name in (("time [s]", "time"), ("tau [Pa]", "tau"), ("mu", "mu")):
+        np.testing.assert_array_equal([float(row[column]) for row in rows], run[name])
+
+
+def test_csv_of_single_numbers(results):
+    (row,) = rows_of(results["cycle"])
+    cycle = results["cycle"]
+    assert float(row["period [s]"]) == float(cycle.period)
+    assert float(row["V_lp [m/s]"]) == 1e-3
+    assert (
+        complex(float(row["multipliers[0].real"]), float(row["multipliers[0].imag"]))
+        == (cycle.multipliers[0])
+    )
+    assert (row["stable"], row["status"]) == ("1", "0")
+    (row,) = rows_of(results["rigid"])
+    assert row["eigenvalues[2].real [1/s]"] == "-inf"
+
+
+def test_csv_of_sweeps(results):
+    rows, sweep = rows_of(results["sweep"]), results["sweep"]
+    assert len(rows) == 4
+    for row, (i, j) in zip(rows, np.ndindex(2, 2), strict=True):
+        case = sweep.isel(M=i, V_lp=j)
+        assert (float(row["M [kg/m^2]"]), float(row["V_lp [m/s]"])) == (case.M, case.V_lp)
+        assert row["message"] == str(case.message.values)
+        period = float(case.period)
+        assert row["period [s]"] == ("" if np.isnan(period) else repr(period))
+    rows, runs = rows_of(results["runs"]), results["runs"]
+    assert len(rows) == 6
+    assert [float(row["V [m/s]"]) for row in rows] == runs.V.values.ravel().tolist()
+    assert [int(row["steps"]) for row in rows] == np.repeat(runs.steps.values, 3).tolist()
+    assert [row["special"] for row in rows_of(results["branch"])][:1] == ["start"]
+
+
+def test_csv_leaves_the_record_of_the_loading_out(results):
+    assert "loading_V" in results["record"]
+    header, *_ = files.csv_text(results["record"]).split("\n")
+    assert "loading" not in header
+    assert len(rows_of(results["record"])) == results["record"].sizes["time"]
+
+
+@pytest.mark.parametrize("ending", ["nc", "csv", "zarr"])
+def test_a_failed_write_leaves_what_was_there(ending, results, tmp_path, monkeypatch):
+    def fails(self, path, *_, **__):
+        path.write_text("half")
+        raise OSError("disk full")
+
+    path = files.write(results["cycle"], tmp_path / f"x.{ending}")
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", fails)
+    monkeypatch.setattr(xr.Dataset, "to_zarr", fails)
+    monkeypatch.setattr(files.formats, "write_csv", lambda data, path: fails(data, path))
+    with pytest.raises(OSError, match="disk full"):
+        files.write(results["rigid"], path)
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]
+    if ending != "csv":
+        xr.testing.assert_identical(files.read(path), results["cycle"])
+
+
+def test_only_results_are_replaced(results, tmp_path):
+    store = tmp_path / "store.zarr"
+    rs.sweep("stability", SLIDER.replace(M=M), V_lp=1e-3, store=store)
+    other = tmp_path / "other.zarr"
+    other.mkdir()
+    (other / "thesis.txt").write_text("years of work")
+    for path in (store, other, tmp_path):
+        with pytest.raises(ParameterError, match=r"expected a name|is not replaced"):
+            files.write(results["cycle"], path)
+    assert (store / "sweep").is_dir()
+    assert (other / "thesis.txt").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("x.txt", "expected a name that ends in .nc, .csv or .zarr"),
+        ("x", "expected a name that ends in"),
+        ("no/x.nc", "there is no folder"),
+    ],
+)
+def test_bad_places(name, message, tmp_path):
+    with pytest.raises(ParameterError, match=message):
+        files.checked(tmp_path / name, files.NUMBERS)
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_what_is_no_result_is_refused(ending, tmp_path):
+    path = tmp_path / f"x.{ending}"
+    with pytest.raises(ParameterError, match="does not exist"):
+        files.read(path)
+    path.write_text("not a result")
+    with pytest.raises(ParameterError, match="cannot be read as a result"):
+        files.read(path)
+    with pytest.raises(ParameterError, match="lacks the parameters"):
+        files.read(tmp_path / "x.csv")

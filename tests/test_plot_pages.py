@@ -1,0 +1,181 @@
+"""`plot.page`: what the picture of each kind of result shows."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+
+import ratestate as rs
+from ratestate import ParameterError, plot
+from ratestate.plot.pages.axis import axis_of
+
+SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3, V0=1e-9)
+V_LP = rs.logspace("V_lp", 1e-3, 1e-1, 4)
+MASS = rs.logspace("M", 1e2, 1e4, 3)
+
+
+def lines(ax, label):
+    """The x and y of the line with this label."""
+    (line,) = (line for line in ax.lines if line.get_label() == label)
+    return np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+
+
+def panels(fig):
+    """The axes, by their letters."""
+    return sorted(fig.axes, key=lambda ax: ax.get_label())
+
+
+def drawn(fig):
+    """The same, after they have been drawn: warnings, which are errors here, come late."""
+    fig.draw_without_rendering()
+    return panels(fig)
+
+
+def test_a_run():
+    run = rs.simulate(SLIDER, rs.Loading.steps(1e-4, (0.05, 0.0), (0.06, 3.2e-3)), 0.2)
+    stress, speed, plane = drawn(plot.page(run))
+    np.testing.assert_allclose(lines(stress, r"$\mu$, friction")[1], run.mu)
+    np.testing.assert_allclose(lines(speed, "slider")[1], 1e3 * run.V)
+    t, V = lines(speed, "load point")
+    np.testing.assert_allclose(t, [0, 50, 50, 60, 60, 200])
+    np.testing.assert_allclose(V, [0.1, 0.1, np.nan, np.nan, 3.2, 3.2])
+    assert speed.get_yscale() == plane.get_yscale() == "log"
+    (x,), (y,) = lines(plane, "steady at the last $V_{lp}$")
+    assert (x, y) == (pytest.approx(0.6 - 0.003 * np.log(3.2e6)), pytest.approx(3.2))
+    assert [ax.get_title("left")[-5:] for ax in (stress, speed)] == ["tress", "speed"]
+
+
+def test_a_long_run_shows_its_last_cycles():
+    run = rs.simulate(SLIDER, rs.Loading.steps(1e-4, (0.05, 2e-2)), 0.5)
+    *_, last = panels(plot.page(run))
+    shown = lines(last, r"$\mu$, friction")[0]
+    assert np.ptp(shown) == pytest.approx(1e3 * 5 / float(run.frequency), rel=0.05)
+    assert f"the last 5 of {int(run.cycles)} cycles" in last.get_title("left")
+
+
+def test_a_cycle():
+    cycle = rs.limit_cycle(SLIDER, 3.2e-3)
+    fig = plot.page(cycle)
+    _, speed, plane = panels(fig)
+    t, V = lines(speed, "slider")
+    assert t[-1] == pytest.approx(1e3 * float(cycle.period))
+    assert V.max() == pytest.approx(1e3 * float(cycle.V_max), rel=1e-3)
+    assert plane.get_yscale() == "linear"  # for speeds of less than a decade
+    assert "quasi-harmonic" in fig.get_suptitle()
+    assert "19.76 ms" in fig.get_suptitle()
+
+
+def test_no_cycle_is_the_page_of_stability():
+    fig = plot.page(rs.limit_cycle(SLIDER, 1e-3))
+    assert "Steady sliding at $V_{lp}$ = 1 mm/s is stable" in fig.get_suptitle()
+
+
+@pytest.mark.parametrize(
+    ("changes", "note"),
+    [({}, ""), ({"M": 0.0}, ""), ({"K": np.inf}, "rigid"), ({"b": 0.002}, "stable everywhere")],
+)
+def test_stability(changes, note):
+    slider = SLIDER.replace(**changes)
+    left, right = (panels if note else drawn)(plot.page(rs.stability(slider, 3.2e-3)))
+    assert any(note in text.get_text() for text in left.texts) or not note
+    growth = lines(right, "growth rate")
+    expected = float(rs.stability(slider, 3.2e-3).growth_rate) * slider.Dc / 3.2e-3
+    assert np.interp(3.2, *growth) == pytest.approx(expected, abs=1e-3)
+    if not note:
+        V, K_c = lines(left, "$K_c$")
+        assert np.interp(3.2, V, K_c) == pytest.approx(slider.K_c(3.2e-3) / 1e6, rel=1e-3)
+        (x,), (y,) = lines(left, "this slider")
+        assert (x, y) == pytest.approx((3.2, 900.0))
+
+
+def test_a_branch():
+    branch = rs.continue_cycle(SLIDER, "V_lp", 5e-3, 3e-3, rtol=1e-6)
+    _, speeds, multiplier = drawn(plot.page(branch))
+    V, ratio = lines(speeds, r"$V_{\max}$")
+    assert np.nanmax(ratio) == pytest.approx(float((branch.V_max / branch.V_lp).max()))
+    assert np.nanmin(V) == pytest.approx(SLIDER.V_c)
+    assert len(multiplier.lines) == 3  # stable, unstable, and 1
+
+
+@pytest.mark.parametrize("verb", ["limit_cycle", "stability"])
+def test_a_sweep_over_one_axis(verb):
+    found = getattr(rs, verb)(SLIDER, V_LP)
+    axes = (drawn if verb == "limit_cycle" else panels)(plot.page(found))
+    symbol = {"limit_cycle": "frequency", "stability": "growth_rate"}[verb]
+    x, y = lines(axes[1], plot.label(symbol))
+    np.testing.assert_allclose(x, 1e3 * V_LP)
+    np.testing.assert_allclose(y, found[symbol])
+    assert axes[-1].get_xscale() == "log"
+    assert "Load-point velocity" in axes[-1].get_xlabel()
+
+
+@pytest.mark.parametrize("verb", ["limit_cycle", "stability", "simulate"])
+def test_a_sweep_over_two_axes(verb):
+    how = {"V_lp": V_LP}
+    if verb == "simulate":
+        how = {"loading": rs.Loading.constant(V_LP), "t_end": 0.1}
+    found = rs.sweep(verb, SLIDER.replace(M=MASS), **how)
+    axes = (drawn if verb == "stability" else panels)(plot.page(found))[:3]
+    symbol = {"limit_cycle": "V_max", "stability": "omega", "simulate": "V_max"}[verb]
+    (mesh,) = axes[2].collections
+    factor = 1.0 if verb == "stability" else 1e3
+    expected = found[symbol].transpose("M", "V_lp").values
+    np.testing.assert_allclose(mesh.get_array().reshape(3, 4), factor * expected)
+    assert (axes[0].get_xscale(), axes[0].get_yscale()) == ("log", "log")
+    if verb == "simulate":
+        assert axes[0].texts[0].get_text() == "no cycle in any case"
+
+
+def test_failed_cases_are_told_from_those_without_a_cycle():
+    slider = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 3e3], dims="M"))
+    (first, *_) = panels(plot.page(rs.sweep("limit_cycle", slider, V_lp=V_LP)))
+    gray = first.collections[-1].get_array().reshape(2, 4)
+    np.testing.assert_array_equal(np.isnan(gray), [[False] * 4, [True] * 4])
+    one = plot.page(rs.sweep("limit_cycle", slider, V_lp=1e-3)).axes[0]
+    assert [line.get_xdata()[0] for line in one.lines if line.get_alpha()] == [0.0]
+
+
+@pytest.mark.parametrize(
+    ("values", "at", "names"),
+    [
+        ([3e3, 1e3], [3e3, 1e3], None),
+        ([1e3, 3e3, 2e3], [0, 1, 2], ["1000", "3000", "2000"]),
+        ([3e3], [3e3], None),
+    ],
+)
+def test_axes_in_any_order(values, at, names):
+    M = xr.DataArray(values, dims="M")
+    found = rs.stability(SLIDER.replace(M=M, K=xr.DataArray([9e8, np.inf], dims="K")), 1e-3)
+    (first, *_) = (drawn if names else panels)(plot.page(found))
+    y = axis_of(found, "M")
+    assert y.values.tolist() == at
+    assert y.names == names
+    assert axis_of(found, "K").names == ["900", "inf"]
+    assert first.collections[0].get_array().size == 2 * len(values)
+    assert y.edges.size == len(values) + 1
+
+
+def test_what_changes_nothing_is_drawn_all_the_same():
+    found = rs.stability(SLIDER.replace(mu0=xr.DataArray([0.5, 0.6], dims="mu0")), 1e-3)
+    first, *_ = panels(plot.page(found))
+    np.testing.assert_allclose(lines(first, "$K_c$")[1], 2 * [float(found.K_c) / 1e6])
+
+
+def test_what_no_page_can_show():
+    slider = SLIDER.replace(M=MASS, a=xr.DataArray([0.003, 0.004], dims="a"))
+    with pytest.raises(ParameterError, match="one or two axes, and this one has 3"):
+        plot.page(rs.stability(slider, V_LP))
+    for other in (xr.Dataset(), None, rs.stability(SLIDER, 1e-3).drop_attrs()):
+        with pytest.raises(ParameterError, match="page wants a Dataset as a verb gives it"):
+            plot.page(other)
+
+
+@pytest.mark.parametrize(("ending", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF")])
+def test_pictures_are_the_same_bytes_each_time(ending, magic, tmp_path):
+    fig = Figure(figsize=(1, 1))
+    first, second = (
+        plot.save(fig, tmp_path / f"{name}.{ending}").read_bytes() for name in ("a", "b")
+    )
+    assert first[:4] == magic
+    assert first == second
+    assert len([*tmp_path.iterdir()]) == 2
