@@ -6,7 +6,7 @@ UV_VERSION := 0.13.9
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
-.PHONY: help setup figures test check bench torture lock clean
+.PHONY: help setup figures explore test check docs wheel browser bench torture lock clean
 .DEFAULT_GOAL := help
 
 help: ## show these targets
@@ -18,6 +18,9 @@ figures: .venv/.ready ## draw every figure of the paper, slip and aging law, int
 	$(BIN)/ratestate figures all --law slip --out figures
 	$(BIN)/ratestate figures all --law aging --out figures
 
+explore: .venv/.ready ## open the explorer in the browser; ARGS="--port 8000 --no-browser"
+	$(BIN)/ratestate explore $(ARGS)
+
 test: .venv/.ready ## run the tests on 2 processes
 	$(BIN)/pytest -n 2 $(ARGS)
 
@@ -26,6 +29,16 @@ check: .venv/.ready ## lint, formatting, types, direction of imports
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+docs: .venv/.docs ## build the documentation, its code executed and its links checked, into build/docs
+	$(BIN)/sphinx-build --quiet --nitpicky --fail-on-warning --keep-going docs build/docs/html
+	$(BIN)/python tools/check_links.py build/docs/html
+
+wheel: .venv/.uv-$(UV_VERSION) ## build the wheel, and try it in an empty environment
+	$(BIN)/python tools/try_wheel.py
+
+browser: ## install Debian's chromium for the explorer's tests, where there is none
+	tools/chromium.sh
 
 bench: .venv/.ready ## run the benchmark
 	$(BIN)/python benchmarks/run.py $(ARGS)
@@ -56,6 +69,10 @@ clean: ## remove .venv, caches, figures and builds
 
 .venv/.locked: requirements.lock .venv/.uv-$(UV_VERSION)
 	$(UV) pip install --require-hashes -r requirements.lock
+	@touch $@
+
+.venv/.docs: docs/requirements.lock .venv/.ready
+	$(UV) pip install --require-hashes -r docs/requirements.lock
 	@touch $@
 
 .venv/.ready: pyproject.toml .venv/.locked

@@ -1,4 +1,8 @@
-"""The Makefile's test, check and bench in environments of their own: nox, or nox -s tests-3.13."""
+#!/usr/bin/env -S uv run --script
+# /// script
+# dependencies = ["nox"]
+# ///
+"""The Makefile's targets in environments of their own: nox, or nox -s tests-3.13."""
 
 import nox
 
@@ -7,8 +11,8 @@ nox.needs_version = ">=2024.4.15"
 nox.options.default_venv_backend = "uv|virtualenv"
 
 
-def install(session: nox.Session) -> None:
-    session.install("--require-hashes", "-r", "requirements.lock")
+def install(session: nox.Session, lock: str = "requirements.lock") -> None:
+    session.install("--require-hashes", "-r", lock)
     session.install("--no-deps", "-e", ".")
 
 
@@ -30,7 +34,28 @@ def check(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def docs(session: nox.Session) -> None:
+    """Build the documentation; its notebooks are executed, and warnings are errors."""
+    install(session, "docs/requirements.lock")
+    pages = "build/docs/html"
+    strict = ["--nitpicky", "--fail-on-warning", "--keep-going"]
+    session.run("sphinx-build", "--quiet", *strict, "docs", pages)
+    session.run("python", "tools/check_links.py", pages)
+
+
+@nox.session(default=False)
+def wheel(session: nox.Session) -> None:
+    """Build the wheel, and use it in an empty environment."""
+    session.install("uv==0.13.9")
+    session.run("python", "tools/try_wheel.py")
+
+
+@nox.session(default=False)
 def bench(session: nox.Session) -> None:
     """Run the benchmark."""
     install(session)
     session.run("python", "benchmarks/run.py", *session.posargs)
+
+
+if __name__ == "__main__":
+    nox.main()

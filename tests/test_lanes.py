@@ -10,7 +10,10 @@ import pytest
 import xarray as xr
 
 import ratestate as rs
+from ratestate.basin import escape
 from ratestate.engine import drive
+from ratestate.engine.march import march
+from ratestate.engine.return_map import return_map
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 NAMES = ["V", "theta", "tau", "delta", "mu", "status", "steps", "energy_residual", "V_max", "V_min"]
@@ -113,36 +116,55 @@ def test_limit_cycles(law):
         np.testing.assert_array_equal(part[name], whole[name][pick], err_msg=name)
 
 
+def test_a_kernel_is_compiled_once():
+    """An array of another layout would have it compiled again, for some 10 s."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=6.06e8, M=3e3, law="aging")
+    many = slider.replace(M=rs.logspace("M", 3e3, 3.1e3, 2))
+    for one in (slider, many):
+        rs.limit_cycle(one, 1e-2)
+        rs.simulate(one, rs.Loading.constant(1e-2), 1e-3, times=np.linspace(0.0, 1e-3, 9)[::2])
+        escape(one, 3.6e-4)
+    assert len(return_map.signatures) == len(march.signatures) == 1
+
+
 SCRIPT = """
 import json, sys
 import ratestate as rs
 
-law, M = sys.argv[1], float(sys.argv[2])
-slider = rs.SpringSlider(a=.003, b=.006, Dc=1e-5, sigma=2e6, M=M, K=3e9, V0=1e-9, law=law)
-loading = rs.Loading.series([0, .005, .005, .01, .02], [1e-3, 1e-3, 2e-3, 0, 1e-3])
-one = rs.simulate(slider, loading, .02, times=[.001, .008, .02])
-two = rs.simulate(slider.replace(sigma=rs.logspace("sigma", 1e6, 2e6, 2)), loading, .02)
-old = rs.simulate(slider.replace(M=1e3), loading, .02, method="im2017", dt=1e-4, times=[.02])
-out = [one.V, one.theta, one.tau, two.V, two.theta, old.V, one.V_max, one.V_min]
-counts = [one.steps, two.steps]
-print(json.dumps([[v.values.ravel().tolist() for v in vs] for vs in (out, counts)]))
+def runs(law, M):
+    slider = rs.SpringSlider(a=.003, b=.006, Dc=1e-5, sigma=2e6, M=M, K=3e9, V0=1e-9, law=law)
+    loading = rs.Loading.series([0, .005, .005, .01, .02], [1e-3, 1e-3, 2e-3, 0, 1e-3])
+    one = rs.simulate(slider, loading, .02, times=[.001, .008, .02])
+    two = rs.simulate(slider.replace(sigma=rs.logspace("sigma", 1e6, 2e6, 2)), loading, .02)
+    heavy = slider.replace(M=1e3)
+    old = rs.simulate(heavy, loading, .02, method="im2017", dt=1e-4, times=[.02])
+    out = [one.V, one.theta, one.tau, two.V, two.theta, old.V, one.V_max, one.V_min]
+    counts = [one.steps, two.steps]
+    return [[v.values.ravel().tolist() for v in vs] for vs in (out, counts)]
 """
+CASES = [("slip", 3e3), ("aging", 3e3), ("slip", 0.0)]
 
 
-@pytest.mark.parametrize(("law", "M"), [("slip", 3e3), ("aging", 3e3), ("slip", 0.0)])
-def test_without_the_compiler(law, M):
+@pytest.fixture(scope="module")
+def plain():
+    """(law, M) -> what the kernels find as plain Python."""
+    code = f"{SCRIPT}\nfor case in {CASES}: print(json.dumps(runs(*case)))"
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", code],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return dict(zip(CASES, map(json.loads, done.stdout.splitlines()[-3:]), strict=True))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_without_the_compiler(case, plain):
     """The kernels are plain Python too, and do the same."""
-    results = []
-    for jit in ("1", "0"):
-        done = subprocess.run(
-            [sys.executable, "-W", "ignore", "-c", SCRIPT, law, str(M)],
-            env=os.environ | {"NUMBA_DISABLE_JIT": jit},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
-        results.append(json.loads(done.stdout.splitlines()[-1]))
-    for plain, compiled in zip(results[0][0], results[1][0], strict=True):
-        np.testing.assert_allclose(plain, compiled, rtol=1e-9)
-    assert results[0][1] == results[1][1]
+    script = {}
+    exec(SCRIPT, script)
+    for one, other in zip(script["runs"](*case)[0], plain[case][0], strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+    assert script["runs"](*case)[1] == plain[case][1]

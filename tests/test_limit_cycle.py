@@ -10,7 +10,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import ratestate as rs
-from ratestate import SpringSlider, limit_cycle, logspace, simulate
+from ratestate import SpringSlider, limit_cycle, logspace, settle, simulate
+from ratestate.engine.model import RUNAWAY
 
 FIG2 = SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
 STICK = SpringSlider(a=0.005, b=0.008, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=4e6, M=1e2, K=0.96e9)
@@ -443,13 +444,15 @@ kind = st.tuples(
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
 @given(kinds=st.lists(kind, min_size=24, max_size=24))
 @settings(
-    max_examples=8,
+    max_examples=12,
     deadline=None,
     derandomize=True,
     suppress_health_check=list(HealthCheck),
     phases=[Phase.generate],
 )
-def test_answers_or_names_why_not(law, rtol, kinds):
+def test_answers_or_names_why_not(monkeypatch, law, rtol, kinds):
+    # The few that never settle would take all the time; the next test has late ones.
+    monkeypatch.setattr(settle, "MOST_ROUNDS", 50)
     beta, eta, ratio, towards = np.array(kinds).T
     ratio = np.where(beta > 1, ratio, 10.0) * (1 + towards * eta)
     slider = sliders(ratio * np.sign(beta - 1), beta, eta, law)
@@ -476,3 +479,12 @@ def test_answers_or_names_why_not(law, rtol, kinds):
     assert (steady.stable.values | (np.abs(margin) < 1e-12)[status == 1]).all()
     unstable = (margin < -1e-12) & (slider.b > slider.a).values
     assert not (unstable & (status == 1)).any()
+
+
+@pytest.mark.parametrize(
+    ("law", "beta"), [("slip", 1.0954239936519985), ("aging", 6.011872336272722)]
+)
+def test_runs_away_late(law, beta):
+    """Without inertia and barely softer than K_c_qs, after some 300 turns."""
+    found = limit_cycle(sliders([0.9999], [beta], [0.0], law), 1e-3, rtol=1e-6)
+    assert found.status == RUNAWAY

@@ -494,7 +494,8 @@ sweep(f"{{folder}}/warm{{sys.argv[3]}}.zarr")
 print("ready", flush=True)
 begin = float(sys.stdin.readline())
 for i in range(rounds):
-    while time.time() < begin + i:
+    time.sleep(max(begin + i - 0.01 - time.time(), 0.0))
+    while time.time() < begin + i:  # to the microsecond
         pass
     try:
         sweep(f"{{folder}}/x{{i}}.zarr")

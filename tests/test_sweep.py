@@ -21,6 +21,7 @@ import ratestate as rs
 from ratestate.cycles import LimitCycleCall
 from ratestate.engine import drive
 from ratestate.engine.model import CRASHED, RUNAWAY, STATUSES
+from ratestate.progress import duration
 from ratestate.simulate import SimulateCall
 from ratestate.steady import StabilityCall
 from ratestate.sweeps import bar, here, probe
@@ -450,7 +451,7 @@ def test_an_interrupt_ends_it_soon():
     ],
 )
 def test_durations(seconds, words):
-    assert bar._duration(seconds) == words
+    assert duration(seconds) == words
 
 
 def test_what_a_report_says(monkeypatch, capsys):

@@ -108,7 +108,7 @@ def turn(system, y, rtol, *, alone, steady_tol=0.0, period=None):
         np.broadcast_to(rtol, n).astype(float),
         np.broadcast_to(steady_tol, n).astype(float),
         observe=np.full(n, float(period is not None)),
-        period=np.ones(n) if period is None else period,
+        period=np.ones(n) if period is None else np.ascontiguousarray(period),
         v_limit=system.v_limit,
         max_steps=np.full(n, MAX_STEPS),
     )

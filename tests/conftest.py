@@ -1,0 +1,26 @@
+"""Parallel workers compile the kernels once, and not each for itself."""
+
+import fcntl
+import os
+from pathlib import Path
+
+import ratestate as rs
+
+SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
+#: A kernel's source -> what compiles it, or loads it from the cache
+KERNELS = {
+    "return_map.py": lambda: rs.limit_cycle(SLIDER, 1e-2, rtol=1e-3),
+    "march.py": lambda: rs.simulate(SLIDER, rs.Loading.constant(1e-2), 1e-4),
+}
+
+
+def pytest_sessionstart():
+    """Let workers begin with different kernels, and wait for those that others are compiling."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "")
+    if not worker:
+        return
+    sources, first = list(KERNELS), int(worker.removeprefix("gw")) % len(KERNELS)
+    for source in sources[first:] + sources[:first]:
+        with (Path(rs.__file__).parent / "engine" / source).open() as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            KERNELS[source]()

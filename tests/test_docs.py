@@ -1,0 +1,108 @@
+"""The documentation, as far as it can be told without building it: `make docs` runs the rest."""
+
+import importlib.util
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+import ratestate as rs
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("[hrt]*/*.md"))]
+
+
+def program(path):
+    """A script as a module."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+run_code = program(ROOT / "tools" / "run_code.py")
+check_links = program(ROOT / "tools" / "check_links.py")
+
+
+def test_readme_runs():
+    with run_code.elsewhere():
+        run_code.run_python(ROOT / "README.md")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_scenarios_on_pages_load(page):
+    with run_code.elsewhere():
+        run_code.load_toml(page)
+
+
+def test_code_on_pages_is_told_wrong(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(
+        "text\n\n```python\nx = 1\n```\n\n1. more\n\n   ```python\n   assert x == 2\n   ```\n"
+    )
+    with pytest.raises(AssertionError) as told:
+        run_code.run_python(page)
+    assert told.traceback[-1].lineno + 1 == 10
+    page.write_text('```toml\n[slider]\na = "3 m"\n```\n')
+    with run_code.elsewhere(), pytest.raises(rs.ParameterError, match="'3 m' is a length"):
+        run_code.load_toml(page)
+
+
+def test_reference_values_are_those_of_the_tests():
+    from test_reference import TABLE
+
+    pages = program(DOCS / "_ext" / "reference_values.py").PROBLEMS
+    assert {name: row[1:] for name, row in pages.items()} == {k: v[:8] for k, v in TABLE.items()}
+
+
+def test_every_public_name_is_documented():
+    page = (DOCS / "reference" / "api.rst").read_text()
+    documented = set(re.findall(r"^\.\. auto\w+:: (\S+)", page, re.MULTILINE))
+    wanted = {f"ratestate.{name}" for name in [*rs.__all__, "StoreError"]}
+    wanted |= {f"ratestate.files.{name}" for name in ("csv_text", "read", "write")}
+    for name in "basin regimes quasi_static laws stability atlas orbit verdict".split():
+        module = importlib.import_module(f"ratestate.{name}")
+        wanted |= {
+            f"ratestate.{name}.{function}"
+            for function, value in inspect.getmembers(module, inspect.isfunction)
+            if value.__module__ == module.__name__
+            and value.__doc__
+            and "Parameters" in value.__doc__
+        }
+    for name in "plot scenario".split():
+        module = importlib.import_module(f"ratestate.{name}")
+        wanted |= {
+            f"ratestate.{name}.{public}"
+            for public in module.__all__
+            if inspect.isroutine(getattr(module, public))
+            or inspect.isclass(getattr(module, public))
+        }
+    assert wanted <= documented, sorted(wanted - documented)
+
+
+PAGE = '<h1 id="top">x</h1><a href="{}">y</a><img src="p.png" alt="{}">'
+
+
+@pytest.mark.parametrize(
+    ("link", "alt", "told"),
+    [
+        ("b.html#top", "a picture", []),
+        ("#top", "a picture", []),
+        ("https://example.org/none", "a picture", []),
+        ("c.html", "a picture", ["a.html: c.html is not there"]),
+        ("b.html#bottom", "a picture", ["a.html: b.html#bottom has no such place"]),
+        ("#bottom", "a picture", ["a.html: #bottom has no such place"]),
+        ("b.html", " ", ["a.html: picture p.png has no words"]),
+    ],
+)
+def test_links_are_checked(tmp_path, link, alt, told):
+    (tmp_path / "p.png").touch()
+    (tmp_path / "a.html").write_text(PAGE.format(link, alt))
+    (tmp_path / "b.html").write_text(PAGE.format("a.html", "a picture"))
+    assert list(check_links.problems(tmp_path)) == told
+
+
+def test_a_site_without_pages_is_no_site(tmp_path):
+    assert list(check_links.problems(tmp_path)) == [f"{tmp_path} holds no page"]
