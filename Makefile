@@ -33,6 +33,7 @@ check: .venv/.ready ## lint, formatting, types, direction of imports
 docs: .venv/.docs ## build the documentation, its code executed and its links checked, into build/docs
 	$(BIN)/sphinx-build --quiet --nitpicky --fail-on-warning --keep-going docs build/docs/html
 	$(BIN)/python tools/check_links.py build/docs/html
+	$(BIN)/python tools/run_code.py README.md docs/*.md docs/*/*.md
 
 wheel: .venv/.uv-$(UV_VERSION) ## build the wheel, and try it in an empty environment
 	$(BIN)/python tools/try_wheel.py

@@ -1,0 +1,144 @@
+"""Parts of pages that the code itself writes, so that they cannot go stale.
+
+A page asks for one with a line such as ``<!-- generated: commands -->``.
+"""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+DOCS = Path(__file__).parent.parent
+MARK = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
+
+
+def fill(app, docname, source):
+    """Put what the code says in the place of each mark; note the page, to be read anew."""
+    if MARK.search(source[0]):
+        app.env.generated_pages = getattr(app.env, "generated_pages", set()) | {docname}
+        source[0] = MARK.sub(lambda mark: WRITERS[mark[1]](), source[0])
+
+
+def outdated(app, env, added, changed, removed):
+    """Pages with generated parts are read each time: their text does not say if they changed."""
+    return list(getattr(env, "generated_pages", set()) - removed)
+
+
+def commands():
+    """What typer says of each command of ``ratestate``, examples as code."""
+    from ratestate.cli.ends import EXIT_CODES
+
+    asked = [sys.executable, *"-m typer ratestate.cli utils docs --name ratestate".split()]
+    text = subprocess.run(asked, check=True, capture_output=True, text=True).stdout
+    text = text.partition("\n")[2].replace(EXIT_CODES, "")  # which have pages of their own
+    return re.sub(r"^Examples?: (.+)$", r"```console\n$ \1\n```", text, flags=re.MULTILINE)
+
+
+def exit_codes():
+    """The exit codes, as the help of each command has them."""
+    from ratestate.cli.ends import EXIT_CODES
+
+    pairs = re.findall(r"(\d+) ([^,.]+)", EXIT_CODES)
+    return "\n".join(["| code | |", "|---|---|", *(f"| {code} | {what} |" for code, what in pairs)])
+
+
+#: keys of a scenario file that are no quantity, and what stands there
+WORDS = {
+    "law": "evolution law",
+    "steps": "list of steps, holds and ramps",
+    "sinusoid": "table with `amplitude`, and `period` or `frequency`",
+    "file loading": "file with a record",
+    "columns": "its columns of times and of speeds",
+    "units": "their units, where the header has none",
+    "t": "list of times, with as many speeds in `V_lp`",
+    "verb": "what is computed",
+    "initial": "table with any of `V`, `theta`, `tau` at t = 0, which override the steady start",
+    "times": "times to save: a list, or `{ from, to, n, scale }`",
+    "method": "method of integration",
+    "file": "file for the numbers",
+    "plot": "file for a picture",
+}
+
+
+def keys(table):
+    """A writer of the keys of a table, as the reader of scenario files knows them."""
+
+    def write():
+        from ratestate.scenario.tables import SLIDER, TABLES
+
+        known = TABLES[table]
+        if table == "sweep":  # whose other keys are those of [slider]
+            known = [key for key in known if key not in SLIDER.keys]
+        rows = [_key(table, key) for key in known]
+        if table == "sweep":
+            rows.append("| any key of `[slider]` | | one value or many |")
+        return "\n".join(["| key | | expected |", "|---|---|---|", *rows])
+
+    return write
+
+
+def _key(table, key):
+    """A row: what the key stands for, and what is expected."""
+    from ratestate.quantities import QUANTITIES, expected
+    from ratestate.scenario.simple import ENDINGS
+    from ratestate.scenario.simple import WORDS as CHOICES
+
+    said = WORDS.get(f"{key} {table}", WORDS.get(key))
+    wanted = ""
+    if said is None:
+        said, wanted = QUANTITIES[key].long_name, expected(key).removeprefix("expected ")
+    elif key in CHOICES:
+        wanted = " or ".join(f'`"{word}"`' for word in CHOICES[key])
+    elif table == "output":
+        wanted = "a name that ends in " + ", ".join(f"`{end}`" for end in ENDINGS[key])
+    return f"| `{key}` | {said} | {wanted}{_otherwise(table, key)} |"
+
+
+def _otherwise(table, key):
+    """What is taken for a parameter of the slider that is not given."""
+    import dataclasses
+
+    from ratestate import SpringSlider
+    from ratestate.scenario.tables import SLIDER
+
+    if table != "slider":
+        return ""
+    defaults = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
+    return "; needed" if key in SLIDER.required else f"; by default `{defaults[key]!r}`"
+
+
+def mistakes():
+    """What is said of a file that is wrong in many ways."""
+    from ratestate import ParameterError, scenario
+
+    file = DOCS / "reference" / "wrong.toml"
+    try:
+        scenario.load(file)
+    except ParameterError as error:
+        return "\n".join(["```text", str(error).replace(f"{file.parent}/", ""), "```"])
+    raise AssertionError("wrong.toml should not be usable")
+
+
+def examples():
+    """The example files, with what they say of themselves."""
+    rows = []
+    for path in sorted((DOCS.parent / "examples").glob("*.toml")):
+        lines = path.read_text(encoding="utf-8").split("\n\n")[0].split("\n")
+        text = " ".join(line.lstrip("# ") for line in lines if line.startswith("#"))
+        rows.append(f"| `{path.name}` | {text.partition(' ratestate ')[0].strip()} |")
+    return "\n".join(["| file | |", "|---|---|", *rows])
+
+
+WRITERS = {
+    "commands": commands,
+    "exit_codes": exit_codes,
+    "examples": examples,
+    "mistakes": mistakes,
+    **{table: keys(table) for table in ("slider", "loading", "run", "sweep", "output")},
+}
+
+
+def setup(app):
+    app.connect("source-read", fill)
+    app.connect("env-get-outdated", outdated)
+    return {"parallel_read_safe": True}

@@ -1,0 +1,30 @@
+"""
+From stick-slip to vibration
+============================
+
+One slider, four loading speeds, two turns of the cycle each (the slider of Fig. 4 of Im, Marone
+& Elsworth 2019). Faster loading first makes the drops smaller, then turns them into a vibration
+that inertia carries: spring (black) and friction (red) part.
+"""
+
+import matplotlib.pyplot as plt
+
+import ratestate as rs
+from ratestate import plot
+from ratestate.regimes import classify
+
+slider = rs.SpringSlider(
+    a=0.005, b=0.008, Dc="10 um", mu0=0.6, V0=1e-9, sigma="4 MPa", M=100, K="960 MPa/m"
+)
+fig, axes = plt.subplots(2, 2, figsize=(7.2, 4.4))
+for ax, V in zip(axes.flat, (1e-4, 1e-2, 5e-2, 0.5), strict=True):
+    cycle = rs.limit_cycle(slider, V)
+    period = float(cycle.period)
+    run = rs.simulate(slider, rs.Loading.constant(V), 40 * period, V_start=V / 10)
+    last = run.sel(time=slice(38 * period, None))
+    plot.trace(last.assign_coords(time=last.time - last.time[0]), ax)
+    name = classify(cycle).regime.item()
+    ax.set_title(f"{1e3 * V:g} mm/s: {name}, {float(cycle.frequency):.3g} Hz")
+axes[0, 0].set_ylim(0.52, 0.595)
+axes[0, 0].legend(loc="upper left")
+plt.show()

@@ -1,0 +1,90 @@
+"""Whether the code in pages of text works: python tools/run_code.py README.md docs/*.md
+
+Runs the ```python blocks of each page one after another, in a folder of their own, and loads each
+```toml block as a scenario file; one without [slider] takes that of the block before.  Notebooks
+are left to Sphinx.
+"""
+
+import contextlib
+import os
+import re
+import shutil
+import sys
+import tempfile
+import textwrap
+import time
+import traceback
+from pathlib import Path
+
+BLOCK = re.compile(r"^( *)```(\w+)\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
+SLIDER = re.compile(r"^\[slider\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
+
+
+def blocks(page, language):
+    """The blocks of a page in one language, as pairs of line number and text."""
+    text = page.read_text(encoding="utf-8")
+    for found in BLOCK.finditer(text):
+        if found[2] == language:
+            yield text.count("\n", 0, found.start()) + 2, textwrap.dedent(found[3])
+
+
+def is_notebook(page):
+    """Whether Sphinx runs the page's code."""
+    return "{code-cell}" in page.read_text(encoding="utf-8")
+
+
+def run_python(page):
+    """Run a page's Python; an error names the page and the line."""
+    names = {"__name__": page.stem}
+    for line, text in blocks(page, "python"):
+        exec(compile("\n" * (line - 1) + text, str(page), "exec"), names)
+
+
+def load_toml(page):
+    """Load a page's scenarios."""
+    from ratestate import scenario
+
+    slider = ""
+    for record in EXAMPLES.glob("*.csv"):
+        shutil.copy(record, ".")
+    for line, text in blocks(page, "toml"):
+        own = SLIDER.search(text)
+        slider = own[0] if own else slider
+        file = Path(f"{page.stem}_line_{line}.toml")
+        file.write_text(text if own else f"{slider}\n{text}", encoding="utf-8")
+        scenario.load(file)
+
+
+@contextlib.contextmanager
+def elsewhere():
+    """A folder that is gone afterwards, and no windows for pictures."""
+    os.environ["MPLBACKEND"] = "agg"
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            yield
+        finally:
+            os.chdir(before)
+
+
+def main():
+    bad = 0
+    for page in map(Path.resolve, map(Path, sys.argv[1:])):
+        begin = time.monotonic()
+        try:
+            with elsewhere():
+                load_toml(page)
+                if not is_notebook(page):
+                    run_python(page)
+        except Exception:
+            bad += 1
+            traceback.print_exc()
+        else:
+            sys.stdout.write(f"{page.name}: {time.monotonic() - begin:.1f} s\n")
+    sys.exit(bool(bad))
+
+
+if __name__ == "__main__":
+    main()
