@@ -16,7 +16,7 @@ from websockets.sync.client import connect
 
 import ratestate as rs
 from ratestate.engine.drive import Stopped
-from ratestate.explorer import charts, entries, exports, picture, server, wire
+from ratestate.explorer import charts, entries, exports, lane, picture, server, wire
 from ratestate.explorer.app import MOST_PAGES
 from ratestate.explorer.budget import Deadline
 from ratestate.explorer.presets import entries_of, presets
@@ -99,6 +99,7 @@ class TestWire:
     @pytest.mark.parametrize(
         "text",
         [
+            *('{"id": 1, "ask": "csv", "entries": NaN}', '{"id": 1, "ask": "csv", "x": Infinity}'),
             *("", "{", "[]", "null", "[" * 4000, '{"id": NaN, "ask": "csv"}', "9" * 4090),
             *(
                 '{"id": true, "ask": "csv"}',
@@ -145,6 +146,8 @@ class TestPicture:
             arrays["run_stress"][at], rel=1e-6
         )
         assert -arrays["run_time"][0] <= 3.0 * float(cycle.period) * (1 + 1e-5)
+        # a fifth of the time shown, to a step of the cycle
+        assert -arrays["run_time"][0] / arrays["run_time"][-1] == pytest.approx(0.2, rel=0.05)
 
     def test_a_runaway_is_shown_as_far_as_it_comes(self):
         header, arrays = painted(VIBRATION | {"M": "0 kg/m^2", "K": "500 MPa/m"})
@@ -174,6 +177,27 @@ class TestPicture:
         deadline.set()
         with pytest.raises(Stopped):
             picture.picture(entries.asked_of(STICK_SLIP), deadline)
+
+    def test_a_cancelled_run_gives_nothing(self, monkeypatch):
+        deadline = Deadline(60.0)
+
+        def settled(*_):
+            deadline.set()
+            return rs.SolverError("none"), None
+
+        monkeypatch.setattr("ratestate.explorer.motion.SLIP", 1e9)
+        monkeypatch.setattr(picture, "_settled", settled)
+        with pytest.raises(Stopped):
+            picture.picture(entries.asked_of(VIBRATION), deadline)
+
+    def test_a_failure_of_the_program_is_an_answer_too(self, caplog):
+        def fails(question, deadline):
+            raise ZeroDivisionError("a bug")
+
+        header, _ = read(lane.answered(fails, wire.Question(3, "csv", {}), Deadline(1.0)))
+        assert (header["id"], header["kind"]) == (3, "problem")
+        assert "the explorer failed" in header["problems"][""]
+        assert "a bug" in caplog.text
 
     def test_thinned_curves_keep_their_extremes(self):
         x = np.sin(np.arange(100_000.0)) * np.linspace(1.0, 2.0, 100_000)
@@ -246,6 +270,11 @@ def page(port, **more):
         header, _ = read(socket.recv(30))
         assert header["kind"] == "hello"
         yield socket
+
+
+def others():
+    """Threads that are none of the explorer's pools."""
+    return {t.name for t in threading.enumerate() if not t.name.startswith("explorer")}
 
 
 def drained(socket):
@@ -362,15 +391,17 @@ class TestServer:
             ask(socket, 1)
             answered(socket, 1)
         time.sleep(0.2)
-        before = {thread.name for thread in threading.enumerate()}
+        before = others()
         for _ in range(10):
             with page(port) as socket:
                 ask(socket, 1, "csv")
                 ask(socket, 2)
         deadline = time.monotonic() + 20.0
-        while {t.name for t in threading.enumerate()} - before and time.monotonic() < deadline:
+        while others() - before and time.monotonic() < deadline:
             time.sleep(0.05)
-        assert {thread.name for thread in threading.enumerate()} <= before
+        assert others() <= before
+        ours = [t for t in threading.enumerate() if t.name.startswith("explorer")]
+        assert len(ours) <= 3  # those of the pools stay
 
     def test_any_message_is_borne(self, port):
         values = st.recursive(

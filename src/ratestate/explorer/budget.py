@@ -1,0 +1,53 @@
+"""What one question may cost."""
+
+import contextlib
+import threading
+import time
+
+from ..engine.drive import Stopped, place
+
+
+class Deadline(threading.Event):
+    """Set when it is over: after some seconds from its `start` on, or at once by `set`."""
+
+    def __init__(self, seconds):
+        super().__init__()
+        self.seconds, self._end = seconds, float("inf")
+
+    def start(self):
+        """Let the seconds begin."""
+        self._end = time.monotonic() + self.seconds
+
+    def is_set(self):
+        return super().is_set() or time.monotonic() > self._end
+
+    @property
+    def cancelled(self):
+        """Whether somebody ended it, and not time."""
+        return super().is_set()
+
+
+@contextlib.contextmanager
+def bounded(deadline):
+    """Let kernels inside end with `drive.Stopped` once the deadline is over; on one core each.
+
+    Gives what is to be passed as ``progress``: it watches runs that keep each step.
+    """
+    watch = Watch(deadline)
+    with place(threads=1, stop=deadline):
+        yield watch
+
+
+class Watch:
+    """A ``progress`` that stops the work, and knows how far it came.
+
+    Kernels look at the deadline only every few milliseconds, and many are done sooner.
+    """
+
+    def __init__(self, deadline):
+        self.deadline, self.done = deadline, 0.0
+
+    def __call__(self, fraction):
+        self.done = fraction
+        if self.deadline.is_set():
+            raise Stopped

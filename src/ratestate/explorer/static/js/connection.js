@@ -1,0 +1,37 @@
+// The WebSocket: it comes back by itself, waiting longer each time.
+
+import { decode } from "./wire.js";
+
+const FIRST_WAIT = 500; // ms
+const LONGEST_WAIT = 8000;
+
+export class Connection {
+  /** on: {answer(object), lost(seconds until the next try, why)} */
+  constructor(on) {
+    this.on = on;
+    this.count = 0;
+    this.wait = FIRST_WAIT;
+    this.connect();
+  }
+
+  connect() {
+    const socket = new WebSocket(`ws://${location.host}/socket`);
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => (this.wait = FIRST_WAIT);
+    socket.onmessage = (event) => this.on.answer(decode(event.data));
+    socket.onclose = (event) => {
+      this.on.lost(this.wait / 1000, event.reason);
+      setTimeout(() => this.connect(), this.wait);
+      this.wait = Math.min(2 * this.wait, LONGEST_WAIT);
+    };
+  }
+
+  /** Ask; gives the question's id, or null while there is no connection. */
+  ask(what, entries) {
+    if (this.socket.readyState !== WebSocket.OPEN) return null;
+    this.count += 1;
+    this.socket.send(JSON.stringify({ id: this.count, ask: what, entries }));
+    return this.count;
+  }
+}

@@ -1,0 +1,118 @@
+// Everything that is set by hand: fields, law, preset, velocity step; and what is wrong with it.
+
+import { Field } from "./fields.js";
+import { entry, shown } from "./numbers.js";
+import { number } from "./wire.js";
+
+const $ = (id) => document.getElementById(id);
+const REFERENCE = ["mu0", "V0"];
+
+export class Controls {
+  /** entries: Entries; ask: function (event's time stamp), called when they have changed */
+  constructor(specs, presets, entries, ask) {
+    Object.assign(this, { presets, entries, ask, fields: {} });
+    for (const spec of specs) {
+      const field = new Field(spec, (name, text, stamp) => this.change({ [name]: text }, stamp));
+      this.fields[spec.symbol] = field;
+      $(REFERENCE.includes(spec.symbol) ? "reference" : "fields").append(field.element);
+    }
+    presets.forEach(({ title }, i) => $("presets").add(new Option(title, i)));
+    this.listen();
+    const linked = entries.linked();
+    this.show({ ...presets[0].entries, ...linked });
+    if (!linked) $("presets").value = 0;
+  }
+
+  listen() {
+    $("presets").addEventListener("change", (event) => {
+      const chosen = this.presets[event.target.value];
+      if (chosen) this.take({ V_from: null, ...chosen.entries }, event.timeStamp);
+    });
+    for (const radio of document.getElementsByName("law")) {
+      radio.addEventListener("change", (event) => this.change({ law: radio.value }, event.timeStamp));
+    }
+    $("step").addEventListener("click", (event) => this.step(event));
+    $("factor").addEventListener("keydown", (event) => event.key === "Enter" && this.step(event));
+    $("unstep").addEventListener("click", (event) => {
+      this.take({ V_lp: this.entries.texts.V_from, V_from: null }, event.timeStamp);
+      $("step").focus();
+    });
+    $("controls").addEventListener("submit", (event) => event.preventDefault());
+    addEventListener("hashchange", () => {
+      const linked = this.entries.linked();
+      if (!linked) return;
+      this.take({ V_from: null, ...linked });
+      $("presets").value = "";
+    });
+  }
+
+  /** Take texts from a field that shows them. */
+  change(texts, stamp) {
+    this.entries.set(texts);
+    $("presets").value = "";
+    this.ask(stamp);
+  }
+
+  /** Take texts that come from no field: show them, and ask. */
+  take(texts, stamp) {
+    this.show(texts);
+    this.ask(stamp);
+  }
+
+  show(texts) {
+    this.entries.set(texts);
+    for (const [name, field] of Object.entries(this.fields)) field.show(this.entries.texts[name] ?? "");
+    for (const radio of document.getElementsByName("law")) radio.checked = radio.value === this.entries.texts.law;
+  }
+
+  /** Step the load point's speed from where it is. */
+  step(event) {
+    const factor = Number($("factor").value);
+    const usable = factor > 0 && factor !== 1 && Number.isFinite(factor);
+    const wrong = `factor = '${$("factor").value}' is no use; expected a number > 0 that is not 1, such as 3 or 0.1`;
+    this.explain("V_from", usable ? "" : wrong);
+    if (!usable || !this.values) return;
+    const V = this.values.V_lp;
+    this.take({ V_from: entry(V, "m/s", 6), V_lp: entry(factor * V, "m/s", 6) }, event.timeStamp);
+    $("presets").value = "";
+  }
+
+  /** Put the slider onto another point of the map: K, and either V_lp or M. */
+  move(ratio, eta, { values, numbers }, stamp) {
+    const texts = { K: entry(ratio * numbers.K_c_qs, "Pa/m") };
+    if (numbers.eta > 0) {
+      const more = eta / numbers.eta;
+      const sets = document.querySelector("[name=drag]:checked").value;
+      const value = values[sets] * (sets === "M" ? more : Math.sqrt(more));
+      texts[sets] = entry(value, this.fields[sets].spec.unit);
+    }
+    $("presets").value = "";
+    this.take(texts, stamp);
+  }
+
+  /** All is well: the server reads these values. */
+  accept(values) {
+    this.values = values;
+    for (const name of [...Object.keys(this.fields), "law", "V_from"]) this.explain(name, "");
+    for (const [name, field] of Object.entries(this.fields)) field.place(number(values[name]));
+    const { V_from, V_lp } = values;
+    $("stepped").hidden = V_from === null;
+    if (V_from === null) return;
+    const told = `Stepped from ${shown(V_from, "m/s")} to ${shown(V_lp, "m/s")} at time 0.`;
+    $("stepped").querySelector("span").textContent = told;
+  }
+
+  /** Say what is wrong beside the control that it is about; whether there is one. */
+  explain(name, text) {
+    if (name in this.fields) {
+      this.fields[name].explain(text);
+      return true;
+    }
+    const message = { law: $("law-problem"), V_from: $("factor-problem") }[name];
+    if (message) {
+      message.textContent = text;
+      message.hidden = !text;
+    }
+    return Boolean(message);
+  }
+}

@@ -1,0 +1,103 @@
+// The parameters: an entry with a unit, and a slider over the decades about it.
+
+import { entry } from "./numbers.js";
+import { symbol } from "./words.js";
+
+const STEP = 0.005; // decades: an arrow key changes a value by 1.2 %
+const SPAN = { 1: 1 }; // decades to either side, by unit
+const USUAL_SPAN = 2;
+const EDGE = 0.15; // of the slider: where it is left there, it moves on
+const TYPING = 400; // ms without a key after which what is typed counts
+
+export class Field {
+  /** change: function (symbol, text, event's time stamp) */
+  constructor(spec, change) {
+    this.spec = spec;
+    this.change = change;
+    this.element = this.build();
+  }
+
+  build() {
+    const { symbol: name } = this.spec;
+    const make = (tag, properties, ...children) => {
+      const node = Object.assign(document.createElement(tag), properties);
+      node.append(...children);
+      return node;
+    };
+    const label = make("label", { className: "symbol", htmlFor: `entry-${name}` }, ...symbol(name));
+    const long = make("span", { className: "name", id: `name-${name}`, textContent: this.spec.name });
+    this.input = make("input", { type: "text", id: `entry-${name}`, spellcheck: false });
+    this.slider = make("input", { type: "range", id: `slider-${name}`, step: STEP });
+    this.message = make("p", { className: "problem", id: `problem-${name}`, hidden: true });
+    this.message.setAttribute("role", "alert");
+    this.input.setAttribute("aria-describedby", `name-${name} problem-${name}`);
+    this.slider.setAttribute("aria-label", `${this.spec.name} ${name}, logarithmic`);
+    this.listen();
+    return make("div", { className: "field" }, label, long, this.input, this.slider, this.message);
+  }
+
+  listen() {
+    let timer = 0;
+    const typed = (event) => {
+      clearTimeout(timer);
+      if (this.input.value !== this.text) this.tell(this.input.value, event.timeStamp);
+    };
+    this.input.addEventListener("input", (event) => {
+      clearTimeout(timer);
+      timer = setTimeout(() => typed(event), TYPING);
+    });
+    this.input.addEventListener("change", typed);
+    this.slider.addEventListener("input", (event) => {
+      const text = entry(10 ** Number(this.slider.value), this.spec.unit);
+      this.input.value = text;
+      this.slider.setAttribute("aria-valuetext", text);
+      this.tell(text, event.timeStamp);
+    });
+    this.slider.addEventListener("change", () => this.recentre(Number(this.slider.value)));
+  }
+
+  tell(text, stamp) {
+    this.text = text;
+    this.change(this.spec.symbol, text, stamp);
+  }
+
+  /** Show a text that did not come from this field. */
+  show(text) {
+    this.text = text;
+    this.input.value = text;
+    this.slider.setAttribute("aria-valuetext", text);
+  }
+
+  /** Put the slider where the server reads the value. */
+  place(value) {
+    this.value = value;
+    if (document.activeElement === this.slider && this.slider.matches(":active")) return;
+    const at = Math.log10(value);
+    if (!Number.isFinite(at)) {
+      this.slider.value = value > 0 ? this.slider.max : this.slider.min;
+    } else {
+      this.recentre(at);
+      this.slider.value = at;
+    }
+  }
+
+  /** Let the slider reach further where the value is near its end. */
+  recentre(at) {
+    const span = SPAN[this.spec.unit] ?? USUAL_SPAN;
+    const [low, high] = [Number(this.slider.min), Number(this.slider.max)];
+    const known = this.ranged && at > low + EDGE * (high - low) && at < high - EDGE * (high - low);
+    if (known) return;
+    this.ranged = true;
+    const middle = Math.round(2 * at) / 2;
+    this.slider.min = middle - span;
+    this.slider.max = middle + span;
+    this.slider.value = at;
+  }
+
+  /** Explain what is wrong, or no longer. */
+  explain(problem) {
+    this.message.hidden = !problem;
+    this.message.textContent = problem ?? "";
+    this.input.setAttribute("aria-invalid", problem ? "true" : "false");
+  }
+}

@@ -1,0 +1,168 @@
+// The page: what is changed goes to the server, what comes back is drawn.
+
+import { Connection } from "./connection.js";
+import { Controls } from "./controls.js";
+import { savePicture, saveText } from "./downloads.js";
+import { Entries } from "./entries.js";
+import { StabilityMap } from "./map.js";
+import { learnPrefixes, plain } from "./numbers.js";
+import { Phase } from "./phase.js";
+import { onTheme } from "./theme.js";
+import { begin, drawn } from "./timing.js";
+import { Traces } from "./traces.js";
+import { tell } from "./verdict.js";
+import { number } from "./wire.js";
+
+const $ = (id) => document.getElementById(id);
+const CHART_WAIT = 300; // ms for which law and b/a must rest before their atlas is asked for
+
+let controls = null; // Controls, once the server has said what there is to control
+let picture = null; // the newest answer drawn
+let pending = 0; // id of the newest picture asked for
+let frame = 0;
+let chartTimer = 0;
+let chartKey = "";
+
+const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"));
+const phase = new Phase($("phase-canvas"));
+const map = new StabilityMap($("map-canvas"), $("dot"), $("regimes"), (ratio, eta, stamp) => controls.move(ratio, eta, picture, stamp));
+const connection = new Connection({ answer, lost });
+onTheme(redraw);
+new ResizeObserver(redraw).observe($("map-canvas"));
+listen();
+
+function listen() {
+  for (const name of ["scenario", "python", "csv"]) {
+    $(name).addEventListener("click", () => controls && connection.ask(name, controls.entries.texts));
+  }
+  $("link").addEventListener("click", copyLink);
+  $("png").addEventListener("click", png);
+  $("whole").addEventListener("change", (event) => {
+    phase.whole = event.target.checked;
+    phase.draw();
+  });
+}
+
+// ---- questions
+
+function ask(stamp) {
+  const id = connection.ask("picture", controls.entries.texts);
+  if (id === null) return;
+  pending = id;
+  document.body.dataset.asked = id;
+  begin(id, stamp);
+}
+
+function askChart() {
+  const key = keyOf(picture.values.law, picture.values.b / picture.values.a);
+  if (key === chartKey) return;
+  chartKey = key;
+  map.behind(null);
+  clearTimeout(chartTimer);
+  if (key) chartTimer = setTimeout(() => connection.ask("chart", controls.entries.texts), CHART_WAIT);
+}
+
+/** What decides which atlas lies behind the map; "" if none does. */
+function keyOf(law, ratio) {
+  return ratio > 1 ? `${law} ${ratio.toPrecision(3)}` : "";
+}
+
+// ---- answers
+
+function answer(found) {
+  ({ hello, ready: () => say(""), picture: arrived, chart, file, problem })[found.kind](found);
+}
+
+function hello({ fields, prefixes, presets, ready, span, arrays }) {
+  learnPrefixes(prefixes);
+  map.open(span, arrays);
+  controls ??= new Controls(fields, presets, new Entries([...fields.map((field) => field.symbol), "law", "V_from"]), ask);
+  say(ready ? "" : "Preparing the solver for this machine, up to a minute, once \u2026");
+  chartKey = "";
+  ask();
+}
+
+function arrived(found) {
+  if (picture && found.id < picture.id) return;
+  picture = found;
+  frame ||= requestAnimationFrame(draw);
+}
+
+function chart(found) {
+  if (keyOf(found.law, found.b_over_a) === chartKey) map.behind(found);
+}
+
+function file({ name, text }) {
+  saveText(name, text);
+}
+
+function problem({ id, problems }) {
+  for (const [name, text] of Object.entries(problems)) {
+    const old = id !== null && id < pending;
+    if (!(name ? old || controls.explain(name, text) : false)) say(text);
+  }
+}
+
+function lost(seconds, why) {
+  const reason = why ? ` (${why})` : "";
+  say(`The connection to ratestate is lost${reason}; trying again in ${seconds} s. Is it still running?`, true);
+}
+
+function say(text, isLost = false) {
+  $("banner").textContent = text;
+  $("banner").hidden = !text;
+  $("banner").classList.toggle("lost", isLost);
+}
+
+// ---- drawing
+
+function draw() {
+  frame = 0;
+  const { values, numbers, id } = picture;
+  if (id === pending) {
+    say("");
+    controls.accept(values);
+  }
+  tell(picture, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") });
+  traces.draw(picture);
+  phase.draw(picture);
+  map.draw(numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null);
+  describe();
+  document.body.dataset.drawn = id;
+  drawn(id);
+  askChart();
+}
+
+function redraw() {
+  phase.draw();
+  map.draw();
+}
+
+/** What a picture shows, for those who do not see it. */
+function describe() {
+  const [what] = picture.sentences;
+  $("stress-chart").setAttribute("aria-label", `tau/sigma and mu against time. ${what}`);
+  $("speed-chart").setAttribute("aria-label", `V against time, logarithmic. ${what}`);
+  $("phase-canvas").setAttribute("aria-label", `V against tau/sigma. ${what}`);
+  $("map-canvas").setAttribute("aria-label", `eta against K/K_c_qs, with the regimes; here eta is ${plain(number(picture.numbers.eta))}`);
+}
+
+// ---- taking it along
+
+async function copyLink() {
+  if (!controls) return;
+  const link = controls.entries.link();
+  try {
+    await navigator.clipboard.writeText(link);
+    say("The link is copied.");
+  } catch {
+    say(`The browser does not let it be copied; here it is: ${link}`);
+  }
+}
+
+function png() {
+  if (!picture) return;
+  const shown = Object.entries(controls.entries.texts).map(([name, text]) => `${name} = ${text}`).join(",  ");
+  const columns = [[traces.stress.ctx.canvas, traces.speed.ctx.canvas], [$("map-canvas"), $("phase-canvas")]];
+  savePicture(columns, $("headline").textContent, shown);
+}

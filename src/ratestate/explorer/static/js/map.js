@@ -1,0 +1,175 @@
+// The map of all sliders of one b/a: K/K_c_qs and eta, with the atlas behind, and the user's as a dot.
+
+import { writeLabel } from "./labels.js";
+import { plain } from "./numbers.js";
+import { Plane } from "./plane.js";
+import { FONT, color, onTheme } from "./theme.js";
+
+/** regimes in the order of their codes: name, colour role */
+const REGIMES = [
+  ["steady sliding", "steady"],
+  ["slow stick-slip", "slow"],
+  ["stick-slip", "stick"],
+  ["quasi-harmonic", "harmonic"],
+  ["not known", "unknown"],
+];
+const ARROW = 0.02; // decades; with Shift ten times as far
+
+export class StabilityMap {
+  /** move: function (K/K_c_qs, eta, event's time stamp), called while the dot moves */
+  constructor(canvas, dot, key, move) {
+    this.plane = new Plane(canvas, { log: true, label: [["i", "K"], ["", " / "], ["i", "K"], ["sub", "c,qs"]] }, { log: true, label: [["i", "\u03b7"]] });
+    Object.assign(this, { canvas, dot, move });
+    this.explain(key);
+    this.listen();
+    onTheme(() => this.paint());
+  }
+
+  explain(key) {
+    for (const [name, role] of REGIMES.slice(0, 4)) {
+      const item = document.createElement("li");
+      const patch = document.createElement("span");
+      patch.className = `patch ${role}`;
+      item.append(patch, name);
+      key.append(item);
+    }
+    this.jumpKey = document.createElement("li");
+    const line = document.createElement("span");
+    line.className = "line jump";
+    this.jumpKey.append(line, "lost with a jump");
+    this.jumpKey.hidden = true;
+    key.append(this.jumpKey);
+  }
+
+  /** The axes, and K_c along them. */
+  open(span, line) {
+    [this.plane.x.low, this.plane.x.high] = span.ratio;
+    [this.plane.y.low, this.plane.y.high] = span.eta;
+    this.line = line;
+  }
+
+  /** The atlas for the law and b/a shown; null while it is not known. */
+  behind(chart) {
+    this.chart = chart;
+    this.jumpKey.hidden = !chart?.arrays.jumps.includes(1);
+    this.paint();
+    this.draw();
+  }
+
+  paint() {
+    if (!this.chart) return;
+    const { K_over_K_c_qs: x, eta: y, regime } = this.chart.arrays;
+    const image = new OffscreenCanvas(x.length, y.length);
+    const c = image.getContext("2d");
+    for (let i = 0; i < y.length; i += 1) {
+      for (let k = 0; k < x.length; k += 1) {
+        c.fillStyle = color(REGIMES[regime[i * x.length + k]][1]);
+        c.fillRect(k, y.length - 1 - i, 1, 1);
+      }
+    }
+    this.image = image;
+  }
+
+  /** at: {ratio, eta} of the slider shown, or null where there is no K_c_qs */
+  draw(at = this.at) {
+    this.at = at;
+    if (!this.line) return;
+    const { plane } = this;
+    plane.begin();
+    if (this.chart) this.backdrop();
+    plane.frame();
+    plane.inside((c) => {
+      if (!at) {
+        c.font = `13px ${FONT}`;
+        c.textAlign = "center";
+        c.fillStyle = color("muted");
+        c.fillText("b \u2264 a: friction never weakens,", plane.box.left + plane.box.width / 2, plane.box.top + plane.box.height / 2 - 10);
+        c.fillText("and sliding is steady everywhere", plane.box.left + plane.box.width / 2, plane.box.top + plane.box.height / 2 + 10);
+        return;
+      }
+      plane.curve(this.line.line_ratio, this.line.line_eta, color("text"), 1.8);
+      this.jumps();
+      c.fillStyle = color("on-map");
+      writeLabel(c, [["i", "K"], ["sub", "c"]], plane.X(1.6), plane.Y(1e-14));
+    });
+    this.put(at);
+  }
+
+  backdrop() {
+    const { plane } = this;
+    const c = plane.context;
+    const { K_over_K_c_qs: x, eta: y } = this.chart.arrays;
+    // cells are centred on their points
+    const dx = (x.at(-1) / x[0]) ** (0.5 / (x.length - 1));
+    const dy = (y.at(-1) / y[0]) ** (0.5 / (y.length - 1));
+    const [left, right] = [plane.X(x[0] / dx), plane.X(x.at(-1) * dx)];
+    const [top, bottom] = [plane.Y(y.at(-1) * dy), plane.Y(y[0] / dy)];
+    plane.inside(() => {
+      c.imageSmoothingEnabled = false;
+      c.drawImage(this.image, left, top, right - left, bottom - top);
+    });
+  }
+
+  /** Where sliding is lost with a jump, in another colour. */
+  jumps() {
+    if (!this.chart) return;
+    const { eta, K_c_over_K_c_qs: ratio, jumps } = this.chart.arrays;
+    const first = jumps.indexOf(1);
+    const last = jumps.lastIndexOf(1);
+    if (first < 0) return;
+    this.plane.curve(ratio.subarray(first, last + 1), eta.subarray(first, last + 1), color("jump"), 2.2);
+  }
+
+  put(at) {
+    this.dot.hidden = !at || !this.plane.box;
+    if (this.dot.hidden) return;
+    const { left, top, width, height } = this.plane.box;
+    const hold = (x, low, high) => Math.min(high, Math.max(low, x));
+    const px = hold(this.plane.X(at.ratio), left, left + width);
+    const py = at.eta > 0 ? hold(this.plane.Y(at.eta), top, top + height) : top + height;
+    this.mark(px, py);
+    this.dot.style.left = `${px}px`;
+    this.dot.style.top = `${py}px`;
+    const where = `K/K_c_qs = ${plain(at.ratio)}, eta = ${plain(at.eta)}`;
+    this.dot.setAttribute("aria-label", `The slider on the map: ${where}; arrow keys move it`);
+  }
+
+  /** The dot, on the canvas: pictures have it too.  The button over it is what is grasped. */
+  mark(px, py) {
+    const c = this.plane.context;
+    c.beginPath();
+    c.arc(px, py, 6, 0, 2 * Math.PI);
+    c.fillStyle = color("text");
+    c.fill();
+    c.lineWidth = 2;
+    c.strokeStyle = color("card");
+    c.stroke();
+  }
+
+  listen() {
+    const box = this.canvas.parentElement;
+    let dragging = false;
+    const go = (event) => {
+      const { left, top } = this.canvas.getBoundingClientRect();
+      this.move(...this.plane.values(event.clientX - left, event.clientY - top), event.timeStamp);
+    };
+    box.addEventListener("pointerdown", (event) => {
+      if (!this.at || event.button !== 0) return;
+      event.preventDefault();
+      box.setPointerCapture(event.pointerId);
+      this.dot.focus({ focusVisible: false });
+      dragging = true;
+      go(event);
+    });
+    box.addEventListener("pointermove", (event) => dragging && go(event));
+    for (const end of ["pointerup", "pointercancel"]) box.addEventListener(end, () => (dragging = false));
+    this.dot.addEventListener("keydown", (event) => {
+      const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+      if (!way || !this.at) return;
+      event.preventDefault();
+      const far = ARROW * (event.shiftKey ? 10 : 1);
+      // eta by V_lp: a step of the speed is two of eta
+      this.move(this.at.ratio * 10 ** (far * way[0]), this.at.eta * 10 ** (2 * far * way[1]), event.timeStamp);
+    });
+  }
+}

@@ -1,0 +1,65 @@
+// The phase plane: V on a logarithmic axis against tau/sigma.
+
+import { Plane } from "./plane.js";
+import { color } from "./theme.js";
+import { speeds } from "./ticks.js";
+
+const PADDING = 0.07;
+const SMALLEST = 1e-12; // of tau/sigma: room about a point
+
+export class Phase {
+  constructor(canvas) {
+    this.plane = new Plane(canvas, { log: false, label: [["i", "\u03c4"], ["", " / "], ["i", "\u03c3"]] }, { log: true });
+    this.whole = false;
+  }
+
+  draw(picture) {
+    this.picture = picture ?? this.picture;
+    if (!this.picture) return;
+    const { arrays, steady, values } = this.picture;
+    const { plane } = this;
+    this.range();
+    plane.begin();
+    plane.frame();
+    plane.inside((c) => {
+      plane.curve(arrays.run_stress, arrays.run_V, color("run"), 0.8);
+      if (arrays.cycle_V) plane.curve(arrays.cycle_stress, arrays.cycle_V, color("cycle"), 2);
+      c.beginPath();
+      c.arc(plane.X(steady), plane.Y(values.V_lp), 4.5, 0, 2 * Math.PI);
+      c.fillStyle = color("card");
+      c.fill();
+      c.strokeStyle = color("text");
+      c.lineWidth = 1.6;
+      c.stroke();
+    });
+  }
+
+  /** Show the cycle; without one, or if asked to, the whole run. */
+  range() {
+    const { arrays, steady, values } = this.picture;
+    const shown = [[[steady], [values.V_lp]]];
+    if (arrays.cycle_V) shown.push([arrays.cycle_stress, arrays.cycle_V]);
+    if (!arrays.cycle_V || this.whole) shown.push([arrays.run_stress, arrays.run_V]);
+    const [low, high] = extremes(shown.map(([stress]) => stress));
+    const pad = Math.max(PADDING * (high - low), SMALLEST);
+    Object.assign(this.plane.x, { low: low - pad, high: high + pad });
+    const [slow, fast] = extremes(shown.map(([, V]) => V)).map(Math.log);
+    const room = Math.max(PADDING * (fast - slow), 1e-6);
+    const range = { low: Math.exp(Math.max(slow - room, -700)), high: Math.exp(fast + room) };
+    const [, unit] = speeds(range.low, range.high, 1);
+    const ticks = (wanted) => speeds(range.low, range.high, wanted)[0];
+    Object.assign(this.plane.y, range, { ticks, label: [["i", "V"], ["", `  [${unit}]`]] });
+  }
+}
+
+function extremes(arrays) {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const array of arrays) {
+    for (const value of array) {
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+  }
+  return [low, high];
+}

@@ -1,0 +1,42 @@
+// What the slider does, in words and numbers.
+
+import { number } from "./wire.js";
+import { plain, shown } from "./numbers.js";
+import { symbol, write } from "./words.js";
+
+export function tell(picture, elements) {
+  const [first, ...rest] = picture.sentences;
+  write(elements.headline, first);
+  write(elements.reasons, rest.join(" "));
+  write(elements.notes, picture.notes.join(" "));
+  elements.notes.hidden = !picture.notes.length;
+  elements.numbers.replaceChildren(...rows(picture).map(row));
+}
+
+function rows({ numbers, values }) {
+  const [K_c, V_c] = [number(numbers.K_c), number(numbers.V_c)];
+  const cycle = numbers.period !== null;
+  const size = cycle ? Math.hypot(...numbers.multiplier.map(number)) : null;
+  return [
+    [["K", "/", "K_c"], K_c > 0 ? plain(number(values.K) / K_c, 4) : "\u2013"],
+    [["K_c"], K_c > 0 ? shown(K_c, "Pa/m") : "none"],
+    [["eta"], plain(numbers.eta)],
+    [["V_c"], V_c === 0 ? "0" : V_c === Infinity ? "none" : shown(V_c, "m/s")],
+    [["f"], cycle ? shown(numbers.frequency, "Hz") : "\u2013"],
+    [["amplitude of ", "tau/sigma"], cycle ? plain(numbers.amplitude, 4) : numbers.amplitude === 0 ? "0" : "\u2013"],
+    [["fastest slip ", "V_max"], cycle ? shown(numbers.V_max, "m/s", 3) : "\u2013"],
+    [["slowest"], cycle ? shown(numbers.V_min, "m/s", 3) : "\u2013"],
+    [["Floquet multiplier"], cycle ? plain(size, 4) : "\u2013"],
+  ];
+}
+
+function row([names, text]) {
+  const term = document.createElement("dt");
+  for (const name of names) term.append(...(/^[A-Za-z_/]+$/.test(name) && name !== "slowest" && name !== "/" ? symbol(name) : [name]));
+  const value = document.createElement("dd");
+  value.textContent = text;
+  value.title = text;
+  const group = document.createElement("div");
+  group.append(term, value);
+  return group;
+}

@@ -1,0 +1,22 @@
+// Answers of the server as objects; wire.py says how they are laid out.
+
+const decoder = new TextDecoder();
+
+/** {id, kind, ..., arrays: {name: Float64Array}} */
+export function decode(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const header = JSON.parse(decoder.decode(new Uint8Array(buffer, 4, length)));
+  let at = 4 + length;
+  const arrays = {};
+  for (const [name, size] of header.arrays) {
+    arrays[name] = new Float64Array(buffer, at, size);
+    at += 8 * size;
+  }
+  return { ...header, arrays };
+}
+
+/** A number of a header, where "inf" stands for what JSON cannot hold. */
+export function number(value) {
+  if (typeof value !== "string") return value;
+  return { inf: Infinity, "-inf": -Infinity }[value] ?? NaN;
+}

@@ -1,0 +1,56 @@
+// The server's plain text with symbols as mathematics; also the symbols of fields and tables.
+
+const SYMBOLS = {
+  "tau/sigma": [["i", "\u03c4"], ["", "/"], ["i", "\u03c3"]],
+  K_c_qs: [["i", "K"], ["sub", "c,qs"]],
+  K_c: [["i", "K"], ["sub", "c"]],
+  V_c: [["i", "V"], ["sub", "c"]],
+  V_lp: [["i", "V"], ["sub", "lp"]],
+  V0: [["i", "V"], ["sub", "0"]],
+  V_from: [["i", "V"], ["sub", "lp"]],
+  V_max: [["i", "V"], ["sub", "max"]],
+  Dc: [["i", "D"], ["sub", "c"]],
+  mu0: [["i", "\u03bc"], ["sub", "0"]],
+  f_n: [["i", "f"], ["sub", "n"]],
+  sigma: [["i", "\u03c3"]],
+  eta: [["i", "\u03b7"]],
+  a: [["i", "a"]],
+  b: [["i", "b"]],
+  K: [["i", "K"]],
+  M: [["i", "M"]],
+  V: [["i", "V"]],
+  f: [["i", "f"]],
+};
+const NAMES = Object.keys(SYMBOLS).filter((name) => !["a", "f"].includes(name));
+const PATTERN = new RegExp(`(?<![\\w/'"])(${NAMES.join("|")})(?![\\w/'"^])`);
+
+/** A symbol of a quantity, as nodes. */
+export function symbol(name) {
+  return SYMBOLS[name].map(([tag, text]) => {
+    if (!tag) return document.createTextNode(text);
+    const node = document.createElement(tag);
+    node.textContent = text;
+    return node;
+  });
+}
+
+/** Put a sentence into an element. */
+export function write(element, text) {
+  const parts = text.split(PATTERN).flatMap((part) => (part in SYMBOLS ? symbol(part) : [units(part)]));
+  element.replaceChildren(...parts);
+}
+
+function units(text) {
+  const told = text
+    .replace(/(\d) u(m|s|Hz)/g, "$1 \u00b5$2")
+    .replaceAll("kg/m^2", "kg/m\u00b2")
+    .replaceAll("<=", "\u2264")
+    .replaceAll("+-", "\u00b1")
+    .replace(/(\d)e([+-]?)0*(\d+)/g, (_, digit, sign, power) => `${digit}\u00b710${superscript((sign === "-" ? "-" : "") + power)}`)
+    .replace(/(\d) (?=\S)/g, "$1\u00a0");
+  return document.createTextNode(told);
+}
+
+function superscript(text) {
+  return [...text].map((c) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[c] ?? "\u207b").join("");
+}

@@ -1,0 +1,58 @@
+"""One server and one browser for the tests of the page."""
+
+import contextlib
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import types
+
+import pytest
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+SERVE = "import sys; from ratestate.explorer import serve; serve(int(sys.argv[1]), False)"
+
+
+@contextlib.contextmanager
+def serving(port=0):
+    """An explorer in a process of its own, ended by Ctrl-C."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", SERVE, str(port)], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        address = re.search(r"http://\S+", process.stdout.readline())[0]
+        yield types.SimpleNamespace(address=address, process=process)
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(20)
+        process.stdout.close()
+
+
+@contextlib.contextmanager
+def browsing():
+    """Chromium without a window."""
+    from playwright.sync_api import sync_playwright
+
+    root = hasattr(os, "geteuid") and os.geteuid() == 0
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox"] if root else []
+        )
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def server():
+    with serving() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if not CHROMIUM:
+        pytest.skip("no chromium: make chromium, or tools/chromium.sh, installs Debian's")
+    with browsing() as found:
+        yield found
