@@ -1,10 +1,16 @@
-"""Parallel workers compile the kernels once, and not each for itself."""
+"""Seeds that are the same each time; kernels that parallel workers compile once."""
 
 import fcntl
 import os
 from pathlib import Path
 
+import hypothesis
+
 import ratestate as rs
+
+# Other examples at each run: --hypothesis-profile=default.  A busy machine breaks deadlines.
+hypothesis.settings.register_profile("reproducible", derandomize=True, deadline=None)
+hypothesis.settings.load_profile("reproducible")
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
 #: A kernel's source -> what compiles it, or loads it from the cache
