@@ -190,7 +190,7 @@ def test_ctrl_c(sweeps, file, tmp_path):
     ("error", "message"),
     [
         (ParameterError("other parameters:\nM"), "error: other parameters:\nM\n"),
-        (OSError(28, "No space left on device"), "error: cannot write: [Errno 28] No space left"),
+        (OSError(28, "No space left on device"), "error: No space left on device\n"),
     ],
 )
 def test_errors_are_one_message_and_exit_2(sweeps, file, tmp_path, error, message):

@@ -156,7 +156,9 @@ def mutants():
 
 #: a line of the message: where, what is wrong, what was expected
 FORM = re.compile(
-    r"(\[[^]]+\]( ('.*?'|[\w.\[\]-]+))?|[\w-]+|'.*?'|\['.*?'\]|the file): .+, expected \S.*", re.S
+    r"(\[[^]]+\]( ('.*?'|[\w.\[\]-]+))?|[\w-]+|'.*?'|\['.*?'\]|the file): .+, expected "
+    r"(one of \S|.*such as \S).*",
+    re.S,
 )
 
 

@@ -93,7 +93,7 @@ def test_a_branch():
     _, speeds, multiplier = drawn(plot.page(branch))
     V, ratio = lines(speeds, r"$V_{\max}$")
     assert np.nanmax(ratio) == pytest.approx(float((branch.V_max / branch.V_lp).max()))
-    assert np.nanmin(V) == pytest.approx(SLIDER.V_c)
+    assert np.nanmin(V) == pytest.approx(1e3 * SLIDER.V_c)
     assert len(multiplier.lines) == 3  # stable, unstable, and 1
 
 
@@ -109,18 +109,68 @@ def test_a_sweep_over_one_axis(verb):
     assert "Load-point velocity" in axes[-1].get_xlabel()
 
 
+@pytest.mark.parametrize("verb", ["limit_cycle", "stability"])
+def test_a_few_values_of_an_axis_have_lines_with_nothing_between(verb):
+    K = xr.DataArray([4.2e8, 9.4e8], dims="K")
+    found = rs.sweep(verb, SLIDER.replace(K=K), V_lp=V_LP)
+    axes = (drawn if verb == "limit_cycle" else panels)(plot.page(found))
+    assert not any(ax.collections for ax in axes)
+    symbol = {"limit_cycle": "amplitude", "stability": "growth_rate"}[verb]
+    ax = axes[{"limit_cycle": 0, "stability": 1}[verb]]
+    for i, name in enumerate(["$K$ = 420 MPa/m", "$K$ = 940 MPa/m"]):
+        x, y = lines(ax, name)
+        np.testing.assert_allclose(x, 1e3 * V_LP)
+        expected = found[symbol].isel(K=i).values
+        cycles = found.status[i] == 0 if verb == "limit_cycle" else True
+        np.testing.assert_allclose(y, np.where(cycles, expected, np.nan))
+        assert name in [text.get_text() for text in ax.get_legend().texts]
+    assert axes[-1].get_xlabel() == "Load-point velocity $V_{lp}$ [mm/s]"
+
+
+def test_failed_cases_of_a_line_have_crosses():
+    slider = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 3e3], dims="M"))
+    (first, *_) = panels(plot.page(rs.sweep("limit_cycle", slider, V_lp=V_LP)))
+    crosses = [line for line in first.lines if line.get_marker() == "x"]
+    np.testing.assert_allclose([line.get_xdata()[0] for line in crosses], 1e3 * V_LP)
+    assert not [line for line in first.lines if line.get_alpha()]
+
+
+def test_a_branch_over_stiffness_is_in_the_unit_of_other_pages():
+    branch = rs.continue_cycle(SLIDER, "K", 8.9e8, 8e8, V_lp=3.2e-3, rtol=1e-6)
+    axes = panels(plot.page(branch))
+    assert [ax.get_xlabel()[-7:] for ax in axes] == 3 * ["[MPa/m]"]
+    for ax, name in zip(axes, ["cycle, stable", r"$V_{\max}$"], strict=False):
+        x = lines(ax, name)[0]
+        assert (np.nanmin(x), np.nanmax(x)) == (pytest.approx(800), pytest.approx(890))
+    (own,) = lines(plot.branch(branch), "cycle, stable")[0][:1]
+    assert own == pytest.approx(8.9e8)  # axes that branches may share stay in SI
+
+
+def test_the_legend_of_the_phase_plane_leaves_its_title_alone():
+    loading = rs.Loading.sinusoid(1e-3, 5e-5, period=2, t_end=10)
+    fig = plot.page(rs.simulate(SLIDER, loading, 10))
+    *_, plane = drawn(fig)
+    title = plane._left_title.get_window_extent()
+    legend = plane.get_legend().get_window_extent()
+    assert legend.x0 > title.x1 + 5 or legend.y0 > title.y1
+
+
+MANY_SPEEDS = rs.logspace("V_lp", 1e-3, 1e-1, 7)
+MANY_MASSES = rs.logspace("M", 1e2, 1e4, 6)
+
+
 @pytest.mark.parametrize("verb", ["limit_cycle", "stability", "simulate"])
 def test_a_sweep_over_two_axes(verb):
-    how = {"V_lp": V_LP}
+    how = {"V_lp": MANY_SPEEDS}
     if verb == "simulate":
-        how = {"loading": rs.Loading.constant(V_LP), "t_end": 0.1}
-    found = rs.sweep(verb, SLIDER.replace(M=MASS), **how)
+        how = {"loading": rs.Loading.constant(MANY_SPEEDS), "t_end": 0.1}
+    found = rs.sweep(verb, SLIDER.replace(M=MANY_MASSES), **how)
     axes = (drawn if verb == "stability" else panels)(plot.page(found))[:3]
     symbol = {"limit_cycle": "V_max", "stability": "omega", "simulate": "V_max"}[verb]
     (mesh,) = axes[2].collections
     factor = 1.0 if verb == "stability" else 1e3
     expected = found[symbol].transpose("M", "V_lp").values
-    np.testing.assert_allclose(mesh.get_array().reshape(3, 4), factor * expected)
+    np.testing.assert_allclose(mesh.get_array().reshape(6, 7), factor * expected)
     assert (axes[0].get_xscale(), axes[0].get_yscale()) == ("log", "log")
     if verb == "simulate":
         assert axes[0].texts[0].get_text() == "no cycle in any case"
@@ -128,9 +178,10 @@ def test_a_sweep_over_two_axes(verb):
 
 def test_failed_cases_are_told_from_those_without_a_cycle():
     slider = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 3e3], dims="M"))
-    (first, *_) = panels(plot.page(rs.sweep("limit_cycle", slider, V_lp=V_LP)))
-    gray = first.collections[-1].get_array().reshape(2, 4)
-    np.testing.assert_array_equal(np.isnan(gray), [[False] * 4, [True] * 4])
+    many = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 1e3, 2e3, 3e3, 4e3, 5e3], dims="M"))
+    (first, *_) = panels(plot.page(rs.sweep("limit_cycle", many, V_lp=MANY_SPEEDS)))
+    gray = first.collections[-1].get_array().reshape(6, 7)
+    np.testing.assert_array_equal(np.isnan(gray), [[False] * 7, *(5 * [[True] * 7])])
     one = plot.page(rs.sweep("limit_cycle", slider, V_lp=1e-3)).axes[0]
     assert [line.get_xdata()[0] for line in one.lines if line.get_alpha()] == [0.0]
 
@@ -151,7 +202,7 @@ def test_axes_in_any_order(values, at, names):
     assert y.values.tolist() == at
     assert y.names == names
     assert axis_of(found, "K").names == ["900", "inf"]
-    assert first.collections[0].get_array().size == 2 * len(values)
+    assert sum(len(line.get_xdata()) for line in first.lines) >= 2 * len(values)
     assert y.edges.size == len(values) + 1
 
 

@@ -24,6 +24,8 @@ SLIDER = {
     "sigma": '"2 MPa"',
     "K": '"900 MPa/m"',
 }
+PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law"
+LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
 TABLES = "[slider], [loading], [run], [sweep], [output]"
 TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
 AXIS = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 4, scale = "log" }'
@@ -135,13 +137,13 @@ def values(draw):
     """(symbol, what the Python API is given, what the file says) of two to five symbols."""
     found = {}
     for symbol in draw(st.lists(st.sampled_from([*UNITS]), min_size=2, unique=True)):
-        x = draw(st.floats(1e-9, 1e12))
+        x = draw(st.floats(1e-6, 1e5))
         found[symbol] = spelled(x, draw(st.sampled_from(UNITS[symbol])))
     return found
 
 
 @settings(deadline=None)
-@given(values(), st.integers(2, 40), st.floats(1e-3, 1e9), st.floats(1e-3, 1e9))
+@given(values(), st.integers(2, 40), st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
 def test_values_are_those_of_the_python_api(read, found, n, start, stop):
     text = {symbol: said for symbol, (_, said) in found.items()}
     sweep = CYCLE | {"mu0": f'{{from={start!r}, to={stop!r}, n={n}, scale="log"}}'}
@@ -156,7 +158,7 @@ def test_values_are_those_of_the_python_api(read, found, n, start, stop):
 
 
 @settings(deadline=None)
-@given(st.lists(st.floats(0, 1e300), min_size=1, max_size=20))
+@given(st.lists(st.floats(1e-20, 1e20) | st.just(0.0), min_size=1, max_size=20))
 def test_lists_are_kept(read, numbers):
     axis = read(toml(sweep=CYCLE | {"M": "[" + ", ".join(map(repr, numbers)) + "]"})).slider.M
     assert axis.values.tolist() == axis.M.values.tolist() == numbers
@@ -164,7 +166,7 @@ def test_lists_are_kept(read, numbers):
 
 
 @settings(deadline=None)
-@given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.integers(2, 50))
+@given(st.floats(-1e2, 1e2), st.floats(-1e2, 1e2), st.integers(2, 50))
 def test_linear_axes(read, start, stop, n):
     b = read(toml(sweep=CYCLE | {"b": f"{{from={start!r}, to={stop!r}, n={n}}}"})).slider.b.values
     assert (b[0], b[-1], b.size) == (start, stop, n)
@@ -196,7 +198,7 @@ def test_many_problems_are_told_at_once(read):
         A = 0.003
         b = "0.006 m"
         Dc = ["10 um"]
-        law = "sleep"
+        law = "slipp"
         V_lp = 1
         [sweep]
         verb = "simulate"
@@ -213,16 +215,16 @@ def test_many_problems_are_told_at_once(read):
     told = f"""\
 loose: stands above all tables, expected one of {TABLES}
 [slder]: unknown table, expected one of {TABLES}; did you mean [slider]?
-[slider] A: unknown key, expected one of a, b, Dc, sigma, K, M, mu0, V0, law; did you mean a?
+[slider] A: unknown key, expected one of {PARAMETERS} such as a = 0.003; did you mean a?
 [slider] b: '0.006 m' is a length, expected a pure number such as 0.006
-[slider] Dc: a list of 1 makes an axis, expected in [sweep]
-[slider] law: 'sleep' is unknown, expected one of slip, aging; did you mean slip?
-[slider] V_lp: stands in the wrong table, expected in [loading] or [sweep]
+[slider] Dc: a list of 1 makes an axis, expected in [sweep], or one value such as Dc = '10 um'
+[slider] law: 'slipp' is unknown, expected one of slip, aging; did you mean slip?
+[slider] V_lp: stands in the wrong table, expected in [loading] or [sweep] such as V_lp = '3.2 mm/s'
 [slider] a: is missing, expected a pure number such as 0.003
 [slider] sigma: is missing, expected a stress such as '2 MPa'
 [slider] K: is missing, expected a stiffness such as '900 MPa/m'
 [sweep] M[1]: '3 kg' is of dimension [mass], expected a mass per area such as '3000 kg/m^2'
-[sweep] V_lp.fro: unknown key, expected one of from, to, n, scale; did you mean from?
+[sweep] V_lp.fro: unknown key, expected one of from, to, n, scale such as {LOG}; did you mean from?
 [sweep] V_lp.scale: 'logs' is unknown, expected one of linear, log; did you mean log?
 [sweep] V_lp.from: is missing, expected a speed such as '3.2 mm/s'
 [sweep] V_lp.to: '3 m' is a length, expected a speed such as '3.2 mm/s'

@@ -49,7 +49,8 @@ def told(read):
             read(text, verb, slider)
         title, *lines = str(caught.value).splitlines()
         assert title.endswith("it.toml cannot be used:")
-        assert all(re.match(r"\[\w+\].*: .+, expected ", line) for line in lines)
+        form = r"\[\w+\].*: .+, expected (one of \S|.*such as \S)"
+        assert all(re.match(form, line) for line in lines), lines
         return lines
 
     return told
@@ -97,7 +98,8 @@ def test_loadings(read, told, table, loading):
     text = f"[loading]\n{table}\n{RUN}"
     if loading is None:
         assert told(text) == [
-            "[loading] t: a table is no list, expected as many values in V_lp as in t"
+            "[loading] t: a table is no list, expected as many values in V_lp as in t such as "
+            "[0, 1, 1, '5 s'] and ['1 um/s', '1 um/s', '3 um/s', 0]"
         ]
         return
     scenario = read(text)
@@ -148,7 +150,7 @@ NO_RECORD = [
     (CSV, "", "columns: is missing, expected a pair"),
     (CSV, "columns = [2, 1]", "columns[0]: the unit 'um/s' is a speed, expected a time such as"),
     (CSV, 'columns = [1, 2]\nunits = ["s", "um"]', "units[1]: the unit 'um' is a length, expected"),
-    (CSV, 'columns = [1, 2]\nunits = ["s", "x"]', "units[1]: the unit 'x' has an unknown unit"),
+    (CSV, 'columns = [1, 2]\nunits = ["s", "x"]', "units[1]: the unit 'x' is unknown, expected"),
     (CSV, 'columns = [1, 2]\nunits = "s"', "units: 's' is no pair, expected a pair"),
     (
         CSV.replace("1,3,x", "1,three,x"),
@@ -181,6 +183,168 @@ def test_bad_records(told, folder, content, more, line):
     lines = told(f'[loading]\nfile = "x.csv"\n{more}\n[run]\nt_end = 2')
     beginning = ".*".join(map(re.escape, f"[loading] {line}".split(" * ")))
     assert any(re.match(beginning, found) for found in lines), lines
+
+
+def test_what_a_file_says_is_quoted_as_it_stands(told, folder):
+    """Also where it looks like a unit in brackets, or like the end of a message."""
+    header = "time [s],V [m/s],lp [um/s]\n"
+    (folder / "si.csv").write_text(header + "0,1,1\n1,1,1\n")
+    table = '[loading]\nfile = "si.csv"\n{}\n' + RUN
+    (line,) = told(table.format('columns = ["t [s]", "lp"]'))
+    assert line.startswith(
+        "[loading] columns[0]: 't [s]' is no column, "
+        "expected one of 'time [s]', 'V [m/s]', 'lp [um/s]'"
+    )
+    (line,) = told(table.format(""))
+    assert line.endswith('such as ["time [s]", "V_lp [um/s]"]')
+    (line,) = told(table.format('columns = [1, 2]\nunits = ["s [s]", "m/s"]'))
+    assert line == (
+        "[loading] units[0]: the unit 's [s]' is unknown, expected a time such as '10 s'"
+    )
+    more = "[loading]\nV_lp = 1\n[run]\n"
+    for given, what in [
+        ("abc [s]", "is not a number with a unit"),
+        ("1 s; expected a time [s]", "has an unknown unit 's; expected a time [s]'"),
+    ]:
+        (line,) = told(f'{more}t_end = "{given}"')
+        assert line == f"[run] t_end: {given!r} {what}, expected a time such as '10 s'"
+    (line,) = told(f'{more}t_end = 1\nmethod = "m; expected [s]"')
+    assert line.startswith("[run] method: 'm; expected [s]' is unknown, expected one of rodas5p")
+
+
+@pytest.mark.parametrize(
+    ("unit", "meant"),
+    [
+        ("um/s # x", None),
+        ("um/s #", None),
+        ("um/s; m/s", None),
+        ("um/S", "um/s"),
+        ("MM/s", "mm/s"),
+    ],
+)
+def test_units_that_are_none(told, unit, meant):
+    (line,) = told(f'[loading]\nV_lp = "1 {unit}"\n{RUN}')
+    end = f"; did you mean {meant!r}?" if meant else ""
+    assert line.endswith(f", expected a speed such as '3.2 mm/s'{end}")
+    assert line.startswith(f"[loading] V_lp: '1 {unit}' ")
+
+
+def test_stresses_in_small_letters(told):
+    for unit in ("Mpa", "mpa", "MPA"):
+        (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=SLIDER.replace("2 MPa", f"2 {unit}"))
+        assert line.endswith("such as '2 MPa'; did you mean 'MPa'?")
+    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=SLIDER.replace("10 um", "1e1e1 um"))
+    assert line.startswith("[slider] Dc: '1e1e1 um' is not a number with a unit, expected")
+
+
+SIZES = [
+    (
+        'V_lp = "1e12 mm/s"',
+        "[loading] V_lp: '1e12 mm/s' is beyond any usual size, 1e-50",
+    ),
+    (
+        "V_lp = 1e-300",
+        "[loading] V_lp: 1e-300 is beyond any usual size, 1e-50 to 100000 m/s, ex",
+    ),
+    ("V_lp = 1\nsteps = [{ t = 1e19, V_lp = 1 }]", "[loading] steps[0].t: 1e+19 is beyond any"),
+    ("t = [0, 20]\nV_lp = [0, 1e6]", "[loading] V_lp[1]: 1000000.0 is beyond any usual size"),
+    (
+        "V_lp = 1\nsinusoid = { amplitude = 1, frequency = '1e30 Hz' }",
+        "[loading] sinusoid.frequency: '1e30 Hz' is beyond any usual size, 1e-18 to 1e+20 Hz, exp",
+    ),
+    ("file = 'fast.csv'\ncolumns = [1, 2]", "[loading] file: V_lp = 1e+06 m/s is beyond any usual"),
+]
+
+
+@pytest.mark.parametrize(("table", "line"), SIZES)
+def test_sizes_that_nobody_means(told, folder, table, line):
+    (folder / "fast.csv").write_text("t [s],V [km/s]\n0,0\n20,1000\n")
+    (found,) = told(f"[loading]\n{table}\n{RUN}")
+    assert found.startswith(line)
+
+
+@pytest.mark.parametrize(
+    ("symbol", "refused"),
+    [
+        *(("a", x) for x in ("1e-13", "101")),
+        *(("b", x) for x in ("1e12", "-101")),
+        *(("Dc", x) for x in ("1e-16", "1e10")),
+        *(("sigma", x) for x in ("1e-10", "1e16")),
+        *(("K", x) for x in ("1e-21", "1e26")),
+        *(("M", x) for x in ("1e-21", "1e21")),
+        *(("mu0", "1001"), ("V0", "1e-51")),
+    ],
+)
+def test_sizes_of_a_slider(told, symbol, refused):
+    slider = re.sub(rf"(?m)^{symbol} = .*\n", "", SLIDER) + f"{symbol} = {refused}\n"
+    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=slider)
+    assert line.startswith(f"[slider] {symbol}: ")
+    assert " is beyond any usual size, " in line
+
+
+def test_sizes_that_somebody_may_mean(read):
+    """A fault that is locked, a laboratory, an asteroid, a rigid spring without friction."""
+    slider = """
+        [slider]
+        a = [1e-9, 0.003, 20]
+        b = [-5, 0, 1e-20, 90]
+        Dc = ["1 pm", "10 um", "1 km"]
+        sigma = ["1 uPa", "2 MPa", "100 TPa"]
+        K = [1e-10, "900 MPa/m", 1e22, inf]
+        M = [0, 1e-10, 3000, 1e18]
+        mu0 = [0, 0.6, 300]
+        V0 = ["1e-40 m/s", "1 nm/s", "10 km/s"]
+    """
+    lists = "[sweep]" + slider.split("[slider]")[1] + "verb = 'stability'\nV_lp = [1e-30, 9e4]\n"
+    assert read(lists, slider="").slider.K.values[-1] == np.inf
+    start = "V_start = 1e-30\ninitial = { theta = 1e30, V = 1e-30, tau = -1e12 }\n"
+    scenario = read(f"[loading]\nV_lp = 0\n[run]\nt_end = '1e10 year'\n{start}")
+    assert scenario.settings["t_end"] > 3e17
+
+
+def test_a_wrong_start_is_told_beside_other_problems(told):
+    slider = SLIDER.replace("M = 3000", "M = 0")
+    clash = "initial = { V = 1, theta = 1, tau = 1 }\n"
+    for loading, table, others in [
+        ("V_lp = 1", "t_end = 1\nrtol = 3", 1),
+        ("V_lp = 1", "t_end = 1\ntimes = [2]", 1),
+        ("V_lp = 1", "times = 'x'", 2),
+        ("V_lp = '1 m'", "t_end = 1", 1),
+        ("t = [0, 1]\nV_lp = [1, 1]", "t_end = 5", 1),
+        ("V_lp = 0", "t_end = 5", 1),
+    ]:
+        lines = told(f"[loading]\n{loading}\n[run]\n{table}\n{clash}", slider=slider)
+        assert len(lines) == 1 + others
+        assert sum(line.startswith("[run] initial: initial V, theta and") for line in lines) == 1
+
+
+def test_only_what_is_near_is_proposed(told):
+    (line,) = told(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
+    assert "did you mean" not in line
+    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}title = 'x'")
+    assert "did you mean" not in line
+
+
+def test_one_thing_is_expected_of_a_sinusoid_and_of_steps(told):
+    (line,) = told(f"[loading]\nV_lp = 1\nsinusoid = {{ amplitude = 2, period = 1 }}\n{RUN}")
+    assert line.endswith(
+        "would move back, expected an amplitude up to V_lp such as "
+        '{ amplitude = "0.05 mm/s", period = "2 s" }'
+    )
+    steps = "steps = [{ t = 2, V_lp = 1 }, { t = 1, V_lp = 2 }]"
+    (line,) = told(f"[loading]\nV_lp = 1\n{steps}\n{RUN}")
+    assert ", expected the steps in order of time such as [ { t" in line
+
+
+def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
+    def refuses(**_):
+        raise ParameterError("a and b fell out with each other")
+
+    monkeypatch.setattr("ratestate.scenario.assemble.SpringSlider", refuses)
+    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}")
+    assert line.startswith(
+        "[slider]: a and b fell out with each other, expected values such as a ="
+    )
 
 
 @pytest.mark.parametrize(
@@ -252,7 +416,10 @@ LOADINGS = [
     ("t = [0, 1]\nV_lp = [1, 2, 3]", "t: has 2 and V_lp 3 values; a series needs as many"),
     ("t = [0, 1, 0.5]\nV_lp = [1, 2, 3]", "t: t[2] = 0.5 s is less than t[1] = 1.0 s"),
     ('t = [0, 20]\nV_lp = [1, "2 mm"]', "V_lp[1]: '2 mm' is a length, expected a speed"),
-    ("columns = [1, 2]\nV_lp = 1", "columns: is given without file, expected beside it"),
+    (
+        "columns = [1, 2]\nV_lp = 1",
+        "columns: is given without file, expected beside one such as file = 'record.csv'",
+    ),
     ("", "V_lp: is missing, expected a speed such as '3.2 mm/s'"),
 ]
 
@@ -267,7 +434,8 @@ def test_bad_loadings(told, table, line):
 RUNS = [
     ("t_end = 10\nV_start = 0", "V_start: 0 m/s must be > 0, expected a speed"),
     ("t_end = [1, 2]", "t_end: a list of 2 makes an axis, expected in [sweep]"),
-    ("t_end = 1e300", None),
+    ("t_end = 1e18", None),
+    ("t_end = 1e300", "t_end: 1e+300 is beyond any usual size, 1e-20 to 1e+18 s, expected a time"),
     ("t_end = inf", "t_end: inf s must be finite, expected a time"),
     ("t_end = 1\ntimes = 'often'", "times: 'often' is not a number with a unit, expected a time"),
     (
@@ -306,7 +474,7 @@ RUNS = [
 def test_bad_runs(told, read, table, line):
     text = f"[loading]\nV_lp = 1e-3\n[run]\n{table}"
     if line is None:
-        assert read(text).settings["t_end"] == 1e300
+        assert read(text).settings["t_end"] == 1e18
         return
     (found,) = told(text)
     assert found.startswith(f"[run] {line}")
@@ -362,7 +530,10 @@ def test_initial_values_that_clash(told):
         ),
         ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder, expected"),
         ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be a file's name, expected"),
-        ('flie = "x.nc"', "flie: unknown key, expected one of file, plot; did you mean file?"),
+        (
+            'flie = "x.nc"',
+            "flie: unknown key, expected one of file, plot such as file = 'out.nc'; did",
+        ),
     ],
 )
 def test_bad_outputs(told, table, line):
@@ -424,7 +595,9 @@ def test_a_verb_for_one_case(read, told):
     scenario = read(text)
     assert (scenario.verb, scenario.settings) == ("limit_cycle", {"V_lp": 1e-3, "rtol": 1e-9})
     lines = told(text + "[sweep]\nverb = 'stability'\nM = [1, 2]")
-    assert lines == ["[sweep] verb: 'stability' is not that of [run], expected one verb"]
+    assert lines == [
+        "[sweep] verb: 'stability' is not that of [run], expected one such as 'limit_cycle'"
+    ]
     (line,) = told(text.replace("1e-9", "1"))
     assert line.startswith("[run] rtol: 1.0 is out of range, expected one number from 1e-12 to")
 
@@ -493,7 +666,7 @@ def test_bounds(told, folder):
     with path.open("wb") as file:
         file.truncate(10**8)
     with pytest.raises(
-        ParameterError, match="it has 100000000 bytes, more than 10000000, expected"
+        ParameterError, match=r"it has 100000000 bytes, more than 10000000 \(long .*\), expected"
     ):
         load(path)
     path.write_text("a" + ".a" * 100_000 + " = 1")

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 import ratestate as rs
 from ratestate import Loading, ParameterError, SpringSlider, files
 from ratestate.loading.written import events_of, rows_of
+from ratestate.quantities import QUANTITIES
 from ratestate.scenario import Output, Scenario, from_result, load, python, run, toml
+from ratestate.scenario.sizes import USUAL
 from ratestate.scenario.words import quantity
 from ratestate.units import is_array, to_si
 
@@ -63,27 +65,32 @@ speeds = st.one_of(st.just(0.0), st.floats(1e-20, 1e3))
 times = st.floats(1e-9, 1e9)
 
 
+def usual(symbol):
+    """Any size that a file takes."""
+    low, high = USUAL.get(symbol) or USUAL[QUANTITIES[symbol].unit]
+    return st.floats(low or 1e-12, high)
+
+
 def axes(symbol):
     """A parameter: one value, a list, or an axis with even spacing."""
-    values = st.lists(positive, min_size=1, max_size=5).map(
+    one = usual(symbol)
+    values = st.lists(one, min_size=1, max_size=5).map(
         lambda found: xr.DataArray(found, dims=symbol)
     )
-    even = st.tuples(positive, positive, st.integers(2, 9)).map(
-        lambda ends: rs.logspace(symbol, *ends)
-    )
-    return st.one_of(positive, positive, values, even)
+    even = st.tuples(one, one, st.integers(2, 9)).map(lambda ends: rs.logspace(symbol, *ends))
+    return st.one_of(one, one, values, even)
 
 
 sliders = st.builds(
     SpringSlider,
     a=axes("a"),
-    b=st.one_of(st.floats(-1e3, 1e3), axes("b")),
+    b=st.one_of(st.floats(-1e2, 1e2), axes("b")),
     Dc=axes("Dc"),
     sigma=axes("sigma"),
     K=st.one_of(st.just(math.inf), axes("K")),
     M=st.one_of(st.just(0.0), axes("M")),
-    mu0=positive,
-    V0=positive,
+    mu0=usual("mu0"),
+    V0=usual("V0"),
     law=st.sampled_from(["slip", "aging"]),
 )
 
@@ -121,7 +128,7 @@ sinusoids = st.builds(
         V_lp, share * V_lp, period=period, t_end=turns * period
     ),
     st.floats(1e-12, 1e3),
-    st.floats(0, 1),
+    st.just(0.0) | st.floats(1e-9, 1),
     times,
     st.floats(0.01, 5),
 )
@@ -131,11 +138,13 @@ sinusoids = st.builds(
 def simulations(draw):
     loading = draw(st.one_of(events(), records(), sinusoids))
     t_end = loading.t_last if np.isfinite(loading.t_last) else draw(st.floats(1e-3, 1e9))
-    chosen = {"loading": loading, "t_end": t_end, "V_start": draw(positive)}
+    chosen = {"loading": loading, "t_end": t_end, "V_start": draw(usual("V_start"))}
     more = {
-        "initial": st.dictionaries(st.sampled_from(["V", "theta"]), positive, min_size=1),
+        "initial": st.fixed_dictionaries({"V": usual("V")}, optional={"theta": usual("theta")}),
         "times": st.one_of(
-            st.lists(st.floats(0, t_end), min_size=1, unique=True).map(sorted).map(np.array),
+            st.lists(st.just(0.0) | st.floats(1e-3 * t_end, t_end), min_size=1, unique=True)
+            .map(sorted)
+            .map(np.array),
             st.just(np.linspace(0, t_end, 7)),
         ),
         "rtol": st.floats(1e-13, 0.1),

@@ -45,18 +45,41 @@ def exit_codes():
 #: keys of a scenario file that are no quantity, and what stands there
 WORDS = {
     "law": "evolution law",
-    "steps": "list of steps, holds and ramps",
-    "sinusoid": "table with `amplitude`, and `period` or `frequency`",
+    "steps": "steps, holds and ramps",
+    "sinusoid": "oscillation about `V_lp`",
     "file loading": "file with a record",
     "columns": "its columns of times and of speeds",
     "units": "their units, where the header has none",
-    "t": "list of times, with as many speeds in `V_lp`",
+    "t": "times of a record, with as many speeds in `V_lp`",
     "verb": "what is computed",
-    "initial": "table with any of `V`, `theta`, `tau` at t = 0, which override the steady start",
-    "times": "times to save: a list, or `{ from, to, n, scale }`",
+    "initial": "values at t = 0 that override the steady start",
+    "times": "times to save",
     "method": "method of integration",
     "file": "file for the numbers",
     "plot": "file for a picture",
+}
+#: of those, what is expected, where the code has no list of it
+FORMS = {
+    "steps": '`[{ t = "1 s", V_lp = "1 mm/s" }]`; `hold` in place of `V_lp`, or `ramp` beside it',
+    "sinusoid": '`{ amplitude = "0.05 mm/s", period = "2 s" }`, or `frequency`',
+    "file loading": "a name that ends in `.csv`, `.tsv` or `.txt`",
+    "columns": '`["time [s]", "V_lp [um/s]"]`, or numbers from 1 on',
+    "units": '`["s", "um/s"]`',
+    "t": '`[0, 10, "20 s"]`',
+    "initial": '`{ V = "1 um/s", theta = "10 s" }`; also `tau`',
+    "times": '`[0.5, "1 s"]`, or `{ from = 0, to = "200 s", n = 2001 }`',
+}
+#: what a key stands for that is not given
+OTHERWISE = {
+    "V_lp loading": "needed, but with `file`",
+    "t_end run": "needed",
+    "V_start run": "by default the first speed of the loading",
+    "times run": "by default the solver's own steps",
+    "rtol run": "by default `1e-6`; of another `verb`, `1e-8`",
+    "method run": '"rodas5p" by default',
+    "dt run": "for im2017 only, which needs it",
+    "verb run": '"simulate" by default',
+    "verb sweep": "needed",
 }
 
 
@@ -84,7 +107,7 @@ def _key(table, key):
     from ratestate.scenario.simple import WORDS as CHOICES
 
     said = WORDS.get(f"{key} {table}", WORDS.get(key))
-    wanted = ""
+    wanted = FORMS.get(f"{key} {table}", FORMS.get(key, ""))
     if said is None:
         said, wanted = QUANTITIES[key].long_name, expected(key).removeprefix("expected ")
     elif key in CHOICES:
@@ -102,7 +125,8 @@ def _otherwise(table, key):
     from ratestate.scenario.tables import SLIDER
 
     if table != "slider":
-        return ""
+        said = OTHERWISE.get(f"{key} {table}")
+        return f"; {said}" if said else ""
     defaults = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
     return "; needed" if key in SLIDER.required else f"; by default `{defaults[key]!r}`"
 

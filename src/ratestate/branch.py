@@ -150,6 +150,14 @@ def _dataset(family, branch, hopf, given):
     return result
 
 
+def check_rtol(rtol):
+    """Raise ParameterError for an rtol to which no branch is followed."""
+    if not 1e-10 <= rtol <= 1e-4:
+        raise ParameterError(
+            f"rtol = {rtol!r} is out of range; expected one number from 1e-10 to 1e-4 such as 1e-8"
+        )
+
+
 def followed(slider, parameter, start, stop, V_lp, rtol):
     """`Family`, and dict of start and stop; ParameterError where they make no sense."""
     checked(slider)
@@ -172,8 +180,7 @@ def followed(slider, parameter, start, stop, V_lp, rtol):
         values["V_lp"] = to_si("V_lp", V_lp)
     if arrays := [symbol for symbol, value in {**values, "rtol": rtol}.items() if is_array(value)]:
         raise ParameterError(f"{arrays[0]} is an array: a branch is that of one slider")
-    if not 1e-10 <= rtol <= 1e-4:
-        raise ParameterError(f"rtol = {rtol!r} must be from 1e-10 to 1e-4, such as 1e-8")
+    check_rtol(rtol)
     values |= {parameter: given["start"]}
     for symbol, value in {**values, **given}.items():
         if symbol in (*PARAMETERS, "start", "stop") and symbol != "b" and not 0 < value < np.inf:

@@ -25,17 +25,20 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0
     """
     a, b, Dc, sigma, K, M, V0 = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V0"))
     asked = {"observe": observe, "max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol}
+    with np.errstate(over="ignore"):  # what leaves double precision ends as not finite
+        eta0 = M * V0**2 / (a * sigma * Dc)
+        v_limit = np.where(M == 0.0, np.log(V_LIMIT / V0), np.inf)
     return Cases(
         kappa=K * Dc / (a * sigma),
         beta=b / a,
-        eta0=M * V0**2 / (a * sigma * Dc),
+        eta0=eta0,
         scale=V0 / Dc,
         V0=V0,
         y=np.ascontiguousarray(y0),
         t_end=np.asarray(t_end, float),
         loading=loading,
         times=times,
-        v_limit=np.where(M == 0.0, np.log(V_LIMIT / V0), np.inf),
+        v_limit=v_limit,
         **{name: np.broadcast_to(value, batch.n).astype(float) for name, value in asked.items()},
     )
 

@@ -91,7 +91,9 @@ def energy_residual(batch, loading, cases, y0, results):
     x0, v0, _ = y0.T
     x1, v1, _ = results.final.T
     load, friction = (results.numbers[:, NUMBERS.index(n)] for n in ("load_work", "dissipation"))
-    kinetic = 0.5 * cases.eta0 * (np.exp(2.0 * v1) - np.exp(2.0 * v0))
+    with np.errstate(over="ignore", invalid="ignore"):  # for V0 beyond 1e-150 of the speeds
+        kinetic = 0.5 * cases.eta0 * (np.exp(2.0 * v1) - np.exp(2.0 * v0))
+    kinetic = np.where(cases.eta0 > 0.0, kinetic, 0.0)
     spring = (x1 - x0) * (x1 + x0) / (2.0 * cases.kappa)
     base = batch.flat("mu0") / batch.flat("a")
     advance = batch.of(loading.delta_lp, batch.flat("t_end")[:, None])[:, 0] / batch.flat("Dc")

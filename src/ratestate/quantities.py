@@ -137,12 +137,12 @@ def attrs(symbol):
     return {"units": QUANTITIES[symbol].unit, "long_name": QUANTITIES[symbol].long_name}
 
 
-def expected(symbol):
-    """The end of an error message: what a value of this quantity looks like."""
+def expected(symbol, unit=True):
+    """The end of an error message: what a value of this quantity looks like, and its SI unit."""
     quantity = QUANTITIES[symbol]
     kind, example = KINDS[quantity.unit]
-    unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
-    return f"expected {kind}{unit} such as {quantity.example or example}"
+    si = f" [{quantity.unit}]" if unit and quantity.unit != "1" else ""
+    return f"expected {kind}{si} such as {quantity.example or example}"
 
 
 def power_of(unit, value):
@@ -175,3 +175,15 @@ def readable(symbol, value, digits=4):
         return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")
     power = power_of(unit, value)
     return f"{value / 10.0**power:.{digits}g} {PREFIXES[power]}{unit}"
+
+
+def readable_multiplier(value):
+    """A Floquet multiplier as text; a real one near 1 by what it lacks.
+
+    >>> readable_multiplier(0.5 + 0.25j), readable_multiplier(1 - 7e-7)
+    ('0.5+0.25i', '1 - 7e-07')
+    """
+    x, y = value.real, value.imag
+    if abs(y) > 1e-12 * abs(value):
+        return f"{x:.4g}{y:+.4g}i"
+    return f"1 - {1 - x:.3g}" if 0.0 < 1.0 - x < 5e-5 else f"{x:.4g}"

@@ -12,6 +12,9 @@ import numpy as np
 from .modes import steady_modes
 from .units import is_array
 
+# Of K/K_c_qs: a K this little above K_c_qs is not known to be.
+ROUNDING = 1e-15
+
 
 def eta(V, *, a, Dc, sigma, M):
     """Dynamic instability coefficient M V^2/(sigma a Dc) [1] for sliding at V [m/s] (eq. 7)."""
@@ -44,8 +47,8 @@ def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
 def V_c(*, a, b, Dc, sigma, K, M):
     """Critical velocity [m/s] (eq. 10): steady sliding at V > V_c is unstable.
 
-    0 where sliding is unstable at any speed (K <= K_c_qs), inf where at none (b <= a, K = inf,
-    or M = 0 with K > K_c_qs).
+    0 where sliding is unstable at any speed (K <= K_c_qs, to rounding), inf where at none (b <= a,
+    K = inf, or M = 0 with K > K_c_qs).
     """
     return _elementwise(_V_c, a, b, Dc, sigma, K, M)
 
@@ -53,7 +56,7 @@ def V_c(*, a, b, Dc, sigma, K, M):
 def _V_c(a, b, Dc, sigma, K, M):
     with np.errstate(divide="ignore", invalid="ignore"):
         excess = K * Dc / ((b - a) * sigma) - 1
-        critical = np.where(excess > 0, np.sqrt(sigma * a * Dc / M * np.abs(excess)), 0.0)
+        critical = np.where(excess > ROUNDING, np.sqrt(sigma * a * Dc / M * np.abs(excess)), 0.0)
     return np.where(b > a, critical, np.inf)
 
 

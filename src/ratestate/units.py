@@ -13,12 +13,21 @@ from decimal import Decimal
 import numpy as np
 
 from .errors import ParameterError
-from .quantities import KINDS, QUANTITIES, attrs, expected
+from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected
 
 #: names of dimensions that results need for themselves
 RESERVED = {"time", "mode", "segment"}
 _PREFIXES = dict(zip("nuµμmckMG", (-9, -6, -6, -6, -3, -2, 3, 6, 9), strict=True)) | {"": 0}
-_NUMBER = re.compile(r"\s*([-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf|nan))\s*(.*?)\s*")
+# A number goes as far as it can, and nothing like a second one may touch it: no "1e1e1 um".
+_NUMBER = re.compile(
+    r"\s*((?>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf|nan)))(?![eE]?[-+]?[\d.])"
+    r"\s*(.*?)\s*"
+)
+# Names, powers and what joins them; pint by itself takes what follows a # for a comment.
+_EXPRESSION = re.compile(
+    r"(?:[^\W\d]\w*+(?:-\d++)?|[%\u00b0]|1(?![\d.])"
+    r"|(?:\*\*|\^)\s*+\(?\s*+[-+]?\d++(?:\.\d++)?|[*/()\u00b7\s\u207b])++"
+)
 
 
 def is_array(value):
@@ -122,7 +131,16 @@ def _convert(symbol, number, unit, given):
     except ArithmeticError:  # decimal exponents of ten digits
         raise ParameterError(f"{given} is beyond any size; {expected(symbol)}") from None
     except ValueError as error:
-        raise ParameterError(f"{given} {error}; {expected(symbol)}") from None
+        raise ParameterError(f"{given} {error}; {expected(symbol)}{_meant(symbol, unit)}") from None
+
+
+def _meant(symbol, unit):
+    """The end of a message: the unit that this would be in other letters, small or capital."""
+    si = QUANTITIES[symbol].unit
+    usual = (PREFIXES[power] + si for power in POWERS.get(si, (0,)))
+    plain = unit.replace("^", "").lower()
+    near = [known for known in usual if si != "1" and known.replace("^", "").lower() == plain]
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 @functools.lru_cache(maxsize=1000)
@@ -138,6 +156,8 @@ def _factor(si, unit):
         return Decimal(1).scaleb(_PREFIXES[prefix])
     # "kg/m2" and "m s-1", as CF writes them, mean "kg/m**2" and "m s**-1"
     text = re.sub(r"(?<![\w.])([A-Za-z]+)(-?\d)(?![\d.])", r"\1**\2", unit)
+    if not _EXPRESSION.fullmatch(unit):
+        raise ValueError(f"has an unknown unit {unit!r}")
     try:
         one = _registry().Quantity(Decimal(1), text)
     except Exception:  # pint raises a dozen kinds, down to AssertionError

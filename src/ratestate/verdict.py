@@ -9,12 +9,12 @@ import xarray
 from .coexistence import folds
 from .cycles import limit_cycle
 from .engine.model import STEADY_SLIDING
-from .errors import ParameterError, QuasiStaticInstability, SolverError
+from .errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from .regimes import UNKNOWN, classify
 from .slider import SpringSlider, checked
 from .steady import stability
 from .units import is_array, to_si
-from .wording import RUNAWAY, sentences
+from .wording import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
 
 # K/K_c up to which `folds` is asked; the aging law's branches fold below 1.016, for any b/a.
 STRIP = 1.02
@@ -31,8 +31,10 @@ class Verdict:
         Load-point velocity [m/s].
     regime : str
         "steady", "slow stick-slip", "stick-slip" or "quasi-harmonic" (see
-        `ratestate.regimes.classify`), "runaway" (M = 0: no motion beyond some time), or "unknown"
-        where no cycle was found, as the text says.
+        `ratestate.regimes.classify`): what is reached from steady sliding at a tenth of the speed.
+        Without mass (M = 0) also "runaway": no motion beyond some time; and "conditionally
+        stable" where that start runs away but small disturbances of steady sliding die.
+        "unknown" where it was not found out, as the text says.
     stable : bool
         Whether steady sliding is: K > K_c.
     K_c, K_c_qs : float
@@ -80,6 +82,16 @@ class Verdict:
     def fade(self):
         """Cycles in which a small disturbance of the cycle falls to a tenth; None without one."""
         return None if self.multiplier is None else _tenth(abs(self.multiplier))
+
+    @property
+    def on_edge(self):
+        """Whether K = K_c to 8 digits: then ``stable`` is a matter of rounding."""
+        return on_edge(self.slider.K, self.K_c)
+
+    @property
+    def of_steady_sliding(self):
+        """Sentences on steady sliding alone, which hold whatever the motion."""
+        return tuple(of_steady_sliding(self))
 
     @property
     def text(self):
@@ -131,11 +143,8 @@ def judge(slider, V_lp, cycle):
     names = ("K_c", "K_c_qs", "V_c", "eta", "f_n", "growth_rate", "omega")
     found: dict[str, Any] = {name: float(steady[name]) for name in names}
     found["stable"] = bool(steady.stable)
-    if isinstance(cycle, QuasiStaticInstability):
-        found["regime"] = RUNAWAY
-    elif isinstance(cycle, SolverError):
-        found["regime"] = UNKNOWN
-    else:
+    found["regime"] = UNKNOWN
+    if not isinstance(cycle, SolverError):
         found["regime"] = str(classify(cycle).regime.values)
         found["amplitude"] = float(cycle.amplitude)
         found["V_max"], found["V_min"] = float(cycle.V_max), float(cycle.V_min)
@@ -145,7 +154,11 @@ def judge(slider, V_lp, cycle):
     if found["stable"] and 0.0 < slider.K < STRIP * found["K_c"]:
         found["K_fold"] = _fold(slider, found["eta"])
     bare = Verdict(slider=slider, V_lp=V_lp, **found)
-    why = str(cycle).partition("\n")[0] if isinstance(cycle, SolverError) else ""
+    if isinstance(cycle, QuasiStaticInstability):
+        small = bare.stable and not bare.on_edge
+        bare = dataclasses.replace(bare, regime=CONDITIONAL if small else RUNAWAY)
+    settled = isinstance(cycle, NotConverged) or not isinstance(cycle, SolverError)
+    why = "" if settled else str(cycle).partition("\n")[0]
     return dataclasses.replace(bare, sentences=tuple(sentences(bare, why)))
 
 

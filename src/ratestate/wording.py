@@ -2,37 +2,61 @@
 
 import numpy as np
 
-from .quantities import readable
+from .quantities import long_time, readable, readable_multiplier
+from .quasi_static import runaway_step_lower_bound
 from .regimes import HARMONIC, SLOW, STEADY, STICK_SLIP, UNKNOWN
 
-#: regime, besides those of `ratestate.regimes`: V grows without bound (M = 0)
-RUNAWAY = "runaway"
-# eta below which inertia changes K_c by no more than its digits in the text.
-UNFELT = 1e-4
-YEAR = 365.25 * 86400.0  # s
+#: regimes besides those of `ratestate.regimes`, both without mass: V grows without bound; it does
+#: after a large disturbance only
+RUNAWAY, CONDITIONAL = "runaway", "conditionally stable"
+# eta below which inertia changes K_c by no more than its digits in the text, where besides it is
+# this small a part of the distance of K from K_c_qs.
+UNFELT, SMALL = 1e-4, 0.01
+# Relative distance from K_c at which a slider is neither called stable nor unstable.
+EDGE = 1e-8
 
 
 def sentences(found, why):
     """A `Verdict` in words, the motion first.
 
-    why : of one without an answer, what stopped the search
+    why : of one without an answer, what stopped the search; empty if it found nothing to settle on
     """
-    told = (motion(found, why), stability(found), inertia(found), fading(found), beside(found))
-    return [sentence for sentence in told if sentence]
+    return _told(motion(found, why), *_steady(found), fading(found), beside(found))
+
+
+def of_steady_sliding(found):
+    """Only what a `Verdict` says of steady sliding, whatever the motion."""
+    return _told(*_steady(found))
+
+
+def _steady(found):
+    return stability(found), inertia(found)
+
+
+def _told(*texts):
+    return [text for text in texts if text]
+
+
+def on_edge(K, K_c):
+    """Whether K = K_c to so many digits that only a nonlinear theory decides."""
+    return bool(K_c > 0.0 and abs(K / K_c - 1.0) < EDGE)
 
 
 def motion(found, why):
     """What is seen."""
+    V = readable("V_lp", found.V_lp)
     if found.regime == STEADY:
-        return f"Steady sliding at {readable('V_lp', found.V_lp)}."
+        return f"Steady sliding at {V}."
+    if found.regime == CONDITIONAL:
+        return _conditional(found)
     if found.regime == RUNAWAY:
-        start = ", from steady sliding at a tenth of the speed on," if found.stable else ""
+        start = ", from steady sliding at a tenth of the speed on," if found.on_edge else ""
         return (
             f"Runaway: without mass (M = 0){start} the slip velocity grows without bound within a "
             f"finite time, and no cycle is reached; give M > 0."
         )
     if found.regime == UNKNOWN:
-        return f"No cycle is known here: {why}"
+        return _unsettled(found, why)
     swing = f"tau/sigma swings by {found.amplitude:.4g}"
     if found.regime == HARMONIC:
         between = f"V between {_range('V', found.V_min, found.V_max)}"
@@ -48,6 +72,37 @@ def motion(found, why):
     )
 
 
+def _conditional(found):
+    """A stable slider without mass that a large disturbance makes run away."""
+    p = found.slider.values
+    safe = runaway_step_lower_bound(**{name: p[name] for name in ("a", "b", "Dc", "sigma", "K")})
+    return (
+        f"Steady sliding at {readable('V_lp', found.V_lp)} is stable against small disturbances; "
+        f"without mass (M = 0) a large one, such as the start from a tenth of the speed, runs "
+        f"away: V grows without bound within a finite time. A step up by a factor of less than "
+        f"{np.floor(100 * safe) / 100:.4g} does not; give M > 0 to see what follows."
+    )
+
+
+def _unsettled(found, why):
+    """A slider of which it is not known where the start from a tenth of the speed leads."""
+    ended = f": {why.removesuffix('.')}" if why else ""
+    if found.stable and not found.on_edge:
+        return (
+            f"Steady sliding at {readable('V_lp', found.V_lp)} is stable; whether a large "
+            f"disturbance (the start from a tenth of the speed) returns to it was not "
+            f"settled{ended}."
+        )
+    if found.slider.M == 0.0 and not why:
+        grows = "hardly grows or fades" if found.on_edge else "grows from turn to turn"
+        return (
+            f"No cycle is singled out: without mass (M = 0) a swing about steady sliding {grows}; "
+            f"give M > 0."
+        )
+    none = ": the motion settles into none that repeats after one turn and is known to 1 %"
+    return f"No cycle is known here{ended or none}."
+
+
 def stability(found):
     """Whether steady sliding holds, and up to which speed."""
     slider = found.slider
@@ -59,10 +114,16 @@ def stability(found):
             "stiffness and any speed."
         )
     K, K_c = readable("K", slider.K), readable("K_c", found.K_c)
+    if found.on_edge:
+        return (
+            f"K = {K} is K_c to 8 digits, the edge of stability: small disturbances of steady "
+            f"sliding hardly grow or fade."
+        )
     held = f"K = {K} is {_compared(slider.K / found.K_c)} K_c = {K_c}: steady sliding is "
     held += "stable" if found.stable else "unstable"
     if found.V_c == 0.0:
-        return f"{held}, as it is at any speed where K < K_c_qs."
+        side = "<" if found.K_c_qs > slider.K else "<="
+        return f"{held}, as it is at any speed where K {side} K_c_qs."
     if np.isinf(found.V_c):
         return f"{held}, as it is at any speed without mass."
     side = "below" if found.stable else "above"
@@ -74,7 +135,8 @@ def inertia(found):
     if found.K_c_qs <= 0.0 or np.isinf(found.slider.K) or found.slider.M == 0.0:
         return ""
     K_c_qs = f"K_c_qs = {readable('K_c_qs', found.K_c_qs)}"
-    if found.eta < UNFELT:
+    away = abs(found.slider.K / found.K_c_qs - 1.0)
+    if found.eta < min(UNFELT, SMALL * away):
         raised = f"eta = {found.eta:.3g}: inertia leaves K_c at {K_c_qs}"
     elif found.eta < 1.0:
         raised = f"eta = {found.eta:.3g}: inertia raises K_c by {100 * found.eta:.2g} % of {K_c_qs}"
@@ -89,6 +151,8 @@ def inertia(found):
 
 def fading(found):
     """How a small disturbance dies."""
+    if found.on_edge and found.regime == STEADY:
+        return ""
     if found.regime == STEADY and found.growth_rate < 0.0:
         time = _time(-np.log(10.0) / found.growth_rate)
         rings = f", ringing at {readable('frequency', found.omega / (2 * np.pi), 3)}"
@@ -97,7 +161,7 @@ def fading(found):
         )
     if found.fade is None:
         return ""
-    largest = f"largest Floquet multiplier {_complex(found.multiplier)}"
+    largest = f"largest Floquet multiplier {_multiplier(found.multiplier)}"
     if found.fade <= 1.0:
         return f"A small disturbance is down to a tenth within a cycle ({largest})."
     time = _time(found.fade * found.period)
@@ -106,7 +170,7 @@ def fading(found):
 
 def beside(found):
     """What else is stable."""
-    if found.stable and found.multiplier is not None:
+    if found.stable and found.multiplier is not None and not found.on_edge:
         return (
             "Steady sliding is stable as well; this cycle is reached from a tenth of the speed, "
             "and the start decides."
@@ -119,28 +183,24 @@ def beside(found):
     return ""
 
 
-def _complex(value):
-    """A multiplier as text."""
-    if abs(value.imag) > 1e-12 * abs(value):
-        return f"{value.real:.3g} +- {abs(value.imag):.3g}i, of size {abs(value):.3g}"
-    return f"{value.real:.4g}"
+def _multiplier(value):
+    """A multiplier as text, with the size of a complex one."""
+    text = readable_multiplier(value)
+    return f"{text}, of size {abs(value):.3g}" if text.endswith("i") else text
 
 
 def _compared(ratio):
     """A ratio as text: near 1 the difference."""
     if abs(ratio - 1.0) >= 0.1:
         return f"{ratio:.4g} times"
-    if abs(ratio - 1.0) < 1e-8:
-        return "at"
     return f"{100 * abs(ratio - 1.0):.2g} % {'above' if ratio > 1.0 else 'below'}"
 
 
 def _time(seconds):
-    """A time as text; a long one also in years or days."""
+    """A time as text; a long one also in years, days or hours."""
     text = readable("t", seconds)
-    for name, size in (("years", YEAR), ("days", 86400.0), ("hours", 3600.0)):
-        if seconds >= 2.0 * size:
-            return f"{text} ({seconds / size:.3g} {name})"
+    if long := long_time(seconds):
+        return f"{text} ({seconds / long[1]:.3g} {long[0]})"
     return text
 
 

@@ -8,17 +8,20 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray
 
+    from .spoken import Spoken
+
 # Attributes of a result that hold JSON.
 NESTED = ("slider", "V_lp", "V_start", "t_end", "initial", "loading", "versions")
 
 
-def document(result: "xarray.Dataset", judged: Any = None) -> str:
+def document(result: "xarray.Dataset", said: "Spoken | None" = None) -> str:
     """A result as text: strict JSON, numbers in SI, null for what is unknown.
 
     Keys: ``ratestate`` (version), ``title``, ``dims`` (name -> size), ``coords`` and
     ``data_vars`` (name -> ``dims``, ``attrs`` with ``units`` and ``long_name``, ``data``; complex
     ones as NAME_real and NAME_imag), ``attrs`` (what it was made with), ``failed`` (cases), and of
-    one slider ``verdict`` (``regime``, ``text``).  Infinite numbers are the texts "inf" and "-inf".
+    one slider ``verdict`` (``about``: of what it holds; ``regime``, null where it tells none;
+    ``text``).  Infinite numbers are the texts "inf" and "-inf".
     """
     from ..files import split
     from .job import failed
@@ -34,8 +37,8 @@ def document(result: "xarray.Dataset", judged: Any = None) -> str:
         "attrs": attrs,
         "failed": failed(result),
     }
-    if judged:
-        found["verdict"] = {"regime": judged.regime, "text": judged.text}
+    if said:
+        found["verdict"] = said._asdict()
     return strict(found)
 
 

@@ -64,8 +64,10 @@ def _told(error: Exception) -> tuple[str, int]:
     match error:
         case RateStateError():
             return f"error: {error}", FAILED
+        case OSError(filename=str(name), strerror=str(why)):
+            return f"error: {name}: {why}", FAILED
         case OSError():
-            return f"error: cannot write: {error}", FAILED
+            return f"error: {error.strerror or error}", FAILED
         case MemoryError():
             return "error: not enough memory; ask for less at a time", FAILED
         case _:

@@ -1,6 +1,7 @@
 """``ratestate init``: a scenario file to start from."""
 
 import enum
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -34,6 +35,7 @@ def init(
 
     Example: ratestate init brake
     """
+    from ..files import checked, replace
     from ..scenario import template
 
     text = template(kind.value)
@@ -43,11 +45,9 @@ def init(
         return
     if path.suffix.lower() != ".toml":
         raise typer.BadParameter(f"{str(path)!r} does not end in .toml", param_hint="--out")
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise ParameterError(f"{path} exists; give another name with --out") from None
+    if os.path.lexists(path):
+        raise ParameterError(f"{path} exists; give another name with --out")
+    replace(checked(path, (".toml",)), lambda partial: partial.write_text(text, "utf-8"))
     say(
         f"{path} is written: open it, read it, change it.  Then\n"
         f"  ratestate run {path} --plot {path.stem}.png    what happens\n"

@@ -2,18 +2,34 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from ..errors import NotConverged, ParameterError
+from ..errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from .ends import SOME_FAILED
 from .say import say, show
+from .spoken import instead, spoken
 
 if TYPE_CHECKING:
     import xarray
 
     from ..scenario import Output, Scenario
+    from .spoken import Spoken
+
+
+#: what a sweep in memory may take: of limit cycles, or of stability, some 2e7 cases
+MOST_BYTES = 3 * 10**9
+
+
+def scenario_of(file: Path, verb: str | None = None) -> "Scenario":
+    """The scenario of a file, or of what standard input holds if that is what is named."""
+    from ..scenario import LARGEST, load, loads
+
+    if file != Path("-"):
+        return load(file, verb)
+    text = typer.get_binary_stream("stdin").read(LARGEST + 1)
+    return loads(text, verb, name="standard input")
 
 
 def do(asked: "Scenario", out: Path | None, plot: Path | None, json: bool) -> None:
@@ -27,7 +43,7 @@ def do(asked: "Scenario", out: Path | None, plot: Path | None, json: bool) -> No
             raise
         problem, result = error, error.best  # a part of a branch is worth having
     keep(result, output)
-    tell(result, spoken(asked, result), json)
+    tell(result, None if axes(asked) else spoken(asked, result), json)
     draw(result, output)
     if problem:
         typer.echo(f"error: {problem}", err=True)
@@ -64,28 +80,26 @@ def perform(asked: "Scenario") -> "xarray.Dataset":
     from ..scenario import run
 
     if not axes(asked):
-        return run(asked)
+        try:
+            return run(asked)
+        except (NotConverged, QuasiStaticInstability) as error:
+            if asked.verb != "limit_cycle":
+                raise
+            raise SolverError(instead(asked, error)) from error
+    from ..sweeps.calls import call_of
+    from ..sweeps.solve import bytes_of_a_case, form_of
     from ..sweeps.verb import sweep
 
+    _, call = call_of(asked.verb, asked.slider, asked.settings)
+    cases, each = call.batch.n, bytes_of_a_case(form_of(call).kinds)
+    if cases * each > MOST_BYTES:
+        raise ParameterError(
+            f"the results of {cases:,} cases take {cases * each / 1e9:.3g} GB, and no more than "
+            f"{MOST_BYTES / 1e9:.3g} GB are kept in memory; use ratestate sweep FILE --store "
+            f"x.zarr, or fewer cases"
+        )
     progress = sys.stderr is not None and sys.stderr.isatty()
     return sweep(asked.verb, asked.slider, progress=progress, **asked.settings)
-
-
-def spoken(asked: "Scenario", result: "xarray.Dataset") -> Any:
-    """The `Verdict` on a single slider, or None."""
-    from ..verdict import judge, verdict
-
-    if axes(asked) or asked.verb == "continue_cycle":
-        return None
-    if asked.verb == "limit_cycle":
-        return judge(asked.slider, asked.settings["V_lp"], result)
-    if asked.verb == "stability":
-        return verdict(asked.slider, asked.settings["V_lp"])
-    loading = asked.settings["loading"]
-    if loading.sine is not None:
-        return verdict(asked.slider, loading.sine.V_lp)
-    V, rate = float(loading.V[-1]), float(loading.rate[-1])
-    return verdict(asked.slider, V) if V > 0.0 and rate == 0.0 else None
 
 
 def keep(result: "xarray.Dataset", output: "Output") -> None:
@@ -97,16 +111,16 @@ def keep(result: "xarray.Dataset", output: "Output") -> None:
         typer.echo(f"wrote {output.file}", err=True)
 
 
-def tell(result: "xarray.Dataset", judged: Any, json: bool) -> None:
-    """Print the result, and the verdict if there is one."""
+def tell(result: "xarray.Dataset", said: "Spoken | None", json: bool) -> None:
+    """Print the result, and what is said of it in words."""
     if json:
         from .document import document
 
-        say(document(result, judged))
+        say(document(result, said))
     else:
         from .report import report
 
-        show(*report(result, judged))
+        show(*report(result, said))
 
 
 def draw(result: "xarray.Dataset", output: "Output") -> None:

@@ -8,7 +8,9 @@ import typer
 File = Annotated[
     Path,
     typer.Argument(
-        metavar="FILE.toml", help="Scenario file; 'ratestate init' writes one.", show_default=False
+        metavar="FILE.toml|-",
+        help="Scenario file, or - for standard input; 'ratestate init' writes one.",
+        show_default=False,
     ),
 ]
 Out = Annotated[

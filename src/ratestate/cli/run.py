@@ -12,8 +12,8 @@ def run(
     file: Annotated[
         Path | None,
         typer.Argument(
-            metavar="FILE.toml",
-            help="Scenario file; 'ratestate init' writes one.",
+            metavar="FILE.toml|-",
+            help="Scenario file, or - for standard input; 'ratestate init' writes one.",
             show_default=False,
         ),
     ] = None,
@@ -36,8 +36,7 @@ def run(
 
     Example: ratestate run lab.toml --plot lab.png
     """
-    from ..scenario import load
-    from .job import do
+    from .job import do, scenario_of
 
     if (file is None) == (source is None):
         raise typer.BadParameter("give either a file or --from RESULT", param_hint="FILE.toml")
@@ -47,5 +46,5 @@ def run(
 
         asked = from_result(read(source))
     elif file is not None:
-        asked = load(file)
+        asked = scenario_of(file)
     do(asked, out, plot, json)

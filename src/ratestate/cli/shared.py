@@ -21,9 +21,12 @@ class Law(enum.StrEnum):
 
 def writable(out: Path) -> None:
     """Make the folder, and see whether it takes files: rather now than after minutes of work."""
-    out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=out):
-        pass
+    from ..files import writing
+
+    with writing(out):
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
 
 
 @contextlib.contextmanager

@@ -65,12 +65,12 @@ def tell(store: Path, file: Path | None, json: bool) -> None:
 
 def _differences(store: Path, file: Path) -> list[str]:
     """In what a file's sweep differs from a store's, a line each."""
-    from ..scenario import load
     from ..sweeps.calls import call_of
     from ..sweeps.inputs import differences, inputs_of
     from ..sweeps.store import read
+    from .job import scenario_of
 
-    asked = load(file)
+    asked = scenario_of(file)
     _, stored = read(store)
     return differences(stored, inputs_of(*call_of(asked.verb, asked.slider, asked.settings)))
 

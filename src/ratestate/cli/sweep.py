@@ -88,10 +88,9 @@ def sweep(
                 "missing; only --status can do without", param_hint="FILE.toml"
             )
         else:
-            from ..scenario import load
-            from .job import places
+            from .job import places, scenario_of
 
-            asked = load(file)
+            asked = scenario_of(file)
             output = places(asked, out, plot)
             with _client(scheduler, slurm) as client:
                 _run(asked, output, store, json, client=client, chunk=chunk, device=device.value)

@@ -71,10 +71,10 @@ def _do(
 
     changes : what makes of a limit cycle a branch
     """
-    from ..scenario import Output, load
-    from .job import do
+    from ..scenario import Output
+    from .job import do, scenario_of
 
-    asked = dataclasses.replace(load(file, verb), output=Output())
+    asked = dataclasses.replace(scenario_of(file, verb), output=Output())
     if changes:
         settings = asked.settings | changes
         if changes["parameter"] == "V_lp":

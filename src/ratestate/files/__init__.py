@@ -2,7 +2,7 @@
 
 from .formats import read, write
 from .parts import joined, split
-from .place import NUMBERS, PICTURES, checked, replace
+from .place import NUMBERS, PICTURES, checked, replace, writing
 from .table import csv_text
 
 __all__ = [
@@ -15,4 +15,5 @@ __all__ = [
     "replace",
     "split",
     "write",
+    "writing",
 ]

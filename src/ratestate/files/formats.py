@@ -52,14 +52,16 @@ def read(path):
             f"{path}: a result is read from a name that ends in .nc or .zarr"
             + (" (a .csv file lacks the parameters)" if ending == ".csv" else "")
         )
-    if not path.exists():
-        raise ParameterError(f"{path} does not exist")
     try:
+        if not path.exists():
+            raise ParameterError(f"{path} does not exist")
         if ending == ".zarr":
             with xarray.open_zarr(path, chunks=None) as opened:
                 return _plain_text(opened.load())
         with xarray.open_dataset(path, engine="h5netcdf") as opened:
             return joined(opened.load())
+    except ParameterError:
+        raise
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         raise ParameterError(f"{path} cannot be read as a result: {error}") from None
 

@@ -1,5 +1,7 @@
 """Places for files: found good or bad beforehand, and filled at once."""
 
+import contextlib
+import os
 import shutil
 import tempfile
 import uuid
@@ -36,7 +38,7 @@ def checked(path, endings):
         raise ParameterError(f"{path} is {what} and is not replaced; give another name")
     if not path.parent.is_dir():
         raise ParameterError(f"{path}: there is no folder {path.parent}; make it first")
-    with tempfile.TemporaryFile(dir=path.parent):
+    with writing(path), tempfile.TemporaryFile(dir=path.parent):
         pass
     return path
 
@@ -47,20 +49,33 @@ def replace(path, write):
     write : function of a path, which makes a file or folder there
     """
     partial = path.with_name(f".{path.stem}.{uuid.uuid4().hex}.partial{path.suffix}")
-    try:
-        write(partial)
-        if path.is_dir():
-            old = partial.with_name(f"{partial.name}.old")
-            path.rename(old)
-            partial.rename(path)
-            shutil.rmtree(old)
-        else:
-            partial.replace(path)
-    finally:
-        if partial.is_dir():
-            shutil.rmtree(partial)
-        partial.unlink(missing_ok=True)
+    with writing(path):
+        try:
+            write(partial)
+            if path.is_dir():
+                old = partial.with_name(f"{partial.name}.old")
+                path.rename(old)
+                partial.rename(path)
+                shutil.rmtree(old)
+            else:
+                partial.replace(path)
+        finally:
+            if partial.is_dir():
+                shutil.rmtree(partial)
+            partial.unlink(missing_ok=True)
     return path
+
+
+@contextlib.contextmanager
+def writing(path):
+    """Let an OSError be about the path that was asked for, not about a file beside it."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None:
+            raise OSError(f"{path}: cannot be written: {error}") from error
+        why = f"cannot be written: {os.strerror(error.errno)}"
+        raise OSError(error.errno, why, str(path)) from error
 
 
 def _is_result(path):

@@ -47,10 +47,16 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
         from matplotlib import pyplot
 
         ax = pyplot.subplots()[1]
+    return diagram(data, ax, 1.0, QUANTITIES[data.attrs["parameter"]].unit, color, label)
+
+
+def diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
+    """Draw a `branch` over the parameter times a factor, which is in this unit."""
     symbol = data.attrs["parameter"]
     x, amplitude, special = (data[name].values for name in (symbol, "amplitude", "special"))
     at = np.geomspace(x.min() / 1.05, x.max() * 1.05, 2001)
     stable = _steady_is_stable(data, symbol, at)
+    x, at = factor * x, factor * at
     _pieces(ax, at, np.zeros_like(at), stable[:-1], color="k", label="steady sliding")
     # Where a multiplier is on the unit circle, rounding would tell stable from unstable.
     turning = np.isin(special, ["hopf", "fold", "period_doubling", "torus"])
@@ -60,11 +66,8 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
         if (here := special == kind).any():
             style = {"mfc": face, "mec": "k", "mew": 0.8, "ms": 4.5, "zorder": 5}
             ax.plot(x[here], amplitude[here], marker, ls="", label=_once(ax, name), **style)
-    quantity = QUANTITIES[symbol]
-    unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
-    ax.set(
-        xlabel=f"{quantity.long_name.capitalize()} {symbol_text(symbol)}{unit}", ylabel=AMPLITUDE
-    )
+    name = f"{QUANTITIES[symbol].long_name.capitalize()} {symbol_text(symbol)}"
+    ax.set(xlabel=name + ("" if unit in ("", "1") else f" [{unit}]"), ylabel=AMPLITUDE)
     if x.max() > NARROW * x.min():
         ax.set_xscale("log")
     ax.legend()

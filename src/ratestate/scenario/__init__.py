@@ -48,17 +48,19 @@
 
 from .as_python import python
 from .as_toml import toml
-from .files import load
+from .files import LARGEST, load, loads
 from .model import Output, Scenario, run
 from .results import from_result
 from .starts import TEMPLATES, template
 
 __all__ = [
+    "LARGEST",
     "TEMPLATES",
     "Output",
     "Scenario",
     "from_result",
     "load",
+    "loads",
     "python",
     "run",
     "template",

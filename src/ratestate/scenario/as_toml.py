@@ -28,6 +28,11 @@ def toml(scenario: Scenario) -> str:
     ------
     ParameterError
         The scenario sweeps what a file cannot: an array along another dimension than its own.
+
+    Notes
+    -----
+    Values of a size that no file may have (`ratestate.scenario.sizes`) are written all the same;
+    `load` then says which they are.
     """
     settings, slider = dict(scenario.settings), scenario.slider.parameters
     swept = {k: v for k, v in slider.items() if is_array(v)}

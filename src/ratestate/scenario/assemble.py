@@ -5,15 +5,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import ParameterError
-from ..quantities import expected
 from ..slider import SpringSlider
 from .checks import check_branch, check_rtol, check_run
 from .drive import Drive
 from .model import Output, Scenario
-from .problems import Problems
+from .problems import Problems, expected
 from .sweeps import Sweep
-from .tables import SLIDER, VERBS, missing
+from .tables import SLIDER, VERBS, example, missing
 
 
 class Read(NamedTuple):
@@ -41,8 +39,10 @@ def assembled(read: Read, problems: Problems) -> Scenario | None:
     verb = read.sweep.verb
     V_lp = read.sweep.values.get("V_lp")
     if V_lp is not None and read.drive.is_record:
-        what = "cannot stand for the speeds of a record, expected a loading without file and t"
-        problems.add("[sweep] V_lp", what)
+        what = (
+            "cannot stand for the speeds of a record, expected a loading without file and t such as"
+        )
+        problems.add("[sweep] V_lp", f"{what} {example('V_lp')}")
     _missing_speed(read, problems)
     if verb == "simulate":
         settings = _run(read, slider, problems)
@@ -65,10 +65,9 @@ def _slider(read: Read, problems: Problems) -> SpringSlider | None:
     missing("slider", absent, problems)
     if absent or any(value is None for value in values.values()):
         return None
-    try:
+    with problems.at("[slider]", expected="expected values", like=example("a")):
         return SpringSlider(**values)
-    except ParameterError:  # the start of a branch, which is told there
-        return None
+    return None
 
 
 def _missing_speed(read: Read, problems: Problems) -> None:

@@ -5,22 +5,27 @@ from typing import Any
 
 import numpy as np
 
+from ..batch import Batch
+from ..branch import check_rtol as check_rtol_of_branch
 from ..branch import followed
 from ..cases import MAX_STEPS
 from ..cycles import limit_cycle_call
 from ..errors import ParameterError
 from ..loading import Loading
-from ..quantities import expected
-from ..simulate import saved_times, simulate_call, solver_settings
+from ..simulate import saved_times, solver_settings
 from ..slider import SpringSlider
-from ..start import initial_state
-from .problems import Problems
+from ..start import initial_state, initial_values
+from ..units import is_array
+from .problems import Problems, expected
+from .sweeps import BRANCH
+from .tables import LIKE
 
 # For checks in which the slider plays no part.
 ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
 FEW = 10**5  # cases that are looked at one by one
 TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
 DT = "expected the time step of im2017 such as dt = '0.1 ms'"
+
 
 #: where a key stands, such as "[run] dt"
 Place = Callable[[str], str]
@@ -35,16 +40,14 @@ def check_rtol(verb: str, rtol: float | None, place: Place, problems: Problems) 
             solver_settings(rtol, "rodas5p", None, ANY)
         elif verb == "limit_cycle":
             limit_cycle_call(ANY, 1.0, rtol=rtol)
-        elif verb == "continue_cycle" and not 1e-10 <= rtol <= 1e-4:
-            raise ParameterError(
-                f"{rtol!r} is out of range; expected one number from 1e-10 to 1e-4 such as 1e-8"
-            )
+        elif verb == "continue_cycle":
+            check_rtol_of_branch(rtol)
 
 
 def check_branch(slider: SpringSlider, settings: dict[str, Any], problems: Problems) -> None:
     """Note what keeps a branch from being followed."""
     place = f"[sweep] {settings['parameter']}"
-    with problems.at(place, expected=f"expected {settings['parameter']} between two other ends"):
+    with problems.at(place, expected="expected M > 0, b > a and two different ends", like=BRANCH):
         followed(slider, **({"V_lp": None, "rtol": 1e-8} | settings))
 
 
@@ -59,7 +62,6 @@ def check_run(
 
     values : key -> value, None for one with a problem
     """
-    before = len(problems)
     t_end, times = values.get("t_end"), values.get("times")
     check_rtol("simulate", values.get("rtol"), place, problems)
     _check_method(slider, values, place, problems)
@@ -69,6 +71,8 @@ def check_run(
     if times is not None and t_end is not None:
         with problems.at(place("times"), "times", TIMES):
             saved_times(times, t_end)
+    if slider is not None and values.get("initial"):
+        _check_initial(slider, values, loading, problems)
     if loading is None or slider is None or t_end is None:
         return
     if "V_start" not in values and not np.all(np.greater(loading.V_first, 0.0)):
@@ -77,8 +81,6 @@ def check_run(
     if np.isinf(slider.K).any() and rests(loading, float(np.max(t_end))):
         what = "inf moves the slider with the load point, which comes to rest, where eq. 1 gives no"
         problems.add("[slider] K", f"{what} friction, expected a finite one such as '900 MPa/m'")
-    if len(problems) == before and all(value is not None for value in values.values()):
-        _check_start(slider, values, loading, problems)
 
 
 def _check_method(
@@ -92,7 +94,7 @@ def _check_method(
         solver_settings(1e-6, method or "rodas5p", dt, slider or ANY)
     except ParameterError as error:
         about_dt = str(error).startswith("dt") or "needs a time step" in str(error)
-        key, wanted = ("dt", DT) if about_dt else ("method", "expected another method or slider")
+        key, wanted = ("dt", DT) if about_dt else ("method", "expected one such as 'rodas5p'")
         with problems.at(place(key), key, wanted):
             raise
     if dt is not None and t_end is not None and (steps := float(np.max(t_end)) / dt) > MAX_STEPS:
@@ -100,22 +102,29 @@ def _check_method(
         problems.add(place("dt"), f"{what}, {expected('dt')}")
 
 
-def _check_start(
-    slider: SpringSlider, values: dict[str, Any], loading: Loading, problems: Problems
+def _check_initial(
+    slider: SpringSlider, values: dict[str, Any], loading: Loading | None, problems: Problems
 ) -> None:
-    """Note a start that contradicts itself or overflows, in sweeps that are not too large."""
-    given = {"V_start": None, "initial": None, "times": None, "rtol": 1e-6} | values
-    given = {"method": "rodas5p", "dt": None} | given
-    with problems.at("[run] initial", expected="expected one or two of V, theta and tau"):
-        call = simulate_call(slider, loading, given.pop("t_end"), **given)
-        if call.batch.n > FEW:
-            return
-        table, rows = call.batch.rows(loading.V)
-        with np.errstate(all="ignore"):
-            state = initial_state(call.batch, table[rows, 0])
-        if not np.isfinite(state).all():
-            what = "these values together are beyond double precision, expected usual sizes such as"
-            problems.add("[slider]", f"{what} a = 0.003, Dc = '10 um', V0 = '1 um/s'")
+    """Note a start that contradicts itself, in sweeps that are not too large.
+
+    Nothing else than the slider, the first speed and the values given themselves has a part in it.
+    """
+    if loading is None and np.isinf(slider.K).any():
+        return  # the slider's speed is the load point's, which is not known
+    first = values.get("V_start")
+    if first is None:
+        first = 1.0  # (which of V, theta and tau agree does not depend on it)
+    speeds = Loading.constant(1.0) if loading is None else loading
+    with problems.at(
+        "[run] initial", expected="expected one or two of V, theta and tau", like=LIKE["initial"]
+    ):
+        given = initial_values(values["initial"])
+        own = {"V_lp": speeds.V} if is_array(speeds.V) else {}
+        batch = Batch({**slider.values, "V_start": first, **given}, own)
+        if batch.n <= FEW:
+            table, rows = batch.rows(speeds.V)
+            with np.errstate(divide="ignore"):
+                initial_state(batch, table[rows, 0])
 
 
 def rests(loading: Loading, t_end: float) -> bool:

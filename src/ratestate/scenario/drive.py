@@ -8,7 +8,7 @@ from ..loading import Loading
 from .problems import Problems, shown
 from .record import read_record
 from .shapes import SINE_LIKE, STEPS_LIKE, Event, events, sinusoid
-from .tables import TABLES, fewer, unknown
+from .tables import SPEEDS_LIKE, TABLES, TIMES_LIKE, axis_elsewhere, example, fewer, unknown
 from .values import array, number, read
 
 #: what a loading can have beside its speed, one of them
@@ -81,14 +81,14 @@ class Drive:
             first, self.sound = 1.0, False
         if self.sine is not None:
             if t_end is not None and self.sound:
-                wanted = "expected a sinusoid such as " + SINE_LIKE
-                with problems.at("[loading] sinusoid", expected=wanted):
+                how = {"expected": "expected a sinusoid", "like": SINE_LIKE}
+                with problems.at("[loading] sinusoid", **how):
                     return Loading.sinusoid(first, **self.sine, t_end=t_end)
             return None
         loading = Loading.constant(first)
         for event in self.events:
             replaced = {"V": V_last} if event is self.final and V_last is not None else {}
-            with problems.at(event.place, "t", f"expected steps such as {STEPS_LIKE}"):
+            with problems.at(event.place, "t", "expected steps", STEPS_LIKE):
                 loading = getattr(loading, event.kind)(**(event.arguments | replaced))
         return loading
 
@@ -102,7 +102,8 @@ def loading_table(table: dict[str, Any], folder: Path, problems: Problems) -> Dr
     drive = Drive(given=frozenset(table))
     shapes = [key for key in SHAPES if key in table]
     if len(shapes) > 1:
-        problems.add("[loading]", f"has {' and '.join(shapes)}, expected no more than one of them")
+        what = f"has {' and '.join(shapes)}, expected no more than one of them"
+        problems.add("[loading]", f"{what} such as {example(shapes[0], 'loading')}")
     if "t" in table:
         _inline(table, drive, problems)
     elif "V_lp" in table:
@@ -112,11 +113,14 @@ def loading_table(table: dict[str, Any], folder: Path, problems: Problems) -> Dr
         if found is not None:
             drive.record, drive.ends = found
         if "V_lp" in table:
-            what = "is given beside file, whose speeds they are, expected in one place only"
-            problems.add("[loading] V_lp", what)
+            what = "is given beside file, whose speeds they are, expected one of them only"
+            problems.add("[loading] V_lp", f"{what} such as {example('file', 'loading')}")
     else:
         for key in {"columns", "units"} & table.keys():
-            problems.add(f"[loading] {key}", "is given without file, expected beside it")
+            what = (
+                f"is given without file, expected beside one such as {example('file', 'loading')}"
+            )
+            problems.add(f"[loading] {key}", what)
     if "steps" in table:
         drive.events = events(table["steps"], problems)
     if "sinusoid" in table:
@@ -128,11 +132,11 @@ def loading_table(table: dict[str, Any], folder: Path, problems: Problems) -> Dr
 def _speed(value: Any, problems: Problems) -> float | None:
     """The speed at the start."""
     if isinstance(value, dict):
-        problems.add("[loading] V_lp", "a table makes an axis, expected in [sweep]")
+        problems.add("[loading] V_lp", axis_elsewhere("V_lp", value))
         return None
     if isinstance(value, list):
         what = f"{shown(value)} makes an axis, expected in [sweep], or here with as many times t"
-        problems.add("[loading] V_lp", what)
+        problems.add("[loading] V_lp", f"{what} such as {TIMES_LIKE}")
         return None
     with problems.at("[loading] V_lp", "V_lp"):
         return number("V_lp", value, ">= 0")
@@ -144,15 +148,16 @@ def _inline(table: dict[str, Any], drive: Drive, problems: Problems) -> None:
     columns = {}
     for key, bound in (("t", None), ("V_lp", ">= 0")):
         if key not in table:
-            problems.add("[loading] V_lp", "is missing, expected a list of as many speeds as t has")
+            what = "is missing, expected a list of as many speeds as t has"
+            problems.add("[loading] V_lp", f"{what}, such as {SPEEDS_LIKE}")
         elif not isinstance(table[key], list):
             what = f"{shown(table[key])} is no list, expected as many values in V_lp as in t"
-            problems.add(f"[loading] {key}", what)
+            problems.add(f"[loading] {key}", f"{what} such as {TIMES_LIKE} and {SPEEDS_LIKE}")
         else:
             many = read(key, table[key], f"[loading] {key}", problems, bound)
             if many is not None:
                 columns[key] = array(key, many)
     if len(columns) == 2:
-        with problems.at("[loading] t", "t", "expected times such as [0, 1, 1, '5 s']"):
+        with problems.at("[loading] t", "t", f"expected times such as {TIMES_LIKE}"):
             drive.record = Loading.series(columns["t"], columns["V_lp"])
             drive.ends = float(columns["V_lp"][-1])

@@ -12,11 +12,12 @@ from .model import VERBS, Scenario
 from .problems import Problems, bare, choice, one_of, shown
 from .simple import output_table, run_table, slider_table
 from .sweeps import sweep_table
-from .tables import TABLES
+from .tables import TABLES, example
 
 LARGEST = 10**7  # bytes
 DEEPEST = 50  # keys with dots between them: time and memory go with the square
 MOST_TABLES = 100
+WANTED = "expected a scenario file such as `ratestate init lab` writes"
 
 
 def load(path: str | Path, verb: str | None = None) -> Scenario:
@@ -37,30 +38,53 @@ def load(path: str | Path, verb: str | None = None) -> Scenario:
         The file cannot be read or used.  Every problem in it is a line of the message:
         ``[table] key: what is wrong, expected what, such as an example``.
     """
-    verb = None if verb is None else choice(verb, VERBS)
     path = Path(path)
-    parsed = _parsed(path)
+    return loads(_bytes(path), verb, name=str(path), folder=path.parent)
+
+
+def loads(
+    text: bytes, verb: str | None = None, *, name: str = "the text", folder: Path | None = None
+) -> Scenario:
+    """Read what a scenario file would hold.
+
+    Parameters
+    ----------
+    text : bytes
+    verb : str, optional
+        As for `load`.
+    name : str
+        What messages call it.
+    folder : Path, optional
+        Where paths of records begin; by default the current directory.
+
+    Raises
+    ------
+    ParameterError
+        As for `load`.
+    """
+    verb = None if verb is None else choice(verb, VERBS)
     problems = Problems()
-    tables = _tables(parsed, problems)
+    tables = _tables(_parsed(text, name), problems)
     run = run_table(tables.get("run", {}), problems)
     of_run = run.pop("verb", None)
     read = Read(
         tables=frozenset(tables),
         slider=slider_table(tables.get("slider", {}), problems),
-        drive=loading_table(tables.get("loading", {}), path.parent, problems),
+        drive=loading_table(tables.get("loading", {}), folder or Path(), problems),
         run=run,
         sweep=sweep_table(tables.get("sweep"), verb, of_run, problems),
         output=output_table(tables.get("output", {}), problems),
     )
     scenario = assembled(read, problems)
     if scenario is None:
-        raise ParameterError(f"{path} cannot be used:\n{problems.told(TABLES)}")
+        raise ParameterError(f"{name} cannot be used:\n{problems.told(TABLES)}")
     return scenario
 
 
-def _parsed(path: Path) -> dict[str, Any]:
-    """What the file holds, as TOML has it."""
-    text = _bytes(path)
+def _parsed(text: bytes, name: str) -> dict[str, Any]:
+    """What the text says, as TOML has it."""
+    if len(text) > LARGEST:
+        raise ParameterError(f"{name} cannot be read: {_too_large(len(text))}, {WANTED}")
     try:
         if deep := _deep(text):
             what = f"line {deep} has a key of more than {DEEPEST} parts, expected values"
@@ -79,12 +103,11 @@ def _parsed(path: Path) -> dict[str, Any]:
         what = f"line {k}, {shown(lines[k - 1].strip())}: {message}, expected TOML"
     except ValueError:
         what = "an integer of thousands of digits, expected values"
-    raise ParameterError(f'{path} is broken: {what} such as a = 0.003 or Dc = "10 um"')
+    raise ParameterError(f'{name} is broken: {what} such as a = 0.003 or Dc = "10 um"')
 
 
 def _bytes(path: Path) -> bytes:
     """What the file holds, if it is one and not too large."""
-    wanted = "expected a scenario file such as `ratestate init lab` writes"
     try:
         size = path.stat().st_size
         if path.is_file() and size <= LARGEST:
@@ -96,9 +119,14 @@ def _bytes(path: Path) -> bytes:
         what = "no such name"
     else:
         if path.is_file():
-            what = f"it has {size} bytes, more than {LARGEST}"
-            wanted += "; long records go into a file of their own, see [loading] file"
-    raise ParameterError(f"{str(path)!r}"[1:-1] + f" cannot be read: {what}, {wanted}")
+            what = _too_large(size)
+    raise ParameterError(f"{str(path)!r}"[1:-1] + f" cannot be read: {what}, {WANTED}")
+
+
+def _too_large(size: int) -> str:
+    """The complaint about a file of so many bytes."""
+    longer = "long records go into a file of their own, see [loading] file"
+    return f"it has {size} bytes, more than {LARGEST} ({longer})"
 
 
 def _deep(text: bytes) -> int:
@@ -134,5 +162,5 @@ def _tables(parsed: dict[str, Any], problems: Problems) -> dict[str, dict[str, A
 def _loose(name: str, known: list[str], problems: Problems) -> None:
     """Note a key above all tables."""
     homes = [f"[{table}]" for table, keys in TABLES.items() if name in keys]
-    where = f"expected in {' or '.join(homes)}" if homes else one_of(known)
+    where = f"expected in {' or '.join(homes)} such as {example(name)}" if homes else one_of(known)
     problems.add(bare(name), f"stands above all tables, {where}")

@@ -1,6 +1,7 @@
 """Everything that is wrong with a scenario file, told at once: one line a problem."""
 
 import difflib
+import functools
 import re
 from collections.abc import Iterable
 from types import TracebackType
@@ -8,10 +9,13 @@ from typing import Any, NamedTuple
 
 from ..errors import ParameterError
 from ..quantities import KINDS
+from ..quantities import expected as _expected
 
 LONGEST_SHOWN = 60  # characters
 MOST_TOLD = 100  # problems
-_UNITS = re.compile("|".join(re.escape(f" [{unit}]") for unit in KINDS))
+NEAR = 0.7  # from 0 to 1, how alike names are of which one was perhaps meant
+#: the end of a line; brackets in it are for tables and keys, so units stand in examples only
+expected = functools.partial(_expected, unit=False)
 
 
 class Problems(list[str]):
@@ -25,17 +29,18 @@ class Problems(list[str]):
     def add(self, place: str, what: str) -> None:
         """Note what is wrong at a place such as ``[sweep] M.from``."""
         if len(self) < MOST_TOLD:
-            self.append(f"{place}: {_UNITS.sub('', what)}")
+            self.append(f"{place}: {what}")
         else:
             self.untold += 1
 
-    def at(self, place: str, symbol: str = "", expected: str = "") -> "_Noted":
+    def at(self, place: str, symbol: str = "", expected: str = "", like: str = "") -> "_Noted":
         """Note a ParameterError of a block and go on.
 
         symbol : what its message may begin with
         expected : the end of its line, if its message does not say what was expected
+        like : an example for it, and for what the message says to give
         """
-        return _Noted(self, place, symbol, expected)
+        return _Noted(self, place, symbol, expected, like)
 
     def told(self, tables: Iterable[str]) -> str:
         """All lines, as one text, in the order of the tables."""
@@ -50,6 +55,7 @@ class _Noted(NamedTuple):
     place: str
     symbol: str
     expected: str
+    like: str
 
     def __enter__(self) -> None:
         pass
@@ -62,13 +68,35 @@ class _Noted(NamedTuple):
     ) -> bool:
         if not isinstance(error, ParameterError):
             return False
-        what = str(error).removeprefix(f"{self.symbol} = ").removeprefix(f"{self.symbol} ")
-        what = what.removeprefix("[s] ").replace("\n", " ")  # (of times)
-        what = ", expected".join(what.rsplit("; expected", 1))
-        if ", expected " not in what:
-            what += f", {self.expected}"
-        self.problems.add(self.place, what)
+        what = plain(error).removeprefix(f"{self.symbol} = ").removeprefix(f"{self.symbol} ")
+        self.problems.add(self.place, self._line(what.removeprefix("[s] ")))  # (of times)
         return True
+
+    def _line(self, what: str) -> str:
+        """The message, and what was expected if it does not say so itself."""
+        if ", expected " in what:
+            return what
+        wrong, own, remedy = what.rpartition("; give ")
+        if own and self.like:
+            return f"{wrong}, expected {remedy} such as {self.like}"
+        return f"{what}, {self.expected}" + (f" such as {self.like}" if self.like else "")
+
+
+def plain(error: ParameterError) -> str:
+    """The message of an error as a line has it: "..., expected ...", and no units in brackets.
+
+    Only what ratestate itself says is changed, and nothing that it quotes.
+    """
+    what = str(error).replace("\n", " ")
+    wrong, own, wanted = what.rpartition("; expected ")
+    if not own or ", expected " in wanted:
+        return what
+    for unit, (kind, _) in KINDS.items():
+        if wrong.endswith(f" is {kind} [{unit}]"):
+            wrong = wrong.removesuffix(f" [{unit}]")
+        if wanted.startswith(f"{kind} [{unit}]"):
+            wanted = kind + wanted.removeprefix(f"{kind} [{unit}]")
+    return f"{wrong}, expected {wanted}"
 
 
 def shown(value: Any) -> str:
@@ -95,16 +123,20 @@ def nearest(given: Any, names: Iterable[str]) -> str | None:
     """Which of these names was perhaps meant."""
     lower = {name.lower(): name for name in names}
     text = given.lower()[:60] if isinstance(given, str) else ""
-    near = difflib.get_close_matches(text, lower, n=1)
+    near = difflib.get_close_matches(text, lower, n=1, cutoff=NEAR)
     return lower[near[0]] if near else None
 
 
-def one_of(names: Iterable[str], given: Any = None) -> str:
-    """The end of a message: which names there are, and which of them was perhaps meant."""
+def one_of(names: Iterable[str], given: Any = None, like: str = "") -> str:
+    """The end of a message: which names there are, and which of them was perhaps meant.
+
+    like : an example, such as ``a = 0.003``
+    """
     names = list(names)
     near = nearest(given, names)
     meant = f"; did you mean {near}?" if near else ""
-    return f"expected {'one of ' if len(names) > 1 else ''}{', '.join(names)}{meant}"
+    such = f" such as {like}" if like else ""
+    return f"expected {'one of ' if len(names) > 1 else ''}{', '.join(names)}{such}{meant}"
 
 
 def choice(given: Any, names: Iterable[str]) -> str:

@@ -8,13 +8,15 @@ import numpy as np
 
 from ..errors import ParameterError
 from ..loading import Loading
-from ..quantities import expected
+from ..quantities import QUANTITIES
 from ..units import to_si
-from .problems import Problems, nearest, shown
+from .problems import Problems, expected, nearest, plain, shown
 from .rows import number_in, rows_of
+from .sizes import unusual
 
 BAD_TOLD = 5  # rows
 COLUMNS_LIKE = '["time [s]", "V_lp [um/s]"]'
+UNITS_LIKE = '["s", "um/s"]'
 SYMBOLS = ("t", "V_lp")
 
 
@@ -42,7 +44,7 @@ def read_record(
     wanted = _pair("columns", table.get("columns"), (str, int), COLUMNS_LIKE, problems)
     units = None
     if "units" in table:
-        units = _pair("units", table["units"], (str,), '["s", "um/s"]', problems)
+        units = _pair("units", table["units"], (str,), UNITS_LIKE, problems)
     rows = None
     with problems.at("[loading] file"):
         rows = rows_of(table["file"], folder)
@@ -96,9 +98,9 @@ def _columns(
             to_si(symbol, f"1 {unit}", bound="")
         except ParameterError as error:
             place = place if units is None else f"[loading] units[{i}]"
-            what = str(error).split(f"'1 {unit}' ", 1)[-1].replace("; expected", ", expected")
-            what = f"the unit {shown(unit)} {what}"
-            problems.add(place, what if ", expected" in what else f"{what}, {expected(symbol)}")
+            what = plain(error).removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
+            what = what.replace(f"has an unknown unit {unit!r}", "is unknown", 1)
+            problems.add(place, f"the unit {shown(unit)} {what}")
             continue
         found.append(Column(index, name, unit))
     if titled:
@@ -113,12 +115,12 @@ def _index(
     if isinstance(asked, int):
         if 1 <= asked <= len(head):
             return asked - 1
-        what = f"{shown(asked)} is no column, expected a number from 1 to {len(head)}"
+        what = f"{shown(asked)} is no column, expected a number from 1 to {len(head)} such as 1"
         problems.add(place, what)
         return None
     if not titled:
         what = f"{shown(asked)} cannot be found, for the file has no header"
-        problems.add(place, f"{what}, expected the number of a column from 1 to {len(head)}")
+        problems.add(place, f"{what}, expected the number of one such as {len(head)}")
         return None
     titles = [" ".join(cell.split()) for cell in head]
     names = [_split(title)[0] for title in titles]
@@ -171,8 +173,13 @@ def _history(
         xarray.DataArray(table[:, i], dims="row", attrs={"units": column.unit})
         for i, column in enumerate(columns)
     )
-    rows_named = "(rows from 0 on, without the header)"
-    with problems.at("[loading] file", expected=f"expected another record {rows_named}"):
+    wanted = "expected (counting rows from 0 on, without the header) times and speeds"
+    with problems.at("[loading] file", expected=wanted, like="0,1 and 2.5,1"):
+        for symbol, array in zip(SYMBOLS, (t, V), strict=True):
+            largest = float(np.abs(to_si(symbol, array, bound="")).max())
+            if complaint := unusual(symbol, max(largest, 1.0)):
+                given = f"{symbol} = {largest:.6g} {QUANTITIES[symbol].unit}"
+                raise ParameterError(f"{given} {complaint}; {expected(symbol)}")
         loading = Loading.series(t, V)
         return loading, float(to_si("V_lp", V[-1:], bound=">= 0")[0])
     return None

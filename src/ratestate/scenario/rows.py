@@ -26,14 +26,17 @@ def rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:
         if not path.is_file():
             raise ParameterError(f"{shown(str(path))} does not exist, {wanted}")
         if (size := path.stat().st_size) > LARGEST:
-            raise ParameterError(f"{shown(file)} has {size} bytes, expected {LARGEST} at most")
+            raise ParameterError(
+                f"{shown(file)} has {size} bytes, expected {LARGEST} at most, "
+                f"such as every tenth row has"
+            )
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         raise ParameterError(f"{shown(file)} cannot be read: {error.strerror}, {wanted}") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise ParameterError(
-            f"{shown(file)}, line {line} is not UTF-8, expected text saved as UTF-8"
+            f"{shown(file)}, line {line} is not UTF-8, expected text so saved such as 0.5,100"
         ) from None
     first = text[:10000].lstrip().split("\n", 1)[0]
     delimiter = next((mark for mark in "\t;" if mark in first), ",")
@@ -44,13 +47,18 @@ def rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:
             if any(cell.strip() for cell in row):
                 rows.append((reader.line_num, [cell.strip() for cell in row]))
             if len(rows) > LONGEST + 1:
-                raise ParameterError(f"{shown(file)} has too many rows, expected {LONGEST} at most")
+                raise ParameterError(
+                    f"{shown(file)} has too many rows, expected {LONGEST} at most, "
+                    f"such as every tenth"
+                )
     except csv.Error as error:
         raise ParameterError(
             f"{shown(file)}, line {reader.line_num}: {error}, expected cells such as 0.5,100"
         ) from None
     if not rows:
-        raise ParameterError(f"{shown(file)} is empty, expected rows of times and speeds")
+        raise ParameterError(
+            f"{shown(file)} is empty, expected rows of times and speeds such as 0.5,100"
+        )
     return rows
 
 

@@ -2,8 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from ..quantities import expected
-from .problems import Problems, bare, one_of, shown
+from .problems import Problems, bare, expected, one_of, shown
 from .values import number
 
 MOST_STEPS = 1000
@@ -41,13 +40,13 @@ def _event(step: dict[str, Any], place: str, problems: Problems) -> Event | None
     """A step, hold or ramp."""
     before = len(problems)
     for key in step.keys() - {*STEP}:
-        problems.add(f"{place}.{bare(key)}", f"unknown key, {one_of(STEP, key)}")
+        problems.add(f"{place}.{bare(key)}", f"unknown key, {one_of(STEP, key, STEPS_LIKE)}")
     if "t" not in step:
         problems.add(f"{place}.t", f"is missing, {expected('t')}")
     if "hold" in step:
         for key in {"V_lp", "ramp"} & step.keys():
-            what = "is given beside hold, which is a rest, expected in a step of its own"
-            problems.add(f"{place}.{key}", what)
+            what = "is given beside hold, which is a rest, expected in a step of its own such as"
+            problems.add(f"{place}.{key}", f"{what} {STEPS_LIKE}")
     elif "V_lp" not in step:
         problems.add(f"{place}.V_lp", f"is missing, {expected('V_lp')}; or hold = '100 s'")
     values: dict[str, float] = {}
@@ -67,7 +66,9 @@ def sinusoid(table: Any, problems: Problems) -> dict[str, float]:
         problems.add("[loading] sinusoid", what)
         return {}
     for key in table.keys() - {*SINE}:
-        problems.add(f"[loading] sinusoid.{bare(key)}", f"unknown key, {one_of(SINE, key)}")
+        problems.add(
+            f"[loading] sinusoid.{bare(key)}", f"unknown key, {one_of(SINE, key, SINE_LIKE)}"
+        )
     if "amplitude" not in table:
         problems.add("[loading] sinusoid.amplitude", f"is missing, {expected('V_lp')}")
     if ("period" in table) == ("frequency" in table):

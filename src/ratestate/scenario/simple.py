@@ -5,14 +5,15 @@ from typing import Any
 
 from ..engine.model import METHODS
 from ..errors import ParameterError
+from ..files import NUMBERS, PICTURES
 from ..laws import LAWS
 from ..start import SYMBOLS
 from .model import Output
 from .problems import Problems, bare, choice, one_of, shown
-from .tables import TABLES, VERBS, fewer, unknown
+from .tables import LIKE, TABLES, VERBS, axis_elsewhere, fewer, unknown
 from .values import array, number, read
 
-ENDINGS = {"file": (".nc", ".csv", ".zarr"), "plot": (".png", ".pdf")}
+ENDINGS = {"file": NUMBERS, "plot": PICTURES}
 LONGEST_PATH = 255  # characters
 #: words that a key chooses from
 WORDS = {"law": tuple(LAWS), "method": tuple(METHODS), "verb": tuple(VERBS)}
@@ -44,7 +45,7 @@ def one(table: str, key: str, value: Any, problems: Problems) -> float | str | N
     """The value of a key that takes no more than one."""
     place = f"[{table}] {key}"
     if isinstance(value, dict | list) and key in AXES and table != "sweep":
-        problems.add(place, f"{shown(value)} makes an axis, expected in [sweep]")
+        problems.add(place, axis_elsewhere(key, value))
         return None
     with problems.at(place, key):
         if key in WORDS:
@@ -81,7 +82,7 @@ def _path(key: str, value: Any) -> Path:
 def _initial(value: Any, problems: Problems) -> dict[str, float] | None:
     """V, theta and tau at t = 0, as far as they are given."""
     if not isinstance(value, dict):
-        what = f"{shown(value)} is no table, expected one such as {{ theta = '10 s' }}"
+        what = f"{shown(value)} is no table, expected one such as {LIKE['initial']}"
         problems.add("[run] initial", what)
         return None
     before = len(problems)
@@ -92,7 +93,7 @@ def _initial(value: Any, problems: Problems) -> dict[str, float] | None:
             with problems.at(place, key):
                 values[key] = number(key, given)
         else:
-            problems.add(place, f"unknown key, {one_of(SYMBOLS, key)}")
+            problems.add(place, f"unknown key, {one_of(SYMBOLS, key, LIKE['initial'])}")
     return values if len(problems) == before else None
 
 

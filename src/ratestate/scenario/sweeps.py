@@ -7,7 +7,7 @@ from ..errors import ParameterError
 from ..family import PARAMETERS
 from .problems import Problems, choice, one_of, shown
 from .simple import one
-from .tables import SLIDER, VERBS, fewer, unknown
+from .tables import SLIDER, VERBS, example, fewer, unknown
 from .values import AXIS, Many, array, axis, ends, read
 
 #: cases of a sweep, at most
@@ -60,7 +60,9 @@ def sweep_table(
     for key in table.keys() - known.keys() - {"verb"}:
         whose = f"the slider or of {own}" if own else "the slider or of any verb"
         if any(key in kind.keys for kind in VERBS.values()):
-            problems.add(f"[sweep] {key}", f"is no parameter of {whose}, {one_of(known, key)}")
+            problems.add(
+                f"[sweep] {key}", f"is no parameter of {whose}, {one_of(known, key, example(key))}"
+            )
         else:
             unknown("sweep", key, problems, f"is no parameter of {whose}")
     branch = _branch(values, own, problems) if verb == "continue_cycle" else {}
@@ -77,7 +79,9 @@ def _verb(table: dict[str, Any], asked: str | None, of_run: str | None, problems
         with problems.at("[sweep] verb"):
             verb = choice(table["verb"], VERBS)
             if of_run and of_run != verb:
-                raise ParameterError(f"{shown(verb)} is not that of [run], expected one verb")
+                raise ParameterError(
+                    f"{shown(verb)} is not that of [run], expected one such as {shown(of_run)}"
+                )
             return verb
     elif of_run or asked:
         return of_run or asked or ""
@@ -115,7 +119,8 @@ def _few_enough(values: dict[str, Any], problems: Problems) -> bool:
     if (cases := math.prod(sizes.values())) <= MOST_CASES:
         return True
     product = " x ".join(f"{size} {key}" for key, size in sizes.items())
-    problems.add("[sweep]", f"{product} are {cases} cases, expected {MOST_CASES} at most")
+    what = f"{product} are {cases} cases, expected {MOST_CASES} at most, of axes such as {AXIS}"
+    problems.add("[sweep]", what)
     return False
 
 
@@ -131,7 +136,7 @@ def _branch(values: dict[str, Any], own: str, problems: Problems) -> dict[str, A
     table = values.pop(key)
     with problems.at(f"[sweep] {key}"):
         if key not in PARAMETERS:
-            raise ParameterError(f"cannot be followed, {one_of(PARAMETERS)}")
+            raise ParameterError(f"cannot be followed, {one_of(PARAMETERS, like=BRANCH)}")
         if own == "continue_cycle" and (more := table.keys() - {"from", "to"}):
             raise ParameterError(
                 f"{', '.join(map(shown, sorted(more)))}: a branch chooses its points itself, "

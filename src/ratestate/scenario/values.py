@@ -12,9 +12,10 @@ import numpy as np
 
 from ..arrays import logspace
 from ..errors import ParameterError
-from ..quantities import attrs, expected
+from ..quantities import attrs
 from ..units import to_si
-from .problems import Problems, bare, choice, one_of, shown
+from .problems import Problems, bare, choice, expected, one_of, shown
+from .sizes import unusual
 
 #: values along one axis, and saved times, at most
 LONGEST = 10**6
@@ -62,15 +63,18 @@ def axis(symbol: str, many: Many) -> Any:
 
 
 def number(symbol: str, value: Any, bound: str | None = None) -> float:
-    """One value in SI; ParameterError if it is none."""
+    """One value in SI, of a usual size; ParameterError if it is none."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ParameterError(f"{shown(value)} is not one number; {expected(symbol)}")
     if isinstance(value, str) and len(value) > LONGEST_TEXT:
         raise ParameterError(f"{shown(value)} is too long; {expected(symbol)}")
     try:  # (an integer may have more digits than Python writes into a message)
-        return to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
+        x = to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
     except ArithmeticError:
         raise ParameterError(f"{shown(value)} is beyond what can be; {expected(symbol)}") from None
+    if complaint := unusual(symbol, x):
+        raise ParameterError(f"{shown(value)} {complaint}; {expected(symbol)}")
+    return x
 
 
 def read(
@@ -109,21 +113,23 @@ def _spread(
     """An axis between two ends."""
     before = len(problems)
     for key in table.keys() - set(KEYS):
-        problems.add(f"{place}.{bare(key)}", f"unknown key, {one_of(KEYS, key)}")
+        problems.add(f"{place}.{bare(key)}", f"unknown key, {one_of(KEYS, key, AXIS)}")
     scale, n = "", 0
     with problems.at(f"{place}.scale"):
         scale = choice(table.get("scale", "linear"), ("linear", "log"))
     first, last = ends(symbol, table, place, problems, "> 0" if scale == "log" else bound)
     with problems.at(f"{place}.n"):
         n = _n(table)
-    return Spread(first, last, n, scale) if len(problems) == before else None
+    if first is None or last is None or len(problems) > before:
+        return None
+    return Spread(first, last, n, scale)
 
 
 def ends(
     symbol: str, table: dict[str, Any], place: str, problems: Problems, bound: str | None = None
-) -> tuple[float, float]:
-    """The first and the last value, 0 for one with a problem."""
-    first = last = 0.0
+) -> tuple[float | None, float | None]:
+    """The first and the last value, None for one with a problem."""
+    first = last = None
     with problems.at(f"{place}.from", symbol):
         first = _end(symbol, table, "from", bound)
     with problems.at(f"{place}.to", symbol):

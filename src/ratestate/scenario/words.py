@@ -6,36 +6,27 @@ from typing import Any
 
 import numpy as np
 
-from ..quantities import QUANTITIES
+from ..quantities import POWERS, PREFIXES, QUANTITIES
 from ..units import is_array
 from .values import Spread
 
-#: SI unit -> the prefixes with which it is written, and their powers of ten
-PREFIXES: dict[str, dict[str, int]] = {
-    "m": {"nm": -9, "um": -6, "mm": -3, "m": 0, "km": 3},
-    "s": {"us": -6, "ms": -3, "s": 0},
-    "m/s": {"nm/s": -9, "um/s": -6, "mm/s": -3, "m/s": 0},
-    "Pa": {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9},
-    "Pa/m": {"Pa/m": 0, "kPa/m": 3, "MPa/m": 6, "GPa/m": 9},
-    "kg/m^2": {"kg/m^2": 0},
-}
 WIDTH = 92  # characters of a line
 
 
 def quantity(symbol: str, x: float) -> str:
     """One value, in SI, as TOML and Python both read it: a number, or a text with a unit."""
     unit = QUANTITIES[symbol].unit
-    if unit not in PREFIXES or not np.isfinite(x):
+    if unit == "1" or not np.isfinite(x):
         return repr(float(x))
     exact = Decimal(repr(float(x)))
     if not exact:
         return f'"0 {unit}"'
-    sizes, size = PREFIXES[unit], exact.adjusted()
-    fitting = [name for name, power in sizes.items() if -3 <= size - power <= 5]
+    size = exact.adjusted()
+    fitting = [power for power in POWERS.get(unit, (0,)) if -3 <= size - power <= 5]
     if not fitting:
         return f'"{float(x)!r} {unit}"'
-    name = next((n for n in reversed(fitting) if sizes[n] <= size), fitting[0])
-    return f'"{exact.scaleb(-sizes[name]).normalize():f} {name}"'
+    power = next((power for power in fitting if power <= size), fitting[-1])
+    return f'"{exact.scaleb(-power).normalize():f} {PREFIXES[power]}{unit}"'
 
 
 def numbers(values: Iterable[float], indent: str = "    ") -> str:

@@ -2,12 +2,13 @@
 
 from typing import TYPE_CHECKING, Any
 
-from ...quantities import readable
 from .single import branch, cycle, run, stability
 from .sweep import cases
 
 if TYPE_CHECKING:
     import xarray
+
+    from ..spoken import Spoken
 
 __all__ = ["report"]
 
@@ -15,14 +16,14 @@ __all__ = ["report"]
 SINGLE = {"simulate": run, "limit_cycle": cycle, "stability": stability, "continue_cycle": branch}
 
 
-def report(result: "xarray.Dataset", judged: Any = None) -> list[Any]:
+def report(result: "xarray.Dataset", said: "Spoken | None" = None) -> list[Any]:
     """What to print, for rich.
 
     Parameters
     ----------
     result : Dataset
         From a verb, or from `sweep`.
-    judged : Verdict, optional
+    said : Spoken, optional
         On a single slider.
     """
     from rich.text import Text
@@ -31,9 +32,8 @@ def report(result: "xarray.Dataset", judged: Any = None) -> list[Any]:
     if "message" in result:
         return cases(result, verb)
     table = SINGLE[verb](result)
-    if not judged:
+    if not said:
         return table
     if verb == "simulate":
-        ahead = Text(f"In the long run, at V_lp = {readable('V_lp', judged.V_lp)}", style="bold")
-        return [*table, Text(""), ahead, Text(judged.text)]
-    return [Text(judged.text), Text(""), *table]
+        return [*table, Text(""), Text(f"{said.about}:", style="bold"), Text(said.text)]
+    return [Text(said.text), Text(""), *table]

@@ -21,7 +21,11 @@ def row(symbol: str, value: Any, remark: str = "", error: float | None = None) -
     """The row of a quantity in SI, with its long name and a remark."""
     x = float(value)
     time = QUANTITIES[symbol].unit == "s"
-    text = "-" if math.isnan(x) else when(x) if time else readable(symbol, x, DIGITS)
+    text = when(x) if time else readable(symbol, x, DIGITS)
+    if math.isnan(x):
+        text = "-"
+    elif math.isinf(x) and not QUANTITIES[symbol].may_be_inf:
+        text = "none"  # a limit such as V_c without mass
     name = QUANTITIES[symbol].long_name
     return Row(symbol, text, f"{name}; {remark}" if remark else name, error)
 

@@ -3,7 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-from ...quantities import readable
+from ...quantities import readable, readable_multiplier
 from .rows import DIGITS, Row, row, table, when
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ MULTIPLIERS = "Floquet multipliers; what a period leaves of a disturbance"
 
 
 def run(result: "xarray.Dataset") -> list[Any]:
-    """The end of a run, its extremes, and the last cycle in it."""
+    """The end of a run, its extremes, and the last cycle that its tolerance resolves."""
     from ...dataset import parameter
 
     last = result.isel(time=-1)
@@ -30,8 +30,10 @@ def run(result: "xarray.Dataset") -> list[Any]:
         row("cycles", result.cycles, "since the last jump of the load point"),
     ]
     if float(result.cycles) >= 1.0:
-        rows.append(row("amplitude", result.amplitude, "of the last cycle"))
-        rows.append(row("frequency", result.frequency, "of the last cycle"))
+        # (whatever made it: a limit cycle, a ring-down, the load point)
+        swing, pace = float(result.amplitude), float(result.frequency)
+        rows.append(row("amplitude", swing, "of the last cycle"))
+        rows.append(Row("frequency", readable("frequency", pace, DIGITS), "of the last cycle"))
     rows.append(row("energy_residual", abs(result.energy_residual)))
     title = f"At the end, {when(end)}, after {int(result.steps):,} steps"
     return table(title, rows)
@@ -40,10 +42,15 @@ def run(result: "xarray.Dataset") -> list[Any]:
 def stability(result: "xarray.Dataset") -> list[Any]:
     """Stiffness and speed beside their critical values; the least stable mode."""
     from ...dataset import parameter
+    from ...wording import on_edge
 
     K, V = float(parameter(result, "K")), float(result.V_lp)
     growth, omega = float(result.growth_rate), float(result.omega)
     holds = "stable" if result.stable else "unstable"
+    if on_edge(K, float(result.K_c)):
+        holds = "on the edge of stability"
+    M = float(parameter(result, "M"))
+    massless = "M = 0" if M == 0.0 else "K = inf" if math.isinf(K) else ""
     rows = [
         row("K", K, f"{K / float(result.K_c):.4g} K_c" if math.isfinite(K) else "rigid"),
         row("K_c", result.K_c, "unstable where K < K_c"),
@@ -51,7 +58,7 @@ def stability(result: "xarray.Dataset") -> list[Any]:
         row("V_lp", V),
         row("V_c", result.V_c, _about(float(result.V_c), V)),
         row("eta", result.eta, "share by which inertia raises K_c"),
-        row("f_n", result.f_n),
+        row("f_n", result.f_n, massless),
         row("growth_rate", growth, _pace(growth)),
         row("omega", omega, f"{readable('f_n', omega / (2 * math.pi), 4)}" if omega else "creeps"),
     ]
@@ -86,7 +93,6 @@ def cycle(result: "xarray.Dataset") -> list[Any]:
     if int(result.status) == STEADY_SLIDING:
         return table(f"No cycle is reached {at}: steady sliding", [row("V_lp", V)])
     error = float(result.error)
-    first, second = result.multipliers.values
     rows = [
         row("period", result.period, error=error),
         row("frequency", result.frequency, error=error),
@@ -96,14 +102,14 @@ def cycle(result: "xarray.Dataset") -> list[Any]:
         row("inertia", result.inertia),
         row("slow_fraction", result.slow_fraction),
         row("fundamental", result.fundamental, "1 harmonic, 0.61 sawtooth"),
-        Row("multipliers", f"{_complex(first)}, {_complex(second)}", MULTIPLIERS),
+        Row(
+            "multipliers",
+            ", ".join(map(readable_multiplier, result.multipliers.values)),
+            MULTIPLIERS,
+        ),
         row("residual", result.residual),
     ]
     return table(f"The limit cycle {at}", rows)
-
-
-def _complex(value: complex) -> str:
-    return f"{value.real:.4g}" if value.imag == 0.0 else f"{value.real:.4g}{value.imag:+.4g}i"
 
 
 def branch(result: "xarray.Dataset") -> list[Any]:
@@ -127,7 +133,7 @@ def branch(result: "xarray.Dataset") -> list[Any]:
             f"{float(one.amplitude):.{DIGITS}g}",
             when(float(one.period)),
             readable("V_max", float(one.V_max), DIGITS),
-            _complex(complex(one.multipliers[0])),
+            readable_multiplier(complex(one.multipliers[0])),
             ("stable" if stable[i + 1] else "unstable") if after else "",
         )
     low, high = (readable(symbol, float(x)) for x in (result[symbol].min(), result[symbol].max()))

@@ -27,7 +27,7 @@ def page(result):
     ----------
     result : xarray.Dataset
         From `simulate`, `limit_cycle`, `stability`, `continue_cycle` or `sweep`: of one slider,
-        or over one axis (lines) or two (maps).
+        or over one axis (lines) or two (maps; lines too where one of them has a few values only).
 
     Returns
     -------

@@ -28,6 +28,12 @@ class Axis(NamedTuple):
         edges = np.concatenate([[values[0] - half[0]], middle, [values[-1] + half[-1]]])
         return np.exp(edges) if self.logarithmic else edges
 
+    def each(self, dim):
+        """What a legend says of each value."""
+        unit = self.text.rpartition(" [")[2].rstrip("]") if "[" in self.text else ""
+        values = self.names or [f"{value:.4g}" for value in self.values]
+        return [f"{label(dim)} = {value} {unit}".rstrip() for value in values]
+
     def dress(self, axis):
         """Give a matplotlib axis its label and scale, or its names."""
         axis.set_label_text(self.text)

@@ -4,8 +4,8 @@ import numpy as np
 
 from ...dataset import parameter
 from ...quantities import QUANTITIES
-from ..bifurcation import NARROW, STABLE, UNSTABLE, branch
-from ..labels import BLUE, GRAY, RED, label
+from ..bifurcation import NARROW, STABLE, UNSTABLE, diagram
+from ..labels import BLUE, GRAY, RED, label, prefixed
 from ..layout import LAWS, figure, letter, styled
 
 # Ratio of speeds from which a logarithmic axis pays.
@@ -20,8 +20,9 @@ def branch_page(data):
     title = f"Limit cycles along {label(symbol)}, {law}"
     fig = figure(data.assign_attrs(title=title), 5.2, "a b Dc sigma M K")
     axes = fig.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=[1.25, 1])
-    branch(data, axes["a"])
-    x, V_lp = data[symbol].values, parameter(data, "V_lp")
+    factor, unit = prefixed(QUANTITIES[symbol].unit, float(data[symbol].max()))
+    diagram(data, axes["a"], factor, unit)
+    x, V_lp = factor * data[symbol].values, parameter(data, "V_lp")
     firm = np.append(data.stable.values.astype(bool)[1:], True)
     for name, color in (("V_max", RED), ("V_min", BLUE)):
         ratio = (data[name] / V_lp).values
@@ -31,10 +32,9 @@ def branch_page(data):
     if float((data.V_max / data.V_min).max()) > WIDE:
         axes["b"].set_yscale("log")
     axes["c"].set(ylabel="Larger Floquet multiplier (size)")
-    unit = QUANTITIES[symbol].unit
     for ax in (axes["b"], axes["c"]):
         ax.axhline(1.0, color=GRAY, lw=0.7, zorder=0)
-        ax.set_xlabel(label(symbol) + ("" if unit == "1" else f" [{unit}]"))
+        ax.set_xlabel(label(symbol) + (f" [{unit}]" if unit else ""))
         if x.max() > NARROW * x.min():
             ax.set_xscale("log")
     axes["b"].legend()

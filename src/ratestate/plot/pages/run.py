@@ -99,7 +99,8 @@ def _plane(run, ax):
     margin = 0.05 * (high - low)
     ax.set(xlim=(low - margin, high + margin), xlabel=STRESS, ylabel=f"$V$ [{speed}]")
     _logarithmic(ax, run.V)
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=1)
+    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
+    ax.legend(**place, ncols=1, handlelength=1.3, handletextpad=0.4, borderpad=0.1)
 
 
 def _logarithmic(ax, V):

@@ -1,8 +1,9 @@
-"""The page of a sweep: lines over one axis, maps over two."""
+"""The page of a sweep: lines over one axis, maps over two, or a line for each of a few values."""
 
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 
 from ...dataset import parameter
@@ -29,6 +30,9 @@ SHOWN = {
 }
 NAMES = {"limit_cycle": "Limit cycles", "simulate": "Runs", "stability": "Steady sliding"}
 NONE = "no cycle in any case"
+COLORS = colormaps["viridis"]
+# Values of an axis up to which each has a line of its own: a map would fill what is between them.
+FEW = 5
 AT = {"color": GRAY, "lw": 0.9, "ls": "--", "label": f"{label('K')} of the slider"}
 
 
@@ -39,13 +43,16 @@ def sweep_page(result, verb, dims):
     over = " and ".join(label(str(dim)) for dim in dims)
     title = f"{NAMES[verb]} over {over}, {law}"
     names = [name for name in SHOWN[verb] if set(dims) & set(result[name].dims)] or SHOWN[verb]
-    height = 2.0 + 1.5 * len(names) if len(dims) == 1 else 3.2
+    along = max(dims, key=lambda dim: result.sizes[dim])
+    across = next((dim for dim in dims if dim != along), None)
+    as_lines = across is None or result.sizes[across] <= FEW
+    height = 2.0 + 1.5 * len(names) if as_lines else 3.2
     fig = figure(result.assign_attrs(title=title), height, "a b Dc sigma M K")
-    if len(dims) == 1:
+    if as_lines:
         axes = np.atleast_1d(fig.subplots(len(names), 1, sharex=True))
         for ax, name in zip(axes, names, strict=True):
-            _lines(ax, result, name, dims[0])
-        axis_of(result, dims[0]).dress(axes[-1].xaxis)
+            _lines(ax, result, name, along, across)
+        axis_of(result, along).dress(axes[-1].xaxis)
     else:
         axes = np.atleast_1d(fig.subplots(1, len(names), sharex=True, sharey=True))
         for ax, name in zip(axes, names, strict=True):
@@ -64,18 +71,31 @@ def _values(result, name, dims):
     return np.where(known, values, np.nan)
 
 
-def _lines(ax, result, name, dim):
-    """A variable against the axis, dots at its cases; V_min beside V_max."""
-    x = axis_of(result, dim).values
+def _lines(ax, result, name, along, across):
+    """A variable against an axis, dots at its cases; V_min, dashed, beside V_max.
+
+    across : another axis, of which each value has a line in a colour of its own; or None
+    """
+    x = axis_of(result, along).values
+    dims = [along] if across is None else [across, along]
     pair = [name, "V_min"] if name == "V_max" else [name]
-    both = np.concatenate([_values(result, one, [dim]) for one in pair])
-    scale, unit, wide = fitting(both, QUANTITIES[name].unit)
+    found = [np.atleast_2d(_values(result, one, dims)) for one in pair]
+    scale, unit, wide = fitting(np.array(found), QUANTITIES[name].unit)
     if not np.isfinite(scale).any():
         ax.text(0.5, 0.5, NONE, transform=ax.transAxes, ha="center", va="center")
-    for one, values, color in zip(pair, np.split(scale, len(pair)), ("k", BLUE), strict=False):
-        ax.plot(x, values, "o-", color=color, ms=2.5, lw=1.0, label=label(one))
+    names = [None] if across is None else axis_of(result, across).each(across)
+    colors = ["k"] if across is None else COLORS(np.linspace(0.0, 0.85, len(names)))
+    for one, rows, look in zip(pair, scale, ("o-", "o--"), strict=False):
+        for values, text, color in zip(rows, names, colors, strict=True):
+            if text is None:
+                color, text = ("k", BLUE)[one == "V_min"], label(one)
+            elif one == "V_min":
+                text = None
+            ax.plot(x, values, look, color=color, ms=2.5, lw=1.0, label=text)
+    if across is not None and len(pair) > 1:
+        ax.plot([], [], "--", color=GRAY, lw=1.0, label=label("V_min"))
     if name == "K_c" and np.ndim(K := parameter(result, "K")) == 0:
-        ax.axhline(K * prefixed(QUANTITIES[name].unit, float(np.nanmax(both)))[0], **AT)
+        ax.axhline(K * prefixed(QUANTITIES[name].unit, float(np.nanmax(found)))[0], **AT)
     if len(ax.lines) > 1:
         ax.legend()
     if wide:
@@ -85,8 +105,12 @@ def _lines(ax, result, name, dim):
     else:
         ax.axhline(0.0, color=GRAY, lw=0.7, zorder=0)
     ax.set_ylabel(WORDS[name].replace(" of ", " of\n") + unit)
-    for row in np.flatnonzero(_failed(result, [dim])):
-        ax.axvline(x[row], color=RED, lw=0.8, alpha=0.5, zorder=0)
+    failed = np.atleast_2d(_failed(result, dims))
+    for column in np.flatnonzero(failed.all(axis=0)):
+        ax.axvline(x[column], color=RED, lw=0.8, alpha=0.5, zorder=0)
+    for row, column in np.argwhere(failed & ~failed.all(axis=0)):
+        at = {"transform": ax.get_xaxis_transform(), "clip_on": False}
+        ax.plot(x[column], 0.02 * (row + 1), "x", color=colors[row], ms=3.5, mew=0.9, **at)
 
 
 def _failed(result, dims):
