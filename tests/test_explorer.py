@@ -16,14 +16,16 @@ from websockets.sync.client import connect
 
 import ratestate as rs
 from ratestate.engine.drive import Stopped
-from ratestate.explorer import charts, entries, exports, lane, picture, server, wire
+from ratestate.explorer import charts, entries, exports, lane, picture, server, session, wire
 from ratestate.explorer.app import MOST_PAGES
 from ratestate.explorer.budget import Deadline
+from ratestate.explorer.guard import Guard
 from ratestate.explorer.presets import entries_of, presets
 from ratestate.paper.parameters import FIG2, FIG4
 
 STICK_SLIP = presets()[0]["entries"]
 VIBRATION = entries_of(FIG2, 3.2e-3)
+RUNAWAY = VIBRATION | {"M": "0 kg/m^2", "K": "500 MPa/m"}
 
 
 def read(message):
@@ -150,11 +152,34 @@ class TestPicture:
         assert -arrays["run_time"][0] / arrays["run_time"][-1] == pytest.approx(0.2, rel=0.05)
 
     def test_a_runaway_is_shown_as_far_as_it_comes(self):
-        header, arrays = painted(VIBRATION | {"M": "0 kg/m^2", "K": "500 MPa/m"})
+        header, arrays = painted(RUNAWAY)
         assert header["numbers"]["regime"] == "runaway"
         assert "quasi_static_instability" in header["notes"][0]
+        assert "SpringSlider" not in header["notes"][0]
         assert arrays["run_V"][-1] > 1e3
         assert "cycle_V" not in arrays
+
+    def test_a_run_that_has_not_settled_says_so(self):
+        near = painted(VIBRATION | {"V_lp": "3.16228 mm/s"})  # V_c is 3.162278 mm/s
+        told = [text for text in near[0]["notes"] if "has not settled" in text]
+        assert told == ["The run shown is 40 cycles long, and has not settled by then."]
+        period = near[0]["numbers"]["period"]
+        assert near[1]["run_time"][-1] == pytest.approx(40.0 * period, rel=1e-5)
+        assert painted(STICK_SLIP)[0]["notes"] == []
+        damped, arrays = painted(VIBRATION | {"V_lp": "3.16 mm/s"})
+        assert "swings long, and has not settled" in damped["notes"][0]
+        late = arrays["run_V"][arrays["run_time"] > 0.95 * arrays["run_time"][-1]]
+        assert np.ptp(late) > 1e-3 * 3.16e-3
+
+    def test_a_start_that_was_not_found_is_said(self, monkeypatch):
+        settled = picture._settled
+
+        def fails_before(slider, V, watch):
+            return (rs.SolverError("none"), None) if V == 1e-4 else settled(slider, V, watch)
+
+        monkeypatch.setattr(picture, "_settled", fails_before)
+        header, _ = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
+        assert "No cycle is known at the speed before the step" in header["notes"][0]
 
     def test_work_is_cut_and_that_is_said(self):
         header, arrays = painted(STICK_SLIP, seconds=0.0)
@@ -198,6 +223,20 @@ class TestPicture:
         assert (header["id"], header["kind"]) == (3, "problem")
         assert "the explorer failed" in header["problems"][""]
         assert "a bug" in caplog.text
+        caplog.clear()
+        ended = Deadline(1.0)
+        ended.set()
+        with pytest.raises(Stopped):
+            lane.answered(fails, wire.Question(3, "csv", {}), ended)
+        assert caplog.text == ""
+
+    def test_a_deadline_of_parts_has_an_end(self):
+        deadline = Deadline(60.0, whole=0.05)
+        begin = time.monotonic()
+        while not deadline.is_set() and time.monotonic() < begin + 5.0:
+            deadline.start()
+            time.sleep(0.01)
+        assert 0.04 < time.monotonic() - begin < 5.0
 
     def test_thinned_curves_keep_their_extremes(self):
         x = np.sin(np.arange(100_000.0)) * np.linspace(1.0, 2.0, 100_000)
@@ -226,12 +265,24 @@ class TestExports:
         assert np.array_equal(numbers[:, header.index("tau [Pa]")], loaded.tau)
         assert numbers[:, 0].tolist() == loaded.time.values.tolist()
 
+    def test_a_run_that_ends_early_is_written_as_far_as_it_comes(self):
+        text = exports.export("csv", entries.asked_of(RUNAWAY), Deadline(20.0))["text"]
+        numbers = np.genfromtxt(text.splitlines(), delimiter=",", names=True)
+        _, arrays = painted(RUNAWAY)
+        assert numbers["time_s"][-1] == arrays["run_time"][-1]
+        assert numbers["V_ms"][-1] > 1e3
+
+    def test_long_tables_are_refused_in_words(self, monkeypatch):
+        monkeypatch.setattr(exports, "MOST_ROWS", 100)
+        with pytest.raises(rs.ParameterError, match="rows, more than the 100 of a download"):
+            exports.export("csv", entries.asked_of(VIBRATION), Deadline(20.0))
+
 
 class TestCharts:
     def test_a_chart_is_the_atlas_and_is_kept(self):
         slider = entries.asked_of(STICK_SLIP).slider
         header, arrays = charts.chart(slider, 4, Deadline(60.0))
-        assert header["b_over_a"] == 1.6
+        assert header["key"] == ("slip", 1.6)
         assert arrays["regime"].size == 16
         begin = time.perf_counter()
         again = charts.chart(slider.replace(a=0.0050001), 4, Deadline(0.0))
@@ -244,8 +295,32 @@ class TestCharts:
         assert span["eta"] == (line["line_eta"][0], line["line_eta"][-1])
 
     def test_it_is_bounded(self):
+        slider = entries.asked_of(VIBRATION).slider
+        with pytest.raises(rs.ParameterError, match="60 x 60 points of the map take more than 0 s"):
+            charts.chart(slider, 60, Deadline(0.0))
+        cancelled = Deadline(60.0)
+        cancelled.set()
         with pytest.raises(Stopped):
-            charts.chart(entries.asked_of(VIBRATION).slider, 60, Deadline(0.0))
+            charts.chart(slider, 60, cancelled)
+
+    @pytest.mark.parametrize(
+        ("a", "b", "ratio"),
+        [
+            (0.008, 0.009, 1.125),
+            (0.008, 0.013, 1.625),
+            (0.008, 0.00801, 1.00125),
+            (0.001, 0.1, 100.0),
+            (0.008, 0.008, None),
+            (0.008, -0.001, None),
+        ],
+    )
+    def test_a_picture_names_its_chart(self, a, b, ratio):
+        key = charts.key_of(FIG4.replace(a=a, b=b))
+        assert (key and key[1]) == (pytest.approx(ratio, rel=1e-12) if ratio else None)
+
+    def test_friction_that_strengthens_has_none(self):
+        with pytest.raises(rs.ParameterError, match="b <= a"):
+            charts.chart(FIG4.replace(b=0.001), 4, Deadline(60.0))
 
 
 @pytest.fixture(scope="module")
@@ -329,6 +404,35 @@ class TestServer:
             assert set(kinds.values()) == {"file", "problem"}
             assert kinds[60] == "file"
 
+    def test_downloads_hold_no_picture_up(self, port, monkeypatch):
+        free, begun = threading.Event(), threading.Event()
+
+        def export(*_):
+            begun.set()
+            assert free.wait(60)
+            return {"name": "a", "text": "b"}
+
+        monkeypatch.setattr(session, "export", export)
+        with page(port) as first, page(port) as second, page(port) as third:
+            for socket in (first, second):
+                ask(socket, 1, "csv")
+            assert begun.wait(30)
+            ask(third, 1)
+            assert answered(third, 1)[0]["kind"] == "picture"
+            free.set()
+            assert answered(second, 1)[0]["kind"] == "file"
+
+    def test_nonsense_is_shown_the_door(self, port):
+        with page(port) as socket:
+            for _ in range(session.NONSENSE - 1):
+                socket.send("nonsense")
+            ask(socket, 1)
+            assert answered(socket, 1)[0]["kind"] == "picture"
+            for _ in range(session.NONSENSE):
+                socket.send("nonsense")
+            with pytest.raises(ConnectionClosed, match="these are no questions"):
+                drained(socket)
+
     def test_a_chart_comes_twice(self, port, monkeypatch):
         monkeypatch.setattr(charts, "SIZES", (2, 3))
         with page(port) as socket:
@@ -360,7 +464,9 @@ class TestServer:
         assert response.status == 200
         assert policy.startswith("default-src 'none'; script-src 'self'")
         assert b"http://" not in response.read()
-        for path, status in (("/../serve.py", 404), ("/docs", 404), ("/vendor/uPlot.LICENSE", 200)):
+        away = ("/../app.py", "/%2e%2e/app.py", "/..%2fapp.py", "/js/../../app.py", "//app.py")
+        for path in ("/vendor/uPlot.LICENSE", "/docs", *away):
+            status = 200 if path.startswith("/vendor") else 404
             connection.request("GET", path)
             response = connection.getresponse()
             response.read()
@@ -401,9 +507,10 @@ class TestServer:
             time.sleep(0.05)
         assert others() <= before
         ours = [t for t in threading.enumerate() if t.name.startswith("explorer")]
-        assert len(ours) <= 3  # those of the pools stay
+        assert len(ours) <= 4  # those of the pools stay
 
-    def test_any_message_is_borne(self, port):
+    def test_any_message_is_borne(self, port, monkeypatch):
+        monkeypatch.setattr(session, "NONSENSE", 10**6)
         values = st.recursive(
             st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
             lambda inner: (
@@ -443,6 +550,20 @@ class TestServer:
 
 
 class TestServe:
+    def test_what_is_prepared_ends_with_the_server(self, monkeypatch, caplog):
+        monkeypatch.setattr(session, "survey", lambda *_, **__: 1 / 0)
+        desk = session.Desk()
+        desk.close()
+        begin = time.monotonic()
+        session._rehearse(desk.preparing)
+        assert time.monotonic() - begin < 10.0
+        assert caplog.text == ""
+
+    def test_browsers_leave_port_80_out(self):
+        assert {b"127.0.0.1", b"localhost:80"} <= Guard(None, 80).hosts
+        assert b"http://localhost" in Guard(None, 80).origins
+        assert b"127.0.0.1" not in Guard(None, 8080).hosts
+
     def test_a_port_in_use_is_said(self, port):
         with pytest.raises(rs.ParameterError, match=f"port = {port} is in use; give another"):
             server.listen(port)

@@ -602,6 +602,17 @@ def test_a_verb_for_one_case(read, told):
     assert line.startswith("[run] rtol: 1.0 is out of range, expected one number from 1e-12 to")
 
 
+def test_an_unknown_verb_leaves_nothing_else_missing(told):
+    table = '[sweep]\nverb = "cycle"\nV_lp = ["1 um/s", "1 mm/s"]\nK = { from = "1 MPa/m" }\n'
+    slider = "\n".join(line for line in SLIDER.splitlines() if not line.startswith("K ")) + "\n"
+    lines = told(table, slider=slider)
+    assert [line.partition(": ")[0] for line in lines] == [
+        "[sweep] verb",
+        "[sweep] K.to",
+        "[sweep] K.n",
+    ]
+
+
 @pytest.mark.parametrize("verb", ["limit_cycle", "stability"])
 @pytest.mark.parametrize(
     ("table", "place"),

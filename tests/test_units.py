@@ -106,6 +106,10 @@ REFUSED = [
     ("V_lp", "-3.2 mm/s", "V_lp = '-3.2 mm/s' must be > 0; expected a speed [m/s] such as"),
     ("V_lp", "nan mm/s", "V_lp = 'nan mm/s' is not a number"),
     ("sigma", "5 degC", "sigma = '5 degC' is of dimension [temperature]; expected a stress [Pa]"),
+    ("sigma", "200 N", "sigma = '200 N' is of the whole contact, and to be divided by its area"),
+    ("K", "5 kN/mm", "K = '5 kN/mm' is of the whole contact, and to be divided by its area"),
+    ("M", "500 kg", "is of the whole contact, and to be divided by its area; expected a mass per"),
+    ("V_lp", "3 m^3/s", "V_lp = '3 m^3/s' is of dimension"),  # which no sheet gives
     ("sigma", -2e6, "sigma = -2e+06 Pa must be > 0; expected a stress [Pa] such as '2 MPa'"),
     ("sigma", 0, "sigma = 0 Pa must be > 0"),
     ("sigma", np.inf, "sigma = inf Pa must be finite"),

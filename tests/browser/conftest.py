@@ -53,6 +53,6 @@ def server():
 @pytest.fixture(scope="module")
 def browser():
     if not CHROMIUM:
-        pytest.skip("no chromium: make chromium, or tools/chromium.sh, installs Debian's")
+        pytest.skip("no chromium: make browser, or tools/chromium.sh, installs Debian's")
     with browsing() as found:
         yield found

@@ -100,6 +100,11 @@ def test_a_typed_value_and_a_law_are_taken(show):
     shown.wait()
     assert shown.text("#headline") == "Steady sliding at 100 \u00b5m/s."
     assert shown.numbers["K/Kc"] == "1.083"
+    # that is also what is heard, and nothing else
+    shown.page.wait_for_function(
+        "() => document.querySelector('#announcement').textContent.startsWith('Steady')"
+    )
+    assert shown.page.eval_on_selector_all("main [aria-live]", "all => all.length") == 0
     shown.page.check("[name=law][value=aging]")
     shown.type("K", "0.96 GPa/m")
     shown.wait()
@@ -191,6 +196,65 @@ def test_the_dot_is_dragged(show):
     shown.wait()
     assert float(shown.entry("M").split(" ")[0]) == pytest.approx(100 * 10**0.4, rel=1e-3)
     assert shown.entry("V_lp") == speed
+
+
+def test_quick_keys_move_the_dot_all_the_way(show):
+    shown = show(latency.CASES["steady"])
+    speed = float(shown.entry("V_lp").split(" ")[0])
+    shown.page.focus("#dot")
+    for _ in range(20):
+        shown.page.keyboard.press("ArrowRight")
+        shown.page.keyboard.press("ArrowDown")
+    shown.wait()
+    assert float(shown.entry("K").split(" ")[0]) == pytest.approx(0.9 * 10**0.4, rel=1e-3)
+    assert float(shown.entry("V_lp").split(" ")[0]) == pytest.approx(
+        1e3 * speed / 10**0.4, rel=1e-3
+    )
+
+
+def test_sliders_of_what_has_no_logarithm_begin_near_what_is_usual(show):
+    link = latency.CASES["stick-slip"].replace("0.96 GPa", "inf Pa").replace("100 kg", "0 kg")
+    shown = show(link)
+    assert shown.page.is_visible("text=the slider is beyond the map")
+    assert "beyond the map" in shown.page.get_attribute("#dot", "aria-label")
+    shown.page.press("#slider-K", "ArrowLeft")
+    shown.page.press("#slider-M", "ArrowRight")
+    shown.wait()
+    K = shown.entry("K").split(" ")
+    assert (10 < float(K[0]) < 1000, K[1]) == (True, "GPa/m")
+    assert 0.1 < float(shown.entry("M").split(" ")[0]) < 100
+    assert shown.page.get_attribute("#slider-K", "aria-valuetext") == shown.entry("K")
+    shown.type("K", "2 GPa/m")
+    shown.wait()
+    assert shown.page.get_attribute("#slider-K", "aria-valuetext") == "2 GPa/m"
+    assert not shown.page.is_visible("text=the slider is beyond the map")
+
+
+def test_the_atlas_comes_for_any_ratio(show):
+    shown = show(latency.CASES["stick-slip"].replace("a=0.005&b=0.008", "a=0.008&b=0.009"))
+    shown.page.wait_for_selector("#regimes:not(.waiting) >> text=coarse", timeout=60_000)
+    assert shown.text("#banner") == ""
+    assert not shown.page.is_visible("#map-note")
+
+
+def test_a_link_with_a_bad_entry_shows_something(show):
+    shown = show(latency.CASES["stick-slip"].replace("0.96 GPa/m", "3 MPa"))
+    shown.page.wait_for_selector("#numbers dd")
+    assert "what is drawn is Fig. 4b" in shown.text("#banner")
+    assert "is a stress" in shown.text("#problem-K")
+    shown.type("K", "0.96 GPa/m")
+    shown.wait()
+    assert shown.text("#banner") == ""
+    shown.page.wait_for_selector("#regimes:not(.waiting) >> text=coarse", timeout=60_000)
+
+
+def test_a_finger_scrolls_past_the_map(show):
+    shown = show(has_touch=True)
+    shown.page.locator("#map-canvas").scroll_into_view_if_needed()
+    box = shown.page.locator("#map-canvas").bounding_box()
+    shown.page.touchscreen.tap(box["x"] + box["width"] - 40, box["y"] + 40)
+    shown.page.wait_for_timeout(100)
+    assert shown.entry("K") == "960 MPa/m"
 
 
 def test_friction_that_strengthens_has_no_place_on_the_map(show):
@@ -302,17 +366,24 @@ def test_everything_is_reached_by_keyboard(show):
     assert all(style != "none" and width >= 1 for _, style, width in seen), seen
 
 
-@pytest.mark.parametrize("width", [360, 768, 1280])
-def test_no_width_scrolls_sideways(show, width):
+def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
     shown = show()
-    shown.page.set_viewport_size({"width": width, "height": 740})
-    shown.page.wait_for_timeout(100)
-    widths = shown.page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
-    assert widths == [width, width]
-    for chart in ("#stress-chart", "#map-canvas"):
-        box = shown.page.locator(chart).bounding_box()
-        assert box["x"] >= 0
-        assert box["x"] + box["width"] <= width
+    titles = shown.page.eval_on_selector_all("#presets option", "all => all.map(o => o.text)")
+    clipped = """() => [...document.querySelectorAll('#numbers dd, #fields input[type=text]')]
+        .filter(e => e.scrollWidth > e.clientWidth || (!e.value && e.clientHeight > 30))
+        .map(e => e.value ?? e.textContent)"""
+    for width in (360, 768, 1280):
+        shown.page.set_viewport_size({"width": width, "height": 740})
+        for title in titles[1:]:
+            shown.page.select_option("#presets", label=title)
+            shown.wait()
+            assert shown.page.evaluate(clipped) == [], (title, width)
+        widths = shown.page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
+        assert widths == [width, width]
+        for chart in ("#stress-chart", "#map-canvas"):
+            box = shown.page.locator(chart).bounding_box()
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= width
 
 
 def test_dark_is_dark_and_nothing_moves_for_those_who_mind(show):
@@ -338,3 +409,21 @@ def test_every_named_control_has_a_name(show):
         .map(e => e.id)"""
     )
     assert nameless == []
+    names = "e => ['entry', 'slider'].map(k => document.getElementById(`${k}-${e}`).ariaLabel)"
+    assert shown.page.evaluate(f"({names})('sigma')") == ["normal stress sigma"] * 2
+
+
+def test_ticks_of_late_digits_count_from_a_value(server, browser):
+    page = browser.new_page()
+    page.goto(f"{server.address}js/ticks.js")
+    ticks, label = page.evaluate(
+        """async () => (await import('/js/ticks.js')).counted(0.55506402, 0.55506409, 4)"""
+    )
+    page.close()
+    base, power = label.strip(" \N{MINUS SIGN}]").split("  [")
+    assert (base, power) == ("0.55506406", "10\u207b\u2078")
+    told = [float(text.replace("\N{MINUS SIGN}", "-")) for _, text in ticks]
+    assert len(set(told)) == len(told) >= 3
+    assert [value for value, _ in ticks] == pytest.approx(
+        [float(base) + 1e-8 * count for count in told], abs=1e-14
+    )

@@ -8,15 +8,26 @@ from ..engine.drive import Stopped, place
 
 
 class Deadline(threading.Event):
-    """Set when it is over: after some seconds from its `start` on, or at once by `set`."""
+    """Set when it is over: some seconds after its last `start`, or at once by `set`.
 
-    def __init__(self, seconds):
+    Parameters
+    ----------
+    seconds : float
+        For each part of the work.
+    whole : float
+        For all parts, from the first `start` on.
+    """
+
+    def __init__(self, seconds, whole=float("inf")):
         super().__init__()
-        self.seconds, self._end = seconds, float("inf")
+        self.seconds, self.whole = seconds, whole
+        self._end = self._last = float("inf")
 
     def start(self):
-        """Let the seconds begin."""
-        self._end = time.monotonic() + self.seconds
+        """Let the seconds of a part begin."""
+        now = time.monotonic()
+        self._last = min(self._last, now + self.whole)
+        self._end = min(self._last, now + self.seconds)
 
     def is_set(self):
         return super().is_set() or time.monotonic() > self._end

@@ -6,6 +6,8 @@ import threading
 import numpy as np
 
 from ..atlas import ETA, STIFFNESS, atlas
+from ..engine.drive import Stopped
+from ..errors import ParameterError
 from ..stability import K_c
 from .budget import bounded
 
@@ -13,7 +15,7 @@ from .budget import bounded
 SIZES = (24, 72)
 RTOL = 1e-4
 #: seconds that a chart may take, and how many are kept
-SECONDS, KEPT = 30.0, 40
+SECONDS, KEPT = 8.0, 40
 
 _charts: collections.OrderedDict = collections.OrderedDict()
 _lock = threading.Lock()
@@ -27,17 +29,41 @@ def frame():
     return {"eta": ETA, "ratio": STIFFNESS}, {"line_eta": eta, "line_ratio": ratio}
 
 
+def key_of(slider):
+    """What decides which chart is a slider's: law and b/a, to some digits; None if none is."""
+    weakening = float(f"{(slider.b - slider.a) / slider.a:.3g}")
+    return (slider.law, 1.0 + weakening) if 1.0 + weakening > 1.0 else None
+
+
 def chart(slider, size, deadline):
-    """Header and arrays of the answer to "chart" (wire.py); drive.Stopped if it is not in time."""
-    key = (slider.law, float(f"{slider.b / slider.a:.3g}"), size)
+    """Header and arrays of the answer to "chart" (wire.py).
+
+    Raises
+    ------
+    drive.Stopped
+        Somebody cancelled it.
+    ParameterError
+        There is no chart where b <= a, and none in time where the cycles are long.
+    """
+    if (of := key_of(slider)) is None:
+        raise ParameterError("b <= a: friction never weakens, and there are no regimes to map")
+    key = (*of, size)
     with _lock:
         if key in _charts:
             _charts.move_to_end(key)
             return _charts[key]
     deadline.start()
-    with bounded(deadline):
-        data = atlas(key[1], key[0], n=size, rtol=RTOL)
-    header = {"law": key[0], "b_over_a": key[1], "size": size}
+    try:
+        with bounded(deadline):
+            data = atlas(key[1], key[0], n=size, rtol=RTOL)
+    except Stopped:
+        if deadline.cancelled:
+            raise
+        raise ParameterError(
+            f"{size} x {size} points of the map take more than {deadline.seconds:g} s at "
+            f"b/a = {key[1]:.4g}; atlas in Python has no such limit"
+        ) from None
+    header = {"key": of, "size": size}
     names = ("K_over_K_c_qs", "eta", "regime", "K_c_over_K_c_qs")
     arrays = {name: data[name].values.ravel() for name in names}
     arrays["jumps"] = data.type.values == "subcritical"

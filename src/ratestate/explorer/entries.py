@@ -22,7 +22,7 @@ class Asked(NamedTuple):
 
     slider: SpringSlider
     V_lp: float
-    V_from: float | None  # None: the start is steady sliding at V_lp/10
+    V_from: float | None  # None: the start is steady sliding, see motion.START
 
     @property
     def values(self):
@@ -71,13 +71,17 @@ def asked_of(entries: Any) -> Asked:
     return Asked(SpringSlider(law=law, **values), V_lp, V_from)
 
 
-def fields():
-    """What the page must know of each field."""
+def fields(usual):
+    """What the page must know of each field.
+
+    usual : dict of numbers in SI, symbol -> value about which a slider begins
+    """
     return [
         {
             "symbol": symbol,
             "name": QUANTITIES[symbol].long_name,
             "unit": QUANTITIES[symbol].unit,
+            "usual": usual[symbol],
         }
         for symbol in SYMBOLS
     ]

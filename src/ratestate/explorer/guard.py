@@ -4,6 +4,8 @@ from starlette.responses import PlainTextResponse
 
 #: names under which the page may be opened
 NAMES = ("127.0.0.1", "localhost")
+# The port that browsers leave out of Host and Origin.
+HTTP = 80
 #: for every answer: nothing from elsewhere, in no frame, nothing kept
 HEADERS = {
     "Content-Security-Policy": (
@@ -27,7 +29,8 @@ class Guard:
 
     def __init__(self, app, port):
         self.app = app
-        self.hosts = {f"{name}:{port}".encode() for name in NAMES}
+        hosts = {f"{name}:{port}" for name in NAMES}
+        self.hosts = {host.encode() for host in (hosts | set(NAMES) if port == HTTP else hosts)}
         self.origins = {b"http://" + host for host in self.hosts}
 
     async def __call__(self, scope, receive, send):

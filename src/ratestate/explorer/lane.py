@@ -21,16 +21,17 @@ class Lane:
     pool : Executor
     jobs : list of callables (question, deadline) -> bytes
         A question is answered by each in turn.
-    seconds : float
-        That a job may take, where it does not start its deadline anew.
+    seconds, whole : float
+        That a part of a job may take, and the job.
     room : int
         Questions that may wait; beyond it the oldest is dropped.
     patience : float or None
         Seconds for which a job goes on after a newer question has come; None for ever.
     """
 
-    def __init__(self, pool, jobs, *, seconds, room=1, patience=None):
-        self.pool, self.jobs, self.seconds, self.patience = pool, jobs, seconds, patience
+    def __init__(self, pool, jobs, *, seconds, whole=float("inf"), room=1, patience=None):
+        self.pool, self.jobs, self.patience = pool, jobs, patience
+        self.seconds, self.whole = seconds, whole
         self.waiting: collections.deque[wire.Question] = collections.deque(maxlen=room)
         self.some = asyncio.Event()
         self.deadline: Deadline | None = None
@@ -64,7 +65,7 @@ class Lane:
 
     async def _done(self, job, question):
         """The answer of a job, in bytes; None where a newer question overtook it."""
-        deadline = self.deadline = Deadline(self.seconds)
+        deadline = self.deadline = Deadline(self.seconds, self.whole)
         deadline.start()
         loop = asyncio.get_running_loop()
         try:
@@ -87,8 +88,12 @@ def answered(job, question, deadline):
     except Stopped:
         if deadline.cancelled:
             raise
-        problems = {"": f"this takes more than {deadline.seconds:g} s; Python has no such limit"}
+        seconds = min(deadline.seconds, deadline.whole)
+        told = f"{question.ask}: this takes more than {seconds:g} s; Python has no such limit"
+        problems = {"": told}
     except Exception:
+        if deadline.cancelled:  # the program may be ending, and its threads with it
+            raise Stopped from None
         log.exception("a question could not be answered: %r", question)
         problems = {"": "the explorer failed on this; its terminal says more"}
     return wire.answer(question.id, "problem", problems=problems)

@@ -10,6 +10,8 @@ from ..simulate import simulate_call
 from ..slider import SpringSlider
 
 RTOL = 1e-6
+# Speed of the steady sliding in which a run begins, over V_lp: that of `limit_cycle`.
+START = 0.1
 # Cycles shown: at least, at most; and how often a disturbance falls to a tenth meanwhile.
 FEWEST, MOST, SETTLED = 6.0, 40.0, 1.5
 # Saved points of the cycles shown, at most.
@@ -46,12 +48,12 @@ def plan_of(found, turn, before=None):
         Its limit cycle, from `orbit`.
     before : tuple of (V_from, Dataset or None), optional
         The speed before, and the limit cycle there: the motion from which the load point steps.
-        Without it the run begins in steady sliding at a tenth of the speed, as `limit_cycle`.
+        Without it the run begins in steady sliding at `START` of the speed, as `limit_cycle`.
     """
-    time = _rounded(_time_shown(found, turn))
+    time = _rounded(min(_times(found, turn)))
     if before is None:
         loading = Loading.constant(found.V_lp)
-        settings = {"loading": loading, "t_end": time, "V_start": found.V_lp / 10.0}
+        settings = {"loading": loading, "t_end": time, "V_start": START * found.V_lp}
         return Plan(found.slider, settings, 0.0)
     V_from, cycle = before
     start, lead = _start(found.slider, V_from, cycle, LEAD * time)
@@ -60,16 +62,28 @@ def plan_of(found, turn, before=None):
     return Plan(found.slider, settings, lead)
 
 
-def _time_shown(found, turn):
-    """How long the motion is shown [s]: until it has settled, or until cycles no longer part."""
+def unsettled(found, turn):
+    """A sentence where the motion is not shown until it has settled; else ""."""
+    settled, most = _times(found, turn)
+    if settled <= most:
+        return ""
+    turns = most * (1.0 / found.period if found.period else found.omega / (2.0 * np.pi))
+    what = "cycles" if found.period else "swings"
+    return f"The run shown is {turns:.3g} {what} long, and has not settled by then."
+
+
+def _times(found, turn):
+    """How long the motion takes to settle [s], and how long until its cycles no longer part."""
     if found.period:
-        most = min(MOST, MOST_POINTS / turn.sizes["time"])
-        return found.period * min(max(SETTLED * found.fade, FEWEST), max(most, 2.0))
+        most = max(min(MOST, MOST_POINTS / turn.sizes["time"]), 2.0)
+        settled = max(SETTLED * found.fade, min(FEWEST, most))
+        return found.period * settled, found.period * most
     if found.amplitude is not None and found.growth_rate < 0.0:
         settled = 3.0 * SETTLED * np.log(10.0) / -found.growth_rate
         rings = MOST * 2.0 * np.pi / found.omega if found.omega > 0.0 else np.inf
-        return min(settled, rings)
-    return SLIP * found.slider.Dc / found.V_lp
+        return settled, rings
+    time = SLIP * found.slider.Dc / found.V_lp
+    return time, time
 
 
 def _start(slider, V_from, cycle, lead):

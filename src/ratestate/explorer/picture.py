@@ -13,7 +13,8 @@ from ..laws import mu_ss
 from ..orbit import cycle_and_orbit
 from ..verdict import Verdict, judge
 from .budget import bounded
-from .motion import Plan, plan_of
+from .charts import key_of
+from .motion import Plan, plan_of, unsettled
 
 RTOL = 1e-8  # of the cycle
 # How often a run is shortened before it is given up.
@@ -30,6 +31,7 @@ class Study(NamedTuple):
     found: Verdict
     turn: xarray.Dataset | None
     plan: Plan
+    notes: list[str]
 
 
 def study_of(asked, watch):
@@ -37,10 +39,17 @@ def study_of(asked, watch):
     cycle, turn = _settled(asked.slider, asked.V_lp, watch)
     watch.deadline.start()
     found = judge(asked.slider, asked.V_lp, cycle)
+    notes = [said] if (said := unsettled(found, turn)) else []
     before = None
     if asked.V_from is not None:
-        before = asked.V_from, _settled(asked.slider, asked.V_from, watch)[1]
-    return Study(found, turn, plan_of(found, turn, before))
+        earlier, cycle_before = _settled(asked.slider, asked.V_from, watch)
+        before = asked.V_from, cycle_before
+        if isinstance(earlier, SolverError):
+            notes.append(
+                "No cycle is known at the speed before the step: the run begins in steady "
+                "sliding there, stable or not."
+            )
+    return Study(found, turn, plan_of(found, turn, before), notes)
 
 
 def picture(asked, deadline):
@@ -59,7 +68,8 @@ def picture(asked, deadline):
         "numbers": numbers | {"f_n": found.f_n, "fade": found.fade},
         "sentences": found.sentences,
         "steady": level,
-        "notes": notes,
+        "notes": study.notes + notes,
+        "chart": key_of(slider),
     }
     return header, arrays
 
@@ -101,15 +111,16 @@ def _run(plan, watch):
             t_end = AGAIN * watch.done * call.t_end
             notes = [
                 f"The run is cut at {t_end:.3g} s of {plan.settings['t_end']:.3g} s, after "
-                f"{watch.deadline.seconds:g} s of computing; the Python lines run it whole."
+                f"{watch.deadline.seconds:g} s of computing; the Python lines have no such limit."
             ]
             if not t_end > 0.0:
                 return None, notes
     else:
         return None, notes
     if (status := motion.status[0]) != FINISHED:
-        ended = failure("The run", plan.slider, status, motion.numbers["t"][0])
-        notes.append(str(ended).partition("\n")[0])
+        ended = str(failure("The run", plan.slider, status, motion.numbers["t"][0]))
+        why = ended.splitlines()[0].rstrip(".")
+        notes.append(f"{why}. The CSV file has the run up to there.")
     return call.dataset(call.variables(motion)), notes
 
 

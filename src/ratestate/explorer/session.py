@@ -1,11 +1,14 @@
 """One page's connection: its questions into lanes, their answers back."""
 
 import asyncio
+import contextlib
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 from starlette.websockets import WebSocketDisconnect
 
+from ..engine.drive import Stopped
+from ..errors import RateStateError
 from . import charts, picture, wire
 from .budget import Deadline
 from .entries import asked_of, fields, prefixes
@@ -13,8 +16,12 @@ from .exports import export
 from .lane import Lane, answered
 from .presets import presets
 
-# Of downloads: how many may wait, and seconds for one.
-ROOM, SECONDS = 8, 10.0
+# Of downloads: how many may wait, and seconds for one, and for each part of its work.
+ROOM, SECONDS, PART_SECONDS = 8, 10.0, 2.0
+# Seconds that kernels may take until they are there: on some machines they are compiled.
+PREPARING = 300.0
+# Messages that are no question, one after another, after which a page is shown the door.
+NONSENSE, REFUSED = 20, 1008
 # Seconds for which a picture is still worth finishing after a newer one is wanted.
 PATIENCE = 0.4
 
@@ -25,21 +32,24 @@ class Desk:
     def __init__(self):
         self.pool = ThreadPoolExecutor(2, "explorer")
         self.chart_pool = ThreadPoolExecutor(1, "explorer-chart")
+        self.file_pool = ThreadPoolExecutor(1, "explorer-file")
+        self.preparing = Deadline(PREPARING)
         self.ready = asyncio.Event()
         self.sessions: set[Session] = set()
 
     async def warm(self):
         """Do once what pages ask for: that loads the kernels, or compiles them."""
-        await asyncio.get_running_loop().run_in_executor(self.pool, _rehearse)
+        await asyncio.get_running_loop().run_in_executor(self.pool, _rehearse, self.preparing)
         self.ready.set()
         for session in list(self.sessions):
             await session.send(wire.answer(None, "ready"))
 
     def close(self):
         """End all work."""
+        self.preparing.set()
         for session in self.sessions:
             session.stop()
-        for pool in (self.pool, self.chart_pool):
+        for pool in (self.pool, self.chart_pool, self.file_pool):
             pool.shutdown(wait=False, cancel_futures=True)
 
 
@@ -48,10 +58,11 @@ class Session:
 
     def __init__(self, desk, socket):
         self.desk, self.socket, self.sending = desk, socket, asyncio.Lock()
+        self.nonsense = 0
         surveys = [partial(survey, size=size) for size in charts.SIZES]
         pictures = Lane(desk.pool, [paint], seconds=picture.SECONDS, patience=PATIENCE)
         maps = Lane(desk.chart_pool, surveys, seconds=charts.SECONDS, patience=0.0)
-        files = Lane(desk.pool, [write], seconds=SECONDS, room=ROOM)
+        files = Lane(desk.file_pool, [write], seconds=PART_SECONDS, whole=SECONDS, room=ROOM)
         self.lanes = {"picture": pictures, "chart": maps}
         self.lanes |= dict.fromkeys(("scenario", "python", "csv"), files)
 
@@ -62,7 +73,14 @@ class Session:
         tasks = [asyncio.create_task(x.work(ready, self.send)) for x in {*self.lanes.values()}]
         try:
             span, line = charts.frame()
-            known = {"fields": fields(), "prefixes": prefixes(), "presets": presets(), "span": span}
+            starts = presets()
+            usual = asked_of(starts[0]["entries"]).values
+            known = {
+                "fields": fields(usual),
+                "prefixes": prefixes(),
+                "presets": starts,
+                "span": span,
+            }
             await self.send(wire.answer(None, "hello", line, ready=ready.is_set(), **known))
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")
@@ -81,7 +99,12 @@ class Session:
             question = wire.question(text)
         except wire.BadQuestion as error:
             await self.send(wire.answer(None, "problem", problems={"": str(error)}))
+            self.nonsense += 1
+            if self.nonsense >= NONSENSE:
+                await self.socket.close(REFUSED, "these are no questions")
+                raise WebSocketDisconnect(REFUSED) from None
             return
+        self.nonsense = 0
         dropped = self.lanes[question.ask].take(question)
         if dropped and dropped.ask not in ("picture", "chart"):
             problems = {"": "too many downloads were waiting; this one was dropped"}
@@ -107,7 +130,11 @@ def paint(question, deadline):
 
 def survey(question, deadline, size):
     """Answer "chart", at one size."""
-    header, arrays = charts.chart(asked_of(question.entries).slider, size, deadline)
+    slider = asked_of(question.entries).slider
+    try:
+        header, arrays = charts.chart(slider, size, deadline)
+    except RateStateError as error:
+        return wire.answer(question.id, "problem", problems={"map": str(error)})
     return wire.answer(question.id, "chart", arrays, **header)
 
 
@@ -118,10 +145,11 @@ def write(question, deadline):
     )
 
 
-def _rehearse():
-    """Every kind of work once."""
+def _rehearse(deadline):
+    """Every kind of work once, unless it is cancelled."""
     entries = presets()[0]["entries"]
     for law in ("slip", "aging"):
         for job in (paint, partial(survey, size=2)):
             question = wire.Question(0, "picture", entries | {"law": law})
-            answered(job, question, Deadline(charts.SECONDS))
+            with contextlib.suppress(Stopped):
+                answered(job, question, deadline)

@@ -67,7 +67,7 @@ def sweep_table(
             unknown("sweep", key, problems, f"is no parameter of {whose}")
     branch = _branch(values, own, problems) if verb == "continue_cycle" else {}
     found = _values(values, own, problems, bool(branch))
-    kept = {*SLIDER.keys, *VERBS[verb].keys} if verb else set()
+    kept = {*SLIDER.keys, *VERBS[verb].keys} if verb else {*known}
     if own and own != verb:  # rtol does not mean the same to all verbs
         kept -= {"rtol"}
     return Sweep(verb, own, {k: v for k, v in found.items() if k in kept}, branch)

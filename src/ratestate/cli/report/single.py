@@ -35,7 +35,8 @@ def run(result: "xarray.Dataset") -> list[Any]:
         rows.append(row("amplitude", swing, "of the last cycle"))
         rows.append(Row("frequency", readable("frequency", pace, DIGITS), "of the last cycle"))
     rows.append(row("energy_residual", abs(result.energy_residual)))
-    title = f"At the end, {when(end)}, after {int(result.steps):,} steps"
+    law = parameter(result, "law")
+    title = f"At the end, {when(end)}, after {int(result.steps):,} steps, {law} law"
     return table(title, rows)
 
 
@@ -86,10 +87,11 @@ def _pace(growth: float) -> str:
 
 def cycle(result: "xarray.Dataset") -> list[Any]:
     """The numbers of a limit cycle, with their error."""
+    from ...dataset import parameter
     from ...engine.model import STEADY_SLIDING
 
     V = float(result.V_lp)
-    at = f"at V_lp = {readable('V_lp', V)}"
+    at = f"at V_lp = {readable('V_lp', V)}, {parameter(result, 'law')} law"
     if int(result.status) == STEADY_SLIDING:
         return table(f"No cycle is reached {at}: steady sliding", [row("V_lp", V)])
     error = float(result.error)

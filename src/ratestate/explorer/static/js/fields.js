@@ -25,13 +25,14 @@ export class Field {
       return node;
     };
     const label = make("label", { className: "symbol", htmlFor: `entry-${name}` }, ...symbol(name));
-    const long = make("span", { className: "name", id: `name-${name}`, textContent: this.spec.name });
+    const long = make("span", { className: "name", textContent: this.spec.name });
     this.input = make("input", { type: "text", id: `entry-${name}`, spellcheck: false });
     this.slider = make("input", { type: "range", id: `slider-${name}`, step: STEP });
     this.message = make("p", { className: "problem", id: `problem-${name}`, hidden: true });
     this.message.setAttribute("role", "alert");
-    this.input.setAttribute("aria-describedby", `name-${name} problem-${name}`);
-    this.slider.setAttribute("aria-label", `${this.spec.name} ${name}, logarithmic`);
+    this.input.setAttribute("aria-describedby", `problem-${name}`);
+    for (const control of [this.input, this.slider]) control.setAttribute("aria-label", `${this.spec.name} ${name}`);
+    this.reach(Math.log10(this.spec.usual));
     this.listen();
     return make("div", { className: "field" }, label, long, this.input, this.slider, this.message);
   }
@@ -48,16 +49,15 @@ export class Field {
     });
     this.input.addEventListener("change", typed);
     this.slider.addEventListener("input", (event) => {
-      const text = entry(10 ** Number(this.slider.value), this.spec.unit);
-      this.input.value = text;
-      this.slider.setAttribute("aria-valuetext", text);
-      this.tell(text, event.timeStamp);
+      this.input.value = entry(10 ** Number(this.slider.value), this.spec.unit);
+      this.tell(this.input.value, event.timeStamp);
     });
     this.slider.addEventListener("change", () => this.recentre(Number(this.slider.value)));
   }
 
   tell(text, stamp) {
     this.text = text;
+    this.slider.setAttribute("aria-valuetext", text);
     this.change(this.spec.symbol, text, stamp);
   }
 
@@ -83,11 +83,14 @@ export class Field {
 
   /** Let the slider reach further where the value is near its end. */
   recentre(at) {
-    const span = SPAN[this.spec.unit] ?? USUAL_SPAN;
     const [low, high] = [Number(this.slider.min), Number(this.slider.max)];
-    const known = this.ranged && at > low + EDGE * (high - low) && at < high - EDGE * (high - low);
-    if (known) return;
-    this.ranged = true;
+    if (at > low + EDGE * (high - low) && at < high - EDGE * (high - low)) return;
+    this.reach(at);
+  }
+
+  /** Let the slider reach about this power of ten. */
+  reach(at) {
+    const span = SPAN[this.spec.unit] ?? USUAL_SPAN;
     const middle = Math.round(2 * at) / 2;
     this.slider.min = middle - span;
     this.slider.max = middle + span;

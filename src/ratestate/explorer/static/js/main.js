@@ -5,8 +5,9 @@ import { Controls } from "./controls.js";
 import { savePicture, saveText } from "./downloads.js";
 import { Entries } from "./entries.js";
 import { StabilityMap } from "./map.js";
-import { learnPrefixes, plain } from "./numbers.js";
+import { learnPrefixes } from "./numbers.js";
 import { Phase } from "./phase.js";
+import { describe } from "./spoken.js";
 import { onTheme } from "./theme.js";
 import { begin, drawn } from "./timing.js";
 import { Traces } from "./traces.js";
@@ -21,7 +22,9 @@ let picture = null; // the newest answer drawn
 let pending = 0; // id of the newest picture asked for
 let frame = 0;
 let chartTimer = 0;
-let chartKey = "";
+let chartKey = ""; // of the atlas behind the map, as the server names it
+let standIn = null; // id of the picture that is drawn where a link cannot be
+let chartWanted = false;
 
 const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"));
 const phase = new Phase($("phase-canvas"));
@@ -46,6 +49,7 @@ function listen() {
 // ---- questions
 
 function ask(stamp) {
+  map.target = null;
   const id = connection.ask("picture", controls.entries.texts);
   if (id === null) return;
   pending = id;
@@ -54,17 +58,18 @@ function ask(stamp) {
 }
 
 function askChart() {
-  const key = keyOf(picture.values.law, picture.values.b / picture.values.a);
-  if (key === chartKey) return;
-  chartKey = key;
-  map.behind(null);
-  clearTimeout(chartTimer);
-  if (key) chartTimer = setTimeout(() => connection.ask("chart", controls.entries.texts), CHART_WAIT);
-}
-
-/** What decides which atlas lies behind the map; "" if none does. */
-function keyOf(law, ratio) {
-  return ratio > 1 ? `${law} ${ratio.toPrecision(3)}` : "";
+  const key = picture.chart && String(picture.chart);
+  if (key !== chartKey) {
+    chartKey = key;
+    chartWanted = Boolean(key);
+    clearTimeout(chartTimer);
+    sayOfMap("");
+    map.behind(null);
+  }
+  if (!chartWanted || picture.id !== pending) return;
+  chartWanted = false;
+  const texts = { ...controls.entries.texts }; // those of the picture: they may be unusable later
+  chartTimer = setTimeout(() => connection.ask("chart", texts), CHART_WAIT);
 }
 
 // ---- answers
@@ -89,7 +94,7 @@ function arrived(found) {
 }
 
 function chart(found) {
-  if (keyOf(found.law, found.b_over_a) === chartKey) map.behind(found);
+  if (String(found.key) === chartKey) map.behind(found);
 }
 
 function file({ name, text }) {
@@ -97,10 +102,25 @@ function file({ name, text }) {
 }
 
 function problem({ id, problems }) {
+  const old = id !== null && id < pending;
   for (const [name, text] of Object.entries(problems)) {
-    const old = id !== null && id < pending;
-    if (!(name ? old || controls.explain(name, text) : false)) say(text);
+    if (name === "map") sayOfMap(text);
+    else if (!name || !(old || controls.explain(name, text))) say(text);
   }
+  if (id === pending && !picture && !standIn) drawPreset();
+}
+
+/** A link cannot be used: draw the first preset, beside what is wrong. */
+function drawPreset() {
+  const { title, entries } = controls.presets[0];
+  standIn = connection.ask("picture", entries);
+  say(`The link has an entry that cannot be used, as is said beside it; what is drawn is ${title}.`);
+}
+
+/** Beside the map, why it is missing or coarse. */
+function sayOfMap(text) {
+  $("map-note").textContent = text;
+  $("map-note").hidden = !text;
 }
 
 function lost(seconds, why) {
@@ -127,7 +147,7 @@ function draw() {
   traces.draw(picture);
   phase.draw(picture);
   map.draw(numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null);
-  describe();
+  describe(picture);
   document.body.dataset.drawn = id;
   drawn(id);
   askChart();
@@ -136,15 +156,6 @@ function draw() {
 function redraw() {
   phase.draw();
   map.draw();
-}
-
-/** What a picture shows, for those who do not see it. */
-function describe() {
-  const [what] = picture.sentences;
-  $("stress-chart").setAttribute("aria-label", `tau/sigma and mu against time. ${what}`);
-  $("speed-chart").setAttribute("aria-label", `V against time, logarithmic. ${what}`);
-  $("phase-canvas").setAttribute("aria-label", `V against tau/sigma. ${what}`);
-  $("map-canvas").setAttribute("aria-label", `eta against K/K_c_qs, with the regimes; here eta is ${plain(number(picture.numbers.eta))}`);
 }
 
 // ---- taking it along

@@ -1,44 +1,25 @@
 // The map of all sliders of one b/a: K/K_c_qs and eta, with the atlas behind, and the user's as a dot.
 
 import { writeLabel } from "./labels.js";
+import { Legend, REGIMES } from "./legend.js";
 import { plain } from "./numbers.js";
 import { Plane } from "./plane.js";
 import { FONT, color, onTheme } from "./theme.js";
 
-/** regimes in the order of their codes: name, colour role */
-const REGIMES = [
-  ["steady sliding", "steady"],
-  ["slow stick-slip", "slow"],
-  ["stick-slip", "stick"],
-  ["quasi-harmonic", "harmonic"],
-  ["not known", "unknown"],
-];
-const ARROW = 0.02; // decades; with Shift ten times as far
+const ARROW = 0.02; // decades of K, and twice that of eta; with Shift ten times as far
 
 export class StabilityMap {
-  /** move: function (K/K_c_qs, eta, event's time stamp), called while the dot moves */
+  /**
+   * move: function (K/K_c_qs, eta, event's time stamp), called while the dot moves
+   *
+   * target is where keys have sent the dot before it is drawn there; the page clears it.
+   */
   constructor(canvas, dot, key, move) {
     this.plane = new Plane(canvas, { log: true, label: [["i", "K"], ["", " / "], ["i", "K"], ["sub", "c,qs"]] }, { log: true, label: [["i", "\u03b7"]] });
     Object.assign(this, { canvas, dot, move });
-    this.explain(key);
+    this.legend = new Legend(key);
     this.listen();
     onTheme(() => this.paint());
-  }
-
-  explain(key) {
-    for (const [name, role] of REGIMES.slice(0, 4)) {
-      const item = document.createElement("li");
-      const patch = document.createElement("span");
-      patch.className = `patch ${role}`;
-      item.append(patch, name);
-      key.append(item);
-    }
-    this.jumpKey = document.createElement("li");
-    const line = document.createElement("span");
-    line.className = "line jump";
-    this.jumpKey.append(line, "lost with a jump");
-    this.jumpKey.hidden = true;
-    key.append(this.jumpKey);
   }
 
   /** The axes, and K_c along them. */
@@ -51,7 +32,7 @@ export class StabilityMap {
   /** The atlas for the law and b/a shown; null while it is not known. */
   behind(chart) {
     this.chart = chart;
-    this.jumpKey.hidden = !chart?.arrays.jumps.includes(1);
+    this.legend.tell(chart);
     this.paint();
     this.draw();
   }
@@ -62,8 +43,11 @@ export class StabilityMap {
     const image = new OffscreenCanvas(x.length, y.length);
     const c = image.getContext("2d");
     for (let i = 0; i < y.length; i += 1) {
+      let last = 0;
       for (let k = 0; k < x.length; k += 1) {
-        c.fillStyle = color(REGIMES[regime[i * x.length + k]][1]);
+        // Cycles end at K_c, amid cells: the last one's colour goes on, and `backdrop` cuts it there.
+        last = regime[i * x.length + k] || last;
+        c.fillStyle = color(REGIMES[last][1]);
         c.fillRect(k, y.length - 1 - i, 1, 1);
       }
     }
@@ -106,6 +90,14 @@ export class StabilityMap {
     const [top, bottom] = [plane.Y(y.at(-1) * dy), plane.Y(y[0] / dy)];
     plane.inside(() => {
       c.imageSmoothingEnabled = false;
+      c.fillStyle = color(REGIMES[0][1]);
+      c.fillRect(left, top, right - left, bottom - top);
+      const { line_ratio: K_c, line_eta: eta } = this.line;
+      c.beginPath();
+      for (let i = 0; i < eta.length; i += 1) c.lineTo(plane.X(K_c[i]), plane.Y(eta[i]));
+      c.lineTo(left, plane.Y(eta.at(-1)));
+      c.lineTo(left, plane.Y(eta[0]));
+      c.clip();
       c.drawImage(this.image, left, top, right - left, bottom - top);
     });
   }
@@ -122,27 +114,30 @@ export class StabilityMap {
 
   put(at) {
     this.dot.hidden = !at || !this.plane.box;
+    this.legend.place(false);
     if (this.dot.hidden) return;
     const { left, top, width, height } = this.plane.box;
     const hold = (x, low, high) => Math.min(high, Math.max(low, x));
-    const px = hold(this.plane.X(at.ratio), left, left + width);
-    const py = at.eta > 0 ? hold(this.plane.Y(at.eta), top, top + height) : top + height;
-    this.mark(px, py);
+    const [x, y] = [this.plane.X(at.ratio), at.eta > 0 ? this.plane.Y(at.eta) : Infinity];
+    const [px, py] = [hold(x, left, left + width), hold(y, top, top + height)];
+    const beyond = Math.hypot(px - x, py - y) > 1;
+    this.legend.place(beyond);
+    this.mark(px, py, beyond);
     this.dot.style.left = `${px}px`;
     this.dot.style.top = `${py}px`;
-    const where = `K/K_c_qs = ${plain(at.ratio)}, eta = ${plain(at.eta)}`;
+    const where = `K/K_c_qs = ${plain(at.ratio)}, eta = ${plain(at.eta)}${beyond ? ", beyond the map" : ""}`;
     this.dot.setAttribute("aria-label", `The slider on the map: ${where}; arrow keys move it`);
   }
 
-  /** The dot, on the canvas: pictures have it too.  The button over it is what is grasped. */
-  mark(px, py) {
+  /** The dot, on the canvas: pictures have it too; hollow beyond.  The button over it is what is grasped. */
+  mark(px, py, beyond) {
     const c = this.plane.context;
     c.beginPath();
     c.arc(px, py, 6, 0, 2 * Math.PI);
-    c.fillStyle = color("text");
+    c.fillStyle = color(beyond ? "card" : "text");
     c.fill();
     c.lineWidth = 2;
-    c.strokeStyle = color("card");
+    c.strokeStyle = color(beyond ? "text" : "card");
     c.stroke();
   }
 
@@ -155,6 +150,8 @@ export class StabilityMap {
     };
     box.addEventListener("pointerdown", (event) => {
       if (!this.at || event.button !== 0) return;
+      // A finger elsewhere wants to scroll the page.
+      if (event.pointerType === "touch" && event.target !== this.dot) return;
       event.preventDefault();
       box.setPointerCapture(event.pointerId);
       this.dot.focus({ focusVisible: false });
@@ -168,8 +165,10 @@ export class StabilityMap {
       if (!way || !this.at) return;
       event.preventDefault();
       const far = ARROW * (event.shiftKey ? 10 : 1);
-      // eta by V_lp: a step of the speed is two of eta
-      this.move(this.at.ratio * 10 ** (far * way[0]), this.at.eta * 10 ** (2 * far * way[1]), event.timeStamp);
+      const { ratio, eta } = this.target ?? this.at;
+      const target = { ratio: ratio * 10 ** (far * way[0]), eta: eta * 10 ** (2 * far * way[1]) };
+      this.move(target.ratio, target.eta, event.timeStamp);
+      this.target = target;
     });
   }
 }

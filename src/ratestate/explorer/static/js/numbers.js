@@ -33,7 +33,8 @@ export function entry(value, unit, digits = 4) {
 
 /** A value in SI to be read: "3.2 \u00b5m/s". */
 export function shown(value, unit, digits = 4) {
-  return micro(entry(value, unit, digits)).replace("^2", "\u00b2");
+  const text = micro(entry(value, unit, digits)).replace("^2", "\u00b2");
+  return text.replace(/e([+-]?\d+)/, (_, power) => `\u00b7${powerOfTen(Number(power))}`);
 }
 
 /** The letter u of a prefix as it is written. */

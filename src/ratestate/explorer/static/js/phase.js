@@ -2,14 +2,14 @@
 
 import { Plane } from "./plane.js";
 import { color } from "./theme.js";
-import { speeds } from "./ticks.js";
+import { counted, speeds } from "./ticks.js";
 
 const PADDING = 0.07;
 const SMALLEST = 1e-12; // of tau/sigma: room about a point
 
 export class Phase {
   constructor(canvas) {
-    this.plane = new Plane(canvas, { log: false, label: [["i", "\u03c4"], ["", " / "], ["i", "\u03c3"]] }, { log: true });
+    this.plane = new Plane(canvas, { log: false }, { log: true });
     this.whole = false;
   }
 
@@ -42,13 +42,16 @@ export class Phase {
     if (!arrays.cycle_V || this.whole) shown.push([arrays.run_stress, arrays.run_V]);
     const [low, high] = extremes(shown.map(([stress]) => stress));
     const pad = Math.max(PADDING * (high - low), SMALLEST);
-    Object.assign(this.plane.x, { low: low - pad, high: high + pad });
+    const across = { low: low - pad, high: high + pad };
+    const stresses = (wanted) => counted(across.low, across.high, wanted);
+    const label = [["i", "\u03c4"], ["", " / "], ["i", "\u03c3"], ["", stresses(5)[1]]];
+    Object.assign(this.plane.x, across, { ticks: (wanted) => stresses(wanted)[0], label });
     const [slow, fast] = extremes(shown.map(([, V]) => V)).map(Math.log);
     const room = Math.max(PADDING * (fast - slow), 1e-6);
     const range = { low: Math.exp(Math.max(slow - room, -700)), high: Math.exp(fast + room) };
-    const [, unit] = speeds(range.low, range.high, 1);
+    const [, unit] = speeds(range.low, range.high, 5);
     const ticks = (wanted) => speeds(range.low, range.high, wanted)[0];
-    Object.assign(this.plane.y, range, { ticks, label: [["i", "V"], ["", `  [${unit}]`]] });
+    Object.assign(this.plane.y, range, { ticks, label: [["i", "V"], ["", unit]] });
   }
 }
 

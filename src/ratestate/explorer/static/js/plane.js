@@ -28,8 +28,8 @@ export class Plane {
   }
 
   share(axis, value) {
-    const at = axis.log ? Math.log(value / axis.low) / Math.log(axis.high / axis.low) : (value - axis.low) / (axis.high - axis.low);
-    return at;
+    if (axis.log) return Math.log(value / axis.low) / Math.log(axis.high / axis.low);
+    return (value - axis.low) / (axis.high - axis.low);
   }
 
   X(value) {

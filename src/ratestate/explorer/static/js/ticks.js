@@ -3,6 +3,8 @@
 import { micro, powerOfTen, prefixOf } from "./numbers.js";
 
 const NICE = [1, 2, 5, 10];
+// Range over size of values from which they differ in late digits only.
+const FINE = 1e-4;
 
 /** About `wanted` round values from low to high: [[value, text], ...]. */
 export function linear(low, high, wanted) {
@@ -13,18 +15,41 @@ export function linear(low, high, wanted) {
   const ticks = [];
   for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k += 1) {
     const value = k * step || 0; // not -0
-    const far = Math.abs(value) >= 1e5 || (digits > 6 && value !== 0);
-    ticks.push([value, far ? String(Number(value.toPrecision(6))) : value.toFixed(digits)]);
+    const text = digits > 6 ? scientific(value, step) : value.toFixed(digits);
+    ticks.push([value, text.replace(/^-/, "\u2212")]);
   }
   return ticks;
 }
 
-/** Ticks of speeds [m/s] on a logarithmic axis, and its unit: over less than a decade a fitting one. */
+/** A value with the digits that the step tells apart. */
+function scientific(value, step) {
+  const digits = value === 0 ? 1 : Math.floor(Math.log10(Math.abs(value)) + 1e-9) - Math.floor(Math.log10(step) + 1e-9) + 1;
+  return String(Number(value.toPrecision(Math.min(Math.max(digits, 1), 16))));
+}
+
+/**
+ * Ticks of a range, and what stands behind the quantity in the label.
+ * Where values differ in late digits only, ticks count from a value amid them, in a power of ten.
+ */
+export function counted(low, high, wanted, unit = "") {
+  const range = high - low;
+  const named = unit && `  [${unit}]`;
+  if (range > FINE * Math.max(Math.abs(low), Math.abs(high))) return [linear(low, high, wanted), named];
+  const power = Math.floor(Math.log10(range));
+  const text = ((low + high) / 2).toFixed(Math.max(0, -power));
+  const base = Number(text);
+  const size = 10 ** power;
+  const ticks = linear((low - base) / size, (high - base) / size, wanted);
+  const label = unit ? ` \u2212 ${text} ${unit}  [${powerOfTen(power)} ${unit}]` : ` \u2212 ${text}  [${powerOfTen(power)}]`;
+  return [ticks.map(([value, tick]) => [base + value * size, tick]), label];
+}
+
+/** The same of speeds [m/s] on a logarithmic axis: over less than a decade in a fitting unit. */
 export function speeds(low, high, wanted) {
-  if (high > 10 * low) return [logarithmic(low, high, wanted), "m/s"];
+  if (high > 10 * low) return [logarithmic(low, high, wanted), "  [m/s]"];
   const [power, prefix] = prefixOf(high, "m/s");
-  const ticks = linear(low / 10 ** power, high / 10 ** power, Math.min(wanted, 5));
-  return [ticks.map(([value, text]) => [value * 10 ** power, text]), micro(`${prefix}m/s`)];
+  const [ticks, label] = counted(low / 10 ** power, high / 10 ** power, Math.min(wanted, 5), micro(`${prefix}m/s`));
+  return [ticks.map(([value, text]) => [value * 10 ** power, text]), label];
 }
 
 /** Powers of ten from low to high, thinned to about `wanted`; within few decades, also between. */

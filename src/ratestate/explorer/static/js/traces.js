@@ -3,7 +3,7 @@
 import uPlot from "../vendor/uPlot.js";
 import { round, shown, timeUnit } from "./numbers.js";
 import { FONT, color, onTheme } from "./theme.js";
-import { linear, speeds } from "./ticks.js";
+import { counted, linear, speeds } from "./ticks.js";
 
 const AXIS_WIDTH = 44;
 const PADDING = 0.06;
@@ -36,12 +36,14 @@ export class Traces {
     };
     const line = (role, more) => ({ stroke: color(role), width: 1.4, points: { show: false }, paths: straight, ...more });
     const y = (ticks, label) => axis({ size: AXIS_WIDTH, label, ...ticks });
+    const stresses = labelled(() => this.stress, "\u03c4/\u03c3,  \u03bc", counted);
+    const rates = labelled(() => this.speed, "V", speeds);
     this.stress = new uPlot(
       {
         ...common,
         scales: { x: { time: false }, y: { range: (_, low, high) => padded(low, high) } },
-        axes: [axis({ ...this.times(), values: (_, splits) => splits.map(() => ""), size: 8 }), y(ticking(linear, 40), "\u03c4/\u03c3,  \u03bc")],
-        series: [{}, line("friction", { width: 1 }), line("stress", { width: 1.6 })],
+        axes: [axis({ ...this.times(), values: (_, splits) => splits.map(() => ""), size: 8 }), y(ticking(stresses, 40), "\u03c4/\u03c3,  \u03bc")],
+        series: [{}, line("stress", { width: 1.6 }), line("friction", { dash: [6, 4] })],
       },
       [[], [], []],
       this.stressBox,
@@ -50,7 +52,7 @@ export class Traces {
       {
         ...common,
         scales: { x: { time: false }, y: { distr: 3, range: (_, low, high) => padded(Math.log(low), Math.log(high)).map(Math.exp) } },
-        axes: [axis({ size: 24, label: "Time", ...this.times() }), y(ticking((low, high, wanted) => this.speeds(low, high, wanted), 34), "V  [m/s]")],
+        axes: [axis({ size: 24, label: "Time", ...this.times() }), y(ticking(rates, 34), "V  [m/s]")],
         series: [{}, line("run", { width: 1, dash: [5, 4], paths: uPlot.paths.stepped({ align: 1 }) }), line("speed")],
       },
       [[], [], []],
@@ -62,13 +64,6 @@ export class Traces {
   /** Ticks of the time axis: round values of what is shown. */
   times() {
     return ticking(linear, 70, "width");
-  }
-
-  /** Ticks of the speeds; their unit goes into the label. */
-  speeds(low, high, wanted) {
-    const [ticks, unit] = speeds(low, high, wanted);
-    this.speed.axes[1].label = `V  [${unit}]`;
-    return ticks;
   }
 
   fit() {
@@ -87,7 +82,7 @@ export class Traces {
     const load = time.map((value) => (value < 0 ? picture.values.V_from : picture.values.V_lp));
     this.data = { t, stress, mu, V, load };
     this.speed.axes[0].label = `Time  [${this.unit[1]}]`;
-    this.stress.setData([t, mu, stress]);
+    this.stress.setData([t, stress, mu]);
     this.speed.setData([t, load, V]);
     this.tell(null);
   }
@@ -139,6 +134,15 @@ function axis(more) {
   const grid = { stroke: () => color("rule"), width: 1 };
   const text = { stroke: () => color("muted"), font: `11px ${FONT}`, labelFont: `12px ${FONT}`, labelSize: 18, labelGap: 0 };
   return { ...text, grid, ticks: { ...grid, size: 4 }, gap: 4, ...more };
+}
+
+/** Ticks of a plot's y axis; what they say of its unit goes into the label. */
+function labelled(plot, name, ticks) {
+  return (...asked) => {
+    const [found, unit] = ticks(...asked);
+    plot().axes[1].label = `${name}${unit}`;
+    return found;
+  };
 }
 
 /** splits and values of an axis that has its ticks from ticks.js */
