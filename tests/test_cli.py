@@ -7,6 +7,7 @@ import subprocess
 import sys
 import types
 from pathlib import Path
+from urllib.parse import parse_qsl
 
 import pytest
 from typer.testing import CliRunner
@@ -101,11 +102,42 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
         assert name == "ratestate"
         result = call(*arguments)
         assert result.exit_code == 0, (line, result.output)
-    assert served == [{"port": 8765, "open_browser": True}]
+    assert served == [{"port": 8765, "open_browser": True, "fragment": ""}]
     assert made == [(2, "aging"), (4, "aging")]
     assert charted == [("aging", {"b_over_a": 1.6, "n": 200})]
     names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures"}
     assert {path.name for path in tmp_path.iterdir()} == names | {"examples"}
+
+
+def test_the_explorer_opens_with_a_files_slider(tmp_path, monkeypatch):
+    from ratestate.explorer.entries import asked_of
+
+    served = []
+    monkeypatch.setattr("ratestate.explorer.serve", lambda **how: served.append(how))
+    rig = tmp_path / "rig.toml"
+    lines = """[slider]
+a = 0.003
+b = 0.0061234567
+Dc = "12.3456789 um"
+sigma = "2 MPa"
+K = "inf Pa/m"
+law = "aging"
+[loading]
+V_lp = "1 um/s"
+steps = [{ t = "1 s", V_lp = "3 um/s" }, { t = "2 s", V_lp = "7 um/s" }]
+"""
+    rig.write_text(lines)
+    result = call("explore", rig, "--no-browser")
+    assert result.exit_code == 0, result.output
+    asked = asked_of(dict(parse_qsl(served[0]["fragment"])))
+    wanted = scenario.load(rig, "stability")
+    assert asked.slider == wanted.slider
+    assert (asked.V_lp, asked.V_from) == (7e-6, None)
+    rig.write_text(lines + '[sweep]\nM = ["1 kg/m^2", "2 kg/m^2"]\n')
+    result = call("explore", rig)
+    assert result.exit_code == 2
+    assert "a sweep over M" in " ".join(result.output.split())
+    assert len(served) == 1
 
 
 @pytest.mark.parametrize("kind", ["lab", "brake", "fault"])

@@ -207,7 +207,7 @@ def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
     lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s").replace("t_end", "rtol = 1e-5\nt_end"))
     result = call("cycle", lab)
     assert result.exit_code == 0
-    assert "No cycle is reached at V_lp = 1 mm/s: steady sliding" in result.stdout
+    assert "No cycle is reached at V_lp = 1 mm/s, slip law: steady sliding" in result.stdout
     found = strict(call("cycle", lab, "--json").stdout)
     assert found["data_vars"]["period"]["data"] is None
     assert found["data_vars"]["multipliers_real"]["data"] == [None, None]

@@ -71,6 +71,17 @@ class TestEntries:
         assert list(caught.value.problems) == [field]
         assert said in caught.value.problems[field]
 
+    @pytest.mark.parametrize(
+        ("symbol", "text", "value"),
+        [("M", "500", 500.0), ("M", "0", 0.0), ("K", "inf", np.inf), ("V_lp", " 1.e-4 ", 1e-4)],
+    )
+    def test_a_number_without_a_unit_is_in_SI(self, symbol, text, value):
+        assert entries.values_of(VIBRATION | {symbol: text})[symbol] == value
+
+    @pytest.mark.parametrize("text", ["1_000", "5 5", "nan", "1e", "-5"])
+    def test_not_every_text_is_a_number(self, text):
+        assert entries.values_of(VIBRATION | {"M": text}) is None
+
     def test_all_problems_at_once(self):
         with pytest.raises(entries.BadEntries) as caught:
             entries.asked_of({})

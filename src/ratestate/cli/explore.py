@@ -1,11 +1,20 @@
 """``ratestate explore``: the page in the browser."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 
 def explore(
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="FILE.toml|-",
+            help="Scenario file whose slider it opens with, at the last speed of its loading.",
+            show_default=False,
+        ),
+    ] = None,
     port: Annotated[
         int | None,
         typer.Option(
@@ -24,4 +33,19 @@ def explore(
     """
     from ..explorer import serve
 
-    serve(port=port, open_browser=not no_browser)
+    serve(port=port, open_browser=not no_browser, fragment=_fragment(file) if file else "")
+
+
+def _fragment(file: Path) -> str:
+    """What the page's address says of the slider in a file."""
+    from ..errors import ParameterError
+    from ..explorer import fragment_of
+    from .job import axes, scenario_of
+
+    asked = scenario_of(file, "stability")
+    if swept := axes(asked):
+        raise ParameterError(
+            f"[sweep]: the file has a sweep over {', '.join(map(str, swept))}, and the explorer "
+            f"shows one slider; expected a file without [sweep], or run it: ratestate run {file}"
+        )
+    return fragment_of(asked.slider, asked.settings["V_lp"])

@@ -18,6 +18,7 @@
     static/      the page
 """
 
+from .presets import fragment_of
 from .server import serve
 
-__all__ = ["serve"]
+__all__ = ["fragment_of", "serve"]

@@ -1,5 +1,6 @@
 """From what is typed into the page to a slider and a speed."""
 
+import re
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ SYMBOLS = ("a", "b", "Dc", "sigma", "M", "K", "V_lp", "mu0", "V0")
 LONGEST = 64  # characters of an entry
 # Sizes [SI] beyond which nothing exists, and numbers overflow.
 SMALLEST, LARGEST = 1e-20, 1e20
+_BARE = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf)")
 
 
 class Asked(NamedTuple):
@@ -42,7 +44,8 @@ class BadEntries(Exception):
 def asked_of(entries: Any) -> Asked:
     """The slider that these entries describe.
 
-    entries : dict of texts as typed, symbol -> text; also "law", and perhaps "V_from"
+    entries : dict of texts as typed, symbol -> text, a number without a unit being in SI; also
+        "law", and perhaps "V_from"
 
     Raises
     ------
@@ -59,7 +62,7 @@ def asked_of(entries: Any) -> Asked:
     for field, symbol in wanted.items():
         try:
             text = _text(field, entries.get(field))
-            values[field] = _sized(field, text, to_si(symbol, text, label=field))
+            values[field] = _sized(field, text, to_si(symbol, _in_unit(symbol, text), label=field))
         except ParameterError as error:
             problems[field] = str(error)
     law = str(entries.get("law"))
@@ -69,6 +72,14 @@ def asked_of(entries: Any) -> Asked:
         raise BadEntries(problems)
     V_lp, V_from = values.pop("V_lp"), values.pop("V_from", None)
     return Asked(SpringSlider(law=law, **values), V_lp, V_from)
+
+
+def values_of(entries):
+    """dict of what entries mean, in SI; None where they cannot be used."""
+    try:
+        return asked_of(entries).values
+    except BadEntries:
+        return None
 
 
 def fields(usual):
@@ -101,6 +112,12 @@ def _text(field, value):
     if not value.strip():
         raise ParameterError(f"{field} is empty; {_such(field)}")
     return value.strip()
+
+
+def _in_unit(symbol, text):
+    """The text; that of a number in SI with its unit."""
+    unit = QUANTITIES[symbol].unit
+    return f"{text} {unit}" if unit != "1" and _BARE.fullmatch(text) else text
 
 
 def _sized(field, text, value):

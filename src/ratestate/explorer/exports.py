@@ -19,8 +19,13 @@ def export(ask, asked, deadline):
             text = _table(plan, watch)
         else:
             wanted = scenario.Scenario("simulate", plan.slider, plan.settings)
-            text = scenario.toml(wanted) if ask == "scenario" else scenario.python(wanted)
+            text = scenario.toml(wanted) if ask == "scenario" else _lines(scenario.python(wanted))
     return {"name": NAMES[ask], "text": text}
+
+
+def _lines(text):
+    """Python lines as a program: it shows what it has computed."""
+    return f"{text}print(result)\n"
 
 
 def _table(plan, watch):

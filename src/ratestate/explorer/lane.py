@@ -8,7 +8,7 @@ from ..engine.drive import Stopped
 from ..errors import RateStateError
 from . import wire
 from .budget import Deadline
-from .entries import BadEntries
+from .entries import BadEntries, values_of
 
 log = logging.getLogger("ratestate.explorer")
 
@@ -96,4 +96,5 @@ def answered(job, question, deadline):
             raise Stopped from None
         log.exception("a question could not be answered: %r", question)
         problems = {"": "the explorer failed on this; its terminal says more"}
-    return wire.answer(question.id, "problem", problems=problems)
+    read = values_of(question.entries)
+    return wire.answer(question.id, "problem", problems=problems, values=read)

@@ -1,6 +1,7 @@
 """The paper's sliders as starting points."""
 
 from typing import Any
+from urllib.parse import urlencode
 
 import numpy as np
 
@@ -8,6 +9,8 @@ from ..paper import parameters as paper
 from ..quantities import readable
 from .entries import SYMBOLS
 
+# Of values that are not the paper's: all that survive a change of unit.
+DIGITS = 15
 FIG1_STEP = float(np.e * paper.FIG1.V0)
 
 
@@ -29,9 +32,14 @@ def presets():
     ]
 
 
-def entries_of(slider, V_lp, V_from=None):
-    """The texts that describe a slider and a speed, to 6 digits."""
+def entries_of(slider, V_lp, V_from=None, digits=6):
+    """The texts that describe a slider and a speed."""
     values = {**slider.values, "V_lp": V_lp}
-    texts = {symbol: readable(symbol, values[symbol], 6) for symbol in SYMBOLS}
+    texts = {symbol: readable(symbol, values[symbol], digits) for symbol in SYMBOLS}
     texts["law"] = slider.law
-    return texts | ({} if V_from is None else {"V_from": readable("V_lp", V_from, 6)})
+    return texts | ({} if V_from is None else {"V_from": readable("V_lp", V_from, digits)})
+
+
+def fragment_of(slider, V_lp):
+    """What stands behind the # of the page's address where it opens with a slider and a speed."""
+    return urlencode(entries_of(slider, V_lp, digits=DIGITS))

@@ -15,7 +15,7 @@ PORT = 8765
 LARGEST, PATIENCE = 8192, 2
 
 
-def serve(port=None, open_browser=True):
+def serve(port=None, open_browser=True, fragment=""):
     """Serve the explorer on 127.0.0.1 until Ctrl-C.
 
     Parameters
@@ -24,6 +24,8 @@ def serve(port=None, open_browser=True):
         Port to listen on; by default 8765 or, where that is in use, any that is free.
     open_browser : bool
         Whether to open the page in the browser.
+    fragment : str
+        Behind the # of its address: with what it opens, see `presets.fragment_of`.
 
     Raises
     ------
@@ -31,7 +33,7 @@ def serve(port=None, open_browser=True):
         The port is no port, is in use, or may not be used.
     """
     listening = listen(port)
-    address = f"http://127.0.0.1:{listening.getsockname()[1]}/"
+    address = f"http://127.0.0.1:{listening.getsockname()[1]}/{fragment and '#'}{fragment}"
     sys.stdout.write(f"explorer at {address} (Ctrl-C ends it)\n")
     sys.stdout.flush()
     if open_browser:

@@ -5,7 +5,7 @@ A question is one text message of at most `LONGEST` bytes, a JSON object::
     {"id": 7, "ask": "picture", "entries": {"a": "0.003", ..., "law": "slip", "V_from": null}}
 
 ``ask`` is one of `ASKS`; ``id`` is a whole number that the answer repeats; entries are texts as
-typed, with units.
+typed, with units or in SI.
 
 An answer is one binary message, little-endian::
 

@@ -8,9 +8,12 @@ const $ = (id) => document.getElementById(id);
 const REFERENCE = ["mu0", "V0"];
 
 export class Controls {
-  /** entries: Entries; ask: function (event's time stamp), called when they have changed */
-  constructor(specs, presets, entries, ask) {
-    Object.assign(this, { presets, entries, ask, fields: {} });
+  /**
+   * entries: Entries; ask: function (event's time stamp), called when they have changed;
+   * whenRead: function (act) that acts once the server has read all that was typed
+   */
+  constructor(specs, presets, entries, ask, whenRead) {
+    Object.assign(this, { presets, entries, ask, whenRead, fields: {} });
     for (const spec of specs) {
       const field = new Field(spec, (name, text, stamp) => this.change({ [name]: text }, stamp));
       this.fields[spec.symbol] = field;
@@ -31,12 +34,9 @@ export class Controls {
     for (const radio of document.getElementsByName("law")) {
       radio.addEventListener("change", (event) => this.change({ law: radio.value }, event.timeStamp));
     }
-    $("step").addEventListener("click", (event) => this.step(event));
-    $("factor").addEventListener("keydown", (event) => event.key === "Enter" && this.step(event));
-    $("unstep").addEventListener("click", (event) => {
-      this.take({ V_lp: this.entries.texts.V_from, V_from: null }, event.timeStamp);
-      $("step").focus();
-    });
+    // The second click of a double one is no second step.
+    $("step").addEventListener("click", (event) => event.detail < 2 && this.whenRead(() => this.step(event)));
+    $("unstep").addEventListener("click", (event) => this.whenRead(() => this.unstep(event)));
     $("controls").addEventListener("submit", (event) => event.preventDefault());
     addEventListener("hashchange", () => {
       const linked = this.entries.linked();
@@ -69,12 +69,20 @@ export class Controls {
   step(event) {
     const factor = Number($("factor").value);
     const usable = factor > 0 && factor !== 1 && Number.isFinite(factor);
-    const wrong = `factor = '${$("factor").value}' is no use; expected a number > 0 that is not 1, such as 3 or 0.1`;
-    this.explain("V_from", usable ? "" : wrong);
-    if (!usable || !this.values) return;
+    const wrong = usable ? "correct V_lp first" : `factor = '${$("factor").value}' is no use; expected a number > 0 that is not 1, such as 3 or 0.1`;
+    const ready = usable && !("V_lp" in this.entries.refused);
+    this.explain("V_from", ready ? "" : wrong);
+    if (!ready || !this.values) return;
     const V = this.values.V_lp;
     this.take({ V_from: entry(V, "m/s", 6), V_lp: entry(factor * V, "m/s", 6) }, event.timeStamp);
     $("presets").value = "";
+  }
+
+  /** Back to the speed before the step. */
+  unstep(event) {
+    if (!this.entries.texts.V_from) return;
+    this.take({ V_lp: this.entries.texts.V_from, V_from: null }, event.timeStamp);
+    $("step").focus();
   }
 
   /** Put the slider onto another point of the map: K, and either V_lp or M. */
@@ -90,11 +98,15 @@ export class Controls {
     this.take(texts, stamp);
   }
 
-  /** All is well: the server reads these values. */
+  /** The server reads these values from what was asked for. */
   accept(values) {
     this.values = values;
-    for (const name of [...Object.keys(this.fields), "law", "V_from"]) this.explain(name, "");
-    for (const [name, field] of Object.entries(this.fields)) field.place(number(values[name]));
+    this.entries.accept();
+    this.explainAll();
+    for (const [name, field] of Object.entries(this.fields)) {
+      field.place(number(values[name]));
+      if (!(name in this.entries.refused)) this.rename(name, field.complete());
+    }
     const { V_from, V_lp } = values;
     $("stepped").hidden = V_from === null;
     if (V_from === null) return;
@@ -102,17 +114,25 @@ export class Controls {
     $("stepped").querySelector("span").textContent = told;
   }
 
-  /** Say what is wrong beside the control that it is about; whether there is one. */
+  /** Take the same value in other words. */
+  rename(name, text) {
+    if (text !== this.entries.texts[name]) this.entries.set({ [name]: text });
+    this.entries.valid[name] = text;
+  }
+
+  /** Say what is wrong now beside each control, and nothing beside the others. */
+  explainAll() {
+    for (const name of this.entries.names) this.explain(name, this.entries.refused[name]?.why ?? "");
+  }
+
+  /** Say what is wrong beside the control that it is about. */
   explain(name, text) {
     if (name in this.fields) {
       this.fields[name].explain(text);
-      return true;
+      return;
     }
     const message = { law: $("law-problem"), V_from: $("factor-problem") }[name];
-    if (message) {
-      message.textContent = text;
-      message.hidden = !text;
-    }
-    return Boolean(message);
+    message.textContent = text;
+    message.hidden = !text;
   }
 }

@@ -3,10 +3,34 @@
 const WAIT = 150; // ms: browsers mind more than a hundred changes of the address in half a minute
 
 export class Entries {
-  constructor(names) {
-    this.names = names;
-    this.texts = {};
-    this.timer = 0;
+  /** valid: texts that can be used, of all names but V_from */
+  constructor(names, valid) {
+    Object.assign(this, { names, valid, texts: {}, refused: {}, timer: 0 });
+  }
+
+  /** What is asked for: the texts, and in place of those known to be wrong the last valid ones. */
+  asked() {
+    for (const [name, { text }] of Object.entries(this.refused)) if (this.texts[name] !== text) delete this.refused[name];
+    const asked = { ...this.texts };
+    for (const name of Object.keys(this.refused)) asked[name] = this.valid[name];
+    return asked;
+  }
+
+  /** The server can use what was asked for. */
+  accept() {
+    this.valid = this.asked();
+  }
+
+  /** The server cannot use these: name -> why; whether that is new. */
+  refuse(problems) {
+    const found = Object.entries(problems).filter(([name]) => this.names.includes(name) && !(name in this.refused));
+    for (const [name, why] of found) this.refused[name] = { text: this.texts[name], why };
+    return found.length > 0;
+  }
+
+  /** Names of what is wrong. */
+  get wrong() {
+    return Object.keys(this.refused);
   }
 
   /** Take new texts; those not named stay. */

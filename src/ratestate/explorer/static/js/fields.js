@@ -45,9 +45,14 @@ export class Field {
     };
     this.input.addEventListener("input", (event) => {
       clearTimeout(timer);
+      this.typing = true;
       timer = setTimeout(() => typed(event), TYPING);
     });
-    this.input.addEventListener("change", typed);
+    this.input.addEventListener("change", (event) => {
+      this.typing = false;
+      if (this.isBare) this.text = null; // asked again, it is given its unit
+      typed(event);
+    });
     this.slider.addEventListener("input", (event) => {
       this.input.value = entry(10 ** Number(this.slider.value), this.spec.unit);
       this.tell(this.input.value, event.timeStamp);
@@ -66,6 +71,17 @@ export class Field {
     this.text = text;
     this.input.value = text;
     this.slider.setAttribute("aria-valuetext", text);
+  }
+
+  /** Whether what is shown lacks its unit: a number in SI. */
+  get isBare() {
+    return this.spec.unit !== "1" && /^\s*[-+]?(inf|[\d.]+([eE][-+]?\d+)?)\s*$/.test(this.input.value);
+  }
+
+  /** Give a number in SI its unit, unless it is still being typed; the text shown. */
+  complete() {
+    if (this.isBare && !this.typing) this.show(`${this.input.value.trim()} ${this.spec.unit}`);
+    return this.text;
   }
 
   /** Put the slider where the server reads the value. */

@@ -13,6 +13,7 @@ import { begin, drawn } from "./timing.js";
 import { Traces } from "./traces.js";
 import { tell } from "./verdict.js";
 import { number } from "./wire.js";
+import { write } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const CHART_WAIT = 300; // ms for which law and b/a must rest before their atlas is asked for
@@ -23,12 +24,14 @@ let pending = 0; // id of the newest picture asked for
 let frame = 0;
 let chartTimer = 0;
 let chartKey = ""; // of the atlas behind the map, as the server names it
-let standIn = null; // id of the picture that is drawn where a link cannot be
 let chartWanted = false;
+let read = 0; // id of the newest picture asked for that was answered
+const files = new Set(); // ids of the downloads asked for
+let waiting = []; // what is done once that is the newest
 
 const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"));
 const phase = new Phase($("phase-canvas"));
-const map = new StabilityMap($("map-canvas"), $("dot"), $("regimes"), (ratio, eta, stamp) => controls.move(ratio, eta, picture, stamp));
+const map = new StabilityMap($("map-canvas"), $("dot"), $("regimes"), (ratio, eta, stamp) => controls.move(ratio, eta, picture, stamp), (act) => (map.target ? act() : whenRead(act)));
 const connection = new Connection({ answer, lost });
 onTheme(redraw);
 new ResizeObserver(redraw).observe($("map-canvas"));
@@ -36,10 +39,10 @@ listen();
 
 function listen() {
   for (const name of ["scenario", "python", "csv"]) {
-    $(name).addEventListener("click", () => controls && connection.ask(name, controls.entries.texts));
+    $(name).addEventListener("click", () => take(() => files.add(connection.ask(name, controls.entries.texts))));
   }
-  $("link").addEventListener("click", copyLink);
-  $("png").addEventListener("click", png);
+  $("link").addEventListener("click", () => take(copyLink));
+  $("png").addEventListener("click", () => take(png));
   $("whole").addEventListener("change", (event) => {
     phase.whole = event.target.checked;
     phase.draw();
@@ -50,11 +53,28 @@ function listen() {
 
 function ask(stamp) {
   map.target = null;
-  const id = connection.ask("picture", controls.entries.texts);
+  const id = connection.ask("picture", controls.entries.asked());
+  pending = id ?? Infinity;
   if (id === null) return;
-  pending = id;
   document.body.dataset.asked = id;
   begin(id, stamp);
+}
+
+/** Act once what was typed is read, so that it is reckoned from that. */
+function whenRead(act) {
+  if (read === pending) act();
+  else waiting.push(act);
+}
+
+/** All that was asked for is answered, perhaps by a problem. */
+function settle() {
+  read = pending;
+  const { wrong, valid } = controls.entries;
+  document.body.classList.toggle("stale", picture?.id !== pending || wrong.length > 0);
+  const values = wrong.filter((name) => name in valid).map((name) => `${name} = ${valid[name]}`);
+  write($("stale"), wrong.length ? `Shown: the last valid values${values.length ? ` (${values.join(", ")})` : ""}; correct ${wrong.join(", ")}.` : "");
+  $("stale").hidden = !wrong.length;
+  for (const act of waiting.splice(0)) whenRead(act);
 }
 
 function askChart() {
@@ -68,7 +88,7 @@ function askChart() {
   }
   if (!chartWanted || picture.id !== pending) return;
   chartWanted = false;
-  const texts = { ...controls.entries.texts }; // those of the picture: they may be unusable later
+  const texts = controls.entries.asked(); // those of the picture: they may be unusable later
   chartTimer = setTimeout(() => connection.ask("chart", texts), CHART_WAIT);
 }
 
@@ -81,7 +101,9 @@ function answer(found) {
 function hello({ fields, prefixes, presets, ready, span, arrays }) {
   learnPrefixes(prefixes);
   map.open(span, arrays);
-  controls ??= new Controls(fields, presets, new Entries([...fields.map((field) => field.symbol), "law", "V_from"]), ask);
+  const names = [...fields.map((field) => field.symbol), "law", "V_from"];
+  controls ??= new Controls(fields, presets, new Entries(names, presets[0].entries), ask, whenRead);
+  waiting = [];
   say(ready ? "" : "Preparing the solver for this machine, up to a minute, once \u2026");
   chartKey = "";
   ask();
@@ -101,20 +123,17 @@ function file({ name, text }) {
   saveText(name, text);
 }
 
-function problem({ id, problems }) {
-  const old = id !== null && id < pending;
-  for (const [name, text] of Object.entries(problems)) {
-    if (name === "map") sayOfMap(text);
-    else if (!name || !(old || controls.explain(name, text))) say(text);
+function problem({ id, problems, values }) {
+  if (id === pending && controls.entries.refuse(problems)) {
+    controls.explainAll();
+    ask(); // for what can be used
+    return;
   }
-  if (id === pending && !picture && !standIn) drawPreset();
-}
-
-/** A link cannot be used: draw the first preset, beside what is wrong. */
-function drawPreset() {
-  const { title, entries } = controls.presets[0];
-  standIn = connection.ask("picture", entries);
-  say(`The link has an entry that cannot be used, as is said beside it; what is drawn is ${title}.`);
+  if (problems.map) sayOfMap(problems.map);
+  else if (id === null || id === pending || files.has(id)) say(Object.values(problems).join("; "));
+  if (id !== pending) return;
+  if (values) controls.accept(values);
+  settle();
 }
 
 /** Beside the map, why it is missing or coarse. */
@@ -124,6 +143,7 @@ function sayOfMap(text) {
 }
 
 function lost(seconds, why) {
+  waiting = [];
   const reason = why ? ` (${why})` : "";
   say(`The connection to ratestate is lost${reason}; trying again in ${seconds} s. Is it still running?`, true);
 }
@@ -151,6 +171,7 @@ function draw() {
   document.body.dataset.drawn = id;
   drawn(id);
   askChart();
+  if (id === pending) settle();
 }
 
 function redraw() {
@@ -160,8 +181,17 @@ function redraw() {
 
 // ---- taking it along
 
-async function copyLink() {
+/** Take something along, unless what is typed and what is shown are not the same. */
+function take(act) {
   if (!controls) return;
+  whenRead(() => {
+    const { wrong } = controls.entries;
+    if (wrong.length) say(`Nothing was taken along: correct ${wrong.join(", ")} first.`);
+    else act();
+  });
+}
+
+async function copyLink() {
   const link = controls.entries.link();
   try {
     await navigator.clipboard.writeText(link);

@@ -11,12 +11,13 @@ const ARROW = 0.02; // decades of K, and twice that of eta; with Shift ten times
 export class StabilityMap {
   /**
    * move: function (K/K_c_qs, eta, event's time stamp), called while the dot moves
+   * whenRead: function (act) that acts once the place of the dot is that of what was typed
    *
-   * target is where keys have sent the dot before it is drawn there; the page clears it.
+   * target is where the dot was sent before it is drawn there; the page clears it.
    */
-  constructor(canvas, dot, key, move) {
+  constructor(canvas, dot, key, move, whenRead) {
     this.plane = new Plane(canvas, { log: true, label: [["i", "K"], ["", " / "], ["i", "K"], ["sub", "c,qs"]] }, { log: true, label: [["i", "\u03b7"]] });
-    Object.assign(this, { canvas, dot, move });
+    Object.assign(this, { canvas, dot, move, whenRead });
     this.legend = new Legend(key);
     this.listen();
     onTheme(() => this.paint());
@@ -146,7 +147,8 @@ export class StabilityMap {
     let dragging = false;
     const go = (event) => {
       const { left, top } = this.canvas.getBoundingClientRect();
-      this.move(...this.plane.values(event.clientX - left, event.clientY - top), event.timeStamp);
+      const [ratio, eta] = this.plane.values(event.clientX - left, event.clientY - top);
+      this.whenRead(() => this.send({ ratio, eta }, event.timeStamp));
     };
     box.addEventListener("pointerdown", (event) => {
       if (!this.at || event.button !== 0) return;
@@ -165,10 +167,15 @@ export class StabilityMap {
       if (!way || !this.at) return;
       event.preventDefault();
       const far = ARROW * (event.shiftKey ? 10 : 1);
-      const { ratio, eta } = this.target ?? this.at;
-      const target = { ratio: ratio * 10 ** (far * way[0]), eta: eta * 10 ** (2 * far * way[1]) };
-      this.move(target.ratio, target.eta, event.timeStamp);
-      this.target = target;
+      this.whenRead(() => {
+        const { ratio, eta } = this.target ?? this.at;
+        this.send({ ratio: ratio * 10 ** (far * way[0]), eta: eta * 10 ** (2 * far * way[1]) }, event.timeStamp);
+      });
     });
+  }
+
+  send(target, stamp) {
+    this.move(target.ratio, target.eta, stamp);
+    this.target = target;
   }
 }
