@@ -5,14 +5,12 @@ from typing import Annotated
 
 import typer
 
-File = Annotated[
-    Path,
-    typer.Argument(
-        metavar="FILE.toml|-",
-        help="Scenario file, or - for standard input; 'ratestate init' writes one.",
-        show_default=False,
-    ),
-]
+SCENARIO = typer.Argument(
+    metavar="FILE.toml|-",
+    help="Scenario file, or - for standard input; 'ratestate init' writes one.",
+    show_default=False,
+)
+File = Annotated[Path, SCENARIO]
 Out = Annotated[
     Path | None,
     typer.Option(

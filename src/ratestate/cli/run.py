@@ -5,18 +5,11 @@ from typing import Annotated
 
 import typer
 
-from .options import Json, Out, Plot
+from .options import SCENARIO, Json, Out, Plot
 
 
 def run(
-    file: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="FILE.toml|-",
-            help="Scenario file, or - for standard input; 'ratestate init' writes one.",
-            show_default=False,
-        ),
-    ] = None,
+    file: Annotated[Path | None, SCENARIO] = None,
     source: Annotated[
         Path | None,
         typer.Option(

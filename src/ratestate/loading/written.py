@@ -45,14 +45,14 @@ def events_of(loading):
             sound &= np.array_equal(V[..., k], now)
             now = ends[..., k]
             found.append(Event("ramp", t[k], now, _lasting(t[k], t[k + 1])))
-        elif now.any() and resumes not in (None, k) and same(V[..., resumes], now):
+        elif now.any() and resumes not in (None, k) and np.array_equal(V[..., resumes], now):
             found.append(Event("hold", t[k], None, _lasting(t[k], t[k + 1])))
         else:
             now = V[..., k]
             found.append(Event("step", t[k], now))
         # what a hold or ramp leads to is no event of its own
         returned = found[-1].kind != "step" and following
-        k += 2 if returned and not ramps[k + 1] and same(V[..., k + 1], now) else 1
+        k += 2 if returned and not ramps[k + 1] and np.array_equal(V[..., k + 1], now) else 1
     if not sound:
         raise ParameterError("this loading cannot be written as steps, holds and ramps")
     start, *events = _with_dimensions(loading, found)
@@ -78,11 +78,6 @@ def rows_of(loading):
 
     coords = {k: c for k, c in loading.V.coords.items() if "segment" not in c.dims}
     return t, xarray.DataArray(values, coords, loading.V.dims)
-
-
-def same(x, y):
-    """Whether two arrays are equal."""
-    return np.array_equal(x, y)
 
 
 def _ends(loading):
