@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         RateStateError,
         SolverError,
     )
+    from .fitting.verb import fit
     from .hopf import bautin, hopf
     from .loading import Loading
     from .simulate import simulate
@@ -40,6 +41,7 @@ __all__ = [
     "SpringSlider",
     "bautin",
     "continue_cycle",
+    "fit",
     "hopf",
     "limit_cycle",
     "logspace",
@@ -58,8 +60,10 @@ _HOMES = {
     "SolverError": "errors",
     "SpringSlider": "slider",
     "StoreError": "errors",
+    "FitWarning": "errors",
     "bautin": "hopf",
     "continue_cycle": "branch",
+    "fit": "fitting.verb",
     "hopf": "hopf",
     "limit_cycle": "cycles",
     "logspace": "arrays",

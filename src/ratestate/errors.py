@@ -43,3 +43,7 @@ class NotConverged(SolverError):
     def __init__(self, message, best=None):
         super().__init__(message)
         self.best = best
+
+
+class FitWarning(UserWarning):
+    """A fit has an answer that must not be used without reading this."""

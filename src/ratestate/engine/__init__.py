@@ -54,4 +54,5 @@ CACHE = _cache_folder(DIGEST)
 with _cached_in(CACHE):
     # importing is what binds their caches
     from . import march as _march  # noqa: F401
+    from . import noise as _noise  # noqa: F401
     from . import return_map as _return_map  # noqa: F401

@@ -1,0 +1,247 @@
+"""Features of a record with their errors, and what noise does to them.
+
+Noise shifts features: it makes the largest value larger, and cuts misplaced.  How much, and how
+they scatter together, is found by measuring many times what is known: a cycle without noise,
+sampled as the record is, plus noise of the record's strength and correlation.  Where cycles
+differ from each other by more than such noise explains, the errors are enlarged to what their
+scatter says.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import ParameterError
+from .features import (
+    AMPLITUDE,
+    DROP,
+    FEATURES,
+    FEWEST_CYCLES,
+    LEVEL,
+    PERIOD,
+    Cycles,
+    cut_cycles,
+    fold,
+    main_period,
+    periodic,
+    profile_features,
+)
+
+# Bins of the profile: their bounds, and the noise in one over the amplitude that is aimed at.
+BINS, BIN_NOISE = (16, 128), 0.01
+# Artificial records, and the seed of their noise.
+COPIES, SEED = 160, 20190117
+# Chance of calling cycles different that are not; and of calling a trend real.
+CHANCE = 0.005
+# Scatter of the periods beyond which nothing repeats; a swing of cycles counts as a transient
+# beyond so many of their deviations and this part of it.
+IRREGULAR, TRANSIENT, SETTLED = 0.2, 5.0, 0.03
+# A part of the period this short, in bins, is not resolved; nor one this uncertain (of 1).
+RESOLVED, VAGUE = 1.5, 0.3
+
+
+class Segment(NamedTuple):
+    """A stretch of record at one load-point speed."""
+
+    t: np.ndarray  # (samples,) [s]
+    y: np.ndarray  # (samples,) tau/sigma
+    V_lp: float  # [m/s]
+
+
+class Noise(NamedTuple):
+    """Noise of first-order correlation from sample to sample."""
+
+    sd: float
+    correlation: float
+
+    def draw(self, n, rng):
+        """(n,) values."""
+        white = rng.standard_normal(n) * self.sd
+        if self.correlation == 0.0:
+            return white
+        from scipy.signal import lfilter
+
+        white[1:] *= np.sqrt(1.0 - self.correlation**2)
+        return lfilter([1.0], [1.0, -self.correlation], white)
+
+
+class Measured(NamedTuple):
+    """Features of a segment; logarithms, but for the level."""
+
+    segment: Segment  # without the cycles left out
+    cycles: Cycles
+    noise: Noise
+    raw: np.ndarray  # (6,) as measured, shifted by noise
+    values: np.ndarray  # (6,) freed of that
+    covariance: np.ndarray  # (6, 6)
+    used: np.ndarray  # (6,) whether the record resolves it
+    warnings: tuple
+
+    @property
+    def bins(self):
+        return self.cycles.profile.size
+
+
+def measure(segment):
+    """`Measured` features of a segment.
+
+    Raises
+    ------
+    ParameterError
+        No oscillation, too few cycles or samples, or periods that scatter by more than 20 %.
+    """
+    said: list = []
+    cuts = _cuts(segment, said)
+    rough = fold(segment.t, segment.y, cuts, BINS[0])
+    bins = _bins(segment, rough)
+    cycles = fold(segment.t, segment.y, cuts, bins)
+    noise = residual_noise(segment, cycles)
+    raw = _features(cycles)
+    found = Measured(segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), tuple(said))
+    return corrected(found, lambda phase: periodic(cycles.profile, phase), raw)
+
+
+def corrected(found, wave, features):
+    """`Measured` with noise's shift, covariance and scatter as they are about a known cycle.
+
+    wave : callable, tau/sigma at phases in cycles, falling through its middle at 0
+    features : (6,) of that cycle, without noise
+    """
+    segment, cycles = found.segment, found.cycles
+    rng = np.random.default_rng(SEED)
+    phase = (segment.t - cycles.cuts[0]) / cycles.period
+    clean = wave(phase)
+    copies = []
+    for _ in range(COPIES):
+        y = clean + found.noise.draw(clean.size, rng)
+        cuts = cut_cycles(segment.t, y, cycles.period)
+        if cuts.size > FEWEST_CYCLES:
+            copies.append(fold(segment.t, y, cuts, found.bins))
+    if len(copies) < COPIES // 2:
+        raise ParameterError(
+            f"the oscillation of friction, {np.exp(found.raw[AMPLITUDE]):.3g} from largest to "
+            f"smallest, drowns in noise of {found.noise.sd:.3g}; give a longer or quieter record"
+        )
+    drawn = np.array([_features(copy) for copy in copies])
+    known = np.array(features)
+    known[PERIOD] = np.log(cycles.period)
+    shift = np.nanmean(drawn, axis=0) - known
+    shift[LEVEL] = 0.0
+    whole = np.where(np.isfinite(drawn), drawn, np.nanmean(drawn, axis=0))
+    covariance = np.cov(whole.T)
+    typical = np.mean([_scatter(copy) for copy in copies], axis=0)
+    excess = _excess(_scatter(cycles), typical, cycles.n)
+    covariance += np.diag(excess)
+    error = np.sqrt(np.diag(covariance))
+    parts = np.exp(found.raw - found.raw[PERIOD]) * found.bins
+    used = np.isfinite(found.raw) & (error < VAGUE)
+    used[[2, 3, 4]] &= parts[[2, 3, 4]] > RESOLVED
+    used[LEVEL] = True
+    values = np.where(np.isfinite(found.raw), found.raw - np.nan_to_num(shift), np.nan)
+    said = tuple(w for w in found.warnings if not w.startswith(("cycles differ", "the drop")))
+    said += _said(found, excess, used)
+    return found._replace(values=values, covariance=covariance, used=used, warnings=said)
+
+
+def _said(found, excess, used):
+    """Warnings about scatter and resolution."""
+    speed = f"at {found.segment.V_lp:.4g} m/s"
+    said = ()
+    if excess.any():
+        names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
+        said += (
+            f"cycles differ by more than the noise within them ({names}) {speed}; errors are "
+            f"enlarged to what their scatter says",
+        )
+    if not used[DROP]:
+        said += (
+            f"the drop {speed} is too short for the sampling, or too noisy, and is not fitted; "
+            f"sample it more often to learn of mass and stiffness",
+        )
+    return said
+
+
+def residual_noise(segment, cycles):
+    """`Noise` of a record about its folded cycle, blind to a few samples far off."""
+    inside = (cycles.phase >= 0.0) & (cycles.phase < cycles.n)
+    t, phase = segment.t[inside], cycles.phase[inside]
+    left = segment.y[inside] - cycles.at(t)
+    middles = np.arange(cycles.n) + 0.5
+    left -= np.interp(phase, middles, cycles.means)
+    sd = 1.4826 * float(np.median(np.abs(left)))
+    sd *= np.sqrt(left.size / max(left.size - cycles.profile.size, 0.25 * left.size))
+    left = np.clip(left, -3.0 * sd, 3.0 * sd)
+    power = float(left @ left)
+    correlation = float(left[1:] @ left[:-1]) / power if power > 0.0 else 0.0
+    # that of white noise is 0 within 3 of its errors
+    correlation = 0.0 if abs(correlation) < 3.0 / np.sqrt(left.size) else correlation
+    return Noise(sd, float(np.clip(correlation, 0.0, 0.99)))
+
+
+def _cuts(segment, said):
+    """Where to cut a record into cycles that repeat, with what had to be left out."""
+    t, y = segment.t, segment.y
+    cuts = cut_cycles(t, y, main_period(t, y))
+    if cuts.size <= FEWEST_CYCLES:
+        raise ParameterError(
+            f"friction at {segment.V_lp:.4g} m/s has fewer than {FEWEST_CYCLES} whole cycles; "
+            f"give a longer record, or fit against time"
+        )
+    swing = np.array(
+        [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in zip(cuts, cuts[1:])]
+    )
+    late = swing[swing.size // 2 :]
+    typical = float(np.median(late))
+    spread = 1.4826 * float(np.median(np.abs(late - typical)))
+    apart = np.abs(swing - typical) > max(TRANSIENT * spread, SETTLED * typical)
+    first = int(np.argmin(apart))
+    if first and cuts.size - first > FEWEST_CYCLES:
+        said.append(
+            f"the first {first} cycles at {segment.V_lp:.4g} m/s are a transient, and left out"
+        )
+        cuts = cuts[first:]
+    periods = np.diff(cuts)
+    if (scatter := float(periods.std() / periods.mean())) > IRREGULAR:
+        raise ParameterError(
+            f"cycles at {segment.V_lp:.4g} m/s are irregular: their periods scatter by "
+            f"{100 * scatter:.0f} % (at most {100 * IRREGULAR:.0f} % can be fitted as a limit "
+            f"cycle); cut a regular stretch out of the record, or fit against time"
+        )
+    return cuts
+
+
+def _bins(segment, rough):
+    """Number of bins in which noise is small beside the amplitude, and all have samples."""
+    inside = int(np.sum((rough.phase >= 0.0) & (rough.phase < rough.n)))
+    noise = residual_noise(segment, rough).sd
+    amplitude = float(np.ptp(rough.profile))
+    quiet = inside * (BIN_NOISE * amplitude / noise) ** 2 if noise > 0.0 else np.inf
+    filled = min(inside / 4, inside / rough.n)
+    return int(np.clip(min(quiet, filled), *BINS))
+
+
+def _features(cycles):
+    """(6,) features of a folded record."""
+    return profile_features(cycles.profile[None], np.array([cycles.period]))[0]
+
+
+def _scatter(cycles):
+    """(6,) variances of features as the differences between cycles tell them."""
+    n = cycles.n
+    each = profile_features(cycles.without, np.full(n, cycles.period))
+    with np.errstate(invalid="ignore"):
+        found = (n - 1) / n * np.sum((each - each.mean(axis=0)) ** 2, axis=0)
+    periods = np.diff(cycles.cuts)
+    found[PERIOD] = periods.var(ddof=1) / n / cycles.period**2
+    found[LEVEL] = cycles.means.var(ddof=1) / n
+    return found
+
+
+def _excess(scatter, typical, n):
+    """(6,) variances beyond those of noise; 0 where chance explains the difference."""
+    from scipy.stats import chi2
+
+    limit = chi2.isf(CHANCE, n - 1) / (n - 1)
+    with np.errstate(invalid="ignore"):
+        real = scatter > limit * typical
+    return np.where(real, scatter - typical, 0.0)

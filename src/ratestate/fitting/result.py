@@ -1,0 +1,126 @@
+"""The result of a fit as a Dataset: estimates, intervals, correlation, curves, statistics."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+from scipy.stats import norm
+
+from ..quantities import attrs
+from .unknowns import slope, to_value
+
+LEVELS = (0.68, 0.95)
+SIDES = ("lower", "upper")
+
+
+class Estimates(NamedTuple):
+    """p estimates as they are reported [SI]: with errors, intervals, correlation."""
+
+    names: tuple  # symbols
+    values: np.ndarray  # (p,)
+    errors: np.ndarray  # (p,) standard errors
+    intervals: np.ndarray  # (p, levels, sides)
+    correlation: np.ndarray  # (p, p), of the coordinates
+
+    def without(self, name):
+        """The same without one of them."""
+        i = [k for k, other in enumerate(self.names) if other != name]
+        names = tuple(other for other in self.names if other != name)
+        values, errors, intervals = self.values[i], self.errors[i], self.intervals[i]
+        return Estimates(names, values, errors, intervals, self.correlation[np.ix_(i, i)])
+
+
+def estimates(names, coordinates, covariance, derived=()):
+    """`Estimates` of what moves in coordinates (unknowns.py), from their covariance.
+
+    Parameters
+    ----------
+    names : tuple of str, of the k coordinates
+    coordinates : (k,)
+    covariance : (k, k)
+    derived : sequence of (symbol, value, (k,) gradient), linear functions of the coordinates
+    """
+    count = len(names)
+    gradients = np.vstack([np.eye(count), *(gradient for _, _, gradient in derived)])
+    spread = gradients @ covariance @ gradients.T
+    errors = np.sqrt(np.diag(spread))
+    where = np.concatenate([coordinates, [value for _, value, _ in derived]])
+    reach = norm.ppf(0.5 + 0.5 * np.array(LEVELS))[:, None] * np.array([-1.0, 1.0])
+    ends = where[:, None, None] + errors[:, None, None] * reach
+    values, scales = where.copy(), np.ones(where.size)
+    for i, name in enumerate(names):
+        values[i] = to_value(name, where[i])
+        scales[i] = slope(name, values[i])
+        ends[i] = to_value(name, ends[i])
+    with np.errstate(invalid="ignore"):
+        correlation = spread / np.outer(errors, errors)
+    return Estimates(
+        (*names, *(symbol for symbol, _, _ in derived)), values, scales * errors, ends, correlation
+    )
+
+
+def estimate_variables(found):
+    """The variables of `Estimates`: a scalar for each, and tables along ``parameter``."""
+    variables = {
+        name: ((), float(value), attrs(name))
+        for name, value in zip(found.names, found.values, strict=True)
+    }
+    tables = {
+        "standard_error": (("parameter",), found.errors),
+        "interval": (("parameter", "level", "side"), found.intervals),
+        "correlation": (("parameter", "other"), found.correlation),
+    }
+    names = list(found.names)
+    coords = {
+        "parameter": names,
+        "other": names,
+        "level": list(LEVELS),
+        "side": list(SIDES),
+    }
+    variables |= {name: (dims, values, attrs(name)) for name, (dims, values) in tables.items()}
+    return xarray.Dataset(variables, coords)
+
+
+def curves(solution):
+    """The variables along time: what was recorded, what was fitted, how far they may differ."""
+    record = solution.problem.record
+    error = np.sqrt(
+        np.maximum(
+            np.einsum("mi,ij,mj->m", solution.jacobian, solution.covariance, solution.jacobian), 0.0
+        )
+    )
+    reach = norm.ppf(0.5 + 0.5 * LEVELS[-1]) * np.hypot(error, solution.noise.level)
+    values = {
+        "friction": record.friction,
+        "friction_fit": solution.fitted,
+        "fit_error": error,
+    }
+    variables = {name: ("time", value, attrs(name)) for name, value in values.items()}
+    named = {"units": "1", "long_name": "recorded less fitted friction"}
+    variables["residual"] = ("time", record.friction - solution.fitted, named)
+    band = solution.fitted[:, None] + reach[:, None] * np.array([-1.0, 1.0])
+    variables["band"] = (("time", "side"), band, attrs("band"))
+    variables["delta_lp"] = ("time", record.loading.delta_lp(record.t), attrs("delta_lp"))
+    coords = {"time": ("time", record.time, attrs("time")), "side": list(SIDES)}
+    return xarray.Dataset(variables, coords)
+
+
+def statistics(solution):
+    """How well the curve fits, and what noise it leaves."""
+    residual = solution.problem.record.friction - solution.fitted
+    noise = solution.noise
+    k = len(solution.point) + (3 if noise.red else 1)
+    successive = np.var(np.diff(residual)) / 2.0
+    values = {
+        "rms": np.sqrt(np.mean(residual**2)),
+        "noise_white": noise.white,
+        "noise_red": noise.red,
+        "noise_time": noise.time if noise.red else 0.0,
+        "chi2_white": np.mean(residual**2) / successive,
+        "log_likelihood": solution.log_likelihood,
+        "aic": 2.0 * k - 2.0 * solution.log_likelihood,
+        "bic": k * np.log(residual.size) - 2.0 * solution.log_likelihood,
+        "samples": residual.size,
+        "evaluations": solution.evaluations,
+    }
+    return xarray.Dataset({name: ((), value, attrs(name)) for name, value in values.items()})

@@ -1,0 +1,213 @@
+"""Least squares in the presence of correlated noise, from several starts.
+
+The sum of squares is that of the residuals made white by the noise's own covariance, which is
+estimated from the residuals of the fit before; both are repeated until the estimates stand still.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ..errors import ParameterError
+from .forward import Forward
+from .noise import Noise, estimated_noise
+from .starts import SAMPLES, starting_points, unknowns_of
+from .unknowns import NEAR, START, Unknowns
+
+#: starts of the least squares, and rounds of noise and fit
+STARTS, ROUNDS = 3, 4
+#: most evaluations of one least-squares fit, and one of those from which the best is picked
+MOST, FEW = 200, 25
+#: estimates stand still where none moves by more, in its standard error
+STILL = 0.02
+#: by how much chi-square must fall for a record to start out of steady sliding
+FALL = 30.0
+
+
+class Problem:
+    """A record, a law and what is sought: misfits, residuals and their derivatives."""
+
+    def __init__(self, record, slider, law, unknowns):
+        self.record, self.unknowns = record, unknowns
+        self.forward = Forward(record, slider, law, unknowns.names)
+
+    def residual(self, point, noise):
+        """(m,) whitened: model less record; NaN where there is no motion."""
+        residual = self.forward.friction(point[None])[0] - self.record.friction
+        return noise.whiten(self.record.t, residual)[0][:, 0]
+
+    def jacobian(self, point, noise):
+        """(m, k) derivative of `residual`; 0 where a parameter cannot move without loss."""
+        columns = self.forward.jacobian(point)[1]
+        return np.nan_to_num(noise.whiten(self.record.t, columns)[0])
+
+    def levelled(self, points):
+        """Points with the level, and the trend, that fit the record best."""
+        points = points.copy()
+        linear = [self.unknowns.index(n) for n in ("level", "trend") if n in self.unknowns.names]
+        points[:, linear] = 0.0
+        columns = np.ones((self.record.t.size, len(linear)))
+        columns[:, 1:] = self.record.along[:, None]
+        scale = np.abs(columns).max(axis=0)
+        missing = (self.record.friction - self.forward.friction(points)).T
+        sound = np.isfinite(missing).all(axis=0)
+        found = np.linalg.lstsq(columns / scale, missing[:, sound], rcond=None)[0]
+        points[np.ix_(sound, linear)] = (found / scale[:, None]).T
+        return points
+
+    def misfits(self, points):
+        """(n,) sums of squares without weights; inf where there is no motion."""
+        squares = ((self.forward.friction(points) - self.record.friction) ** 2).sum(axis=1)
+        return np.where(np.isfinite(squares), squares, np.inf)
+
+    def search(self, start, noise, most=MOST):
+        """`scipy.optimize.least_squares` from this point."""
+        inside = 1e-9 * np.where(np.isfinite(self.unknowns.high), 1.0 + np.abs(start), 0.0)
+        start = np.clip(start, self.unknowns.low + inside, self.unknowns.high - inside)
+        return least_squares(
+            self.residual,
+            start,
+            self.jacobian,
+            bounds=(self.unknowns.low, self.unknowns.high),
+            x_scale="jac",
+            args=(noise,),
+            max_nfev=most,
+        )
+
+
+class Solution(NamedTuple):
+    """Where least squares have come to, with m samples and k coordinates."""
+
+    problem: Problem
+    noise: Noise
+    point: np.ndarray  # (k,)
+    covariance: np.ndarray  # (k, k)
+    fitted: np.ndarray  # (m,) friction
+    jacobian: np.ndarray  # (m, k) of the fitted friction
+    chi2: float  # of the whitened residuals
+    log_likelihood: float
+    converged: bool
+    evaluations: int
+
+    @property
+    def unknowns(self) -> Unknowns:
+        return self.problem.unknowns
+
+    def at_bound(self, name):
+        """-1 or 1 if a coordinate has run to its lower or upper bound, else 0."""
+        i = self.unknowns.index(name)
+        low, high = self.unknowns.low[i], self.unknowns.high[i]
+        if not np.isfinite(high - low):
+            return 0
+        part = (self.point[i] - low) / (high - low)
+        return -1 if part < NEAR else 1 if part > 1.0 - NEAR else 0
+
+
+def solve(record, slider, law, free, noise, start):
+    """The `Solution` of a record under one law.
+
+    Parameters
+    ----------
+    record : Record
+    slider : SpringSlider, starting values and what is not free
+    law : int, code
+    free : tuple of str
+    noise : Noise, or None to estimate it
+    start : {"steady", "free", "auto"}
+    """
+    unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
+    problem = Problem(record, slider, law, unknowns)
+    solution = _settled(problem, _best_start(problem, slider, law), noise)
+    if start != "auto" or not _starts_unsteady(solution, slider, law):
+        return solution
+    unknowns = unknowns_of(record, free, start=True, sigma=slider.sigma)
+    problem = Problem(record, slider, law, unknowns)
+    return _settled(problem, _widened(solution, unknowns), noise)
+
+
+def _best_start(problem, slider, law):
+    """The best point that a thinned record leads to, from several starts."""
+    thin = problem.record.every(max(problem.record.t.size // SAMPLES, 1))
+    rough = Problem(thin, slider, law, problem.unknowns)
+    points = starting_points(rough, slider, STARTS)
+    if not len(points):
+        raise ParameterError(
+            "no slider of any size near these moves through the whole record without instability; "
+            "without inertia (M = 0) sliding at K < K_c_qs ends: fix fewer parameters, give other "
+            "ones to start from, or give the slider its mass M"
+        )
+    plain = Noise(max(np.sqrt(rough.misfits(points[:1])[0] / thin.t.size), 1e-12))
+    found = [rough.search(point, plain, FEW) for point in points]
+    return min(found, key=lambda one: one.cost).x
+
+
+def _settled(problem, point, noise):
+    """The `Solution` from this point, with noise as given or estimated until nothing moves."""
+    record = problem.record
+    if noise is None:
+        size = np.sqrt(problem.misfits(point[None])[0] / record.t.size)
+        guess = Noise(max(float(size), 1e-15))
+    before = problem.forward.evaluations
+    found = problem.search(point, guess if noise is None else noise)
+    for _ in range(ROUNDS if noise is None else 0):
+        fitted, jacobian = problem.forward.jacobian(found.x)
+        guess = estimated_noise(record.t, fitted - record.friction, np.nan_to_num(jacobian))
+        last = found.x
+        found = problem.search(last, guess)
+        error = np.sqrt(np.diag(_covariance(found.jac)))
+        if (np.abs(found.x - last) <= STILL * error).all():
+            break
+    noise = guess if noise is None else noise
+    fitted, jacobian = problem.forward.jacobian(found.x)
+    jacobian = np.nan_to_num(jacobian)
+    white, log_determinant = noise.whiten(
+        record.t, np.column_stack([fitted - record.friction, jacobian])
+    )
+    chi2 = float(white[:, 0] @ white[:, 0])
+    constant = record.t.size * np.log(2.0 * np.pi)
+    return Solution(
+        problem,
+        noise,
+        found.x,
+        _covariance(white[:, 1:]),
+        fitted,
+        jacobian,
+        chi2,
+        -0.5 * (chi2 + log_determinant + constant),
+        found.status > 0,
+        problem.forward.evaluations - before,
+    )
+
+
+def _covariance(jacobian):
+    """(k, k) inverse of the normal matrix; a direction that is not seen at all has no end."""
+    scale = np.linalg.norm(jacobian, axis=0)
+    scale = np.where(scale > 0.0, scale, 1e-300)
+    _, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)
+    spread = vt.T / np.maximum(s, 1e-9)
+    return spread @ spread.T / np.outer(scale, scale)
+
+
+def _starts_unsteady(solution, slider, law):
+    """Whether a start out of steady sliding would make chi-square fall as only a cause makes it."""
+    record, noise = solution.problem.record, solution.noise
+    names = (*START, *solution.unknowns.names)
+    forward = Forward(record, slider, law, names)
+    jacobian = np.nan_to_num(forward.jacobian(np.append([0.0, 0.0], solution.point))[1])
+    columns = np.column_stack([solution.fitted - record.friction, jacobian])
+    white, _ = noise.whiten(record.t, columns)
+    residual, added, known = white[:, 0], white[:, 1:3], white[:, 3:]
+    basis, _ = np.linalg.qr(known)
+    added = added - basis @ (basis.T @ added)
+    residual = residual - basis @ (basis.T @ residual)
+    gain = np.linalg.lstsq(added, residual, rcond=1e-6)[0]
+    return float(np.sum((added @ gain) ** 2)) > FALL
+
+
+def _widened(solution, unknowns):
+    """A point of more coordinates, the new ones at 0."""
+    point = np.zeros(len(unknowns.names))
+    for i, name in enumerate(solution.unknowns.names):
+        point[unknowns.index(name)] = solution.point[i]
+    return point
