@@ -1,0 +1,59 @@
+"""Do the intervals hold what they promise?  Records drawn over a realistic range tell."""
+
+import numpy as np
+import pytest
+from records import drawn
+
+import ratestate as rs
+from ratestate.fitting.unknowns import to_coordinate
+
+RECORDS = 200
+FREE = ("a", "b", "Dc", "K")
+pytestmark = pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+
+
+@pytest.fixture(scope="module")
+def coverage():
+    """(records, parameters, levels) whether the interval holds the truth; signed errors."""
+    held, errors, kinds = [], [], []
+    for seed in range(RECORDS):
+        case = drawn(seed)
+        result = rs.fit(case.data, case.start)
+        truth = np.array([getattr(case.truth, name) for name in FREE])
+        ends = result.interval.sel(parameter=list(FREE)).values
+        low, high = ends[..., 0], ends[..., 1]
+        held.append((low <= truth[:, None]) & (truth[:, None] <= high))
+        errors.append(
+            [
+                to_coordinate(name, float(result[name])) - to_coordinate(name, value)
+                for name, value in zip(FREE, truth, strict=True)
+            ]
+        )
+        kinds.append((case.is_red, case.truth.M > 0))
+    return np.array(held), np.array(errors), np.array(kinds)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say(coverage):
+    held = coverage[0]
+    part = held.mean(axis=(0, 1))
+    assert 0.60 < part[0] < 0.76
+    assert 0.91 < part[1] < 0.98
+    # of each parameter: within three binomial errors of 200 draws
+    for index, name in enumerate(FREE):
+        assert 0.58 < held[:, index, 0].mean() < 0.78, name
+        assert 0.90 < held[:, index, 1].mean() <= 0.995, name
+
+
+@pytest.mark.parametrize("column", [0, 1], ids=["noise", "inertia"])
+def test_they_do_so_for_either_kind_of_noise_and_inertia(coverage, column):
+    held, _, kinds = coverage
+    for kind in (False, True):
+        part = held[kinds[:, column] == kind].mean(axis=(0, 1))
+        assert 0.59 < part[0] < 0.77
+        assert 0.90 < part[1] < 0.985
+
+
+def test_estimates_are_not_biased(coverage):
+    _, errors, _ = coverage
+    middle = np.median(errors / np.std(errors, axis=0), axis=0)
+    assert (np.abs(middle) < 0.3).all()

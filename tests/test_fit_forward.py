@@ -1,0 +1,165 @@
+"""The model that fits move, against codes that share nothing with it."""
+
+import naive
+import numpy as np
+import pytest
+from records import SLIDER, STEP, correlated, record
+from scipy.linalg import cholesky, solve_triangular
+
+import ratestate as rs
+from ratestate.fitting.forward import Forward
+from ratestate.fitting.noise import Noise, estimated_noise
+from ratestate.fitting.record import record_of
+from ratestate.laws import LAWS
+
+T = np.concatenate([np.linspace(0.0, 99.0, 34), np.linspace(100.05, 104.0, 80)])
+MASSES = {"none": 0.0, "inertial": 3e11}
+
+
+def forward(names, *, law="slip", M=0.0, loading=STEP, kind="friction", trend="slip"):
+    data = record(SLIDER, loading, T).rename(friction=kind)
+    seen = record_of(data, SLIDER, loading=loading, trend=trend, against="time")
+    return Forward(seen, SLIDER.replace(M=M), LAWS[law].code, names)
+
+
+def by_scipy(t, *, V_start=1e-6, theta_start=None, level=0.6, trend=0.0, law="slip", **changes):
+    """Friction of the spring at times t by SciPy, of a slider changed in this."""
+    case = {s: getattr(SLIDER, s) for s in ("a", "b", "Dc", "sigma", "K", "M", "mu0", "V0")}
+    slider = naive.Naive(**(case | {"mu0": level} | changes), law=law)
+    theta = slider.Dc / 1e-6 if theta_start is None else theta_start
+    y = np.array([slider.mu(V_start, theta), np.log(V_start), np.log(theta)])
+    settings = {"dense": True, "method": "DOP853"}  # none of these is stiff
+    early = slider.solve(y[[0, 2]] if slider.M == 0 else y, 0.0, 100.0, 1e-6, **settings)
+    late = slider.solve(early.y[:, -1], 100.0, t[-1] + 1e-9, 1e-5, **settings)
+    found = np.where(t < 100.0, early.sol(np.minimum(t, 100.0))[0], late.sol(np.maximum(t, 100))[0])
+    advance = np.where(t < 100.0, 1e-6 * t, 1e-4 + 1e-5 * (t - 100.0))
+    slip = advance - (found - found[0]) * slider.sigma / slider.K
+    return found + trend * slip
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("M", MASSES.values(), ids=MASSES)
+def test_friction_and_its_sensitivities_are_those_of_scipy(law, M):
+    """Derivatives by differences of SciPy at 1e-12, with a step that is not the lanes' own."""
+    names = ("a", "b", "Dc", "K", *(("M",) if M else ()), "v_start", "psi_start", "level", "trend")
+    values = {"a": 0.01, "b": 0.014, "Dc": 1e-5, "K": 6.4e10, "M": M, "level": 0.6, "trend": 2.0}
+    point = np.array(
+        [
+            0.3
+            if n == "v_start"
+            else -0.2
+            if n == "psi_start"
+            else values[n]
+            if n in ("b", "level", "trend")
+            else np.log(values[n])
+            for n in names
+        ]
+    )
+
+    def there(point):
+        given = dict(zip(names, point, strict=True))
+        changes = {n: np.exp(given[n]) for n in ("a", "Dc", "K", "M") if n in given}
+        return by_scipy(
+            T,
+            V_start=1e-6 * np.exp(given["v_start"]),
+            theta_start=changes["Dc"] / 1e-6 * np.exp(given["psi_start"]),
+            level=given["level"],
+            trend=given["trend"],
+            law=law,
+            b=given["b"],
+            **changes,
+        )
+
+    model = forward(names, law=law, M=M)
+    friction, jacobian = model.jacobian(point)
+    np.testing.assert_allclose(friction, there(point), rtol=0, atol=3e-9)
+    for i, name in enumerate(names):
+        step = 1e-5 if name == "b" else 1e-2 if name in ("level", "trend") else 7e-4
+        ahead, back = point.copy(), point.copy()
+        ahead[i] += step
+        back[i] -= step
+        expected = (there(ahead) - there(back)) / (2 * step)
+        scale = np.abs(expected).max()
+        assert scale > 0.0, name
+        np.testing.assert_allclose(jacobian[:, i], expected, rtol=0, atol=2e-5 * scale)
+
+
+def test_a_lag_is_the_same_motion_later():
+    names = ("lag", "level", "trend")
+    model = forward(names)
+    now, later = model.friction(np.array([[0.0, 0.6, 0.0], [0.7, 0.6, 0.0]]))
+    np.testing.assert_allclose(now, by_scipy(T), rtol=0, atol=3e-9)
+    np.testing.assert_allclose(later, by_scipy(np.maximum(T - 0.7, 0.0)), rtol=0, atol=3e-9)
+    # about the sample nearest to the step the friction has a kink
+    _, jacobian = model.jacobian(np.array([0.35, 0.6, 0.0]))
+    h = 1e-4
+    differ = by_scipy(np.maximum(T - 0.35 - h, 0)) - by_scipy(np.maximum(T - 0.35 + h, 0))
+    np.testing.assert_allclose(jacobian[:, 0], differ / (2 * h), rtol=0, atol=3e-5)
+
+
+@pytest.mark.parametrize("kind", ["friction", "mu"])
+def test_of_the_spring_or_of_the_interface(kind):
+    """They differ by the inertial force alone; simulate tells both."""
+    slider = SLIDER.replace(M=MASSES["inertial"])
+    run = rs.simulate(slider, STEP, 104.0, times=T, rtol=1e-10)
+    model = forward(("level",), M=slider.M, kind=kind, trend=None)
+    expected = run.mu if kind == "mu" else run.tau / slider.sigma
+    assert np.abs(run.mu - run.tau / slider.sigma).max() > 1e-3
+    np.testing.assert_allclose(model.friction(np.array([[0.6]]))[0], expected, rtol=0, atol=1e-8)
+
+
+def test_a_slider_that_runs_away_is_no_number():
+    """Without inertia no motion exists below K_c; its neighbours in the lanes keep theirs."""
+    model = forward(("K", "v_start", "level"), trend=None)
+    points = np.array([[np.log(6.4e10), 0.0, 0.6], [np.log(1e9), 1.0, 0.6]])[[0, 1, 0]]
+    sound, lost, again = model.friction(points)
+    assert np.isnan(lost).all()
+    np.testing.assert_array_equal(sound, again)
+    np.testing.assert_allclose(sound, by_scipy(T), rtol=0, atol=3e-9)
+
+
+def times(n, rng):
+    """Times as a logger has them: two rates, a gap."""
+    dt = np.where(np.arange(n - 1) < n // 3, 1.0, 0.1) * rng.uniform(0.8, 1.2, n - 1)
+    dt[n // 2] = 20.0
+    return np.concatenate([[0.0], np.cumsum(dt)])
+
+
+@pytest.mark.parametrize("time", [0.01, 0.5, 300.0])
+def test_whitening_is_that_of_the_dense_covariance(time):
+    rng = np.random.default_rng(1)
+    t = times(200, rng)
+    columns = rng.normal(size=(200, 3))
+    noise = Noise(white=0.3, red=2.0, time=time)
+    covariance = 4.0 * np.exp(-np.abs(t[:, None] - t) / time) + 0.09 * np.eye(200)
+    lower = cholesky(covariance, lower=True)
+    white, log_determinant = noise.whiten(t, columns)
+    np.testing.assert_allclose(white, solve_triangular(lower, columns, lower=True), atol=1e-10)
+    assert log_determinant == pytest.approx(2 * np.log(np.diag(lower)).sum(), abs=1e-8)
+
+
+def test_the_noise_is_found_as_it_was_made():
+    """Estimates of 40 records scatter about the truth, allowing for what 12 parameters took."""
+    rng = np.random.default_rng(2)
+    t = times(600, rng)
+    fitted = np.stack([np.cos(k * np.pi * t / t[-1]) for k in range(12)], axis=1)
+    truth = Noise(white=1e-4, red=3e-4, time=2.0)
+    found = []
+    for _ in range(40):
+        made = truth.white * rng.normal(size=t.size) + truth.red * correlated(t, truth.time, rng)
+        coefficients, *_ = np.linalg.lstsq(fitted, made, rcond=None)
+        found.append(estimated_noise(t, made - fitted @ coefficients, fitted))
+    for name in ("white", "red", "time"):
+        values = np.log([getattr(noise, name) for noise in found])
+        error = values.std() / np.sqrt(len(values))
+        assert abs(values.mean() - np.log(getattr(truth, name))) < 3.5 * error + 0.02, name
+        assert values.std() < 0.35, name
+
+
+def test_white_noise_is_called_white():
+    rng = np.random.default_rng(3)
+    t = times(500, rng)
+    fitted = np.stack([np.ones_like(t), t], axis=1)
+    found = [estimated_noise(t, 2e-4 * rng.normal(size=t.size), fitted) for _ in range(40)]
+    assert sum(noise.red > 0.0 for noise in found) <= 2
+    assert np.mean([noise.level for noise in found]) == pytest.approx(2e-4, rel=0.02)
