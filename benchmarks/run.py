@@ -11,6 +11,7 @@ from pathlib import Path
 
 import accuracy
 import cycles
+import fits
 import scheme
 import startup
 import steps
@@ -19,12 +20,21 @@ import sweeps
 from report import CONSOLE, write
 from rivals import numbalsoda_solvers, scipy_solvers
 
-PARTS = {"a": steps, "b": accuracy, "c": sweep, "d": scheme, "e": startup, "f": cycles, "g": sweeps}
+PARTS = {
+    "a": steps,
+    "b": accuracy,
+    "c": sweep,
+    "d": scheme,
+    "e": startup,
+    "f": cycles,
+    "g": sweeps,
+    "h": fits,
+}
 
 
 def main():
     parser = argparse.ArgumentParser(description="Benchmark of ratestate.")
-    parser.add_argument("parts", nargs="*", help="a b c d e f g; all by default")
+    parser.add_argument("parts", nargs="*", help="a b c d e f g h; all by default")
     parser.add_argument("--out", type=Path, default=Path("build/bench"), help="folder to write to")
     options = parser.parse_args()
     if unknown := set(options.parts) - set(PARTS):

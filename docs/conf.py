@@ -14,7 +14,8 @@ BUILD = ROOT / "build" / "docs"
 
 sys.path.insert(0, str(HERE / "_ext"))
 os.environ["MATPLOTLIBRC"] = str(HERE / "matplotlibrc")  # of notebooks and gallery alike
-os.environ["PYTHONPATH"] = str(HERE / "_ext")  # of notebooks: reference_values
+# of notebooks: reference_values, and the records of the tests
+os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "_ext"), str(ROOT / "tests")])
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["COLUMNS"] = "88"  # of what commands print
 

@@ -105,7 +105,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
     assert served == [{"port": 8765, "open_browser": True, "fragment": ""}]
     assert made == [(2, "aging"), (4, "aging")]
     assert charted == [("aging", {"b_over_a": 1.6, "n": 200})]
-    names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures"}
+    names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures", "fitted"}
     assert {path.name for path in tmp_path.iterdir()} == names | {"examples"}
 
 

@@ -99,6 +99,7 @@ def test_mass_is_found_where_it_shows():
     assert_finds(result, truth, (*FREE, "M"))
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_neglected_mass_is_a_bias_that_no_error_admits():
     truth = SLIDER.replace(M=1.5e11)
     data = record(truth, EARLY_STEP, T, noise=2e-4)
@@ -155,12 +156,14 @@ def test_against_displacement_needs_no_clock(noisy):
     assert_finds(rs.fit(rough, START, against="displacement"), SLIDER, within=5.0)
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_given_noise_is_taken(noisy, fitted):
     assert float(fitted.noise_white) == pytest.approx(2e-4, rel=0.1)
     doubled = rs.fit(noisy, START, noise=2.0 * float(fitted.noise_white))
     ratio = doubled.standard_error / fitted.standard_error
     np.testing.assert_allclose(ratio, 2.0, rtol=1e-3)
-    red = rs.fit(noisy, START, noise={"white": 1e-5, "red": 2e-4, "time": "3 s"})
+    with pytest.warns(rs.FitWarning, match="times as large as the noise that was given"):
+        red = rs.fit(noisy, START, noise={"white": 1e-5, "red": 2e-4, "time": "3 s"})
     assert float(red.noise_time) == 3.0
     assert float(red.standard_error.sel(parameter="mu0")) > 2 * float(
         fitted.standard_error.sel(parameter="mu0")
@@ -192,8 +195,10 @@ def test_where_the_search_begins_does_not_matter(noisy, fitted):
             assert float(result[name]) == pytest.approx(float(fitted[name]), rel=2e-3)
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_two_laws_side_by_side(noisy, fitted):
-    both = rs.fit(noisy, START, law=LAWS)
+    with pytest.warns(rs.FitWarning, match="does not describe the record after its steps"):
+        both = rs.fit(noisy, START, law=LAWS)
     assert both.law.values.tolist() == list(LAWS)
     assert float(both.Dc.sel(law="slip")) == pytest.approx(float(fitted.Dc), rel=1e-9)
     # the record is of the slip law, and says so

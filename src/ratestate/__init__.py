@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     )
     from .fitting.verb import fit
     from .hopf import bautin, hopf
+    from .lab import read_lab
     from .loading import Loading
     from .simulate import simulate
     from .slider import SpringSlider
@@ -45,6 +46,7 @@ __all__ = [
     "hopf",
     "limit_cycle",
     "logspace",
+    "read_lab",
     "simulate",
     "stability",
     "sweep",
@@ -57,6 +59,7 @@ _HOMES = {
     "ParameterError": "errors",
     "QuasiStaticInstability": "errors",
     "RateStateError": "errors",
+    "RecordWarning": "errors",
     "SolverError": "errors",
     "SpringSlider": "slider",
     "StoreError": "errors",
@@ -67,6 +70,7 @@ _HOMES = {
     "hopf": "hopf",
     "limit_cycle": "cycles",
     "logspace": "arrays",
+    "read_lab": "lab",
     "simulate": "simulate",
     "stability": "steady",
     "sweep": "sweeps.verb",

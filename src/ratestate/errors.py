@@ -47,3 +47,7 @@ class NotConverged(SolverError):
 
 class FitWarning(UserWarning):
     """A fit has an answer that must not be used without reading this."""
+
+
+class RecordWarning(UserWarning):
+    """A laboratory's record was read, but rows were left out or look odd; the message says which."""

@@ -4,6 +4,7 @@ Symbols are the paper's.  A new quantity is one row; everything that reads value
 variables or writes messages looks here.
 """
 
+import math
 from typing import NamedTuple
 
 #: unit -> what such a value is called in a message, and an example of one
@@ -133,6 +134,20 @@ QUANTITIES = {
     "standard_error": Quantity("1", "standard error, in the parameter's SI unit"),
     "interval": Quantity("1", "confidence interval, in the parameter's SI unit"),
     "correlation": Quantity("1", "correlation of the estimates"),
+    "interval_kind": Quantity("1", "what the intervals are from"),
+    "profile_value": Quantity("1", "value kept in a fit, in the parameter's SI unit"),
+    "profile_deviance": Quantity("1", "chi-square of that fit over the least"),
+    "posterior": Quantity("1", "samples of the posterior, in the parameter's SI unit"),
+    "log_evidence": Quantity("1", "ln of the evidence"),
+    "log_evidence_error": Quantity("1", "standard error of ln of the evidence"),
+    "posterior_evaluations": Quantity("1", "likelihoods computed for the posterior"),
+    "effective_samples": Quantity("1", "independent samples of the same worth"),
+    "posterior_efficiency": Quantity("1", "samples per likelihood computed"),
+    "aic_difference": Quantity("1", "Akaike information criterion over the least"),
+    "bic_difference": Quantity("1", "Bayesian information criterion over the least"),
+    "akaike_weight": Quantity("1", "Akaike weight of the law"),
+    "log_bayes_factor": Quantity("1", "ln of the evidence over the largest"),
+    "log_bayes_factor_error": Quantity("1", "standard error of that"),
     "friction": Quantity("1", "recorded friction"),
     "friction_fit": Quantity("1", "fitted friction"),
     "fit_error": Quantity("1", "standard error of the fitted friction"),
@@ -148,6 +163,10 @@ QUANTITIES = {
     "samples": Quantity("1", "samples fitted"),
     "evaluations": Quantity("1", "motions computed"),
     "noise": Quantity("1", "standard deviation of the noise in friction", "> 0", "3e-4"),
+    "segment_t": Quantity("s", "start of a constant load-point velocity"),
+    "segment_V": Quantity("m/s", "load-point velocity from there on"),
+    "segment_t_error": Quantity("s", "standard error of the start"),
+    "segment_V_error": Quantity("m/s", "standard error of the velocity"),
     "number": Quantity("1", "number"),  # an axis that is none of the above
 }
 
@@ -195,6 +214,38 @@ def readable(symbol, value, digits=4):
         return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")
     power = power_of(unit, value)
     return f"{value / 10.0**power:.{digits}g} {PREFIXES[power]}{unit}"
+
+
+def with_error(value, error):
+    """A value and its standard error as text, with the digits that the error leaves.
+
+    >>> with_error(9.4871, 0.1234), with_error(9.4871, 0.0456), with_error(0.6, 0.0)
+    ('9.49 +- 0.12', '9.49 +- 0.05', '0.6')
+    """
+    if not 0.0 < error < float("inf"):
+        return f"{value:.4g}"
+    return f"{rounded(value, error)} +- {rounded(error, error)}"
+
+
+def rounded(value, error):
+    """A value as text, to the last digit of its error: the first one, if it is 3.55 or more, or
+    else the second.
+
+    >>> rounded(9.4871, 0.1234), rounded(9.4871, 0.0456), rounded(152345.6, 1234.5)
+    ('9.49', '9.49', '152346')
+    """
+    if not 1e-12 < error < 1e5:
+        return f"{value:.4g}"
+    return f"{value:.{max(-math.floor(math.log10(error / 3.55)), 0)}f}"
+
+
+def short(value):
+    """A plain number in three digits, or all of its whole ones.
+
+    >>> short(7.3298), short(11712.4)
+    ('7.33', '11712')
+    """
+    return f"{value:.0f}" if abs(value) >= 99.5 else f"{value:.3g}"
 
 
 def readable_multiplier(value):

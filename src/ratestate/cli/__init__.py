@@ -11,12 +11,13 @@ from .atlas import atlas
 from .ends import EXIT_CODES, Debug, command
 from .explore import explore
 from .figures import figures
+from .fit import fit
 from .init import init
 from .run import run
 from .sweep import sweep
 from .verbs import branch, cycle, stability
 
-COMMANDS = (init, run, stability, cycle, branch, sweep, atlas, figures, explore)
+COMMANDS = (init, run, stability, cycle, branch, fit, sweep, atlas, figures, explore)
 
 main = typer.Typer(
     name="ratestate",

@@ -11,7 +11,10 @@ if TYPE_CHECKING:
     from .spoken import Spoken
 
 # Attributes of a result that hold JSON.
-NESTED = ("slider", "V_lp", "V_start", "t_end", "initial", "loading", "versions")
+NESTED = (
+    *("slider", "V_lp", "V_start", "t_end", "initial", "loading", "versions"),
+    *("free", "warnings", "columns", "notes"),  # of a fit
+)
 
 
 def document(result: "xarray.Dataset", said: "Spoken | None" = None) -> str:
@@ -27,7 +30,8 @@ def document(result: "xarray.Dataset", said: "Spoken | None" = None) -> str:
     from .job import failed
 
     whole = split(result).to_dict()
-    attrs = {k: json.loads(v) if k in NESTED else v for k, v in whole["attrs"].items()}
+    nested = (*NESTED, *(["identifiability"] if "law" in result.dims else []))
+    attrs = {k: json.loads(v) if k in nested else v for k, v in whole["attrs"].items()}
     found = {
         "ratestate": version("ratestate"),
         "title": attrs.pop("title"),

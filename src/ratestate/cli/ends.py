@@ -14,7 +14,7 @@ from ..errors import RateStateError
 BUG, FAILED, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
 EXIT_CODES = (
     "Exit codes: 0 done, 1 a bug in ratestate, 2 error or wrong usage, "
-    "3 some cases failed, 130 interrupted."
+    "3 some cases failed or a fit carries warnings, 130 interrupted."
 )
 #: how typer itself ends a command
 OWN = (typer.Exit, typer.Abort, typer.BadParameter)

@@ -202,7 +202,7 @@ def cores():
 
 def _announce(kernel):
     """Say that a kernel is about to be compiled, if it is not in the cache."""
-    compiled = getattr(kernel, "signatures", True)  # a plain function where the compiler is off
+    compiled = getattr(kernel, "overloads", True)  # a plain function where the compiler is off
     if sys.stderr and not compiled and not any(CACHE.rglob(f"*.{kernel.__name__}-*.nbi")):
         what = f"compiling {kernel.__name__} for this machine, once: 10 s to a minute"
         sys.stderr.write(f"ratestate: {what} ...\n")

@@ -7,37 +7,31 @@ differ from each other by more than such noise explains, the errors are enlarged
 scatter says.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import ParameterError
-from .features import (
-    AMPLITUDE,
-    DROP,
-    FEATURES,
-    FEWEST_CYCLES,
-    LEVEL,
-    PERIOD,
-    Cycles,
-    cut_cycles,
-    fold,
-    main_period,
-    periodic,
-    profile_features,
-)
+from .cycle_noise import Noise, residual_noise
+from .features import AMPLITUDE, DROP, FEATURES, LEVEL, PERIOD, profile_features
+from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, periodic, thinned
 
 # Bins of the profile: their bounds, and the noise in one over the amplitude that is aimed at.
-BINS, BIN_NOISE = (16, 128), 0.01
+BINS, BIN_NOISE = (24, 128), 0.01
 # Artificial records, and the seed of their noise.
-COPIES, SEED = 160, 20190117
+COPIES, SEED = 80, 20190117
+# What a machine's speed and stress are known to, at best: no feature is taken for more certain.
+KNOWN = 1e-3
 # Chance of calling cycles different that are not; and of calling a trend real.
 CHANCE = 0.005
 # Scatter of the periods beyond which nothing repeats; a swing of cycles counts as a transient
 # beyond so many of their deviations and this part of it.
-IRREGULAR, TRANSIENT, SETTLED = 0.2, 5.0, 0.03
+IRREGULAR, TRANSIENT, SETTLED = 0.2, 6.0, 0.05
 # A part of the period this short, in bins, is not resolved; nor one this uncertain (of 1).
 RESOLVED, VAGUE = 1.5, 0.3
+# Part of the amplitude that a trend must make up over the cycles to be worth a word.
+DRIFT = 0.1
 
 
 class Segment(NamedTuple):
@@ -46,23 +40,6 @@ class Segment(NamedTuple):
     t: np.ndarray  # (samples,) [s]
     y: np.ndarray  # (samples,) tau/sigma
     V_lp: float  # [m/s]
-
-
-class Noise(NamedTuple):
-    """Noise of first-order correlation from sample to sample."""
-
-    sd: float
-    correlation: float
-
-    def draw(self, n, rng):
-        """(n,) values."""
-        white = rng.standard_normal(n) * self.sd
-        if self.correlation == 0.0:
-            return white
-        from scipy.signal import lfilter
-
-        white[1:] *= np.sqrt(1.0 - self.correlation**2)
-        return lfilter([1.0], [1.0, -self.correlation], white)
 
 
 class Measured(NamedTuple):
@@ -75,7 +52,12 @@ class Measured(NamedTuple):
     values: np.ndarray  # (6,) freed of that
     covariance: np.ndarray  # (6, 6)
     used: np.ndarray  # (6,) whether the record resolves it
-    warnings: tuple
+    left_out: tuple  # what was, in words
+    remarks: tuple  # on scatter and resolution
+
+    @property
+    def warnings(self):
+        return (*self.left_out, *self.remarks)
 
     @property
     def bins(self):
@@ -91,13 +73,15 @@ def measure(segment):
         No oscillation, too few cycles or samples, or periods that scatter by more than 20 %.
     """
     said: list = []
-    cuts = _cuts(segment, said)
+    period = main_period(segment.t, segment.y)
+    segment = thinned(segment, period)
+    cuts = _cuts(segment, period, said)
     rough = fold(segment.t, segment.y, cuts, BINS[0])
     bins = _bins(segment, rough)
     cycles = fold(segment.t, segment.y, cuts, bins)
     noise = residual_noise(segment, cycles)
     raw = _features(cycles)
-    found = Measured(segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), tuple(said))
+    found = Measured(segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), tuple(said), ())
     return corrected(found, lambda phase: periodic(cycles.profile, phase), raw)
 
 
@@ -110,9 +94,11 @@ def corrected(found, wave, features):
     segment, cycles = found.segment, found.cycles
     rng = np.random.default_rng(SEED)
     phase = (segment.t - cycles.cuts[0]) / cycles.period
-    clean = wave(phase)
+    sample = float(np.median(np.diff(phase)))
     copies = []
     for _ in range(COPIES):
+        # where in a cycle samples fall is known to less than a sample
+        clean = wave(phase + sample * rng.uniform(-0.5, 0.5))
         y = clean + found.noise.draw(clean.size, rng)
         cuts = cut_cycles(segment.t, y, cycles.period)
         if cuts.size > FEWEST_CYCLES:
@@ -126,27 +112,28 @@ def corrected(found, wave, features):
     known = np.array(features)
     known[PERIOD] = np.log(cycles.period)
     shift = np.nanmean(drawn, axis=0) - known
-    shift[LEVEL] = 0.0
     whole = np.where(np.isfinite(drawn), drawn, np.nanmean(drawn, axis=0))
     covariance = np.cov(whole.T)
     typical = np.mean([_scatter(copy) for copy in copies], axis=0)
     excess = _excess(_scatter(cycles), typical, cycles.n)
-    covariance += np.diag(excess)
+    covariance += np.diag(excess + np.where(np.arange(excess.size) == LEVEL, 0.0, KNOWN**2))
     error = np.sqrt(np.diag(covariance))
     parts = np.exp(found.raw - found.raw[PERIOD]) * found.bins
     used = np.isfinite(found.raw) & (error < VAGUE)
     used[[2, 3, 4]] &= parts[[2, 3, 4]] > RESOLVED
     used[LEVEL] = True
     values = np.where(np.isfinite(found.raw), found.raw - np.nan_to_num(shift), np.nan)
-    said = tuple(w for w in found.warnings if not w.startswith(("cycles differ", "the drop")))
-    said += _said(found, excess, used)
-    return found._replace(values=values, covariance=covariance, used=used, warnings=said)
+    said = _said(found, excess, used)
+    return found._replace(values=values, covariance=covariance, used=used, remarks=said)
 
 
 def _said(found, excess, used):
-    """Warnings about scatter and resolution."""
-    speed = f"at {found.segment.V_lp:.4g} m/s"
-    said = ()
+    """Warnings about trend, scatter and resolution."""
+    cycles, speed = found.cycles, f"at {found.segment.V_lp:.4g} m/s"
+    said: tuple = ()
+    drift = abs(cycles.slope) * (cycles.cuts[-1] - cycles.cuts[0])
+    if drift > DRIFT * float(np.ptp(cycles.profile)):
+        said += (f"a trend of friction of {cycles.slope:.3g} 1/s {speed} is removed",)
     if excess.any():
         names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
         said += (
@@ -161,38 +148,21 @@ def _said(found, excess, used):
     return said
 
 
-def residual_noise(segment, cycles):
-    """`Noise` of a record about its folded cycle, blind to a few samples far off."""
-    inside = (cycles.phase >= 0.0) & (cycles.phase < cycles.n)
-    t, phase = segment.t[inside], cycles.phase[inside]
-    left = segment.y[inside] - cycles.at(t)
-    middles = np.arange(cycles.n) + 0.5
-    left -= np.interp(phase, middles, cycles.means)
-    sd = 1.4826 * float(np.median(np.abs(left)))
-    sd *= np.sqrt(left.size / max(left.size - cycles.profile.size, 0.25 * left.size))
-    left = np.clip(left, -3.0 * sd, 3.0 * sd)
-    power = float(left @ left)
-    correlation = float(left[1:] @ left[:-1]) / power if power > 0.0 else 0.0
-    # that of white noise is 0 within 3 of its errors
-    correlation = 0.0 if abs(correlation) < 3.0 / np.sqrt(left.size) else correlation
-    return Noise(sd, float(np.clip(correlation, 0.0, 0.99)))
-
-
-def _cuts(segment, said):
+def _cuts(segment, period, said):
     """Where to cut a record into cycles that repeat, with what had to be left out."""
     t, y = segment.t, segment.y
-    cuts = cut_cycles(t, y, main_period(t, y))
+    cuts = cut_cycles(t, y, period)
     if cuts.size <= FEWEST_CYCLES:
         raise ParameterError(
             f"friction at {segment.V_lp:.4g} m/s has fewer than {FEWEST_CYCLES} whole cycles; "
             f"give a longer record, or fit against time"
         )
     swing = np.array(
-        [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in zip(cuts, cuts[1:])]
+        [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in pairwise(cuts)]
     )
     late = swing[swing.size // 2 :]
     typical = float(np.median(late))
-    spread = 1.4826 * float(np.median(np.abs(late - typical)))
+    spread = 1.4826 * max(float(np.median(np.abs(x - np.median(x)))) for x in (late, swing))
     apart = np.abs(swing - typical) > max(TRANSIENT * spread, SETTLED * typical)
     first = int(np.argmin(apart))
     if first and cuts.size - first > FEWEST_CYCLES:

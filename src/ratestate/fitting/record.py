@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 
 from ..errors import ParameterError
-from ..lab import find_segments
+from ..lab.segments import find_segments
 from ..loading import Loading
 from ..units import to_si
 

@@ -11,6 +11,8 @@ from .unknowns import slope, to_value
 
 LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
+#: standard error of a coordinate that is none: the record does not see it
+UNSEEN = 1e6
 
 
 class Estimates(NamedTuple):
@@ -21,13 +23,26 @@ class Estimates(NamedTuple):
     errors: np.ndarray  # (p,) standard errors
     intervals: np.ndarray  # (p, levels, sides)
     correlation: np.ndarray  # (p, p), of the coordinates
+    kinds: tuple  # what the intervals are from: "covariance", "profile" or "posterior"
 
     def without(self, name):
         """The same without one of them."""
         i = [k for k, other in enumerate(self.names) if other != name]
-        names = tuple(other for other in self.names if other != name)
+        names, kinds = (tuple(column[k] for k in i) for column in (self.names, self.kinds))
         values, errors, intervals = self.values[i], self.errors[i], self.intervals[i]
-        return Estimates(names, values, errors, intervals, self.correlation[np.ix_(i, i)])
+        correlation = self.correlation[np.ix_(i, i)]
+        return Estimates(names, values, errors, intervals, correlation, kinds)
+
+    def with_intervals(self, intervals, kind):
+        """The same with other intervals: name -> (levels, sides) [SI]."""
+        ends = np.array(
+            [intervals.get(name, old) for name, old in zip(self.names, self.intervals, strict=True)]
+        )
+        kinds = tuple(
+            kind if name in intervals else old
+            for name, old in zip(self.names, self.kinds, strict=True)
+        )
+        return self._replace(intervals=ends, kinds=kinds)
 
 
 def estimates(names, coordinates, covariance, derived=()):
@@ -52,23 +67,23 @@ def estimates(names, coordinates, covariance, derived=()):
         values[i] = to_value(name, where[i])
         scales[i] = slope(name, values[i])
         ends[i] = to_value(name, ends[i])
-    with np.errstate(invalid="ignore"):
-        correlation = spread / np.outer(errors, errors)
-    return Estimates(
-        (*names, *(symbol for symbol, _, _ in derived)), values, scales * errors, ends, correlation
-    )
+    names = (*names, *(symbol for symbol, _, _ in derived))
+    correlation = spread / np.outer(errors, errors)
+    scaled = np.where(errors < UNSEEN, scales * errors, np.inf)
+    return Estimates(names, values, scaled, ends, correlation, ("covariance",) * len(names))
 
 
 def estimate_variables(found):
     """The variables of `Estimates`: a scalar for each, and tables along ``parameter``."""
-    variables = {
+    variables: dict[str, tuple] = {
         name: ((), float(value), attrs(name))
         for name, value in zip(found.names, found.values, strict=True)
     }
-    tables = {
+    tables: dict[str, tuple] = {
         "standard_error": (("parameter",), found.errors),
         "interval": (("parameter", "level", "side"), found.intervals),
         "correlation": (("parameter", "other"), found.correlation),
+        "interval_kind": (("parameter",), list(found.kinds)),
     }
     names = list(found.names)
     coords = {
@@ -79,6 +94,40 @@ def estimate_variables(found):
     }
     variables |= {name: (dims, values, attrs(name)) for name, (dims, values) in tables.items()}
     return xarray.Dataset(variables, coords)
+
+
+def profile_variables(profiles, numbers):
+    """Points of the profiles: ``profile_value`` [SI] and ``profile_deviance``; NaN where none."""
+    if not profiles:
+        return xarray.Dataset()
+    size = max(one.values.size for one in profiles.values())
+    table = np.full((2, len(numbers), size), np.nan)
+    for i, number in enumerate(numbers):
+        if number.name in profiles:
+            one = profiles[number.name]
+            table[:, i, : one.values.size] = number.si(one.values), one.deviance
+    dims = ("parameter", "profile_point")
+    names = ("profile_value", "profile_deviance")
+    variables = {n: (dims, part, attrs(n)) for n, part in zip(names, table, strict=True)}
+    coords = {"parameter": [number.name for number in numbers], "profile_point": np.arange(size)}
+    return xarray.Dataset(variables, coords)
+
+
+def posterior_variables(sampled, numbers):
+    """Samples of equal weight, and the sampler's diagnostics."""
+    if sampled is None:
+        return xarray.Dataset()
+    samples = np.stack([number.si(sampled.of(number)) for number in numbers], axis=1)
+    values = {
+        "log_evidence": sampled.log_evidence,
+        "log_evidence_error": sampled.log_evidence_error,
+        "posterior_evaluations": sampled.evaluations,
+        "effective_samples": sampled.effective,
+        "posterior_efficiency": sampled.efficiency,
+    }
+    variables: dict[str, tuple] = {n: ((), value, attrs(n)) for n, value in values.items()}
+    variables["posterior"] = (("sample", "parameter"), samples, attrs("posterior"))
+    return xarray.Dataset(variables, {"parameter": [number.name for number in numbers]})
 
 
 def curves(solution):
@@ -95,7 +144,7 @@ def curves(solution):
         "friction_fit": solution.fitted,
         "fit_error": error,
     }
-    variables = {name: ("time", value, attrs(name)) for name, value in values.items()}
+    variables: dict[str, tuple] = {n: ("time", value, attrs(n)) for n, value in values.items()}
     named = {"units": "1", "long_name": "recorded less fitted friction"}
     variables["residual"] = ("time", record.friction - solution.fitted, named)
     band = solution.fitted[:, None] + reach[:, None] * np.array([-1.0, 1.0])

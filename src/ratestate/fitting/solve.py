@@ -15,8 +15,12 @@ from .noise import Noise, estimated_noise
 from .starts import SAMPLES, starting_points, unknowns_of
 from .unknowns import NEAR, START, Unknowns
 
-#: starts of the least squares, and rounds of noise and fit
-STARTS, ROUNDS = 3, 4
+#: most starts of the least squares, and rounds of noise and fit
+STARTS, ROUNDS = 12, 4
+#: what the march itself leaves unsure, as a part of the range of friction
+FLOOR = 1e-6
+#: two searches that end at sums of squares no further apart agree
+AGREE = 1e-3
 #: most evaluations of one least-squares fit, and one of those from which the best is picked
 MOST, FEW = 200, 25
 #: estimates stand still where none moves by more, in its standard error
@@ -43,7 +47,7 @@ class Problem:
         return np.nan_to_num(noise.whiten(self.record.t, columns)[0])
 
     def levelled(self, points):
-        """Points with the level, and the trend, that fit the record best."""
+        """Points with the level, and the trend, that fit the record best; their misfits."""
         points = points.copy()
         linear = [self.unknowns.index(n) for n in ("level", "trend") if n in self.unknowns.names]
         points[:, linear] = 0.0
@@ -54,12 +58,14 @@ class Problem:
         sound = np.isfinite(missing).all(axis=0)
         found = np.linalg.lstsq(columns / scale, missing[:, sound], rcond=None)[0]
         points[np.ix_(sound, linear)] = (found / scale[:, None]).T
-        return points
+        misfits = np.full(len(points), np.inf)
+        misfits[sound] = ((missing[:, sound] - columns / scale @ found) ** 2).sum(axis=0)
+        return points, misfits
 
-    def misfits(self, points):
-        """(n,) sums of squares without weights; inf where there is no motion."""
-        squares = ((self.forward.friction(points) - self.record.friction) ** 2).sum(axis=1)
-        return np.where(np.isfinite(squares), squares, np.inf)
+    def plain_noise(self, point):
+        """White noise of the size of the residuals at a point."""
+        residual = self.forward.friction(point[None])[0] - self.record.friction
+        return Noise(max(float(np.sqrt(np.mean(residual**2))), 1e-15))
 
     def search(self, start, noise, most=MOST):
         """`scipy.optimize.least_squares` from this point."""
@@ -118,47 +124,54 @@ def solve(record, slider, law, free, noise, start):
     """
     unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
-    solution = _settled(problem, _best_start(problem, slider, law), noise)
+    solution = settled(problem, _best_start(problem, slider, law), noise)
     if start != "auto" or not _starts_unsteady(solution, slider, law):
         return solution
     unknowns = unknowns_of(record, free, start=True, sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
-    return _settled(problem, _widened(solution, unknowns), noise)
+    return settled(problem, _widened(solution, unknowns), noise)
 
 
 def _best_start(problem, slider, law):
     """The best point that a thinned record leads to, from several starts."""
     thin = problem.record.every(max(problem.record.t.size // SAMPLES, 1))
     rough = Problem(thin, slider, law, problem.unknowns)
-    points = starting_points(rough, slider, STARTS)
-    if not len(points):
+    points = starting_points(rough, slider)[:STARTS]
+    if not points:
         raise ParameterError(
             "no slider of any size near these moves through the whole record without instability; "
             "without inertia (M = 0) sliding at K < K_c_qs ends: fix fewer parameters, give other "
             "ones to start from, or give the slider its mass M"
         )
-    plain = Noise(max(np.sqrt(rough.misfits(points[:1])[0] / thin.t.size), 1e-12))
-    found = [rough.search(point, plain, FEW) for point in points]
-    return min(found, key=lambda one: one.cost).x
+    plain = rough.plain_noise(points[0])
+    found: list = []
+    for point in points:
+        found = sorted([*found, rough.search(point, plain, FEW)], key=lambda one: one.cost)
+        # a least sum that two starts have led to is not passed by a third
+        if len(found) > 1 and found[1].cost <= found[0].cost * (1.0 + AGREE):
+            break
+    return found[0].x
 
 
-def _settled(problem, point, noise):
+def settled(problem, point, noise):
     """The `Solution` from this point, with noise as given or estimated until nothing moves."""
     record = problem.record
-    if noise is None:
-        size = np.sqrt(problem.misfits(point[None])[0] / record.t.size)
-        guess = Noise(max(float(size), 1e-15))
+    guess = problem.plain_noise(point) if noise is None else noise
     before = problem.forward.evaluations
-    found = problem.search(point, guess if noise is None else noise)
+    found, was_white = problem.search(point, guess), True
     for _ in range(ROUNDS if noise is None else 0):
         fitted, jacobian = problem.forward.jacobian(found.x)
         guess = estimated_noise(record.t, fitted - record.friction, np.nan_to_num(jacobian))
-        last = found.x
+        # what the march itself leaves unsure counts as noise: a record may have none
+        guess = guess._replace(white=float(np.hypot(guess.white, FLOOR * record.scale)))
+        if guess.red == 0.0 and was_white:
+            break  # other weights, all alike, are no other sum of squares
+        last, was_white = found.x, False
         found = problem.search(last, guess)
         error = np.sqrt(np.diag(_covariance(found.jac)))
         if (np.abs(found.x - last) <= STILL * error).all():
             break
-    noise = guess if noise is None else noise
+    noise = guess
     fitted, jacobian = problem.forward.jacobian(found.x)
     jacobian = np.nan_to_num(jacobian)
     white, log_determinant = noise.whiten(
@@ -183,7 +196,7 @@ def _settled(problem, point, noise):
 def _covariance(jacobian):
     """(k, k) inverse of the normal matrix; a direction that is not seen at all has no end."""
     scale = np.linalg.norm(jacobian, axis=0)
-    scale = np.where(scale > 0.0, scale, 1e-300)
+    scale = np.where(scale > 0.0, scale, 1.0)
     _, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)
     spread = vt.T / np.maximum(s, 1e-9)
     return spread @ spread.T / np.outer(scale, scale)

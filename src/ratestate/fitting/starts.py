@@ -12,6 +12,10 @@ from .unknowns import START, Unknowns, to_coordinate
 #: sliders in the cloud, and the samples of the record that they are compared with
 CLOUD, SAMPLES = 96, 500
 SEED = 20190101
+#: ln of the ratio of speeds that a hold counts as
+HOLD = 5.0
+#: starts are at least this far apart in one coordinate, ln 2
+APART = 0.7
 #: how far the cloud reaches from the sizes of `_sizes`, in powers of ten
 DECADES = {"a": (-0.5, 0.5), "Dc": (-1.5, 0.7), "K": (-0.5, 1.5), "M": (-3.0, 1.0)}
 
@@ -43,8 +47,8 @@ def unknowns_of(record, free, *, start, sigma):
     return Unknowns(names, np.array(low), np.array(high))
 
 
-def starting_points(problem, slider, count):
-    """(count or fewer, k) points to start from, the best first, as they fit a thinned record."""
+def starting_points(problem, slider):
+    """Points (k,) to start from, the best first, as they fit a thinned record; none like another."""
     unknowns, record = problem.unknowns, problem.record
     sizes = _sizes(record, slider.sigma)
     rng = np.random.default_rng(SEED)
@@ -61,16 +65,24 @@ def starting_points(problem, slider, count):
         if name in sizes:
             cloud[0, i] = to_coordinate(name, getattr(slider, name))
     cloud = np.clip(cloud, unknowns.low, unknowns.high)
-    cloud = problem.levelled(cloud)
-    misfit = problem.misfits(cloud)
+    here = [i for i, name in enumerate(unknowns.names) if name in sizes]
+    cloud, misfit = problem.levelled(cloud)
     order = np.argsort(misfit, kind="stable")
-    return cloud[order][: min(count, int(np.isfinite(misfit).sum()))]
+    # b, the only one that is no logarithm, counts by its size
+    scale = np.array([sizes["b"] if name == "b" else 1.0 for name in unknowns.names])
+    found: list = []
+    for point in cloud[order[: int(np.isfinite(misfit).sum())]]:
+        if all((np.abs(point - other) / scale)[here].max() > APART for other in found):
+            found.append(point)
+    return found
 
 
 def _sizes(record, sigma):
     """symbol -> order of magnitude that the record suggests [SI]."""
     speeds = record.loading.V[record.loading.V > 0.0]
     ratio = max(float(np.abs(np.log(speeds / record.loading.V[0])).max()), 1.0)
+    if speeds.size < record.loading.V.size:  # in a hold the slider slows by orders of magnitude
+        ratio = max(ratio, HOLD)
     scale = record.scale / ratio
     t, slow = record.t, float(speeds.min())
     distance = float(record.loading.delta_lp(t[-1:])[0] - record.loading.delta_lp(t[:1])[0])

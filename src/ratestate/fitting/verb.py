@@ -3,26 +3,26 @@
 import json
 import warnings
 
-import numpy as np
-import xarray
-
-from ..dataset import provenance, record_loading
+from ..dataset import provenance
 from ..errors import FitWarning, ParameterError
 from ..laws import evolution_law
 from ..slider import checked
 from ..units import is_array
+from .answer import add_comparison, result_of, side_by_side
 from .blas import single_blas
-from .identify import identified
+from .cycle_result import cycles_dataset
+from .cycles import fit_cycles
 from .noise import given_noise
 from .record import record_of
-from .result import curves, estimate_variables, estimates, statistics
 from .solve import solve
+from .uncertainty import ERRORS, uncertain, with_posteriors
 from .unknowns import checked_free
 
 CHOICES = {
     "against": ("time", "displacement", "cycles"),
     "trend": ("slip", "time", None),
     "start": ("auto", "steady", "free"),
+    "errors": ERRORS,
 }
 
 
@@ -37,6 +37,7 @@ def fit(
     trend="slip",
     start="auto",
     noise=None,
+    errors="auto",
 ):
     """Parameters of a slider from a laboratory record of friction, with honest errors.
 
@@ -71,17 +72,27 @@ def fit(
     noise : float or dict, optional
         Standard deviation of the noise in friction; or its parts "white" and "red" and the
         correlation time "time" [s] of the latter.  Estimated by default.
+    errors : {"auto", "covariance", "profile", "posterior"}
+        What the intervals are from: the covariance at the best fit; profiles of the likelihood
+        (10 to 100 times as long as the fit); samples of the posterior, by dynesty (a minute);
+        "auto": the covariance, but a profile for each number along which the likelihood is not
+        Gaussian.
 
     Returns
     -------
     xarray.Dataset
         A scalar under the name of each free parameter [SI], ``mu0`` and ``a_minus_b``.  Along
         ``parameter``: ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``)
-        [SI], ``correlation`` (with ``other``; of the logarithms, but for b).  Along ``time``:
+        [SI], ``interval_kind``, ``correlation`` (with ``other``; of the logarithms, but for b).
+        An interval that the record does not close ends at inf or 0.  Along ``time``:
         ``friction``, ``friction_fit``, ``residual``, ``fit_error``, ``band`` (95 % of samples lie
         in it).  ``noise_white``, ``noise_red``, ``noise_time``, ``rms``, ``chi2_white``,
-        ``log_likelihood``, ``aic``, ``bic``.  Several laws lie along ``law``.  The attributes
-        ``warnings`` (JSON) and ``identifiability`` say in words what the numbers cannot.
+        ``log_likelihood``, ``aic``, ``bic``.  Profiles: ``profile_value`` [SI] and
+        ``profile_deviance`` along ``profile_point``.  Posterior: ``posterior`` along ``sample``,
+        all of the same weight, ``log_evidence`` and the sampler's diagnostics; the attribute
+        ``prior``.  Several laws lie along ``law``, with ``aic_difference``, ``akaike_weight``,
+        ``log_bayes_factor`` and the attribute ``comparison``.  The attributes ``warnings`` (JSON)
+        and ``identifiability`` say in words what the numbers cannot.
 
     Raises
     ------
@@ -109,17 +120,27 @@ def fit(
     """
     _checked_slider(slider)
     free = checked_free(free, slider)
-    _checked_choices(against=against, trend=trend, start=start)
+    _checked_choices(against=against, trend=trend, start=start, errors=errors)
     noise = given_noise(noise)
-    laws = [slider.law] if law is None else [law] if isinstance(law, str) else list(law)
-    record = record_of(data, slider, loading=loading, trend=trend, against=against)
-    settings = {"against": against, "trend": str(trend), "start": start}
+    laws = _checked_laws(law, slider)
+    settings = {"against": against, "trend": str(trend), "start": start, "errors": errors}
     with single_blas():
-        found = [_fit_one(record, slider, one, free, noise, settings) for one in laws]
-    for result in found:
+        if against == "cycles":
+            _checked_for_cycles(**settings, noise=noise)
+            results = _against_cycles(data, slider, free, laws, loading)
+        else:
+            record = record_of(data, slider, loading=loading, trend=trend, against=against)
+            sought = [
+                solve(record, slider, evolution_law(one).code, free, noise, start) for one in laws
+            ]
+            results = _against_samples(data, slider, sought, laws, noise, errors)
+            for one, result in results.items():
+                made = provenance("fit", slider, law=one, free=json.dumps(free), **settings)
+                result.attrs = made | result.attrs
+    for result in results.values():
         for text in json.loads(result.attrs["warnings"]):
             warnings.warn(text, FitWarning, stacklevel=2)
-    return found[0] if law is None or isinstance(law, str) else _side_by_side(found, laws)
+    return results[laws[0]] if law is None or isinstance(law, str) else side_by_side(results)
 
 
 def _checked_slider(slider):
@@ -139,43 +160,51 @@ def _checked_choices(**given):
             raise ParameterError(f"{name} = {value!r} is unknown; choose one of {listed}")
 
 
-def _fit_one(record, slider, law, free, noise, settings):
-    """The result under one law."""
-    solution = solve(record, slider, evolution_law(law).code, free, noise, settings["start"])
-    names = solution.unknowns.reported
-    derived = _derived(solution, slider)
-    which = [solution.unknowns.index(name) for name in (*names, "level")]
-    spread = solution.covariance[np.ix_(which, which)]
-    found = estimates((*names, "level"), solution.point[which], spread, derived).without("level")
-    result = xarray.merge([estimate_variables(found), curves(solution), statistics(solution)])
-    words, problems = identified(solution, found)
-    result.attrs = provenance(
-        "fit", slider, law=law, free=json.dumps(free), **settings, identifiability=words
-    )
-    result.attrs["warnings"] = json.dumps(problems)
-    record_loading(result, record.loading)
-    return result
+def _checked_laws(law, slider):
+    """The laws as a list, each of them once."""
+    laws = [slider.law] if law is None else [law] if isinstance(law, str) else list(law)
+    for one in laws:
+        evolution_law(one)
+    if not laws or len(set(laws)) < len(laws):
+        raise ParameterError(f"law = {law!r} must name one law, or several that differ")
+    return laws
 
 
-def _derived(solution, slider):
-    """mu0 and a - b, as (symbol, value, gradient) by the reported coordinates and the level."""
-    names = (*solution.unknowns.reported, "level")
-    value = {name: solution.point[solution.unknowns.index(name)] for name in names}
-    a = np.exp(value["a"]) if "a" in names else slider.a
-    b = value.get("b", slider.b)
-    by = np.array([{"a": a, "b": -1.0}.get(name, 0.0) for name in names])
-    height = np.log(solution.problem.forward.V0 / slider.V0)
-    level = np.array([name == "level" for name in names], float)
-    mu0 = ("mu0", value["level"] - (a - b) * height, level - height * by)
-    return [mu0, ("a_minus_b", a - b, by)] if by.any() else [mu0]
+def _checked_for_cycles(*, against, trend, start, errors, noise):
+    """Refuse what only a fit against time knows."""
+    given = {
+        "trend": trend != "slip",
+        "start": start != "auto",
+        "errors": errors != "auto",
+        "noise": noise is not None,
+    }
+    if any(given.values()):
+        listed = ", ".join(name for name, on in given.items() if on)
+        raise ParameterError(
+            f"{listed}: a fit against={against!r} has no such choice: it removes the trend from "
+            f"cycle to cycle and takes the noise from what they differ by; leave it out"
+        )
 
 
-def _side_by_side(found, laws):
-    """Results under several laws as one, along ``law``."""
-    joined = xarray.concat(
-        found, xarray.Variable("law", laws), join="outer", combine_attrs="drop_conflicts"
-    )
-    for name in ("warnings", "identifiability"):
-        each = {law: result.attrs[name] for law, result in zip(laws, found, strict=True)}
-        joined.attrs[name] = json.dumps(each)
-    return joined
+def _against_cycles(data, slider, free, laws, loading):
+    """law -> the result of a fit of cycles."""
+    fits = {one: fit_cycles(data, slider, free, one, loading) for one in laws}
+    results = {one: cycles_dataset(found, slider) for one, found in fits.items()}
+    if len(laws) > 1:
+        # errors that were enlarged for a misfit count so in the comparison as well
+        scale = min(found.enlarged for found in fits.values()) ** 2
+        add_comparison(results, {one: found.chi2 / scale for one, found in fits.items()})
+    return results
+
+
+def _against_samples(data, slider, sought, laws, noise, errors):
+    """law -> the result of a fit of friction, from its `Solution`."""
+    known = [uncertain(one, slider, noise, errors) for one in sought]
+    if errors == "posterior":
+        known = with_posteriors(known, laws)
+    results = {law: result_of(one, data, slider) for law, one in zip(laws, known, strict=True)}
+    if len(laws) > 1:
+        colored = any(one.solution.noise.red for one in known)
+        aic = {law: float(one["aic"]) for law, one in results.items()}
+        add_comparison(results, aic, colored=colored)
+    return results

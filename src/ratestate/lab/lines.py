@@ -1,5 +1,6 @@
 """Straight lines through the runs of a record, and where and how surely they intersect."""
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -72,7 +73,7 @@ def joined(one, other, hold=False):
 def breaks(t, runs):
     """Times at which each run meets the next one; midway between them if they hardly do."""
     found = []
-    for one, other in zip(runs[:-1], runs[1:], strict=True):
+    for one, other in itertools.pairwise(runs):
         middle = 0.5 * (t[one.last - 1] + t[other.first])
         turn = one.V - other.V
         meet = middle + (other.at(middle, 0) - one.at(middle, -1)) / turn if turn else middle

@@ -6,6 +6,8 @@ squares of times and slopes are a line through the rows of each run by itself, b
 neighbours intersect; and sums over rows from the start on give the misfit of any run at once.
 """
 
+import functools
+
 import numpy as np
 
 from ..arrays import running_sum
@@ -26,9 +28,11 @@ class Rows:
     t, x : ndarray, shape (n,)
     degree : {1, 0}
         Of what is fitted to a run: a line (a displacement), or a level (a speed).
+    longest : int
+        Rows within which noise is looked for; steps that are closer would count as noise.
     """
 
-    def __init__(self, t, x, degree=1):
+    def __init__(self, t, x, degree=1, longest=10**9):
         self.degree = degree
         u = t - t.mean()
         # what all runs share only costs digits
@@ -39,11 +43,12 @@ class Rows:
         self.all[:, 1:] = running_sum(columns)
         self.every = -(-t.size // CANDIDATES)
         self.look_at(np.unique(np.append(np.arange(0, t.size, self.every), t.size)))
-        self.noise = self._noise()
+        self.noise = self._noise(longest)
 
     def look_at(self, at):
         """Let these rows be the candidates."""
         self.at, self.sums = at, self.all[:, at]
+        self.best_cut = functools.cache(self._best_cut)  # asked for again and again
 
     def misfit(self, i, j):
         """Sum of squares about the best line (or level) for rows ``at[i]`` to ``at[j]``."""
@@ -53,7 +58,7 @@ class Rows:
         explained = along**2 / np.maximum(spread, 1e-300) if self.degree else 0.0
         return np.maximum(yy - y * y / n - explained, 0.0)
 
-    def best_cut(self, i, j):
+    def _best_cut(self, i, j):
         """The candidate between i and j that takes most off the misfit, and how much."""
         k = np.arange(
             np.searchsorted(self.at, self.at[i] + SHORTEST),
@@ -65,7 +70,7 @@ class Rows:
         best = int(np.argmin(both))
         return int(k[best]), float(self.misfit(i, j) - both[best])
 
-    def _noise(self):
+    def _noise(self, longest):
         """Variance of the noise, as cuts feel it.
 
         The typical fall of the misfit when a run without break is cut in the middle, for runs of
@@ -77,7 +82,7 @@ class Rows:
         typical = 1.386 if self.degree else 0.455
         found = [1e-15 * self.scale]
         length = SHORTEST
-        while length <= max(SHORTEST, last // 40):
+        while length <= max(SHORTEST, min(last // 40, longest)):
             i = np.arange(0, last - 2 * length + 1, length)
             if i.size:
                 parts = self.misfit(i, i + length) + self.misfit(i + length, i + 2 * length)
@@ -92,16 +97,18 @@ def cut(rows):
 
     Each run is cut where that gains most, as long as the gain is significant; then cuts are moved
     between their neighbours until none gains, and those that gain nothing any more are undone.
-    No more than `MOST` + 1: a longer list ends early.
+    A list of more than `MOST` ends early.
     """
     least = SIGNIFICANT * rows.noise
     cuts, open_ = [0, rows.at.size - 1], [(0, rows.at.size - 1)]
-    while open_ and len(cuts) <= MOST + 1:
+    while open_ and len(cuts) <= MOST:
         i, j = open_.pop(0)
         k, gain = rows.best_cut(i, j)
         if gain > least:
             cuts.append(k)
             open_ += [(i, k), (k, j)]
+    if len(cuts) > MOST:
+        return sorted(cuts)
     cuts = moved(rows, sorted(cuts))
     if rows.every > 1:
         cuts = moved(rows, _closer(rows, cuts))

@@ -13,6 +13,7 @@ that every result carries.
 from ..dataset import parameter
 from .bifurcation import branch
 from .chart import atlas, contours, transition
+from .fits import fit
 from .labels import (
     AMPLITUDE,
     BLUE,
@@ -43,6 +44,7 @@ __all__ = [
     "atlas",
     "branch",
     "contours",
+    "fit",
     "label",
     "page",
     "parameter",

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from .fit import fit
 from .single import branch, cycle, run, stability
 from .sweep import cases
 
@@ -13,7 +14,13 @@ if TYPE_CHECKING:
 __all__ = ["report"]
 
 #: verb -> its table for a single slider
-SINGLE = {"simulate": run, "limit_cycle": cycle, "stability": stability, "continue_cycle": branch}
+SINGLE = {
+    "simulate": run,
+    "limit_cycle": cycle,
+    "stability": stability,
+    "continue_cycle": branch,
+    "fit": fit,
+}
 
 
 def report(result: "xarray.Dataset", said: "Spoken | None" = None) -> list[Any]:

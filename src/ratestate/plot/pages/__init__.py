@@ -5,6 +5,7 @@ import xarray
 from ...errors import ParameterError
 from .branch import branch_page
 from .cycle import cycle_page
+from .fit import fit_page
 from .run import run_page
 from .stability import stability_page
 from .sweep import sweep_page
@@ -15,6 +16,7 @@ SINGLE = {
     "limit_cycle": cycle_page,
     "stability": stability_page,
     "continue_cycle": branch_page,
+    "fit": fit_page,
 }
 #: dimensions of results that are no axes of a sweep
 OWN = ("time", "segment", "mode", "multiplier", "point")
@@ -26,8 +28,9 @@ def page(result):
     Parameters
     ----------
     result : xarray.Dataset
-        From `simulate`, `limit_cycle`, `stability`, `continue_cycle` or `sweep`: of one slider,
-        or over one axis (lines) or two (maps; lines too where one of them has a few values only).
+        From `simulate`, `limit_cycle`, `stability`, `continue_cycle`, `fit` or `sweep`: of one
+        slider, or over one axis (lines) or two (maps; lines too where one of them has a few
+        values only).
 
     Returns
     -------
@@ -42,7 +45,7 @@ def page(result):
     verb = title.removeprefix("ratestate ")
     if verb not in SINGLE:
         raise ParameterError("page wants a Dataset as a verb gives it, with its attributes")
-    dims = axes_of(result)
+    dims = [] if verb == "fit" else axes_of(result)
     return sweep_page(result, verb, dims) if dims else SINGLE[verb](result)
 
 

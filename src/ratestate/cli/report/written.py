@@ -1,0 +1,186 @@
+"""The report of a fit, in Markdown."""
+
+import inspect
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...quantities import readable, short, with_error
+from .estimates import NAMES, lines, noise
+
+if TYPE_CHECKING:
+    import xarray
+
+    from ...slider import SpringSlider
+    from ..fitted import Asked
+
+PYTHON = """import ratestate as rs
+from ratestate import plot
+
+record = rs.read_lab({file})
+slider = rs.{slider}
+result = rs.fit({fit})
+plot.save(plot.fit(result), "fit.png")
+"""
+
+
+def markdown(
+    asked: "Asked", record: "xarray.Dataset", slider: "SpringSlider", result: "xarray.Dataset"
+) -> str:
+    """The whole report."""
+    from ...fitting.each import each_law
+    from ..fitted import HEADING, PICTURE
+
+    laws = each_law(result)
+    parts = [
+        f"{HEADING}{asked.file.name}",
+        f"![Record, fitted curves, residuals and estimates]({PICTURE})",
+        _warnings(laws),
+        "## Estimates",
+        _estimates(laws),
+        _given(slider, asked.free),
+        "## How well they fit",
+        _statistics(laws) if "aic" in result else _features(laws),
+        result.attrs.get("comparison", ""),
+        *_identifiability(laws),
+        "## What was read",
+        _record(record),
+        "## To do it again",
+        f"In the folder in which the command was run:\n\n```python\n{_python(asked, slider)}```",
+        f"All numbers are in fit.nc.  Made with {_versions(result)}.",
+    ]
+    text = "\n\n".join(part for part in parts if part) + "\n"
+    return text.replace("+-", "\N{PLUS-MINUS SIGN}")
+
+
+def _table(head: list[str], rows: list[list[str]], right: range) -> str:
+    """A table; columns in `right` are aligned there."""
+    rule = ["---:" if i in right else "---" for i in range(len(head))]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in (head, rule, *rows))
+
+
+def _estimates(laws: "dict[str, xarray.Dataset]") -> str:
+    """Values, standard errors and intervals under each law, side by side."""
+    head = ["", "", *(t for law in laws for t in (f"**{law} law**", "68 %", "95 %"))]
+    rows = []
+    for line in lines(laws):
+        cells = [t for one in line.each for t in (f"**{one.value}**", *(one.intervals or "  "))]
+        rows.append([line.label, line.meaning, *cells])
+    return _table(head, rows, range(2, len(head))) + (
+        "\n\nAfter +- stands the standard error; the next columns are the intervals that hold the "
+        f"true value with these probabilities, if law and loading are right.{_kinds(laws)}"
+    )
+
+
+def _kinds(laws: "dict[str, xarray.Dataset]") -> str:
+    """Which intervals are not from the covariance."""
+    said = []
+    for law, part in laws.items():
+        kinds = part["interval_kind"].values.tolist()
+        for kind in dict.fromkeys(kinds):
+            symbols = [
+                NAMES.get(symbol, symbol)
+                for symbol, one in zip(part["parameter"].values.tolist(), kinds, strict=True)
+                if one == kind
+            ]
+            if kind != "covariance":
+                said.append(f"  Those of {', '.join(symbols)} ({law} law) are from the {kind}.")
+    return "".join(said)
+
+
+def _given(slider: "SpringSlider", free: tuple[str, ...]) -> str:
+    """What was not fitted."""
+    symbols = [s for s in ("a", "b", "Dc", "K", "M", "sigma", "V0") if s not in free]
+    listed = [f"{s} = {readable(s, getattr(slider, s))}" for s in symbols]
+    return f"Given, not fitted: {', '.join(listed)}."
+
+
+def _statistics(laws: "dict[str, xarray.Dataset]") -> str:
+    rows = [
+        [
+            f"{law} law",
+            f"{float(part['rms']):.3g}",
+            noise(part),
+            f"{float(part['chi2_white']):.3g}",
+            short(float(part["aic"])),
+            short(float(part["bic"])),
+        ]
+        for law, part in laws.items()
+    ]
+    head = ["", "r.m.s. residual", "noise in friction", "chi-square, if white", "AIC", "BIC"]
+    return _table(head, rows, range(1, 6)) + (
+        "\n\nChi-square is the variance of the residuals over that of noise from sample to sample: "
+        "where it is well above 1, noise is correlated or the law does not fit.  The errors "
+        "above allow for the correlation."
+    )
+
+
+def _features(laws: "dict[str, xarray.Dataset]") -> str:
+    """Features of cycles, measured and fitted."""
+    first = next(iter(laws.values()))
+    rows = []
+    for segment in range(first.sizes["segment"]):
+        one = first.isel(segment=segment)
+        for feature in first["feature"].values.tolist():
+            value = one.sel(feature=feature)
+            measured = with_error(float(value["measured"]), float(value["measured_error"]))
+            fitted = [
+                f"{float(part['fitted'].isel(segment=segment).sel(feature=feature)):.5g}"
+                for part in laws.values()
+            ]
+            speed = readable("V_lp", float(one["segment_V"]))
+            said = measured if bool(value["used"]) else "not resolved"
+            rows.append([speed, feature, said, *fitted])
+    head = ["load point", "feature", "measured", *(f"{law} law" for law in laws)]
+    chi2 = ", ".join(f"{law} law {short(float(part['chi2']))}" for law, part in laws.items())
+    table = _table(head, rows, range(2, len(head)))
+    return f"{table}\n\nTimes are in s.  Chi-square of the features: {chi2}."
+
+
+def _identifiability(laws: "dict[str, xarray.Dataset]") -> list[str]:
+    """What the record tells of each parameter."""
+    said = {law: part.attrs["identifiability"] for law, part in laws.items()}
+    if not any(said.values()):
+        return []
+    return ["## What the record tells", *(f"**{law} law.** {s}" for law, s in said.items() if s)]
+
+
+def _warnings(laws: "dict[str, xarray.Dataset]") -> str:
+    """All warnings, where they cannot be overlooked."""
+    said = [f"> - {law} law: {t}" for law, part in laws.items() for t in part.attrs["warnings"]]
+    return "\n".join(["> **Read this before you use the numbers.**", ">", *said]) if said else ""
+
+
+def _record(record: "xarray.Dataset") -> str:
+    """File, rows, columns, what was found, notes."""
+    columns: dict[str, Any] = json.loads(record.attrs["columns"])
+    rows = [[name, one["title"], one["unit"].removeprefix("1")] for name, one in columns.items()]
+    time = record["time"].values
+    said = (
+        f"{record.attrs['source']}: {time.size:,} rows, from {time[0]:.7g} to {time[-1]:.7g} s.  "
+        f"Found: {record.attrs['found']}."
+    )
+    notes = [f"- {text}" for text in json.loads(record.attrs["notes"])]
+    table = _table(["", "column", "unit"], rows, range(0))
+    return "\n\n".join([said, table, *(["Notes:\n\n" + "\n".join(notes)] if notes else [])])
+
+
+def _python(asked: "Asked", slider: "SpringSlider") -> str:
+    """Lines that make the result again."""
+    from ...fitting.verb import fit
+
+    defaults = inspect.signature(fit).parameters
+    changed = {k: v for k, v in asked.fitting.items() if v != defaults[k].default}
+    reading = [repr(Path(asked.file).as_posix()), *_arguments(asked.reading)]
+    arguments = ", ".join(["record", "slider", *_arguments(changed)])
+    made = repr(slider).replace("(", "(\n    ").replace(", ", ",\n    ").replace(")", ",\n)")
+    return PYTHON.format(file=", ".join(reading), slider=made, fit=arguments)
+
+
+def _arguments(named: dict[str, Any]) -> list[str]:
+    return [f"{name}={value!r}" for name, value in named.items()]
+
+
+def _versions(result: "xarray.Dataset") -> str:
+    versions = json.loads(result.attrs["versions"])
+    return ", ".join(f"{name} {version}" for name, version in versions.items())

@@ -1,0 +1,69 @@
+"""The Dataset of a fit: one law's, and several laws' side by side."""
+
+import json
+
+import xarray
+
+from ..dataset import record_loading
+from .compare import compared
+from .doubts import in_words
+from .posterior import prior_words
+from .result import curves, estimate_variables, posterior_variables, profile_variables, statistics
+
+
+def result_of(known, data, slider):
+    """The variables of an `Uncertain`, and the words on it as attributes."""
+    solution, numbers = known.solution, known.numbers
+    result = xarray.merge(
+        [
+            estimate_variables(known.estimates),
+            profile_variables(known.profiles, numbers),
+            posterior_variables(known.sampled, numbers),
+            curves(solution),
+            statistics(solution),
+        ]
+    )
+    words, problems = in_words(known, data, slider)
+    result.attrs = {"identifiability": words, "warnings": json.dumps(problems)}
+    if known.sampled is not None:
+        result.attrs["prior"] = prior_words(known.sampled.prior)
+    record_loading(result, solution.problem.record.loading)
+    return result
+
+
+def add_comparison(results, aic, *, colored=False):
+    """Give the results of several laws what tells which one the record prefers.
+
+    Parameters
+    ----------
+    results : dict, law -> Dataset
+    aic : dict, law -> Akaike information criterion, or chi-square where parameters are as many
+    colored : bool, whether residuals are correlated
+    """
+    table, words = compared(results, aic, colored)
+    for law, result in results.items():
+        for name, variable in table.sel(law=law, drop=True).items():
+            result[name] = variable
+        result.attrs["comparison"] = words
+
+
+def side_by_side(results):
+    """Results under several laws (dict, law -> Dataset) as one, along ``law``."""
+    laws, found = list(results), list(results.values())
+    joined = xarray.concat(
+        [
+            one.assign_coords({d: range(one.sizes[d]) for d in one.dims if d not in one.coords})
+            for one in found
+        ],
+        xarray.Variable("law", laws),
+        join="outer",
+        combine_attrs="drop_conflicts",
+    )
+    for name, variable in joined.data_vars.items():
+        if variable.dtype == object:  # text that not all laws have as much of
+            joined[name] = variable.fillna("").astype(str)
+    texts = {law: json.loads(result.attrs["warnings"]) for law, result in results.items()}
+    joined.attrs["warnings"] = json.dumps(texts)
+    words = {law: result.attrs["identifiability"] for law, result in results.items()}
+    joined.attrs["identifiability"] = json.dumps(words)
+    return joined

@@ -1,0 +1,131 @@
+"""A fit of cycles as a Dataset."""
+
+import json
+
+import numpy as np
+import xarray
+
+from ..dataset import provenance
+from ..quantities import attrs
+from .cycle_profile import ROOTS
+from .cycles import wave_at
+from .features import FEATURES, LEVEL
+from .result import Estimates, estimate_variables
+
+# Shifts of phase, in cycles, that are tried to lay the model's cycle over the record's.
+SHIFTS = np.linspace(-0.05, 0.05, 101)
+
+
+def cycles_dataset(found, slider, **settings):
+    """The result of `fit` for cycles.
+
+    Parameters
+    ----------
+    found : CyclesFit
+    slider : SpringSlider that was given to the fit
+    settings : further settings for the provenance
+
+    Returns
+    -------
+    xarray.Dataset
+        A scalar for each free parameter and ``mu0`` [SI]; ``standard_error``, ``interval`` and
+        ``correlation``; along ``segment`` and ``feature``: ``measured``, ``measured_error``,
+        ``fitted`` [SI], ``used``; along ``segment``: ``segment_V``, ``cycles``; along ``start``:
+        ``start_chi2``, ``start_status``, ``start_values`` (with ``parameter``); along ``time``:
+        ``friction``, ``friction_fit``, ``residual`` of the cycles that were fitted.
+    """
+    parts = [
+        estimate_variables(_estimates(found)),
+        _features(found),
+        _starts(found),
+        _curves(found),
+    ]
+    result = xarray.merge(parts)
+    result["chi2"] = ((), found.chi2, {"units": "1", "long_name": "chi-squared of the features"})
+    result.attrs = provenance("fit", slider, law=found.law, against="cycles", **settings)
+    result.attrs["free"] = json.dumps(found.names[:-1])
+    result.attrs["warnings"] = json.dumps(found.warnings)
+    result.attrs["identifiability"] = found.identifiability
+    return result
+
+
+def _estimates(found):
+    """`Estimates` in SI, of logarithms and mu0."""
+    errors = np.sqrt(np.diag(found.covariance))
+    values = np.array([found.estimates[name] for name in found.names])
+    plain = np.array([name == "mu0" for name in found.names])
+    with np.errstate(over="ignore"):
+        ends = np.where(plain[:, None, None], found.ends, np.exp(found.ends))
+    correlation = found.covariance / np.outer(errors, errors)
+    scale = np.where(plain, 1.0, values)
+    width = found.ends[:, -1, 1] - found.ends[:, -1, 0]
+    straight = np.isclose(width, 2.0 * ROOTS[-1] * errors, rtol=1e-9)
+    kinds = tuple("covariance" if one else "profile" for one in straight)
+    return Estimates(found.names, values, scale * errors, ends, correlation, kinds)
+
+
+def _features(found):
+    """Features measured and fitted, in SI."""
+    plain = np.arange(len(FEATURES)) == LEVEL
+    used = np.array([m.used for m in found.measured])
+    values = np.array([m.values for m in found.measured])
+    errors = np.sqrt([np.diag(m.covariance) for m in found.measured])
+    measured = np.where(plain, values, np.exp(values))
+    columns = {
+        "measured": (measured, "feature measured, freed of noise's shift"),
+        "measured_error": (np.where(plain, errors, measured * errors), "its standard error"),
+        "fitted": (np.where(plain, found.fitted, np.exp(found.fitted)), "feature of the fit"),
+        "used": (used, "whether the record resolves the feature"),
+    }
+    tables = {
+        name: (("segment", "feature"), v, {"units": "", "long_name": text})
+        for name, (v, text) in columns.items()
+    }
+    each = {
+        "segment_V": [m.segment.V_lp for m in found.measured],
+        "cycles": [m.cycles.n for m in found.measured],
+    }
+    speeds = {"segment_V": {"units": "m/s", "long_name": "load-point velocity"}}
+    lists = {name: ("segment", v, speeds.get(name) or attrs(name)) for name, v in each.items()}
+    return xarray.Dataset(tables | lists, {"feature": list(FEATURES)})
+
+
+def _starts(found):
+    """Where each start ended."""
+    names = found.names[:-1]
+    ends = np.array([[values[n] for n in names] for values in found.run_values])
+    chi2 = np.array([run.chi2 for run in found.runs])
+    return xarray.Dataset(
+        {
+            "start_chi2": ("start", chi2, {"units": "1", "long_name": "chi-squared at its end"}),
+            "start_status": ("start", [run.status for run in found.runs]),
+            "start_end": (("start", "free"), ends, {"units": "", "long_name": "its end [SI]"}),
+        },
+        {"free": list(names)},
+    )
+
+
+def _curves(found):
+    """The record's cycles, and the model's laid over them."""
+    times, friction, fit = [], [], []
+    for measured, wave in zip(found.measured, found.waves, strict=True):
+        cycles = measured.cycles
+        inside = (cycles.phase >= 0.0) & (cycles.phase < cycles.n)
+        t, y, phase = measured.segment.t[inside], measured.segment.y[inside], cycles.phase[inside]
+        model = wave_at(wave)
+        trend = cycles.slope * (t - cycles.middle)
+        curves = [model(phase + shift) + trend for shift in SHIFTS]
+        best = int(np.argmin([np.sum((y - curve) ** 2) for curve in curves]))
+        times.append(t)
+        friction.append(y)
+        fit.append(curves[best])
+    y, model = np.concatenate(friction), np.concatenate(fit)
+    left = {"units": "1", "long_name": "recorded less fitted friction"}
+    return xarray.Dataset(
+        {
+            "friction": ("time", y, attrs("friction")),
+            "friction_fit": ("time", model, attrs("friction_fit")),
+            "residual": ("time", y - model, left),
+        },
+        {"time": ("time", np.concatenate(times), attrs("time"))},
+    )

@@ -1,0 +1,193 @@
+"""What in a record speaks against taking a fit at its word."""
+
+import numpy as np
+from scipy.stats import chi2
+
+from ..quantities import readable
+from .forward import Forward
+from .identify import identified
+
+#: chance below which noise alone is not believed to make a response, or a misfit
+CHANCE = 1e-4
+#: slip after the last step, in Dc, before which friction has not settled
+SETTLED = 3.0
+#: of the normal stress: how far off from the slider's, and how variable it may be
+OFF, VARIABLE = 0.02, 0.01
+#: fall of chi-square that makes a lag worth a word
+FALL = 30.0
+#: variance of residuals over that of white noise, and correlation times over Dc/V, that are misfit
+COLORED, LONG = 4.0, (0.1, 30.0)
+#: of whitened residuals after steps, the mean square that is misfit; slip that counts, in Dc
+MISFIT, AFTER = 1.5, 5.0
+#: of residuals, the size over that of a given noise that contradicts it
+UNDERSTATED = 1.5
+#: residuals, in parts of friction's range, that are no misfit of anything
+FINE = 1e-4
+
+
+def in_words(known, data, slider):
+    """Words on what a record determines, and warnings (list of str).
+
+    Parameters
+    ----------
+    known : Uncertain
+    data : xarray.Dataset, the record
+    slider : SpringSlider
+    """
+    noise_only = _unresponsive(known)
+    if noise_only:
+        return f"Nothing is determined: {noise_only[0]}.", noise_only
+    words, warnings = identified(known)
+    warnings += [
+        *_unsettled(known, slider),
+        *_understated(known),
+        *_misfit(known, slider),
+        *_normal_stress(known, data, slider),
+    ]
+    return " ".join([words, *_late(known, slider)]), warnings
+
+
+def _unresponsive(known):
+    """Whether level and trend alone fit as well."""
+    solution = known.solution
+    record = solution.problem.record
+    lines = [np.ones(record.t.size), record.along / np.abs(record.along).max()]
+    columns = np.column_stack([record.friction, *lines[: 2 if record.trend else 1]])
+    white, _ = solution.noise.whiten(record.t, columns)
+    basis, _ = np.linalg.qr(white[:, 1:])
+    rest = white[:, 0] - basis @ (basis.T @ white[:, 0])
+    gain = float(rest @ rest) - solution.chi2
+    free = len(solution.point) - basis.shape[1]
+    if gain > chi2.isf(CHANCE, free):
+        return []
+    return [
+        f"friction does not respond to the steps by more than the noise: a level"
+        f"{' and a trend' if record.trend else ''} alone fit nearly as well (chi-square differs by "
+        f"{gain:.3g} for {free} parameters); the estimates are those of noise: use another record, "
+        f"or a window about a larger step"
+    ]
+
+
+def _value(known, name, slider):
+    table = known.estimates
+    return float(
+        table.values[table.names.index(name)] if name in table.names else getattr(slider, name)
+    )
+
+
+def _unsettled(known, slider):
+    """Whether the record ends soon after its last step."""
+    record = known.solution.problem.record
+    Dc = _value(known, "Dc", slider)
+    passed = np.diff(record.loading.delta_lp(np.array([record.loading.t[-1], record.t[-1]])))[0]
+    if record.loading.V[-1] == 0.0 or passed >= SETTLED * Dc:
+        return []
+    return [
+        f"the record ends {readable('delta_lp', float(passed), 3)} after its last step, only "
+        f"{passed / Dc:.2g} Dc, before friction has settled: b, Dc and a - b rest on what was not "
+        f"seen; widen the window to {readable('delta_lp', SETTLED * Dc, 2)} or more after the step"
+    ]
+
+
+def _understated(known):
+    """Whether residuals are much larger than the noise that was given."""
+    solution = known.solution
+    ratio = np.sqrt(solution.chi2 / solution.fitted.size)
+    if ratio < UNDERSTATED:
+        return []
+    return [
+        f"residuals are {ratio:.2g} times as large as the noise that was given; all errors are too "
+        f"small by as much: leave noise out, and it is estimated"
+    ]
+
+
+def _misfit(known, slider):
+    """Whether residuals are larger after steps than noise is, or of a transient's duration."""
+    solution = known.solution
+    record, noise = solution.problem.record, solution.noise
+    Dc = _value(known, "Dc", slider)
+    residual = record.friction - solution.fitted
+    white, _ = noise.whiten(record.t, residual)
+    after = np.zeros(record.t.size, bool)
+    loading = record.loading
+    durations = Dc / np.maximum(loading.V[1:], 1e-3 * loading.V.max())
+    for t, duration in zip(loading.t[1:], durations, strict=True):
+        after |= (record.t >= t) & (record.t < t + AFTER * duration)
+    count = int(after.sum())
+    if not count or np.sqrt(np.mean(residual[after] ** 2)) < FINE * record.scale:
+        return []
+    elsewhere = white[~after, 0] if count < after.size else np.ones(1)
+    square = float(np.mean(white[after, 0] ** 2) / np.mean(elsewhere**2))
+    if square > MISFIT and chi2.sf(square * count, count) < CHANCE:
+        return [
+            f"the law does not describe the record after its steps: residuals there are "
+            f"{np.sqrt(square):.2g} times as large as the noise elsewhere; the errors count them "
+            f"as noise, and are too small: try the other law, lag among free, or a window that "
+            f"leaves out what is special"
+        ]
+    colored = float(np.mean(residual**2)) / (np.var(np.diff(residual)) / 2.0)
+    duration = float(durations.min())
+    if noise.red and colored > COLORED and LONG[0] < noise.time / duration < LONG[1]:
+        return [
+            f"residuals of {noise.red:.2g} are correlated over {readable('t', noise.time, 2)}, "
+            f"comparable with the transient itself (Dc/V = {readable('t', duration, 2)}): the "
+            f"machine's noise, or something that the law does not describe; the errors count it "
+            f"as noise"
+        ]
+    return []
+
+
+def _normal_stress(known, data, slider):
+    """Whether the recorded normal stress is the slider's, and constant."""
+    if "sigma" not in data.variables or data["sigma"].dims != ("time",):
+        return []
+    recorded = np.asarray(data["sigma"].values, float)[known.solution.problem.record.order]
+    recorded = recorded[np.isfinite(recorded)]
+    if not recorded.size:
+        return []
+    mean, found = float(recorded.mean()), []
+    shown = readable("sigma", mean)
+    if abs(mean / slider.sigma - 1.0) > OFF:
+        found.append(
+            f"the recorded normal stress is {shown} on average, the slider's "
+            f"{readable('sigma', slider.sigma)}: K and M are in proportion to it; fit with "
+            f"slider.replace(sigma='{shown}')"
+        )
+    if recorded.std() > VARIABLE * mean:
+        found.append(
+            f"the recorded normal stress varies by {100 * recorded.std() / mean:.2g} % (standard "
+            f"deviation) about {shown}; the model holds it constant: choose a window in which it is"
+        )
+    return found
+
+
+def _late(known, slider):
+    """Advice to free the lag, where chi-square would fall by much."""
+    solution = known.solution
+    if "lag" in solution.unknowns.names:
+        return []
+    record, noise = solution.problem.record, solution.noise
+    forward = Forward(
+        record, slider, solution.problem.forward.law, (*solution.unknowns.names, "lag")
+    )
+    step = forward.steps["lag"]
+    points = np.array([np.append(solution.point, lag) for lag in (step, -step)])
+    above, below = forward.friction(points)
+    by_lag = np.nan_to_num((above - below) / (2.0 * step))
+    residual = record.friction - solution.fitted
+    columns = np.column_stack([residual, by_lag, solution.jacobian])
+    white, _ = noise.whiten(record.t, columns)
+    basis, _ = np.linalg.qr(white[:, 2:])
+    rest = white[:, :2] - basis @ (basis.T @ white[:, :2])
+    size = float(rest[:, 1] @ rest[:, 1])
+    if not size > 0.0:
+        return []
+    slope = float(rest[:, 0] @ rest[:, 1])
+    if slope**2 / size < FALL:
+        return []
+    lag = slope / size
+    return [
+        f"A load point that moves {readable('t', abs(lag), 2)} "
+        f"{'later' if lag > 0.0 else 'earlier'} than recorded would lower chi-square by about "
+        f"{slope**2 / size:.2g}: add 'lag' to free."
+    ]

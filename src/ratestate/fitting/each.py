@@ -1,0 +1,64 @@
+"""A result of `fit` law by law, and what its estimates imply."""
+
+import json
+
+import numpy as np
+
+from ..dataset import parameter
+from ..stability import K_c_qs
+
+
+def each_law(result):
+    """law -> that law's part of a result of `fit`.
+
+    Each part has its own words in its attributes: ``warnings`` (list of str) and
+    ``identifiability`` (str).
+    """
+    warnings, words = json.loads(result.attrs["warnings"]), result.attrs["identifiability"]
+    if "law" not in result.dims:
+        return {result.attrs["law"]: _part(result, warnings, words)}
+    words = json.loads(words)
+    parts = {str(law): result.sel(law=law, drop=True) for law in result["law"].values}
+    return {law: _part(part, warnings[law], words[law]) for law, part in parts.items()}
+
+
+def _part(part, warnings, words):
+    """One law's part, without what other laws have, or nothing in it."""
+    absent = [
+        name for name, v in part.data_vars.items() if v.dtype.kind == "f" and v.isnull().all()
+    ]
+    return part.drop_vars(absent).assign_attrs(warnings=warnings, identifiability=words)
+
+
+def value_of(part, symbol):
+    """A parameter [SI] of one law's part: as it was found, or as it was given."""
+    return float(part[symbol] if symbol in part.data_vars else parameter(part, symbol))
+
+
+def error_of(part, symbol):
+    """Its standard error [SI]; 0 for one that was given."""
+    if symbol not in part["parameter"].values:
+        return 0.0
+    return float(part["standard_error"].sel(parameter=symbol))
+
+
+def stiffness_over_critical(part):
+    """K/K_c_qs of one law's part and its standard error; None where K_c_qs is not positive.
+
+    The errors are carried on as relative ones, with their correlation.
+    """
+    a, b, Dc, sigma, K = (value_of(part, symbol) for symbol in "a b Dc sigma K".split())
+    critical = K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma)
+    if not (critical > 0.0 and np.isfinite(K)):
+        return None
+    weights = {"K": 1.0 / K, "Dc": 1.0 / Dc}
+    if "a_minus_b" in part["parameter"].values:
+        weights["a_minus_b"] = 1.0 / (b - a)
+    else:
+        weights |= {"a": 1.0 / (b - a), "b": -1.0 / (b - a)}
+    known = [name for name in weights if name in part["parameter"].values]
+    if not known:
+        return K / critical, 0.0
+    relative = np.array([weights[name] * error_of(part, name) for name in known])
+    correlation = part["correlation"].sel(parameter=known, other=known).values
+    return K / critical, K / critical * float(np.sqrt(relative @ correlation @ relative))

@@ -1,0 +1,123 @@
+"""Columns in HDF5 files (NetCDF 4 and MATLAB 7.3 among them) and in older MAT files."""
+
+import numpy as np
+
+from ..errors import ParameterError
+from .table import Column, Table
+from .titles import split
+
+#: attributes in which units, and names of columns of an array, are kept
+UNITS = ("units", "unit", "Units", "Unit", "UNITS")
+NAMES = ("columns", "column_names", "names", "labels", "header", "fields")
+SMALLEST = 2  # rows
+
+
+def read_hdf5(path):
+    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it."""
+    import h5py
+
+    columns: list[Column] = []
+
+    def visit(title, item):
+        # MATLAB keeps texts as numbers, and what cells refer to in a group of its own
+        hidden = title.startswith("#") or item.attrs.get("MATLAB_class") == b"char"
+        if isinstance(item, h5py.Dataset) and not hidden:
+            columns.extend(_columns(title, item[()], item.attrs))
+
+    with _opened(path, h5py) as file:
+        file.visititems(visit)
+    return _table(path, columns)
+
+
+def _opened(path, h5py):
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise ParameterError(f"{path.name} cannot be read as HDF5: {error}") from None
+
+
+def read_mat(path):
+    """The `Table` of all columns of numbers in a MAT file, those in structs among them."""
+    from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
+
+    try:
+        content = loadmat(path, simplify_cells=True)
+    except (MatReadError, ValueError, TypeError, OSError, NotImplementedError) as error:
+        raise ParameterError(f"{path.name} cannot be read as a MAT file: {error}") from None
+    return _table(path, list(_in_struct("", content)))
+
+
+def _in_struct(place, struct):
+    """The columns of a struct, whose field ``units`` may have a unit for each."""
+    units: dict = next((struct[key] for key in UNITS if isinstance(struct.get(key), dict)), {})
+    for name, value in struct.items():
+        if name.startswith("__"):
+            continue
+        title = f"{place}/{name}" if place else name
+        if isinstance(value, dict):
+            yield from _in_struct(title, value)
+        elif isinstance(value, np.ndarray):
+            unit = units.get(name)
+            yield from _columns(title, value, {"units": unit} if isinstance(unit, str) else {})
+
+
+def _columns(title, values, attrs):
+    """The columns that an array is: one, the fields of a table, or those of a matrix."""
+    if not isinstance(values, np.ndarray) or values.size < SMALLEST:
+        return
+    units = next((attrs[key] for key in UNITS if key in attrs), "")
+    if values.dtype.names:
+        names = [name for name in values.dtype.names if values.dtype[name].kind in "iuf"]
+        for name, unit in zip(names, _texts(units, len(names)), strict=True):
+            yield _column(f"{title}/{name}", name, unit, values[name].ravel())
+    elif values.dtype.kind in "iuf":
+        values = _unpacked(np.squeeze(values), attrs)
+        if values.ndim == 1:
+            yield _column(title, title.rpartition("/")[2], _texts(units, 1)[0], values)
+        elif values.ndim == 2:
+            rows = values if values.shape[0] > values.shape[1] else values.T
+            count = rows.shape[1]
+            names = _texts(next((attrs[key] for key in NAMES if key in attrs), ""), count)
+            for i, unit in enumerate(_texts(units, count)):
+                own = f"{title}/{names[i]}" if names[i] else f"{title}[{i + 1}]"
+                yield _column(own, names[i], unit, rows[:, i])
+
+
+def _column(title, name, unit, values):
+    """A column of a file of arrays, whose titles may begin with groups."""
+    name, own = split(name)
+    return Column(title, name, unit or own, values.astype(float))
+
+
+def _texts(value, count):
+    """An attribute as so many texts: one each, or the same (or nothing) for all."""
+    texts = [
+        item.decode("utf-8", "replace") if isinstance(item, bytes) else str(item)
+        for item in np.atleast_1d(value).tolist()
+    ]
+    if len(texts) == 1 and count > 1 and "," in texts[0]:
+        texts = [text.strip() for text in texts[0].split(",")]
+    if len(texts) == count:
+        return texts
+    return texts * count if len(texts) == 1 and "," not in texts[0] else [""] * count
+
+
+def _unpacked(values, attrs):
+    """Values with the scale, offset and mark for missing ones that NetCDF knows."""
+    packed = {"scale_factor", "add_offset", "_FillValue"} & set(attrs)
+    if not packed:
+        return values
+    numbers = values.astype(float)
+    if "_FillValue" in packed:
+        numbers[values == attrs["_FillValue"]] = np.nan
+    return numbers * attrs.get("scale_factor", 1.0) + attrs.get("add_offset", 0.0)
+
+
+def _table(path, columns):
+    if not columns:
+        raise ParameterError(
+            f"{path.name} has no columns of numbers; expected arrays of one length for time, "
+            f"displacement and friction"
+        )
+    return Table(columns, "row")

@@ -1,0 +1,88 @@
+"""Estimates as a table within a figure."""
+
+import numpy as np
+from matplotlib.textpath import TextPath
+
+from ..fitting.each import each_law, error_of, stiffness_over_critical, value_of
+from ..quantities import QUANTITIES, short, with_error
+from .curves import COLORS
+from .labels import label, prefixed
+
+#: what a heading calls an estimate, where `label` does not know it
+HEADINGS = {"a_minus_b": "$a-b$"}
+#: those that are told in thousandths
+SMALL = ("a", "b", "a_minus_b")
+#: height of a row [inches], size of letters [points], width that the panels' margins take [inches]
+ROW, SIZE, MARGIN = 0.17, 7.5, 0.25
+#: least space between columns [points]; how much wider bold letters are
+GAP, BOLD = 8.0, 1.12
+
+
+def estimates(result, ax):
+    """Write the estimates of a fit with their standard errors: a column each, a row for each law.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `fit`.
+    ax : matplotlib.axes.Axes
+        Filled by the table, and left without axes.
+    """
+    laws = each_law(result)
+    columns = [_column(laws, str(symbol)) for symbol in result["parameter"].values]
+    ratios = [stiffness_over_critical(part) for part in laws.values()]
+    if any(ratios):
+        cells = [_cell(*ratio) if ratio else "none" for ratio in ratios]
+        columns.append((f"$K$/{label('K_c_qs')}", cells))
+    if "aic" not in result:
+        columns.append((r"$\chi^2$", [short(float(part["chi2"])) for part in laws.values()]))
+    elif len(laws) == 1:
+        rms = [f"{1e3 * float(part['rms']):.3g}" for part in laws.values()]
+        columns.append((r"r.m.s. [$10^{-3}$]", rms))
+    else:
+        aic = np.array([float(part["aic"]) for part in laws.values()])
+        columns.append((r"$\Delta$AIC", [short(value) for value in aic - aic.min()]))
+    write(ax, [*laws], columns)
+
+
+def write(ax, laws, columns):
+    """Write a table with rules: a heading and a cell for each law in each column."""
+    ax.set_axis_off()
+    ax.set(xlim=(0.0, 1.0), ylim=(len(laws) + 1.0, 0.0))
+    wide = [_width(f"{max(laws, key=len)} law") * BOLD]
+    wide += [GAP + max(map(_width, (heading, *cells))) for heading, cells in columns]
+    right, room = np.cumsum(wide), (ax.get_figure(root=True).get_figwidth() - MARGIN) * 72.0
+    at = {"va": "center", "fontsize": SIZE * min(room / right[-1], 1.0)}
+    right += max(room - right[-1], 0.0) / len(columns) * np.arange(len(wide))
+    right /= right[-1]
+    for y in (0.0, 1.0, len(laws) + 1.0):
+        ax.plot([0.0, 1.0], [y, y], color="k", lw=0.5 if y == 1.0 else 0.8, clip_on=False)
+    for i, law in enumerate(laws):
+        ax.text(0.0, i + 1.5, f"{law} law", color=COLORS[law], fontweight="bold", **at)
+    for x, (heading, cells) in zip(right[1:], columns, strict=True):
+        for i, text in enumerate((heading, *cells)):
+            ax.text(x, i + 0.5, text, ha="right", **at)
+
+
+def _column(laws, symbol):
+    """Heading with the unit, and value with error under each law."""
+    values = [value_of(part, symbol) for part in laws.values()]
+    if symbol in SMALL:
+        factor, unit = 1e3, r"$10^{-3}$"
+    else:
+        factor, unit = prefixed(QUANTITIES[symbol].unit, max(map(abs, values)))
+    heading = HEADINGS.get(symbol, label(symbol)) + (f" [{unit}]" if unit else "")
+    errors = [error_of(part, symbol) for part in laws.values()]
+    pairs = zip(values, errors, strict=True)
+    return heading, [_cell(factor * value, factor * error) for value, error in pairs]
+
+
+def _cell(value, error):
+    """A value with its error, as print has it."""
+    text = with_error(value, error).replace("+-", "\N{PLUS-MINUS SIGN}")
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def _width(text):
+    """How wide a text comes out [points]."""
+    return TextPath((0.0, 0.0), text, size=SIZE).get_extents().width

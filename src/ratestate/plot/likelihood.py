@@ -1,0 +1,85 @@
+"""What a record tells of single parameters: profiles of the likelihood, posteriors."""
+
+import numpy as np
+
+from ..fitting.each import each_law
+from ..fitting.unknowns import LINEAR
+from ..quantities import QUANTITIES
+from .curves import COLORS, DASHES
+from .labels import GRAY, label, prefixed
+
+#: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)
+END_95 = 0.1465
+BINS = 40
+#: part of a posterior at each end of it that a histogram leaves out
+TAIL = 0.002
+
+
+def told(result):
+    """The free parameters of which a result has a profile or a posterior."""
+    free = [s for s in result["parameter"].values.tolist() if s not in ("mu0", "a_minus_b")]
+    parts = each_law(result).values()
+    return [s for s in free if any(_profile(p, s) or _samples(p, s) is not None for p in parts)]
+
+
+def likelihood(result, symbol, ax):
+    """Draw the likelihood over a parameter, over its largest: as a line; a posterior filled.
+
+    The line is the profile where there is one, else the Gaussian of the standard error.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `fit`, with errors from profiles or a posterior.
+    symbol : str
+    ax : matplotlib.axes.Axes
+    """
+    laws = each_law(result)
+    largest = max(abs(float(part[symbol])) for part in laws.values())
+    factor, unit = prefixed(QUANTITIES[symbol].unit, largest)
+    for law, part in laws.items():
+        color = COLORS[law]
+        if (samples := _samples(part, symbol)) is not None:
+            ends = np.quantile(samples, (TAIL, 1.0 - TAIL))
+            counts, edges = np.histogram(samples, BINS, tuple(ends))
+            ax.stairs(counts / counts.max(), factor * edges, fill=True, color=color, alpha=0.25)
+        values, deviance = _profile(part, symbol) or _gaussian(part, symbol)
+        look = {"color": color, "ls": DASHES[law], "lw": 1.1}
+        ax.plot(factor * values, np.exp(-0.5 * deviance), **look)
+        ax.axvline(factor * float(part[symbol]), color=color, lw=0.7, ls=":")
+    ax.axhline(END_95, color=GRAY, lw=0.7)
+    ax.set(ylim=(0.0, 1.08), xlabel=label(symbol) + (f" [{unit}]" if unit else ""))
+
+
+def _profile(part, symbol):
+    """Values and deviances of a profile, finely; None where there is none."""
+    from scipy.interpolate import PchipInterpolator
+
+    if "profile_value" not in part:
+        return None
+    values, deviance = (
+        part[name].sel(parameter=symbol).values for name in ("profile_value", "profile_deviance")
+    )
+    known = np.isfinite(values) & np.isfinite(deviance)
+    values, deviance = values[known], deviance[known]
+    if values.size < 3:
+        return None
+    fine = np.linspace(values[0], values[-1], 200)
+    # between its points the root of the deviance is smooth, and nearly straight
+    side = np.where(values < values[np.argmin(deviance)], -1.0, 1.0)
+    return fine, PchipInterpolator(values, side * np.sqrt(deviance))(fine) ** 2
+
+
+def _gaussian(part, symbol):
+    """The same as `_profile`, of a Gaussian in the logarithm, or in b and lag themselves."""
+    value, z = float(part[symbol]), np.linspace(-3.0, 3.0, 200)
+    error = float(part["standard_error"].sel(parameter=symbol))
+    return (value + error * z if symbol in LINEAR else value * np.exp(error / value * z)), z**2
+
+
+def _samples(part, symbol):
+    """Samples of the posterior, or None."""
+    if "posterior" not in part:
+        return None
+    samples = part["posterior"].sel(parameter=symbol).values
+    return samples if np.isfinite(samples).all() and np.ptp(samples) > 0.0 else None

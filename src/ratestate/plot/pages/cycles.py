@@ -1,0 +1,50 @@
+"""The page of a fit of cycles: the record, its last cycles, the features, the estimates."""
+
+import numpy as np
+
+from ...fitting.each import each_law
+from ..curves import COLORS, NORMAL_95, axis_of, curves
+from ..layout import letter
+from .frame import finished, framed, legend
+
+#: cycles seen from close by
+LAST = 4
+MARKERS = "os^D"
+HEIGHTS = [1.5, 1.9]  # inches
+
+
+def cycles_page(result):
+    """Page of a fit against cycles."""
+    axis, laws = axis_of(result, "time"), each_law(result)
+    fig, (top, *below) = framed(result, laws, sum(HEIGHTS))
+    axes = top.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=HEIGHTS)
+    curves(result, axes["a"], axis)
+    legend(axes["a"], laws, band=False)
+    period = max(float(part["fitted"].sel(feature="period")[-1]) for part in laws.values())
+    first = int(np.searchsorted(axis.t, axis.t[-1] - LAST * period))
+    curves(result, axes["b"], axis, slice(first, None), close=True)
+    _features(axes["c"], laws)
+    texts = ("the cycles fitted", f"the last {LAST}", "fitted less measured features")
+    for name, text in zip("abc", texts, strict=True):
+        letter(axes[name], name, text)
+    finished(result, below, "defghij")
+    return fig
+
+
+def _features(ax, laws):
+    """By how many standard errors the features of the fitted cycle are off."""
+    names = next(iter(laws.values()))["feature"].values.tolist()
+    at = np.arange(len(names))
+    for height, look in ((0.0, "-"), (NORMAL_95, (0, (4, 3))), (-NORMAL_95, (0, (4, 3)))):
+        ax.axhline(height, color="k", lw=0.6, ls=look)
+    for i, (law, part) in enumerate(laws.items()):
+        off = ((part["fitted"] - part["measured"]) / part["measured_error"]).where(part["used"])
+        shift = 0.2 * (i - 0.5 * (len(laws) - 1))
+        for j, row in enumerate(off.transpose("segment", "feature").values):
+            style = {"color": COLORS[law], "mfc": "w" if j else COLORS[law], "ms": 4, "ls": ""}
+            ax.plot(at + shift, row, MARKERS[j % len(MARKERS)], **style)
+    ax.set_xticks(at, names)
+    ax.tick_params(axis="x", length=0)
+    ax.set(ylabel="over standard error")
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, -3.0), max(high, 3.0))

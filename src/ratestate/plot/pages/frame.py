@@ -1,0 +1,55 @@
+"""What pages of fits have in common: title and parts, legend, likelihoods, table of estimates."""
+
+from matplotlib.patches import Patch
+
+from ..curves import COLORS
+from ..estimates import ROW, estimates
+from ..labels import label
+from ..layout import figure, letter
+from ..likelihood import likelihood, told
+
+#: heights [inches]: of a likelihood, of axes' labels, of the title and the space under the table
+LIKELIHOOD, LABELS, TITLE = 1.3, 1.0, 0.45
+#: likelihoods that are as wide as if there were so many
+FEW = 3
+
+
+def framed(result, laws, height):
+    """An empty figure with its title, and its parts: panels, likelihoods if any, estimates."""
+    heights = [height + LABELS, *([LIKELIHOOD] if told(result) else []), ROW * (1 + len(laws))]
+    symbols = ["sigma", "M", *(s for s in ("a", "b", "Dc", "K") if s not in result), "V0"]
+    symbols = [symbol for symbol in symbols if symbol not in result]
+    source, by = result.attrs.get("source"), "law" if len(laws) == 1 else "laws"
+    title = (
+        f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "
+        f"under the {' and '.join(laws)} {by}"
+    )
+    total = sum(heights) + TITLE
+    fig = figure(result.assign_attrs(title=title), total, " ".join(symbols))
+    parts = fig.subfigures(len(heights), 1, height_ratios=heights)
+    return fig, list(parts)
+
+
+def finished(result, parts, letters):
+    """Fill the lower parts of a figure: likelihoods, if any, and the table of estimates."""
+    if symbols := told(result):
+        panels = parts[0].subplots(1, max(len(symbols), FEW), sharey=True)
+        for ax in panels[len(symbols) :]:
+            ax.set_visible(False)
+        for mark, symbol, ax in zip(letters, symbols, panels, strict=False):
+            likelihood(result, symbol, ax)
+            letter(ax, mark, f"likelihood of {label(symbol)}")
+        panels[0].set_ylabel("over its largest")
+    estimates(result, parts[-1].subplots())
+
+
+def legend(ax, laws, *, band=True):
+    """What the lines are, above the record."""
+    handles, names = ax.get_legend_handles_labels()
+    if band:
+        color = COLORS[next(iter(laws))] if len(laws) == 1 else "0.5"
+        handles.append(Patch(color=color, alpha=0.3, lw=0.0))
+        names.append("95 % of samples")
+    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
+    look = {"fontsize": 7, "handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 0.7}
+    ax.legend(handles, names, ncols=len(names), **look, **place)

@@ -1,0 +1,316 @@
+"""Errors of fits: profiles, posterior, comparison of laws, and the words on them."""
+
+import builtins
+import json
+
+import numpy as np
+import pytest
+from records import SLIDER, record
+from scipy.stats import norm
+
+import ratestate as rs
+from ratestate.fitting import posterior as sampling
+from ratestate.fitting.noise import Noise
+from ratestate.fitting.posterior import Marginal, posterior
+from ratestate.fitting.profile import ROOTS, Better, Profile, profile
+from ratestate.fitting.profiles import gaussian, profiles
+from ratestate.fitting.record import record_of
+from ratestate.fitting.reported import reported_of
+from ratestate.fitting.solve import solve
+from ratestate.fitting.uncertainty import uncertain
+
+T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
+STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
+FREE = ("a", "b", "Dc", "K")
+STIFF = SLIDER.replace(K=5e12)
+
+
+def solution_of(data, slider, free=FREE, noise=None):
+    found = record_of(data, slider, loading=None, trend="slip", against="time")
+    return solve(found, slider, 0, free, noise, "steady")
+
+
+@pytest.fixture(scope="module")
+def good():
+    return record(SLIDER, STEP, T, noise=2e-4, seed=4)
+
+
+@pytest.fixture(scope="module")
+def stiff():
+    return record(STIFF, STEP, T, noise=5e-4, seed=4)
+
+
+@pytest.fixture(scope="module")
+def stiff_solution(stiff):
+    return solution_of(stiff, STIFF.replace(K=1e12))
+
+
+@pytest.fixture(scope="module")
+def solution(good):
+    return solution_of(good, SLIDER)
+
+
+@pytest.fixture(scope="module")
+def sampled(good):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sampling, "LIVE", 100)
+        patch.setattr(sampling, "FEWEST", 100)
+        return rs.fit(good, SLIDER, ("a", "Dc"), errors="posterior")
+
+
+def test_reported_numbers_have_their_gradient_and_can_be_kept(solution):
+    rng = np.random.default_rng(5)
+    numbers = reported_of(solution.problem, SLIDER)
+    assert [number.name for number in numbers] == [*FREE, "mu0", "a_minus_b"]
+    for number in numbers:
+        point = solution.point + 0.01 * rng.normal(size=solution.point.size)
+        steps = 1e-6 * np.eye(point.size)
+        slopes = [(number.value(point + h) - number.value(point - h)) / 2e-6 for h in steps]
+        np.testing.assert_allclose(number.gradient(point), slopes, rtol=1e-6, atol=1e-9)
+        target = number.value(point) * 1.001
+        kept = number.kept(point, target)
+        assert number.value(kept) == pytest.approx(target, rel=1e-12)
+        assert np.count_nonzero(kept != point) == 1
+
+
+def test_a_minus_b_is_kept_by_a_alone(good):
+    found = solution_of(good, SLIDER, ("a", "Dc"))
+    number = reported_of(found.problem, SLIDER)[-1]
+    kept = number.kept(found.point, -0.003)
+    assert np.exp(kept[0]) == pytest.approx(SLIDER.b - 0.003, rel=1e-12)
+
+
+def test_a_gaussian_likelihood_is_told_and_its_profile_is_the_covariance(solution):
+    numbers = reported_of(solution.problem, SLIDER)
+    assert all(gaussian(solution, numbers))
+    assert profiles(solution, numbers, False) == {}
+    for number in (numbers[2], numbers[-1]):
+        one = profile(solution, number)
+        gradient = number.gradient(solution.point)
+        error = np.sqrt(gradient @ solution.covariance @ gradient)
+        ends = (one.interval() - number.value(solution.point)) / error
+        np.testing.assert_allclose(ends, ROOTS[:, None] * [-1.0, 1.0], rtol=0.05)
+        assert one.ends == ("closed", "closed")
+
+
+def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
+    """Held K: the same as a fit of the others to a slider that has it."""
+    number = reported_of(solution.problem, SLIDER)[3]
+    one = profile(solution, number)
+    for value, deviance in zip(one.values[[0, -1]], one.deviance[[0, -1]], strict=True):
+        slider = SLIDER.replace(K=float(np.exp(value)))
+        other = solve(
+            solution.problem.record, slider, 0, ("a", "b", "Dc"), solution.noise, "steady"
+        )
+        assert other.chi2 - solution.chi2 == pytest.approx(deviance, abs=2e-3)
+        assert deviance > ROOTS[-1] ** 2
+
+
+def test_a_stiff_machine_bounds_K_from_below_alone(stiff, stiff_solution):
+    start = STIFF.replace(K=1e12)
+    with pytest.warns(rs.FitWarning, match=r"the record only says K > .* too stiff"):
+        result = rs.fit(stiff, start)
+    K = result.interval.sel(parameter="K", level=0.95).values
+    assert 2e11 < K[0] < STIFF.K
+    assert K[1] == np.inf
+    assert str(result.interval_kind.sel(parameter="K").values) == "profile"
+    assert "Not determined: K (> " in result.attrs["identifiability"]
+    for name in ("a", "b", "Dc"):
+        low, high = result.interval.sel(parameter=name, level=0.95).values
+        assert low < getattr(STIFF, name) < high
+    deviance = result.profile_deviance.sel(parameter="K")
+    assert float(deviance[0]) > 3.84
+    assert float(deviance.max("profile_point")) == float(deviance[0])
+    assert not np.isnan(result.interval).any()
+    absent = np.isnan(result.profile_value).all("profile_point")
+    np.testing.assert_array_equal(absent, result.interval_kind == "covariance")
+    np.testing.assert_array_equal(np.isnan(result.profile_value), np.isnan(result.profile_deviance))
+
+
+def test_no_inertia_bounds_M_from_above_alone(good):
+    with pytest.warns(rs.FitWarning, match=r"the record only says M < .* no inertia is seen"):
+        result = rs.fit(good, SLIDER.replace(M=1e8), ("a", "b", "M"))
+    assert float(result.interval.sel(parameter="M", level=0.95, side="lower")) == 0.0
+    assert 1e6 < float(result.interval.sel(parameter="M", level=0.95, side="upper")) < 1e12
+
+
+def test_one_profile_follows_where_another_leads(stiff_solution):
+    """a moves with K: its own search stops at a ridge that the profile of K knows a way round."""
+    numbers = {number.name: number for number in reported_of(stiff_solution.problem, STIFF)}
+    together = profiles(stiff_solution, tuple(numbers.values()), True)
+    stiffest = together["K"].points[-1]
+    value, deviance = numbers["a"].value(stiffest), together["K"].deviance[-1]
+    assert deviance < ROOTS[-1] ** 2
+    low, high = together["a"].interval()[-1]
+    assert low < value < high
+
+
+def test_a_better_point_is_taken(good, solution):
+    point = solution.point.copy()
+    point[2] += 0.01
+    worse = solution._replace(point=point, chi2=solution.chi2 + 5.0)
+    with pytest.raises(Better):
+        profile(worse, reported_of(solution.problem, SLIDER)[0])
+    again = uncertain(worse, SLIDER, None, "profile")
+    assert again.solution.chi2 == pytest.approx(solution.chi2, rel=1e-3)
+    np.testing.assert_allclose(again.solution.point, solution.point, rtol=1e-3)
+    assert not again.restless
+
+
+def test_ends_of_a_profile_that_is_no_parabola():
+    values = np.linspace(-3.0, 4.0, 29)
+    wave = np.where(values < 0.0, values**2, np.minimum(values, 1.5) ** 2)
+    found = Profile(values, wave, values[:, None], ("closed", "open")).interval()
+    np.testing.assert_allclose(found[:, 0], -ROOTS, rtol=1e-6)
+    assert found[0, 1] == pytest.approx(ROOTS[0], rel=1e-6)
+    assert found[1, 1] == np.inf
+    edge = Profile(values, wave, values[:, None], ("closed", "edge")).interval()
+    assert edge[1, 1] == 4.0
+    # of several crossings the outermost counts
+    dips = np.interp(values, [-3, 0, 2, 3, 4], [9, 0, 9, 1, 9])
+    several = Profile(values, dips, values[:, None], ("closed", "closed")).interval()
+    assert 3.0 < several[1, 1] < 4.0
+
+
+def test_level_and_trend_are_integrated_out(solution):
+    """Against quadrature of the likelihood over both."""
+    moving = [i for i, name in enumerate(solution.unknowns.names) if name in FREE]
+    marginal = Marginal(solution._replace(noise=Noise(3e-4, 2e-4, 2.0)), moving)
+    coordinates = solution.point[moving] + [0.02, 1e-4, -0.03, 0.01]
+    value, blob = marginal(coordinates)
+    t, friction = solution.problem.record.t, solution.problem.record.friction
+    root = blob[2:].reshape(2, 2)
+    spread = np.sqrt(np.diag(root @ root.T))
+
+    def log_likelihood(level, trend):
+        point = np.zeros(solution.point.size)
+        point[moving], point[-2:] = coordinates, (level, trend)
+        residual = friction - solution.problem.forward.friction(point[None])[0]
+        white, log_determinant = marginal.noise.whiten(t, residual)
+        constant = t.size * np.log(2 * np.pi)
+        return -0.5 * (white[:, 0] @ white[:, 0] + log_determinant + constant)
+
+    top = log_likelihood(*blob[:2])
+    nodes, weights = np.polynomial.hermite.hermgauss(12)
+    inner = [
+        sum(
+            v
+            * np.exp(log_likelihood(*(blob[:2] + np.sqrt(2.0) * root @ [x, y])) - top + x**2 + y**2)
+            for y, v in zip(nodes, weights, strict=True)
+        )
+        for x in nodes
+    ]
+    integral = 2.0 * abs(np.linalg.det(root)) * (weights @ inner)
+    assert value == pytest.approx(top + np.log(integral), abs=1e-6)
+    assert (spread > 0.0).all()
+
+
+def test_the_posterior_of_a_gaussian_is_the_gaussian(sampled, good):
+    profiled = rs.fit(good, SLIDER, ("a", "Dc"), errors="profile")
+    assert (sampled.interval_kind == "posterior").all()
+    assert (profiled.interval_kind == "profile").all()
+    width = sampled.interval.diff("side") / profiled.interval.diff("side")
+    assert np.abs(width - 1.0).max() < 0.15
+    shift = (sampled.interval - profiled.interval).sel(level=0.95) / profiled.standard_error
+    assert np.abs(shift).max() < 0.35
+    spread = sampled.posterior.std("sample") / profiled.standard_error
+    assert np.abs(spread - 1.0).max() < 0.12
+    assert 100 < float(sampled.effective_samples) < float(sampled.posterior_evaluations)
+    assert "flat in ln a from" in sampled.attrs["prior"]
+    assert json.loads(sampled.attrs["warnings"]) == []
+
+
+def test_the_evidence_of_a_gaussian_is_laplaces(sampled, good):
+    solution = solution_of(good, SLIDER, ("a", "Dc"))
+    text = sampled.attrs["prior"]
+    a = [float(x) for x in text.split("ln a from ")[1].split(",")[0].split(" to ")]
+    Dc = [float(x.split(" ")[0]) for x in text.split("ln Dc from ")[1].split(";")[0].split(" to ")]
+    volume = np.log(a[1] / a[0]) * np.log(Dc[1] / Dc[0])
+    _, half = np.linalg.slogdet(2.0 * np.pi * solution.covariance)
+    laplace = solution.log_likelihood + 0.5 * half - np.log(volume)
+    error = float(sampled.log_evidence_error)
+    assert 0.05 < error < 0.5
+    assert abs(float(sampled.log_evidence) - laplace) < 3.5 * error
+
+
+def test_a_known_posterior_is_found(good, monkeypatch):
+    """A likelihood with tails: Student's t, of which quantiles and evidence are known."""
+    from scipy.stats import t as student
+
+    def known(self, coordinates):
+        self.evaluations += 1
+        value = student.logpdf(coordinates, 4).sum()
+        return float(value), np.zeros(6)
+
+    monkeypatch.setattr(Marginal, "__call__", known)
+    monkeypatch.setattr(sampling, "LIVE", 100)
+    box = dict.fromkeys(("a", "Dc"), (-20.0, 20.0))
+    solution = solution_of(good, SLIDER, ("a", "Dc"))
+    found = posterior(solution, box, "test")
+    inside = student.cdf(20.0, 4) - student.cdf(-20.0, 4)
+    assert abs(found.log_evidence - 2.0 * np.log(inside / 40.0)) < 3.5 * found.log_evidence_error
+    number = reported_of(solution.problem, SLIDER)[1]
+    expected = student.ppf(norm.cdf(ROOTS), 4)
+    np.testing.assert_allclose(found.interval(number)[:, 1], expected, rtol=0.25)
+    np.testing.assert_allclose(found.interval(number)[:, 0], -expected, rtol=0.25)
+    assert found.complete
+
+
+def test_a_posterior_that_is_cut_or_poor_says_so(stiff, good, monkeypatch):
+    monkeypatch.setattr(sampling, "LIVE", 40)
+    with pytest.warns(rs.FitWarning) as said:
+        result = rs.fit(stiff, STIFF.replace(K=1e12), ("K", "Dc"), errors="posterior")
+    texts = " ".join(str(one.message) for one in said)
+    assert "the posterior of K reaches the upper end of its prior" in texts
+    assert "effective samples: the intervals are not its quantiles" in texts
+    assert not (result.interval_kind == "posterior").any()
+    monkeypatch.setattr(sampling, "MOST", 100)
+    with pytest.warns(rs.FitWarning) as said:
+        rs.fit(good, SLIDER, ("a",), errors="posterior")
+    assert "the posterior was not complete after" in str(said[0].message)
+
+
+def test_a_posterior_needs_dynesty(good, monkeypatch):
+    real = builtins.__import__
+
+    def without(name, *arguments, **options):
+        if name == "dynesty":
+            raise ImportError(name)
+        return real(name, *arguments, **options)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(rs.ParameterError, match=r"install 'ratestate\[posterior\]'"):
+        rs.fit(good, SLIDER, ("a",), errors="posterior")
+    with pytest.raises(
+        rs.ParameterError, match="errors = 'bayes' is unknown; choose one of 'auto'"
+    ):
+        rs.fit(good, SLIDER, errors="bayes")
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_laws_are_compared(good):
+    both = rs.fit(good, SLIDER, law=("slip", "aging"))
+    apart = both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")
+    assert float(both.aic_difference.sel(law="slip")) == 0.0
+    assert float(both.akaike_weight.sum()) == pytest.approx(1.0)
+    assert "The slip law fits clearly better than the aging law" in both.attrs["comparison"]
+    parameters = both.aic + 2.0 * both.log_likelihood
+    expected = 2.0 * apart + parameters.sel(law="aging") - parameters.sel(law="slip")
+    assert float(both.aic_difference.sel(law="aging")) == pytest.approx(float(expected))
+    json.loads(both.attrs["warnings"])["aging"]
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_a_noisy_record_does_not_decide_between_laws(monkeypatch):
+    monkeypatch.setattr(sampling, "LIVE", 50)
+    data = record(SLIDER, STEP, T, noise=5e-3, seed=3)
+    both = rs.fit(data, SLIDER, ("a", "Dc"), law=("slip", "aging"), errors="posterior")
+    assert "does not decide between the laws" in both.attrs["comparison"]
+    assert "which decides nothing" in both.attrs["comparison"]
+    evidence = both.log_evidence - both.log_evidence.max()
+    np.testing.assert_allclose(both.log_bayes_factor, evidence)
+    assert float(both.log_bayes_factor_error.max()) > 0.0
+    # a common prior, and laws of the same number of parameters: the factor is that of likelihoods
+    ratio = both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")
+    factor = both.log_evidence.sel(law="slip") - both.log_evidence.sel(law="aging")
+    assert abs(float(factor - ratio)) < 1.5
