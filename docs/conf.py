@@ -51,6 +51,7 @@ smartquotes = False  # "--out" is two dashes
 _sources = [*sorted((ROOT / "src").rglob("*.py")), HERE / "matplotlibrc"]
 _digest = hashlib.sha256(b"".join(path.read_bytes() for path in _sources)).hexdigest()[:16]
 nb_execution_mode = "cache"
+nb_execution_in_temp = True  # pages write files
 nb_execution_cache_path = str(BUILD / "notebooks" / _digest)
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120

@@ -107,7 +107,7 @@ def test_neglected_mass_is_a_bias_that_no_error_admits():
     assert_finds(with_mass, truth)
     without = rs.fit(data, START)
     off = abs(float(without.a) - truth.a) / float(without.standard_error.sel(parameter="a"))
-    assert off > 10.0
+    assert off > 5.0
     assert float(without.log_likelihood) < float(with_mass.log_likelihood) - 30.0
 
 
@@ -184,7 +184,9 @@ def test_what_is_recorded_does_not_matter_where_it_tells_the_same(noisy, fitted)
         result = rs.fit(data, START, **options)
         for name in FREE:
             assert float(result[name]) == pytest.approx(float(fitted[name]), rel=1e-4), label
-    by_speed = rs.fit(noisy.drop_vars("delta_lp").assign(V_load=speed), START)
+    # between two samples of the speed the step may be anywhere
+    with pytest.warns(rs.FitWarning, match="does not describe the record after its steps"):
+        by_speed = rs.fit(noisy.drop_vars("delta_lp").assign(V_load=speed), START)
     assert float(by_speed.Dc) == pytest.approx(float(fitted.Dc), rel=0.05)
 
 

@@ -12,9 +12,8 @@ FREE = ("a", "b", "Dc", "K")
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 
 
-@pytest.fixture(scope="module")
-def coverage():
-    """(records, parameters, levels) whether the interval holds the truth; signed errors."""
+def fitted():
+    """(records, parameters, levels) whether the interval holds the truth; signed errors; kinds."""
     held, errors, kinds = [], [], []
     for seed in range(RECORDS):
         case = drawn(seed)
@@ -33,8 +32,9 @@ def coverage():
     return np.array(held), np.array(errors), np.array(kinds)
 
 
-def test_intervals_hold_the_truth_as_often_as_they_say(coverage):
-    held = coverage[0]
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    """(One test: the records are drawn and fitted once.)"""
+    held, errors, kinds = fitted()
     part = held.mean(axis=(0, 1))
     assert 0.60 < part[0] < 0.76
     assert 0.91 < part[1] < 0.98
@@ -42,18 +42,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say(coverage):
     for index, name in enumerate(FREE):
         assert 0.58 < held[:, index, 0].mean() < 0.78, name
         assert 0.90 < held[:, index, 1].mean() <= 0.995, name
-
-
-@pytest.mark.parametrize("column", [0, 1], ids=["noise", "inertia"])
-def test_they_do_so_for_either_kind_of_noise_and_inertia(coverage, column):
-    held, _, kinds = coverage
-    for kind in (False, True):
-        part = held[kinds[:, column] == kind].mean(axis=(0, 1))
-        assert 0.59 < part[0] < 0.77
-        assert 0.90 < part[1] < 0.985
-
-
-def test_estimates_are_not_biased(coverage):
-    _, errors, _ = coverage
+    for column, what in enumerate(("correlated noise", "inertia")):
+        for kind in (False, True):
+            part = held[kinds[:, column] == kind].mean(axis=(0, 1))
+            assert 0.59 < part[0] < 0.77, (what, kind)
+            assert 0.90 < part[1] < 0.985, (what, kind)
     middle = np.median(errors / np.std(errors, axis=0), axis=0)
-    assert (np.abs(middle) < 0.3).all()
+    assert (np.abs(middle) < 0.3).all(), "estimates are biased"

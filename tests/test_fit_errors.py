@@ -2,21 +2,26 @@
 
 import builtins
 import json
+import re
 
 import numpy as np
 import pytest
+import xarray
 from records import SLIDER, record
 from scipy.stats import norm
 
 import ratestate as rs
 from ratestate.fitting import posterior as sampling
+from ratestate.fitting.held import Held
 from ratestate.fitting.noise import Noise
 from ratestate.fitting.posterior import Marginal, posterior
 from ratestate.fitting.profile import ROOTS, Better, Profile, profile
 from ratestate.fitting.profiles import gaussian, profiles
 from ratestate.fitting.record import record_of
 from ratestate.fitting.reported import reported_of
+from ratestate.fitting.result import estimates
 from ratestate.fitting.solve import solve
+from ratestate.fitting.trades import product, trade, traded
 from ratestate.fitting.uncertainty import uncertain
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
@@ -38,11 +43,6 @@ def good():
 @pytest.fixture(scope="module")
 def stiff():
     return record(STIFF, STEP, T, noise=5e-4, seed=4)
-
-
-@pytest.fixture(scope="module")
-def stiff_solution(stiff):
-    return solution_of(stiff, STIFF.replace(K=1e12))
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +106,7 @@ def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
         assert deviance > ROOTS[-1] ** 2
 
 
-def test_a_stiff_machine_bounds_K_from_below_alone(stiff, stiff_solution):
+def test_a_stiff_machine_bounds_K_from_below_alone(stiff):
     start = STIFF.replace(K=1e12)
     with pytest.warns(rs.FitWarning, match=r"the record only says K > .* too stiff"):
         result = rs.fit(stiff, start)
@@ -134,15 +134,32 @@ def test_no_inertia_bounds_M_from_above_alone(good):
     assert 1e6 < float(result.interval.sel(parameter="M", level=0.95, side="upper")) < 1e12
 
 
-def test_one_profile_follows_where_another_leads(stiff_solution):
+def test_one_profile_follows_where_another_leads():
     """a moves with K: its own search stops at a ridge that the profile of K knows a way round."""
-    numbers = {number.name: number for number in reported_of(stiff_solution.problem, STIFF)}
-    together = profiles(stiff_solution, tuple(numbers.values()), True)
-    stiffest = together["K"].points[-1]
-    value, deviance = numbers["a"].value(stiffest), together["K"].deviance[-1]
+    slider = SLIDER.replace(K=1e12)
+    found = solution_of(record(slider, STEP, T, noise=4e-4, seed=6), slider)
+    numbers = {number.name: number for number in reported_of(found.problem, slider)}
+    assert gaussian(found, tuple(numbers.values())) == [True, True, True, False, True, True]
+    alone = profile(found, numbers["a"])
+    assert set(profiles(found, (numbers["a"], numbers["Dc"]), False)) == set()
+    together = profiles(found, tuple(numbers.values()), False)
+    assert together["K"].interval()[-1, 1] == np.inf
+    value, deviance = numbers["a"].value(together["K"].points[-1]), together["K"].deviance[-1]
     assert deviance < ROOTS[-1] ** 2
-    low, high = together["a"].interval()[-1]
-    assert low < value < high
+    assert alone.interval()[-1, 1] < value < together["a"].interval()[-1, 1]
+
+
+def test_the_jacobian_of_held_fits(solution):
+    """Against central differences: a coordinate given up for a - b, or mu0, carries others."""
+    noise, rng = solution.noise, np.random.default_rng(2)
+    for number in reported_of(solution.problem, SLIDER):
+        held = Held(solution.problem, number, number.value(solution.point))
+        direction = solution.point[held.others] * 1e-3 * rng.normal(size=len(held.others))
+        rest = solution.point[held.others]
+        up, down = (held.residual(rest + s * direction, noise) for s in (0.1, -0.1))
+        expected = (up - down) / 0.2
+        off = held.jacobian(rest, noise) @ direction - expected
+        assert np.abs(off).max() < 2e-3 * np.abs(expected).max(), number.name
 
 
 def test_a_better_point_is_taken(good, solution):
@@ -314,3 +331,66 @@ def test_a_noisy_record_does_not_decide_between_laws(monkeypatch):
     ratio = both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")
     factor = both.log_evidence.sel(law="slip") - both.log_evidence.sel(law="aging")
     assert abs(float(factor - ratio)) < 1.5
+
+
+def test_doubts_are_said(good):
+    """Each by a record that gives reason to it, and not by the good one."""
+    said = json.loads(rs.fit(good, SLIDER).attrs["warnings"])
+    assert said == []
+    rng = np.random.default_rng(1)
+    silent = good.assign(friction=0.6 + 2e-4 * xarray.zeros_like(good.friction))
+    silent = silent.assign(friction=silent.friction + 2e-4 * rng.normal(size=T.size))
+    pressed = good.assign(sigma=("time", np.linspace(2.05e7, 2.25e7, T.size)))
+    cases = {
+        "does not respond to the steps by more than the noise": (silent, {"errors": "covariance"}),
+        "normal stress is 21.5 MPa on average": (pressed, {}),
+        "varies by 2.7 %": (pressed, {}),
+        "before friction has settled": (good.isel(time=T < 42.0), {"free": ("a", "K")}),
+        "does not describe the record after its steps": (good, {"law": "aging"}),
+        "times as large as the noise that was given": (good, {"noise": 5e-5}),
+    }
+    for words, (data, options) in cases.items():
+        with pytest.warns(rs.FitWarning) as emitted:
+            rs.fit(data, SLIDER, **options)
+        texts = [str(one.message) for one in emitted]
+        assert any(words in text for text in texts), (words, texts)
+
+
+def test_a_late_load_point_is_advised(good):
+    later = rs.Loading.steps("1 um/s", (39.95, "10 um/s"))
+    data = good.drop_vars("delta_lp")
+    with pytest.warns(rs.FitWarning):
+        result = rs.fit(data, SLIDER, ("a", "b"), loading=later)
+    words = result.attrs["identifiability"]
+    found = re.search(r"moves ([0-9.]+) ms later than recorded .* add 'lag' to free", words)
+    assert found
+    assert 35.0 < float(found[1]) < 70.0
+
+
+def test_trades_are_named():
+    """Of a covariance made by hand: K Dc known to 1 %, Dc/K to 80 %; a and b likewise."""
+    best, worst = 0.01**2, 0.8**2
+    block = 0.5 * np.array([[best + worst, best - worst], [best - worst, best + worst]])
+    pair = 0.5 * np.array([[1.0, 1.0], [1.0, 1.0]]) * 0.1**2 + 1e-6 * np.eye(2)
+    scale = np.diag([1.0, 0.01])  # b = 0.01 is no logarithm
+    covariance = np.block([[scale @ pair @ scale, np.zeros((2, 2))], [np.zeros((2, 2)), block]])
+    coordinates = np.array([np.log(0.01), 0.01, np.log(1e-5), np.log(1e10)])
+    difference = ("a_minus_b", 0.0, np.array([0.01, -1.0, 0.0, 0.0]))
+    table = estimates(FREE, coordinates, covariance, [difference])
+    assert traded(table, FREE) == [("Dc", "K"), ("a", "b")]
+    text, loose = trade(table, ("Dc", "K"))
+    assert loose
+    assert text.startswith("Dc and K trade off (correlation -1.000): the record fixes Dc K to 1 %")
+    assert text.endswith(("but Dc/K only to a factor of 2.2", "K/Dc only to a factor of 2.2"))
+    text, loose = trade(table, ("a", "b"))
+    assert not loose
+    assert re.fullmatch(r"(a/b|b/a) to 0.1 %, and a - b = 0 \+- 1.4e-05", text)
+    assert product(("Dc", "K"), np.array([0.7, 0.69])) == "Dc K"
+    assert product(("a", "b"), np.array([-0.6, 0.8])) == "b/a^0.75"
+
+
+def test_cycles_refuse_what_only_samples_have(good):
+    with pytest.raises(rs.ParameterError, match="errors, noise: a fit against='cycles'"):
+        rs.fit(good, SLIDER, against="cycles", errors="profile", noise=1e-4)
+    with pytest.raises(rs.ParameterError, match="must name one law, or several that differ"):
+        rs.fit(good, SLIDER, law=("slip", "slip"))

@@ -20,12 +20,14 @@ _BESIDE = np.geomspace(1e-7, 0.25, 110)
 GRID = np.unique(np.concatenate([np.linspace(0.0, 1.0, 513), _BESIDE, 1.0 - _BESIDE]))
 # Phases among which the fall is sought, and then again between two of them.
 COARSE, FINER, TIMES = 513, 129, 2
+# b/a from which no cycles are sought: ten times that of any friction known, and slow to settle.
+STRONGEST = 50.0
 # Of the cycle, and of the turn that draws it, in x, ln V and psi.
 RTOL, TURN_RTOL = 1e-7, 1e-8
 
 
 class Waves(NamedTuple):
-    """Limit cycles of n sliders; NaN where one settles into none."""
+    """Limit cycles of n sliders; NaN where one settles into none, or b/a is `STRONGEST`."""
 
     period: np.ndarray  # (n,) [s]
     x: np.ndarray  # (n, q) (tau/sigma - its value in steady sliding)/a at the phases `GRID`
@@ -47,11 +49,13 @@ def limit_waves(law, values, V_lp, near=None):
     n = V_lp.size
     found = Waves(np.full(n, np.nan), np.full((n, GRID.size), np.nan), np.full((n, 2), np.nan))
     start = steady_start(system) if near is None else state(system, near)
-    settled = settle(system, start, RTOL, False, None)
-    which = np.flatnonzero(settled.status == FINISHED)
+    which = np.flatnonzero(system.beta < STRONGEST)
+    settled = settle(system.at(which), start[which], RTOL, False, None)
+    cyclic = settled.status == FINISHED
+    which, settled = which[cyclic], settled.at(cyclic)
     if not which.size:
         return found
-    cycle = refine(system.at(which), settled.at(which), RTOL, False)
+    cycle = refine(system.at(which), settled, RTOL, False)
     good = (cycle["error"] <= WORST) & (np.abs(cycle["multipliers"][:, 0]) < 1.0)
     which = which[good]
     system, turn, u = system.at(which), cycle["period"][good], cycle["u"][good]

@@ -1,7 +1,7 @@
 """What in a record speaks against taking a fit at its word."""
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, f
 
 from ..quantities import readable
 from .forward import Forward
@@ -19,6 +19,8 @@ FALL = 30.0
 COLORED, LONG = 4.0, (0.1, 30.0)
 #: of whitened residuals after steps, the mean square that is misfit; slip that counts, in Dc
 MISFIT, AFTER = 1.5, 5.0
+#: samples elsewhere that tell what the noise is
+FEWEST = 30
 #: of residuals, the size over that of a given noise that contradicts it
 UNDERSTATED = 1.5
 #: residuals, in parts of friction's range, that are no misfit of anything
@@ -116,9 +118,10 @@ def _misfit(known, slider):
     count = int(after.sum())
     if not count or np.sqrt(np.mean(residual[after] ** 2)) < FINE * record.scale:
         return []
-    elsewhere = white[~after, 0] if count < after.size else np.ones(1)
-    square = float(np.mean(white[after, 0] ** 2) / np.mean(elsewhere**2))
-    if square > MISFIT and chi2.sf(square * count, count) < CHANCE:
+    beside = after.size - count
+    elsewhere = float(np.mean(white[~after, 0] ** 2)) if beside > FEWEST else np.inf
+    square = float(np.mean(white[after, 0] ** 2)) / elsewhere
+    if square > MISFIT and f.sf(square, count, beside) < CHANCE:
         return [
             f"the law does not describe the record after its steps: residuals there are "
             f"{np.sqrt(square):.2g} times as large as the noise elsewhere; the errors count them "
@@ -129,8 +132,8 @@ def _misfit(known, slider):
     duration = float(durations.min())
     if noise.red and colored > COLORED and LONG[0] < noise.time / duration < LONG[1]:
         return [
-            f"residuals of {noise.red:.2g} are correlated over {readable('t', noise.time, 2)}, "
-            f"comparable with the transient itself (Dc/V = {readable('t', duration, 2)}): the "
+            f"residuals of {noise.red:.2g} are correlated over {readable('t', noise.time, 3)}, "
+            f"comparable with the transient itself (Dc/V = {readable('t', duration, 3)}): the "
             f"machine's noise, or something that the law does not describe; the errors count it "
             f"as noise"
         ]
@@ -187,7 +190,7 @@ def _late(known, slider):
         return []
     lag = slope / size
     return [
-        f"A load point that moves {readable('t', abs(lag), 2)} "
+        f"A load point that moves {readable('t', abs(lag), 3)} "
         f"{'later' if lag > 0.0 else 'earlier'} than recorded would lower chi-square by about "
-        f"{slope**2 / size:.2g}: add 'lag' to free."
+        f"{slope**2 / size:.3g}: add 'lag' to free."
     ]

@@ -22,6 +22,8 @@ BEYOND = 1.03 * ROOTS[-1]
 STRIDE, MOST = 1.02, 24
 #: the same, too much for a step that leads out of the interval
 LEAP = 2.0
+#: shortest step, in parts of the way from the fit, where the deviance leaps, or motion ends
+LEAST = 0.02
 #: fall of chi-square that makes a point of the profile better than the fit
 BETTER = 0.05
 #: sides on which a parameter ceases to matter; still likely so far from its estimate (as a
@@ -138,16 +140,11 @@ class _Side:
             )
             moved = abs(value - here)
             found = best_with(self.solution, self.reported, value, self._starts(value, moved))
-            if found is None:  # no motion there
-                self.step = 0.25 * moved
-                if self.step < 1e-3 * min(self.error, max(abs(here), 1e-3)):
-                    return "edge"
-                continue
-            root = np.sqrt(max(found[1], 0.0))
-            if root > BEYOND and self._stopped(found[0]):
-                return "open"
+            root = np.sqrt(max(found[1], 0.0)) if found else np.inf
             if root > BEYOND and root - np.sqrt(self.deviance[-1]) > LEAP:
                 self.step = 0.5 * moved
+                if self.step < LEAST * max(abs(here - self.values[0]), LEAST * self.error):
+                    return "open" if found and self._stopped(found[0]) else "edge"
                 continue
             self._take(value, *found)
             if self.deviance[-1] > BEYOND**2 and self.sign * (value - self.far) >= 0.0:

@@ -38,7 +38,8 @@ def trade(table, which):
         known += f", and a - b = {table.values[i]:.4g} +- {table.errors[i]:.2g}"
     if worst < LOOSE:
         return known, False
-    strongest = np.abs(correlation[np.triu_indices(len(which), 1)]).max()
+    pairs = correlation[np.triu_indices(len(which), 1)]
+    strongest = pairs[np.argmax(np.abs(pairs))]
     return (
         f"{', '.join(which[:-1])} and {which[-1]} trade off (correlation {strongest:.3f}): the "
         f"record fixes {known}, but {product(which, axes[:, -1])} only to {percent(worst)}"
