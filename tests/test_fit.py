@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray
 from hypothesis import given, settings
-from records import SLIDER, STEP, record
+from records import SLIDER, record
 
 import ratestate as rs
 

@@ -9,15 +9,15 @@ import xarray
 from naive import FIG2, Naive, one_cycle
 
 import ratestate as rs
-from ratestate.fitting.cycle_model import GRID, CycleModel, limit_waves
-from ratestate.fitting.cycle_noise import Noise
-from ratestate.fitting.cycle_result import cycles_dataset
-from ratestate.fitting.cycle_search import Problem
-from ratestate.fitting.cycle_space import Space
-from ratestate.fitting.cycles import fit_cycles, wave_at
-from ratestate.fitting.features import FEATURES
-from ratestate.fitting.folding import cut_cycles, main_period
-from ratestate.fitting.measured import Segment, corrected, measure
+from ratestate.fitting.cycles.features import FEATURES
+from ratestate.fitting.cycles.fit import fit_cycles, wave_at
+from ratestate.fitting.cycles.folding import cut_cycles, main_period
+from ratestate.fitting.cycles.measured import Segment, corrected, measure
+from ratestate.fitting.cycles.model import GRID, CycleModel, limit_waves
+from ratestate.fitting.cycles.noise import Noise
+from ratestate.fitting.cycles.result import cycles_dataset
+from ratestate.fitting.cycles.search import Problem
+from ratestate.fitting.cycles.space import Space
 
 VIBRATION = rs.SpringSlider(**FIG2)  # the paper's Fig. 2, 1 % below K_c
 STICK_SLIP = rs.SpringSlider(

@@ -11,18 +11,18 @@ from records import SLIDER, record
 from scipy.stats import norm
 
 import ratestate as rs
-from ratestate.fitting import posterior as sampling
-from ratestate.fitting.held import Held
+from ratestate.fitting.likelihood import posterior as sampling
+from ratestate.fitting.likelihood.held import Held
+from ratestate.fitting.likelihood.posterior import Marginal, posterior
+from ratestate.fitting.likelihood.profile import ROOTS, Better, Profile, profile
+from ratestate.fitting.likelihood.profiles import gaussian, profiles
+from ratestate.fitting.likelihood.reported import reported_of
+from ratestate.fitting.likelihood.uncertainty import uncertain
 from ratestate.fitting.noise import Noise
-from ratestate.fitting.posterior import Marginal, posterior
-from ratestate.fitting.profile import ROOTS, Better, Profile, profile
-from ratestate.fitting.profiles import gaussian, profiles
 from ratestate.fitting.record import record_of
-from ratestate.fitting.reported import reported_of
 from ratestate.fitting.result import estimates
 from ratestate.fitting.solve import solve
-from ratestate.fitting.trades import product, trade, traded
-from ratestate.fitting.uncertainty import uncertain
+from ratestate.fitting.words.trades import product, trade, traded
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))

@@ -50,4 +50,4 @@ class FitWarning(UserWarning):
 
 
 class RecordWarning(UserWarning):
-    """A laboratory's record was read, but rows were left out or look odd; the message says which."""
+    """A record was read, but rows were left out or look odd; the message says which."""

@@ -5,10 +5,10 @@ import json
 import xarray
 
 from ..dataset import record_loading
-from .compare import compared
-from .doubts import in_words
-from .posterior import prior_words
+from .likelihood.posterior import prior_words
 from .result import curves, estimate_variables, posterior_variables, profile_variables, statistics
+from .words.compare import compared
+from .words.doubts import in_words
 
 
 def result_of(known, data, slider):

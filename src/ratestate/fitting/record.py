@@ -62,9 +62,9 @@ def record_of(data, slider, *, loading, trend, against):
             f"data is of type {type(data).__name__}; expected the Dataset of read_lab, or one with "
             f"time, friction and delta_lp"
         )
-    time = _column(data, "time")
-    kind, friction = _friction(data, slider)
-    _increasing(time)
+    time = column(data, "time")
+    kind, friction = friction_of(data, slider)
+    increasing(time)
     if time.size < FEWEST:
         raise ParameterError(
             f"the record has {time.size} samples, too few to fit; expected {FEWEST} or more: widen "
@@ -77,8 +77,8 @@ def record_of(data, slider, *, loading, trend, against):
         )
     t = time - time[0]
     order = np.arange(t.size)
-    displacement = _displacement(data, t)
-    loading = _loading(data, displacement, time, loading)
+    displacement = displacement_of(data, t)
+    loading = loading_of(data, displacement, time, loading)
     if against == "displacement":
         t, order = _times_of(displacement, loading, t)
         friction, time = friction[order], time[order]
@@ -87,7 +87,7 @@ def record_of(data, slider, *, loading, trend, against):
     return Record(t, friction, along, trend, loading, kind, time, order)
 
 
-def _column(data, name):
+def column(data, name):
     """(m,) values of a variable along time [SI]; whatever is not finite is refused by row."""
     if name not in data.variables:
         raise ParameterError(f"the record has no variable {name!r}; it has {_listed(data)}")
@@ -111,7 +111,7 @@ def _listed(data):
     return ", ".join(map(str, data.variables)) or "no variable at all"
 
 
-def _increasing(time):
+def increasing(time):
     """Refuse times that do not increase, by row."""
     if not (np.diff(time) > 0.0).all():
         row = int(np.argmin(np.diff(time) > 0.0)) + 1
@@ -121,10 +121,10 @@ def _increasing(time):
         )
 
 
-def _friction(data, slider):
+def friction_of(data, slider):
     """Kind and values of the friction that was recorded."""
     if "friction" in data.variables:
-        return "tau", _column(data, "friction")
+        return "tau", column(data, "friction")
     found = [name for name in ("tau", "mu") if name in data.variables]
     if len(found) == 2:
         raise ParameterError(
@@ -133,24 +133,24 @@ def _friction(data, slider):
         )
     if not found:
         raise ParameterError(f"the record has no friction; it has {_listed(data)}")
-    values = _column(data, found[0])
+    values = column(data, found[0])
     if found[0] == "tau":
         sigma = data["sigma"] if "sigma" in data.variables else slider.sigma
         values = values / np.asarray(sigma, float)
     return KINDS[found[0]], values
 
 
-def _displacement(data, t):
+def displacement_of(data, t):
     """(m,) load-point displacement [m], from the speed where only that was recorded; or None."""
     if "delta_lp" in data.variables:
-        return _column(data, "delta_lp")
+        return column(data, "delta_lp")
     if "V_load" in data.variables:
-        V = _column(data, "V_load")
+        V = column(data, "V_load")
         return np.concatenate([[0.0], np.cumsum(0.5 * (V[1:] + V[:-1]) * np.diff(t))])
     return None
 
 
-def _loading(data, displacement, time, loading):
+def loading_of(data, displacement, time, loading):
     """What the load point did from the record's first sample on."""
     if loading is not None:
         if not isinstance(loading, Loading) or np.ndim(loading.V) != 1:

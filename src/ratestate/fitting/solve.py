@@ -49,7 +49,7 @@ class Problem:
     def levelled(self, points):
         """Points with the level, and the trend, that fit the record best; their misfits."""
         points = points.copy()
-        linear = [self.unknowns.index(n) for n in ("level", "trend") if n in self.unknowns.names]
+        linear = [self.unknowns.place(n) for n in ("level", "trend") if n in self.unknowns.names]
         points[:, linear] = 0.0
         columns = np.ones((self.record.t.size, len(linear)))
         columns[:, 1:] = self.record.along[:, None]
@@ -102,7 +102,7 @@ class Solution(NamedTuple):
 
     def at_bound(self, name):
         """-1 or 1 if a coordinate has run to its lower or upper bound, else 0."""
-        i = self.unknowns.index(name)
+        i = self.unknowns.place(name)
         low, high = self.unknowns.low[i], self.unknowns.high[i]
         if not np.isfinite(high - low):
             return 0
@@ -222,5 +222,5 @@ def _widened(solution, unknowns):
     """A point of more coordinates, the new ones at 0."""
     point = np.zeros(len(unknowns.names))
     for i, name in enumerate(solution.unknowns.names):
-        point[unknowns.index(name)] = solution.point[i]
+        point[unknowns.place(name)] = solution.point[i]
     return point

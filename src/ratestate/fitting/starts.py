@@ -48,7 +48,7 @@ def unknowns_of(record, free, *, start, sigma):
 
 
 def starting_points(problem, slider):
-    """Points (k,) to start from, the best first, as they fit a thinned record; none like another."""
+    """Points (k,) to start from, none like another, the best fit to a thinned record first."""
     unknowns, record = problem.unknowns, problem.record
     sizes = _sizes(record, slider.sigma)
     rng = np.random.default_rng(SEED)

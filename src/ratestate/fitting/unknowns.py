@@ -29,7 +29,8 @@ class Unknowns(NamedTuple):
     low: np.ndarray  # (k,)
     high: np.ndarray  # (k,)
 
-    def index(self, name):
+    def place(self, name):
+        """Where a coordinate stands."""
         return self.names.index(name)
 
     @property

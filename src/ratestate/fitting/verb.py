@@ -10,12 +10,12 @@ from ..slider import checked
 from ..units import is_array
 from .answer import add_comparison, result_of, side_by_side
 from .blas import single_blas
-from .cycle_result import cycles_dataset
-from .cycles import fit_cycles
+from .cycles.fit import fit_cycles
+from .cycles.result import cycles_dataset
+from .likelihood.uncertainty import ERRORS, uncertain, with_posteriors
 from .noise import given_noise
 from .record import record_of
 from .solve import solve
-from .uncertainty import ERRORS, uncertain, with_posteriors
 from .unknowns import checked_free
 
 CHOICES = {

@@ -4,17 +4,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import ParameterError
-from .blas import single_blas
-from .cycle_model import GRID, CycleModel
-from .cycle_profile import Profiles
-from .cycle_search import Problem, starts
-from .cycle_space import PARAMETERS, Space
-from .cycle_words import identified, remarks
+from ...errors import ParameterError
+from ..blas import single_blas
+from ..record import column, displacement_of, friction_of, increasing, loading_of
 from .features import FEATURES, LEVEL
 from .measured import Segment, corrected, measure
-from .record import _column, _friction, _increasing, _loading
-from .record import _displacement as displacement_of
+from .model import GRID, CycleModel
+from .profile import Profiles
+from .search import Problem, starts
+from .space import PARAMETERS, Space
+from .words import identified, remarks
 
 # Samples below which a stretch of record is not looked at.
 FEWEST = 20
@@ -108,16 +107,16 @@ def _fit(found, slider, free, law):
 
 def segments(record, slider, loading):
     """`Segment`s of a record in which the load point moves at one speed."""
-    time = _column(record, "time")
-    _increasing(time)
-    kind, friction = _friction(record, slider)
+    time = column(record, "time")
+    increasing(time)
+    kind, friction = friction_of(record, slider)
     if kind != "tau":
         raise ParameterError(
             "the record has mu, the friction of the interface; cycles are fitted by the spring's: "
             "give friction (tau/sigma) or tau"
         )
     t = time - time[0]
-    loading = _loading(record, displacement_of(record, t), time, loading)
+    loading = loading_of(record, displacement_of(record, t), time, loading)
     ends = np.append(loading.t[1:], np.inf)
     found = []
     for start, end, V_lp in zip(loading.t, ends, loading.V, strict=True):

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from ..quantities import attrs
+from ...quantities import attrs
 
 #: differences of ln(likelihood) or ln(evidence): undecided below the first, clear above the second
 UNDECIDED, CLEAR = 1.5, 5.0

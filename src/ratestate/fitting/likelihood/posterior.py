@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import ParameterError
-from ..progress import bar
-from ..quantities import readable
-from .result import LEVELS
-from .unknowns import LINEAR, START
+from ...errors import ParameterError
+from ...progress import bar
+from ...quantities import readable
+from ..result import LEVELS
+from ..unknowns import LINEAR, START
 
 LIVE, SEED = 400, 20190101
 #: what ln(evidence) may still gain when sampling ends; most evaluations

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .cycle_space import FAR
 from .features import LEVEL
+from .space import FAR
 
 # Points of the cloud, the best of which are starts; their least distance from each other.
 CLOUD, STARTS, APART, SEED = 512, 4, 0.3, 20190117

@@ -2,13 +2,13 @@
 
 from typing import NamedTuple
 
+from ..result import Estimates, estimates
+from ..solve import Solution, settled
+from ..unknowns import START
 from .posterior import Posterior, posterior, prior_of
 from .profile import Better
 from .profiles import profiles
 from .reported import reported_of
-from .result import Estimates, estimates
-from .solve import Solution, settled
-from .unknowns import START
 
 #: kinds of intervals, as the user asks for them
 ERRORS = ("auto", "covariance", "profile", "posterior")

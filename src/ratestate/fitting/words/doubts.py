@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.stats import chi2, f
 
-from ..quantities import readable
-from .forward import Forward
+from ...quantities import readable
+from ..forward import Forward
 from .identify import identified
 
 #: chance below which noise alone is not believed to make a response, or a misfit

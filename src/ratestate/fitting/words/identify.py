@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..quantities import QUANTITIES, readable
+from ...quantities import QUANTITIES, readable
+from ..unknowns import START, to_value
 from .trades import percent, relative_error, trade, traded
-from .unknowns import START, to_value
 
 #: standard error of a logarithm from which a parameter counts as hardly determined
 VAGUE = 0.5
@@ -192,7 +192,7 @@ def _bounds(known, open_sides):
     for name in known.solution.unknowns.names:
         side = known.solution.at_bound(name)
         if side and name not in open_sides:
-            i = known.solution.unknowns.index(name)
+            i = known.solution.unknowns.place(name)
             value = to_value(name, known.solution.point[i])
             shown = f"{value:.4g}" if name in START else _readable(name, value)
             found.append(

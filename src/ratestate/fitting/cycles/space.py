@@ -11,8 +11,8 @@ shape of the cycle, and least squares need not follow a bent valley.
 
 import numpy as np
 
-from ..errors import ParameterError
-from ..stability import K_c
+from ...errors import ParameterError
+from ...stability import K_c
 
 PARAMETERS = ("a", "b", "Dc", "K", "M")
 # How far a parameter may move from any start, as a logarithm: a run that gets there has gone off.

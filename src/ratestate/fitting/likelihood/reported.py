@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .unknowns import LINEAR, to_value
+from ..unknowns import LINEAR, to_value
 
 
 class Reported(NamedTuple):

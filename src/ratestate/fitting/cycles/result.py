@@ -5,12 +5,12 @@ import json
 import numpy as np
 import xarray
 
-from ..dataset import provenance
-from ..quantities import attrs
-from .cycle_profile import ROOTS
-from .cycles import wave_at
+from ...dataset import provenance
+from ...quantities import attrs
+from ..result import Estimates, estimate_variables
 from .features import FEATURES, LEVEL
-from .result import Estimates, estimate_variables
+from .fit import wave_at
+from .profile import ROOTS
 
 # Shifts of phase, in cycles, that are tried to lay the model's cycle over the record's.
 SHIFTS = np.linspace(-0.05, 0.05, 101)

@@ -8,8 +8,8 @@ number is the least chi-squared of all fits in which it keeps a value.
 import numpy as np
 from scipy.stats import norm
 
-from .cycle_search import FLOOR, FTOL
-from .result import LEVELS
+from ..result import LEVELS
+from .search import FLOOR, FTOL
 
 # Roots of the rise of chi-squared at the ends of the intervals.
 ROOTS = norm.ppf(0.5 + 0.5 * np.array(LEVELS))

@@ -4,14 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..cases import MAX_STEPS
-from ..cycles import WORST
-from ..engine import drive
-from ..engine.model import FINISHED, RODAS5P, Cases, Loads
-from ..laws import evolution_law, mu_ss
-from ..measure import refine
-from ..settle import settle, steady_start
-from ..shooting import state, system_of
+from ...cases import MAX_STEPS
+from ...cycles import WORST
+from ...engine import drive
+from ...engine.model import FINISHED, RODAS5P, Cases, Loads
+from ...laws import evolution_law, mu_ss
+from ...measure import refine
+from ...settle import settle, steady_start
+from ...shooting import state, system_of
 from .features import FEATURES, profile_features, wave_profiles
 
 # Phases at which a wave is known, from where it falls through its middle: even, and as geometric

@@ -11,9 +11,9 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.stats import norm
 
+from ..result import LEVELS
+from ..unknowns import NEAR
 from .held import best_with
-from .result import LEVELS
-from .unknowns import NEAR
 
 #: root of the deviance at the ends of the intervals, and where a profile may end
 ROOTS = norm.ppf(0.5 + 0.5 * np.array(LEVELS))

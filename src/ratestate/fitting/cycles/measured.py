@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import ParameterError
-from .cycle_noise import Noise, residual_noise
+from ...errors import ParameterError
 from .features import AMPLITUDE, DROP, FEATURES, LEVEL, PERIOD, profile_features
 from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, periodic, thinned
+from .noise import Noise, residual_noise
 
 # Bins of the profile: their bounds, and the noise in one over the amplitude that is aimed at.
 BINS, BIN_NOISE = (24, 128), 0.01

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from .solve import FEW, Problem
-from .unknowns import Unknowns
+from ..solve import FEW, Problem
+from ..unknowns import Unknowns
 
 
 class Held(Problem):

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import ParameterError
+from ...errors import ParameterError
 
 # Fewest cycles, and samples in a cycle, of which anything can be said.
 FEWEST_CYCLES, FEWEST_SAMPLES = 3, 6

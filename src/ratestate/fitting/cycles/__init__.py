@@ -1,0 +1,1 @@
+"""Fits of limit cycles, stick-slip or vibration, by features of the cycles."""

@@ -1,0 +1,1 @@
+"""What the likelihood says of each estimate: profiles, posterior, intervals."""

@@ -1,0 +1,1 @@
+"""What a fit says in words: what is determined, what is doubtful, which law is preferred."""
