@@ -232,7 +232,8 @@ def test_the_result_says_what_it_is(noisy, fitted):
     assert float(fitted.a_minus_b) == pytest.approx(float(fitted.a - fitted.b), rel=1e-12)
     assert abs(float(fitted.a_minus_b) + 0.004) < 4 * float(error)
     assert float(error) < 0.5 * float(fitted.standard_error.sel(parameter="a"))
-    assert "warnings" in fitted.attrs
+    assert fitted.warnings.item() == ""
+    assert fitted.identifiability.item().startswith("All free parameters are determined")
     assert json.loads(fitted.attrs["slider"])["sigma"] == 2e7
 
 

@@ -1,6 +1,5 @@
 """`plot.fit`, and `plot.page` of a fit: what is drawn, and what is written beneath it."""
 
-import json
 import warnings
 
 import numpy as np
@@ -11,7 +10,7 @@ from records import SLIDER, STEP, record
 
 import ratestate as rs
 from ratestate import ParameterError, plot
-from ratestate.fitting.each import each_law, stiffness_over_critical
+from ratestate.fitting.each import each_law, stiffness_over_critical, warnings_of
 from ratestate.plot.curves import MOST, _envelope
 from ratestate.plot.likelihood import likelihood, told
 from ratestate.quantities import with_error
@@ -195,8 +194,7 @@ def test_the_page_of_cycles(both):
         },
         {"time": t, "feature": [*features, "level"]},
     )
-    made.attrs = part.attrs | {"against": "cycles", "law": "slip", "warnings": "[]"}
-    made.attrs["identifiability"] = ""
+    made.attrs = part.attrs | {"against": "cycles", "law": "slip"}
     fig = plot.page(made)
     found = panels(fig)
     assert np.ptp(lines(found["b"], "slip law")[0]) == pytest.approx(0.4, rel=0.02)
@@ -222,5 +220,5 @@ def test_the_error_of_stiffness_over_critical_is_that_of_draws(both):
 
 
 def test_each_law_has_its_own_words(both):
-    warned = both.assign_attrs(warnings=json.dumps({"slip": ["beware"], "aging": []}))
-    assert [part.attrs["warnings"] for part in each_law(warned).values()] == [["beware"], []]
+    warned = both.assign(warnings=("law", ["beware\nof it", ""]))
+    assert [warnings_of(part) for part in each_law(warned).values()] == [["beware", "of it"], []]

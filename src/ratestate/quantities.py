@@ -160,6 +160,8 @@ QUANTITIES = {
     "log_likelihood": Quantity("1", "ln of the likelihood at its maximum"),
     "aic": Quantity("1", "Akaike information criterion"),
     "bic": Quantity("1", "Bayesian information criterion"),
+    "identifiability": Quantity("1", "what the record tells of each parameter"),
+    "warnings": Quantity("1", "what must be known before the numbers are used, a line each"),
     "samples": Quantity("1", "samples fitted"),
     "evaluations": Quantity("1", "motions computed"),
     "noise": Quantity("1", "standard deviation of the noise in friction", "> 0", "3e-4"),

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 # Attributes of a result that hold JSON.
 NESTED = (
     *("slider", "V_lp", "V_start", "t_end", "initial", "loading", "versions"),
-    *("free", "warnings", "columns", "notes"),  # of a fit
+    *("free", "columns", "notes"),  # of a fit
 )
 
 
@@ -30,8 +30,7 @@ def document(result: "xarray.Dataset", said: "Spoken | None" = None) -> str:
     from .job import failed
 
     whole = split(result).to_dict()
-    nested = (*NESTED, *(["identifiability"] if "law" in result.dims else []))
-    attrs = {k: json.loads(v) if k in nested else v for k, v in whole["attrs"].items()}
+    attrs = {k: json.loads(v) if k in NESTED else v for k, v in whole["attrs"].items()}
     found = {
         "ratestate": version("ratestate"),
         "title": attrs.pop("title"),

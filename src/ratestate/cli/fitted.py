@@ -19,7 +19,6 @@ STARTS = {"a": "0.01", "b": "0.01", "Dc": "10 um"}
 #: K over sigma [1/m], likewise
 STIFFNESS = 3e3
 #: what a record tells of itself that goes into the result
-CARRIED = ("source", "columns", "found", "notes")
 REPORT, PICTURE, NUMBERS = "report.md", "fit.png", "fit.nc"
 #: how each report begins
 HEADING = "# Fit of "
@@ -76,8 +75,7 @@ def _result(asked: Asked) -> "tuple[xarray.Dataset, SpringSlider, xarray.Dataset
         record = read_lab(asked.file, **asked.reading)
         slider = _slider(asked, record)
         result = fit(record, slider, **asked.fitting)
-    carried = {name: record.attrs[name] for name in CARRIED if name in record.attrs}
-    return record, slider, result.assign_attrs(carried)
+    return record, slider, result
 
 
 def _slider(asked: Asked, record: "xarray.Dataset") -> "SpringSlider":
@@ -106,9 +104,7 @@ def _slider(asked: Asked, record: "xarray.Dataset") -> "SpringSlider":
 
 
 def _warned(result: "xarray.Dataset") -> bool:
-    from ..fitting.each import each_law
-
-    return any(part.attrs["warnings"] for part in each_law(result).values())
+    return bool((result["warnings"] != "").any())
 
 
 def _written(

@@ -1,12 +1,17 @@
 """The Dataset of a fit: one law's, and several laws' side by side."""
 
-import json
-
 import xarray
 
 from ..dataset import record_loading
 from .likelihood.posterior import prior_words
-from .result import curves, estimate_variables, posterior_variables, profile_variables, statistics
+from .result import (
+    curves,
+    estimate_variables,
+    posterior_variables,
+    profile_variables,
+    statistics,
+    text_variables,
+)
 from .words.compare import compared
 from .words.doubts import in_words
 
@@ -24,7 +29,7 @@ def result_of(known, data, slider):
         ]
     )
     words, problems = in_words(known, data, slider)
-    result.attrs = {"identifiability": words, "warnings": json.dumps(problems)}
+    result = result.assign(text_variables(words, problems))
     if known.sampled is not None:
         result.attrs["prior"] = prior_words(known.sampled.prior)
     record_loading(result, solution.problem.record.loading)
@@ -62,8 +67,4 @@ def side_by_side(results):
     for name, variable in joined.data_vars.items():
         if variable.dtype == object:  # text that not all laws have as much of
             joined[name] = variable.fillna("").astype(str)
-    texts = {law: json.loads(result.attrs["warnings"]) for law, result in results.items()}
-    joined.attrs["warnings"] = json.dumps(texts)
-    words = {law: result.attrs["identifiability"] for law, result in results.items()}
-    joined.attrs["identifiability"] = json.dumps(words)
     return joined

@@ -1,7 +1,5 @@
 """A result of `fit` law by law, and what its estimates imply."""
 
-import json
-
 import numpy as np
 
 from ..dataset import parameter
@@ -9,25 +7,24 @@ from ..stability import K_c_qs
 
 
 def each_law(result):
-    """law -> that law's part of a result of `fit`.
-
-    Each part has its own words in its attributes: ``warnings`` (list of str) and
-    ``identifiability`` (str).
-    """
-    warnings, words = json.loads(result.attrs["warnings"]), result.attrs["identifiability"]
+    """law -> that law's part of a result of `fit`."""
     if "law" not in result.dims:
-        return {result.attrs["law"]: _part(result, warnings, words)}
-    words = json.loads(words)
+        return {result.attrs["law"]: _part(result)}
     parts = {str(law): result.sel(law=law, drop=True) for law in result["law"].values}
-    return {law: _part(part, warnings[law], words[law]) for law, part in parts.items()}
+    return {law: _part(part) for law, part in parts.items()}
 
 
-def _part(part, warnings, words):
+def warnings_of(part):
+    """The warnings (list of str) of one law's part."""
+    return str(part["warnings"].item()).splitlines()
+
+
+def _part(part):
     """One law's part, without what other laws have, or nothing in it."""
     absent = [
         name for name, v in part.data_vars.items() if v.dtype.kind == "f" and v.isnull().all()
     ]
-    return part.drop_vars(absent).assign_attrs(warnings=warnings, identifiability=words)
+    return part.drop_vars(absent)
 
 
 def value_of(part, symbol):

@@ -4,13 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from ..quantities import attrs
 from .unknowns import slope, to_value
 
 LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
+#: standard errors to which they reach, of a Gaussian
+ROOTS = ndtri(0.5 + 0.5 * np.array(LEVELS))
 #: standard error of a coordinate that is none: the record does not see it
 UNSEEN = 1e6
 
@@ -60,7 +62,7 @@ def estimates(names, coordinates, covariance, derived=()):
     spread = gradients @ covariance @ gradients.T
     errors = np.sqrt(np.diag(spread))
     where = np.concatenate([coordinates, [value for _, value, _ in derived]])
-    reach = norm.ppf(0.5 + 0.5 * np.array(LEVELS))[:, None] * np.array([-1.0, 1.0])
+    reach = ROOTS[:, None] * np.array([-1.0, 1.0])
     ends = where[:, None, None] + errors[:, None, None] * reach
     values, scales = where.copy(), np.ones(where.size)
     for i, name in enumerate(names):
@@ -138,7 +140,7 @@ def curves(solution):
             np.einsum("mi,ij,mj->m", solution.jacobian, solution.covariance, solution.jacobian), 0.0
         )
     )
-    reach = norm.ppf(0.5 + 0.5 * LEVELS[-1]) * np.hypot(error, solution.noise.level)
+    reach = ROOTS[-1] * np.hypot(error, solution.noise.level)
     values = {
         "friction": record.friction,
         "friction_fit": solution.fitted,
@@ -173,3 +175,9 @@ def statistics(solution):
         "evaluations": solution.evaluations,
     }
     return xarray.Dataset({name: ((), value, attrs(name)) for name, value in values.items()})
+
+
+def text_variables(identifiability, warnings):
+    """The words on a fit: what is determined; and what must be known, a line each."""
+    texts = {"identifiability": identifiability, "warnings": "\n".join(warnings)}
+    return {name: ((), text, attrs(name)) for name, text in texts.items()}

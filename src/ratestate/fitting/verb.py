@@ -12,6 +12,7 @@ from .answer import add_comparison, result_of, side_by_side
 from .blas import single_blas
 from .cycles.fit import fit_cycles
 from .cycles.result import cycles_dataset
+from .each import warnings_of
 from .likelihood.uncertainty import ERRORS, uncertain, with_posteriors
 from .noise import given_noise
 from .record import record_of
@@ -24,6 +25,8 @@ CHOICES = {
     "start": ("auto", "steady", "free"),
     "errors": ERRORS,
 }
+#: attributes of a record that its fit keeps
+CARRIED = ("source", "columns", "found", "notes")
 
 
 def fit(
@@ -91,8 +94,8 @@ def fit(
         ``profile_deviance`` along ``profile_point``.  Posterior: ``posterior`` along ``sample``,
         all of the same weight, ``log_evidence`` and the sampler's diagnostics; the attribute
         ``prior``.  Several laws lie along ``law``, with ``aic_difference``, ``akaike_weight``,
-        ``log_bayes_factor`` and the attribute ``comparison``.  The attributes ``warnings`` (JSON)
-        and ``identifiability`` say in words what the numbers cannot.
+        ``log_bayes_factor`` and the attribute ``comparison``.  The texts ``warnings`` (a line
+        each; "" if all is well) and ``identifiability`` say what the numbers cannot.
 
     Raises
     ------
@@ -137,9 +140,11 @@ def fit(
             for one, result in results.items():
                 made = provenance("fit", slider, law=one, free=json.dumps(free), **settings)
                 result.attrs = made | result.attrs
-    for result in results.values():
-        for text in json.loads(result.attrs["warnings"]):
-            warnings.warn(text, FitWarning, stacklevel=2)
+    for one, result in results.items():
+        result.attrs |= {name: data.attrs[name] for name in CARRIED if name in data.attrs}
+        about = f"{one} law: " if len(laws) > 1 else ""
+        for text in warnings_of(result):
+            warnings.warn(about + text, FitWarning, stacklevel=2)
     return results[laws[0]] if law is None or isinstance(law, str) else side_by_side(results)
 
 

@@ -46,7 +46,7 @@ class Rows:
         self.kept = self.kept[good]
         if bad.size:
             self.warnings.append(
-                f"{_rows(bad.size)} left out that lack a number: {self.told(bad, self._cell)}"
+                f"{_rows(bad.size)} left out for want of a number: {self.told(bad, self._cell)}"
             )
 
     def _cell(self, row):
@@ -73,7 +73,7 @@ class Rows:
         if bad.size:
             coarse = "; the times have too few digits" if 10 * bad.size > t.size else ""
             self.warnings.append(
-                f"{_rows(bad.size)} left out that repeat the time of the row before: "
+                f"{_rows(bad.size)} left out with the time of the row before: "
                 f"{self.told(bad, lambda row: f'{self.t[row]:.10g} s')}{coarse}"
             )
 

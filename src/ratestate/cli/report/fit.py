@@ -7,28 +7,19 @@ from .estimates import lines, noise
 
 if TYPE_CHECKING:
     import xarray
+    from rich.table import Table
 
 
 def fit(result: "xarray.Dataset") -> list[Any]:
     """The estimates under each law with 95 % intervals, the noise, and what must be known."""
-    from rich import box
-    from rich.table import Table
     from rich.text import Text
 
-    from ...fitting.each import each_law
+    from ...fitting.each import each_law, warnings_of
 
     laws = each_law(result)
-    made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    made.add_column("")
-    for law in laws:
-        made.add_column(f"{law} law", justify="right", no_wrap=True)
-        made.add_column("95 % interval", justify="right", no_wrap=True)
-    made.add_column("")
-    for line in lines(laws):
-        cells = [text for one in line.each for text in (one.value, (one.intervals or ("",))[-1])]
-        made.add_row(*map(Text, (line.label, *cells, line.meaning)))
     size = result.sizes["time"]
-    shown = [Text(f"{size:,} samples, {' and '.join(laws)} law", style="bold"), made, Text("")]
+    title = Text(f"{size:,} samples, {' and '.join(laws)} law", style="bold")
+    shown = [title, _Widest(laws), Text("")]
     if found := result.attrs.get("found"):
         shown.insert(0, Text(found))
     for law, part in laws.items():
@@ -36,8 +27,47 @@ def fit(result: "xarray.Dataset") -> list[Any]:
     if words := result.attrs.get("comparison"):
         shown.append(Text(words))
     notes = [f"note: {text}" for text in json.loads(result.attrs.get("notes", "[]"))]
-    said = [f"{law} law: {text}" for law, part in laws.items() for text in part.attrs["warnings"]]
+    said = [f"{law} law: {text}" for law, part in laws.items() for text in warnings_of(part)]
     return [*shown, *map(Text, notes), *(Text(f"warning: {text}", style="bold") for text in said)]
+
+
+class _Widest:
+    """The estimates in the fullest layout that the terminal is wide enough for."""
+
+    def __init__(self, laws: "dict[str, xarray.Dataset]") -> None:
+        self.laws = laws
+
+    def __rich_console__(self, console: Any, options: Any) -> Any:
+        alone = [{law: part} for law, part in self.laws.items()]
+        endless = options.update(width=10_000)
+        for together, meaning in ((True, True), (True, False), (False, True), (False, False)):
+            parts = [self.laws] if together else alone
+            tables = [_table(laws, meaning) for laws in parts]
+            if (
+                max(console.measure(one, options=endless).maximum for one in tables)
+                <= options.max_width
+            ):
+                break
+        yield from tables
+
+
+def _table(laws: "dict[str, xarray.Dataset]", meaning: bool) -> "Table":
+    """The estimates under these laws, with or without what each quantity is."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    made.add_column("", no_wrap=True)
+    for law in laws:
+        made.add_column(f"{law} law", justify="right", no_wrap=True)
+        made.add_column("95 % interval", justify="right", no_wrap=True)
+    if meaning:
+        made.add_column("", no_wrap=True)
+    for line in lines(laws):
+        cells = [text for one in line.each for text in (one.value, (one.intervals or ("",))[-1])]
+        made.add_row(*map(Text, (line.label, *cells, *([line.meaning] if meaning else []))))
+    return made
 
 
 def _quality(part: "xarray.Dataset") -> str:

@@ -139,7 +139,7 @@ def _features(laws: "dict[str, xarray.Dataset]") -> str:
 
 def _identifiability(laws: "dict[str, xarray.Dataset]") -> list[str]:
     """What the record tells of each parameter."""
-    said = {law: part.attrs["identifiability"] for law, part in laws.items()}
+    said = {law: str(part["identifiability"].item()) for law, part in laws.items()}
     if not any(said.values()):
         return []
     return ["## What the record tells", *(f"**{law} law.** {s}" for law, s in said.items() if s)]
@@ -147,7 +147,9 @@ def _identifiability(laws: "dict[str, xarray.Dataset]") -> list[str]:
 
 def _warnings(laws: "dict[str, xarray.Dataset]") -> str:
     """All warnings, where they cannot be overlooked."""
-    said = [f"> - {law} law: {t}" for law, part in laws.items() for t in part.attrs["warnings"]]
+    from ...fitting.each import warnings_of
+
+    said = [f"> - {law} law: {t}" for law, part in laws.items() for t in warnings_of(part)]
     return "\n".join(["> **Read this before you use the numbers.**", ">", *said]) if said else ""
 
 

@@ -178,12 +178,12 @@ def wave_at(wave):
 
 def _result(problem, runs, said):
     """`CyclesFit` of the best run."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     space, best = problem.space, runs[0]
     waves, fitted = _at(problem, best)
     dof = problem.levels.size - space.size - 1
-    misfit = dof > 0 and chi2.sf(best.chi2, dof) < CHANCE
+    misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
     covariance = enlarged**2 * _covariance(best.jacobian)
     ended = [space.values(run.end[None]) for run in runs]

@@ -209,9 +209,9 @@ def _scatter(cycles):
 
 def _excess(scatter, typical, n):
     """(6,) variances beyond those of noise; 0 where chance explains the difference."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
-    limit = chi2.isf(CHANCE, n - 1) / (n - 1)
+    limit = chdtri(n - 1, CHANCE) / (n - 1)
     with np.errstate(invalid="ignore"):
         real = scatter > limit * typical
     return np.where(real, scatter - typical, 0.0)

@@ -6,13 +6,10 @@ number is the least chi-squared of all fits in which it keeps a value.
 """
 
 import numpy as np
-from scipy.stats import norm
 
-from ..result import LEVELS
+from ..result import ROOTS
 from .search import FLOOR, FTOL
 
-# Roots of the rise of chi-squared at the ends of the intervals.
-ROOTS = norm.ppf(0.5 + 0.5 * np.array(LEVELS))
 # Error of a logarithm below which the parabola is good enough.
 SMALL = 0.08
 # Beyond this nothing is known, and no end would mean much.

@@ -7,10 +7,9 @@ import xarray
 
 from ...dataset import provenance
 from ...quantities import attrs
-from ..result import Estimates, estimate_variables
+from ..result import ROOTS, Estimates, estimate_variables, text_variables
 from .features import FEATURES, LEVEL
 from .fit import wave_at
-from .profile import ROOTS
 
 # Shifts of phase, in cycles, that are tried to lay the model's cycle over the record's.
 SHIFTS = np.linspace(-0.05, 0.05, 101)
@@ -44,9 +43,7 @@ def cycles_dataset(found, slider, **settings):
     result["chi2"] = ((), found.chi2, {"units": "1", "long_name": "chi-squared of the features"})
     result.attrs = provenance("fit", slider, law=found.law, against="cycles", **settings)
     result.attrs["free"] = json.dumps(found.names[:-1])
-    result.attrs["warnings"] = json.dumps(found.warnings)
-    result.attrs["identifiability"] = found.identifiability
-    return result
+    return result.assign(text_variables(found.identifiability, found.warnings))
 
 
 def _estimates(found):

@@ -9,14 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
-from scipy.stats import norm
 
-from ..result import LEVELS
+from ..result import ROOTS
 from ..unknowns import NEAR
 from .held import best_with
 
-#: root of the deviance at the ends of the intervals, and where a profile may end
-ROOTS = norm.ppf(0.5 + 0.5 * np.array(LEVELS))
+#: root of the deviance where a profile may end
 BEYOND = 1.03 * ROOTS[-1]
 #: root of the deviance from one point of a profile to the next; most points on one side
 STRIDE, MOST = 1.02, 24

@@ -1,7 +1,7 @@
 """What in a record speaks against taking a fit at its word."""
 
 import numpy as np
-from scipy.stats import chi2, f
+from scipy.special import chdtri, fdtrc
 
 from ...quantities import readable
 from ..forward import Forward
@@ -60,7 +60,7 @@ def _unresponsive(known):
     rest = white[:, 0] - basis @ (basis.T @ white[:, 0])
     gain = float(rest @ rest) - solution.chi2
     free = len(solution.point) - basis.shape[1]
-    if gain > chi2.isf(CHANCE, free):
+    if gain > chdtri(free, CHANCE):
         return []
     return [
         f"friction does not respond to the steps by more than the noise: a level"
@@ -77,13 +77,28 @@ def _value(known, name, slider):
     )
 
 
+def _upper(known, name, otherwise):
+    """The upper end of a parameter's 95 % interval; its value if it was given."""
+    table = known.estimates
+    return (
+        float(table.intervals[table.names.index(name), -1, 1]) if name in table.names else otherwise
+    )
+
+
 def _unsettled(known, slider):
     """Whether the record ends soon after its last step."""
     record = known.solution.problem.record
     Dc = _value(known, "Dc", slider)
     passed = np.diff(record.loading.delta_lp(np.array([record.loading.t[-1], record.t[-1]])))[0]
-    if record.loading.V[-1] == 0.0 or passed >= SETTLED * Dc:
+    high = _upper(known, "Dc", Dc)
+    if record.loading.V[-1] == 0.0 or passed >= SETTLED * high:
         return []
+    if passed >= SETTLED * Dc:
+        most = f"as large as {readable('Dc', high, 2)}" if np.isfinite(high) else "of any size"
+        return [
+            f"the record ends {readable('delta_lp', float(passed), 3)} after its last step, and Dc "
+            f"may be {most} (95 %): friction may not have settled by then; widen the window"
+        ]
     return [
         f"the record ends {readable('delta_lp', float(passed), 3)} after its last step, only "
         f"{passed / Dc:.2g} Dc, before friction has settled: b, Dc and a - b rest on what was not "
@@ -121,12 +136,13 @@ def _misfit(known, slider):
     beside = after.size - count
     elsewhere = float(np.mean(white[~after, 0] ** 2)) if beside > FEWEST else np.inf
     square = float(np.mean(white[after, 0] ** 2)) / elsewhere
-    if square > MISFIT and f.sf(square, count, beside) < CHANCE:
+    mass = "the machine's mass (M is 0), " if solution.problem.forward.fixed["M"] == 0.0 else ""
+    if square > MISFIT and fdtrc(count, beside, square) < CHANCE:
         return [
             f"the law does not describe the record after its steps: residuals there are "
             f"{np.sqrt(square):.2g} times as large as the noise elsewhere; the errors count them "
-            f"as noise, and are too small: try the other law, lag among free, or a window that "
-            f"leaves out what is special"
+            f"as noise, and are too small: try the other law, {mass}lag among free, or a window "
+            f"that leaves out what is special"
         ]
     colored = float(np.mean(residual**2)) / (np.var(np.diff(residual)) / 2.0)
     duration = float(durations.min())
