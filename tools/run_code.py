@@ -58,10 +58,11 @@ def load_toml(page):
 
 @contextlib.contextmanager
 def elsewhere():
-    """A folder that is gone afterwards, and no windows for pictures."""
+    """A folder with the examples that is gone afterwards, and no windows for pictures."""
     os.environ["MPLBACKEND"] = "agg"
     before = Path.cwd()
     with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(EXAMPLES, Path(folder) / "examples")
         os.chdir(folder)
         try:
             yield
