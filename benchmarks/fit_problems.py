@@ -16,6 +16,7 @@ import ratestate as rs
 from ratestate.fitting.noise import Noise
 from ratestate.fitting.record import record_of
 from ratestate.fitting.solve import Problem as Search
+from ratestate.fitting.solve import search
 from ratestate.fitting.starts import unknowns_of
 from ratestate.fitting.unknowns import to_coordinate, to_value
 from ratestate.paper.parameters import FIG2
@@ -66,7 +67,7 @@ class FitProblem:
     def start(self):
         """(5,) where the search begins, with the level that fits best there."""
         values = [to_coordinate(name, getattr(self.begin, name)) for name in FREE]
-        return self.search.levelled(np.array([[*values, 0.0]]))[0]
+        return self.search.levelled(np.array([[*values, 0.0]]))[0][0]
 
     def exact(self, point):
         """(m,) friction at a point, by `simulate` at its tightest."""
@@ -82,7 +83,7 @@ class FitProblem:
         friction = self.data.friction.values
         found = least_squares(
             lambda point: (self.exact(point) - friction) / NOISE.white,
-            self.search.search(self.start, NOISE).x,
+            search(self.search, self.start, NOISE).x,
             jac="3-point",
             diff_step=1e-4,
             x_scale="jac",

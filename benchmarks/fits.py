@@ -11,6 +11,7 @@ from timing import cpu, interleaved, one_core
 
 import ratestate as rs
 from ratestate.fitting.blas import single_blas
+from ratestate.fitting.solve import search
 from ratestate.fitting.unknowns import to_coordinate
 
 OURS, CALL = "least squares alone", "fit"
@@ -51,7 +52,7 @@ def least_squares(problem):
     """The package's own, with nothing around it."""
     forward = problem.search.forward
     before = forward.evaluations
-    point = problem.search.search(problem.start, NOISE).x
+    point = search(problem.search, problem.start, NOISE).x
     motions = forward.evaluations - before
     return Fitted(point, motions, forward.friction(point[None])[0])
 

@@ -111,6 +111,7 @@ def test_neglected_mass_is_a_bias_that_no_error_admits():
     assert float(without.log_likelihood) < float(with_mass.log_likelihood) - 30.0
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_start_out_of_steady_sliding_is_seen():
     loading = rs.Loading.steps("4 um/s", (10.0, "1 um/s"), (50.0, "10 um/s"))
     t = np.concatenate([T[:150], np.linspace(39.1, 80.0, 800)])
@@ -119,6 +120,10 @@ def test_a_start_out_of_steady_sliding_is_seen():
     assert_finds(found, SLIDER)
     steady = rs.fit(late, START, start="steady")
     assert float(found.log_likelihood) > float(steady.log_likelihood) + 30.0
+    # 1 s after the step down from 4 um/s
+    run = rs.simulate(SLIDER, loading, 11.0, times=[11.0])
+    assert float(found.V_start) == pytest.approx(float(run.V[0]), rel=0.2)
+    assert float(found.theta_start) == pytest.approx(float(run.theta[0]), rel=0.2)
     # and where there is none, it makes no difference
     sound = record(SLIDER, EARLY_STEP, T, noise=1e-4)
     assert float(rs.fit(sound, START).Dc) == float(rs.fit(sound, START, start="steady").Dc)
@@ -132,6 +137,8 @@ def test_a_trend_is_told_from_the_step(clean, trend):
     result = rs.fit(drifting, START, trend=trend)
     # (the trend goes by the slider's slip, of which the record's load point is a little ahead)
     assert float(result.Dc) == pytest.approx(1e-5, rel=5e-3)
+    expected = 10.0 if trend == "slip" else 1e-4
+    assert float(result[f"trend_{trend}"]) == pytest.approx(expected, rel=5e-3)
     without = rs.fit(drifting, START, trend=None)
     assert float(without.rms) > 10 * float(result.rms)
 
@@ -209,7 +216,7 @@ def test_two_laws_side_by_side(noisy, fitted):
 
 def test_the_result_says_what_it_is(noisy, fitted):
     assert set(FREE) <= set(fitted.data_vars)
-    assert fitted.parameter.values.tolist() == [*FREE, "mu0", "a_minus_b"]
+    assert fitted.parameter.values.tolist() == [*FREE, "mu0", "a_minus_b", "trend_slip"]
     for variable in fitted.variables.values():
         assert (
             variable.dtype.kind in "US"

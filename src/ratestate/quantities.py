@@ -20,6 +20,7 @@ KINDS = {
     "J/m^2": ("an energy per area", "'1 J/m^2'"),
     "Hz": ("a frequency", "'390 Hz'"),
     "1/s": ("a rate", "'1 1/s'"),
+    "1/m": ("a rate per length", "'1 1/m'"),
     "rad/s": ("an angular frequency", "'1 rad/s'"),
 }
 
@@ -130,6 +131,9 @@ QUANTITIES = {
     "K_fold_over_K_c_qs": Quantity("1", "stiffness up to which a cycle and stable sliding coexist"),
     "eta_bautin": Quantity("1", "eta at which the Hopf bifurcation changes its type"),
     "lag": Quantity("s", "delay of the load point behind its record"),
+    "trend_slip": Quantity("1/m", "trend of friction with slip"),
+    "trend_time": Quantity("1/s", "trend of friction with time"),
+    "theta_start": Quantity("s", "state at the record's start"),
     "a_minus_b": Quantity("1", "rate dependence in steady sliding, a - b"),
     "standard_error": Quantity("1", "standard error, in the parameter's SI unit"),
     "interval": Quantity("1", "confidence interval, in the parameter's SI unit"),

@@ -15,6 +15,9 @@ from .result import (
 from .words.compare import compared
 from .words.doubts import in_words
 
+#: variables of the record itself
+RECORDED = ("friction", "delta_lp")
+
 
 def result_of(known, data, slider):
     """The variables of an `Uncertain`, and the words on it as attributes."""
@@ -54,17 +57,21 @@ def add_comparison(results, aic, *, colored=False):
 
 def side_by_side(results):
     """Results under several laws (dict, law -> Dataset) as one, along ``law``."""
-    laws, found = list(results), list(results.values())
+    found = list(results.values())
+    # what was recorded is the same under all laws
+    recorded = [name for name in RECORDED if all(one[name].equals(found[0][name]) for one in found)]
     joined = xarray.concat(
         [
-            one.assign_coords({d: range(one.sizes[d]) for d in one.dims if d not in one.coords})
+            one.drop_vars(recorded).assign_coords(
+                {d: range(one.sizes[d]) for d in one.dims if d not in one.coords}
+            )
             for one in found
         ],
-        xarray.Variable("law", laws),
+        "law",
         join="outer",
         combine_attrs="drop_conflicts",
     )
     for name, variable in joined.data_vars.items():
         if variable.dtype == object:  # text that not all laws have as much of
             joined[name] = variable.fillna("").astype(str)
-    return joined
+    return joined.assign({name: found[0][name].drop_vars("law") for name in recorded})

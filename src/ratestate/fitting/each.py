@@ -9,7 +9,7 @@ from ..stability import K_c_qs
 def each_law(result):
     """law -> that law's part of a result of `fit`."""
     if "law" not in result.dims:
-        return {result.attrs["law"]: _part(result)}
+        return {str(result["law"].item()): _part(result.drop_vars("law"))}
     parts = {str(law): result.sel(law=law, drop=True) for law in result["law"].values}
     return {law: _part(part) for law, part in parts.items()}
 
@@ -33,16 +33,24 @@ def value_of(part, symbol):
 
 
 def error_of(part, symbol):
-    """Its standard error [SI]; 0 for one that was given."""
+    """Its standard error [SI]; 0 for one that was given.
+
+    Of an interval that a profile or a posterior has in place of the covariance: half of its 68 %,
+    and inf if it is open.
+    """
     if symbol not in part["parameter"].values:
         return 0.0
-    return float(part["standard_error"].sel(parameter=symbol))
+    one = part.sel(parameter=symbol)
+    if "interval_kind" not in one or one["interval_kind"] == "covariance":
+        return float(one["standard_error"])
+    low, high = one["interval"].sel(level=0.68).values
+    return float(high - low) / 2.0 if low != 0.0 else np.inf  # (0: open, of a logarithm)
 
 
 def stiffness_over_critical(part):
-    """K/K_c_qs of one law's part and its standard error; None where K_c_qs is not positive.
+    """K/K_c_qs of one law's part and its error; None where K_c_qs is not positive.
 
-    The errors are carried on as relative ones, with their correlation.
+    Errors (`error_of`) are carried on as relative ones, with their correlation.
     """
     a, b, Dc, sigma, K = (value_of(part, symbol) for symbol in "a b Dc sigma K".split())
     critical = K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma)
@@ -57,5 +65,7 @@ def stiffness_over_critical(part):
     if not known:
         return K / critical, 0.0
     relative = np.array([weights[name] * error_of(part, name) for name in known])
+    if not np.isfinite(relative).all():
+        return K / critical, np.inf
     correlation = part["correlation"].sel(parameter=known, other=known).values
     return K / critical, K / critical * float(np.sqrt(relative @ correlation @ relative))

@@ -6,8 +6,6 @@ is served by the one engine.  Neighbours take nearly the same steps, so most of 
 cancel: with rtol = 1e-8 and differences of 3e-5 sensitivities are right to 1e-6.
 """
 
-import functools
-
 import numpy as np
 
 from ..cases import V_LIMIT
@@ -45,6 +43,7 @@ class Forward:
             np.ascontiguousarray(loading.rate, float)[None],
         )
         self.evaluations = 0
+        self.common: dict = {}  # number of sliders -> what all calls for as many share
         own = {"b": STEP * record.scale, "lag": 0.1 * record.spacing}
         #: step of a central difference in each coordinate that the motion depends on
         self.steps = {n: own.get(n, STEP) for n in names if n not in ("level", "trend")}
@@ -75,7 +74,7 @@ class Forward:
 
     def parts(self, points):
         """`friction`, and (n, m) what the trend multiplies: slip or time since the start."""
-        values = self._values(points)
+        values = self.values(points)
         saved = self._motion(values)
         a, b, K = (values[symbol][:, None] for symbol in ("a", "b", "K"))
         x, v, psi = saved[..., 0], saved[..., 1], saved[..., 2]
@@ -86,7 +85,7 @@ class Forward:
         self.evaluations += len(change)
         return values["level"][:, None] + change + values["trend"][:, None] * along, along
 
-    def _values(self, points):
+    def values(self, points):
         """name -> (n,) values of everything that `parts` needs."""
         values = dict(self._common(len(points))[0])
         with np.errstate(over="ignore"):
@@ -95,9 +94,13 @@ class Forward:
                 values[name] = points[:, i] if plain else np.exp(points[:, i])
         return values
 
-    @functools.lru_cache(maxsize=8)  # noqa: B019  (as few as there are sizes of batches)
     def _common(self, n):
         """What all calls for n sliders share: values that are not sought, columns of `Cases`."""
+        if n not in self.common:
+            self.common[n] = self._common_of(n)
+        return self.common[n]
+
+    def _common_of(self, n):
         record = self.record
         nothing = {"level": 0.0, "trend": 0.0, "lag": 0.0, **dict.fromkeys(START, 0.0)}
         values = {k: np.full(n, float(v)) for k, v in {**self.fixed, **nothing}.items()}

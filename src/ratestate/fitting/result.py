@@ -7,7 +7,7 @@ import xarray
 from scipy.special import ndtri
 
 from ..quantities import attrs
-from .unknowns import slope, to_value
+from .unknowns import START, slope, to_value
 
 LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
@@ -27,13 +27,13 @@ class Estimates(NamedTuple):
     correlation: np.ndarray  # (p, p), of the coordinates
     kinds: tuple  # what the intervals are from: "covariance", "profile" or "posterior"
 
-    def without(self, name):
-        """The same without one of them."""
-        i = [k for k, other in enumerate(self.names) if other != name]
-        names, kinds = (tuple(column[k] for k in i) for column in (self.names, self.kinds))
+    def only(self, names):
+        """The same of these names."""
+        i = [self.names.index(name) for name in names]
+        kinds = tuple(self.kinds[k] for k in i)
         values, errors, intervals = self.values[i], self.errors[i], self.intervals[i]
         correlation = self.correlation[np.ix_(i, i)]
-        return Estimates(names, values, errors, intervals, correlation, kinds)
+        return Estimates(tuple(names), values, errors, intervals, correlation, kinds)
 
     def with_intervals(self, intervals, kind):
         """The same with other intervals: name -> (levels, sides) [SI]."""
@@ -174,6 +174,12 @@ def statistics(solution):
         "samples": residual.size,
         "evaluations": solution.evaluations,
     }
+    if START[0] in solution.unknowns.names:
+        forward = solution.problem.forward
+        at = {name: float(value[0]) for name, value in forward.values(solution.point[None]).items()}
+        v, psi = (at[name] for name in START)
+        values["V_start"] = forward.V0 * np.exp(v)
+        values["theta_start"] = at["Dc"] / forward.V0 * np.exp(psi)
     return xarray.Dataset({name: ((), value, attrs(name)) for name, value in values.items()})
 
 

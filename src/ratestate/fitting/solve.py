@@ -25,7 +25,7 @@ AGREE = 1e-3
 MOST, FEW = 200, 25
 #: estimates stand still where none moves by more, in its standard error
 STILL = 0.02
-#: by how much chi-square must fall for a record to start out of steady sliding
+#: fall of chi-square that has a cause, and is no chance: of a start out of steady sliding, of a lag
 FALL = 30.0
 
 
@@ -67,19 +67,23 @@ class Problem:
         residual = self.forward.friction(point[None])[0] - self.record.friction
         return Noise(max(float(np.sqrt(np.mean(residual**2))), 1e-15))
 
-    def search(self, start, noise, most=MOST):
-        """`scipy.optimize.least_squares` from this point."""
-        inside = 1e-9 * np.where(np.isfinite(self.unknowns.high), 1.0 + np.abs(start), 0.0)
-        start = np.clip(start, self.unknowns.low + inside, self.unknowns.high - inside)
-        return least_squares(
-            self.residual,
-            start,
-            self.jacobian,
-            bounds=(self.unknowns.low, self.unknowns.high),
-            x_scale="jac",
-            args=(noise,),
-            max_nfev=most,
-        )
+
+def search(problem, start, noise, most=MOST):
+    """`scipy.optimize.least_squares` of a problem from this point.
+
+    problem : has unknowns, and residual and jacobian as functions of a point and a `Noise`
+    """
+    low, high = problem.unknowns.low, problem.unknowns.high
+    inside = 1e-9 * np.where(np.isfinite(high), 1.0 + np.abs(start), 0.0)
+    return least_squares(
+        problem.residual,
+        np.clip(start, low + inside, high - inside),
+        problem.jacobian,
+        bounds=(low, high),
+        x_scale="jac",
+        args=(noise,),
+        max_nfev=most,
+    )
 
 
 class Solution(NamedTuple):
@@ -146,7 +150,7 @@ def _best_start(problem, slider, law):
     plain = rough.plain_noise(points[0])
     found: list = []
     for point in points:
-        found = sorted([*found, rough.search(point, plain, FEW)], key=lambda one: one.cost)
+        found = sorted([*found, search(rough, point, plain, FEW)], key=lambda one: one.cost)
         # a least sum that two starts have led to is not passed by a third
         if len(found) > 1 and found[1].cost <= found[0].cost * (1.0 + AGREE):
             break
@@ -158,7 +162,7 @@ def settled(problem, point, noise):
     record = problem.record
     guess = problem.plain_noise(point) if noise is None else noise
     before = problem.forward.evaluations
-    found, was_white = problem.search(point, guess), True
+    found, was_white = search(problem, point, guess), True
     for _ in range(ROUNDS if noise is None else 0):
         fitted, jacobian = problem.forward.jacobian(found.x)
         guess = estimated_noise(record.t, fitted - record.friction, np.nan_to_num(jacobian))
@@ -167,7 +171,7 @@ def settled(problem, point, noise):
         if guess.red == 0.0 and was_white:
             break  # other weights, all alike, are no other sum of squares
         last, was_white = found.x, False
-        found = problem.search(last, guess)
+        found = search(problem, last, guess)
         error = np.sqrt(np.diag(_covariance(found.jac)))
         if (np.abs(found.x - last) <= STILL * error).all():
             break
@@ -204,18 +208,27 @@ def _covariance(jacobian):
 
 def _starts_unsteady(solution, slider, law):
     """Whether a start out of steady sliding would make chi-square fall as only a cause makes it."""
-    record, noise = solution.problem.record, solution.noise
-    names = (*START, *solution.unknowns.names)
-    forward = Forward(record, slider, law, names)
+    forward = Forward(solution.problem.record, slider, law, (*START, *solution.unknowns.names))
     jacobian = np.nan_to_num(forward.jacobian(np.append([0.0, 0.0], solution.point))[1])
-    columns = np.column_stack([solution.fitted - record.friction, jacobian])
-    white, _ = noise.whiten(record.t, columns)
-    residual, added, known = white[:, 0], white[:, 1:3], white[:, 3:]
-    basis, _ = np.linalg.qr(known)
-    added = added - basis @ (basis.T @ added)
-    residual = residual - basis @ (basis.T @ residual)
-    gain = np.linalg.lstsq(added, residual, rcond=1e-6)[0]
-    return float(np.sum((added @ gain) ** 2)) > FALL
+    return gain_of(solution, jacobian[:, : len(START)])[0] > FALL
+
+
+def gain_of(solution, added):
+    """By how much chi-square would fall with more coordinates, and where they would come to.
+
+    To first order, all others being refitted: a score test.
+
+    added : (m, p) derivatives of friction by them
+    """
+    record = solution.problem.record
+    residual = record.friction - solution.fitted
+    columns = np.column_stack([residual, added, solution.jacobian])
+    white, _ = solution.noise.whiten(record.t, columns)
+    count = added.shape[1]
+    basis, _ = np.linalg.qr(white[:, 1 + count :])
+    rest = white[:, : 1 + count] - basis @ (basis.T @ white[:, : 1 + count])
+    moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
+    return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
 
 
 def _widened(solution, unknowns):

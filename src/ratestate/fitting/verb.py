@@ -84,8 +84,9 @@ def fit(
     Returns
     -------
     xarray.Dataset
-        A scalar under the name of each free parameter [SI], ``mu0`` and ``a_minus_b``.  Along
-        ``parameter``: ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``)
+        A scalar under the name of each free parameter [SI], ``mu0``, ``a_minus_b`` and
+        ``trend_slip`` [1/m] or ``trend_time`` [1/s]; ``V_start`` and ``theta_start`` if found.
+        Along ``parameter``: ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``)
         [SI], ``interval_kind``, ``correlation`` (with ``other``; of the logarithms, but for b).
         An interval that the record does not close ends at inf or 0.  Along ``time``:
         ``friction``, ``friction_fit``, ``residual``, ``fit_error``, ``band`` (95 % of samples lie
@@ -140,6 +141,7 @@ def fit(
             for one, result in results.items():
                 made = provenance("fit", slider, law=one, free=json.dumps(free), **settings)
                 result.attrs = made | result.attrs
+    results = {one: result.assign_coords(law=one) for one, result in results.items()}
     for one, result in results.items():
         result.attrs |= {name: data.attrs[name] for name in CARRIED if name in data.attrs}
         about = f"{one} law: " if len(laws) > 1 else ""

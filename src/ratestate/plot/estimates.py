@@ -3,13 +3,17 @@
 import numpy as np
 from matplotlib.textpath import TextPath
 
-from ..fitting.each import each_law, error_of, stiffness_over_critical, value_of
-from ..quantities import QUANTITIES, short, with_error
+from ..fitting.each import each_law, error_of, value_of
+from ..fitting.lines import ALWAYS, over_critical, plus_minus
+from ..fitting.unknowns import PARAMETERS
+from ..quantities import QUANTITIES, short
 from .curves import COLORS
 from .labels import label, prefixed
 
 #: what a heading calls an estimate, where `label` does not know it
 HEADINGS = {"a_minus_b": "$a-b$"}
+#: what the table tells of; a trend is the record's alone
+TOLD = (*PARAMETERS, "lag", "mu0", "a_minus_b")
 #: those that are told in thousandths
 SMALL = ("a", "b", "a_minus_b")
 #: height of a row [inches], size of letters [points], width that the panels' margins take [inches]
@@ -29,10 +33,10 @@ def estimates(result, ax):
         Filled by the table, and left without axes.
     """
     laws = each_law(result)
-    columns = [_column(laws, str(symbol)) for symbol in result["parameter"].values]
-    ratios = [stiffness_over_critical(part) for part in laws.values()]
-    if any(ratios):
-        cells = [_cell(*ratio) if ratio else "none" for ratio in ratios]
+    symbols = [str(symbol) for symbol in result["parameter"].values if symbol in TOLD]
+    columns = [_column(laws, symbol) for symbol in symbols]
+    if any(ratios := [over_critical(part) for part in laws.values()]):
+        cells = ["$a > b$" if text == ALWAYS else _printed(text) for text in ratios]
         columns.append((f"$K$/{label('K_c_qs')}", cells))
     if "aic" not in result:
         columns.append((r"$\chi^2$", [short(float(part["chi2"])) for part in laws.values()]))
@@ -74,13 +78,12 @@ def _column(laws, symbol):
     heading = HEADINGS.get(symbol, label(symbol)) + (f" [{unit}]" if unit else "")
     errors = [error_of(part, symbol) for part in laws.values()]
     pairs = zip(values, errors, strict=True)
-    return heading, [_cell(factor * value, factor * error) for value, error in pairs]
+    return heading, [_printed(plus_minus(factor * value, factor * error)) for value, error in pairs]
 
 
-def _cell(value, error):
-    """A value with its error, as print has it."""
-    text = with_error(value, error).replace("+-", "\N{PLUS-MINUS SIGN}")
-    return text.replace("-", "\N{MINUS SIGN}")
+def _printed(text):
+    """Signs as print has them."""
+    return text.replace("+-", "\N{PLUS-MINUS SIGN}").replace("-", "\N{MINUS SIGN}")
 
 
 def _width(text):

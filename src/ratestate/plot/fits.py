@@ -1,6 +1,6 @@
 """`plot.fit`: a fit as a picture."""
 
-from ..errors import ParameterError
+from ..fitting.fitted import checked_laws
 from .curves import axis_of, curves, marks
 from .layout import styled
 from .pages.fit import fit_page
@@ -32,8 +32,7 @@ def fit(result, ax=None, *, x=None):
     ParameterError
         Another result than that of `fit`, or one that has lost its attributes.
     """
-    if getattr(result, "attrs", {}).get("title") != "ratestate fit":
-        raise ParameterError("plot.fit wants the Dataset that fit gives, with its attributes")
+    checked_laws(result, "plot.fit")
     if ax is None:
         return fit_page(result, x)
     axis = axis_of(result, x)

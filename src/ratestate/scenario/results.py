@@ -35,6 +35,12 @@ def from_result(result: Any) -> Scenario:
         raise ParameterError(f"{type(result).__name__} is no result; {WANTED}")
     title = str(result.attrs.get("title", ""))
     verb = title.removeprefix("ratestate ")
+    if title == "ratestate fit":
+        raise ParameterError(
+            "the result is a fit, of which there is no scenario: fit the record again with "
+            "ratestate fit, or with the lines of Python in its report.md; to go on with the slider "
+            "that it found, take ratestate.fitting.slider_of(result)"
+        )
     if verb not in VERBS or not title.startswith("ratestate "):
         raise ParameterError(f"the result's title is {title[:60]!r}, which is no verb's; {WANTED}")
     try:

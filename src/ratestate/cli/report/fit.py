@@ -1,9 +1,9 @@
 """Tables about a fit."""
 
-import json
 from typing import TYPE_CHECKING, Any
 
-from .estimates import lines, noise
+
+
 
 if TYPE_CHECKING:
     import xarray
@@ -14,21 +14,14 @@ def fit(result: "xarray.Dataset") -> list[Any]:
     """The estimates under each law with 95 % intervals, the noise, and what must be known."""
     from rich.text import Text
 
-    from ...fitting.each import each_law, warnings_of
+    from ...fitting.each import each_law
+    from ...fitting.text import heading, remarks, warned
 
     laws = each_law(result)
-    size = result.sizes["time"]
-    title = Text(f"{size:,} samples, {' and '.join(laws)} law", style="bold")
-    shown = [title, _Widest(laws), Text("")]
-    if found := result.attrs.get("found"):
-        shown.insert(0, Text(found))
-    for law, part in laws.items():
-        shown.append(Text(f"{law} law: {_quality(part)}"))
-    if words := result.attrs.get("comparison"):
-        shown.append(Text(words))
-    notes = [f"note: {text}" for text in json.loads(result.attrs.get("notes", "[]"))]
-    said = [f"{law} law: {text}" for law, part in laws.items() for text in warnings_of(part)]
-    return [*shown, *map(Text, notes), *(Text(f"warning: {text}", style="bold") for text in said)]
+    first, *more = heading(result, laws)
+    shown = [Text(first, style="bold"), *map(Text, more), _Widest(laws), Text("")]
+    shown += map(Text, remarks(result, laws))
+    return [*shown, *(Text(f"warning: {text}", style="bold") for text in warned(laws))]
 
 
 class _Widest:
@@ -68,11 +61,3 @@ def _table(laws: "dict[str, xarray.Dataset]", meaning: bool) -> "Table":
         cells = [text for one in line.each for text in (one.value, (one.intervals or ("",))[-1])]
         made.add_row(*map(Text, (line.label, *cells, *([line.meaning] if meaning else []))))
     return made
-
-
-def _quality(part: "xarray.Dataset") -> str:
-    """How well a law fits, in words."""
-    if "chi2" in part:
-        features = int(part["used"].sum())
-        return f"chi-square {float(part['chi2']):.3g} for {features} features of cycles"
-    return f"r.m.s. {float(part['rms']):.3g}, noise {noise(part)}"

@@ -2,15 +2,14 @@
 
 import numpy as np
 
-from ..solve import FEW, Problem
+from ..solve import FEW, search
 from ..unknowns import Unknowns
 
 
-class Held(Problem):
-    """A `Problem` in which a `Reported` keeps a value, and one coordinate is given up for it."""
+class Held:
+    """A `Problem` in which a `Reported` keeps a value, and a coordinate is given up for it."""
 
     def __init__(self, problem, reported, value):
-        self.record, self.forward = problem.record, problem.forward
         self.whole, self.reported, self.value = problem, reported, value
         self.others = [i for i in range(len(problem.unknowns.names)) if i != reported.given_up]
         names, low, high = problem.unknowns
@@ -45,7 +44,7 @@ def best_with(solution, reported, value, starts):
     for start in starts:
         rest = np.clip(start[held.others], held.unknowns.low, held.unknowns.high)
         if np.isfinite(held.residual(rest, solution.noise)).all():
-            found = held.search(rest, solution.noise, FEW)
+            found = search(held, rest, solution.noise, FEW)
             if best is None or found.cost < best.cost:
                 best = found
     return best and (held.point(best.x), 2.0 * float(best.cost) - solution.chi2)

@@ -13,10 +13,9 @@ from ..unknowns import LINEAR, to_value
 
 
 class Reported(NamedTuple):
-    """A number as a function of the coordinates: a coordinate, a - b, or mu0.
+    """A number as a function of the coordinates: a coordinate, a - b, mu0 or the trend.
 
-    Its value is  weight level + plain x + by_a a + by_b b,  where x stands only for
-    numbers that are a coordinate themselves.
+    Its value is the coordinate, or  by_a a + by_b b + by_level level + by_trend trend.
     """
 
     name: str
@@ -26,6 +25,7 @@ class Reported(NamedTuple):
     by_a: float = 0.0
     by_b: float = 0.0
     by_level: float = 0.0
+    by_trend: float = 0.0
     a: float = 0.0  # where not free
     b: float = 0.0
 
@@ -35,7 +35,9 @@ class Reported(NamedTuple):
             return float(point[self.given_up])
         at = dict(zip(self.names, point, strict=True))
         a = np.exp(at["a"]) if "a" in at else self.a
-        return float(self.by_a * a + self.by_b * at.get("b", self.b) + self.by_level * at["level"])
+        b, trend = at.get("b", self.b), at.get("trend", 0.0)
+        by = self.by_a * a + self.by_b * b + self.by_level * at["level"] + self.by_trend * trend
+        return float(by)
 
     def gradient(self, point):
         """(k,) derivatives of `value` by the coordinates."""
@@ -43,11 +45,9 @@ class Reported(NamedTuple):
         if self.plain:
             found[self.given_up] = 1.0
             return found
+        by = {"b": self.by_b, "level": self.by_level, "trend": self.by_trend}
         for i, name in enumerate(self.names):
-            if name == "a":
-                found[i] = self.by_a * np.exp(point[i])
-            elif name in ("b", "level"):
-                found[i] = self.by_b if name == "b" else self.by_level
+            found[i] = self.by_a * np.exp(point[i]) if name == "a" else by.get(name, 0.0)
         return found
 
     def kept(self, point, value):
@@ -68,15 +68,18 @@ class Reported(NamedTuple):
 
 
 def reported_of(problem, slider):
-    """tuple of `Reported`: free parameters, then mu0, and a - b where one of both is free."""
+    """tuple of `Reported`: free parameters, mu0, a - b where one of both is free, the trend."""
     names = problem.unknowns.names
     found = [Reported(name, names, names.index(name), True) for name in problem.unknowns.reported]
     height = float(np.log(problem.forward.V0 / slider.V0))
     rest = {"a": float(slider.a), "b": float(slider.b)}
     level = names.index("level")
-    found.append(Reported("mu0", names, level, False, -height, height, 1.0, **rest))
+    found.append(Reported("mu0", names, level, False, -height, height, 1.0, 0.0, **rest))
     free = [name for name in ("b", "a") if name in names]
     if free:
         given_up = names.index(free[0])
-        found.append(Reported("a_minus_b", names, given_up, False, 1.0, -1.0, 0.0, **rest))
+        found.append(Reported("a_minus_b", names, given_up, False, 1.0, -1.0, **rest))
+    if "trend" in names:
+        symbol = f"trend_{problem.record.trend}"
+        found.append(Reported(symbol, names, names.index("trend"), False, by_trend=1.0))
     return tuple(found)

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 from ..result import Estimates, estimates
 from ..solve import Solution, settled
-from ..unknowns import START
 from .posterior import Posterior, posterior, prior_of
 from .profile import Better
 from .profiles import profiles
@@ -84,7 +83,4 @@ def _estimates(solution, numbers):
         if not number.plain
     ]
     found = estimates(names, solution.point, solution.covariance, derived)
-    for name in names:
-        if name in (*START, "level", "trend"):
-            found = found.without(name)
-    return found
+    return found.only([number.name for number in numbers])

@@ -53,7 +53,7 @@ def _ranked(values, laws):
 
 def _by_likelihood(aic, weight, laws):
     best, other, apart = _ranked(aic, laws)
-    share = " and ".join(f"{w:.2f} ({law})" for law, w in zip(laws, weight, strict=True))
+    share = " and ".join(f"{_share(w)} ({law})" for law, w in zip(laws, weight, strict=True))
     if apart < 2.0 * UNDECIDED:
         return (
             f"The record does not decide between the laws: AIC differs by {apart:.2g}, in favour "
@@ -64,6 +64,11 @@ def _by_likelihood(aic, weight, laws):
         f"The {best} law fits {how} better than the {other} law: AIC is lower by {apart:.3g}, "
         f"which is a likelihood ratio of exp({0.5 * apart:.3g}) (Akaike weights {share})."
     )
+
+
+def _share(weight):
+    """An Akaike weight as text, never as certain."""
+    return "> 0.99" if weight > 0.99 else "< 0.01" if weight < 0.01 else f"{weight:.2f}"
 
 
 def _by_evidence(factor, error, laws):

@@ -5,6 +5,7 @@ from scipy.special import chdtri, fdtrc
 
 from ...quantities import readable
 from ..forward import Forward
+from ..solve import FALL, gain_of
 from .identify import identified
 
 #: chance below which noise alone is not believed to make a response, or a misfit
@@ -13,10 +14,8 @@ CHANCE = 1e-4
 SETTLED = 3.0
 #: of the normal stress: how far off from the slider's, and how variable it may be
 OFF, VARIABLE = 0.02, 0.01
-#: fall of chi-square that makes a lag worth a word
-FALL = 30.0
-#: variance of residuals over that of white noise, and correlation times over Dc/V, that are misfit
-COLORED, LONG = 4.0, (0.1, 30.0)
+#: variance of residuals over that of white noise, and correlation time over Dc/V, that are misfit
+COLORED, LONG = 4.0, 0.1
 #: of whitened residuals after steps, the mean square that is misfit; slip that counts, in Dc
 MISFIT, AFTER = 1.5, 5.0
 #: samples elsewhere that tell what the noise is
@@ -146,12 +145,12 @@ def _misfit(known, slider):
         ]
     colored = float(np.mean(residual**2)) / (np.var(np.diff(residual)) / 2.0)
     duration = float(durations.min())
-    if noise.red and colored > COLORED and LONG[0] < noise.time / duration < LONG[1]:
+    if noise.red and colored > COLORED and noise.time > LONG * duration:
         return [
             f"residuals of {noise.red:.2g} are correlated over {readable('t', noise.time, 3)}, "
-            f"comparable with the transient itself (Dc/V = {readable('t', duration, 3)}): the "
+            f"no shorter than the transient itself (Dc/V = {readable('t', duration, 3)}): the "
             f"machine's noise, or something that the law does not describe; the errors count it "
-            f"as noise"
+            f"as noise: look at the residuals, and try the other law"
         ]
     return []
 
@@ -185,28 +184,17 @@ def _late(known, slider):
     solution = known.solution
     if "lag" in solution.unknowns.names:
         return []
-    record, noise = solution.problem.record, solution.noise
-    forward = Forward(
-        record, slider, solution.problem.forward.law, (*solution.unknowns.names, "lag")
-    )
+    record, law = solution.problem.record, solution.problem.forward.law
+    forward = Forward(record, slider, law, (*solution.unknowns.names, "lag"))
     step = forward.steps["lag"]
     points = np.array([np.append(solution.point, lag) for lag in (step, -step)])
     above, below = forward.friction(points)
     by_lag = np.nan_to_num((above - below) / (2.0 * step))
-    residual = record.friction - solution.fitted
-    columns = np.column_stack([residual, by_lag, solution.jacobian])
-    white, _ = noise.whiten(record.t, columns)
-    basis, _ = np.linalg.qr(white[:, 2:])
-    rest = white[:, :2] - basis @ (basis.T @ white[:, :2])
-    size = float(rest[:, 1] @ rest[:, 1])
-    if not size > 0.0:
+    gain, (lag,) = gain_of(solution, by_lag[:, None])
+    if gain < FALL:
         return []
-    slope = float(rest[:, 0] @ rest[:, 1])
-    if slope**2 / size < FALL:
-        return []
-    lag = slope / size
     return [
         f"A load point that moves {readable('t', abs(lag), 3)} "
         f"{'later' if lag > 0.0 else 'earlier'} than recorded would lower chi-square by about "
-        f"{slope**2 / size:.3g}: add 'lag' to free."
+        f"{gain:.3g}: add 'lag' to free."
     ]

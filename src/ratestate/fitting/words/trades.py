@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ...quantities import with_error
+
 #: correlation from which parameters trade off, and the error of a combination worth a warning
 TRADED, LOOSE = 0.95, 0.2
 #: power in a product of parameters below which one is left out
@@ -35,7 +37,7 @@ def trade(table, which):
     known = f"{product(which, axes[:, 0])} to {percent(best)}"
     if "a" in which and "b" in which:
         i = table.names.index("a_minus_b")
-        known += f", and a - b = {table.values[i]:.4g} +- {table.errors[i]:.2g}"
+        known += f", and a - b = {with_error(table.values[i], table.errors[i])}"
     if worst < LOOSE:
         return known, False
     pairs = correlation[np.triu_indices(len(which), 1)]
