@@ -393,3 +393,15 @@ def test_cycles_refuse_what_only_samples_have(good):
         rs.fit(good, SLIDER, against="cycles", errors="profile", noise=1e-4)
     with pytest.raises(rs.ParameterError, match="must name one law, or several that differ"):
         rs.fit(good, SLIDER, law=("slip", "slip"))
+
+
+@pytest.mark.parametrize("noise", [1e-4, 3e-4])
+@pytest.mark.parametrize("law", ["slip", "aging"])
+def test_the_wrong_law_is_told_also_where_the_noise_could_take_the_blame(law, noise):
+    """Two steps: what the other law cannot fit looks like noise as slow as the whole record."""
+    loading = rs.Loading.steps("3 um/s", (60.0, "10 um/s"), (90.0, "3 um/s"))
+    data = record(SLIDER, loading, np.arange(0.0, 150.0, 0.1), noise=noise, law=law)
+    assert rs.fit(data, SLIDER, law=law).warnings.item() == ""
+    other = "aging" if law == "slip" else "slip"
+    with pytest.warns(rs.FitWarning, match="that the law does not describe|does not describe the"):
+        rs.fit(data, SLIDER, law=other)

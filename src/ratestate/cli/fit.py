@@ -8,7 +8,6 @@ import typer
 
 from .ends import SOME_FAILED
 from .options import Json
-from .shared import Law
 
 
 class Against(enum.StrEnum):
@@ -62,8 +61,12 @@ def fit(
         ),
     ],
     law: Annotated[
-        list[Law] | None,
-        typer.Option(help="Evolution law; twice for both, side by side.", show_default="slip"),
+        list[str] | None,
+        typer.Option(
+            metavar="LAWS",
+            help="Evolution law: slip, aging, or slip,aging for both, side by side.",
+            show_default="slip",
+        ),
     ] = None,
     free: Annotated[
         str, typer.Option(metavar="SYMBOLS", help="What is found, of a, b, Dc, K, M and lag.")
@@ -148,7 +151,7 @@ def fit(
 
     Example: ratestate fit examples/velocity_step.txt --out fitted
     """
-    from .fitted import Asked, numbered, pair, pairs, tell_and_write
+    from .fitted import Asked, laws, numbered, pair, pairs, tell_and_write
 
     asked = Asked(
         file,
@@ -156,7 +159,7 @@ def fit(
         {"time": pair(time, "--time"), "displacement": pair(displacement, "--displacement")},
         dict(zip("sigma a b Dc K M V0".split(), (sigma, a, b, Dc, K, M, V0), strict=True)),
         tuple(name.strip() for name in free.split(",") if name.strip()),
-        tuple(dict.fromkeys(one.value for one in law or [Law.slip])),
+        laws(law, "--law"),
         {
             "against": against.value,
             "trend": None if trend is Trend.none else trend.value,

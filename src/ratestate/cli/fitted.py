@@ -1,5 +1,6 @@
 """What ``ratestate fit`` does: reads, fits, prints, and writes the report with its files."""
 
+import json
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -7,7 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from ..errors import FitWarning, ParameterError, RecordWarning
-from .shared import reported, writable
+from ..quantities import readable
+from .shared import Law, reported, writable
 
 if TYPE_CHECKING:
     import xarray
@@ -50,12 +52,13 @@ class Asked(NamedTuple):
 
 def tell_and_write(asked: Asked, out: Path | None, as_json: bool) -> bool:
     """Fit, print, write; whether the answer carries warnings."""
+    from ..fitting.lines import named
     from .job import tell
 
     if out:
         writable(out)
         _not_foreign(out / REPORT)
-    with reported(f"fit of {asked.file.name}, {' and '.join(asked.laws)} law") as files:
+    with reported(f"fit of {asked.file.name}, {named(asked.laws)}") as files:
         record, slider, result = _result(asked)
         if out:
             files += _written(asked, record, slider, result, out)
@@ -79,7 +82,7 @@ def _result(asked: Asked) -> "tuple[xarray.Dataset, SpringSlider, xarray.Dataset
 
 
 def _slider(asked: Asked, record: "xarray.Dataset") -> "SpringSlider":
-    """What is not free, and where the search for the rest begins."""
+    """What is not free, and where the search for the rest begins; the record notes a default."""
     from ..fitting.unknowns import checked_free
     from ..slider import SpringSlider
     from ..units import to_si
@@ -92,6 +95,9 @@ def _slider(asked: Asked, record: "xarray.Dataset") -> "SpringSlider":
                 "which column it is: --columns sigma=TITLE"
             )
         given["sigma"] = float(record["sigma"].median())
+        taken = f"sigma = {readable('sigma', given['sigma'])} is the median of the record's"
+        notes = [*json.loads(record.attrs["notes"]), f"{taken}, for none was given"]
+        record.attrs["notes"] = json.dumps(notes)
     K = STIFFNESS * to_si("sigma", given["sigma"])
     slider = SpringSlider(**{**STARTS, "K": K, **given}, law=asked.laws[0])
     free = checked_free(asked.free, slider)
@@ -134,6 +140,17 @@ def _not_foreign(path: Path) -> None:
             f"{path} exists and is no report of ratestate fit; it is not replaced: give another "
             f"folder with --out"
         )
+
+
+def laws(texts: list[str] | None, option: str) -> tuple[str, ...]:
+    """The laws, each once, from as many texts, with commas between some or not."""
+    found = [name.strip() for text in texts or ["slip"] for name in text.split(",")]
+    for name in found:
+        if name not in [*Law]:
+            raise typer.BadParameter(
+                f"{name!r} is no law; choose slip, aging or slip,aging", param_hint=option
+            )
+    return tuple(dict.fromkeys(found))
 
 
 def pair(text: str | None, option: str) -> tuple[str | None, str | None] | None:

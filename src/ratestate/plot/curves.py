@@ -35,6 +35,10 @@ class Axis(NamedTuple):
 
     @property
     def text(self):
+        return f"{NAMES[self.name]} since the record's start [{self.unit}]"
+
+    @property
+    def brief(self):
         return f"{NAMES[self.name]} [{self.unit}]"
 
     def at(self, t):
@@ -89,7 +93,7 @@ def curves(result, ax, axis, rows=slice(None), *, close=False):
     margin = 0.05 * (max(ends) - min(ends))
     # a band may be wider than all there is to see
     ax.set(ylim=(min(ends) - margin, max(ends) + margin), xlim=shown[[0, -1]])
-    ax.set(xlabel=axis.text, ylabel=r"Friction $\tau/\sigma$")
+    ax.set(xlabel=axis.brief if close else axis.text, ylabel=r"Friction $\tau/\sigma$")
 
 
 def residuals(part, ax, axis, law, rows=slice(None), *, close=False):
@@ -100,7 +104,8 @@ def residuals(part, ax, axis, law, rows=slice(None), *, close=False):
     for height, look in ((0.0, "-"), (level, (0, (4, 3))), (-level, (0, (4, 3)))):
         ax.axhline(height, color="k", lw=0.6, ls=look, zorder=3)
     most = 1.08 * float(np.abs(left).max())
-    ax.set(xlabel=axis.text, ylabel="Residual\n" + r"[$10^{-3}$]", ylim=(-most, most))
+    ax.set(xlabel=axis.brief if close else axis.text, ylim=(-most, most))
+    ax.set_ylabel("Residual\n" + r"[$10^{-3}$]")
     ax.set_xlim(*axis.values[rows][[0, -1]])
 
 

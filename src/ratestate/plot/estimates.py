@@ -36,7 +36,7 @@ def estimates(result, ax):
     symbols = [str(symbol) for symbol in result["parameter"].values if symbol in TOLD]
     columns = [_column(laws, symbol) for symbol in symbols]
     if any(ratios := [over_critical(part) for part in laws.values()]):
-        cells = ["$a > b$" if text == ALWAYS else _printed(text) for text in ratios]
+        cells = ["$a > b$: stable" if text == ALWAYS else _printed(text) for text in ratios]
         columns.append((f"$K$/{label('K_c_qs')}", cells))
     if "aic" not in result:
         columns.append((r"$\chi^2$", [short(float(part["chi2"])) for part in laws.values()]))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..fitting.each import each_law
-from ..fitting.unknowns import LINEAR
+from ..fitting.unknowns import LINEAR, PARAMETERS
 from ..quantities import QUANTITIES
 from .curves import COLORS, DASHES
 from .labels import GRAY, label, prefixed
@@ -16,10 +16,13 @@ TAIL = 0.002
 
 
 def told(result):
-    """The free parameters of which a result has a profile or a posterior."""
-    free = [s for s in result["parameter"].values.tolist() if s not in ("mu0", "a_minus_b")]
+    """The free parameters with a likelihood to draw; none if all are Gaussian under all laws."""
+    free = [s for s in result["parameter"].values.tolist() if s in (*PARAMETERS, "lag")]
     parts = each_law(result).values()
-    return [s for s in free if any(_profile(p, s) or _samples(p, s) is not None for p in parts)]
+    if not any(_profile(p, s) or _samples(p, s) is not None for s in free for p in parts):
+        return []
+    seen = result["standard_error"].sel(parameter=free).values.reshape(-1, len(free))
+    return [s for s, known in zip(free, np.isfinite(seen).all(axis=0), strict=True) if known]
 
 
 def likelihood(result, symbol, ax):

@@ -50,6 +50,8 @@ def _table(laws: "dict[str, xarray.Dataset]", meaning: bool) -> "Table":
     from rich.table import Table
     from rich.text import Text
 
+    from ...fitting.lines import lines
+
     made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     made.add_column("", no_wrap=True)
     for law in laws:

@@ -5,8 +5,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...fitting.each import each_law, warnings_of
+from ...fitting.lines import NAMES, lines, noise
+from ...fitting.text import given, identifiability
 from ...quantities import readable, short, with_error
-from .estimates import NAMES, lines, noise
 
 if TYPE_CHECKING:
     import xarray
@@ -15,12 +17,16 @@ if TYPE_CHECKING:
     from ..fitted import Asked
 
 PYTHON = """import ratestate as rs
-from ratestate import plot
+from ratestate import fitting, plot
 
 record = rs.read_lab({file})
 slider = rs.{slider}
 result = rs.fit({fit})
 plot.save(plot.fit(result), "fit.png")
+print(fitting.summary(result))
+
+fitted = fitting.slider_of(result{law})  # to go on with
+print(rs.stability(fitted, {V}).stable.item())
 """
 
 
@@ -28,7 +34,6 @@ def markdown(
     asked: "Asked", record: "xarray.Dataset", slider: "SpringSlider", result: "xarray.Dataset"
 ) -> str:
     """The whole report."""
-    from ...fitting.each import each_law
     from ..fitted import HEADING, PICTURE
 
     laws = each_law(result)
@@ -38,7 +43,7 @@ def markdown(
         _warnings(laws),
         "## Estimates",
         _estimates(laws),
-        _given(slider, asked.free),
+        given(laws),
         "## How well they fit",
         _statistics(laws) if "aic" in result else _features(laws),
         result.attrs.get("comparison", ""),
@@ -46,7 +51,7 @@ def markdown(
         "## What was read",
         _record(record),
         "## To do it again",
-        f"In the folder in which the command was run:\n\n```python\n{_python(asked, slider)}```",
+        f"In the folder in which the command was run:\n\n```python\n{_python(asked, record, slider, result)}```",
         f"All numbers are in fit.nc.  Made with {_versions(result)}.",
     ]
     text = "\n\n".join(part for part in parts if part) + "\n"
@@ -67,8 +72,9 @@ def _estimates(laws: "dict[str, xarray.Dataset]") -> str:
         cells = [t for one in line.each for t in (f"**{one.value}**", *(one.intervals or "  "))]
         rows.append([line.label, line.meaning, *cells])
     return _table(head, rows, range(2, len(head))) + (
-        "\n\nAfter +- stands the standard error; the next columns are the intervals that hold the "
-        f"true value with these probabilities, if law and loading are right.{_kinds(laws)}"
+        "\n\nAfter +- stands the standard error, or half the 68 % interval where that is not from "
+        "the covariance; the next columns are the intervals that hold the true value with these "
+        f"probabilities, if law and loading are right.{_kinds(laws)}"
     )
 
 
@@ -86,13 +92,6 @@ def _kinds(laws: "dict[str, xarray.Dataset]") -> str:
             if kind != "covariance":
                 said.append(f"  Those of {', '.join(symbols)} ({law} law) are from the {kind}.")
     return "".join(said)
-
-
-def _given(slider: "SpringSlider", free: tuple[str, ...]) -> str:
-    """What was not fitted."""
-    symbols = [s for s in ("a", "b", "Dc", "K", "M", "sigma", "V0") if s not in free]
-    listed = [f"{s} = {readable(s, getattr(slider, s))}" for s in symbols]
-    return f"Given, not fitted: {', '.join(listed)}."
 
 
 def _statistics(laws: "dict[str, xarray.Dataset]") -> str:
@@ -139,16 +138,12 @@ def _features(laws: "dict[str, xarray.Dataset]") -> str:
 
 def _identifiability(laws: "dict[str, xarray.Dataset]") -> list[str]:
     """What the record tells of each parameter."""
-    said = {law: str(part["identifiability"].item()) for law, part in laws.items()}
-    if not any(said.values()):
-        return []
-    return ["## What the record tells", *(f"**{law} law.** {s}" for law, s in said.items() if s)]
+    said = [f"**{law} law.** {words}" for law, words in identifiability(laws).items()]
+    return ["## What the record tells", *said] if said else []
 
 
 def _warnings(laws: "dict[str, xarray.Dataset]") -> str:
     """All warnings, where they cannot be overlooked."""
-    from ...fitting.each import warnings_of
-
     said = [f"> - {law} law: {t}" for law, part in laws.items() for t in warnings_of(part)]
     return "\n".join(["> **Read this before you use the numbers.**", ">", *said]) if said else ""
 
@@ -167,8 +162,10 @@ def _record(record: "xarray.Dataset") -> str:
     return "\n\n".join([said, table, *(["Notes:\n\n" + "\n".join(notes)] if notes else [])])
 
 
-def _python(asked: "Asked", slider: "SpringSlider") -> str:
-    """Lines that make the result again."""
+def _python(
+    asked: "Asked", record: "xarray.Dataset", slider: "SpringSlider", result: "xarray.Dataset"
+) -> str:
+    """Lines that make the result again, and go on with the slider of the law that fits best."""
     from ...fitting.verb import fit
 
     defaults = inspect.signature(fit).parameters
@@ -176,7 +173,11 @@ def _python(asked: "Asked", slider: "SpringSlider") -> str:
     reading = [repr(Path(asked.file).as_posix()), *_arguments(asked.reading)]
     arguments = ", ".join(["record", "slider", *_arguments(changed)])
     made = repr(slider).replace("(", "(\n    ").replace(", ", ",\n    ").replace(")", ",\n)")
-    return PYTHON.format(file=", ".join(reading), slider=made, fit=arguments)
+    law = ""
+    if len(asked.laws) > 1:
+        law = f", law={str(result['law'][int(result['aic_difference'].argmin())].item())!r}"
+    V = repr(readable("V_lp", float(record["segment_V"].max())))
+    return PYTHON.format(file=", ".join(reading), slider=made, fit=arguments, law=law, V=V)
 
 
 def _arguments(named: dict[str, Any]) -> list[str]:

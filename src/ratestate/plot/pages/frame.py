@@ -2,6 +2,7 @@
 
 from matplotlib.patches import Patch
 
+from ...fitting.lines import named
 from ..curves import COLORS
 from ..estimates import ROW, estimates
 from ..labels import label
@@ -10,8 +11,6 @@ from ..likelihood import likelihood, told
 
 #: heights [inches]: of a likelihood, of axes' labels, of the title and the space under the table
 LIKELIHOOD, LABELS, TITLE = 1.3, 1.0, 0.45
-#: likelihoods that are as wide as if there were so many
-FEW = 3
 
 
 def framed(result, laws, height):
@@ -19,10 +18,10 @@ def framed(result, laws, height):
     heights = [height + LABELS, *([LIKELIHOOD] if told(result) else []), ROW * (1 + len(laws))]
     symbols = ["sigma", "M", *(s for s in ("a", "b", "Dc", "K") if s not in result), "V0"]
     symbols = [symbol for symbol in symbols if symbol not in result]
-    source, by = result.attrs.get("source"), "law" if len(laws) == 1 else "laws"
+    source = result.attrs.get("source")
     title = (
         f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "
-        f"under the {' and '.join(laws)} {by}"
+        f"under the {named(laws)}"
     )
     total = sum(heights) + TITLE
     fig = figure(result.assign_attrs(title=title), total, " ".join(symbols))
@@ -33,9 +32,7 @@ def framed(result, laws, height):
 def finished(result, parts, letters):
     """Fill the lower parts of a figure: likelihoods, if any, and the table of estimates."""
     if symbols := told(result):
-        panels = parts[0].subplots(1, max(len(symbols), FEW), sharey=True)
-        for ax in panels[len(symbols) :]:
-            ax.set_visible(False)
+        panels = parts[0].subplots(1, len(symbols), sharey=True, squeeze=False)[0]
         for mark, symbol, ax in zip(letters, symbols, panels, strict=False):
             likelihood(result, symbol, ax)
             letter(ax, mark, f"likelihood of {label(symbol)}")
