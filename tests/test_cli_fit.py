@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+import xarray
 from records import SLIDER, STEP, record
 from typer.testing import CliRunner
 
@@ -39,7 +40,7 @@ def folder(tmp_path_factory):
     written(folder / "step.txt")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        done = call("step.txt", "--law", "slip", "--law", "aging", *WINDOW, "--out", "made")
+        done = call("step.txt", "--law", "slip,aging", *WINDOW, "--out", "made")
     return folder, done
 
 
@@ -52,7 +53,8 @@ def test_it_prints_both_laws_and_what_was_found(folder):
         error = 1e6 * float(one.standard_error.sel(parameter="Dc"))
         assert with_error(1e6 * float(one.Dc), error) in done.stdout
     assert result.attrs["comparison"].split(":")[0] in " ".join(done.stdout.split())
-    assert "fit of step.txt, slip and aging law ..." in done.stderr
+    assert "fit of step.txt, slip and aging laws ..." in done.stderr
+    assert "note: sigma = 20 MPa is the median of the record's, for none was given" in done.stdout
     assert float(result.Dc.sel(law="slip")) == pytest.approx(SLIDER.Dc, rel=0.2)
     assert result.attrs["source"] == "step.txt"
 
@@ -98,6 +100,18 @@ def test_the_lines_of_the_report_make_the_result_again(folder, monkeypatch):
     for name in ("a", "b", "Dc", "K", "mu0"):
         np.testing.assert_allclose(made["result"][name], stored[name], rtol=1e-12)
     assert (path / "again.png").is_file()
+    best = stored.sel(law="slip")
+    assert made["fitted"] == SLIDER.replace(
+        **{name: float(best[name]) for name in ("a", "b", "Dc", "K", "mu0")}
+    )
+
+
+def test_a_fit_is_no_scenario(tmp_path):
+    path = files.write(xarray.Dataset(attrs={"title": "ratestate fit"}), tmp_path / "fit.nc")
+    done = CliRunner().invoke(main, ["run", "--from", str(path)])
+    assert done.exit_code == 2
+    assert "the result is a fit" in done.stderr
+    assert "slider_of(result)" in " ".join(done.stderr.split())
 
 
 def test_json_and_options(tmp_path):
@@ -125,6 +139,7 @@ def test_json_and_options(tmp_path):
         (["--sigma", "20 um"], "sigma.*20 um.*expected a stress"),
         (["--sigma", "20 MPa", "--free", "a,slip"], "'slip'.*none of a, b"),
         (["--time", "3 s"], "'3 s' is not START,END"),
+        (["--law", "slip, Ruina"], "'Ruina' is no law; choose slip, aging or slip,aging"),
         (["--columns", "friction"], "'friction' has no NAME="),
         (["--time", "500 s,"], "no row lies in the window"),
     ],

@@ -71,7 +71,7 @@ def test_every_public_name_is_documented():
             and value.__doc__
             and "Parameters" in value.__doc__
         }
-    for name in "plot scenario".split():
+    for name in "fitting plot scenario".split():
         module = importlib.import_module(f"ratestate.{name}")
         wanted |= {
             f"ratestate.{name}.{public}"

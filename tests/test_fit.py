@@ -106,6 +106,7 @@ def test_neglected_mass_is_a_bias_that_no_error_admits():
     with_mass = rs.fit(data, START.replace(M=truth.M))
     assert_finds(with_mass, truth)
     without = rs.fit(data, START)
+    assert "inertia would lower chi-square" in without.warnings.item()
     off = abs(float(without.a) - truth.a) / float(without.standard_error.sel(parameter="a"))
     assert off > 5.0
     assert float(without.log_likelihood) < float(with_mass.log_likelihood) - 30.0
@@ -177,6 +178,7 @@ def test_given_noise_is_taken(noisy, fitted):
     )
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_what_is_recorded_does_not_matter_where_it_tells_the_same(noisy, fitted):
     """Origin of time, stress for friction, speed for displacement, a loading that is given."""
     tau = noisy.drop_vars("friction").assign(tau=noisy.friction * SLIDER.sigma)
@@ -192,8 +194,8 @@ def test_what_is_recorded_does_not_matter_where_it_tells_the_same(noisy, fitted)
         for name in FREE:
             assert float(result[name]) == pytest.approx(float(fitted[name]), rel=1e-4), label
     # between two samples of the speed the step may be anywhere
-    with pytest.warns(rs.FitWarning, match="does not describe the record after its steps"):
-        by_speed = rs.fit(noisy.drop_vars("delta_lp").assign(V_load=speed), START)
+    by_speed = rs.fit(noisy.drop_vars("delta_lp").assign(V_load=speed), START)
+    assert "add 'lag' to free" in by_speed.warnings.item()
     assert float(by_speed.Dc) == pytest.approx(float(fitted.Dc), rel=0.05)
 
 
@@ -305,3 +307,52 @@ def test_sliders_that_cannot_be_fitted_are_refused(clean):
 
 def test_a_fit_is_the_same_each_time(noisy, fitted):
     xarray.testing.assert_identical(rs.fit(noisy, START), fitted)
+
+
+def test_a_rigid_machine_is_fitted_as_one():
+    truth = SLIDER.replace(K=np.inf)
+    data = record(truth, EARLY_STEP, T, noise=2e-4)
+    result = rs.fit(data, START.replace(K=np.inf), free=("a", "b", "Dc"))
+    assert_finds(result, truth, ("a", "b", "Dc"))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"friction": 100.0}, "in per cent"),
+        ({"friction": -1.0}, "turn its sign"),
+        ({"delta_lp": 1e6}, "if it is in um, divide it by 1e6"),
+    ],
+)
+def test_sizes_that_no_laboratory_has_are_refused(noisy, change, message):
+    data = noisy.assign({name: factor * noisy[name] for name, factor in change.items()})
+    with pytest.raises(rs.ParameterError, match=message):
+        rs.fit(data, START)
+
+
+def test_a_loading_that_is_not_the_recorded_one_is_refused(noisy):
+    for loading in (
+        rs.Loading.steps("1 mm/s", (40.0, "10 mm/s")),
+        rs.Loading.steps("1 um/s", (20.0, "10 um/s")),
+    ):
+        with pytest.raises(rs.ParameterError, match="check units and times"):
+            rs.fit(noisy, START, loading=loading)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_an_unsteady_start_is_found_also_where_noise_could_take_the_blame():
+    """Windows that begin soon after an earlier step; the law fits all of them."""
+    loading = rs.Loading.steps("10 um/s", (10.0, "1 um/s"), (50.0, "10 um/s"))
+    t = np.concatenate([np.linspace(0.0, 49.9, 500), np.linspace(50.0, 80.0, 900)])
+    for begin in (10.5, 13.0, 20.0):
+        data = record(SLIDER, loading, t, noise=1e-4, seed=3).sel(time=slice(begin, None))
+        result = rs.fit(data, START)
+        assert_finds(result, SLIDER)
+        assert float(result.noise_white) == pytest.approx(1e-4, rel=0.15)
+        assert "V_start" in result
+
+
+def test_a_wrong_value_that_was_given_is_not_called_noise(noisy):
+    with pytest.warns(rs.FitWarning) as told:
+        rs.fit(noisy, SLIDER.replace(b=0.03), free=("a",))
+    assert any("what was given does not suit the record (b = 0.03" in str(w.message) for w in told)

@@ -101,7 +101,7 @@ def test_a_hold_is_drawn_over_time_unless_asked_otherwise(held):
     fig.draw_without_rendering()
     found = panels(fig)
     assert found["record"].get_shared_x_axes().joined(found["record"], found["slip record"])
-    assert found["slip record"].get_xlabel() == "Time [s]"
+    assert found["slip record"].get_xlabel() == "Time since the record's start [s]"
     said = [text.get_text() for text in found["record"].texts]
     assert said[0] == "hold 100 s"
     at = [line.get_xdata()[0] for line in found["record"].lines if line.get_linestyle() == ":"]
@@ -109,7 +109,7 @@ def test_a_hold_is_drawn_over_time_unless_asked_otherwise(held):
     assert any(name.startswith("hold 100 s \N{RIGHTWARDS ARROW} 10") for name in found)
     other = Figure().subplots()
     plot.fit(held, other, x="delta_lp")
-    assert other.get_xlabel() == "Load-point displacement [\u03bcm]"
+    assert other.get_xlabel().startswith("Load-point displacement since the record's start [")
     assert other.get_xlim()[1] == pytest.approx(1e6 * 80.0 * 1e-5)
 
 
@@ -145,22 +145,27 @@ def test_many_samples_lose_no_noise():
 def test_profiles_and_posteriors_have_a_row_of_their_own(both):
     z = np.linspace(-2.2, 2.2, 9)
     center = both.Dc.values[:, None]
-    values, deviance = np.full((2, 6, 9), np.nan), np.full((2, 6, 9), np.nan)
+    values, deviance = np.full((2, 2, both.sizes["parameter"], 9), np.nan)
     i = both.parameter.values.tolist().index("Dc")
     values[:, i], deviance[:, i] = center * (1.0 + 0.05 * z), z**2
     dims = ("law", "parameter", "profile_point")
-    samples = np.random.default_rng(0).normal(size=(2, 400, 6)) * 0.01 + 1.0
+    samples = np.random.default_rng(0).normal(size=(2, 400, both.sizes["parameter"])) * 0.01 + 1.0
     more = both.assign(
         profile_value=(dims, values),
         profile_deviance=(dims, deviance),
     )
     assert told(both) == []
-    assert told(more) == ["Dc"]
+    assert told(more) == ["a", "b", "Dc", "K"]
     fig = plot.fit(more)
-    (ax,) = (ax for ax in fig.axes if "likelihood of" in ax.get_title("left"))
-    x, y = ax.lines[0].get_data()
+    drawn = [ax for ax in fig.axes if "likelihood of" in ax.get_title("left")]
+    assert len(drawn) == 4  # a row without gaps
+    x, y = drawn[2].lines[0].get_data()
     expected = np.exp(-0.5 * ((1e-6 * x / float(both.Dc[0]) - 1.0) / 0.05) ** 2)
     np.testing.assert_allclose(y, expected, atol=2e-3)
+    x, y = drawn[0].lines[0].get_data()  # no profile: the Gaussian of the logarithm
+    part = each_law(both)["slip"]
+    spread = float(part.standard_error.sel(parameter="a") / part.a)
+    np.testing.assert_allclose(y, np.exp(-0.5 * (np.log(x / float(part.a)) / spread) ** 2))
     sampled = more.assign(posterior=(("law", "sample", "parameter"), samples))
     assert told(sampled) == ["a", "b", "Dc", "K"]
     ax = Figure().subplots()
@@ -181,7 +186,7 @@ def test_the_page_of_cycles(both):
     part = both.isel(law=0, drop=True).sel(parameter=names, other=names)
     made = xr.Dataset(
         {
-            **{name: part[name] for name in (*names, "standard_error")},
+            **{name: part[name] for name in (*names, "standard_error", "interval")},
             "correlation": part.correlation,
             "friction": ("time", wave + 1e-4),
             "friction_fit": ("time", wave),
@@ -194,7 +199,8 @@ def test_the_page_of_cycles(both):
         },
         {"time": t, "feature": [*features, "level"]},
     )
-    made.attrs = part.attrs | {"against": "cycles", "law": "slip"}
+    made = made.assign_coords(law="slip")
+    made.attrs = part.attrs | {"against": "cycles"}
     fig = plot.page(made)
     found = panels(fig)
     assert np.ptp(lines(found["b"], "slip law")[0]) == pytest.approx(0.4, rel=0.02)

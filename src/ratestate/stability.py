@@ -31,6 +31,24 @@ def K_c(V, *, a, b, Dc, sigma, M):
     return K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) * (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
 
 
+def b_of_K_c(V, critical, *, a, Dc, sigma, M):
+    """The b at which the critical stiffness at V [m/s] is this [Pa/m]: eq. 6 solved for b."""
+    return a + critical * Dc / sigma / (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
+
+
+def a_of_K_c(V, critical, *, b, Dc, sigma, M):
+    """The a > 0 at which the critical stiffness at V [m/s] is this [Pa/m], for M > 0 and b > 0.
+
+    The positive root of a^2 - (b - h - r) a - b h, which is eq. 6 with h = M V^2/(sigma Dc) and
+    r = critical Dc/sigma.
+    """
+    h, r = M * V**2 / (sigma * Dc), critical * Dc / sigma
+    half = 0.5 * (b - h - r)
+    root = np.hypot(half, np.sqrt(b * h))
+    # of two forms of the root the one in which nothing cancels
+    return np.where(half > 0.0, half + root, b * h / np.maximum(root - half, 1e-300))
+
+
 def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
     """Critical stiffness [Pa/m] from the slopes of any friction law with one length Dc (eq. 5).
 

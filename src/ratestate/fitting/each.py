@@ -36,15 +36,16 @@ def error_of(part, symbol):
     """Its standard error [SI]; 0 for one that was given.
 
     Of an interval that a profile or a posterior has in place of the covariance: half of its 68 %,
-    and inf if it is open.
+    and inf if either level is open.
     """
     if symbol not in part["parameter"].values:
         return 0.0
     one = part.sel(parameter=symbol)
     if "interval_kind" not in one or one["interval_kind"] == "covariance":
         return float(one["standard_error"])
-    low, high = one["interval"].sel(level=0.68).values
-    return float(high - low) / 2.0 if low != 0.0 else np.inf  # (0: open, of a logarithm)
+    ends = one["interval"].transpose("level", "side").values
+    is_open = ~np.isfinite(ends) | (ends == 0.0)  # (0: of a logarithm)
+    return np.inf if is_open.any() else float(ends[0, 1] - ends[0, 0]) / 2.0
 
 
 def stiffness_over_critical(part):

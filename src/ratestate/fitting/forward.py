@@ -16,6 +16,8 @@ from .unknowns import LINEAR, START
 RTOL = 1e-8
 #: step of a difference in a logarithm
 STEP = 3e-5
+#: K Dc/(a sigma) of a machine that counts as rigid: friction follows within 1e-8 Dc of slip
+RIGID = 1e8
 #: of the march, 100 times what a well-fitting slider takes: one that vibrates is no candidate
 MAX_STEPS = 100_000
 
@@ -34,6 +36,8 @@ class Forward:
     def __init__(self, record, slider, law, names):
         self.record, self.law, self.names = record, law, names
         self.fixed = {symbol: getattr(slider, symbol) for symbol in ("a", "b", "Dc", "K", "M")}
+        if np.isinf(slider.K) and "K" not in names:
+            self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
         loading = record.loading
         self.V0 = float(loading.V[0])  # the reference: what slides steadily at it is at rest
@@ -92,6 +96,9 @@ class Forward:
             for i, name in enumerate(self.names):
                 plain = name in LINEAR or name in START
                 values[name] = points[:, i] if plain else np.exp(points[:, i])
+        if np.isinf(self.fixed["K"]) and "K" not in self.names:
+            # the march knows no rigid machine, but one as good as that
+            values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]
         return values
 
     def _common(self, n):

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 NAMES = {"a_minus_b": "a - b"}
 #: of the correlated noise, the part below which white noise is not worth a word
 NEGLIGIBLE = 0.05
+#: error, in parts of K/K_c_qs, in the digits of which it is told if its own is not finite
+VAGUE = 0.1
 #: instead of K/K_c_qs, where K_c_qs is not positive
 ALWAYS = "a > b: stable at any K"
 
@@ -55,21 +57,14 @@ def over_critical(part: "xarray.Dataset") -> str:
     """K/K_c_qs of one law's part with its error, or why there is none; "" of a rigid machine."""
     if value_of(part, "a") > value_of(part, "b"):
         return ALWAYS
-    ratio = stiffness_over_critical(part)
-    return plus_minus(*ratio) if ratio else ""
+    if (found := stiffness_over_critical(part)) is None:
+        return ""
+    ratio, error = found
+    return _plus_minus(ratio, error, error if np.isfinite(error) else VAGUE * ratio)
 
 
-def plus_minus(value: float, error: float, digits: float | None = None) -> str:
-    """A value with its error, as far as there is one, in the digits that the error leaves.
-
-    Parameters
-    ----------
-    value, error : float
-        Without a finite error > 0, the value alone.
-    digits : float, optional
-        The error that decides on digits, if not this one.
-    """
-    digits = error if digits is None else digits
+def _plus_minus(value: float, error: float, digits: float) -> str:
+    """A value with its error, if there is one, in the digits that an error of `digits` leaves."""
     if not 0.0 < digits < np.inf:
         return f"{value:.4g}"
     shown = rounded(value, digits)
@@ -81,7 +76,7 @@ def noise(part: "xarray.Dataset") -> str:
     white, red = float(part["noise_white"]), float(part["noise_red"])
     if not red > 0.0:
         return f"{white:.2g}, white"
-    said = f"{red:.2g}, correlated over {readable('t', float(part['noise_time']), 2)}"
+    said = f"{red:.2g}, correlated over {readable('t', float(part['noise_time']), 3)}"
     return said if white < NEGLIGIBLE * red else f"{white:.2g}, white, and {said}"
 
 
@@ -90,7 +85,7 @@ def quality(part: "xarray.Dataset") -> str:
     if "chi2" in part:
         features = int(part["used"].sum())
         return f"chi-square {float(part['chi2']):.3g} for {features} features of cycles"
-    return f"r.m.s. residual {float(part['rms']):.2g}; noise {noise(part)}"
+    return f"r.m.s. residual {float(part['rms']):.3g}; noise {noise(part)}"
 
 
 def named(laws: "dict[str, xarray.Dataset] | tuple[str, ...]") -> str:
@@ -111,24 +106,25 @@ def _line(laws: "dict[str, xarray.Dataset]", symbol: str) -> Line:
         NAMES.get(symbol, symbol),
         unit,
         quantity.long_name.removesuffix(", a - b"),
-        tuple(_estimate(part, symbol, 10.0**-power) for part in laws.values()),
+        tuple(estimate(part, symbol, 10.0**-power) for part in laws.values()),
     )
 
 
 def _per_sigma(laws: "dict[str, xarray.Dataset]") -> Line:
     """The stiffness as other programs have it."""
-    cells = [_estimate(part, "K", 1e-6 / value_of(part, "sigma")) for part in laws.values()]
+    cells = [estimate(part, "K", 1e-6 / value_of(part, "sigma")) for part in laws.values()]
     return Line("K/sigma", "1/um", "stiffness, in friction per displacement", tuple(cells))
 
 
-def _estimate(part: "xarray.Dataset", symbol: str, factor: float) -> Estimate:
+def estimate(part: "xarray.Dataset", symbol: str, factor: float) -> Estimate:
+    """A parameter of one law's part, in a unit that is SI over `factor`."""
     value, error = factor * value_of(part, symbol), factor * error_of(part, symbol)
     ends = factor * part["interval"].sel(parameter=symbol).transpose("level", "side").values
     # of an open interval, the side that is closed tells how far the value is known
     reach = [abs(end - value) for end in ends[0] if np.isfinite(end) and end != 0.0]
     digits = error if np.isfinite(error) else min(reach, default=np.inf)
     return Estimate(
-        plus_minus(value, error, digits),
+        _plus_minus(value, error, digits),
         tuple(f"{_end(low, digits)} to {_end(high, digits)}" for low, high in ends),
     )
 

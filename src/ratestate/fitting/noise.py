@@ -18,7 +18,7 @@ from ..errors import ParameterError
 from ..units import to_si
 
 #: by how much ln(likelihood) must rise for correlated noise to count: two more parameters
-RISE = 5.0
+RISE = 3.0
 
 
 class Noise(NamedTuple):

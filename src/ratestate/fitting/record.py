@@ -8,10 +8,17 @@ import xarray
 from ..errors import ParameterError
 from ..lab.segments import find_segments
 from ..loading import Loading
+from ..quantities import readable
 from ..units import to_si
 
 #: name of the variable -> kind of friction it is: the spring's or the interface's
 KINDS = {"friction": "tau", "tau": "tau", "mu": "mu"}
+#: friction that is possible, also as a change from its level; how far a load point moves [m]
+LOW, HIGH, FARTHEST = -0.1, 3.0, 10.0
+#: by what part of its way a given loading may differ from the recorded displacement
+APART = 0.1
+#: most samples: a march keeps each of them for a dozen sliders at once
+MOST = 200_000
 #: samples that a window needs, and a step on each side
 FEWEST, BESIDE = 30, 8
 
@@ -70,11 +77,19 @@ def record_of(data, slider, *, loading, trend, against):
             f"the record has {time.size} samples, too few to fit; expected {FEWEST} or more: widen "
             f"the window"
         )
+    if time.size > MOST:
+        every = -(-time.size // MOST)
+        raise ParameterError(
+            f"the record has {time.size:,} samples, more than {MOST:,}, which a fit needs at most; "
+            f"choose a window about the steps, or average: "
+            f"data.coarsen(time={every}, boundary='trim').mean()"
+        )
     if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
         raise ParameterError(
             f"friction is constant, {friction[0]:.6g} in all {time.size} samples: nothing to fit; "
             f"look at the column that was read"
         )
+    _of_usual_size(friction, data)
     t = time - time[0]
     order = np.arange(t.size)
     displacement = displacement_of(data, t)
@@ -109,6 +124,24 @@ def column(data, name):
 
 def _listed(data):
     return ", ".join(map(str, data.variables)) or "no variable at all"
+
+
+def _of_usual_size(friction, data):
+    """Refuse values that no laboratory has: of another unit, or sign."""
+    typical = float(np.median(friction))
+    if not LOW < typical < HIGH:
+        what = "turn its sign" if -HIGH < typical < 0.0 else "is it a stress, or in per cent?"
+        raise ParameterError(
+            f"friction is {typical:.4g} (its median); expected shear over normal stress, {HIGH:g} "
+            f"at most: {what}"
+        )
+    if "delta_lp" in data.variables:
+        far = float(np.ptp(column(data, "delta_lp")))
+        if far > FARTHEST:
+            raise ParameterError(
+                f"delta_lp ranges over {far:.4g} m; expected metres, {FARTHEST:g} at most: if it "
+                f"is in um, divide it by 1e6"
+            )
 
 
 def increasing(time):
@@ -161,6 +194,7 @@ def loading_of(data, displacement, time, loading):
         loading.covers(time[-1] - time[0])
         if not loading.V[0] > 0.0:
             raise ParameterError("loading begins at rest; a record must begin in sliding")
+        _agrees(loading, displacement, time - time[0])
         return loading
     if displacement is None:
         raise ParameterError(
@@ -183,6 +217,22 @@ def loading_of(data, displacement, time, loading):
         )
     pairs = zip(starts[1:] - time[0], speeds[1:], strict=True)
     return Loading.steps(float(speeds[0]), *((float(t), float(V)) for t, V in pairs))
+
+
+def _agrees(loading, displacement, t):
+    """Refuse a loading that is not the one recorded: of other units, or with other times."""
+    if displacement is None:
+        return
+    said = np.asarray(loading.delta_lp(t))
+    apart = displacement - said
+    worst, far = float(np.ptp(apart)), float(np.ptp(displacement))
+    if worst > APART * far:
+        raise ParameterError(
+            f"loading moves the load point by {readable('delta_lp', float(said[-1]))} in all, the "
+            f"record by {readable('delta_lp', far)}, and on the way they differ by "
+            f"{readable('delta_lp', worst)}: check units and times (t = 0 is the first sample), "
+            f"or drop delta_lp from the record"
+        )
 
 
 def _has_steps(loading, t):

@@ -7,12 +7,14 @@ import xarray
 from scipy.special import ndtri
 
 from ..quantities import attrs
-from .unknowns import START, slope, to_value
+from .unknowns import LINEAR, START, slope, to_value
 
 LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
 #: standard errors to which they reach, of a Gaussian
 ROOTS = ndtri(0.5 + 0.5 * np.array(LEVELS))
+#: half width of an interval of a logarithm beyond which it has no end
+ENDLESS = np.log(1e6)
 #: standard error of a coordinate that is none: the record does not see it
 UNSEEN = 1e6
 
@@ -67,6 +69,8 @@ def estimates(names, coordinates, covariance, derived=()):
     values, scales = where.copy(), np.ones(where.size)
     for i, name in enumerate(names):
         values[i] = to_value(name, where[i])
+        if name not in LINEAR:  # a logarithm so uncertain is unknown
+            ends[i] = np.where(np.abs(ends[i] - where[i]) > ENDLESS, np.inf * reach, ends[i])
         scales[i] = slope(name, values[i])
         ends[i] = to_value(name, ends[i])
     names = (*names, *(symbol for symbol, _, _ in derived))

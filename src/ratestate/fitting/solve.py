@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.special import chdtri
 
 from ..errors import ParameterError
 from .forward import Forward
@@ -19,6 +20,8 @@ from .unknowns import NEAR, START, Unknowns
 STARTS, ROUNDS = 12, 4
 #: what the march itself leaves unsure, as a part of the range of friction
 FLOOR = 1e-6
+#: chance below which noise alone is not believed to make a response
+CHANCE = 1e-4
 #: two searches that end at sums of squares no further apart agree
 AGREE = 1e-3
 #: most evaluations of one least-squares fit, and one of those from which the best is picked
@@ -26,7 +29,7 @@ MOST, FEW = 200, 25
 #: estimates stand still where none moves by more, in its standard error
 STILL = 0.02
 #: fall of chi-square that has a cause, and is no chance: of a start out of steady sliding, of a lag
-FALL = 30.0
+FALL = 12.0
 
 
 class Problem:
@@ -69,15 +72,18 @@ class Problem:
 
 
 def search(problem, start, noise, most=MOST):
-    """`scipy.optimize.least_squares` of a problem from this point.
+    """`scipy.optimize.least_squares` of a problem from this point; None where nothing moves there.
 
     problem : has unknowns, and residual and jacobian as functions of a point and a `Noise`
     """
     low, high = problem.unknowns.low, problem.unknowns.high
     inside = 1e-9 * np.where(np.isfinite(high), 1.0 + np.abs(start), 0.0)
+    start = np.clip(start, low + inside, high - inside)
+    if not np.isfinite(problem.residual(start, noise)).all():
+        return None
     return least_squares(
         problem.residual,
-        np.clip(start, low + inside, high - inside),
+        start,
         problem.jacobian,
         bounds=(low, high),
         x_scale="jac",
@@ -129,11 +135,16 @@ def solve(record, slider, law, free, noise, start):
     unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
     solution = settled(problem, _best_start(problem, slider, law), noise)
-    if start != "auto" or not _starts_unsteady(solution, slider, law):
+    if start != "auto" or not _may_start_unsteady(solution, slider, law):
         return solution
+    # Correlated noise may have taken the blame: so the search begins anew.
     unknowns = unknowns_of(record, free, start=True, sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
-    return settled(problem, _widened(solution, unknowns), noise)
+    begins = (_widened(solution, unknowns), _best_start(problem, slider, law))
+    others = [settled(problem, begin, noise) for begin in begins]
+    best = max(others, key=lambda one: one.log_likelihood)
+    gains = best.log_likelihood - solution.log_likelihood, _early(best) - _early(solution)
+    return best if min(gains) > 0.5 * FALL else solution
 
 
 def _best_start(problem, slider, law):
@@ -150,7 +161,8 @@ def _best_start(problem, slider, law):
     plain = rough.plain_noise(points[0])
     found: list = []
     for point in points:
-        found = sorted([*found, search(rough, point, plain, FEW)], key=lambda one: one.cost)
+        one = search(rough, point, plain, FEW)
+        found = sorted([*found, *([one] if one else [])], key=lambda one: one.cost)
         # a least sum that two starts have led to is not passed by a third
         if len(found) > 1 and found[1].cost <= found[0].cost * (1.0 + AGREE):
             break
@@ -206,11 +218,25 @@ def _covariance(jacobian):
     return spread @ spread.T / np.outer(scale, scale)
 
 
-def _starts_unsteady(solution, slider, law):
-    """Whether a start out of steady sliding would make chi-square fall as only a cause makes it."""
+def _may_start_unsteady(solution, slider, law):
+    """Whether a start out of steady sliding may fit better: by a score test, or red misfit."""
+    if solution.noise.red:
+        return True
     forward = Forward(solution.problem.record, slider, law, (*START, *solution.unknowns.names))
     jacobian = np.nan_to_num(forward.jacobian(np.append([0.0, 0.0], solution.point))[1])
     return gain_of(solution, jacobian[:, : len(START)])[0] > FALL
+
+
+def _early(solution):
+    """ln(likelihood) of what was recorded before the first step, where a start shows.
+
+    What comes later a start can only spoil: it must not stand in for mass, or another law.
+    """
+    record = solution.problem.record
+    early = record.t < record.loading.t[1]
+    residual = (record.friction - solution.fitted)[early]
+    white, log_determinant = solution.noise.whiten(record.t[early], residual)
+    return -0.5 * (float(np.sum(white**2)) + log_determinant)
 
 
 def gain_of(solution, added):
@@ -229,6 +255,23 @@ def gain_of(solution, added):
     rest = white[:, : 1 + count] - basis @ (basis.T @ white[:, : 1 + count])
     moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
     return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
+
+
+def response(solution):
+    """By how much the sliders fit better than level and trend alone, and by how many parameters."""
+    record = solution.problem.record
+    lines = [np.ones(record.t.size), record.along / np.abs(record.along).max()]
+    columns = np.column_stack([record.friction, *lines[: 2 if record.trend else 1]])
+    white, _ = solution.noise.whiten(record.t, columns)
+    basis, _ = np.linalg.qr(white[:, 1:])
+    rest = white[:, 0] - basis @ (basis.T @ white[:, 0])
+    return float(rest @ rest) - solution.chi2, len(solution.point) - basis.shape[1]
+
+
+def responds(solution):
+    """Whether friction responds to the steps by more than noise does by chance."""
+    gain, free = response(solution)
+    return bool(gain > chdtri(free, CHANCE))
 
 
 def _widened(solution, unknowns):

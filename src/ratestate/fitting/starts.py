@@ -57,16 +57,13 @@ def starting_points(problem, slider):
         if name == "b":
             cloud[:, i] = sizes["b"] * rng.uniform(-1.0, 3.0, CLOUD + 1)
         elif name in sizes:
-            decades = {"a": (-0.5, 0.5), "Dc": (-1.5, 0.7), "K": (-0.5, 1.5), "M": (-3.0, 1.0)}[
-                name
-            ]
-            exponent = rng.uniform(*decades, CLOUD + 1)
+            exponent = rng.uniform(*DECADES[name], CLOUD + 1)
             cloud[:, i] = np.log(sizes[name] * 10.0**exponent)
         if name in sizes:
             cloud[0, i] = to_coordinate(name, getattr(slider, name))
     cloud = np.clip(cloud, unknowns.low, unknowns.high)
     here = [i for i, name in enumerate(unknowns.names) if name in sizes]
-    cloud, misfit = problem.levelled(cloud)
+    cloud, misfit = problem.levelled(cloud if here else cloud[:1])
     order = np.argsort(misfit, kind="stable")
     # b, the only one that is no logarithm, counts by its size
     scale = np.array([sizes["b"] if name == "b" else 1.0 for name in unknowns.names])

@@ -1,6 +1,7 @@
 """A fit as text, for a notebook or a log."""
 
 import json
+import re
 import textwrap
 
 from ..quantities import readable
@@ -10,6 +11,8 @@ from .lines import lines, named, quality
 
 #: columns of the text
 WIDTH = 96
+#: what is not parted from the number before it
+UNIT = r"%|\+-|[numkMG]?(?:m|s|Pa)\b"
 
 
 def summary(result):
@@ -83,13 +86,16 @@ def _table(laws):
     for line in lines(laws):
         cells = [text for one in line.each for text in (one.value, (one.intervals or ("",))[-1])]
         rows.append([line.label, *cells, *([line.meaning] if len(laws) == 1 else [])])
-    wide = [max(len(row[i]) for row in rows if i < len(row)) for i in range(len(head))]
+    wide = [max(len(row[i]) for row in rows) for i in range(len(head))]
     found = []
-    for row in rows:
-        cells = [row[0].ljust(wide[0]), *(c.rjust(w) for c, w in zip(row[1:], wide[1:]))]
-        found.append("   ".join([*cells, *row[len(head) :]]).rstrip())
+    for label, *cells in rows:
+        padded = [text.rjust(width) for text, width in zip(cells, wide[1:], strict=False)]
+        meaning = cells[len(padded) :]
+        found.append("   ".join([label.ljust(wide[0]), *padded, *meaning]).rstrip())
     return found
 
 
 def _wrapped(text):
-    return textwrap.fill(text, WIDTH, subsequent_indent="  ", break_long_words=False)
+    """A long text as lines, none of which begins with the unit of a number."""
+    kept = re.sub(rf"(?<=[\d.]) (?={UNIT})", "\N{NO-BREAK SPACE}", text)
+    return textwrap.fill(kept, WIDTH, subsequent_indent="  ").replace("\N{NO-BREAK SPACE}", " ")

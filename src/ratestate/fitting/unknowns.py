@@ -47,8 +47,13 @@ def checked_free(free, slider):
     ParameterError
         An unknown or repeated name, none at all, or one whose value leaves nothing to start from.
     """
-    names = (free,) if isinstance(free, str) else tuple(free)
     known = (*PARAMETERS, "lag", "mu0")
+    try:
+        names = (free,) if isinstance(free, str) else tuple(free)
+    except TypeError:
+        raise ParameterError(
+            f"free = {free!r} is no sequence of names; give some of {', '.join(known)}"
+        ) from None
     if not names:
         raise ParameterError("free is empty; give at least one of " + ", ".join(known))
     for name in names:

@@ -14,7 +14,7 @@ def found_in_words(segments, t, displacement=None):
     t : ndarray
         The record's times [s].
     displacement : ndarray, optional
-        As recorded [m].
+        Its values [m] in the record.
     """
     if segments.V.size == 1:
         V = segments.V[0]

@@ -3,12 +3,12 @@
 import re
 
 from ..errors import ParameterError
+from .suggested import OTHERS, likely, named
 from .table import listed, nearest, shown
 from .titles import letters
 
 _POINT = r"(?:lp|loadpoint|loadingpoint|loadpt|ram|loading|load|actuator|piston|drive|driver)"
 _MOVED = r"(?:disp|displ|displacement|position|pos|dist|distance)"
-_OTHERS = r"(?!.*(?:norm|slip|sample|fault|thick|dilat|compac|layer|ecdt|onboard|internal|lvdt))"
 
 #: symbol -> patterns of the letters of a name, the surest first
 PATTERNS = {
@@ -18,10 +18,10 @@ PATTERNS = {
         r"|time(?:stamp|elapsed|column)?|secs?|seconds?|tsec",
     ),
     "delta_lp": (
-        rf"{_OTHERS}.*{_POINT}.*{_MOVED}.*|{_OTHERS}.*{_MOVED}.*(?:lp|loadpoint)"
+        rf"{OTHERS}.*{_POINT}.*{_MOVED}.*|{OTHERS}.*{_MOVED}.*(?:lp|loadpoint)"
         rf"|deltalp|ulp|xlp|dlp|lp|loadpoint",
-        rf"{_OTHERS}(?:shear|total|cumulative|cum)?{_MOVED}s?(?:shear|mm|um)?",
-        rf"{_OTHERS}.*{_MOVED}.*",
+        rf"{OTHERS}(?:shear|total|cumulative|cum)?{_MOVED}s?(?:shear|mm|um)?",
+        rf"{OTHERS}.*{_MOVED}.*",
     ),
     "V_load": (
         rf"vlp|vload|v0?lp|lpv|{_POINT}(?:point)?(?:vel|velocity|speed|rate)"
@@ -103,12 +103,23 @@ def _complete(table, chosen):
     }
     for need, ways in needs.items():
         if not set(ways) & set(chosen):
+            symbol = ways[-1 if "tau" in need else 0]
+            like = likely(table, symbol, set(chosen.values()))
+            such = f", such as columns={{'{symbol}': {like}}}"
+            such = such if like else f", in columns={{'{symbol}': ...}}"
             raise ParameterError(
-                f"no column is known as {need}; the file has {listed(table.titles)}: say which by "
-                f"title or number, such as columns={{'{ways[-1 if 'tau' in need else 0]}': "
-                f"{shown(table.titles[-1])}}}"
+                f"no column is known as {need}; the file has {listed(table.titles)}"
+                f"{table.not_read()}: say which by title or number{such}"
             )
     return chosen
+
+
+def beside(table, chosen, symbol):
+    """The column of a quantity that was not chosen, by its name; None if there is none."""
+    own = [id(column) for column in chosen.values()]
+    taken = {i for i, column in enumerate(table.columns) if id(column) in own}
+    index = _recognised(table, symbol, taken, needed=False)
+    return None if index is None else table.columns[index]
 
 
 def _asked(table, symbol, asked):
@@ -166,7 +177,7 @@ def _recognised(table, symbol, taken, needed):
             told = listed([table.titles[i] for i in same])
             raise ParameterError(
                 f"{symbol} may be any of the columns {told}; say which, such as "
-                f"columns={{'{symbol}': {shown(table.titles[same[0]])}}}"
+                f"columns={{'{symbol}': {named(table, same[0])}}}"
             )
         if same:
             return None

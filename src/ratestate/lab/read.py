@@ -7,18 +7,17 @@ import numpy as np
 
 from ..errors import ParameterError, RecordWarning
 from ..quantities import attrs
+from .agreement import coarse, doubtful
 from .found import found_in_words
 from .levels import levels_of
 from .names import found
 from .opened import opened
-from .rows import Rows, check_alive
+from .rows import Rows, check_alive, check_numbers
 from .segments import segments_of
 from .sizes import check_sizes, checked_units, in_si, unit_of
 from .table import shown
+from .values import drop_codes, drop_impossible, turn_negative
 from .window import ends, inside
-
-#: friction and tau/sigma of one file agree to this part, or one of the three is something else
-AGREE = 0.05
 
 
 def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
@@ -59,7 +58,8 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     Warns
     -----
     RecordWarning
-        Rows were left out, there is a gap, or columns do not agree; the message names the rows.
+        Rows were left out (no number, or one that nobody can have measured), there is a gap, or
+        columns do not agree; the message names the rows.
 
     Examples
     --------
@@ -75,29 +75,34 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
             f"units: {', '.join(sorted(unused))} is none of the columns that are read "
             f"({', '.join(chosen)}); name it in columns as well"
         )
+    for symbol, column in chosen.items():
+        check_numbers(table, symbol, column)
     chosen, unit, notes = _with_units(chosen, columns or {}, units)
     _check_lengths(chosen)
     times = in_si("time", chosen["time"].values, unit["time"])
     rows = Rows(table, chosen, times)
     _cut(rows, chosen, unit, windows)
     rows.drop_unreadable()
+    drop_codes(rows)
     rows.order()
     rows.check_enough()
-    rows.find_gaps()
     record = {s: in_si(s, c.values[rows.kept], unit[s]) for s, c in chosen.items()}
     for symbol, values in record.items():
         check_alive(symbol, values, chosen[symbol])
         check_sizes(symbol, values, chosen[symbol], unit[symbol])
-    told = rows.warnings + notes + _disagreement(record)
-    turned = _turn(record)
+    turned = turn_negative(record) + _turn(record)
+    record = drop_impossible(rows, record)
+    rows.find_gaps()
+    segments = _history(record)
+    told = rows.warnings + notes + doubtful(table, chosen, rows, record, segments)
     for text in told:
         warnings.warn(f"{path.name}: {text}", RecordWarning, stacklevel=2)
-    data = _dataset(record, turned)
+    data = _dataset(record, segments)
     data.attrs["source"] = path.name
     data.attrs["columns"] = json.dumps(
         {s: {"title": c.title, "unit": unit[s]} for s, c in chosen.items()}
     )
-    data.attrs["notes"] = json.dumps(told + json.loads(data.attrs["notes"]))
+    data.attrs["notes"] = json.dumps(told + turned + segments.notes)
     return data
 
 
@@ -146,59 +151,40 @@ def _cut(rows, chosen, unit, windows):
     rows.check_enough(" in the window" if windows else "")
 
 
-def _disagreement(record):
-    """A note if friction is not tau/sigma."""
-    if not {"friction", "tau", "sigma"} <= set(record):
-        return []
-    ratio = float(np.median(record["tau"] / record["sigma"]) / np.median(record["friction"]))
-    if abs(ratio - 1.0) <= AGREE:
-        return []
-    return [
-        f"tau/sigma is {ratio:.3g} times the friction that is recorded; one of the three columns "
-        f"or units is perhaps another, and friction is used as it is"
-    ]
-
-
 def _turn(record):
-    """Turn a load point that moves downwards; what was turned, and its values as recorded."""
+    """Turn a load point that moves downwards; a note if it did."""
     if "delta_lp" in record:
-        x = record["delta_lp"]
+        symbol, x = "delta_lp", record["delta_lp"]
         part = max(1, x.size // 20)
-        if np.median(x[-part:]) < np.median(x[:part]):
-            record["delta_lp"] = -x
-            return "delta_lp", x
-        return "", x
-    if np.median(record["V_load"]) < 0.0:
-        record["V_load"] = -record["V_load"]
-        return "V_load", None
-    return "", None
+        down = np.median(x[-part:]) < np.median(x[:part])
+    else:
+        symbol, down = "V_load", np.median(record["V_load"]) < 0.0
+    if not down:
+        return []
+    record[symbol] = -record[symbol]
+    return [f"{symbol} runs downwards; its sign is turned"]
 
 
-def _dataset(record, turned):
+def _history(record):
+    """What the load point did: `Segments`."""
+    if "delta_lp" in record:
+        return segments_of(record["time"], record["delta_lp"])
+    return levels_of(record["time"], record["V_load"])
+
+
+def _dataset(record, segments):
     """The Dataset, with what is found in it."""
     import xarray
 
-    symbol, recorded = turned
-    t = record.pop("time")
-    segments = (
-        segments_of(t, record["delta_lp"])
-        if recorded is not None
-        else (levels_of(t, record["V_load"]))
-    )
-    if "friction" not in record:
-        record["friction"] = record["tau"] / record["sigma"]
+    t = record["time"]
     order = [s for s in ("friction", "delta_lp", "V_load", "tau", "sigma") if s in record]
     variables = {s: ("time", record[s], attrs(s)) for s in order}
     labels = {"segment_t": segments.t, "segment_V": segments.V}
     labels |= {"segment_t_error": segments.t_error, "segment_V_error": segments.V_error}
     variables |= {s: ("segment", values, attrs(s)) for s, values in labels.items()}
-    notes = [f"{symbol} runs downwards; its sign is turned"] if symbol else []
+    words = coarse(record, segments) or found_in_words(segments, t, record.get("delta_lp"))
     return xarray.Dataset(
         variables,
         coords={"time": ("time", t, attrs("time"))},
-        attrs={
-            "title": "ratestate read_lab",
-            "found": found_in_words(segments, t, recorded),
-            "notes": json.dumps(notes + segments.notes),
-        },
+        attrs={"title": "ratestate read_lab", "found": words},
     )

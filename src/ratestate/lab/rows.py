@@ -1,5 +1,7 @@
 """Rows of a record that cannot be used, or look odd: left out, told by number, or refused."""
 
+import re
+
 import numpy as np
 
 from ..errors import ParameterError
@@ -10,6 +12,7 @@ TOLD = 5  # rows of each kind
 #: a gap is a step of time so many times longer than is usual on either side of it
 GAP = 5.0
 BESIDE = 10  # rows that tell what is usual
+CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
 class Rows:
@@ -41,13 +44,26 @@ class Rows:
     def drop_unreadable(self):
         """Leave out rows without a number in a column that is needed."""
         columns = self.columns.values()
+        if self.kept.size:
+            for symbol, column in self.columns.items():
+                check_numbers(self.table, symbol, column, self.kept)
         good = np.all([np.isfinite(column.values[self.kept]) for column in columns], axis=0)
-        bad = self.kept[~good]
-        self.kept = self.kept[good]
-        if bad.size:
-            self.warnings.append(
-                f"{_rows(bad.size)} left out for want of a number: {self.told(bad, self._cell)}"
-            )
+        self.leave_out(~good, "for want of a number", self._cell)
+
+    def leave_out(self, bad, why, what):
+        """Leave out some of the rows that are kept.
+
+        Parameters
+        ----------
+        bad : ndarray of bool
+            Along `kept`.
+        why, what : str, callable
+            The reason; row -> what to show of it.
+        """
+        rows = self.kept[bad]
+        self.kept = self.kept[~bad]
+        if rows.size:
+            self.warnings.append(f"{_rows(rows.size)} left out {why}: {self.told(rows, what)}")
 
     def _cell(self, row):
         """What stands in a row instead of a number."""
@@ -106,6 +122,21 @@ class Rows:
 
 def _rows(count):
     return "1 row is" if count == 1 else f"{count} rows are"
+
+
+def check_numbers(table, symbol, column, rows=slice(None)):
+    """Refuse a column without any number in these rows."""
+    if np.isfinite(column.values[rows]).any() or not column.values.size:
+        return
+    row = int(np.arange(column.values.size)[rows][0])
+    text = table.odd.get((row, column.title), str(column.values[row]))
+    remedy = f"name another in columns={{'{symbol}': ...}}"
+    if symbol == "time" and CLOCK.search(text):
+        remedy = "dates and clock times are not read: convert them to seconds from the start"
+    raise ParameterError(
+        f"the column {shown(column.title)} ({symbol}) has no number in any row, but "
+        f"{shown(text) if text else 'nothing'} in {table.number(row)}; {remedy}"
+    )
 
 
 def check_alive(symbol, values, column):

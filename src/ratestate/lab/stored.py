@@ -17,16 +17,25 @@ def read_hdf5(path):
     import h5py
 
     columns: list[Column] = []
+    texts: list[str] = []
 
     def visit(title, item):
         # MATLAB keeps texts as numbers, and what cells refer to in a group of its own
         hidden = title.startswith("#") or item.attrs.get("MATLAB_class") == b"char"
         if isinstance(item, h5py.Dataset) and not hidden:
+            if item.ndim and item.dtype.kind not in "iufV":
+                texts.append(title)
+                return
             columns.extend(_columns(title, item[()], item.attrs))
 
     with _opened(path, h5py) as file:
-        file.visititems(visit)
-    return _table(path, columns)
+        try:
+            file.visititems(visit)
+        except (RuntimeError, OSError, ValueError, KeyError, TypeError) as error:
+            raise ParameterError(
+                f"{path.name} is damaged: {error}; copy it again from where it comes from"
+            ) from None
+    return _table(path, columns, texts)
 
 
 def _opened(path, h5py):
@@ -114,10 +123,11 @@ def _unpacked(values, attrs):
     return numbers * attrs.get("scale_factor", 1.0) + attrs.get("add_offset", 0.0)
 
 
-def _table(path, columns):
+def _table(path, columns, texts=()):
+    table = Table(columns, "row", unread=tuple(texts))
     if not columns:
         raise ParameterError(
-            f"{path.name} has no columns of numbers; expected arrays of one length for time, "
-            f"displacement and friction"
+            f"{path.name} has no columns of numbers{table.not_read()}; expected arrays of one "
+            f"length for time, displacement and friction"
         )
-    return Table(columns, "row")
+    return table

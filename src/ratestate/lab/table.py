@@ -27,16 +27,22 @@ class Table(NamedTuple):
     row_name : "line" of a text, or "row"
     numbers : of the rows, as an editor or MATLAB counts them; None if 1, 2, 3, ...
     odd : (row from 0 on, title) -> text of a cell that is no number
+    unread : titles of arrays that hold no real numbers
     """
 
     columns: list[Column]
     row_name: str
     numbers: np.ndarray | None = None
     odd: dict[tuple[int, str], str] = {}  # noqa: RUF012 (of a tuple: never changed)
+    unread: tuple[str, ...] = ()
 
     @property
     def titles(self):
         return [column.title for column in self.columns]
+
+    def not_read(self):
+        """The end of a sentence: what the file has that is no column of numbers."""
+        return f" (no real numbers, so not read: {listed(self.unread)})" if self.unread else ""
 
     def number(self, row):
         """How the reader finds a row (counted here from 0 on): "line 17"."""

@@ -8,11 +8,12 @@ import numpy as np
 
 from ..errors import ParameterError
 from .table import Column, Table, shown
-from .titles import is_unit, split
+from .titles import is_unit, plain, split
 
 COMMENTS = ("#", "%")
 DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
 LOOK = 200  # lines, by which the layout is known
+_FORTRAN = re.compile(r"^([-+]?[\d.]+)[dD](?=[-+]?\d+$)")  # 1.0D+02
 _DECIMAL = re.compile(r"(?<=\d),(?=\d)")
 
 
@@ -76,7 +77,7 @@ def _cells(line, delimiter):
 def _number(cell):
     """A number out of a cell, NaN if it is none."""
     try:
-        return float(cell) if "_" not in cell else np.nan
+        return float(_FORTRAN.sub(r"\1e", cell)) if "_" not in cell else np.nan
     except ValueError:
         return np.nan
 
@@ -100,7 +101,8 @@ def _layout(path, lines):
             # a date above the table is numbers as well
             if _is_data(cells) and (len(below) == len(cells) or not after):
                 return start, delimiter
-    what = "has no line of numbers" if full else "is empty"
+    begins = " and ".join(shown(lines[i].strip()) for i in full[:2])
+    what = f"has no line of numbers (it begins {begins})" if full else "is empty"
     raise ParameterError(
         f"{path.name} {what}; expected rows such as 11607.70, 8503.6, 0.607 with tabs, commas, "
         f"semicolons or spaces between, a column each for time, displacement and friction"
@@ -148,7 +150,7 @@ def _header(lines, delimiter, width, start):
 
 def _all_units(cells):
     """Whether a line has units in place of names."""
-    return any(cells) and all(not cell or is_unit(cell) for cell in cells)
+    return any(cells) and all(not plain(cell) or is_unit(cell) for cell in cells)
 
 
 def _words(line, delimiter):

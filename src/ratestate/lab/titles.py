@@ -37,15 +37,20 @@ def is_unit(text):
 def plain(unit):
     """A unit as `ratestate.units` reads it, out of the ways in which files write it."""
     unit = unit.strip().strip("[](){}<>").strip().replace("\u03bc", "u").replace("\u00b5", "u")
-    if unit.lower() in ("-", "--", "none", "unitless", "dimensionless"):
+    if unit.lower() in (".", "-", "--", "none", "unitless", "dimensionless"):
         return "1"
     words = re.split(r"([^A-Za-z]+)", unit.partition(" since ")[0])
-    return "".join(_WORDS.get(word.lower(), word) for word in words)
+    return "".join(_WORDS.get(word.lower(), _CAPITALS.get(word, word)) for word in words)
 
 
 #: words for units, in small letters and capitals
-_WORDS = dict.fromkeys(["micron", "microns", "micrometer", "micrometers", "micrometre"], "um")
+_WORDS = dict.fromkeys(
+    ["mic", "micron", "microns", "micrometer", "micrometers", "micrometre"], "um"
+)
 _WORDS |= dict.fromkeys(["sec", "secs", "second", "seconds"], "s")
+#: capitals of units that no record means otherwise: "TIME [S]" is not in siemens
+_CAPITALS = {unit.upper(): unit for unit in "s ms us min h m cm mm um nm kPa MPa GPa kN".split()}
+_CAPITALS["PA"] = "Pa"
 
 
 def letters(name):

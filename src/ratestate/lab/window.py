@@ -12,12 +12,14 @@ def ends(symbol, window, name):
     if window is None:
         return None
     try:
-        first, last = window
+        # as plain numbers: a message shows them
+        first, last = (x.item() if isinstance(x, np.generic) else x for x in window)
     except (TypeError, ValueError):
         first = last = window
         sound = False
     else:
         sound = not isinstance(window, str)
+        window = (first, last) if sound else window
     if not sound:
         like = "('11640 s', '11720 s')" if symbol == "time" else "('8600 um', '8900 um')"
         raise ParameterError(

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.textpath import TextPath
 
-from ..fitting.each import each_law, error_of, value_of
-from ..fitting.lines import ALWAYS, over_critical, plus_minus
+from ..fitting.each import each_law, value_of
+from ..fitting.lines import ALWAYS, estimate, over_critical
 from ..fitting.unknowns import PARAMETERS
 from ..quantities import QUANTITIES, short
 from .curves import COLORS
@@ -76,9 +76,7 @@ def _column(laws, symbol):
     else:
         factor, unit = prefixed(QUANTITIES[symbol].unit, max(map(abs, values)))
     heading = HEADINGS.get(symbol, label(symbol)) + (f" [{unit}]" if unit else "")
-    errors = [error_of(part, symbol) for part in laws.values()]
-    pairs = zip(values, errors, strict=True)
-    return heading, [_printed(plus_minus(factor * value, factor * error)) for value, error in pairs]
+    return heading, [_printed(estimate(part, symbol, factor).value) for part in laws.values()]
 
 
 def _printed(text):

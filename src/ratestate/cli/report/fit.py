@@ -2,9 +2,6 @@
 
 from typing import TYPE_CHECKING, Any
 
-
-
-
 if TYPE_CHECKING:
     import xarray
     from rich.table import Table

@@ -51,7 +51,8 @@ def markdown(
         "## What was read",
         _record(record),
         "## To do it again",
-        f"In the folder in which the command was run:\n\n```python\n{_python(asked, record, slider, result)}```",
+        "In the folder in which the command was run:",
+        f"```python\n{_python(asked, record, slider, result)}```",
         f"All numbers are in fit.nc.  Made with {_versions(result)}.",
     ]
     text = "\n\n".join(part for part in parts if part) + "\n"
@@ -175,7 +176,7 @@ def _python(
     made = repr(slider).replace("(", "(\n    ").replace(", ", ",\n    ").replace(")", ",\n)")
     law = ""
     if len(asked.laws) > 1:
-        law = f", law={str(result['law'][int(result['aic_difference'].argmin())].item())!r}"
+        law = f", law={asked.laws[int(result['aic_difference'].values.argmin())]!r}"
     V = repr(readable("V_lp", float(record["segment_V"].max())))
     return PYTHON.format(file=", ".join(reading), slider=made, fit=arguments, law=law, V=V)
 

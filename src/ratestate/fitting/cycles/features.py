@@ -19,6 +19,8 @@ FEATURES = ("amplitude", "period", "rise", "high", "drop", "level")
 AMPLITUDE, PERIOD, RISE, HIGH, DROP, LEVEL = range(len(FEATURES))
 # Phases at which a model's profile is known.
 FINE = 1024
+# Halvings of a phase's width that find an extreme, which is flat: to 1e-6 of the period.
+HALVINGS = 11
 # Of the amplitude, where the four parts of the period meet.
 UPPER, LOWER = 0.75, 0.25
 
@@ -87,7 +89,7 @@ def _turning(grid, waves, near, half, sign):
     phases of the profile miss would mislead derivatives.
     """
     low, high = near - 1.0 / FINE, near + 1.0 / FINE
-    for _ in range(30):
+    for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         ends = np.stack([middle - half, middle + half], axis=1) % 1.0
         j, left, rate = _pieces(grid, waves, ends)

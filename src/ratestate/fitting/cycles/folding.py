@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import ParameterError
+from ...quantities import readable
 
 # Fewest cycles, and samples in a cycle, of which anything can be said.
 FEWEST_CYCLES, FEWEST_SAMPLES = 3, 6
@@ -71,17 +72,17 @@ def main_period(t, y):
     # white noise: each line of the spectrum is exponential, and a window makes of 2 about 3
     if power[best] < 1.5 * np.log(power.size / CHANCE) * power.mean():
         raise ParameterError(
-            f"no oscillation stands out of the noise of friction in the {span:.4g} s of the "
-            f"record; fit it against time, or give a record of stick-slip or vibration"
+            f"no oscillation stands out of the noise of friction in the {readable('t', span)} of "
+            f"the record; fit it against time, or give a record of stick-slip or vibration"
         )
     if best + 1 < FEWEST_CYCLES:
         raise ParameterError(
             f"the record has fewer than {FEWEST_CYCLES} cycles (its slowest oscillation takes "
-            f"{period:.4g} s of {span:.4g} s); give a longer one, or fit against time"
+            f"{readable('t', period)} of {readable('t', span)}); give a longer one, or fit against time"
         )
     if period < FEWEST_SAMPLES * float(np.median(np.diff(t))):
         raise ParameterError(
-            f"a cycle of {period:.4g} s has fewer than {FEWEST_SAMPLES} samples; give a record "
+            f"a cycle of {readable('t', period)} has fewer than {FEWEST_SAMPLES} samples; give a record "
             f"sampled more often"
         )
     return period

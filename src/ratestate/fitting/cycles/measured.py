@@ -7,15 +7,16 @@ differ from each other by more than such noise explains, the errors are enlarged
 scatter says.
 """
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import ParameterError
+from ...quantities import readable
 from .features import AMPLITUDE, DROP, FEATURES, LEVEL, PERIOD, profile_features
 from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, periodic, thinned
 from .noise import Noise, residual_noise
+from .regular import Segment, regular_cuts
 
 # Bins of the profile: their bounds, and the noise in one over the amplitude that is aimed at.
 BINS, BIN_NOISE = (24, 128), 0.01
@@ -23,23 +24,12 @@ BINS, BIN_NOISE = (24, 128), 0.01
 COPIES, SEED = 80, 20190117
 # What a machine's speed and stress are known to, at best: no feature is taken for more certain.
 KNOWN = 1e-3
-# Chance of calling cycles different that are not; and of calling a trend real.
+# Chance of calling cycles different that are not.
 CHANCE = 0.005
-# Scatter of the periods beyond which nothing repeats; a swing of cycles counts as a transient
-# beyond so many of their deviations and this part of it.
-IRREGULAR, TRANSIENT, SETTLED = 0.2, 6.0, 0.05
 # A part of the period this short, in bins, is not resolved; nor one this uncertain (of 1).
 RESOLVED, VAGUE = 1.5, 0.3
 # Part of the amplitude that a trend must make up over the cycles to be worth a word.
 DRIFT = 0.1
-
-
-class Segment(NamedTuple):
-    """A stretch of record at one load-point speed."""
-
-    t: np.ndarray  # (samples,) [s]
-    y: np.ndarray  # (samples,) tau/sigma
-    V_lp: float  # [m/s]
 
 
 class Measured(NamedTuple):
@@ -52,12 +42,13 @@ class Measured(NamedTuple):
     values: np.ndarray  # (6,) freed of that
     covariance: np.ndarray  # (6, 6)
     used: np.ndarray  # (6,) whether the record resolves it
-    left_out: tuple  # what was, in words
-    remarks: tuple  # on scatter and resolution
+    left_out: tuple  # cycles that were, in words
+    removed: tuple  # trend, and what is not resolved
+    warnings: tuple  # on scatter
 
     @property
-    def warnings(self):
-        return (*self.left_out, *self.remarks)
+    def notes(self):
+        return (*self.left_out, *self.removed)
 
     @property
     def bins(self):
@@ -72,16 +63,17 @@ def measure(segment):
     ParameterError
         No oscillation, too few cycles or samples, or periods that scatter by more than 20 %.
     """
-    said: list = []
     period = main_period(segment.t, segment.y)
     segment = thinned(segment, period)
-    cuts = _cuts(segment, period, said)
+    cuts, left_out = regular_cuts(segment, period)
     rough = fold(segment.t, segment.y, cuts, BINS[0])
     bins = _bins(segment, rough)
     cycles = fold(segment.t, segment.y, cuts, bins)
     noise = residual_noise(segment, cycles)
     raw = _features(cycles)
-    found = Measured(segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), tuple(said), ())
+    found = Measured(
+        segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), left_out, (), ()
+    )
     return corrected(found, lambda phase: periodic(cycles.profile, phase), raw)
 
 
@@ -123,61 +115,32 @@ def corrected(found, wave, features):
     used[[2, 3, 4]] &= parts[[2, 3, 4]] > RESOLVED
     used[LEVEL] = True
     values = np.where(np.isfinite(found.raw), found.raw - np.nan_to_num(shift), np.nan)
-    said = _said(found, excess, used)
-    return found._replace(values=values, covariance=covariance, used=used, remarks=said)
+    removed, warnings = _said(found, excess, used)
+    return found._replace(
+        values=values, covariance=covariance, used=used, removed=removed, warnings=warnings
+    )
 
 
 def _said(found, excess, used):
-    """Warnings about trend, scatter and resolution."""
-    cycles, speed = found.cycles, f"at {found.segment.V_lp:.4g} m/s"
-    said: tuple = ()
-    drift = abs(cycles.slope) * (cycles.cuts[-1] - cycles.cuts[0])
-    if drift > DRIFT * float(np.ptp(cycles.profile)):
-        said += (f"a trend of friction of {cycles.slope:.3g} 1/s {speed} is removed",)
-    if excess.any():
-        names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
-        said += (
-            f"cycles differ by more than the noise within them ({names}) {speed}; errors are "
-            f"enlarged to what their scatter says",
-        )
+    """Notes on trend and resolution, and warnings about scatter."""
+    cycles, speed = found.cycles, f"at {readable('V_lp', found.segment.V_lp)}"
+    notes: tuple = ()
+    warnings: tuple = ()
+    drift = cycles.slope * (cycles.cuts[-1] - cycles.cuts[0])
+    if abs(drift) > DRIFT * float(np.ptp(cycles.profile)):
+        notes += (f"a trend of friction {speed}, by {drift:.2g} over the cycles, is removed",)
     if not used[DROP]:
-        said += (
+        notes += (
             f"the drop {speed} is too short for the sampling, or too noisy, and is not fitted; "
             f"sample it more often to learn of mass and stiffness",
         )
-    return said
-
-
-def _cuts(segment, period, said):
-    """Where to cut a record into cycles that repeat, with what had to be left out."""
-    t, y = segment.t, segment.y
-    cuts = cut_cycles(t, y, period)
-    if cuts.size <= FEWEST_CYCLES:
-        raise ParameterError(
-            f"friction at {segment.V_lp:.4g} m/s has fewer than {FEWEST_CYCLES} whole cycles; "
-            f"give a longer record, or fit against time"
+    if excess.any():
+        names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
+        warnings += (
+            f"cycles differ by more than the noise within them ({names}) {speed}; errors are "
+            f"enlarged to what their scatter says",
         )
-    swing = np.array(
-        [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in pairwise(cuts)]
-    )
-    late = swing[swing.size // 2 :]
-    typical = float(np.median(late))
-    spread = 1.4826 * max(float(np.median(np.abs(x - np.median(x)))) for x in (late, swing))
-    apart = np.abs(swing - typical) > max(TRANSIENT * spread, SETTLED * typical)
-    first = int(np.argmin(apart))
-    if first and cuts.size - first > FEWEST_CYCLES:
-        said.append(
-            f"the first {first} cycles at {segment.V_lp:.4g} m/s are a transient, and left out"
-        )
-        cuts = cuts[first:]
-    periods = np.diff(cuts)
-    if (scatter := float(periods.std() / periods.mean())) > IRREGULAR:
-        raise ParameterError(
-            f"cycles at {segment.V_lp:.4g} m/s are irregular: their periods scatter by "
-            f"{100 * scatter:.0f} % (at most {100 * IRREGULAR:.0f} % can be fitted as a limit "
-            f"cycle); cut a regular stretch out of the record, or fit against time"
-        )
-    return cuts
+    return notes, warnings
 
 
 def _bins(segment, rough):

@@ -1,22 +1,27 @@
-"""Intervals of cycle fits from the profile of chi-squared, where it is not a parabola.
+"""Intervals of cycle fits from the profile of chi-squared, where it may be no parabola.
 
 Where the features of cycles hardly tell parameters apart, the valley of chi-squared is long and
 bent, and errors from its curvature at the bottom are too small on one side.  The profile of a
-number is the least chi-squared of all fits in which it keeps a value.
+number is the least chi-squared of all fits in which it keeps a value.  A spring pulls the number
+to that value rather than a clamp, which would make least squares creep along the bend: where they
+come to rest chi-squared is the least for the value that the number has there.
 """
 
 import numpy as np
 
 from ..result import ROOTS
-from .search import FLOOR, FTOL
+from .search import FLOOR, FTOL, NO_PULL
 
 # Error of a logarithm below which the parabola is good enough.
 SMALL = 0.08
-# Beyond this nothing is known, and no end would mean much.
-LARGE = 1.0
-# Weight that holds a number at its value; most steps on a side, and evaluations in each.
-HOLD, STEPS, EVALUATIONS = 1e4, 10, 12
-# A logarithm this far from its estimate has no end there.
+# Stiffness of the spring, over that of a chi-squared that rises by 1 within a step.
+SPRING = 4.0
+# Most steps on a side, and evaluations in each; the longest first step of a coordinate.
+STEPS, EVALUATIONS, FIRST = 8, 20, 0.5
+# Bounds of a step over the one before, where chi-squared's root is to rise by 1 in each; the part
+# of a step that the spring must achieve.
+SHORTER, LONGER, LEAST = 0.3, 3.0, 0.1
+# Where a coordinate is this far from the estimate the number has no end: farthest step as well.
 FAR = np.log(1e3)
 
 
@@ -27,78 +32,111 @@ class Profiles:
     ----------
     problem : Problem
     run : Run
-    names : tuple of str, free parameters and then mu0
+    names : (p,) tuple of str, the free parameters first
     covariance : (k + 1, k + 1) of the coordinates and mu0
-    errors : (k + 1,) of the logarithms of the parameters, and of mu0
+    errors : (p,) of the logarithms of the parameters, of mu0 and a - b
     enlarged : factor by which errors are
     """
 
     def __init__(self, problem, run, names, covariance, errors, enlarged):
         self.problem, self.run, self.names = problem, run, names
         self.covariance, self.errors, self.enlarged = covariance, errors, enlarged
+        #: least chi-squared that was met, and where
+        self.least, self.least_at = run.chi2, run.end
 
-    def value(self, i, q):
-        """The number i at coordinates q (k,): a logarithm, or mu0."""
-        if self.names[i] == "mu0":
-            return self.problem.best_mu0(q)
-        return float(np.log(self.problem.space.values(q[None])[self.names[i]][0]))
+    def intervals(self):
+        """(p, levels, sides) ends in the numbers' own scale, inf where there is none; their kinds.
 
-    def ends(self, i):
-        """(levels, sides) ends of the intervals of number i, in its own scale; inf: none there."""
-        here = self.value(i, self.run.end)
-        error = self.errors[:-1].max() if self.names[i] == "mu0" else self.errors[i]
-        if not SMALL < error < LARGE:
-            return here + self.errors[i] * ROOTS[:, None] * np.array([-1.0, 1.0])
-        return np.stack([self._side(i, here, sign) for sign in (-1.0, 1.0)], axis=1)
+        A number needs a profile where it, or what mu0 and a - b follow, is known no better than
+        `SMALL`.
+        """
+        size = self.problem.space.size
+        worst = self.errors[:size].max()
+        ends, kinds = [], []
+        for i, error in enumerate(self.errors):
+            here = self._value(i, self.run.end)
+            plain = (error if i < size else worst) < SMALL
+            kinds.append("covariance" if plain else "profile")
+            ends.append(
+                here + error * ROOTS[:, None] * np.array([-1.0, 1.0])
+                if plain
+                else np.stack([self._side(i, here, sign) for sign in (-1.0, 1.0)], axis=1)
+            )
+        return np.array(ends), tuple(kinds)
+
+    def _is_mu0(self, i):
+        return self.names[i] == "mu0"
+
+    def _value(self, i, q, pull=NO_PULL):
+        """The number i at coordinates q (k,): a logarithm, mu0 or a - b."""
+        if self._is_mu0(i):
+            return self.problem.best_mu0(q, pull)
+        return float(self.problem.space.number(self.names[i], q[None])[0])
+
+    def _gradient(self, i, q):
+        """(k,) derivative of `_value`."""
+        if self._is_mu0(i):
+            return self.problem.best_mu0_gradient(q)
+        return self.problem.space.gradient(self.names[i], q)
 
     def _side(self, i, here, sign):
         """(levels,) ends on one side."""
         values, roots = [here], [0.0]
-        q, step = self.run.end, min(self.errors[i], 0.3 if self.names[i] != "mu0" else np.inf)
-        gradient = self._gradient(i, q)
+        q, gradient = self.run.end, self._gradient(i, self.run.end)
         lead = self.covariance[:-1, :-1] @ gradient
         lead = lead / max(float(gradient @ lead), 1e-300)
+        step = min(self.errors[i], FIRST / np.abs(lead).max())
         for _ in range(STEPS):
-            value = values[-1] + sign * step
-            found = self._held(i, value, q + lead * (value - values[-1]))
-            if found is None:
-                step *= 0.5
+            found = self._pulled(i, values[-1] + sign * step, q + sign * step * lead, step)
+            moved = 0.0 if found is None else sign * (found[0] - values[-1])
+            if not moved > LEAST * step:
+                step *= SHORTER
                 continue
-            root = float(np.sqrt(max(found[1] - self.run.chi2, 0.0))) / self.enlarged
-            lead = (found[0] - q) / (value - values[-1])
-            rise = max(root - roots[-1], 0.2)
-            q, step = found[0], step * float(np.clip(1.0 / rise, 0.3, 2.5))
+            value, there, root = found
+            lead = (there - q) / (value - values[-1])
+            q, step = there, moved / np.clip(root - roots[-1], 1.0 / LONGER, 1.0 / SHORTER)
             values.append(value)
-            roots.append(max(root, roots[-1] + 1e-9))
-            if root > ROOTS[-1] or (self.names[i] != "mu0" and abs(value - here) > FAR):
+            roots.append(root)
+            if root > ROOTS[-1] or np.abs(q - self.run.end).max() > FAR:
                 break
-        ends = np.interp(ROOTS, roots, values)
-        return np.where(roots[-1] < ROOTS, sign * np.inf, ends)
+            step = min(step, FAR / np.abs(lead).max())
+        # where the root passes for the last time
+        roots = np.minimum.accumulate(roots[::-1])[::-1] + 1e-9 * np.arange(len(roots))
+        return np.where(roots[-1] < ROOTS, sign * np.inf, np.interp(ROOTS, roots, values))
 
-    def _gradient(self, i, q):
-        step = 1e-3 * np.eye(q.size)
-        return np.array([(self.value(i, q + h) - self.value(i, q - h)) / 2e-3 for h in step])
+    def _pulled(self, i, value, start, step):
+        """Value, coordinates, root of the rise of chi-squared where number i is pulled to a value.
 
-    def _held(self, i, value, start):
-        """Coordinates and chi-squared of the best fit with number i at a value; None: no cycle."""
+        None where there is no cycle.
+        """
         from scipy.optimize import least_squares
 
-        problem = self.problem
+        problem, spring = self.problem, SPRING * self.enlarged / step
         if not np.isfinite(problem.at(start)[0]).all():
             return None
 
+        def pull(q):
+            """Residual of the spring, its derivatives by q, and by mu0."""
+            if self._is_mu0(i):
+                return -spring * value, np.zeros(q.size), spring
+            return spring * (self._value(i, q) - value), spring * self._gradient(i, q), 0.0
+
         def residual(q):
-            if self.names[i] == "mu0":
-                return np.append(problem.with_level(q, value), FLOOR)
-            return np.append(problem.residual(q), HOLD * (self.value(i, q) - value))
+            return problem.residual(q, pull(q))
 
         def jacobian(q):
-            if self.names[i] == "mu0":
-                return np.vstack([np.nan_to_num(problem.at(q)[1]), np.zeros(q.size)])
-            return np.vstack([problem.jacobian(q), HOLD * self._gradient(i, q)])
+            return problem.jacobian(q, pull(q))
 
         found = least_squares(
             residual, start, jacobian, x_scale="jac", ftol=FTOL, xtol=1e-6, max_nfev=EVALUATIONS
         )
-        chi2 = 2.0 * found.cost - FLOOR**2
-        return (found.x, chi2) if chi2 < 1e12 else None
+        reached = (
+            problem.best_mu0(found.x, pull(found.x)) if self._is_mu0(i) else self._value(i, found.x)
+        )
+        chi2 = 2.0 * found.cost - FLOOR**2 - (spring * (reached - value)) ** 2
+        if not chi2 < 1e12:
+            return None
+        if chi2 < self.least:
+            self.least, self.least_at = chi2, found.x
+        rise = np.sqrt(max(chi2 - self.run.chi2, 0.0)) / self.enlarged
+        return reached, found.x, float(rise)

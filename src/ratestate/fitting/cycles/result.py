@@ -1,11 +1,8 @@
 """A fit of cycles as a Dataset."""
 
-import json
-
 import numpy as np
 import xarray
 
-from ...dataset import provenance
 from ...quantities import attrs
 from ..result import ROOTS, Estimates, estimate_variables, text_variables
 from .features import FEATURES, LEVEL
@@ -15,50 +12,36 @@ from .fit import wave_at
 SHIFTS = np.linspace(-0.05, 0.05, 101)
 
 
-def cycles_dataset(found, slider, **settings):
-    """The result of `fit` for cycles.
-
-    Parameters
-    ----------
-    found : CyclesFit
-    slider : SpringSlider that was given to the fit
-    settings : further settings for the provenance
+def cycles_dataset(found):
+    """The result of `fit` for cycles, of a `CyclesFit`.
 
     Returns
     -------
     xarray.Dataset
-        A scalar for each free parameter and ``mu0`` [SI]; ``standard_error``, ``interval`` and
+        A scalar for each free parameter, ``mu0`` and ``a_minus_b`` [SI]; ``standard_error``, ``interval`` and
         ``correlation``; along ``segment`` and ``feature``: ``measured``, ``measured_error``,
         ``fitted`` [SI], ``used``; along ``segment``: ``segment_V``, ``cycles``; along ``start``:
-        ``start_chi2``, ``start_status``, ``start_values`` (with ``parameter``); along ``time``:
-        ``friction``, ``friction_fit``, ``residual`` of the cycles that were fitted.
+        ``start_chi2``, ``start_status``, ``start_end`` (with ``free``; SI); along ``time``:
+        ``friction``, ``friction_fit``, ``residual`` of the cycles that were fitted.  ``chi2``,
+        ``identifiability`` and ``warnings``.
     """
-    parts = [
-        estimate_variables(_estimates(found)),
-        _features(found),
-        _starts(found),
-        _curves(found),
-    ]
-    result = xarray.merge(parts)
+    result = xarray.merge(
+        [estimate_variables(_estimates(found)), _features(found), _starts(found), _curves(found)]
+    )
     result["chi2"] = ((), found.chi2, {"units": "1", "long_name": "chi-squared of the features"})
-    result.attrs = provenance("fit", slider, law=found.law, against="cycles", **settings)
-    result.attrs["free"] = json.dumps(found.names[:-1])
     return result.assign(text_variables(found.identifiability, found.warnings))
 
 
 def _estimates(found):
-    """`Estimates` in SI, of logarithms and mu0."""
+    """`Estimates` in SI."""
     errors = np.sqrt(np.diag(found.covariance))
     values = np.array([found.estimates[name] for name in found.names])
-    plain = np.array([name == "mu0" for name in found.names])
+    plain = np.array([name not in found.free for name in found.names])
     with np.errstate(over="ignore"):
         ends = np.where(plain[:, None, None], found.ends, np.exp(found.ends))
     correlation = found.covariance / np.outer(errors, errors)
     scale = np.where(plain, 1.0, values)
-    width = found.ends[:, -1, 1] - found.ends[:, -1, 0]
-    straight = np.isclose(width, 2.0 * ROOTS[-1] * errors, rtol=1e-9)
-    kinds = tuple("covariance" if one else "profile" for one in straight)
-    return Estimates(found.names, values, scale * errors, ends, correlation, kinds)
+    return Estimates(found.names, values, scale * errors, ends, correlation, found.kinds)
 
 
 def _features(found):
@@ -82,14 +65,13 @@ def _features(found):
         "segment_V": [m.segment.V_lp for m in found.measured],
         "cycles": [m.cycles.n for m in found.measured],
     }
-    speeds = {"segment_V": {"units": "m/s", "long_name": "load-point velocity"}}
-    lists = {name: ("segment", v, speeds.get(name) or attrs(name)) for name, v in each.items()}
+    lists = {name: ("segment", v, attrs(name)) for name, v in each.items()}
     return xarray.Dataset(tables | lists, {"feature": list(FEATURES)})
 
 
 def _starts(found):
     """Where each start ended."""
-    names = found.names[:-1]
+    names = found.free
     ends = np.array([[values[n] for n in names] for values in found.run_values])
     chi2 = np.array([run.chi2 for run in found.runs])
     return xarray.Dataset(

@@ -20,6 +20,9 @@ MOST_EVALUATIONS = 50
 # for: together a fall of chi-squared by 0.01.
 FLOOR, FTOL = 3.0, 1e-3
 
+# A residual that is none, its derivatives by the coordinates, and by mu0.
+NO_PULL = (0.0, 0.0, 0.0)
+
 
 class Run(NamedTuple):
     """Where a least-squares search began and ended."""
@@ -83,31 +86,35 @@ class Problem:
             self.known = (q.copy(), (here, (change / np.maximum(width, STEP)).T))
         return self.known[1]
 
-    def best_mu0(self, q):
+    def best_mu0(self, q, pull=NO_PULL):
         """The mu0 that fits best at coordinates q (k,)."""
-        return -float(np.nan_to_num(self.at(q)[0]) @ self.levels / (self.levels @ self.levels))
+        levels = np.append(self.levels, pull[2])
+        return -float(np.append(np.nan_to_num(self.at(q)[0]), pull[0]) @ levels / (levels @ levels))
 
-    def without_level(self, vectors):
-        """Residuals, or columns of them (features, k), with the best mu0 taken out."""
-        unit = self.levels / np.linalg.norm(self.levels)
+    def best_mu0_gradient(self, q):
+        """(k,) derivative of `best_mu0` without a pull."""
+        return -self.levels @ np.nan_to_num(self.at(q)[1]) / (self.levels @ self.levels)
+
+    def _without_level(self, vectors, pull):
+        """Residuals, or columns of them (features + 1, k), with the best mu0 taken out."""
+        levels = np.append(self.levels, pull[2])
+        unit = levels / np.linalg.norm(levels)
         return vectors - np.multiply.outer(unit, unit @ vectors)
 
-    def residual(self, q):
-        """(features + 1,) at coordinates q (k,) and the best mu0; last, `FLOOR`."""
-        found = self.at(q)[0]
+    def residual(self, q, pull=NO_PULL):
+        """(features + 2,) at coordinates q (k,) and the best mu0; `FLOOR` last.
+
+        pull : a residual more, its derivatives by the coordinates, and by mu0
+        """
+        found = np.append(self.at(q)[0], pull[0])
         whole = np.isfinite(found).all()
-        found = self.without_level(found) if whole else np.full(found.size, NO_CYCLE)
+        found = self._without_level(found, pull) if whole else np.full(found.size, NO_CYCLE)
         return np.append(found, FLOOR)
 
-    def with_level(self, q, mu0):
-        """(features,) at coordinates q (k,) and this mu0."""
-        found = self.at(q)[0] + mu0 * self.levels
-        return found if np.isfinite(found).all() else np.full(found.size, NO_CYCLE)
-
-    def jacobian(self, q):
-        """(features + 1, k) of `residual`."""
-        found = self.without_level(np.nan_to_num(self.at(q)[1]))
-        return np.vstack([found, np.zeros(q.size)])
+    def jacobian(self, q, pull=NO_PULL):
+        """(features + 2, k) of `residual`."""
+        found = np.vstack([np.nan_to_num(self.at(q)[1]), np.broadcast_to(pull[1], q.size)])
+        return np.vstack([self._without_level(found, pull), np.zeros(q.size)])
 
     def search(self, start):
         """`Run` of least squares from coordinates start (k,)."""
@@ -115,8 +122,7 @@ class Problem:
 
         self.near = None
         if not np.isfinite(self.at(start)[0]).all():
-            nothing = np.full((self.levels.size, start.size + 1), np.nan)
-            return Run(start, start, np.nan, np.inf, "no cycle", nothing)
+            return self.run(start, start, "no cycle")
         found = least_squares(
             self.residual,
             start,
@@ -130,9 +136,16 @@ class Problem:
         )
         bound = np.any(np.abs(found.x - start) > 0.999 * FAR)
         status = "at a bound" if bound else "converged" if found.status > 0 else "not converged"
-        full = np.column_stack([np.nan_to_num(self.at(found.x)[1]), self.levels])
-        chi2 = 2.0 * found.cost - FLOOR**2
-        return Run(start, found.x, self.best_mu0(found.x), chi2, status, full)
+        return self.run(start, found.x, status)
+
+    def run(self, start, end, status):
+        """`Run` that has come to coordinates end (k,)."""
+        residual, jacobian = self.at(end)
+        chi2 = np.inf
+        if np.isfinite(residual).all():
+            chi2 = float(np.sum(self._without_level(np.append(residual, 0.0), NO_PULL) ** 2))
+        full = np.column_stack([np.nan_to_num(jacobian), self.levels])
+        return Run(start, end, self.best_mu0(end), chi2, status, full)
 
 
 def starts(space, model, measured, sigma):

@@ -12,13 +12,15 @@ shape of the cycle, and least squares need not follow a bent valley.
 import numpy as np
 
 from ...errors import ParameterError
-from ...stability import K_c
+from ...stability import K_c, a_of_K_c, b_of_K_c
+from ..unknowns import PARAMETERS, checked_free
 
-PARAMETERS = ("a", "b", "Dc", "K", "M")
 # How far a parameter may move from any start, as a logarithm: a run that gets there has gone off.
 FAR = 12.0
 # K_c/K at which cycles surely end: some live on beside steady sliding, a little above K_c.
 STRIP = 0.98
+# Step of a difference in a coordinate.
+STEP = 1e-5
 # Ranges from which starts are drawn, where a record does not say more.
 DIRECT = (3e-4, 0.03)  # a
 WEAKER = (0.01, 20.0)  # K_c/K - STRIP
@@ -40,17 +42,15 @@ class Space:
     Raises
     ------
     ParameterError
-        An unknown or repeated name; M = 0 or K = inf; b <= a where both are fixed.
+        As `checked_free`, or lag; M = 0 or K = inf; b <= a where both are fixed.
     """
 
     def __init__(self, slider, free, V_lp):
-        names = (free,) if isinstance(free, str) else tuple(free)
-        names = tuple(name for name in names if name != "mu0")  # which every fit finds
-        if not names or len(set(names)) < len(names) or not set(names) <= set(PARAMETERS):
+        self.names = checked_free(free, slider)
+        if "lag" in self.names:
             raise ParameterError(
-                f"free = {free!r} must name some of {', '.join(PARAMETERS)}, each once"
+                "free has 'lag': of a load point that moves steadily no delay is seen; leave it out"
             )
-        self.names = tuple(symbol for symbol in PARAMETERS if symbol in names)
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in PARAMETERS}
         if self.fixed["M"] == 0.0:
             raise ParameterError(
@@ -88,18 +88,10 @@ class Space:
 
     def _weaken(self, values, over):
         """Set b, or a, so that K_c/K - STRIP is this."""
-        # K_c = (b - a) sigma/Dc (1 + heavy/a)
-        heavy = values["M"] * self.V_lp**2 / (self.sigma * values["Dc"])
-        rise = (over + STRIP) * values["K"] * values["Dc"] / self.sigma
-        if self.weaker == "b":
-            values["b"] = values["a"] + rise / (1.0 + heavy / values["a"])
-        else:
-            half = 0.5 * (values["b"] - heavy - rise)
-            root = np.hypot(half, np.sqrt(values["b"] * heavy))
-            # the positive root, of two forms the one in which nothing cancels
-            with np.errstate(divide="ignore"):
-                other = values["b"] * heavy / np.maximum(root - half, 1e-300)
-            values["a"] = np.where(half > 0.0, half + root, other)
+        rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.weaker}
+        solved = b_of_K_c if self.weaker == "b" else a_of_K_c
+        critical = (over + STRIP) * values["K"]
+        values[self.weaker] = solved(self.V_lp, critical, sigma=self.sigma, **rest)
 
     def coordinates(self, values):
         """(n, k) of values, symbol -> (n,), where b > a."""
@@ -110,12 +102,21 @@ class Space:
             columns[self.weaker] = np.log(np.maximum(stiffness / K - STRIP, WEAKER[0]))
         return np.stack([columns[symbol] for symbol in self.names], axis=1)
 
-    def to_logarithms(self, q):
-        """(k, k) derivative of the logarithms of the free parameters by the coordinates (k,)."""
-        step = 1e-5 * np.eye(self.size)
-        values = self.values(np.concatenate([q + step, q - step]))
-        up, down = np.split(np.log([values[symbol] for symbol in self.names]), 2, axis=1)
-        return (up - down) / 2e-5
+    @property
+    def numbers(self):
+        """What is reported: the free parameters, and a - b where one of both is among them."""
+        return (*self.names, "a_minus_b") if self.weaker else self.names
+
+    def number(self, name, q):
+        """(n,) one of `numbers` at coordinates q (n, k): a logarithm, or a - b."""
+        values = self.values(q)
+        return values["a"] - values["b"] if name == "a_minus_b" else np.log(values[name])
+
+    def gradient(self, name, q):
+        """(k,) derivative of `number` by the coordinates (k,)."""
+        step = STEP * np.eye(self.size)
+        up, down = np.split(self.number(name, np.concatenate([q + step, q - step])), 2)
+        return (up - down) / (2.0 * STEP)
 
     def own(self):
         """(1, k) the slider's own values, or, where those have no cycle, ones near to them."""

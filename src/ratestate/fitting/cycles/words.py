@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ...quantities import readable
+from ..words.trades import percent, product
 from .features import FEATURES, LEVEL
 
 # Error of a combination of parameters (of 1) beyond which it counts as not determined.
@@ -10,18 +12,18 @@ VAGUE = 0.3
 SMALL = 0.15
 
 
-def identified(names, covariance, speeds):
+def identified(names, covariance, measured):
     """Words on which combinations of parameters are known, and warnings (list of str).
 
     Parameters
     ----------
     names : tuple of str, the free parameters
     covariance : (k, k) of their logarithms
-    speeds : int, at how many speeds there are cycles
+    measured : sequence of `Measured`
     """
     variances, axes = np.linalg.eigh(covariance)
     errors = np.sqrt(np.maximum(variances, 0.0))
-    known = [f"{_product(names, axes[:, i])} to {_relative(errors[i])}" for i in range(len(names))]
+    known = [f"{product(names, axes[:, i])} to {percent(errors[i])}" for i in range(len(names))]
     words = (
         "Amplitude over a, and the shape of a cycle, depend on K/K_c_qs, eta and b/a alone, and "
         "its period is so many Dc/V_lp: what leaves these alike is not told apart. Independent "
@@ -31,29 +33,17 @@ def identified(names, covariance, speeds):
     for i in np.flatnonzero(errors > VAGUE):
         weight = np.abs(axes[:, i])
         which = [n for n, w in zip(names, weight, strict=True) if w > SMALL * weight.max()]
-        remedy = "" if speeds > 1 else ", or add a record at another speed"
+        remedy = "" if len(measured) > 1 else ", or add a record at another speed"
         what = (
             f"{' and '.join(which)} trade off: the cycles fix their combination "
-            f"{_product(names, axes[:, i])} only to {_relative(errors[i])}"
+            f"{product(names, axes[:, i])} only to {percent(errors[i])}"
             if len(which) > 1
-            else f"the cycles fix {which[0]} only to {_relative(errors[i])}"
+            else f"the cycles fix {which[0]} only to {percent(errors[i])}"
         )
         vague.append(f"{what}; fix one that is known by other means{remedy}")
-    return " ".join([words, *(f"{text[0].upper()}{text[1:]}." for text in vague)]), vague
-
-
-def _product(names, axis):
-    """A direction in logarithms as a product of powers, the largest power being 1."""
-    powers = axis / axis[np.argmax(np.abs(axis))]
-    parts = []
-    for name, power in zip(names, powers, strict=True):
-        if abs(power) > SMALL:
-            parts.append(name if power > 0.995 else f"{name}^{power:.2g}")
-    return " ".join(parts)
-
-
-def _relative(error):
-    return f"{100 * error:.2g} %" if error < VAGUE else f"a factor of {np.exp(min(error, 99)):.2g}"
+    notes = [note for one in measured for note in one.notes]
+    said = [f"{text[0].upper()}{text[1:]}." for text in (*vague, *notes)]
+    return " ".join([words, *said]), vague
 
 
 def remarks(found, alike):
@@ -81,9 +71,9 @@ def remarks(found, alike):
         )
     for i in alike:
         other = ", ".join(
-            f"{symbol} = {found.run_values[i][symbol]:.4g}" for symbol in found.names[:-1]
+            f"{symbol} = {readable(symbol, found.run_values[i][symbol])}" for symbol in found.free
         )
-        said.append(f"another minimum fits equally well: {other} [SI]")
+        said.append(f"another minimum fits equally well: {other}")
     return said
 
 

@@ -43,8 +43,7 @@ def best_with(solution, reported, value, starts):
     best = None
     for start in starts:
         rest = np.clip(start[held.others], held.unknowns.low, held.unknowns.high)
-        if np.isfinite(held.residual(rest, solution.noise)).all():
-            found = search(held, rest, solution.noise, FEW)
-            if best is None or found.cost < best.cost:
-                best = found
+        found = search(held, rest, solution.noise, FEW)
+        if found and (best is None or found.cost < best.cost):
+            best = found
     return best and (held.point(best.x), 2.0 * float(best.cost) - solution.chi2)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from ..result import Estimates, estimates
-from ..solve import Solution, settled
+from ..solve import Solution, responds, settled
 from .posterior import Posterior, posterior, prior_of
 from .profile import Better
 from .profiles import profiles
@@ -40,7 +40,9 @@ def uncertain(solution, slider, noise, errors):
     """
     made, restless = {}, False
     numbers = reported_of(solution.problem, slider)
-    for again in range(REFITS if errors != "covariance" else 0):
+    # profiles of what is mere noise would lead anywhere
+    wanted = errors != "covariance" and (errors != "auto" or responds(solution))
+    for again in range(REFITS if wanted else 0):
         try:
             made = profiles(solution, numbers, errors == "profile")
             break

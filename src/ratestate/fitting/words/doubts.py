@@ -1,15 +1,13 @@
 """What in a record speaks against taking a fit at its word."""
 
 import numpy as np
-from scipy.special import chdtri, fdtrc
+from scipy.special import fdtrc
 
 from ...quantities import readable
 from ..forward import Forward
-from ..solve import FALL, gain_of
+from ..solve import CHANCE, FALL, gain_of, responds, response
 from .identify import identified
 
-#: chance below which noise alone is not believed to make a response, or a misfit
-CHANCE = 1e-4
 #: slip after the last step, in Dc, before which friction has not settled
 SETTLED = 3.0
 #: of the normal stress: how far off from the slider's, and how variable it may be
@@ -18,6 +16,8 @@ OFF, VARIABLE = 0.02, 0.01
 COLORED, LONG = 4.0, 0.1
 #: of whitened residuals after steps, the mean square that is misfit; slip that counts, in Dc
 MISFIT, AFTER = 1.5, 5.0
+#: eta of the mass by which it is tried whether inertia helps
+LIGHT = 1e-3
 #: samples elsewhere that tell what the noise is
 FEWEST = 30
 #: of residuals, the size over that of a given noise that contradicts it
@@ -35,7 +35,7 @@ def in_words(known, data, slider):
     data : xarray.Dataset, the record
     slider : SpringSlider
     """
-    noise_only = _unresponsive(known)
+    noise_only = _unresponsive(known, slider)
     if noise_only:
         return f"Nothing is determined: {noise_only[0]}.", noise_only
     words, warnings = identified(known)
@@ -44,28 +44,35 @@ def in_words(known, data, slider):
         *_understated(known),
         *_misfit(known, slider),
         *_normal_stress(known, data, slider),
+        *_better_with(known, slider),
     ]
-    return " ".join([words, *_late(known, slider)]), warnings
+    return words, warnings
 
 
-def _unresponsive(known):
+def _unresponsive(known, slider):
     """Whether level and trend alone fit as well."""
-    solution = known.solution
-    record = solution.problem.record
-    lines = [np.ones(record.t.size), record.along / np.abs(record.along).max()]
-    columns = np.column_stack([record.friction, *lines[: 2 if record.trend else 1]])
-    white, _ = solution.noise.whiten(record.t, columns)
-    basis, _ = np.linalg.qr(white[:, 1:])
-    rest = white[:, 0] - basis @ (basis.T @ white[:, 0])
-    gain = float(rest @ rest) - solution.chi2
-    free = len(solution.point) - basis.shape[1]
-    if gain > chdtri(free, CHANCE):
+    if responds(known.solution):
         return []
+    gain, free = response(known.solution)
+    names = known.solution.unknowns.names
+    given = [symbol for symbol in ("a", "b", "Dc", "K") if symbol not in names]
+    given += ["M"] if "M" not in names and slider.M > 0.0 else []
+    also = "" if known.solution.problem.record.trend is None else " and a trend"
+    alone = (
+        f"alone fit nearly as well (chi-square differs by {gain:.3g} for {free} parameters)"
+        if gain > 0.0
+        else "alone fit better than any of these sliders"
+    )
+    if given:
+        values = ", ".join(f"{s} = {readable(s, float(getattr(slider, s)))}" for s in given)
+        return [
+            f"friction does not respond to the steps as it should: a level{also} {alone}; either "
+            f"there is only noise, or what was given does not suit the record ({values}): free it, "
+            f"or check it"
+        ]
     return [
-        f"friction does not respond to the steps by more than the noise: a level"
-        f"{' and a trend' if record.trend else ''} alone fit nearly as well (chi-square differs by "
-        f"{gain:.3g} for {free} parameters); the estimates are those of noise: use another record, "
-        f"or a window about a larger step"
+        f"friction does not respond to the steps by more than the noise: a level{also} {alone}; "
+        f"the estimates are those of noise: use another record, or a window about a larger step"
     ]
 
 
@@ -179,22 +186,34 @@ def _normal_stress(known, data, slider):
     return found
 
 
-def _late(known, slider):
-    """Advice to free the lag, where chi-square would fall by much."""
+def _better_with(known, slider):
+    """Whether a lag, or inertia, would lower chi-square by more than chance does."""
     solution = known.solution
-    if "lag" in solution.unknowns.names:
-        return []
     record, law = solution.problem.record, solution.problem.forward.law
-    forward = Forward(record, slider, law, (*solution.unknowns.names, "lag"))
-    step = forward.steps["lag"]
-    points = np.array([np.append(solution.point, lag) for lag in (step, -step)])
-    above, below = forward.friction(points)
-    by_lag = np.nan_to_num((above - below) / (2.0 * step))
-    gain, (lag,) = gain_of(solution, by_lag[:, None])
-    if gain < FALL:
-        return []
-    return [
-        f"A load point that moves {readable('t', abs(lag), 3)} "
-        f"{'later' if lag > 0.0 else 'earlier'} than recorded would lower chi-square by about "
-        f"{gain:.3g}: add 'lag' to free."
-    ]
+    names = solution.unknowns.names
+    found = []
+    if "lag" not in names:
+        forward = Forward(record, slider, law, (*names, "lag"))
+        step = forward.steps["lag"]
+        points = np.array([np.append(solution.point, lag) for lag in (step, -step)])
+        above, below = forward.friction(points)
+        gain, (lag,) = gain_of(solution, np.nan_to_num((above - below) / (2.0 * step))[:, None])
+        if gain > FALL:
+            found.append(
+                f"a load point that moves {readable('t', abs(lag), 3)} "
+                f"{'later' if lag > 0.0 else 'earlier'} than recorded would lower chi-square by "
+                f"about {gain:.3g}: add 'lag' to free, or look at the clock"
+            )
+    if slider.M == 0.0 and np.isfinite(slider.K):
+        at = solution.problem.forward.values(solution.point[None])
+        unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / record.loading.V.max() ** 2
+        forward = Forward(record, slider.replace(M=LIGHT * unit), law, names)
+        heavy = forward.friction(solution.point[None])[0]
+        gain, (eta,) = gain_of(solution, np.nan_to_num((heavy - solution.fitted) / LIGHT)[:, None])
+        if gain > FALL and eta > LIGHT:
+            found.append(
+                f"inertia would lower chi-square by about {gain:.3g}: give the slider its mass M "
+                f"(eta = 1 at the largest speed is M = {unit:.3g} kg/m^2), or free it; M = 0 was "
+                f"assumed"
+            )
+    return found

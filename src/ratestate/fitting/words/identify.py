@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...laws import LAWS
 from ...quantities import QUANTITIES, readable
 from ..unknowns import START, to_value
 from .trades import percent, relative_error, trade, traded
@@ -37,7 +38,9 @@ def identified(known):
             lacking.append(f"{name} ({_interval(known, name)})")
         else:
             sound.append(f"{name} to {percent(error)}" if name != "lag" else _lag(known))
-    said = [_determined(sound, lacking)]
+    code = known.solution.problem.forward.law
+    law = next(name for name, row in LAWS.items() if row.code == code)
+    said = [_determined(sound, lacking, law)]
     for which in traded(known.estimates, [name for name in free if _covaries(known, name)]):
         text, loose = trade(known.estimates, which)
         if loose:
@@ -51,10 +54,10 @@ def identified(known):
     return " ".join(said), warnings
 
 
-def _determined(sound, lacking):
+def _determined(sound, lacking, law):
     """What is determined, and what is not."""
     if not lacking:
-        return f"All free parameters are determined: {', '.join(sound)}."
+        return f"All free parameters are determined, if the {law} law holds: {', '.join(sound)}."
     begin = f"Determined: {', '.join(sound)}. " if sound else "Nothing is determined. "
     return f"{begin}Not determined: {', '.join(lacking)}."
 

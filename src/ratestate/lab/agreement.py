@@ -1,0 +1,84 @@
+"""Whether the columns of a record agree with each other and with what is found in them."""
+
+import numpy as np
+
+from ..errors import ParameterError
+from ..quantities import readable
+from .names import beside
+from .sizes import in_si, unit_of
+from .table import shown
+
+#: friction and tau/sigma of one file agree to this part, or one of the three is something else
+AGREE = 0.05
+#: so do a velocity and a displacement: speeds are often those asked of the machine
+MOVED = 0.25
+#: fewest rows at one displacement, on average, that tell its last digit; digits by which a
+#: displacement may go from the first to the last part of a hold (one, and noise)
+REPEATED, DIGITS = 5, 1.5
+REMEDY = (
+    ": too few digits to find speeds in; name a column of velocity in columns={'V_load': ...}, or "
+    "give what the load point did as loading=... of fit"
+)
+
+
+def doubtful(table, chosen, rows, record, segments):
+    """Notes on columns that contradict each other."""
+    return [
+        *_friction(record),
+        *([words + REMEDY] if (words := coarse(record, segments)) else []),
+        *_speeds(table, chosen, rows, record),
+    ]
+
+
+def _friction(record):
+    """A note if friction is not tau/sigma."""
+    if not {"friction", "tau", "sigma"} <= set(record) or not record["sigma"].all():
+        return []
+    ratio = float(np.median(record["tau"] / record["sigma"]) / np.median(record["friction"]))
+    if abs(ratio - 1.0) <= AGREE:
+        return []
+    return [
+        f"tau/sigma is {ratio:.3g} times the friction that is recorded; one of the three columns "
+        f"or units is perhaps another, and friction is used as it is"
+    ]
+
+
+def coarse(record, segments):
+    """What a displacement with too few digits is like, "" if holds in it are holds."""
+    if "delta_lp" not in record:
+        return ""
+    t, x = record["time"], record["delta_lp"]
+    values = np.unique(x)
+    if REPEATED * values.size > x.size:
+        return ""
+    digit = float(np.median(np.diff(values)))
+    starts = np.searchsorted(t, segments.t)
+    for i, j, V in zip(starts, [*starts[1:], t.size], segments.V, strict=True):
+        part = max(1, (j - i) // 10)
+        moved = abs(np.median(x[j - part : j]) - np.median(x[i : i + part]))
+        if V == 0.0 and moved > DIGITS * digit:
+            return f"delta_lp moves in steps of {readable('delta_lp', digit, 3)}"
+    return ""
+
+
+def _speeds(table, chosen, rows, record):
+    """A note if a velocity beside the displacement leads elsewhere."""
+    column = None if "V_load" in chosen else beside(table, chosen, "V_load")
+    if column is None or "delta_lp" not in record or column.values.size <= rows.kept.max():
+        return []
+    try:
+        V = in_si("V_load", column.values[rows.kept], unit_of(column, "V_load", {}))
+    except ParameterError:  # none that is needed
+        return []
+    good = np.isfinite(V)
+    t, x = record["time"][good], record["delta_lp"][good]
+    if t.size < 2:
+        return []
+    there, way = abs(float(np.trapezoid(V[good], t))), abs(float(x[-1] - x[0]))
+    if abs(there - way) <= MOVED * max(there, way):
+        return []
+    return [
+        f"the column {shown(column.title)} leads {readable('delta_lp', there, 3)} far from "
+        f"{t[0]:.7g} s to {t[-1]:.7g} s, and delta_lp {readable('delta_lp', way, 3)}; one of the "
+        f"two or its unit is perhaps another, and delta_lp is used"
+    ]
