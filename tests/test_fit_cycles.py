@@ -11,9 +11,10 @@ import ratestate as rs
 from ratestate.fitting.cycles.features import FEATURES
 from ratestate.fitting.cycles.fit import fit_cycles, wave_at
 from ratestate.fitting.cycles.folding import cut_cycles, main_period
-from ratestate.fitting.cycles.measured import Segment, corrected, measure
+from ratestate.fitting.cycles.measured import corrected, measure
 from ratestate.fitting.cycles.model import GRID, CycleModel, limit_waves
 from ratestate.fitting.cycles.noise import Noise
+from ratestate.fitting.cycles.regular import Segment, regular_cuts
 from ratestate.fitting.cycles.result import cycles_dataset
 from ratestate.fitting.cycles.search import Problem
 from ratestate.fitting.cycles.space import Space
@@ -178,7 +179,8 @@ def test_scatter_between_cycles_enlarges_errors():
 def test_a_trend_is_removed_and_said():
     plain, drifting = (measure(segment(BRAKE, 3.2e-3, trend=x)) for x in (0.0, 1.5))
     np.testing.assert_allclose(drifting.values[:5], plain.values[:5], atol=2e-2)
-    assert any("trend" in text for text in drifting.warnings)
+    assert any("trend of friction at 3.2 mm/s" in text for text in drifting.notes)
+    assert drifting.warnings == ()
 
 
 def test_cycles_are_cut_where_tau_falls():
@@ -209,9 +211,13 @@ def test_vibration_gives_back_its_slider():
     found = fit_cycles(data, start, ("a", "b"), "slip")
     check_estimates(found, VIBRATION, 1e-2)
     assert found.dof == 3
+    # of the features as they are corrected in the end
+    (one,) = found.measured
+    off, used = (found.fitted[0] - one.values)[one.used], np.ix_(one.used, one.used)
+    assert found.chi2 == pytest.approx(off @ np.linalg.solve(one.covariance[used], off), rel=1e-6)
     assert found.chi2 < 17.0
     assert {run.status for run in found.runs} <= {"converged", "no cycle"}
-    result = cycles_dataset(found, start)
+    result = cycles_dataset(found)
     assert float(result.a) == found.estimates["a"]
     lower, upper = result.interval.sel(parameter="b", level=0.95)
     assert lower < result.b < upper
@@ -226,6 +232,28 @@ def test_stick_slip_at_two_speeds_gives_back_its_slider():
     assert len(found.measured) == 2
     check_estimates(found, STICK_SLIP, 1.0)
     assert "best known first" in found.identifiability
+
+
+def test_intervals_end_where_no_fit_is_likely():
+    part = segment(BRAKE, 3.2e-3, noise=0.06, seed=3)
+    found = fit_cycles(record(part), BRAKE, ("a", "b", "Dc"), "slip")
+    assert found.kinds[2] == "profile"
+    model = CycleModel("slip", np.array([3.2e-3]), [found.measured[0].bins], BRAKE.sigma, BRAKE.V0)
+    for side in (0, 1):
+        # a fit of its own, of a slider that has this Dc
+        held = BRAKE.replace(Dc=float(np.exp(found.ends[2, 1, side])))
+        space = Space(held, ("a", "b"), 3.2e-3)
+        problem = Problem(space, model, found.measured)
+        ratio = held.Dc / found.values["Dc"]
+        at = {s: np.array([found.values[s]]) for s in SYMBOLS}
+        at["Dc"] = at["Dc"] * ratio
+        best = min(
+            problem.search(
+                space.coordinates(at | {"a": at["a"] * part, "b": at["b"] * part})[0]
+            ).chi2
+            for part in (1.0, ratio)
+        )
+        assert best - found.chi2 == pytest.approx(1.96**2, rel=0.2)
 
 
 def test_intervals_cover():
@@ -258,8 +286,13 @@ def test_intervals_cover():
         ({"M": 0.0}, ("a", "b"), "no limit cycle"),
         ({"K": np.inf}, ("a", "b"), "does not oscillate"),
         ({"b": 0.002}, ("Dc",), "free b"),
-        ({}, ("a", "sigma"), "must name some of"),
-        ({}, SYMBOLS, "5 free parameters .* only 5 features .* amplitude, period, rise, high"),
+        ({}, ("a", "sigma"), "none of a, b, Dc"),
+        ({}, ("a", "lag"), "no delay is seen"),
+        (
+            {},
+            SYMBOLS,
+            "5 free parameters .* only 5 features .* 10 um/s amplitude, period, rise, high",
+        ),
     ],
 )
 def test_sliders_that_cannot_be_fitted(change, free, words):
@@ -285,14 +318,35 @@ def test_records_that_cannot_be_fitted():
             measure(part)
 
 
-def test_a_transient_is_left_out():
+def test_a_transient_is_left_out_and_noted():
     part = segment(BRAKE, 3.2e-3, cycles=20)
     period = cycle(BRAKE, 3.2e-3)[0]
     grow = 1.0 - 0.7 * np.exp(-part.t / (1.5 * period))
-    found = measure(part._replace(y=part.y.mean() + (part.y - part.y.mean()) * grow))
-    assert any("transient" in text for text in found.warnings)
-    plain = measure(part)
+    grown = part._replace(y=part.y.mean() + (part.y - part.y.mean()) * grow)
+    found, plain = measure(grown), measure(part)
     assert found.values[0] == pytest.approx(plain.values[0], abs=0.03)
+    # one parameter, which is well known: nothing to warn of
+    result = rs.fit(record(grown), BRAKE.replace(b=0.006), free="b", against="cycles")
+    assert result.warnings.item() == ""
+    assert "A transient, the first " in result.identifiability.item()
+    assert {n: result.attrs[n] for n in ("title", "against", "free")} == {
+        "title": "ratestate fit",
+        "against": "cycles",
+        "free": '["b"]',
+    }
+    assert float(result.a_minus_b) == pytest.approx(BRAKE.a - float(result.b), rel=1e-12)
+    error = result.standard_error.sel(parameter=["b", "a_minus_b"])
+    assert float(error[1]) == pytest.approx(float(error[0]), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("swings", "first"), [((0.3, 1, 1, 1, 1), "cycle at"), ((0.3, 0.5, 1, 1, 1, 1), "2 cycles")]
+)
+def test_cycles_left_out_are_counted(swings, first):
+    t = np.arange(100 * len(swings)) / 100.0
+    y = np.asarray(swings)[t.astype(int)] * np.sin(2.0 * np.pi * t + 0.1)
+    cuts, said = regular_cuts(Segment(t, y, 1e-5), 1.0)
+    assert said[0].startswith(f"a transient, the first {first}")
 
 
 def test_grid_covers_a_cycle():

@@ -92,6 +92,9 @@ def test_single_samples():
     smooth[[50, 120]] += [3, -3]
     assert np.flatnonzero(single(smooth)).tolist() == [50, 120]
     assert not single(smooth, least=10.0).any()
+    bent = T.copy()
+    bent[100] += 0.5  # five steps: far, but no more than noise of long tails is
+    assert not single(bent).any()
 
 
 @pytest.mark.parametrize("signs", [(-1, 1), (1, -1), (-1, -1)])
@@ -121,8 +124,8 @@ def test_coarse_displacement(tmp_path):
     assert data.attrs["found"] == "delta_lp moves in steps of 100 um"
     data = read_lab(path, {"V_load": "Velocity"})
     np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5])
-    # a hold of which each reading is one of three is one
-    still = np.where(T < 15, 10 * T, 150) + RNG.integers(-1, 2, N)
+    # a hold that reads one of three numbers, and in the end one more, is one
+    still = np.where(T < 1, 10 * T, 10).round() + RNG.integers(-1, 2, N) + (T > 25)
     assert "hold of" in read_lab(write(tmp_path / "r.txt", T, still, MU)).attrs["found"]
 
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import contextvars
+import functools
 import os
 import sys
 import threading
@@ -200,8 +201,9 @@ def cores():
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+@functools.cache
 def _announce(kernel):
-    """Say that a kernel is about to be compiled, if it is not in the cache."""
+    """Say, once, that a kernel is about to be compiled, if it is not in the cache."""
     compiled = getattr(kernel, "overloads", True)  # a plain function where the compiler is off
     if sys.stderr and not compiled and not any(CACHE.rglob(f"*.{kernel.__name__}-*.nbi")):
         what = f"compiling {kernel.__name__} for this machine, once: 10 s to a minute"

@@ -32,9 +32,13 @@ def doubtful(table, chosen, rows, record, segments):
 
 def _friction(record):
     """A note if friction is not tau/sigma."""
-    if not {"friction", "tau", "sigma"} <= set(record) or not record["sigma"].all():
+    if not {"friction", "tau", "sigma"} <= set(record):
         return []
-    ratio = float(np.median(record["tau"] / record["sigma"]) / np.median(record["friction"]))
+    good = record["sigma"] != 0.0
+    recorded = np.median(record["friction"][good]) if good.any() else 0.0
+    if recorded == 0.0:
+        return []
+    ratio = float(np.median(record["tau"][good] / record["sigma"][good]) / recorded)
     if abs(ratio - 1.0) <= AGREE:
         return []
     return [

@@ -78,12 +78,13 @@ def main_period(t, y):
     if best + 1 < FEWEST_CYCLES:
         raise ParameterError(
             f"the record has fewer than {FEWEST_CYCLES} cycles (its slowest oscillation takes "
-            f"{readable('t', period)} of {readable('t', span)}); give a longer one, or fit against time"
+            f"{readable('t', period)} of {readable('t', span)}); give a longer one, or "
+            f"fit against time"
         )
     if period < FEWEST_SAMPLES * float(np.median(np.diff(t))):
         raise ParameterError(
-            f"a cycle of {readable('t', period)} has fewer than {FEWEST_SAMPLES} samples; give a record "
-            f"sampled more often"
+            f"a cycle of {readable('t', period)} has fewer than {FEWEST_SAMPLES} samples; give a "
+            f"record sampled more often"
         )
     return period
 

@@ -10,7 +10,7 @@ come to rest chi-squared is the least for the value that the number has there.
 import numpy as np
 
 from ..result import ROOTS
-from .search import FLOOR, FTOL, NO_PULL
+from .search import FLOOR, FTOL, NO_CYCLE
 
 # Error of a logarithm below which the parabola is good enough.
 SMALL = 0.08
@@ -19,10 +19,10 @@ SPRING = 4.0
 # Most steps on a side, and evaluations in each; the longest first step of a coordinate.
 STEPS, EVALUATIONS, FIRST = 8, 20, 0.5
 # Bounds of a step over the one before, where chi-squared's root is to rise by 1 in each; the part
-# of a step that the spring must achieve.
-SHORTER, LONGER, LEAST = 0.3, 3.0, 0.1
-# Where a coordinate is this far from the estimate the number has no end: farthest step as well.
-FAR = np.log(1e3)
+# of a step that the spring must achieve; a rise that tells of a step out of the valley.
+SHORTER, LONGER, LEAST, LEAP = 0.3, 3.0, 0.1, 2.5
+# A coordinate goes no farther from its estimate: a number has no end there, or this near to it.
+FAR, NEAR = np.log(1e3), 0.5
 
 
 class Profiles:
@@ -67,10 +67,10 @@ class Profiles:
     def _is_mu0(self, i):
         return self.names[i] == "mu0"
 
-    def _value(self, i, q, pull=NO_PULL):
+    def _value(self, i, q):
         """The number i at coordinates q (k,): a logarithm, mu0 or a - b."""
         if self._is_mu0(i):
-            return self.problem.best_mu0(q, pull)
+            return self.problem.best_mu0(q)
         return float(self.problem.space.number(self.names[i], q[None])[0])
 
     def _gradient(self, i, q):
@@ -89,7 +89,7 @@ class Profiles:
         for _ in range(STEPS):
             found = self._pulled(i, values[-1] + sign * step, q + sign * step * lead, step)
             moved = 0.0 if found is None else sign * (found[0] - values[-1])
-            if not moved > LEAST * step:
+            if moved < LEAST * step or found[2] > roots[-1] + LEAP:
                 step *= SHORTER
                 continue
             value, there, root = found
@@ -97,9 +97,10 @@ class Profiles:
             q, step = there, moved / np.clip(root - roots[-1], 1.0 / LONGER, 1.0 / SHORTER)
             values.append(value)
             roots.append(root)
-            if root > ROOTS[-1] or np.abs(q - self.run.end).max() > FAR:
+            left = FAR - np.abs(q - self.run.end).max()
+            if root > ROOTS[-1] or left < NEAR:
                 break
-            step = min(step, FAR / np.abs(lead).max())
+            step = min(step, left / np.abs(lead).max())
         # where the root passes for the last time
         roots = np.minimum.accumulate(roots[::-1])[::-1] + 1e-9 * np.arange(len(roots))
         return np.where(roots[-1] < ROOTS, sign * np.inf, np.interp(ROOTS, roots, values))
@@ -114,6 +115,7 @@ class Profiles:
         problem, spring = self.problem, SPRING * self.enlarged / step
         if not np.isfinite(problem.at(start)[0]).all():
             return None
+        beyond = np.full(problem.levels.size + 2, NO_CYCLE)
 
         def pull(q):
             """Residual of the spring, its derivatives by q, and by mu0."""
@@ -122,7 +124,8 @@ class Profiles:
             return spring * (self._value(i, q) - value), spring * self._gradient(i, q), 0.0
 
         def residual(q):
-            return problem.residual(q, pull(q))
+            far = np.abs(q - self.run.end).max() > FAR + NEAR
+            return beyond if far else problem.residual(q, pull(q))
 
         def jacobian(q):
             return problem.jacobian(q, pull(q))

@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 
 from ...quantities import attrs
-from ..result import ROOTS, Estimates, estimate_variables, text_variables
+from ..result import Estimates, estimate_variables, text_variables
 from .features import FEATURES, LEVEL
 from .fit import wave_at
 
@@ -18,9 +18,10 @@ def cycles_dataset(found):
     Returns
     -------
     xarray.Dataset
-        A scalar for each free parameter, ``mu0`` and ``a_minus_b`` [SI]; ``standard_error``, ``interval`` and
-        ``correlation``; along ``segment`` and ``feature``: ``measured``, ``measured_error``,
-        ``fitted`` [SI], ``used``; along ``segment``: ``segment_V``, ``cycles``; along ``start``:
+        A scalar for each free parameter, ``mu0`` and ``a_minus_b`` [SI]; ``standard_error``,
+        ``interval`` and ``correlation``; along ``segment`` and ``feature``: ``measured``,
+        ``measured_error``, ``fitted`` [SI], ``used``; along ``segment``: ``segment_V``,
+        ``cycles``; along ``start``:
         ``start_chi2``, ``start_status``, ``start_end`` (with ``free``; SI); along ``time``:
         ``friction``, ``friction_fit``, ``residual`` of the cycles that were fitted.  ``chi2``,
         ``identifiability`` and ``warnings``.

@@ -155,7 +155,7 @@ def _misfit(known, slider):
     if noise.red and colored > COLORED and noise.time > LONG * duration:
         return [
             f"residuals of {noise.red:.2g} are correlated over {readable('t', noise.time, 3)}, "
-            f"no shorter than the transient itself (Dc/V = {readable('t', duration, 3)}): the "
+            f"not short beside the transient (Dc/V = {readable('t', duration, 3)}): the "
             f"machine's noise, or something that the law does not describe; the errors count it "
             f"as noise: look at the residuals, and try the other law"
         ]
