@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import ParameterError
+from ..likelihood.profile import Better
 from .features import LEVEL
 from .measured import corrected
 from .model import GRID, CycleModel
@@ -16,8 +17,6 @@ from .words import identified, remarks
 
 # Chance below which a misfit is not put down to errors of the features.
 CHANCE = 0.01
-# Widest error of a coordinate that is told from no knowledge at all.
-WIDEST = 50.0
 # Starts that end with a chi-squared within this of the best fit equally well; they are distinct
 # when as many standard errors apart.
 EQUAL, DISTINCT = 4.0, 4.0
@@ -103,7 +102,7 @@ def fit_cycles(record, slider, free, law, loading=None):
     enough(space, measured)
     problem = Problem(space, model, measured)
     # The shift moves a minimum by about an error: only the better ones are followed.
-    distinct = _distinct(runs, _covariance(runs[0].jacobian))
+    distinct = _distinct(runs, runs[0].covariance)
     followed = [i for i in distinct[:MOST] if runs[i].chi2 < runs[0].chi2 + FOLLOWED]
     runs = [
         problem.search(run.end)._replace(start=run.start)
@@ -136,15 +135,16 @@ def _result(problem, runs, said, again=REFITS):
     dof = problem.levels.size - space.size - 1
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
-    moved = enlarged**2 * _covariance(best.jacobian)
+    moved = enlarged**2 * best.covariance
     names = (*space.names, "mu0", *space.numbers[space.size :])
     by_moved = np.array([_gradient(space, name, best.end) for name in names])
     covariance = by_moved @ moved @ by_moved.T
-    profiles = Profiles(problem, best, names, moved, np.sqrt(np.diag(covariance)), enlarged)
-    ends, kinds = profiles.intervals()
-    if profiles.least < best.chi2 - BETTER and again:
-        better = problem.search(profiles.least_at)
-        return _result(problem, [better, *runs], said, again - 1)
+    errors = np.sqrt(np.diag(covariance))
+    better = BETTER if again else np.inf
+    try:
+        ends, kinds = Profiles(problem, best, names, moved, errors, enlarged, better).intervals()
+    except Better as passed:
+        return _result(problem, [problem.search(passed.point), *runs], said, again - 1)
     waves, fitted = _at(problem, best)
     ended = [space.values(run.end[None]) for run in runs]
     run_values = tuple({s: float(v[0]) for s, v in end.items()} for end in ended)
@@ -178,12 +178,6 @@ def _gradient(space, name, q):
     if name == "mu0":
         return np.append(np.zeros(q.size), 1.0)
     return np.append(space.gradient(name, q), 0.0)
-
-
-def _covariance(jacobian):
-    """(k, k) inverse of the normal matrix; what no feature depends on has an error of `WIDEST`."""
-    _, size, axes = np.linalg.svd(np.nan_to_num(jacobian), full_matrices=False)
-    return (axes.T / np.maximum(size, 1.0 / WIDEST) ** 2) @ axes
 
 
 def _distinct(runs, covariance):

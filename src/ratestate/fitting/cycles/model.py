@@ -20,14 +20,15 @@ _BESIDE = np.geomspace(1e-7, 0.25, 110)
 GRID = np.unique(np.concatenate([np.linspace(0.0, 1.0, 513), _BESIDE, 1.0 - _BESIDE]))
 # Phases among which the fall is sought, and then again between two of them.
 COARSE, FINER, TIMES = 513, 129, 2
-# b/a from which no cycles are sought: ten times that of any friction known, and slow to settle.
-STRONGEST = 50.0
+# b/a between which cycles are sought: beyond, they are slow to settle.  The upper end is ten times
+# that of any friction known; at the lower one steady sliding is all but neutral.
+WEAKEST, STRONGEST = 1.01, 50.0
 # Of the cycle, and of the turn that draws it, in x, ln V and psi.
 RTOL, TURN_RTOL = 1e-7, 1e-8
 
 
 class Waves(NamedTuple):
-    """Limit cycles of n sliders; NaN where one settles into none, or b/a is `STRONGEST`."""
+    """Limit cycles of n sliders; NaN where one settles into none, or for b/a none is sought."""
 
     period: np.ndarray  # (n,) [s]
     x: np.ndarray  # (n, q) (tau/sigma - its value in steady sliding)/a at the phases `GRID`
@@ -49,7 +50,7 @@ def limit_waves(law, values, V_lp, near=None):
     n = V_lp.size
     found = Waves(np.full(n, np.nan), np.full((n, GRID.size), np.nan), np.full((n, 2), np.nan))
     start = steady_start(system) if near is None else state(system, near)
-    which = np.flatnonzero(system.beta < STRONGEST)
+    which = np.flatnonzero((system.beta > WEAKEST) & (system.beta < STRONGEST))
     settled = settle(system.at(which), start[which], RTOL, False, None)
     cyclic = settled.status == FINISHED
     which, settled = which[cyclic], settled.at(cyclic)

@@ -9,6 +9,7 @@ come to rest chi-squared is the least for the value that the number has there.
 
 import numpy as np
 
+from ..likelihood.profile import Better
 from ..result import ROOTS
 from .search import FLOOR, FTOL, NO_CYCLE
 
@@ -17,7 +18,7 @@ SMALL = 0.08
 # Stiffness of the spring, over that of a chi-squared that rises by 1 within a step.
 SPRING = 4.0
 # Most steps on a side, and evaluations in each; the longest first step of a coordinate.
-STEPS, EVALUATIONS, FIRST = 8, 20, 0.5
+STEPS, EVALUATIONS, FIRST = 8, 12, 0.5
 # Bounds of a step over the one before, where chi-squared's root is to rise by 1 in each; the part
 # of a step that the spring must achieve; a rise that tells of a step out of the valley.
 SHORTER, LONGER, LEAST, LEAP = 0.3, 3.0, 0.1, 2.5
@@ -36,13 +37,15 @@ class Profiles:
     covariance : (k + 1, k + 1) of the coordinates and mu0
     errors : (p,) of the logarithms of the parameters, of mu0 and a - b
     enlarged : factor by which errors are
+    better : fall of chi-squared by which a point is better than the run
+
+    Methods raise `Better` with the first such point.
     """
 
-    def __init__(self, problem, run, names, covariance, errors, enlarged):
+    def __init__(self, problem, run, names, covariance, errors, enlarged, better):
         self.problem, self.run, self.names = problem, run, names
         self.covariance, self.errors, self.enlarged = covariance, errors, enlarged
-        #: least chi-squared that was met, and where
-        self.least, self.least_at = run.chi2, run.end
+        self.better = better
 
     def intervals(self):
         """(p, levels, sides) ends in the numbers' own scale, inf where there is none; their kinds.
@@ -139,7 +142,7 @@ class Profiles:
         chi2 = 2.0 * found.cost - FLOOR**2 - (spring * (reached - value)) ** 2
         if not chi2 < 1e12:
             return None
-        if chi2 < self.least:
-            self.least, self.least_at = chi2, found.x
+        if chi2 < self.run.chi2 - self.better:
+            raise Better(found.x)
         rise = np.sqrt(max(chi2 - self.run.chi2, 0.0)) / self.enlarged
         return reached, found.x, float(rise)

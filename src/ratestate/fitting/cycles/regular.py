@@ -40,7 +40,8 @@ def regular_cuts(segment, period):
     swing = np.array(
         [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in pairwise(cuts)]
     )
-    first, left_out = _transient(swing), ()
+    left_out: tuple = ()
+    first = _transient(swing)
     if first and cuts.size - first > FEWEST_CYCLES:
         which = "first cycle" if first == 1 else f"first {first} cycles"
         left_out = (f"a transient, the {which} at {V_lp}, is left out",)

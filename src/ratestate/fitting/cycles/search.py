@@ -20,6 +20,8 @@ MOST_EVALUATIONS = 50
 # for: together a fall of chi-squared by 0.01.
 FLOOR, FTOL = 3.0, 1e-3
 
+# Error of a coordinate, or a combination of some, that no feature tells.
+WIDEST = 50.0
 # A residual that is none, its derivatives by the coordinates, and by mu0.
 NO_PULL = (0.0, 0.0, 0.0)
 
@@ -33,6 +35,12 @@ class Run(NamedTuple):
     chi2: float
     status: str  # "converged", "at a bound", "no cycle" or "not converged"
     jacobian: np.ndarray  # (features, k + 1) of the whitened residual; mu0 last
+
+    @property
+    def covariance(self):
+        """(k + 1, k + 1) inverse of the normal matrix; of what no feature tells, `WIDEST`."""
+        _, size, axes = np.linalg.svd(self.jacobian, full_matrices=False)
+        return (axes.T / np.maximum(size, 1.0 / WIDEST) ** 2) @ axes
 
 
 class Problem:
