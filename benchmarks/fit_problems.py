@@ -14,9 +14,9 @@ from scipy.optimize import least_squares
 
 import ratestate as rs
 from ratestate.fitting.noise import Noise
+from ratestate.fitting.problem import Problem as Search
+from ratestate.fitting.problem import search
 from ratestate.fitting.record import record_of
-from ratestate.fitting.solve import Problem as Search
-from ratestate.fitting.solve import search
 from ratestate.fitting.starts import unknowns_of
 from ratestate.fitting.unknowns import to_coordinate, to_value
 from ratestate.paper.parameters import FIG2

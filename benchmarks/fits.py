@@ -11,7 +11,7 @@ from timing import cpu, interleaved, one_core
 
 import ratestate as rs
 from ratestate.fitting.blas import single_blas
-from ratestate.fitting.solve import search
+from ratestate.fitting.problem import search
 from ratestate.fitting.unknowns import to_coordinate
 
 OURS, CALL = "least squares alone", "fit"

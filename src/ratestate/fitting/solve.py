@@ -7,12 +7,12 @@ estimated from the residuals of the fit before; both are repeated until the esti
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.special import chdtri
 
 from ..errors import ParameterError
 from .forward import Forward
 from .noise import Noise, estimated_noise
+from .problem import Problem, search
+from .score import FALL, gain_of
 from .starts import SAMPLES, starting_points, unknowns_of
 from .unknowns import NEAR, START, Unknowns
 
@@ -20,76 +20,18 @@ from .unknowns import NEAR, START, Unknowns
 STARTS, ROUNDS = 12, 4
 #: what the march itself leaves unsure, as a part of the range of friction
 FLOOR = 1e-6
-#: chance below which noise alone is not believed to make a response
-CHANCE = 1e-4
 #: two searches that end at sums of squares no further apart agree
 AGREE = 1e-3
-#: most evaluations of one least-squares fit, and one of those from which the best is picked
-MOST, FEW = 200, 25
+#: most evaluations of a search from which the best is picked
+FEW = 25
 #: estimates stand still where none moves by more, in its standard error
 STILL = 0.02
-#: fall of chi-square that has a cause, and is no chance: of a start out of steady sliding, of a lag
-FALL = 12.0
 
-
-class Problem:
-    """A record, a law and what is sought: misfits, residuals and their derivatives."""
-
-    def __init__(self, record, slider, law, unknowns):
-        self.record, self.unknowns = record, unknowns
-        self.forward = Forward(record, slider, law, unknowns.names)
-
-    def residual(self, point, noise):
-        """(m,) whitened: model less record; NaN where there is no motion."""
-        residual = self.forward.friction(point[None])[0] - self.record.friction
-        return noise.whiten(self.record.t, residual)[0][:, 0]
-
-    def jacobian(self, point, noise):
-        """(m, k) derivative of `residual`; 0 where a parameter cannot move without loss."""
-        columns = self.forward.jacobian(point)[1]
-        return np.nan_to_num(noise.whiten(self.record.t, columns)[0])
-
-    def levelled(self, points):
-        """Points with the level, and the trend, that fit the record best; their misfits."""
-        points = points.copy()
-        linear = [self.unknowns.place(n) for n in ("level", "trend") if n in self.unknowns.names]
-        points[:, linear] = 0.0
-        columns = np.ones((self.record.t.size, len(linear)))
-        columns[:, 1:] = self.record.along[:, None]
-        scale = np.abs(columns).max(axis=0)
-        missing = (self.record.friction - self.forward.friction(points)).T
-        sound = np.isfinite(missing).all(axis=0)
-        found = np.linalg.lstsq(columns / scale, missing[:, sound], rcond=None)[0]
-        points[np.ix_(sound, linear)] = (found / scale[:, None]).T
-        misfits = np.full(len(points), np.inf)
-        misfits[sound] = ((missing[:, sound] - columns / scale @ found) ** 2).sum(axis=0)
-        return points, misfits
-
-    def plain_noise(self, point):
-        """White noise of the size of the residuals at a point."""
-        residual = self.forward.friction(point[None])[0] - self.record.friction
-        return Noise(max(float(np.sqrt(np.mean(residual**2))), 1e-15))
-
-
-def search(problem, start, noise, most=MOST):
-    """`scipy.optimize.least_squares` of a problem from this point; None where nothing moves there.
-
-    problem : has unknowns, and residual and jacobian as functions of a point and a `Noise`
-    """
-    low, high = problem.unknowns.low, problem.unknowns.high
-    inside = 1e-9 * np.where(np.isfinite(high), 1.0 + np.abs(start), 0.0)
-    start = np.clip(start, low + inside, high - inside)
-    if not np.isfinite(problem.residual(start, noise)).all():
-        return None
-    return least_squares(
-        problem.residual,
-        start,
-        problem.jacobian,
-        bounds=(low, high),
-        x_scale="jac",
-        args=(noise,),
-        max_nfev=most,
-    )
+NO_MOTION = (
+    "no slider of any size near these moves through the whole record without instability; without "
+    "inertia (M = 0) sliding at K < K_c_qs ends: fix fewer parameters, give other ones to start "
+    "from, or give the slider its mass M"
+)
 
 
 class Solution(NamedTuple):
@@ -153,11 +95,7 @@ def _best_start(problem, slider, law):
     rough = Problem(thin, slider, law, problem.unknowns)
     points = starting_points(rough, slider)[:STARTS]
     if not points:
-        raise ParameterError(
-            "no slider of any size near these moves through the whole record without instability; "
-            "without inertia (M = 0) sliding at K < K_c_qs ends: fix fewer parameters, give other "
-            "ones to start from, or give the slider its mass M"
-        )
+        raise ParameterError(NO_MOTION)
     plain = rough.plain_noise(points[0])
     found: list = []
     for point in points:
@@ -166,6 +104,8 @@ def _best_start(problem, slider, law):
         # a least sum that two starts have led to is not passed by a third
         if len(found) > 1 and found[1].cost <= found[0].cost * (1.0 + AGREE):
             break
+    if not found:
+        raise ParameterError(NO_MOTION)
     return found[0].x
 
 
@@ -175,6 +115,8 @@ def settled(problem, point, noise):
     guess = problem.plain_noise(point) if noise is None else noise
     before = problem.forward.evaluations
     found, was_white = search(problem, point, guess), True
+    if not found:
+        raise ParameterError(NO_MOTION)
     for _ in range(ROUNDS if noise is None else 0):
         fitted, jacobian = problem.forward.jacobian(found.x)
         guess = estimated_noise(record.t, fitted - record.friction, np.nan_to_num(jacobian))
@@ -218,6 +160,14 @@ def _covariance(jacobian):
     return spread @ spread.T / np.outer(scale, scale)
 
 
+def _widened(solution, unknowns):
+    """A point of more coordinates, the new ones at 0."""
+    point = np.zeros(len(unknowns.names))
+    for i, name in enumerate(solution.unknowns.names):
+        point[unknowns.place(name)] = solution.point[i]
+    return point
+
+
 def _may_start_unsteady(solution, slider, law):
     """Whether a start out of steady sliding may fit better: by a score test, or red misfit."""
     if solution.noise.red:
@@ -237,46 +187,3 @@ def _early(solution):
     residual = (record.friction - solution.fitted)[early]
     white, log_determinant = solution.noise.whiten(record.t[early], residual)
     return -0.5 * (float(np.sum(white**2)) + log_determinant)
-
-
-def gain_of(solution, added):
-    """By how much chi-square would fall with more coordinates, and where they would come to.
-
-    To first order, all others being refitted: a score test.
-
-    added : (m, p) derivatives of friction by them
-    """
-    record = solution.problem.record
-    residual = record.friction - solution.fitted
-    columns = np.column_stack([residual, added, solution.jacobian])
-    white, _ = solution.noise.whiten(record.t, columns)
-    count = added.shape[1]
-    basis, _ = np.linalg.qr(white[:, 1 + count :])
-    rest = white[:, : 1 + count] - basis @ (basis.T @ white[:, : 1 + count])
-    moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
-    return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
-
-
-def response(solution):
-    """By how much the sliders fit better than level and trend alone, and by how many parameters."""
-    record = solution.problem.record
-    lines = [np.ones(record.t.size), record.along / np.abs(record.along).max()]
-    columns = np.column_stack([record.friction, *lines[: 2 if record.trend else 1]])
-    white, _ = solution.noise.whiten(record.t, columns)
-    basis, _ = np.linalg.qr(white[:, 1:])
-    rest = white[:, 0] - basis @ (basis.T @ white[:, 0])
-    return float(rest @ rest) - solution.chi2, len(solution.point) - basis.shape[1]
-
-
-def responds(solution):
-    """Whether friction responds to the steps by more than noise does by chance."""
-    gain, free = response(solution)
-    return bool(gain > chdtri(free, CHANCE))
-
-
-def _widened(solution, unknowns):
-    """A point of more coordinates, the new ones at 0."""
-    point = np.zeros(len(unknowns.names))
-    for i, name in enumerate(solution.unknowns.names):
-        point[unknowns.place(name)] = solution.point[i]
-    return point

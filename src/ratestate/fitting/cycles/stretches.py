@@ -4,7 +4,8 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...quantities import readable
-from ..record import column, displacement_of, friction_of, increasing, loading_of
+from ..channels import column, friction_of, increasing
+from ..load_point import displacement_of, loading_of
 from .features import FEATURES
 from .measured import measure
 from .regular import Segment

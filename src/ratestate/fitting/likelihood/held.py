@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..solve import FEW, search
+from ..problem import search
+from ..solve import FEW
 from ..unknowns import Unknowns
 
 

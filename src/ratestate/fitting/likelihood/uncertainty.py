@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from ..result import Estimates, estimates
-from ..solve import Solution, responds, settled
+from ..score import responds
+from ..solve import Solution, settled
 from .posterior import Posterior, posterior, prior_of
 from .profile import Better
 from .profiles import profiles

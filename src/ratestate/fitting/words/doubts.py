@@ -5,7 +5,7 @@ from scipy.special import fdtrc
 
 from ...quantities import readable
 from ..forward import Forward
-from ..solve import CHANCE, FALL, gain_of, responds, response
+from ..score import CHANCE, FALL, gain_of, responds, response
 from .identify import identified
 
 #: slip after the last step, in Dc, before which friction has not settled
