@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from records import SLIDER, STEP, record
 
 import ratestate as rs
 from ratestate.basin import escape
@@ -124,6 +125,8 @@ def test_a_kernel_is_compiled_once():
         rs.limit_cycle(one, 1e-2)
         rs.simulate(one, rs.Loading.constant(1e-2), 1e-3, times=np.linspace(0.0, 1e-3, 9)[::2])
         escape(one, 3.6e-4)
+    t = np.linspace(0.0, 140.0, 400)
+    rs.fit(record(SLIDER, STEP, t, noise=1e-4), SLIDER, errors="covariance")
     assert len(return_map.signatures) == len(march.signatures) == 1
 
 

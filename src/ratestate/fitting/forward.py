@@ -19,7 +19,7 @@ STEP = 3e-5
 #: K Dc/(a sigma) of a machine that counts as rigid: friction follows within 1e-8 Dc of slip
 RIGID = 1e8
 #: of the march, 100 times what a well-fitting slider takes: one that vibrates is no candidate
-MAX_STEPS = 100_000
+MAX_STEPS = 1e5
 
 
 class Forward:
