@@ -11,7 +11,7 @@ import numpy as np
 from ..cases import V_LIMIT
 from ..engine import drive
 from ..engine.model import FINISHED, RODAS5P, Cases, Loads
-from .unknowns import LINEAR, START
+from .unknowns import PLAIN, START
 
 RTOL = 1e-8
 #: step of a difference in a logarithm
@@ -94,8 +94,7 @@ class Forward:
         values = dict(self._common(len(points))[0])
         with np.errstate(over="ignore"):
             for i, name in enumerate(self.names):
-                plain = name in LINEAR or name in START
-                values[name] = points[:, i] if plain else np.exp(points[:, i])
+                values[name] = points[:, i] if name in PLAIN else np.exp(points[:, i])
         if np.isinf(self.fixed["K"]) and "K" not in self.names:
             # the march knows no rigid machine, but one as good as that
             values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]

@@ -19,10 +19,7 @@ def gain_of(solution, added):
     record = solution.problem.record
     residual = record.friction - solution.fitted
     columns = np.column_stack([residual, added, solution.jacobian])
-    white, _ = solution.noise.whiten(record.t, columns)
-    count = added.shape[1]
-    basis, _ = np.linalg.qr(white[:, 1 + count :])
-    rest = white[:, : 1 + count] - basis @ (basis.T @ white[:, : 1 + count])
+    rest = _rest(solution, columns, 1 + added.shape[1])
     moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
     return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
 
@@ -32,10 +29,15 @@ def response(solution):
     record = solution.problem.record
     lines = [np.ones(record.t.size), record.along / np.abs(record.along).max()]
     columns = np.column_stack([record.friction, *lines[: 2 if record.trend else 1]])
-    white, _ = solution.noise.whiten(record.t, columns)
-    basis, _ = np.linalg.qr(white[:, 1:])
-    rest = white[:, 0] - basis @ (basis.T @ white[:, 0])
-    return float(rest @ rest) - solution.chi2, len(solution.point) - basis.shape[1]
+    rest = _rest(solution, columns, 1)[:, 0]
+    return float(rest @ rest) - solution.chi2, len(solution.point) - columns.shape[1] + 1
+
+
+def _rest(solution, columns, count):
+    """The first columns (m, count), whitened, without what the others can make of them."""
+    white, _ = solution.noise.whiten(solution.problem.record.t, columns)
+    basis, _ = np.linalg.qr(white[:, count:])
+    return white[:, :count] - basis @ (basis.T @ white[:, :count])
 
 
 def responds(solution):

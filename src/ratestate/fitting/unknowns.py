@@ -18,6 +18,8 @@ PARAMETERS = ("a", "b", "Dc", "K", "M")
 LINEAR = ("b", "lag", "level", "trend")
 #: ln(V/V1) and ln(theta V1/Dc) at the start of a record that begins out of steady sliding at V1
 START = ("v_start", "psi_start")
+#: coordinates that are no logarithm of a value in SI
+PLAIN = (*LINEAR, *START)
 #: a fit that ends this near to a bound, as a part of the way between both, has run to it
 NEAR = 1e-3
 

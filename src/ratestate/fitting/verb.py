@@ -139,12 +139,11 @@ def fit(
                 solve(record, slider, evolution_law(one).code, free, noise, start) for one in laws
             ]
             results = _against_samples(data, slider, sought, laws, noise, errors)
+    carried = {name: data.attrs[name] for name in CARRIED if name in data.attrs}
     for one, result in results.items():
         made = provenance("fit", slider, law=one, free=json.dumps(free), **settings)
-        result.attrs = made | result.attrs
-    results = {one: result.assign_coords(law=one) for one, result in results.items()}
-    for one, result in results.items():
-        result.attrs |= {name: data.attrs[name] for name in CARRIED if name in data.attrs}
+        result.coords["law"] = one
+        result.attrs = made | result.attrs | carried
         about = f"{one} law: " if len(laws) > 1 else ""
         for text in warnings_of(result):
             warnings.warn(about + text, FitWarning, stacklevel=2)

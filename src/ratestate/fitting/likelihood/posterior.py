@@ -14,7 +14,7 @@ from ...errors import ParameterError
 from ...progress import bar
 from ...quantities import readable
 from ..result import LEVELS
-from ..unknowns import LINEAR, START
+from ..unknowns import PLAIN
 
 LIVE, SEED = 400, 20190101
 #: what ln(evidence) may still gain when sampling ends; most evaluations
@@ -82,7 +82,7 @@ def prior_of(solutions, reaches):
             here = float(solution.point[i])
             lower, upper = reach.get(name, (here - errors[i], here + errors[i]))
             lower, upper = float(lower), float(upper)
-            low, high = _ends(here, lower, upper, name in (*LINEAR, *START))
+            low, high = _ends(here, lower, upper, name in PLAIN)
             low, high = max(low, unknowns.low[i]), min(high, unknowns.high[i])
             known = box.get(name, (low, high))
             box[name] = (min(low, known[0]), max(high, known[1]))
@@ -107,7 +107,7 @@ def prior_words(prior):
     """The prior of a box, in words."""
     sides = []
     for name, (low, high) in prior.items():
-        if name in (*LINEAR, *START):
+        if name in PLAIN:
             unit = " s" if name == "lag" else ""
             sides.append(f"in {name} from {low:.4g} to {high:.4g}{unit}")
         else:
