@@ -14,7 +14,8 @@ from ratestate.engine.model import FINISHED, STEADY_SLIDING
 from ratestate.paper import atlas as chart
 from ratestate.regimes import REGIMES, classify
 from ratestate.settle import settle
-from ratestate.shooting import System, multipliers, state, turn
+from ratestate.shooting import System, multipliers, small_amplitude, state, turn
+from ratestate.soft import curvature
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 N = 24
@@ -75,6 +76,20 @@ def test_cycles_are_reached_below_the_fold_only(eta):
         here = system("aging", (1.0 + eta) * (1.0 + factor * width), 2.0, np.array([eta]))
         start = state(here, 1.3 * found.u)
         assert settle(here, start, 1e-6, True, lambda fraction: None).status == status
+
+
+@pytest.mark.parametrize("eta", [1e-3, 0.05])
+def test_a_small_unstable_cycle_parts_rest_from_vibration(eta):
+    """Just above K_c swings smaller than the unstable cycle, of r^2 = margin/curvature, die out."""
+    beta, r = 2.0, 4e-3  # of the aging law; in ln V
+    edge = system("aging", 1.0 + eta, beta, np.array([eta]))
+    margin = curvature("aging", edge.beta, edge.eta) * r**2
+    here = system("aging", 1.0 + eta + margin, beta, edge.eta)
+    assert here.margin == pytest.approx(margin, rel=0.1)
+    u = np.ones((1, 2))
+    u *= r / small_amplitude(here, u)
+    for size, status in ((0.5, STEADY_SLIDING), (0.95, STEADY_SLIDING), (1.05, FINISHED)):
+        assert settle(here, state(here, size * u), 1e-6, True, None).status == status
 
 
 def test_the_strip_closes_at_the_bautin_point():

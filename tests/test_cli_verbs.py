@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import os
 import re
 import subprocess
@@ -16,7 +17,9 @@ from typer.testing import CliRunner
 import ratestate as rs
 from ratestate import files
 from ratestate.cli import main
-from ratestate.scenario import model
+from ratestate.scenario import load, model
+from ratestate.sweeps.calls import call_of
+from ratestate.sweeps.solve import bytes_of_a_case, form_of
 from ratestate.verdict import verdict
 
 LAB = """
@@ -424,11 +427,14 @@ def test_a_sweep_too_large_for_memory_is_refused_at_once(command, verb, lab, mon
     assert "use ratestate sweep FILE --store x.zarr" in result.stderr
 
 
-def test_a_sweep_of_usual_size_is_not_too_large(lab, monkeypatch):
-    text = LAB.split("[loading]")[0] + HUGE.replace("31_000", "4_400") + "'limit_cycle'\n"
-    lab.write_text(text)
+def test_three_gigabytes_are_not_too_large(lab, monkeypatch):
+    asked = call_of("limit_cycle", load(lab).slider, {"V_lp": rs.logspace("V_lp", 1, 2, 2)})[1]
+    side = math.isqrt(3 * 10**9 // bytes_of_a_case(form_of(asked).kinds))
     monkeypatch.setattr("ratestate.sweeps.verb.sweep", bug)
-    assert "so much for that" in call("run", lab).stderr
+    for n, said in ((side, "so much for that"), (side + 1, "no more than 3 GB are kept in memory")):
+        text = LAB.split("[loading]")[0] + HUGE.replace("31_000", str(n)) + "'limit_cycle'\n"
+        lab.write_text(text)
+        assert said in call("run", lab).stderr
 
 
 def test_numbers_beyond_double_precision_end_without_warnings():

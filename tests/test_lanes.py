@@ -4,15 +4,18 @@ import json
 import os
 import subprocess
 import sys
+from fractions import Fraction
 
 import numpy as np
 import pytest
 import xarray as xr
+from numba import njit
 from records import SLIDER, STEP, record
 
 import ratestate as rs
 from ratestate.basin import escape
-from ratestate.engine import drive
+from ratestate.engine import drive, lanes
+from ratestate.engine import rows as R
 from ratestate.engine.march import march
 from ratestate.engine.return_map import return_map
 
@@ -43,6 +46,24 @@ def run(parameters, t_end, law="slip", pick=None):
 def same(one, other):
     for name in NAMES:
         np.testing.assert_array_equal(one[name].values, other[name].values, err_msg=name)
+
+
+@njit
+def commit_often(s, h, n):
+    s[R.H_USED], s[R.OK], s[R.LAND] = h, 1.0, np.inf
+    for _ in range(n):
+        lanes.commit(s, 1)
+
+
+def test_a_million_steps_lose_no_time():
+    """Time is known to twice the digits of its first part: 1e6 steps of 0.1 are its 1e6-fold."""
+    s = np.zeros(R.SIZE)
+    commit_often(s, 0.1, 10**6)
+    exact = 10**6 * Fraction(0.1)
+    off = Fraction(s[R.T]) + Fraction(s[R.T_LOW]) - exact
+    assert abs(off) < 1e-20 * exact
+    assert abs(Fraction(s[R.T]) - exact) <= np.spacing(1e5) / 2  # the low part is but the rest
+    assert s[R.STEPS] == 1e6
 
 
 @pytest.fixture(scope="module")

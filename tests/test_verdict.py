@@ -78,6 +78,13 @@ def test_limits_have_words(slider, V_lp, said):
     assert said in verdict(slider, V_lp).text
 
 
+@pytest.mark.parametrize("V_lp", [1e-5, 3e-4, 2e-3])
+def test_in_the_time_named_a_disturbance_falls_to_a_tenth(V_lp):
+    said = re.search(r"falls to a tenth in ([\d.]+ \w+)[.,]", verdict(FIG2, V_lp).text)[1]
+    growth_rate = float(stability(FIG2, V_lp).growth_rate)
+    assert np.exp(growth_rate * to_si("t", said)) == pytest.approx(0.1, rel=2e-3)
+
+
 def test_a_cycle_beside_stable_sliding():
     slider, V_lp = FIG2.replace(law="aging"), 5e-4
     K_c = slider.K_c(V_lp)

@@ -74,7 +74,7 @@ class Tree:
 
     def gather(self, file):
         """Which functions the tests of a file call, and how long each takes."""
-        kept = BUILD / "calls" / f"{Path(file).stem}-{digest(ROOT / file)}.json"
+        kept = BUILD / "calls" / f"{Path(file).stem}-{digest(self.folder / file)}.json"
         if kept.exists():
             return json.loads(kept.read_text())
         calls, kernels = self.folder / "build/calls", -1
