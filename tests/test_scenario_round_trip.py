@@ -362,9 +362,18 @@ def test_of_a_sweep_in_a_store(tmp_path):
         (lambda r: None, "NoneType is no result; give a Dataset as a verb"),
         (lambda r: r.drop_attrs(), "the result's title is '', which is no verb's"),
         (lambda r: r.assign_attrs(title="ratestate figures"), "'ratestate figures', which is no"),
-        (lambda r: r.assign_attrs(slider="{"), "what made this simulate is not all there"),
-        (lambda r: r.assign_attrs(loading="3"), "what made this simulate is not all there"),
-        (lambda r: r.assign_attrs(slider='{"a": -1}'), "what made this simulate is not all there"),
+        (
+            lambda r: r.assign_attrs(slider="{"),
+            "the attribute 'slider' of the Dataset is '{', expected JSON",
+        ),
+        (
+            lambda r: r.assign_attrs(loading="3"),
+            "attribute 'loading' of the Dataset is '3', expected a JSON dict",
+        ),
+        (
+            lambda r: r.assign_attrs(slider='{"a": -1}'),
+            "lacks, or has beside what it should, Dc, K, M",
+        ),
         (lambda r: r.isel(V_lp=0), "holds 1 of 2 cases along 'V_lp', and does not say which"),
     ],
 )

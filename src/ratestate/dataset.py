@@ -6,8 +6,8 @@ import json
 from importlib.metadata import version
 
 import numpy as np
-import xarray
 
+from . import attributes
 from .engine import DIGEST
 from .engine.model import STATUSES
 from .errors import ParameterError
@@ -64,27 +64,29 @@ def parameter(result, symbol):
     Raises
     ------
     ParameterError
-        The result has lost its attributes.
+        The result has lost its attributes, or they are not as they were made.
     """
-    if "slider" not in result.attrs:
-        raise ParameterError(
-            f"{symbol} is unknown: the Dataset has lost its attribute 'slider' (arithmetic drops "
-            f"attributes; copy data.attrs over)"
-        )
-    if result.attrs.get("parameter") == symbol:
+    if "parameter" in result.attrs and attributes.followed(result) == symbol:
         return result[symbol]
-    value = json.loads(result.attrs["V_lp" if symbol == "V_lp" else "slider"])
-    value = value if symbol == "V_lp" else value[symbol]
+    name = "V_lp" if symbol == "V_lp" else "slider"
+    value = attributes.from_json(result, name)
+    if name == "slider":
+        if not isinstance(value, dict) or symbol not in value:
+            raise ParameterError(f"{symbol} is missing in the attribute 'slider' of the Dataset")
+        value = value[symbol]
+    elsewhere = isinstance(value, dict) and isinstance(value.get("values"), str)
+    value = None if elsewhere else attributes.recorded(name, symbol, value)
     if symbol in result.coords and not _labels(result[symbol], value):
         # with the cases that the result still holds
         return result[symbol] if result[symbol].ndim else result[symbol].item()
-    return xarray.DataArray(value["values"], dims=value["dims"]) if type(value) is dict else value
+    if value is None:
+        raise ParameterError(f"the Dataset has lost its coordinate {symbol!r}; give it whole")
+    return value
 
 
 def _labels(coordinate, value):
     """Whether a coordinate only labels a dimension that is called like the symbol."""
-    listed = isinstance(value, dict) and isinstance(value["values"], list)
-    return listed and not np.isin(coordinate, value["values"]).all()
+    return is_array(value) and not np.isin(coordinate, value).all()
 
 
 def record_loading(result, loading):

@@ -3,10 +3,9 @@
 import warnings
 from pathlib import Path
 
-import xarray
-
 from ..errors import ParameterError
-from .parts import joined, split
+from .netcdf import read_netcdf, write_netcdf
+from .parts import joined
 from .place import NUMBERS, checked, replace
 from .table import write_csv
 
@@ -33,7 +32,7 @@ def write(data, path):
         It cannot be written.
     """
     path = checked(path, NUMBERS)
-    writers = {".nc": _write_netcdf, ".csv": write_csv, ".zarr": _write_zarr}
+    writers = {".nc": write_netcdf, ".csv": write_csv, ".zarr": _write_zarr}
     return replace(path, lambda partial: writers[path.suffix.lower()](data, partial))
 
 
@@ -55,23 +54,20 @@ def read(path):
     try:
         if not path.exists():
             raise ParameterError(f"{path} does not exist")
-        if ending == ".zarr":
-            with xarray.open_zarr(path, chunks=None) as opened:
-                return _plain_text(opened.load())
-        with xarray.open_dataset(path, engine="h5netcdf") as opened:
-            return joined(opened.load())
+        return _read_zarr(path) if ending == ".zarr" else joined(read_netcdf(path))
     except ParameterError:
         raise
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
-        raise ParameterError(f"{path} cannot be read as a result: {error}") from None
+    except Exception as error:
+        # what is in a file may make any part of the libraries that read it stumble
+        what = f"{type(error).__name__}: {error}"
+        raise ParameterError(f"{path} cannot be read as a result: {what[:300]}") from None
 
 
-def _write_netcdf(data, path):
-    """Write a Dataset as compressed NetCDF."""
-    data = split(data)
-    packed = {"zlib": True, "complevel": 4, "shuffle": True}
-    encoding = {name: packed for name, variable in data.variables.items() if variable.ndim}
-    data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+def _read_zarr(path):
+    import xarray
+
+    with xarray.open_zarr(path, chunks=None) as opened:
+        return _plain_text(opened.load())
 
 
 def _write_zarr(data, path):

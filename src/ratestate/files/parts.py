@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ..errors import ParameterError
+
 # Suffix -> what of a complex array it is.
 PARTS = {"real": np.real, "imag": np.imag}
 
@@ -24,6 +26,11 @@ def joined(data):
     for name in [name for name, v in data.variables.items() if v.attrs.get("part") == "real"]:
         whole = name.removesuffix("_real")
         real, imag = data[name], data[f"{whole}_imag"]
+        if real.dims != imag.dims:
+            raise ParameterError(
+                f"{name} lies along {real.dims}, but {whole}_imag along {imag.dims}: they are not "
+                f"the parts of one variable"
+            )
         values = np.empty(real.shape, complex)
         values.real, values.imag = real.values, imag.values  # infinite parts stay what they are
         attrs = {key: text for key, text in real.attrs.items() if key != "part"}

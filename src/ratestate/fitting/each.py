@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..dataset import parameter
+from ..errors import ParameterError
 from ..stability import K_c_qs
 
 
@@ -29,7 +30,10 @@ def _part(part):
 
 def value_of(part, symbol):
     """A parameter [SI] of one law's part: as it was found, or as it was given."""
-    return float(part[symbol] if symbol in part.data_vars else parameter(part, symbol))
+    value = part[symbol] if symbol in part.data_vars else parameter(part, symbol)
+    if np.ndim(value):
+        raise ParameterError(f"{symbol} has several values in the Dataset, where a fit has one")
+    return float(value)
 
 
 def error_of(part, symbol):

@@ -44,6 +44,6 @@ def slider_of(result, law=None):
 def checked_laws(result, who):
     """law -> its part of a result of `fit`; ParameterError, in the name of `who`, if it is none."""
     title = result.attrs.get("title") if isinstance(result, xarray.Dataset) else None
-    if title != "ratestate fit" or any(name not in result.variables for name in NEEDED):
+    if str(title) != "ratestate fit" or any(name not in result.variables for name in NEEDED):
         raise ParameterError(f"{who} wants the Dataset that fit gives, whole, with its attributes")
     return each_law(result)

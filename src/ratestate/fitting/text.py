@@ -1,9 +1,9 @@
 """A fit as text, for a notebook or a log."""
 
-import json
 import re
 import textwrap
 
+from .. import attributes
 from ..quantities import readable
 from .each import value_of, warnings_of
 from .fitted import checked_laws
@@ -46,19 +46,21 @@ def summary(result):
 
 def heading(result, laws):
     """What was fitted, and what the load point did (list of str)."""
-    source = result.attrs.get("source")
+    source = attributes.text(result, "source", "")
     about = f"Fit of {source}: " if source else "Fit of "
-    found = [text] if (text := result.attrs.get("found")) else []
-    return [f"{about}{result.sizes['time']:,} samples, {named(laws)}", *found]
+    found = attributes.text(result, "found", "")
+    fitted = f"{about}{result.sizes['time']:,} samples, {named(laws)}"
+    return [fitted, found] if found else [fitted]
 
 
 def remarks(result, laws):
     """What is to be said of a fit beneath its estimates, but for warnings (list of str)."""
     told = [given(laws), *(f"{law} law: {quality(part)}" for law, part in laws.items())]
-    told.append(result.attrs.get("comparison", ""))
+    told.append(attributes.text(result, "comparison", ""))
     told += [f"{law} law: {words}" for law, words in identifiability(laws).items()]
-    told += [f"note: {text}" for text in json.loads(result.attrs.get("notes", "[]"))]
-    return [text for text in told if text]
+    if "notes" in result.attrs:
+        told += [f"note: {note}" for note in attributes.from_json(result, "notes", list)]
+    return [one for one in told if one]
 
 
 def given(laws):

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..errors import ParameterError
+from ..isolated import read_isolated
 from .stored import read_hdf5, read_mat
 from .text import read_text
 
@@ -34,20 +35,22 @@ def opened(path):
             raise ParameterError(f"{path} does not exist")
         if path.is_dir():
             raise ParameterError(f"{path} is a folder; give the file of a record in it")
+        if not path.is_file():  # a pipe would be waited for
+            raise ParameterError(f"{path} is no file; give the file of a record")
         with path.open("rb") as file:
             head = file.read(1024)
-        return path, _reader(path, head)(path)
+        return path, _table(path, head)
     except OSError as error:
         raise ParameterError(f"{path} cannot be read: {error.strerror or error}") from None
 
 
-def _reader(path, head):
-    """What reads a file that begins like this."""
+def _table(path, head):
+    """The `Table` of a file that begins like this."""
     if head.startswith(HDF5) or HDF5 in head[512:520]:
-        return read_hdf5
+        return read_isolated(read_hdf5, path, "HDF5")
     if head.startswith(b"MATLAB 5.0") or path.suffix.lower() == ".mat":
-        return read_mat
+        return read_isolated(read_mat, path, "a MAT file")
     for begin, what in FOREIGN.items():
         if head.startswith(begin):
             raise ParameterError(f"{path.name} is {what}; save the record as text, such as .csv")
-    return read_text
+    return read_text(path)

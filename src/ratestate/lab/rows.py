@@ -11,6 +11,8 @@ FEWEST = 10  # rows
 TOLD = 5  # rows of each kind
 #: a gap is a step of time so many times longer than is usual on either side of it
 GAP = 5.0
+#: a step of time so many times shorter than is usual is none: no speed can be told from it
+SAME = 1e-9
 BESIDE = 10  # rows that tell what is usual
 CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
@@ -83,7 +85,9 @@ class Rows:
                 f"records, read each by its window, such as time=(None, '{t[place]:.10g} s'), or "
                 f"from a file of its own"
             )
-        repeated = np.append(False, np.diff(t) == 0.0)
+        steps = np.diff(t)
+        usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+        repeated = np.append(False, steps <= SAME * usual)
         bad = self.kept[repeated]
         self.kept = self.kept[~repeated]
         if bad.size:

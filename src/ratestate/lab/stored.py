@@ -3,58 +3,58 @@
 import numpy as np
 
 from ..errors import ParameterError
-from .table import Column, Table
+from .table import Column, Table, shown
 from .titles import split
 
 #: attributes in which units, and names of columns of an array, are kept
 UNITS = ("units", "unit", "Units", "Unit", "UNITS")
 NAMES = ("columns", "column_names", "names", "labels", "header", "fields")
 SMALLEST = 2  # rows
+#: bytes that a byte of a file can hold: deflate packs 1,032 of them into one at most
+UNPACKED = 1100
 
 
 def read_hdf5(path):
-    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it."""
+    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it.
+
+    What it raises beside `ParameterError` is for `read_isolated`.
+    """
     import h5py
 
     columns: list[Column] = []
     texts: list[str] = []
+    room = UNPACKED * path.stat().st_size
 
     def visit(title, item):
+        nonlocal room
         # MATLAB keeps texts as numbers, and what cells refer to in a group of its own
         hidden = title.startswith("#") or item.attrs.get("MATLAB_class") == b"char"
         if isinstance(item, h5py.Dataset) and not hidden:
             if item.ndim and item.dtype.kind not in "iufV":
                 texts.append(title)
                 return
+            room -= item.nbytes
+            if room < 0:
+                raise ParameterError(
+                    f"{path.name} is damaged: {shown(title)} would fill {item.nbytes:.3g} bytes, "
+                    f"out of a file of {path.stat().st_size}; copy it again from where it comes "
+                    f"from"
+                )
             columns.extend(_columns(title, item[()], item.attrs))
 
-    with _opened(path, h5py) as file:
-        try:
-            file.visititems(visit)
-        except (RuntimeError, OSError, ValueError, KeyError, TypeError) as error:
-            raise ParameterError(
-                f"{path.name} is damaged: {error}; copy it again from where it comes from"
-            ) from None
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
     return _table(path, columns, texts)
 
 
-def _opened(path, h5py):
-    try:
-        return h5py.File(path, "r")
-    except OSError as error:
-        raise ParameterError(f"{path.name} cannot be read as HDF5: {error}") from None
-
-
 def read_mat(path):
-    """The `Table` of all columns of numbers in a MAT file, those in structs among them."""
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
+    """The `Table` of all columns of numbers in a MAT file, those in structs among them.
 
-    try:
-        content = loadmat(path, simplify_cells=True)
-    except (MatReadError, ValueError, TypeError, OSError, NotImplementedError) as error:
-        raise ParameterError(f"{path.name} cannot be read as a MAT file: {error}") from None
-    return _table(path, list(_in_struct("", content)))
+    What it raises beside `ParameterError` is for `read_isolated`.
+    """
+    from scipy.io import loadmat
+
+    return _table(path, list(_in_struct("", loadmat(path, simplify_cells=True))))
 
 
 def _in_struct(place, struct):

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..attributes import followed
 from ..dataset import parameter
 from ..errors import ParameterError
 from ..quantities import QUANTITIES
@@ -47,12 +48,12 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
         from matplotlib import pyplot
 
         ax = pyplot.subplots()[1]
-    return diagram(data, ax, 1.0, QUANTITIES[data.attrs["parameter"]].unit, color, label)
+    return diagram(data, ax, 1.0, QUANTITIES[followed(data)].unit, color, label)
 
 
 def diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
     """Draw a `branch` over the parameter times a factor, which is in this unit."""
-    symbol = data.attrs["parameter"]
+    symbol = followed(data)
     x, amplitude, special = (data[name].values for name in (symbol, "amplitude", "special"))
     at = np.geomspace(x.min() / 1.05, x.max() * 1.05, 2001)
     stable = _steady_is_stable(data, symbol, at)

@@ -1,10 +1,10 @@
 """The panels of a fit: a record under its fitted curves, and what these leave of it."""
 
-import json
 from typing import NamedTuple
 
 import numpy as np
 
+from ..attributes import loading_record
 from ..errors import ParameterError
 from ..fitting.each import each_law
 from ..quantities import QUANTITIES
@@ -60,7 +60,7 @@ def axis_of(result, x=None):
 
 def segments(result):
     """Starts [s], from the first sample on, and speeds [m/s] of the load point; none of a wave."""
-    loading = json.loads(result.attrs["loading"])
+    loading = loading_record(result)
     if len(loading.get("V", ())) > MARKED or any(loading.get("rate", ())):
         return []
     return list(zip(loading.get("t", ()), loading.get("V", ()), strict=True))

@@ -1,15 +1,16 @@
 """A scenario: a verb, its slider, its settings, and where the result goes."""
 
 import dataclasses
+import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..branch import continue_cycle
-from ..cycles import limit_cycle
-from ..simulate import simulate
+from ..branch import continue_cycle, followed
+from ..cycles import limit_cycle, limit_cycle_call
+from ..simulate import simulate, simulate_call
 from ..slider import SpringSlider
-from ..steady import stability
+from ..steady import stability, stability_call
 
 #: name -> verb
 VERBS: dict[str, Callable[..., Any]] = {
@@ -17,6 +18,13 @@ VERBS: dict[str, Callable[..., Any]] = {
     "simulate": simulate,
     "stability": stability,
     "continue_cycle": continue_cycle,
+}
+#: name -> what checks its arguments
+CHECKS: dict[str, Callable[..., Any]] = {
+    "limit_cycle": lambda **given: limit_cycle_call(**given).batch,
+    "simulate": lambda **given: simulate_call(**given).batch,
+    "stability": lambda **given: stability_call(**given).batch,
+    "continue_cycle": followed,
 }
 
 
@@ -57,6 +65,14 @@ class Scenario:
     slider: SpringSlider
     settings: dict[str, Any]
     output: Output = Output()
+
+
+def check(scenario: Scenario) -> None:
+    """Raise ParameterError for a scenario that its verb would refuse."""
+    verb = VERBS[scenario.verb]
+    bound = inspect.signature(verb).bind(scenario.slider, **scenario.settings)
+    bound.apply_defaults()
+    CHECKS[scenario.verb](**bound.arguments)
 
 
 def run(scenario: Scenario) -> Any:

@@ -1,20 +1,24 @@
 """From a result back to the scenario that made it."""
 
+import dataclasses
 import inspect
-import json
 from typing import Any
 
 import numpy as np
 import xarray
 
+from .. import attributes
 from ..dataset import parameter
 from ..errors import ParameterError
 from ..loading import Loading
 from ..slider import SpringSlider
 from ..units import is_array
-from .model import VERBS, Scenario
+from .model import VERBS, Scenario, check
 
 WANTED = "give a Dataset as a verb of ratestate returned it, or read from the file it was kept in"
+
+#: by which part of the largest speed one at the end of a segment may fall below 0
+ROUNDING = 1e-9
 
 
 def from_result(result: Any) -> Scenario:
@@ -44,33 +48,40 @@ def from_result(result: Any) -> Scenario:
     if verb not in VERBS or not title.startswith("ratestate "):
         raise ParameterError(f"the result's title is {title[:60]!r}, which is no verb's; {WANTED}")
     try:
-        slider = SpringSlider(**_slider(result))
-        settings = _of_verb[verb](result)
+        scenario = Scenario(verb, _slider(result), _lean(verb, _of_verb[verb](result)))
+        check(scenario)
     except ParameterError:
         raise
-    except (KeyError, ValueError, TypeError) as error:
+    except Exception as error:  # variables too may be gone, or others than they were
         raise ParameterError(
             f"what made this {verb} is not all there ({type(error).__name__}: {error}); {WANTED}"
         ) from None
-    return Scenario(verb, slider, _lean(verb, settings))
+    return scenario
 
 
-def _slider(result: Any) -> dict[str, Any]:
-    """The slider's parameters."""
-    values = json.loads(result.attrs["slider"])
+def _slider(result: Any) -> SpringSlider:
+    """The slider, with the cases that the result still holds."""
+    values = attributes.from_json(result, "slider", dict)
+    symbols = {field.name for field in dataclasses.fields(SpringSlider)}
+    if odd := symbols ^ set(values):
+        raise ParameterError(
+            f"the attribute 'slider' of the Dataset lacks, or has beside what it should, "
+            f"{', '.join(sorted(odd))[:100]}; {WANTED}"
+        )
     followed = result.attrs.get("parameter")
-    return {k: v if k == followed else _swept(result, k, v) for k, v in values.items()}
+    swept = {k: _swept(result, "slider", k, v) for k, v in values.items() if k != followed}
+    return SpringSlider(**values | swept)
 
 
-def _swept(result: Any, symbol: str, recorded: Any) -> Any:
-    """A value that the result records; of a swept one those that the result still holds."""
+def _swept(result: Any, name: str, symbol: str, recorded: Any) -> Any:
+    """A value that an attribute records; of a swept one those that the result still holds."""
     if not isinstance(recorded, dict):
-        return recorded
+        return attributes.recorded(name, symbol, recorded)
     if symbol in result.coords and symbol not in ("V_start", "t_end"):
         return _alone(parameter(result, symbol))
-    if not isinstance(recorded["values"], list):  # too many for an attribute
+    if isinstance(recorded.get("values"), str):  # too many for an attribute
         return _alone(result[symbol])
-    return _labelled(result, recorded["dims"], recorded["values"])
+    return _labelled(result, attributes.array(name, recorded))
 
 
 def _alone(value: Any) -> Any:
@@ -80,9 +91,9 @@ def _alone(value: Any) -> Any:
     return value.drop_vars([name for name, label in value.coords.items() if not label.dims])
 
 
-def _labelled(result: Any, dims: Any, values: Any) -> Any:
+def _labelled(result: Any, recorded: Any) -> Any:
     """An array in some of the result's dimensions, with its labels."""
-    for dim, size in zip(dims, np.shape(values), strict=True):
+    for dim, size in recorded.sizes.items():
         if dim != "segment" and result.sizes.get(dim) != size:
             raise ParameterError(
                 f"the result holds {result.sizes.get(dim, 1)} of {size} cases along {dim!r}, and "
@@ -91,9 +102,17 @@ def _labelled(result: Any, dims: Any, values: Any) -> Any:
     coords = {
         name: c.variable
         for name, c in result.coords.items()
-        if set(c.dims) <= set(dims) and c.dims and name != "time"
+        if set(c.dims) <= set(recorded.dims) and c.dims and name != "time"
     }
-    return xarray.DataArray(np.asarray(values, float), coords, dims)
+    return recorded.drop_vars(recorded.coords).assign_coords(coords)
+
+
+def _values(result: Any, name: str, given: dict[str, Any]) -> dict[str, Any]:
+    """Values out of an attribute, of which some are swept."""
+    return {
+        k: _labelled(result, attributes.array(name, v)) if isinstance(v, dict) else v
+        for k, v in given.items()
+    }
 
 
 def _simulate(result: Any) -> dict[str, Any]:
@@ -101,46 +120,55 @@ def _simulate(result: Any) -> dict[str, Any]:
     attrs = result.attrs
     settings: dict[str, Any] = {"loading": _loading(result)}
     for key in ("t_end", "V_start"):
-        settings[key] = _swept(result, key, json.loads(attrs[key]))
+        settings[key] = _swept(result, key, key, attributes.from_json(result, key))
     if _same(settings["loading"].V_first, settings["V_start"]):
         del settings["V_start"]
-    initial = json.loads(attrs["initial"])
-    settings["initial"] = {
-        k: _labelled(result, v["dims"], v["values"]) if isinstance(v, dict) else v
-        for k, v in initial.items()
-    }
+    settings["initial"] = _values(result, "initial", attributes.from_json(result, "initial", dict))
     if "times" in attrs:
         own = "t" in result.coords and "time" in result.coords["t"].dims
         settings["times"] = result.coords["t"].drop_vars("t") if own else result["time"].values
-    settings["rtol"] = float(attrs["rtol"])
-    settings["method"] = str(attrs["method"])
-    settings["dt"] = float(attrs["dt"]) if "dt" in attrs else None
+    settings["rtol"] = attributes.number(result, "rtol")
+    settings["method"] = attributes.text(result, "method")
+    settings["dt"] = attributes.number(result, "dt") if "dt" in attrs else None
     return settings
 
 
 def _loading(result: Any) -> Loading:
     """The load-point history that a result records."""
-    record = json.loads(result.attrs["loading"])
+    record = attributes.loading_record(result)
     t_last = np.inf if record["t_last"] is None else float(record["t_last"])
     if "sinusoid" in record:
-        values = {
-            k: _labelled(result, v["dims"], v["values"]) if isinstance(v, dict) else v
-            for k, v in record["sinusoid"].items()
-        }
-        return Loading.sinusoid(**values, t_end=t_last)
+        return Loading.sinusoid(**_values(result, "loading", record["sinusoid"]), t_end=t_last)
     columns = []
     for name in ("t", "V", "rate"):
         value: Any = record[name] if name in record else result[f"loading_{name}"].variable
         if isinstance(value, dict):
-            columns.append(_labelled(result, value["dims"], value["values"]))
+            columns.append(_labelled(result, attributes.array("loading", value)))
         elif isinstance(value, list):
             columns.append(np.array(value, float))
         elif value.ndim == 1:
             columns.append(value.values.astype(float))
         else:
-            columns.append(_labelled(result, value.dims, value.values))
+            columns.append(_labelled(result, xarray.DataArray(value.astype(float))))
     t, V, rate = columns
+    if not _is_history(t, np.asarray(V), np.asarray(rate), t_last):
+        raise ParameterError(f"the loading that the Dataset records is no history; {WANTED}")
     return Loading(t, V, rate, t_last)
+
+
+def _is_history(t: Any, V: Any, rate: Any, t_last: float) -> bool:
+    """Whether these can be the fields of a `Loading`: times that increase, speeds >= 0."""
+    if not (t.ndim == 1 and t.size and V.shape == rate.shape and V.shape[-1:] == t.shape):
+        return False
+    lasts = np.diff(t, append=t_last)
+    with np.errstate(invalid="ignore", over="ignore"):
+        ends = V + np.where(rate == 0.0, 0.0, rate * lasts)
+    return bool(
+        (t[0] == 0.0 and (lasts > 0.0).all())
+        and all(np.isfinite(column).all() for column in (t, V, ends))
+        and (V >= 0.0).all()
+        and (ends >= -ROUNDING * V.max()).all()
+    )
 
 
 def _same(x: Any, y: Any) -> bool:
@@ -150,26 +178,30 @@ def _same(x: Any, y: Any) -> bool:
     return bool(x == y)
 
 
-def _of_speed(result: Any) -> dict[str, Any]:
-    """The arguments of `limit_cycle` and `stability`."""
-    settings = {"V_lp": _swept(result, "V_lp", json.loads(result.attrs["V_lp"]))}
-    if "rtol" in result.attrs:
-        settings["rtol"] = float(result.attrs["rtol"])
-    return settings
+def _stability(result: Any) -> dict[str, Any]:
+    """The arguments of `stability`."""
+    return {"V_lp": _swept(result, "V_lp", "V_lp", attributes.from_json(result, "V_lp"))}
+
+
+def _limit_cycle(result: Any) -> dict[str, Any]:
+    """The arguments of `limit_cycle`."""
+    return _stability(result) | {"rtol": attributes.number(result, "rtol")}
 
 
 def _branch(result: Any) -> dict[str, Any]:
     """The arguments of `continue_cycle`."""
-    attrs = result.attrs
-    settings = {key: float(attrs[key]) for key in ("start", "stop", "rtol")}
-    V_lp = float(json.loads(attrs["V_lp"])) if "V_lp" in attrs else None
-    return {"parameter": str(attrs["parameter"]), **settings, "V_lp": V_lp}
+    settings: dict[str, Any] = {"parameter": attributes.followed(result), "V_lp": None}
+    settings |= {key: attributes.number(result, key) for key in ("start", "stop", "rtol")}
+    if settings["parameter"] != "V_lp":
+        recorded = attributes.from_json(result, "V_lp")
+        settings["V_lp"] = attributes.recorded("V_lp", "V_lp", recorded)
+    return settings
 
 
 _of_verb = {
     "simulate": _simulate,
-    "limit_cycle": _of_speed,
-    "stability": _of_speed,
+    "limit_cycle": _limit_cycle,
+    "stability": _stability,
     "continue_cycle": _branch,
 }
 

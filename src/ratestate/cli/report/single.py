@@ -120,7 +120,9 @@ def branch(result: "xarray.Dataset") -> list[Any]:
     from rich.table import Table
     from rich.text import Text
 
-    symbol = result.attrs["parameter"]
+    from ...attributes import followed
+
+    symbol = followed(result)
     made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for name in ("point", symbol, "amplitude", "period", "V_max", "multiplier", "cycles after it"):
         made.add_column(name, justify="left" if name in ("point", "cycles after it") else "right")

@@ -41,7 +41,7 @@ def page(result):
     ParameterError
         No such result, or one that has lost its attributes; more than two axes.
     """
-    title = result.attrs.get("title", "") if isinstance(result, xarray.Dataset) else ""
+    title = str(result.attrs.get("title", "")) if isinstance(result, xarray.Dataset) else ""
     verb = title.removeprefix("ratestate ")
     if verb not in SINGLE:
         raise ParameterError("page wants a Dataset as a verb gives it, with its attributes")

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...attributes import followed
 from ...dataset import parameter
 from ...quantities import QUANTITIES
 from ..bifurcation import NARROW, STABLE, UNSTABLE, diagram
@@ -15,7 +16,7 @@ WIDE = 10.0
 @styled
 def branch_page(data):
     """Page of a branch of limit cycles."""
-    symbol = data.attrs["parameter"]
+    symbol = followed(data)
     law = LAWS[parameter(data, "law")]
     title = f"Limit cycles along {label(symbol)}, {law}"
     fig = figure(data.assign_attrs(title=title), 5.2, "a b Dc sigma M K")

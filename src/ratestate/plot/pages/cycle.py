@@ -1,5 +1,6 @@
 """The page of a limit cycle: one turn of it, with its numbers."""
 
+from ...attributes import number
 from ...dataset import parameter
 from ...engine.model import STEADY_SLIDING
 from ...orbit import orbit
@@ -27,4 +28,4 @@ def cycle_page(cycle):
         f"{value_text('period', float(cycle.period))}, "
         f"amplitude {float(cycle.amplitude):.4g}"
     )
-    return motion(orbit(slider, V_lp, rtol=cycle.attrs["rtol"]), title)
+    return motion(orbit(slider, V_lp, rtol=number(cycle, "rtol")), title)

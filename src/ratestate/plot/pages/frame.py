@@ -2,6 +2,7 @@
 
 from matplotlib.patches import Patch
 
+from ... import attributes
 from ...fitting.lines import named
 from ..curves import COLORS
 from ..estimates import ROW, estimates
@@ -18,7 +19,7 @@ def framed(result, laws, height):
     heights = [height + LABELS, *([LIKELIHOOD] if told(result) else []), ROW * (1 + len(laws))]
     symbols = ["sigma", "M", *(s for s in ("a", "b", "Dc", "K") if s not in result), "V0"]
     symbols = [symbol for symbol in symbols if symbol not in result]
-    source = result.attrs.get("source")
+    source = attributes.text(result, "source", "")
     title = (
         f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "
         f"under the {named(laws)}"

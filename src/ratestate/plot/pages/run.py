@@ -1,9 +1,8 @@
 """The page of a run: stress, friction and speed against time, and the phase plane."""
 
-import json
-
 import numpy as np
 
+from ...attributes import loading_record
 from ...dataset import parameter
 from ...laws import mu_ss
 from ..labels import BLUE, GRAY, RED, STRESS, prefixed, value_text
@@ -63,7 +62,7 @@ def _speed(run, ax):
 def _load(run):
     """Times and speeds of the load point, with its jumps where they are recorded; NaN at rest."""
     t, V = run.time.values, run.V_load.values
-    record = json.loads(run.attrs["loading"])
+    record = loading_record(run)
     if "V" in record:
         starts, speeds, rates = (np.array(record[name]) for name in ("t", "V", "rate"))
         ends = np.append(starts[1:], max(t[-1], starts[-1]))
