@@ -1,13 +1,11 @@
 """What share of random mutants the tests kill: python tools/mutants.py --count 100 --seed 13
 
 Draws mutants of all sites in src/ratestate (mutations.py), each site as likely as any other, and
-runs for each the tests of its part in a copy of the tree, the quickest first, until one fails.
-The tests of a part are those that call its function.  What no test calls as Python (a kernel, a
-constant) has the tests of the functions that name it.  A test that takes far longer than it used to
-has killed its mutant too.
+for each runs in a copy of the tree the tests of that part, the nearest files first (near_tests.py),
+until one fails or their time is over.  A test that hangs has killed its mutant too.
 
-All is kept under build/mutants: what each test calls, gathered once for each version of a test
-file; and results.jsonl, from which a run goes on.  A survivor is tried again once tests changed.
+Results are kept in build/mutants/results.jsonl, and a run goes on where the last one stopped; a
+survivor is tried again once tests have changed.
 """
 
 import argparse
@@ -21,19 +19,20 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections import defaultdict
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import mutations
+from near_tests import nearest_first
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build/mutants"
 RESULTS = BUILD / "results.jsonl"
-KERNELS = ("ratestate/engine/", "ratestate/laws.py")  # compile anew when changed
-SECONDS = 60.0  # of tests for a mutant, at their usual pace
-# Beyond ten times its usual time a test may take so much longer [s], and where kernels compile.
-PATIENCE, COMPILING = 60.0, 300.0
+KERNELS = ("src/ratestate/engine/", "src/ratestate/laws.py")  # compile anew when changed
+# Processor time that tests of a mutant may take, and time that one test may [s]; more of both where
+# kernels compile.
+SECONDS, PATIENCE, COMPILING = 90.0, 300.0, 180.0
+FILES = 8  # of tests
 
 
 class Tree:
@@ -47,150 +46,80 @@ class Tree:
             if (ROOT / name).is_file():  # (not deleted)
                 (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(ROOT / name, self.folder / name)
-        self.src, self.log = self.folder / "src", self.folder / "build/log"
-        self.log.parent.mkdir()
-        # child processes of tests are watched too
-        start = "import watch_tests\nif watch_tests.CALLS:\n    watch_tests.trace()\n"
-        (self.src / "sitecustomize.py").write_text(start)
 
-    def pytest(self, files, **settings):
-        """Run test files until one test fails: (whether none did, the plugin's log)."""
-        self.log.write_text("")
-        path = f"{self.src}{os.pathsep}{self.folder / 'tools'}"
-        environment = os.environ | {"PYTHONPATH": path, "XDG_CACHE_HOME": str(self.cache)}
-        environment |= {"WATCH_LOG": str(self.log), "WATCH_SOURCES": str(self.src)} | settings
-        command = [sys.executable, "-m", "pytest", "-p", "watch_tests", *files]
-        with (self.folder / "build/output").open("w") as output:
-            process = subprocess.Popen(
-                command, cwd=self.folder, env=environment, stdout=output, stderr=output,
-                start_new_session=True,
-            )  # fmt: skip
-            try:
-                passed = process.wait() == 0
-            finally:
-                with contextlib.suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)
-        return passed, [line.split("\t") for line in self.log.read_text().splitlines()]
-
-    def gather(self, file):
-        """Which functions the tests of a file call, and how long each takes."""
-        kept = BUILD / "calls" / f"{Path(file).stem}-{digest(self.folder / file)}.json"
-        if kept.exists():
-            return json.loads(kept.read_text())
-        calls, kernels = self.folder / "build/calls", -1
-        while kernels < (kernels := len(list(self.cache.rglob("*.nbc")))):  # some were compiled
-            calls.write_text("")
-            passed, log = self.pytest([file], WATCH_CALLS=str(calls))
-        if not log and not passed:
-            print(f"{file} cannot be run, see {self.folder / 'build/output'}", flush=True)
-        seconds, functions = defaultdict(float), defaultdict(set)
-        for _, test, *took in log:
-            seconds[test] += float(*took or [0])
-        for what, test, *_ in log:
-            if what.endswith(("failed", "skipped")):
-                seconds.pop(test, None)
-        for text in calls.read_text().splitlines():
-            test, function = text.split("\t")
-            functions[test].add(function)
-        answer = {"seconds": seconds, "functions": {t: sorted(f) for t, f in functions.items()}}
-        kept.parent.mkdir(exist_ok=True)
-        kept.write_text(json.dumps(answer))
-        return answer
-
-    def attempt(self, mutant, tests):
-        """What kills a mutant: a test's name and how, or None."""
-        path, kernels = self.src / mutant["file"], mutant["file"].startswith(KERNELS)
-        limits = self.folder / "build/limits"
-        patience = PATIENCE + COMPILING * kernels
-        limits.write_text(json.dumps({test: 10 * s + patience for test, s in tests.items()}))
+    def killer(self, mutant, tests):
+        """What kills a mutant: the name of a test, and how if it did not fail; or None."""
+        path, more = self.folder / mutant["file"], COMPILING * mutant["file"].startswith(KERNELS)
         before, caches = path.read_bytes(), set(self.cache.glob("ratestate/*"))
-        site = mutant["start"], mutant["end"]
-        path.write_bytes(before[: site[0]] + mutant["new"].encode() + before[site[1] :])
-        os.utime(path, (mutant["number"], mutant["number"]))  # no stale bytecode
-        files = list(dict.fromkeys(test.split("::")[0] for test in tests))
+        new = mutant["new"].encode()
+        path.write_bytes(before[: mutant["start"]] + new + before[mutant["end"] :])
+        os.utime(path, (mutant["number"], mutant["number"]))  # bytecode of no other mutant fits
         try:
-            passed, log = self.pytest(files, WATCH_LIMITS=str(limits))
+            passed, log = self._run(tests, SECONDS + more, PATIENCE + more)
         finally:
             path.write_bytes(before)
             for folder in set(self.cache.glob("ratestate/*")) - caches:
                 shutil.rmtree(folder)
-        failed = [test for what, test, *_ in log if what.endswith("failed")]
-        if passed or failed:
-            return None if passed else failed[0]
-        return f"{log[-1][1]} (hung or crashed)" if log else "no test can be collected"
+        if passed:
+            return None
+        failed = [test for outcome, test in log if outcome == "failed"]
+        return failed[0] if failed else f"{log[-1][1]}, which hung or crashed" if log else "import"
+
+    def _run(self, tests, seconds, patience):
+        """Run test files until a test fails: (whether none did, what the plugin has logged)."""
+        log = self.folder / "build/log"
+        log.parent.mkdir(exist_ok=True)
+        log.write_text("")
+        environment = os.environ | {
+            "PYTHONPATH": f"{self.folder / 'src'}{os.pathsep}{self.folder / 'tools'}",
+            "XDG_CACHE_HOME": str(self.cache),
+            "WATCH_LOG": str(log),
+            "WATCH_SECONDS": str(seconds),
+            "WATCH_PATIENCE": str(patience),
+        }
+        with (self.folder / "build/output").open("w") as output:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "pytest", "-x", "-p", "watch_tests", *tests],
+                cwd=self.folder,
+                env=environment,
+                stdout=output,
+                stderr=output,
+                start_new_session=True,
+            )
+            try:
+                passed = process.wait() == 0
+            finally:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)  # its child processes too
+        return passed, [line.split("\t") for line in log.read_text().splitlines()]
 
 
 def draw(seed):
-    """All mutants in an order drawn by a seed."""
+    """All mutants, in an order drawn by a seed."""
     rng, found = random.Random(seed), []
     for path in sorted((ROOT / "src/ratestate").rglob("*.py")):
-        source, file = path.read_bytes(), str(path.relative_to(ROOT / "src"))
+        source = path.read_bytes()
         for site in mutations.sites(source):
             old = source[site.start : site.end].decode()
-            found.append({"file": file, "old": old, **site._asdict()})
+            found.append({"file": str(path.relative_to(ROOT)), "old": old, **site._asdict()})
     rng.shuffle(found)
     return [
-        mutant | {"number": i, "new": rng.choice(mutant.pop("options"))}
-        for i, mutant in enumerate(found, 1)
+        mutant | {"number": number, "new": rng.choice(mutant.pop("options"))}
+        for number, mutant in enumerate(found, 1)
     ]
 
 
-class Parts:
-    """The tests of each part of the sources."""
-
-    def __init__(self, gathered):
-        self.seconds, self.callers, self.named = {}, defaultdict(set), defaultdict(set)
-        for file, answer in gathered.items():
-            self.seconds |= answer["seconds"]
-            for test, functions in answer["functions"].items():
-                for function in functions:
-                    self.callers[function].add(test or f"{file}::")  # at the file's top
-        for folder in ("src", "tests"):
-            for path in sorted((ROOT / folder).rglob("*.py")):
-                file = str(path.relative_to(ROOT)).removeprefix("src/")
-                for part, words in mutations.mentions(path.read_bytes()).items():
-                    for word in words:
-                        self.named[word].add((file, part))
-
-    def tests(self, file, part, seen=frozenset()):
-        """The tests that call a part; where none can be seen to, those of all that name it."""
-        found = set()
-        for name in part:
-            here = f"{file}::{name}"
-            found |= {test for test in self.seconds if test.split("[")[0] == here}
-            found |= self.callers.get(f"{file}:{name}", set())
-        if not found or file.startswith(KERNELS):
-            for name in part:
-                for user in self.named[name.rsplit(".", 1)[-1]] - seen:
-                    found |= self.tests(*user, seen | {user})
-        return found
-
-    def chosen(self, mutant):
-        """Quickest first: the tests of a mutant's part, and the rest of their files, which may see
-        what a shared fixture or a file's top called; so many as SECONDS allow.
-        """
-        found = self.tests(mutant["file"], mutant["part"])
-        files = {test.split("::")[0] for test in found}
-        beside = [test for test in self.seconds if test.split("::")[0] in files]
-        total, tests = 0.0, {}
-        for test in sorted(beside, key=lambda test: (test not in found, self.seconds[test])):
-            total += self.seconds[test]
-            if total > SECONDS and tests:
-                break
-            tests[test] = self.seconds[test]
-        return tests
-
-
-def digest(*paths):
-    """A hash of files."""
-    return hashlib.sha256(b"".join(path.read_bytes() for path in sorted(paths))).hexdigest()[:16]
-
-
-def line(mutant):
+def line(mutant, killer):
     """What a mutant is, and what became of it."""
-    change = f"{mutant['old']} -> {mutant['new']}".replace("\n", " ")
-    fate = f"killed by {mutant['killer']}" if mutant["killer"] else "SURVIVED"
+    change = f"{mutant['old']} -> {mutant['new'] or 'nothing'}".replace("\n", " ")
+    fate = f"killed by {killer}" if killer else "SURVIVED"
     return f"{mutant['number']:4} {mutant['file']}:{mutant['line']}: {change}: {fate}"
+
+
+def digest(folder):
+    """A hash of the Python files of a folder."""
+    paths = sorted((ROOT / folder).rglob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 
 
 def main():
@@ -198,53 +127,36 @@ def main():
     parser.add_argument("--count", type=int, default=100, help="mutants to draw")
     parser.add_argument("--seed", type=int, default=13, help="of the draw")
     parser.add_argument("--jobs", type=int, default=1, help="mutants at a time")
-    parser.add_argument("--only", type=int, nargs="*", help="numbers of mutants to look at")
     options = parser.parse_args()
 
     BUILD.mkdir(parents=True, exist_ok=True)
+    source, tests, near = digest("src"), digest("tests"), nearest_first(ROOT)
+    known = {}
+    for text in RESULTS.read_text().splitlines() if RESULTS.exists() else []:
+        kept = json.loads(text)
+        if kept["source"] == source and (kept["killer"] or kept["tests"] == tests):
+            known[kept["seed"], kept["number"]] = kept["killer"]
     trees = queue.SimpleQueue()
     for number in range(options.jobs):
         trees.put(Tree(number))
 
-    def borrow(do, *given):
-        tree = trees.get()
-        try:
-            return do(tree, *given)
-        finally:
-            trees.put(tree)
-
-    files = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "tests").rglob("test_*.py"))
-    with ThreadPoolExecutor(options.jobs) as pool:
-        answers = pool.map(lambda file: borrow(Tree.gather, file), files)
-        parts = Parts(dict(zip(files, answers, strict=True)))
-
-    source = digest(*(ROOT / "src").rglob("*.py"))
-    tests = digest(*(ROOT / "tests").rglob("*.py"))
-    done = {}
-    for text in RESULTS.read_text().splitlines() if RESULTS.exists() else []:
-        kept = json.loads(text)
-        if kept["source"] == source and (kept["killer"] or kept["tests"] == tests):
-            done[kept["seed"], kept["number"]] = kept["killer"]
-
     def attempt(mutant):
         key = options.seed, mutant["number"]
-        if key not in done:
-            chosen = parts.chosen(mutant)
-            mutant["killer"] = borrow(Tree.attempt, mutant, chosen) if chosen else None
-            record = {"seed": options.seed, "source": source, "tests": tests, **mutant}
+        if key not in known:
+            tree = trees.get()
+            try:
+                known[key] = tree.killer(mutant, near[mutant["file"]][:FILES])
+            finally:
+                trees.put(tree)
+            record = {"seed": options.seed, "source": source, "tests": tests, "killer": known[key]}
             with RESULTS.open("a") as results:
-                results.write(json.dumps(record) + "\n")
-        else:
-            mutant["killer"] = done[key]
-        print(line(mutant), flush=True)
-        return bool(mutant["killer"])
+                results.write(json.dumps(mutant | record) + "\n")
+        print(line(mutant, known[key]), flush=True)
+        return bool(known[key])
 
-    mutants = draw(options.seed)[: options.count]
-    if options.only:
-        mutants = [mutant for mutant in mutants if mutant["number"] in options.only]
     with ThreadPoolExecutor(options.jobs) as pool:
-        killed = sum(pool.map(attempt, mutants))
-    print(f"{killed} of {len(mutants)} killed (seed {options.seed}, sources {source})")
+        fates = list(pool.map(attempt, draw(options.seed)[: options.count]))
+    print(f"{sum(fates)} of {len(fates)} killed (seed {options.seed}, sources {source})")
 
 
 if __name__ == "__main__":

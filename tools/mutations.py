@@ -36,21 +36,15 @@ OPERATORS = {
     ast.USub: ("-", [""]),
     ast.Not: ("not", [""]),
 }
-FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class Site(NamedTuple):
-    """Where a source can be changed: bytes start to end, and what may stand there instead.
-
-    part: the qualified name of the function around it; outside of functions the names that the
-    statement assigns.
-    """
+    """Where a source can be changed: bytes start to end, and what may stand there instead."""
 
     line: int
     start: int
     end: int
     options: tuple[str, ...]
-    part: tuple[str, ...]
 
 
 def sites(source):
@@ -99,10 +93,10 @@ def sites(source):
         return start, end, [f"(not ({source[start:end].decode()}))"]
 
     found = []
-    for node, part in parts(ast.parse(source), (), ()):
+    for node in run(ast.parse(source)):
         for start, end, options in changes(node):
             line = source.count(b"\n", 0, start) + 1
-            found.append(Site(line, start, end, tuple(options), part))
+            found.append(Site(line, start, end, tuple(options)))
     return sorted(found)
 
 
@@ -114,42 +108,13 @@ def other_constants(value):
     return ["1.0"] if value == 0 else [repr(2 * value), repr(value / 2)]
 
 
-def parts(node, scope, part):
-    """Each node that is run, and the part that it belongs to (see Site)."""
-    yield node, part
-    for child in run(node):
-        if isinstance(child, FUNCTIONS):
-            inner = (*scope, child.name)
-            yield from parts(child, (*inner, "<locals>"), (".".join(inner),))
-        elif isinstance(child, ast.ClassDef):
-            yield from parts(child, (*scope, child.name), part)
-        elif not part and isinstance(child, ast.stmt):
-            names = (n for n in ast.walk(child) if isinstance(n, ast.Name))
-            stored = (name.id for name in names if isinstance(name.ctx, ast.Store))
-            yield from parts(child, scope, (*stored, *scope))
-        else:
-            yield from parts(child, scope, part)
-
-
 def run(node):
-    """The children of a node, without annotations and what only type checkers read."""
+    """A node and all below it, without annotations and what only type checkers read."""
+    yield node
     for name, value in ast.iter_fields(node):
-        if name in ("annotation", "returns", "type_comment"):
+        if name in ("annotation", "returns"):
             continue
         for child in value if isinstance(value, list) else [value]:
             only_typing = isinstance(child, ast.If) and "TYPE_CHECKING" in ast.dump(child.test)
             if isinstance(child, ast.AST) and not only_typing:
-                yield child
-
-
-def mentions(source):
-    """Qualified name of each function of a source -> the names that stand in it."""
-    found = {}
-    for node, part in parts(ast.parse(source), (), ()):
-        if part:
-            names = found.setdefault(part, set())
-            if isinstance(node, ast.Name):
-                names.add(node.id)
-            elif isinstance(node, ast.Attribute):
-                names.add(node.attr)
-    return found
+                yield from run(child)
