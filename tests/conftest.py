@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 
 import hypothesis
+import pytest
 
 import ratestate as rs
 
@@ -18,6 +19,18 @@ KERNELS = {
     "return_map.py": lambda: rs.limit_cycle(SLIDER, 1e-2, rtol=1e-3),
     "march.py": lambda: rs.simulate(SLIDER, rs.Loading.constant(1e-2), 1e-4),
 }
+
+
+def pytest_addoption(parser):
+    parser.addoption("--draw-anew", action="store_true", help="take pictures as they are for right")
+
+
+@pytest.fixture
+def looks_as_before(request):
+    """Check that a figure is what is kept of it under a name."""
+    import pictures  # with it comes matplotlib
+
+    return lambda fig, name: pictures.check(fig, name, request.config.getoption("--draw-anew"))
 
 
 def pytest_sessionstart():

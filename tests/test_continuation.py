@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 from ratestate.continuation import Steps, follow
-from ratestate.special_points import without_noise
+from ratestate.fixed_points import Problem, solve
+from ratestate.special_points import locate, without_noise
 
 
 class Orbit(NamedTuple):
@@ -483,6 +484,25 @@ def test_evaluations():
     assert specials(branch) == ["fold", "fold", "stop"]
     assert 2.5 < len(calls) / len(branch.points) < 4
     assert set(calls) == {3}
+
+
+@pytest.mark.parametrize("upside_down", [False, True])
+def test_a_special_point_is_located_fast_where_its_test_is_steep(upside_down):
+    """Plain false position needs over a hundred trials of u^9 - 1 on 0.1 to 2, Illinois 22."""
+    problem = Problem(line(lambda u, p: 0.5 * (u + p), lambda u, p: 0 * u + 0.5), 1.0, 1e-9, EXACT)
+    constant_p, along, trials = np.array([0.0, 1.0]), np.ones(2), []
+    ends = [
+        solve(problem, np.array([p, p]), constant_p, along, problem.weights(np.array([p])), 1e-12)
+        for p in (0.1, 2.0)
+    ]
+
+    def test(point):
+        trials.append(point.p)
+        return (point.p**9 - 1.0) if not upside_down else 1.0 - (2.1 - point.p) ** 9
+
+    found = locate(problem, *ends, test, problem.weights(np.array([0.1])))
+    assert found.p == pytest.approx(1.1 if upside_down else 1.0, abs=1e-12)
+    assert len(trials) < 40
 
 
 def test_limits_of_steps_and_points():

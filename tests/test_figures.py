@@ -144,12 +144,13 @@ def test_fig6_limit_cycle(numbers, law, amplitude, frequency):
 
 
 @pytest.mark.parametrize(("number", "law"), PICTURES)
-def test_drawing_from_a_file_alone(numbers, number, law, tmp_path):
+def test_drawing_from_a_file_alone(numbers, number, law, tmp_path, looks_as_before):
     data = numbers(number, law)
     path = tmp_path / "numbers.nc"
     again = files.read(files.write(data, path))
     xarray.testing.assert_equal(data, again)
     fig = figures.FIGURES[number].draw(again)
+    looks_as_before(fig, figures.stem(number, law))
     for name, variable in data.variables.items():
         assert name == "law" or {"units", "long_name"} <= set(variable.attrs), name
     fig.savefig(tmp_path / "figure.png", dpi=40)  # warnings, which are errors here, come late

@@ -353,6 +353,7 @@ def test_doubts_are_said(good):
             rs.fit(data, SLIDER, **options)
         texts = [str(one.message) for one in emitted]
         assert any(words in text for text in texts), (words, texts)
+        assert {one.filename for one in emitted} == {__file__}  # the line that asked
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")

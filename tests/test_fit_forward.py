@@ -156,6 +156,33 @@ def test_the_noise_is_found_as_it_was_made():
         assert values.std() < 0.35, name
 
 
+def restricted_likelihood(t, y, X, share, time):
+    """Its logarithm, at the best variance, from the dense covariance."""
+    correlation = (1 - share) * np.eye(t.size) + share * np.exp(-np.abs(t[:, None] - t) / time)
+    white = np.linalg.solve(np.linalg.cholesky(correlation), np.column_stack([y, X]))
+    y, X = white[:, 0], white[:, 1:]
+    left = y - X @ np.linalg.lstsq(X, y, rcond=None)[0]
+    freedom = t.size - X.shape[1]
+    determinants = np.linalg.slogdet(correlation)[1] + np.linalg.slogdet(X.T @ X)[1]
+    return -0.5 * (freedom * np.log(left @ left / freedom) + determinants)
+
+
+@pytest.mark.parametrize(("seed", "counts"), [(1, False), (2, True)])
+def test_correlation_counts_where_it_explains_more_than_two_numbers_would(seed, counts):
+    """It must raise ln(likelihood) by 3; here it does so by 1.6, and by 5.8."""
+    rng, t = np.random.default_rng(seed), np.arange(300.0)
+    slow = np.linalg.cholesky(np.exp(-np.abs(t[:, None] - t) / 5.0))
+    y, X = rng.normal(size=300) + 0.45 * slow @ rng.normal(size=300), np.ones((300, 1))
+    found = estimated_noise(t, y, X)
+    assert (found.red > 0.0) == counts
+    plain = restricted_likelihood(t, y, X, 0.0, 1.0)
+    shapes = [
+        (share, time) for share in (0.03, 0.1, 0.3, 0.5) for time in (1.0, 3.0, 10.0, 30.0, 100.0)
+    ]
+    rise = max(restricted_likelihood(t, y, X, *shape) for shape in shapes) - plain
+    assert (4.0 < rise < 6.0) if counts else (1.5 < rise < 2.9)
+
+
 def test_white_noise_is_called_white():
     rng = np.random.default_rng(3)
     t = times(500, rng)

@@ -298,6 +298,7 @@ def test_events_with_named_arrays():
         (lambda x: x.ramp(6, 1e300, 1e-15), "ramp = 1e-15 is too short; for a jump leave it out"),
         (lambda x: x.step(logspace("t", 6, 7, 2), 1.0), "the time of a step is one number"),
         (lambda x: x.hold(6, logspace("t", 6, 7, 2)), "the duration of a hold is one number"),
+        (lambda x: x.step(5, 3.0), "t = 5.0 s must come after t = 5.0 s"),
         (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
         (
             lambda x: x.step(6, logspace("V_lp", 1, 2, 2)).step(7, logspace("V_lp", 1, 3, 2)),

@@ -58,6 +58,11 @@ def texts(fig):
     return [text.get_text().replace("\N{MINUS SIGN}", "-") for text in fig.axes[-1].texts]
 
 
+def test_a_fit_looks_as_before(both, held, looks_as_before):
+    looks_as_before(plot.fit(both), "fit_step")
+    looks_as_before(plot.fit(held), "fit_hold")
+
+
 def test_record_curves_and_residuals_are_those_of_the_result(both, drawn):
     found = panels(drawn)
     ax = found["record"]
@@ -142,7 +147,7 @@ def test_many_samples_lose_no_noise():
     np.testing.assert_array_equal(_envelope(x[:9], y[:9])[1], y[:9])
 
 
-def test_profiles_and_posteriors_have_a_row_of_their_own(both):
+def test_profiles_and_posteriors_have_a_row_of_their_own(both, looks_as_before):
     z = np.linspace(-2.2, 2.2, 9)
     center = both.Dc.values[:, None]
     values, deviance = np.full((2, 2, both.sizes["parameter"], 9), np.nan)
@@ -157,6 +162,7 @@ def test_profiles_and_posteriors_have_a_row_of_their_own(both):
     assert told(both) == []
     assert told(more) == ["a", "b", "Dc", "K"]
     fig = plot.fit(more)
+    looks_as_before(fig, "fit_profiles")
     drawn = [ax for ax in fig.axes if "likelihood of" in ax.get_title("left")]
     assert len(drawn) == 4  # a row without gaps
     x, y = drawn[2].lines[0].get_data()
@@ -175,7 +181,7 @@ def test_profiles_and_posteriors_have_a_row_of_their_own(both):
     assert edges[[0, -1]] == pytest.approx([1 - 0.029, 1 + 0.029], abs=0.006)
 
 
-def test_the_page_of_cycles(both):
+def test_the_page_of_cycles(both, looks_as_before):
     t = np.linspace(0.0, 1.0, 400)
     wave = 0.6 + 0.01 * np.cos(20 * np.pi * t)
     features = {"amplitude": 0.02, "period": 0.1, "rise": 0.04, "high": 0.02, "drop": 0.01}
@@ -202,6 +208,7 @@ def test_the_page_of_cycles(both):
     made = made.assign_coords(law="slip")
     made.attrs = part.attrs | {"against": "cycles"}
     fig = plot.page(made)
+    looks_as_before(fig, "page_fit_of_cycles")
     found = panels(fig)
     assert np.ptp(lines(found["b"], "slip law")[0]) == pytest.approx(0.4, rel=0.02)
     off = found["c"].lines[-1].get_ydata()

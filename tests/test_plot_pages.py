@@ -31,9 +31,11 @@ def drawn(fig):
     return panels(fig)
 
 
-def test_a_run():
+def test_a_run(looks_as_before):
     run = rs.simulate(SLIDER, rs.Loading.steps(1e-4, (0.05, 0.0), (0.06, 3.2e-3)), 0.2)
-    stress, speed, plane = drawn(plot.page(run))
+    fig = plot.page(run)
+    looks_as_before(fig, "page_run")
+    stress, speed, plane = drawn(fig)
     np.testing.assert_allclose(lines(stress, r"$\mu$, friction")[1], run.mu)
     np.testing.assert_allclose(lines(speed, "slider")[1], 1e3 * run.V)
     t, V = lines(speed, "load point")
@@ -45,17 +47,20 @@ def test_a_run():
     assert [ax.get_title("left")[-5:] for ax in (stress, speed)] == ["tress", "speed"]
 
 
-def test_a_long_run_shows_its_last_cycles():
+def test_a_long_run_shows_its_last_cycles(looks_as_before):
     run = rs.simulate(SLIDER, rs.Loading.steps(1e-4, (0.05, 2e-2)), 0.5)
-    *_, last = panels(plot.page(run))
+    fig = plot.page(run)
+    looks_as_before(fig, "page_long_run")
+    *_, last = panels(fig)
     shown = lines(last, r"$\mu$, friction")[0]
     assert np.ptp(shown) == pytest.approx(1e3 * 5 / float(run.frequency), rel=0.05)
     assert f"the last 5 of {int(run.cycles)} cycles" in last.get_title("left")
 
 
-def test_a_cycle():
+def test_a_cycle(looks_as_before):
     cycle = rs.limit_cycle(SLIDER, 3.2e-3)
     fig = plot.page(cycle)
+    looks_as_before(fig, "page_cycle")
     _, speed, plane = panels(fig)
     t, V = lines(speed, "slider")
     assert t[-1] == pytest.approx(1e3 * float(cycle.period))
@@ -74,9 +79,11 @@ def test_no_cycle_is_the_page_of_stability():
     ("changes", "note"),
     [({}, ""), ({"M": 0.0}, ""), ({"K": np.inf}, "rigid"), ({"b": 0.002}, "stable everywhere")],
 )
-def test_stability(changes, note):
+def test_stability(changes, note, looks_as_before):
     slider = SLIDER.replace(**changes)
-    left, right = (panels if note else drawn)(plot.page(rs.stability(slider, 3.2e-3)))
+    fig = plot.page(rs.stability(slider, 3.2e-3))
+    looks_as_before(fig, "_".join(["page_stability", *changes]))
+    left, right = (panels if note else drawn)(fig)
     assert any(note in text.get_text() for text in left.texts) or not note
     growth = lines(right, "growth rate")
     expected = float(rs.stability(slider, 3.2e-3).growth_rate) * slider.Dc / 3.2e-3
@@ -88,9 +95,11 @@ def test_stability(changes, note):
         assert (x, y) == pytest.approx((3.2, 900.0))
 
 
-def test_a_branch():
+def test_a_branch(looks_as_before):
     branch = rs.continue_cycle(SLIDER, "V_lp", 5e-3, 3e-3, rtol=1e-6)
-    _, speeds, multiplier = drawn(plot.page(branch))
+    fig = plot.page(branch)
+    looks_as_before(fig, "page_branch")
+    _, speeds, multiplier = drawn(fig)
     V, ratio = lines(speeds, r"$V_{\max}$")
     assert np.nanmax(ratio) == pytest.approx(float((branch.V_max / branch.V_lp).max()))
     assert np.nanmin(V) == pytest.approx(1e3 * SLIDER.V_c)
@@ -98,9 +107,11 @@ def test_a_branch():
 
 
 @pytest.mark.parametrize("verb", ["limit_cycle", "stability"])
-def test_a_sweep_over_one_axis(verb):
+def test_a_sweep_over_one_axis(verb, looks_as_before):
     found = getattr(rs, verb)(SLIDER, V_LP)
-    axes = (drawn if verb == "limit_cycle" else panels)(plot.page(found))
+    fig = plot.page(found)
+    looks_as_before(fig, f"page_{verb}_line")
+    axes = (drawn if verb == "limit_cycle" else panels)(fig)
     symbol = {"limit_cycle": "frequency", "stability": "growth_rate"}[verb]
     x, y = lines(axes[1], plot.label(symbol))
     np.testing.assert_allclose(x, 1e3 * V_LP)
@@ -127,9 +138,11 @@ def test_a_few_values_of_an_axis_have_lines_with_nothing_between(verb):
     assert axes[-1].get_xlabel() == "Load-point velocity $V_{lp}$ [mm/s]"
 
 
-def test_failed_cases_of_a_line_have_crosses():
+def test_failed_cases_of_a_line_have_crosses(looks_as_before):
     slider = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 3e3], dims="M"))
-    (first, *_) = panels(plot.page(rs.sweep("limit_cycle", slider, V_lp=V_LP)))
+    fig = plot.page(rs.sweep("limit_cycle", slider, V_lp=V_LP))
+    looks_as_before(fig, "page_lines_with_failed_cases")
+    (first, *_) = panels(fig)
     crosses = [line for line in first.lines if line.get_marker() == "x"]
     np.testing.assert_allclose([line.get_xdata()[0] for line in crosses], 1e3 * V_LP)
     assert not [line for line in first.lines if line.get_alpha()]
@@ -160,12 +173,14 @@ MANY_MASSES = rs.logspace("M", 1e2, 1e4, 6)
 
 
 @pytest.mark.parametrize("verb", ["limit_cycle", "stability", "simulate"])
-def test_a_sweep_over_two_axes(verb):
+def test_a_sweep_over_two_axes(verb, looks_as_before):
     how = {"V_lp": MANY_SPEEDS}
     if verb == "simulate":
         how = {"loading": rs.Loading.constant(MANY_SPEEDS), "t_end": 0.1}
     found = rs.sweep(verb, SLIDER.replace(M=MANY_MASSES), **how)
-    axes = (drawn if verb == "stability" else panels)(plot.page(found))[:3]
+    fig = plot.page(found)
+    looks_as_before(fig, f"page_{verb}_map")
+    axes = (drawn if verb == "stability" else panels)(fig)[:3]
     symbol = {"limit_cycle": "V_max", "stability": "omega", "simulate": "V_max"}[verb]
     (mesh,) = axes[2].collections
     factor = 1.0 if verb == "stability" else 1e3

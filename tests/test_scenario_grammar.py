@@ -266,13 +266,13 @@ def test_sizes_that_nobody_means(told, folder, table, line):
 @pytest.mark.parametrize(
     ("symbol", "refused"),
     [
-        *(("a", x) for x in ("1e-13", "101")),
-        *(("b", x) for x in ("1e12", "-101")),
-        *(("Dc", x) for x in ("1e-16", "1e10")),
-        *(("sigma", x) for x in ("1e-10", "1e16")),
-        *(("K", x) for x in ("1e-21", "1e26")),
-        *(("M", x) for x in ("1e-21", "1e21")),
-        *(("mu0", "1001"), ("V0", "1e-51")),
+        *(("a", x) for x in ("0.99e-12", "101")),
+        *(("b", x) for x in ("101", "-101")),
+        *(("Dc", x) for x in ("0.99e-15", "1.01e9")),
+        *(("sigma", x) for x in ("0.99e-9", "1.01e15")),
+        *(("K", x) for x in ("0.99e-20", "1.01e25")),
+        *(("M", x) for x in ("0.99e-20", "1.01e20")),
+        *(("mu0", "1001"), ("V0", "0.99e-50"), ("V0", "1.01e5")),
     ],
 )
 def test_sizes_of_a_slider(told, symbol, refused):
@@ -286,20 +286,36 @@ def test_sizes_that_somebody_may_mean(read):
     """A fault that is locked, a laboratory, an asteroid, a rigid spring without friction."""
     slider = """
         [slider]
-        a = [1e-9, 0.003, 20]
-        b = [-5, 0, 1e-20, 90]
-        Dc = ["1 pm", "10 um", "1 km"]
-        sigma = ["1 uPa", "2 MPa", "100 TPa"]
-        K = [1e-10, "900 MPa/m", 1e22, inf]
-        M = [0, 1e-10, 3000, 1e18]
-        mu0 = [0, 0.6, 300]
-        V0 = ["1e-40 m/s", "1 nm/s", "10 km/s"]
+        a = [1.01e-12, 0.003, 99]
+        b = [-99, 0, 1e-20, 99]
+        Dc = ["1.01 fm", "10 um", "9.9e5 km"]
+        sigma = ["1.01 nPa", "2 MPa", "990 TPa"]
+        K = [1.01e-20, "900 MPa/m", 9.9e24, inf]
+        M = [0, 1.01e-20, 3000, 9.9e19]
+        mu0 = [0, 0.6, 990]
+        V0 = ["1.01e-50 m/s", "1 nm/s", "99 km/s"]
     """
-    lists = "[sweep]" + slider.split("[slider]")[1] + "verb = 'stability'\nV_lp = [1e-30, 9e4]\n"
+    lists = "[sweep]" + slider.split("[slider]")[1] + "verb = 'stability'\nV_lp = [2e-50, 9e4]\n"
     assert read(lists, slider="").slider.K.values[-1] == np.inf
-    start = "V_start = 1e-30\ninitial = { theta = 1e30, V = 1e-30, tau = -1e12 }\n"
-    scenario = read(f"[loading]\nV_lp = 0\n[run]\nt_end = '1e10 year'\n{start}")
-    assert scenario.settings["t_end"] > 3e17
+    for theta, t_end in ((9.9e39, 9.9e17), (1.01e-20, 1.01e-20)):
+        start = f"V_start = 1e-30\ninitial = {{ theta = {theta}, V = 1e-30, tau = -9.9e14 }}\n"
+        scenario = read(f"[loading]\nV_lp = 0\n[run]\nt_end = {t_end}\n{start}")
+        assert scenario.settings["t_end"] == t_end
+
+
+@pytest.mark.parametrize(
+    ("key", "line"),
+    [
+        ("t_end = 1.01e18", "[run] t_end"),
+        ("t_end = 0.99e-20", "[run] t_end"),
+        ("t_end = 1\ninitial = { theta = 1.01e40 }", "[run] initial.theta"),
+        ("t_end = 1\ninitial = { theta = 0.99e-20 }", "[run] initial.theta"),
+    ],
+)
+def test_sizes_of_a_run(told, key, line):
+    (found,) = told(f"[loading]\nV_lp = 1\n[run]\n{key}\n")
+    assert found.startswith(f"{line}: ")
+    assert " is beyond any usual size, " in found
 
 
 def test_a_wrong_start_is_told_beside_other_problems(told):

@@ -468,6 +468,16 @@ def test_extremes_of_a_run(law):
     assert float(run.inertial_force) == pytest.approx(float(force), rel=0.05)
 
 
+@LAWS
+def test_the_largest_inertial_force_may_be_that_of_the_start(law):
+    """Steady sliding has none; thrown, the slider has what tau - sigma mu leaves it at once."""
+    slider = SLIDER.replace(M=1.0, K=1e10, law=law)
+    steady = simulate(slider, Loading.constant(1e-3), 1e-3)
+    assert float(steady.inertial_force) < 1e-12
+    thrown = simulate(slider, Loading.constant(1e-3), 1e-3, initial={"V": 2e-3})
+    assert float(thrown.inertial_force) == pytest.approx(0.003 * np.log(2.0), rel=1e-9)
+
+
 # Rigid drive, K = inf -----------------------------------------------------------------------------
 
 
@@ -642,6 +652,16 @@ def test_a_rigid_case_in_a_batch_is_the_limit_of_stiff_ones():
     np.testing.assert_allclose(run.mu[0], run.mu[1], rtol=1e-5)
     np.testing.assert_allclose(run.V[0], run.V[1], rtol=1e-4)
     assert not (run.mu[0] == run.mu[1]).all()
+
+
+@pytest.mark.parametrize(("rows", "own"), [(100, False), (101, True)])
+def test_a_rigid_run_along_a_sampled_record_is_shown_at_its_rows(rows, own):
+    """Of fewer rows than a hundred it is shown more finely than they are."""
+    t = np.linspace(0.0, 1.0, rows)
+    loading = Loading.series(t, 1e-3 * (1.0 + 0.1 * np.sin(6.0 * t)))
+    run = simulate(SLIDER.replace(K=np.inf), loading, 1.0)
+    assert np.isin(t, run.time).all()
+    assert (run.sizes["time"] == rows) == own
 
 
 def test_aging_hold_closed_form():
