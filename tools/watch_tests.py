@@ -1,11 +1,15 @@
 """A pytest plugin for tools/mutants.py, set by the environment: WATCH_LOG, a file for lines of what
 started and how it ended; WATCH_SECONDS of processor time after which no other test starts;
-WATCH_PATIENCE, the time after which a test counts as hung and the process ends.
+WATCH_PATIENCE, the processor time after which a test counts as hung and the process ends, as it
+does after ten times as long on a clock.
 """
 
 import faulthandler
+import math
 import os
+import resource
 import sys
+import time
 from pathlib import Path
 
 
@@ -21,7 +25,9 @@ def log(*words):
 
 def watch():
     patience = float(os.environ["WATCH_PATIENCE"])
-    faulthandler.dump_traceback_later(patience, exit=True, file=sys.__stderr__)
+    limit = math.ceil(time.process_time() + patience)
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+    faulthandler.dump_traceback_later(10.0 * patience, exit=True, file=sys.__stderr__)
 
 
 def pytest_configure():
