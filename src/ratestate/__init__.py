@@ -54,6 +54,7 @@ __all__ = [
 
 #: public name -> module that defines it
 _HOMES = {
+    "CompilationError": "errors",
     "Loading": "loading",
     "NotConverged": "errors",
     "ParameterError": "errors",

@@ -8,7 +8,7 @@ from importlib.metadata import version
 import numpy as np
 
 from . import attributes
-from .engine import DIGEST
+from .engine.cache import DIGEST
 from .engine.model import STATUSES
 from .errors import ParameterError
 from .units import is_array

@@ -3,11 +3,12 @@
 ::
 
     RateStateError
-    |-- ParameterError (also a ValueError)    a value, unit or name that cannot be used
-    |-- StoreError     (also an OSError)      a store that cannot be made, read or written
-    `-- SolverError    (also a RuntimeError)  a run that ended without an answer
-        |-- QuasiStaticInstability            M = 0 where no quasi-static solution exists
-        `-- NotConverged                      no answer good enough; carries the best estimate
+    |-- ParameterError   (also a ValueError)    a value, unit or name that cannot be used
+    |-- StoreError       (also an OSError)      a store that cannot be made, read or written
+    |-- CompilationError (also a RuntimeError)  kernels that cannot be compiled on this machine
+    `-- SolverError      (also a RuntimeError)  a run that ended without an answer
+        |-- QuasiStaticInstability              M = 0 where no quasi-static solution exists
+        `-- NotConverged                        no answer good enough; carries the best estimate
 """
 
 
@@ -21,6 +22,10 @@ class ParameterError(RateStateError, ValueError):
 
 class StoreError(RateStateError, OSError):
     """A store of results cannot be made, read or written; nothing that it holds is lost."""
+
+
+class CompilationError(RateStateError, RuntimeError):
+    """A kernel cannot be compiled on this machine, which is no fault of any case."""
 
 
 class SolverError(RateStateError, RuntimeError):

@@ -63,6 +63,9 @@ def sweep(
     job_script: Annotated[
         bool, typer.Option("--job-script", help="Only print the job script that --slurm submits.")
     ] = False,
+    retry_crashed: Annotated[
+        bool, typer.Option("--retry-crashed", help="Do crashed cases of the store again.")
+    ] = False,
     device: Annotated[Device, typer.Option(help="What computes.")] = Device.cpu,
     out: Out = None,
     plot: Plot = None,
@@ -93,7 +96,8 @@ def sweep(
             asked = scenario_of(file)
             output = places(asked, out, plot)
             with _client(scheduler, slurm) as client:
-                _run(asked, output, store, json, client=client, chunk=chunk, device=device.value)
+                how = {"chunk": chunk, "device": device.value, "retry_crashed": retry_crashed}
+                _run(asked, output, store, json, client=client, **how)
 
 
 def _run(

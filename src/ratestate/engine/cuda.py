@@ -9,14 +9,16 @@ import warnings
 from typing import Any
 
 import numpy as np
+from numba import config as numba_config
 
 from ..errors import ParameterError, SolverError
-from . import config
 from . import rows as R
 from .drive import Stopped, empty_results
 from .march import IDLE
 from .model import RUNNING
 from .return_map import RETURN_NUMBERS, Returns
+
+config: Any = numba_config  # numba sets its attributes at run time
 
 # One warp a block: threads share nothing, and the finer a batch of a few thousand cases is cut, the
 # more evenly it spreads over the multiprocessors.

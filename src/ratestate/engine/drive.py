@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import CACHE
+from ..errors import CompilationError
 from . import rows as R
 from .march import IDLE, march
 from .model import NUMBERS, RUNNING, STEP_LIMIT, Results
@@ -172,7 +172,15 @@ class _Worker:
 
     def go(self):
         """Work for a while; whether all is done."""
-        return self.kernel(*self.arguments, BUDGET)
+        try:
+            return self.kernel(*self.arguments, BUDGET)
+        except Exception as error:  # none of a case's: a compiled kernel has but status codes
+            reason = f"{type(error).__name__}: {error}".splitlines()[0]
+            raise CompilationError(
+                f"the kernel {self.kernel.__name__} cannot be compiled on this machine ({reason}); "
+                f"no parameter is at fault: free memory, or install ratestate and numba anew, and "
+                f"run the same again"
+            ) from error
 
 
 def empty_results(n, n_times):
@@ -205,7 +213,7 @@ def cores():
 def _announce(kernel):
     """Say, once, that a kernel is about to be compiled, if it is not in the cache."""
     compiled = getattr(kernel, "overloads", True)  # a plain function where the compiler is off
-    if sys.stderr and not compiled and not any(CACHE.rglob(f"*.{kernel.__name__}-*.nbi")):
+    if sys.stderr and not compiled and not kernel._cache.kept():
         what = f"compiling {kernel.__name__} for this machine, once: 10 s to a minute"
         sys.stderr.write(f"ratestate: {what} ...\n")
         sys.stderr.flush()

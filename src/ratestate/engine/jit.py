@@ -9,6 +9,8 @@ from typing import Any
 
 from numba import njit
 
+from .cache import KernelCache
+
 _INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 #: arithmetic that must end up inside a vectorised loop
@@ -17,5 +19,11 @@ inlined = njit(forceinline=True, fastmath={"contract"}, **_INNER)
 lanewise = njit(fastmath={"contract"}, **_INNER)
 #: scalar code between them
 inner = njit(**_INNER)
-#: what Python calls
-kernel = njit(nogil=True, cache=True, error_model="numpy")
+
+
+def kernel(function):
+    """What Python calls: compiled, and kept on disk."""
+    compiled: Any = njit(nogil=True, error_model="numpy")(function)
+    if compiled is not function:  # where the compiler is off it is
+        compiled._cache = KernelCache(function)
+    return compiled

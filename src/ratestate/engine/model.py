@@ -72,7 +72,8 @@ STATUSES = {
     CRASHED: (
         "crashed",
         "the case ended in an error of the program or took its process down, each time; please"
-        " report it, with its parameters",
+        " report it, with its parameters; sweep tries such cases again with retry_crashed=True"
+        " (--retry-crashed)",
     ),
 }
 

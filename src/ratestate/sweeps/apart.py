@@ -9,7 +9,7 @@ from typing import Any
 
 from ..arrays import cut
 from ..engine import drive
-from ..errors import SolverError
+from ..errors import RateStateError, SolverError
 from .chunks import halves
 from .solve import joined, lost, solve
 from .task import Tasks
@@ -52,16 +52,19 @@ class _Process:
         self.process: Any = None
 
     def solve(self, part):
-        """Variables of a part; None if it killed the process."""
+        """Variables of a part; None if it killed the process.  Errors as of `solve.solve`."""
         if self.process is None:
             self._start()
         try:
             _put(part, self.process.stdin)
-            return pickle.load(self.process.stdout)
+            answer = pickle.load(self.process.stdout)
         except (EOFError, BrokenPipeError, pickle.UnpicklingError):
             code = self.close()
             self.died = f"signal {-code}" if code < 0 else f"exit code {code}"
             return None
+        if isinstance(answer, RateStateError):
+            raise answer
+        return answer
 
     def _start(self):
         code = f"from {__name__} import _serve; _serve()"
@@ -104,4 +107,8 @@ def _serve():
     _put("ready", answers)
     with drive.place(threads=1, device=device), contextlib.suppress(EOFError):
         while True:
-            _put(solve(pickle.load(sys.stdin.buffer), kinds), answers)
+            part = pickle.load(sys.stdin.buffer)
+            try:
+                _put(solve(part, kinds), answers)
+            except RateStateError as error:  # of no single case
+                _put(error, answers)

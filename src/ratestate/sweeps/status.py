@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import zarr
 
-from ..engine.model import STATUSES, STEADY_SLIDING
+from ..engine.model import CRASHED, STATUSES, STEADY_SLIDING
 from .chunks import Chunks
 from .solve import ANSWERED
 from .store import damage_told, read
@@ -65,14 +65,28 @@ def failed_in(store):
         return _failed(_counts(store.path, store.chunks, store.done))
 
 
+def crashed_in(store):
+    """Numbers of the chunks with cases that crashed, among those that an open `Store` has."""
+    with damage_told(store.path):
+        parts = _statuses(store.path, store.chunks, store.done)
+        return [i for i, status in parts if (status == CRASHED).any()]
+
+
 def _counts(path, chunks, done):
     """Status -> number of cases, of the chunks that are done."""
-    array: Any = zarr.open_array(path / "status", mode="r")
-    status, number = array[...], Counter[int]()
-    for i in np.flatnonzero(done):
-        codes, counts = np.unique(status[tuple(chunks.places(i).values())], return_counts=True)
+    number = Counter[int]()
+    for _, status in _statuses(path, chunks, done):
+        codes, counts = np.unique(status, return_counts=True)
         number.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
     return number
+
+
+def _statuses(path, chunks, done):
+    """(number, status of its cases) of each chunk that is done."""
+    array: Any = zarr.open_array(path / "status", mode="r")
+    status = array[...]
+    for i in np.flatnonzero(done).tolist():
+        yield i, status[tuple(chunks.places(i).values())]
 
 
 def _failed(number):

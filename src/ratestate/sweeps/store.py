@@ -139,13 +139,32 @@ def write(store, i, variables):
     StoreError
         They cannot be written, or not whole; the store then lacks them, and nothing else.
     """
-    try:
+    with _writing(store.path):
         _write(store, i, variables)
+
+
+def undone(store, numbers):
+    """The store with these chunks to be done again; errors as for `write`."""
+    done = store.done.copy()
+    done[numbers] = False
+    with _writing(store.path):
+        flags: Any = zarr.open_array(store.path / INSIDE / "done", mode="r+")
+        for i in numbers:  # (zarr removes the files)
+            flags[i] = False
+        to_disk([store.path / INSIDE / "done" / "c"], store.path)
+    return store._replace(done=done)
+
+
+@contextlib.contextmanager
+def _writing(path):
+    """Make a StoreError of all that writing may raise."""
+    try:
+        yield
     except StoreError:
         raise
     except (OSError, KeyError) as error:
         raise StoreError(
-            f"{store.path} cannot be written to ({error}); what it holds is whole: make room, or "
+            f"{path} cannot be written to ({error}); what it holds is whole: make room, or "
             f"mend what is wrong, and run the same sweep again"
         ) from error
 

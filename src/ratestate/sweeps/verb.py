@@ -19,8 +19,8 @@ from .create import create, tidy
 from .lock import alone
 from .probe import cases_of_a_chunk
 from .solve import form_of
-from .status import failed_in
-from .store import INSIDE, damage_told, examined, noted, result_of, sweep_up
+from .status import crashed_in, failed_in
+from .store import INSIDE, damage_told, examined, noted, result_of, sweep_up, undone
 from .task import Tasks
 
 
@@ -33,6 +33,7 @@ def sweep(
     chunk=None,
     progress=True,
     device="cpu",
+    retry_crashed=False,
     **arguments,
 ):
     """Another verb over all named DataArrays among its arguments, in chunks.
@@ -59,6 +60,9 @@ def sweep(
         Whether to show on stderr how far it is: a bar on a terminal, else a line now and then.
     device : {"cpu", "cuda"}
         "cuda": an NVIDIA GPU (of each worker, with a client).
+    retry_crashed : bool
+        Whether to do cases again that the store has with the status ``crashed``, as when what they
+        failed of has been mended.
     **arguments
         The verb's other arguments.
 
@@ -98,9 +102,13 @@ def sweep(
     integer = isinstance(chunk, int | np.integer) and not isinstance(chunk, bool)
     if chunk is not None and not (integer and chunk >= 1):
         raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
+    if retry_crashed and store is None:
+        raise ParameterError("retry_crashed = True: only a store has cases to try again; give one")
     plan = Plan(name, call, chunk, client, device, progress)
     with drive.place(device=device):
-        return _in_memory(plan) if store is None else _in_store(plan, _folder(store, client))
+        if store is None:
+            return _in_memory(plan)
+        return _in_store(plan, _folder(store, client), retry_crashed)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -174,7 +182,7 @@ def _in_memory(plan):
     return plan.call.dataset(variables | form.static).assign_attrs(noted(plan.device))
 
 
-def _in_store(plan, path):
+def _in_store(plan, path, retry_crashed):
     """The store, made or gone on with, when all is done."""
     tidy(path)
     with damage_told(path):
@@ -182,10 +190,12 @@ def _in_store(plan, path):
     if not there:
         create(path, plan.name, plan.call, plan.begin(), plan.form, plan.device)
     asked = plan.name, plan.call, plan.chunk, plan.device
-    if not examined(path, plan.form, *asked).done.all():
+    if retry_crashed or not examined(path, plan.form, *asked).done.all():
         with alone(path / INSIDE / "zarr.json", path):
             store = examined(path, plan.form, *asked)  # as the last to hold it left it
             sweep_up(path)
+            if retry_crashed:
+                store = undone(store, crashed_in(store))
             for _ in plan.outcomes(store.chunks, store.done, store, failed_in(store)):
                 pass
     return result_of(path)

@@ -1,0 +1,183 @@
+"""Compiled kernels on disk: each in one file of a name of its own, checked before it is used.
+
+numba's own cache goes stale when a function in another file changes, loads machine code without a
+look at it, and ends a call for a file that is damaged or a disk that is full.  Here the folder's
+name is a hash of all the kernels' sources, a file's name one of all else that the machine code
+depends on, and a file begins with the SHA-256 of its content.  A kernel that cannot be loaded is
+compiled anew; one that cannot be kept is used all the same.
+"""
+
+import contextlib
+import functools
+import hashlib
+import os
+import pickle
+import stat
+import sys
+import sysconfig
+import tempfile
+import uuid
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import llvmlite
+import numba
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+CHECKSUM = hashlib.sha256().digest_size
+#: what machine code depends on, beside its sources, the types of its arguments and the processor
+PROGRAMS = (numba.__version__, llvmlite.__version__, sysconfig.get_config_var("SOABI"))
+
+
+def _digest():
+    """A hash of all sources of the kernels."""
+    here = Path(__file__).parent
+    sources = [here.parent / "laws.py", *sorted(here.glob("*.py"))]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+
+
+DIGEST = _digest()
+
+
+class KernelCache(_Cache):
+    """What numba asks for, and hands, the compiled code of one function.
+
+    Parameters
+    ----------
+    function : the function that is compiled
+    """
+
+    def __init__(self, function):
+        self._name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
+        self._enabled = True
+
+    @property
+    def cache_path(self):
+        return os.pathsep.join(map(str, _readable()))
+
+    def load_overload(self, sig, target_context):
+        """The code for these types of arguments; None if it must be compiled."""
+        target_context.refresh()
+        if not self._enabled:
+            return None
+        file = self._file(sig, target_context.codegen())
+        for folder in _readable():
+            path = folder / file
+            try:
+                content = path.read_bytes()
+            except OSError:  # most often it is not there
+                continue
+            checksum, code = content[:CHECKSUM], content[CHECKSUM:]
+            if hashlib.sha256(code).digest() == checksum:
+                with contextlib.suppress(Exception):  # of another build of numba, say
+                    return CompileResult._rebuild(target_context, *pickle.loads(code))
+            _say(f"the compiled kernel {path} is damaged; it is compiled anew")
+        return None
+
+    def save_overload(self, sig, data):
+        """Keep compiled code, in the first folder that takes it."""
+        if not self._enabled or data.library.has_dynamic_globals:  # (addresses of this process)
+            return
+        code = dumps(data._reduce())
+        content = hashlib.sha256(code).digest() + code
+        refusals = []
+        for folder in _folders():
+            try:
+                folder.make()
+                _write(folder.path / self._file(sig, data.codegen), content)
+            except OSError as error:
+                refusals.append(f"{folder.path} ({error.strerror or error})")
+                continue
+            if refusals:
+                _say(f"compiled kernels cannot be kept in {refusals[0]}; they are in {folder.path}")
+            return
+        _say(
+            f"compiled kernels cannot be kept in {' nor in '.join(refusals)}: each process "
+            f"compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be written to"
+        )
+
+    def kept(self):
+        """Whether code is there, for some types of arguments."""
+        return any(any(folder.glob(f"{self._name}-*.nbc")) for folder in _readable())
+
+    def _file(self, sig, codegen):
+        depends = repr((PROGRAMS, sig, codegen.magic_tuple()))
+        return f"{self._name}-{hashlib.sha256(depends.encode()).hexdigest()[:16]}.nbc"
+
+    def enable(self):
+        self._enabled = True
+
+    def disable(self):
+        self._enabled = False
+
+    def flush(self):
+        """Remove what is kept."""
+        for folder in _readable():
+            for path in folder.glob(f"{self._name}-*.nbc"):
+                path.unlink(missing_ok=True)
+
+
+class _Folder(NamedTuple):
+    """A folder for kernels; private: in one of its own, in a place where anybody may write."""
+
+    path: Path
+    private: bool
+
+    def make(self):
+        """Make it, unless it is there; OSError if it cannot be had."""
+        if self.private:
+            self.path.parent.mkdir(mode=0o700, exist_ok=True)
+            if not self.safe():
+                raise PermissionError(f"{self.path.parent} is not this user's alone")
+        self.path.mkdir(parents=True, exist_ok=True)
+
+    def safe(self):
+        """Whether nobody else can have put code there."""
+        if not self.private or not hasattr(os, "getuid"):
+            return True
+        try:
+            found = self.path.parent.lstat()
+        except OSError:
+            return False
+        own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+        return own and not stat.S_IMODE(found.st_mode) & 0o077
+
+
+def _folders():
+    """Where kernels are kept: with the user's caches or, if they take none, a temporary folder."""
+    config: Any = numba.config  # it sets its attributes at run time
+    base: Any = config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME")
+    name, found = f"kernels-{DIGEST}", []
+    with contextlib.suppress(RuntimeError):  # no home
+        base = Path(base or Path.home() / ".cache")
+        found.append(_Folder(base / "ratestate" / name, private=False))
+    with contextlib.suppress(FileNotFoundError):  # no folder for temporary files
+        user = f"ratestate-{os.getuid()}" if hasattr(os, "getuid") else "ratestate"
+        found.append(_Folder(Path(tempfile.gettempdir()) / user / name, private=True))
+    return found
+
+
+def _readable():
+    """The folders from which kernels are loaded."""
+    return [folder.path for folder in _folders() if folder.safe()]
+
+
+def _write(path, content):
+    """Write a file that is whole or absent, whoever else writes it."""
+    partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
+    try:
+        partial.write_bytes(content)
+        partial.replace(path)
+    finally:
+        with contextlib.suppress(OSError):
+            partial.unlink()
+
+
+@functools.cache
+def _say(text):
+    """Say something on stderr, once."""
+    if sys.stderr:
+        sys.stderr.write(f"ratestate: {text}\n")
+        sys.stderr.flush()
