@@ -121,6 +121,7 @@ def test_the_file_s_sweep_is_run(sweeps, file, tmp_path):
         "chunk": None,
         "progress": True,
         "device": "cpu",
+        "retry_crashed": False,
     }
     assert result.stdout == f"6 cases in {tmp_path}/x.zarr: 4 cycles, 2 steady sliding, 0 failed\n"
 
