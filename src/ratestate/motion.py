@@ -48,11 +48,12 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
             states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
     numbers["energy_residual"] = energy_residual(batch, loading, cases, y0, results)
+    scales = {symbol: batch.flat(symbol) for symbol in ("a", "b", "Dc", "sigma", "M", "V0")}
     for i in np.flatnonzero(is_rigid):
         segments = (loading.t, table[rows[i]], rates[rows[i]])
         at = t if t.ndim == 1 else t[i]
-        scales = {symbol: batch.flat(symbol)[i] for symbol in ("a", "b", "Dc", "sigma", "M", "V0")}
-        followed = rigid.follow(law, y0[i, 2], at, t_end[i], segments, **scales)
+        own = {symbol: values[i] for symbol, values in scales.items()}
+        followed = rigid.follow(law, y0[i, 2], at, t_end[i], segments, **own)
         results.status[i] = RIGID_REST if followed is None else FINISHED
         if followed is not None:
             states[i], found = followed

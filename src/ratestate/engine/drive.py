@@ -172,15 +172,20 @@ class _Worker:
 
     def go(self):
         """Work for a while; whether all is done."""
-        try:
-            return self.kernel(*self.arguments, BUDGET)
-        except Exception as error:  # none of a case's: a compiled kernel has but status codes
-            reason = f"{type(error).__name__}: {error}".splitlines()[0]
-            raise CompilationError(
-                f"the kernel {self.kernel.__name__} cannot be compiled on this machine ({reason}); "
-                f"no parameter is at fault: free memory, or install ratestate and numba anew, and "
-                f"run the same again"
-            ) from error
+        return call(self.kernel, *self.arguments, BUDGET)
+
+
+def call(kernel, *arguments):
+    """What a kernel returns; `CompilationError` if it cannot be compiled on this machine."""
+    try:
+        return kernel(*arguments)
+    except Exception as error:  # none of a case's: compiled code has but status codes
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise CompilationError(
+            f"the kernel {kernel.__name__} cannot be compiled on this machine ({reason}); no "
+            f"parameter is at fault: free memory, or install ratestate and numba anew, and run "
+            f"the same again"
+        ) from error
 
 
 def empty_results(n, n_times):
