@@ -3,6 +3,9 @@
 import contextlib
 import functools
 import inspect
+import os
+import signal
+import threading
 import traceback
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any
@@ -45,7 +48,8 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 def ending_well(debug: bool) -> Iterator[None]:
     """End every error with a message on stderr and an exit code; with its traceback if asked."""
     try:
-        yield
+        with _at_once_if_interrupted_again():
+            yield
     except OWN:
         raise
     except KeyboardInterrupt as interrupt:
@@ -57,6 +61,34 @@ def ending_well(debug: bool) -> Iterator[None]:
         message, code = _told(error)
         typer.echo(message, err=True)
         raise typer.Exit(code) from error
+
+
+@contextlib.contextmanager
+def _at_once_if_interrupted_again() -> Iterator[None]:
+    """Let a second Ctrl-C end the process, whatever it is at: tidying up after the first.
+
+    That is safe at any time: files are written beside their place and renamed.
+    """
+
+    def first(*_: object) -> None:
+        signal.signal(signal.SIGINT, again)
+        raise KeyboardInterrupt
+
+    def again(*_: object) -> None:
+        os.write(2, b"interrupted again; ended at once\n")
+        os._exit(INTERRUPTED)
+
+    usual = signal.default_int_handler
+    main = threading.current_thread() is threading.main_thread()
+    if not main or signal.getsignal(signal.SIGINT) is not usual:
+        yield
+        return
+    signal.signal(signal.SIGINT, first)
+    try:
+        yield
+    finally:
+        if signal.getsignal(signal.SIGINT) is first:
+            signal.signal(signal.SIGINT, usual)
 
 
 def _told(error: Exception) -> tuple[str, int]:

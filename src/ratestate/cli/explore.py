@@ -1,9 +1,12 @@
 """``ratestate explore``: the page in the browser."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from .ends import INTERRUPTED
 
 
 def explore(
@@ -33,7 +36,12 @@ def explore(
     """
     from ..explorer import serve
 
-    serve(port=port, open_browser=not no_browser, fragment=_fragment(file) if file else "")
+    fragment = _fragment(file) if file else ""
+    try:
+        serve(port=port, open_browser=not no_browser, fragment=fragment)
+    except KeyboardInterrupt:
+        typer.echo("interrupted; the explorer has ended", err=True)
+        os._exit(INTERRUPTED)  # at once: nobody waits for what its threads compute or compile
 
 
 def _fragment(file: Path) -> str:

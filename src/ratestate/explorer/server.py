@@ -1,6 +1,5 @@
 """Serving the page: port, address, browser, end."""
 
-import contextlib
 import errno
 import socket
 import sys
@@ -16,7 +15,7 @@ LARGEST, PATIENCE = 8192, 2
 
 
 def serve(port=None, open_browser=True, fragment=""):
-    """Serve the explorer on 127.0.0.1 until Ctrl-C.
+    """Serve the explorer on 127.0.0.1 until Ctrl-C, whose KeyboardInterrupt is raised in the end.
 
     Parameters
     ----------
@@ -38,7 +37,7 @@ def serve(port=None, open_browser=True, fragment=""):
     sys.stdout.flush()
     if open_browser:
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-    with contextlib.suppress(KeyboardInterrupt), listening:
+    with listening:
         server_at(listening).run(sockets=[listening])
 
 
