@@ -16,6 +16,7 @@ from .engine.model import FINISHED, METHODS
 from .errors import ParameterError
 from .laws import AGING, evolution_law
 from .loading import Loading
+from .machine import check_fits
 from .motion import blank_motion, move, observables, series
 from .progress import bar
 from .quantities import attrs
@@ -28,6 +29,8 @@ TAKEN = (
     "V theta delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
     " V_max V_min inertial_force t"
 ).split()
+# That a case takes in memory at each time: seven variables of the result, three of the engine's.
+BYTES = 80
 
 
 def simulate(
@@ -155,6 +158,12 @@ class SimulateCall:
 
     def result(self, progress=None):
         """The Dataset; the exception for a single case that failed."""
+        times = 1 if self.times is None else self.times.shape[-1]
+        check_fits(
+            BYTES * self.batch.n * times,
+            f"the results of {self.batch.n:,} cases at {times:,} times",
+            "save fewer times, or sweep into a store: sweep(simulate, ..., store='x.zarr')",
+        )
         motion = self.move(progress)
         if self.batch.alone and motion.status[0] != FINISHED:
             raise failure("simulate", self.slider, motion.status[0], motion.numbers["t"][0])

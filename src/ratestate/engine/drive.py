@@ -3,7 +3,6 @@
 import contextlib
 import contextvars
 import functools
-import os
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -12,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import CompilationError
+from ..machine import cores
 from . import rows as R
 from .march import IDLE, march
 from .model import NUMBERS, RUNNING, STEP_LIMIT, Results
@@ -207,11 +207,6 @@ def _fraction(workers, n):
             parts = s[R.T :][lanes] / s[R.T_END :][lanes]
         done += worker.position[1] + np.nan_to_num(parts[busy]).sum()
     return min(1.0, done / n)
-
-
-def cores():
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @functools.cache

@@ -15,6 +15,9 @@ MOVED = 0.25
 #: fewest rows at one displacement, on average, that tell its last digit; digits by which a
 #: displacement may go from the first to the last part of a hold (one, and noise)
 REPEATED, DIGITS = 5, 1.5
+#: fewest rows of constant friction that are told of, with what probability they may be chance, and
+#: the part of other rows at which friction turns back at least if it has noise
+CONSTANT, CHANCE, NOISY = 20, 1e-6, 0.25
 REMEDY = (
     ": too few digits to find speeds in; name a column of velocity in columns={'V_load': ...}, or "
     "give what the load point did as loading=... of fit"
@@ -25,6 +28,7 @@ def doubtful(table, chosen, rows, record, segments):
     """Notes on columns that contradict each other."""
     return [
         *_friction(record),
+        *_constant(record),
         *([words + REMEDY] if (words := coarse(record, segments)) else []),
         *_speeds(table, chosen, rows, record),
     ]
@@ -44,6 +48,31 @@ def _friction(record):
     return [
         f"tau/sigma is {ratio:.3g} times the friction that is recorded; one of the three columns "
         f"or units is perhaps another, and friction is used as it is"
+    ]
+
+
+def _constant(record):
+    """A note on the longest stretch of one value of friction, if noise would not have left it.
+
+    Rounded values repeat: with a probability p from row to row, n rows have a stretch of m repeats
+    by chance with one of n p^m.
+    """
+    t, friction = record["time"], record["friction"]
+    ends = np.flatnonzero(np.diff(friction))  # of stretches, but the last
+    ends = np.concatenate([[-1], ends, [t.size - 1]])
+    longest = int(np.argmax(np.diff(ends)))
+    first, last = int(ends[longest]) + 1, int(ends[longest + 1])
+    repeats, others = last - first, t.size - 1 - (last - first)
+    steps = np.delete(np.diff(friction), np.s_[first:last])
+    moves = steps[steps != 0.0]
+    noisy = moves.size > 1 and np.mean(moves[1:] * moves[:-1] < 0.0) > NOISY
+    p = (others - moves.size + 1) / (others + 2)
+    if repeats + 1 < CONSTANT or not noisy or t.size * p**repeats > CHANCE:
+        return []
+    return [
+        f"friction stays at {friction[first]:.6g} from {t[first]:.7g} s to {t[last]:.7g} s, "
+        f"{repeats + 1} rows, and has noise elsewhere: a channel at the end of its range, or a "
+        f"load cell that dropped out; leave that stretch out by time=..."
     ]
 
 

@@ -5,7 +5,7 @@ import threading
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 
 from ..arrays import cut
-from ..engine.drive import cores
+from ..machine import cores
 
 
 def outcomes(tasks, call, numbers, report):

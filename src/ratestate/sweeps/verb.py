@@ -11,6 +11,7 @@ import numpy as np
 
 from ..engine import drive
 from ..errors import ParameterError
+from ..machine import check_fits, cores
 from . import cluster, here
 from .bar import Report
 from .calls import call_of, check, check_device
@@ -18,7 +19,7 @@ from .chunks import chunks_of
 from .create import create, tidy
 from .lock import alone
 from .probe import cases_of_a_chunk
-from .solve import form_of
+from .solve import bytes_of_a_case, form_of
 from .status import crashed_in, failed_in
 from .store import INSIDE, damage_told, examined, noted, result_of, sweep_up, undone
 from .task import Tasks
@@ -136,7 +137,7 @@ class Plan:
     def begin(self):
         """Check all arguments, case by case, and try what a case costs; `Chunks`."""
         call, together = self.call, self.client is None
-        workers = drive.cores() if together else max(1, sum(self.client.nthreads().values()))
+        workers = cores() if together else max(1, sum(self.client.nthreads().values()))
         cases = self.chunk or cases_of_a_chunk(
             call, self.form.kinds, workers, together, self.device, self.run
         )
@@ -166,13 +167,11 @@ class Plan:
 
 def _in_memory(plan):
     """The result, put together from its chunks."""
-    chunks, form = plan.begin(), plan.form
-    try:
-        variables = {name: kind.empty(chunks.sizes) for name, kind in form.kinds.items()}
-    except MemoryError:
-        raise ParameterError(
-            f"the result of {plan.call.batch.n:,} cases does not fit into memory; give a store"
-        ) from None
+    form, cases = plan.form, plan.call.batch.n
+    own = {name: kind for name, kind in form.kinds.items() if name not in form.static}
+    check_fits(cases * bytes_of_a_case(own), f"the results of {cases:,} cases", "give a store")
+    chunks = plan.begin()
+    variables = {name: kind.empty(chunks.sizes) for name, kind in form.kinds.items()}
     for outcome in plan.outcomes(chunks, np.zeros(chunks.number, bool)):
         places = chunks.places(outcome.chunk)
         for name in variables.keys() - form.static.keys():
