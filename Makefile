@@ -6,7 +6,7 @@ UV_VERSION := 0.13.9
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
-.PHONY: help setup figures explore test check docs wheel browser bench torture mutants lock clean
+.PHONY: help setup figures explore test check docs wheel browser bench torture mutants slurm lock clean
 .DEFAULT_GOAL := help
 
 help: ## show these targets
@@ -49,6 +49,9 @@ torture: .venv/.ready ## kill a sweep 30 times, and see that nothing is lost; AR
 
 mutants: .venv/.ready ## see which random mutants of the source the tests kill; ARGS="--count 100 --seed 13 --jobs 2"
 	$(BIN)/python tools/mutants.py $(ARGS)
+
+slurm: .venv/.ready ## sweep in jobs of a real SLURM, which cancels some; needs Debian's slurm-wlm and munge
+	$(BIN)/python tests/slurm.py $(ARGS)
 
 COMPILE := pip compile pyproject.toml --universal --python-version 3.11 --fork-strategy fewest \
     --generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock"

@@ -81,8 +81,6 @@ def sweeps(monkeypatch, tmp_path):
         return seen.failures[:most], len(seen.failures)
 
     class Cluster:
-        scheduler_address = "tcp://slurm:1"
-
         def __init__(self, options, start=True):
             self.options = options
 
@@ -96,10 +94,19 @@ def sweeps(monkeypatch, tmp_path):
         def __exit__(self, *_):
             seen.opened.append("closed")
 
+    class Client(Cluster):
+        def __enter__(self):
+            super().__enter__()
+            return f"client of {self.options}"
+
     stand_ins = {
         "verb": {"sweep": sweep},
         "status": {"held": held, "failures": failures},
-        "connect": {"slurm_cluster": Cluster, "client_of": contextlib.nullcontext},
+        "connect": {
+            "slurm_cluster": Cluster,
+            "slurm_client": Client,
+            "client_of": contextlib.nullcontext,
+        },
     }
     for name, functions in stand_ins.items():
         module = types.ModuleType(f"ratestate.sweeps.{name}")
@@ -134,7 +141,7 @@ def test_options_reach_the_sweep(sweeps, file, tmp_path):
     first, second, third = (arguments for _, _, arguments in sweeps.asked)
     assert (first["chunk"], first["device"], first["client"]) == (7, "cuda", None)
     assert second["client"] == "tcp://node1:8786"
-    assert third["client"] == "tcp://slurm:1"
+    assert third["client"] == "client of jobs=2,cores=4"
     assert sweeps.opened == ["jobs=2,cores=4", "closed"]
 
 

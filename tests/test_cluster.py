@@ -1,4 +1,4 @@
-"""Sweeps on a Dask cluster: the same bits as here, whatever happens to workers; SLURM's script."""
+"""Sweeps on a Dask cluster: the same bits as here, whatever happens to workers."""
 
 import contextlib
 import json
@@ -21,9 +21,13 @@ from ratestate.cycles import LimitCycleCall, limit_cycle, limit_cycle_call
 from ratestate.dataset import versions
 from ratestate.engine.model import CRASHED
 from ratestate.errors import StoreError
-from ratestate.sweeps import bar, calls, cluster, connect
+from ratestate.steady import StabilityCall
+from ratestate.sweeps import apart, bar, calls, cluster
+from ratestate.sweeps.apart import Apart
 from ratestate.sweeps.chunks import chunks_of
+from ratestate.sweeps.solve import form_of, solve
 from ratestate.sweeps.status import held
+from ratestate.sweeps.task import Tasks
 
 M = rs.logspace("M", 1e2, 1e5, 24)
 V_LP = rs.logspace("V_lp", 2e-3, 1e-1, 2)
@@ -250,6 +254,78 @@ def test_a_case_that_raises_costs_itself_only(client, cycles, alone):
     check_failed(found, alone, "ZeroDivisionError: spanner")
 
 
+@pytest.mark.parametrize(("deaths", "enough"), [(4, True), (5, False)])
+def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
+    """A chunk whose worker dies is done apart, and given up with the fifth."""
+
+    class Work:
+        """The one chunk kills its worker so many times, however it is done."""
+
+        def __init__(self, client):
+            self.sent, self.deaths, self.under_way = [], deaths, {}
+
+        def threads(self):
+            return 1
+
+        def send(self, i, function, how, *arguments):
+            self.sent.append(type(how))
+            self.under_way = {"task": i}
+
+        @property
+        def unfinished(self):
+            return bool(self.under_way)
+
+        def bereft(self):
+            self.deaths -= 1
+            return [(0, False)] if self.deaths >= 0 else []
+
+        def finished(self):
+            if self.deaths >= 0:
+                return []
+            self.under_way = {}
+            return [(0, types.SimpleNamespace(result=lambda: self.sent))]
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(cluster, "_Work", Work)
+    _, call = calls.call_of("limit_cycle", SLIDER, ARGUMENTS["limit_cycle"])
+    chunks = chunks_of(call.batch.sizes, 48)
+    tasks, report = Tasks(chunks, {}, None, "cpu"), types.SimpleNamespace(show=lambda: None)
+    outcomes = cluster.outcomes(None, tasks, call, [0], report)
+    if enough:
+        assert list(outcomes) == [[Tasks] + 4 * [Apart]]
+    else:
+        with pytest.raises(rs.SolverError, match="workers die, one after the other"):
+            list(outcomes)
+
+
+class Ending(StabilityCall):
+    """Is ended by signals if there are bad cases: asked to end, then killed."""
+
+    def run(self, progress=None):
+        if self.batch.n == 1:
+            os.kill(os.getpid(), signal.SIGTERM)
+            os.kill(os.getpid(), signal.SIGINT)
+        if bad(self):
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().run(progress)
+
+
+def test_a_case_is_not_blamed_for_what_ends_its_worker_too(monkeypatch):
+    """Who asks a whole job to end asks its processes, too; who kills it needs a moment."""
+    _, call = calls.call_of("stability", SLIDER.replace(M=M[5:6]), ARGUMENTS["stability"])
+    kinds, slept = form_of(call).kinds, []
+    monkeypatch.setattr(apart.time, "sleep", slept.append)
+    with contextlib.closing(apart._Process("cpu", kinds)) as process:
+        found = apart._divided(process, Ending(call.slider, call.V_lp), kinds)
+    assert found["status"].values.tolist() == [[0, CRASHED]]
+    assert found["growth_rate"].values[0, 0] == pytest.approx(
+        solve(call, kinds)["growth_rate"].values[0, 0], rel=1e-14
+    )
+    assert slept == [1.0]
+
+
 # --------------------------------------------------------------------------- a cluster that is lost
 
 
@@ -348,107 +424,3 @@ def test_a_store_that_workers_cannot_write_to(client, cycles, alone, tmp_path):
     shutil.rmtree(path, ignore_errors=True)
     (tmp_path / "y.zarr").rename(path)
     xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
-
-
-# -------------------------------------------------------------------------------------------- SLURM
-
-
-@pytest.fixture
-def sbatch(tmp_path, monkeypatch):
-    """Stands in for SLURM's program: answers like a script that the returned function gives it."""
-
-    def answer(script):
-        path = tmp_path / "sbatch"
-        path.write_text(f"#!/bin/sh\necho $* >>{tmp_path}/asked\n{script}\n")
-        path.chmod(0o755)
-        return tmp_path / "asked"
-
-    scancel = tmp_path / "scancel"
-    scancel.write_text("#!/bin/sh\n")
-    scancel.chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
-    return answer
-
-
-def script(options):
-    """The lines of the job script for these options."""
-    with connect.slurm_cluster(options, start=False) as found:
-        return found.job_script().strip().splitlines()
-
-
-def test_the_job_script():
-    lines = script(
-        "jobs=3, cores=16, memory=32GB, walltime=1-02:00:00, queue=short,long, account=geo, "
-        "interface=lo"
-    )
-    assert lines[0] == "#!/usr/bin/env bash"
-    wanted = "-p short,long|-A geo|-n 1|--cpus-per-task=16|--mem=30G|-t 1-02:00:00"
-    assert {f"#SBATCH {option}" for option in wanted.split("|")} <= {*lines}
-    command = lines[-1]
-    assert command.startswith(f"{sys.executable} -m distributed.cli.dask_worker tcp://127.0.0.1:")
-    for part in (
-        "--nthreads 1 ",
-        "--memory-limit 1.86GiB ",
-        "--nworkers 16 ",
-        "--nanny ",
-        "--interface lo",
-    ):
-        assert part in command
-    assert "--nthreads 4 " in script("cores=16,memory=32GB,processes=4")[-1]
-
-
-def test_the_job_script_has_what_the_site_needs():
-    import dask
-
-    site = {"job-extra-directives": ["--gres=gpu:1"], "job-script-prologue": ["module load gcc"]}
-    with dask.config.set({"jobqueue.slurm": dask.config.get("jobqueue.slurm") | site}):
-        lines = script("cores=1,memory=4GB")
-    assert "#SBATCH --gres=gpu:1" in lines
-    assert "module load gcc" in lines
-    assert "--nworkers" not in lines[-1]
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("", "slurm: '' is not key=value with a key of jobs, cores"),
-        ("cores", "slurm: 'cores' is not key=value"),
-        ("cores=4,memory=4GB,partition=a", "'partition=a' is not key=value with a key of .* queue"),
-        ("cores=4", "slurm: memory of a job must be given; for example jobs=10,cores=16"),
-        ("jobs=4", "slurm: cores and memory of a job must be given"),
-        ("cores=4x,memory=4GB", "slurm: cores = 4x must be an integer > 0"),
-        ("cores=4,memory=4GB,jobs=0", "slurm: jobs = 0 must be an integer > 0"),
-        ("cores=4,memory=4GB,processes=8", "processes = 8 must divide cores = 4"),
-        ("cores=4,memory=four", "memory = four is no size, such as 32GB"),
-        ("cores=4,memory=1GB", "memory = 1GB gives each of 4 processes 250 MB; each needs 500"),
-        ("cores=4,memory=4GB,walltime=2h", "walltime = 2h is not hours:minutes:seconds"),
-        ("cores=4,memory=4GB,interface=ib7", "ib7"),
-    ],
-)
-def test_bad_slurm_options(options, message):
-    with pytest.raises(rs.ParameterError, match=message):
-        connect.slurm_cluster(options)
-
-
-def test_jobs_are_submitted(sbatch):
-    asked = sbatch("echo Submitted batch job 1")
-    with connect.slurm_cluster("jobs=2,cores=1,memory=1GB"):
-        begin = time.monotonic()
-        while len(asked.read_text().splitlines()) < 3 and time.monotonic() - begin < 10.0:
-            time.sleep(0.05)
-    tried, *submitted = asked.read_text().splitlines()
-    assert tried.startswith("--test-only")
-    assert len(submitted) == 2
-
-
-def test_a_job_that_slurm_refuses(sbatch):
-    asked = sbatch("echo sbatch: error: invalid partition specified: nosuch >&2; exit 1")
-    with pytest.raises(rs.ParameterError, match="invalid partition specified: nosuch"):
-        connect.slurm_cluster("jobs=2,cores=1,memory=1GB,queue=nosuch")
-    assert len(asked.read_text().splitlines()) == 1
-
-
-def test_a_machine_without_slurm(monkeypatch):
-    monkeypatch.setenv("PATH", "")
-    with pytest.raises(rs.ParameterError, match="no sbatch; run the sweep where jobs"):
-        connect.slurm_cluster("cores=1,memory=1GB")

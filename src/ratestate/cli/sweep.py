@@ -57,7 +57,8 @@ def sweep(
         typer.Option(
             metavar="OPTIONS",
             help="Run in SLURM jobs, such as jobs=10,cores=16,memory=32GB; also walltime=02:00:00, "
-            "queue=NAME, account=NAME, processes=N, interface=ib0.",
+            "queue=NAME, account=NAME, processes=N, interface=ib0; and for those that are lost, "
+            "replacements=N, wait=24:00:00.",
         ),
     ] = None,
     job_script: Annotated[
@@ -118,17 +119,18 @@ def _run(
 @contextlib.contextmanager
 def _client(scheduler: str | None, slurm: str | None) -> Iterator[Any]:
     """The Dask client asked for, closed in the end; None for threads of this process."""
-    with contextlib.ExitStack() as until_done:
-        if slurm:
-            from ..sweeps.connect import slurm_cluster
+    if slurm:
+        from ..sweeps.connect import slurm_client
 
-            scheduler = until_done.enter_context(slurm_cluster(slurm)).scheduler_address
-        if not scheduler:
-            yield None
-            return
+        with slurm_client(slurm) as client:
+            yield client
+    elif scheduler:
         from ..sweeps.connect import client_of
 
-        yield until_done.enter_context(client_of(scheduler))
+        with client_of(scheduler) as client:
+            yield client
+    else:
+        yield None
 
 
 def _print_job_script(slurm: str) -> None:

@@ -3,8 +3,10 @@
 import contextlib
 import os
 import pickle
+import signal
 import subprocess
 import sys
+import time
 from typing import Any
 
 from ..arrays import cut
@@ -17,6 +19,9 @@ from .task import Tasks
 # Halvings of a part that took its process down before parts are tried again: a new process takes
 # longer than many small parts.
 HALVINGS = 4
+# Seconds that a case is not yet blamed for the end of its process: whoever kills the worker as well
+# (SLURM kills all processes of a job) has done so by then.
+GRACE = 1.0
 
 
 class Apart(Tasks):
@@ -38,6 +43,7 @@ def _divided(process, part, kinds, level=1):
         if variables is not None:
             return variables
         if part.batch.n == 1:
+            time.sleep(GRACE)
             return lost(part, kinds, f"its process died, {process.died}")
     dim, pieces = halves(part.batch.sizes)
     parts = [_divided(process, cut(part, piece), kinds, level + 1) for piece in pieces]
@@ -101,6 +107,8 @@ def _put(thing, stream):
 
 def _serve():
     """Solve the parts that come in, until there are no more: what a child process does."""
+    for asked_to_end in (signal.SIGINT, signal.SIGTERM):  # so is the worker, which ends this
+        signal.signal(asked_to_end, signal.SIG_IGN)
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # so that nothing else gets in between them
     device, kinds = pickle.load(sys.stdin.buffer)

@@ -1,11 +1,12 @@
 """Chunks of a sweep on the workers of a Dask cluster, whatever happens to these."""
 
+import asyncio
 import contextlib
 import itertools
 import pickle
 import queue
-import sys
 import time
+from collections import Counter
 from typing import Any, NamedTuple
 
 from ..arrays import cut
@@ -13,10 +14,13 @@ from ..dataset import versions
 from ..engine import drive
 from ..errors import RateStateError, SolverError
 from .apart import Apart
+from .jobs import RESUME, Jobs, say
 from .task import do_elsewhere
 
 # Chunks sent ahead for each thread of the cluster, so that none waits for the next.
 AHEAD = 2
+# Workers that a chunk may take with it: the first, and those that then do it `Apart`.
+MOST_DEATHS = 4
 # Seconds between two looks at what has finished; between two at who is there; until it is said
 # that nobody is.
 TICK, LOOK, PATIENCE = 0.05, 1.0, 3.0
@@ -25,34 +29,37 @@ TICK, LOOK, PATIENCE = 0.05, 1.0, 3.0
 def outcomes(client, tasks, call, numbers, report):
     """Do the chunks with these numbers, and yield their `Outcome`s as they come.
 
-    A chunk that was on a worker when it died is done again `Apart`, where it can kill no other.
+    A chunk that was on a worker when it died is done again `Apart`, where it can kill no other;
+    one whose worker had to go, since its SLURM job ended, is just done again.
     """
     from distributed import CancelledError, KilledWorker
 
-    waiting, apart = iter(numbers), set[int]()
+    waiting, deaths = iter(numbers), Counter[int]()
 
     def send(i):
-        how = Apart(*tasks) if i in apart else tasks
+        how = Apart(*tasks) if deaths[i] else tasks
         work.send(i, do_elsewhere, how, i, cut(call, tasks.chunks.places(i)), versions())
+
+    def suspect(i):
+        deaths[i] += 1
+        if deaths[i] > MOST_DEATHS:
+            raise SolverError(_OVERWHELMED)
+        send(i)
 
     with _connected(), contextlib.closing(_Work(client)) as work:
         while True:
             room = AHEAD * max(1, work.threads()) - len(work.under_way)
             for i in itertools.islice(waiting, max(0, room)):
                 send(i)
-            if not work.under_way:
+            if not work.unfinished:
                 return
-            for i in work.bereft(but=apart):
-                apart.add(i)
-                send(i)
-            for i, future in work.finished():
+            for i, job_ended in work.bereft():
+                send(i) if job_ended else suspect(i)
+            for i, answer in work.finished():
                 try:
-                    outcome = future.result()
-                except KilledWorker as error:
-                    if i in apart:
-                        raise SolverError(_OVERWHELMED) from error
-                    apart.add(i)
-                    send(i)
+                    outcome = answer.result()
+                except KilledWorker:  # many times, before word of it came here
+                    suspect(i)
                 except (RateStateError, CancelledError):
                     raise
                 except Exception as error:
@@ -70,9 +77,21 @@ def _useless(error):
 
 
 _OVERWHELMED = (
-    "workers die, one after the other, and not of single cases; give them more memory, or the "
-    "sweep a smaller chunk; what is stored is whole"
+    f"workers die, one after the other, and not of single cases; give them more memory, or the "
+    f"sweep a smaller chunk; {RESUME}"
 )
+
+
+def threads(client):
+    """How many threads a cluster has, or is to have."""
+    jobs = _jobs(client)
+    return max(1, jobs.threads if jobs else sum(client.nthreads().values()))
+
+
+def _jobs(client):
+    """The SLURM jobs of a client's cluster, if it has such; else None."""
+    jobs = getattr(client.cluster, "jobs", None)
+    return jobs if isinstance(jobs, Jobs) else None
 
 
 def result(client, device, function, *arguments):
@@ -128,11 +147,11 @@ class _Work:
     """Numbered tasks under way on a cluster."""
 
     def __init__(self, client):
-        from distributed import as_completed
-
-        self.client, self.under_way = client, {}
-        self.lost: Any = queue.SimpleQueue()  # keys of tasks whose worker died
-        self.ready = as_completed(loop=client.loop)
+        self.client = client
+        self.under_way: dict = {}  # number of a task -> its future, and its answer, once it is here
+        self.jobs = _jobs(client)
+        self.lost: Any = queue.SimpleQueue()  # key of a task, address of its worker, when it died
+        self.given_up: dict = {}  # number of such a task -> (address, when)
         self.there, self.seen, self.looked = 0, time.monotonic(), -LOOK
         client.subscribe_topic("all", self._hear)
 
@@ -140,34 +159,58 @@ class _Work:
         """Have a worker call a function."""
         call = pickle.dumps(_WhereUnpickled(function, arguments))
         future = self.client.submit(pickle.loads, call, pure=False)
-        self.under_way[future] = i
-        self.ready.add(future)
+        # An answer may be lost with its worker, and take long to come again.  Who waits for that,
+        # as `future.result()` does, sees no other answers, nor that there are no workers.
+        fetched = self.client.gather(future, asynchronous=True)
+        loop = self.client.loop.asyncio_loop
+        self.under_way[i] = future, asyncio.run_coroutine_threadsafe(fetched, loop)
 
     def finished(self):
-        """(number, future) of tasks that have ended; waits a little if there are none."""
-        ended = self.ready.next_batch(block=False)
+        """(number, answer) of tasks that have ended; waits a little if there are none."""
+        ended = [(i, answer) for i, (_, answer) in self.under_way.items() if answer.done()]
         if not ended:
             time.sleep(TICK)
-        return [
-            (self.under_way.pop(future), future) for future in ended if future in self.under_way
-        ]
+        for i, _ in ended:
+            del self.under_way[i]
+        return ended
 
     def _hear(self, event):
         """Take note of what a worker was at when it died; called by the client's thread."""
         _, message = event
         if isinstance(message, dict) and message.get("action") == "remove-worker":
             for key in () if message.get("expected") else message["processing-tasks"]:
-                self.lost.put(key)
+                self.lost.put((key, message["worker"], time.monotonic()))
 
-    def bereft(self, but):
-        """Numbers of tasks whose worker died; they are given up, but for some."""
-        keys = {self.lost.get() for _ in range(self.lost.qsize())}
-        found = {f: i for f, i in self.under_way.items() if f.key in keys and i not in but}
-        for future in found:
-            del self.under_way[future]
+    @property
+    def unfinished(self):
+        """Whether there is anything left to wait for."""
+        return bool(self.under_way or self.given_up)
+
+    def bereft(self):
+        """(number, whether its job has ended) of tasks whose worker died; they are given up.
+
+        Without `Jobs` no job has ended; with them a task comes when SLURM has said so or not.
+        """
+        lost = dict(self._lost())
+        found = {i: future for i, (future, _) in self.under_way.items() if future.key in lost}
+        for i, future in found.items():
+            del self.under_way[i]
+            self.given_up[i] = lost[future.key]
         if found:
-            self.client.cancel(list(found))
-        return list(found.values())
+            self.client.cancel(list(found.values()))
+        ended = {i: self._job_has_ended(*death) for i, death in self.given_up.items()}
+        known = [(i, whether) for i, whether in ended.items() if whether is not None]
+        for i, _ in known:
+            del self.given_up[i]
+        return known
+
+    def _lost(self):
+        for _ in range(self.lost.qsize()):
+            key, *death = self.lost.get()
+            yield key, death
+
+    def _job_has_ended(self, address, died):
+        return self.jobs.has_ended(address, died) if self.jobs else False
 
     def threads(self):
         """How many threads the cluster has; says so if there are none for a while."""
@@ -181,16 +224,16 @@ class _Work:
             self.seen = now
         elif now - self.seen > PATIENCE:
             self.seen = float("inf")  # said once
-            if sys.stderr:
-                sys.stderr.write("ratestate: the cluster has no workers; waiting for some ...\n")
-                sys.stderr.flush()
+            say("the cluster has no workers; waiting for some ...")
+        if self.jobs:
+            self.jobs.keep()
         return self.there
 
     def close(self):
         """Give up what is under way."""
         if self.client.status == "running":
             self.client.unsubscribe_topic("all")
-            self.client.cancel(list(self.under_way))
+            self.client.cancel([future for future, _ in self.under_way.values()])
 
 
 @contextlib.contextmanager
@@ -205,6 +248,6 @@ def _connected():
         raise
     except (CancelledError, ClosedClientError, OSError) as error:
         raise SolverError(
-            f"the cluster is lost ({getattr(error, 'reason', error)}); what is stored is whole: "
-            f"run the same sweep again, with another cluster or without"
+            f"the cluster is lost ({getattr(error, 'reason', error)}); {RESUME}, with another "
+            f"cluster or without"
         ) from error

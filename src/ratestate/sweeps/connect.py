@@ -1,5 +1,6 @@
 """Clusters to work on: a Dask scheduler that is there, or SLURM jobs of one's own."""
 
+import contextlib
 import re
 import shutil
 import subprocess
@@ -7,25 +8,41 @@ import tempfile
 
 from ..errors import ParameterError
 
-#: what `slurm_cluster` reads, and hands to dask-jobqueue by the same name
+#: what `slurm_cluster` reads for `Jobs`, and what it hands to dask-jobqueue by the same name
+JOBS = ["jobs", "replacements", "wait"]
 SLURM = "cores memory walltime queue account processes interface".split()
+# Replacements of each job; how long to wait for any worker.
+REPLACEMENTS, WAIT = 10, "1-00:00:00"
 # Bytes of memory for each process: Python and the kernels alone take 0.3 GB.
 LEAST = 5e8
 EXAMPLE = "for example jobs=10,cores=16,memory=32GB,walltime=02:00:00,queue=short"
 
 
+@contextlib.contextmanager
+def slurm_client(text):
+    """A client of a new `slurm_cluster`; both are closed in the end."""
+    distributed = _needed("distributed")
+    with slurm_cluster(text) as cluster, distributed.Client(cluster) as client:
+        yield client
+
+
 def slurm_cluster(text, start=True):
     """A Dask cluster of SLURM jobs, from options such as "jobs=10,cores=16,memory=32GB".
 
-    What else jobs need, such as ``job-extra-directives`` and ``job-script-prologue``, is read from
-    dask-jobqueue's own file, ~/.config/dask/jobqueue.yaml.
+    What is not given, and whatever else jobs need, such as ``job-extra-directives``,
+    ``job-script-prologue`` and ``worker-extra-args``, is read from dask-jobqueue's own
+    configuration: ~/.config/dask/jobqueue.yaml, or ``DASK_JOBQUEUE__SLURM__QUEUE`` and its like in
+    the environment.
 
     Parameters
     ----------
     text : str
-        ``jobs`` (default 1), and for each job ``cores`` and ``memory``, which are needed,
-        ``walltime`` (default 30 min), ``queue``, ``account``, ``processes`` (default one a core)
-        and ``interface``, the network's, such as ib0; key=value, separated by commas.
+        key=value, separated by commas.  For each job ``cores`` and ``memory``, which must be given
+        here or there, ``walltime`` (default 30 min), ``queue``, ``account``, ``processes`` (default
+        one a core) and ``interface``, the network's, such as ib0.  For all of them ``jobs``
+        (default 1), how many there are at a time; ``replacements`` (default 10 for each), how many
+        are submitted, in all, for such as are lost; and ``wait``, hours:minutes:seconds or
+        days-hours:minutes:seconds (default a day) without any worker after which to give up.
     start : bool
         Whether to submit the jobs; else ``job_script()`` of the cluster shows what would be.
 
@@ -35,13 +52,16 @@ def slurm_cluster(text, start=True):
         An option that is unknown, malformed or missing; SLURM refuses the job, or is not here;
         dask-jobqueue is not installed.
     """
-    jobqueue = _needed("dask_jobqueue")
-    options = _options(text)
-    jobs = options.pop("jobs")
+    _needed("dask_jobqueue")  # its configuration, too, is there from now on
+    import dask
+
+    from .slurm import SweepCluster
+
+    options = _options(text, dask.config.get("jobqueue.slurm"))
     # Another sweep may have the usual port.
-    settings = options | {"scheduler_options": {"dashboard_address": ":0"}}
+    scheduler = {"dashboard_address": ":0"} | dask.config.get("jobqueue.slurm.scheduler-options")
     try:
-        cluster = jobqueue.SLURMCluster(**settings)
+        cluster = SweepCluster(**options, scheduler_options=scheduler)
     except (ValueError, OSError, RuntimeError) as error:
         raise ParameterError(f"slurm: {text!r} makes no cluster ({error}); {EXAMPLE}") from error
     if start:
@@ -50,27 +70,27 @@ def slurm_cluster(text, start=True):
         except ParameterError:
             cluster.close()
             raise
-        cluster.scale(jobs=jobs)
+        cluster.jobs.submit()
     return cluster
 
 
-def _options(text):
-    """The options in a text, name -> value, checked."""
-    options: dict = {"jobs": 1}
-    for item in re.split(r",(?=\s*\w+\s*=)", text):  # values may hold commas
-        key, equals, value = (part.strip() for part in item.partition("="))
-        if not equals or not value or key not in {"jobs", *SLURM}:
-            known = ", ".join(["jobs", *SLURM])
+def _options(text, site):
+    """The options in a text, name -> value, checked; `site`: dask-jobqueue's configuration."""
+    options = _given(text)
+    for key in {"cores", "memory", "processes"} - options.keys():
+        if site.get(key) is not None:
+            options[key] = site[key]
+    options = {"jobs": 1, "wait": WAIT} | options
+    for key in {"jobs", "replacements", "cores", "processes"} & options.keys():
+        least = 0 if key == "replacements" else 1
+        if not (str(options[key]).isdecimal() and int(options[key]) >= least):
             raise ParameterError(
-                f"slurm: {item!r} is not key=value with a key of {known}; {EXAMPLE}"
+                f"slurm: {key} = {options[key]} must be an integer >= {least}; {EXAMPLE}"
             )
-        options[key] = value
-    for key in {"jobs", "cores", "processes"} & options.keys():
-        if not (str(options[key]).isdecimal() and int(options[key]) > 0):
-            raise ParameterError(f"slurm: {key} = {options[key]} must be an integer > 0; {EXAMPLE}")
         options[key] = int(options[key])
     if missing := [key for key in ("cores", "memory") if key not in options]:
         raise ParameterError(f"slurm: {' and '.join(missing)} of a job must be given; {EXAMPLE}")
+    options.setdefault("replacements", REPLACEMENTS * options["jobs"])
     # One process a core: each has its own Python, and a case that kills it kills no others.
     options.setdefault("processes", options["cores"])
     if options["cores"] % options["processes"]:
@@ -88,7 +108,33 @@ def _options(text):
             f"slurm: walltime = {options['walltime']} is not hours:minutes:seconds or "
             f"days-hours:minutes:seconds, such as 02:00:00"
         )
+    return options | {"wait": _seconds(options["wait"])}
+
+
+def _given(text):
+    """The options in a text, name -> text."""
+    options = {}
+    for item in re.split(r",(?=\s*\w+\s*=)", text):  # values may hold commas
+        key, equals, value = (part.strip() for part in item.partition("="))
+        if not equals or not value or key not in {*JOBS, *SLURM}:
+            known = ", ".join([*JOBS, *SLURM])
+            raise ParameterError(
+                f"slurm: {item!r} is not key=value with a key of {known}; {EXAMPLE}"
+            )
+        options[key] = value
     return options
+
+
+def _seconds(text):
+    """A time such as 1-02:00:00 in seconds."""
+    found = re.fullmatch(r"(?:(\d+)-)?(\d+):(\d+):(\d+)", text)
+    if not found:
+        raise ParameterError(
+            f"slurm: wait = {text} is not hours:minutes:seconds or days-hours:minutes:seconds, "
+            f"such as 02:00:00"
+        )
+    days, hours, minutes, seconds = (int(part or 0) for part in found.groups())
+    return 86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds
 
 
 def _bytes(text):
@@ -97,7 +143,7 @@ def _bytes(text):
 
     try:
         return parse_bytes(text)
-    except ValueError:
+    except (ValueError, TypeError):
         raise ParameterError(f"slurm: memory = {text} is no size, such as 32GB") from None
 
 

@@ -16,6 +16,7 @@ from . import cluster, here
 from .bar import Report
 from .calls import call_of, check, check_device
 from .chunks import chunks_of
+from .connect import slurm_client
 from .create import create, tidy
 from .lock import alone
 from .probe import cases_of_a_chunk
@@ -35,6 +36,7 @@ def sweep(
     progress=True,
     device="cpu",
     retry_crashed=False,
+    slurm=None,
     **arguments,
 ):
     """Another verb over all named DataArrays among its arguments, in chunks.
@@ -64,6 +66,11 @@ def sweep(
     retry_crashed : bool
         Whether to do cases again that the store has with the status ``crashed``, as when what they
         failed of has been mended.
+    slurm : str, optional
+        SLURM jobs that do the work, instead of a client's workers, such as
+        "jobs=10,cores=16,memory=32GB,walltime=02:00:00"; what else there is, how many lost jobs are
+        replaced, and what dask-jobqueue's configuration adds, says
+        :doc:`Run on SLURM </howto/slurm>`.
     **arguments
         The verb's other arguments.
 
@@ -82,7 +89,7 @@ def sweep(
         The store belongs to another sweep (differences are listed), is in use, or cannot be
         written; nothing that it holds is lost.
     SolverError
-        The cluster was lost.
+        The cluster was lost, or no SLURM job is left, or none starts.
 
     Examples
     --------
@@ -94,7 +101,9 @@ def sweep(
     (12, 114)
     """
     name, call = call_of(verb, slider, arguments)
-    check_device(name, call, device, client is None)
+    check_device(name, call, device, client is None and slurm is None)
+    if client is not None and slurm is not None:
+        raise ParameterError("client and slurm both say who does the work; give one of them")
     if client is not None and not hasattr(client, "nthreads"):
         raise ParameterError(
             f"client = {client!r} is no dask.distributed.Client; for the address of a scheduler "
@@ -105,8 +114,11 @@ def sweep(
         raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
     if retry_crashed and store is None:
         raise ParameterError("retry_crashed = True: only a store has cases to try again; give one")
-    plan = Plan(name, call, chunk, client, device, progress)
-    with drive.place(device=device):
+    with contextlib.ExitStack() as until_done:
+        if slurm is not None:
+            client = until_done.enter_context(slurm_client(slurm))
+        until_done.enter_context(drive.place(device=device))
+        plan = Plan(name, call, chunk, client, device, progress)
         if store is None:
             return _in_memory(plan)
         return _in_store(plan, _folder(store, client), retry_crashed)
@@ -137,7 +149,7 @@ class Plan:
     def begin(self):
         """Check all arguments, case by case, and try what a case costs; `Chunks`."""
         call, together = self.call, self.client is None
-        workers = cores() if together else max(1, sum(self.client.nthreads().values()))
+        workers = cores() if together else cluster.threads(self.client)
         cases = self.chunk or cases_of_a_chunk(
             call, self.form.kinds, workers, together, self.device, self.run
         )
