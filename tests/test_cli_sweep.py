@@ -47,6 +47,8 @@ class Held(NamedTuple):
     chunks_done: int = 3
     versions: dict = {"ratestate": "0.1.0", "numpy": "2.3.0"}  # noqa: RUF012
     size: int = 123_456
+    origins: list = []  # noqa: RUF012
+    flaws: list | None = None
 
 
 def call(*arguments):
@@ -72,7 +74,7 @@ def sweeps(monkeypatch, tmp_path):
         seen.ends()
         return xr.Dataset()
 
-    def held(store):
+    def held(store, verify=False):
         if seen.held is None:
             raise ParameterError(f"{store} is no store")
         return seen.held
@@ -129,17 +131,19 @@ def test_the_file_s_sweep_is_run(sweeps, file, tmp_path):
         "progress": True,
         "device": "cpu",
         "retry_crashed": False,
+        "mixed": False,
     }
     assert result.stdout == f"6 cases in {tmp_path}/x.zarr: 4 cycles, 2 steady sliding, 0 failed\n"
 
 
 def test_options_reach_the_sweep(sweeps, file, tmp_path):
     store = ["--store", tmp_path / "x.zarr"]
-    assert call("sweep", file, *store, "--chunk", 7, "--device", "cuda").exit_code == 0
+    assert call("sweep", file, *store, "--chunk", 7, "--device", "cuda", "--mixed").exit_code == 0
     assert call("sweep", file, *store, "--scheduler", "tcp://node1:8786").exit_code == 0
     assert call("sweep", file, *store, "--slurm", "jobs=2,cores=4").exit_code == 0
     first, second, third = (arguments for _, _, arguments in sweeps.asked)
     assert (first["chunk"], first["device"], first["client"]) == (7, "cuda", None)
+    assert (first["mixed"], second["mixed"]) == (True, False)
     assert second["client"] == "tcp://node1:8786"
     assert third["client"] == "client of jobs=2,cores=4"
     assert sweeps.opened == ["jobs=2,cores=4", "closed"]
@@ -282,6 +286,35 @@ size      123 kB
 def test_sizes(sweeps, size, text):
     sweeps.held = sweeps.held._replace(size=size)
     assert call("sweep", "--store", "x", "--status").stdout.splitlines()[-1] == f"size      {text}"
+
+
+def test_verify(sweeps, tmp_path):
+    result = call("sweep", "--store", tmp_path / "x.zarr", "--verify")
+    assert result.exit_code == 2
+    assert "it needs --status" in result.stderr
+    sweeps.held = sweeps.held._replace(flaws=[])
+    result = call("sweep", "--store", tmp_path / "x.zarr", "--status", "--verify")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.splitlines()[-1] == "verified  all files are as they were written"
+    sweeps.held = sweeps.held._replace(flaws=["variable V_max, chunk 3 (V_max/c/3) is missing"])
+    result = call("sweep", "--store", tmp_path / "x.zarr", "--status", "--verify")
+    assert result.exit_code == 2
+    assert result.stdout.splitlines()[-1] == "verified  damaged or missing files: 1"
+    assert result.stderr.startswith(f"error: {tmp_path}/x.zarr is damaged; run the same sweep")
+    assert result.stderr.endswith("\n  variable V_max, chunk 3 (V_max/c/3) is missing\n")
+
+
+def test_what_made_a_store(sweeps, tmp_path):
+    made = {"versions": {"numba": "0.1"}, "processor": {"cpu": "znver4"}, "chunks": 2}
+    sweeps.held = sweeps.held._replace(origins=[made])
+    result = call("sweep", "--store", tmp_path / "x.zarr", "--status")
+    assert result.stdout.splitlines()[-1] == "processor znver4"
+    other = {"versions": {"numba": "0.2"}, "processor": None, "chunks": 1}
+    sweeps.held = sweeps.held._replace(origins=[made, other])
+    result = call("sweep", "--store", tmp_path / "x.zarr", "--status")
+    assert result.stdout.splitlines()[-1] == (
+        "processor znver4: 2 chunks (numba 0.1); not recorded: 1 chunks (numba 0.2)"
+    )
 
 
 def test_a_sweep_from_file_to_store(file, tmp_path):

@@ -172,7 +172,7 @@ class Reference:
         )
         assert len(status) == len(self.chunks), "each chunk has a file of statuses"
         own = [{name for name in self.files if _is_of(name, key)} for _, key in status]
-        return {str(i): names for i, names in enumerate(own)}
+        return {str(i): {*names, f"sweep/manifest/c/{i}"} for i, names in enumerate(own)}
 
 
 def _is_of(name, key):

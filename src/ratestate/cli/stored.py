@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..errors import StoreError
 from .document import strict
 from .say import say
 
@@ -34,15 +35,29 @@ def _known(there: "Held") -> dict[str, Any]:
     return there._asdict() | {"path": str(there.path)}
 
 
-def tell(store: Path, file: Path | None, json: bool) -> None:
-    """Say what a store holds, and whether it is the file's sweep."""
+def tell(store: Path, file: Path | None, json: bool, verify: bool = False) -> None:
+    """Say what a store holds, whether it is whole, and whether it is the file's sweep.
+
+    Raises
+    ------
+    StoreError
+        It is damaged, where that was to be verified.
+    """
+    from ..sweeps.manifest import told
     from ..sweeps.status import held
 
-    there = held(store)
+    there = held(store, verify)
     lines = _differences(store, file) if file else []
     if json:
         say(strict(_known(there) | ({"differences": lines} if file else {})))
-        return
+    else:
+        _tell(there, file, lines)
+    if there.flaws:
+        raise StoreError(told(store, there.flaws))
+
+
+def _tell(there: "Held", file: Path | None, lines: list[str]) -> None:
+    """Print what a store holds, a row each."""
     rows = {
         "store": str(there.path),
         "verb": there.verb,
@@ -52,15 +67,40 @@ def tell(store: Path, file: Path | None, json: bool) -> None:
         "failed": str(there.failed),
         "steady": str(there.steady),
         "chunks": f"{there.chunks_done} of {there.chunks}",
-        "versions": ", ".join(f"{name} {version}" for name, version in there.versions.items()),
+        "versions": _versions(there.versions),
         "size": _size(there.size),
     }
+    if there.origins:
+        rows["processor"] = _makers(there)
+    if there.flaws is not None:
+        rows["verified"] = (
+            f"damaged or missing files: {len(there.flaws)}"
+            if there.flaws
+            else "all files are as they were written"
+        )
     if file:
         rows["file"] = f"{file} asks for {'another sweep:' if lines else 'this very sweep'}"
     for label, text in rows.items():
         say(f"{label:<9} {text}")
     for line in lines:
         say(f"  {line}")
+
+
+def _versions(versions: dict[str, str]) -> str:
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
+
+
+def _makers(there: "Held") -> str:
+    """On what kinds of processor, and if that is of several kinds, by which versions."""
+    from ..sweeps.origin import named
+
+    kinds = [named(one["processor"]) for one in there.origins]
+    if len(kinds) == 1:
+        return kinds[0]
+    return "; ".join(
+        f"{kind}: {one['chunks']} chunks ({_versions(one['versions'])})"
+        for one, kind in zip(there.origins, kinds, strict=True)
+    )
 
 
 def _differences(store: Path, file: Path) -> list[str]:

@@ -45,6 +45,20 @@ def sweep(
     status: Annotated[
         bool, typer.Option("--status", help="Only tell what the store holds.")
     ] = False,
+    verify: Annotated[
+        bool,
+        typer.Option(
+            "--verify", help="With --status: read all files, and exit with 2 if any is damaged."
+        ),
+    ] = False,
+    mixed: Annotated[
+        bool,
+        typer.Option(
+            "--mixed",
+            help="Go on with what other versions or another kind of processor began, and take "
+            "workers of several kinds; last digits may differ.",
+        ),
+    ] = False,
     scheduler: Annotated[
         str | None,
         typer.Option(
@@ -82,11 +96,13 @@ def sweep(
         raise typer.BadParameter("it cannot go with --scheduler", param_hint="--slurm")
     if job_script and not slurm:
         raise typer.BadParameter("it needs --slurm OPTIONS", param_hint="--job-script")
+    if verify and not status:
+        raise typer.BadParameter("it needs --status", param_hint="--verify")
     with leaving(lambda: left(store)):
         if slurm and job_script:
             _print_job_script(slurm)
         elif status:
-            tell(store, file, json)
+            tell(store, file, json, verify)
         elif file is None:
             raise typer.BadParameter(
                 "missing; only --status can do without", param_hint="FILE.toml"
@@ -97,8 +113,9 @@ def sweep(
             asked = scenario_of(file)
             output = places(asked, out, plot)
             with _client(scheduler, slurm) as client:
-                how = {"chunk": chunk, "device": device.value, "retry_crashed": retry_crashed}
-                _run(asked, output, store, json, client=client, **how)
+                how: dict[str, Any] = {"client": client, "chunk": chunk, "device": device.value}
+                how |= {"mixed": mixed, "retry_crashed": retry_crashed}
+                _run(asked, output, store, json, **how)
 
 
 def _run(

@@ -3,7 +3,7 @@
 import warnings
 from pathlib import Path
 
-from ..errors import ParameterError
+from ..errors import ParameterError, RateStateError
 from .netcdf import read_netcdf, write_netcdf
 from .parts import joined
 from .place import NUMBERS, checked, replace
@@ -43,6 +43,8 @@ def read(path):
     ------
     ParameterError
         It is missing, of another kind, or damaged.
+    StoreError
+        It is a sweep's store, and damaged.
     """
     path = Path(path)
     ending = path.suffix.lower()
@@ -55,7 +57,7 @@ def read(path):
         if not path.exists():
             raise ParameterError(f"{path} does not exist")
         return _read_zarr(path) if ending == ".zarr" else joined(read_netcdf(path))
-    except ParameterError:
+    except RateStateError:
         raise
     except Exception as error:
         # what is in a file may make any part of the libraries that read it stumble
@@ -64,6 +66,11 @@ def read(path):
 
 
 def _read_zarr(path):
+    """A result from a Zarr folder; a sweep's store knows what must be in it, and checks that."""
+    if (path / "sweep").is_dir():
+        from ..sweeps.store import loaded
+
+        return _plain_text(loaded(path))
     import xarray
 
     with xarray.open_zarr(path, chunks=None) as opened:

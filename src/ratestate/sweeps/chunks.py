@@ -41,6 +41,19 @@ class Chunks:
         """Number of cases in chunk i."""
         return math.prod(part.stop - part.start for part in self.places(i).values())
 
+    def keys(self, i, variables):
+        """Variable -> path within a store of the file in which chunk i has it, where it has.
+
+        What does not depend on some dimensions is written by the first chunk along them.
+        """
+        index = dict(zip(self.sizes, self.index(i), strict=True))
+        found = {}
+        for name, variable in variables.items():
+            own = index.keys() & {*variable.dims}
+            if own and not any(index[dim] for dim in index.keys() - own):
+                found[name] = "/".join([name, "c", *(str(index.get(d, 0)) for d in variable.dims)])
+        return found
+
     def __iter__(self):
         return (self.places(i) for i in range(self.number))
 

@@ -119,6 +119,7 @@ class _Call(NamedTuple):
     device: str
     function: Any
     arguments: tuple
+    kind: Any = None  # any kind of processor will do
 
     def do(self, *_):
         """What it returns, and None; or None, and what it raises."""

@@ -18,9 +18,12 @@ from ..dataset import versions
 from ..errors import StoreError
 from .inputs import checksum, inputs_of
 from .lock import hold, remove_if_abandoned
-from .store import INSIDE, noted, to_disk
+from .manifest import MANIFEST, RECORDS, entry, sha256
+from .older import INSIDE, METADATA
+from .origin import origin
+from .store import NO_RESULT, noted, to_disk
 
-PENDING = -1  # status of a case that has not been done
+PENDING = -1  # status of a case that has not been done, and no result in other integers
 # Damage is told by a checksum in each file; more effort would hardly make them smaller.
 CODEC = ZstdCodec(level=0, checksum=True)
 
@@ -34,10 +37,9 @@ def create(path, verb, call, chunks, form, device):
         The place cannot be written to, or has been taken meanwhile.
     """
     try:
-        temporary, handle = _sibling(path)
+        temporary, handle = sibling(path)
         try:
-            _fill(temporary, call, chunks, form, device)
-            _note(temporary, verb, call, chunks, device)
+            make(temporary, verb, call, chunks, form, device)
             # as folders are made here
             temporary.chmod(stat.S_IMODE((temporary / INSIDE).stat().st_mode))
             to_disk([*temporary.rglob("*")], temporary)
@@ -55,7 +57,7 @@ def create(path, verb, call, chunks, form, device):
         ) from error
 
 
-def _sibling(path):
+def sibling(path):
     """A temporary folder beside a path, and the handle that marks it as in use."""
     while True:
         temporary = Path(tempfile.mkdtemp(".partial", f".{path.name}.", path.parent))
@@ -70,12 +72,22 @@ def tidy(path):
         remove_if_abandoned(sibling)
 
 
+def make(folder, verb, call, chunks, form, device):
+    """Make a store in a folder: all its files, but for those of chunks."""
+    _fill(folder, call, chunks, form, device)
+    _note(folder, verb, call, chunks, device)
+    _list(folder, chunks, device)
+
+
 def _fill(folder, call, chunks, form, device):
     """Write the result into a folder, as far as it is known, with room for the rest."""
     with _unsettled():
         result = _plain_text(call.dataset(form.static).drop_attrs(deep=False))
         group = zarr.open_group(folder, mode="a", zarr_format=3)
-        sure = {name: {"compressors": [CODEC]} for name in result.variables}
+        sure: dict = {name: {"compressors": [CODEC]} for name in result.variables}
+        for name, variable in result.variables.items():
+            if variable.dtype.kind == "f":
+                sure[name] |= {"fill_value": NO_RESULT, "_FillValue": None}
         result.to_zarr(folder, mode="a", consolidated=False, zarr_format=3, encoding=sure)
         for name, kind in form.kinds.items():
             if name not in form.static:
@@ -91,6 +103,9 @@ def _note(folder, verb, call, chunks, device):
         inputs = inputs_of(verb, call)
         inside = zarr.open_group(folder, mode="r+", zarr_format=3).create_group(INSIDE)
         inputs.to_zarr(folder, group=f"{INSIDE}/inputs", consolidated=False, zarr_format=3)
+        add_record(inside, "done", bool, chunks.number)
+        add_record(inside, "manifest", str, chunks.number + 1)
+        records = [folder / INSIDE / name / METADATA for name in ("done", "manifest")]
         inside.attrs.update(
             verb=verb,
             sizes=chunks.sizes,
@@ -98,16 +113,34 @@ def _note(folder, verb, call, chunks, device):
             device=device,
             checksum=checksum(inputs),
             versions=json.loads(versions()),
-        )
-        inside.create_array(
-            "done",
-            shape=(chunks.number,),
-            chunks=(1,),
-            dtype=bool,
-            fill_value=False,
-            compressors=[CODEC],
+            **{
+                RECORDS: {
+                    f"{file.relative_to(folder)}": sha256(file.read_bytes()) for file in records
+                }
+            },
         )
         zarr.consolidate_metadata(folder)
+
+
+def add_record(inside, name, kind, number):
+    """Add an array of one dimension, a file for each value, to the group ``sweep``."""
+    with _unsettled():
+        inside.create_array(
+            name,
+            shape=(number,),
+            chunks=(1,),
+            dtype=kind,
+            fill_value=kind(),
+            compressors=[CODEC],
+        )
+
+
+def _list(folder, chunks, device):
+    """Write into the manifest what all other files in the folder hold."""
+    keys = [file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()]
+    with _unsettled():
+        manifest: Any = zarr.open_array(folder / MANIFEST, mode="r+")
+        manifest[chunks.number] = entry(folder, keys, None, origin(device))
 
 
 @contextlib.contextmanager
@@ -128,14 +161,26 @@ def _add(group, name, kind, chunks):
     """An array for a variable, a file a chunk."""
     sizes, shape = chunks.sizes, dict(zip(chunks.sizes, chunks.shape, strict=True))
     text = kind.dtype == object
-    fill: Any = PENDING if name == "status" else kind.missing
     group.create_array(
         name,
         shape=[{**sizes, **kind.own}[dim] for dim in kind.dims],
         chunks=[{**shape, **kind.own}[dim] for dim in kind.dims],
         dtype=str if text else kind.dtype,
-        fill_value=fill,
+        fill_value=_absent(kind),
         dimension_names=kind.dims,
         attributes={k: v.tolist() if hasattr(v, "tolist") else v for k, v in kind.attrs.items()},
         compressors=[CODEC],
     )
+
+
+def _absent(kind: Any) -> Any:
+    """What is read where a file is not there: where there is one, a value that no result has."""
+    match kind.dtype.kind:
+        case "f":
+            return NO_RESULT
+        case "c":
+            return complex(NO_RESULT, NO_RESULT)
+        case "i":
+            return PENDING
+        case _:
+            return kind.missing

@@ -1,5 +1,6 @@
 """What a store, or a result, holds."""
 
+import json
 import math
 from collections import Counter
 from pathlib import Path
@@ -9,9 +10,9 @@ import numpy as np
 import zarr
 
 from ..engine.model import CRASHED, STATUSES, STEADY_SLIDING
-from .chunks import Chunks
+from .manifest import Checked, contents, flaws, whole
 from .solve import ANSWERED
-from .store import damage_told, read
+from .store import chunks_in, damage_told, read
 
 
 class Held(NamedTuple):
@@ -28,10 +29,18 @@ class Held(NamedTuple):
     chunks_done: int
     versions: dict  # of the programs that made it
     size: int  # bytes on disk
+    origins: list  # dicts: versions, processor (None: not recorded) and number of chunks of each
+    flaws: list | None  # texts: files that are damaged or missing; None: not looked for
 
 
-def held(path):
+def held(path, verify=False):
     """What the store at a path holds; `Held`.
+
+    Parameters
+    ----------
+    path : str or Path
+    verify : bool
+        Whether to read all files, and hold them against the store's manifest.
 
     Raises
     ------
@@ -40,10 +49,12 @@ def held(path):
     """
     path = Path(path)
     inside, _ = read(path)
-    chunks = Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
+    chunks = chunks_in(inside)
     with damage_told(path):
-        done = inside["done"][:]
-        number = _counts(path, chunks, done)
+        there = contents(path, inside)
+        found = flaws(there) if verify else []
+        done = whole(there, found)
+        number = _counts(Checked(path, held=there), chunks, done)
     return Held(
         path,
         inside.attrs["verb"],
@@ -56,7 +67,19 @@ def held(path):
         int(done.sum()),
         inside.attrs["versions"],
         sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
+        _origins(inside, there, done),
+        list(map(str, found)) if verify else None,
     )
+
+
+def _origins(inside, there, done):
+    """What made the chunks that are done, and how many each."""
+    number = Counter[str]()
+    for i in np.flatnonzero(done).tolist():
+        entry = there.entries.get(i, inside.attrs)
+        who = {"versions": entry["versions"], "processor": entry.get("processor")}
+        number[json.dumps(who, sort_keys=True)] += 1
+    return [json.loads(who) | {"chunks": n} for who, n in number.items()]
 
 
 def failed_in(store):
@@ -83,8 +106,7 @@ def _counts(path, chunks, done):
 
 def _statuses(path, chunks, done):
     """(number, status of its cases) of each chunk that is done."""
-    array: Any = zarr.open_array(path / "status", mode="r")
-    status = array[...]
+    status: Any = zarr.open_group(path, mode="r", use_consolidated=False)["status"]
     for i in np.flatnonzero(done).tolist():
         yield i, status[tuple(chunks.places(i).values())]
 

@@ -1,13 +1,13 @@
 """A store of a sweep on disk: a Zarr group, filled by chunks, that any interruption leaves whole.
 
 The group holds the result as xarray reads it.  Its subgroup ``sweep`` knows the rest: ``inputs``,
-the shape of chunks, versions, and ``done``, one flag a chunk.  A chunk is one file a variable,
-written by one task, and reaches the disk before its flag does.  zarr writes a file beside its
+the shape of chunks, versions, ``done``, one flag a chunk, and ``manifest``, what each file must
+hold and what made it.  A chunk is one file a variable, written by one task, and reaches the disk,
+its entry in the manifest with it, before its flag does.  zarr writes a file beside its
 place and renames it, so that a file is whole or absent.
 """
 
 import contextlib
-import json
 import os
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,12 +16,26 @@ import numpy as np
 import xarray
 import zarr
 
-from ..dataset import versions
 from ..errors import StoreError
 from .chunks import Chunks, chunks_of
 from .inputs import checksum, differences, inputs_of
+from .manifest import (
+    MANIFEST,
+    Checked,
+    contents,
+    entry,
+    flawed_records,
+    flaws,
+    listed,
+    lost_record,
+    told,
+)
+from .older import DAMAGE, INSIDE
+from .origin import origin
 
-INSIDE = "sweep"
+# What stands in a file of numbers that is not there: the value that netCDF has for it.  No result
+# has it, and readers shall see it, so it is not declared as missing.
+NO_RESULT = 9.969209968386869e36
 # Cases of which all messages are read at once.
 MANY = 10**7
 
@@ -33,37 +47,44 @@ class Store(NamedTuple):
     chunks: Chunks
     done: np.ndarray  # (chunks,) bool, when it was opened
     checksum: str  # of its inputs
+    variables: frozenset  # names of those that it has room for
 
 
-def examined(path, form, verb, call, chunk, device):
-    """The `Store` at a path, if it is this sweep's.
+def examined(path, verb, call, chunk, device):
+    """The group with what is known of a sweep in the store at a path, if it is this sweep's.
 
     Raises
     ------
     StoreError
-        It was made by another version or from other parameters, listed; it is no store of a
-        sweep, or cannot be read.
+        It was made from other parameters, listed; it is no store of a sweep, or cannot be read.
     """
     inside, inputs = read(path)
-    chunks = Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
-    lines = _versions_differ(inside.attrs["versions"])
-    lines += differences(inputs, inputs_of(verb, call))
+    chunks = chunks_in(inside)
+    lines = differences(inputs, inputs_of(verb, call))
     if device != inside.attrs["device"]:
         lines.append(f"device: {inside.attrs['device']} in the store, {device} now")
     if chunk is not None and chunks_of(chunks.sizes, chunk).shape != chunks.shape:
         lines.append(f"chunk: blocks of {chunks.shape} cases in the store, chunk={chunk} now")
     if lines:
-        listed = "".join(f"\n  {line}" for line in lines)
         raise StoreError(
             f"{path} holds another sweep; give this one a store of its own, or make it the "
-            f"same:{listed}"
+            f"same:{listed(lines)}"
         )
+    return inside
+
+
+def is_complete(path, inside):
+    """Whether all chunks are in a store, and nothing of it is damaged; reads every file."""
     with damage_told(path):
-        done = inside["done"][:]
-    store = Store(path, chunks, done, inside.attrs["checksum"])
-    for i in np.flatnonzero(done):  # what has been lost is done again
-        done[i] = all(file.exists() for file in _files(store, i, form.kinds).values())
-    return store
+        if flawed_records(path, inside):
+            return False
+        held = contents(path, inside)
+        return bool(held.done.all()) and not flaws(held)
+
+
+def chunks_in(inside):
+    """`Chunks` of a store, of which this is the group ``sweep``."""
+    return Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
 
 
 def sweep_up(path):
@@ -77,21 +98,6 @@ def noted(device):
     return {} if device == "cpu" else {"device": device}
 
 
-def _files(store, i, variables):
-    """Variable -> the file in which chunk i has it, for those that it has.
-
-    What does not depend on some dimensions is written by the first chunk along them.
-    """
-    index = dict(zip(store.chunks.sizes, store.chunks.index(i), strict=True))
-    files = {}
-    for name, variable in variables.items():
-        own = index.keys() & {*variable.dims}
-        if own and not any(index[dim] for dim in index.keys() - own):
-            key = [str(index.get(dim, 0)) for dim in variable.dims]
-            files[name] = store.path.joinpath(name, "c", *key)
-    return files
-
-
 @contextlib.contextmanager
 def damage_told(path):
     """Make a StoreError of all that reading a store that is none, or damaged, may raise."""
@@ -101,10 +107,24 @@ def damage_told(path):
         raise
     except PermissionError as error:
         raise StoreError(f"{path} cannot be read ({error.strerror})") from error
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
+    except DAMAGE as error:
+        found = _flaws_at(path)
+        if lost := [flaw for flaw in found if flaw.file.key.startswith(f"{INSIDE}/inputs/")]:
+            raise StoreError(lost_record(path, lost[0])) from error
+        if found:
+            raise StoreError(told(path, found)) from error
         raise StoreError(
             f"{path} is no store of a sweep, or a damaged one ({error}); give another path"
         ) from error
+
+
+def _flaws_at(path):
+    """All `Flaw`s of the store at a path; none if it cannot be told."""
+    try:
+        inside: Any = zarr.open_group(path / INSIDE, mode="r", use_consolidated=False)
+        return flawed_records(path, inside) or flaws(contents(path, inside))
+    except DAMAGE:
+        return []
 
 
 def read(path):
@@ -117,18 +137,8 @@ def read(path):
             inputs = data.load()
         known = {"verb", "sizes", "chunk", "device", "checksum", "versions"} <= {*inside.attrs}
     if not known or checksum(inputs) != inside.attrs["checksum"]:
-        raise StoreError(f"{path}: its record of the parameters is damaged; give another path")
+        raise StoreError(lost_record(path, "its checksum is another"))
     return inside, inputs
-
-
-def _versions_differ(stored):
-    """Lines for those versions that differ from this process's."""
-    here = json.loads(versions())
-    return [
-        f"version of {name}: {stored.get(name)} made the store, {here.get(name)} is here"
-        for name in sorted({*stored, *here})
-        if stored.get(name) != here.get(name)
-    ]
 
 
 def write(store, i, variables):
@@ -172,15 +182,17 @@ def _writing(path):
 def _write(store, i, variables):
     path, chunks = store.path, store.chunks
     group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=False)
-    if group[INSIDE].attrs["checksum"] != store.checksum:  # a worker may be the last to know
+    inside = group[INSIDE]
+    if inside.attrs["checksum"] != store.checksum:  # a worker may be the last to know
         raise StoreError(f"{path} has been replaced by the store of another sweep")
-    files = _files(store, i, variables)
-    places = chunks.places(i)
-    for name in files:
+    room = {name: variable for name, variable in variables.items() if name in store.variables}
+    keys, places = chunks.keys(i, room), chunks.places(i)
+    for name in keys:
         where = tuple(places.get(dim, slice(None)) for dim in variables[name].dims)
         # (zarr leaves out files of fill values alone; here a missing one shall be a loss, and seen)
         group[name].with_config({"write_empty_chunks": True})[where] = variables[name].values
-    to_disk(files.values(), path)
+    group[MANIFEST][i] = entry(path, keys.values(), i, origin(inside.attrs["device"]))
+    to_disk([path / key for key in (*keys.values(), f"{MANIFEST}/c/{i}")], path)
     group[f"{INSIDE}/done"][i] = True
     to_disk([path / INSIDE / "done" / "c" / str(i)], path)
 
@@ -197,9 +209,26 @@ def to_disk(files, top):
 
 
 def result_of(path):
-    """The result in a store, read where it is used; cases not done have the status -1."""
-    data = xarray.open_zarr(path, chunks=None)
-    if data["message"].size > MANY:
-        return data
-    # xarray cannot mask zarr's own type for text
-    return data.assign(message=data["message"].astype(object))
+    """The result in a store, read and checked where it is used; cases not done: status -1, NaN."""
+    with damage_told(path):
+        inside: Any = zarr.open_group(path / INSIDE, mode="r", use_consolidated=False)
+        held = contents(path, inside)
+        data = xarray.open_zarr(Checked(path, held=held), chunks=None, decode_cf=False)
+        if not held.done.all():
+            for variable in data.data_vars.values():
+                if variable.dtype.kind in "fc":
+                    fill = (
+                        complex(NO_RESULT, NO_RESULT) if variable.dtype.kind == "c" else NO_RESULT
+                    )
+                    variable.attrs["_FillValue"] = fill
+        data = xarray.decode_cf(data)
+        if data["message"].size > MANY:
+            return data
+        # xarray cannot mask zarr's own type for text
+        return data.assign(message=data["message"].astype(object))
+
+
+def loaded(path):
+    """The result in a store, in memory; StoreError if any of it is damaged or missing."""
+    with damage_told(path):
+        return result_of(path).load()

@@ -7,6 +7,8 @@ from ..dataset import versions
 from ..engine import drive
 from ..errors import StoreError
 from .chunks import Chunks
+from .manifest import listed
+from .origin import differences, origin
 from .solve import failed, solve
 
 
@@ -25,6 +27,7 @@ class Tasks(NamedTuple):
     kinds: dict
     store: Any  # `Store`, or None
     device: str
+    kind: dict | None  # of processor, of all workers; None: of any
 
     def outcome(self, i, variables):
         """Store the variables of chunk i, if there is a store; `Outcome`."""
@@ -43,10 +46,15 @@ class Tasks(NamedTuple):
 
 
 def do_elsewhere(tasks, i, part, expected):
-    """`Tasks.do` in a worker process, which must have the versions expected."""
+    """`Tasks.do` in a worker process of the versions expected, on the kind of processor."""
     if versions() != expected:
         raise StoreError(
             f"a worker has other versions, {json.loads(versions())}, than those expected, "
             f"{json.loads(expected)}: results would differ in their last digits; install the same"
+        )
+    if lines := differences(json.loads(expected), tasks.kind, origin(tasks.device)):
+        raise StoreError(
+            f"a worker differs from those before it, and results would in their last digits; use "
+            f"workers of one kind, or take them all with mixed=True (--mixed):{listed(lines)}"
         )
     return tasks.do(i, part)

@@ -19,10 +19,13 @@ from .chunks import chunks_of
 from .connect import slurm_client
 from .create import create, tidy
 from .lock import alone
+from .older import INSIDE
+from .origin import origin
 from .probe import cases_of_a_chunk
+from .resume import resumed
 from .solve import bytes_of_a_case, form_of
 from .status import crashed_in, failed_in
-from .store import INSIDE, damage_told, examined, noted, result_of, sweep_up, undone
+from .store import damage_told, examined, is_complete, noted, result_of, undone
 from .task import Tasks
 
 
@@ -37,12 +40,14 @@ def sweep(
     device="cpu",
     retry_crashed=False,
     slurm=None,
+    mixed=False,
     **arguments,
 ):
     """Another verb over all named DataArrays among its arguments, in chunks.
 
     Cases have the same bits however they are divided, on however many cores, threads or machines
     (of one kind: processors differ in their last digits).  A case that fails costs itself only.
+    What a store has lost, or holds damaged, is computed again, with a RuntimeWarning.
 
     Parameters
     ----------
@@ -71,6 +76,10 @@ def sweep(
         "jobs=10,cores=16,memory=32GB,walltime=02:00:00"; what else there is, how many lost jobs are
         replaced, and what dask-jobqueue's configuration adds, says
         :doc:`Run on SLURM </howto/slurm>`.
+    mixed : bool
+        Whether cases may differ in their last digits by what computed them: whether to go on with
+        a store that other versions or another kind of processor began, and to take workers of
+        several kinds.  The store keeps what made which chunk.
     **arguments
         The verb's other arguments.
 
@@ -86,8 +95,9 @@ def sweep(
     ParameterError
         An argument that cannot be used, for any case; nothing to sweep over.
     StoreError
-        The store belongs to another sweep (differences are listed), is in use, or cannot be
-        written; nothing that it holds is lost.
+        The store belongs to another sweep, or was begun by other versions or on another kind of
+        processor (differences are listed), is in use, or cannot be read or written; nothing that
+        it holds is lost.
     SolverError
         The cluster was lost, or no SLURM job is left, or none starts.
 
@@ -118,7 +128,7 @@ def sweep(
         if slurm is not None:
             client = until_done.enter_context(slurm_client(slurm))
         until_done.enter_context(drive.place(device=device))
-        plan = Plan(name, call, chunk, client, device, progress)
+        plan = Plan(name, call, chunk, client, device, progress, mixed)
         if store is None:
             return _in_memory(plan)
         return _in_store(plan, _folder(store, client), retry_crashed)
@@ -134,6 +144,7 @@ class Plan:
     client: Any
     device: str
     progress: bool
+    mixed: bool
 
     def run(self, function, *arguments):
         """What a function returns, where the work is to be done."""
@@ -145,6 +156,11 @@ class Plan:
     def form(self):
         """`Form` of the result."""
         return form_of(self.call)
+
+    @functools.cached_property
+    def origin(self):
+        """Versions and kind of processor of what does the work: of a worker, with a cluster."""
+        return self.run(origin, self.device)
 
     def begin(self):
         """Check all arguments, case by case, and try what a case costs; `Chunks`."""
@@ -163,7 +179,8 @@ class Plan:
         store : open `Store`, or None
         failed : number of cases that failed in those that are
         """
-        tasks = Tasks(chunks, self.form.kinds, store, self.device)
+        kind = None if self.mixed else self.origin["processor"]
+        tasks = Tasks(chunks, self.form.kinds, store, self.device, kind)
         numbers = np.flatnonzero(~done).tolist()
         label = f"sweep of {self.name}"
         with Report(label, chunks, done, failed, quiet=not self.progress) as report:
@@ -201,10 +218,10 @@ def _in_store(plan, path, retry_crashed):
     if not there:
         create(path, plan.name, plan.call, plan.begin(), plan.form, plan.device)
     asked = plan.name, plan.call, plan.chunk, plan.device
-    if retry_crashed or not examined(path, plan.form, *asked).done.all():
+    if retry_crashed or not is_complete(path, examined(path, *asked)):
         with alone(path / INSIDE / "zarr.json", path):
-            store = examined(path, plan.form, *asked)  # as the last to hold it left it
-            sweep_up(path)
+            # as the last to hold it left it
+            store = resumed(path, plan.form, asked, plan.origin, plan.mixed)
             if retry_crashed:
                 store = undone(store, crashed_in(store))
             for _ in plan.outcomes(store.chunks, store.done, store, failed_in(store)):
