@@ -27,7 +27,7 @@ class Tasks(NamedTuple):
     kinds: dict
     store: Any  # `Store`, or None
     device: str
-    kind: dict | None  # of processor, of all workers; None: of any
+    kind: dict | None = None  # of processor, of all workers; None: of any
 
     def outcome(self, i, variables):
         """Store the variables of chunk i, if there is a store; `Outcome`."""
