@@ -66,6 +66,15 @@ def test_a_million_steps_lose_no_time():
     assert s[R.STEPS] == 1e6
 
 
+def test_where_nothing_marches_no_kernel_is_loaded(monkeypatch):
+    """Motion with K = inf is known in closed form."""
+    monkeypatch.setattr(drive, "march", None)
+    monkeypatch.setattr(drive, "return_map", None)
+    rigid = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=np.inf)
+    assert float(rs.simulate(rigid, rs.Loading.constant(1e-3), 0.2).status) == 0
+    assert float(rs.limit_cycle(rigid, 1e-3).status) == 1
+
+
 @pytest.fixture(scope="module")
 def reference():
     everything = {}
