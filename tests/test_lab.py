@@ -71,7 +71,7 @@ def test_titles_between_blanks_are_words_and_their_brackets(unit, tmp_path):
     """A bracket belongs to the word before it, with or without blanks inside; a word does not."""
     header = f"Time {unit}", "Displ ( um )", "Friction", "Normal_stress [MPa]"
     units = {} if unit else {"time": "s"}
-    data = read_lab(write(tmp_path / "r.txt", cells(), header, "  "), units=units)
+    data = read_lab(write(tmp_path / "r.txt", cells(), header, " "), units=units)
     check(data)
     assert set(data.sigma.values) == {2e7}
 
