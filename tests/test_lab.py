@@ -76,6 +76,13 @@ def test_titles_between_blanks_are_words_and_their_brackets(unit, tmp_path):
     assert set(data.sigma.values) == {2e7}
 
 
+def test_a_hold_is_named_with_its_length(tmp_path):
+    x = np.where(T < 10, T, np.where(T < 18, 10.0, 30 * T - 530))
+    data = read_lab(write(tmp_path / "hold.txt", cells((T, x, MU, np.full(N, 20.0)))))
+    hold = "hold of 8 s from 10 s (10 um); slide at 30 um/s from 18 s"
+    assert data.attrs["found"].endswith(hold)
+
+
 NAMES = st.fixed_dictionaries(
     {
         "time": st.sampled_from(["Time(s)", "time [s]", "TIME (sec)", "t_s", "Time, s", "t [s]"]),
