@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import ratestate as rs
-from ratestate import ParameterError, files, fitting, plot
+from ratestate import ParameterError, attributes, files, fitting, plot
 from ratestate.dataset import parameter
 from ratestate.plot.pages import page
 from ratestate.scenario import from_result, python, toml
@@ -247,18 +247,28 @@ def test_altered_results_in_files(ending, results, tmp_path):
             files.read(path)
 
 
+@pytest.mark.parametrize("value", [10**400, -(10**400), True, np.nan, "3", None, [3], 3j])
+def test_what_is_no_number(value):
+    data = xr.Dataset(attrs={"start": value})
+    with pytest.raises(ParameterError, match=r"the attribute .start. of the Dataset is .* number"):
+        attributes.number(data, "start")
+    assert attributes.number(xr.Dataset(attrs={"start": np.array([3])}), "start") == 3.0
+
+
 def test_a_loading_that_is_no_history(results):
     """Each condition on what a result says of the load point, alone."""
     record = json.loads(results["run"].attrs["loading"])
     for change in (
         {"t": [0.1, 0.2]},
         {"t": [0.0, 0.0]},
+        {"V": [-1e-4, 3e-3], "rate": [1.0, 0.0]},
         {"V": [1e-4, -1e-4]},
+        {"V": [1e-4], "rate": [0.0]},
         {"rate": [-1.0, 0.0]},
         {"rate": [0.0, 1.0]},
         {"V": [1e-4, float("inf")]},
         {"t_last": 0.01},
     ):
         altered = json.dumps(record | change)
-        with pytest.raises(ParameterError, match="the loading that the Dataset records is no hist"):
+        with pytest.raises(ParameterError, match=r"records is no history|as many times as"):
             from_result(results["run"].assign_attrs(loading=altered))

@@ -2,6 +2,7 @@
 
 import builtins
 import re
+import types
 
 import numpy as np
 import pytest
@@ -20,7 +21,8 @@ from ratestate.fitting.likelihood.uncertainty import uncertain
 from ratestate.fitting.noise import Noise
 from ratestate.fitting.record import record_of
 from ratestate.fitting.result import ROOTS, estimates
-from ratestate.fitting.solve import solve
+from ratestate.fitting.solve import Solution, solve
+from ratestate.fitting.unknowns import Unknowns
 from ratestate.fitting.words.trades import product, trade, traded
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
@@ -406,3 +408,13 @@ def test_the_wrong_law_is_told_also_where_the_noise_could_take_the_blame(law, no
     other = "aging" if law == "slip" else "slip"
     with pytest.warns(rs.FitWarning, match="that the law does not describe|does not describe the"):
         rs.fit(data, SLIDER, law=other)
+
+
+def test_which_bound_an_estimate_has_run_to():
+    """Within a thousandth of the way between both, and not where there is but one."""
+    names = ("below", "above", "low", "high", "open")
+    low, high = np.array([0.0, 0.0, 0.0, 0.0, 0.0]), np.array([10.0, 10.0, 10.0, 10.0, np.inf])
+    problem = types.SimpleNamespace(unknowns=Unknowns(names, low, high))
+    point = np.array([0.011, 9.989, 0.009, 9.991, 0.0])
+    found = Solution(problem, None, point, *[None] * (len(Solution._fields) - 3))
+    assert [found.at_bound(name) for name in names] == [0, 0, -1, 1, 0]

@@ -7,7 +7,7 @@ from records import SLIDER, STEP, correlated, record
 from scipy.linalg import cholesky, solve_triangular
 
 import ratestate as rs
-from ratestate.fitting.forward import Forward
+from ratestate.fitting.forward import Forward, _difference
 from ratestate.fitting.noise import Noise, estimated_noise
 from ratestate.fitting.record import record_of
 from ratestate.laws import LAWS
@@ -190,3 +190,15 @@ def test_white_noise_is_called_white():
     found = [estimated_noise(t, 2e-4 * rng.normal(size=t.size), fitted) for _ in range(40)]
     assert sum(noise.red > 0.0 for noise in found) <= 2
     assert np.mean([noise.level for noise in found]) == pytest.approx(2e-4, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("lost", "slope"),
+    [((), 6.0), (("above",), 5.5), (("below",), 6.5)],
+)
+def test_a_difference_beside_the_end_of_motion_is_that_of_the_other_side(lost, slope):
+    """Of x^2 at 3, with steps of a half: 2 x, or 2 x -+ the step."""
+    step = 0.5
+    friction = {"above": 3.5**2, "here": 3.0**2, "below": 2.5**2}
+    lanes = {k: np.array([x, np.nan if k in lost else x]) for k, x in friction.items()}
+    assert _difference(*lanes.values(), step)[0] == pytest.approx(slope, rel=1e-15)

@@ -219,3 +219,24 @@ def test_many_rows():
     noise = 1e-7 * np.random.default_rng(8).standard_normal(t.size)
     found = segments_of(t, x + noise)
     assert abs(found.t - [0, 500, 700]).max() < 0.01
+
+
+@pytest.mark.parametrize(("moved", "still"), [(1.0, True), (2.2, False)])
+def test_a_hold_may_move_by_the_noise(moved, still):
+    """1.5 times its standard deviation: far more than the error of so long a hold's speed."""
+    t = np.arange(0, 300, 0.1)
+    noise = NOISE * np.random.default_rng(8).standard_normal(t.size)
+    hold = (t >= 100) & (t < 200)
+    noise[hold] -= np.polyval(np.polyfit(t[hold], noise[hold], 1), t[hold])
+    found = segments_of(t, history(t, [0, 100, 200], [1e-5, moved * NOISE / 100, 1e-5]) + noise)
+    assert found.V.size == 3
+    assert (found.V[1] == 0.0) == still
+
+
+@pytest.mark.parametrize("degree", [0, 1])
+def test_the_noise_of_a_record_is_its_variance(degree):
+    """White noise of 2 um, about a line or a level."""
+    t = np.arange(40_000.0)
+    white = 2e-6 * np.random.default_rng(9).standard_normal(t.size)
+    line = 3e-6 * t if degree else np.zeros(t.size)
+    assert 0.95 < splits.Rows(t, line + white, degree).noise / 4e-12 < 1.15

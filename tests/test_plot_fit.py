@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 from records import SLIDER, STEP, record
+from scipy.stats import norm
 
 import ratestate as rs
 from ratestate import ParameterError, plot
@@ -235,3 +236,12 @@ def test_the_error_of_stiffness_over_critical_is_that_of_draws(both):
 def test_each_law_has_its_own_words(both):
     warned = both.assign(warnings=("law", ["beware\nof it", ""]))
     assert [warnings_of(part) for part in each_law(warned).values()] == [["beware", "of it"], []]
+
+
+def test_the_lines_of_residuals_hold_95_percent_of_the_noise(both, drawn):
+    """At +- the normal quantile, by SciPy, times the level of white and red noise together."""
+    for law, part in each_law(both).items():
+        level = norm.ppf(0.975) * np.hypot(float(part.noise_white), float(part.noise_red))
+        flat = [line.get_ydata() for line in panels(drawn)[f"{law} record"].lines[1:4]]
+        heights = sorted(float(y[0]) for y in flat)
+        np.testing.assert_allclose(heights, [-1e3 * level, 0.0, 1e3 * level], rtol=1e-4)

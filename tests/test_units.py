@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from ratestate import ParameterError, logspace
 from ratestate.arrays import check_aligned
-from ratestate.quantities import KINDS, QUANTITIES, attrs
+from ratestate.quantities import KINDS, QUANTITIES, attrs, long_time
 from ratestate.units import _PREFIXES, _factor, _registry, to_si
 
 SPELLED = [
@@ -126,6 +126,9 @@ REFUSED = [
         -1,
         "M = -1 kg/m^2 must be >= 0; expected a mass per area [kg/m^2] such as '3000",
     ),
+    ("M", -1e-9, "M = -1e-09 kg/m^2 must be >= 0"),
+    ("M", -5e-324, "must be >= 0"),
+    ("Dc", -1e-9, "Dc = -1e-09 m must be > 0"),
     ("M", True, "M = True is of type bool; expected a mass per area"),
     ("M", np.True_, "is of type bool"),
     ("M", None, "M = None is of type NoneType; expected a mass per area"),
@@ -152,6 +155,7 @@ def test_refused(symbol, value, message):
 
 def test_label_and_bound_of_the_caller():
     assert to_si("V_lp", 0, bound=">= 0") == 0
+    assert to_si("V_lp", 5e-324, bound="> 0") == 5e-324
     with pytest.raises(ParameterError, match=re.escape("V_lp[3] = -1 m/s must be >= 0")):
         to_si("V_lp", -1, label="V_lp[3]", bound=">= 0")
 
@@ -272,3 +276,11 @@ def test_check_aligned():
     bare = xr.DataArray([1, 2, 3], dims="M")
     with pytest.raises(ParameterError, match="M and K have different coordinates"):
         check_aligned({"b": bare, "M": one, "K": two})
+
+
+def test_long_times_have_units_of_their_own():
+    day, year = 24 * 60 * 60, 365.25 * 24 * 60 * 60
+    assert long_time(7199.9) is None
+    assert long_time(7200.0) == long_time(1.99 * day) == ("hours", 3600.0)
+    assert long_time(2.0 * day) == long_time(1.99 * year) == ("days", day)
+    assert long_time(2.0 * year) == ("years", year)

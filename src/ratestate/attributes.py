@@ -36,7 +36,7 @@ def text(result, name, default=None):
 
 
 def number(result, name):
-    """An attribute that is a finite number."""
+    """An attribute that is a number, of a quantity one in its range."""
     value = attribute(result, name)
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.item()
@@ -123,7 +123,7 @@ def _plain(name, value):
     try:
         value = float(value)
     except OverflowError:
-        value = np.inf
+        raise _altered(name, value, "expected a number below 1e308") from None
     if np.isnan(value):
         raise _altered(name, value, "expected a number")
     return value
