@@ -1,6 +1,7 @@
 """Laboratory files as records: layouts, names, units, rows that cannot be used."""
 
 import json
+import os
 import warnings
 from pathlib import Path
 
@@ -401,6 +402,32 @@ def test_files_refused(tmp_path):
         read_lab(tmp_path / "r.h5")
 
 
+def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):
+    path = tmp_path / "r.txt"
+    for content, match in [
+        ("1," * 3_000_000 + "\n", "r.txt is no record: line 1 has 6,000,000 characters"),
+        ("\n" + "x" * 20_001 + "\n1\t2\n", "line 2 has 20,001 characters, more than 20,000"),
+        ("one word\n" * 100_000, "no line of numbers"),
+    ]:
+        path.write_text(content)
+        with pytest.raises(rs.ParameterError, match=match):
+            read_lab(path)
+    check(read_lab(write(path, cells(), above=["#" + "x" * 19_999, *["#"] * 1000])))
+    size = path.stat().st_size
+    monkeypatch.setattr("ratestate.lab.text.LARGEST", size)
+    check(read_lab(path))
+    monkeypatch.setattr("ratestate.lab.text.LARGEST", size - 1)
+    with pytest.raises(rs.ParameterError, match="that are read as text; save it as HDF5"):
+        read_lab(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes that have names")
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.txt")
+    with pytest.raises(rs.ParameterError, match=r"pipe.txt is no file"):
+        read_lab(tmp_path / "pipe.txt")
+
+
 def test_dead_channels_and_short_records(tmp_path):
     for dead in (1, 2):
         columns = [*COLUMNS]
@@ -417,6 +444,19 @@ def test_times_that_repeat_or_run_backwards(tmp_path):
     match = r"backwards at line 62, first from 14.75 s to 0 s; sort .*time=\(None, '14.75 s'\)"
     refused(tmp_path, match, rows[:60] + rows[:30])
     check(read_lab(write(tmp_path / "r.txt", [*rows, rows[0]]), time=(1, 29)), slice(4, 117))
+
+
+def test_times_that_are_one_but_for_rounding(tmp_path):
+    """A step of 1e-9 of the usual one is none, and one of 1e-8 is."""
+    for step, rows in ((0.25e-9, T != 0.25), (0.25e-8, slice(None))):
+        t = np.where(T == 0.25, step, T)
+        path = write(tmp_path / "r.txt", cells((t, *COLUMNS[1:])))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            data = read_lab(path)
+        np.testing.assert_array_equal(data.time, t[rows])
+        left_out = [str(one.message) for one in told if "the time of the row before" in str(one)]
+        assert len(left_out) == (step < 1e-9)
 
 
 def test_gaps(tmp_path):

@@ -13,6 +13,9 @@ from .titles import is_unit, plain, split
 COMMENTS = ("#", "%")
 DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
 LOOK = 200  # lines, by which the layout is known
+#: what no record's text passes: bytes, of which each takes some ten of memory; characters of a line,
+#: each cell of which is looked at in many ways; lines above the numbers
+LARGEST, LONGEST, HEADER = 10**9, 20_000, 2_000
 _FORTRAN = re.compile(r"^([-+]?[\d.]+)[dD](?=[-+]?\d+$)")  # 1.0D+02
 _DECIMAL = re.compile(r"(?<=\d),(?=\d)")
 
@@ -27,6 +30,7 @@ def read_text(path):
         rows have cells.
     """
     lines = re.split(r"\r\n|\n|\r", _text(path))
+    _check_lengths(path, lines)
     start, delimiter = _layout(path, lines)
     decimal = delimiter != "," and _decimal_comma(lines[start : start + LOOK], delimiter)
     width = _width(lines[start : start + LOOK], delimiter)
@@ -44,8 +48,23 @@ def read_text(path):
     return Table(columns, "line", np.array(numbers), odd)
 
 
+def _check_lengths(path, lines):
+    """Refuse what is no table of a record, and would take for ever."""
+    number, longest = max(enumerate(map(len, lines), 1), key=lambda one: one[1])
+    if longest > LONGEST:
+        raise ParameterError(
+            f"{path.name} is no record: line {number} has {longest:,} characters, more than "
+            f"{LONGEST:,}; save it with one row of a few numbers for each time"
+        )
+
+
 def _text(path):
     """The file as text, whatever the machine that wrote it."""
+    if (size := path.stat().st_size) > LARGEST:
+        raise ParameterError(
+            f"{path.name} has {size / 1e9:.2f} GB, more than the {LARGEST / 1e9:g} GB that are read "
+            f"as text; save it as HDF5, or in parts, or every tenth row"
+        )
     data = path.read_bytes()
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         encodings = ["utf-16"]
@@ -92,7 +111,7 @@ def _is_data(cells):
 def _layout(path, lines):
     """Index of the first line of numbers, and what stands between its cells."""
     full = [i for i, line in enumerate(lines) if line.strip() and not _is_comment(line)]
-    for start, after in zip(full, [*full[1:], None], strict=False):
+    for start, after in zip(full[:HEADER], [*full[1:], None], strict=False):
         for delimiter in DELIMITERS:
             cells, below = (
                 _cells(line if delimiter == "," else _DECIMAL.sub(".", line), delimiter)
