@@ -27,9 +27,8 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     ----------
     path : str or pathlib.Path
         Text with columns between tabs, commas, semicolons or spaces, with a header or without;
-        HDF5 (NetCDF 4 as well); or MAT.  The latter are read by a process of their own (some 0.3 s),
-        which a damaged file may end, or have ended after a minute or at a GiB more than its size
-        explains.
+        HDF5 (NetCDF 4 as well); or MAT.  The latter two are read by a process of their own (some
+        0.3 s), for damaged ones may end the process that reads them, or fill the memory.
     columns : dict, optional
         Which column is which, where their names do not tell: some of ``time``, ``delta_lp``
         (displacement of the load point), ``V_load`` (its velocity), ``friction``, ``tau`` and

@@ -13,9 +13,9 @@ from .titles import is_unit, plain, split
 COMMENTS = ("#", "%")
 DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
 LOOK = 200  # lines, by which the layout is known
-#: what no record's text passes: bytes, of which each takes some ten of memory; characters of a line,
-#: each cell of which is looked at in many ways; lines above the numbers
-LARGEST, LONGEST, HEADER = 10**9, 20_000, 2_000
+LARGEST = 10**9  # bytes, of which each takes some ten of memory
+LONGEST = 20_000  # characters of a line
+HEADER = 2_000  # lines above the numbers
 _FORTRAN = re.compile(r"^([-+]?[\d.]+)[dD](?=[-+]?\d+$)")  # 1.0D+02
 _DECIMAL = re.compile(r"(?<=\d),(?=\d)")
 
@@ -62,8 +62,8 @@ def _text(path):
     """The file as text, whatever the machine that wrote it."""
     if (size := path.stat().st_size) > LARGEST:
         raise ParameterError(
-            f"{path.name} has {size / 1e9:.2f} GB, more than the {LARGEST / 1e9:g} GB that are read "
-            f"as text; save it as HDF5, or in parts, or every tenth row"
+            f"{path.name} has {size / 1e9:.2f} GB, more than the {LARGEST / 1e9:g} GB that are "
+            f"read as text; save it as HDF5, or in parts, or every tenth row"
         )
     data = path.read_bytes()
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
