@@ -18,11 +18,12 @@ STICK = SpringSlider(a=0.005, b=0.008, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=4e6, M=1
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 MEASURES = ["period", "frequency", "amplitude", "V_max", "V_min", "inertia"]
 FIRMNESS = ["slow_fraction", "fundamental", "stable", "residual", "error"]
+FIRMNESS += ["V_max_error", "V_min_error"]
 
 
 def test_contract():
     found = limit_cycle(STICK, "10 um/s")
-    assert list(found.data_vars) == [*MEASURES, *FIRMNESS, "multipliers", "status"]
+    assert list(found.data_vars) == [*MEASURES, *FIRMNESS, "returns", "multipliers", "status"]
     assert found.multipliers.dims == ("multiplier",)
     for name in [*MEASURES, *FIRMNESS]:
         assert found[name].dims == ()

@@ -30,7 +30,13 @@ def beginning(family, p_start, p_stop):
     unstable = system.beta[0] > 1.0
     if unstable:
         settled = settle(system, steady_start(system), family.rtol, True, None)
-        status = int(settled.status[0])
+        status, returns = int(settled.status[0]), int(settled.returns[0])
+        if status == FINISHED and returns > 1:
+            raise NotConverged(
+                f"the motion at `start` closes after {returns} returns (period doubling), and "
+                f"continue_cycle follows cycles of one; start where `limit_cycle` finds one",
+                None,
+            )
         if status == FINISHED:
             return Beginning(family.chart(settled.u, [p_start])[0], p_start, None)
         if status != STEADY_SLIDING:
@@ -92,12 +98,14 @@ def hopf_measures(family, p):
     period = 2.0 * np.pi / omega
     third = np.exp(-(1.0 + 1.0 / system.eta) * period)
     zero = np.zeros(1)
-    values = dict.fromkeys(("amplitude", "v_max", "v_min", "g_max", "slow_fraction"), zero)
+    nothing = "amplitude v_max v_min v_max_error v_min_error g_max slow_fraction".split()
+    values = dict.fromkeys(nothing, zero)
     return values | {
         "period": period,
         "fundamental": zero + 1.0,
         "multipliers": np.stack([zero + 1.0, third], axis=1).astype(complex),
         "residual": zero,
+        "returns": zero + 1.0,
         "error": zero,
     }
 

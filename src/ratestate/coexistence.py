@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .normal_form import growth_slopes, law_curvatures, lyapunov_1
-from .settle import TIGHTEST
-from .shooting import System, state, turn
+from .shooting import TIGHTEST, System, state, turn
 
 # Amplitude of ln V of the first cycle looked at, and ratio of the sizes of neighbours.
 SMALLEST, RATIO = 0.02, 1.3

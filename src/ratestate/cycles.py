@@ -23,7 +23,7 @@ from .units import is_array, to_si
 
 TAKEN = (
     "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
-    " multiplier stable residual error status"
+    " multiplier stable residual error V_max_error V_min_error returns status"
 ).split()
 # Relative error beyond which an answer is refused.
 WORST = 1e-2
@@ -36,7 +36,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
 
     By shooting: Newton's method on the return map of the section V = V_lp, where the stress has
     its maximum, with the map's derivative from the variational equations.  The motion from the
-    start on decides which of several cycles, or steady sliding, it is.
+    start on decides which of several cycles, or steady sliding, it is; where it alternates, large
+    and small in turn, the cycle is that of 2, 4, ... returns to the section (period doubling).
 
     Parameters
     ----------
@@ -55,14 +56,18 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
         - ``period`` [s], ``frequency`` [Hz], ``amplitude`` (max - min of tau/sigma), ``V_max``
           and ``V_min`` [m/s], ``inertia`` (max |tau/sigma - mu| over the amplitude);
         - ``slow_fraction``, the part of the period in which V < V_lp/10, and ``fundamental``, the
-          share of the first harmonic in the variance of tau (1: harmonic, 6/pi^2: sawtooth);
+          share, in the variance of tau, of the harmonic with one oscillation a return (1:
+          harmonic, 6/pi^2: sawtooth);
         - ``multipliers``, complex, in the dimension ``multiplier``: the two Floquet multipliers
           beside the trivial 1, the larger first, by which small distances from the cycle change
           in a period.  Their product is the exponential of the integrated trace of the Jacobian;
           below 1e-8 no more than that is certain;
         - ``stable``, whether small disturbances decay;
-        - ``residual``, the relative distance by which a turn fails to close, and ``error``, the
-          estimated relative error of amplitude and period;
+        - ``residual``, the relative distance by which the cycle fails to close, and ``error``, the
+          estimated relative error of amplitude and period; ``V_max_error`` and ``V_min_error``,
+          those of the speeds, which may exceed rtol where they span decades;
+        - ``returns``, how many returns to the section make the period: 1, 2, 4, ... up to 32, all
+          of them counted in the other variables; 0 where there is no cycle;
         - ``status`` (int8 with CF flags).  0 is a cycle; 1 is steady sliding: amplitude, inertia
           and error are 0, V_max = V_min = V_lp, what only a cycle has is NaN.
 
@@ -73,8 +78,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     QuasiStaticInstability
         M = 0, and the motion runs into an instability.
     NotConverged
-        The motion settles into no cycle that repeats after one turn, or double precision does not
-        fix it to 1 %; ``best`` holds the last turn.
+        The motion settles into no cycle of up to 32 returns, or double precision does not fix it
+        to 1 %; ``best`` holds the last return.
     SolverError
         Any other failure.  In a sweep such cases are NaN, with their status.
 
@@ -207,7 +212,11 @@ def cycle_variables(batch, status, found, stable):
             "stable": np.where(steady, K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K, stable),
             "residual": of("residual", 0.0),
             "error": of("error", 0.0),
+            "V_max_error": of("v_max_error", 0.0),
+            "V_min_error": of("v_min_error", 0.0),
         }
+    returns = np.nan_to_num(of("returns", 0.0)).astype(np.int16)
     variables = {name: batch.variable(value, name) for name, value in values.items()}
+    variables["returns"] = batch.variable(returns, "returns")
     variables["multipliers"] = batch.variable(multipliers, "multipliers", "multiplier")
     return variables

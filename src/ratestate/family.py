@@ -14,8 +14,8 @@ from .engine.model import FINISHED
 from .engine.return_map import SLAVED
 from .laws import evolution_law
 from .measure import measure
-from .settle import TIGHTEST, Settled, tightest
-from .shooting import small_amplitude, state, system_of, turn
+from .settle import Settled
+from .shooting import TIGHTEST, small_amplitude, state, system_of, tightest, turn
 
 #: what a family can run along
 PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
@@ -117,6 +117,7 @@ class Family(NamedTuple):
             np.array([point.measures["period"] for point in points]),
             # Of the branch; > 0 says that a cycle is not to be corrected at constant p.
             np.array([point.error for point in points]) + 1e-16,
+            np.ones(len(p), np.int64),
         )
         return measure(self.system(p), settled, False)
 

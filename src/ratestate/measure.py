@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from .attraction import FINER
 from .engine.model import FINISHED
+from .iterates import iterate
 from .modes import steady_modes
-from .settle import FINER, tightest
-from .shooting import distance, multipliers, newton_step, small_amplitude, state, turn
+from .shooting import distance, multipliers, newton_step, small_amplitude, tightest
 
 # Of the error estimate: its safety, and what rounding makes of a turn.
 SAFETY, ROUNDING = 3.0, 30.0 * 2.0**-52
@@ -57,42 +58,51 @@ def measure(system, settled, alone):
     """
     tol = np.maximum(FINER * settled.tol, tightest(system, settled.u))
     u = settled.u
-    turns = turn(system, state(system, u), tol, alone=alone, period=settled.period)
+    turns = iterate(system, u, tol, settled.returns, alone=alone, period=settled.period)
     found = turns.numbers
     fixed = settled.error > 0.0
     step = np.where(fixed[:, None], 0.0, newton_step(turns, u))
     floquet = multipliers(turns)
     attraction = np.where(fixed, 1.0, np.minimum(1.0, np.abs(1.0 - floquet[:, 0])))
-    psi, G = (u + step).T
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        low = found["x_low"] + found["x_low_a"] * step[:, 0] + found["x_low_b"] * step[:, 1]
-        amplitude = system.beta * psi + system.eta * G - low
-        shift = found["period_a"] * step[:, 0] + found["period_b"] * step[:, 1]
+        high, low, shift, v_max, v_min = (
+            found[f"{name}_a"] * step[:, 0] + found[f"{name}_b"] * step[:, 1]
+            for name in ("x_high", "x_low", "period", "v_max", "v_min")
+        )
+        before = found["x_high"] - found["x_low"]
+        amplitude = before + (high - low)
         period = found["period"] + shift
-        before = state(system, u)[:, 0] - found["x_low"]
         scale = np.minimum(1.0, np.abs(small_amplitude(system, u)))
         # Where the stress is large and the cycle hardly attracts, rounding can feign one.
         drowned = ROUNDING * distance(system, u) > 1e-4 * attraction
         least = tol / scale + np.where(drowned & ~fixed, np.inf, ROUNDING / attraction)
         # A cycle that is corrected away was none.
         whole = np.where((amplitude > 0.0) & (period > 0.0), [amplitude, period], 0.0)
-        changes = np.abs([amplitude - before, shift]) / whole
+        changes = np.abs([high - low, shift]) / whole
         mean = found["mean"] / found["period"]
         variance = found["square"] / found["period"] - mean**2
         wave = (found["cosine"] ** 2 + found["sine"] ** 2) / found["period"] ** 2
         closes = turns.image - u
+        finer = tol / settled.tol
+
+        def error(change):
+            return settled.error + SAFETY * (finer * change + least)
+
         values = {
             "period": period,
             "amplitude": amplitude,
-            "v_max": found["v_max"],
-            "v_min": found["v_min"],
+            "v_max": found["v_max"] + v_max,
+            "v_min": found["v_min"] + v_min,
             "g_max": found["g_max"],
             "slow_fraction": found["slow"] / found["period"],
             "fundamental": 2.0 * wave / variance,
             "multipliers": floquet,
             "u": u + step,
             "residual": distance(system, closes) / distance(system, u),
-            "error": settled.error + SAFETY * (tol / settled.tol * changes.max(axis=0) + least),
+            "returns": settled.returns.astype(float),
+            "error": error(changes.max(axis=0)),
+            "v_max_error": error(np.abs(v_max)),
+            "v_min_error": error(np.abs(v_min)),
         }
     closed = turns.status == FINISHED
     return {

@@ -148,5 +148,6 @@ def observables(batch, motion, rtol):
     failed = motion.status != FINISHED
     values = {name: np.where(failed, np.nan, value) for name, value in values.items()}
     values["steps"] = np.nan_to_num(found["steps"]).astype(np.int64)
+    values["returns"] = np.where(counts & ~failed, found["returns"], 0.0).astype(np.int16)
     values["energy_residual"] = found["energy_residual"]
     return {name: batch.variable(value, name) for name, value in values.items()}

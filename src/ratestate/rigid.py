@@ -31,6 +31,7 @@ def follow(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
         "energy_residual": 0.0,  # the load point's work is friction's, by V = V_lp
         "amplitude": 0.0,
         "cycles": 0.0,
+        "returns": 0.0,
         "v_max": np.log(reached.max() / V0),
         "v_min": np.log(reached.min() / V0),
         "g_max": np.abs(inertia[used]).max(),

@@ -1,35 +1,28 @@
 """Which limit cycle a slider settles into, and that cycle to full accuracy.
 
 Where steady sliding and cycles coexist, the answer depends on the start.  So the orbit itself is
-followed from the start on, turn by turn; but where successive turns differ little it leaps, by at
-most half of what Newton's method says is left, and by no more than a third of itself, so that it
-does not pass over a fixed point that would have held it.  Near a stable one, Newton's method takes
-over.  Near steady sliding, where the return map drowns in rounding, harmonic balance does.
+followed from the start on, with what attraction.py knows of where it goes.  Near steady sliding,
+where the return map drowns in rounding, harmonic balance takes over.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from .attraction import LOOSE, REACH, SEARCH, advance
 from .engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
-from .shooting import distance, multipliers, newton_step, small_amplitude, state, turn
+from .iterates import iterate
+from .shooting import distance, small_amplitude, tightest, turn
 from .soft import curvature, soft_cycle
 
-# Turns after which a slider that has not settled counts as never settling.
-MOST_ROUNDS = 400
-# A leap, and a step of Newton's method that is trusted, relative to the distance from u = 0.
-REACH = 0.3
+# Steps of the search, and returns of an orbit, after which a slider counts as never settling.
+MOST_ROUNDS, MOST_FOLLOWED = 400, 2000
+# Distance, relative to that from u = 0, to which a cycle closes after half its returns.
+CLOSES = 1e-4
 # Amplitudes of ln V below which a stable steady sliding is reached; below which cycles are soft.
 STEADY, SOFT = 1e-2, 2e-2
-# Tolerance of a step in x, v and psi: the loosest (beyond which derivatives of the map may be
-# wrong), and what rounding of numbers of order 1 allows.
-LOOSE, TIGHTEST = 1e-6, 2e-14
 # Looser answers are not cheaper.
 LOOSEST_ANSWER = 1e-5
-# How much finer than what it moves a turn must be.
-FINER = 0.1
-# Errors of a turn, in its tolerance, with which Newton's method must live; at the tightest.
-NOISE, ROUNDING = 3.0, 1e4
 
 
 class Settled(NamedTuple):
@@ -40,6 +33,7 @@ class Settled(NamedTuple):
     tol: np.ndarray  # (n,) tolerance of its turn
     period: np.ndarray  # (n,)
     error: np.ndarray  # (n,) of a soft cycle, estimated relative error; 0 elsewhere
+    returns: np.ndarray  # (n,) how many make the period
 
     def at(self, which):
         """The sliders with these numbers, or where this is true."""
@@ -70,69 +64,49 @@ def settle(system, start, rtol, alone, progress):
         np.full(n, LOOSE),
         first.numbers["period"],
         np.zeros(n),
+        np.ones(n, np.int64),
     )
+    search, followed = np.zeros(n, SEARCH), np.ones(n, np.int64)
+    search["reach"] = REACH
     for number in range(MOST_ROUNDS):
-        active = np.flatnonzero(found.status == RUNNING)
+        active = np.flatnonzero((found.status == RUNNING) & (followed < MOST_FOLLOWED))
         if progress:
             progress(1.0 - len(active) / n)
         if not len(active):
             break
-        part, u, tol = system.at(active), found.u[active], found.tol[active]
-        turns = turn(part, state(part, u), tol, alone=alone, steady_tol=steady_tol[active])
+        part, now, here = system.at(active), found.at(active), search[active]
+        turns = iterate(
+            part, now.u, now.tol, now.returns, alone=alone, steady_tol=steady_tol[active]
+        )
+        followed[active] += now.returns
         found.status[active] = np.where(turns.came_back, RUNNING, turns.status)
         found.period[active] = turns.numbers["period"]
-        found.u[active], found.tol[active], done = _advance(
-            part, turns, u, tol, rtol, leap=number > 0
+        on_orbit = ~here["ahead"]
+        found.u[active], found.tol[active], done, doubled = advance(
+            part, turns, now, here, rtol, leap=number > 0
         )
+        found.returns[active] = np.where(doubled, 2 * now.returns, now.returns)
+        search[active] = here
         found.status[active[done]] = FINISHED
-        small = np.where(turns.came_back, small_amplitude(part, u), np.inf)
+        small = np.where(turns.came_back & on_orbit, small_amplitude(part, now.u), np.inf)
         _come_to_rest(system, found, active, np.where(stable[active], small, np.inf))
         _soften(system, found, active[~stable[active] & (small < SOFT)])
     found.status[found.status == RUNNING] = NO_CONVERGENCE
+    _halve(system, found, alone)
     return found
 
 
-def _advance(system, turns, u, tol, rtol, leap):
-    """The next u and tolerance, and whether Newton's method has converged there."""
-    move = turns.image - u
-    newton = newton_step(turns, u)
-    size, length = distance(system, u), distance(system, move)
-    left = distance(system, newton) / size
-    first, second = multipliers(turns).T
-    attracts = np.abs(first) < 1.0
-    rising = (u + newton)[:, 1] > 0.0
-    trusted = attracts & rising & (left <= REACH)
-    # A leap prolongs what the turn moved along its slow direction.  It must not pass a fixed
-    # point, nor amplify turns that alternate.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        matrix = turns.jacobian - second.real[:, None, None] * np.eye(2)
-        slow = (matrix @ move[:, :, None])[:, :, 0] / (first - second).real[:, None]
-        along = distance(system, slow)
-        until = np.where(attracts, 0.5 * along / np.abs(1.0 - first), np.inf)
-        more = np.minimum(REACH * size, until) / along - 1.0
-        # Without inertia orbits are all but neutral at K_c_qs: a leap there would be a random walk.
-        may = leap & (first.imag == 0.0) & (first.real > 0.0) & (system.eta > 0.0)
-        more = np.where(may, more, 0.0)
-        leapt = turns.image + more[:, None] * slow
-    leapt = np.where(((more > 0.0) & (leapt[:, 1] > 0.0))[:, None], leapt, turns.image)
-    attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)
-    # The engine's tolerance is absolute in ln V, and that of a small cycle must be smaller.
-    scale = np.minimum(1.0, small_amplitude(system, u))
-    floor = tightest(system, u)
-    finest = np.maximum(rtol * scale * attraction, floor)
-    with np.errstate(invalid="ignore"):
-        ahead = length / size * np.where(trusted, left, 0.1)
-    next_tol = np.clip(np.nan_to_num(FINER * ahead * scale, nan=LOOSE), finest, LOOSE)
-    noise = np.where(tol > floor, NOISE, ROUNDING)
-    with np.errstate(divide="ignore"):  # a multiplier of exactly 1 resolves nothing
-        resolved = np.maximum(rtol, noise * tol / (scale * attraction))
-    done = trusted & (tol <= 2.0 * finest) & (left <= resolved)
-    return np.where(trusted[:, None], u + newton, leapt), next_tol, done
-
-
-def tightest(system, u):
-    """(n,) the smallest tolerance that rounding of x leaves a meaning."""
-    return TIGHTEST * np.maximum(1.0, distance(system, u))
+def _halve(system, found, alone):
+    """Put down what closes after half its returns already as a cycle of these."""
+    which = np.flatnonzero((found.status == FINISHED) & (found.returns > 1))
+    while len(which):
+        part, now = system.at(which), found.at(which)
+        half = iterate(part, now.u, now.tol, now.returns // 2, alone=alone)
+        closes = distance(part, half.image - now.u) <= CLOSES * distance(part, now.u)
+        which = which[closes]
+        found.returns[which] //= 2
+        found.period[which] *= 0.5
+        which = which[found.returns[which] > 1]
 
 
 def _come_to_rest(system, found, active, r):

@@ -8,7 +8,7 @@ ends on the section V = V_lp, V rising, where the stress has its maximum.  Its p
 
 in which nothing cancels, neither for small eta, where inertia is lost in rounding and G follows
 from psi (G = -beta dpsi/dT), nor near steady sliding.  A limit cycle is a fixed point of the map
-from u to the next u.
+from u to the next u, or of an iterate of it (iterates.py).
 """
 
 from typing import NamedTuple
@@ -24,6 +24,8 @@ from .stability import eta
 
 # Of one turn: a hundred times what a stick-slip cycle over 20 decades of V takes.
 MAX_STEPS = 2e5
+# Tolerance of a step in x, v and psi that rounding of numbers of order 1 allows.
+TIGHTEST = 2e-14
 
 
 class System(NamedTuple):
@@ -85,6 +87,11 @@ def small_amplitude(system, u):
     """
     x = state(system, u)[:, 0]
     return x * np.sqrt(np.maximum(system.beta - 1.0, 0.0)) / system.kappa
+
+
+def tightest(system, u):
+    """(n,) the smallest tolerance of a turn that rounding of x leaves a meaning."""
+    return TIGHTEST * np.maximum(1.0, distance(system, u))
 
 
 def turn(system, y, rtol, *, alone, steady_tol=0.0, period=None):

@@ -27,7 +27,7 @@ from .units import is_array, to_si
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
 TAKEN = (
     "V theta delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
-    " V_max V_min inertial_force t"
+    " returns V_max V_min inertial_force t"
 ).split()
 # That a case takes in memory at each time: seven variables of the result, three of the engine's.
 BYTES = 80
@@ -80,9 +80,11 @@ def simulate(
         [m/s]), ``theta`` [s], ``delta`` and ``delta_lp`` [m], ``tau`` [Pa] (the spring's),
         ``mu``.  Per case: ``status`` (int8 with CF flags; 0 finished), ``steps``,
         ``energy_residual`` (load work less stored and dissipated energy, over all of them),
-        ``cycles`` (completed since the last jump in the loading), ``amplitude`` (max - min of
-        tau/sigma) and ``frequency`` [Hz] of the last of them (0 if none), ``V_max`` and
-        ``V_min`` [m/s] of the run, ``inertial_force`` (its largest |tau/sigma - mu|).
+        ``cycles`` (stress maxima after the first since the last jump in the loading),
+        ``amplitude`` (max - min of tau/sigma) and ``frequency`` [Hz] of the last period (0 if
+        none), ``returns`` (how many of those maxima make that period: 1, or 2, 4, 8 where unequal
+        ones alternate), ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its largest
+        |tau/sigma - mu|).
         delta_lp(0) = 0 and delta(0) = -tau(0)/K (0 where K = inf).
 
     Raises

@@ -30,7 +30,8 @@ def cycles_around(system, which, u):
     settled = settle(part, state(part, u[which]), RTOL, False, None)
     stable = refine(part, settled, RTOL, False)
     found["amplitude"][which], found["period"][which] = stable["amplitude"], stable["period"]
-    for i, u_i in zip(which, settled.u, strict=True):
+    single = settled.returns == 1  # the unstable cycle's, which this one meets
+    for i, u_i in zip(which[single], settled.u[single], strict=True):
         numbers = (float(values[i]) for values in (system.kappa, system.beta, system.eta))
         kappa, beta, eta = numbers
         # With V_lp = Dc = sigma = a = 1 the slider is its own dimensionless form.

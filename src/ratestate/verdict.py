@@ -49,6 +49,8 @@ class Verdict:
         Of the least stable disturbance of steady sliding [1/s], [rad/s].
     period, frequency, amplitude, V_max, V_min : float or None
         Of the limit cycle [s, Hz, 1, m/s, m/s]: None without one, amplitude 0 in steady sliding.
+    returns : int or None
+        Stress maxima in a period; None without a cycle.
     multiplier : complex or None
         Largest Floquet multiplier beside 1: what is left of a disturbance after one cycle.
     K_fold : float or None
@@ -74,6 +76,7 @@ class Verdict:
     amplitude: float | None = None
     V_max: float | None = None
     V_min: float | None = None
+    returns: int | None = None
     multiplier: complex | None = None
     K_fold: float | None = None
     sentences: tuple[str, ...] = ()
@@ -151,6 +154,7 @@ def judge(slider, V_lp, cycle):
         if int(cycle.status) != STEADY_SLIDING:
             found["period"], found["frequency"] = float(cycle.period), float(cycle.frequency)
             found["multiplier"] = complex(cycle.multipliers[0])
+            found["returns"] = int(cycle.returns)
     if found["stable"] and 0.0 < slider.K < STRIP * found["K_c"]:
         found["K_fold"] = _fold(slider, found["eta"])
     bare = Verdict(slider=slider, V_lp=V_lp, **found)

@@ -21,7 +21,7 @@ def sentences(found, why):
 
     why : of one without an answer, what stopped the search; empty if it found nothing to settle on
     """
-    return _told(motion(found, why), *_steady(found), fading(found), beside(found))
+    return _told(motion(found, why), doubling(found), *_steady(found), fading(found), beside(found))
 
 
 def of_steady_sliding(found):
@@ -61,7 +61,7 @@ def motion(found, why):
     if found.regime == HARMONIC:
         between = f"V between {_range('V', found.V_min, found.V_max)}"
         return (
-            f"Quasi-harmonic vibration at {readable('frequency', found.frequency)}: {swing}, "
+            f"Quasi-harmonic vibration at {readable('frequency', _vibration(found))}: {swing}, "
             f"{between}."
         )
     name = {SLOW: "Slow stick-slip", STICK_SLIP: "Stick-slip"}[found.regime]
@@ -70,6 +70,21 @@ def motion(found, why):
         f"{name}, a cycle every {_time(found.period)}: {swing}, and the slider slips at up to "
         f"{readable('V', found.V_max, 3)}{hardly}."
     )
+
+
+def doubling(found):
+    """After how many maxima of the stress the cycle repeats, where it is not one."""
+    if found.returns is None or found.returns < 2:
+        return ""
+    return (
+        f"It repeats after {found.returns} unequal maxima of the stress (period doubling), every "
+        f"{_time(found.period)}."
+    )
+
+
+def _vibration(found):
+    """How often the stress has a maximum [Hz]."""
+    return found.returns * found.frequency
 
 
 def _conditional(found):
@@ -99,7 +114,7 @@ def _unsettled(found, why):
             f"No cycle is singled out: without mass (M = 0) a swing about steady sliding {grows}; "
             f"give M > 0."
         )
-    none = ": the motion settles into none that repeats after one turn and is known to 1 %"
+    none = ": the motion settles into none of up to 32 returns that is known to 1 %"
     return f"No cycle is known here{ended or none}."
 
 
@@ -143,7 +158,7 @@ def inertia(found):
     else:
         raised = f"eta = {found.eta:.3g}: inertia raises K_c to {1 + found.eta:.3g} times {K_c_qs}"
     if found.regime == HARMONIC:
-        share = found.frequency / found.f_n
+        share = _vibration(found) / found.f_n
         raised += f"; the vibration has {share:.3g} times the natural frequency"
         raised += f" of {readable('f_n', found.f_n)}"
     return f"{raised}."

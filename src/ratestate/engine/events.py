@@ -10,6 +10,11 @@ from . import rows as R
 from .jit import inner
 from .lanes import turns
 from .model import RUNAWAY
+from .rodas5p import step as rodas5p_step
+
+# Change of stress maxima or minima from one return to the next, over the amplitude, that counts as
+# alternation; part of it that may be left after twice as many returns.
+ALTERNATION, REPEATS = 1e-3, 0.1
 
 
 @inner
@@ -92,15 +97,67 @@ def components(s, l):
 def close_cycle(s, l, here, x_high):
     """Book the cycle that ends at this upward crossing; `here` is the time since s[T]."""
     if s[R.CROSS_LOW + l] < math.inf:
-        s[R.AMPLITUDE + l] = x_high - s[R.X_LOW + l]
-        s[R.PERIOD + l] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
+        at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + l
+        s[R.HIGHS + at], s[R.LOWS + at] = x_high, s[R.X_LOW + l]
+        s[R.SPANS + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
         s[R.CYCLES + l] += 1.0
     s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
 
 
 @inner
+def change(s, l, cycles, p):
+    """The largest change of a stress maximum or minimum, from the p returns before to the last."""
+    most = 0.0
+    for k in range(cycles - p, cycles):
+        now, before = (k % R.RING) * R.LANES + l, ((k - p) % R.RING) * R.LANES + l
+        most = max(most, abs(s[R.HIGHS + now] - s[R.HIGHS + before]))
+        most = max(most, abs(s[R.LOWS + now] - s[R.LOWS + before]))
+    return most
+
+
+@inner
+def last_period(s, l):
+    """Amplitude and duration of the last period, and how many returns it has: 1, 2, 4 or 8.
+
+    Twice as many where successive halves of it differ, but hardly so successive wholes.
+    """
+    cycles = int(s[R.CYCLES + l])
+    if cycles == 0:
+        return 0.0, math.inf, 0
+    last = ((cycles - 1) % R.RING) * R.LANES + l
+    visible = ALTERNATION * (s[R.HIGHS + last] - s[R.LOWS + last])
+    returns, p = 1, 2
+    while 2 * p <= min(cycles, R.RING):
+        by_halves = change(s, l, cycles, p // 2)
+        if by_halves > visible and change(s, l, cycles, p) < REPEATS * by_halves:
+            returns = p
+        p *= 2
+    high, low, span = -math.inf, math.inf, 0.0
+    for k in range(cycles - returns, cycles):
+        at = (k % R.RING) * R.LANES + l
+        high, low = max(high, s[R.HIGHS + at]), min(low, s[R.LOWS + at])
+        span += s[R.SPANS + at]
+    return high - low, span, returns
+
+
+@inner
+def state_at(s, l, law, part):
+    """x, v and psi at this part of the lane's step, by a step that ends there.
+
+    Its error is that of a step; dense output, of an order less, may have a thousand times that.
+    """
+    y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
+    p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
+    h = part * s[R.H_USED + l]
+    return rodas5p_step(y, s[R.W + l], s[R.E + l], s[R.W_LP + l], s[R.RAMP + l], h, p)[0]
+
+
+@inner
 def observe(s, l, law, cx, cv, cpsi):
-    """Extremes of V and of |tau/sigma - mu| inside the step; `commit` sees to its end."""
+    """Extremes of V and of |tau/sigma - mu| inside the step; `commit` sees to its end.
+
+    Returns where in the step V has one, or -1.
+    """
     beta = s[R.BETA + l]
     cg = (
         cx[0] - cv[0] - beta * cpsi[0],
@@ -110,12 +167,16 @@ def observe(s, l, law, cx, cv, cpsi):
         cx[4] - cv[4] - beta * cpsi[4],
     )
     v_turns, g_turns = turns(s, l, law)
+    at = -1.0
     if v_turns:
-        v = polynomial(cv, extreme(cv))
+        at = extreme(cv)
+        _, v, _ = state_at(s, l, law, at)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_turns:
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
+        x, v, psi = state_at(s, l, law, extreme(cg))
+        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(x - v - beta * psi))
+    return at
 
 
 @inner

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import lanes as L
 from . import rows as R
-from .events import attend, components, polynomial
+from .events import attend, components, last_period, polynomial
 from .exp import exp_alone
 from .im2017 import take as take_im2017
 from .jit import inner, kernel
@@ -55,8 +55,8 @@ def enter_segment(s, l, law, k, scale, V0, loads, row):
         pace = abs(f_x) + abs(f_psi) + w + w_lp
         s[R.H + l] = min(land - s[R.T + l], 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace)
         s[R.MEMORY + l] = 1.0
-        s[R.CROSS_LOW + l] = s[R.PERIOD + l] = math.inf
-        s[R.CYCLES + l] = s[R.AMPLITUDE + l] = 0.0
+        s[R.CROSS_LOW + l] = math.inf
+        s[R.CYCLES + l] = 0.0
 
 
 @inner
@@ -128,7 +128,7 @@ def finish(s, l, cases, results):
     else:
         results.saved[i] = np.nan
     out[3], out[4] = s[R.LOAD_WORK + l], s[R.DISSIPATION + l]
-    out[5], out[6] = s[R.AMPLITUDE + l], s[R.PERIOD + l]
+    out[5], out[6], out[11] = last_period(s, l)
     out[7] = s[R.CYCLES + l]
     out[8], out[9], out[10] = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
     s[R.CASE + l] = IDLE

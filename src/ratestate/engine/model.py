@@ -59,10 +59,10 @@ STATUSES = {
     ),
     NO_CONVERGENCE: (
         "no_convergence",
-        "successive cycles do not settle into one: they repeat after several turns (period"
-        " doubling) or never (chaos), and simulate follows them; or double precision does not fix"
-        " the cycle to 1 %, as very near a stability boundary or almost without inertia; and"
-        " without any (M = 0) at K_c_qs, no cycle is singled out",
+        "the motion settles into no cycle of 1, 2, 4, ... 32 returns (period doubling): it repeats"
+        " after another number of them or never (chaos), and simulate follows it; or double"
+        " precision does not fix the cycle to 1 %, as very near a stability boundary or almost"
+        " without inertia; and without any (M = 0) at K_c_qs, no cycle is singled out",
     ),
     RIGID_REST: (
         "rigid_rest",
@@ -130,6 +130,7 @@ NUMBERS = (
     "v_max",
     "v_min",
     "g_max",
+    "returns",
 )
 
 slip_rate = inlined(laws.slip_rate)

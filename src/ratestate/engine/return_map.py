@@ -61,6 +61,7 @@ RETURN_NUMBERS = (
     *("period", "x", "psi", "G", "x_low"),
     *("period_a", "x_a", "psi_a", "x_low_a", "period_b", "x_b", "psi_b", "x_low_b"),
     *("trace", "v_max", "v_min", "g_max", "slow", "mean", "square", "cosine", "sine", "steps"),
+    *("v_max_a", "v_max_b", "v_min_a", "v_min_b"),
 )
 
 
@@ -200,6 +201,35 @@ def land(s, l, law):
 
 
 @inner
+def observe_step(s, l, law, cx, cv, cpsi):
+    """`observe`, with the derivatives of what it finds of V, and the waveform.
+
+    They are those of V at that time: where it is extreme, a shift along the orbit does not count.
+    Where V stops falling at once, as at a sudden arrest, they are good to some ten per cent.
+    """
+    high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
+    at = observe(s, l, law, cx, cv, cpsi)
+    if at >= 0.0:
+        v_a, v_b = perturbed(s, l, law, at * s[R.H_USED + l])
+        if s[R.V_HIGH + l] > high:
+            s[R.V_A_HIGH + l], s[R.V_B_HIGH + l] = v_a, v_b
+        if s[R.V_LOW + l] < low:
+            s[R.V_A_LOW + l], s[R.V_B_LOW + l] = v_a, v_b
+    record_waveform(s, l, cx, cv)
+
+
+@inner
+def perturbed(s, l, law, h):
+    """Perturbations of v a time h after the start of the lane's step."""
+    y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
+    a = (s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l])
+    b = (s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l])
+    p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
+    found = tangent_step(y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p)
+    return found[3][1], found[4][1]
+
+
+@inner
 def record_waveform(s, l, cx, cv):
     """Add the step to the time spent sticking and to the Fourier integrals of the stress."""
     h = s[R.H_USED + l]
@@ -230,8 +260,7 @@ def attend(s, l, law):
     landing = s[R.LANDING + l]
     if landing > 0.0 and s[R.H_USED + l] >= landing:
         if s[R.OBSERVE + l] > 0.0:
-            observe(s, l, law, cx, cv, cpsi)
-            record_waveform(s, l, cx, cv)
+            observe_step(s, l, law, cx, cv, cpsi)
         land(s, l, law)
         return
     s[R.LANDING + l] = 0.0
@@ -244,8 +273,7 @@ def attend(s, l, law):
         return
     s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
     if s[R.OBSERVE + l] > 0.0:
-        observe(s, l, law, cx, cv, cpsi)
-        record_waveform(s, l, cx, cv)
+        observe_step(s, l, law, cx, cv, cpsi)
     if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
         s[R.STATUS + l] = RUNAWAY
     elif steadies(s, l):
@@ -277,6 +305,8 @@ def finish(s, l, law, returns):
     out[17], out[18], out[19] = s[R.SLOW + l], s[R.MEAN + l], s[R.SQUARE + l]
     out[20], out[21] = s[R.COSINE + l], s[R.SINE + l]
     out[22] = s[R.STEPS + l] + s[R.REJECTED + l]
+    out[23], out[24] = s[R.V_A_HIGH + l], s[R.V_B_HIGH + l]
+    out[25], out[26] = s[R.V_A_LOW + l], s[R.V_B_LOW + l]
     s[R.CASE + l] = IDLE
 
 

@@ -6,8 +6,10 @@ aliases another, so that it vectorises.
 """
 
 LANES = 16
-SIZE = 67 * LANES  # of a march
-RETURN_SIZE = 94 * LANES  # of a return map, which adds rows to it
+RING = 16  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
+STATE_SIZE = 65 * LANES  # of what a march and a return map have in common
+SIZE = STATE_SIZE + 3 * RING * LANES  # of a march
+RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
 
 # fmt: off
 (
@@ -30,9 +32,12 @@ RETURN_SIZE = 94 * LANES  # of a return map, which adds rows to it
     V_HIGH, V_LOW, G_HIGH,                  # extremes of ln w and |g|
     X_LOW,                                  # last stress minimum
     CROSS_T, CROSS_LOW,                     # time in two parts of the last rise of V through V_lp
-    AMPLITUDE, PERIOD, CYCLES,              # last cycle, its number
+    CYCLES,                                 # number of returns
     STATUS, CASE, SEGMENT, SAVED, T_END, MAX_STEPS, DT,
-) = range(0, SIZE, LANES)
+) = range(0, STATE_SIZE, LANES)
+
+# Rows of a march: of each return, in turn, its stress maximum, the minimum before, how long it took
+HIGHS, LOWS, SPANS = range(STATE_SIZE, SIZE, RING * LANES)
 
 # Rows of a return map (return_map.py)
 (
@@ -43,6 +48,7 @@ RETURN_SIZE = 94 * LANES  # of a return map, which adds rows to it
     TRACE, D_TRACE,                         # integral of the trace of J; the step's part
     SINCE, LANDING, H_PLANNED,              # steps since a crossing; the step that ends at one
     X_A_LOW, X_B_LOW,                       # perturbations of the stress minimum
+    V_A_HIGH, V_B_HIGH, V_A_LOW, V_B_LOW,   # and of the extremes of v
     GUESS, SLOW, MEAN, SQUARE, COSINE, SINE,  # waveform: period assumed; integrals
-) = range(SIZE, RETURN_SIZE, LANES)
+) = range(STATE_SIZE, RETURN_SIZE, LANES)
 # fmt: on

@@ -52,7 +52,7 @@ def limit_waves(law, values, V_lp, near=None):
     start = steady_start(system) if near is None else state(system, near)
     which = np.flatnonzero((system.beta > WEAKEST) & (system.beta < STRONGEST))
     settled = settle(system.at(which), start[which], RTOL, False, None)
-    cyclic = settled.status == FINISHED
+    cyclic = (settled.status == FINISHED) & (settled.returns == 1)
     which, settled = which[cyclic], settled.at(cyclic)
     if not which.size:
         return found

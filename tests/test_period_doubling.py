@@ -1,0 +1,247 @@
+"""Cycles of several returns: which attractor is reached, and what is said of it."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from naive import top
+from scipy.integrate import solve_ivp
+from test_return_map import system
+from test_tangent import jacobian, rates
+
+import ratestate as rs
+from ratestate.engine.model import FINISHED, NO_CONVERGENCE
+from ratestate.iterates import iterate
+from ratestate.measure import refine
+from ratestate.settle import settle, steady_start
+from ratestate.shooting import multipliers, state, turn
+from ratestate.verdict import verdict
+
+# A stable cycle of one return lies beside one of two, to which the start at V_lp/10 leads.
+BESIDE = rs.SpringSlider(
+    a=0.003, b=0.0363, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3000, K=1.06 * 0.0333 * 2e6 / 1e-5
+)
+V_LP = 8.78e-3
+
+
+def followed(those, returns, rtol=1e-10):
+    """Stress maxima and minima of the last 64 returns of plain iteration, and where it ends."""
+    u = turn(those, steady_start(those), rtol, alone=False).image
+    high, low = [], []
+    for number in range(returns):
+        turns = turn(those, state(those, u), rtol, alone=False)
+        if number >= returns - 64:
+            high.append(state(those, u)[:, 0])
+            low.append(turns.numbers["x_low"])
+        u = turns.image
+    return np.array(high), np.array(low), u
+
+
+def found_by_search(those):
+    settled = settle(those, steady_start(those), 1e-9, False, None)
+    return settled, refine(those, settled, 1e-9, False)
+
+
+def test_the_attractor_and_not_the_cycle_beside_it():
+    found = rs.limit_cycle(BESIDE, V_LP)
+    assert found.status == 0
+    assert found.returns == 2
+    assert found.returns.dtype == np.int16
+    period, n = float(found.period), 300
+    run = rs.simulate(BESIDE, rs.Loading.constant(V_LP), n * period, V_start=V_LP / 10, rtol=1e-9)
+    late = run.isel(time=run.time > (n - 3) * period)
+    stress = late.tau.values / 2e6
+    assert float(found.amplitude) == pytest.approx(stress.max() - stress.min(), rel=1e-5)
+    assert 0.0818 < float(found.amplitude) < 0.0820
+    assert float(found.V_max) == pytest.approx(float(late.V.max()), rel=1e-3)
+    assert float(found.V_min) == pytest.approx(float(late.V.min()), rel=1e-2)
+    # and simulate says the same of its last whole period
+    assert int(run.returns) == 2
+    assert float(run.amplitude) == pytest.approx(float(found.amplitude), rel=1e-7)
+    assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-7)
+    # the drops of either half are those that were seen
+    tops = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
+    drops = {round(float(stress[i] - stress[i : i + 300].min()), 4) for i in tops[:-1]}
+    assert {0.0819, 0.0319} <= drops
+    # the cycle of one return exists and is stable, and its branch can be followed
+    branch = rs.continue_cycle(BESIDE, "V_lp", 1e-2, V_LP, rtol=1e-7)
+    assert float(branch.amplitude[-1]) == pytest.approx(0.0538, abs=1e-4)
+    assert -1 < float(branch.multipliers[-1, 0].real) < -0.99
+    assert (branch.returns == 1).all()
+
+
+def test_measures_of_two_returns_by_scipy():
+    """Period, extremes, multipliers and the waveform of the whole period, by Radau and an FFT."""
+    parameters = (1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
+    those = system("slip", *parameters)
+    settled, found = found_by_search(those)
+    assert settled.returns.tolist() == [2]
+    found = {name: value[0] for name, value in found.items()}
+    f, J = rates("slip", *parameters), jacobian("slip", *parameters)
+    y, period = state(those, settled.u)[0], found["period"]
+    run = solve_ivp(
+        lambda t, y: f(y),
+        (0, period),
+        y,
+        "Radau",
+        jac=lambda t, y: J(y),
+        rtol=1e-11,
+        atol=1e-11,
+        max_step=period / 1000,
+        dense_output=True,
+    )
+    assert np.abs(run.y[:, -1] - y).max() < 1e-6
+    half = run.sol(0.5 * period)
+    assert np.abs(half - y).max() > 0.5  # not one return twice
+    t = (run.t[:-1, None] + np.diff(run.t)[:, None] * np.linspace(0, 1, 21)[:-1]).ravel()
+    x, v, psi = run.sol(t)
+    assert found["amplitude"] == pytest.approx(top(x) + top(-x), rel=1e-7)
+    assert found["v_max"] == pytest.approx(top(v), abs=1e-6)
+    assert found["v_min"] == pytest.approx(-top(-v), abs=1e-5)
+    assert found["g_max"] == pytest.approx(top(np.abs(x - v - parameters[1] * psi)), rel=1e-5)
+    n = 1 << 16
+    stress = run.sol(period * np.arange(n) / n)[0]
+    share = 2 * np.abs(np.fft.rfft(stress)[2] / n) ** 2 / stress.var()  # once a return
+    assert found["fundamental"] == pytest.approx(share, rel=1e-4)
+    slow = (run.sol(period * np.arange(n) / n)[1] < -math.log(10)).mean()
+    assert found["slow_fraction"] == pytest.approx(slow, abs=1e-4)
+
+
+def test_iterate_is_the_map_applied_again():
+    """Image, derivative, times and extremes of three returns at once, against one by one."""
+    those = system("slip", 1.1 * 8.0, [9.0, 9.0], [0.9, 0.9])
+    u = turn(those, steady_start(those), 1e-11, alone=False).image
+    together = iterate(those, u, 1e-11, np.array([3, 1]), alone=False, period=np.array([7.0, 2.0]))
+    point, matrix, times, highs, lows, traces = u[:1], np.eye(2), [], [], [], []
+    one = those.at([0])
+    for _ in range(3):
+        single = turn(one, state(one, point), 1e-11, alone=False)
+        highs.append(state(one, point)[0, 0])
+        lows.append(single.numbers["x_low"][0])
+        times.append(single.numbers["period"][0])
+        traces.append(single.numbers["trace"][0])
+        matrix = single.jacobian[0] @ matrix
+        point = single.image
+    np.testing.assert_allclose(together.image[0], point[0], rtol=1e-12)
+    np.testing.assert_allclose(together.jacobian[0], matrix, rtol=1e-10)
+    numbers = {name: value[0] for name, value in together.numbers.items()}
+    assert numbers["period"] == pytest.approx(sum(times), rel=1e-13)
+    assert numbers["x_high"] == max(highs)
+    assert numbers["x_low"] == min(lows)
+    # derivatives of what is measured, against differences
+    for column, name in enumerate("ab"):
+        change = 1e-6 * np.eye(2)[column]
+        up, down = (
+            iterate(one, start, 1e-13, np.array([3]), alone=False, period=np.array([7.0])).numbers
+            for start in (u[:1] + change, u[:1] - change)
+        )
+        for what in ("period", "x_high", "x_low", "v_max", "v_min"):
+            slope = (up[what][0] - down[what][0]) / 2e-6
+            near = 0.3 if what == "v_min" else 1e-5  # V stops falling within 1e-14 of a cycle
+            assert numbers[f"{what}_{name}"] == pytest.approx(slope, rel=near, abs=1e-6), what
+    assert numbers["trace"] == pytest.approx(sum(traces), rel=1e-12)
+    # and where one return is asked for, it is one
+    single = turn(those.at([1]), state(those.at([1]), u[1:]), 1e-11, alone=False)
+    assert together.numbers["period"][1] == single.numbers["period"][0]
+
+
+def test_cascade_against_plain_iteration():
+    """Random sliders where cycles double: returns and extremes are those of the orbit itself."""
+    rng = np.random.default_rng(7)
+    n = 64
+    beta = 10 ** rng.uniform(math.log10(8), math.log10(50), n)
+    eta = 10 ** rng.uniform(-0.7, 1, n)
+    ratio = rng.uniform(0.95, 1.35, n)
+    those = system("slip", ratio * (beta - 1), beta, eta)
+    settled, found = found_by_search(those)
+    high, low, _ = followed(those, 400)
+    swing = high.max(axis=0) - low.min(axis=0)
+    repeats = np.zeros(n, int)
+    for p in (32, 16, 8, 4, 2, 1):
+        same = np.abs(high[p:] - high[:-p]).max(axis=0) < 1e-5 * swing
+        repeats[same] = p
+    cycle = settled.status == FINISHED
+    quick = cycle & (np.abs(found["multipliers"][:, 0]) < 0.9)
+    assert quick.sum() > 30
+    assert (settled.returns[quick] == repeats[quick]).all()
+    np.testing.assert_allclose(found["amplitude"][quick], swing[quick], rtol=1e-5)
+    assert len(set(settled.returns[quick].tolist())) >= 2
+    # what repeats is found, and what is refused does not
+    assert cycle[repeats > 0].all()
+    assert (repeats[settled.status == NO_CONVERGENCE] == 0).all()
+    assert (settled.status == NO_CONVERGENCE).any()
+
+
+@pytest.mark.parametrize("law", ["slip", "aging"])
+def test_one_return_where_one_is_all(law):
+    slider = BESIDE.replace(b=0.006, K=9e8, law=law)
+    found = rs.limit_cycle(slider, 3.2e-3)
+    assert found.returns == 1
+    run = rs.simulate(slider, rs.Loading.constant(3.2e-3), 10.0, V_start=3.2e-4)
+    assert run.returns == 1
+    assert rs.limit_cycle(slider, 1e-4).returns == 0  # steady sliding
+    rest = rs.simulate(slider, rs.Loading.constant(1e-4), 1.0)
+    assert rest.returns == 0
+
+
+def test_a_drift_is_no_alternation():
+    """Growing and shrinking cycles count return by return, until they alternate."""
+    slider = BESIDE.replace(b=0.006, K=9e8)
+    for V_start in (3.2e-3 * 1.0001, 3.2e-5):
+        times = np.linspace(0.1, 3.0, 30)
+        ends = xr.DataArray(times, dims="end")
+        run = rs.simulate(slider, rs.Loading.constant(3.2e-3), ends, V_start=V_start)
+        assert (run.returns == 1).all()
+
+
+def test_errors_of_speeds():
+    """Those of V_max and V_min hold, and do not claim a thousand times too much."""
+    rng = np.random.default_rng(8)
+    n = 120
+    beta, eta = 1 + 10 ** rng.uniform(-1, 0.9, n), 10 ** rng.uniform(-8, 3, n)
+    below = np.where(eta < 1e-5, 1.0, 1 + eta) * rng.uniform(0.05, 0.95, n)
+    values = {"kappa": below * (beta - 1), "beta": beta, "eta": eta}
+    those = system("slip", *values.values())
+    (_, loose), (_, exact) = (
+        (s, refine(those, s, rtol, False))
+        for rtol in (1e-6, 1e-11)
+        for s in [settle(those, steady_start(those), rtol, False, None)]
+    )
+    known = exact["error"] < 1e-9
+    assert known.mean() > 0.9
+    for name in ("v_max", "v_min"):
+        off = np.abs(loose[name] - exact[name])[known]
+        stated = loose[f"{name}_error"][known]
+        assert (off <= stated + exact[f"{name}_error"][known]).mean() > 0.98, name
+        assert np.median(off / stated) > 1e-3, name
+        assert off.max() > 1e-7, name
+
+
+def test_a_branch_does_not_begin_with_a_doubled_cycle():
+    with pytest.raises(rs.NotConverged, match=r"closes after 2 returns \(period doubling\)"):
+        rs.continue_cycle(BESIDE, "V_lp", V_LP, 9e-3)
+
+
+def test_verdict_tells_of_the_doubling():
+    said = verdict(BESIDE, V_LP)
+    assert said.returns == 2
+    cycle = rs.limit_cycle(BESIDE, V_LP)
+    sentence = next(text for text in said.sentences if "period doubling" in text)
+    assert sentence.startswith("It repeats after 2 unequal maxima of the stress")
+    assert f"every {1e3 * float(cycle.period):.4g} ms" in sentence
+    other = verdict(BESIDE.replace(b=0.006, K=9e8), 3.2e-3)
+    assert other.returns == 1
+    assert not any("doubling" in text for text in other.sentences)
+
+
+def test_multipliers_of_the_whole_period():
+    """Those of two returns are those of the map's second iterate."""
+    those = system("slip", 1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
+    settled, found = found_by_search(those)
+    twice = iterate(those, found["u"], 1e-11, settled.returns, alone=True)
+    np.testing.assert_allclose(
+        multipliers(twice)[0, 0].real, found["multipliers"][0, 0].real, rtol=1e-5
+    )
+    single = turn(those, state(those, found["u"]), 1e-11, alone=True)
+    assert np.abs(single.image - found["u"]).max() > 0.1
