@@ -20,10 +20,13 @@ def iterate(system, u, rtol, count, *, alone, steady_tol=0.0, period=None):
 
     period : (n,) of all returns together
     """
-    mean_return = None if period is None else period / count
-    turns = turn(
-        system, state(system, u), rtol, alone=alone, steady_tol=steady_tol, period=mean_return
-    )
+    each = np.ones(len(u)) if period is None else period / count
+
+    def single(part, y, rtol, steady_tol, each):
+        assumed = None if period is None else each
+        return turn(part, y, rtol, alone=alone, steady_tol=steady_tol, period=assumed)
+
+    turns = single(system, state(system, u), rtol, steady_tol, each)
     high = np.stack([system.beta, system.eta], axis=1)  # d x/d u at a stress maximum
     turns.numbers["x_high"] = state(system, u)[:, 0]
     turns.numbers["x_high_a"], turns.numbers["x_high_b"] = high.T.copy()
@@ -31,25 +34,17 @@ def iterate(system, u, rtol, count, *, alone, steady_tol=0.0, period=None):
     for number in range(1, int(count.max(initial=1))):
         which = np.flatnonzero((count > number) & turns.came_back)
         part, begin = system.at(which), state(system.at(which), turns.image[which])
-        more = turn(
-            part,
-            begin,
-            rtol[which],
-            alone=alone,
-            steady_tol=steady_tol[which],
-            period=None if period is None else mean_return[which],
-        )
-        pace = None if period is None else 2.0 * np.pi / mean_return[which]
+        more = single(part, begin, rtol[which], steady_tol[which], each[which])
         more.numbers["x_high"] = begin[:, 0]
         more.numbers["x_high_a"], more.numbers["x_high_b"] = high[which].T
-        _append(turns, which, more, pace)
+        _append(turns, which, more, 2.0 * np.pi / each[which])
     return turns
 
 
 def _append(turns, which, more, pace):
     """Let the turns with these numbers go on by one more.
 
-    pace : angular frequency of the waveform, None where there is none
+    pace : angular frequency of the waveform
     """
     had = {name: values[which] for name, values in turns.numbers.items()}
     before, new = turns.jacobian[which], more.numbers
@@ -74,10 +69,8 @@ def _append(turns, which, more, pace):
         joined[name] = np.where(further, new[name], had[name])
         for suffix, slope in zip("ab", by_start(name), strict=True):
             joined[f"{name}_{suffix}"] = np.where(further, slope, had[f"{name}_{suffix}"])
-    if pace is not None:
-        turned = np.exp(1j * pace * had["period"]) * (new["cosine"] + 1j * new["sine"])
-        joined["cosine"] = had["cosine"] + turned.real
-        joined["sine"] = had["sine"] + turned.imag
+    turned = np.exp(1j * pace * had["period"]) * (new["cosine"] + 1j * new["sine"])
+    joined["cosine"], joined["sine"] = had["cosine"] + turned.real, had["sine"] + turned.imag
     for name, values in joined.items():
         turns.numbers[name][which] = values
     turns.status[which], turns.image[which] = more.status, more.image
