@@ -12,6 +12,8 @@ An orbit that keeps alternating between two places is followed by every second r
 cycles of 2, 4, ... returns are fixed points of these iterates of the map.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .shooting import distance, multipliers, newton_step, small_amplitude, tightest
@@ -54,67 +56,98 @@ SEARCH = np.dtype(
 )
 
 
+class View(NamedTuple):
+    """What the map says at the points u of n sliders."""
+
+    target: np.ndarray  # (n, 2) where Newton's method goes
+    left: np.ndarray  # (n,) how far that is, relative to the distance from u = 0
+    first: np.ndarray  # (n,) the larger multiplier
+    second: np.ndarray  # (n,)
+    attracts: np.ndarray  # (n,) whether the target may be a fixed point that attracts
+    arrives: np.ndarray  # (n,) whether the target is known as well as is asked, or as can be
+    pace: np.ndarray  # (n,) tolerance over the part of a return that is to be resolved
+    finest: np.ndarray  # (n,) tolerance that is of use
+
+
 def advance(system, turns, now, here, rtol, leap):
     """The next u and tolerance, whether a cycle is found there, and whether to double the returns.
 
     now, here : `Settled` and SEARCH of these sliders; the latter is brought up to date
     """
-    u, tol = now.u, now.tol
-    move, newton = turns.image - u, newton_step(turns, u)
-    size, length = distance(system, u), distance(system, move)
-    left = distance(system, newton) / size
+    view = _view(system, turns, now, rtol)
+    on_orbit = ~here["ahead"]
+    trusted = view.attracts & (view.left <= np.where(on_orbit, here["reach"], REACH))
+    here["next_u"][on_orbit] = _leap(system, turns, now.u, view, leap & on_orbit)[on_orbit]
+    here["next_tol"][on_orbit] = _tolerance(view, 0.1)[on_orbit]
+    departs = trusted & on_orbit
+    for name, value in (
+        ("u", now.u),
+        ("image", turns.image),
+        ("multiplier", view.first),
+        ("left", view.left),
+    ):
+        here[name][departs] = value[departs]
+    arrives = trusted & view.arrives
+    excess = _nonlinearity(system, turns, here, view) / NONLINEAR
+    done = arrives & (excess <= 1.0)
+    fails = (here["ahead"] & ~trusted) | (arrives & ~done)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        nearer = here["left"] * np.where(arrives, np.clip(0.5 / excess, 1e-3, 0.5), 0.3)
+    here["reach"] = np.where(fails, nearer, here["reach"])
+    here["ahead"] = trusted & ~fails
+    doubled = _alternates(system, here, turns.image - now.u, view.first, arrives & fails, on_orbit)
+    doubled &= 2 * now.returns <= MOST_RETURNS
+    here["reach"][doubled], here["reversals"][doubled] = REACH, 0
+    go = here["ahead"] | done
+    next_u = np.where(go[:, None], view.target, here["next_u"])
+    return next_u, np.where(go, _tolerance(view, view.left), here["next_tol"]), done, doubled
+
+
+def _view(system, turns, now, rtol):
+    """`View` of sliders at `Settled` now, of which a turn is known."""
+    u, newton = now.u, newton_step(turns, now.u)
+    size, length = distance(system, u), distance(system, turns.image - u)
     first, second = multipliers(turns).T
-    attracts, target = np.abs(first) < 1.0, u + newton
-    ahead = here["ahead"]
-    reach = np.where(ahead, REACH, here["reach"])
-    trusted = attracts & (target[:, 1] > 0.0) & (left <= reach)
-    onward = _leap(system, turns, u, first, second, leap & ~ahead)
+    target, left = u + newton, distance(system, newton) / size
     # The engine's tolerance is absolute in ln V, and that of a small cycle must be smaller.
     scale = np.minimum(1.0, small_amplitude(system, u))
     attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)
     floor = tightest(system, u)
     finest = np.maximum(rtol * scale * attraction, floor)
-
-    def tolerance(part):
-        with np.errstate(invalid="ignore"):
-            ahead_tol = np.nan_to_num(FINER * length / size * part * scale, nan=LOOSE)
-        return np.clip(ahead_tol, finest, LOOSE)
-
-    departs = trusted & ~ahead
-    for name, value in (("u", u), ("image", turns.image), ("multiplier", first), ("left", left)):
-        here[name][departs] = value[departs]
-    here["next_u"][~ahead], here["next_tol"][~ahead] = onward[~ahead], tolerance(0.1)[~ahead]
-    noise = np.where(tol > floor, NOISE, ROUNDING)
+    noise = np.where(now.tol > floor, NOISE, ROUNDING)
     with np.errstate(divide="ignore"):  # a multiplier of exactly 1 resolves nothing
-        resolved = np.maximum(rtol, noise * tol / (scale * attraction))
-    arrives = trusted & (tol <= 2.0 * finest) & (left <= resolved)
-    excess = _nonlinearity(system, turns, here, target, first) / NONLINEAR
-    done = arrives & (excess <= 1.0)
-    fails = (ahead & ~trusted) | (arrives & ~done)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        nearer = here["left"] * np.where(arrives, np.clip(0.5 / excess, 1e-3, 0.5), 0.3)
-    here["reach"] = np.where(fails, nearer, here["reach"])
-    here["ahead"] = trusted & ~fails
-    doubled = _alternates(system, here, move, first, arrives & fails, ~ahead)
-    doubled &= 2 * now.returns <= MOST_RETURNS
-    here["reach"][doubled], here["reversals"][doubled] = REACH, 0
-    go = here["ahead"] | done
-    next_u = np.where(go[:, None], target, here["next_u"])
-    return next_u, np.where(go, tolerance(left), here["next_tol"]), done, doubled
+        resolved = np.maximum(rtol, noise * now.tol / (scale * attraction))
+    return View(
+        target,
+        left,
+        first,
+        second,
+        (np.abs(first) < 1.0) & (target[:, 1] > 0.0),
+        (now.tol <= 2.0 * finest) & (left <= resolved),
+        FINER * length / size * scale,
+        finest,
+    )
 
 
-def _leap(system, turns, u, first, second, may):
+def _tolerance(view, part):
+    """(n,) tolerance of the next return, of which this part is to be resolved."""
+    with np.errstate(invalid="ignore"):
+        wanted = np.nan_to_num(view.pace * part, nan=LOOSE)
+    return np.clip(wanted, view.finest, LOOSE)
+
+
+def _leap(system, turns, u, view, may):
     """(n, 2) the image of u or, where the orbit may leap, a point further along its slow direction.
 
     A leap must not pass a fixed point, nor amplify returns that alternate.
     """
-    move = turns.image - u
-    size, attracts = distance(system, u), np.abs(first) < 1.0
+    move, size = turns.image - u, distance(system, u)
+    first, second = view.first, view.second
     with np.errstate(divide="ignore", invalid="ignore"):
         matrix = turns.jacobian - second.real[:, None, None] * np.eye(2)
         slow = (matrix @ move[:, :, None])[:, :, 0] / (first - second).real[:, None]
         along = distance(system, slow)
-        until = np.where(attracts, 0.5 * along / np.abs(1.0 - first), np.inf)
+        until = np.where(np.abs(first) < 1.0, 0.5 * along / np.abs(1.0 - first), np.inf)
         more = np.minimum(REACH * size, until) / along - 1.0
         # Without inertia orbits are all but neutral at K_c_qs: a leap there would be a random walk.
         may = may & (first.imag == 0.0) & (first.real > 0.0) & (system.eta > 0.0)
@@ -123,15 +156,15 @@ def _leap(system, turns, u, first, second, may):
     return np.where(far[:, None], leapt, turns.image)
 
 
-def _nonlinearity(system, turns, here, target, first):
+def _nonlinearity(system, turns, here, view):
     """How far the map is from linear between where the orbit was left and a fixed point.
 
     As a share of 1 - |multiplier|: below 1 the map contracts in all that distance, and takes the
     orbit to the fixed point.  Told by the multiplier at its two ends, and by the image of one.
     """
-    begin, image = here["u"] - target, here["image"] - target
+    begin, image = here["u"] - view.target, here["image"] - view.target
     linear = (turns.jacobian @ begin[:, :, None])[:, :, 0]
-    there = here["multiplier"]
+    there, first = here["multiplier"], view.first
     bend = np.hypot(there.real - first.real, np.abs(there.imag) - np.abs(first.imag))
     with np.errstate(divide="ignore", invalid="ignore"):
         off = np.nan_to_num(distance(system, image - linear) / distance(system, begin))
