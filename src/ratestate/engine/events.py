@@ -10,7 +10,6 @@ from . import rows as R
 from .jit import inner
 from .lanes import turns
 from .model import RUNAWAY
-from .rodas5p import step as rodas5p_step
 
 # Change of stress maxima or minima from one return to the next, over the amplitude, that counts as
 # alternation; part of it that may be left after twice as many returns.
@@ -141,18 +140,6 @@ def last_period(s, l):
 
 
 @inner
-def state_at(s, l, law, part):
-    """x, v and psi at this part of the lane's step, by a step that ends there.
-
-    Its error is that of a step; dense output, of an order less, may have a thousand times that.
-    """
-    y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
-    p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
-    h = part * s[R.H_USED + l]
-    return rodas5p_step(y, s[R.W + l], s[R.E + l], s[R.W_LP + l], s[R.RAMP + l], h, p)[0]
-
-
-@inner
 def observe(s, l, law, cx, cv, cpsi):
     """Extremes of V and of |tau/sigma - mu| inside the step; `commit` sees to its end.
 
@@ -170,12 +157,11 @@ def observe(s, l, law, cx, cv, cpsi):
     at = -1.0
     if v_turns:
         at = extreme(cv)
-        _, v, _ = state_at(s, l, law, at)
+        v = polynomial(cv, at)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_turns:
-        x, v, psi = state_at(s, l, law, extreme(cg))
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(x - v - beta * psi))
+        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
     return at
 
 
