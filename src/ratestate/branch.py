@@ -58,8 +58,10 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         the variables of `limit_cycle`, and ``special``: "", "hopf", "fold" (two cycles meet),
         "period_doubling", "torus", and "start" or "stop" at an end.  (With these two laws there
         is no torus: the product of the multipliers is below exp(-(1 + 1/eta) V_lp period/Dc).)
-        ``error`` is that of the branch: near a fold or a Hopf point the cycle at a given
-        parameter is less well known.
+        ``error`` bounds the difference from this branch's own cycle at exactly the parameter
+        returned; at a fold, from the cycle there.  Where amplitudes change much faster than the
+        parameter, as on a canard or near a Hopf point of all but no curvature, it grows in
+        proportion, and may exceed `rtol`: the parameter's last digit then matters.
 
     Raises
     ------
@@ -120,32 +122,31 @@ def _dataset(family, branch, hopf, given):
     given : the parameter's values at "start" and "stop", of which p is the rounded logarithm
     """
     points = branch.points
-    p = np.array([point.p for point in points])
-    special = [point.special for point in points]
-    found = family.measures(points)
     if hopf is None and points:
-        special[0] = "start"
+        points = [points[0]._replace(special="start"), *points[1:]]
+    special = [point.special for point in points]
+    found = family.measures(points, given)
+    along = found.pop("parameter")
     ends = [] if hopf is None else [(0, hopf)]
     if branch.end == "hopf":
-        ends.append((len(p), hopf_near(family, p[-1])))
+        ends.append((len(points), hopf_near(family, points[-1].p)))
     for index, place in reversed(ends):
         special.insert(index, "hopf")
-        p = np.insert(p, index, place)
+        along = np.insert(along, index, np.exp(place))
         for name, value in hopf_measures(family, place).items():
             found[name] = np.insert(found[name], index, value[0], axis=0)
-    along = [given.get(name, x) for name, x in zip(special, np.exp(p), strict=True)]
     values = family.values | {
         family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
     }
     batch = Batch(values, taken=TAKEN)
-    status = np.full(len(p), FINISHED)
+    status = np.full(len(along), FINISHED)
     stable = np.abs(found["multipliers"][:, 0]) < 1.0
     variables = cycle_variables(batch, status, found, stable)
     variables["status"] = status_variable(batch, status)
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*TAKEN, "special"]))
     result["inertia"][result.special == "hopf"] = 0.5 - 0.5 / (
-        1.0 + family.system(p[result.special == "hopf"]).eta
+        1.0 + family.sliders(along[result.special == "hopf"]).eta
     )
     return result
 

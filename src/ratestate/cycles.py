@@ -64,7 +64,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
           below 1e-8 no more than that is certain;
         - ``stable``, whether small disturbances decay;
         - ``residual``, the relative distance by which the cycle fails to close, and ``error``, the
-          estimated relative error of amplitude and period; ``V_max_error`` and ``V_min_error``,
+          estimated relative error of amplitude and period, rounding of the parameters included,
+          which a canard multiplies by up to 1e7 and more; ``V_max_error`` and ``V_min_error``,
           those of the speeds, which may exceed rtol where they span decades;
         - ``returns``, how many returns to the section make the period: 1, 2, 4, ... up to 32, all
           of them counted in the other variables; 0 where there is no cycle;

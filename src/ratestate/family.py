@@ -14,6 +14,7 @@ from .engine.model import FINISHED
 from .engine.return_map import SLAVED
 from .laws import evolution_law
 from .measure import measure
+from .polish import polished
 from .settle import Settled
 from .shooting import TIGHTEST, small_amplitude, state, system_of, tightest, turn
 
@@ -45,15 +46,27 @@ class Family(NamedTuple):
     parameter: str
     rtol: float
 
-    def at(self, p):
-        """Values of all symbols at p (m,), symbol -> (m,)."""
-        columns = {symbol: np.full(np.shape(p), value) for symbol, value in self.values.items()}
-        return columns | {self.parameter: np.exp(p)}
+    def sliders(self, parameter):
+        """`System` of the sliders with these values (m,) of the parameter."""
+        m = len(parameter)
+        columns = {symbol: np.full(m, value) for symbol, value in self.values.items()}
+        with np.errstate(over="ignore"):  # beyond what is physical, no orbit comes back
+            return system_of(self.law, **columns | {self.parameter: parameter})
 
     def system(self, p):
         """`System` of the sliders at p (m,)."""
-        with np.errstate(over="ignore"):  # beyond what is physical, no orbit comes back
-            return system_of(self.law, **self.at(np.atleast_1d(p)))
+        with np.errstate(over="ignore"):
+            return self.sliders(np.exp(np.atleast_1d(p)))
+
+    def scale(self, U):
+        """(m, 2) units in which distances from U (m, 2) are measured."""
+        return SCALE + np.abs(U)
+
+    def weights(self, U, p):
+        """(m, 3) the same for (psi, G, p)."""
+        scale = self.scale(U)
+        scale[:, 1] /= _scale(self.system(p))
+        return np.column_stack([scale, np.ones(len(U))])
 
     def margin(self, p):
         """(K - K_c) Dc/(a sigma) at one p: negative where steady sliding is unstable."""
@@ -106,20 +119,22 @@ class Family(NamedTuple):
         known = {"scale": SCALE, "tol": self.rtol, "noise": noise, "steps": STEPS}
         return follow(self.turns, U, p, **known, **asked)
 
-    def measures(self, points):
-        """What `measure` finds of the points of a branch, name -> (n,) or (n, 2)."""
-        p = np.array([point.p for point in points])
-        u = self.points(np.array([point.u for point in points]).reshape(-1, 2), p)
-        settled = Settled(
-            np.full(len(p), FINISHED),
-            u,
-            self.tolerance(u, p),
-            np.array([point.measures["period"] for point in points]),
-            # Of the branch; > 0 says that a cycle is not to be corrected at constant p.
-            np.array([point.error for point in points]) + 1e-16,
-            np.ones(len(p), np.int64),
-        )
-        return measure(self.system(p), settled, False)
+    def measures(self, points, exact):
+        """What `measure` finds of the points of a branch, name -> (n,) or (n, 2).
+
+        And under "parameter" its values (n,), to which all the rest belongs.
+
+        exact : special of a point -> the value that its parameter has to keep
+        """
+        found = polished(self, points, exact)
+        status = np.full(len(points), FINISHED)
+        # An error > 0 says that a cycle is not to be corrected at constant p.
+        error, once = found.errors[:, :2].max(axis=1) + 1e-16, np.ones(len(points), np.int64)
+        settled = Settled(status, found.u, found.tol, found.period, error, once)
+        values = measure(self.sliders(found.parameter), settled, False)
+        for name, of_speed in zip(("v_max_error", "v_min_error"), found.errors.T[2:], strict=True):
+            values[name] = np.maximum(values[name], of_speed)
+        return values | {"parameter": found.parameter}
 
 
 def _scale(system):

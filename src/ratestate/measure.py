@@ -6,7 +6,15 @@ from .attraction import FINER
 from .engine.model import FINISHED
 from .iterates import iterate
 from .modes import steady_modes
-from .shooting import distance, multipliers, newton_step, small_amplitude, tightest
+from .sensitivity import defect, stiffness_sensitivity
+from .shooting import (
+    distance,
+    kept_tolerance,
+    multipliers,
+    newton_step,
+    small_amplitude,
+    tightest,
+)
 
 # Of the error estimate: its safety, and what rounding makes of a turn.
 SAFETY, ROUNDING = 3.0, 30.0 * 2.0**-52
@@ -75,7 +83,11 @@ def measure(system, settled, alone):
         scale = np.minimum(1.0, np.abs(small_amplitude(system, u)))
         # Where the stress is large and the cycle hardly attracts, rounding can feign one.
         drowned = ROUNDING * distance(system, u) > 1e-4 * attraction
-        least = tol / scale + np.where(drowned & ~fixed, np.inf, ROUNDING / attraction)
+        kept = kept_tolerance(turns, tol)
+        finer = kept / np.maximum(kept, settled.tol)
+        least = kept / scale + np.where(drowned & ~fixed, np.inf, ROUNDING / attraction)
+        sensitivity = stiffness_sensitivity(system, settled, turns, tol)
+        doubt = np.where(fixed[:, None], 0.0, defect(system, kept)[:, None] * sensitivity)
         # A cycle that is corrected away was none.
         whole = np.where((amplitude > 0.0) & (period > 0.0), [amplitude, period], 0.0)
         changes = np.abs([high - low, shift]) / whole
@@ -83,10 +95,9 @@ def measure(system, settled, alone):
         variance = found["square"] / found["period"] - mean**2
         wave = (found["cosine"] ** 2 + found["sine"] ** 2) / found["period"] ** 2
         closes = turns.image - u
-        finer = tol / settled.tol
 
-        def error(change):
-            return settled.error + SAFETY * (finer * change + least)
+        def error(change, doubt):
+            return settled.error + SAFETY * (finer * change + least + doubt)
 
         values = {
             "period": period,
@@ -100,9 +111,9 @@ def measure(system, settled, alone):
             "u": u + step,
             "residual": distance(system, closes) / distance(system, u),
             "returns": settled.returns.astype(float),
-            "error": error(changes.max(axis=0)),
-            "v_max_error": error(np.abs(v_max)),
-            "v_min_error": error(np.abs(v_min)),
+            "error": error(changes.max(axis=0), doubt[:, :2].max(axis=1)),
+            "v_max_error": error(np.abs(v_max), doubt[:, 2]),
+            "v_min_error": error(np.abs(v_min), doubt[:, 3]),
         }
     closed = turns.status == FINISHED
     return {

@@ -17,6 +17,7 @@ import numpy as np
 
 from .cases import V_LIMIT
 from .engine import drive
+from .engine.lanes import ROUNDING
 from .engine.model import FINISHED
 from .engine.return_map import RETURN_NUMBERS, SLAVED, Starts
 from .laws import evolution_law
@@ -153,6 +154,12 @@ def multipliers(turns):
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         second = np.where(first == 0.0, 0.0, product / first)
     return np.stack([first, second], axis=1)
+
+
+def kept_tolerance(turns, tol):
+    """(n,) tolerance of the steps of these turns, which rounding bounds from below."""
+    extremes = [turns.numbers[name] for name in ("x", "x_low", "v_max")]
+    return np.maximum(tol, ROUNDING * np.abs(extremes).max(axis=0))
 
 
 def newton_step(turns, u):

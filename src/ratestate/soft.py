@@ -72,8 +72,10 @@ def soft_cycle(law, kappa, beta, eta, margin=None):
     """
     with np.errstate(all="ignore"):
         if margin is None:
-            critical = (np.asarray(beta, float) - 1) * (1 + np.asarray(eta, float))
-            margin, doubt = kappa - critical, EPS * critical
+            beta, size = np.asarray(beta, float), 1 + np.asarray(eta, float)
+            b1 = beta - 1
+            # rounding of kappa and of what it is compared with, and of beta, which b1 lays bare
+            margin, doubt = kappa - b1 * size, EPS * (2 * b1 + 0.5 * beta) * size
         else:
             doubt = 0.0
         kappa, beta, eta, margin, doubt = _columns(kappa, beta, eta, margin, doubt)

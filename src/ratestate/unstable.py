@@ -41,7 +41,7 @@ def cycles_around(system, which, u):
         # Close to the Hopf point p hardly changes along the branch, and no solution at exactly
         # the first p stands out of the noise.
         if len(branch.points) > 2 and abs(branch.points[-1].p - p) <= RTOL:
-            measured = family.measures(branch.points[-1:])
+            measured = family.measures(branch.points[-1:], {"start": kappa})
             found["unstable_amplitude"][i] = measured["amplitude"][0]
             found["unstable_period"][i] = measured["period"][0]
             found["unstable_multiplier"][i] = measured["multipliers"][0, 0].real

@@ -15,6 +15,9 @@ from .rodas5p import step as rodas5p_step
 # Rejections in a row that no step size can explain: 5**-400 is below any eta0 w.
 TOO_MANY_FAILURES = 400.0
 
+# Errors of a step, relative to x and psi, that rounding feigns: no tolerance below them is kept.
+ROUNDING = 1e-15
+
 # A factor below 1/5 or above 5 says more about the estimate than about the solution.
 SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
@@ -121,8 +124,9 @@ def record(s, l, h, new, error, dense):
     s[R.X_2 + l], s[R.V_2 + l], s[R.PSI_2 + l] = dense[1]
     s[R.X_3 + l], s[R.V_3 + l], s[R.PSI_3 + l] = dense[2]
     s[R.H_USED + l] = h
-    err = max(abs(error[0]), abs(error[1]))
-    s[R.ERROR + l] = max(err, abs(error[2])) / s[R.RTOL + l]
+    err = max(max(abs(error[0]), abs(error[1])), abs(error[2]))
+    size = max(abs(new[0][0]), abs(new[0][2]))  # v is far larger at rest, and means nothing there
+    s[R.ERROR + l] = err / max(s[R.RTOL + l], ROUNDING * size)
 
 
 @inlined
