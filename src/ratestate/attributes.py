@@ -93,7 +93,7 @@ def array(name, value):
 def followed(result):
     """The parameter that changes along a branch of cycles."""
     symbol = text(result, "parameter")
-    if symbol not in QUANTITIES or result.get(symbol) is None or result[symbol].dims != ("point",):
+    if symbol not in QUANTITIES or "point" not in getattr(result.get(symbol), "dims", ()):
         raise _altered("parameter", symbol, "expected the one that lies along the branch")
     return symbol
 
