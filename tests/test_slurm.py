@@ -105,7 +105,7 @@ def in_time():
         raise TimeoutError("this takes too long")
 
     before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(240)
+    signal.alarm(150)
     yield
     signal.alarm(0)
     signal.signal(signal.SIGALRM, before)
@@ -537,11 +537,12 @@ def test_a_job_outlives_its_worker(slurm, kept):
 # ------------------------------------------------------------------------------ with Dask's workers
 
 
-class Slow(StabilityCall):
-    """Takes its time."""
+class Held(StabilityCall):
+    """Ends, on a worker, once a file is there."""
 
     def run(self, progress=None):
-        time.sleep(0.3)
+        while "HELD_UNTIL" in os.environ and not Path(os.environ["HELD_UNTIL"]).exists():
+            time.sleep(0.05)
         return super().run(progress)
 
 
@@ -549,26 +550,29 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
     """A worker's death makes its chunks suspect, and its job's end does not."""
 
     def call(slider, V_lp):
-        return Slow(**vars(stability_call(slider, V_lp)))
+        return Held(**vars(stability_call(slider, V_lp)))
 
     monkeypatch.setitem(calls.VERBS, "stability", (rs.stability, call))
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
     monkeypatch.chdir(tmp_path)
     slurm.answer("run")
+    both = tmp_path / "both"
     events, seen, keep, bereft = [], set(), Jobs.keep, cluster._Work.bereft
 
     def meanwhile(jobs):
-        """Kill a worker when there are two; cancel the other's job when there are two again."""
+        """Kill a worker when two are at work; cancel the other's job when they are so again."""
         keep(jobs)
         there = jobs.cluster.scheduler.workers
-        if len(there) == 2 and not events:
+        at_work = sum(bool(worker.processing) for worker in list(there.values()))
+        if at_work == 2 and not events:
             with Client(jobs.cluster.scheduler_address, set_as_default=False) as client:
                 events.append(min(there))
                 os.kill(client.run(os.getpid)[events[0]], signal.SIGKILL)
-        elif len(there) == 2 and len(events) == 1 and events[0] not in there:
+        elif at_work == 2 and len(events) == 1 and seen and events[0] not in there:
             (job,) = {jobs.job_of[address] for address in there} - {jobs.job_of[events[0]]}
             events.append(job)
             slurm.end(job)
+            both.touch()
 
     def watched(work):
         known = bereft(work)
@@ -579,7 +583,8 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
     monkeypatch.setattr(cluster._Work, "bereft", watched)
     arguments = {"V_lp": 1e-2, "progress": False}
     slurm_options = "jobs=2,cores=1,memory=1GB,interface=lo"
-    found = rs.sweep("stability", SLIDER, chunk=3, slurm=slurm_options, **arguments)
+    with site(**{"job-script-prologue": [f"export HELD_UNTIL={both}"]}):
+        found = rs.sweep("stability", SLIDER, chunk=3, slurm=slurm_options, **arguments)
     assert seen == {(1, False), (2, True)}
     said = [line for line in capfd.readouterr().err.splitlines() if "lost" in line]
     lost = f"job {events[1]} (CANCELLED)"
