@@ -64,7 +64,8 @@ def compute(law):
     for name, bound in bounds.items():
         data[f"threshold_{name}"] = ("ratio", bound(K=slip.K.values, **known), attrs("step_up"))
     data["threshold_at_K_c_qs"] = ((), runaway_step(a=FIG2.a, b=FIG2.b), attrs("step_up"))
-    data.attrs = branch.attrs
+    # "parameter" names a variable of the branch, which has another name here.
+    data.attrs = {name: value for name, value in branch.attrs.items() if name != "parameter"}
     return titled(data, "How hard stable sliding may be pushed")
 
 
