@@ -149,7 +149,8 @@ def dead_at_once(folder, scenario, expected):
     """Jobs end before their workers come."""
     prologue = '["echo no such module; exit 1"]'
     text = Sweep(folder, scenario, f"jobs=3,{JOB}", JOB_SCRIPT_PROLOGUE=prologue).end(code=2)
-    assert "3 SLURM jobs in a row were lost before a worker came, at last job" in text
+    # two to start with, and three for these, if one is not yet dead when SLURM is first asked
+    assert re.search(r"[345] SLURM jobs in a row were lost before a worker came, at last job", text)
 
 
 SCENES = (cancelled, out_of_time, handed_over, never_started, dead_at_once)

@@ -138,7 +138,11 @@ def _running(command, folder):
     """A daemon, ended with this."""
     with (folder / f"{command[0]}.out").open("w") as out:
         daemon = subprocess.Popen(
-            command, stdout=out, stderr=out, env=os.environ | {"PATH": _path()}
+            command,
+            stdout=out,
+            stderr=out,
+            env=os.environ | {"PATH": _path()},
+            start_new_session=True,  # Ctrl-C leaves it there to cancel the jobs
         )
     try:
         time.sleep(0.5)  # munged is slow to open its socket
