@@ -64,9 +64,9 @@ def test_contract(tmp_path):
 def test_against_plain_marching(name):
     """A little less comes to rest in steady sliding, a little more in the limit cycle."""
     size, period = float(edge()[name]), float(edge().unstable_period)
-    off = np.array([-1e-2, -3e-3, -3e-5, 3e-5, 3e-3, 1e-2])
+    off = np.array([-1e-2, -3e-3, -1e-6, 1e-6, 3e-3, 1e-2])
     sizes = size ** (1 + off) if name in STEPS else size * (1 + off)
-    runs = disturbed(STRIP, V_LP, name, sizes, 900 * period, rtol=1e-8)
+    runs = disturbed(STRIP, V_LP, name, sizes, 1600 * period, rtol=1e-11)
     amplitude = runs.amplitude / float(edge().amplitude)
     assert (amplitude[:3] < 2e-2).all()
     assert amplitude[3:].values == pytest.approx([1, 1, 1], abs=1e-3)
@@ -206,20 +206,17 @@ def test_no_steady_sliding(changes, law):
 
 @pytest.mark.parametrize("b", [0.0036, 0.006, 0.0363])
 def test_runaway_without_inertia(b):
-    """Slip law: at K_c_qs from V_lp/V = b/(b - a) on; above it between two closed forms.
-
-    At a speed that no motion inside the separatrix multiplies up to that of light.
-    """
+    """Slip law: at K_c_qs from V_lp/V = b/(b - a) on; above it between two closed forms."""
     rest = {name: getattr(MASSLESS, name) for name in ("a", "Dc", "sigma")} | {"b": b}
     ratio = np.array([1 + 1e-5, 1.001, 1.1, 1.5, 3.0])
     K = xr.DataArray(ratio * MASSLESS.replace(b=b).K_c_qs, dims="K")
-    found = escape(MASSLESS.replace(b=b, K=K), 1e-60)
+    found = escape(MASSLESS.replace(b=b, K=K), 1e-6)
     assert (found.outcome == "runaway").all()
     assert float(found.step_up[0]) == pytest.approx(runaway_step(a=0.003, b=b), rel=1e-4)
     lower = runaway_step_lower_bound(K=K.values, **rest)
     upper = runaway_step_upper_bound(K=K.values, **rest)
-    assert (found.step_up.values > lower * (1 - 1e-5)).all()
-    assert (found.step_up.values < upper * (1 + 1e-5)).all()
+    assert (found.step_up.values > lower * (1 - 1e-9)).all()
+    assert (found.step_up.values < upper * (1 + 1e-9)).all()
     assert (np.diff(found.step_up) > 0).all()
     assert (found.step_down == 0).all()
     for name in CYCLES:
@@ -230,9 +227,9 @@ def test_runaway_without_inertia(b):
 def test_runaway_against_plain_marching(name):
     found = escape(MASSLESS, 1e-6)
     size, t_end = float(found[name]), 1000 * 1e-5 / 1e-6
-    off = np.array([-1e-2, -1e-4, 1e-4, 1e-2])
+    off = np.array([-1e-2, -1e-7, 1e-7, 1e-2])
     sizes = size ** (1 + off) if name in STEPS else size * (1 + off)
-    runs = disturbed(MASSLESS, 1e-6, name, sizes, t_end, rtol=1e-8)
+    runs = disturbed(MASSLESS, 1e-6, name, sizes, t_end, rtol=1e-11)
     runaway = 5
     assert runs.status.values.tolist() == [0, 0, runaway, runaway]
     assert runs.V.isel(time=-1)[:2].values == pytest.approx([1e-6] * 2, rel=1e-6)

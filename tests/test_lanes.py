@@ -21,7 +21,8 @@ from ratestate.engine.return_map import return_map
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 NAMES = ["V", "theta", "tau", "delta", "mu", "status", "steps", "energy_residual", "V_max", "V_min"]
-NAMES += ["inertial_force", "amplitude", "frequency", "cycles"]
+NAMES += ["inertial_force", "mu_min", "reversal_margin", "outside_domain", "amplitude", "frequency"]
+NAMES += ["cycles"]
 LOADING = rs.Loading.steps(1e-4, (0.02, 3e-3), (0.1, 0.0), (0.3, 1e-2))
 
 

@@ -23,7 +23,8 @@ FIRMNESS += ["V_max_error", "V_min_error"]
 
 def test_contract():
     found = limit_cycle(STICK, "10 um/s")
-    assert list(found.data_vars) == [*MEASURES, *FIRMNESS, "returns", "multipliers", "status"]
+    others = ["returns", "mu_min", "reversal_margin", "outside_domain", "multipliers", "status"]
+    assert list(found.data_vars) == [*MEASURES, *FIRMNESS, *others]
     assert found.multipliers.dims == ("multiplier",)
     for name in [*MEASURES, *FIRMNESS]:
         assert found[name].dims == ()

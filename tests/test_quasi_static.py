@@ -19,8 +19,6 @@ from ratestate.quasi_static import (
 )
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
-# So slow that V_lp to the speed of light, which counts as runaway, is 47 e-folds: the slip law's
-# cycles at K_c_qs reach V_lp exp(47) within 1e-6 of the separatrix only, for b/a >= 1.4.
 V_LP, DC, SIGMA, A = 1e-12, 1e-5, 2e6, 0.004
 UNIT = DC / V_LP
 E_FOLDS = st.floats(-4, 4)
@@ -87,7 +85,7 @@ def test_every_start_is_periodic(law, b_over_a, first, second):
     parameters = friction(b_over_a) | {"K": stiffness(b_over_a, 1.0)}
     E = excursion(V_LP * math.exp(v), UNIT * math.exp(psi), V_lp=V_LP, **parameters, law=law)
     assert 0 <= E < np.inf
-    assume(35 * c > E)  # V reaches V_lp exp(E/c), and 47 e-folds are taken for runaway
+    assume(500 * c > E)  # V reaches V_lp exp(E/c), and 600 e-folds are what an exponential holds
     # near the separatrix of the slip law, E = inf, the motion forgets where it came from
     spread = math.exp(E) if law == "slip" else 1 + E
     assume(spread < 1e4)
@@ -191,7 +189,7 @@ def test_aging_law_returns_or_runs_away_by_stiffness_alone(v, psi):
 
 
 @settings(max_examples=25, deadline=None)
-@given(b_over_a=st.floats(1.4, 6), ratio=st.floats(1.0001, 4))
+@given(b_over_a=st.floats(1.1, 6), ratio=st.floats(1.0001, 4))
 def test_bounds_of_the_step_that_runs_away(b_over_a, ratio):
     parameters = friction(b_over_a) | {"K": stiffness(b_over_a, ratio)}
     low = runaway_step_lower_bound(**parameters)

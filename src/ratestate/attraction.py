@@ -69,16 +69,17 @@ class View(NamedTuple):
     finest: np.ndarray  # (n,) tolerance that is of use
 
 
-def advance(system, turns, now, here, rtol, leap):
+def advance(system, turns, now, here, rtol, loosest, leap):
     """The next u and tolerance, whether a cycle is found there, and whether to double the returns.
 
     now, here : `Settled` and SEARCH of these sliders; the latter is brought up to date
+    loosest : (n,) tolerance of a turn, at most
     """
     view = _view(system, turns, now, rtol)
     on_orbit = ~here["ahead"]
     trusted = view.attracts & (view.left <= np.where(on_orbit, here["reach"], REACH))
     here["next_u"][on_orbit] = _leap(system, turns, now.u, view, leap & on_orbit)[on_orbit]
-    here["next_tol"][on_orbit] = _tolerance(view, 0.1)[on_orbit]
+    here["next_tol"][on_orbit] = _tolerance(view, 0.1, loosest)[on_orbit]
     departs = trusted & on_orbit
     for name, value in (
         ("u", now.u),
@@ -100,7 +101,8 @@ def advance(system, turns, now, here, rtol, leap):
     here["reach"][doubled], here["reversals"][doubled] = REACH, 0
     go = here["ahead"] | done
     next_u = np.where(go[:, None], view.target, here["next_u"])
-    return next_u, np.where(go, _tolerance(view, view.left), here["next_tol"]), done, doubled
+    next_tol = np.where(go, _tolerance(view, view.left, loosest), here["next_tol"])
+    return next_u, next_tol, done, doubled
 
 
 def _view(system, turns, now, rtol):
@@ -129,11 +131,11 @@ def _view(system, turns, now, rtol):
     )
 
 
-def _tolerance(view, part):
+def _tolerance(view, part, loosest):
     """(n,) tolerance of the next return, of which this part is to be resolved."""
     with np.errstate(invalid="ignore"):
         wanted = np.nan_to_num(view.pace * part, nan=LOOSE)
-    return np.clip(wanted, view.finest, LOOSE)
+    return np.clip(wanted, view.finest, loosest)
 
 
 def _leap(system, turns, u, view, may):

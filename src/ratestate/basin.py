@@ -2,7 +2,8 @@
 
 Where K > K_c small ones decay.  But where a limit cycle coexists, or a runaway without inertia,
 large ones need not.  `escape` finds the smallest that do not, of two kinds that a laboratory can
-impose, by following the motion itself; and the unstable cycle that lies between.
+impose: with inertia by following the motion itself, together with the unstable cycle that lies
+between; without by the path that parts what runs away from what comes back (`separatrix`).
 """
 
 import json
@@ -13,9 +14,10 @@ import xarray
 
 from .batch import Batch
 from .dataset import plain, provenance
-from .engine.model import FINISHED, NO_CONVERGENCE, RUNAWAY, STEADY_SLIDING
+from .engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from .errors import SolverError
 from .progress import bar
+from .separatrix import runaway_edge
 from .settle import settle
 from .shooting import system_of
 from .slider import checked
@@ -28,13 +30,12 @@ TAKEN = [*KINDS, "outcome", *CYCLES]
 # Sizes looked at, as |ln(V_lp/V)| and as |change of tau|/(a sigma): smallest, largest, number.
 LADDER = np.geomspace(1e-4, 27.6, 96)
 #: how an orbit that does not come back ends -> what to call that
-OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles", RUNAWAY: "runaway"}
-# ln(V/V_lp) that no motion without inertia comes back from.
-FASTEST = 200.0
+OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles"}
 # Each round divides what is left between two of them by so many parts, down to this.
 PARTS, ACCURACY = 16, 1e-6
-# To know in which basin an orbit is, it need not be followed more closely.
-RTOL = 1e-5
+# Of the cycle that is reached, which need not be known better to know that it is one; and of a
+# step of the orbit, over the size of the disturbance.
+RTOL, CLOSELY = 1e-5, 2e-9
 
 
 def escape(slider, V_lp):
@@ -84,8 +85,6 @@ def escape(slider, V_lp):
     V_lp = to_si("V_lp", V_lp)
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
     system = system_of(slider.law, **batch.columns)
-    # A runaway without inertia is one without end; what is merely faster than light may come back.
-    system = system._replace(v_limit=np.where(system.eta > 0.0, np.inf, FASTEST))
     with bar("escape") as progress:
         sizes, outcome, u = _thresholds(system, progress)
     lost = outcome == "unknown"
@@ -118,8 +117,7 @@ def _disturbed(system, kind, size):
     step, sign = kind < 2, np.where(kind % 2 == 0, 1.0, -1.0)
     v = np.where(step, -sign * size, 0.0)
     kick = np.where(step, 0.0, sign * size)
-    massless = system.eta == 0.0
-    return np.stack([(1.0 - system.beta) * v + kick, v + np.where(massless, kick, 0.0), -v], axis=1)
+    return np.stack([(1.0 - system.beta) * v + kick, v, -v], axis=1)
 
 
 class Edge(NamedTuple):
@@ -143,12 +141,9 @@ def _edges(system, kind, largest, progress):
         m = trial.shape[1]
         part = system.at(np.repeat(which, m))
         start = _disturbed(part, np.repeat(kind[which], m), trial.ravel())
-        settled = settle(part, start, RTOL, False, progress)
-        # Without inertia an orbit that neither rests nor runs away keeps its size, or nearly so.
-        stays = (settled.status == STEADY_SLIDING) | (
-            (part.eta == 0.0) & (settled.status != RUNAWAY)
-        )
-        leaves = ~stays.reshape(-1, m)
+        loosest = CLOSELY * np.clip(trial.ravel(), 1e-5, 1.0)
+        settled = settle(part, start, RTOL, False, progress, loosest)
+        leaves = (settled.status != STEADY_SLIDING).reshape(-1, m)
         first, some = leaves.argmax(axis=1), leaves.any(axis=1)
         row = np.arange(len(which))
         last = np.where(some, first, m) - 1
@@ -169,11 +164,14 @@ def _thresholds(system, progress):
     sizes = np.where(slides, np.inf, 0.0) * np.ones((4, 1))
     outcome = np.where(slides, "none", "no steady sliding").astype("<U17")
     u = np.full((n, 2), np.nan)
-    # Without inertia and by the aging law every orbit comes back (Ranjith & Rice 1999), though
-    # some by way of speeds that no number holds.
-    returns = (system.eta == 0.0) & (system.law == "aging")
-    weakens = (system.beta > 1.0) & np.isfinite(system.kappa)
-    may_leave = np.flatnonzero(slides & weakens & ~returns)
+    may_leave = slides & (system.beta > 1.0) & np.isfinite(system.kappa)
+    # Without inertia every orbit of the aging law comes back (Ranjith & Rice 1999).
+    if system.law == "slip":
+        for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
+            step_up, *kicks = runaway_edge(system.kappa[i], system.beta[i], LADDER[-1])
+            sizes[:, i] = step_up, np.inf, *kicks
+            outcome[i] = "runaway" if np.isfinite(sizes[:, i]).any() else "none"
+    may_leave = np.flatnonzero(may_leave & (system.eta > 0.0))
     slider, kind = np.tile(may_leave, 4), np.repeat(np.arange(4), len(may_leave))
     part = system.at(slider)
     with np.errstate(divide="ignore"):  # a step down is from a speed below V_c (eq. 10)

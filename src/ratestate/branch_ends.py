@@ -98,7 +98,9 @@ def hopf_measures(family, p):
     period = 2.0 * np.pi / omega
     third = np.exp(-(1.0 + 1.0 / system.eta) * period)
     zero = np.zeros(1)
-    nothing = "amplitude v_max v_min v_max_error v_min_error g_max slow_fraction".split()
+    nothing = (
+        "amplitude v_max v_min v_max_error v_min_error g_max f_min xf_min slow_fraction".split()
+    )
     values = dict.fromkeys(nothing, zero)
     return values | {
         "period": period,

@@ -7,7 +7,7 @@ from .engine.exp import LIMIT
 from .engine.model import METHODS, NO_CONVERGENCE, RIGID_REST, RUNAWAY, STATUSES, Cases
 from .errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 
-# Beyond this a quasi-static run has met its instability: no slip is faster than light.
+# [m/s] Beyond this a quasi-static run that does not turn back (`laws`) has met its instability.
 V_LIMIT = 3e8
 # Some 20 s of a case alone, and millions of cycles: beyond it a run counts as stuck.
 MAX_STEPS = 1e8
@@ -64,7 +64,8 @@ def run_path(method, law, cases, loads, progress=None):
 
 def speed(v, V0):
     """V [m/s] from v = ln(V/V0); at rest, the smallest that the engine tells from 0."""
-    return V0 * np.exp(np.maximum(v, -LIMIT))
+    with np.errstate(over="ignore"):  # without mass V may pass all bounds, and come back
+        return V0 * np.exp(np.maximum(v, -LIMIT))
 
 
 def cost(cases, loads):

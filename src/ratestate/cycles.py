@@ -11,8 +11,10 @@ import xarray
 from .batch import Batch
 from .cases import failure, speed
 from .dataset import plain, provenance, status_variable
+from .domain import domain_variables
 from .engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from .errors import ParameterError
+from .laws import mu_ss
 from .measure import refine
 from .progress import bar
 from .settle import settle, steady_start
@@ -23,7 +25,8 @@ from .units import is_array, to_si
 
 TAKEN = (
     "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
-    " multiplier stable residual error V_max_error V_min_error returns status"
+    " multiplier stable residual error V_max_error V_min_error returns mu_min reversal_margin"
+    " outside_domain status"
 ).split()
 # Relative error beyond which an answer is refused.
 WORST = 1e-2
@@ -62,6 +65,10 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
           beside the trivial 1, the larger first, by which small distances from the cycle change
           in a period.  Their product is the exponential of the integrated trace of the Jacobian;
           below 1e-8 no more than that is certain;
+        - ``outside_domain`` (int8 with CF flags), whether the motion leaves the domain of the
+          friction law, since friction would have to push (``mu_min``, its smallest mu, is
+          negative), or since the spring pulls back harder than friction can hold
+          (``reversal_margin``, the smallest tau/sigma + mu, is);
         - ``stable``, whether small disturbances decay;
         - ``residual``, the relative distance by which the cycle fails to close, and ``error``, the
           estimated relative error of amplitude and period, rounding of the parameters included,
@@ -219,5 +226,8 @@ def cycle_variables(batch, status, found, stable):
     returns = np.nan_to_num(of("returns", 0.0)).astype(np.int16)
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     variables["returns"] = batch.variable(returns, "returns")
+    steady_mu = mu_ss(V, a=a, b=b, mu0=batch.flat("mu0"), V0=batch.flat("V0"))
+    lowest = (steady_mu + a * of("f_min", 0.0), 2.0 * steady_mu + a * of("xf_min", 0.0))
+    variables |= domain_variables(batch, *lowest)
     variables["multipliers"] = batch.variable(multipliers, "multipliers", "multiplier")
     return variables

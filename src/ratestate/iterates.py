@@ -58,6 +58,8 @@ def _append(turns, which, more, pace):
     for name in SUMS:
         joined[name] = had[name] + new[name]
     joined["g_max"] = np.maximum(had["g_max"], new["g_max"])
+    for name in ("f_min", "xf_min"):
+        joined[name] = np.minimum(had[name], new[name])
     for suffix, slope in zip("ab", by_start("period"), strict=True):
         joined[f"period_{suffix}"] = had[f"period_{suffix}"] + slope
     for name, further in (

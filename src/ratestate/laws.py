@@ -16,6 +16,7 @@ Sources: Dieterich (1979) doi:10.1029/JB084iB05p02161 (aging), Ruina (1983)
 doi:10.1029/JB088iB12p10359 (slip); equation numbers are those of Im, Marone & Elsworth (2019).
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -65,6 +66,24 @@ def aging_rate_partials_2(w, v, psi, e):
 def aging_rate_partials_3(w, v, psi, e):
     """Third derivatives of `aging_rate`: vvv, vv psi, v psi psi, psi psi psi."""
     return -w, 0.0, 0.0, -e
+
+
+def slip_runs_away(y, kappa, c):
+    """Whether a slider without mass runs away for sure: Q = y - kappa/c >= 0, c = beta - 1 > 0.
+
+    y = v + psi; with slip D instead of time dQ/dD = c Q + kappa w_lp/w, so that Q, once positive,
+    grows for ever, whatever the load point does.  Where w >> w_lp it does not otherwise.
+    """
+    return c > 0.0 and c * y >= kappa
+
+
+def aging_runs_away(y, kappa, c):
+    """Whether a slider without mass runs away for sure: exp(-y) <= 1 - kappa/c, kappa < c.
+
+    dy/dD = c (1 - exp(-y)) - kappa + kappa w_lp/w then stays positive.  Where w >> w_lp it does
+    not otherwise.
+    """
+    return c > kappa and y >= -math.log1p(-kappa / c)
 
 
 class EvolutionLaw(NamedTuple):

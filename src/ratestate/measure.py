@@ -105,6 +105,8 @@ def measure(system, settled, alone):
             "v_max": found["v_max"] + v_max,
             "v_min": found["v_min"] + v_min,
             "g_max": found["g_max"],
+            "f_min": found["f_min"],
+            "xf_min": found["xf_min"],
             "slow_fraction": found["slow"] / found["period"],
             "fundamental": 2.0 * wave / variance,
             "multipliers": floquet,

@@ -6,9 +6,14 @@ import numpy as np
 
 from . import rigid
 from .cases import engine_cases, run_cases, run_path, speed
+from .domain import domain_variables
+from .engine.exp import LIMIT
 from .engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, Loads
 from .start import initial_state
 from .units import is_array
+
+# A double below this has lost digits.
+SMALLEST = np.finfo(float).tiny
 
 
 class Motion(NamedTuple):
@@ -117,21 +122,28 @@ def series(batch, loading, motion):
     t = np.broadcast_to(motion.t, x.shape)
     tau = sigma * (mu0 + a * x)
     delta_lp = batch.of(loading.delta_lp, t)
+    V = speed(v, V0)
+    with np.errstate(over="ignore"):
+        theta = Dc / V0 * np.exp(psi)
+    # Beyond double precision V and theta are not those that friction was computed from.
+    kept = (v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V) & (theta >= SMALLEST) & (theta < np.inf)
     values = {
-        "V": speed(v, V0),
-        "theta": Dc / V0 * np.exp(psi),
+        "V": V,
+        "theta": theta,
         "delta": delta_lp - tau / K,
         "delta_lp": delta_lp,
         "V_load": batch.of(loading.V_load, t),
         "tau": tau,
-        "mu": mu0 + a * (v + b / a * psi),
+        "mu": np.where(kept, mu0 + a * (v + b / a * psi), np.nan),
     }
-    return {name: batch.variable(value, name, "time") for name, value in values.items()}
+    variables = {name: batch.variable(value, name, "time") for name, value in values.items()}
+    variables["mu"].attrs["comment"] = "NaN where V or theta is beyond double precision"
+    return variables
 
 
 def observables(batch, motion, rtol):
     """The variables that have one value a case, as name -> Variable."""
-    a, V0 = batch.flat("a"), batch.flat("V0")
+    a, mu0, V0 = batch.flat("a"), batch.flat("mu0"), batch.flat("V0")
     found = motion.numbers
     # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.
     counts = (found["amplitude"] > 10.0 * rtol) & (found["cycles"] > 0)
@@ -144,10 +156,13 @@ def observables(batch, motion, rtol):
         "V_max": speed(found["v_max"], V0),
         "V_min": speed(found["v_min"], V0),
         "inertial_force": a * found["g_max"],
+        "mu_min": mu0 + a * found["f_min"],
+        "reversal_margin": 2.0 * mu0 + a * found["xf_min"],
     }
     failed = motion.status != FINISHED
     values = {name: np.where(failed, np.nan, value) for name, value in values.items()}
+    domain = domain_variables(batch, values.pop("mu_min"), values.pop("reversal_margin"))
     values["steps"] = np.nan_to_num(found["steps"]).astype(np.int64)
     values["returns"] = np.where(counts & ~failed, found["returns"], 0.0).astype(np.int16)
     values["energy_residual"] = found["energy_residual"]
-    return {name: batch.variable(value, name) for name, value in values.items()}
+    return {name: batch.variable(value, name) for name, value in values.items()} | domain

@@ -3,9 +3,11 @@
 import itertools
 
 import numpy as np
+from scipy.optimize import brentq
 
 from .engine import drive
 from .engine.rigid import states
+from .laws import SLIP, aging_rate, slip_rate
 
 
 def follow(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
@@ -36,7 +38,50 @@ def follow(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
         "v_min": np.log(reached.min() / V0),
         "g_max": np.abs(inertia[used]).max(),
     }
+    begin = starts[used]
+    lowest = _lowest_friction(law, psi0, begin, ends[used], (V, rate), Dc, V0, b / a)
+    found["f_min"] = lowest.min()
+    found["xf_min"] = (2.0 * lowest + inertia[used]).min()
     return np.stack([v + b / a * psi + inertia[k], v, psi], axis=-1), found
+
+
+def _lowest_friction(law, psi0, begin, end, segments, Dc, V0, beta):
+    """(n,) smallest v + beta psi in each segment of the loading, which is from begin to end.
+
+    At one of its ends, or where its slope turns from falling to rising.
+    """
+    V, rate = (values[: begin.size] for values in segments)
+    state_rate = slip_rate if law == SLIP else aging_rate
+
+    def state(psi, t, starts, V, rate):
+        """psi at times t, from psi at the first segment's start on."""
+        out = np.empty(len(t))
+        drive.call(states, law, psi, t, starts, V, rate, Dc, V0, out)
+        return out
+
+    def slope(speed, psi, rate):
+        w = speed / V0
+        return rate / speed + beta * V0 / Dc * state_rate(w, np.log(w), psi, np.exp(-psi))
+
+    def friction(speed, psi):
+        return np.log(speed / V0) + beta * psi
+
+    psi = state(psi0, np.append(begin, end[-1]), begin, V, rate)
+    last = V + rate * (end - begin)
+    lowest = np.minimum(friction(V, psi[:-1]), friction(last, psi[1:]))
+    dips = (slope(V, psi[:-1], rate) < 0.0) & (slope(last, psi[1:], rate) > 0.0)
+    for k in np.flatnonzero(dips):
+        segment = (np.zeros(1), V[k : k + 1], rate[k : k + 1])
+
+        def at(t, k=k, segment=segment):
+            return V[k] + rate[k] * t, state(psi[k], np.array([t]), *segment)[0]
+
+        def rise(t, k=k, at=at):
+            speed, now = at(t)
+            return slope(speed, now, rate[k])
+
+        lowest[k] = friction(*at(brentq(rise, 0.0, end[k] - begin[k])))
+    return lowest
 
 
 def grid(starts, V, t_end, Dc):

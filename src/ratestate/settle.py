@@ -46,22 +46,24 @@ def steady_start(system):
     return np.stack([(1.0 - system.beta) * v, v, -v], axis=1)
 
 
-def settle(system, start, rtol, alone, progress):
+def settle(system, start, rtol, alone, progress, loosest=LOOSE):
     """Follow n sliders from the states start (n, 3) until they settle; `Settled`.
 
     rtol : relative accuracy of the cycle
     alone : whether this is the one case of a call
     progress : callable or None, given the fraction of sliders that have settled
+    loosest : (n,) tolerance of a turn, at most; as close as this the orbit itself is followed
     """
     n = len(start)
+    loosest = np.broadcast_to(loosest, n)
     rtol = min(rtol, LOOSEST_ANSWER)
     stable = system.margin >= 0.0
     steady_tol = np.where(stable, 1e-6, 0.0)
-    first = turn(system, start, LOOSE, alone=alone, steady_tol=steady_tol)
+    first = turn(system, start, loosest, alone=alone, steady_tol=steady_tol)
     found = Settled(
         np.where(first.came_back, RUNNING, first.status),
         first.image.copy(),
-        np.full(n, LOOSE),
+        loosest.astype(float),
         first.numbers["period"],
         np.zeros(n),
         np.ones(n, np.int64),
@@ -83,7 +85,7 @@ def settle(system, start, rtol, alone, progress):
         found.period[active] = turns.numbers["period"]
         on_orbit = ~here["ahead"]
         found.u[active], found.tol[active], done, doubled = advance(
-            part, turns, now, here, rtol, leap=number > 0
+            part, turns, now, here, rtol, loosest[active], leap=number > 0
         )
         found.returns[active] = np.where(doubled, 2 * now.returns, now.returns)
         search[active] = here

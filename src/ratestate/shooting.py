@@ -36,7 +36,7 @@ class System(NamedTuple):
     kappa: np.ndarray  # K Dc/(a sigma)
     beta: np.ndarray  # b/a
     eta: np.ndarray  # M V_lp^2/(a sigma Dc)
-    v_limit: np.ndarray  # ln(V/V_lp) that counts as runaway
+    v_limit: np.ndarray  # ln(V/V_lp) beyond which what does not turn back has run away
 
     def at(self, which):
         """The sliders with these numbers, or where this is true."""

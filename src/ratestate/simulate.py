@@ -27,7 +27,7 @@ from .units import is_array, to_si
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
 TAKEN = (
     "V theta delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
-    " returns V_max V_min inertial_force t"
+    " returns V_max V_min inertial_force mu_min reversal_margin outside_domain t"
 ).split()
 # That a case takes in memory at each time: seven variables of the result, three of the engine's.
 BYTES = 80
@@ -78,13 +78,19 @@ def simulate(
     xarray.Dataset
         In the sweep's dimensions, then ``time``: ``V`` and ``V_load`` (slider and load point,
         [m/s]), ``theta`` [s], ``delta`` and ``delta_lp`` [m], ``tau`` [Pa] (the spring's),
-        ``mu``.  Per case: ``status`` (int8 with CF flags; 0 finished), ``steps``,
+        ``mu`` (eq. 1 for these V and theta; NaN where one of them is beyond double precision).
+        Per case: ``status`` (int8 with CF flags; 0 finished), ``steps``,
         ``energy_residual`` (load work less stored and dissipated energy, over all of them),
         ``cycles`` (stress maxima after the first since the last jump in the loading),
         ``amplitude`` (max - min of tau/sigma) and ``frequency`` [Hz] of the last period (0 if
         none), ``returns`` (how many of those maxima make that period: 1, or 2, 4, 8 where unequal
         ones alternate), ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its largest
-        |tau/sigma - mu|).
+        |tau/sigma - mu|).  Without mass V_max may be inf: beyond double precision, and yet a
+        motion that comes back.
+        ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction
+        law, since friction would have to push (``mu_min``, its smallest mu, is negative), or since
+        the spring pulls back harder than friction can hold (``reversal_margin``, the smallest
+        tau/sigma + mu, is).  Both smallest values are found between the solver's steps as well.
         delta_lp(0) = 0 and delta(0) = -tau(0)/K (0 where K = inf).
 
     Raises

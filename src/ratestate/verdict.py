@@ -51,6 +51,9 @@ class Verdict:
         Of the limit cycle [s, Hz, 1, m/s, m/s]: None without one, amplitude 0 in steady sliding.
     returns : int or None
         Stress maxima in a period; None without a cycle.
+    mu_min, reversal_margin : float or None
+        Smallest mu and tau/sigma + mu of the motion reached: below 0 it leaves the domain of the
+        friction law (see `ratestate.domain`).
     multiplier : complex or None
         Largest Floquet multiplier beside 1: what is left of a disturbance after one cycle.
     K_fold : float or None
@@ -77,6 +80,8 @@ class Verdict:
     V_max: float | None = None
     V_min: float | None = None
     returns: int | None = None
+    mu_min: float | None = None
+    reversal_margin: float | None = None
     multiplier: complex | None = None
     K_fold: float | None = None
     sentences: tuple[str, ...] = ()
@@ -150,7 +155,8 @@ def judge(slider, V_lp, cycle):
     if not isinstance(cycle, SolverError):
         found["regime"] = str(classify(cycle).regime.values)
         found["amplitude"] = float(cycle.amplitude)
-        found["V_max"], found["V_min"] = float(cycle.V_max), float(cycle.V_min)
+        for name in ("V_max", "V_min", "mu_min", "reversal_margin"):
+            found[name] = float(cycle[name])
         if int(cycle.status) != STEADY_SLIDING:
             found["period"], found["frequency"] = float(cycle.period), float(cycle.frequency)
             found["multiplier"] = complex(cycle.multipliers[0])

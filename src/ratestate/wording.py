@@ -21,7 +21,8 @@ def sentences(found, why):
 
     why : of one without an answer, what stopped the search; empty if it found nothing to settle on
     """
-    return _told(motion(found, why), doubling(found), *_steady(found), fading(found), beside(found))
+    said = (motion(found, why), doubling(found), outside_domain(found), *_steady(found))
+    return _told(*said, fading(found), beside(found))
 
 
 def of_steady_sliding(found):
@@ -85,6 +86,24 @@ def doubling(found):
 def _vibration(found):
     """How often the stress has a maximum [Hz]."""
     return found.returns * found.frequency
+
+
+def outside_domain(found):
+    """Where the motion leaves the domain of the friction law."""
+    if found.mu_min is None or min(found.mu_min, found.reversal_margin) >= 0.0:
+        return ""
+    reasons = []
+    if found.mu_min < 0.0:
+        reasons.append(f"mu falls to {found.mu_min:.3g}, so that friction would have to push")
+    if found.reversal_margin < 0.0:
+        reasons.append(
+            f"tau/sigma + mu falls to {found.reversal_margin:.3g}, so that the spring pulls back "
+            f"harder than friction can hold"
+        )
+    return (
+        f"This is outside the domain of the friction law, which knows forward slip only: "
+        f"{', and '.join(reasons)}."
+    )
 
 
 def _conditional(found):

@@ -6,10 +6,12 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 
 import math
 
+from ..laws import AGING
 from . import rows as R
+from .exp import LIMIT
 from .jit import inner
 from .lanes import turns
-from .model import RUNAWAY
+from .model import NOT_FINITE, RUNAWAY, runs_away
 
 # Change of stress maxima or minima from one return to the next, over the amplitude, that counts as
 # alternation; part of it that may be left after twice as many returns.
@@ -33,13 +35,25 @@ def derivative(c, s):
 
 
 @inner
+def combined(a, factor, b):
+    """The polynomial a + factor b."""
+    return (
+        a[0] + factor * b[0],
+        a[1] + factor * b[1],
+        a[2] + factor * b[2],
+        a[3] + factor * b[3],
+        a[4] + factor * b[4],
+    )
+
+
+@inner
 def extreme(c):
-    """Where in 0..1 the polynomial's derivative vanishes (bisection, then Newton inside it)."""
+    """Where in 0..1 the polynomial's derivative vanishes (Newton inside a bracket)."""
     low, high = 0.0, 1.0
-    d_low = derivative(c, low)
-    if (d_low < 0.0) == (derivative(c, high) < 0.0):
-        return 0.0 if abs(d_low) < abs(derivative(c, high)) else 1.0
-    s = 0.5
+    d_low, d_high = derivative(c, low), derivative(c, high)
+    if (d_low < 0.0) == (d_high < 0.0):
+        return 0.0 if abs(d_low) < abs(d_high) else 1.0
+    s = d_low / (d_low - d_high)
     for _ in range(60):
         d = derivative(c, s)
         if (d < 0.0) == (d_low < 0.0):
@@ -141,19 +155,12 @@ def last_period(s, l):
 
 @inner
 def observe(s, l, law, cx, cv, cpsi):
-    """Extremes of V and of |tau/sigma - mu| inside the step; `commit` sees to its end.
+    """Extremes of V, |g|, f and x + f inside the step; `commit` sees to its end.
 
     Returns where in the step V has one, or -1.
     """
-    beta = s[R.BETA + l]
-    cg = (
-        cx[0] - cv[0] - beta * cpsi[0],
-        cx[1] - cv[1] - beta * cpsi[1],
-        cx[2] - cv[2] - beta * cpsi[2],
-        cx[3] - cv[3] - beta * cpsi[3],
-        cx[4] - cv[4] - beta * cpsi[4],
-    )
-    v_turns, g_turns = turns(s, l, law)
+    cf = combined(cv, s[R.BETA + l], cpsi)
+    v_turns, g_turns, f_turns, xf_turns = turns(s, l, law)
     at = -1.0
     if v_turns:
         at = extreme(cv)
@@ -161,8 +168,28 @@ def observe(s, l, law, cx, cv, cpsi):
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_turns:
+        cg = combined(cx, -1.0, cf)
         s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
+    if f_turns:
+        s[R.F_LOW + l] = min(s[R.F_LOW + l], polynomial(cf, extreme(cf)))
+    if xf_turns:
+        cxf = combined(cx, 1.0, cf)
+        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], polynomial(cxf, extreme(cxf)))
     return at
+
+
+@inner
+def outrun(s, l, law):
+    """End the case of a lane beyond its limit of speed, unless the motion will turn back.
+
+    At speeds that saturate (exp.py) the slip law needs no other than slip itself, but the aging
+    law does.
+    """
+    v, psi = s[R.V_NEW + l], s[R.PSI_NEW + l]
+    if runs_away(law, v, psi, s[R.KAPPA + l], s[R.BETA + l]):
+        s[R.STATUS + l] = RUNAWAY
+    elif law == AGING and v > LIMIT:
+        s[R.STATUS + l] = NOT_FINITE
 
 
 @inner
@@ -181,4 +208,4 @@ def attend(s, l, law):
         else:
             s[R.X_LOW + l] = polynomial(cx, at)
     if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
-        s[R.STATUS + l] = RUNAWAY
+        outrun(s, l, law)

@@ -24,15 +24,19 @@ SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 @inlined
 def turning(x, v, psi, f_x, f_psi, w, beta, eta0):
-    """Numbers whose signs change where V, and where |g|, has an extreme.
+    """Numbers of the signs of dv/dT, dg/dT, df/dT and d(x + f)/dT.
 
-    dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - beta f_psi; dg/dT
-    has that of eta0 w (f_x - beta f_psi) - g.
+    dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - beta f_psi; then x = f.
+    The others follow from eta0 w dv/dT = g, f = v + beta psi and g = x - f.
     """
     g = x - v - beta * psi
     drive = f_x - beta * f_psi
     rounding = 1e-13 * (abs(x) + abs(v) + abs(beta * psi))
-    return (drive if abs(g) <= rounding else g), eta0 * w * drive - g
+    lost = abs(g) <= rounding
+    m = eta0 * w
+    friction = f_x if lost else m * beta * f_psi + g
+    both = f_x if lost else m * (f_x + beta * f_psi) + g
+    return (drive if lost else g), m * drive - g, friction, both
 
 
 @inlined
@@ -68,7 +72,7 @@ def judge(s, l):
 
 @inlined
 def turns(s, l, law):
-    """Whether V, and whether |g|, has an extreme inside the step."""
+    """Whether V, |g|, the friction f and x + f have an extreme inside the step; f's a minimum."""
     kappa, beta, eta0 = s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l]
     w_lp = s[R.W_LP + l]
     w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
@@ -76,9 +80,10 @@ def turns(s, l, law):
     f_psi0 = state_rate(law, s[R.W + l], s[R.V + l], s[R.PSI + l], s[R.E + l])
     f_psi1 = state_rate(law, w, v, psi, s[R.E_NEW + l])
     x0, v0, psi0, w0 = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l]
-    a0, b0 = turning(x0, v0, psi0, kappa * (w_lp - w0), f_psi0, w0, beta, eta0)
-    a1, b1 = turning(x, v, psi, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
-    return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0)
+    a0, b0, c0, d0 = turning(x0, v0, psi0, kappa * (w_lp - w0), f_psi0, w0, beta, eta0)
+    a1, b1, c1, d1 = turning(x, v, psi, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
+    f_turns, xf_turns = (c0 < 0.0) & (c1 >= 0.0), (d0 < 0.0) & (d1 >= 0.0)
+    return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0), f_turns, xf_turns
 
 
 @inlined
@@ -104,8 +109,8 @@ def needs_attention(s, l, law):
     """Whether the accepted step holds anything that the scalar code must look at."""
     w_lp = s[R.W_LP + l]
     crosses = (s[R.W + l] < w_lp) != (s[R.W_NEW + l] < w_lp + s[R.H_USED + l] * s[R.RAMP + l])
-    v_turns, g_turns = turns(s, l, law)
-    extreme = (v_turns | g_turns) & (s[R.OBSERVE + l] > 0.0)
+    v_turns, g_turns, f_turns, xf_turns = turns(s, l, law)
+    extreme = (v_turns | g_turns | f_turns | xf_turns) & (s[R.OBSERVE + l] > 0.0)
     runs_away = s[R.V_NEW + l] > s[R.V_LIMIT + l]
     flag = crosses | extreme | saves(s, l) | steadies(s, l) | runs_away
     flag = flag | (s[R.EVERY_STEP + l] > 0.0)
@@ -162,7 +167,9 @@ def commit_lane(s, l):
     friction, d_friction = s[R.DISSIPATION + l], s[R.D_FRICTION + l]
     steps, rejected, failures = s[R.STEPS + l], s[R.REJECTED + l], s[R.FAILURES + l]
     v_high, v_low, g_high = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
-    g1 = abs(x1 - v1 - s[R.BETA + l] * psi1)
+    f_low, xf_low = s[R.F_LOW + l], s[R.XF_LOW + l]
+    f1 = v1 + s[R.BETA + l] * psi1
+    g1, xf1 = abs(x1 - f1), x1 + f1
     land, status, max_steps = s[R.LAND + l], s[R.STATUS + l], s[R.MAX_STEPS + l]
     increment = low + h
     t1 = t + increment
@@ -177,6 +184,8 @@ def commit_lane(s, l):
     s[R.V_HIGH + l] = v1 if ok & (v1 > v_high) else v_high
     s[R.V_LOW + l] = v1 if ok & (v1 < v_low) else v_low
     s[R.G_HIGH + l] = g1 if ok & (g1 > g_high) else g_high
+    s[R.F_LOW + l] = f1 if ok & (f1 < f_low) else f_low
+    s[R.XF_LOW + l] = xf1 if ok & (xf1 < xf_low) else xf_low
     s[R.LOAD_WORK + l] = load1 if ok else load
     s[R.DISSIPATION + l] = friction1 if ok else friction
     s[R.MEMORY + l] = memory if ok else 1.0

@@ -76,7 +76,9 @@ def load(s, l, law, i, cases, loads, save_times, results):
     s[R.V_LIMIT + l], s[R.MAX_STEPS + l] = cases.v_limit[i], cases.max_steps[i]
     s[R.OBSERVE + l] = cases.observe[i]
     s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
-    s[R.G_HIGH + l] = abs(s[R.X + l] - s[R.V + l] - s[R.BETA + l] * s[R.PSI + l])
+    s[R.F_LOW + l] = s[R.V + l] + s[R.BETA + l] * s[R.PSI + l]
+    s[R.G_HIGH + l] = abs(s[R.X + l] - s[R.F_LOW + l])
+    s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
     enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i])
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
@@ -131,6 +133,7 @@ def finish(s, l, cases, results):
     out[5], out[6], out[11] = last_period(s, l)
     out[7] = s[R.CYCLES + l]
     out[8], out[9], out[10] = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
+    out[12], out[13] = s[R.F_LOW + l], s[R.XF_LOW + l]
     s[R.CASE + l] = IDLE
 
 

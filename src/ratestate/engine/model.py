@@ -6,8 +6,8 @@ With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu0)/a and T = 
     dv/dT   = (x - v - beta psi)/(eta0 w)    eta0  = M V0**2/(a sigma Dc),  beta = b/a
     dpsi/dT = the evolution law (laws.py)
 
-which is eqs 1-4 of Im, Marone & Elsworth (2019).  g = x - v - beta psi is the inertial force,
-(tau/sigma - mu)/a.
+which is eqs 1-4 of Im, Marone & Elsworth (2019).  f = v + beta psi is the friction, (mu - mu0)/a,
+and g = x - f the inertial force, (tau/sigma - mu)/a.
 """
 
 from typing import NamedTuple
@@ -36,7 +36,8 @@ STATUSES = {
     STEADY_SLIDING: ("steady_sliding", "steady sliding: no cycle exists or is reached"),
     NOT_FINITE: (
         "not_finite",
-        "a step gave values that are not finite; check that the parameters are of a physical size",
+        "a step gave values that are not finite, or a speed beyond double precision; check that the"
+        " parameters are of a physical size",
     ),
     STEP_UNDERFLOW: (
         "step_underflow",
@@ -96,8 +97,8 @@ class Cases(NamedTuple):
     loading: np.ndarray  # row of the Loads tables
     times: np.ndarray  # row of the saved times
     rtol: np.ndarray
-    observe: np.ndarray  # 1 where extremes of V and of the inertial force are wanted
-    v_limit: np.ndarray  # ln(V/V0) that counts as runaway
+    observe: np.ndarray  # 1 where extremes of V, friction and the inertial force are wanted
+    v_limit: np.ndarray  # ln(V/V0) beyond which a run that does not turn back has run away
     max_steps: np.ndarray
 
 
@@ -131,14 +132,25 @@ NUMBERS = (
     "v_min",
     "g_max",
     "returns",
+    "f_min",
+    "xf_min",
 )
 
+slip_runs_away = inlined(laws.slip_runs_away)
+aging_runs_away = inlined(laws.aging_runs_away)
 slip_rate = inlined(laws.slip_rate)
 slip_rate_partials = inlined(laws.slip_rate_partials)
 aging_rate = inlined(laws.aging_rate)
 slip_rate_partials_2 = inlined(laws.slip_rate_partials_2)
 aging_rate_partials = inlined(laws.aging_rate_partials)
 aging_rate_partials_2 = inlined(laws.aging_rate_partials_2)
+
+
+@inlined
+def runs_away(law, v, psi, kappa, beta):
+    """Whether a slider without mass will run away for sure, by the law with this code."""
+    y, c = v + psi, beta - 1.0
+    return slip_runs_away(y, kappa, c) if law == laws.SLIP else aging_runs_away(y, kappa, c)
 
 
 @inlined

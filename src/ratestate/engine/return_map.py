@@ -14,7 +14,7 @@ import numpy as np
 from ..laws import AGING, SLIP
 from . import lanes as L
 from . import rows as R
-from .events import components, crossing, observe, polynomial
+from .events import components, crossing, observe, outrun, polynomial
 from .exp import exp_alone
 from .jit import inlined, inner, kernel, lanewise
 from .lanes import steadies
@@ -45,7 +45,7 @@ class Starts(NamedTuple):
     steady_tol: np.ndarray
     observe: np.ndarray  # 1 where extremes and waveform are wanted
     period: np.ndarray  # assumed for the waveform
-    v_limit: np.ndarray  # ln(V/V_lp) that counts as runaway
+    v_limit: np.ndarray  # ln(V/V_lp) beyond which an orbit that does not turn back has run away
     max_steps: np.ndarray
 
 
@@ -62,6 +62,7 @@ RETURN_NUMBERS = (
     *("period_a", "x_a", "psi_a", "x_low_a", "period_b", "x_b", "psi_b", "x_low_b"),
     *("trace", "v_max", "v_min", "g_max", "slow", "mean", "square", "cosine", "sine", "steps"),
     *("v_max_a", "v_max_b", "v_min_a", "v_min_b"),
+    *("f_min", "xf_min"),
 )
 
 
@@ -160,6 +161,8 @@ def load(s, l, law, i, starts):
     s[R.OBSERVE + l] = s[R.EVERY_STEP + l] = starts.observe[i]
     s[R.GUESS + l] = starts.period[i]
     s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
+    s[R.F_LOW + l] = s[R.V + l] + s[R.BETA + l] * s[R.PSI + l]
+    s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
     s[R.X_LOW + l] = s[R.X_A_LOW + l] = s[R.X_B_LOW + l] = math.nan
     # A start on the section is a crossing already made: the step from it leads to no other.
     s[R.SINCE + l] = 0.0 if s[R.V + l] == 0.0 else 1.0
@@ -275,7 +278,11 @@ def attend(s, l, law):
     if s[R.OBSERVE + l] > 0.0:
         observe_step(s, l, law, cx, cv, cpsi)
     if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
-        s[R.STATUS + l] = RUNAWAY
+        # Where steady sliding is unstable what turns back once more runs away at last.
+        if s[R.KAPPA + l] < s[R.BETA + l] - 1.0:
+            s[R.STATUS + l] = RUNAWAY
+        else:
+            outrun(s, l, law)
     elif steadies(s, l):
         s[R.STATUS + l] = STEADY_SLIDING
 
@@ -307,6 +314,7 @@ def finish(s, l, law, returns):
     out[22] = s[R.STEPS + l] + s[R.REJECTED + l]
     out[23], out[24] = s[R.V_A_HIGH + l], s[R.V_B_HIGH + l]
     out[25], out[26] = s[R.V_A_LOW + l], s[R.V_B_LOW + l]
+    out[27], out[28] = s[R.F_LOW + l], s[R.XF_LOW + l]
     s[R.CASE + l] = IDLE
 
 

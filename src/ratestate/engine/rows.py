@@ -7,7 +7,7 @@ aliases another, so that it vectorises.
 
 LANES = 16
 RING = 16  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-STATE_SIZE = 65 * LANES  # of what a march and a return map have in common
+STATE_SIZE = 67 * LANES  # of what a march and a return map have in common
 SIZE = STATE_SIZE + 3 * RING * LANES  # of a march
 RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
 
@@ -30,6 +30,7 @@ RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
     LOAD_WORK, DISSIPATION,                 # accumulated works
     STEPS, REJECTED, FAILURES,              # counts; rejections in a row
     V_HIGH, V_LOW, G_HIGH,                  # extremes of ln w and |g|
+    F_LOW, XF_LOW,                          # smallest friction f and x + f (model.py)
     X_LOW,                                  # last stress minimum
     CROSS_T, CROSS_LOW,                     # time in two parts of the last rise of V through V_lp
     CYCLES,                                 # number of returns

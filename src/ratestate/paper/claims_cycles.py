@@ -8,6 +8,7 @@ import xarray
 from ..arrays import logspace
 from ..cycles import limit_cycle
 from ..loading import Loading
+from ..orbit import orbit
 from ..simulate import simulate
 from .claim import Claim, exact, pair, to_digits
 from .parameters import FIG4, FIG4_K
@@ -155,6 +156,7 @@ def on_cycles(law):
             claim="The frequency nears the natural frequency and never passes it: largest ratio "
             f"for loading at 1e-5 to 10 m/s; {BRANCHES}.",
             paper="a limit",
+            note=" ".join(map(_fastest, sliders)),
         ),
         row(
             lambda slider, sweep: np.min(
@@ -168,6 +170,20 @@ def on_cycles(law):
             paper="an increase",
         ),
     ]
+
+
+def _fastest(slider):
+    """How the slider moves at the end of the inset of Fig. 5."""
+    V_lp = float(SWEEP[-1])
+    turn = orbit(slider, V_lp)
+    stress, slowest = turn.tau / slider.sigma, turn.isel(time=turn.V.argmin("time"))
+    side = "outside" if turn.outside_domain else "inside"
+    return (
+        f"At {V_lp:g} m/s and K = {slider.K / 1e9:.2f} GPa/m the spring pulls back (tau/sigma down "
+        f"to {float(stress.min()):.2f}), and V falls to {float(slowest.V) / V_lp:.0e} V_lp, at "
+        f"rest in all but name, where mu = {float(slowest.mu):.2f}; this is {side} the domain of "
+        f"the friction law (tau/sigma + mu >= {float(turn.reversal_margin):.2f})."
+    )
 
 
 def _scheme(slider, cycles):

@@ -1,0 +1,28 @@
+"""Where a motion leaves the domain of the friction law.
+
+Eq. 1 is for forward slip, V > 0, against which friction acts.  Nothing in it keeps mu from falling
+below 0, where friction would have to push; nor lets the slider turn round where the spring pulls it
+back harder than friction can hold, tau < -sigma mu.  The motion computed goes on, but no slider
+moves so.
+"""
+
+import numpy as np
+
+#: flag -> what it says
+FLAGS = {-1: "unknown", 0: "inside", 1: "mu_negative", 2: "spring_reverses", 3: "both"}
+#: names of the variables
+NAMES = ("mu_min", "reversal_margin", "outside_domain")
+
+
+def domain_variables(batch, mu_min, reversal_margin):
+    """The variables that tell where the law is outside of its domain, name -> Variable.
+
+    mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN where there is no motion
+    """
+    outside = (mu_min < 0.0) + 2 * (reversal_margin < 0.0)
+    flags = np.where(np.isnan(mu_min), -1, outside).astype(np.int8)
+    values = zip(NAMES, (mu_min, reversal_margin, flags), strict=True)
+    variables = {name: batch.variable(value, name) for name, value in values}
+    variables["outside_domain"].attrs["flag_values"] = np.array(list(FLAGS), np.int8)
+    variables["outside_domain"].attrs["flag_meanings"] = " ".join(FLAGS.values())
+    return variables
