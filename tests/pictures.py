@@ -32,7 +32,7 @@ def described(fig):
                 found += [f"  ticks {numbers(axis.get_majorticklocs())}"]
         titles = [ax.title, ax._left_title, ax._right_title]
         found += texts([ax.xaxis.label, ax.yaxis.label, *titles, *ax.texts])
-        found += sorted({line_in_words(line) for line in ax.lines})
+        found += dict.fromkeys(map(line_in_words, ax.lines))
         found += [shape_in_words(shape) for shape in [*ax.patches, *ax.collections][:40]]
         if legend := ax.get_legend():
             box = legend.get_bbox_to_anchor().bounds if legend._bbox_to_anchor else ()
