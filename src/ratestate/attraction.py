@@ -97,7 +97,7 @@ def advance(system, turns, now, here, rtol, loosest, leap):
     here["reach"] = np.where(fails, nearer, here["reach"])
     here["ahead"] = trusted & ~fails
     doubled = _alternates(system, here, turns.image - now.u, view.first, arrives & fails, on_orbit)
-    doubled &= 2 * now.returns <= MOST_RETURNS
+    doubled &= ~done & (2 * now.returns <= MOST_RETURNS)
     here["reach"][doubled], here["reversals"][doubled] = REACH, 0
     go = here["ahead"] | done
     next_u = np.where(go[:, None], view.target, here["next_u"])

@@ -93,4 +93,6 @@ def stiffness_sensitivity(system, settled, turns, tol):
     by_K = stiffness_slopes(system, settled, turns, tol)
     du = newton_step(turns._replace(image=settled.u + by_K.image), settled.u)
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.abs((measured(turns).by_u @ du[:, :, None])[:, :, 0] + by_K.values)
+        # (not a product of matrices: numpy rounds it otherwise for one case than for several)
+        by_u = (measured(turns).by_u * du[:, None, :]).sum(axis=2)
+        return np.abs(by_u + by_K.values)
