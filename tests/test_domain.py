@@ -115,6 +115,20 @@ def test_extremes_lie_between_saved_times(law):
     assert lowest[0] < 0
 
 
+@LAWS
+def test_extremes_lie_between_steps(law):
+    """In lanes, where only steps that hold an event are looked into, as alone, where all are."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=300, law=law)
+    loading, settings = rs.Loading.constant(1e-2), {"V_start": 5e-3, "rtol": 1e-3}
+    swept = rs.simulate(
+        slider.replace(K=xr.DataArray([5e8, 9e8], dims="K")), loading, 0.1, **settings
+    )
+    alone = rs.simulate(slider, loading, 0.1, **settings)
+    for name, least in zip(("mu_min", "reversal_margin"), sampled(slider, alone), strict=True):
+        assert float(swept[name][0]) == pytest.approx(float(alone[name]), abs=1e-9)
+        assert 1e-7 < least - float(alone[name]) < 1e-3, name
+
+
 def test_failed_cases_are_unknown():
     K = xr.DataArray([3e8, 9e9], dims="K")
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=K, M=0.0)
@@ -174,3 +188,17 @@ def test_verdict():
     assert told in said.sentences[1]
     assert "push" not in said.text
     assert "domain" not in verdict(SLIDER, 10.0).text
+
+
+def test_cycle_of_two_returns():
+    """The smallest of both."""
+    slider = WEAK.replace(K=1.06 * 0.0333 * 2e6 / 1e-5)
+    cycle = rs.limit_cycle(slider, 8.78e-3)
+    assert int(cycle.returns) == 2
+    turn = orbit(slider, 8.78e-3)
+    both = (turn.mu, turn.tau / slider.sigma + turn.mu)
+    half = turn.time < 0.5 * turn.time[-1]
+    for name, values in zip(("mu_min", "reversal_margin"), both, strict=True):
+        assert float(cycle[name]) == pytest.approx(float(turn[name]), abs=1e-8)
+        assert -1e-8 < float(values.min()) - float(cycle[name]) < 1e-3
+        assert abs(float(values[half].min() - values[~half].min())) > 3e-3
