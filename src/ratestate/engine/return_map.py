@@ -212,12 +212,10 @@ def observe_step(s, l, law, cx, cv, cpsi):
     """
     high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
     at = observe(s, l, law, cx, cv, cpsi)
-    if at >= 0.0:
-        v_a, v_b = perturbed(s, l, law, at * s[R.H_USED + l])
-        if s[R.V_HIGH + l] > high:
-            s[R.V_A_HIGH + l], s[R.V_B_HIGH + l] = v_a, v_b
-        if s[R.V_LOW + l] < low:
-            s[R.V_A_LOW + l], s[R.V_B_LOW + l] = v_a, v_b
+    if s[R.V_HIGH + l] > high:
+        s[R.V_A_HIGH + l], s[R.V_B_HIGH + l] = perturbed(s, l, law, at * s[R.H_USED + l])
+    elif s[R.V_LOW + l] < low:
+        s[R.V_A_LOW + l], s[R.V_B_LOW + l] = perturbed(s, l, law, at * s[R.H_USED + l])
     record_waveform(s, l, cx, cv)
 
 
