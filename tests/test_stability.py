@@ -150,6 +150,17 @@ def test_eigenvalues_where_masses_are_extreme(eta, stiffness):
     assert abs(modes[0].real / growth - 1) < 2e-15 * amplified
 
 
+def test_eigenvalues_do_not_depend_on_what_lies_beside_them():
+    """To the bit: a sweep gives the same whatever the size of its chunks."""
+    random = np.random.default_rng(7)
+    eta, kappa = 10 ** random.uniform(-12, 8, 500), 10 ** random.uniform(-4, 4, 500)
+    beta = random.uniform(0, 40, 500)
+    numbers = eta, kappa, beta, kappa - (beta - 1) * (1 + eta)
+    together = steady_modes(*numbers)
+    alone = np.array([steady_modes(*each) for each in zip(*numbers, strict=True)])
+    assert (alone == together).all()
+
+
 def test_eigenvalues_that_coincide_or_are_evenly_spaced():
     for roots, tolerance in (([-1, -2, -3], 1e-14), ([-1, -1, -1], 1e-4), ([-1, -4, -4], 1e-7)):
         _, c2, c1, c0 = np.poly(roots)

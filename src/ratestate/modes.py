@@ -62,10 +62,12 @@ def _isolated_root(eta, kappa, beta):
     # y = x - mean solves y^3 + slope y + value = 0, so |y| is below this (1.3248^3 = 1.3248 + 1)
     bound = np.maximum(np.cbrt(np.abs(value)), np.sqrt(np.maximum(-slope, 0)))
     x = mean + np.where(value > 0, -1.3248, 1.3248) * bound
+    done = np.zeros(np.shape(x), bool)  # each by itself: what lies beside it changes no digit
     for _ in range(200):  # a third nearer each time at worst; mostly five to ten are enough
         derivative = (3 * x + 2 * c2) * x + c1
         step = (((x + c2) * x + c1) * x + c0) / np.where(derivative == 0, np.inf, derivative)
-        x = x - step
-        if np.all(np.abs(step) <= 4e-16 * np.abs(x)):
+        x = np.where(done, x, x - step)
+        done |= np.abs(step) <= 4e-16 * np.abs(x)
+        if np.all(done):
             break
     return x

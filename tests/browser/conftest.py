@@ -12,22 +12,24 @@ import types
 import pytest
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-SERVE = "import sys; from ratestate.explorer import serve; serve(int(sys.argv[1]), False)"
+EXPLORE = ["-c", "from ratestate.cli import main; main()", "explore", "--no-browser", "--port"]
 
 
 @contextlib.contextmanager
 def serving(port=0):
     """An explorer in a process of its own, ended by Ctrl-C."""
     process = subprocess.Popen(
-        [sys.executable, "-c", SERVE, str(port)], stdout=subprocess.PIPE, text=True
+        [sys.executable, *EXPLORE, str(port)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     )
     try:
         address = re.search(r"http://\S+", process.stdout.readline())[0]
         yield types.SimpleNamespace(address=address, process=process)
     finally:
         process.send_signal(signal.SIGINT)
-        process.wait(20)
-        process.stdout.close()
+        process.errors = process.communicate(timeout=20)[1]
 
 
 @contextlib.contextmanager
