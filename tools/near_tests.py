@@ -2,7 +2,7 @@
 
 import ast
 import re
-from collections import deque
+from collections import Counter, deque
 from pathlib import PurePath
 
 PACKAGE = "src/ratestate/__init__.py"
@@ -12,10 +12,11 @@ def nearest_first(root):
     """File in src -> the test files that import it, directly or not, the nearest first.
 
     A word in common, such as `cycles` of fitting/cycles/fit.py and test_fit_cycles.py, counts as
-    much as an import less.
+    much as an import less; of equally near ones, that first which speaks more of the file's words.
     """
     files = [*(root / "src").rglob("*.py"), *(root / "tests").rglob("*.py")]
-    trees = {str(path.relative_to(root)): ast.parse(path.read_bytes()) for path in files}
+    texts = {str(path.relative_to(root)): path.read_text() for path in files}
+    trees = {path: ast.parse(text) for path, text in texts.items()}
     homes = {name: home for home, name in imports(PACKAGE, trees[PACKAGE])}
     trees[PACKAGE] = ast.parse("")  # loads what is used, when it is
     near = {path: set() for path in trees}
@@ -38,8 +39,18 @@ def nearest_first(root):
                 waiting.append(other)
         for path, distance in seen.items():
             distances[path][test] = distance - len(words(test) & words(path))
-    return {path: sorted(tests, key=lambda test: (tests[test], test))
-            for path, tests in distances.items()}  # fmt: skip
+    spoken = {path: Counter(beginnings(text)) for path, text in texts.items()}
+
+    def order(path):
+        about = words(path)
+
+        def key(test):
+            mentions = sum(spoken[test][word] for word in about) / spoken[test].total()
+            return distances[path][test], -mentions, test
+
+        return key
+
+    return {path: sorted(tests, key=order(path)) for path, tests in distances.items()}
 
 
 def imports(path, tree):
@@ -58,5 +69,9 @@ def imports(path, tree):
 
 def words(path):
     """What a file is about: the beginnings of the words of its path."""
-    found = {word[:4] for word in re.split(r"\W|_", path.removesuffix(".py"))}
-    return found - {"", "src", "rate", "test", "init"}
+    return {*beginnings(path.removesuffix(".py"))} - {"src", "rate", "test", "init"}
+
+
+def beginnings(text):
+    """The first four letters of each word."""
+    return [word[:4] for word in re.split(r"\W|_", text) if word]
