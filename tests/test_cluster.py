@@ -22,7 +22,8 @@ from ratestate.dataset import versions
 from ratestate.engine.model import CRASHED
 from ratestate.errors import StoreError
 from ratestate.steady import StabilityCall
-from ratestate.sweeps import apart, bar, calls, cluster
+from ratestate.sweeps import apart, bar, calls, cluster, origin
+from ratestate.sweeps import verb as verb_module
 from ratestate.sweeps.apart import Apart
 from ratestate.sweeps.chunks import chunks_of
 from ratestate.sweeps.solve import form_of, solve
@@ -401,6 +402,17 @@ def test_workers_of_another_version_are_refused(client, monkeypatch):
     monkeypatch.setattr(cluster, "versions", lambda: json.dumps(other))
     with pytest.raises(StoreError, match=r"'numpy': '2\..*expected, .*'numpy': '1\.0'"):
         sweep("limit_cycle", client=client)
+
+
+def test_workers_of_two_kinds_are_refused_unless_mixed(client, monkeypatch):
+    """The one that was asked first is of another kind than those that work."""
+    first = origin.origin("cpu")
+    first["processor"] |= {"cpu": "i386"}
+    monkeypatch.setattr(verb_module, "origin", {"cpu": first}.get)  # which workers can be sent
+    with pytest.raises(StoreError, match=r"(?s)workers of one kind.*processor: i386"):
+        sweep("stability", client=client, chunk=24)
+    found = sweep("stability", client=client, chunk=24, mixed=True)
+    xarray.testing.assert_identical(found, sweep("stability"))
 
 
 def test_workers_that_lack_a_program_are_refused(client, cycles, monkeypatch):

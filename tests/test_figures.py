@@ -49,6 +49,14 @@ def test_fig1_direct_effect_evolution_and_length(numbers):
         np.testing.assert_allclose(left, exact, atol=1e-9)
 
 
+def test_fig1_says_above_its_lines_at_which_speed_they_are(numbers):
+    a, mu0 = 0.003, 0.6
+    (ax,) = figures.FIGURES[1].draw(numbers(1, "slip")).axes
+    heights = {text.get_text(): text.get_position()[1] for text in ax.texts}
+    for speed in ("at $V_0$", "at $V = e\\,V_0$"):
+        assert mu0 + a < heights[speed] < ax.get_ylim()[1] - 0.1 * a
+
+
 @pytest.mark.parametrize(
     ("law", "amplitude", "V_min", "V_max"),
     [("slip", 1.234696554e-3, 2.779e-3, 3.651e-3), ("aging", 2.2991965811e-3, None, None)],

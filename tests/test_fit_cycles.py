@@ -220,8 +220,10 @@ def test_vibration_gives_back_its_slider():
     assert {run.status for run in found.runs} <= {"converged", "no cycle"}
     result = cycles_dataset(found)
     assert float(result.a) == found.estimates["a"]
-    lower, upper = result.interval.sel(parameter="b", level=0.95)
-    assert lower < result.b < upper
+    assert result.parameter.values.tolist() == ["a", "b", "mu0", "a_minus_b"]
+    for name in result.parameter.values:
+        lower, upper = result.interval.sel(parameter=name, level=0.95)
+        assert lower < result[name] < upper, name
     rms = float(np.sqrt((result.residual**2).mean()))
     assert rms == pytest.approx(0.02 * float(np.ptp(cycle(VIBRATION, 3.2e-3)[1])), rel=0.25)
     assert result.warnings.item().splitlines() == found.warnings

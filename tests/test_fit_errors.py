@@ -19,9 +19,10 @@ from ratestate.fitting.likelihood.profiles import gaussian, profiles
 from ratestate.fitting.likelihood.reported import reported_of
 from ratestate.fitting.likelihood.uncertainty import uncertain
 from ratestate.fitting.noise import Noise
-from ratestate.fitting.record import record_of
+from ratestate.fitting.record import Record, record_of
 from ratestate.fitting.result import ROOTS, estimates
 from ratestate.fitting.solve import Solution, solve
+from ratestate.fitting.starts import unknowns_of
 from ratestate.fitting.unknowns import Unknowns
 from ratestate.fitting.words.trades import product, trade, traded
 
@@ -358,6 +359,19 @@ def test_doubts_are_said(good):
         assert {one.filename for one in emitted} == {__file__}  # the line that asked
 
 
+@pytest.mark.parametrize("given", [5e-5, 2e-4, 8e-4])
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_misfit_is_measured_by_the_noise_elsewhere(good, given):
+    """In one unit, whatever noise was given."""
+    result = rs.fit(good, SLIDER, law="aging", noise=given, errors="covariance")
+    square, settled = result.residual.values**2, 40.0 + 5.0 * float(result.Dc) / 1e-5
+    after = (T >= 40.0) & (settled > T)
+    ratio = np.sqrt(square[after].mean() / square[~after].mean())
+    assert ratio > 1.5
+    said = f"after its steps: residuals there are {ratio:.2g} times as large as the noise elsewhere"
+    assert said in result.warnings.item()
+
+
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_late_load_point_is_advised(good):
     later = rs.Loading.steps("1 um/s", (39.95, "10 um/s"))
@@ -408,6 +422,30 @@ def test_the_wrong_law_is_told_also_where_the_noise_could_take_the_blame(law, no
     other = "aging" if law == "slip" else "slip"
     with pytest.warns(rs.FitWarning, match="that the law does not describe|does not describe the"):
         rs.fit(data, SLIDER, law=other)
+
+
+def test_how_far_a_search_reaches():
+    """About sizes that the record suggests: friction's range over ln 10, parts of the way."""
+    t = np.linspace(0.0, 100.0, 201)
+    loading = rs.Loading.steps("1 um/s", (50.0, "10 um/s"))  # 550 um in all
+    friction = np.where(t < 50.0, 0.6, 0.6 + 0.01 * np.log(10.0))
+    found = Record(t, friction, t, None, loading, "tau", t, np.arange(t.size))
+    unknowns = unknowns_of(found, ("a", "b", "Dc", "K", "M", "lag"), start=True, sigma=2e7)
+    K = 2e7 * 0.01 * np.log(10.0) / 55e-6
+    ends = {
+        "a": np.log([1e-5, 1.0]),
+        "b": (-1.0, 1.0),
+        "Dc": np.log([27.5e-9, 27.5e-3]),
+        "K": np.log([1e-4 * K, 1e6 * K]),
+        "M": np.log([4e-8 * K, 4e4 * K]),  # K times the square of a fiftieth of the time
+        "lag": (-10.0, 10.0),
+        "v_start": (-20.0, 20.0),
+        "psi_start": (-20.0, 20.0),
+        "level": (-np.inf, np.inf),
+    }
+    assert set(unknowns.names) == set(ends)
+    for name, low, high in zip(*unknowns, strict=True):
+        np.testing.assert_allclose([low, high], ends[name], atol=1e-9, err_msg=name)
 
 
 def test_which_bound_an_estimate_has_run_to():

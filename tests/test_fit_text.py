@@ -70,6 +70,19 @@ def test_where_a_profile_refutes_the_covariance_its_interval_makes_the_error(bot
     assert wide > 2.0 * usual
 
 
+def test_stiffness_over_critical_needs_a_less_b_alone(both):
+    """However little is known of a and b: K_c_qs has only their difference."""
+    (part,) = each_law(both.sel(law="slip")).values()
+    kind, interval = part.interval_kind.astype(object).copy(), part.interval.copy()
+    for symbol in ("a", "b"):
+        kind.loc[{"parameter": symbol}] = "profile"
+        interval.loc[{"parameter": symbol}] = np.array([0.0, np.inf])
+    vague = part.assign(interval_kind=kind.astype(str), interval=interval)
+    assert error_of(vague, "a") == error_of(vague, "b") == np.inf
+    assert stiffness_over_critical(vague) == stiffness_over_critical(part)
+    assert stiffness_over_critical(part)[1] < np.inf
+
+
 @pytest.mark.parametrize(
     ("ends", "shown"), [((5e10, np.inf), "50 to (open)"), ((0, 9e10), "0 to 90")]
 )

@@ -485,6 +485,24 @@ result = rs.simulate(slider, loading, t_end="10 s", initial={"theta": "1 s"})
     )
 
 
+def test_a_long_call_of_python_has_an_argument_a_line():
+    def lines(n):
+        steps = [(1.0 + i, 2e-3 + 1e-3 * i) for i in range(n)]
+        settings = {"loading": Loading.steps(1e-3, *steps), "t_end": 5.0}
+        return python(Scenario("simulate", SLIDER, settings))
+
+    two = 'rs.Loading.steps("1 mm/s", ("1 s", "2 mm/s"), ("2 s", "3 mm/s"))'
+    assert f"\nloading = {two}\n" in lines(2)
+    assert """
+loading = rs.Loading.steps(
+    "1 mm/s",
+    ("1 s", "2 mm/s"),
+    ("2 s", "3 mm/s"),
+    ("3 s", "4 mm/s"),
+)
+""" in lines(3)
+
+
 def test_many_rows_and_back():
     """Jumps and ramps over twenty decades, whose ends have to be sought among neighbours."""
     rng = np.random.default_rng(3)

@@ -383,12 +383,16 @@ def test_kernels_stop_when_told(monkeypatch, cores):
         rs.simulate(slider, loading, 1e-3)  # another place knows nothing of it
 
 
-def test_threads_share_the_cores(monkeypatch):
+@pytest.mark.parametrize(
+    ("kind", "numbers", "threads"),
+    [("cpu", [0, 1, 2], 2), ("cpu", [1], 6), ("cuda", [0, 1, 2], 6)],  # a GPU has one at a time
+)
+def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
     monkeypatch.setattr(here, "cores", lambda: 6)
     seen = []
 
     class Tasks:
-        device, chunks = "cpu", Chunks({"M": 3}, (1,))
+        device, chunks = kind, Chunks({"M": 3}, (1,))
 
         def do(self, i, part, progress, threads, stop):
             seen.append((i, part.batch.n, threads))
@@ -402,11 +406,9 @@ def test_threads_share_the_cores(monkeypatch):
         show = staticmethod(lambda: None)
 
     call = call_of("limit_cycle", SLIDER, {"V_lp": 1e-3})[1]
-    for numbers, threads in (([0, 1, 2], 2), ([1], 6)):
-        seen.clear()
-        found = list(here.outcomes(Tasks(), call, numbers, Report()))
-        assert sorted(outcome.chunk for outcome in found) == numbers
-        assert sorted(seen) == [(i, 1, threads) for i in numbers]
+    found = list(here.outcomes(Tasks(), call, numbers, Report()))
+    assert sorted(outcome.chunk for outcome in found) == numbers
+    assert sorted(seen) == [(i, 1, threads) for i in numbers]
 
 
 CODE = """

@@ -259,6 +259,29 @@ def test_readable_text_is_read_again(symbol, value):
         assert 0.999 <= number < 1001.0
 
 
+@pytest.mark.parametrize(
+    ("symbol", "value", "text"),
+    [
+        ("frequency", 2500.0, "2.5 kHz"),
+        ("frequency", 2.5e-3, "2.5 mHz"),
+        ("frequency", 2.5e-6, "2.5 uHz"),
+        ("frequency", 2.5e-9, "0.0025 uHz"),
+        ("frequency", 2.5e-10, "2.5e-10 Hz"),
+        ("Dc", 2.5e-9, "2.5 nm"),
+        ("V", 2.5e-9, "2.5 nm/s"),
+        ("t", 2.5e-6, "2.5 us"),
+        ("t", 2.5e-9, "0.0025 us"),
+        ("sigma", 2.5e6, "2.5 MPa"),
+        ("sigma", 2.5e3, "2.5 kPa"),
+        ("K", 2.5e9, "2.5 GPa/m"),
+        ("K", 2.5e12, "2500 GPa/m"),
+    ],
+)
+def test_readable_text_has_the_prefix_that_fits(symbol, value, text):
+    """Down to a thousandth of the smallest; below it none helps."""
+    assert readable(symbol, value) == text
+
+
 def test_readable_limits():
     assert readable("K", np.inf) == "inf Pa/m"
     assert readable("M", 0.0) == "0 kg/m^2"
