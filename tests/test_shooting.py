@@ -121,6 +121,16 @@ def follow(those, turns):
 
 
 @LAWS
+def test_a_turn_is_as_fine_as_its_cycle_attracts(law):
+    """Errors of a turn add up, along a slow direction, to 1/(1 - multiplier) times as much."""
+    those = system(law, [0.2, 0.6, 1.05], 2.0, 0.5)
+    settled = settle(those, steady_start(those), 1e-8, False, None)
+    first = multipliers(turn(those, state(those, settled.u), 1e-10, alone=False))[:, 0].real
+    assert 0.0 < first.min() < 0.2 < first.max() < 0.8
+    np.testing.assert_allclose(settled.tol, 1e-8 * (1.0 - first), rtol=0.01)
+
+
+@LAWS
 def test_settles_where_the_orbit_goes(law):
     """Of sliders that settle within some turns, those with a fixed point not theirs included."""
     rng = np.random.default_rng(33)
