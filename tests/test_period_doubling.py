@@ -149,24 +149,27 @@ def test_iterate_is_the_map_applied_again():
 def test_cascade_against_plain_iteration():
     """Random sliders where cycles double: returns and extremes are those of the orbit itself."""
     rng = np.random.default_rng(7)
-    n = 64
+    n = 48
     beta = 10 ** rng.uniform(math.log10(8), math.log10(50), n)
     eta = 10 ** rng.uniform(-0.7, 1, n)
     ratio = rng.uniform(0.95, 1.35, n)
     those = system("slip", ratio * (beta - 1), beta, eta)
-    settled, found = found_by_search(those)
-    high, low, _ = followed(those, 400)
+    high, low, _ = followed(those, 300, rtol=1e-9)
     swing = high.max(axis=0) - low.min(axis=0)
     repeats = np.zeros(n, int)
     for p in (32, 16, 8, 4, 2, 1):
         same = np.abs(high[p:] - high[:-p]).max(axis=0) < 1e-5 * swing
         repeats[same] = p
+    # the search goes on long where nothing repeats: two of these are enough
+    kept = np.sort(np.append(np.flatnonzero(repeats > 0), np.flatnonzero(repeats == 0)[:2]))
+    repeats, swing = repeats[kept], swing[kept]
+    settled, found = found_by_search(those.at(kept))
     cycle = settled.status == FINISHED
     quick = cycle & (np.abs(found["multipliers"][:, 0]) < 0.9)
     assert quick.sum() > 30
     assert (settled.returns[quick] == repeats[quick]).all()
     np.testing.assert_allclose(found["amplitude"][quick], swing[quick], rtol=1e-5)
-    assert len(set(settled.returns[quick].tolist())) >= 2
+    assert set(settled.returns[quick].tolist()) >= {1, 2, 4}
     # what repeats is found, and what is refused does not
     assert cycle[repeats > 0].all()
     assert (repeats[settled.status == NO_CONVERGENCE] == 0).all()
