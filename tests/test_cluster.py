@@ -242,7 +242,8 @@ def check_failed(found, alone, message):
 def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path):
     cycles(Deadly)
     before = deaths(client)
-    found = sweep("limit_cycle", client=client, chunk=12, store=tmp_path / "x.zarr")
+    # chunks so small that a bad one costs few processes
+    found = sweep("limit_cycle", client=client, chunk=4, store=tmp_path / "x.zarr")
     check_failed(found, alone, "its process died, signal 9")
     assert 1 <= deaths(client) - before <= 12  # each chunk once; more where the machine is slow
     there = held(tmp_path / "x.zarr")
@@ -299,6 +300,29 @@ def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
     else:
         with pytest.raises(rs.SolverError, match="workers die, one after the other"):
             list(outcomes)
+
+
+def test_the_case_that_kills_is_found_by_halving(monkeypatch):
+    """An eighth is tried, and divided further only if it kills."""
+    _, call = calls.call_of("stability", SLIDER, ARGUMENTS["stability"])
+    kinds, tried = form_of(call).kinds, []
+    monkeypatch.setattr(apart, "GRACE", 0.0)
+
+    class Process:
+        died = "signal 9"
+
+        def solve(self, part):
+            tried.append((part.batch.n, bad(part)))
+            return None if bad(part) else solve(part, kinds)
+
+    found, whole = apart._divided(Process(), call, kinds), solve(call, kinds)
+    where = np.zeros(found["status"].shape, bool)
+    where[tuple(zip(*BAD, strict=True))] = True
+    assert np.array_equal(found["status"] == CRASHED, where)
+    growth = whole["growth_rate"].values
+    np.testing.assert_allclose(found["growth_rate"].values[~where], growth[~where], rtol=1e-14)
+    assert sum(n for n, killed in tried if not killed) == 46
+    assert sorted(n for n, killed in tried if killed) == [1, 1, 6, 6]
 
 
 class Ending(StabilityCall):

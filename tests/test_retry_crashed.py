@@ -151,15 +151,14 @@ def test_an_error_of_compiling_ends_a_sweep_and_is_not_stored(path):
     assert_whole(sweep(path))
 
 
-def test_so_it_does_in_a_process_of_its_own():
-    call = stability_call(SLIDER, 1e-5)
+def test_so_it_does_in_a_process_of_its_own(monkeypatch):
+    monkeypatch.setattr(apart, "GRACE", 0.0)
+    call = stability_call(SLIDER.replace(M=MASSES[[0, 1, 3]]), 1e-5)
     given = vars(call).copy()
     kinds = form_of(call).kinds
-    tasks = apart.Apart(Chunks({"M": 6}, (6,)), kinds, None, "cpu")
+    tasks = apart.Apart(Chunks({"M": 3}, (3,)), kinds, None, "cpu")
     with pytest.raises(rs.CompilationError, match="spanner"):
         tasks.do(0, Uncompiled(**given))
     found = tasks.do(0, Broken(**given)).variables
-    assert MASSES[found["status"].values == CRASHED].values.tolist() == BAD
-    whole = solve(call, kinds)["growth_rate"]
-    good = [0, 3, 4]
-    assert np.array_equal(found["growth_rate"][good], whole[good])
+    assert found["status"].values.tolist() == [0, CRASHED, 0]
+    assert np.array_equal(found["growth_rate"][[0, 2]], solve(call, kinds)["growth_rate"][[0, 2]])
