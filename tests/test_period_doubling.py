@@ -71,6 +71,72 @@ def test_the_attractor_and_not_the_cycle_beside_it():
     assert (branch.returns == 1).all()
 
 
+# K Dc/(a sigma), b/a, eta, returns: beside tangencies and among windows of chaos, where a search
+# may go round for ever, or take a cycle that the orbit only passes.
+HARD = [
+    (36.31132196056443, 38.43134462741554, 7.435331354704798, 4),
+    (21.630378570214766, 22.93433105283279, 0.21538580854401101, 1),
+    (21.469571501238462, 22.53634547870793, 0.23623783597880565, 2),
+    (34.959747466280774, 35.57941622524835, 0.12512627049105998, 2),
+    (11.37, 12.971660394273613, 1.047916942260419, 8),
+    (11.4, 12.971660394273613, 1.047916942260419, 16),
+    (11.406, 12.971660394273613, 1.047916942260419, 32),
+]
+CHAOTIC = 11.45, 12.971660394273613, 1.047916942260419
+V = 1e-3
+
+
+def slip_slider(kappa, beta, eta):
+    a, Dc, sigma = 0.003, 1e-5, 2e6
+    return rs.SpringSlider(
+        a=a, b=a * beta, Dc=Dc, sigma=sigma, K=kappa * a * sigma / Dc, M=eta * a * sigma * Dc / V**2
+    )
+
+
+@pytest.mark.parametrize(("kappa", "beta", "eta", "returns"), HARD)
+def test_cycles_that_are_hard_to_reach(kappa, beta, eta, returns):
+    """By a long run, which knows nothing of the search."""
+    slider = slip_slider(kappa, beta, eta)
+    found = rs.limit_cycle(slider, V)
+    assert int(found.returns) == returns
+    run = rs.simulate(
+        slider, rs.Loading.constant(V), 400 * float(found.period), V_start=V / 10, rtol=1e-9
+    )
+    assert int(run.returns) == returns
+    assert float(run.amplitude) == pytest.approx(float(found.amplitude), rel=1e-4)
+    assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-4)
+
+
+def test_a_run_of_three_returns():
+    """A window of chaos, which `limit_cycle` refuses; amplitude by the stress itself."""
+    slider = slip_slider(36.36280876475656, 35.12013230487405, 3.2505416021127913)
+    times = np.linspace(9.0, 10.0, 100_001)
+    run = rs.simulate(slider, rs.Loading.constant(V), 10.0, V_start=V / 10, times=times, rtol=1e-9)
+    stress = run.tau.values / slider.sigma
+    assert int(run.returns) == 3
+    assert float(run.amplitude) == pytest.approx(np.ptp(stress), rel=1e-4)
+    maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
+    period = 3 * np.diff(times[maxima]).mean()
+    assert float(run.frequency) == pytest.approx(1 / period, rel=0.01)
+    with pytest.raises(rs.NotConverged, match=r"1, 2, 4, \.\.\. 32 returns"):
+        rs.limit_cycle(slider, V)
+
+
+def test_a_run_without_a_period():
+    """Chaos: 0 returns, and the range of the stress over the later half of the last 64."""
+    slider = slip_slider(*CHAOTIC)
+    times = np.linspace(0.0, 40.0, 400_001)
+    run = rs.simulate(slider, rs.Loading.constant(V), 40.0, V_start=V / 10, times=times, rtol=1e-9)
+    assert int(run.returns) == 0
+    stress = run.tau.values / slider.sigma
+    rises = np.flatnonzero((run.V.values[:-1] < V) & (run.V.values[1:] >= V))
+    assert len(rises) > 64
+    last = stress[rises[-33] :]
+    assert float(run.amplitude) == pytest.approx(np.ptp(last), rel=1e-4)
+    rate = 32 / (times[rises[-1]] - times[rises[-33]])
+    assert float(run.frequency) == pytest.approx(rate, rel=1e-3)
+
+
 def test_measures_of_two_returns_by_scipy():
     """Period, extremes, multipliers and the waveform of the whole period, by Radau and an FFT."""
     parameters = (1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))

@@ -177,6 +177,7 @@ def test_the_job_script_has_what_the_site_needs():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        (4, "slurm = 4 is not a text; for example jobs=10"),
         ("", "slurm: '' is not key=value with a key of jobs, replacements, wait, cores"),
         ("cores", "slurm: 'cores' is not key=value"),
         ("cores=4,memory=4GB,partition=a", "'partition=a' is not key=value with a key of .* queue"),

@@ -203,6 +203,16 @@ def test_what_cannot_be_mended_is_left_as_it_is(path, monkeypatch):
     assert files(path) == before
 
 
+@pytest.mark.parametrize("harm", [lose, lambda file: file.write_text("{")])
+def test_the_group_of_the_sweep_itself(path, harm):
+    """What is known of the sweep is gone, and the results are not: no word of another path only."""
+    harm(path / "sweep/zarr.json")
+    for use in (sweep, held):
+        with pytest.raises(StoreError, match=r"record of the parameters is damaged .* from a copy"):
+            use(path)
+    assert (xr.open_zarr(path, chunks=None).status == 0).any()
+
+
 def test_without_sweep_a_lost_file_shows(path):
     names = ["growth_rate", "eigenvalues", "M", "status"]
     for name in names:

@@ -344,6 +344,8 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
         ({"store": "s3://bucket/x.zarr"}, "must be the path of a folder"),
         ({"slider": 3}, "slider = 3 is not a SpringSlider"),
         ({"slider": SLIDER.replace(M=1e3), "V_lp": 1e-3}, "nothing to sweep over"),
+        ({"mixed": "yes"}, "mixed = 'yes' must be True or False"),
+        ({"retry_crashed": 1}, "retry_crashed = 1 must be True or False"),
         ({"chunk": 0}, "chunk = 0 must be a number of cases"),
         ({"chunk": 1.5}, "chunk = 1.5 must"),
         ({"chunk": True}, "chunk = True must"),

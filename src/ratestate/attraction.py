@@ -1,8 +1,8 @@
 """From an orbit to the fixed point that it goes to.
 
-The orbit is followed return by return; but where successive returns differ little it leaps, by at
-most half of what Newton's method says is left, and by no more than a third of itself, so that it
-does not pass over a fixed point that would have held it.
+The orbit is followed return by return.  Where successive returns differ little it leaps: by at most
+half of what Newton's method says is left, and at most a third of the orbit's distance from steady
+sliding, so that it does not pass over a fixed point that would have held it.
 
 Newton's method goes ahead from where the orbit is near enough to a fixed point that attracts.  What
 it finds counts only if the orbit goes there too: if the return map is so nearly linear between the
@@ -149,7 +149,7 @@ def _leap(system, turns, u, view, may):
         matrix = turns.jacobian - second.real[:, None, None] * np.eye(2)
         slow = (matrix @ move[:, :, None])[:, :, 0] / (first - second).real[:, None]
         along = distance(system, slow)
-        until = np.where(np.abs(first) < 1.0, 0.5 * along / np.abs(1.0 - first), np.inf)
+        until = 0.5 * along / np.abs(1.0 - first)
         more = np.minimum(REACH * size, until) / along - 1.0
         # Without inertia orbits are all but neutral at K_c_qs: a leap there would be a random walk.
         may = may & (first.imag == 0.0) & (first.real > 0.0) & (system.eta > 0.0)

@@ -84,6 +84,7 @@ def escape(slider, V_lp):
     checked(slider)
     V_lp = to_si("V_lp", V_lp)
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
+    batch.check_fits(len(TAKEN), "ask for fewer at a time")
     system = system_of(slider.law, **batch.columns)
     with bar("escape") as progress:
         sizes, outcome, u = _thresholds(system, progress)

@@ -5,6 +5,7 @@ import xarray
 
 from .arrays import check_aligned
 from .errors import ParameterError
+from .machine import check_fits
 from .quantities import QUANTITIES, attrs
 from .units import RESERVED, is_array
 
@@ -43,6 +44,10 @@ class Batch:
         self.dims, self.shape = tuple(sizes), tuple(sizes.values())
         self.n = int(np.prod(self.shape, dtype=int))
         self.alone = not self.dims
+
+    def check_fits(self, numbers, remedy):
+        """Refuse cases that take more memory, so many numbers each, than this process may have."""
+        check_fits(8 * numbers * self.n, f"the results of {self.n:,} cases", remedy)
 
     @property
     def columns(self):

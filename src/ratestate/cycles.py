@@ -86,8 +86,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     QuasiStaticInstability
         M = 0, and the motion runs into an instability.
     NotConverged
-        The motion settles into no cycle of up to 32 returns, or double precision does not fix it
-        to 1 %; ``best`` holds the last return.
+        The motion settles into no cycle of 1, 2, 4, ... 32 returns, or double precision does not
+        fix it to 1 %; ``best`` holds the last return.
     SolverError
         Any other failure.  In a sweep such cases are NaN, with their status.
 
@@ -102,6 +102,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     0.9706
     """
     call = limit_cycle_call(slider, V_lp, rtol=rtol)
+    call.batch.check_fits(len(TAKEN), "sweep into a store: sweep(limit_cycle, ..., store='x.zarr')")
     with bar("limit_cycle") as progress:
         result = call.dataset(call.run(progress))
     call.refuse_failure(result)

@@ -72,6 +72,7 @@ def hopf(slider, V_lp=None):
     parameter = "V_lp" if V_lp is None else "K"
     other = {"K": values["K"]} if V_lp is None else {"V_lp": to_si("V_lp", V_lp)}
     batch = Batch({s: values[s] for s in ("a", "b", "Dc", "sigma", "M")} | other, taken=VARIABLES)
+    batch.check_fits(len(VARIABLES), "ask for fewer at a time")
     columns = _bifurcation(slider.law, parameter, *map(batch.flat, batch.values))
     coords = batch.coordinates(VARIABLES)
     result = xarray.Dataset({s: batch.variable(columns[s], s) for s in VARIABLES}, coords)

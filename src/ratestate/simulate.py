@@ -83,8 +83,10 @@ def simulate(
         ``energy_residual`` (load work less stored and dissipated energy, over all of them),
         ``cycles`` (stress maxima after the first since the last jump in the loading),
         ``amplitude`` (max - min of tau/sigma) and ``frequency`` [Hz] of the last period (0 if
-        none), ``returns`` (how many of those maxima make that period: 1, or 2, 4, 8 where unequal
-        ones alternate), ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its largest
+        none), ``returns`` (how many of those maxima make that period: 1, or more, up to 32, where
+        unequal ones follow each other in a fixed order; 0 where they do so in none: then amplitude
+        is that of the later half of the last 64, and frequency how many there are in a second),
+        ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its largest
         |tau/sigma - mu|).  Without mass V_max may be inf: beyond double precision, and yet a
         motion that comes back.
         ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction

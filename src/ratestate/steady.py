@@ -43,6 +43,7 @@ def stability(slider, V_lp):
         V_lp is not a speed > 0, or its coordinates clash with those of the slider.
     """
     call = stability_call(slider, V_lp)
+    call.batch.check_fits(len(TAKEN), "sweep into a store: sweep(stability, ..., store='x.zarr')")
     return call.dataset(call.run())
 
 

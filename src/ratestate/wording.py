@@ -133,7 +133,7 @@ def _unsettled(found, why):
             f"No cycle is singled out: without mass (M = 0) a swing about steady sliding {grows}; "
             f"give M > 0."
         )
-    none = ": the motion settles into none of up to 32 returns that is known to 1 %"
+    none = ": the motion settles into none of 1, 2, 4, ... 32 returns that is known to 1 %"
     return f"No cycle is known here{ended or none}."
 
 

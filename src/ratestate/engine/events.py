@@ -13,9 +13,12 @@ from .jit import inner
 from .lanes import turns
 from .model import NOT_FINITE, RUNAWAY, runs_away
 
-# Change of stress maxima or minima from one return to the next, over the amplitude, that counts as
-# alternation; part of it that may be left after twice as many returns.
-ALTERNATION, REPEATS = 1e-3, 0.1
+# Change of stress maxima or minima from one return to the next, over the amplitude, that is seen;
+# part of it that may be left after a whole period.
+VISIBLE, REPEATS = 1e-3, 0.1
+# How often stress maxima turn back, among the last so many, where a motion is irregular; and what
+# part of their earlier changes the later ones then are, for it may be on its way to a period.
+TURNS_BACK, AMONG, LASTING = 3, 8, 0.5
 
 
 @inner
@@ -130,27 +133,49 @@ def change(s, l, cycles, p):
 
 @inner
 def last_period(s, l):
-    """Amplitude and duration of the last period, and how many returns it has: 1, 2, 4 or 8.
+    """Amplitude and duration of the last period, and how many returns it has.
 
-    Twice as many where successive halves of it differ, but hardly so successive wholes.
+    More than one where the motion repeats after these, and hardly after fewer.  Where it is
+    irregular there is no period: 0 returns, the amplitude of the later half of those that are
+    known, and how long one of them takes.
     """
     cycles = int(s[R.CYCLES + l])
     if cycles == 0:
         return 0.0, math.inf, 0
+    known = min(cycles, R.RING)
     last = ((cycles - 1) % R.RING) * R.LANES + l
-    visible = ALTERNATION * (s[R.HIGHS + last] - s[R.LOWS + last])
-    returns, p = 1, 2
-    while 2 * p <= min(cycles, R.RING):
-        by_halves = change(s, l, cycles, p // 2)
-        if by_halves > visible and change(s, l, cycles, p) < REPEATS * by_halves:
-            returns = p
-        p *= 2
+    visible = VISIBLE * (s[R.HIGHS + last] - s[R.LOWS + last])
+    returns, left = 1, change(s, l, cycles, 1) if cycles > 1 else 0.0
+    for p in range(2, known // 2 + 1):
+        if left > visible:
+            by_p = change(s, l, cycles, p)
+            if by_p < REPEATS * left:
+                returns, left = p, by_p
+    irregular = left > visible and is_irregular(s, l, cycles, visible)
+    over = known // 2 if irregular else returns
     high, low, span = -math.inf, math.inf, 0.0
-    for k in range(cycles - returns, cycles):
+    for k in range(cycles - over, cycles):
         at = (k % R.RING) * R.LANES + l
         high, low = max(high, s[R.HIGHS + at]), min(low, s[R.LOWS + at])
         span += s[R.SPANS + at]
-    return high - low, span, returns
+    return high - low, span / over if irregular else span, 0 if irregular else returns
+
+
+@inner
+def is_irregular(s, l, cycles, visible):
+    """Whether the last stress maxima go up and down visibly, and hardly less than before."""
+    count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
+    for k in range(max(1, cycles - AMONG), cycles):
+        now, last = (k % R.RING) * R.LANES + l, ((k - 1) % R.RING) * R.LANES + l
+        rise = s[R.HIGHS + now] - s[R.HIGHS + last]
+        if abs(rise) > visible:
+            count += rise * rise_before < 0.0
+            rise_before = rise
+        if k < cycles - AMONG // 2:
+            earlier = max(earlier, abs(rise))
+        else:
+            later = max(later, abs(rise))
+    return count >= TURNS_BACK and later > LASTING * earlier
 
 
 @inner

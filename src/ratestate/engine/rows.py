@@ -6,7 +6,7 @@ aliases another, so that it vectorises.
 """
 
 LANES = 16
-RING = 16  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
+RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
 STATE_SIZE = 67 * LANES  # of what a march and a return map have in common
 SIZE = STATE_SIZE + 3 * RING * LANES  # of a march
 RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map

@@ -113,6 +113,8 @@ def _options(text, site):
 
 def _given(text):
     """The options in a text, name -> text."""
+    if not isinstance(text, str):
+        raise ParameterError(f"slurm = {text!r} is not a text; {EXAMPLE}")
     options = {}
     for item in re.split(r",(?=\s*\w+\s*=)", text):  # values may hold commas
         key, equals, value = (part.strip() for part in item.partition("="))

@@ -113,9 +113,9 @@ def damage_told(path):
             raise StoreError(lost_record(path, lost[0])) from error
         if found:
             raise StoreError(told(path, found)) from error
-        raise StoreError(
-            f"{path} is no store of a sweep, or a damaged one ({error}); give another path"
-        ) from error
+        if (path / INSIDE).is_dir():
+            raise StoreError(lost_record(path, f"{INSIDE}: {error}")) from error
+        raise StoreError(f"{path} is no store of a sweep ({error}); give another path") from error
 
 
 def _flaws_at(path):

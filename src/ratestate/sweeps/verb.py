@@ -122,6 +122,9 @@ def sweep(
     integer = isinstance(chunk, int | np.integer) and not isinstance(chunk, bool)
     if chunk is not None and not (integer and chunk >= 1):
         raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
+    for option, value in (("retry_crashed", retry_crashed), ("mixed", mixed)):
+        if not isinstance(value, bool):
+            raise ParameterError(f"{option} = {value!r} must be True or False")
     if retry_crashed and store is None:
         raise ParameterError("retry_crashed = True: only a store has cases to try again; give one")
     with contextlib.ExitStack() as until_done:
