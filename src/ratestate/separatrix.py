@@ -47,10 +47,6 @@ def runaway_edge(kappa, beta, largest):
         load = kappa * np.expm1(-v)
         return (c * y + load) / (beta * y + load)
 
-    def jacobian(v, y):
-        load = kappa * np.expm1(-v)
-        return -(load / (beta * y + load) ** 2)[:, None]
-
     def step(v, y):
         return y[0]
 
@@ -64,7 +60,6 @@ def runaway_edge(kappa, beta, largest):
         (max(FAST, largest), -largest),
         [fast],
         method="LSODA",
-        jac=jacobian,
         events=(step, kick),
         rtol=RTOL,
         atol=RTOL / beta,

@@ -109,12 +109,15 @@ def estimated_noise(t, residual, jacobian):
     best, found = plain, Noise(math.sqrt(variance))
     low, high = math.log(0.2 * lags[0]), math.log(lags[1])
     for start in (2.0 * lags[0], 0.02 * lags[1]):
+        first = np.array([0.0, min(max(math.log(start), low), high)])
+        # (SciPy's own simplex about a coordinate of 0 is so thin that it may never move)
+        simplex = first + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
         result = minimize(
             lambda point: criterion(*shape(point))[0],
-            (0.0, min(max(math.log(start), low), high)),
+            first,
             method="Nelder-Mead",
             bounds=((-8.0, 14.0), (low, high)),
-            options={"xatol": 0.02, "fatol": 0.01, "maxfev": 150},
+            options={"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.01, "maxfev": 150},
         )
         if result.fun < best - (RISE if found.red == 0.0 else 0.0):
             share, time = shape(result.x)
