@@ -73,7 +73,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
         - ``residual``, the relative distance by which the cycle fails to close, and ``error``, the
           estimated relative error of amplitude and period, rounding of the parameters included,
           which a canard multiplies by up to 1e7 and more; ``V_max_error`` and ``V_min_error``,
-          those of the speeds, which may exceed rtol where they span decades;
+          those of the speeds, which may exceed rtol where they span decades (a V_min below
+          1e-260 V_lp is not told from rest);
         - ``returns``, how many returns to the section make the period: 1, 2, 4, ... up to 32, all
           of them counted in the other variables; 0 where there is no cycle;
         - ``status`` (int8 with CF flags).  0 is a cycle; 1 is steady sliding: amplitude, inertia

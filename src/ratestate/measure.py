@@ -6,7 +6,7 @@ from .attraction import FINER
 from .engine.model import FINISHED
 from .iterates import iterate
 from .modes import steady_modes
-from .sensitivity import defect, stiffness_sensitivity
+from .sensitivity import COARSER, defect, measured, stiffness_sensitivity
 from .shooting import (
     distance,
     kept_tolerance,
@@ -17,7 +17,7 @@ from .shooting import (
 )
 
 # Of the error estimate: its safety, and what rounding makes of a turn.
-SAFETY, ROUNDING = 3.0, 30.0 * 2.0**-52
+SAFETY, ROUNDING = 3.0, 60.0 * 2.0**-52
 # Turns, each finer than the last, to which a cycle that is not yet known well enough is put.
 MOST_TURNS = 8
 
@@ -61,8 +61,9 @@ def measure(system, settled, alone):
     In units of a (stress), Dc/V_lp (time) and ln V_lp (speeds).  The turn is finer than the one
     that found the cycle.  The step of Newton's method that it still asks for is taken, to first
     order, in the period and the amplitude; as errors go with the tolerance, the error left is
-    smaller than what it changes by as much as the turn is finer.  Cycles that come with an error
-    are known better, or under another condition, and left as they are.
+    smaller than what it changes by as much as the turn is finer, and so it is smaller than what
+    another turn, no finer than the one that found the cycle, makes of them.  Cycles that come with
+    an error are known better, or under another condition, and left as they are.
     """
     tol = np.maximum(FINER * settled.tol, tightest(system, settled.u))
     u = settled.u
@@ -85,6 +86,7 @@ def measure(system, settled, alone):
         drowned = ROUNDING * distance(system, u) > 1e-4 * attraction
         kept = kept_tolerance(turns, tol)
         finer = kept / np.maximum(kept, settled.tol)
+        gathered = np.where(fixed[:, None], 0.0, _gathered(system, settled, turns, kept, alone))
         least = kept / scale + np.where(drowned & ~fixed, np.inf, ROUNDING / attraction)
         sensitivity = stiffness_sensitivity(system, settled, turns, tol)
         doubt = np.where(fixed[:, None], 0.0, defect(system, kept)[:, None] * sensitivity)
@@ -96,8 +98,8 @@ def measure(system, settled, alone):
         wave = (found["cosine"] ** 2 + found["sine"] ** 2) / found["period"] ** 2
         closes = turns.image - u
 
-        def error(change, doubt):
-            return settled.error + SAFETY * (finer * change + least + doubt)
+        def error(change, gathered, doubt):
+            return settled.error + SAFETY * (finer * change + gathered + least + doubt)
 
         values = {
             "period": period,
@@ -113,12 +115,34 @@ def measure(system, settled, alone):
             "u": u + step,
             "residual": distance(system, closes) / distance(system, u),
             "returns": settled.returns.astype(float),
-            "error": error(changes.max(axis=0), doubt[:, :2].max(axis=1)),
-            "v_max_error": error(np.abs(v_max), doubt[:, 2]),
-            "v_min_error": error(np.abs(v_min), doubt[:, 3]),
+            "error": error(changes.max(axis=0), *(w[:, :2].max(axis=1) for w in (gathered, doubt))),
+            "v_max_error": error(np.abs(v_max), gathered[:, 2], doubt[:, 2]),
+            "v_min_error": error(np.abs(v_min), gathered[:, 3], doubt[:, 3]),
         }
     closed = turns.status == FINISHED
     return {
         name: np.where(closed[:, None] if value.ndim == 2 else closed, value, np.nan)
         for name, value in values.items()
     }
+
+
+def _gathered(system, settled, turns, kept, alone):
+    """(n, 4) errors of amplitude, period, V_max and V_min that the steps of turns add up to.
+
+    Told by another turn, no finer than the one that found the cycle: what a step may have, steps
+    gather to many times, as V falls over decades, or in the stress of b/a near 1, which changes
+    little while ln V and psi change much.  Errors go with the tolerance.  Those of extreme speeds,
+    which fall into a few steps, do so less evenly, and may cancel in one turn but not in another:
+    of them the root of the ratio is counted on, and each part by itself.
+
+    kept : (n,) tolerance of the turns
+    """
+    tol = np.maximum(settled.tol, COARSER * kept)
+    u, count = settled.u, settled.returns
+    rough = iterate(system, u, tol, count, alone=alone, period=settled.period)
+    fine, step = measured(turns), newton_step(rough, u) - newton_step(turns, u)
+    at_u, by_u = measured(rough).values - fine.values, fine.by_u * step[:, None, :]
+    together = np.abs(at_u + by_u.sum(axis=2))[:, :2]
+    apart = (np.abs(at_u) + np.abs(by_u).sum(axis=2))[:, 2:]
+    finer = (kept / tol)[:, None]
+    return np.concatenate([finer * together, np.sqrt(finer) * apart], axis=1)

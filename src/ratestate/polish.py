@@ -17,7 +17,7 @@ import numpy as np
 from .attraction import FINER
 from .engine.model import FINISHED
 from .iterates import iterate
-from .sensitivity import defect, measured, parameter_change, slopes, stiffness_slopes
+from .sensitivity import COARSER, defect, measured, parameter_change, slopes, stiffness_slopes
 from .settle import Settled
 from .shooting import kept_tolerance, tightest
 
@@ -88,7 +88,7 @@ def polished(family, points, exact):
     errors, moved = np.full((len(p), 4), np.inf), np.full(len(p), np.inf)
     rows = np.arange(len(p))
     for _ in range(MOST_ROUNDS):
-        begin = (u[rows], tol[rows], period[rows])
+        begin = (u[rows], tol[rows], last[rows], period[rows])
         found = _closing(family, parameter[rows], begin, shape.at(rows))
         near = np.abs(found.step / shape.weights[rows]).max(axis=1) < FARTHEST
         near &= np.isfinite(found.moved + found.defect).all(axis=1)
@@ -129,14 +129,16 @@ def _shape(family, points, U, p, stays):
 def _closing(family, parameter, begin, shape):
     """`Closing` of points with these values of the family's parameter (n,).
 
-    begin : u (n, 2), tolerance (n,) and period (n,)
+    begin : u (n, 2), tolerance (n,), that of the turns before (n,), and period (n,)
     """
-    u, tol, period = begin
+    u, tol, last, period = begin
     system, n = family.sliders(parameter), len(parameter)
     once = np.ones(n, np.int64)
     settled = Settled(np.full(n, FINISHED), u, tol, period, np.zeros(n), once)
     turns = iterate(system, u, tol, once, alone=False, period=period)
-    cycle = measured(turns)
+    cycle, kept = measured(turns), kept_tolerance(turns, tol)
+    coarser = np.maximum(last, COARSER * kept)
+    rough = iterate(system, u, coarser, once, alone=False, period=period)
     changed = family.sliders(parameter * (1.0 + parameter_change(tol)))
     by_p = slopes(changed, settled, turns, tol)
     by_K = by_p if family.parameter == "K" else stiffness_slopes(system, settled, turns, tol)
@@ -164,11 +166,15 @@ def _closing(family, parameter, begin, shape):
         tangent /= np.linalg.norm(tangent, axis=1)[:, None]
         along = np.abs((by_u @ (tangent * shape.weights)[:, :, None])[:, :, 0])
         step = solve(*(u - turns.image).T)
-        kept = kept_tolerance(turns, tol)
-        worth = defect(system, kept)[:, None]
+        # As beta psi and v all but cancel where b/a is near 1, errors of either weigh more there.
+        worth = defect(system, kept * system.beta / (system.beta - 1.0))[:, None]
         off, held = worth * solve(*-by_K.image.T), worth * by_K.values
+        # What errors of steps add up to, told by a coarser turn, may be none that K would cause.
+        part = (kept / coarser)[:, None]
+        gathered = part * solve(*(turns.image - rough.image).T)
+        by_steps = carried(gathered, part * (measured(rough).values - cycle.values))
         period = turns.numbers["period"]
-        return Closing(step, carried(step), carried(off, held), along, kept, period)
+        return Closing(step, carried(step), carried(off, held) + by_steps, along, kept, period)
 
 
 def _dot(first, second):

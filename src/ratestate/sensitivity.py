@@ -17,6 +17,8 @@ LEAST_CHANGE, CHANGE = 1e-9, 1e3
 # What errors are worth as relative changes of K: those of a step, over its tolerance, and rounding,
 # of the parameters and in a turn.
 TRUNCATION, ROUNDING = 0.3, 5.0 * 2.0**-52
+# Of two turns whose difference tells the errors that steps gather: how much coarser one is.
+COARSER = 2.0
 
 
 class Measured(NamedTuple):

@@ -1,0 +1,73 @@
+"""Errors of cycles where those of steps add up: extreme speeds, and stress where b/a is near 1."""
+
+import numpy as np
+import pytest
+
+import ratestate as rs
+
+NAMES = ("amplitude", "period", "V_max", "V_min")
+ERRORS = ("error", "error", "V_max_error", "V_min_error")
+SI = {"a": 0.005, "Dc": 1e-5, "sigma": 4e6}
+V_LP = 1e-3
+# Law, rtol; b, K, M [SI]; amplitude, period [s], V_max and V_min [m/s].  By benchmarks/truth.py:
+# Radau IIA collocation of 9 stages in 80-bit floating point; two tolerances agree to 2e-13.
+CYCLES = {
+    "large inertia": (
+        ("aging", 1e-8, 0.06067538123503493, 77818055555899.9, 1545436507.9993088),
+        (173.4043808730905, 0.02800413079251782, 1.999922867451156e-3, 7.302409538360132e-8),
+    ),
+    "large inertia, soft": (
+        ("slip", 1e-6, 0.010366909949315587, 8874031401.467539, 182904765.09564522),
+        (0.6511516940615861, 0.9054721123252169, 2.021757109739085e-3, 2.446310522531949e-12),
+    ),
+    "errors that cancel": (
+        ("slip", 1e-10, 0.0775687188934421, 40020918240.75849, 14407222.337745946),
+        (0.4945309587649809, 0.1316124042335927, 2.254484371536997e-3, 1.579982745725368e-23),
+    ),
+    "160 decades": (
+        ("slip", 1e-8, 0.1672929349094968, 524533441931.9077, 556552159.8477865),
+        (8.955774169628374, 0.2064543157936984, 2.045634340323947e-3, 5.392709997200693e-162),
+    ),
+    "b/a near 1": (
+        ("slip", 1e-6, 0.005053068972813744, 18562135.505279742, 2.0492695003669756),
+        (3.865300877082361e-3, 1.066280163904734, 0.6937040478383021, 8.755219030708431e-5),
+    ),
+    "b/a near 1, aging law": (
+        ("aging", 1e-6, 0.005057492791681653, 6037159.067994741, 100.2146133112014),
+        (7.703222409099773e-3, 5.296841735201627, 0.6086001068238093, 8.517842309736291e-6),
+    ),
+    "b/a near 1, as fine as rounding allows": (
+        ("slip", 1e-10, 0.005060152979846565, 2392410980.645022, 55584477.069825985),
+        (0.1130156965564848, 0.9601358069526656, 1.619244467794275e-3, 3.83680522573568e-4),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CYCLES)
+def test_errors_bound_true_errors_and_not_by_far(name):
+    (law, rtol, b, K, M), exact = CYCLES[name]
+    cycle = rs.limit_cycle(rs.SpringSlider(**SI, b=b, K=K, M=M, law=law), V_LP, rtol=rtol)
+    for variable, error, value in zip(NAMES, ERRORS, exact, strict=True):
+        assert abs(cycle[variable] / value - 1) <= cycle[error]
+    off = abs(cycle.V_min / exact[-1] - 1)
+    assert cycle.V_min_error < 20 * off
+    assert cycle.error < rtol
+
+
+def test_points_of_a_branch_that_rounding_limits():
+    """eta = 409, small cycles: beside the Hopf point amplitudes lie on a curve known to be smooth.
+
+    ln(amplitude) - ln(K_c - K)/2 is analytic in K there; how far points lie from a polynomial is
+    noise, and no more than their errors.
+    """
+    slider = rs.SpringSlider(**SI, b=0.006199090535645865, K=1.0, M=81886578.33818296, law="aging")
+    K_c = slider.K_c(V_LP)
+    branch = rs.continue_cycle(slider, "K", 0.64 * K_c, 1.1 * K_c, V_lp=V_LP, rtol=1e-10)
+    branch = branch.isel(point=(0.8 * K_c < branch.K) & (branch.special != "hopf"))
+    distance = (1.0 - branch.K / K_c).values
+    smooth = np.log(branch.amplitude.values) - 0.5 * np.log(distance)
+    error = branch.error.values
+    fit = np.polynomial.Polynomial.fit(distance, smooth, 8, w=1.0 / error)
+    assert len(error) > 20
+    assert (np.abs(fit(distance) - smooth) < error).all()
+    assert np.median(error) < 1e-8
