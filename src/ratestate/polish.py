@@ -1,9 +1,9 @@
 """The points of a branch to full accuracy, each with the parameter to which it belongs.
 
-A branch is followed with turns as fine as its shape needs.  Where amplitudes change much faster
-than the parameter, as on a canard or beside a fold, the cycle at exactly the parameter of such a
-point may be quite another one.  So here point and parameter move together onto the branch of finer
-turns, at right angles to it, and what may still be wrong is carried along it to that parameter:
+A branch is followed with turns only as fine as its shape needs.  Where amplitudes change much
+faster than the parameter, as on a canard or beside a fold, a small error of a point is then a large
+one of the cycle at its parameter.  So with finer turns point and parameter move together, at right
+angles to the branch, and what may still be wrong is carried along the branch to that parameter:
 
     P(u, p) - u = 0,    n . d(u, p) = 0,    p the parameter's logarithm
 

@@ -73,9 +73,8 @@ def sweep(
         failed of has been mended.
     slurm : str, optional
         SLURM jobs that do the work, instead of a client's workers, such as
-        "jobs=10,cores=16,memory=32GB,walltime=02:00:00"; what else there is, how many lost jobs are
-        replaced, and what dask-jobqueue's configuration adds, says
-        :doc:`Run on SLURM </howto/slurm>`.
+        "jobs=10,cores=16,memory=32GB,walltime=02:00:00".  For the other options, lost jobs and
+        dask-jobqueue's configuration see :doc:`Run on SLURM </howto/slurm>`.
     mixed : bool
         Whether cases may differ in their last digits by what computed them: whether to go on with
         a store that other versions or another kind of processor began, and to take workers of
