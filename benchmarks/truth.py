@@ -32,16 +32,15 @@ BRANCHES = 16
 FOLD_ERROR = 1e-4  # of K_fold/K_c - 1, as `folds` states it
 # Slip law: canards, on which amplitudes change by 1e7 times what the stiffness does.
 STEEP = Slider("slip", 0.01, 0.2388660833, 1e-5, 1e7, 0.0, 11757.21134, 1e-5)
-# Period and amplitude at the end of the runs of docs/accuracy.md, by SciPy's Radau and Rodas5P.  By
-# then P2 and P3 have settled to 1e-11, the others to 3e-7.
+# Sliders of docs/accuracy.md; period and amplitude of their cycles to the digits known otherwise.
 QUASI_HARMONIC = (0.003, 0.006, 1e-5, 2e6, 900e6, 3000.0, 3.2e-3)
 STICK_SLIP = (0.005, 0.008, 1e-5, 4e6, 0.96e9, 100.0)
 REFERENCES = {
-    "P1": (Slider("slip", *QUASI_HARMONIC), 0.01976489645393, 0.001234696554),
-    "P4a": (Slider("aging", *QUASI_HARMONIC), 0.01983572771644, 0.0022991965811),
+    "P1": (Slider("slip", *QUASI_HARMONIC), 0.019764896443215, 0.00123469636703),
+    "P4a": (Slider("aging", *QUASI_HARMONIC), 0.019835727664857, 0.00229919602080),
     "P2": (Slider("slip", *STICK_SLIP, 1e-5), 29.97526508532, 0.061396405204),
     "P3": (Slider("slip", *STICK_SLIP, 1e-7), 4205.987027919, 0.089865449566),
-    "P4b": (Slider("aging", *STICK_SLIP, 1e-5), 32.67658424168, 0.073567974584),
+    "P4b": (Slider("aging", *STICK_SLIP, 1e-5), 32.676591512, 0.07356797895),
 }
 
 
