@@ -11,7 +11,7 @@ import xarray as xr
 import ratestate as rs
 from ratestate import NotConverged, ParameterError, continue_cycle, limit_cycle
 from ratestate.continuation import Steps
-from ratestate.family import PARAMETERS
+from ratestate.family import PARAMETERS, Family
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
 # Aging law, K just above K_c_qs: below V_c = 0.447 mm/s stable sliding and cycles coexist
@@ -490,13 +490,28 @@ def test_stop_out_of_reach(monkeypatch):
 
 
 def test_too_many_points(monkeypatch):
+    whole = strip()
     monkeypatch.setattr("ratestate.branch.MAX_POINTS", 7)
     with pytest.raises(NotConverged, match="max_points") as caught:
         continue_cycle(STRIP, "V_lp", 1e-4, 1e-2)
-    best, whole = caught.value.best, strip()
+    best = caught.value.best
     assert specials(best) == ["hopf"]
     assert best.sizes["point"] == 8
     np.testing.assert_array_equal(best.amplitude, whole.amplitude[:8])
+
+
+def test_a_thousand_points_are_the_most_of_a_branch(monkeypatch):
+    asked = []
+
+    def follow(self, *where, max_points, **how):
+        asked.append(max_points)
+        return whole(self, *where, max_points=5, **how)
+
+    whole = Family.follow
+    monkeypatch.setattr(Family, "follow", follow)
+    with pytest.raises(NotConverged, match=r"\(max_points\): it has 1000 points"):
+        continue_cycle(STRIP, "V_lp", 1e-4, 1e-2)
+    assert asked == [1000]
 
 
 def test_no_single_cycle_at_start():

@@ -266,6 +266,14 @@ def test_without_a_gpu(monkeypatch, error, words):
         turns("slip")
 
 
+@pytest.mark.parametrize(("cases", "launches"), [(0, []), (1, [1]), (2, [2])])
+def test_no_case_is_no_launch(cases, launches, monkeypatch):
+    seen = []
+    monkeypatch.setattr(cuda, "_launch", lambda kernel, size, order, *_: seen.append(len(order)))
+    cuda._work(None, 1, np.arange(cases), (), (), None, None)
+    assert seen == launches
+
+
 def test_nothing_is_imported_unasked():
     script = "import sys, ratestate.engine.cuda; sys.exit('numba.cuda' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0

@@ -9,10 +9,11 @@ from scipy.integrate import solve_ivp
 from test_return_map import P1, P2, P4B, some, system
 from test_tangent import jacobian, rates
 
+from ratestate.attraction import View, _leap
 from ratestate.engine.model import FINISHED, STEADY_SLIDING
 from ratestate.measure import measure
 from ratestate.settle import settle, steady_start
-from ratestate.shooting import Turns, multipliers, newton_step, state, system_of, turn
+from ratestate.shooting import System, Turns, multipliers, newton_step, state, system_of, turn
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 
@@ -165,6 +166,26 @@ def test_leaps_pass_no_fixed_point():
     assert {FINISHED, STEADY_SLIDING} == set(settled.status.tolist())
     np.testing.assert_array_equal(settled.status == FINISHED, cycle)
     np.testing.assert_allclose(settled.u[cycle, 0], end[cycle, 0], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("multiplier", "fixed_point", "expected"),
+    [
+        (0.9, 1.2, 1.1),  # half of the way, of which a return makes a tenth
+        (0.4, 1.2, 1.12),  # a return makes more than half: the orbit itself
+        (0.99, 101.0, 1.0 + 0.3 * math.sqrt(101.0)),  # no more than 0.3 of the distance from 0
+    ],
+)
+def test_how_far_an_orbit_leaps(multiplier, fixed_point, expected):
+    """A linear map that contracts psi to a fixed point, slowly, and G not at all."""
+    one = np.ones(1)
+    those = System("slip", one, one, one, one)
+    u, matrix = np.array([[1.0, 10.0]]), np.diag([multiplier, 0.1])[None]
+    image = u + np.array([(1.0 - multiplier) * (fixed_point - 1.0), 0.0])
+    view = View(*[None] * len(View._fields))
+    view = view._replace(first=multiplier * (one + 0j), second=0.1 * (one + 0j))
+    leapt = _leap(those, turns_with(matrix, one, image), u, view, np.array([True]))
+    np.testing.assert_allclose(leapt, [[expected, 10.0]], rtol=1e-12)
 
 
 # What is measured ---------------------------------------------------------------------------------
