@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from records import SLIDER, record
 
 import ratestate as rs
+from ratestate.fitting.record import record_of
+from ratestate.fitting.starts import unknowns_of
 
 T = np.concatenate([np.linspace(60.0, 99.0, 150), np.linspace(99.1, 130.0, 450)]) - 60.0
 EARLY_STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
@@ -253,6 +255,18 @@ def test_mu0_is_at_V0(noisy, fitted):
     assert float(other.mu0) == pytest.approx(expected, abs=2e-6)
 
 
+@pytest.mark.parametrize("level", [0.05, -0.05])
+def test_friction_may_be_a_change_from_some_level(noisy, level):
+    """Nothing moves but mu0: the interface knows no zero of a load cell."""
+    options = {"free": ("a", "Dc"), "errors": "covariance"}
+    whole = rs.fit(noisy, SLIDER, **options)
+    shift = level - float(noisy.friction.median())
+    change = rs.fit(noisy.assign(friction=noisy.friction + shift), SLIDER, **options)
+    assert float(change.mu0 - whole.mu0) == pytest.approx(shift, abs=1e-6)
+    for name in options["free"]:
+        assert float(change[name]) == pytest.approx(float(whole[name]), rel=1e-3)
+
+
 REFUSED = {
     "no Dataset": (lambda d: d.friction, {}, "data is of type DataArray"),
     "no friction": (lambda d: d.drop_vars("friction"), {}, "has no friction"),
@@ -305,6 +319,27 @@ def test_sliders_that_cannot_be_fitted_are_refused(clean):
         rs.fit(clean, SLIDER.replace(K=5e9), free=("lag",))
 
 
+@pytest.mark.parametrize(
+    ("slid", "counts"),
+    [
+        (8.0, 8e-6),  # what the load point moves
+        (4.5, 5e-6),  # as far as in ten samples, where it hardly moves at all
+    ],
+)
+def test_bounds_come_from_how_far_the_load_point_moves(slid, counts):
+    """At 1 um/s for some seconds, and then at rest; a sample each half second."""
+    t = np.arange(0.0, 60.0, 0.5)
+    loading = rs.Loading.steps("1 um/s", (slid, 0.0))
+    friction = np.linspace(0.6, 0.4, t.size)
+    data = xarray.Dataset({"friction": ("time", friction)}, {"time": t})
+    found = record_of(data, SLIDER, loading=loading, trend=None, against="time")
+    unknowns = unknowns_of(found, ("Dc", "K"), start=False, sigma=2e7)
+    Dc, K = 0.05 * counts, 10.0 * 2e7 * 0.2 / counts
+    low, high = (np.exp(ends[:2]) for ends in (unknowns.low, unknowns.high))
+    np.testing.assert_allclose(low, [1e-3 * Dc, 1e-4 * K], rtol=1e-12)
+    np.testing.assert_allclose(high, [1e3 * Dc, 1e6 * K], rtol=1e-12)
+
+
 def test_a_fit_is_the_same_each_time(noisy, fitted):
     xarray.testing.assert_identical(rs.fit(noisy, START), fitted)
 
@@ -321,6 +356,7 @@ def test_a_rigid_machine_is_fitted_as_one():
     [
         ({"friction": 100.0}, "in per cent"),
         ({"friction": -1.0}, "turn its sign"),
+        ({"friction": -0.2}, "turn its sign"),
         ({"delta_lp": 1e6}, "if it is in um, divide it by 1e6"),
     ],
 )

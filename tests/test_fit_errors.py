@@ -24,6 +24,7 @@ from ratestate.fitting.result import ROOTS, estimates
 from ratestate.fitting.solve import Solution, solve
 from ratestate.fitting.starts import unknowns_of
 from ratestate.fitting.unknowns import Unknowns
+from ratestate.fitting.words.compare import compared
 from ratestate.fitting.words.trades import product, trade, traded
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
@@ -333,6 +334,38 @@ def test_a_noisy_record_does_not_decide_between_laws(monkeypatch):
     ratio = both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")
     factor = both.log_evidence.sel(law="slip") - both.log_evidence.sel(law="aging")
     assert abs(float(factor - ratio)) < 1.5
+
+
+@pytest.mark.parametrize(
+    ("apart", "by_likelihood", "by_evidence"),
+    [
+        (1.4, "does not decide between the laws", "which decides nothing"),
+        (1.6, "The slip law fits somewhat better", "under equal priors"),
+        (4.9, "The slip law fits somewhat better", "under equal priors"),
+        (5.1, "The slip law fits clearly better", "under equal priors"),
+    ],
+)
+def test_what_a_difference_of_likelihoods_means(apart, by_likelihood, by_evidence):
+    """AIC is twice as far apart as ln(likelihood), and the evidence is as far, without error."""
+    results = {
+        law: {"log_evidence": value, "log_evidence_error": 0.0}
+        for law, value in (("slip", 0.0), ("aging", -apart))
+    }
+    found, words = compared(results, {"slip": 10.0, "aging": 10.0 + 2.0 * apart}, False)
+    assert by_likelihood in words
+    assert by_evidence in words
+    assert float(found.aic_difference.sel(law="aging")) == pytest.approx(2.0 * apart)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+@pytest.mark.parametrize(("share", "told"), [(0.08, False), (0.12, True)])
+def test_noise_that_lasts_a_tenth_of_the_transient_is_doubted(share, told):
+    """Dc/V is 1 s after the step; samples are so dense that such noise is seen to be correlated."""
+    t = np.concatenate([np.arange(0.0, 40.0, 0.2), np.arange(40.0, 60.0, 0.01)])
+    noise = {"red": 2e-4, "time": share}
+    data = record(SLIDER, STEP, t, noise=1e-6, seed=2, **noise)
+    result = rs.fit(data, SLIDER, ("a",), noise=noise | {"white": 1e-6}, errors="covariance")
+    assert ("not short beside the transient (Dc/V = 1 s)" in result.warnings.item()) == told
 
 
 def test_doubts_are_said(good):

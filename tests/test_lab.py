@@ -312,6 +312,13 @@ def test_mat(tmp_path):
     check(read_lab(tmp_path / "c.mat", columns, {"time": "s", "delta_lp": "um"}))
 
 
+@pytest.mark.parametrize(("rows", "match"), [(1, "no columns of numbers"), (2, "only 2 rows")])
+def test_a_number_alone_in_a_stored_file_is_no_column(tmp_path, rows, match):
+    scipy.io.savemat(tmp_path / "b.mat", {"Time_s": T[:rows], "disp_um": X[:rows], "mu": MU[:rows]})
+    with pytest.raises(rs.ParameterError, match=match):
+        read_lab(tmp_path / "b.mat")
+
+
 def test_rows_of_stored_files_count_from_1(tmp_path):
     mu = np.where(T == 1.0, np.nan, MU)
     scipy.io.savemat(tmp_path / "b.mat", {"Time_s": T, "disp_um": X, "mu": mu})
@@ -426,6 +433,16 @@ def test_a_pipe_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe.txt")
     with pytest.raises(rs.ParameterError, match=r"pipe.txt is no file"):
         read_lab(tmp_path / "pipe.txt")
+
+
+def test_friction_that_is_next_to_nothing_most_of_the_time(tmp_path):
+    """A record that begins long before it is loaded; and one that is in another unit throughout."""
+    late = np.where(np.arange(N) < 0.8 * N, 1e-5, 1.0) * MU
+    path = write(tmp_path / "r.txt", cells([T, X, late]), HEADER[:3])
+    check(read_lab(path), friction=late)
+    never = np.where(np.arange(N) < 0.95 * N, 1e-5, 1.0) * MU
+    match = r"'Friction' \(friction\) is typically 6.* no record is of such a size"
+    refused(tmp_path, match, cells([T, X, never]), HEADER[:3])
 
 
 def test_dead_channels_and_short_records(tmp_path):
