@@ -54,6 +54,7 @@ def texts(found):
                 look += f" boxed {box.get_boxstyle().pad} {color(box.get_facecolor())}"
             if arrow := getattr(text, "arrow_patch", None):
                 look += f" arrow {arrow.get_linewidth():.3g} {color(arrow.get_edgecolor())}"
+                look += f" short by {numbers([arrow.shrinkA, arrow.shrinkB])}"
             yield f"  text {text.get_text()!r} at {numbers(text.get_position())} {shift} {look}"
 
 

@@ -5,8 +5,10 @@ import math
 
 import numpy as np
 import pytest
+import xarray
+from numpy.polynomial.chebyshev import Chebyshev, chebpts1
 
-from ratestate import ParameterError, stability
+from ratestate import ParameterError, limit_cycle, stability
 from ratestate.paper import (
     claims_friction,
     claims_map,
@@ -17,7 +19,7 @@ from ratestate.paper import (
 )
 from ratestate.paper.claim import Claim, exact, pair, to_digits
 from ratestate.paper.claims import claims
-from ratestate.paper.parameters import FIG2, FIG2_START
+from ratestate.paper.parameters import FIG2, FIG2_START, FIG4
 from ratestate.paper.scheme_map import critical_velocity, multiplier, step_response, time_step
 
 
@@ -63,6 +65,36 @@ def test_verdicts(rows):
     assert {name: row.verdict for name, row in rows.items()} == dict.fromkeys(
         rows, "agrees"
     ) | others
+
+
+def test_what_the_papers_phrases_cover(rows):
+    """No wider than the phrase allows: each is a range that a value well beside it leaves."""
+    phrases = {
+        "slope": (-math.inf, 0.0),
+        "log_linear": (0.0, 0.05),
+        "log_linear_in_frequency": (0.0, 0.05),
+        "all_cycles": (1.0, 1.0),
+        "eta_at_minimum": (0.1, 10.0),
+        "growth": (2.0, math.inf),
+        "frequency_limit": (0.99, 1.0),
+        "frequency_rises": (0.0, math.inf),
+    }
+    assert {name: rows[name].covers for name in phrases} == {
+        name: (covered, covered) for name, covered in phrases.items()
+    }
+
+
+def test_the_smallest_amplitude_lies_between_velocities_of_the_sweep(rows):
+    """Where the derivative of a polynomial through Chebyshev nodes about it is 0."""
+    for K, near in ((0.96e9, 0.0237), (0.60e9, 0.0429)):
+        nodes = chebpts1(9)
+        V = xarray.DataArray(near * np.exp(0.05 * nodes), dims="V_lp")
+        amplitude = limit_cycle(FIG4.replace(K=K), V, rtol=1e-11).amplitude
+        turns = Chebyshev.fit(nodes, amplitude, 6).deriv().roots()
+        (at,) = turns[(np.abs(turns.imag) < 1e-9) & (np.abs(turns) < 1.0)].real
+        found = rows[f"minimum_{K / 1e9:.2f}"]
+        assert found.converged[0] == pytest.approx(100.0 * near * np.exp(0.05 * at), rel=2e-6)
+        assert found.error < 2e-4
 
 
 def test_values_that_the_paper_gives_in_words(rows):

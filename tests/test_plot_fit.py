@@ -1,6 +1,7 @@
 """`plot.fit`, and `plot.page` of a fit: what is drawn, and what is written beneath it."""
 
 import warnings
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from scipy.stats import norm
 import ratestate as rs
 from ratestate import ParameterError, plot
 from ratestate.fitting.each import each_law, stiffness_over_critical, warnings_of
-from ratestate.plot.curves import MOST, _envelope
+from ratestate.plot.curves import MOST, _envelope, change
+from ratestate.plot.estimates import SIZE, write
 from ratestate.plot.likelihood import likelihood, told
 from ratestate.quantities import with_error
 
@@ -117,6 +119,28 @@ def test_a_hold_is_drawn_over_time_unless_asked_otherwise(held):
     plot.fit(held, other, x="delta_lp")
     assert other.get_xlabel().startswith("Load-point displacement since the record's start [")
     assert other.get_xlim()[1] == pytest.approx(1e6 * 80.0 * 1e-5)
+
+
+def test_a_hold_at_the_end_lasts_until_the_last_sample():
+    loading = rs.Loading.steps("10 um/s", (30.0, 0.0))
+    data = record(SLIDER, loading, np.linspace(0.0, 130.0, 401), noise=3e-4)
+    data = data.assign_coords(time=data.time + 1000.0)
+    result = rs.fit(data, SLIDER, ("b",), errors="covariance")
+    assert change(result, 1) == "hold 100 s"
+
+
+@pytest.mark.parametrize(("width", "shrinks"), [(7.2, False), (2.5, True)])
+def test_letters_of_a_table_are_as_large_as_its_figure_allows(width, shrinks):
+    cells = [("A wide heading", ["0.0123 +- 0.0004"]) for _ in range(4)]
+    fig = Figure(figsize=(width, 1.0))
+    ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
+    write(ax, ["slip"], cells)
+    assert (ax.texts[0].get_fontsize() < SIZE) == shrinks
+    for row in (0.5, 1.5):
+        texts = [text for text in ax.texts if text.get_position()[1] == row]
+        ends = sorted(text.get_window_extent().extents[[0, 2]].tolist() for text in texts)
+        assert all(right[0] - left[1] > 2.0 for left, right in pairwise(ends))
+        assert 0.0 <= ends[0][0] < ends[-1][1] <= 100.0 * width
 
 
 def test_into_axes_that_are_given(both):
