@@ -36,3 +36,38 @@ def from_derivative(*roots):
 def test_where_a_step_has_its_extreme(roots, at, sign):
     c = tuple(sign * x for x in from_derivative(*roots))
     assert extreme(c) == pytest.approx(at, abs=1e-13)
+
+
+@njit
+def crossing(c, w_lp, dw, log_w_lp):
+    return events.crossing(c, w_lp, dw, log_w_lp)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("roots", "at"),
+    [
+        ((0.3,), 0.3),  # of slope 1
+        ((0.8, 0.8, 0.8), 0.8),  # flat where it crosses
+        ((1e-9, 3.0), 1e-9),
+        ((1.0 - 1e-9, -2.0, 4.0), 1.0 - 1e-9),
+    ],
+)
+def test_where_a_step_crosses_the_speed_of_the_load_point(roots, at, sign):
+    c = sign * np.polynomial.Polynomial.fromroots(roots).coef
+    c = np.append(c, np.zeros(5 - c.size))
+    c[0] += np.log(3.0)
+    near = 1e-13 if len(set(roots)) == len(roots) else 1e-4  # rounding hides a flat crossing
+    assert crossing(tuple(c), 3.0, 0.0, np.log(3.0)) == pytest.approx(at, abs=near)
+
+
+def test_a_crossing_from_where_the_middle_is_flat():
+    """(s - 1/2)^3 - 0.027, in which Newton's method cannot begin."""
+    c = (-0.152, 0.75, -1.5, 1.0, 0.0)
+    assert crossing(c, 1.0, 0.0, 0.0) == pytest.approx(0.8, abs=1e-13)
+
+
+def test_a_crossing_of_a_load_point_that_speeds_up():
+    """From 0.01 below ln(2), v meets ln(2 + 2 s) at s = 1/2, where both are ln(3)."""
+    c = (np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0)
+    assert crossing(c, 2.0, 2.0, np.nan) == pytest.approx(0.5, abs=1e-12)
