@@ -87,7 +87,7 @@ def polished(family, points, exact):
     located = np.where(special == "fold", [point.error for point in points], 0.0)
     errors, moved = np.full((len(p), 4), np.inf), np.full(len(p), np.inf)
     rows = np.arange(len(p))
-    for _ in range(MOST_ROUNDS):
+    for number in range(MOST_ROUNDS):
         begin = (u[rows], tol[rows], last[rows], period[rows])
         found = _closing(family, parameter[rows], begin, shape.at(rows))
         near = np.abs(found.step / shape.weights[rows]).max(axis=1) < FARTHEST
@@ -99,11 +99,12 @@ def polished(family, points, exact):
         finer = found.tol / np.maximum(last[rows], found.tol)
         errors[rows] = SAFETY * (finer[:, None] * found.moved + found.defect)
         errors[rows] += located[rows, None] * found.along
-        # Once more with finer turns, or, where there are none, while that comes nearer.
+        # Once more with finer turns, or, where there are none, while that comes nearer.  The first
+        # round moves points by more than errors of turns: the branch was followed less closely.
         floor = tightest(family.sliders(parameter[rows]), u[rows])
         error, by_step = (values[:, :2].max(axis=1) for values in (errors[rows], found.moved))
         nearer = by_step < 0.5 * moved[rows]
-        again = (error > family.rtol) & ((tol[rows] > floor) | nearer)
+        again = ((error > family.rtol) | (number == 0)) & ((tol[rows] > floor) | nearer)
         moved[rows], last[rows] = by_step, tol[rows]
         rows, floor, error = rows[again], floor[again], error[again]
         if not len(rows):

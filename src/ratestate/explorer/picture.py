@@ -98,30 +98,32 @@ def _settled(slider, V, watch):
 
 def _run(plan, watch):
     """The run as a Dataset, as far as it comes; and notes on that."""
-    notes, t_end = [], None
+    notes, t_end, asked = [], None, plan.settings["t_end"]
+    limit = f"{watch.deadline.seconds:g} s of computing; the Python lines have no such limit."
     for _ in range(ATTEMPTS):
         call = plan.call(t_end)
         watch.deadline.start()
+        watch.done = 0.0
         try:
             motion = call.move(watch)
-            break
         except Stopped:
             if watch.deadline.cancelled:
                 raise
             t_end = AGAIN * watch.done * call.t_end
-            notes = [
-                f"The run is cut at {t_end:.3g} s of {plan.settings['t_end']:.3g} s, after "
-                f"{watch.deadline.seconds:g} s of computing; the Python lines have no such limit."
-            ]
             if not t_end > 0.0:
-                return None, notes
-    else:
-        return None, notes
-    if (status := motion.status[0]) != FINISHED:
-        ended = str(failure("The run", plan.slider, status, motion.numbers["t"][0]))
-        why = ended.splitlines()[0].rstrip(".")
-        notes.append(f"{why}. The CSV file has the run up to there.")
-    return call.dataset(call.variables(motion)), notes
+                break
+            notes = [f"The run is cut at {t_end:.3g} s of {asked:.3g} s, after {limit}"]
+        else:
+            return call.dataset(call.variables(motion)), notes + _failed(plan.slider, motion)
+    return None, [f"No run is shown: of {asked:.3g} s too little was done in {limit}"]
+
+
+def _failed(slider, motion):
+    """A note on a run that failed, if it did."""
+    if (status := motion.status[0]) == FINISHED:
+        return []
+    why = str(failure("The run", slider, status, motion.numbers["t"][0])).splitlines()[0]
+    return [f"{why.rstrip('.')}. The CSV file has the run up to there."]
 
 
 def _curves(name, run, sigma, t_zero):

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import xarray
+from scipy.interpolate import make_interp_spline
 
 from ..arrays import logspace
 from ..cycles import limit_cycle
@@ -232,4 +233,5 @@ def _minimum(sweep, every=1):
 def _above(sweep):
     """By how much the amplitude at 3 cm/s exceeds the smallest."""
     middle = sweep.amplitude.sel(V_lp=MIDDLE.values)
-    return np.interp(math.log(0.03), np.log(MIDDLE.values), middle) / _minimum(sweep)[1] - 1
+    between = make_interp_spline(np.log(MIDDLE.values), middle)
+    return float(between(math.log(0.03))) / _minimum(sweep)[1] - 1
