@@ -18,7 +18,7 @@ V_LP, A, SIGMA, DC = 1e-3, 0.005, 4e6, 1e-5
 NEAR = 1e-4  # what may be left of the distance from the attractor
 SAME = 1e-3  # of amplitude and frequency, relative
 MOST_RETURNS = 8  # that `simulate` recognises as a period
-LONGER = 1.0, 64.0  # runs where the first disagrees
+LONGER = 1.0, 4.0, 64.0  # runs where the first disagrees
 
 
 def draw(n, rng, law):
