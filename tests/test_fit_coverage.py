@@ -1,4 +1,7 @@
-"""Do the intervals hold what they promise?  Records drawn over a realistic range tell."""
+"""Do the intervals hold what they promise?  Records drawn over a realistic range tell.
+
+README has what 200 records give, 68 and 95 %; half of them are enough to see a mistake.
+"""
 
 import numpy as np
 import pytest
@@ -7,7 +10,7 @@ from records import drawn
 import ratestate as rs
 from ratestate.fitting.unknowns import to_coordinate
 
-RECORDS = 200
+RECORDS = 100
 FREE = ("a", "b", "Dc", "K")
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 
@@ -38,10 +41,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     part = held.mean(axis=(0, 1))
     assert 0.60 < part[0] < 0.76
     assert 0.91 < part[1] < 0.98
-    # of each parameter: within three binomial errors of 200 draws
+    # of each parameter: within three binomial errors of 100 draws
     for index, name in enumerate(FREE):
-        assert 0.58 < held[:, index, 0].mean() < 0.78, name
-        assert 0.90 < held[:, index, 1].mean() <= 0.995, name
+        assert 0.54 < held[:, index, 0].mean() < 0.82, name
+        assert 0.885 < held[:, index, 1].mean() <= 0.995, name
     for column, what in enumerate(("correlated noise", "inertia")):
         for kind in (False, True):
             part = held[kinds[:, column] == kind].mean(axis=(0, 1))

@@ -99,16 +99,15 @@ def test_cycles_that_are_hard_to_reach(kappa, beta, eta, returns):
     slider = slip_slider(kappa, beta, eta)
     found = rs.limit_cycle(slider, V)
     assert int(found.returns) == returns
-    run = rs.simulate(
-        slider, rs.Loading.constant(V), 400 * float(found.period), V_start=V / 10, rtol=1e-9
-    )
+    t_end = max(100 * float(found.period), 10.0)
+    run = rs.simulate(slider, rs.Loading.constant(V), t_end, V_start=V / 10, rtol=1e-9)
     assert int(run.returns) == returns
     assert float(run.amplitude) == pytest.approx(float(found.amplitude), rel=1e-4)
     assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-4)
 
 
 def test_a_run_of_three_returns():
-    """A window of chaos, which `limit_cycle` refuses; amplitude by the stress itself."""
+    """In a window of chaos; amplitude and frequency by the stress itself."""
     slider = slip_slider(36.36280876475656, 35.12013230487405, 3.2505416021127913)
     times = np.linspace(9.0, 10.0, 100_001)
     run = rs.simulate(slider, rs.Loading.constant(V), 10.0, V_start=V / 10, times=times, rtol=1e-9)
@@ -118,8 +117,6 @@ def test_a_run_of_three_returns():
     maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
     period = 3 * np.diff(times[maxima]).mean()
     assert float(run.frequency) == pytest.approx(1 / period, rel=0.01)
-    with pytest.raises(rs.NotConverged, match=r"1, 2, 4, \.\.\. 32 returns"):
-        rs.limit_cycle(slider, V)
 
 
 def test_a_run_without_a_period():
