@@ -132,6 +132,8 @@ def until(condition):
 
 def site(**settings):
     """What stands in jobqueue.yaml."""
+    import dask_jobqueue  # noqa: F401  (of which this is the configuration; no worker may load it)
+
     return dask.config.set({"jobqueue.slurm": dask.config.get("jobqueue.slurm") | settings})
 
 
@@ -580,6 +582,7 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
         seen.update((len(events), job_has_ended) for _, job_has_ended in known)
         return known
 
+    monkeypatch.setattr(slurm_jobs, "POLL", 1.0)
     monkeypatch.setattr(Jobs, "keep", meanwhile)
     monkeypatch.setattr(cluster._Work, "bereft", watched)
     arguments = {"V_lp": 1e-2, "progress": False}
