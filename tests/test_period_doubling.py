@@ -119,6 +119,23 @@ def test_a_run_of_three_returns():
     assert float(run.frequency) == pytest.approx(1 / period, rel=0.01)
 
 
+def test_a_slowly_modulated_run():
+    """Stick-slip under a sinusoid some 10 events long: no order, though events change smoothly."""
+    slider = rs.SpringSlider(
+        a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=0.9 * 0.003 * 2e6 / 1e-5, M=0.01 * 0.06 / V**2
+    )
+    times = np.linspace(70.0, 100.0, 300_001)
+    loading = rs.Loading.sinusoid(V, V / 2, t_end=100.0, period=1.0)
+    run = rs.simulate(slider, loading, 100.0, times=times)
+    assert int(run.returns) == 0
+    stress = run.tau.values / slider.sigma
+    maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
+    last = slice(maxima[-33], None)
+    assert float(run.amplitude) == pytest.approx(np.ptp(stress[last]), rel=0.02)
+    rate = 32 / (times[maxima[-1]] - times[maxima[-33]])
+    assert float(run.frequency) == pytest.approx(rate, rel=0.02)
+
+
 def test_a_run_without_a_period():
     """Chaos: 0 returns, and the range of the stress over the later half of the last 64."""
     slider = slip_slider(*CHAOTIC)

@@ -16,9 +16,9 @@ from .model import NOT_FINITE, RUNAWAY, runs_away
 # Change of stress maxima or minima from one return to the next, over the amplitude, that is seen;
 # part of it that may be left after a whole period.
 VISIBLE, REPEATS = 1e-3, 0.1
-# How often stress maxima turn back, among the last so many, where a motion is irregular; and what
-# part of their earlier changes the later ones then are, for it may be on its way to a period.
-TURNS_BACK, AMONG, LASTING = 3, 8, 0.5
+# How often stress maxima turn back, among those that are known, where a motion is irregular; and
+# what part of their earlier changes the later ones then are, for it may be on its way to a period.
+TURNS_BACK, LASTING = 3, 0.5
 
 
 @inner
@@ -163,15 +163,16 @@ def last_period(s, l):
 
 @inner
 def is_irregular(s, l, cycles, visible):
-    """Whether the last stress maxima go up and down visibly, and hardly less than before."""
+    """Whether stress maxima go up and down visibly, and lately not much less than before."""
     count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
-    for k in range(max(1, cycles - AMONG), cycles):
+    known = min(cycles, R.RING)
+    for k in range(cycles - known + 1, cycles):
         now, last = (k % R.RING) * R.LANES + l, ((k - 1) % R.RING) * R.LANES + l
         rise = s[R.HIGHS + now] - s[R.HIGHS + last]
         if abs(rise) > visible:
             count += rise * rise_before < 0.0
             rise_before = rise
-        if k < cycles - AMONG // 2:
+        if k < cycles - known // 2:
             earlier = max(earlier, abs(rise))
         else:
             later = max(later, abs(rise))

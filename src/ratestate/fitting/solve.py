@@ -126,6 +126,8 @@ def settled(problem, point, noise):
             break  # other weights, all alike, are no other sum of squares
         last, was_white = found.x, False
         found = search(problem, last, guess)
+        if not found:
+            raise ParameterError(NO_MOTION)
         error = np.sqrt(np.diag(_covariance(found.jac)))
         if (np.abs(found.x - last) <= STILL * error).all():
             break
