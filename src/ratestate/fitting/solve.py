@@ -109,14 +109,20 @@ def _best_start(problem, slider, law):
     return found[0].x
 
 
+def _searched(problem, point, noise):
+    """What `search` finds from this point; ParameterError if that is nothing."""
+    found = search(problem, point, noise)
+    if not found:
+        raise ParameterError(NO_MOTION)
+    return found
+
+
 def settled(problem, point, noise):
     """The `Solution` from this point, with noise as given or estimated until nothing moves."""
     record = problem.record
     guess = problem.plain_noise(point) if noise is None else noise
     before = problem.forward.evaluations
-    found, was_white = search(problem, point, guess), True
-    if not found:
-        raise ParameterError(NO_MOTION)
+    found, was_white = _searched(problem, point, guess), True
     for _ in range(ROUNDS if noise is None else 0):
         fitted, jacobian = problem.forward.jacobian(found.x)
         guess = estimated_noise(record.t, fitted - record.friction, np.nan_to_num(jacobian))
@@ -125,9 +131,7 @@ def settled(problem, point, noise):
         if guess.red == 0.0 and was_white:
             break  # other weights, all alike, are no other sum of squares
         last, was_white = found.x, False
-        found = search(problem, last, guess)
-        if not found:
-            raise ParameterError(NO_MOTION)
+        found = _searched(problem, last, guess)
         error = np.sqrt(np.diag(_covariance(found.jac)))
         if (np.abs(found.x - last) <= STILL * error).all():
             break
