@@ -130,6 +130,18 @@ def test_tables(command, words, lab):
     assert sorted(path.name for path in lab.parent.iterdir()) == ["lab.toml"]
 
 
+def test_numbers_of_a_cycle_stand_beside_their_own_errors(lab, api):
+    rows = {line.split()[0]: line for line in call("cycle", lab).stdout.splitlines() if line}
+    for name, error in (
+        ("period", "error"),
+        ("amplitude", "error"),
+        ("V_max", "V_max_error"),
+        ("V_min", "V_min_error"),
+    ):
+        assert f" {float(api['cycle'][error]):.0e} " in rows[name], name
+    assert "e-" not in rows["fundamental"]
+
+
 @pytest.mark.parametrize("command", ["run", "stability", "cycle"])
 def test_the_verdict_is_printed(command, lab):
     said = verdict(SLIDER, 3.2e-3)

@@ -9,7 +9,7 @@ import pytest
 # (where SIGINT is ignored, as in the background of a shell, children inherit it)
 HEAD = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 COMMAND = """
-import sys, threading, time, typer
+import os, sys, threading, time, typer
 from ratestate.cli.ends import ending_well, leaving
 
 def left():
@@ -18,8 +18,15 @@ def left():
         time.sleep(60)
     return "x"
 
+class Late:
+    def __del__(self, write=os.write, sleep=time.sleep):
+        write(1, b"late\\n")
+        sleep(1)
+
 if sys.argv[1] == "thread":
     threading.Thread(target=time.sleep, args=(60,)).start()
+if sys.argv[1] == "late":
+    late = Late()
 try:
     with ending_well(False), leaving(left):
         print("working", flush=True)
@@ -59,6 +66,16 @@ def test_again(at, after, first):
         interrupted(process, after)
         assert process.wait(20) == 130
         assert process.stderr.read() == first + "interrupted again; ended at once\n"
+
+
+def test_again_while_python_ends():
+    """Where no handler of its own is left to Python; a shell says 130 of both, a program not."""
+    with started(COMMAND, "late") as process:
+        interrupted(process, "working")
+        assert process.stdout.readline() == "exit\n"
+        interrupted(process, "late")
+        assert process.wait(20) == 130
+        assert process.stderr.read() == "interrupted; x\n"
 
 
 def test_the_explorer():

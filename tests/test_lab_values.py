@@ -66,15 +66,32 @@ def test_values_that_nobody_measured(tmp_path):
 
 def test_rows_without_normal_stress(tmp_path):
     for sigma, match in [
-        (0.0, r"without normal stress .*: line 2 \(sigma = 0 Pa\)"),
+        (0.0, r"with normal stress .*: line 2 \(sigma = 0 Pa\)"),
         (4e-4, r"no rock has .*: line 2 \(friction = 2.999e\+04\)"),
     ]:
         normal = np.where(T < 2, sigma, 20.0)
         path = write(tmp_path / "r.txt", T, X, 20 * MU, normal, header=STRESSES)
         left(path, match, np.flatnonzero(T < 2))
     path = write(tmp_path / "r.txt", T, X, 20 * MU, 0 * T, header=STRESSES)
-    with pytest.raises(rs.ParameterError, match=r"only 0 rows are left.*without normal stress"):
+    with pytest.raises(rs.ParameterError, match=r"only 0 rows are left.*with normal stress"):
         read_lab(path)
+
+
+def test_normal_stress_beside_friction(tmp_path):
+    """Rows where it cannot be are left out and named; a column that is dead throughout is not."""
+    header = HEADER + "\tNormal stress (MPa)"
+    row = np.arange(N) == 40
+    for wrong, match in [
+        (0.0, r"1 row .*normal stress outside 100 to 1e\+11 Pa: line 42 \(sigma = 0 Pa\)"),
+        (-20.0, r"normal stress .*: line 42 \(sigma = -20 MPa\)"),
+        (1e20, r"normal stress .*: line 42 \(sigma = 1e\+17 GPa\)"),
+    ]:
+        path = write(tmp_path / "r.txt", T, X, MU, np.where(row, wrong, 20.0), header=header)
+        left(path, match, [40])
+    for normal in (20.0 + 0 * T, 0 * T):
+        data = read_lab(write(tmp_path / "r.txt", T, X, MU, normal, header=header))
+        np.testing.assert_array_equal(data.friction, MU)
+        assert "normal stress" not in data.attrs["notes"]
 
 
 def test_what_is_measured_stays(tmp_path):

@@ -69,6 +69,7 @@ def settle(system, start, rtol, alone, progress, loosest=LOOSE):
         np.ones(n, np.int64),
     )
     search, followed = np.zeros(n, SEARCH), np.ones(n, np.int64)
+    soft_untried = ~stable
     search["reach"] = REACH
     for number in range(MOST_ROUNDS):
         active = np.flatnonzero((found.status == RUNNING) & (followed < MOST_FOLLOWED))
@@ -92,7 +93,9 @@ def settle(system, start, rtol, alone, progress, loosest=LOOSE):
         found.status[active[done]] = FINISHED
         small = np.where(turns.came_back & on_orbit, small_amplitude(part, now.u), np.inf)
         _come_to_rest(system, found, active, np.where(stable[active], small, np.inf))
-        _soften(system, found, active[~stable[active] & (small < SOFT)])
+        nearly = active[soft_untried[active] & (small < SOFT)]
+        _soften(system, found, nearly)
+        soft_untried[nearly] = False
     found.status[found.status == RUNNING] = NO_CONVERGENCE
     _halve(system, found, alone)
     return found

@@ -1,5 +1,6 @@
 """How commands end: exit codes, messages, and tracebacks for who asks for them."""
 
+import atexit
 import contextlib
 import functools
 import inspect
@@ -72,6 +73,8 @@ def _at_once_if_interrupted_again() -> Iterator[None]:
 
     def first(*_: object) -> None:
         signal.signal(signal.SIGINT, again)
+        # once threads have ended Python drops handlers, and a signal would be the exit status
+        atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
         raise KeyboardInterrupt
 
     def again(*_: object) -> None:

@@ -42,12 +42,16 @@ def drop_impossible(rows, record):
     record : dict
         Symbol -> values [SI] along the rows that are kept, the signs turned.
     """
-    _, high = USUAL["friction"]
+    if "sigma" in record:
+        low, high = USUAL["sigma"]
+        bad = (record["sigma"] < low) | (record["sigma"] > high)
+        # a dead column of it says nothing against friction that was recorded beside it
+        if "friction" not in record or not bad.all():
+            why = f"with normal stress outside {low:g} to {high:g} Pa"
+            record = _without(rows, record, bad, why, "sigma")
     if "friction" not in record:
-        sigma, floor = record["sigma"], USUAL["sigma"][0]
-        why = "without normal stress that friction could be told by"
-        record = _without(rows, record, sigma < floor, why, "sigma")
         record["friction"] = record["tau"] / record["sigma"]
+    _, high = USUAL["friction"]
     why = f"with friction that no rock has (more than {high:g})"
     record = _without(rows, record, np.abs(record["friction"]) > high, why, "friction")
     for symbol in ("friction", "delta_lp", "V_load"):

@@ -113,6 +113,11 @@ def damage_told(path):
             raise StoreError(lost_record(path, lost[0])) from error
         if found:
             raise StoreError(told(path, found)) from error
+        if not path.exists():
+            raise StoreError(
+                f"there is nothing at {path}: no sweep has stored a chunk yet, or it "
+                "was another path"
+            ) from error
         if (path / INSIDE).is_dir():
             raise StoreError(lost_record(path, f"{INSIDE}: {error}")) from error
         raise StoreError(f"{path} is no store of a sweep ({error}); give another path") from error

@@ -99,8 +99,15 @@ def cycle(result: "xarray.Dataset") -> list[Any]:
         row("period", result.period, error=error),
         row("frequency", result.frequency, error=error),
         row("amplitude", result.amplitude, error=error),
-        row("V_max", result.V_max, f"{float(result.V_max) / V:.4g} V_lp"),
-        row("V_min", result.V_min, f"{float(result.V_min) / V:.4g} V_lp"),
+        *(
+            row(
+                name,
+                result[name],
+                f"{float(result[name]) / V:.4g} V_lp",
+                error=float(result[f"{name}_error"]),
+            )
+            for name in ("V_max", "V_min")
+        ),
         row("inertia", result.inertia),
         row("slow_fraction", result.slow_fraction),
         row("fundamental", result.fundamental, "1 harmonic, 0.61 sawtooth"),
