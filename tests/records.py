@@ -6,7 +6,9 @@ import numpy as np
 import xarray
 
 import ratestate as rs
+from ratestate.fitting.unknowns import to_coordinate
 
+FREE = ("a", "b", "Dc", "K")  # what is fitted to a record that is drawn
 # A laboratory's velocity step: soft enough to show its stiffness, stiff enough to be stable.
 SLIDER = rs.SpringSlider(a=0.01, b=0.014, Dc=1e-5, sigma=2e7, K=6.4e10, V0=1e-6)
 STEP = rs.Loading.steps("1 um/s", (100.0, "10 um/s"))
@@ -76,3 +78,33 @@ def drawn(seed):
     factors = 2.0 ** rng.normal(size=4)
     start = {s: f * getattr(truth, s) for s, f in zip(("a", "b", "Dc", "K"), factors, strict=True)}
     return Drawn(truth, truth.replace(**start), data, is_red)
+
+
+class Coverage(NamedTuple):
+    """What the fits of n records that were drawn say of the truth."""
+
+    holds: np.ndarray  # (n, parameters, levels) bool, whether the interval holds it
+    errors: np.ndarray  # (n, parameters) of the estimates, in the fit's coordinates
+    is_red: np.ndarray  # (n,) bool
+    has_mass: np.ndarray  # (n,) bool
+
+
+def coverage(number):
+    """Fit the first records drawn, so many, each from where a search may begin; `Coverage`."""
+    holds, errors, is_red, has_mass = [], [], [], []
+    for seed in range(number):
+        case = drawn(seed)
+        result = rs.fit(case.data, case.start)
+        truth = np.array([getattr(case.truth, name) for name in FREE])
+        low, high = np.moveaxis(result.interval.sel(parameter=list(FREE)).values, -1, 0)
+        holds.append((low <= truth[:, None]) & (truth[:, None] <= high))
+        estimates = [float(result[name]) for name in FREE]
+        errors.append(
+            [
+                to_coordinate(name, estimate) - to_coordinate(name, true)
+                for name, estimate, true in zip(FREE, estimates, truth, strict=True)
+            ]
+        )
+        is_red.append(case.is_red)
+        has_mass.append(case.truth.M > 0)
+    return Coverage(*map(np.array, (holds, errors, is_red, has_mass)))

@@ -32,6 +32,14 @@ ACROSS = {
 }
 
 
+#: The map of a branch knows parameters and laws apart: each law with each way that a parameter
+#: enters (speed, stiffness, mass, friction), the aging law with all parameters.
+SIDES = pytest.mark.parametrize(
+    ("parameter", "law"),
+    [(p, "slip") for p in ("V_lp", "K", "M", "a")] + [(p, "aging") for p in PARAMETERS],
+)
+
+
 @functools.cache
 def across(parameter, law):
     """A branch with the Hopf point at one end; its slider and V_lp."""
@@ -105,8 +113,7 @@ def test_contract_at_constant_speed(tmp_path):
     xr.testing.assert_identical(branch, same)
 
 
-@LAWS
-@pytest.mark.parametrize("parameter", PARAMETERS)
+@SIDES
 def test_agrees_with_limit_cycle(parameter, law):
     """Where a cycle is stable, and reached from steady sliding, it is this one."""
     branch, slider, V_lp = across(parameter, law)
@@ -134,8 +141,7 @@ def test_agrees_with_limit_cycle(parameter, law):
     assert (cycles.stable[reached]).all()
 
 
-@LAWS
-@pytest.mark.parametrize("parameter", PARAMETERS)
+@SIDES
 def test_ends_and_specials(parameter, law):
     """Between the end given, bit for bit, and the Hopf point, which is that of `hopf`."""
     branch, slider, V_lp = across(parameter, law)
@@ -193,8 +199,7 @@ def test_small_cycles_grow_as_hopf_says(parameter, law):
     assert (np.abs(ratio - 1) < 0.6 * r**2 + 1e-5).all()
 
 
-@LAWS
-@pytest.mark.parametrize("parameter", PARAMETERS)
+@SIDES
 def test_multipliers_and_the_divergence(parameter, law):
     """Their product is exp(-(period + integral of exp(-v)/eta)), between two closed forms.
 
