@@ -43,13 +43,18 @@ def load(path: str | Path, verb: str | None = None) -> Scenario:
 
 
 def loads(
-    text: bytes, verb: str | None = None, *, name: str = "the text", folder: Path | None = None
+    text: str | bytes,
+    verb: str | None = None,
+    *,
+    name: str = "the text",
+    folder: Path | None = None,
 ) -> Scenario:
     """Read what a scenario file would hold.
 
     Parameters
     ----------
-    text : bytes
+    text : str or bytes
+        TOML; bytes are UTF-8.
     verb : str, optional
         As for `load`.
     name : str
@@ -64,7 +69,8 @@ def loads(
     """
     verb = None if verb is None else choice(verb, VERBS)
     problems = Problems()
-    tables = _tables(_parsed(text, name), problems)
+    data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+    tables = _tables(_parsed(data, name), problems)
     run = run_table(tables.get("run", {}), problems)
     of_run = run.pop("verb", None)
     read = Read(

@@ -1,4 +1,4 @@
-"""How often intervals of fits hold the truth: `python benchmarks/coverage.py [NUMBER]`.
+"""How often intervals of fits hold the truth: `python benchmarks/intervals.py [NUMBER]`.
 
 Of 200 records drawn over a realistic range, which takes a minute: README has the numbers.
 """
