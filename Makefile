@@ -29,6 +29,7 @@ check: .venv/.ready ## lint, formatting, types, direction of imports
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python tools/check_imports.py
 
 docs: .venv/.docs ## build the documentation, its code executed and its links checked, into build/docs
 	$(BIN)/sphinx-build --quiet --nitpicky --fail-on-warning --keep-going docs build/docs/html
@@ -45,13 +46,13 @@ bench: .venv/.ready ## run the benchmark
 	$(BIN)/python benchmarks/run.py $(ARGS)
 
 torture: .venv/.ready ## kill a sweep 30 times, and see that nothing is lost; ARGS="--kills 100 --seed 1"
-	$(BIN)/python tests/torture.py $(ARGS)
+	$(BIN)/python tests/sweeps/torture.py $(ARGS)
 
 mutants: .venv/.ready ## see which random mutants of the source the tests kill; ARGS="--count 100 --seed 13 --jobs 2"
 	$(BIN)/python tools/mutants.py $(ARGS)
 
 slurm: .venv/.ready ## sweep in jobs of a real SLURM, which cancels some; needs Debian's slurm-wlm and munge
-	$(BIN)/python tests/slurm.py $(ARGS)
+	$(BIN)/python tests/sweeps/slurm.py $(ARGS)
 
 COMPILE := pip compile pyproject.toml --universal --python-version 3.11 --fork-strategy fewest \
     --generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock"

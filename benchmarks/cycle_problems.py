@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 
 import ratestate as rs
-from ratestate.atlas import ETA, STIFFNESS
+from ratestate.dynamics.atlas import ETA, STIFFNESS
 
 SIDE = 100  # of the grid
 RTOL, EXACT = 1e-6, 1e-10

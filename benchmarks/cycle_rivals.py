@@ -15,8 +15,8 @@ from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import root
 
 import ratestate as rs
-from ratestate.laws import evolution_law
-from ratestate.shooting import System
+from ratestate.dynamics.cycles.shooting import System
+from ratestate.friction.laws import evolution_law
 
 # Tolerances of Rodas5P and SciPy that leave errors of at most about 1e-6.
 MARCHING, RADAU, COLLOCATION = 1e-7, 1e-6, 1e-6

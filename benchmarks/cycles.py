@@ -27,9 +27,9 @@ from report import Part, power
 from timing import cpu, interleaved, one_core
 
 import ratestate as rs
+from ratestate.dynamics.cycles.attractor import settle, steady_start
+from ratestate.dynamics.cycles.shooting import System
 from ratestate.paper.parameters import FIG2
-from ratestate.settle import settle, steady_start
-from ratestate.shooting import System
 
 LAWS = ("slip", "aging")
 ETA_SCIPY = 1e-6, ETA[1]  # below, (tau/sigma - mu)/eta drowns in rounding

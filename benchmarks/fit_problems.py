@@ -13,13 +13,13 @@ from problems import REFERENCE
 from scipy.optimize import least_squares
 
 import ratestate as rs
-from ratestate.fitting.noise import Noise
-from ratestate.fitting.problem import Problem as Search
-from ratestate.fitting.problem import search
-from ratestate.fitting.record import record_of
-from ratestate.fitting.starts import unknowns_of
-from ratestate.fitting.unknowns import to_coordinate, to_value
 from ratestate.paper.parameters import FIG2
+from ratestate.records.fitting.noise import Noise
+from ratestate.records.fitting.problem import Problem as Search
+from ratestate.records.fitting.problem import search
+from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.starts import unknowns_of
+from ratestate.records.fitting.unknowns import to_coordinate, to_value
 
 SAMPLES, SEED = 3000, 6
 FREE = ("a", "b", "Dc", "K")

@@ -18,7 +18,7 @@ from cycle_problems import RTOL, V_LP, sliders
 from report import CONSOLE, environment
 
 import ratestate as rs
-from ratestate.atlas import ETA
+from ratestate.dynamics.atlas import ETA
 
 SIDES = (10, 32, 100, 316, 1000)
 LAW = "slip"

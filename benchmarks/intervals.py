@@ -11,8 +11,8 @@ from report import CONSOLE, Table
 
 import ratestate as rs
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from records import FREE, coverage
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests/helpers"))
+from synthetic_records import FREE, coverage
 
 
 def rows(found):

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from ratestate.arrays import logspace
-from ratestate.batch import Batch
-from ratestate.cases import engine_cases, run_cases
+from ratestate.dynamics.simulation.cases import engine_cases, run_cases
 from ratestate.engine.model import Loads
-from ratestate.laws import evolution_law
+from ratestate.friction.laws import evolution_law
+from ratestate.model.arrays import logspace
+from ratestate.model.batch import Batch
+from ratestate.model.initial_state import initial_state
 from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP, FIG4
-from ratestate.start import initial_state
 
 # What counts as exact.
 REFERENCE = 1e-12

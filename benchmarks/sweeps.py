@@ -13,7 +13,7 @@ from sweep import MEDIAN, TOLERANCES, TOLERANCES_LSODA, loosest
 from timing import cpu, interleaved, one_core, wall
 
 import ratestate as rs
-from ratestate.atlas import ETA, STIFFNESS
+from ratestate.dynamics.atlas import ETA, STIFFNESS
 
 SIDE = 400  # of the grid of limit cycles
 CASES, CHUNK = 40_000, 10_000  # for the store

@@ -18,9 +18,9 @@ from attractors import DC, SIGMA, V_LP, A, draw, slider_at
 from precise import FINER, TOL, NoCycle, Real, Slider, Solver
 
 import ratestate as rs
-from ratestate import family
-from ratestate.coexistence import folds
-from ratestate.cycles import limit_cycle_call
+from ratestate.dynamics.continuation import family
+from ratestate.dynamics.continuation.folds import folds
+from ratestate.dynamics.cycles.limit_cycle import limit_cycle_call
 from ratestate.engine.exp import LIMIT
 
 MEASURES = ("amplitude", "period", "V_max", "V_min")

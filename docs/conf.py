@@ -15,7 +15,7 @@ BUILD = ROOT / "build" / "docs"
 sys.path.insert(0, str(HERE / "_ext"))
 os.environ["MATPLOTLIBRC"] = str(HERE / "matplotlibrc")  # of notebooks and gallery alike
 # of notebooks: reference_values, and the records of the tests
-os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "_ext"), str(ROOT / "tests")])
+os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "_ext"), str(ROOT / "tests/helpers")])
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["COLUMNS"] = "88"  # of what commands print
 

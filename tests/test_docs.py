@@ -51,7 +51,7 @@ def test_code_on_pages_is_told_wrong(tmp_path):
 
 
 def test_reference_values_are_those_of_the_tests():
-    from test_reference import TABLE
+    from quad_precision import TABLE
 
     pages = program(DOCS / "_ext" / "reference_values.py").PROBLEMS
     assert {name: row[1:] for name, row in pages.items()} == {k: v[:8] for k, v in TABLE.items()}

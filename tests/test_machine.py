@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import ratestate as rs
-from ratestate import basin, machine
+from ratestate import machine
+from ratestate.dynamics.continuation import basin
 
 
 @pytest.fixture

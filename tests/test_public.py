@@ -5,6 +5,7 @@ import importlib
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -45,7 +46,7 @@ IMPORTS = [
     "",
     "import ratestate.{verb}",
     "from ratestate.{verb} import {verb}",
-    "import ratestate.slider, ratestate.{verb}",
+    "import ratestate.model.slider, ratestate.{verb}",
     "import importlib; importlib.import_module('ratestate.{verb}')",
 ]
 AFTERWARDS = """
@@ -58,7 +59,28 @@ assert callable(ratestate.{verb}), {verb}
 """
 
 
-def test_verbs_are_not_hidden_by_their_files():
+@pytest.mark.parametrize("name", ratestate._MODULES)
+def test_modules_are_found_by_their_documented_paths(name):
+    module = importlib.import_module(f"ratestate.{ratestate._MODULES[name]}")
+    documented = importlib.import_module(f"ratestate.{name}")
+    public = [key for key in vars(module) if not key.startswith("_")]
+    assert public
+    assert all(getattr(documented, key) is getattr(module, key) for key in public)
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        _ = documented.nonsense
+    if name not in ratestate._HOMES:  # else the function has the name
+        assert getattr(ratestate, name) is module
+
+
+def test_the_package_has_ten_packages():
+    entries = {p.name for p in Path(ratestate.__file__).parent.iterdir()} - {"__pycache__"}
+    packages = {name for name in entries if "." not in name}
+    assert len(packages) <= 10
+    assert "friction" in packages
+    assert len(entries - {"__init__.py", "py.typed"}) <= 12
+
+
+def test_functions_are_not_hidden_by_modules_of_their_names():
     # each in a process that has not imported ratestate, but all that it takes so long to import
     code = """
 import os, sys, numba, pint, xarray
@@ -71,7 +93,7 @@ print("ratestate" in sys.modules)
 """
     codes = [
         (before + AFTERWARDS).format(verb=verb)
-        for verb in ("hopf", "simulate")
+        for verb in ("hopf", "simulate", "stability")
         for before in IMPORTS
     ]
     assert run(code, *codes, NUMBA_DISABLE_JIT="1") == ["False"]

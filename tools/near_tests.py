@@ -26,7 +26,8 @@ def nearest_first(root):
                 module = homes.get(name, f"ratestate.{name}")
             for wanted in (module, f"{module}.{name}"):
                 stem = wanted.replace(".", "/")
-                candidates = {f"{folder}/{stem}{end}" for folder in ("src", "tests")
+                folders = ("src", "tests/helpers", PurePath(path).parent)
+                candidates = {f"{folder}/{stem}{end}" for folder in folders
                               for end in (".py", "/__init__.py")}  # fmt: skip
                 near[path] |= candidates & trees.keys()
     distances = {path: {} for path in trees}

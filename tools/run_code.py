@@ -43,7 +43,7 @@ def run_python(page):
 
 def load_toml(page):
     """Load a page's scenarios."""
-    from ratestate import scenario
+    from ratestate.interfaces import scenario
 
     slider = ""
     for record in EXAMPLES.glob("*.csv"):

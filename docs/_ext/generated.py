@@ -26,9 +26,12 @@ def outdated(app, env, added, changed, removed):
 
 def commands():
     """What typer says of each command of ``ratestate``, examples as code."""
-    from ratestate.cli.ends import EXIT_CODES
+    from ratestate.interfaces.cli.ends import EXIT_CODES
 
-    asked = [sys.executable, *"-m typer ratestate.cli utils docs --name ratestate".split()]
+    asked = [
+        sys.executable,
+        *"-m typer ratestate.interfaces.cli utils docs --name ratestate".split(),
+    ]
     text = subprocess.run(asked, check=True, capture_output=True, text=True).stdout
     text = text.partition("\n")[2].replace(EXIT_CODES, "")  # which have pages of their own
     return re.sub(r"^Examples?: (.+)$", r"```console\n$ \1\n```", text, flags=re.MULTILINE)
@@ -36,7 +39,7 @@ def commands():
 
 def exit_codes():
     """The exit codes, as the help of each command has them."""
-    from ratestate.cli.ends import EXIT_CODES
+    from ratestate.interfaces.cli.ends import EXIT_CODES
 
     pairs = re.findall(r"(\d+) ([^,.]+)", EXIT_CODES)
     return "\n".join(["| code | |", "|---|---|", *(f"| {code} | {what} |" for code, what in pairs)])
@@ -87,7 +90,7 @@ def keys(table):
     """A writer of the keys of a table, as the reader of scenario files knows them."""
 
     def write():
-        from ratestate.scenario.tables import SLIDER, TABLES
+        from ratestate.interfaces.scenario.tables import SLIDER, TABLES
 
         known = TABLES[table]
         if table == "sweep":  # whose other keys are those of [slider]
@@ -102,9 +105,9 @@ def keys(table):
 
 def _key(table, key):
     """A row: what the key stands for, and what is expected."""
-    from ratestate.quantities import QUANTITIES, expected
-    from ratestate.scenario.simple import ENDINGS
-    from ratestate.scenario.simple import WORDS as CHOICES
+    from ratestate.interfaces.scenario.simple import ENDINGS
+    from ratestate.interfaces.scenario.simple import WORDS as CHOICES
+    from ratestate.model.quantities import QUANTITIES, expected
 
     said = WORDS.get(f"{key} {table}", WORDS.get(key))
     wanted = FORMS.get(f"{key} {table}", FORMS.get(key, ""))
@@ -122,7 +125,7 @@ def _otherwise(table, key):
     import dataclasses
 
     from ratestate import SpringSlider
-    from ratestate.scenario.tables import SLIDER
+    from ratestate.interfaces.scenario.tables import SLIDER
 
     if table != "slider":
         said = OTHERWISE.get(f"{key} {table}")
@@ -133,7 +136,8 @@ def _otherwise(table, key):
 
 def mistakes():
     """What is said of a file that is wrong in many ways."""
-    from ratestate import ParameterError, scenario
+    from ratestate import ParameterError
+    from ratestate.interfaces import scenario
 
     file = DOCS / "reference" / "wrong.toml"
     try:

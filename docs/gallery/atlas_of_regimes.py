@@ -9,7 +9,7 @@ What any spring-slider with this b/a does, over its stiffness and its speed. Coa
 import matplotlib.pyplot as plt
 
 from ratestate import plot
-from ratestate.atlas import atlas
+from ratestate.dynamics.atlas import atlas
 
 chart = atlas(2.0, "slip", n=60, rtol=1e-4)
 fig, ax = plt.subplots(figsize=(7.2, 4.4))

@@ -12,7 +12,8 @@ import numpy as np
 import xarray
 
 import ratestate as rs
-from ratestate import basin, plot
+from ratestate import plot
+from ratestate.dynamics.continuation import basin
 
 slider = rs.SpringSlider(
     a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="606 MPa/m", law="aging"

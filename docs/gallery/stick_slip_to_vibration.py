@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 
 import ratestate as rs
 from ratestate import plot
-from ratestate.regimes import classify
+from ratestate.dynamics.cycles.regimes import classify
 
 slider = rs.SpringSlider(
     a=0.005, b=0.008, Dc="10 um", mu0=0.6, V0=1e-9, sigma="4 MPa", M=100, K="960 MPa/m"

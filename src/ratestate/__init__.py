@@ -9,13 +9,16 @@ Nothing heavy is loaded until it is used.
 """
 
 import sys
-import types
-from typing import TYPE_CHECKING
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .arrays import logspace
-    from .branch import continue_cycle
-    from .cycles import limit_cycle
+    from .dynamics.continuation.branch import continue_cycle
+    from .dynamics.cycles.limit_cycle import limit_cycle
+    from .dynamics.hopf import bautin, hopf
+    from .dynamics.simulation.simulate import simulate
+    from .dynamics.steady_sliding import stability
     from .errors import (
         NotConverged,
         ParameterError,
@@ -23,13 +26,11 @@ if TYPE_CHECKING:
         RateStateError,
         SolverError,
     )
-    from .fitting.verb import fit
-    from .hopf import bautin, hopf
-    from .lab import read_lab
-    from .loading import Loading
-    from .simulate import simulate
-    from .slider import SpringSlider
-    from .steady import stability
+    from .model.arrays import logspace
+    from .model.loading import Loading
+    from .model.slider import SpringSlider
+    from .records.fitting.verb import fit
+    from .records.reading import read_lab
     from .sweeps.verb import sweep
 
 __all__ = [
@@ -55,38 +56,55 @@ __all__ = [
 #: public name -> module that defines it
 _HOMES = {
     "CompilationError": "errors",
-    "Loading": "loading",
+    "FitWarning": "errors",
+    "Loading": "model.loading",
     "NotConverged": "errors",
     "ParameterError": "errors",
     "QuasiStaticInstability": "errors",
     "RateStateError": "errors",
     "RecordWarning": "errors",
     "SolverError": "errors",
-    "SpringSlider": "slider",
+    "SpringSlider": "model.slider",
     "StoreError": "errors",
-    "FitWarning": "errors",
-    "bautin": "hopf",
-    "continue_cycle": "branch",
-    "fit": "fitting.verb",
-    "hopf": "hopf",
-    "limit_cycle": "cycles",
-    "logspace": "arrays",
-    "read_lab": "lab",
-    "simulate": "simulate",
-    "stability": "steady",
+    "bautin": "dynamics.hopf",
+    "continue_cycle": "dynamics.continuation.branch",
+    "fit": "records.fitting.verb",
+    "hopf": "dynamics.hopf",
+    "limit_cycle": "dynamics.cycles.limit_cycle",
+    "logspace": "model.arrays",
+    "read_lab": "records.reading",
+    "simulate": "dynamics.simulation.simulate",
+    "stability": "dynamics.steady_sliding",
     "sweep": "sweeps.verb",
+}
+#: module as it is documented, and was when all modules lay side by side -> where it is now
+_MODULES = {
+    "atlas": "dynamics.atlas",
+    "basin": "dynamics.continuation.basin",
+    "fitting": "records.fitting",
+    "hopf": "dynamics.hopf",
+    "lab": "records.reading",
+    "laws": "friction.laws",
+    "orbit": "dynamics.cycles.orbit",
+    "quasi_static": "friction.quasi_static",
+    "regimes": "dynamics.cycles.regimes",
+    "scenario": "interfaces.scenario",
+    "simulate": "dynamics.simulation.simulate",
+    "stability": "friction.stability",
+    "verdict": "dynamics.verdict",
 }
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> Any:
+    value: Any
     if name == "__version__":
         from importlib.metadata import version
 
         value = version("ratestate")
     elif name in _HOMES:
-        from importlib import import_module
-
         value = getattr(import_module(f"ratestate.{_HOMES[name]}"), name)
+    elif name in _MODULES:
+        value = import_module(f"ratestate.{_MODULES[name]}")
     else:
         raise AttributeError(f"module 'ratestate' has no attribute {name!r}")
     globals()[name] = value
@@ -97,15 +115,17 @@ def __dir__():
     return [*__all__, "__version__"]
 
 
-class _Package(types.ModuleType):
-    """Keeps the verbs `hopf`, `simulate` and `stability` apart from files of the same names.
+class _Documented(ModuleType):
+    """A module by its documented path, loaded when something of it is used.
 
-    Importing a submodule binds it to its package under its own name, and would hide the verb.
+    It stands in ``sys.modules`` from the start, so that importing it binds nothing in the package:
+    ``ratestate.stability`` stays the function.
     """
 
-    def __setattr__(self, name, value):
-        if not (name in _HOMES and isinstance(value, types.ModuleType)):
-            super().__setattr__(name, value)
+    def __getattr__(self, name):
+        module = import_module(f"ratestate.{_MODULES[self.__name__.removeprefix('ratestate.')]}")
+        return getattr(module, name)
 
 
-sys.modules[__name__].__class__ = _Package
+for _name in _MODULES:
+    sys.modules[f"ratestate.{_name}"] = _Documented(f"ratestate.{_name}")

@@ -34,7 +34,7 @@ PROGRAMS = (numba.__version__, llvmlite.__version__, sysconfig.get_config_var("S
 def _digest():
     """A hash of all sources of the kernels."""
     here = Path(__file__).parent
-    sources = [here.parent / "laws.py", *sorted(here.glob("*.py"))]
+    sources = [here.parent / "friction/laws.py", *sorted(here.glob("*.py"))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
 
 

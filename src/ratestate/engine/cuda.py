@@ -1,4 +1,4 @@
-"""Driving the march on an NVIDIA GPU: arrays there and back, launches, progress, interruption.
+"""Running kernels on an NVIDIA GPU: arrays there and back, launches, progress, interruption.
 
 Nothing here imports CUDA until it is asked to run.
 """
@@ -13,9 +13,9 @@ from numba import config as numba_config
 
 from ..errors import ParameterError, SolverError
 from . import rows as R
-from .drive import Stopped, empty_results
+from .backend import Stopped
 from .march import IDLE
-from .model import RUNNING
+from .model import RUNNING, empty_results
 from .return_map import RETURN_NUMBERS, Returns
 
 config: Any = numba_config  # numba sets its attributes at run time
@@ -62,10 +62,10 @@ def _numba_cuda() -> Any:
     return cuda
 
 
-def run(law, cases, loads, save_times, order, progress=None, stop=None):
-    """March all cases by Rodas5P; parameters and `Results` as for `drive.run`.
+def run_march(law, cases, loads, save_times, order, progress=None, stop=None):
+    """March all cases by Rodas5P; parameters and `Results` as for `dispatch.run_march`.
 
-    stop : threading.Event, optional; `drive.Stopped` is raised soon after it is set
+    stop : threading.Event, optional; `backend.Stopped` is raised soon after it is set
     """
     check()
     from . import cuda_kernels
@@ -82,7 +82,7 @@ def run(law, cases, loads, save_times, order, progress=None, stop=None):
 def run_returns(law, starts, stop=None):
     """Take all cases to their next upward crossing of the section; `Returns` (return_map.py).
 
-    law, stop : as for `run`
+    law, stop : as for `run_march`
     starts : Starts (return_map.py)
     """
     check()

@@ -6,7 +6,7 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 
 import math
 
-from ..laws import AGING
+from ..friction.laws import AGING
 from . import rows as R
 from .exp import LIMIT
 from .jit import inner

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from .. import laws
+from ..friction import laws
 from . import lanes as L
 from . import rows as R
 from .exp import exp_alone

@@ -6,7 +6,7 @@ instructions, and gets the same bits, wherever it sits.
 
 import math
 
-from ..laws import AGING, SLIP
+from ..friction.laws import AGING, SLIP
 from . import rows as R
 from .jit import inlined, lanewise
 from .model import RUNNING, state_rate

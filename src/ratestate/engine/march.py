@@ -14,15 +14,7 @@ from .events import attend, components, last_period, polynomial
 from .exp import exp_alone
 from .im2017 import take as take_im2017
 from .jit import inner, kernel
-from .model import (
-    FINISHED,
-    NOT_FINITE,
-    RODAS5P,
-    RUNNING,
-    STEP_LIMIT,
-    STEP_UNDERFLOW,
-    state_rate,
-)
+from .model import FINISHED, NOT_FINITE, RODAS5P, RUNNING, STEP_LIMIT, STEP_UNDERFLOW, state_rate
 
 IDLE = -1.0
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import laws
+from ..friction import laws
 from .jit import inlined
 
 # How a case ended.  0 and 1 are answers; the rest name what stopped it.
@@ -175,3 +175,13 @@ def state_rate_partials_2(law, w, v, psi, e):
     if law == laws.SLIP:
         return s_vv, s_vpsi, s_psipsi
     return a_vv, a_vpsi, a_psipsi
+
+
+def empty_results(n, n_times):
+    """`Results` of n cases that are to run, n_times saved times each."""
+    return Results(
+        np.full((n, 3), np.nan),
+        np.full((n, n_times, 3), np.nan),
+        np.full((n, len(NUMBERS)), np.nan),
+        np.full(n, RUNNING, np.int8),
+    )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..laws import AGING, SLIP
+from ..friction.laws import AGING, SLIP
 from . import lanes as L
 from . import rows as R
 from .events import components, crossing, observe, outrun, polynomial

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from .. import laws
+from ..friction import laws
 from .jit import inner, kernel
 
 # What was forced more than 45 Dc of slip ago has decayed below rounding.

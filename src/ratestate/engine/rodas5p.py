@@ -19,7 +19,7 @@ Beside the state, a step integrates the load-point work and the frictional dissi
 weights `B` that the method implies for a pure quadrature.
 """
 
-from ..laws import SLIP
+from ..friction.laws import SLIP
 from .exp import LIMIT, exp, exp_and_inverse
 from .jit import inlined
 from .model import state_rate, state_rate_partials

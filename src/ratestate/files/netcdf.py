@@ -1,6 +1,6 @@
 """NetCDF 4 files, read and written."""
 
-from ..isolated import read_isolated
+from ..records.reading.isolated import read_isolated
 from .parts import split
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .. import plot
-from ..atlas import atlas
+from ..dynamics.atlas import atlas
 from ..plot.layout import LAWS, figure, letter, styled
 from .figures import write
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_K, FIG4_V_LP, FIG6, FIG6_SPEEDS

@@ -4,14 +4,14 @@ import numpy as np
 import xarray
 
 from .. import plot
-from ..arrays import logspace
-from ..basin import escape
-from ..branch import continue_cycle
-from ..loading import Loading
+from ..dynamics.continuation.basin import escape
+from ..dynamics.continuation.branch import continue_cycle
+from ..dynamics.simulation.simulate import simulate
+from ..friction.quasi_static import runaway_step, runaway_step_lower_bound, runaway_step_upper_bound
+from ..model.arrays import logspace
+from ..model.loading import Loading
+from ..model.quantities import attrs
 from ..plot.layout import figure, letter, styled
-from ..quantities import attrs
-from ..quasi_static import runaway_step, runaway_step_lower_bound, runaway_step_upper_bound
-from ..simulate import simulate
 from .layout import titled
 from .parameters import FIG2
 

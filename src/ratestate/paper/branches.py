@@ -4,9 +4,9 @@ import numpy as np
 import xarray
 
 from .. import plot
-from ..branch import continue_cycle
+from ..dynamics.continuation.branch import continue_cycle
+from ..model.quantities import attrs
 from ..plot.layout import figure, letter, styled
-from ..quantities import attrs
 from .layout import titled
 from .parameters import FIG2
 

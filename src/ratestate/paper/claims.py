@@ -1,14 +1,7 @@
 """The claims table: where each claim of the paper stands, by its own scheme and converged."""
 
-from ..laws import evolution_law
-from . import (
-    claims_cycles,
-    claims_friction,
-    claims_map,
-    claims_regimes,
-    claims_slow,
-    claims_steps,
-)
+from ..friction.laws import evolution_law
+from . import claims_cycles, claims_friction, claims_map, claims_regimes, claims_slow, claims_steps
 
 #: Where the rows come from, in the order of the paper.
 PARTS = [

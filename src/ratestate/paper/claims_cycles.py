@@ -6,11 +6,11 @@ import numpy as np
 import xarray
 from scipy.interpolate import make_interp_spline
 
-from ..arrays import logspace
-from ..cycles import limit_cycle
-from ..loading import Loading
-from ..orbit import orbit
-from ..simulate import simulate
+from ..dynamics.cycles.limit_cycle import limit_cycle
+from ..dynamics.cycles.orbit import orbit
+from ..dynamics.simulation.simulate import simulate
+from ..model.arrays import logspace
+from ..model.loading import Loading
 from .claim import Claim, exact, pair, to_digits
 from .parameters import FIG4, FIG4_K
 from .scheme_map import LARGEST, METHOD, time_step

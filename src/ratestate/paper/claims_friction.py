@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from ..loading import Loading
-from ..simulate import simulate
+from ..dynamics.simulation.simulate import simulate
+from ..model.loading import Loading
 from .claim import Claim, to_digits
 from .parameters import FIG1
 

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from ..arrays import logspace
-from ..cycles import limit_cycle
-from ..loading import Loading
-from ..simulate import simulate
+from ..dynamics.cycles.limit_cycle import limit_cycle
+from ..dynamics.simulation.simulate import simulate
+from ..model.arrays import logspace
+from ..model.loading import Loading
 from .claim import Claim, pair
 from .claims_steps import LAST, last_amplitude
 from .fig3 import UNSTABLE

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from ..cycles import limit_cycle
-from ..loading import Loading
-from ..simulate import simulate
-from ..steady import stability
+from ..dynamics.cycles.limit_cycle import limit_cycle
+from ..dynamics.simulation.simulate import simulate
+from ..dynamics.steady_sliding import stability
+from ..model.loading import Loading
 from .claim import Claim, exact, pair
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES
 from .scheme_map import LARGEST, METHOD, step_response, time_step

@@ -3,9 +3,9 @@
 import math
 from typing import Any
 
-from ..cycles import limit_cycle
-from ..loading import Loading
-from ..simulate import simulate
+from ..dynamics.cycles.limit_cycle import limit_cycle
+from ..dynamics.simulation.simulate import simulate
+from ..model.loading import Loading
 from .claim import Claim, exact, pair, to_digits
 from .parameters import FIG4, FIG4_EXAMPLES, FIG6, FIG6_SPEEDS
 from .scheme_map import FINER, LARGEST, METHOD, step_response, time_step

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import xarray
 
-from ..cycles import limit_cycle
-from ..loading import Loading
-from ..simulate import simulate
-from ..steady import stability
+from ..dynamics.cycles.limit_cycle import limit_cycle
+from ..dynamics.simulation.simulate import simulate
+from ..dynamics.steady_sliding import stability
+from ..model.loading import Loading
 from .claim import Claim, exact, pair, to_digits
 from .fig3 import UNSTABLE
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START

@@ -4,9 +4,9 @@ import numpy as np
 import xarray
 
 from .. import plot
-from ..loading import Loading
+from ..dynamics.simulation.simulate import simulate
+from ..model.loading import Loading
 from ..plot.layout import LAWS, figure, styled
-from ..simulate import simulate
 from .layout import titled
 from .parameters import FIG1
 

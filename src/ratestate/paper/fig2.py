@@ -4,11 +4,11 @@ import numpy as np
 import xarray
 
 from .. import plot
-from ..loading import Loading
+from ..dynamics.simulation.simulate import simulate
+from ..dynamics.steady_sliding import stability
+from ..model.loading import Loading
+from ..model.quantities import attrs
 from ..plot.layout import figure, letter, styled
-from ..quantities import attrs
-from ..simulate import simulate
-from ..steady import stability
 from .layout import titled
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
 

@@ -4,13 +4,13 @@ import numpy as np
 import xarray
 
 from .. import plot
-from ..arrays import logspace
-from ..cycles import limit_cycle
-from ..loading import Loading
+from ..dynamics.cycles.limit_cycle import limit_cycle
+from ..dynamics.simulation.simulate import simulate
+from ..dynamics.steady_sliding import stability
+from ..model.arrays import logspace
+from ..model.loading import Loading
+from ..model.quantities import attrs
 from ..plot.layout import figure, letter, styled
-from ..quantities import attrs
-from ..simulate import simulate
-from ..steady import stability
 from .layout import steepest, titled
 from .parameters import FIG4, FIG4_EXAMPLES, FIG4_K, FIG4_V_LP
 

@@ -1,11 +1,11 @@
 """Fig. 6: slow stick-slip where the stiffness is all but critical."""
 
 from .. import plot
-from ..cycles import limit_cycle
-from ..loading import Loading
+from ..dynamics.cycles.limit_cycle import limit_cycle
+from ..dynamics.simulation.simulate import simulate
+from ..dynamics.steady_sliding import stability
+from ..model.loading import Loading
 from ..plot.layout import figure, letter, styled
-from ..simulate import simulate
-from ..steady import stability
 from .layout import steepest, titled
 from .parameters import FIG6, FIG6_SPEEDS, FIG6_STEP
 

@@ -1,6 +1,6 @@
 """The paper's parameter sets, each once, in SI; the evolution law is the figure's to choose."""
 
-from ..slider import SpringSlider
+from ..model.slider import SpringSlider
 
 #: Fig. 1: an e-fold step from V0, imposed on the slider itself (the paper's K/sigma is 1e5 1/m).
 FIG1 = SpringSlider(a=0.003, b=0.004, Dc=10e-6, sigma=1e6, K=float("inf"), mu0=0.6, V0=30e-6)

@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 
 from .. import plot
-from ..cycles import limit_cycle
+from ..dynamics.cycles.limit_cycle import limit_cycle
 from ..plot.layout import figure, letter, styled
 from .layout import titled
 from .parameters import FIG2, FIG2_SPEEDS, FIG2_START

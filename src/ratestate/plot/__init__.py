@@ -10,7 +10,7 @@ Parameters that a picture needs (the normal stress, for tau/sigma) are read from
 that every result carries.
 """
 
-from ..dataset import parameter
+from ..dynamics.results import parameter
 from .bifurcation import branch
 from .chart import atlas, contours, transition
 from .fits import fit

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from ..attributes import followed
-from ..dataset import parameter
+from ..dynamics.attributes import followed
+from ..dynamics.results import parameter
 from ..errors import ParameterError
-from ..quantities import QUANTITIES
-from ..stability import K_c
+from ..friction.stability import K_c
+from ..model.quantities import QUANTITIES
 from .labels import AMPLITUDE, BLUE, GRAY, RED
 from .labels import label as symbol_text
 

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
-from ..regimes import REGIMES
+from ..dynamics.cycles.regimes import REGIMES
 from .labels import RED, label
 
 #: colours of the regimes, in the order of `REGIMES`

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..attributes import loading_record
+from ..dynamics.attributes import loading_record
 from ..errors import ParameterError
-from ..fitting.each import each_law
-from ..quantities import QUANTITIES
+from ..model.quantities import QUANTITIES
+from ..records.fitting.each import each_law
 from .labels import BLUE, GRAY, RED, prefixed
 
 #: law -> colour and dashes of its curve; the record is gray

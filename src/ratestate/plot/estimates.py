@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.textpath import TextPath
 
-from ..fitting.each import each_law, value_of
-from ..fitting.lines import ALWAYS, estimate, over_critical
-from ..fitting.unknowns import PARAMETERS
-from ..quantities import QUANTITIES, short
+from ..model.quantities import QUANTITIES, short
+from ..records.fitting.each import each_law, value_of
+from ..records.fitting.lines import ALWAYS, estimate, over_critical
+from ..records.fitting.unknowns import PARAMETERS
 from .curves import COLORS
 from .labels import label, prefixed
 

@@ -1,6 +1,6 @@
 """`plot.fit`: a fit as a picture."""
 
-from ..fitting.fitted import checked_laws
+from ..records.fitting.fitted import checked_laws
 from .curves import axis_of, curves, marks
 from .layout import styled
 from .pages.fit import fit_page

@@ -1,7 +1,7 @@
 """How pictures write quantities: symbols as mathematics, values with units that fit them."""
 
-from .. import quantities
-from ..quantities import QUANTITIES
+from ..model import quantities
+from ..model.quantities import QUANTITIES
 
 STRESS = r"$\tau/\sigma$"
 AMPLITUDE = f"Amplitude of {STRESS} (max $-$ min)"

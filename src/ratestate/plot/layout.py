@@ -6,9 +6,9 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from ..dataset import parameter
+from ..dynamics.results import parameter
 from ..files import replace
-from ..units import is_array
+from ..model.units import is_array
 from .labels import value_text
 
 DPI = 300

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..fitting.each import each_law
-from ..fitting.unknowns import LINEAR, PARAMETERS
-from ..quantities import QUANTITIES
+from ..model.quantities import QUANTITIES
+from ..records.fitting.each import each_law
+from ..records.fitting.unknowns import LINEAR, PARAMETERS
 from .curves import COLORS, DASHES
 from .labels import GRAY, label, prefixed
 

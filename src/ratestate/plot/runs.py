@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ..dataset import parameter
-from ..quantities import QUANTITIES
+from ..dynamics.results import parameter
+from ..model.quantities import QUANTITIES
 from .labels import AMPLITUDE, RED, STRESS, prefixed
 
 

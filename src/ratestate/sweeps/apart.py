@@ -9,9 +9,9 @@ import sys
 import time
 from typing import Any
 
-from ..arrays import cut
-from ..engine import drive
+from ..engine import backend
 from ..errors import RateStateError, SolverError
+from ..model.arrays import cut
 from .chunks import halves
 from .solve import joined, lost, solve
 from .task import Tasks
@@ -113,7 +113,7 @@ def _serve():
     os.dup2(2, 1)  # so that nothing else gets in between them
     device, kinds = pickle.load(sys.stdin.buffer)
     _put("ready", answers)
-    with drive.place(threads=1, device=device), contextlib.suppress(EOFError):
+    with backend.use(threads=1, device=device), contextlib.suppress(EOFError):
         while True:
             part = pickle.load(sys.stdin.buffer)
             try:

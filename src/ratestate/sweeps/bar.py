@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from ..progress import Bar, duration, on_terminal
+from ..dynamics.progress import Bar, duration, on_terminal
 
 # Seconds between two lines of a log.
 LOG_EVERY = 30.0

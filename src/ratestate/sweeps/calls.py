@@ -2,19 +2,19 @@
 
 A call is a frozen dataclass of arguments in SI.  ``batch`` broadcasts them, ``run()`` gives the
 variables of all its cases, ``blank()`` the same without answers, ``dataset(variables)`` the result;
-`ratestate.arrays.cut` cuts it.
+`arrays.cut` cuts it.
 """
 
 import inspect
 import re
 from collections.abc import Callable
 
-from ..arrays import cut
-from ..cycles import limit_cycle, limit_cycle_call
+from ..dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
+from ..dynamics.simulation.simulate import simulate, simulate_call
+from ..dynamics.steady_sliding import stability, stability_call
 from ..errors import ParameterError
-from ..simulate import simulate, simulate_call
-from ..start import initial_state
-from ..steady import stability, stability_call
+from ..model.arrays import cut
+from ..model.initial_state import initial_state
 
 #: name of a verb -> the verb, and what checks its arguments
 VERBS: dict[str, tuple[Callable, Callable]] = {

@@ -9,10 +9,10 @@ import time
 from collections import Counter
 from typing import Any, NamedTuple
 
-from ..arrays import cut
-from ..dataset import versions
-from ..engine import drive
+from ..dynamics.results import versions
+from ..engine import backend
 from ..errors import RateStateError, SolverError
+from ..model.arrays import cut
 from .apart import Apart
 from .jobs import RESUME, Jobs, say
 from .task import do_elsewhere
@@ -124,7 +124,7 @@ class _Call(NamedTuple):
     def do(self, *_):
         """What it returns, and None; or None, and what it raises."""
         try:
-            with drive.place(threads=1, device=self.device):
+            with backend.use(threads=1, device=self.device):
                 return self.function(*self.arguments), None
         except Exception as error:
             return None, error

@@ -14,7 +14,7 @@ from typing import Any
 import zarr
 from zarr.codecs import ZstdCodec
 
-from ..dataset import versions
+from ..dynamics.results import versions
 from ..errors import StoreError
 from .inputs import checksum, inputs_of
 from .lock import hold, remove_if_abandoned

@@ -4,8 +4,8 @@ import itertools
 import threading
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 
-from ..arrays import cut
 from ..machine import cores
+from ..model.arrays import cut
 
 
 def outcomes(tasks, call, numbers, report):

@@ -7,8 +7,8 @@ import json
 import numpy as np
 import xarray
 
-from ..quantities import QUANTITIES
-from ..units import is_array
+from ..model.quantities import QUANTITIES
+from ..model.units import is_array
 
 
 def inputs_of(verb, call):

@@ -4,7 +4,7 @@ import json
 
 from numba.core.registry import cpu_target
 
-from ..dataset import versions
+from ..dynamics.results import versions
 
 
 def origin(device):

@@ -7,10 +7,10 @@ import time
 
 import numpy as np
 
-from ..arrays import cut
-from ..engine import drive
+from ..engine import backend
 from ..engine.rows import LANES
 from ..errors import RateStateError
+from ..model.arrays import cut
 from .solve import bytes_of_a_case, solve
 
 # Cases to try, spread over the sweep; seconds after which to be content with a part of them.
@@ -42,7 +42,7 @@ def seconds_of_a_case(sample, kinds):
             done = fraction
             stop.set()
 
-    with drive.place(threads=1, stop=stop), contextlib.suppress(drive.Stopped):
+    with backend.use(threads=1, stop=stop), contextlib.suppress(backend.Stopped):
         solve(sample, kinds, progress=look)
     return (time.thread_time() - begin) / (done * sample.batch.n)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import zarr
 
-from ..dataset import versions
+from ..dynamics.results import versions
 from ..errors import StoreError
 from .create import add_record, make, sibling
 from .manifest import MANIFEST, RECORDS, contents, flawed_records, flaws, listed, sha256, whole

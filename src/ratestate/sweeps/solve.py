@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray
 
-from ..arrays import cut
-from ..engine.drive import Stopped
+from ..engine.backend import Stopped
 from ..engine.model import CRASHED, FINISHED, STATUSES, STEADY_SLIDING
 from ..errors import RateStateError
-from ..quantities import attrs
+from ..model.arrays import cut
+from ..model.quantities import attrs
 from .chunks import halves
 
 #: what cases that have an answer end with

@@ -3,8 +3,8 @@
 import json
 from typing import Any, NamedTuple
 
-from ..dataset import versions
-from ..engine import drive
+from ..dynamics.results import versions
+from ..engine import backend
 from ..errors import StoreError
 from .chunks import Chunks
 from .manifest import listed
@@ -41,7 +41,7 @@ class Tasks(NamedTuple):
 
     def do(self, i, part, progress=None, threads=1, stop=None):
         """Solve chunk i, the cases of the call `part`; `Outcome`."""
-        with drive.place(threads=threads, stop=stop, device=self.device):
+        with backend.use(threads=threads, stop=stop, device=self.device):
             return self.outcome(i, solve(part, self.kinds, progress))
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine import drive
+from ..engine import backend
 from ..errors import ParameterError
 from ..machine import check_fits, cores
 from . import cluster, here
@@ -129,7 +129,7 @@ def sweep(
     with contextlib.ExitStack() as until_done:
         if slurm is not None:
             client = until_done.enter_context(slurm_client(slurm))
-        until_done.enter_context(drive.place(device=device))
+        until_done.enter_context(backend.use(device=device))
         plan = Plan(name, call, chunk, client, device, progress, mixed)
         if store is None:
             return _in_memory(plan)

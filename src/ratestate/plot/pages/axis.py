@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...quantities import QUANTITIES
+from ...model.quantities import QUANTITIES
 from ..labels import label, prefixed
 
 # Ratio of smallest to largest value from which a logarithmic scale pays.

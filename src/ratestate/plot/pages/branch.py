@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ...attributes import followed
-from ...dataset import parameter
-from ...quantities import QUANTITIES
+from ...dynamics.attributes import followed
+from ...dynamics.results import parameter
+from ...model.quantities import QUANTITIES
 from ..bifurcation import NARROW, STABLE, UNSTABLE, diagram
 from ..labels import BLUE, GRAY, RED, label, prefixed
 from ..layout import LAWS, figure, letter, styled

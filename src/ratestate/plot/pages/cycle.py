@@ -1,12 +1,12 @@
 """The page of a limit cycle: one turn of it, with its numbers."""
 
-from ...attributes import number
-from ...dataset import parameter
+from ...dynamics.attributes import number
+from ...dynamics.cycles.orbit import orbit
+from ...dynamics.cycles.regimes import classify
+from ...dynamics.results import parameter
+from ...dynamics.steady_sliding import stability
 from ...engine.model import STEADY_SLIDING
-from ...orbit import orbit
-from ...regimes import classify
-from ...slider import SpringSlider
-from ...steady import stability
+from ...model.slider import SpringSlider
 from ..labels import value_text
 from ..layout import LAWS, styled
 from .run import motion

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...fitting.each import each_law
+from ...records.fitting.each import each_law
 from ..curves import COLORS, NORMAL_95, axis_of, curves
 from ..layout import letter
 from .frame import finished, framed, legend

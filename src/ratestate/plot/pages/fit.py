@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...fitting.each import each_law, value_of
+from ...records.fitting.each import each_law, value_of
 from ..curves import COLORS, axis_of, change, curves, marks, residuals, segments
 from ..layout import letter, styled
 from .cycles import cycles_page

@@ -2,8 +2,8 @@
 
 from matplotlib.patches import Patch
 
-from ... import attributes
-from ...fitting.lines import named
+from ...dynamics import attributes
+from ...records.fitting.lines import named
 from ..curves import COLORS
 from ..estimates import ROW, estimates
 from ..labels import label

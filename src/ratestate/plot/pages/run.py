@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ...attributes import loading_record
-from ...dataset import parameter
-from ...laws import mu_ss
+from ...dynamics.attributes import loading_record
+from ...dynamics.results import parameter
+from ...friction.laws import mu_ss
 from ..labels import BLUE, GRAY, RED, STRESS, prefixed, value_text
 from ..layout import LAWS, figure, letter, styled
 from ..runs import trace

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ...dataset import parameter
-from ...stability import K_c, eigenvalues
+from ...dynamics.results import parameter
+from ...friction.stability import K_c, eigenvalues
 from ..labels import BLUE, GRAY, RED, label, prefixed, value_text
 from ..layout import LAWS, figure, letter, styled
 

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 
-from ...dataset import parameter
+from ...dynamics.results import parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
-from ...quantities import QUANTITIES
+from ...model.quantities import QUANTITIES
 from ..labels import AMPLITUDE, BLUE, GRAY, RED, label, prefixed
 from ..layout import LAWS, figure, letter, styled
 from .axis import axis_of, fitting

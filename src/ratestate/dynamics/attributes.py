@@ -1,0 +1,138 @@
+"""Attributes of results, which anybody can lose or change: read with care.
+
+Whatever stands in them, these functions give what was asked for or raise a `ParameterError`.
+"""
+
+import json
+
+import numpy as np
+
+from ..errors import ParameterError
+from ..friction.laws import evolution_law
+from ..model.quantities import QUANTITIES
+from ..model.units import to_si
+
+LONGEST = 60  # characters of a value in a message
+
+
+def attribute(result, name):
+    """An attribute of a result, whatever it is."""
+    if name not in result.attrs:
+        raise ParameterError(
+            f"the Dataset has lost its attribute {name!r} (arithmetic drops attributes; copy "
+            f"data.attrs over)"
+        )
+    return result.attrs[name]
+
+
+def text(result, name, default=None):
+    """An attribute that is a text; a default, if any, for one that need not be there."""
+    if default is not None and name not in result.attrs:
+        return default
+    value = attribute(result, name)
+    if not isinstance(value, str):
+        raise _altered(name, value, "expected a text")
+    return value
+
+
+def number(result, name):
+    """An attribute that is a number, of a quantity one in its range."""
+    value = attribute(result, name)
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.item()
+    return to_si(name, _plain(name, value)) if name in QUANTITIES else _plain(name, value)
+
+
+def from_json(result, name, kind=object):
+    """An attribute that is JSON, of a type such as dict or list."""
+    written = text(result, name)
+    try:
+        value = json.loads(written)
+    except (ValueError, RecursionError) as error:
+        raise _altered(name, written, f"expected JSON ({type(error).__name__}: {error})") from None
+    if not isinstance(value, kind):
+        raise _altered(name, written, f"expected a JSON {kind.__name__}")
+    return value
+
+
+def recorded(name, symbol, value):
+    """A value out of JSON, in SI and checked: a float, a DataArray, or str for the law.
+
+    Parameters
+    ----------
+    name : str
+        Of the attribute.
+    symbol : str
+        Of the quantity, or "law".
+    value : as `results.plain` made it
+    """
+    if symbol == "law":
+        evolution_law(value)
+        return value
+    if isinstance(value, dict):
+        found = array(name, value)
+        to_si(symbol, found)  # which checks it
+        return found
+    return to_si(symbol, _plain(name, value))
+
+
+def array(name, value):
+    """The DataArray that ``{"dims": [...], "values": [...]}`` stands for."""
+    import xarray
+
+    dims = value.get("dims")
+    try:
+        values = np.asarray(value.get("values"), float)
+        if isinstance(dims, list) and values.size and values.ndim == len(dims):
+            return xarray.DataArray(values, dims=[str(dim) for dim in dims])
+    except (ValueError, TypeError, OverflowError):
+        pass
+    raise _altered(name, value, "expected dims and as many levels of values")
+
+
+def followed(result):
+    """The parameter that changes along a branch of cycles."""
+    symbol = text(result, "parameter")
+    if symbol not in QUANTITIES or "point" not in getattr(result.get(symbol), "dims", ()):
+        raise _altered("parameter", symbol, "expected the one that lies along the branch")
+    return symbol
+
+
+def loading_record(result):
+    """What `results.record_loading` kept: a dict.
+
+    ``t``, ``V`` and ``rate``, where they are there and of a single case, are equally long lists of
+    finite numbers.
+    """
+    record = from_json(result, "loading", dict)
+    columns = [record[name] for name in ("t", "V", "rate") if isinstance(record.get(name), list)]
+    for column in columns:
+        for x in column:
+            _plain("loading", x)
+        if len(column) != len(columns[0]):
+            raise _altered("loading", record, "expected as many times as speeds and rates")
+    return record
+
+
+def _plain(name, value):
+    """A number as a float, which may be infinite."""
+    if isinstance(value, bool | np.bool_) or not isinstance(
+        value, int | float | np.integer | np.floating
+    ):
+        raise _altered(name, value, "expected a number")
+    try:
+        value = float(value)
+    except OverflowError:
+        raise _altered(name, value, "expected a number below 1e308") from None
+    if np.isnan(value):
+        raise _altered(name, value, "expected a number")
+    return value
+
+
+def _altered(name, value, expected):
+    shown = repr(value)
+    shown = shown if len(shown) <= LONGEST else shown[: LONGEST - 3] + "..."
+    return ParameterError(
+        f"the attribute {name!r} of the Dataset is {shown}, {expected}: it is not as it was made; "
+        f"take the result from where it is whole"
+    )

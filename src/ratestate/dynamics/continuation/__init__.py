@@ -1,0 +1,1 @@
+"""Branches of limit cycles, their bifurcations, and the basin of steady sliding."""

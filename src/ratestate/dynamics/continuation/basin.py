@@ -1,0 +1,188 @@
+"""The basin of stable steady sliding: which disturbances it comes back from.
+
+Where K > K_c small ones decay.  But where a limit cycle coexists, or a runaway without inertia,
+large ones need not.  `escape` finds the smallest that do not, of two kinds that a laboratory can
+impose: with inertia by following the motion itself, together with the unstable cycle that lies
+between; without by the path that parts what runs away from what comes back (`separatrix`).
+"""
+
+import json
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+
+from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
+from ...errors import SolverError
+from ...friction.separatrix import runaway_edge
+from ...model.batch import Batch
+from ...model.slider import checked
+from ...model.units import to_si
+from ..cycles.attractor import settle
+from ..cycles.shooting import system_of
+from ..progress import bar
+from ..results import plain, provenance
+from .unstable import CYCLES, cycles_around
+
+#: disturbances, in the order of `_disturbed`
+KINDS = ("step_up", "step_down", "kick_up", "kick_down")
+TAKEN = [*KINDS, "outcome", *CYCLES]
+# Sizes looked at, as |ln(V_lp/V)| and as |change of tau|/(a sigma): smallest, largest, number.
+LADDER = np.geomspace(1e-4, 27.6, 96)
+#: how an orbit that does not come back ends -> what to call that
+OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles"}
+# Each round divides what is left between two of them by so many parts, down to this.
+PARTS, ACCURACY = 16, 1e-6
+# Of the cycle that is reached, which need not be known better to know that it is one; and of a
+# step of the orbit, over the size of the disturbance.
+RTOL, CLOSELY = 1e-5, 2e-9
+
+
+def escape(slider, V_lp):
+    """The smallest disturbances of steady sliding at V_lp that it does not come back from.
+
+    A step: sliding steadily at another speed, where that is stable, until the load point's changes
+    to V_lp.  A kick: a sudden change of the spring's stress while sliding steadily at V_lp.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        Parameters that are named DataArrays make a sweep.
+    V_lp : float, str, pint.Quantity or DataArray
+        Load-point velocity [m/s], > 0.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``step_up`` and ``step_down`` [1]: ratio of V_lp to the speed before, > 1 and < 1;
+        ``kick_up`` and ``kick_down`` [Pa]: change of tau.  They are inf (step_down: 0) where no
+        disturbance of up to 12 decades of V, or 27 a sigma, leaves the basin, and 1 and 0 where
+        steady sliding is unstable (K <= K_c).  ``outcome``: what lies beyond, "cycle", "irregular
+        cycles" (they do not repeat), "runaway" (M = 0), "none", or "no steady sliding" where that
+        is unstable.  Of the limit cycle beyond ``amplitude`` and ``period`` [s], and of the
+        unstable cycle between, ``unstable_amplitude`` (max - min of tau/sigma),
+        ``unstable_period`` [s] and ``unstable_multiplier`` (by which a distance from it grows in a
+        period); NaN where there is none.
+
+    Raises
+    ------
+    ParameterError
+        An input that cannot be used.
+    SolverError
+        An orbit could not be followed to its end.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> from ratestate.basin import escape
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="606 MPa/m",
+    ...                          M=3000, law="aging")
+    >>> edge = escape(slider, "0.4 mm/s")
+    >>> str(edge.outcome.values), round(float(edge.step_up), 2)
+    ('cycle', 1.92)
+    """
+    checked(slider)
+    V_lp = to_si("V_lp", V_lp)
+    batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
+    batch.check_fits(len(TAKEN), "ask for fewer at a time")
+    system = system_of(slider.law, **batch.columns)
+    with bar("escape") as progress:
+        sizes, outcome, u = _thresholds(system, progress)
+    lost = outcome == "unknown"
+    if batch.shape == () and lost[0]:
+        raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
+    cycles = cycles_around(system, np.flatnonzero(outcome == "cycle"), u)
+    stress = batch.flat("a") * batch.flat("sigma")
+    time = batch.flat("Dc") / batch.flat("V_lp")
+    with np.errstate(over="ignore"):
+        values = {
+            "step_up": np.exp(sizes[0]),
+            "step_down": np.exp(-sizes[1]),
+            "kick_up": stress * sizes[2],
+            "kick_down": 0.0 - stress * sizes[3],
+            "amplitude": batch.flat("a") * cycles["amplitude"],
+            "period": time * cycles["period"],
+            "unstable_amplitude": batch.flat("a") * cycles["unstable_amplitude"],
+            "unstable_period": time * cycles["unstable_period"],
+            "unstable_multiplier": cycles["unstable_multiplier"],
+        }
+    variables = {name: batch.variable(value, name) for name, value in values.items()}
+    variables["outcome"] = batch.variable(outcome, "outcome")
+    result = xarray.Dataset(variables, batch.coordinates(TAKEN))
+    result.attrs = provenance("escape", slider, V_lp=json.dumps(plain(V_lp)))
+    return result
+
+
+def _disturbed(system, kind, size):
+    """(n, 3) x, v, psi right after disturbances of these kinds (n,) and sizes (n,)."""
+    step, sign = kind < 2, np.where(kind % 2 == 0, 1.0, -1.0)
+    v = np.where(step, -sign * size, 0.0)
+    kick = np.where(step, 0.0, sign * size)
+    return np.stack([(1.0 - system.beta) * v + kick, v, -v], axis=1)
+
+
+class Edge(NamedTuple):
+    """The first disturbance of each of n sliders that does not come back."""
+
+    size: np.ndarray  # (n,) inf if all do
+    status: np.ndarray  # how it ends
+    u: np.ndarray  # (n, 2) where, if on a cycle
+
+
+def _edges(system, kind, largest, progress):
+    """`Edge` of sliders (n,) under disturbances of these kinds (n,).
+
+    largest : (n,) size up to which to look
+    """
+    n = len(kind)
+    low, high = np.zeros(n), np.full(n, np.inf)
+    edge = Edge(high, np.full(n, STEADY_SLIDING), np.full((n, 2), np.nan))
+    trial, which = np.minimum(LADDER, largest[:, None]), np.arange(n)
+    while len(which):
+        m = trial.shape[1]
+        part = system.at(np.repeat(which, m))
+        start = _disturbed(part, np.repeat(kind[which], m), trial.ravel())
+        loosest = CLOSELY * np.clip(trial.ravel(), 1e-5, 1.0)
+        settled = settle(part, start, RTOL, False, progress, loosest)
+        leaves = (settled.status != STEADY_SLIDING).reshape(-1, m)
+        first, some = leaves.argmax(axis=1), leaves.any(axis=1)
+        row = np.arange(len(which))
+        last = np.where(some, first, m) - 1
+        low[which] = np.where(last < 0, low[which], trial[row, last])
+        at, cell = which[some], row[some] * m + first[some]
+        high[at], edge.status[at] = trial[some, first[some]], settled.status[cell]
+        edge.u[at] = settled.u[cell]
+        which = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
+        gap = high[which] - low[which]
+        trial = low[which, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
+    return edge
+
+
+def _thresholds(system, progress):
+    """Sizes (4, n) from which on the basin is left, what lies beyond (n,), and its u (n, 2)."""
+    n = len(system.beta)
+    slides = system.margin > 0.0
+    sizes = np.where(slides, np.inf, 0.0) * np.ones((4, 1))
+    outcome = np.where(slides, "none", "no steady sliding").astype("<U17")
+    u = np.full((n, 2), np.nan)
+    may_leave = slides & (system.beta > 1.0) & np.isfinite(system.kappa)
+    # Without inertia every orbit of the aging law comes back (Ranjith & Rice 1999).
+    if system.law == "slip":
+        for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
+            step_up, *kicks = runaway_edge(system.kappa[i], system.beta[i], LADDER[-1])
+            sizes[:, i] = step_up, np.inf, *kicks
+            outcome[i] = "runaway" if np.isfinite(sizes[:, i]).any() else "none"
+    may_leave = np.flatnonzero(may_leave & (system.eta > 0.0))
+    slider, kind = np.tile(may_leave, 4), np.repeat(np.arange(4), len(may_leave))
+    part = system.at(slider)
+    with np.errstate(divide="ignore"):  # a step down is from a speed below V_c (eq. 10)
+        down = 0.5 * np.log((part.kappa / (part.beta - 1.0) - 1.0) / part.eta)
+    largest = np.where(kind == 1, np.minimum(down, LADDER[-1]), LADDER[-1])
+    edge = _edges(part, kind, largest, progress)
+    sizes[:, may_leave] = edge.size.reshape(4, -1)
+    for i, status, point in zip(slider, edge.status, edge.u, strict=True):
+        if status != STEADY_SLIDING:
+            outcome[i] = OUTCOMES.get(int(status), "unknown")
+        if status == FINISHED:
+            u[i] = point
+    return sizes, outcome, u

@@ -1,0 +1,147 @@
+"""Special points of a branch of fixed points: where its multipliers cross the unit circle.
+
+Each kind has a test function that changes sign there (Kuznetsov, Elements of Applied Bifurcation
+Theory, section 10.2, doi:10.1007/978-3-031-22007-4).  Factors like 1 + m are divided by 1 + |m|,
+so that multipliers from 1e-300 to 1e6 leave test functions of order 1.
+"""
+
+from itertools import combinations, pairwise
+
+import numpy as np
+
+from .newton import NO_CONVERGENCE, Lost, solve, unit
+
+MOST_SECANTS = 100
+
+
+def fold(point):
+    """Changes sign where the branch turns back in p: the p component of its tangent, dp/ds.
+
+    As dp/ds is proportional to det(1 - dP/du), a multiplier is 1 there; but where branches merely
+    cross, and a multiplier is 1 as well, dp/ds keeps its sign.
+    """
+    return point.tangent[-1]
+
+
+def period_doubling(point):
+    """Changes sign where a multiplier passes -1."""
+    m = point.multipliers
+    return np.prod((1 + m) / (1 + np.abs(m))).real
+
+
+def torus(point):
+    """Changes sign where the product of two multipliers passes 1 (Neimark-Sacker, if complex)."""
+    products = np.array([m * n for m, n in combinations(point.multipliers, 2)])
+    return np.prod((products - 1) / (1 + np.abs(products))).real
+
+
+def saddle(point):
+    """Changes sign where a multiplier passes 1."""
+    m = point.multipliers
+    return np.prod((1 - m) / (1 + np.abs(m))).real
+
+
+TESTS = {"fold": fold, "period_doubling": period_doubling, "torus": torus}
+
+
+def change(a, b):
+    """How much the multipliers of two points differ, from 0 to 2."""
+    return max(abs(test(b) - test(a)) for test in (saddle, period_doubling, torus))
+
+
+def special_points(problem, a, b, weights):
+    """The special points between two neighbouring points of a branch, in their order along it.
+
+    Parameters
+    ----------
+    problem : Problem
+    a, b : Point
+        Tangents make an acute angle.
+    weights : (n + 1,) ndarray
+        In which distances are measured.
+
+    Returns
+    -------
+    list of Point
+        Each on the branch, as near to the special point as rounding and noise allow.
+
+    Raises
+    ------
+    Lost
+        One that must be there was not found.
+    """
+    found = []
+    for name, test in TESTS.items():
+        if (test(a) > 0) == (test(b) > 0):
+            continue
+        point = locate(problem, a, b, test, weights)
+        # Two real multipliers m and 1/m are no torus: that point is called a neutral saddle.
+        if name != "torus" or _pair(point):
+            found.append(point._replace(special=name))
+    chord = (b.y - a.y) / weights**2
+    return sorted(found, key=lambda point: chord @ point.y)
+
+
+def _pair(point):
+    """Whether the two multipliers whose product is nearest to 1 are a conjugate pair."""
+    pairs = combinations(point.multipliers, 2)
+    first, second = min(pairs, key=lambda pair: abs(pair[0] * pair[1] - 1))
+    return first.imag != 0 and second == first.conjugate()
+
+
+def without_noise(points):
+    """A branch whose folds are those between which p varies by more than it is known.
+
+    Where p is all but constant, as near a degenerate Hopf point, noise makes it turn: two folds
+    with no more between them, or one with no more between it and an end, become ordinary points.
+    """
+    points = list(points)
+    while True:
+        folds = [i for i, point in enumerate(points) if point.special == "fold"]
+        for i, j in pairwise([0, *folds, len(points) - 1]):
+            turns = [k for k in (i, j) if k in folds]
+            p = [point.p for point in points[i : j + 1]]
+            if turns and max(p) - min(p) <= max(points[k].error for k in turns):
+                break
+        else:
+            return points
+        for k in turns:
+            points[k] = points[k]._replace(special="")
+
+
+def locate(problem, a, b, test, weights):
+    """The point between a and b on the branch where the function `test` of a point is 0.
+
+    Its sign at a and at b must differ.  False position with halved weights (the Illinois method,
+    Dowell & Jarratt 1971, doi:10.1007/BF01934364) in the distance along the chord; each trial
+    is on the branch.  Raises Lost where a trial is not found.
+    """
+    chord = (b.y - a.y) / weights
+    length, normal = np.linalg.norm(chord), unit(chord)
+    low, high, f_low, f_high = 0.0, length, test(a), test(b)
+    last, last_side = np.inf, None
+    for _ in range(MOST_SECANTS):
+        s = (low * f_high - high * f_low) / (f_high - f_low)
+        guess = _hermite(a, b, normal, length, weights, s / length)
+        point = solve(problem, guess, normal, normal, weights, tol=0.0)
+        f = test(point)
+        if f == 0 or abs(s - last) <= point.error:
+            return point
+        side = (f > 0) == (f_high > 0)
+        if side:
+            high, f_high = s, f
+            f_low *= 0.5 if last_side is True else 1.0
+        else:
+            low, f_low = s, f
+            f_high *= 0.5 if last_side is False else 1.0
+        last, last_side = s, side
+    raise Lost(NO_CONVERGENCE)
+
+
+def _hermite(a, b, normal, length, weights, x):
+    """Cubic through a (x = 0) and b (x = 1) with their tangents, linear in x along the chord."""
+    slope_a = a.tangent * length / (normal @ (a.tangent / weights))
+    slope_b = b.tangent * length / (normal @ (b.tangent / weights))
+    rise = b.y - a.y
+    bend = (1 - x) * (slope_a - rise) - x * (slope_b - rise)
+    return a.y + x * rise + x * (1 - x) * bend

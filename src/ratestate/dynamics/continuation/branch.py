@@ -1,0 +1,202 @@
+"""The verb `continue_cycle`: a branch of limit cycles, stable and unstable, along one parameter."""
+
+import json
+
+import numpy as np
+import xarray
+
+from ...engine.model import FINISHED
+from ...errors import NotConverged, ParameterError
+from ...model.batch import Batch
+from ...model.quantities import QUANTITIES, attrs
+from ...model.slider import checked
+from ...model.units import is_array, to_si
+from ..cycles.limit_cycle import TAKEN, cycle_variables
+from ..progress import bar
+from ..results import provenance, status_variable
+from .branch_ends import beginning, hopf_measures, hopf_near
+from .family import PARAMETERS, Family
+
+# Amplitude of ln V at which a branch has come to a Hopf point.
+NEAR = 0.02
+MAX_POINTS = 1000
+#: why a branch ends before it should -> what that means
+ENDS = {
+    "no return": "beyond this no orbit comes back to the section within 200,000 steps: the slider "
+    "stops or runs away, or the parameters leave the range that double precision holds",
+    "no convergence": "Newton's method finds no further cycle",
+    "max_points": f"it has {MAX_POINTS} points and is not at its end; steps are short where orbits "
+    "graze a stop, at eta above some 1e4",
+}
+
+
+def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
+    """Follow a limit cycle, stable or not, while one parameter goes from start to stop.
+
+    Begins with the cycle that `limit_cycle` finds at `start`; where that is steady sliding, at
+    the Hopf point between start and stop.  Goes by pseudo-arclength in the parameter's logarithm
+    (Keller 1977), so it passes the folds where the parameter turns back.  Ends at `stop`, at a Hopf
+    point, or on coming back to `start`.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        One slider, no sweep; M > 0.
+    parameter : {"V_lp", "K", "M", "sigma", "a", "b", "Dc"}
+        What changes along the branch.
+    start, stop : float, str or pint.Quantity
+        Its first and last value, > 0.
+    V_lp : float, str or pint.Quantity
+        Load-point velocity [m/s], unless it is the parameter.
+    rtol : float
+        Relative accuracy of amplitude and period, from 1e-10 to 1e-4.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the dimension ``point``, in order along the branch: the parameter under its own name,
+        the variables of `limit_cycle`, and ``special``: "", "hopf", "fold" (two cycles meet),
+        "period_doubling", "torus", and "start" or "stop" at an end.  (With these two laws there
+        is no torus: the product of the multipliers is below exp(-(1 + 1/eta) V_lp period/Dc).)
+        ``error`` bounds the difference from this branch's own cycle at exactly the parameter
+        returned; at a fold, from the cycle there.  Where amplitudes change much faster than the
+        parameter, as on a canard or near a Hopf point of all but no curvature, it grows in
+        proportion, and may exceed `rtol`: the parameter's last digit then matters.
+
+    Raises
+    ------
+    ParameterError
+        An input that cannot be used; b <= a, where there is no instability; M = 0, K = inf; no
+        cycle at `start` and no Hopf point between.
+    NotConverged
+        The branch could not be followed to its end; ``best`` holds it as far as it was found.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> branch = rs.continue_cycle(slider, "V_lp", "1 mm/s", "5 mm/s", rtol=1e-6)
+    >>> str(branch.special.values[0]), round(float(branch.V_lp[0]), 6)
+    ('hopf', 0.003162)
+    """
+    family, ends = followed(slider, parameter, start, stop, V_lp, rtol)
+    p_start, p_stop = np.log([*ends.values()])
+    with bar("continue_cycle") as progress:
+        begin = beginning(family, p_start, p_stop)
+
+        def advance(point):
+            progress(float(np.clip((point.p - p_start) / (p_stop - p_start), 0.0, 1.0)))
+
+        branch = family.follow(
+            begin.U,
+            begin.p,
+            stop=p_stop,
+            start=p_start,
+            along=None if begin.hopf is None else np.append(begin.U, 0.0),
+            amplitude=lambda point: family.amplitude(point.u, point.p) - NEAR,
+            max_points=MAX_POINTS,
+            progress=progress and advance,
+        )
+    result = _dataset(family, branch, begin.hopf, ends)
+    result.attrs = provenance(
+        "continue_cycle",
+        slider,
+        parameter=parameter,
+        **ends,
+        V_lp=None if parameter == "V_lp" else json.dumps(family.values["V_lp"]),
+        rtol=rtol,
+    )
+    if branch.end in ENDS:
+        last = np.exp(branch.points[-1].p if branch.points else begin.p)
+        raise NotConverged(
+            f"the branch ends at {parameter} = {last:.6g}, before it gets to {ends['stop']:.6g} "
+            f"({branch.end}): {ENDS[branch.end]}",
+            result,
+        )
+    return result
+
+
+def _dataset(family, branch, hopf, given):
+    """The result: the points of a branch, measured, between the Hopf points at its ends.
+
+    given : the parameter's values at "start" and "stop", of which p is the rounded logarithm
+    """
+    points = branch.points
+    if hopf is None and points:
+        points = [points[0]._replace(special="start"), *points[1:]]
+    special = [point.special for point in points]
+    found = family.measures(points, given)
+    along = found.pop("parameter")
+    ends = [] if hopf is None else [(0, hopf)]
+    if branch.end == "hopf":
+        ends.append((len(points), hopf_near(family, points[-1].p)))
+    for index, place in reversed(ends):
+        special.insert(index, "hopf")
+        along = np.insert(along, index, np.exp(place))
+        for name, value in hopf_measures(family, place).items():
+            found[name] = np.insert(found[name], index, value[0], axis=0)
+    values = family.values | {
+        family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
+    }
+    batch = Batch(values, taken=TAKEN)
+    status = np.full(len(along), FINISHED)
+    stable = np.abs(found["multipliers"][:, 0]) < 1.0
+    variables = cycle_variables(batch, status, found, stable)
+    variables["status"] = status_variable(batch, status)
+    variables["special"] = batch.variable(np.array(special, dtype=str), "special")
+    result = xarray.Dataset(variables, batch.coordinates([*TAKEN, "special"]))
+    result["inertia"][result.special == "hopf"] = 0.5 - 0.5 / (
+        1.0 + family.sliders(along[result.special == "hopf"]).eta
+    )
+    return result
+
+
+def check_rtol(rtol):
+    """Raise ParameterError for an rtol to which no branch is followed."""
+    if not 1e-10 <= rtol <= 1e-4:
+        raise ParameterError(
+            f"rtol = {rtol!r} is out of range; expected one number from 1e-10 to 1e-4 such as 1e-8"
+        )
+
+
+def followed(slider, parameter, start, stop, V_lp, rtol):
+    """`Family`, and dict of start and stop; ParameterError where they make no sense."""
+    checked(slider)
+    if parameter not in PARAMETERS:
+        names = ", ".join(PARAMETERS)
+        raise ParameterError(f"parameter = {parameter!r} must be one of {names}")
+    if (parameter == "V_lp") != (V_lp is None):
+        raise ParameterError(
+            "V_lp is the parameter: leave V_lp= out"
+            if parameter == "V_lp"
+            else f"V_lp is missing: give the load-point velocity at which {parameter} changes"
+        )
+    rtol = to_si("rtol", rtol)
+    given = {
+        "start": to_si(parameter, start, label="start"),
+        "stop": to_si(parameter, stop, label="stop"),
+    }
+    values = {**slider.values, **given}
+    if V_lp is not None:
+        values["V_lp"] = to_si("V_lp", V_lp)
+    if arrays := [symbol for symbol, value in {**values, "rtol": rtol}.items() if is_array(value)]:
+        raise ParameterError(f"{arrays[0]} is an array: a branch is that of one slider")
+    check_rtol(rtol)
+    values |= {parameter: given["start"]}
+    for symbol, value in {**values, **given}.items():
+        if symbol in (*PARAMETERS, "start", "stop") and symbol != "b" and not 0 < value < np.inf:
+            unit = QUANTITIES[symbol if symbol in QUANTITIES else parameter].unit
+            raise ParameterError(
+                f"{symbol} = {value!r} {unit}: a limit cycle needs inertia and a spring, and a "
+                f"parameter is followed in its logarithm, so give 0 < {symbol} < inf"
+            )
+    if given["start"] == given["stop"]:
+        raise ParameterError(f"start = stop = {given['start']!r}: nothing to follow")
+    family = Family(slider.law, values, parameter, rtol)
+    beta = family.system(np.log([*given.values()])).beta
+    if (beta <= 1.0).all():
+        raise ParameterError(
+            f"b <= a (b/a = {beta[0]:.6g}): steady sliding is stable at any stiffness and speed, "
+            f"and there are no limit cycles to follow; give b > a"
+        )
+    return family, given

@@ -1,0 +1,120 @@
+"""Where a branch of limit cycles begins, and the Hopf points where it shrinks to nothing."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...engine.model import FINISHED, STATUSES, STEADY_SLIDING
+from ...errors import NotConverged, ParameterError
+from ..cycles.attractor import settle, steady_start
+from ..cycles.small_cycles import curvature, soft_cycle
+
+# Amplitude of ln V at which a branch leaves its Hopf point.
+AWAY = 0.03
+
+
+class Beginning(NamedTuple):
+    """The first cycle of a branch, and the Hopf point before it, if there is one."""
+
+    U: np.ndarray  # (2,)
+    p: float
+    hopf: float | None
+
+
+def beginning(family, p_start, p_stop):
+    """Where a branch from p_start to p_stop begins: `Beginning`.
+
+    With the cycle that is reached from steady sliding at p_start, or else at a Hopf point between.
+    """
+    system = family.system(p_start)
+    unstable = system.beta[0] > 1.0
+    if unstable:
+        settled = settle(system, steady_start(system), family.rtol, True, None)
+        status, returns = int(settled.status[0]), int(settled.returns[0])
+        if status == FINISHED and returns > 1:
+            raise NotConverged(
+                f"the motion at `start` closes after {returns} returns (period doubling), and "
+                f"continue_cycle follows cycles of one; start where `limit_cycle` finds one",
+                None,
+            )
+        if status == FINISHED:
+            return Beginning(family.chart(settled.u, [p_start])[0], p_start, None)
+        if status != STEADY_SLIDING:
+            name, text = STATUSES[status]
+            raise NotConverged(f"continue_cycle found no cycle at `start` ({name}): {text}", None)
+    if (family.margin(p_start) > 0.0) == (family.margin(p_stop) > 0.0):
+        start, stop = np.exp([p_start, p_stop])
+        raise ParameterError(
+            f"at start, {family.parameter} = {start:.6g}, the motion ends in steady sliding, and "
+            f"no Hopf point lies between it and stop = {stop:.6g}: start where `limit_cycle` finds "
+            f"a cycle, or on the other side of the Hopf point (see `hopf`)"
+        )
+    hopf = hopf_point(family, p_start, p_stop)
+    return _soft_beginning(family, hopf)
+
+
+def hopf_point(family, low, high):
+    """The p between low and high where steady sliding loses its stability, to rounding.
+
+    The margin of eq. 6 is monotone in every parameter.
+    """
+    return _bisect(family.margin, low, high)
+
+
+def hopf_near(family, p):
+    """The Hopf point nearest to p."""
+    for reach in 0.01 * 2.0 ** np.arange(14):
+        low, high = p - reach, p + reach
+        if (family.margin(low) > 0.0) != (family.margin(high) > 0.0):
+            return hopf_point(family, low, high)
+    raise NotConverged(f"no Hopf point near {family.parameter} = {np.exp(p):.6g}", None)
+
+
+def _soft_beginning(family, hopf):
+    """A small cycle beside the Hopf point, on the side where there are any."""
+    at = family.system(hopf)
+    margin = AWAY**2 * float(curvature(at.law, at.beta, at.eta)[0])
+    step = 1e-3
+    while (family.margin(hopf - step) > margin) == (family.margin(hopf + step) > margin):
+        step *= 2.0
+    p = _bisect(lambda q: family.margin(q) - margin, hopf - step, hopf + step)
+    system = family.system(p)
+    soft = soft_cycle(system.law, system.kappa, system.beta, system.eta)
+    if not soft.found[0]:
+        raise NotConverged(
+            f"the Hopf point at {family.parameter} = {np.exp(hopf):.9g} is all but degenerate "
+            f"(eta = {at.eta[0]:.3g}): its cycles of all sizes lie closer together than rounding; "
+            f"start where `limit_cycle` finds a cycle",
+            None,
+        )
+    u = np.stack([soft.psi, soft.G], axis=1)
+    return Beginning(family.chart(u, [p])[0], p, hopf)
+
+
+def hopf_measures(family, p):
+    """What `measure` would find of the vanishing cycle at a Hopf point, name -> (1,) or (1, 2)."""
+    system = family.system(p)
+    omega = np.sqrt(system.beta - 1.0)
+    period = 2.0 * np.pi / omega
+    third = np.exp(-(1.0 + 1.0 / system.eta) * period)
+    zero = np.zeros(1)
+    nothing = (
+        "amplitude v_max v_min v_max_error v_min_error g_max f_min xf_min slow_fraction".split()
+    )
+    values = dict.fromkeys(nothing, zero)
+    return values | {
+        "period": period,
+        "fundamental": zero + 1.0,
+        "multipliers": np.stack([zero + 1.0, third], axis=1).astype(complex),
+        "residual": zero,
+        "returns": zero + 1.0,
+        "error": zero,
+    }
+
+
+def _bisect(function, low, high):
+    """Where the sign of a function changes between low and high."""
+    rising = function(high) > 0.0
+    while low != (middle := 0.5 * (low + high)) != high:
+        low, high = (low, middle) if (function(middle) > 0.0) == rising else (middle, high)
+    return middle

@@ -1,0 +1,141 @@
+"""A family of sliders along one parameter, as a map whose fixed points are limit cycles.
+
+The parameter enters as p, its natural logarithm, so that its values stay positive and steps are
+relative.  The points of the section are taken as U = (psi, G eta/(1 + eta)): in these the errors
+of a turn are of one size, however small eta is.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...engine.model import FINISHED
+from ...engine.return_map import SLAVED
+from ...friction.laws import evolution_law
+from ..cycles.attractor import Settled
+from ..cycles.measure import measure
+from ..cycles.shooting import TIGHTEST, small_amplitude, state, system_of, tightest, turn
+from .arclength import Steps, follow
+from .polish import polished
+
+#: what a family can run along
+PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
+# Size of U from which on steps and errors along a branch are relative.  psi is known absolutely, to
+# the tolerance of a turn, and at large eta it is small and matters little.
+SCALE = np.array([0.02, 1e-3])
+# Of rtol: the tolerance of a turn, and the error that it leaves in units of SCALE.
+TOLERANCE, NOISE = 0.002, 0.1
+# So that a branch looks smooth.
+STEPS = Steps(largest=0.06)
+
+
+class Orbits(NamedTuple):
+    """What `arclength.follow` wants of one turn of each of m sliders."""
+
+    image: np.ndarray  # (m, 2) the next U
+    jacobian: np.ndarray  # (m, 2, 2)
+    ok: np.ndarray  # (m,) whether it came back to the section
+    measures: dict  # "period" and "tol", (m,)
+
+
+class Family(NamedTuple):
+    """Sliders that differ in one parameter."""
+
+    law: str
+    values: dict  # symbol -> float, V_lp among them
+    parameter: str
+    rtol: float
+
+    def sliders(self, parameter):
+        """`System` of the sliders with these values (m,) of the parameter."""
+        m = len(parameter)
+        columns = {symbol: np.full(m, value) for symbol, value in self.values.items()}
+        with np.errstate(over="ignore"):  # beyond what is physical, no orbit comes back
+            return system_of(self.law, **columns | {self.parameter: parameter})
+
+    def system(self, p):
+        """`System` of the sliders at p (m,)."""
+        with np.errstate(over="ignore"):
+            return self.sliders(np.exp(np.atleast_1d(p)))
+
+    def scale(self, U):
+        """(m, 2) units in which distances from U (m, 2) are measured."""
+        return SCALE + np.abs(U)
+
+    def weights(self, U, p):
+        """(m, 3) the same for (psi, G, p)."""
+        scale = self.scale(U)
+        scale[:, 1] /= _scale(self.system(p))
+        return np.column_stack([scale, np.ones(len(U))])
+
+    def margin(self, p):
+        """(K - K_c) Dc/(a sigma) at one p: negative where steady sliding is unstable."""
+        return float(self.system(p).margin[0])
+
+    def amplitude(self, U, p):
+        """Amplitude of ln V of a small cycle through U (2,) at p."""
+        return float(small_amplitude(self.system(p), self.points(U[None], p))[0])
+
+    def points(self, U, p):
+        """(m, 2) u = (psi, G) of the section's points U (m, 2)."""
+        system = self.system(p)
+        psi = U[:, 0]
+        rate = evolution_law(self.law).rate(1.0, 0.0, psi, np.exp(-psi))
+        G = np.where(system.eta < SLAVED, -system.beta * rate, U[:, 1] / _scale(system))
+        return np.stack([psi, G], axis=1)
+
+    def chart(self, u, p):
+        """(m, 2) U of the section's points u (m, 2)."""
+        return np.stack([u[:, 0], _scale(self.system(p)) * u[:, 1]], axis=1)
+
+    def tolerance(self, u, p):
+        """(m,) tolerance of a step; a turn changes a small r by some r^3."""
+        system = self.system(p)
+        r = np.minimum(1.0, np.abs(small_amplitude(system, u)))
+        return np.maximum(TOLERANCE * self.rtol * r**3, tightest(system, u))
+
+    def turns(self, U, p):
+        """One turn of each of m sliders from U (m, 2), p (m,); `Orbits`."""
+        system, u = self.system(p), self.points(U, p)
+        tol = self.tolerance(u, p)
+        usable = (system.beta > 1.0) & (u[:, 1] > 0.0) & np.isfinite(u).all(axis=1)
+        u[~usable] = np.nan
+        found = turn(system, state(system, u), tol, alone=False)
+        scale = _scale(system)
+        jacobian = found.jacobian.copy()
+        jacobian[:, 1, :] *= scale[:, None]
+        jacobian[:, :, 1] *= np.where(system.eta < SLAVED, 0.0, 1.0 / scale)[:, None]
+        image = np.stack([found.image[:, 0], scale * found.image[:, 1]], axis=1)
+        measures = {"period": found.numbers["period"], "tol": tol}
+        return Orbits(image, jacobian, usable & found.came_back, measures)
+
+    def follow(self, U, p, **asked):
+        """`continuation.follow` from U (2,) at p with what is known of these maps."""
+        # At large eta the stress is large, and its rounding too: tau/(a sigma) swings by some
+        # sqrt(kappa eta) where sliding stops and goes.
+        system = self.system(np.array([p, asked["stop"]]))
+        swing = np.sqrt(np.max(np.maximum(1.0, system.kappa * system.eta)))
+        noise = max(NOISE * self.rtol, TIGHTEST * swing / SCALE[0])
+        known = {"scale": SCALE, "tol": self.rtol, "noise": noise, "steps": STEPS}
+        return follow(self.turns, U, p, **known, **asked)
+
+    def measures(self, points, exact):
+        """What `measure` finds of the points of a branch, name -> (n,) or (n, 2).
+
+        And under "parameter" its values (n,), to which all the rest belongs.
+
+        exact : special of a point -> the value that its parameter has to keep
+        """
+        found = polished(self, points, exact)
+        status = np.full(len(points), FINISHED)
+        # An error > 0 says that a cycle is not to be corrected at constant p.
+        error, once = found.errors[:, :2].max(axis=1) + 1e-16, np.ones(len(points), np.int64)
+        settled = Settled(status, found.u, found.tol, found.period, error, once)
+        values = measure(self.sliders(found.parameter), settled, False)
+        for name, of_speed in zip(("v_max_error", "v_min_error"), found.errors.T[2:], strict=True):
+            values[name] = np.maximum(values[name], of_speed)
+        return values | {"parameter": found.parameter}
+
+
+def _scale(system):
+    return system.eta / (1.0 + system.eta)

@@ -1,0 +1,145 @@
+"""Fixed points u = P(u, p) of a map of R^n with a parameter p: bordered Newton iteration.
+
+Points y = (u, p) are measured in z = y/weights, with weights scale + |u| for u and 1 for p, so
+that a step or an error is relative where u is large and absolute where it is small.
+
+Source: Keller (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems;
+Kuznetsov (2023), Elements of Applied Bifurcation Theory, chapter 10, doi:10.1007/978-3-031-22007-4.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+NO_RETURN = "no return"
+NO_CONVERGENCE = "no convergence"
+MOST_ITERATIONS = 10
+# Of an image between neighbouring p, in weights; a kink, as where orbits graze a stop, is no jump.
+JUMP = 0.01
+
+
+class Point(NamedTuple):
+    """A fixed point on a branch."""
+
+    u: np.ndarray  # (n,)
+    p: float
+    multipliers: np.ndarray  # (n,) complex eigenvalues of dP/du, by descending modulus
+    special: str
+    error: float  # the last Newton correction, or what noise makes of it, in units of weights
+    measures: dict[str, float]
+    tangent: np.ndarray  # (n + 1,) d(u, p)/ds
+    iterations: int
+
+    @property
+    def y(self):
+        """The fixed point (u, p), shape (n + 1,)."""
+        return np.append(self.u, self.p)
+
+
+class Problem(NamedTuple):
+    """The map, and how well its fixed points are wanted; see `arclength.follow`."""
+
+    evaluate: Callable[[np.ndarray, np.ndarray], Any]
+    scale: np.ndarray
+    tol: float
+    noise: float
+
+    def weights(self, u):
+        """Units (n + 1,) in which distances from (u, p) are measured."""
+        return np.append(self.scale + np.abs(u), 1.0)
+
+
+class Lost(Exception):
+    """No fixed point was found; the only argument is NO_RETURN, NO_CONVERGENCE or an end's name."""
+
+
+def unit(vector):
+    """The vector at length 1."""
+    return vector / np.linalg.norm(vector)
+
+
+def solve(problem, guess, normal, along, weights, tol):
+    """The fixed point on the plane through `guess` that `normal` is perpendicular to.
+
+    Solves P(u, p) - u = 0 and normal . (z - z_guess) = 0 by Newton's method.
+
+    Parameters
+    ----------
+    problem : Problem
+    guess : (n + 1,) ndarray
+        First approximation (u, p).
+    normal, along : (n + 1,) ndarray
+        In the coordinates z: normal of the plane, and a direction with which the tangent is to
+        make an acute angle.  The last unit vector as `normal` keeps p exactly as it is.
+    weights : (n + 1,) ndarray
+        y/z.
+    tol : float
+        Largest last correction in z; if it is 0, noise alone limits it.
+
+    Raises
+    ------
+    Lost
+        The map has no image on the way, or the iteration does not converge.
+    """
+    y, last = np.array(guess), np.inf
+    for iteration in range(1, MOST_ITERATIONS + 1):
+        orbit, rows = _linearised(problem, y, weights)
+        size = np.abs(rows).max(axis=1)  # of the rows, which multipliers spread over decades
+        residual = np.append((orbit.image[0] - y[:-1]) / size, normal @ ((y - guess) / weights))
+        try:
+            inverse = np.linalg.inv(np.vstack([rows / size[:, None], normal]))
+        except np.linalg.LinAlgError:
+            break
+        correction = -inverse @ residual
+        noise = np.append(weights[:-1] * problem.noise / size, 0.0)
+        floor = np.linalg.norm(np.abs(inverse) @ noise)
+        step = float(np.linalg.norm(correction))
+        if floor > max(tol, np.sqrt(problem.noise)):
+            break  # as at constant p beside a fold, where noise decides whether there is a solution
+        stagnant = step > 0.5 * last
+        if step <= max(tol, 10.0 * floor if stagnant else floor):
+            direction = np.linalg.svd(rows / size[:, None])[2][-1]
+            tangent = weights * np.copysign(1.0, direction @ along) * direction
+            return _point(orbit, y, max(step, floor), tangent, iteration)
+        if stagnant or not np.isfinite(step):
+            break
+        y, last = y + weights * correction, step
+    raise Lost(NO_CONVERGENCE)
+
+
+def _linearised(problem, y, weights):
+    """The map at y, and the derivative (n, n + 1) of P(u, p) - u with respect to z.
+
+    dP/dp is a central difference, or a one-sided one at the edge of where the map is defined.
+    Its error slows Newton's method but spoils no fixed point, nor a fold of the branch, where
+    the p component of the tangent vanishes whatever dP/dp is: so its step is not the third root
+    of the noise but the square root, for the sake of maps that vary fast with p.
+    """
+    n = len(y) - 1
+    p = y[-1] + np.sqrt(problem.noise) * np.array([0.0, 1.0, -1.0])
+    orbit = problem.evaluate(np.tile(y[:-1], (3, 1)), p)
+    known = orbit.ok & np.isfinite(orbit.image).all(axis=1)
+    if not (known[0] and known[1:].any() and np.isfinite(orbit.jacobian[0]).all()):
+        raise Lost(NO_RETURN)
+    above, below = (1 if known[1] else 0), (2 if known[2] else 0)
+    change, one_sided = orbit.image[above] - orbit.image[below], orbit.image[0] - orbit.image[below]
+    unequal = np.abs(change - 2 * one_sided) > 0.9 * np.abs(change) + JUMP * weights[:-1]
+    if known.all() and unequal.any():
+        raise Lost(NO_CONVERGENCE)  # the map jumps: to Newton's method that is a steep slope
+    dP_dp = change / (p[above] - p[below])
+    return orbit, np.column_stack([orbit.jacobian[0] - np.eye(n), dP_dp]) * weights
+
+
+def _point(orbit, y, error, tangent, iterations):
+    multipliers = np.linalg.eigvals(orbit.jacobian[0]).astype(complex)
+    return Point(
+        u=y[:-1],
+        p=float(y[-1]),
+        multipliers=multipliers[np.argsort(-np.abs(multipliers), kind="stable")],
+        special="",
+        error=float(error),
+        measures={name: float(values[0]) for name, values in orbit.measures.items()},
+        tangent=tangent,
+        iterations=iterations,
+    )

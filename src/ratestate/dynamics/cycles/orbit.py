@@ -1,0 +1,92 @@
+"""The limit cycle as a curve: one turn of it, at the solver's own steps."""
+
+import numpy as np
+
+from ...engine.model import STEADY_SLIDING
+from ...errors import ParameterError
+from ...friction.laws import mu_ss, theta_ss
+from ...model.loading import Loading
+from ..simulation.simulate import simulate, simulate_call
+from .limit_cycle import limit_cycle_call
+from .shooting import state, system_of
+
+# Of a turn: its tolerance over that of the cycle, per amplitude of tau/(a sigma); the loosest
+# that draws smooth curves, and the tightest that rounding leaves a meaning.
+FINER, LOOSEST, TIGHTEST = 0.1, 1e-7, 1e-13
+
+
+def orbit(slider, V_lp, *, rtol=1e-8):
+    """One turn of the cycle that `limit_cycle` finds.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        One slider, no sweep.
+    V_lp : float, str or pint.Quantity
+        Load-point velocity [m/s], > 0.
+    rtol : float
+        Relative accuracy of the cycle, from 1e-12 to 1e-2.
+
+    Returns
+    -------
+    xarray.Dataset
+        As from `simulate`, at the solver's own steps along ``time``: ``V`` [m/s], ``theta`` [s],
+        ``tau`` [Pa], ``mu`` and the rest.  It begins where V = V_lp and the stress has its
+        maximum, and ends there one period later.  Where the slider slides steadily it is that one
+        point, at time 0.
+
+    Raises
+    ------
+    ParameterError, QuasiStaticInstability, NotConverged, SolverError
+        As `limit_cycle`; also for a sweep.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> turn = orbit(slider, "3.2 mm/s")
+    >>> round(float(turn.time[-1]), 5)  # s, the period
+    0.01976
+    """
+    return cycle_and_orbit(slider, V_lp, rtol=rtol)[1]
+
+
+def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
+    """What `limit_cycle` and `orbit` give, from one search.
+
+    progress : callable, optional, given the fraction done after every turn; it may raise
+    """
+    call = limit_cycle_call(slider, V_lp, rtol=rtol)
+    if not call.batch.alone:
+        raise ParameterError(
+            f"{slider!r} is a sweep over {', '.join(map(str, call.batch.dims))}; orbit wants one "
+            f"slider and one speed, such as those of one case"
+        )
+    status, found = call.solve(progress)
+    cycle = call.dataset(call.variables(status, found))
+    call.refuse_failure(cycle)
+    if status[0] == STEADY_SLIDING:
+        return cycle, _at_rest(slider, call.V_lp)
+    return cycle, _turn(slider, call, found, rtol, progress)
+
+
+def _at_rest(slider, V_lp):
+    """Steady sliding at V_lp as a run of one point."""
+    loading = Loading.constant(V_lp)
+    return simulate(slider, loading, slider.Dc / V_lp, times=[0.0])
+
+
+def _turn(slider, call, found, rtol, progress):
+    """One period from the section on, as a run."""
+    system, u, V_lp = system_of(slider.law, **call.batch.columns), found["u"], call.V_lp
+    x, _, psi = state(system, u)[0]
+    initial = {"V": V_lp, "theta": theta_ss(V_lp, Dc=slider.Dc) * np.exp(psi)}
+    if slider.M > 0.0:  # else the stress follows from these two
+        steady = mu_ss(V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0)
+        initial["tau"] = slider.sigma * (steady + slider.a * x)
+    period = found["period"][0] * slider.Dc / V_lp
+    scale = min(1.0, found["amplitude"][0])
+    tol = np.clip(FINER * rtol * scale, TIGHTEST, LOOSEST)
+    asked = {"V_start": None, "initial": initial, "times": None, "rtol": tol}
+    asked |= {"method": "rodas5p", "dt": None}
+    return simulate_call(slider, Loading.constant(V_lp), period, **asked).result(progress)

@@ -1,0 +1,104 @@
+"""Regimes of sliding, told from the measured cycle, beside the paper's criterion."""
+
+import numpy as np
+import xarray
+
+from ...engine.model import FINISHED, STEADY_SLIDING
+from ...errors import ParameterError
+from ...friction.stability import eta
+from ...model.quantities import attrs
+from ..results import parameter
+
+STEADY, SLOW, STICK_SLIP, HARMONIC, UNKNOWN = REGIMES = (
+    "steady",
+    "slow stick-slip",
+    "stick-slip",
+    "quasi-harmonic",
+    "unknown",
+)
+# Largest inertia, |tau/sigma - mu| over the amplitude, at which it counts as negligible.
+SLOW_INERTIA = 0.1
+# Share of the fundamental in the variance of the stress from which a cycle counts as harmonic:
+# that of a sawtooth is 6/pi^2 = 0.61, that of a sine 1.
+HARMONIC_SHARE = 0.87
+
+
+def classify(cycle):
+    """What kind of sliding each case is, by its measured cycle and by the paper's criterion.
+
+    By the cycle, in this order: "steady" where there is none; "slow stick-slip" where inertia is
+    negligible throughout, ``inertia`` < 0.1; "quasi-harmonic" where the fundamental's share in the
+    variance of the stress is at least 0.87; "stick-slip" otherwise; "unknown" where the cycle is
+    not known.  By the paper (sec. 4.2): stick-slip where eta < 1, quasi-harmonic where eta >= 1.
+    The transitions are gradual: Figs 4 and 6 of the paper come out as it names them, and between
+    them the thresholds are a convention.
+
+    ``slow_fraction`` and ``V_max`` are given, but decide nothing.  What the paper calls stick-slip
+    need not stick: by the slip law cycles with eta between 0.005 and 1 are at no time slower than
+    V_lp/10.  V_max/V_lp falls through all regimes without a step.
+
+    Parameters
+    ----------
+    cycle : xarray.Dataset
+        From `limit_cycle` or `continue_cycle`.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the dimensions of `cycle`: ``regime`` and ``regime_by_eta`` (strings), ``agree`` (bool:
+        both name the same, slow stick-slip counting as stick-slip; False where unknown), ``eta``,
+        and from `cycle` ``inertia``, ``fundamental``, ``slow_fraction`` and ``V_max`` [m/s].
+        Attributes: the thresholds.
+
+    Raises
+    ------
+    ParameterError
+        The result has lost its attributes, or a dimension is called "eta".
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="900 MPa/m")
+    >>> found = classify(rs.limit_cycle(slider, "3.2 mm/s"))
+    >>> str(found.regime.values), str(found.regime_by_eta.values), bool(found.agree)
+    ('quasi-harmonic', 'stick-slip', False)
+    """
+    wanted = {"inertia", "fundamental", "slow_fraction", "V_max", "status"}
+    if not (isinstance(cycle, xarray.Dataset) and wanted <= set(cycle.data_vars)):
+        raise ParameterError("classify wants the Dataset that limit_cycle or continue_cycle gives")
+    if "eta" in cycle.dims:
+        raise ParameterError("a dimension called 'eta' clashes with the result; rename it")
+    measured = cycle[["inertia", "fundamental", "slow_fraction", "V_max"]]
+    speed_up = _eta(cycle)
+    steady = cycle.status == STEADY_SLIDING
+    known = (cycle.status == FINISHED) & cycle.inertia.notnull()
+    fast = np.where(speed_up < 1.0, STICK_SLIP, HARMONIC)
+    slow = cycle.inertia < SLOW_INERTIA
+    harmonic = cycle.fundamental >= HARMONIC_SHARE
+    regime = np.select(
+        [steady, ~known, slow, harmonic], [STEADY, UNKNOWN, SLOW, HARMONIC], STICK_SLIP
+    )
+    by_eta = np.select([steady, ~known], [STEADY, UNKNOWN], fast)
+    side = np.where(regime == SLOW, STICK_SLIP, regime)
+    dims = cycle.inertia.dims
+    result = measured.assign(
+        regime=(dims, regime, attrs("regime")),
+        regime_by_eta=(dims, by_eta, attrs("regime_by_eta")),
+        agree=(dims, (side == by_eta) & (regime != UNKNOWN), attrs("agree")),
+        eta=speed_up,
+    )
+    result.attrs = {
+        **cycle.attrs,
+        "title": "ratestate regimes",
+        "slow_inertia": SLOW_INERTIA,
+        "harmonic_share": HARMONIC_SHARE,
+    }
+    return result
+
+
+def _eta(cycle):
+    """eta of each case (eq. 7), as a DataArray like the variables of the result."""
+    V_lp, *rest = (parameter(cycle, symbol) for symbol in ("V_lp", "a", "Dc", "sigma", "M"))
+    value = eta(V_lp, **dict(zip(("a", "Dc", "sigma", "M"), rest, strict=True)))
+    whole = (xarray.ones_like(cycle.inertia) * value).transpose(*cycle.inertia.dims)
+    return whole.reset_coords(drop=True).assign_attrs(attrs("eta"))

@@ -1,0 +1,110 @@
+"""What results carry beside their numbers: status flags and provenance."""
+
+import dataclasses
+import functools
+import json
+from importlib.metadata import version
+
+import numpy as np
+
+from ..engine.cache import DIGEST
+from ..engine.model import STATUSES
+from ..errors import ParameterError
+from ..model.units import is_array
+from . import attributes
+
+
+def status_variable(batch, status):
+    """The status of each case, int8 with CF flags."""
+    variable = batch.variable(np.asarray(status, np.int8), "status")
+    variable.attrs["flag_values"] = np.array(list(STATUSES), np.int8)
+    variable.attrs["flag_meanings"] = " ".join(name for name, _ in STATUSES.values())
+    return variable
+
+
+def provenance(verb, slider, **settings):
+    """Attributes with which a result can be made again: the call, its values, the versions."""
+    parameters = {symbol: plain(value) for symbol, value in slider.parameters.items()}
+    return {
+        "title": f"ratestate {verb}",
+        "slider": json.dumps(parameters),
+        **{k: v for k, v in settings.items() if v is not None},
+        "versions": versions(),
+    }
+
+
+@functools.cache
+def versions():
+    """Versions of what makes the numbers, as JSON; looking them up takes a millisecond."""
+    programs = {name: version(name) for name in ("ratestate", "numba", "numpy")}
+    return json.dumps(programs | {"kernels": DIGEST})
+
+
+# An attribute of a NetCDF file holds 64 KiB; longer lists go into variables.
+MANY = 1000
+
+
+def plain(value):
+    """A value as JSON holds it; a DataArray by dimensions and values (or where those stand)."""
+    if not is_array(value):
+        return value
+    values = value.values.tolist() if value.size <= MANY else f"coordinate {value.name}"
+    return {"dims": list(value.dims), "values": values}
+
+
+def parameter(result, symbol):
+    """A parameter of the slider that a result was made with, or its V_lp.
+
+    Returns
+    -------
+    float, DataArray or str
+        A DataArray for one that was swept, with the cases that the result still has; also, along
+        ``point``, for the one that changes along a branch.  str: the evolution law.
+
+    Raises
+    ------
+    ParameterError
+        The result has lost its attributes, or they are not as they were made.
+    """
+    if "parameter" in result.attrs and attributes.followed(result) == symbol:
+        return result[symbol]
+    name = "V_lp" if symbol == "V_lp" else "slider"
+    value = attributes.from_json(result, name)
+    if name == "slider":
+        if not isinstance(value, dict) or symbol not in value:
+            raise ParameterError(f"{symbol} is missing in the attribute 'slider' of the Dataset")
+        value = value[symbol]
+    elsewhere = isinstance(value, dict) and isinstance(value.get("values"), str)
+    value = None if elsewhere else attributes.recorded(name, symbol, value)
+    if symbol in result.coords and not _labels(result[symbol], value):
+        # with the cases that the result still holds
+        return result[symbol] if result[symbol].ndim else result[symbol].item()
+    if value is None:
+        raise ParameterError(f"the Dataset has lost its coordinate {symbol!r}; give it whole")
+    return value
+
+
+def _labels(coordinate, value):
+    """Whether a coordinate only labels a dimension that is called like the symbol."""
+    return is_array(value) and not np.isin(coordinate, value).all()
+
+
+def record_loading(result, loading):
+    """Put the loading into a result: segments' starts, speeds and accelerations, and its end.
+
+    As JSON in the attribute ``loading``, or, if long, as variables along ``segment``.  In
+    their place, of a sinusoid, what it was made from.
+    """
+    columns = {"t": loading.t, "V": loading.V, "rate": loading.rate}
+    record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}
+    units = {"t": "s", "V": "m/s", "rate": "m/s^2"}
+    if loading.sine is not None:
+        record["sinusoid"] = {k: plain(v) for k, v in dataclasses.asdict(loading.sine).items()}
+    elif np.size(loading.V) <= MANY:
+        record |= {k: plain(v) if is_array(v) else v.tolist() for k, v in columns.items()}
+    else:
+        for name, column in columns.items():
+            variable = column.variable if is_array(column) else ("segment", column)
+            result[f"loading_{name}"] = variable
+            result[f"loading_{name}"].attrs = {"units": units[name], "long_name": f"loading {name}"}
+    result.attrs["loading"] = json.dumps(record)

@@ -1,0 +1,1 @@
+"""Motion under any loading, step by step."""

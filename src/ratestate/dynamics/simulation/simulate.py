@@ -1,0 +1,305 @@
+"""The verb `simulate`: a slider, a loading, an end; out comes the motion."""
+
+import dataclasses
+import functools
+import json
+from typing import Any
+
+import numpy as np
+import xarray
+
+from ...engine.model import FINISHED, METHODS
+from ...errors import ParameterError
+from ...friction.laws import AGING, evolution_law
+from ...machine import check_fits
+from ...model.arrays import column
+from ...model.batch import Batch
+from ...model.initial_state import initial_values
+from ...model.loading import Loading
+from ...model.quantities import attrs
+from ...model.slider import SpringSlider, checked
+from ...model.units import is_array, to_si
+from ..progress import bar
+from ..results import plain, provenance, record_loading, status_variable
+from .cases import failure
+from .motion import blank_motion, move, observables, series
+
+# Names of the result, which a dimension or coordinate of the sweep cannot have.
+TAKEN = (
+    "V theta delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
+    " returns V_max V_min inertial_force mu_min reversal_margin outside_domain t"
+).split()
+# That a case takes in memory at each time: seven variables of the result, three of the engine's.
+BYTES = 80
+
+
+def simulate(
+    slider,
+    loading,
+    t_end,
+    *,
+    V_start=None,
+    initial=None,
+    times=None,
+    rtol=1e-6,
+    method="rodas5p",
+    dt=None,
+):
+    """March a slider, or a sweep of sliders, under a load-point history (eqs 1-4).
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        Parameters that are named DataArrays make a sweep.
+    loading : Loading
+        What the load point does; t = 0 starts its clock and the run.
+    t_end : float, str, pint.Quantity or DataArray
+        End of the run [s], > 0.
+    V_start : float, str, pint.Quantity or DataArray, optional
+        The run starts in steady sliding at this speed [m/s], > 0; by default at the loading's
+        first, which must then be > 0.
+    initial : dict, optional
+        Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override those of the steady start.
+        Where M = 0 two of them fix the third: V and theta, or V and tau, or theta and tau.
+    times : array_like or DataArray, optional
+        Times to save [s], in increasing order, from 0 to t_end: 1-D, or a DataArray with the
+        dimension ``time`` and those of the sweep.  By default the solver's own steps for one
+        slider, the final state for a sweep.
+    rtol : float
+        Error allowed in a step, in tau/(a sigma), ln V and ln theta.
+    method : {"rodas5p", "im2017", "im2017_euler"}
+        Rodas5P, adaptive; or the paper's own scheme (eqs 8, 9) with fixed steps dt, where the
+        state advances exactly for constant V or, "im2017_euler", by backward Euler (aging law).
+    dt : float or str, optional
+        Time step of im2017 [s], > 0; the last one before a break of the loading is cut short.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the sweep's dimensions, then ``time``: ``V`` and ``V_load`` (slider and load point,
+        [m/s]), ``theta`` [s], ``delta`` and ``delta_lp`` [m], ``tau`` [Pa] (the spring's),
+        ``mu`` (eq. 1 for these V and theta; NaN where one of them is beyond double precision).
+        Per case: ``status`` (int8 with CF flags; 0 finished), ``steps``,
+        ``energy_residual`` (load work less stored and dissipated energy, over all of them),
+        ``cycles`` (stress maxima after the first since the last jump in the loading),
+        ``amplitude`` (max - min of tau/sigma, not counting the maximum at which it begins) and
+        ``frequency`` [Hz] of the last period (0 if none), ``returns`` (how many of those maxima
+        make that period: 1, or more, up to 32, where unequal ones follow each other in a fixed
+        order; 0 where they do so in none: then amplitude is that of the later half of the last 64,
+        and frequency how many there are in a second), ``V_max`` and ``V_min`` [m/s] of the run,
+        ``inertial_force`` (its largest |tau/sigma - mu|).  Without mass V_max may be inf: beyond
+        double precision, and yet a motion that comes back.
+        ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction
+        law, since friction would have to push (``mu_min``, its smallest mu, is negative), or since
+        the spring pulls back harder than friction can hold (``reversal_margin``, the smallest
+        tau/sigma + mu, is).  Both smallest values are found between the solver's steps as well.
+        delta_lp(0) = 0 and delta(0) = -tau(0)/K (0 where K = inf).
+
+    Raises
+    ------
+    ParameterError
+        An input that cannot be used.
+    QuasiStaticInstability
+        M = 0, and no quasi-static motion exists beyond some time before t_end.
+    SolverError
+        Any other run without an answer.  In a sweep such cases are NaN, with their status.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> run = rs.simulate(slider, rs.Loading.steps("0.1 mm/s", (1.0, "3.2 mm/s")), t_end=11)
+    >>> run.sizes["time"] > 1000 and int(run.status) == 0
+    True
+    """
+    call = simulate_call(
+        slider,
+        loading,
+        t_end,
+        V_start=V_start,
+        initial=initial,
+        times=times,
+        rtol=rtol,
+        method=method,
+        dt=dt,
+    )
+    with bar("simulate") as progress:
+        return call.result(progress)
+
+
+def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, method, dt):
+    """`SimulateCall` with these arguments of `simulate`, checked."""
+    checked(slider)
+    if not isinstance(loading, Loading):
+        raise ParameterError(
+            f"loading = {loading!r} is not a Loading; for one speed give Loading.constant(...)"
+        )
+    rtol, dt = solver_settings(rtol, method, dt, slider)
+    t_end = to_si("t_end", t_end)
+    V_start = None if V_start is None else to_si("V_start", V_start)
+    initial = initial_values(initial)
+    loading.covers(t_end)
+    times = saved_times(times, t_end)
+    return SimulateCall(slider, loading, t_end, V_start, initial, times, rtol, method, dt)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class SimulateCall:
+    """`simulate` with its arguments, checked and in SI."""
+
+    slider: SpringSlider
+    loading: Loading
+    t_end: Any
+    V_start: Any  # None: the loading's first speed
+    initial: dict
+    times: Any
+    rtol: float
+    method: str
+    dt: float | None
+
+    @functools.cached_property
+    def batch(self):
+        """All that has a value for each case."""
+        start = first_speed(self.loading) if self.V_start is None else self.V_start
+        values = {**self.slider.values, "t_end": self.t_end, "V_start": start, **self.initial}
+        own = {"V_lp": self.loading.V} if is_array(self.loading.V) else {}
+        own |= {"time": self.times} if is_array(self.times) else {}
+        return Batch(values, own, taken=TAKEN)
+
+    def result(self, progress=None):
+        """The Dataset; the exception for a single case that failed."""
+        times = 1 if self.times is None else self.times.shape[-1]
+        check_fits(
+            BYTES * self.batch.n * times,
+            f"the results of {self.batch.n:,} cases at {times:,} times",
+            "save fewer times, or sweep into a store: sweep(simulate, ..., store='x.zarr')",
+        )
+        motion = self.move(progress)
+        if self.batch.alone and motion.status[0] != FINISHED:
+            raise failure("simulate", self.slider, motion.status[0], motion.numbers["t"][0])
+        return self.dataset(self.variables(motion))
+
+    def run(self, progress=None):
+        """The result's variables, name -> Variable in the dimensions of the sweep, then time."""
+        return self.variables(self.move(progress))
+
+    def blank(self):
+        """What `run` gives, without answers."""
+        return self.variables(blank_motion(self.batch, self.times))
+
+    def move(self, progress):
+        """The `Motion` of all cases."""
+        law = evolution_law(self.slider.law).code
+        return move(
+            self.batch, law, self.loading, self.times, self.method, self.dt, self.rtol, progress
+        )
+
+    def variables(self, motion):
+        """What `run` gives, of this motion."""
+        variables = series(self.batch, self.loading, motion)
+        variables["status"] = status_variable(self.batch, motion.status)
+        variables |= observables(self.batch, motion, self.rtol)
+        if motion.t.ndim == 1:
+            variables["time"] = xarray.Variable("time", motion.t, attrs("time"))
+        else:  # times of its own for each case
+            variables["t"] = self.batch.variable(motion.t, "t", "time")
+        return variables
+
+    def dataset(self, variables):
+        """Variables of all cases as the result: with coordinates and provenance."""
+        coords = self.batch.coordinates(TAKEN)
+        if self.V_start is None:
+            coords.pop("V_start", None)
+        initial = {name.removesuffix("_initial"): plain(v) for name, v in self.initial.items()}
+        values = {symbol: plain(self.batch.values[symbol]) for symbol in ("V_start", "t_end")}
+        texts = {name: json.dumps(value) for name, value in values.items()}
+        if self.times is not None:
+            texts["times"] = "as saved"  # else the solver's own steps, or the end
+        attributes = provenance(
+            "simulate",
+            self.slider,
+            method=self.method,
+            rtol=self.rtol,
+            dt=self.dt,
+            initial=json.dumps(initial),
+            **texts,
+        )
+        result = xarray.Dataset(variables, coords, attributes)
+        result = result.set_coords({"t"} & set(variables))
+        record_loading(result, self.loading)
+        return result
+
+
+def solver_settings(rtol, method, dt, slider):
+    """rtol and dt as floats, checked against the method."""
+    rtol = to_si("rtol", rtol)
+    if is_array(rtol) or not 1e-13 <= rtol <= 0.1:
+        raise ParameterError(
+            f"rtol = {rtol!r} is out of range; expected one number from 1e-13 to 0.1 such as 1e-6"
+        )
+    if not isinstance(method, str) or method not in METHODS:
+        raise ParameterError(f"method = {method!r} is unknown; choose one of {', '.join(METHODS)}")
+    if method == "rodas5p":
+        if dt is not None:
+            raise ParameterError(f"dt = {dt!r}: rodas5p chooses its steps itself; leave dt out")
+        return rtol, None
+    if dt is None:
+        raise ParameterError(
+            f"{method} needs a time step: give dt [s], for example dt=0.05/(2*pi*slider.f_n)"
+        )
+    dt = to_si("dt", dt)
+    if is_array(dt):
+        raise ParameterError("dt must be one number, common to all cases")
+    if np.any(np.equal(slider.M, 0.0)) or np.any(np.isinf(slider.K)):
+        raise ParameterError(
+            f"{method} needs mass and spring: M > 0 and K < inf (it steps by sqrt(K/M)); "
+            f"use method='rodas5p' for M = 0 or K = inf"
+        )
+    if (turn := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
+        raise ParameterError(
+            f"dt = {dt:g} s is {turn:.3g}/omega, omega = sqrt(K/M): more than half a natural "
+            f"period; take dt of 0.1/omega or less"
+        )
+    if method == "im2017_euler" and evolution_law(slider.law).code != AGING:
+        raise ParameterError(
+            "im2017_euler is for law='aging'; use method='im2017' for the slip law"
+        )
+    return rtol, dt
+
+
+def first_speed(loading):
+    """The loading's first speed, as the start [m/s]."""
+    V = loading.V_first
+    if not np.all(np.greater(V, 0.0)):
+        raise ParameterError(
+            "V_lp = 0 m/s at t = 0: there is no steady sliding at rest; give V_start, for example "
+            "V_start='1 um/s'"
+        )
+    return V
+
+
+def saved_times(times, t_end):
+    """Saved times [s]: None, an array (m,), or a DataArray with ``time`` last; checked."""
+    if times is None:
+        return None
+    if np.size(times) == 0:
+        raise ParameterError("times is empty; leave it out to get the solver's own steps")
+    if not is_array(times) or times.ndim == 1:
+        times = column("times", times)
+        if is_array(times):
+            raise ParameterError("times is a list of DataArrays; give one with a dimension 'time'")
+    else:
+        times = to_si("times", times)
+        if "time" not in times.dims:
+            raise ParameterError(f"times has dimensions {times.dims}; one must be 'time'")
+        times = times.drop_vars("time", errors="ignore").transpose(..., "time")
+    values = np.asarray(times)
+    if not (np.diff(values, axis=-1) > 0).all():
+        raise ParameterError("times [s] must increase; sort them and drop repeated ones")
+    latest = times.max("time") if is_array(times) else values.max()
+    if np.any(latest > t_end * (1.0 + 1e-12)):
+        raise ParameterError(
+            f"times reach {float(np.max(latest)):.9g} s, beyond t_end = {float(np.max(t_end)):.9g}"
+            f" s; extend t_end or drop the later times"
+        )
+    return np.minimum(times, t_end if is_array(times) else float(np.min(t_end)))  # rounding

@@ -1,0 +1,101 @@
+"""The verb `stability`: steady sliding at the load point's speed, and whether it holds."""
+
+import dataclasses
+import functools
+import json
+from typing import Any
+
+import xarray
+
+from ..friction.stability import K_c, K_c_qs, V_c, eigenvalues, eta, f_n, omega_c
+from ..model.batch import Batch
+from ..model.quantities import attrs
+from ..model.slider import SpringSlider, checked
+from ..model.units import is_array, to_si
+from .results import plain, provenance
+
+TAKEN = "K_c K_c_qs eta V_c f_n eigenvalues growth_rate omega omega_c stable".split()
+
+
+def stability(slider, V_lp):
+    """Linear stability of a slider in steady sliding.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        Parameters may be named DataArrays.
+    V_lp : float, str, pint.Quantity or xarray.DataArray
+        Load-point velocity [m/s], > 0.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the dimensions of the named DataArrays on which each depends: ``K_c`` (eq. 6) and
+        ``K_c_qs`` [Pa/m], ``eta`` (eq. 7), ``V_c`` (eq. 10) [m/s], ``f_n`` [Hz], ``eigenvalues``
+        [1/s] (last dimension ``mode``, least stable first), ``growth_rate`` [1/s] and ``omega``
+        [rad/s] (real and imaginary part of the first mode; omega is 0 if it does not
+        oscillate), ``omega_c`` [rad/s] and ``stable`` (K > K_c).  For limits such as M = 0,
+        K = inf or b <= a see the functions of the same names in `ratestate.stability`.
+
+    Raises
+    ------
+    ParameterError
+        V_lp is not a speed > 0, or its coordinates clash with those of the slider.
+    """
+    call = stability_call(slider, V_lp)
+    call.batch.check_fits(len(TAKEN), "sweep into a store: sweep(stability, ..., store='x.zarr')")
+    return call.dataset(call.run())
+
+
+def stability_call(slider, V_lp):
+    """`StabilityCall` with these arguments of `stability`, checked."""
+    return StabilityCall(checked(slider), to_si("V_lp", V_lp))
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class StabilityCall:
+    """`stability` with its arguments, checked and in SI."""
+
+    slider: SpringSlider
+    V_lp: Any
+
+    @functools.cached_property
+    def batch(self):
+        """All that has a value for each case."""
+        return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=TAKEN)
+
+    def blank(self):
+        """What `run` gives; it costs nothing."""
+        return self.run()
+
+    def run(self, progress=None):
+        """The result's variables, name -> Variable in those dimensions on which it depends."""
+        V, values = self.V_lp, self.batch.values
+        a, b, Dc, sigma, K, M = (values[symbol] for symbol in ("a", "b", "Dc", "sigma", "K", "M"))
+        modes = eigenvalues(V, a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M)
+        modes = modes if is_array(modes) else xarray.DataArray(modes, dims="mode")
+        first = modes.isel(mode=0)
+        critical = K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)
+        found = {
+            "K_c": critical,
+            "K_c_qs": K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma),
+            "eta": eta(V, a=a, Dc=Dc, sigma=sigma, M=M),
+            "V_c": V_c(a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M),
+            "f_n": f_n(K=K, M=M),
+            "eigenvalues": modes,
+            "growth_rate": first.real,
+            "omega": abs(first.imag),
+            "omega_c": omega_c(V, a=a, b=b, Dc=Dc),
+            "stable": critical < K,
+        }
+        variables = {}
+        for symbol, value in found.items():
+            variable = value.variable if is_array(value) else xarray.Variable((), value)
+            variable = variable.transpose(*self.batch.dims, ..., missing_dims="ignore")
+            variables[symbol] = xarray.Variable(variable.dims, variable.values, attrs(symbol))
+        return variables
+
+    def dataset(self, variables):
+        """Variables of all cases as the result: with coordinates and provenance."""
+        attributes = provenance("stability", self.slider, V_lp=json.dumps(plain(self.V_lp)))
+        return xarray.Dataset(variables, self.batch.coordinates(TAKEN), attributes)

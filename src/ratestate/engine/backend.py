@@ -1,0 +1,37 @@
+"""Where kernels run: on how many threads, on which device, and until when."""
+
+import contextlib
+import contextvars
+import threading
+from typing import NamedTuple
+
+
+class Backend(NamedTuple):
+    """How many threads (None: one a core), what stops them, and the device."""
+
+    threads: int | None = None
+    stop: threading.Event | None = None
+    device: str = "cpu"
+
+
+DEFAULT = Backend()
+_current = contextvars.ContextVar("backend", default=DEFAULT)
+
+
+class Stopped(Exception):
+    """The event `Backend.stop` was set before the kernels were done."""
+
+
+def current():
+    """The `Backend` of kernels that this thread starts."""
+    return _current.get()
+
+
+@contextlib.contextmanager
+def use(**settings):
+    """Let kernels that this thread starts inside run on `Backend(**settings)`."""
+    token = _current.set(Backend(**settings))
+    try:
+        yield
+    finally:
+        _current.reset(token)

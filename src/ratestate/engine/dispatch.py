@@ -1,0 +1,184 @@
+"""Running kernels from Python: threads, progress, interruption, the solver's own steps."""
+
+import functools
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor, wait
+
+import numpy as np
+
+from ..errors import CompilationError
+from ..machine import cores
+from . import backend
+from . import rows as R
+from .march import IDLE, march
+from .model import NUMBERS, RUNNING, STEP_LIMIT, empty_results
+from .return_map import RETURN_NUMBERS, Returns, return_map
+
+# Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
+BUDGET = 20_000
+PATH_ROWS = 8192
+MAX_ROWS = 10_000_000  # of a path: 320 MB
+
+
+def run_march(method, law, cases, loads, save_times, order, alone, progress=None):
+    """March all cases, on as many threads as there are cores and full sets of lanes.
+
+    Parameters
+    ----------
+    method, law : int, codes
+    cases, loads : Cases, Loads (model.py)
+    save_times : (rows, n_times) [s]
+    order : (n,) case numbers, most costly first
+    alone : bool, whether this is the only case of the call (which may take the scalar path)
+    progress : callable, optional, given the fraction done about ten times a second
+
+    Returns
+    -------
+    Results
+    """
+    where = backend.current()
+    if where.device == "cuda":
+        from . import cuda
+
+        return cuda.run_march(law, cases, loads, save_times, order, progress, where.stop)
+    results = empty_results(len(cases.beta), save_times.shape[1])
+    fixed = (cases, loads, save_times, results, np.empty((0, 4)))
+
+    def worker(queue):
+        return _Worker(march, R.SIZE, (method, law, alone), queue, fixed)
+
+    _share(order, worker, progress)
+    return results
+
+
+def run_returns(law, starts, alone):
+    """Take all cases to their next upward crossing of the section; `Returns` (return_map.py).
+
+    law, alone : as for `run_march`
+    starts : Starts (return_map.py)
+    """
+    where = backend.current()
+    if where.device == "cuda":
+        from . import cuda
+
+        return cuda.run_returns(law, starts, where.stop)
+    n = len(starts.beta)
+    returns = Returns(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
+
+    def worker(queue):
+        return _Worker(return_map, R.RETURN_SIZE, (law, alone), queue, (starts, returns))
+
+    _share(np.arange(n), worker)
+    return returns
+
+
+def _share(order, worker, progress=None):
+    """Let as many workers as there are cores and full sets of lanes take all cases.
+
+    worker : callable, queue -> `_Worker`
+    """
+    n = len(order)
+    if n == 0:  # nothing for which to load, or even compile, the kernels
+        return
+    where = backend.current()
+    threads = max(1, min(where.threads or cores(), n // R.LANES))
+    workers = [worker(np.ascontiguousarray(order[i::threads])) for i in range(threads)]
+
+    def look():
+        if where.stop and where.stop.is_set():
+            raise backend.Stopped
+        if progress:
+            progress(_fraction(workers, n))
+
+    if threads == 1:
+        while not workers[0].go():
+            look()
+        return
+    stop = threading.Event()
+
+    def work(worker):
+        while not stop.is_set() and not worker.go():
+            pass
+
+    with ThreadPoolExecutor(threads) as pool:
+        futures = [pool.submit(work, worker) for worker in workers]
+        try:
+            while wait(futures, timeout=0.05).not_done:
+                look()
+        finally:
+            stop.set()
+        for future in futures:
+            future.result()
+
+
+def run_path(method, law, cases, loads, progress=None):
+    """March the one case and keep every step: (m, 4) T, x, v, psi from t = 0 on, and Results."""
+    results = empty_results(1, 0)
+    buffer = np.empty((PATH_ROWS, 4))
+    fixed = (cases, loads, np.empty((1, 0)), results, buffer)
+    worker = _Worker(march, R.SIZE, (method, law, True), np.zeros(1, np.int64), fixed)
+    pieces = [np.array([[0.0, *cases.y[0]]])]
+    done = False
+    rows = 0
+    while not done and rows < MAX_ROWS:
+        done = worker.go()
+        rows += worker.position[2]
+        pieces.append(buffer[: worker.position[2]].copy())
+        worker.position[2] = 0
+        if progress:
+            progress(_fraction([worker], 1))
+    if not done:
+        results.status[0] = STEP_LIMIT
+        results.numbers[0, NUMBERS.index("t")] = pieces[-1][-1, 0] / cases.scale[0]
+    return np.concatenate(pieces), results
+
+
+class _Worker:
+    """One set of lanes, its queue, and the kernel that works it off."""
+
+    def __init__(self, kernel, size, codes, queue, fixed):
+        _announce(kernel)
+        self.s = np.zeros(size)
+        self.s[R.CASE : R.CASE + R.LANES] = IDLE
+        self.position = np.zeros(3, np.int64)
+        self.kernel, self.arguments = kernel, (*codes, self.s, queue, self.position, *fixed)
+
+    def go(self):
+        """Work for a while; whether all is done."""
+        return call(self.kernel, *self.arguments, BUDGET)
+
+
+def call(kernel, *arguments):
+    """What a kernel returns; `CompilationError` if it cannot be compiled on this machine."""
+    try:
+        return kernel(*arguments)
+    except Exception as error:  # none of a case's: compiled code has but status codes
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise CompilationError(
+            f"the kernel {kernel.__name__} cannot be compiled on this machine ({reason}); no "
+            f"parameter is at fault: free memory, or install ratestate and numba anew, and run "
+            f"the same again"
+        ) from error
+
+
+def _fraction(workers, n):
+    """Cases done, and the parts of those under way, over all."""
+    done = 0.0
+    for worker in workers:
+        s, lanes = worker.s, slice(0, R.LANES)
+        busy = s[R.CASE :][lanes] != IDLE
+        with np.errstate(invalid="ignore"):
+            parts = s[R.T :][lanes] / s[R.T_END :][lanes]
+        done += worker.position[1] + np.nan_to_num(parts[busy]).sum()
+    return min(1.0, done / n)
+
+
+@functools.cache
+def _announce(kernel):
+    """Say, once, that a kernel is about to be compiled, if it is not in the cache."""
+    compiled = getattr(kernel, "overloads", True)  # a plain function where the compiler is off
+    if sys.stderr and not compiled and not kernel._cache.kept():
+        what = f"compiling {kernel.__name__} for this machine, once: 10 s to a minute"
+        sys.stderr.write(f"ratestate: {what} ...\n")
+        sys.stderr.flush()

@@ -1,0 +1,1 @@
+"""Friction and the stability of steady sliding: laws, closed forms, eigenvalues, normal form."""

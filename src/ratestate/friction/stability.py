@@ -1,0 +1,136 @@
+"""Steady sliding and its stability: closed forms (eqs 5-7, 10) and eigenvalues.
+
+The functions of parameters serve floats, NumPy arrays and named DataArrays, in SI units.
+Limits carry meaning: V_c is 0 where sliding is unstable at any speed, inf where at none.
+
+Sources: Rice & Ruina (1983) doi:10.1115/1.3167042, Gu et al. (1984)
+doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Elsworth (2019).
+"""
+
+import numpy as np
+
+from .eigenvalues import steady_modes
+
+# Of K/K_c_qs: a K this little above K_c_qs is not known to be.
+ROUNDING = 1e-15
+
+
+def eta(V, *, a, Dc, sigma, M):
+    """Dynamic instability coefficient M V^2/(sigma a Dc) [1] for sliding at V [m/s] (eq. 7)."""
+    return M * V**2 / (sigma * a * Dc)
+
+
+def K_c_qs(*, a, b, Dc, sigma):
+    """Critical stiffness [Pa/m] without inertia, (b - a) sigma/Dc; negative where b < a."""
+    return (b - a) * sigma / Dc
+
+
+def K_c(V, *, a, b, Dc, sigma, M):
+    """Critical stiffness [Pa/m] for sliding at V [m/s] (eq. 6): unstable where K < K_c."""
+    return K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) * (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
+
+
+def b_of_K_c(V, critical, *, a, Dc, sigma, M):
+    """The b at which the critical stiffness at V [m/s] is this [Pa/m]: eq. 6 solved for b."""
+    return a + critical * Dc / sigma / (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
+
+
+def a_of_K_c(V, critical, *, b, Dc, sigma, M):
+    """The a > 0 at which the critical stiffness at V [m/s] is this [Pa/m], for M > 0 and b > 0.
+
+    The positive root of a^2 - (b - h - r) a - b h, which is eq. 6 with h = M V^2/(sigma Dc) and
+    r = critical Dc/sigma.
+    """
+    h, r = M * V**2 / (sigma * Dc), critical * Dc / sigma
+    half = 0.5 * (b - h - r)
+    root = np.hypot(half, np.sqrt(b * h))
+    # of two forms of the root the one in which nothing cancels
+    return np.where(half > 0.0, half + root, b * h / np.maximum(root - half, 1e-300))
+
+
+def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
+    """Critical stiffness [Pa/m] from the slopes of any friction law with one length Dc (eq. 5).
+
+    Parameters
+    ----------
+    V, Dc, M : float, array or DataArray
+        Speed [m/s], critical slip distance [m], mass per area [kg/m^2].
+    dtau_ss_dV, dtau_dV : float, array or DataArray
+        Slope of the steady-state stress, and of the stress at constant state [Pa s/m], at V.
+    """
+    return -V * dtau_ss_dV / Dc * (1 + M * V / (Dc * dtau_dV))
+
+
+def V_c(*, a, b, Dc, sigma, K, M):
+    """Critical velocity [m/s] (eq. 10): steady sliding at V > V_c is unstable.
+
+    0 where sliding is unstable at any speed (K <= K_c_qs, to rounding), inf where at none (b <= a,
+    K = inf, or M = 0 with K > K_c_qs).
+    """
+    return _elementwise(_V_c, a, b, Dc, sigma, K, M)
+
+
+def _V_c(a, b, Dc, sigma, K, M):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        excess = K * Dc / ((b - a) * sigma) - 1
+        critical = np.where(excess > ROUNDING, np.sqrt(sigma * a * Dc / M * np.abs(excess)), 0.0)
+    return np.where(b > a, critical, np.inf)
+
+
+def f_n(*, K, M):
+    """Natural frequency sqrt(K/M)/(2 pi) [Hz]; inf, which is to say none, if M = 0 or K = inf."""
+    return _elementwise(_f_n, K, M)
+
+
+def _f_n(K, M):
+    with np.errstate(divide="ignore"):
+        return np.sqrt(K / M) / (2 * np.pi)
+
+
+def omega_c(V, *, a, b, Dc):
+    """Angular frequency [rad/s] at the Hopf bifurcation, where K = K_c(V).
+
+    (V/Dc) sqrt((b - a)/a), whatever the mass; NaN where b <= a, for there is no bifurcation.
+    """
+    return _elementwise(_omega_c, V, a, b, Dc)
+
+
+def _omega_c(V, a, b, Dc):
+    return V / Dc * np.sqrt(np.where(b > a, (b - a) / a, np.nan))
+
+
+def eigenvalues(V, *, a, b, Dc, sigma, K, M):
+    """Eigenvalues [1/s] of small perturbations of steady sliding at V [m/s], for both laws.
+
+    Returns
+    -------
+    complex array or DataArray
+        Shape of the arguments, and then (in the dimension "mode") 3, least stable first; see
+        `eigenvalues.steady_modes`.  A mode faster than everything is -inf: one at M = 0, two
+        at K = inf, where V is imposed and only the state relaxes, at the rate V/Dc.
+    """
+    return _elementwise(_eigenvalues, V, a, b, Dc, sigma, K, M, dims=("mode",))
+
+
+def _eigenvalues(V, a, b, Dc, sigma, K, M):
+    rigid = np.isinf(K)
+    K = np.where(rigid, 1.0, K)
+    inertia, kappa = eta(V, a=a, Dc=Dc, sigma=sigma, M=M), K * Dc / (a * sigma)
+    margin = (K - K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)) * Dc / (a * sigma)
+    modes = steady_modes(inertia, kappa, b / a, margin)
+    modes[rigid] = [-1.0, -np.inf, -np.inf]
+    rate = (V / Dc)[..., None]
+    modes.real, modes.imag = modes.real * rate, modes.imag * rate  # -inf times a complex is nan
+    return modes
+
+
+def _elementwise(function, *values, dims=()):
+    """Function of NumPy arrays on floats, arrays or DataArrays; `dims` are added at the end."""
+    if any(hasattr(value, "dims") for value in values):
+        import xarray
+
+        def of_arrays(*arrays):
+            return function(*np.broadcast_arrays(*arrays))
+
+        return xarray.apply_ufunc(of_arrays, *values, output_core_dims=[dims])
+    return function(*np.broadcast_arrays(*(np.asarray(value, float) for value in values)))[()]

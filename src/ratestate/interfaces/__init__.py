@@ -1,0 +1,1 @@
+"""Ways in beside Python: scenario files, the command line, the explorer."""

@@ -1,0 +1,56 @@
+"""``ratestate init``: a scenario file to start from."""
+
+import enum
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ...errors import ParameterError
+from .say import say
+
+
+class Kind(enum.StrEnum):
+    """What the file describes."""
+
+    lab = "lab"
+    brake = "brake"
+    fault = "fault"
+
+
+def init(
+    kind: Annotated[Kind, typer.Argument(help="What the file describes.")] = Kind.lab,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="FILE.toml|-",
+            help="File to write; - prints it.",
+            show_default="KIND.toml",
+        ),
+    ] = None,
+) -> None:
+    """Write a commented scenario file to start from.
+
+    Example: ratestate init brake
+    """
+    from ...files import checked, replace
+    from ..scenario import template
+
+    text = template(kind.value)
+    path = out or Path(f"{kind.value}.toml")
+    if path == Path("-"):
+        say(text.rstrip("\n"))
+        return
+    if path.suffix.lower() != ".toml":
+        raise typer.BadParameter(f"{str(path)!r} does not end in .toml", param_hint="--out")
+    if os.path.lexists(path):
+        raise ParameterError(f"{path} exists; give another name with --out")
+    replace(checked(path, (".toml",)), lambda partial: partial.write_text(text, "utf-8"))
+    say(
+        f"{path} is written: open it, read it, change it.  Then\n"
+        f"  ratestate run {path} --plot {path.stem}.png    what happens\n"
+        f"  ratestate stability {path}    whether steady sliding holds\n"
+        f"  ratestate cycle {path}    what it settles into"
+    )

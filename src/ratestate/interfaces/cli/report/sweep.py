@@ -1,0 +1,97 @@
+"""Tables about a sweep: its axes, how cases ended, ranges, failed cases."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....model.quantities import QUANTITIES, readable
+from .rows import DIGITS
+
+if TYPE_CHECKING:
+    import xarray
+
+LISTED = 20  # failed cases, at most
+#: verb -> variables of which the range is told
+RANGES = {
+    "limit_cycle": ("amplitude", "period", "frequency", "V_max", "V_min", "inertia", "error"),
+    "simulate": ("amplitude", "frequency", "V_max", "V_min", "cycles", "energy_residual"),
+    "stability": ("K_c", "V_c", "eta", "f_n", "growth_rate", "omega"),
+}
+
+
+def cases(result: "xarray.Dataset", verb: str) -> list[Any]:
+    """All about a sweep."""
+    from rich.text import Text
+
+    dims = result["status"].dims
+    axes = ", ".join(_axis(result, dim) for dim in dims)
+    title = f"{result['status'].size:,} cases of {verb} over {axes}"
+    return [
+        Text(title, style="bold"),
+        Text(outcomes(result)),
+        Text(""),
+        _ranges(result, verb),
+        *map(Text, failed_lines(result)),
+    ]
+
+
+def _axis(result: "xarray.Dataset", dim: Any) -> str:
+    if dim not in result.coords or dim not in QUANTITIES:
+        return f"{dim} ({result.sizes[dim]})"
+    low, high = (readable(str(dim), float(x)) for x in (result[dim].min(), result[dim].max()))
+    return f"{dim} ({result.sizes[dim]} from {low} to {high})"
+
+
+def outcomes(result: "xarray.Dataset") -> str:
+    """How many cases ended in which way."""
+    from ....engine.model import FINISHED, STATUSES, STEADY_SLIDING
+
+    codes, counts = np.unique(result["status"].values, return_counts=True)
+    number = dict(zip(codes.tolist(), counts.tolist(), strict=True))
+    verb = result.attrs["title"].removeprefix("ratestate ")
+    ways = {"cycles" if verb == "limit_cycle" else "finished": number.pop(FINISHED, 0)}
+    ways |= {"steady sliding": number.pop(STEADY_SLIDING, 0)}
+    ways |= {f"failed ({STATUSES[code][0].replace('_', ' ')})": n for code, n in number.items()}
+    return ", ".join(f"{n:,} {how}" for how, n in ways.items() if n)
+
+
+def _ranges(result: "xarray.Dataset", verb: str) -> Any:
+    """Smallest and largest values, and where they are."""
+    from rich import box
+    from rich.table import Table
+
+    made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    for name in ("", "smallest", "at", "largest", "at"):
+        made.add_column(name, justify="left" if name in ("", "at") else "right")
+    for name in RANGES[verb]:
+        values = result[name].where(np.isfinite(result[name]))
+        if verb == "limit_cycle" and name == "amplitude":
+            values = values.where(values > 0.0)  # of cycles
+        if not bool(values.notnull().any()):
+            continue
+        cells = [name]
+        for index in (values.argmin(...), values.argmax(...)):
+            one = values.isel(index)
+            where = {
+                dim: one[dim].item() if dim in one.coords else int(index[dim]) for dim in index
+            }
+            cells += [readable(name, float(one), DIGITS), place(where)]
+        made.add_row(*cells)
+    return made
+
+
+def failed_lines(result: "xarray.Dataset") -> list[str]:
+    """The first failed cases, a line each, and how many more there are."""
+    from ....sweeps.status import failures
+
+    first, number = failures(result, most=LISTED)
+    lines = [f"  {place(where)}: {name}: {message}" for where, name, message in first]
+    return lines + ([f"  and {number - len(first)} more"] if number > len(first) else [])
+
+
+def place(where: dict[Any, Any]) -> str:
+    """Which case: its values along the axes, with units."""
+    return ", ".join(
+        f"{dim} = {readable(dim, float(x), DIGITS)}" if dim in QUANTITIES else f"{dim} = {x}"
+        for dim, x in where.items()
+    )

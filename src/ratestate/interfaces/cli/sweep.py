@@ -1,0 +1,158 @@
+"""``ratestate sweep``: a scenario file's sweep into a store, and what a store holds."""
+
+import contextlib
+import enum
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .ends import SOME_FAILED, leaving
+from .options import Json, Out, Plot
+from .say import say
+from .stored import ended, left, tell
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from ..scenario import Output, Scenario
+
+
+class Device(enum.StrEnum):
+    """What computes."""
+
+    cpu = "cpu"
+    cuda = "cuda"
+
+
+def sweep(
+    store: Annotated[
+        Path, typer.Option(help="Zarr store: made if missing, else taken up where it was left.")
+    ],
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="FILE.toml",
+            help="Scenario file: the slider, and what is swept.  --status can do without.",
+            show_default=False,
+        ),
+    ] = None,
+    chunk: Annotated[
+        int | None,
+        typer.Option(help="Cases in a chunk.", show_default="by a probe of the cost", min=1),
+    ] = None,
+    status: Annotated[
+        bool, typer.Option("--status", help="Only tell what the store holds.")
+    ] = False,
+    verify: Annotated[
+        bool,
+        typer.Option(
+            "--verify", help="With --status: read all files, and exit with 2 if any is damaged."
+        ),
+    ] = False,
+    mixed: Annotated[
+        bool,
+        typer.Option(
+            "--mixed",
+            help="Go on with what other versions or another kind of processor began, and take "
+            "workers of several kinds; last digits may differ.",
+        ),
+    ] = False,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Run on the Dask cluster of this scheduler, such as tcp://node1:8786.",
+        ),
+    ] = None,
+    slurm: Annotated[
+        str | None,
+        typer.Option(
+            metavar="OPTIONS",
+            help="Run in SLURM jobs, such as jobs=10,cores=16,memory=32GB; also walltime=02:00:00, "
+            "queue=NAME, account=NAME, processes=N, interface=ib0; and for those that are lost, "
+            "replacements=N, wait=24:00:00.",
+        ),
+    ] = None,
+    job_script: Annotated[
+        bool, typer.Option("--job-script", help="Only print the job script that --slurm submits.")
+    ] = False,
+    retry_crashed: Annotated[
+        bool, typer.Option("--retry-crashed", help="Do crashed cases of the store again.")
+    ] = False,
+    device: Annotated[Device, typer.Option(help="What computes.")] = Device.cpu,
+    out: Out = None,
+    plot: Plot = None,
+    json: Json = False,
+) -> None:
+    """Run the sweep of a scenario file, or go on with it.
+
+    Results are stored as they come: after Ctrl-C or a crash the same command resumes.
+
+    Example: ratestate sweep examples/fig3.toml --store fig3.zarr
+    """
+    if scheduler and slurm:
+        raise typer.BadParameter("it cannot go with --scheduler", param_hint="--slurm")
+    if job_script and not slurm:
+        raise typer.BadParameter("it needs --slurm OPTIONS", param_hint="--job-script")
+    if verify and not status:
+        raise typer.BadParameter("it needs --status", param_hint="--verify")
+    with leaving(lambda: left(store)):
+        if slurm and job_script:
+            _print_job_script(slurm)
+        elif status:
+            tell(store, file, json, verify)
+        elif file is None:
+            raise typer.BadParameter(
+                "missing; only --status can do without", param_hint="FILE.toml"
+            )
+        else:
+            from .job import places, scenario_of
+
+            asked = scenario_of(file)
+            output = places(asked, out, plot)
+            with _client(scheduler, slurm) as client:
+                how: dict[str, Any] = {"client": client, "chunk": chunk, "device": device.value}
+                how |= {"mixed": mixed, "retry_crashed": retry_crashed}
+                _run(asked, output, store, json, **how)
+
+
+def _run(
+    asked: "Scenario", output: "Output", store: Path, json: bool, **how: "int | str | Client | None"
+) -> None:
+    """Run the sweep asked for, say how it went, and write what else is wanted of the result."""
+    from ...sweeps.verb import sweep as run
+    from .job import draw, keep
+
+    result = run(asked.verb, asked.slider, store=store, progress=True, **how, **asked.settings)
+    number = ended(store, result, json)
+    keep(result, output)
+    draw(result, output)
+    if number:
+        raise typer.Exit(SOME_FAILED)
+
+
+@contextlib.contextmanager
+def _client(scheduler: str | None, slurm: str | None) -> Iterator[Any]:
+    """The Dask client asked for, closed in the end; None for threads of this process."""
+    if slurm:
+        from ...sweeps.connect import slurm_client
+
+        with slurm_client(slurm) as client:
+            yield client
+    elif scheduler:
+        from ...sweeps.connect import client_of
+
+        with client_of(scheduler) as client:
+            yield client
+    else:
+        yield None
+
+
+def _print_job_script(slurm: str) -> None:
+    """Print what --slurm submits, without submitting it."""
+    from ...sweeps.connect import slurm_cluster
+
+    with slurm_cluster(slurm, start=False) as cluster:
+        say(cluster.job_script())

@@ -1,0 +1,74 @@
+"""The atlas behind the map, coarse, and kept for each law and b/a."""
+
+import collections
+import threading
+
+import numpy as np
+
+from ...dynamics.atlas import ETA, STIFFNESS, atlas
+from ...engine.backend import Stopped
+from ...errors import ParameterError
+from ...friction.stability import K_c
+from .budget import bounded
+
+#: points along either axis: first a coarse chart, then a finer one
+SIZES = (24, 72)
+RTOL = 1e-4
+#: seconds that a chart may take, and how many are kept
+SECONDS, KEPT = 8.0, 40
+
+_charts: collections.OrderedDict = collections.OrderedDict()
+_lock = threading.Lock()
+
+
+def frame():
+    """Header and arrays that any map has: its range, and K_c over K_c_qs along eta (eq. 6)."""
+    eta = np.geomspace(*ETA, 241)
+    # a = Dc = sigma = V = 1 and b = 2: K_c_qs is 1, and M is eta.
+    ratio = K_c(1.0, a=1.0, b=2.0, Dc=1.0, sigma=1.0, M=eta)
+    return {"eta": ETA, "ratio": STIFFNESS}, {"line_eta": eta, "line_ratio": ratio}
+
+
+def key_of(slider):
+    """What decides which chart is a slider's: law and b/a, to some digits; None if none is."""
+    weakening = float(f"{(slider.b - slider.a) / slider.a:.3g}")
+    return (slider.law, 1.0 + weakening) if 1.0 + weakening > 1.0 else None
+
+
+def chart(slider, size, deadline):
+    """Header and arrays of the answer to "chart" (wire.py).
+
+    Raises
+    ------
+    backend.Stopped
+        Somebody cancelled it.
+    ParameterError
+        There is no chart where b <= a, and none in time where the cycles are long.
+    """
+    if (of := key_of(slider)) is None:
+        raise ParameterError("b <= a: friction never weakens, and there are no regimes to map")
+    key = (*of, size)
+    with _lock:
+        if key in _charts:
+            _charts.move_to_end(key)
+            return _charts[key]
+    deadline.start()
+    try:
+        with bounded(deadline):
+            data = atlas(key[1], key[0], n=size, rtol=RTOL)
+    except Stopped:
+        if deadline.cancelled:
+            raise
+        raise ParameterError(
+            f"{size} x {size} points of the map take more than {deadline.seconds:g} s at "
+            f"b/a = {key[1]:.4g}; atlas in Python has no such limit"
+        ) from None
+    header = {"key": of, "size": size}
+    names = ("K_over_K_c_qs", "eta", "regime", "K_c_over_K_c_qs")
+    arrays = {name: data[name].values.ravel() for name in names}
+    arrays["jumps"] = data.type.values == "subcritical"
+    with _lock:
+        _charts[key] = header, arrays
+        while len(_charts) > KEPT:
+            _charts.popitem(last=False)
+    return header, arrays

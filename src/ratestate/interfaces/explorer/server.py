@@ -1,0 +1,83 @@
+"""Serving the page: port, address, browser, end."""
+
+import errno
+import socket
+import sys
+import threading
+import webbrowser
+
+from ...errors import ParameterError
+
+#: the port tried first, where none is asked for
+PORT = 8765
+# A message is at most twice what a question may have; of more the connection is closed.
+LARGEST, PATIENCE = 8192, 2
+
+
+def serve(port=None, open_browser=True, fragment=""):
+    """Serve the explorer on 127.0.0.1 until Ctrl-C, whose KeyboardInterrupt is raised in the end.
+
+    Parameters
+    ----------
+    port : int, optional
+        Port to listen on; by default 8765 or, where that is in use, any that is free.
+    open_browser : bool
+        Whether to open the page in the browser.
+    fragment : str
+        Behind the # of its address: with what it opens, see `presets.fragment_of`.
+
+    Raises
+    ------
+    ParameterError
+        The port is no port, is in use, or may not be used.
+    """
+    listening = listen(port)
+    address = f"http://127.0.0.1:{listening.getsockname()[1]}/{fragment and '#'}{fragment}"
+    sys.stdout.write(f"explorer at {address} (Ctrl-C ends it)\n")
+    sys.stdout.flush()
+    if open_browser:
+        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    with listening:
+        server_at(listening).run(sockets=[listening])
+
+
+def server_at(listening):
+    """The server of the page, for a socket that listens."""
+    import uvicorn
+
+    from .app import app_of
+
+    config = uvicorn.Config(
+        app_of(listening.getsockname()[1]),
+        log_level="warning",
+        ws="websockets-sansio",
+        ws_max_size=LARGEST,
+        ws_per_message_deflate=False,  # it would take longer than the way it shortens
+        timeout_graceful_shutdown=PATIENCE,
+        server_header=False,
+    )
+    return uvicorn.Server(config)
+
+
+def listen(port=None):
+    """A socket that listens on this port of 127.0.0.1; see `serve`."""
+    if port is not None and (type(port) is not int or not 0 <= port <= 65535):
+        raise ParameterError(
+            f"port = {port!r} must be a whole number from 0 to 65535, such as {PORT}"
+        )
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    if sys.platform != "win32":  # there it would let two servers share a port
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind(("127.0.0.1", PORT if port is None else port))
+        listening.listen()
+    except OSError as error:
+        listening.close()
+        if port is None:
+            return listen(0)
+        in_use = error.errno == errno.EADDRINUSE
+        what = "is in use" if in_use else f"cannot be used: {error.strerror}"
+        raise ParameterError(
+            f"port = {port} {what}; give another, or none to have one chosen"
+        ) from None
+    return listening

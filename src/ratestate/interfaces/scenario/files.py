@@ -1,0 +1,172 @@
+"""From a file to a scenario."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from ...errors import ParameterError
+from .assemble import Read, assembled
+from .drive import loading_table
+from .model import VERBS, Scenario
+from .problems import Problems, bare, choice, one_of, shown
+from .simple import output_table, run_table, slider_table
+from .sweeps import sweep_table
+from .tables import TABLES, example
+
+LARGEST = 10**7  # bytes
+DEEPEST = 50  # keys with dots between them: time and memory go with the square
+MOST_TABLES = 100
+WANTED = "expected a scenario file such as `ratestate init lab` writes"
+
+
+def load(path: str | Path, verb: str | None = None) -> Scenario:
+    """Read a scenario file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A TOML file with the tables [slider], [loading], [run], [sweep] and [output], of which none
+        but the first must be there; see `ratestate.scenario`.
+    verb : str, optional
+        A verb that is asked of the file in place of its own, which is what [sweep] or [run] says,
+        or "simulate".  What this verb does not take is read, checked, and left out.
+
+    Raises
+    ------
+    ParameterError
+        The file cannot be read or used.  Every problem in it is a line of the message:
+        ``[table] key: what is wrong, expected what, such as an example``.
+    """
+    path = Path(path)
+    return loads(_bytes(path), verb, name=str(path), folder=path.parent)
+
+
+def loads(
+    text: str | bytes,
+    verb: str | None = None,
+    *,
+    name: str = "the text",
+    folder: Path | None = None,
+) -> Scenario:
+    """Read what a scenario file would hold.
+
+    Parameters
+    ----------
+    text : str or bytes
+        TOML; bytes are UTF-8.
+    verb : str, optional
+        As for `load`.
+    name : str
+        What messages call it.
+    folder : Path, optional
+        Where paths of records begin; by default the current directory.
+
+    Raises
+    ------
+    ParameterError
+        As for `load`.
+    """
+    verb = None if verb is None else choice(verb, VERBS)
+    problems = Problems()
+    data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+    tables = _tables(_parsed(data, name), problems)
+    run = run_table(tables.get("run", {}), problems)
+    of_run = run.pop("verb", None)
+    read = Read(
+        tables=frozenset(tables),
+        slider=slider_table(tables.get("slider", {}), problems),
+        drive=loading_table(tables.get("loading", {}), folder or Path(), problems),
+        run=run,
+        sweep=sweep_table(tables.get("sweep"), verb, of_run, problems),
+        output=output_table(tables.get("output", {}), problems),
+    )
+    scenario = assembled(read, problems)
+    if scenario is None:
+        raise ParameterError(f"{name} cannot be used:\n{problems.told(TABLES)}")
+    return scenario
+
+
+def _parsed(text: bytes, name: str) -> dict[str, Any]:
+    """What the text says, as TOML has it."""
+    if len(text) > LARGEST:
+        raise ParameterError(f"{name} cannot be read: {_too_large(len(text))}, {WANTED}")
+    try:
+        if deep := _deep(text):
+            what = f"line {deep} has a key of more than {DEEPEST} parts, expected values"
+        else:
+            return tomllib.loads(text.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        k = text[: error.start].count(b"\n") + 1
+        what = f"line {k} is not UTF-8, expected text"
+    except RecursionError:
+        what = "too many brackets inside each other, expected values"
+    except tomllib.TOMLDecodeError as error:
+        message, _, where = str(error).partition(" (at ")
+        number = re.match(r"line (\d+)", where)
+        lines = (text if number else text.rstrip()).decode().split("\n")
+        k = int(number[1]) if number else len(lines)  # else it is the end of the document
+        what = f"line {k}, {shown(lines[k - 1].strip())}: {message}, expected TOML"
+    except ValueError:
+        what = "an integer of thousands of digits, expected values"
+    raise ParameterError(f'{name} is broken: {what} such as a = 0.003 or Dc = "10 um"')
+
+
+def _bytes(path: Path) -> bytes:
+    """What the file holds, if it is one and not too large."""
+    try:
+        size = path.stat().st_size
+        if path.is_file() and size <= LARGEST:
+            return path.read_bytes()
+        what = "Is a directory" if path.is_dir() else "it is no file"
+    except OSError as error:
+        what = str(error.strerror)
+    except ValueError:  # a null character in the path
+        what = "no such name"
+    else:
+        if path.is_file():
+            what = _too_large(size)
+    raise ParameterError(f"{str(path)!r}"[1:-1] + f" cannot be read: {what}, {WANTED}")
+
+
+def _too_large(size: int) -> str:
+    """The complaint about a file of so many bytes."""
+    longer = "long records go into a file of their own, see [loading] file"
+    return f"it has {size} bytes, more than {LARGEST} ({longer})"
+
+
+def _deep(text: bytes) -> int:
+    """The line, from 1 on, of a key of far too many parts; 0 if there is none."""
+    for number, line in enumerate(text.split(b"\n"), 1):
+        if line.count(b".") > DEEPEST and not line.lstrip().startswith(b"#"):
+            for piece in re.split(rb"[,=\[\]{}#]", line):
+                joints = re.findall(rb"[^.\s][ \t]*\.(?=[ \t]*[^.\s])", piece)
+                if len(joints) > DEEPEST:
+                    return number
+    return 0
+
+
+def _tables(parsed: dict[str, Any], problems: Problems) -> dict[str, dict[str, Any]]:
+    """The known tables that the file has, empty where they are none."""
+    tables: dict[str, dict[str, Any]] = {}
+    known = [f"[{name}]" for name in TABLES]
+    for name, table in list(parsed.items())[:MOST_TABLES]:
+        place = f"[{bare(name)}]"
+        if name in TABLES:
+            tables[name] = table if isinstance(table, dict) else {}
+            if not isinstance(table, dict):
+                problems.add(place, f"{shown(table)} is no table, {one_of(known)}")
+        elif isinstance(table, dict):
+            problems.add(place, f"unknown table, {one_of(known, place)}")
+        else:
+            _loose(name, known, problems)
+    if len(parsed) > MOST_TABLES:
+        problems.add("the file", f"has {len(parsed)} tables and keys, {one_of(known)}")
+    return tables
+
+
+def _loose(name: str, known: list[str], problems: Problems) -> None:
+    """Note a key above all tables."""
+    homes = [f"[{table}]" for table, keys in TABLES.items() if name in keys]
+    where = f"expected in {' or '.join(homes)} such as {example(name)}" if homes else one_of(known)
+    problems.add(bare(name), f"stands above all tables, {where}")

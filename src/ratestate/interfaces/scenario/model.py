@@ -1,0 +1,80 @@
+"""A scenario: a verb, its slider, its settings, and where the result goes."""
+
+import dataclasses
+import inspect
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ...dynamics.continuation.branch import continue_cycle, followed
+from ...dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
+from ...dynamics.simulation.simulate import simulate, simulate_call
+from ...dynamics.steady_sliding import stability, stability_call
+from ...model.slider import SpringSlider
+
+#: name -> verb
+VERBS: dict[str, Callable[..., Any]] = {
+    "limit_cycle": limit_cycle,
+    "simulate": simulate,
+    "stability": stability,
+    "continue_cycle": continue_cycle,
+}
+#: name -> what checks its arguments
+CHECKS: dict[str, Callable[..., Any]] = {
+    "limit_cycle": lambda **given: limit_cycle_call(**given).batch,
+    "simulate": lambda **given: simulate_call(**given).batch,
+    "stability": lambda **given: stability_call(**given).batch,
+    "continue_cycle": followed,
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Output:
+    """Where a result goes, relative to the current directory.
+
+    Attributes
+    ----------
+    file : Path or None
+        Ends in .nc, .csv or .zarr.
+    plot : Path or None
+        Ends in .png or .pdf.
+    """
+
+    file: Path | None = None
+    plot: Path | None = None
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Scenario:
+    """What is to be done: ``getattr(ratestate, verb)(slider, **settings)``.
+
+    Attributes
+    ----------
+    verb : str
+        "simulate", "limit_cycle", "stability" or "continue_cycle".
+    slider : SpringSlider
+        With a DataArray for each parameter that is swept.
+    settings : dict
+        Keyword arguments of the verb, in SI; DataArrays likewise.  What the verb chooses by
+        itself is left out.
+    output : Output
+        Where the result goes.
+    """
+
+    verb: str
+    slider: SpringSlider
+    settings: dict[str, Any]
+    output: Output = Output()
+
+
+def check(scenario: Scenario) -> None:
+    """Raise ParameterError for a scenario that its verb would refuse."""
+    verb = VERBS[scenario.verb]
+    bound = inspect.signature(verb).bind(scenario.slider, **scenario.settings)
+    bound.apply_defaults()
+    CHECKS[scenario.verb](**bound.arguments)
+
+
+def run(scenario: Scenario) -> Any:
+    """Do what a scenario asks for; the verb's Dataset.  Its ``output`` is left to the caller."""
+    return VERBS[scenario.verb](scenario.slider, **scenario.settings)

@@ -1,0 +1,64 @@
+"""Values as text, from which the same bits come back."""
+
+from collections.abc import Iterable
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+
+from ...model.quantities import POWERS, PREFIXES, QUANTITIES
+from ...model.units import is_array
+from .values import Spread
+
+WIDTH = 92  # characters of a line
+
+
+def quantity(symbol: str, x: float) -> str:
+    """One value, in SI, as TOML and Python both read it: a number, or a text with a unit."""
+    unit = QUANTITIES[symbol].unit
+    if unit == "1" or not np.isfinite(x):
+        return repr(float(x))
+    exact = Decimal(repr(float(x)))
+    if not exact:
+        return f'"0 {unit}"'
+    size = exact.adjusted()
+    fitting = [power for power in POWERS.get(unit, (0,)) if -3 <= size - power <= 5]
+    if not fitting:
+        return f'"{float(x)!r} {unit}"'
+    power = next((power for power in fitting if power <= size), fitting[-1])
+    return f'"{exact.scaleb(-power).normalize():f} {PREFIXES[power]}{unit}"'
+
+
+def numbers(values: Iterable[float], indent: str = "    ") -> str:
+    """A list of numbers, over several lines if it is long."""
+    words = [repr(float(x)) for x in values]
+    if sum(map(len, words)) + 2 * len(words) <= 70:
+        return f"[{', '.join(words)}]"
+    lines, line = [], indent
+    for word in words:
+        if len(line) + len(word) > WIDTH:
+            lines.append(line.rstrip())
+            line = indent
+        line += f"{word}, "
+    return "\n".join(["[", *lines, line.rstrip(), "]"])
+
+
+def spread(symbol: str, values: np.ndarray) -> Spread | None:
+    """The axis between two ends that has these very values, if there is one."""
+    if values.size < 3 or not np.isfinite(values).all():
+        return None
+    first, last = float(values[0]), float(values[-1])
+    for scale in ("log", "linear") if first > 0 and last > 0 else ("linear",):
+        axis = Spread(first, last, values.size, scale)
+        if np.array_equal(axis.values(symbol), values):
+            return axis
+    return None
+
+
+def along_itself(symbol: str, value: Any) -> bool:
+    """Whether an array lies along a dimension named like its symbol, labelled by its values."""
+    if not is_array(value) or value.dims != (symbol,):
+        return False
+    labels = value.coords.get(symbol)
+    same = labels is None or (labels.dims == (symbol,) and np.array_equal(labels, value))
+    return bool(same and not value.coords.keys() - {symbol})

@@ -1,0 +1,169 @@
+"""Named arrays: the axes of a sweep, whether several fit together, and columns of a record."""
+
+import dataclasses
+
+import numpy as np
+
+from ..errors import ParameterError
+from .quantities import QUANTITIES, attrs
+from .units import is_array, to_si
+
+
+def logspace(name, start, stop, n):
+    """Axis of a sweep with geometric spacing.
+
+    Parameters
+    ----------
+    name : str
+        Symbol of the quantity, for example "M" [kg/m^2] or "V_lp" [m/s]; any other name makes an
+        axis of pure numbers.
+    start, stop : float, str or pint.Quantity
+        First and last value, both > 0 and both kept exactly.  In SI, unless they carry a unit.
+    n : int
+        Number of values, at least 2.  Those between are rounded to 15 digits, so that
+        ``.sel(M=1000)`` finds the 1000 between 100 and 10000.
+
+    Returns
+    -------
+    xarray.DataArray
+        Shape (n,).  Name, dimension and coordinate are all `name`; the coordinate of a known
+        symbol has attributes ``units`` and ``long_name``.
+
+    Raises
+    ------
+    ParameterError
+        A value that is not > 0 or has a wrong unit; n that is not an integer >= 2.
+
+    Examples
+    --------
+    >>> logspace("M", 100, 1e5, 4).values.tolist()
+    [100.0, 1000.0, 10000.0, 100000.0]
+    """
+    import xarray
+
+    symbol = name if name in QUANTITIES else "number"
+    ends = [
+        to_si(symbol, value, label=f"{name} ({which})", bound="> 0")
+        for which, value in (("start", start), ("stop", stop))
+    ]
+    if any(is_array(end) or np.isinf(end) for end in ends):
+        raise ParameterError(f"{name}: start and stop must be finite numbers, not arrays")
+    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 2:
+        raise ParameterError(f"n = {n!r} must be an integer of at least 2, for example 12")
+    values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
+    values[[0, -1]] = ends
+    labels = attrs(symbol) if symbol == name else {}
+    # Unit and name sit on the coordinate only: xarray would carry those of the array through
+    # arithmetic, and V_lp = np.sqrt(eta * ...) would claim to be a pure number.
+    return xarray.DataArray(values, {name: (name, values, labels)}, (name,), name)
+
+
+def check_aligned(values):
+    """Check that named arrays agree wherever they share a dimension.
+
+    Parameters
+    ----------
+    values : dict
+        symbol -> value; anything that is not a DataArray is passed over.
+
+    Raises
+    ------
+    ParameterError
+        Two arrays have different sizes or coordinates along a dimension of the same name.
+    """
+    seen: dict = {}
+    for symbol, value in values.items():
+        if not is_array(value):
+            continue
+        for dim, size in value.sizes.items():
+            index = value.indexes.get(dim)
+            other, other_size, other_index = seen.get(dim, (symbol, size, index))
+            if size != other_size:
+                clash = f"have {other_size} and {size} values"
+            elif index is not None and other_index is not None and not index.equals(other_index):
+                clash = "have different coordinates"
+            else:
+                known = other_index is not None
+                seen[dim] = (other, size, other_index) if known else (symbol, size, index)
+                continue
+            raise ParameterError(
+                f"{other} and {symbol} {clash} along the dimension {dim!r}; give both the same "
+                f"coordinate, or rename one dimension to sweep over all combinations"
+            )
+
+
+def cut(value, places):
+    """A value at some places of a sweep.
+
+    Parameters
+    ----------
+    value : DataArray, or dataclass or dict that may hold some; anything else stays as it is
+    places : dict
+        Sweep dimension -> slice or list of indices.  Dimensions stay, however few the places.
+    """
+    if is_array(value):
+        return value.isel(places, missing_dims="ignore")
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        parts = {f.name: cut(getattr(value, f.name), places) for f in dataclasses.fields(value)}
+        return dataclasses.replace(value, **parts)
+    return {k: cut(v, places) for k, v in value.items()} if isinstance(value, dict) else value
+
+
+def column(symbol, values):
+    """Column of a record [SI], each value >= 0: ndarray, or DataArray with ``segment`` last.
+
+    Parameters
+    ----------
+    symbol : str
+        A key of `QUANTITIES`.
+    values : array of numbers, 1-D DataArray or pint quantity, or sequence of what `to_si` takes
+
+    Raises
+    ------
+    ParameterError
+        A value that `to_si` refuses, with its row counted from 0; more than one dimension.
+    """
+    import xarray
+
+    units = {}
+    if is_array(values):
+        units = {key: text for key, text in values.attrs.items() if key == "units"}
+    elif hasattr(values, "units") and hasattr(values, "magnitude"):
+        units, values = {"units": str(values.units)}, values.magnitude
+    if not hasattr(values, "__len__") or isinstance(values, str):
+        raise ParameterError(f"{symbol} = {values!r} is not a column of values; give an array")
+    if hasattr(values, "dtype") or all(
+        isinstance(value, int | float) and not isinstance(value, bool) for value in values
+    ):
+        numbers = np.asarray(values)
+        if numbers.ndim != 1:
+            raise ParameterError(f"{symbol} has {numbers.ndim} dimensions; a column has 1")
+        rows = xarray.DataArray(numbers, dims="row", attrs=units)
+        return to_si(symbol, rows, bound=">= 0").values
+    items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
+    return stack({row: to_si(symbol, v, label=row, bound=">= 0") for row, v in items.items()})
+
+
+def stack(values):
+    """Floats and DataArrays (name -> value) in a row: ndarray, or DataArray, ``segment`` last."""
+    if not any(map(is_array, values.values())):
+        return np.array(list(values.values()))
+    import xarray
+
+    check_aligned(values)
+    arrays = xarray.broadcast(*map(xarray.DataArray, values.values()))
+    data = np.stack([array.values for array in arrays], axis=-1)
+    return xarray.DataArray(data, arrays[0].coords, (*arrays[0].dims, "segment"))
+
+
+def running_sum(x):
+    """Cumulative sum along the last axis, as if in doubled precision.
+
+    What each addition rounds off can be told exactly (Knuth's two-sum): it is summed as well.
+    """
+    total = np.cumsum(x, axis=-1)
+    before, after = total[..., :-1], total[..., 1:]
+    seen = after - before
+    lost = (before - (after - seen)) + (x[..., 1:] - seen)
+    total[..., 1:] += np.cumsum(lost, axis=-1)
+    return total

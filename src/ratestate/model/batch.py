@@ -1,0 +1,119 @@
+"""From named values to a flat batch of cases and back."""
+
+import numpy as np
+import xarray
+
+from ..errors import ParameterError
+from ..machine import check_fits
+from .arrays import check_aligned
+from .quantities import QUANTITIES, attrs
+from .units import RESERVED, is_array
+
+
+class Batch:
+    """Named values broadcast against each other and laid out flat, one value a case.
+
+    Parameters
+    ----------
+    values : dict
+        symbol -> float or DataArray; DataArrays broadcast by dimension name.
+    own : dict, optional
+        symbol -> DataArray with a last dimension of its own, kept apart from the sweep.
+    taken : iterable of str
+        Names of result variables, which no sweep dimension may have.
+
+    Attributes
+    ----------
+    dims, shape, n : the sweep's dimensions, their sizes, the number of cases
+    alone : whether it is no sweep but a single case, which may take the engine's scalar path
+    """
+
+    def __init__(self, values, own=None, taken=()):
+        own = own or {}
+        check_aligned({**own, **values})
+        sizes: dict = {}
+        for value in [*values.values(), *own.values()]:
+            if is_array(value):
+                last = value.dims[-1:] if any(value is array for array in own.values()) else ()
+                sizes |= {d: n for d, n in value.sizes.items() if d not in last and d not in sizes}
+        if clash := [dim for dim in sizes if dim in taken]:
+            raise ParameterError(
+                f"a dimension called {clash[0]!r} clashes with the result of that name; rename it"
+            )
+        self.values, self.own, self.sizes = values, own, sizes
+        self.dims, self.shape = tuple(sizes), tuple(sizes.values())
+        self.n = int(np.prod(self.shape, dtype=int))
+        self.alone = not self.dims
+
+    def check_fits(self, numbers, remedy):
+        """Refuse cases that take more memory, so many numbers each, than this process may have."""
+        check_fits(8 * numbers * self.n, f"the results of {self.n:,} cases", remedy)
+
+    @property
+    def columns(self):
+        """dict of the values of all symbols, symbol -> (n,)."""
+        return {symbol: self.flat(symbol) for symbol in self.values}
+
+    def flat(self, symbol):
+        """(n,) array of the values of one symbol."""
+        return self._flat(self.values[symbol])
+
+    def _flat(self, value):
+        if not is_array(value):
+            return np.full(self.n, value)
+        full = value.expand_dims({d: n for d, n in self.sizes.items() if d not in value.dims})
+        return np.ascontiguousarray(full.transpose(*self.dims).values.ravel())
+
+    def rows(self, array):
+        """A table of the distinct rows of an `own` array, and each case's row number.
+
+        array : (..., m) DataArray, or (m,) ndarray for a row that all share.
+        """
+        if not is_array(array):
+            return np.ascontiguousarray(array, float)[None], np.zeros(self.n, np.int64)
+        sweep = array.dims[:-1]
+        shape = array.shape[:-1]
+        count = int(np.prod(shape, dtype=int))
+        number = xarray.DataArray(np.arange(count).reshape(shape), dims=sweep)
+        table = np.ascontiguousarray(array.values.reshape(count, -1), float)
+        return table, self._flat(number).astype(np.int64)
+
+    def of(self, function, t):
+        """Values of a `Loading` method at times t (n, m), as an array (n, m)."""
+        if not self.dims:
+            return np.asarray(function(t[0]))[None]
+        frame = xarray.DataArray(t.reshape(*self.shape, -1), dims=(*self.dims, "time"))
+        found = function(frame)
+        return found.transpose(*self.dims, "time").values.reshape(self.n, -1)
+
+    def variable(self, flat, symbol, *last):
+        """Flat results, (n,) or (n, m) with a last dimension, as a labelled DataArray."""
+        shaped = np.asarray(flat).reshape((*self.shape, *np.shape(flat)[1:]))
+        return xarray.Variable((*self.dims, *last), shaped, attrs(symbol))
+
+    def coordinates(self, taken):
+        """Coordinates of the sweep: those the arrays bring, and the arrays themselves.
+
+        V_lp is one even if all cases share it: results say at which speed they hold.
+        """
+        coords: dict = {}
+        V_lp = self.values.get("V_lp")
+        if not (V_lp is None or is_array(V_lp) or "V_lp" in self.dims):
+            coords["V_lp"] = ((), V_lp, attrs("V_lp"))
+        taken = RESERVED | set(taken)
+        for symbol, value in self.values.items():
+            if is_array(value):
+                coords |= {
+                    k: v.variable for k, v in value.coords.items() if k not in taken | set(coords)
+                }
+                # (initial values have names of their own, and no place among the coordinates)
+                if symbol in QUANTITIES and symbol not in taken | set(self.dims):
+                    coords[symbol] = value.variable
+        for value in self.own.values():
+            kept = set(value.dims[:-1])
+            coords |= {
+                k: v.variable
+                for k, v in value.coords.items()
+                if k not in taken | set(coords) and set(v.dims) <= kept
+            }
+        return coords

@@ -1,0 +1,72 @@
+"""The state at t = 0: steady sliding, with any part of it overridden."""
+
+import numpy as np
+
+from ..errors import ParameterError
+from .units import to_si
+
+SYMBOLS = ("V", "theta", "tau")
+
+
+def initial_values(initial):
+    """The values given for t = 0 in SI, under the names "V_initial" and so on."""
+    if initial is None:
+        return {}
+    if not isinstance(initial, dict) or not set(initial) <= set(SYMBOLS):
+        raise ParameterError(
+            f"initial = {initial!r} must be a dict with any of the keys V, theta and tau, "
+            f"for example {{'theta': '10 s'}}"
+        )
+    return {
+        f"{symbol}_initial": to_si(symbol, value, label=f"initial {symbol}")
+        for symbol, value in initial.items()
+    }
+
+
+def initial_state(batch, V_load):
+    """(n, 3) x, v, psi at t = 0.
+
+    Parameters
+    ----------
+    batch : Batch
+        With the slider's parameters, V_start, and what `initial_values` found.
+    V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
+    """
+    a, b, mu0, sigma, V0, Dc, M, K = map(
+        batch.flat, ("a", "b", "mu0", "sigma", "V0", "Dc", "M", "K")
+    )
+    given = {s: batch.flat(f"{s}_initial") for s in SYMBOLS if f"{s}_initial" in batch.values}
+    beta, v = b / a, np.log(batch.flat("V_start") / V0)
+    x, psi = (1 - beta) * v, -v
+    if "V" in given:
+        v = np.log(given["V"] / V0)
+    if "theta" in given:
+        psi = np.log(V0 * given["theta"] / Dc)
+    if "tau" in given:
+        x = (given["tau"] / sigma - mu0) / a
+    rigid = np.isinf(K)
+    v = np.where(rigid, np.log(np.maximum(V_load, 5e-324) / V0), v)
+    bound = (M == 0) | rigid  # there tau/sigma = mu, and two of the three fix the third
+    if len(given) == 3 and (clash := bound & (np.abs(x - v - beta * psi) > 1e-9)).any():
+        i = int(np.argmax(clash))
+        mu = mu0[i] + a[i] * (v[i] + beta[i] * psi[i])
+        raise ParameterError(
+            f"initial V, theta and tau do not agree: without inertia (M = 0) tau must be sigma mu "
+            f"= {sigma[i] * mu:.6g} Pa; leave one of them out, or give M > 0"
+        )
+    if "V" in given and (np.abs(v - np.log(given["V"] / V0)) > 1e-9).any():
+        raise ParameterError(
+            "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
+            "leave V out"
+        )
+    by_stress = bound & (("V" in given) | rigid)
+    if "tau" in given and "theta" not in given and by_stress.any():
+        with np.errstate(divide="ignore", invalid="ignore"):
+            psi = np.where(by_stress, (x - v) / beta, psi)
+        if not np.isfinite(psi).all():
+            raise ParameterError("b = 0: initial V and tau do not fix theta; give theta and tau")
+    elif "V" in given:
+        x = np.where(bound, v + beta * psi, x)
+    x = np.where(rigid, v + beta * psi, x)
+    v = np.where(bound & ~rigid, x - beta * psi, v)
+    return np.stack([x, v, psi], axis=1)

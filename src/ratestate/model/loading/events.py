@@ -1,0 +1,99 @@
+"""Steps, holds and ramps: what is put at the end of a history that goes on for ever."""
+
+import numpy as np
+
+from ...errors import ParameterError
+from ..arrays import check_aligned
+from ..units import is_array, to_si
+
+
+def step(loading, t, V):
+    """The fields of a `Loading` that change by a step at t [s] to V [m/s]."""
+    t = _time(loading, t)
+    return _changed(loading, t, {t: (_speed(t, V), 0.0)}, returns=None)
+
+
+def hold(loading, t, duration):
+    """The fields of a `Loading` that change by a hold from t [s] on, for a duration [s]."""
+    t = _time(loading, t)
+    end = _end(t, duration, "hold")
+    after = loading.V[..., -1]
+    return _changed(loading, t, {t: (0.0, 0.0), end: (after, 0.0)}, returns=True)
+
+
+def ramp(loading, t, V, duration):
+    """The fields of a `Loading` that change by a ramp from t [s] on, to V within a duration [s]."""
+    t, V = _time(loading, t), _speed(t, V)
+    end = _end(t, duration, "ramp")
+    before = loading.V[..., -1]
+    check_aligned({"V_lp before": before, f"V_lp from t = {end!r} s on": V})
+    with np.errstate(over="ignore"):
+        rate = (V - before) / (end - t)
+    if not np.isfinite(rate).all():
+        raise ParameterError(f"ramp = {duration!r} is too short; for a jump leave it out")
+    return _changed(loading, t, {t: (before, rate), end: (V, 0.0)}, returns=True)
+
+
+def _time(loading, t):
+    """When an event begins [s]: after the last one, or where that ends."""
+    if np.isfinite(loading.t_last):
+        raise ParameterError(
+            f"the history ends at t = {loading.t_last!r} s, and nothing can follow; "
+            f"give steps to a constant speed, or put them into the rows of the series"
+        )
+    t = to_si("t", t, bound="> 0")
+    if is_array(t):
+        raise ParameterError("the time of a step is one number, common to all cases")
+    last = float(loading.t[-1])
+    if loading.returns and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
+        return last
+    if t <= last:
+        raise ParameterError(
+            f"t = {t!r} s must come after t = {last!r} s, where the history has come to; "
+            f"give the steps in order of time"
+        )
+    return t
+
+
+def _speed(t, V):
+    return to_si("V_lp", V, label=f"V_lp from t = {t!r} s on", bound=">= 0")
+
+
+def _end(t, duration, label):
+    """When an event is over [s]."""
+    lasting = to_si("t", duration, label=label, bound="> 0")
+    if is_array(lasting):
+        raise ParameterError(f"the duration of a {label} is one number, common to all cases")
+    if not t < t + lasting < np.inf:
+        raise ParameterError(f"{label} = {duration!r} is too short or too long after t = {t!r} s")
+    return t + lasting
+
+
+def _changed(loading, t, segments, returns):
+    """Fields of a `Loading` whose end from t [s] on gives way to segments, start -> V, rate."""
+    kept = loading.t < t
+    starts = np.concatenate([loading.t[kept], [*segments]])
+    V, rate = (
+        _appended(column[..., kept], [values[i] for values in segments.values()])
+        for i, column in enumerate((loading.V, loading.rate))
+    )
+    if is_array(V):  # one of them may not depend on what the other does
+        rate = rate + 0.0 * V
+    return {"t": starts, "V": V, "rate": rate, "returns": returns}
+
+
+def _appended(column, values):
+    """A column, ``segment`` last, with more values, floats or DataArrays, at its end."""
+    if not any(map(is_array, (column, *values))):
+        return np.append(column, values)
+    import xarray
+
+    column = column if is_array(column) else xarray.DataArray(column, dims="segment")
+    ends = [xarray.DataArray(value).expand_dims("segment") for value in values]
+    named = {f"V_lp {i}": value for i, value in enumerate(values)}
+    check_aligned({"V_lp before": column.isel(segment=-1), **named})
+    apart = xarray.broadcast(column, *ends, exclude=["segment"])
+    parts = [part.transpose(..., "segment") for part in apart]
+    data = np.concatenate([part.values for part in parts], axis=-1)
+    coords = {name: c for part in parts for name, c in part.coords.items()}
+    return xarray.DataArray(data, coords, parts[0].dims)

@@ -1,0 +1,164 @@
+"""The class `Loading`: how a history is made."""
+
+import dataclasses
+
+import numpy as np
+
+from ...errors import ParameterError
+from ..arrays import stack
+from ..units import is_array, to_si
+from . import events, record
+from .segments import Segments
+from .sine import Sine, checked_sine, lines
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Loading(Segments):
+    """History of the load-point velocity from t = 0 on.
+
+    Made by `constant`, `steps`, `series` or `sinusoid`; the first two go on with `step`, `hold`
+    and `ramp`.
+
+    Attributes
+    ----------
+    t : ndarray, shape (S,)
+        Starts of the segments [s], increasing from 0.
+    V : ndarray, shape (S,), or DataArray with the sweep's dimensions and then ``segment``
+        Speed [m/s] at the start of each segment.
+    rate : like V
+        Acceleration [m/s^2] within each segment; 0 where the speed is constant.
+    t_last : float
+        Where the history ends [s]: inf, but for a series and a sinusoid.
+    sine : Sine or None
+        What a sinusoid was made from.
+    returns : True or None
+        Whether the last segment only ends a hold or ramp, so that another event may begin with it.
+    """
+
+    sine: Sine | None = None
+    returns: bool | None = None
+
+    @classmethod
+    def constant(cls, V):
+        """One speed V [m/s], >= 0, for ever."""
+        V = stack({"V": to_si("V_lp", V, label="V", bound=">= 0")})
+        return cls(np.zeros(1), V, 0.0 * V)
+
+    @classmethod
+    def steps(cls, V_start, *steps):
+        """Speeds that change at once: V_start, and V1 from t1 on, V2 from t2 on, ...
+
+        Parameters
+        ----------
+        V_start : float, str, pint.Quantity or DataArray
+            Speed until the first step [m/s], >= 0; a hold is a speed of 0.
+        *steps : tuple (t, V)
+            Time [s], > 0 and increasing, and the speed from then on [m/s], >= 0.  Speeds may be
+            named DataArrays; times are common to all cases.
+
+        Raises
+        ------
+        ParameterError
+            A value of a wrong unit or range, times that do not increase, arrays that clash.
+        """
+        times, speeds = [0.0], {"V_start": to_si("V_lp", V_start, label="V_start", bound=">= 0")}
+        for step in steps:
+            if not isinstance(step, tuple | list) or len(step) != 2:
+                raise ParameterError(f"step {step!r} is not a pair (t, V) such as (1.0, 3.2e-3)")
+            t = to_si("t", step[0], label=f"t of step {len(times)}", bound="> 0")
+            if is_array(t):
+                raise ParameterError("the time of a step is one number, common to all cases")
+            if t <= times[-1]:
+                raise ParameterError(
+                    f"t = {t!r} s of step {len(times)} must come after t = {times[-1]!r} s; "
+                    f"give the steps in order of time"
+                )
+            label = f"V_lp from t = {t!r} s on"
+            speeds[label] = to_si("V_lp", step[1], label=label, bound=">= 0")
+            times.append(t)
+        V = stack(speeds)
+        return cls(np.array(times), V, 0.0 * V)
+
+    @classmethod
+    def series(cls, t, V_lp):
+        """A sampled history, such as a laboratory record, taken as piecewise linear.
+
+        Parameters
+        ----------
+        t : sequence of N >= 2 times
+            Times [s], not decreasing from 0.  The same time in two rows is a jump.
+        V_lp : sequence of N speeds
+            Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
+
+        Raises
+        ------
+        ParameterError
+            A wrong unit or range, times that decrease or come thrice; names the row, from 0 on.
+        """
+        return cls(*record.segments(t, V_lp))
+
+    @classmethod
+    def sinusoid(cls, V_lp, amplitude, *, t_end, period=None, frequency=None):
+        """A speed V_lp + amplitude sin(2 pi t/period), from t = 0 to t_end.
+
+        Straight lines, 256 a period, whose fundamental is exactly this one.  The speed is off by up
+        to 5.1e-5 of the amplitude, the displacement by up to 1.3e-7 of its own amplitude.
+
+        Parameters
+        ----------
+        V_lp : float, str, pint.Quantity or DataArray
+            Mean speed [m/s], > 0.
+        amplitude : float, str, pint.Quantity or DataArray
+            From 0 to V_lp [m/s].
+        t_end : float, str or pint.Quantity
+            Where the history ends [s], > 0; of a DataArray, the latest.
+        period, frequency : float, str or pint.Quantity
+            One of them, > 0, [s] or [Hz], common to all cases.
+
+        Raises
+        ------
+        ParameterError
+            A value of a wrong unit or range, arrays that clash, more than 10^6 lines.
+        """
+        wave = checked_sine(V_lp, amplitude, period, frequency)
+        t, V, rate, t_last = lines(wave, t_end)
+        return cls(t, V, rate, t_last, wave)
+
+    def step(self, t, V):
+        """The same history up to time t [s], and from then on the speed V [m/s], >= 0.
+
+        Parameters
+        ----------
+        t : float, str or pint.Quantity
+            Later than what happens last in the history, or where a hold or ramp ends.
+        V : float, str, pint.Quantity or DataArray
+
+        Raises
+        ------
+        ParameterError
+            A wrong unit or range; a history with an end, such as a series.
+
+        Examples
+        --------
+        >>> Loading.constant("1 mm/s").step("1 s", "3.2 mm/s").hold("2 s", "100 s")
+        <Loading: 4 segments from t = 0 to inf s>
+        """
+        return dataclasses.replace(self, **events.step(self, t, V))
+
+    def hold(self, t, duration):
+        """The same history up to time t [s], then rest for a while [s], then the speed before it.
+
+        Parameters and errors as for `step`.
+        """
+        return dataclasses.replace(self, **events.hold(self, t, duration))
+
+    def ramp(self, t, V, duration):
+        """The same history up to t [s], then a steady change of speed for a while [s] to V [m/s].
+
+        Parameters and errors as for `step`.
+        """
+        return dataclasses.replace(self, **events.ramp(self, t, V, duration))
+
+    def __repr__(self):
+        sweep = f", sweep over {', '.join(self.V.dims[:-1])}" if is_array(self.V) else ""
+        return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{sweep}>"

@@ -1,0 +1,225 @@
+"""The one door by which values come in.
+
+Inside ratestate every value is in SI.  `to_si` turns what a user writes (a number, ``"10 um"``,
+a pint quantity, a named DataArray) into a float or a DataArray in SI, or raises a
+`ParameterError` that names symbol, value, unit and remedy.
+"""
+
+import functools
+import re
+import sys
+from decimal import Decimal
+
+import numpy as np
+
+from ..errors import ParameterError
+from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected
+
+#: names of dimensions that results need for themselves
+RESERVED = {"time", "mode", "segment"}
+_PREFIXES = dict(zip("nuµμmckMG", (-9, -6, -6, -6, -3, -2, 3, 6, 9), strict=True)) | {"": 0}
+# A number goes as far as it can, and nothing like a second one may touch it: no "1e1e1 um".
+#: units of what data sheets give for a whole machine, in N/m, kg or N
+_PER_AREA = ("Pa/m", "kg/m^2", "Pa")
+_NUMBER = re.compile(
+    r"\s*((?>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf|nan)))(?![eE]?[-+]?[\d.])"
+    r"\s*(.*?)\s*"
+)
+# Names, powers and what joins them; pint by itself takes what follows a # for a comment.
+_EXPRESSION = re.compile(
+    r"(?:[^\W\d]\w*+(?:-\d++)?|[%\u00b0]|1(?![\d.])"
+    r"|(?:\*\*|\^)\s*+\(?\s*+[-+]?\d++(?:\.\d++)?|[*/()\u00b7\s\u207b])++"
+)
+
+
+def is_array(value):
+    """Whether value is an xarray.DataArray (without importing xarray to find out)."""
+    xarray = sys.modules.get("xarray")
+    return xarray is not None and isinstance(value, xarray.DataArray)
+
+
+def named(symbol, value):
+    """A result under its symbol: name and attributes for a DataArray, plain float for a scalar."""
+    if is_array(value):
+        return value.rename(symbol).assign_attrs(attrs(symbol))
+    return value if np.ndim(value) else float(value)
+
+
+def to_si(symbol, value, *, label=None, bound=None):
+    """Value of a quantity in SI units, checked.
+
+    Parameters
+    ----------
+    symbol : str
+        A key of `QUANTITIES`; it fixes unit and range.
+    value : float, str, pint.Quantity or xarray.DataArray
+        A plain number is in SI already.  A DataArray is too, unless its attribute ``units``
+        says otherwise; one without dimensions counts as a number.
+    label : str, optional
+        Name of the value in messages, if not its symbol.
+    bound : {"", "> 0", ">= 0"}, optional
+        Range to check in place of the table's.
+
+    Returns
+    -------
+    float or xarray.DataArray
+        A DataArray is float64 and named by the symbol.  If it is 1-D along its own symbol and
+        has no coordinate (or its own values for one), then its SI values become that coordinate.
+
+    Raises
+    ------
+    ParameterError
+        Wrong type, unit or range; NaN; a DataArray whose dimension has no usable name.
+    """
+    label = label or symbol
+    if is_array(value):
+        return _array_to_si(symbol, value, label, bound)
+    given = repr(value) if isinstance(value, str) else str(value)
+    if hasattr(value, "magnitude") and hasattr(value, "units"):  # pint, whatever the registry
+        number = _real(symbol, value.magnitude, label)
+        x = _convert(symbol, repr(number), str(value.units), f"{label} = {given}")
+    elif isinstance(value, str):
+        match = _NUMBER.fullmatch(value)
+        if match is None:
+            raise ParameterError(
+                f"{label} = {given} is not a number with a unit; {expected(symbol)}"
+            )
+        x = _convert(symbol, match[1], match[2], f"{label} = {given}")
+    else:
+        x = _real(symbol, value, label)
+        given = _shown(symbol, x)
+    if complaint := _complaint(symbol, x, bound):
+        raise ParameterError(f"{label} = {given} {complaint}; {expected(symbol)}")
+    return x
+
+
+def _shown(symbol, x):
+    unit = QUANTITIES[symbol].unit
+    return f"{x:.6g}" + ("" if unit == "1" else f" {unit}")
+
+
+def _complaint(symbol, x, bound):
+    """What is wrong with this number, or nothing."""
+    quantity = QUANTITIES[symbol]
+    bound = quantity.bound if bound is None else bound
+    if np.isnan(x):
+        return "is not a number"
+    if (bound == "> 0" and not x > 0) or (bound == ">= 0" and not x >= 0):
+        return f"must be {bound}"
+    return "must be finite" if np.isinf(x) and not quantity.may_be_inf else ""
+
+
+def _real(symbol, value, label):
+    """A plain real number as a float; anything else is refused."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    kinds = int | float | np.integer | np.floating | Decimal
+    if isinstance(value, kinds) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except OverflowError:  # an int beyond 1e308
+            return np.inf if value > 0 else -np.inf
+    many = hasattr(value, "__len__") and not isinstance(value, str | bytes)
+    raise ParameterError(
+        f"{label} = {value!r} is of type {type(value).__name__}; {expected(symbol)}"
+        + (f", or for many values xarray.DataArray(values, dims='{symbol}')" if many else "")
+    )
+
+
+def _convert(symbol, number, unit, given):
+    """Number with a unit, both as text, as a float in SI (correctly rounded)."""
+    try:
+        return float(Decimal(number) * _factor(QUANTITIES[symbol].unit, unit))
+    except ArithmeticError:  # decimal exponents of ten digits
+        raise ParameterError(f"{given} is beyond any size; {expected(symbol)}") from None
+    except ValueError as error:
+        raise ParameterError(f"{given} {error}; {expected(symbol)}{_meant(symbol, unit)}") from None
+
+
+def _meant(symbol, unit):
+    """The end of a message: the unit that this would be in other letters, small or capital."""
+    si = QUANTITIES[symbol].unit
+    usual = (PREFIXES[power] + si for power in POWERS.get(si, (0,)))
+    plain = unit.replace("^", "").lower()
+    near = [known for known in usual if si != "1" and known.replace("^", "").lower() == plain]
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
+@functools.lru_cache(maxsize=1000)
+def _factor(si, unit):
+    """SI units in one unit, exactly; ValueError with a complaint if there is no such factor."""
+    if unit in ("", "1", "dimensionless"):
+        if si == "1":
+            return Decimal(1)
+        raise ValueError("has no unit")
+    # Loading pint takes 0.3 s, so the usual case, the SI unit with a prefix, is read here.
+    prefix = unit.removesuffix(si)
+    if unit.endswith(si) and prefix in (_PREFIXES if si[0] in "msPH" else [""]):
+        return Decimal(1).scaleb(_PREFIXES[prefix])
+    # "kg/m2" and "m s-1", as CF writes them, mean "kg/m**2" and "m s**-1"
+    text = re.sub(r"(?<![\w.])([A-Za-z]+)(-?\d)(?![\d.])", r"\1**\2", unit)
+    if not _EXPRESSION.fullmatch(unit):
+        raise ValueError(f"has an unknown unit {unit!r}")
+    try:
+        one = _registry().Quantity(Decimal(1), text)
+    except Exception:  # pint raises a dozen kinds, down to AssertionError
+        raise ValueError(f"has an unknown unit {unit!r}") from None
+    if not one.is_compatible_with(si):
+        if si in _PER_AREA and one.is_compatible_with(f"({si}) * m**2"):
+            raise ValueError("is of the whole contact, and to be divided by its area")
+        what = [f"{KINDS[kind][0]} [{kind}]" for kind in KINDS if one.is_compatible_with(kind)]
+        raise ValueError(f"is {what[0] if what else f'of dimension {one.dimensionality}'}")
+    return one.to(si if si != "1" else "dimensionless").magnitude
+
+
+@functools.cache
+def _registry():
+    """Units by pint, in decimal arithmetic: "10 um" is exactly 1e-05."""
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def _array_to_si(symbol, array, label, bound):
+    """`to_si` for a DataArray."""
+    unit = array.attrs.get("units")
+    if hasattr(array.data, "magnitude"):  # pint inside xarray
+        unit, array = str(array.data.units), array.copy(data=array.data.magnitude)
+    if array.dtype.kind not in "iuf" or array.size == 0:
+        what = f"of dtype {array.dtype}" if array.size else "without values"
+        raise ParameterError(f"{label} is a DataArray {what}; {expected(symbol)}")
+    reserved = RESERVED - {"time"} if symbol in ("t", "time", "times") else RESERVED
+    for dim in array.dims:
+        if dim in reserved or not re.match(r"(?!dim_\d)[^\W\d]", str(dim)):
+            raise ParameterError(
+                f"{label} has a dimension called {dim!r}, which cannot name a sweep; "
+                f"rename it, for example xarray.DataArray(values, dims='{symbol}')"
+            )
+    si = array.astype(float).drop_attrs().rename(symbol).assign_attrs(attrs(symbol))
+    if unit is not None:
+        try:
+            factor = _factor(QUANTITIES[symbol].unit, str(unit))
+        except ValueError as error:
+            raise ParameterError(
+                f"{label} has the attribute units = {unit!r}, which {error}; {expected(symbol)} "
+                f"(xarray's arithmetic keeps attributes: .drop_attrs() for values already in SI)"
+            ) from None
+        # 10 um: 10 / 1e6 rounds once, 10 * 1e-06 would round twice
+        si.data = si.data * float(factor) if factor >= 1 else si.data / float(1 / factor)
+    if si.ndim == 0:
+        return to_si(symbol, float(si), label=label, bound=bound)
+    values = si.values
+    if any(_complaint(symbol, x, bound) for x in (values.min(), values.max())):
+        index = next(i for i, x in np.ndenumerate(values) if _complaint(symbol, x, bound))
+        where = ", ".join(
+            f"{dim}[{i}]" + (f" = {si[dim].values[i]}" if dim in si.indexes else "")
+            for dim, i in zip(si.dims, index, strict=True)
+        )
+        given, complaint = _shown(symbol, values[index]), _complaint(symbol, values[index], bound)
+        raise ParameterError(f"{label} = {given} at {where} {complaint}; {expected(symbol)}")
+    # an axis along its own symbol carries its own values, in SI like everything else
+    if si.dims == (symbol,) and (
+        symbol not in si.indexes or np.array_equal(si.indexes[symbol], array.values)
+    ):
+        si = si.assign_coords({symbol: (symbol, values, attrs(symbol))})
+    return si

@@ -1,0 +1,1 @@
+"""Laboratory records: read, and fitted."""

@@ -1,0 +1,182 @@
+"""A record that oscillates, cut into its cycles and folded into one."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ....errors import ParameterError
+from ....model.quantities import readable
+
+# Fewest cycles, and samples in a cycle, of which anything can be said.
+FEWEST_CYCLES, FEWEST_SAMPLES = 3, 6
+# Parts of a period over which noise is smoothed before cycles are cut.
+SMOOTH = 12
+# Of the amplitude of the smoothed record, the swing about its middle that counts as a crossing.
+SWING = 0.2
+# Chance by which a spectrum of noise alone passes for an oscillation.
+CHANCE = 1e-4
+# Samples, in all and in a cycle, beyond which neighbours are averaged.
+MOST, PLENTY = 20_000, 256
+
+
+class Cycles(NamedTuple):
+    """A stretch of record, cut and folded into one cycle of m bins."""
+
+    cuts: np.ndarray  # (n + 1,) [s] where tau falls through its middle
+    phase: np.ndarray  # (samples,) cycles since the first cut; < 0 or >= n outside of all
+    profile: np.ndarray  # (m,) mean tau/sigma in each bin, trend removed
+    without: np.ndarray  # (n, m) the same, each time without one of the cycles
+    means: np.ndarray  # (n,) tau/sigma of each cycle less that of the profile
+    slope: float  # [1/s] trend removed, about the middle of the cycles
+
+    @property
+    def n(self):
+        return self.cuts.size - 1
+
+    @property
+    def middle(self):
+        return 0.5 * (self.cuts[0] + self.cuts[-1])
+
+    @property
+    def period(self):
+        """Slope of the cuts against their number [s]: noise of single cuts matters least."""
+        number = np.arange(self.cuts.size) - 0.5 * self.n
+        return float(number @ self.cuts / (number @ number))
+
+    def at(self, t):
+        """Folded tau/sigma at times t [s] between the first and the last cut, with the trend."""
+        phase = np.interp(t, self.cuts, np.arange(self.cuts.size))
+        return periodic(self.profile, phase) + self.slope * (t - self.middle)
+
+
+def periodic(profile, phase):
+    """A profile of m bins, at phases in cycles; linear between the middles of bins."""
+    m = profile.size
+    middles = (np.arange(-1, m + 1) + 0.5) / m
+    return np.interp(phase % 1.0, middles, profile[np.arange(-1, m + 1) % m])
+
+
+def main_period(t, y):
+    """Period [s] of the strongest oscillation about the line through a record.
+
+    Raises
+    ------
+    ParameterError
+        No oscillation that stands out of the noise, or fewer cycles or samples than it takes.
+    """
+    grid, even = _even(t, y)
+    power = np.abs(np.fft.rfft(even * np.hanning(even.size))[1:-1]) ** 2
+    best = int(np.argmax(power))
+    span = grid[-1] - grid[0]
+    period = span / (best + 1)
+    # white noise: each line of the spectrum is exponential, and a window makes of 2 about 3
+    if power[best] < 1.5 * np.log(power.size / CHANCE) * power.mean():
+        raise ParameterError(
+            f"no oscillation stands out of the noise of friction in the {readable('t', span)} of "
+            f"the record; fit it against time, or give a record of stick-slip or vibration"
+        )
+    if best + 1 < FEWEST_CYCLES:
+        raise ParameterError(
+            f"the record has fewer than {FEWEST_CYCLES} cycles (its slowest oscillation takes "
+            f"{readable('t', period)} of {readable('t', span)}); give a longer one, or "
+            f"fit against time"
+        )
+    if period < FEWEST_SAMPLES * float(np.median(np.diff(t))):
+        raise ParameterError(
+            f"a cycle of {readable('t', period)} has fewer than {FEWEST_SAMPLES} samples; give a "
+            f"record sampled more often"
+        )
+    return period
+
+
+def thinned(segment, period):
+    """A segment with neighbouring samples averaged, if it has more than it takes."""
+    n = segment.t.size
+    dense = period / float(np.median(np.diff(segment.t)))
+    every = int(min(n / MOST, dense / PLENTY))
+    if every < 2:
+        return segment
+    rows = n // every * every
+    t, y = (column[:rows].reshape(-1, every).mean(axis=1) for column in segment[:2])
+    return segment._replace(t=t, y=y)
+
+
+def cut_cycles(t, y, period):
+    """(n + 1,) times [s] at which tau falls through its middle, once in about a period.
+
+    The record less its mean over a period, smoothed over a twelfth of one, must swing from well
+    above to well below: noise in between makes no cut.
+    """
+    grid, even = _even(t, y)
+    step = grid[1] - grid[0]
+    smooth = _mean_over(even, period / SMOOTH / step) - _mean_over(even, period / step)
+    low, high = np.percentile(smooth, (2.0, 98.0))
+    middle, swing = 0.5 * (high + low), SWING * (high - low)
+    side = np.where(smooth > middle + swing, 1, np.where(smooth < middle - swing, -1, 0))
+    told = np.flatnonzero(side)
+    falls = np.flatnonzero((side[told[:-1]] > 0) & (side[told[1:]] < 0))
+    cuts = np.empty(falls.size)
+    for k, (i, j) in enumerate(zip(told[falls], told[falls + 1], strict=True)):
+        first = i + int(np.argmax(smooth[i : j + 1] < middle))
+        above, below = smooth[first - 1] - middle, smooth[first] - middle
+        cuts[k] = grid[first - 1] + step * above / (above - below)
+    return cuts
+
+
+def fold(t, y, cuts, bins):
+    """`Cycles` of a record cut there, with the trend from one cycle to the next removed."""
+    n = cuts.size - 1
+    phase = np.interp(t, cuts, np.arange(n + 1.0), left=-1.0, right=n + 1.0)
+    inside = (phase >= 0.0) & (phase < n)
+    cycle, bin_ = phase[inside].astype(int), (phase[inside] % 1.0 * bins).astype(int)
+    where = cycle * bins + np.minimum(bin_, bins - 1)
+    count = np.bincount(where, minlength=n * bins).reshape(n, bins)
+    slope = 0.0
+    for _ in range(2):
+        level = y[inside] - slope * (t[inside] - 0.5 * (cuts[0] + cuts[-1]))
+        total = np.bincount(where, level, n * bins).reshape(n, bins)
+        profile = _filled(total.sum(axis=0), count.sum(axis=0))
+        left = level - periodic(profile, phase[inside])
+        means = np.bincount(cycle, left, n) / np.maximum(np.bincount(cycle, minlength=n), 1)
+        if n >= FEWEST_CYCLES:
+            slope += _slope(0.5 * (cuts[1:] + cuts[:-1]), means)
+    without = _filled(total.sum(axis=0) - total, count.sum(axis=0) - count)
+    return Cycles(cuts, phase, profile, without, means, slope)
+
+
+def _even(t, y):
+    """A record without its line, at even times no closer than its typical ones."""
+    flat = y - _slope(t, y) * (t - t[0])
+    step = float(np.median(np.diff(t)))
+    grid = np.linspace(t[0], t[-1], max(int((t[-1] - t[0]) / step), 1) + 1)
+    return grid, np.interp(grid, t, flat - flat.mean())
+
+
+def _slope(t, y):
+    """Slope of the line through a record."""
+    u = t - t.mean()
+    return float(u @ y / (u @ u))
+
+
+def _mean_over(y, width):
+    """Mean over a window of so many samples about each; near the ends, that nearest to it."""
+    half = min(round(width) // 2, (y.size - 1) // 2)
+    if half < 1:
+        return y
+    sums = np.concatenate([[0.0], np.cumsum(y)])
+    wide = 2 * half + 1
+    inner = (sums[wide:] - sums[:-wide]) / wide
+    return np.pad(inner, half, mode="edge")
+
+
+def _filled(total, count):
+    """Means of bins (..., m); an empty one lies between its neighbours."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.asarray(total / count)
+    if (count > 0).all():
+        return mean
+    for row, known in zip(np.atleast_2d(mean), np.atleast_2d(count > 0), strict=True):
+        if not known.all() and known.any():
+            at = np.arange(row.size)
+            row[~known] = np.interp(at[~known], at[known], row[known], period=row.size)
+    return mean

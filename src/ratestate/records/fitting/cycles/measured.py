@@ -1,0 +1,180 @@
+"""Features of a record with their errors, and what noise does to them.
+
+Noise shifts features: it makes the largest value larger, and cuts misplaced.  How much, and how
+they scatter together, is found by measuring many times what is known: a cycle without noise,
+sampled as the record is, plus noise of the record's strength and correlation.  Where cycles
+differ from each other by more than such noise explains, the errors are enlarged to what their
+scatter says.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ....errors import ParameterError
+from ....model.quantities import readable
+from .features import AMPLITUDE, DROP, FEATURES, LEVEL, PERIOD, profile_features
+from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, periodic, thinned
+from .noise import Noise, residual_noise
+from .regular import Segment, regular_cuts
+
+# Bins of the profile: their bounds, and the noise in one over the amplitude that is aimed at.
+BINS, BIN_NOISE = (24, 128), 0.01
+# Artificial records, and the seed of their noise.
+COPIES, SEED = 80, 20190117
+# What a machine's speed and stress are known to, at best: no feature is taken for more certain.
+KNOWN = 1e-3
+# Chance of calling cycles different that are not.
+CHANCE = 0.005
+# A part of the period this short, in bins, is not resolved; nor one this uncertain (of 1).
+RESOLVED, VAGUE = 1.5, 0.3
+# Part of the amplitude that a trend must make up over the cycles to be worth a word.
+DRIFT = 0.1
+
+
+class Measured(NamedTuple):
+    """Features of a segment; logarithms, but for the level."""
+
+    segment: Segment  # without the cycles left out
+    cycles: Cycles
+    noise: Noise
+    raw: np.ndarray  # (6,) as measured, shifted by noise
+    values: np.ndarray  # (6,) freed of that
+    covariance: np.ndarray  # (6, 6)
+    used: np.ndarray  # (6,) whether the record resolves it
+    left_out: tuple  # cycles that were, in words
+    removed: tuple  # trend, and what is not resolved
+    warnings: tuple  # on scatter
+
+    @property
+    def notes(self):
+        return (*self.left_out, *self.removed)
+
+    @property
+    def bins(self):
+        return self.cycles.profile.size
+
+
+def measure(segment):
+    """`Measured` features of a segment.
+
+    Raises
+    ------
+    ParameterError
+        No oscillation, too few cycles or samples, or periods that scatter by more than 20 %.
+    """
+    period = main_period(segment.t, segment.y)
+    segment = thinned(segment, period)
+    cuts, left_out = regular_cuts(segment, period)
+    rough = fold(segment.t, segment.y, cuts, BINS[0])
+    bins = _bins(segment, rough)
+    cycles = fold(segment.t, segment.y, cuts, bins)
+    noise = residual_noise(segment, cycles)
+    raw = _features(cycles)
+    found = Measured(
+        segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), left_out, (), ()
+    )
+    return corrected(found, lambda phase: periodic(cycles.profile, phase), raw)
+
+
+def corrected(found, wave, features):
+    """`Measured` with noise's shift, covariance and scatter as they are about a known cycle.
+
+    wave : callable, tau/sigma at phases in cycles, falling through its middle at 0
+    features : (6,) of that cycle, without noise
+    """
+    segment, cycles = found.segment, found.cycles
+    rng = np.random.default_rng(SEED)
+    phase = (segment.t - cycles.cuts[0]) / cycles.period
+    sample = float(np.median(np.diff(phase)))
+    copies = []
+    for _ in range(COPIES):
+        # where in a cycle samples fall is known to less than a sample
+        clean = wave(phase + sample * rng.uniform(-0.5, 0.5))
+        y = clean + found.noise.draw(clean.size, rng)
+        cuts = cut_cycles(segment.t, y, cycles.period)
+        if cuts.size > FEWEST_CYCLES:
+            copies.append(fold(segment.t, y, cuts, found.bins))
+    if len(copies) < COPIES // 2:
+        raise ParameterError(
+            f"the oscillation of friction, {np.exp(found.raw[AMPLITUDE]):.3g} from largest to "
+            f"smallest, drowns in noise of {found.noise.sd:.3g}; give a longer or quieter record"
+        )
+    drawn = np.array([_features(copy) for copy in copies])
+    known = np.array(features)
+    known[PERIOD] = np.log(cycles.period)
+    shift = np.nanmean(drawn, axis=0) - known
+    whole = np.where(np.isfinite(drawn), drawn, np.nanmean(drawn, axis=0))
+    covariance = np.cov(whole.T)
+    typical = np.mean([_scatter(copy) for copy in copies], axis=0)
+    excess = _excess(_scatter(cycles), typical, cycles.n)
+    covariance += np.diag(excess + np.where(np.arange(excess.size) == LEVEL, 0.0, KNOWN**2))
+    error = np.sqrt(np.diag(covariance))
+    parts = np.exp(found.raw - found.raw[PERIOD]) * found.bins
+    used = np.isfinite(found.raw) & (error < VAGUE)
+    used[[2, 3, 4]] &= parts[[2, 3, 4]] > RESOLVED
+    used[LEVEL] = True
+    values = np.where(np.isfinite(found.raw), found.raw - np.nan_to_num(shift), np.nan)
+    removed, warnings = _said(found, excess, used)
+    return found._replace(
+        values=values, covariance=covariance, used=used, removed=removed, warnings=warnings
+    )
+
+
+def _said(found, excess, used):
+    """Notes on trend and resolution, and warnings about scatter."""
+    cycles, speed = found.cycles, f"at {readable('V_lp', found.segment.V_lp)}"
+    notes: tuple = ()
+    warnings: tuple = ()
+    drift = cycles.slope * (cycles.cuts[-1] - cycles.cuts[0])
+    if abs(drift) > DRIFT * float(np.ptp(cycles.profile)):
+        notes += (f"a trend of friction {speed}, by {drift:.2g} over the cycles, is removed",)
+    if not used[DROP]:
+        notes += (
+            f"the drop {speed} is too short for the sampling, or too noisy, and is not fitted; "
+            f"sample it more often to learn of mass and stiffness",
+        )
+    if excess.any():
+        names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
+        warnings += (
+            f"cycles differ by more than the noise within them ({names}) {speed}; errors are "
+            f"enlarged to what their scatter says",
+        )
+    return notes, warnings
+
+
+def _bins(segment, rough):
+    """Number of bins in which noise is small beside the amplitude, and all have samples."""
+    inside = int(np.sum((rough.phase >= 0.0) & (rough.phase < rough.n)))
+    noise = residual_noise(segment, rough).sd
+    amplitude = float(np.ptp(rough.profile))
+    quiet = inside * (BIN_NOISE * amplitude / noise) ** 2 if noise > 0.0 else np.inf
+    filled = min(inside / 4, inside / rough.n)
+    return int(np.clip(min(quiet, filled), *BINS))
+
+
+def _features(cycles):
+    """(6,) features of a folded record."""
+    return profile_features(cycles.profile[None], np.array([cycles.period]))[0]
+
+
+def _scatter(cycles):
+    """(6,) variances of features as the differences between cycles tell them."""
+    n = cycles.n
+    each = profile_features(cycles.without, np.full(n, cycles.period))
+    with np.errstate(invalid="ignore"):
+        found = (n - 1) / n * np.sum((each - each.mean(axis=0)) ** 2, axis=0)
+    periods = np.diff(cycles.cuts)
+    found[PERIOD] = periods.var(ddof=1) / n / cycles.period**2
+    found[LEVEL] = cycles.means.var(ddof=1) / n
+    return found
+
+
+def _excess(scatter, typical, n):
+    """(6,) variances beyond those of noise; 0 where chance explains the difference."""
+    from scipy.special import chdtri
+
+    limit = chdtri(n - 1, CHANCE) / (n - 1)
+    with np.errstate(invalid="ignore"):
+        real = scatter > limit * typical
+    return np.where(real, scatter - typical, 0.0)

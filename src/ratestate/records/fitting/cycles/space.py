@@ -1,0 +1,154 @@
+"""Coordinates in which cycles are fitted: logarithms, and a distance from steady sliding.
+
+The amplitude of a cycle follows from how far below K_c the spring's stiffness is, and near K_c it
+changes hundredfold where parameters change by percents.  So b, or else a, moves as
+
+    ln(K_c/K - STRIP)
+
+at the record's lowest speed: what changes the amplitude is one coordinate, the others turn the
+shape of the cycle, and least squares need not follow a bent valley.
+"""
+
+import numpy as np
+
+from ....errors import ParameterError
+from ....friction.stability import K_c, a_of_K_c, b_of_K_c
+from ..unknowns import PARAMETERS, checked_free
+
+# How far a parameter may move from any start, as a logarithm: a run that gets there has gone off.
+FAR = 12.0
+# K_c/K at which cycles surely end: some live on beside steady sliding, a little above K_c.
+STRIP = 0.98
+# Step of a difference in a coordinate.
+STEP = 1e-5
+# Ranges from which starts are drawn, where a record does not say more.
+DIRECT = (3e-4, 0.03)  # a
+WEAKER = (0.01, 20.0)  # K_c/K - STRIP
+SLIPS = (2.0, 200.0)  # slip in a cycle, over Dc
+STIFFER = (0.9, 60.0)  # K over amplitude sigma/(V_lp period), that of a sawtooth
+LIGHTER = (1e-10, 1.0)  # (natural period/period)^2
+NEAR = 1.1  # and about the slider's own values, as a logarithm
+
+
+class Space:
+    """The free parameters of a slider as coordinates (n, k), and back.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+    free : sequence of str
+    V_lp : float, the lowest speed [m/s]
+
+    Raises
+    ------
+    ParameterError
+        As `checked_free`, or lag; M = 0 or K = inf; b <= a where both are fixed.
+    """
+
+    def __init__(self, slider, free, V_lp):
+        self.names = checked_free(free, slider)
+        if "lag" in self.names:
+            raise ParameterError(
+                "free has 'lag': of a load point that moves steadily no delay is seen; leave it out"
+            )
+        self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in PARAMETERS}
+        if self.fixed["M"] == 0.0:
+            raise ParameterError(
+                "M = 0 kg/m^2: a slider without mass has no limit cycle; give M > 0, at least a "
+                "guess, and free it where it is not known"
+            )
+        if np.isinf(self.fixed["K"]):
+            raise ParameterError(
+                "K = inf: a rigid machine does not oscillate; give a finite K [Pa/m], at least a "
+                "guess, and free it where it is not known"
+            )
+        if not {"a", "b"} & set(self.names) and self.fixed["b"] <= self.fixed["a"]:
+            raise ParameterError(
+                f"b = {self.fixed['b']:g} <= a = {self.fixed['a']:g}: such a slider has no cycle; "
+                f"free b, or give one that is larger than a"
+            )
+        self.V_lp, self.sigma = V_lp, float(slider.sigma)
+        # whose place the distance from steady sliding takes
+        self.weaker = "b" if "b" in self.names else "a" if "a" in self.names else None
+
+    @property
+    def size(self):
+        return len(self.names)
+
+    def values(self, q):
+        """Symbol -> (n,) of all of `PARAMETERS` at coordinates q (n, k)."""
+        n = len(q)
+        values = {symbol: np.full(n, value) for symbol, value in self.fixed.items()}
+        moved = dict(zip(self.names, np.exp(np.clip(q.T, -700.0, 700.0)), strict=True))
+        over = moved.pop(self.weaker) if self.weaker else None
+        values |= moved
+        if self.weaker:
+            self._weaken(values, over)
+        return values
+
+    def _weaken(self, values, over):
+        """Set b, or a, so that K_c/K - STRIP is this."""
+        rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.weaker}
+        solved = b_of_K_c if self.weaker == "b" else a_of_K_c
+        critical = (over + STRIP) * values["K"]
+        values[self.weaker] = solved(self.V_lp, critical, sigma=self.sigma, **rest)
+
+    def coordinates(self, values):
+        """(n, k) of values, symbol -> (n,), where b > a."""
+        columns = {s: np.log(values[s]) for s in self.names if s != self.weaker}
+        if self.weaker:
+            a, b, Dc, K, M = (values[symbol] for symbol in PARAMETERS)
+            stiffness = K_c(self.V_lp, a=a, b=b, Dc=Dc, sigma=self.sigma, M=M)
+            columns[self.weaker] = np.log(np.maximum(stiffness / K - STRIP, WEAKER[0]))
+        return np.stack([columns[symbol] for symbol in self.names], axis=1)
+
+    @property
+    def numbers(self):
+        """What is reported: the free parameters, and a - b where one of both is among them."""
+        return (*self.names, "a_minus_b") if self.weaker else self.names
+
+    def number(self, name, q):
+        """(n,) one of `numbers` at coordinates q (n, k): a logarithm, or a - b."""
+        values = self.values(q)
+        return values["a"] - values["b"] if name == "a_minus_b" else np.log(values[name])
+
+    def gradient(self, name, q):
+        """(k,) derivative of `number` by the coordinates (k,)."""
+        step = STEP * np.eye(self.size)
+        up, down = np.split(self.number(name, np.concatenate([q + step, q - step])), 2)
+        return (up - down) / (2.0 * STEP)
+
+    def own(self):
+        """(1, k) the slider's own values, or, where those have no cycle, ones near to them."""
+        return self.coordinates({symbol: np.array([v]) for symbol, v in self.fixed.items()})
+
+    def cloud(self, n, amplitude, period, V_lp, sigma, seed):
+        """(n, k) points to start from; one half about what a record says, one about the slider.
+
+        n : a power of 2
+        """
+        from scipy.stats import qmc
+
+        points = qmc.Sobol(2 * self.size, rng=seed).random(n // 2)
+        about = self.own() + NEAR * (2.0 * points[:, : self.size] - 1.0)
+        parts = dict(zip(self.names, points[:, self.size :].T, strict=True))
+        values = {symbol: np.full(n // 2, value) for symbol, value in self.fixed.items()}
+
+        def within(symbol, low, high):
+            return low * (high / low) ** parts[symbol]
+
+        stiffness = amplitude * sigma / (V_lp * period)
+        a = self.fixed["a"]
+        if "Dc" in parts:
+            values["Dc"] = V_lp * period / within("Dc", *SLIPS[::-1])
+        if "K" in parts:
+            values["K"] = stiffness * within("K", *STIFFER)
+        if "M" in parts:
+            natural = (period / (2.0 * np.pi)) ** 2
+            values["M"] = values["K"] * natural * within("M", *LIGHTER)
+        if "a" in parts:
+            values["a"] = within("a", min(DIRECT[0], a / 3.0), max(DIRECT[1], 3.0 * a))
+        q = self.coordinates(values)
+        if self.weaker:
+            q[:, self.names.index(self.weaker)] = np.log(within(self.weaker, *WEAKER))
+        return np.concatenate([self.own(), about[1:], q])

@@ -1,0 +1,164 @@
+"""From coordinates to the friction that a load cell would show, with its sensitivities.
+
+Sensitivities are central differences between sliders in neighbouring lanes of the march: the
+2 k + 1 sliders of one Jacobian cost little more than one, and every law, mass, loading and start
+is served by the one engine.  Neighbours take nearly the same steps, so most of their errors
+cancel: with rtol = 1e-8 and differences of 3e-5 sensitivities are right to 1e-6.
+"""
+
+import numpy as np
+
+from ...dynamics.simulation.cases import V_LIMIT
+from ...engine import dispatch
+from ...engine.model import FINISHED, RODAS5P, Cases, Loads
+from .unknowns import PLAIN, START
+
+RTOL = 1e-8
+#: step of a difference in a logarithm
+STEP = 3e-5
+#: K Dc/(a sigma) of a machine that counts as rigid: friction follows within 1e-8 Dc of slip
+RIGID = 1e8
+#: of the march, 100 times what a well-fitting slider takes: one that vibrates is no candidate
+MAX_STEPS = 1e5
+
+
+class Forward:
+    """Friction of a slider under the loading of a record, for many sliders at once.
+
+    Parameters
+    ----------
+    record : Record
+    slider : SpringSlider, which gives the parameters that are not free
+    law : int, code
+    names : tuple of str, the coordinates (see unknowns.py)
+    """
+
+    def __init__(self, record, slider, law, names):
+        self.record, self.law, self.names = record, law, names
+        self.fixed = {symbol: getattr(slider, symbol) for symbol in ("a", "b", "Dc", "K", "M")}
+        if np.isinf(slider.K) and "K" not in names:
+            self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
+        self.sigma = slider.sigma
+        loading = record.loading
+        self.V0 = float(loading.V[0])  # the reference: what slides steadily at it is at rest
+        self.loads = Loads(
+            np.ascontiguousarray(loading.t),
+            np.ascontiguousarray(loading.V, float)[None],
+            np.ascontiguousarray(loading.rate, float)[None],
+        )
+        self.evaluations = 0
+        self.common: dict = {}  # number of sliders -> what all calls for as many share
+        own = {"b": STEP * record.scale, "lag": 0.1 * record.spacing}
+        #: step of a central difference in each coordinate that the motion depends on
+        self.steps = {n: own.get(n, STEP) for n in names if n not in ("level", "trend")}
+
+    def friction(self, points):
+        """(n, m) friction at the record's samples for coordinates (n, k); NaN where none exists.
+
+        Friction is level + (tau/sigma or mu, less its value in steady sliding at the record's
+        first speed) + trend times slip or time.
+        """
+        return self.parts(points)[0]
+
+    def jacobian(self, point):
+        """(m,) friction at a point, and (m, k) its derivatives by the coordinates."""
+        moving = [(self.names.index(name), step) for name, step in self.steps.items()]
+        points = np.repeat(point[None], 2 * len(moving) + 1, axis=0)
+        for j, (i, step) in enumerate(moving):
+            points[2 * j + 1, i] += step
+            points[2 * j + 2, i] -= step
+        friction, along = self.parts(points)
+        here = friction[0]
+        columns = np.ones((len(self.names), here.size))  # that of the level stays 1
+        for j, (i, step) in enumerate(moving):
+            columns[i] = _difference(friction[2 * j + 1], here, friction[2 * j + 2], step)
+        if "trend" in self.names:
+            columns[self.names.index("trend")] = along[0]
+        return here, columns.T
+
+    def parts(self, points):
+        """`friction`, and (n, m) what the trend multiplies: slip or time since the start."""
+        values = self.values(points)
+        saved = self._motion(values)
+        a, b, K = (values[symbol][:, None] for symbol in ("a", "b", "K"))
+        x, v, psi = saved[..., 0], saved[..., 1], saved[..., 2]
+        along = np.broadcast_to(self.record.along, x.shape)
+        if self.record.trend == "slip":
+            along = along - (a * self.sigma / K) * (x - x[:, :1])
+        change = a * x if self.record.kind == "tau" else a * v + b * psi
+        self.evaluations += len(change)
+        return values["level"][:, None] + change + values["trend"][:, None] * along, along
+
+    def values(self, points):
+        """name -> (n,) values of everything that `parts` needs."""
+        values = dict(self._common(len(points))[0])
+        with np.errstate(over="ignore"):
+            for i, name in enumerate(self.names):
+                values[name] = points[:, i] if name in PLAIN else np.exp(points[:, i])
+        if np.isinf(self.fixed["K"]) and "K" not in self.names:
+            # the march knows no rigid machine, but one as good as that
+            values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]
+        return values
+
+    def _common(self, n):
+        """What all calls for n sliders share: values that are not sought, columns of `Cases`."""
+        if n not in self.common:
+            self.common[n] = self._common_of(n)
+        return self.common[n]
+
+    def _common_of(self, n):
+        record = self.record
+        nothing = {"level": 0.0, "trend": 0.0, "lag": 0.0, **dict.fromkeys(START, 0.0)}
+        values = {k: np.full(n, float(v)) for k, v in {**self.fixed, **nothing}.items()}
+        # without inertia V may run away; with a mass that is sought it cannot
+        limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
+        columns = {
+            "V0": np.full(n, self.V0),
+            "t_end": np.full(n, record.t[-1]),
+            "dt": np.zeros(n),
+            "loading": np.zeros(n, np.int64),
+            "times": np.zeros(n, np.int64),
+            "rtol": np.full(n, RTOL),
+            "observe": np.zeros(n),
+            "v_limit": np.full(n, limit),
+            "max_steps": np.full(n, MAX_STEPS),
+        }
+        return values, columns
+
+    def _motion(self, values):
+        """(n, m, 3) x, v, psi at the samples."""
+        a, b, Dc, K, M = (values[symbol] for symbol in ("a", "b", "Dc", "K", "M"))
+        v, psi = (values[name] for name in START)
+        n = a.size
+        columns, times = self._common(n)[1], self.record.t[None]
+        if "lag" in self.names:
+            # a sample of before the start shows the start
+            times = self.record.t - values["lag"][:, None]
+            ends = np.maximum(times[:, -1], 1e-9 * self.record.t[-1])
+            columns = columns | {"times": np.arange(n), "t_end": ends}
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            per_stress = 1.0 / (a * self.sigma)
+            beta = b / a
+            cases = Cases(
+                kappa=K * Dc * per_stress,
+                beta=beta,
+                eta0=M * self.V0**2 * per_stress / Dc,
+                scale=self.V0 / Dc,
+                y=np.stack([v + beta * psi, v, psi], axis=1),
+                **columns,
+            )
+        results = dispatch.run_march(
+            RODAS5P, self.law, cases, self.loads, times, np.arange(n), n == 1
+        )
+        saved = results.saved
+        saved[results.status != FINISHED] = np.nan
+        return saved
+
+
+def _difference(above, here, below, step):
+    """A derivative from both sides, or from the one on which there is motion at all."""
+    if np.isfinite(above[-1]) and np.isfinite(below[-1]):
+        return (above - below) / (2.0 * step)
+    if np.isfinite(below[-1]):
+        return (here - below) / step
+    return (above - here) / step

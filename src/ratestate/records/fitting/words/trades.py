@@ -1,0 +1,80 @@
+"""Parameters that trade off with each other: which combination a record fixes."""
+
+import numpy as np
+
+from ....model.quantities import with_error
+
+#: correlation from which parameters trade off, and the error of a combination worth a warning
+TRADED, LOOSE = 0.95, 0.2
+#: power in a product of parameters below which one is left out
+SMALL = 0.1
+
+
+def traded(table, names):
+    """Groups (tuples) of these parameters of which each correlates strongly with another one.
+
+    table : Estimates
+    """
+    which = [table.names.index(name) for name in names]
+    linked = np.abs(table.correlation[np.ix_(which, which)]) > TRADED
+    reach = np.linalg.matrix_power(linked.astype(int), max(len(names), 1)) > 0
+    groups = {tuple(n for n, on in zip(names, row, strict=True) if on) for row in reach}
+    return sorted(group for group in groups if len(group) > 1)
+
+
+def trade(table, which):
+    """Words on the combination of a group that is known, and whether another one is hardly.
+
+    Combinations are the axes of the covariance of the logarithms.
+    """
+    index = [table.names.index(name) for name in which]
+    errors = np.array([relative_error(table, name) for name in which])
+    # b < 0 has no logarithm but that of -b, which correlates the other way
+    signs = np.sign(table.values[index])
+    correlation = table.correlation[np.ix_(index, index)] * np.outer(signs, signs)
+    variance, axes = np.linalg.eigh(correlation * np.outer(errors, errors))
+    best, worst = np.sqrt(np.maximum(variance[[0, -1]], 0.0))
+    known = f"{product(which, axes[:, 0])} to {percent(best)}"
+    if "a" in which and "b" in which:
+        i = table.names.index("a_minus_b")
+        known += f", and a - b = {with_error(table.values[i], table.errors[i])}"
+    if worst < LOOSE:
+        return known, False
+    pairs = correlation[np.triu_indices(len(which), 1)]
+    strongest = pairs[np.argmax(np.abs(pairs))]
+    return (
+        f"{', '.join(which[:-1])} and {which[-1]} trade off (correlation {strongest:.3f}): the "
+        f"record fixes {known}, but {product(which, axes[:, -1])} only to {percent(worst)}"
+    ), True
+
+
+def relative_error(table, name):
+    """Standard error of a parameter's logarithm, from the covariance; of b, in parts of it."""
+    i = table.names.index(name)
+    return float(table.errors[i] / max(abs(table.values[i]), 1e-300))
+
+
+def percent(error):
+    """A relative error as text; a large one as a factor.
+
+    >>> percent(0.0213), percent(1.5)
+    ('2.1 %', 'a factor of 4.5')
+    """
+    return f"{100.0 * error:.2g} %" if error < 0.5 else f"a factor of {np.exp(min(error, 99)):.2g}"
+
+
+def product(names, axis):
+    """A direction in logarithms as a product of powers, the largest of which is 1.
+
+    >>> product(("Dc", "K"), np.array([0.7, 0.69])), product(("a", "b"), np.array([-0.6, 0.8]))
+    ('Dc K', 'b/a^0.75')
+    """
+    powers = axis / axis[np.argmax(np.abs(axis))]
+    over: list[str] = []
+    under: list[str] = []
+    for name, power in zip(names, powers, strict=True):
+        if abs(power) > SMALL:
+            size = "" if abs(power) > 0.95 else f"^{abs(power):.2g}"
+            (over if power > 0.0 else under).append(name + size)
+    below = f"({' '.join(under)})" if len(under) > 1 else "".join(under)
+    return " ".join(over) + (f"/{below}" if below else "")

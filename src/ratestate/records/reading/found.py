@@ -1,0 +1,60 @@
+"""What was found in a record, in a line of words."""
+
+import numpy as np
+
+from ...model.quantities import PREFIXES, power_of, readable
+
+
+def found_in_words(segments, t, displacement=None):
+    """Steps and holds, such as "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)".
+
+    Parameters
+    ----------
+    segments : Segments
+    t : ndarray
+        The record's times [s].
+    displacement : ndarray, optional
+        Its values [m] in the record.
+    """
+    if segments.V.size == 1:
+        V = segments.V[0]
+        return f"no step: {'a hold' if V == 0.0 else f'steady at {_speed(V)}'} throughout"
+    ends = np.append(segments.t[1:], t[-1])
+    words = []
+    for i in range(segments.V.size):
+        start, V = segments.t[i], segments.V[i]
+        before = segments.V[i - 1] if i else None
+        if V == 0.0:
+            place = f"from {_time(start)}" + (_where(start, t, displacement) if i else "")
+            words.append(f"hold of {readable('t', ends[i] - start, 4)} {place}")
+        elif before == 0.0:
+            words.append(f"slide at {_speed(V)} from {_time(start)}")
+        elif before is not None:
+            at = f"at {_time(start)}{_where(start, t, displacement)}"
+            words.append(f"velocity step {_speeds(before, V)} {at}")
+    return "; ".join(words)
+
+
+def _speed(V):
+    return readable("V_lp", V, 3)
+
+
+def _speeds(before, V):
+    """Two speeds, in one unit if they are not too far apart."""
+    power = power_of("m/s", max(before, V))
+    if max(before, V) >= 100.0 * min(before, V):
+        return f"{_speed(before)} -> {_speed(V)}"
+    one, other = (f"{x / 10.0**power:#.3g}".rstrip(".") for x in (before, V))
+    return f"{one} -> {other} {PREFIXES[power]}m/s"
+
+
+def _time(t):
+    return f"{t:.1f} s" if abs(t) >= 100.0 else f"{t:.4g} s"
+
+
+def _where(start, t, displacement):
+    """The displacement at a time, in brackets."""
+    if displacement is None:
+        return ""
+    x = float(np.interp(start, t, displacement))
+    return f" ({x * 1e6:.0f} um)" if abs(x) < 0.1 else f" ({x * 1e3:.3f} mm)"

@@ -1,0 +1,178 @@
+"""Foreign binary files, read in a process of their own.
+
+What an HDF5 or MAT file holds goes into compiled code that trusts it: a damaged one may end the
+process that reads it (SIGSEGV, SIGBUS), ask for any amount of memory, or never come to an end.  So
+a child reads it, under limits, and hands the arrays back through a pipe.
+
+The child is a new interpreter that imports the reader and nothing else (0.2 to 0.5 s): no fork,
+for other threads may run, and no import of ``__main__``, which therefore needs no guard.  Memory
+is limited where the system does that (Linux), processor time on any POSIX, time everywhere.
+"""
+
+import contextlib
+import importlib
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import warnings
+from pathlib import Path
+
+from ...errors import ParameterError
+
+#: what a child may take for itself, and more of it for each byte of the file
+MEMORY, MEMORY_EACH = 1024**3, 20  # bytes
+SECONDS, SECONDS_EACH = 60.0, 1e-6
+READY = b"+"
+LONGEST = 300  # characters of what a reader complains of
+
+
+def read_isolated(reader, path, kind):
+    """What `reader` finds in a file; whatever it does, only the child that it runs in is harmed.
+
+    Parameters
+    ----------
+    reader : function of a Path
+        Of a module, from which the child imports it; what it returns can be pickled.
+    path : pathlib.Path
+        A file that can be opened.
+    kind : str
+        As what it is read, in messages: "HDF5".
+
+    Raises
+    ------
+    ParameterError
+        The reader raised one; or it failed in any other way, died, or took too long or too much
+        memory.
+    """
+    size = path.stat().st_size
+    seconds, memory = SECONDS + SECONDS_EACH * size, MEMORY + MEMORY_EACH * size
+    late = threading.Event()
+
+    def too_late():
+        late.set()
+        process.kill()
+
+    try:
+        process = _started(reader, path, memory, seconds)
+    except OSError:  # of the system, not of the file: it is read here
+        return reader(path)
+    timer = threading.Timer(seconds, too_late)
+    timer.daemon = True
+    try:
+        timer.start()
+        ready = process.stdout.read(1) == READY
+        answer = _received(process.stdout) if ready else None
+        if answer is None:
+            process.wait()
+    finally:
+        timer.cancel()
+        process.kill()
+        process.stdout.close()
+        code = process.wait()
+    if answer is not None:
+        found, error, failure, told = answer
+        for message, category in told:
+            warnings.warn(f"{path.name}: {message}", category, stacklevel=3)
+        if error is not None:
+            raise error
+        if not failure:
+            return found
+    elif late.is_set():
+        failure = f"it took more than {seconds:.0f} s"
+    elif ready:
+        failure = f"it ended the process that read it ({_ending(code)})"
+    else:  # no such process is to be had here: the file is not to blame
+        return reader(path)
+    raise ParameterError(
+        f"{path.name} cannot be read as {kind}: {failure[:LONGEST]}; copy it again "
+        f"from where it comes from, or write it anew in another format"
+    )
+
+
+def _started(reader, path, memory, seconds):
+    """The child; it can import what this process can."""
+    places = [place or str(Path.cwd()) for place in sys.path]
+    own = {"PYTHONPATH": os.pathsep.join(places), "OPENBLAS_NUM_THREADS": "1"}
+    what = [reader.__module__, reader.__qualname__, str(path), str(memory), str(int(seconds) + 1)]
+    return subprocess.Popen(
+        [sys.executable, "-P", "-c", f"from {__name__} import _serve; _serve()", *what],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env=os.environ | own,
+        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+    )
+
+
+def _received(stream):
+    """What the child has to say: (found, ParameterError, another failure, warnings), or None."""
+    try:
+        head, sizes = pickle.load(stream)
+        parts = [bytearray(size) for size in sizes]
+        if any(stream.readinto(part) < len(part) for part in parts):
+            return None
+        return pickle.loads(head, buffers=parts)
+    except Exception:  # whatever a process leaves behind that died amid a sentence
+        return None
+
+
+def _ending(code):
+    """How a process ended, by its exit code."""
+    if code >= 0:
+        return f"exit code {code}"
+    with contextlib.suppress(ValueError):
+        return signal.Signals(-code).name
+    return f"signal {-code}"
+
+
+def _serve():
+    """Read a file and send what is in it: what a child does."""
+    module, name, path, memory, seconds = sys.argv[1:]
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # so that nothing else gets in between
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends it, or lets it end
+    reader = getattr(importlib.import_module(module), name)
+    _limit(int(memory), int(seconds))
+    answers.write(READY)
+    answers.flush()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found, error, failure = _outcome(reader, Path(path), int(memory))
+    told = dict.fromkeys((str(one.message), one.category) for one in caught)
+    parts: list = []
+    head = pickle.dumps((found, error, failure, [*told]), 5, buffer_callback=parts.append)
+    raw = [part.raw() for part in parts]
+    pickle.dump((head, [part.nbytes for part in raw]), answers)
+    for part in raw:
+        answers.write(part)
+    answers.flush()
+    os._exit(0)  # what the file has spoilt is not cleared away
+
+
+def _outcome(reader, path, memory):
+    """(found, ParameterError, another failure) of a reader."""
+    try:
+        return reader(path), None, ""
+    except ParameterError as error:
+        return None, error, ""
+    except MemoryError:
+        return None, None, f"it asks for more memory than {memory / 1e9:.1f} GB"
+    except Exception as error:
+        return None, None, f"{type(error).__name__}: {error}"
+
+
+def _limit(memory, seconds):
+    """Limit this process, as far as the system can."""
+    with contextlib.suppress(ImportError):  # Windows
+        import resource
+
+        limits = {"RLIMIT_AS": memory, "RLIMIT_CPU": seconds, "RLIMIT_CORE": 0}
+        for limit, most in limits.items():
+            which = getattr(resource, limit)
+            hard = resource.getrlimit(which)[1]
+            most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+            with contextlib.suppress(ValueError, OSError):  # macOS knows no limit of memory
+                resource.setrlimit(which, (most, hard))

@@ -1,0 +1,53 @@
+"""The history of the load point out of its velocity, as it was recorded."""
+
+import itertools
+
+import numpy as np
+
+from ...errors import ParameterError
+from ...model.quantities import readable
+from .segments import Segments, checked, few
+from .splits import Rows, cut, without
+from .steps import ROUNDED, STEP, STILL
+
+#: variance of the place of a jump by k standard deviations, found by least squares: this many
+#: samples squared, over k^4 (Yao, Annals of Statistics 15, 1987, for small k)
+PLACE = 26.0
+
+
+def levels_of(t, V):
+    """`Segments` out of speeds [m/s] that were recorded; steps lie midway between two rows.
+
+    Raises
+    ------
+    ParameterError
+        As in `find_segments`.
+    """
+    t, V = checked(t, V, "V_load")
+    rows = Rows(t, V, degree=0)
+    cuts = few(cut(rows), t)
+    while True:
+        at = rows.at[cuts].tolist()
+        means = np.array([V[i:j].mean() for i, j in itertools.pairwise(at)])
+        errors = np.sqrt(rows.noise / np.diff(at))
+        means[np.abs(means) <= np.maximum(STILL * errors, ROUNDED * np.abs(means).max())] = 0.0
+        turns = np.abs(np.diff(means))
+        changes = turns / np.maximum(np.maximum(np.abs(means[1:]), np.abs(means[:-1])), 1e-300)
+        if not changes.size or changes.min() >= STEP:
+            break
+        cuts = without(rows, cuts, int(np.argmin(changes)) + 1)
+    if means.min() < 0.0:
+        i = int(np.argmin(means))
+        raise ParameterError(
+            f"V_load is {readable('V_lp', means[i], 3)} from {t[at[i]]:.7g} s on; a load point "
+            f"moves at V >= 0: leave that span out with time=..."
+        )
+    before, after = t[np.array(at[1:-1], int) - 1], t[np.array(at[1:-1], int)]
+    place = np.sqrt(1.0 / 12.0 + PLACE * (rows.noise / turns**2) ** 2)
+    return Segments(
+        np.append(t[0], 0.5 * (before + after)),
+        means,
+        np.append(0.0, (after - before) * place),
+        np.where(means == 0.0, 0.0, errors),
+        [],
+    )

@@ -1,0 +1,56 @@
+"""A file as a table, by what it begins with."""
+
+from pathlib import Path
+
+from ...errors import ParameterError
+from .isolated import read_isolated
+from .stored import read_hdf5, read_mat
+from .text import read_text
+
+HDF5 = b"\x89HDF\r\n\x1a\n"
+#: how files begin that hold tables of another kind
+FOREIGN = {
+    b"PK\x03\x04": "a spreadsheet or an archive",
+    b"\xd0\xcf\x11\xe0": "a spreadsheet of an old kind",
+    b"CDF": "NetCDF 3",
+    b"%PDF": "a PDF",
+    b"\x1f\x8b": "compressed",
+}
+
+
+def opened(path):
+    """Path and `Table` of a record.
+
+    Raises
+    ------
+    ParameterError
+        Missing, a folder, not to be read, empty, or of a kind that is not known.
+    """
+    try:
+        path = Path(path).expanduser()
+    except TypeError:
+        raise ParameterError(f"path = {path!r} is no path; give one such as 'p1234.txt'") from None
+    try:
+        if not path.exists():
+            raise ParameterError(f"{path} does not exist")
+        if path.is_dir():
+            raise ParameterError(f"{path} is a folder; give the file of a record in it")
+        if not path.is_file():  # a pipe would be waited for
+            raise ParameterError(f"{path} is no file; give the file of a record")
+        with path.open("rb") as file:
+            head = file.read(1024)
+        return path, _table(path, head)
+    except OSError as error:
+        raise ParameterError(f"{path} cannot be read: {error.strerror or error}") from None
+
+
+def _table(path, head):
+    """The `Table` of a file that begins like this."""
+    if head.startswith(HDF5) or HDF5 in head[512:520]:
+        return read_isolated(read_hdf5, path, "HDF5")
+    if head.startswith(b"MATLAB 5.0") or path.suffix.lower() == ".mat":
+        return read_isolated(read_mat, path, "a MAT file")
+    for begin, what in FOREIGN.items():
+        if head.startswith(begin):
+            raise ParameterError(f"{path.name} is {what}; save the record as text, such as .csv")
+    return read_text(path)

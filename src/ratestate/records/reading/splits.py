@@ -1,0 +1,168 @@
+"""Where a line breaks: rows of a record cut into runs on each of which a straight line fits.
+
+Continuous lines that break at free times have two numbers for each line (with n lines: n slopes,
+n - 1 times, one offset), as many as n lines that know nothing of each other.  So the joint least
+squares of times and slopes are a line through the rows of each run by itself, broken where
+neighbours intersect; and sums over rows from the start on give the misfit of any run at once.
+"""
+
+import functools
+
+import numpy as np
+
+from ...model.arrays import running_sum
+
+SHORTEST = 4  # rows of a run
+MOST = 500  # runs
+CANDIDATES = 20_000  # rows at which a run may be cut, before breaks are placed between rows
+#: least fall of the squared misfit by a cut, over the variance of the noise.  The largest of n
+#: falls by chance is about 2 ln n, 20 for long records.
+SIGNIFICANT = 40.0
+
+
+class Rows:
+    """Sums over rows from the start on, at the rows where runs may be cut.
+
+    Parameters
+    ----------
+    t, x : ndarray, shape (n,)
+    degree : {1, 0}
+        Of what is fitted to a run: a line (a displacement), or a level (a speed).
+    longest : int
+        Rows within which noise is looked for; steps that are closer would count as noise.
+    """
+
+    def __init__(self, t, x, degree=1, longest=10**9):
+        self.degree = degree
+        u = t - t.mean()
+        # what all runs share only costs digits
+        y = x - (np.polyval(np.polyfit(u, x, 1), u) if degree else x.mean())
+        self.scale = float(y @ y)
+        columns = np.array([np.ones_like(u), u, u * u, y, u * y, y * y])
+        self.all = np.zeros((6, t.size + 1))
+        self.all[:, 1:] = running_sum(columns)
+        self.every = -(-t.size // CANDIDATES)
+        self.look_at(np.unique(np.append(np.arange(0, t.size, self.every), t.size)))
+        self.noise = self._noise(longest)
+
+    def look_at(self, at):
+        """Let these rows be the candidates."""
+        self.at, self.sums = at, self.all[:, at]
+        self.best_cut = functools.cache(self._best_cut)  # asked for again and again
+
+    def misfit(self, i, j):
+        """Sum of squares about the best line (or level) for rows ``at[i]`` to ``at[j]``."""
+        n, u, uu, y, uy, yy = (column[j] - column[i] for column in self.sums)
+        n = np.maximum(n, 1.0)
+        spread, along = uu - u * u / n, uy - u * y / n
+        explained = along**2 / np.maximum(spread, 1e-300) if self.degree else 0.0
+        return np.maximum(yy - y * y / n - explained, 0.0)
+
+    def _best_cut(self, i, j):
+        """The candidate between i and j that takes most off the misfit, and how much."""
+        k = np.arange(
+            np.searchsorted(self.at, self.at[i] + SHORTEST),
+            np.searchsorted(self.at, self.at[j] - SHORTEST, side="right"),
+        )
+        if not k.size:
+            return i, 0.0
+        both = self.misfit(i, k) + self.misfit(k, j)
+        best = int(np.argmin(both))
+        return int(k[best]), float(self.misfit(i, j) - both[best])
+
+    def _noise(self, longest):
+        """Variance of the noise, as cuts feel it.
+
+        The typical fall of the misfit when a run without break is cut in the middle, for runs of
+        all lengths up to a fortieth of the record, over what it is for white noise of variance 1.
+        Noise that is correlated, or a machine that wanders, counts at the length where it is worst.
+        """
+        last = self.at.size - 1
+        # the median of chi-squared with as many degrees as a cut has numbers
+        typical = 1.386 if self.degree else 0.455
+        found = [1e-15 * self.scale]
+        length = SHORTEST
+        while length <= max(SHORTEST, min(last // 40, longest)):
+            i = np.arange(0, last - 2 * length + 1, length)
+            if i.size:
+                parts = self.misfit(i, i + length) + self.misfit(i + length, i + 2 * length)
+                fall = self.misfit(i, i + 2 * length) - parts
+                found.append(float(np.median(fall)) / typical)
+            length *= 2
+        return max(found)
+
+
+def cut(rows):
+    """Cut a record into runs; the candidates where they begin and end, first and last included.
+
+    Each run is cut where that gains most, as long as the gain is significant; then cuts are moved
+    between their neighbours until none gains, and those that gain nothing any more are undone.
+    A list of more than `MOST` ends early.
+    """
+    least = SIGNIFICANT * rows.noise
+    cuts, open_ = [0, rows.at.size - 1], [(0, rows.at.size - 1)]
+    while open_ and len(cuts) <= MOST:
+        i, j = open_.pop(0)
+        k, gain = rows.best_cut(i, j)
+        if gain > least:
+            cuts.append(k)
+            open_ += [(i, k), (k, j)]
+    if len(cuts) > MOST:
+        return sorted(cuts)
+    cuts = moved(rows, sorted(cuts))
+    if rows.every > 1:
+        cuts = moved(rows, _closer(rows, cuts))
+    while len(cuts) > 2:
+        m, fewer, gain = weakest(rows, cuts)
+        if gain > least:
+            break
+        cuts = moved(rows, fewer, near=m)
+    return cuts
+
+
+def _closer(rows, cuts):
+    """The same cuts, with all rows near them as candidates, not only every second or so."""
+    near = np.arange(-2 * rows.every, 2 * rows.every + 1)
+    places = rows.at[cuts]
+    found = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
+    rows.look_at(found[(found >= 0) & (found <= places[-1])])
+    return np.searchsorted(rows.at, places).tolist()
+
+
+def weakest(rows, cuts):
+    """What is missed least: (its place, the cuts without it, by how much the misfit rises).
+
+    A cut, or two that one better placed cut may replace.
+    """
+    c = np.array(cuts)
+    one = rows.misfit(c[:-1], c[1:])
+    gains = rows.misfit(c[:-2], c[2:]) - one[:-1] - one[1:]
+    m = int(np.argmin(gains))
+    found = m + 1, cuts[: m + 1] + cuts[m + 2 :], float(gains[m])
+    for m in range(1, len(cuts) - 2):
+        i, j = cuts[m - 1], cuts[m + 2]
+        k, gain = rows.best_cut(i, j)
+        loss = float(rows.misfit(i, j) - gain - one[m - 1 : m + 2].sum())
+        if i < k and loss < found[2]:
+            found = m, [*cuts[:m], k, *cuts[m + 2 :]], loss
+    return found
+
+
+def moved(rows, cuts, near=None):
+    """The same cuts, each (or those near one place) at its best place between its neighbours."""
+    cuts = list(cuts)
+    inner = range(1, len(cuts) - 1)
+    for _ in range(20):
+        before = list(cuts)
+        for m in inner if near is None else (m for m in inner if abs(m - near) <= 1):
+            k, gain = rows.best_cut(cuts[m - 1], cuts[m + 1])
+            if gain > 0.0:
+                cuts[m] = k
+        if cuts == before:
+            break
+    return cuts
+
+
+def without(rows, cuts, m):
+    """The cuts but one, those beside it moved to their best places."""
+    return moved(rows, cuts[:m] + cuts[m + 1 :], near=m)

@@ -1,0 +1,145 @@
+"""Runs between cuts, joined where no step is: speeds, holds, jumps and ramps."""
+
+import functools
+import itertools
+
+import numpy as np
+
+from ...model.quantities import readable
+from .lines import Line, Run, fitted, joined, jump, noise_of, settled
+from .splits import without
+
+#: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
+STEP = 0.05
+#: least bend of the displacement that is a step, over its noise: machines wander by as much
+BEND = 3.0
+#: standard errors of a speed up to which it is that of a hold, and of the noise that it moves
+STILL, CREPT = 3.0, 1.5
+#: a hold's speed backwards, or its error, over the speed beside it: machines give a little
+BACK = 0.01
+#: longest ramp between two speeds, over the shorter of the times at these, that is no segment
+RAMP = 0.05
+#: lowest speed but 0, over the largest there is: what rounding leaves of a hold
+ROUNDED = 1e-9
+#: scatter about the lines, over that from row to row, from which on it is no noise
+WANDER = 10.0
+
+
+def steps_and_jumps(rows, cuts, t, x):
+    """Runs between those cuts at which the speed changes by as much as a step.
+
+    Of the other cuts those are kept where the displacement jumps: they part lines of one run.
+    """
+
+    @functools.cache
+    def run_of(i, j):
+        return fitted(t, x, Run((Line(i, j),)))
+
+    @functools.cache
+    def change(i, j, k):
+        """Size of the change at row j between runs from i on and up to k; whether x jumps."""
+        one, other = run_of(i, j), run_of(j, k)
+        size = _size(rows, one, other, t)
+        return size, size < 1.0 and jump(t, x, j, 0.5 * (one.V + other.V)) != 0.0
+
+    while True:
+        at = rows.at[cuts].tolist()
+        changes = [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
+        weak = [1.0 if jumps else size for size, jumps in changes]
+        if not weak or min(weak) >= 1.0:
+            break
+        cuts = without(rows, cuts, int(np.argmin(weak)) + 1)
+    runs = [run_of(*two) for two in itertools.pairwise(at)]
+    found = runs[:1]
+    for run, (_, same) in zip(runs[1:], changes, strict=True):
+        if same:
+            found[-1] = joined(found[-1], run)
+        else:
+            found.append(run)
+    return settled(t, x, found)
+
+
+def _size(rows, one, other, t):
+    """How much the change of speed between two runs is, over the least that is a step."""
+    turn = abs(one.V - other.V)
+    T = [t[run.last - 1] - t[run.first] for run in (one, other)]
+    error = (rows.noise / one.spread + rows.noise / other.spread) ** 0.5
+    least = max(STEP * max(abs(one.V), abs(other.V)), STILL * error)
+    bend = turn * T[0] * T[1] / sum(T) / (BEND * rows.noise**0.5)
+    return min(turn / least if least else 0.0, bend)
+
+
+def still(t, x, runs, rows):
+    """The same with holds, and notes: V = 0 where it cannot be told from 0."""
+    scatter, _ = scatter_of(t, x, runs)
+    largest = max(abs(run.V) for run in runs)
+    found: list[Run] = []
+    notes = []
+    for m, (run, own) in enumerate(zip(runs, noise_of(t, x, runs), strict=True)):
+        lasts = t[run.last - 1] - t[run.first]
+        error = (max(rows.noise, own) / run.spread) ** 0.5
+        least = max(STILL * error, CREPT * scatter / lasts, ROUNDED * largest)
+        hold = abs(run.V) <= least
+        beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
+        if hold and least > BACK * beside > 0.0:
+            notes.append(
+                f"V = 0 from {t[run.first]:.7g} s to {t[run.last - 1]:.7g} s: so short and noisy a "
+                f"hold cannot be told from a speed of up to {readable('V_lp', least, 2)}"
+            )
+        if not hold and -BACK * beside <= run.V < 0.0:
+            hold = True
+            notes.append(
+                f"delta_lp runs back by {readable('delta_lp', -run.V * lasts, 2)} in the hold at "
+                f"{t[run.first]:.7g} s; taken as V = 0"
+            )
+        if hold and found and found[-1].hold:
+            found[-1] = joined(found[-1], run, hold=True)
+        else:
+            found.append(run._replace(hold=bool(hold)))
+    return settled(t, x, found), notes
+
+
+def without_ramps(t, x, runs):
+    """Short runs whose speeds lead from one speed to another left out: a step, with a note."""
+    notes, m = [], 1
+    while m < len(runs) - 1:
+        for last in range(len(runs) - 1, m, -1):
+            span = runs[m - 1 : last + 1]
+            changes = np.diff([run.V for run in span])
+            ramp = t[span[-1].first] - t[span[0].last - 1]
+            around = min(t[r.last - 1] - t[r.first] for r in (span[0], span[-1]))
+            if ramp < RAMP * around and ((changes > 0.0).all() or (changes < 0.0).all()):
+                notes.append(
+                    f"the load point's speed changes over some {ramp:.2g} s from "
+                    f"{t[span[0].last]:.7g} s on; taken as a step"
+                )
+                del runs[m:last]
+                break
+        m += 1
+    return settled(t, x, runs), notes
+
+
+def scatter_of(t, x, runs):
+    """Standard deviation of a displacement about its lines, and that from row to row."""
+    left = np.concatenate([run.residual(t, x) for run in runs])
+    return float(left.std()), float(np.median(np.abs(np.diff(left, 2)))) * 1.4826 / 6**0.5
+
+
+def oddities(t, x, runs):
+    """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
+    notes = []
+    for run in runs:
+        for line in run.lines[1:]:
+            if gap := jump(t, x, line.first, run.V):
+                lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
+                notes.append(
+                    f"delta_lp jumps by {readable('delta_lp', gap, 3)} at {t[line.first]:.7g} s, "
+                    f"the speed the same before and after{lost}; steps are found beside it"
+                )
+    scatter, steps = scatter_of(t, x, runs)
+    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
+        notes.append(
+            f"delta_lp wanders about constant speeds by {readable('delta_lp', scatter, 2)} "
+            f"(standard deviation; {readable('delta_lp', steps, 2)} from row to row)"
+        )
+    return notes

@@ -1,0 +1,133 @@
+"""Columns in HDF5 files (NetCDF 4 and MATLAB 7.3 among them) and in older MAT files."""
+
+import numpy as np
+
+from ...errors import ParameterError
+from .table import Column, Table, shown
+from .titles import split
+
+#: attributes in which units, and names of columns of an array, are kept
+UNITS = ("units", "unit", "Units", "Unit", "UNITS")
+NAMES = ("columns", "column_names", "names", "labels", "header", "fields")
+SMALLEST = 2  # rows
+#: bytes that a byte of a file can hold: deflate packs 1,032 of them into one at most
+UNPACKED = 1100
+
+
+def read_hdf5(path):
+    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it.
+
+    What it raises beside `ParameterError` is for `read_isolated`.
+    """
+    import h5py
+
+    columns: list[Column] = []
+    texts: list[str] = []
+    room = UNPACKED * path.stat().st_size
+
+    def visit(title, item):
+        nonlocal room
+        # MATLAB keeps texts as numbers, and what cells refer to in a group of its own
+        hidden = title.startswith("#") or item.attrs.get("MATLAB_class") == b"char"
+        if isinstance(item, h5py.Dataset) and not hidden:
+            if item.ndim and item.dtype.kind not in "iufV":
+                texts.append(title)
+                return
+            room -= item.nbytes
+            if room < 0:
+                raise ParameterError(
+                    f"{path.name} is damaged: {shown(title)} would fill {item.nbytes:.3g} bytes, "
+                    f"out of a file of {path.stat().st_size}; copy it again from where it comes "
+                    f"from"
+                )
+            columns.extend(_columns(title, item[()], item.attrs))
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return _table(path, columns, texts)
+
+
+def read_mat(path):
+    """The `Table` of all columns of numbers in a MAT file, those in structs among them.
+
+    What it raises beside `ParameterError` is for `read_isolated`.
+    """
+    from scipy.io import loadmat
+
+    return _table(path, list(_in_struct("", loadmat(path, simplify_cells=True))))
+
+
+def _in_struct(place, struct):
+    """The columns of a struct, whose field ``units`` may have a unit for each."""
+    units: dict = next((struct[key] for key in UNITS if isinstance(struct.get(key), dict)), {})
+    for name, value in struct.items():
+        if name.startswith("__"):
+            continue
+        title = f"{place}/{name}" if place else name
+        if isinstance(value, dict):
+            yield from _in_struct(title, value)
+        elif isinstance(value, np.ndarray):
+            unit = units.get(name)
+            yield from _columns(title, value, {"units": unit} if isinstance(unit, str) else {})
+
+
+def _columns(title, values, attrs):
+    """The columns that an array is: one, the fields of a table, or those of a matrix."""
+    if not isinstance(values, np.ndarray) or values.size < SMALLEST:
+        return
+    units = next((attrs[key] for key in UNITS if key in attrs), "")
+    if values.dtype.names:
+        names = [name for name in values.dtype.names if values.dtype[name].kind in "iuf"]
+        for name, unit in zip(names, _texts(units, len(names)), strict=True):
+            yield _column(f"{title}/{name}", name, unit, values[name].ravel())
+    elif values.dtype.kind in "iuf":
+        values = _unpacked(np.squeeze(values), attrs)
+        if values.ndim == 1:
+            yield _column(title, title.rpartition("/")[2], _texts(units, 1)[0], values)
+        elif values.ndim == 2:
+            rows = values if values.shape[0] > values.shape[1] else values.T
+            count = rows.shape[1]
+            names = _texts(next((attrs[key] for key in NAMES if key in attrs), ""), count)
+            for i, unit in enumerate(_texts(units, count)):
+                own = f"{title}/{names[i]}" if names[i] else f"{title}[{i + 1}]"
+                yield _column(own, names[i], unit, rows[:, i])
+
+
+def _column(title, name, unit, values):
+    """A column of a file of arrays, whose titles may begin with groups."""
+    name, own = split(name)
+    return Column(title, name, unit or own, values.astype(float))
+
+
+def _texts(value, count):
+    """An attribute as so many texts: one each, or the same (or nothing) for all."""
+    texts = [
+        item.decode("utf-8", "replace") if isinstance(item, bytes) else str(item)
+        for item in np.atleast_1d(value).tolist()
+    ]
+    if len(texts) == 1 and count > 1 and "," in texts[0]:
+        texts = [text.strip() for text in texts[0].split(",")]
+    if len(texts) == count:
+        return texts
+    return texts * count if len(texts) == 1 and "," not in texts[0] else [""] * count
+
+
+def _unpacked(values, attrs):
+    """Values with the scale, offset and mark for missing ones that NetCDF knows."""
+    packed = {"scale_factor", "add_offset", "_FillValue"} & set(attrs)
+    if not packed:
+        return values
+    numbers = values.astype(float)
+    if "_FillValue" in packed:
+        numbers[values == attrs["_FillValue"]] = np.nan
+    return numbers * attrs.get("scale_factor", 1.0) + attrs.get("add_offset", 0.0)
+
+
+def _table(path, columns, texts=()):
+    table = Table(columns, "row", unread=tuple(texts))
+    if not columns:
+        raise ParameterError(
+            f"{path.name} has no columns of numbers{table.not_read()}; expected arrays of one "
+            f"length for time, displacement and friction"
+        )
+    return table

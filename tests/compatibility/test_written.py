@@ -1,0 +1,62 @@
+"""Files that were written before the package had its present layout."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from written import RESULTS, swept
+
+from ratestate import files
+from ratestate.interfaces import scenario
+from ratestate.interfaces.cli import main
+
+HERE = Path(__file__).parent
+BEFORE = HERE / "written"
+
+
+def same_numbers(now, before):
+    """That numbers are those of before, but for what another processor may round differently."""
+    assert set(before.variables) <= set(now.variables)
+    for name, variable in before.variables.items():
+        values = now[name].values
+        if variable.dtype.kind not in "fc":
+            np.testing.assert_array_equal(values, variable.values, err_msg=name)
+        elif not name.endswith(("error", "residual", "nonlinearity")):
+            scale = np.nanmax(np.abs(variable.values), initial=0.0)
+            where = {"rtol": 1e-7, "atol": 1e-9 * scale, "err_msg": name}
+            np.testing.assert_allclose(values, variable.values, **where)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_results(name):
+    before = files.read(BEFORE / f"{name}.nc")
+    again = scenario.run(scenario.from_result(before))
+    same_numbers(again, before)
+    xarray.testing.assert_identical(again, RESULTS[name]())
+
+
+@pytest.fixture
+def store(tmp_path):
+    shutil.unpack_archive(BEFORE / "store.zip", tmp_path / "store.zarr")
+    return tmp_path / "store.zarr"
+
+
+def test_store(store, capsys):
+    main(["sweep", "--store", str(store), "--status", "--verify"], standalone_mode=False)
+    assert "all files are as they were written" in capsys.readouterr().out
+    before = xarray.open_zarr(store).load()
+    assert before.status.values.tolist() == [[1, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, 0]]
+    same_numbers(swept(store), before)  # all is there, and read
+
+
+def test_a_store_that_lacks_a_chunk(store):
+    """It is gone on with; as mixed, since kernels of now may be others."""
+    before = xarray.open_zarr(store).load()
+    (store / "period/c/0/0").unlink()
+    with pytest.warns(RuntimeWarning) as caught:
+        same_numbers(swept(store, mixed=True), before)
+    missing = "variable period, chunk 0 (period/c/0/0) is missing"
+    assert any(missing in str(one.message) for one in caught)
+    assert (store / "period/c/0/0").exists()

@@ -1,0 +1,566 @@
+"""Continuation of fixed points on normal forms whose branches and special points are known."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from ratestate.dynamics.continuation.arclength import Steps, follow
+from ratestate.dynamics.continuation.bifurcations import locate, without_noise
+from ratestate.dynamics.continuation.newton import Problem, solve
+
+
+class Orbit(NamedTuple):
+    image: np.ndarray
+    jacobian: np.ndarray
+    ok: np.ndarray
+    measures: dict
+
+
+def planar(x_image, y_image, entries):
+    """A map of the plane from functions of x, y, p; entries gives dP/du row by row."""
+
+    def evaluate(u, p):
+        x, y = u.T
+        jacobian = np.stack([np.broadcast_to(e, x.shape) for e in entries(x, y, p)], -1)
+        image = np.stack([x_image(x, y, p), y_image(x, y, p)], -1)
+        return Orbit(image, jacobian.reshape(-1, 2, 2), np.full(len(u), True), {"sum": x + y})
+
+    return evaluate
+
+
+def line(image, slope):
+    """A map of the line from functions of u and p."""
+
+    def evaluate(u, p):
+        values, slopes = image(u[:, 0], p), slope(u[:, 0], p)
+        return Orbit(values[:, None], slopes[:, None, None], np.full(len(p), True), {"p": p})
+
+    return evaluate
+
+
+def beside(evaluate, multiplier):
+    """The map with one more coordinate, which it multiplies."""
+
+    def evaluate_both(u, p):
+        orbit = evaluate(u[:, :-1], p)
+        image = np.column_stack([orbit.image, multiplier * u[:, -1]])
+        jacobian = np.zeros((*u.shape, u.shape[1]))
+        jacobian[:, :-1, :-1], jacobian[:, -1, -1] = orbit.jacobian, multiplier
+        return orbit._replace(image=image, jacobian=jacobian)
+
+    return evaluate_both
+
+
+def counted(evaluate):
+    """The map, and a list that grows by one with every evaluation."""
+    calls = []
+
+    def evaluate_and_count(u, p):
+        calls.append(len(p))
+        return evaluate(u, p)
+
+    return evaluate_and_count, calls
+
+
+def noisy(evaluate, size, scale=1.0):
+    """The map with errors of this size, in units of scale + |image|."""
+    rng = np.random.default_rng(1)
+
+    def with_errors(u, p):
+        orbit = evaluate(u, p)
+        errors = size * rng.uniform(-1, 1, orbit.image.shape) * (scale + np.abs(orbit.image))
+        return orbit._replace(image=orbit.image + errors)
+
+    return with_errors
+
+
+def specials(branch):
+    return [point.special for point in branch.points if point.special]
+
+
+def special(branch, name):
+    (point,) = [point for point in branch.points if point.special == name]
+    return point
+
+
+def lengths(branch, scale):
+    y = np.array([point.y for point in branch.points])
+    weights = np.hstack([scale + np.abs(y[:-1, :-1]), np.ones((len(y) - 1, 1))])
+    return np.linalg.norm(np.diff(y, axis=0) / weights, axis=1)
+
+
+EXACT = 1e-15  # what `noise` is of maps that are a formula
+
+parabola = line(lambda u, p: u + p - u**2, lambda u, p: 1 - 2 * u)
+circle = line(lambda u, p: u + 0.3 * (1 - u**2 - p**2), lambda u, p: 1 - 0.6 * u)
+logistic = line(lambda u, p: p * u * (1 - u), lambda u, p: p * (1 - 2 * u))
+cubic = line(lambda u, p: u + 0.2 * (p + u - u**3), lambda u, p: 1 + 0.2 * (1 - 3 * u**2))
+FOLD_OF_CUBIC = 2 / np.sqrt(27)  # p = u^3 - u turns at u = +-1/sqrt(3)
+delayed_logistic = planar(
+    lambda x, y, p: p * x * (1 - y),
+    lambda x, y, p: x,
+    lambda x, y, p: (p * (1 - y), -p * x, 1.0, 0.0),
+)
+B = 0.3
+henon = planar(
+    lambda x, y, p: p - x**2 + B * y,
+    lambda x, y, p: x,
+    lambda x, y, p: (-2 * x, B, 1.0, 0.0),
+)
+
+
+def test_fold():
+    branch = follow(parabola, [0.9], 0.81, stop=-1.0, scale=[1.0])
+    assert specials(branch) == ["fold", "start"]
+    assert branch.end == "start"
+    assert branch.points[-1].p == 0.81
+    assert branch.points[-1].u[0] == pytest.approx(-0.9, abs=1e-8)
+    u, p = np.array([point.y for point in branch.points]).T
+    assert np.abs(p - u**2).max() < 2e-8
+    assert np.all(np.diff(u) < 0)
+    fold = special(branch, "fold")
+    assert abs(fold.p) < 1e-13
+    assert abs(fold.u[0]) < 1e-9
+    assert fold.multipliers[0] == pytest.approx(1, abs=1e-9)
+    for point in branch.points:
+        assert point.multipliers[0] == pytest.approx(1 - 2 * point.u[0], abs=1e-14)
+        assert point.measures == {"p": point.p}
+        assert 1e-11 < point.error <= 1e-8  # the noise that is assumed, at least
+    near = np.abs(u) < 0.5  # the curve turns by 90 degrees here
+    assert 10 < near.sum() < 40
+
+
+@pytest.mark.parametrize("stop", [1.0, -0.5])
+def test_exactly_at_stop(stop):
+    branch = follow(cubic, [1.5], 1.875, stop=stop, scale=[1.0], tol=1e-10)
+    expected = max(np.roots([1, 0, -1, -stop]).real) if stop == 1.0 else -1.1914878839
+    assert branch.end == specials(branch)[-1] == "stop"
+    assert branch.points[-1].p == stop
+    assert branch.points[-1].u[0] == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.3, -0.9])
+def test_isola_ends_on_its_other_side(start):
+    branch = follow(circle, [np.sqrt(1 - start**2)], start, stop=5.0, scale=[1.0])
+    assert specials(branch) == ["fold", "start"]
+    assert special(branch, "fold").y == pytest.approx([0, 1], abs=1e-10)
+    assert branch.points[-1].y == pytest.approx([-np.sqrt(1 - start**2), start], abs=1e-8)
+    assert branch.points[-1].p == start
+
+
+def test_two_folds_forth_and_back():
+    forth = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0])
+    back = follow(cubic, forth.points[-1].u, 1.875, stop=-1.875, scale=[1.0])
+    assert specials(forth) == specials(back) == ["fold", "fold", "stop"]
+    for branch, sign in ((forth, 1), (back, -1)):
+        folds = [point for point in branch.points if point.special == "fold"]
+        expected = sign * FOLD_OF_CUBIC
+        assert [fold.p for fold in folds] == pytest.approx([expected, -expected], abs=1e-13)
+        u, p = np.array([point.y for point in branch.points]).T
+        assert np.abs(u**3 - u - p).max() < 1.2e-7
+        assert np.all(sign * np.diff(u) > 0)
+        # along the branch p rises, falls between the folds and rises again
+        turns = [i for i, point in enumerate(branch.points) if point.special == "fold"]
+        assert np.array_equal(np.flatnonzero(np.diff(np.sign(np.diff(p)))) + 1, turns)
+    assert back.points[-1].u[0] == pytest.approx(-1.5, abs=1e-7)
+
+
+def test_stop_right_before_a_fold():
+    """p exceeds `stop` by 1e-6 only: the branch must end all the same."""
+    stop = FOLD_OF_CUBIC - 1e-6
+    branch = follow(cubic, [-1.5], -1.875, stop=stop, scale=[1.0], noise=EXACT)
+    assert specials(branch) == ["stop"]
+    assert branch.points[-1].p == stop
+    roots = np.sort(np.roots([1, 0, -1, -stop]).real)
+    assert branch.points[-1].u[0] == pytest.approx(roots[0], abs=1e-9)
+
+
+def test_logistic_map_doubles_its_period_at_3():
+    branch = follow(logistic, [0.5], 2.0, stop=3.6, scale=[1.0], tol=1e-12, noise=EXACT)
+    assert specials(branch) == ["period_doubling", "stop"]
+    doubling = special(branch, "period_doubling")
+    assert doubling.y == pytest.approx([2 / 3, 3], abs=1e-13)
+    for point in branch.points:
+        assert point.multipliers[0] == pytest.approx(2 - point.p, abs=1e-11)
+
+
+def test_henon_map():
+    root = np.sqrt((1 - B) ** 2 + 4)
+    u0 = [(B - 1 + root) / 2] * 2
+    branch = follow(henon, u0, 1.0, stop=-2.0, scale=[1.0, 1.0], noise=EXACT)
+    assert specials(branch) == ["period_doubling", "fold", "start"]
+    doubling, fold = special(branch, "period_doubling"), special(branch, "fold")
+    assert doubling.p == pytest.approx(3 * (1 - B) ** 2 / 4, abs=1e-12)
+    assert sorted(doubling.multipliers.real) == pytest.approx([-1, B], abs=1e-12)
+    assert fold.p == pytest.approx(-((1 - B) ** 2) / 4, abs=1e-13)
+    assert sorted(fold.multipliers.real) == pytest.approx([-B, 1], abs=1e-9)
+    assert branch.points[-1].u == pytest.approx([(B - 1 - root) / 2] * 2, abs=1e-8)
+    assert branch.points[-1].measures["sum"] == pytest.approx(B - 1 - root, abs=1e-8)
+    moduli = np.abs([point.multipliers for point in branch.points])
+    assert np.all(moduli[:, 0] >= moduli[:, 1])
+    assert np.prod(moduli, axis=1) == pytest.approx(B, rel=1e-12)
+
+
+def test_period_doubling_and_fold_within_one_step():
+    b = 0.95
+    near = planar(
+        lambda x, y, p: p - x**2 + b * y,
+        lambda x, y, p: x,
+        lambda x, y, p: (-2 * x, b, 1.0, 0.0),
+    )
+    x0 = (b - 1 + np.sqrt((1 - b) ** 2 + 1)) / 2
+    branch = follow(near, [x0, x0], 0.25, stop=-1.0, scale=[1.0, 1.0], noise=EXACT)
+    first, second = specials_at(branch)[:2]
+    assert second == first + 1
+    assert specials(branch) == ["period_doubling", "fold", "start"]
+    assert special(branch, "period_doubling").p == pytest.approx(3 * (1 - b) ** 2 / 4, abs=1e-12)
+    assert special(branch, "fold").p == pytest.approx(-((1 - b) ** 2) / 4, abs=1e-12)
+
+
+def test_a_fast_excursion_of_a_multiplier_is_not_stepped_over():
+    """Below -1 for 0.04 in p, which a step of the usual 0.2 would pass."""
+
+    def multiplier(p):
+        return -0.5 - 0.8 * np.exp(-(((p - 1) / 0.05) ** 2)) + 0.6 * (1 + np.tanh((p - 1.1) / 0.03))
+
+    branch = follow(
+        line(lambda u, p: multiplier(p) * u, lambda u, p: multiplier(p)),
+        [0.0],
+        0.0,
+        stop=2.0,
+        scale=[1.0],
+        noise=EXACT,
+    )
+    assert specials(branch) == ["period_doubling", "period_doubling", "stop"]
+    expected = [
+        brentq(lambda p: multiplier(p) + 1, *ends, xtol=1e-14) for ends in ((0.9, 1), (1, 1.1))
+    ]
+    found = [point.p for point in branch.points if point.special == "period_doubling"]
+    assert found == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(("start", "stop"), [(1.5, 2.6), (2.6, 1.5)])
+@pytest.mark.parametrize("third", [0.3, -1e-200, 2e4])
+def test_delayed_logistic_map_has_a_torus_point(start, stop, third):
+    evaluate = beside(delayed_logistic, third)
+    u0 = [1 - 1 / start, 1 - 1 / start, 0.0]
+    branch = follow(evaluate, u0, start, stop=stop, scale=np.ones(3), noise=EXACT)
+    assert specials(branch) == ["torus", "stop"]
+    torus = special(branch, "torus")
+    assert torus.y == pytest.approx([0.5, 0.5, 0, 2], abs=1e-12)
+    pair = torus.multipliers[torus.multipliers.imag != 0]
+    assert np.abs(pair) == pytest.approx([1, 1], abs=1e-12)
+    assert np.sort(np.angle(pair)) == pytest.approx([-np.pi / 3, np.pi / 3])
+
+
+def test_a_neutral_saddle_is_no_torus_point():
+    """Real multipliers p and 1/2, whose product passes 1 at p = 2."""
+    saddle = planar(
+        lambda x, y, p: p * x, lambda x, y, p: 0.5 * y, lambda x, y, p: (p, 0.0, 0.0, 0.5)
+    )
+    branch = follow(saddle, [0.0, 0.0], 1.5, stop=3.0, scale=[1.0, 1.0])
+    assert specials(branch) == ["stop"]
+    assert branch.points[-1].multipliers == pytest.approx([3, 0.5])
+
+
+def test_a_crossing_branch_is_no_fold():
+    """On u = 0 of the transcritical map a multiplier passes 1, and p goes on."""
+    transcritical = line(lambda u, p: u + p * u - u**2, lambda u, p: 1 + p - 2 * u)
+    branch = follow(transcritical, [0.0], -0.513, stop=0.7, scale=[1.0])
+    assert specials(branch) == ["stop"]
+    assert all(point.u[0] == pytest.approx(0, abs=1e-9) for point in branch.points)
+
+
+@pytest.mark.parametrize("second", [1e6, -1e6, 0.0, 1e-300, -1e-20])
+def test_multipliers_over_many_decades(second):
+    """The fold of the parabola beside another multiplier, the two coordinates coupled."""
+    stretched = planar(
+        lambda x, y, p: x + p - x**2,
+        lambda x, y, p: x + second * (y - x),
+        lambda x, y, p: (1 - 2 * x, 0.0, 1 - second, second),
+    )
+    branch = follow(stretched, [0.8, 0.8], 0.64, stop=-1.0, scale=[1.0, 1.0])
+    assert specials(branch) == ["fold", "start"]
+    fold = special(branch, "fold")
+    assert fold.y == pytest.approx([0, 0, 0], abs=1e-8)
+    assert second in fold.multipliers
+
+
+@pytest.mark.parametrize("duration", [1, 10, 100])
+def test_multipliers_that_vary_fast(duration):
+    """The cubic's differential equation after this time, linearised: up to exp(duration)."""
+
+    def image(u, p):
+        rate = 1 - 3 * u**2 + 1e-300  # not 0
+        return u + np.expm1(duration * rate) / rate * (p + u - u**3)
+
+    branch = follow(
+        line(image, lambda u, p: np.exp(duration * (1 - 3 * u**2))),
+        [-1.5],
+        -1.875,
+        stop=1.875,
+        scale=[1.0],
+    )
+    assert specials(branch) == ["fold", "fold", "stop"]
+    folds = [point.p for point in branch.points if point.special == "fold"]
+    assert folds == pytest.approx([FOLD_OF_CUBIC, -FOLD_OF_CUBIC], abs=1e-12)
+    assert len(branch.points) < 120
+
+
+def flow(l1, l2):
+    """Map after time 2 pi of r' = p r + l1 r^3 + l2 r^5, the radius of a Hopf normal form.
+
+    Runge-Kutta steps have the fixed points of the flow exactly, whatever their size.
+    """
+
+    def rate(r, p):
+        return p * r + l1 * r**3 + l2 * r**5, p + 3 * l1 * r**2 + 5 * l2 * r**4
+
+    def evaluate(u, p):
+        r, slope = u[:, 0], np.ones(len(p))
+        h = 2 * np.pi / 64
+        for _ in range(64):
+            k, dk, r_stage, slope_stage = 0.0, 0.0, r, slope
+            for weight, reach in ((1, 0.5), (2, 0.5), (2, 1.0), (1, 0.0)):
+                value, derivative = rate(r_stage, p)
+                k, dk = k + weight * value, dk + weight * derivative * slope_stage
+                r_stage, slope_stage = (
+                    r + h * reach * value,
+                    slope + h * reach * derivative * slope_stage,
+                )
+            r, slope = r + h / 6 * k, slope + h / 6 * dk
+        return Orbit(r[:, None], slope[:, None, None], u[:, 0] > 0, {})
+
+    return evaluate
+
+
+def test_supercritical_hopf():
+    branch = follow(flow(-0.5, 0.0), [1.0], 0.5, stop=-1.0, scale=[1.0], amplitude=less(0.01))
+    assert branch.end == "hopf"
+    assert specials(branch) == []
+    assert branch.points[-1].u[0] == pytest.approx(0.01, abs=1e-9)
+    assert branch.points[-1].p == pytest.approx(0.5e-4, abs=1e-9)
+    for point in branch.points:
+        assert point.p == pytest.approx(0.5 * point.u[0] ** 2, abs=1e-7)
+        exact = np.exp(-4 * np.pi * point.p)
+        assert point.multipliers[0].real == pytest.approx(exact, rel=1e-4)
+
+
+@pytest.mark.parametrize(("stop", "end", "count"), [(-1.0, "hopf", 1), (0.5, "stop", 18)])
+def test_start_below_the_least_amplitude(stop, end, count):
+    r = 0.01
+    evaluate = flow(-0.5, 0.0)
+    branch = follow(evaluate, [r], r**2 / 2, stop=stop, scale=[1.0], amplitude=less(0.05))
+    assert branch.end == end
+    assert len(branch.points) == pytest.approx(count, abs=count / 3)
+
+
+def test_subcritical_hopf_with_its_fold_of_cycles():
+    """0 = p + r^2/2 - r^4: the fold is at r^2 = 1/4, p = -1/16, and the Hopf point at 0."""
+    start = 0.5
+    r = np.sqrt((0.5 + np.sqrt(0.25 + 4 * start)) / 2)
+    branch = follow(flow(0.5, -1.0), [r], start, stop=-1.0, scale=[1.0], amplitude=less(1e-3))
+    assert branch.end == "hopf"
+    assert specials(branch) == ["fold"]
+    assert special(branch, "fold").y == pytest.approx([0.5, -1 / 16], abs=1e-8)
+    assert special(branch, "fold").p == pytest.approx(-1 / 16, abs=1e-12)
+    assert branch.points[-1].u[0] == pytest.approx(1e-3, abs=1e-8)
+    assert -1e-6 < branch.points[-1].p < -4e-7
+    stable = [abs(point.multipliers[0]) < 1 for point in branch.points]
+    fold = specials_at(branch)[0]
+    assert all(stable[:fold])
+    assert not any(stable[fold + 1 :])
+
+
+def less(threshold):
+    return lambda point: point.u[0] - threshold
+
+
+def specials_at(branch):
+    return [i for i, point in enumerate(branch.points) if point.special]
+
+
+def beyond(evaluate, edge):
+    """The map without an image where p > edge."""
+
+    def bounded(u, p):
+        orbit = evaluate(u, p)
+        gone = p > edge
+        orbit.image[gone] = np.nan
+        return orbit._replace(ok=orbit.ok & ~gone)
+
+    return bounded
+
+
+def test_the_branch_is_kept_up_to_where_the_map_ends():
+    branch = follow(beyond(logistic, 2.71), [0.5], 2.0, stop=3.5, scale=[1.0])
+    assert branch.end == "no return"
+    assert specials(branch) == []
+    assert 2.71 - 1e-5 < branch.points[-1].p <= 2.71
+    assert branch.points[-1].u[0] == pytest.approx(1 - 1 / branch.points[-1].p, abs=1e-8)
+
+
+def test_a_stop_at_the_edge_of_the_map_is_reached():
+    branch = follow(beyond(logistic, 2.71), [0.5], 2.0, stop=2.71, scale=[1.0])
+    assert branch.end == "stop"
+    assert branch.points[-1].p == 2.71
+
+
+def test_noise_makes_no_folds():
+    """p rises to 0.1 and then varies by 1e-11, a hundredth of what is known of it."""
+
+    def rise(u):
+        return 0.1 * (1 - np.exp(-60 * (1 - u))) + 1e-11 * np.sin(40 * (1 - u))
+
+    def slope(u, p):
+        return 1 + 1.2 * np.exp(-60 * (1 - u)) + 0.2 * 4e-10 * np.cos(40 * (1 - u))
+
+    branches = [
+        follow(
+            line(lambda u, p: u + 0.2 * (p - rise(u)), slope),
+            [1.0],
+            0.0,
+            stop=1.0,
+            scale=[1.0],
+            amplitude=less(0.1),
+            noise=noise,
+            tol=1e-13,
+            steps=Steps(largest=0.02),
+        )
+        for noise in (EXACT, 1e-9)
+    ]
+    assert [branch.end for branch in branches] == ["hopf", "hopf"]
+    assert [len(specials(branch)) for branch in branches] == [7, 0]
+
+
+@pytest.mark.parametrize(
+    ("p", "kept"),
+    [
+        ([0, 5, 3, 5, 0], [1, 2, 3]),
+        ([0, 5, 4.5, 5, 0], [3]),  # of three folds on a flat top one is real
+        ([0, 5, 4.5, 9], []),
+        ([0, 5, 4.5], []),
+        ([0, 0.5, -9], []),
+        ([0, 5, -9], [1]),
+    ],
+)
+def test_folds_beyond_noise(p, kept):
+    blank = follow(parabola, [1.0], 1.0, stop=0.5, scale=[1.0]).points[0]._replace(error=1.0)
+    inner = [blank._replace(p=value, special="fold") for value in p[1:-1]]
+    points = [blank._replace(p=p[0]), *inner, blank._replace(p=p[-1])]
+    found = without_noise(points)
+    assert [point.p for point in found] == p
+    assert [i for i, point in enumerate(found) if point.special == "fold"] == kept
+
+
+def test_no_start():
+    nowhere = line(lambda u, p: u + 1 + p**2 + u**2, lambda u, p: 1 + 2 * u)
+    assert follow(nowhere, [0.3], 0.0, stop=1.0, scale=[1.0]) == ([], "no convergence")
+    on_a_fold = follow(parabola, [1e-9], 1e-18, stop=-1.0, scale=[1.0])
+    assert on_a_fold == ([], "no convergence")
+    assert follow(beyond(logistic, 1.0), [0.5], 2.0, stop=3.0, scale=[1.0]) == ([], "no return")
+
+
+@pytest.mark.parametrize("slope", [0.0, 1.0])
+def test_a_branch_that_breaks_off(slope):
+    """At p = 0.5, to go on elsewhere: as near as a corrector gets, or very far."""
+
+    def image(u, p):
+        return np.where(p < 0.5, 0.5 * u + slope * p, 0.5 * u + slope * p + 0.5 + 1e3 * slope)
+
+    jump = line(image, lambda u, p: np.full_like(u, 0.5))
+    branch = follow(jump, [0.0], 0.0, stop=1.0, scale=[1.0])
+    assert branch.end == "no convergence"
+    assert 0.5 - 1e-4 < branch.points[-1].p < 0.5
+    assert branch.points[-1].u[0] == pytest.approx(2 * slope * branch.points[-1].p, abs=1e-8)
+
+
+def test_evaluations():
+    """A step takes three or so, and each of the folds some ten more."""
+    evaluate, calls = counted(cubic)
+    branch = follow(evaluate, [-1.5], -1.875, stop=1.875, scale=[1.0])
+    assert specials(branch) == ["fold", "fold", "stop"]
+    assert 2.5 < len(calls) / len(branch.points) < 4
+    assert set(calls) == {3}
+
+
+@pytest.mark.parametrize("upside_down", [False, True])
+def test_a_special_point_is_located_fast_where_its_test_is_steep(upside_down):
+    """Plain false position needs over a hundred trials of u^9 - 1 on 0.1 to 2, Illinois 22."""
+    problem = Problem(line(lambda u, p: 0.5 * (u + p), lambda u, p: 0 * u + 0.5), 1.0, 1e-9, EXACT)
+    constant_p, along, trials = np.array([0.0, 1.0]), np.ones(2), []
+    ends = [
+        solve(problem, np.array([p, p]), constant_p, along, problem.weights(np.array([p])), 1e-12)
+        for p in (0.1, 2.0)
+    ]
+
+    def test(point):
+        trials.append(point.p)
+        return (point.p**9 - 1.0) if not upside_down else 1.0 - (2.1 - point.p) ** 9
+
+    found = locate(problem, *ends, test, problem.weights(np.array([0.1])))
+    assert found.p == pytest.approx(1.1 if upside_down else 1.0, abs=1e-12)
+    assert len(trials) < 40
+
+
+def test_limits_of_steps_and_points():
+    steps = Steps(first=0.01, smallest=1e-4, largest=0.05)
+    branch = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0], steps=steps)
+    assert specials(branch) == ["fold", "fold", "stop"]
+    length = lengths(branch, 1.0)
+    assert length[0] == pytest.approx(0.01, rel=0.02)
+    assert 0.045 < length.max() < 0.052
+    few = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0], max_points=7)
+    assert few.end == "max_points"
+    assert len(few.points) == 7
+
+
+def test_progress_is_told_of_every_point():
+    seen = []
+    branch = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0], progress=seen.append)
+    assert [point.y.tolist() for point in seen] == [point.y.tolist() for point in branch.points]
+
+
+@pytest.mark.parametrize("factor", [1e-4, 1e5])
+def test_scale_follows_the_size_of_u(factor):
+    """The cubic in other units of u has the same branch, of about as many points."""
+
+    def image(u, p):
+        return u + 0.2 * factor * (p + u / factor - (u / factor) ** 3)
+
+    resized = line(image, lambda u, p: 1 + 0.2 * (1 - 3 * (u / factor) ** 2))
+    branch = follow(resized, [-1.5 * factor], -1.875, stop=1.875, scale=[factor])
+    folds = [point.p for point in branch.points if point.special == "fold"]
+    assert folds == pytest.approx([FOLD_OF_CUBIC, -FOLD_OF_CUBIC], abs=1e-12)
+    usual = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0])
+    assert len(branch.points) == len(usual.points)
+
+
+NOISE = 1e-9
+
+
+@pytest.mark.parametrize("underrated", [1, 4])
+@pytest.mark.parametrize(
+    ("evaluate", "u0", "start", "stop", "name", "y"),
+    [
+        (parabola, [0.8], 0.64, -1.0, "fold", [0, 0]),
+        (logistic, [0.5], 2.0, 3.5, "period_doubling", [2 / 3, 3]),
+        (delayed_logistic, [1 / 3, 1 / 3], 1.5, 2.5, "torus", [0.5, 0.5, 2]),
+    ],
+)
+def test_noise(underrated, evaluate, u0, start, stop, name, y):
+    clean = follow(evaluate, u0, start, stop=stop, scale=np.ones_like(u0))
+    branch = follow(
+        noisy(evaluate, underrated * NOISE),
+        u0,
+        start,
+        stop=stop,
+        scale=np.ones_like(u0),
+        noise=NOISE,
+    )
+    assert specials(branch) == specials(clean)
+    assert special(branch, name).y == pytest.approx(y, abs=20 * underrated * NOISE)
+    assert NOISE / 3 < special(branch, name).error < 20 * underrated * NOISE
+    assert len(branch.points) == pytest.approx(len(clean.points), abs=3)

@@ -1,0 +1,328 @@
+"""escape: against plain marching, closed forms without inertia, and the branch of cycles."""
+
+import functools
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import ratestate as rs
+from ratestate import Loading, ParameterError, continue_cycle, limit_cycle, simulate
+from ratestate.dynamics.continuation.basin import escape
+from ratestate.friction.quasi_static import (
+    runaway_step,
+    runaway_step_lower_bound,
+    runaway_step_upper_bound,
+)
+
+FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
+# Aging law, K just above K_c_qs: between a fold at 0.33 mm/s and V_c = 0.447 mm/s stable sliding
+# and cycles coexist
+STRIP = FIG2.replace(K=6.06e8, law="aging")
+FOLD = 3.298416815e-4
+V_LP = 3.6e-4
+MASSLESS = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=0, K=6.3e8)
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+STEPS, KICKS = ["step_up", "step_down"], ["kick_up", "kick_down"]
+CYCLES = ["amplitude", "period", "unstable_amplitude", "unstable_period", "unstable_multiplier"]
+
+
+@functools.cache
+def edge():
+    return escape(STRIP, V_LP)
+
+
+def disturbed(slider, V_lp, name, sizes, t_end, **settings):
+    """Runs that begin with disturbances of these sizes, V_lp/V or a change of tau [Pa]."""
+    loading, sizes = Loading.constant(V_lp), xr.DataArray(sizes, dims="size")
+    if name in STEPS:
+        return simulate(slider, loading, t_end, V_start=V_lp / sizes, **settings)
+    tau = slider.sigma * (slider.mu0 + (slider.a - slider.b) * np.log(V_lp / slider.V0))
+    start = {"theta": slider.Dc / V_lp, "tau": tau + sizes}
+    start |= {"V": V_lp} if slider.M > 0 else {}
+    return simulate(slider, loading, t_end, V_start=V_lp, initial=start, **settings)
+
+
+def test_contract(tmp_path):
+    found = edge()
+    assert sorted(found.data_vars) == sorted([*STEPS, *KICKS, *CYCLES, "outcome"])
+    for name, variable in found.data_vars.items():
+        assert variable.dims == (), name
+        assert variable.attrs["units"], name
+        assert variable.attrs["long_name"], name
+    assert found.kick_up.attrs["units"] == found.kick_down.attrs["units"] == "Pa"
+    assert found.V_lp == json.loads(found.attrs["V_lp"]) == V_LP
+    assert found.attrs["title"] == "ratestate escape"
+    assert rs.SpringSlider(**json.loads(found.attrs["slider"])) == STRIP
+    found.to_netcdf(tmp_path / "edge.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "edge.nc", engine="h5netcdf") as back:
+        xr.testing.assert_identical(found, back.load())
+
+
+@pytest.mark.parametrize("name", ["step_up", *KICKS])
+def test_against_plain_marching(name):
+    """A little less comes to rest in steady sliding, a little more in the limit cycle."""
+    size, period = float(edge()[name]), float(edge().unstable_period)
+    off = np.array([-1e-2, -3e-3, -1e-6, 1e-6, 3e-3, 1e-2])
+    sizes = size ** (1 + off) if name in STEPS else size * (1 + off)
+    runs = disturbed(STRIP, V_LP, name, sizes, 1600 * period, rtol=1e-11)
+    amplitude = runs.amplitude / float(edge().amplitude)
+    assert (amplitude[:3] < 2e-2).all()
+    assert amplitude[3:].values == pytest.approx([1, 1, 1], abs=1e-3)
+    assert edge().outcome == "cycle"
+    assert edge().step_up > 1
+    assert edge().kick_up > 0 > edge().kick_down
+
+
+@pytest.mark.parametrize("name", ["step_up", *KICKS])
+def test_all_smaller_ones_come_back(name):
+    """The threshold found is the first: there is no gap below it."""
+    size, period = float(edge()[name]), float(edge().unstable_period)
+    part = np.linspace(0.02, 0.98, 25)
+    sizes = size**part if name in STEPS else size * part
+    runs = disturbed(STRIP, V_LP, name, sizes, 900 * period)
+    assert (runs.amplitude < 0.05 * edge().amplitude).all()
+
+
+def test_no_step_down_leaves():
+    """From the fastest stable steady sliding, V_c, to V_lp: the largest step down there is."""
+    assert edge().step_down == 0
+    ratio = V_LP / STRIP.V_c
+    period = float(edge().unstable_period)
+    runs = disturbed(STRIP, V_LP, "step_down", [ratio, 0.99 * ratio + 0.01], 900 * period)
+    assert (runs.amplitude < 0.05 * edge().amplitude).all()
+
+
+@pytest.mark.parametrize("name", ["step_up", *KICKS])
+def test_unstable_cycle_lies_on_the_edge(name):
+    """An orbit from just inside lingers on it: its amplitude and period, for tens of turns."""
+    period = float(edge().unstable_period)
+    inside = float(edge()[name])
+    for turns in (6.5, 30.5):
+        run = disturbed(STRIP, V_LP, name, [inside], turns * period, rtol=1e-9).isel(size=0)
+        assert run.cycles > turns - 2
+        off = float(run.amplitude / edge().unstable_amplitude) - 1
+        assert abs(off) < 1e-5 * float(edge().unstable_multiplier) ** turns
+        assert float(run.frequency) * period == pytest.approx(1, abs=2e-5)
+
+
+def test_unstable_multiplier():
+    """What is left of a distance from the unstable cycle grows by it in a turn."""
+    period, size = float(edge().unstable_period), float(edge().kick_up)
+    sizes = size * (1 + np.array([-2e-3, 2e-3]))
+    early, late = (
+        disturbed(STRIP, V_LP, "kick_up", sizes, turns * period, rtol=1e-10).amplitude
+        for turns in (5.5, 25.5)
+    )
+    growth = float((late[1] - late[0]) / (early[1] - early[0])) ** (1 / 20)
+    assert growth > 1.015
+    assert growth == pytest.approx(float(edge().unstable_multiplier), abs=2e-4)
+
+
+def test_the_two_cycles_are_those_of_the_branch():
+    """limit_cycle's, and the other end of the branch through the fold, here in V_lp."""
+    stable = limit_cycle(STRIP, V_LP)
+    for name in ("amplitude", "period"):
+        assert float(edge()[name]) == pytest.approx(float(stable[name]), rel=1e-6)
+    branch = continue_cycle(STRIP, "V_lp", V_LP, 1e-4)
+    assert branch.special[-1] == "start"
+    for name in ("amplitude", "period"):
+        expected = float(branch[name][-1])
+        assert float(edge()[f"unstable_{name}"]) == pytest.approx(expected, rel=1e-6)
+    multiplier = float(branch.multipliers[-1, 0].real)
+    assert float(edge().unstable_multiplier) == pytest.approx(multiplier, rel=1e-6)
+    assert edge().unstable_amplitude < edge().amplitude
+    assert edge().unstable_multiplier > 1
+
+
+def test_up_to_the_hopf_point():
+    """The threshold goes to 0 as the square root of the distance, with the unstable cycle."""
+    distance = np.array([3e-2, 1e-2, 3e-3, 1e-3])
+    found = escape(STRIP, xr.DataArray(STRIP.V_c * (1 - distance), dims="distance"))
+    assert (found.outcome == "cycle").all()
+    coefficient = float(rs.hopf(STRIP).amplitude_coefficient)
+    ratio = found.unstable_amplitude.values / coefficient / np.sqrt(distance)
+    assert (np.abs(ratio - 1) < distance).all()
+    assert (ratio > 1).all()
+    for size in (np.log(found.step_up), found.kick_up, -found.kick_down):
+        exponent = np.diff(np.log(size)) / np.diff(np.log(distance))
+        assert (np.abs(exponent - 0.5) < [0.06, 0.03, 0.015]).all()
+    assert found.unstable_multiplier.values[-1] == pytest.approx(1.0001229, abs=1e-6)
+    assert (np.diff(found.unstable_multiplier) < 0).all()
+
+
+def test_where_the_strip_begins_and_ends():
+    """Beyond the fold nothing leaves; at V_c and above there is no steady sliding to leave."""
+    V_lp = [FOLD * (1 - 1e-4), FOLD * (1 + 1e-4), STRIP.V_c * (1 - 1e-3), STRIP.V_c * (1 + 1e-6)]
+    found = escape(STRIP, xr.DataArray(V_lp, dims="V_lp"))
+    assert found.outcome.values.tolist() == ["none", "cycle", "cycle", "no steady sliding"]
+    np.testing.assert_array_equal(found.step_up[[0, 3]], [np.inf, 1.0])
+    np.testing.assert_array_equal(found.step_down[[0, 3]], [0.0, 1.0])
+    np.testing.assert_array_equal(found.kick_up[[0, 3]], [np.inf, 0.0])
+    np.testing.assert_array_equal(found.kick_down[[0, 3]], [-np.inf, 0.0])
+    for name in CYCLES:
+        assert np.isfinite(found[name]).values.tolist() == [False, True, True, False], name
+    # at the fold the two cycles meet
+    ratio = found.unstable_amplitude / found.amplitude
+    assert 0.97 < ratio[1] < 1
+    assert ratio[2] < 0.1
+    assert 1 < found.unstable_multiplier[1] < 1.003
+
+
+@LAWS
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"b": 0.003},
+        {"b": 0.002},
+        {"b": -0.001},
+        {"K": np.inf},
+        {"K": np.inf, "M": 0.0},
+        {"K": 1e10},
+        {},  # V_lp below V_c, eta too large for coexistence
+    ],
+    ids=["b = a", "b < a", "b < 0", "K = inf", "K = inf, M = 0", "stiff", "supercritical"],
+)
+def test_nothing_leaves(changes, law):
+    found = escape(FIG2.replace(law=law, **changes), 1e-3)
+    assert found.outcome == "none"
+    assert found.step_up == found.kick_up == -found.kick_down == np.inf
+    assert found.step_down == 0
+    for name in CYCLES:
+        assert np.isnan(found[name]), name
+
+
+@LAWS
+@pytest.mark.parametrize("changes", [{"K": 5e8}, {"K": 5e8, "M": 0.0}, {"K": 6e8, "M": 1e3}])
+def test_no_steady_sliding(changes, law):
+    found = escape(FIG2.replace(law=law, **changes), 1e-3)
+    assert found.outcome == "no steady sliding"
+    assert found.step_up == found.step_down == 1
+    assert found.kick_up == found.kick_down == 0
+    for name in CYCLES:
+        assert np.isnan(found[name]), name
+
+
+@pytest.mark.parametrize("b", [0.0036, 0.006, 0.0363])
+def test_runaway_without_inertia(b):
+    """Slip law: at K_c_qs from V_lp/V = b/(b - a) on; above it between two closed forms."""
+    rest = {name: getattr(MASSLESS, name) for name in ("a", "Dc", "sigma")} | {"b": b}
+    ratio = np.array([1 + 1e-5, 1.001, 1.1, 1.5, 3.0])
+    K = xr.DataArray(ratio * MASSLESS.replace(b=b).K_c_qs, dims="K")
+    found = escape(MASSLESS.replace(b=b, K=K), 1e-6)
+    assert (found.outcome == "runaway").all()
+    assert float(found.step_up[0]) == pytest.approx(runaway_step(a=0.003, b=b), rel=1e-4)
+    lower = runaway_step_lower_bound(K=K.values, **rest)
+    upper = runaway_step_upper_bound(K=K.values, **rest)
+    assert (found.step_up.values > lower * (1 - 1e-9)).all()
+    assert (found.step_up.values < upper * (1 + 1e-9)).all()
+    assert (np.diff(found.step_up) > 0).all()
+    assert (found.step_down == 0).all()
+    for name in CYCLES:
+        assert np.isnan(found[name]).all(), name
+
+
+@pytest.mark.parametrize("name", ["step_up", "kick_up", "kick_down"])
+def test_runaway_against_plain_marching(name):
+    found = escape(MASSLESS, 1e-6)
+    size, t_end = float(found[name]), 1000 * 1e-5 / 1e-6
+    off = np.array([-1e-2, -1e-7, 1e-7, 1e-2])
+    sizes = size ** (1 + off) if name in STEPS else size * (1 + off)
+    runs = disturbed(MASSLESS, 1e-6, name, sizes, t_end, rtol=1e-11)
+    runaway = 5
+    assert runs.status.values.tolist() == [0, 0, runaway, runaway]
+    assert runs.V.isel(time=-1)[:2].values == pytest.approx([1e-6] * 2, rel=1e-6)
+
+
+def test_without_inertia_the_aging_law_comes_back():
+    """Above K_c_qs from every start, by way of whatever speed."""
+    K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.001, 1.5, 2.0, 10.0]), dims="K")
+    found = escape(MASSLESS.replace(K=K, law="aging"), 1e-9)
+    assert (found.step_up == np.inf).all()
+    assert (found.step_down == 0).all()
+    assert (found.kick_up == np.inf).all()
+    assert (found.outcome == "none").all()
+
+
+def test_inertia_small_and_none():
+    """Slip law: what runs away without mass comes back with it; both by marching."""
+    for M, ends in ((0.0, "runaway"), (1e-3, "none"), (3e3, "none")):
+        assert escape(MASSLESS.replace(M=M), 1e-6).outcome == ends
+    heavy = MASSLESS.replace(M=1e-3)
+    runs = disturbed(heavy, 1e-6, "step_up", [2.0, 3.0, 100.0], 2000 * 1e-5 / 1e-6)
+    assert runs.V.isel(time=-1).values == pytest.approx([1e-6] * 3, rel=1e-2)
+
+
+def test_dimensionless():
+    """Three numbers decide: other a, Dc, sigma and speed with the same K/K_c_qs, eta and b/a."""
+    eta = float(STRIP.eta(V_LP))
+    a, Dc, sigma, V = 0.011, 3e-4, 7e4, 2e-6
+    other = STRIP.replace(
+        a=a, b=2 * a, Dc=Dc, sigma=sigma, K=1.01 * a * sigma / Dc, M=eta * a * sigma * Dc / V**2
+    )
+    found = escape(other, V)
+    assert float(found.step_up) == pytest.approx(float(edge().step_up), rel=2e-5)
+    for name in KICKS:
+        expected = float(edge()[name]) * (a * sigma) / (STRIP.a * STRIP.sigma)
+        assert float(found[name]) == pytest.approx(expected, rel=2e-5), name
+    for name in ("amplitude", "unstable_amplitude"):
+        expected = float(edge()[name]) * a / STRIP.a
+        assert float(found[name]) == pytest.approx(expected, rel=1e-6), name
+    for name in ("period", "unstable_period"):
+        expected = float(edge()[name]) * (Dc / V) / (STRIP.Dc / V_LP)
+        assert float(found[name]) == pytest.approx(expected, rel=1e-6), name
+    expected = float(edge().unstable_multiplier)
+    assert float(found.unstable_multiplier) == pytest.approx(expected, rel=1e-6)
+
+
+def test_broadcasting(tmp_path):
+    K = xr.DataArray([6.06e8, 9e8, 5e8], dims="K")
+    V_lp = xr.DataArray([V_LP, 3e-4], dims="V_lp")
+    found = escape(STRIP.replace(K=K), V_lp)
+    for variable in found.data_vars.values():
+        assert variable.dims == ("K", "V_lp")
+    np.testing.assert_array_equal(found.K, K)
+    np.testing.assert_array_equal(found.V_lp, V_lp)
+    no = "no steady sliding"
+    assert found.outcome.values.tolist() == [["cycle", "none"], ["none", "none"], [no, no]]
+    for name in [*STEPS, *KICKS, *CYCLES]:
+        one, same = found[name].values[0, 0], float(edge()[name])
+        assert one == pytest.approx(same, rel=2e-5), name
+    found.to_netcdf(tmp_path / "edges.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "edges.nc", engine="h5netcdf") as back:
+        xr.testing.assert_identical(found, back.load())
+    kinds = escape(STRIP.replace(K=K.drop_vars("K", errors="ignore").rename(K="case")), V_LP)
+    assert kinds.outcome.dims == ("case",)
+
+
+SWEEP = STRIP.replace(K=xr.DataArray([6.06e8, 9e8], dims="q"))
+
+
+@pytest.mark.parametrize(
+    ("slider", "V_lp", "parts"),
+    [
+        ("STRIP", V_LP, ["slider = 'STRIP'", "SpringSlider"]),
+        (STRIP, 0, ["V_lp = 0 m/s must be > 0"]),
+        (STRIP, -1e-3, ["V_lp = -0.001 m/s"]),
+        (STRIP, np.inf, ["V_lp = inf", "finite"]),
+        (STRIP, np.nan, ["V_lp = nan", "not a number"]),
+        (STRIP, "1 mm", ["V_lp = '1 mm'", "3.2 mm/s"]),
+        (STRIP, None, ["V_lp = None"]),
+        (STRIP, [1e-3, 1e-2], ["V_lp", "xarray.DataArray"]),
+        (STRIP, xr.DataArray([1e-3, -1.0], dims="q"), ["V_lp = -1 m/s at q[1]"]),
+        (SWEEP, xr.DataArray([1e-3] * 3, dims="q"), ["K", "V_lp", "2 and 3 values", "'q'"]),
+        (
+            SWEEP.replace(K=SWEEP.K.assign_coords(q=[1, 2])),
+            xr.DataArray([1e-3] * 2, dims="q", coords={"q": [1, 3]}),
+            ["different coordinates", "'q'"],
+        ),
+        (STRIP, xr.DataArray([1e-3], dims="outcome"), ["outcome"]),
+        (STRIP.replace(K=xr.DataArray([9e8], dims="step_up")), V_LP, ["step_up"]),
+    ],
+)
+def test_bad_input(slider, V_lp, parts):
+    with pytest.raises(ParameterError) as caught:
+        escape(slider, V_lp)
+    for part in parts:
+        assert part in str(caught.value)

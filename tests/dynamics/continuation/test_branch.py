@@ -1,0 +1,551 @@
+"""continue_cycle: against limit_cycle, SciPy, closed forms of the Hopf point, and itself."""
+
+import functools
+import json
+
+import naive
+import numpy as np
+import pytest
+import xarray as xr
+
+import ratestate as rs
+from ratestate import NotConverged, ParameterError, continue_cycle, limit_cycle
+from ratestate.dynamics.continuation.arclength import Steps
+from ratestate.dynamics.continuation.family import PARAMETERS, Family
+
+FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
+# Aging law, K just above K_c_qs: below V_c = 0.447 mm/s stable sliding and cycles coexist
+STRIP = FIG2.replace(K=6.06e8, law="aging")
+FOLD = 3.298416815e-4
+# Slip law, b/a = 12.1: period doublings at 2.576e-3 and 8.775e-3 m/s
+WILD = FIG2.replace(b=0.0363, K=1.06 * 0.0333 * 2e6 / 1e-5)
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+#: parameter -> (start, stop, V_lp, and the slider's K)
+ACROSS = {
+    "V_lp": (1e-2, 1e-4, None, 6.06e8),
+    "K": (7e8, 3e8, 1e-3, 6.2e8),
+    "M": (1e6, 1e1, 1e-2, 9e8),
+    "sigma": (1e5, 1e8, 1e-3, 9e8),
+    "a": (1e-4, 1e-2, 1e-3, 9e8),
+    "b": (1e-3, 2e-2, 1e-3, 9e8),
+    "Dc": (1e-6, 1e-2, 1e-3, 9e8),
+}
+
+
+#: The map of a branch knows parameters and laws apart: each law with each way that a parameter
+#: enters (speed, stiffness, mass, friction), the aging law with all parameters.
+SIDES = pytest.mark.parametrize(
+    ("parameter", "law"),
+    [(p, "slip") for p in ("V_lp", "K", "M", "a")] + [(p, "aging") for p in PARAMETERS],
+)
+
+
+@functools.cache
+def across(parameter, law):
+    """A branch with the Hopf point at one end; its slider and V_lp."""
+    start, stop, V_lp, K = ACROSS[parameter]
+    slider = FIG2.replace(K=K, law=law)
+    return continue_cycle(slider, parameter, start, stop, V_lp=V_lp), slider, V_lp
+
+
+@functools.cache
+def strip(forth=True):
+    """The branch through hopf, fold and on to 1 cm/s, or from there."""
+    return continue_cycle(STRIP, "V_lp", *((1e-4, 1e-2) if forth else (1e-2, 1e-4)))
+
+
+def specials(branch):
+    return [name for name in branch.special.values if name]
+
+
+def special(branch, name):
+    """The only special point of this name."""
+    (i,) = np.flatnonzero(branch.special == name)
+    return branch.isel(point=i)
+
+
+def bends(branch, parameter):
+    """|d ln amplitude/d ln p| of each point, to its worse neighbour; inf at the ends."""
+    with np.errstate(divide="ignore"):
+        slope = np.diff(np.log(branch.amplitude)) / np.diff(np.log(branch[parameter]))
+    return np.maximum(*(np.concatenate(ends) for ends in (([np.inf], slope), (slope, [np.inf]))))
+
+
+def at(slider, parameter, values, V_lp):
+    """The slider, or sweep of sliders, of these values, and its V_lp."""
+    if parameter == "V_lp":
+        return slider, values
+    return slider.replace(**{parameter: values}), V_lp
+
+
+def test_contract(tmp_path):
+    branch = continue_cycle(STRIP, "V_lp", "0.36 mm/s", "0.1 mm/s", rtol=1e-7)
+    cycle = limit_cycle(STRIP, 1e-2)
+    assert list(branch.data_vars) == [*cycle.data_vars, "special"]
+    assert branch.multipliers.dims == ("point", "multiplier")
+    assert branch.multipliers.dtype.kind == "c"
+    assert branch.special.dtype.kind == "U"
+    for name, variable in branch.variables.items():
+        assert variable.dims[0] == "point", name
+        assert variable.attrs["long_name"], name
+        assert name == "special" or variable.attrs["units"], name
+    assert branch.V_lp.attrs["units"] == "m/s"
+    assert (branch.status == 0).all()
+    assert rs.SpringSlider(**json.loads(branch.attrs["slider"])) == STRIP
+    assert branch.attrs["title"] == "ratestate continue_cycle"
+    asked = {name: branch.attrs[name] for name in ("parameter", "start", "stop", "rtol")}
+    assert asked == {"parameter": "V_lp", "start": 3.6e-4, "stop": 1e-4, "rtol": 1e-7}
+    assert "V_lp" not in branch.attrs
+    branch.to_netcdf(tmp_path / "branch.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "branch.nc", engine="h5netcdf") as back:
+        xr.testing.assert_identical(branch, back.load())
+
+
+def test_contract_at_constant_speed(tmp_path):
+    branch = continue_cycle(FIG2, "K", "900 MPa/m", "1 GPa/m", V_lp="10 mm/s", rtol=1e-6)
+    assert branch.K.dims == ("point",)
+    assert branch.V_lp.dims == ()
+    assert float(branch.V_lp) == json.loads(branch.attrs["V_lp"]) == 1e-2
+    branch.to_netcdf(tmp_path / "branch.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "branch.nc", engine="h5netcdf") as back:
+        xr.testing.assert_identical(branch, back.load())
+    same = continue_cycle(FIG2, "K", 9e8, 1e9, V_lp=1e-2, rtol=1e-6)
+    xr.testing.assert_identical(branch, same)
+
+
+@SIDES
+def test_agrees_with_limit_cycle(parameter, law):
+    """Where a cycle is stable, and reached from steady sliding, it is this one."""
+    branch, slider, V_lp = across(parameter, law)
+    bend = np.abs(bends(branch, parameter))
+    plain = (branch.special != "hopf") & branch.stable
+    branch, bend = branch.isel(point=plain), bend[plain]
+    values = xr.DataArray(branch[parameter].values, dims="point")
+    sweep, V = at(slider, parameter, values, V_lp)
+    cycles = limit_cycle(sweep, V, rtol=1e-9)
+    unstable = np.broadcast_to(sweep.K_c(V) > sweep.K, branch.stable.shape)
+    assert unstable.sum() > 8
+    reached = (cycles.status == 0).values
+    assert reached[unstable].all()
+    assert reached.sum() > 10
+    allowed = {"period": 1e-7, "amplitude": 3e-5, "V_max": 3e-6, "V_min": 3e-6, "inertia": 3e-6}
+    for name, most in allowed.items():
+        off = np.abs(cycles[name].values / branch[name].values - 1)[reached]
+        assert off.max() < most, name
+    # an error of the parameter is one of the cycle at the parameter given
+    off = np.abs(cycles.amplitude / branch.amplitude - 1).values
+    known = reached & np.isfinite(bend)
+    assert (off < 2 * branch.error * (1 + bend) + 1e-8)[known].all()
+    for name, most in {"multipliers": 3e-7, "fundamental": 1e-7, "slow_fraction": 1e-6}.items():
+        assert float(np.abs(cycles[name] - branch[name])[reached].max()) < most, name
+    assert (cycles.stable[reached]).all()
+
+
+@SIDES
+def test_ends_and_specials(parameter, law):
+    """Between the end given, bit for bit, and the Hopf point, which is that of `hopf`."""
+    branch, slider, V_lp = across(parameter, law)
+    start, stop = ACROSS[parameter][:2]
+    # aging law: eta at the Hopf point of M is 0.5, beyond the Bautin point, and of others < 0.1
+    fold = ["fold"] if law == "aging" and parameter != "M" else []
+    value = branch[parameter].values
+    if branch.special[0] == "start":
+        assert specials(branch) == ["start", *fold, "hopf"]
+        assert value[0] == start
+    else:
+        assert specials(branch) == ["hopf", *fold, "stop"]
+        assert value[-1] == stop
+    hopf = special(branch, "hopf")
+    at_hopf, V = at(slider, parameter, float(hopf[parameter]), V_lp)
+    if parameter == "V_lp":
+        expected = rs.hopf(at_hopf)
+        assert float(expected.V_c) == pytest.approx(V, rel=1e-12)
+    else:
+        expected = rs.hopf(at_hopf, V_lp=V)
+        assert float(expected.K_c) == pytest.approx(at_hopf.K, rel=1e-12)
+    assert float(hopf.frequency) == pytest.approx(float(expected.frequency), rel=1e-12)
+    assert float(hopf.period) == pytest.approx(1 / float(expected.frequency), rel=1e-12)
+    assert hopf.amplitude == 0
+    assert hopf.V_max == hopf.V_min == V
+    third = np.exp(float(expected.eigenvalue_3 * hopf.period))
+    assert hopf.multipliers.values == pytest.approx([1, third], rel=1e-9, abs=1e-300)
+    assert str(expected.type.values) == ("subcritical" if fold else "supercritical")
+    # what vanishes there does so continuously
+    second = branch.isel(point=1 if branch.special[0] == "hopf" else -2)
+    for name, most in {"period": 3e-3, "inertia": 3e-2, "fundamental": 3e-3}.items():
+        assert float(second[name]) == pytest.approx(float(hopf[name]), rel=most), name
+    assert float(second.multipliers[0].real) == pytest.approx(1, abs=5e-3)
+    assert second.amplitude > 0
+    assert second.V_max / V == pytest.approx(1, abs=0.05)
+
+
+@LAWS
+@pytest.mark.parametrize("parameter", ["V_lp", "K"])
+def test_small_cycles_grow_as_hopf_says(parameter, law):
+    """amplitude_coefficient sqrt(|p/p_c - 1|), on its side, and beside it by the amplitude^2."""
+    branch, slider, V_lp = across(parameter, law)
+    hopf = rs.hopf(slider) if parameter == "V_lp" else rs.hopf(slider, V_lp=V_lp)
+    assert branch.special[-1 if parameter == "V_lp" else 0] == "hopf"
+    r = np.log(branch.V_max / branch.V_min) / 2
+    near = branch.isel(point=(r > 0) & (r < 0.15))
+    distance = near[parameter] / float(hopf.V_c if parameter == "V_lp" else hopf.K_c) - 1
+    unstable_side = 1 if parameter == "V_lp" else -1
+    cycles_side = unstable_side if law == "slip" else -unstable_side
+    assert (np.sign(distance) == cycles_side).all()
+    assert (near.stable == (law == "slip")).all()
+    ratio = near.amplitude / hopf.amplitude_coefficient / np.sqrt(np.abs(distance))
+    r = r[(r > 0) & (r < 0.15)]
+    assert r.min() < 0.05 < 0.1 < r.max()
+    assert (np.abs(ratio - 1) < 0.6 * r**2 + 1e-5).all()
+
+
+@SIDES
+def test_multipliers_and_the_divergence(parameter, law):
+    """Their product is exp(-(period + integral of exp(-v)/eta)), between two closed forms.
+
+    Less than 1 everywhere: no cycle of this system loses its stability to a torus.
+    """
+    branch, slider, V_lp = across(parameter, law)
+    branch = branch.isel(point=branch.special != "hopf")
+    sliders, V = at(slider, parameter, branch[parameter].drop_vars(parameter), V_lp)
+    eta = sliders.eta(V)
+    turn = branch.period * V / sliders.Dc
+    product = branch.multipliers.prod("multiplier")
+    assert (np.abs(product.imag) < 1e-12).all()
+    assert (product.real >= 0).all()
+    with np.errstate(divide="ignore"):
+        exponent = np.log(product.real)  # -inf where it underflows
+    assert (exponent < -(1 + 1 / eta) * turn * (1 - 1e-6)).all()
+    most = 1 + V / branch.V_min / eta
+    assert ((exponent > -most * turn) | (most * turn > 700)).all()
+    assert np.isfinite(exponent).any()
+
+
+def test_forth_and_back():
+    forth, back = strip(), strip(forth=False)
+    assert specials(forth) == ["hopf", "fold", "stop"]
+    assert specials(back) == ["start", "fold", "hopf"]
+    folds = [special(branch, "fold") for branch in (forth, back)]
+    for name in ("V_lp", "amplitude", "period"):
+        one, two = (float(fold[name]) for fold in folds)
+        assert one == pytest.approx(two, rel=3e-8 if name == "V_lp" else 3e-5), name
+    for name in ("amplitude", "period", "V_max", "inertia"):
+        assert float(forth[name][-1]) == pytest.approx(float(back[name][0]), rel=1e-7), name
+    # in between, on each side of the fold, as polynomials of the amplitude through neighbours
+    back = back.isel(point=slice(None, None, -1))
+    x = np.log(back.amplitude.values[1:])
+    inner = forth.isel(point=slice(2, -1))
+    for name in ("V_lp", "period", "V_max", "V_min"):
+        y = np.log(back[name].values[1:])
+        found = [_interpolated(x, y, where) for where in np.log(inner.amplitude.values)]
+        off = np.abs(found - np.log(inner[name].values))
+        assert np.median(off) < 1e-5, name  # points lie densest near the Hopf point
+        assert off.max() < 2e-3, name
+
+
+def _interpolated(x, y, where):
+    """The cubic through the four points about `where`."""
+    i = int(np.clip(np.searchsorted(x, where) - 2, 0, len(x) - 4))
+    near, far = x[i : i + 4], y[i : i + 4]
+    weights = [
+        np.prod([(where - a) / (b - a) for a in np.delete(near, k)]) for k, b in enumerate(near)
+    ]
+    return float(far @ weights)
+
+
+def test_fold():
+    """A multiplier is 1, the branch turns back, and cycles exist on one side only."""
+    fold = special(strip(), "fold")
+    assert float(fold.V_lp) == pytest.approx(FOLD, rel=3e-8)
+    assert fold.multipliers[0].real == pytest.approx(1, abs=1e-4)
+    assert fold.multipliers[0].imag == 0
+    i = int(np.flatnonzero(strip().special == "fold")[0])
+    V = strip().V_lp.values
+    assert (np.diff(V[: i + 1]) < 0).all()
+    assert (np.diff(V[i:]) > 0).all()
+    assert not strip().stable[1:i].any()
+    assert strip().stable[i + 1 :].all()
+    beside = xr.DataArray(float(fold.V_lp) * (1 + np.array([-3e-6, 3e-6])), dims="side")
+    cycles = limit_cycle(STRIP, beside)
+    assert cycles.status.values.tolist() == [1, 0]
+    # amplitude - that of the fold ~ sqrt(distance)
+    assert float(cycles.amplitude[1] / fold.amplitude) == pytest.approx(1, abs=0.02)
+
+
+@pytest.mark.parametrize("parameter", [name for name in PARAMETERS if name != "V_lp"])
+def test_the_same_fold_whatever_leads_to_it(parameter):
+    """A fold is a place in (K, eta, b/a): a branch in any other parameter turns there too."""
+    branch, slider, V_lp = across(parameter, "aging")
+    if parameter == "M":  # supercritical in that branch
+        slider, V_lp = STRIP, FOLD
+        branch = continue_cycle(slider, "M", 1e4, 1e2, V_lp=V_lp)
+        assert float(special(branch, "fold").M) == pytest.approx(3e3, rel=1e-7)
+    fold = special(branch, "fold")
+    there = slider.replace(**{parameter: float(fold[parameter])})
+    other = special(continue_cycle(there, "V_lp", 10 * V_lp, 0.1 * V_lp), "fold")
+    assert float(other.V_lp) == pytest.approx(V_lp, rel=3e-7)
+    for name in ("amplitude", "period"):
+        assert float(other[name]) == pytest.approx(float(fold[name]), rel=1e-4), name
+
+
+@LAWS
+def test_one_branch_through_speed_and_mass(law):
+    """Of M and V_lp only eta ~ M V_lp^2 counts: amplitude/a, and the period in Dc/V_lp."""
+    slider = FIG2.replace(K=6.06e8, law=law)
+    by_speed = across("V_lp", law)[0]
+    V = 1e-3
+    by_mass = continue_cycle(slider, "M", 3e3 * (1e-2 / V) ** 2, 1.0, V_lp=V)
+    assert specials(by_mass) == specials(by_speed)
+    turn = {"M": by_mass.period * V / 1e-5, "V_lp": by_speed.period * by_speed.V_lp / 1e-5}
+    eta = {"M": slider.replace(M=by_mass.M).eta(V), "V_lp": slider.eta(by_speed.V_lp)}
+    # as functions of the amplitude, which the fold does not turn back
+    order = slice(None, None, -1)
+    x = np.log(by_speed.amplitude.values[order][1:])
+    for values in (turn, eta):
+        y = np.log(values["V_lp"].values[order][1:])
+        known = np.log(values["M"].values)
+        where = np.log(by_mass.amplitude.values[1:-3])
+        off = np.abs([_interpolated(x, y, w) for w in where] - known[1:-3])
+        assert np.median(off) < 3e-5
+        assert off.max() < 2e-3
+        assert np.log(values["V_lp"].values[0]) == pytest.approx(known[0], rel=1e-7)
+        assert np.log(values["V_lp"].values[-1]) == pytest.approx(known[-1], rel=1e-7)
+    if law == "aging":
+        one = float(eta["M"][_at_fold(by_mass)])
+        assert one == pytest.approx(float(eta["V_lp"][_at_fold(by_speed)]), rel=1e-7)
+
+
+def _at_fold(branch):
+    return int(np.flatnonzero(branch.special == "fold")[0])
+
+
+@pytest.mark.parametrize("V_lp", [3.6e-4, 4.2e-4])
+def test_unstable_cycles_against_scipy(V_lp):
+    """Newton's method on the return map in physical variables, by LSODA."""
+    K = STRIP.K
+    branch = continue_cycle(STRIP, "K", K, 2 * K, V_lp=V_lp)
+    assert specials(branch) == ["start", "fold", "start"]
+    cycle = branch.isel(point=-1)
+    assert cycle.K == K
+    assert not cycle.stable
+    case = naive.Naive(**STRIP.values, law="aging")
+    # what a sinusoidal cycle of this amplitude would start with
+    x, eta = float(cycle.amplitude) / 2 / STRIP.a, float(STRIP.eta(V_lp))
+    stress = case.steady(V_lp)[0] + STRIP.a * x
+    log_theta = np.log(STRIP.Dc / V_lp) + x / (2 + 2 * eta)
+    t_max, lsoda = 3 * float(cycle.period), {"tol": 1e-12, "method": "LSODA"}
+    found = naive.limit_cycle(case, stress, log_theta, V_lp, t_max, newtons=4, **lsoda)
+    assert found.residual < 1e-8
+    for name in ("amplitude", "period", "V_max", "V_min", "inertia"):
+        assert getattr(found, name) == pytest.approx(float(cycle[name]), rel=2e-7), name
+    jacobian = np.empty((2, 2))
+    for i, d in enumerate((1e-4 * STRIP.a, 1e-4)):
+        ends = []
+        for sign in (1, -1):
+            moved = found.end + sign * d * np.eye(2)[i]
+            ends.append(naive.one_cycle(case, *moved, V_lp, t_max, **lsoda).end)
+        jacobian[:, i] = (ends[0] - ends[1]) / (2 * d)
+    multiplier = max(np.linalg.eigvals(jacobian).real)
+    assert 1.005 < multiplier < 1.03
+    assert multiplier == pytest.approx(float(cycle.multipliers[0].real), abs=1e-6)
+
+
+def test_back_to_start_through_a_fold():
+    """K_c < K: up in K the stable cycle ends in a fold, and the branch comes back unstable."""
+    V_lp, K = 3.6e-4, STRIP.K
+    assert float(STRIP.K_c(V_lp)) < K
+    branch = continue_cycle(STRIP, "K", K, 7e8, V_lp=V_lp)
+    assert specials(branch) == ["start", "fold", "start"]
+    assert branch.special[0] == branch.special[-1] == "start"
+    assert branch.K[0] == branch.K[-1] == K
+    fold = _at_fold(branch)
+    assert branch.stable[:fold].all()
+    assert not branch.stable[fold + 1 :].any()
+    assert (np.diff(branch.amplitude) < 0).all()
+    assert float(branch.amplitude[0]) == pytest.approx(
+        float(limit_cycle(STRIP, V_lp).amplitude), rel=1e-7
+    )
+    # the same two cycles lie on the branch in V_lp
+    through = continue_cycle(STRIP, "V_lp", V_lp, 1e-4)
+    assert specials(through) == ["start", "fold", "start"]
+    for name in ("amplitude", "period"):
+        assert float(through[name][-1]) == pytest.approx(float(branch[name][-1]), rel=3e-7)
+
+
+def test_beyond_the_hopf_point_on_the_upper_sheet():
+    """V_c itself is passed on stable cycles, on the way to `stop` and from `start`."""
+    V_c = STRIP.V_c
+    down = continue_cycle(STRIP, "V_lp", 1e-3, V_c)
+    up = continue_cycle(STRIP, "V_lp", V_c, 1e-3)
+    for branch, here in ((down, -1), (up, 0)):
+        assert specials(branch) == ["start", "stop"]
+        assert branch.V_lp[here] == V_c
+        assert branch.stable.all()
+    assert float(down.amplitude[-1]) == pytest.approx(float(up.amplitude[0]), rel=1e-7)
+    hopf = continue_cycle(FIG2, "V_lp", FIG2.V_c, 1e-2, rtol=1e-6)
+    assert specials(hopf) == ["hopf", "stop"]
+
+
+def test_period_doublings():
+    """A multiplier is -1; where it is beyond, limit_cycle finds a cycle of two returns."""
+    branch = continue_cycle(WILD, "V_lp", 1e-2, 1e-3)
+    assert specials(branch) == ["start", "period_doubling", "period_doubling", "hopf"]
+    doublings = branch.isel(point=branch.special == "period_doubling")
+    assert doublings.V_lp.values == pytest.approx([8.77521856e-3, 2.57637046e-3], rel=1e-7)
+    for i, inward in enumerate((-1, 1)):
+        assert doublings.multipliers[i, 0].values == pytest.approx(-1, abs=1e-6)
+        V = float(doublings.V_lp[i])
+        assert limit_cycle(WILD, V * (1 - 3e-3 * inward)).stable
+        assert limit_cycle(WILD, V * (1 + 3e-3 * inward)).returns == 2
+    between = (branch.V_lp < doublings.V_lp[0]) & (branch.V_lp > doublings.V_lp[1])
+    assert between.sum() > 5
+    first = branch.multipliers[:, 0]
+    assert (first[between].real < -1).all()
+    assert (np.abs(first[~between & (branch.special == "")]) < 1).all()
+    assert not branch.stable[between].any()
+    assert branch.stable[~between & (branch.special == "")].all()
+
+
+BAD = {
+    "parameter 'V0'": ((FIG2, "V0", 1e-3, 1e-2), {}, ["parameter = 'V0'", "one of V_lp, K"]),
+    "parameter 'mu0'": ((FIG2, "mu0", 0.5, 0.6), {"V_lp": 1e-2}, ["parameter = 'mu0'"]),
+    "no parameter": ((FIG2, None, 1e-3, 1e-2), {}, ["parameter = None"]),
+    "list": ((FIG2, ["K"], 1e-3, 1e-2), {}, ["parameter = ['K']"]),
+    "no slider": (({"a": 1}, "K", 1e-3, 1e-2), {}, ["slider", "SpringSlider"]),
+    "no V_lp": ((FIG2, "K", 1e9, 1e8), {}, ["V_lp is missing", "at which K changes"]),
+    "V_lp twice": ((FIG2, "V_lp", 1e-3, 1e-2), {"V_lp": 1e-3}, ["leave V_lp= out"]),
+    "V_lp = 0": ((FIG2, "K", 1e9, 1e8), {"V_lp": 0}, ["V_lp = 0 m/s must be > 0"]),
+    "V_lp unit": ((FIG2, "K", 1e9, 1e8), {"V_lp": "1 mm"}, ["V_lp = '1 mm'", "3.2 mm/s"]),
+    "start = stop": ((FIG2, "V_lp", "10 mm/s", 1e-2), {}, ["start = stop = 0.01"]),
+    "start < 0": ((FIG2, "V_lp", -1e-2, 1e-2), {}, ["start = -0.01 m/s must be > 0"]),
+    "start = 0": ((FIG2, "V_lp", 0, 1e-2), {}, ["start = 0 m/s"]),
+    "stop = inf": ((FIG2, "V_lp", 1e-2, np.inf), {}, ["stop = inf m/s must be finite"]),
+    "stop = nan": ((FIG2, "V_lp", 1e-2, np.nan), {}, ["stop = nan", "not a number"]),
+    "start unit": ((FIG2, "K", "1 GPa", 1e8), {"V_lp": 1e-2}, ["start = '1 GPa'", "Pa/m"]),
+    "start array": ((FIG2, "V_lp", xr.DataArray([1e-3], dims="q"), 1), {}, ["start is an array"]),
+    "stop list": ((FIG2, "V_lp", 1e-3, [1e-2]), {}, ["stop = [0.01] is of type list"]),
+    "V_lp array": (
+        (FIG2, "K", 1e9, 1e8),
+        {"V_lp": xr.DataArray([1e-3], dims="q")},
+        ["V_lp is an array"],
+    ),
+    "sweep": (
+        (FIG2.replace(M=xr.DataArray([1e2, 1e3], dims="M")), "V_lp", 1e-3, 1e-2),
+        {},
+        ["M is an array", "one slider"],
+    ),
+    "rtol small": ((FIG2, "V_lp", 1e-2, 1e-3), {"rtol": 9e-11}, ["rtol = 9e-11", "1e-10 to 1e-4"]),
+    "rtol large": ((FIG2, "V_lp", 1e-2, 1e-3), {"rtol": 2e-4}, ["rtol = 0.0002", "such as 1e-8"]),
+    "rtol = 0": ((FIG2, "V_lp", 1e-2, 1e-3), {"rtol": 0}, ["rtol = 0 must be > 0"]),
+    "rtol array": (
+        (FIG2, "V_lp", 1e-2, 1e-3),
+        {"rtol": xr.DataArray([1e-6], dims="q")},
+        ["rtol is an array"],
+    ),
+    "b = a": ((FIG2.replace(b=0.003), "V_lp", 1e-2, 1e-3), {}, ["b <= a (b/a = 1)", "b > a"]),
+    "b < 0": ((FIG2.replace(b=-0.002), "K", 1e9, 1e8), {"V_lp": 1e-2}, ["b <= a", "-0.666667"]),
+    "b to a": ((FIG2, "b", 0.001, 0.003), {"V_lp": 1e-2}, ["b <= a"]),
+    "a above b": ((FIG2, "a", 0.0065, 0.007), {"V_lp": 1e-2}, ["b <= a"]),
+    "b from < 0": ((FIG2, "b", -0.001, 0.006), {"V_lp": 1e-2}, ["start = -0.001", "0 < start"]),
+    "M = 0": ((FIG2.replace(M=0), "V_lp", 1e-2, 1e-3), {}, ["M = 0", "needs inertia"]),
+    "M to 0": ((FIG2, "M", 1e3, 0), {"V_lp": 1e-2}, ["stop = 0.0", "needs inertia"]),
+    "K = inf": ((FIG2.replace(K=np.inf), "V_lp", 1e-2, 1e-3), {}, ["K = inf", "a spring"]),
+    "K to inf": ((FIG2, "K", 1e9, np.inf), {"V_lp": 1e-2}, ["stop = inf", "0 < stop < inf"]),
+    "steady throughout": (
+        (FIG2, "V_lp", 1e-4, 1e-3),
+        {},
+        ["at start, V_lp = 0.0001", "no Hopf"],
+    ),
+    "b < a, then steady": ((FIG2, "a", 0.007, 0.0055), {"V_lp": 1e-3}, ["no Hopf point"]),
+}
+
+
+@pytest.mark.parametrize(("given", "settings", "parts"), BAD.values(), ids=BAD)
+def test_bad_input(given, settings, parts):
+    with pytest.raises(ParameterError) as caught:
+        continue_cycle(*given, **settings)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+def test_values_of_the_slider_that_play_no_part():
+    """The parameter's own value in the slider, even one that no cycle could have."""
+    for parameter, odd in (("M", 0.0), ("K", np.inf), ("b", 0.001)):
+        start, stop = {"M": (3e3, 4e3), "K": (9e8, 8e8), "b": (6e-3, 7e-3)}[parameter]
+        one = continue_cycle(FIG2, parameter, start, stop, V_lp=1e-2, rtol=1e-6)
+        two = continue_cycle(
+            FIG2.replace(**{parameter: odd}), parameter, start, stop, V_lp=1e-2, rtol=1e-6
+        )
+        xr.testing.assert_equal(one, two)
+
+
+def test_stop_out_of_reach(monkeypatch):
+    """At Dc = 1e-19 m double precision ends; what was found comes along."""
+    # shorter steps creep on through the rounding errors
+    monkeypatch.setattr(
+        "ratestate.dynamics.continuation.family.STEPS",
+        Steps(first=0.12, smallest=0.03, largest=0.12),
+    )
+    with pytest.raises(NotConverged, match=r"before it gets to 1e-30 \(no convergence\)") as caught:
+        continue_cycle(FIG2, "Dc", 1e-18, 1e-30, V_lp=1e-2)
+    best = caught.value.best
+    assert specials(best) == ["start"]
+    assert 1e-30 < float(best.Dc[-1]) < 1e-18
+    assert best.Dc[0] == 1e-18
+    assert f"Dc = {float(best.Dc[-1]):.6g}" in str(caught.value)
+    assert list(best.data_vars) == list(strip().data_vars)
+    assert json.loads(best.attrs["V_lp"]) == 1e-2
+
+
+def test_too_many_points(monkeypatch):
+    whole = strip()
+    monkeypatch.setattr("ratestate.dynamics.continuation.branch.MAX_POINTS", 7)
+    with pytest.raises(NotConverged, match="max_points") as caught:
+        continue_cycle(STRIP, "V_lp", 1e-4, 1e-2)
+    best = caught.value.best
+    assert specials(best) == ["hopf"]
+    assert best.sizes["point"] == 8
+    np.testing.assert_array_equal(best.amplitude, whole.amplitude[:8])
+
+
+def test_a_thousand_points_are_the_most_of_a_branch(monkeypatch):
+    asked = []
+
+    def follow(self, *where, max_points, **how):
+        asked.append(max_points)
+        return whole(self, *where, max_points=5, **how)
+
+    whole = Family.follow
+    monkeypatch.setattr(Family, "follow", follow)
+    with pytest.raises(NotConverged, match=r"\(max_points\): it has 1000 points"):
+        continue_cycle(STRIP, "V_lp", 1e-4, 1e-2)
+    assert asked == [1000]
+
+
+def test_no_single_cycle_at_start():
+    with pytest.raises(NotConverged, match=r"at `start`.* 2 returns \(period doubling") as caught:
+        continue_cycle(WILD, "V_lp", 5e-3, 1e-2)
+    assert caught.value.best is None
+
+
+@pytest.mark.parametrize("rtol", [1e-10, 1e-6, 1e-4])
+def test_accuracy_asked_for(rtol):
+    branch = continue_cycle(STRIP, "V_lp", 2e-3, 1e-4, rtol=rtol)
+    assert specials(branch) == ["start", "fold", "hopf"]
+    fold = special(branch, "fold")
+    assert float(fold.V_lp) == pytest.approx(FOLD, rel=max(10 * rtol, 3e-9))
+    start = limit_cycle(STRIP, 2e-3, rtol=1e-11)
+    for name in ("amplitude", "period"):
+        off = float(branch[name][0] / start[name]) - 1
+        assert abs(off) < 3 * rtol + 1e-10, name
+        assert abs(off) < 2 * float(branch.error[0]), name
+
+
+def test_progress_and_order():
+    """One point after the other along the branch: no step is long, none goes back."""
+    for branch in (strip(), strip(forth=False)):
+        p = np.log(branch.V_lp.values)
+        r = np.log(branch.V_max.values / branch.V_min.values)
+        assert np.abs(np.diff(p)).max() < 0.25
+        assert np.abs(np.diff(r)).max() < 0.9
+        assert (np.diff(r) > 0).all() or (np.diff(r) < 0).all()

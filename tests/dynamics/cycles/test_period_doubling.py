@@ -1,0 +1,329 @@
+"""Cycles of several returns: which attractor is reached, and what is said of it."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from dimensionless import jacobian, rates, system
+from naive import top
+from scipy.integrate import solve_ivp
+
+import ratestate as rs
+from ratestate.dynamics.cycles.attractor import settle, steady_start
+from ratestate.dynamics.cycles.iterates import iterate
+from ratestate.dynamics.cycles.measure import refine
+from ratestate.dynamics.cycles.shooting import multipliers, state, turn
+from ratestate.dynamics.verdict import verdict
+from ratestate.engine.model import FINISHED, NO_CONVERGENCE
+
+# A stable cycle of one return lies beside one of two, to which the start at V_lp/10 leads.
+BESIDE = rs.SpringSlider(
+    a=0.003, b=0.0363, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3000, K=1.06 * 0.0333 * 2e6 / 1e-5
+)
+V_LP = 8.78e-3
+
+
+def followed(those, returns, rtol=1e-10):
+    """Stress maxima and minima of the last 64 returns of plain iteration, and where it ends."""
+    u = turn(those, steady_start(those), rtol, alone=False).image
+    high, low = [], []
+    for number in range(returns):
+        turns = turn(those, state(those, u), rtol, alone=False)
+        if number >= returns - 64:
+            high.append(state(those, u)[:, 0])
+            low.append(turns.numbers["x_low"])
+        u = turns.image
+    return np.array(high), np.array(low), u
+
+
+def found_by_search(those):
+    settled = settle(those, steady_start(those), 1e-9, False, None)
+    return settled, refine(those, settled, 1e-9, False)
+
+
+def test_the_attractor_and_not_the_cycle_beside_it():
+    found = rs.limit_cycle(BESIDE, V_LP)
+    assert found.status == 0
+    assert found.returns == 2
+    assert found.returns.dtype == np.int16
+    period, n = float(found.period), 300
+    run = rs.simulate(BESIDE, rs.Loading.constant(V_LP), n * period, V_start=V_LP / 10, rtol=1e-9)
+    late = run.isel(time=run.time > (n - 3) * period)
+    stress = late.tau.values / 2e6
+    assert float(found.amplitude) == pytest.approx(stress.max() - stress.min(), rel=1e-5)
+    assert 0.0818 < float(found.amplitude) < 0.0820
+    assert float(found.V_max) == pytest.approx(float(late.V.max()), rel=1e-3)
+    assert float(found.V_min) == pytest.approx(float(late.V.min()), rel=1e-2)
+    # and simulate says the same of its last whole period
+    assert int(run.returns) == 2
+    assert float(run.amplitude) == pytest.approx(float(found.amplitude), rel=1e-7)
+    assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-7)
+    # the drops of either half are those that were seen
+    tops = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
+    drops = {round(float(stress[i] - stress[i : i + 300].min()), 4) for i in tops[:-1]}
+    assert {0.0819, 0.0319} <= drops
+    # the cycle of one return exists and is stable, and its branch can be followed
+    branch = rs.continue_cycle(BESIDE, "V_lp", 1e-2, V_LP, rtol=1e-7)
+    assert float(branch.amplitude[-1]) == pytest.approx(0.0538, abs=1e-4)
+    assert -1 < float(branch.multipliers[-1, 0].real) < -0.99
+    assert (branch.returns == 1).all()
+
+
+# K Dc/(a sigma), b/a, eta, returns: beside tangencies and among windows of chaos, where a search
+# may go round for ever, or take a cycle that the orbit only passes.
+HARD = [
+    (36.31132196056443, 38.43134462741554, 7.435331354704798, 4),
+    (21.630378570214766, 22.93433105283279, 0.21538580854401101, 1),
+    (21.469571501238462, 22.53634547870793, 0.23623783597880565, 2),
+    (34.959747466280774, 35.57941622524835, 0.12512627049105998, 2),
+    (11.37, 12.971660394273613, 1.047916942260419, 8),
+    (11.4, 12.971660394273613, 1.047916942260419, 16),
+    (11.406, 12.971660394273613, 1.047916942260419, 32),
+]
+CHAOTIC = 11.45, 12.971660394273613, 1.047916942260419
+V = 1e-3
+
+
+def slip_slider(kappa, beta, eta):
+    a, Dc, sigma = 0.003, 1e-5, 2e6
+    return rs.SpringSlider(
+        a=a, b=a * beta, Dc=Dc, sigma=sigma, K=kappa * a * sigma / Dc, M=eta * a * sigma * Dc / V**2
+    )
+
+
+@pytest.mark.parametrize(("kappa", "beta", "eta", "returns"), HARD)
+def test_cycles_that_are_hard_to_reach(kappa, beta, eta, returns):
+    """By a long run, which knows nothing of the search."""
+    slider = slip_slider(kappa, beta, eta)
+    found = rs.limit_cycle(slider, V)
+    assert int(found.returns) == returns
+    t_end = max(100 * float(found.period), 10.0)
+    run = rs.simulate(slider, rs.Loading.constant(V), t_end, V_start=V / 10, rtol=1e-9)
+    assert int(run.returns) == returns
+    assert float(run.amplitude) == pytest.approx(float(found.amplitude), rel=1e-4)
+    assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-4)
+
+
+def test_a_run_of_three_returns():
+    """In a window of chaos; amplitude and frequency by the stress itself."""
+    slider = slip_slider(36.36280876475656, 35.12013230487405, 3.2505416021127913)
+    times = np.linspace(9.0, 10.0, 100_001)
+    run = rs.simulate(slider, rs.Loading.constant(V), 10.0, V_start=V / 10, times=times, rtol=1e-9)
+    stress = run.tau.values / slider.sigma
+    assert int(run.returns) == 3
+    assert float(run.amplitude) == pytest.approx(np.ptp(stress), rel=1e-4)
+    maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
+    period = 3 * np.diff(times[maxima]).mean()
+    assert float(run.frequency) == pytest.approx(1 / period, rel=0.01)
+
+
+def test_a_slowly_modulated_run():
+    """Stick-slip under a sinusoid some 10 events long: no order, though events change smoothly."""
+    slider = rs.SpringSlider(
+        a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=0.9 * 0.003 * 2e6 / 1e-5, M=0.01 * 0.06 / V**2
+    )
+    times = np.linspace(70.0, 100.0, 300_001)
+    loading = rs.Loading.sinusoid(V, V / 2, t_end=100.0, period=1.0)
+    run = rs.simulate(slider, loading, 100.0, times=times)
+    assert int(run.returns) == 0
+    stress = run.tau.values / slider.sigma
+    maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
+    last = slice(maxima[-33], None)
+    assert float(run.amplitude) == pytest.approx(np.ptp(stress[last]), rel=0.02)
+    rate = 32 / (times[maxima[-1]] - times[maxima[-33]])
+    assert float(run.frequency) == pytest.approx(rate, rel=0.02)
+
+
+def test_a_run_without_a_period():
+    """Chaos: 0 returns, and the range of the stress over the later half of the last 64."""
+    slider = slip_slider(*CHAOTIC)
+    times = np.linspace(0.0, 40.0, 400_001)
+    run = rs.simulate(slider, rs.Loading.constant(V), 40.0, V_start=V / 10, times=times, rtol=1e-9)
+    assert int(run.returns) == 0
+    stress = run.tau.values / slider.sigma
+    rises = np.flatnonzero((run.V.values[:-1] < V) & (run.V.values[1:] >= V))
+    assert len(rises) > 64
+    last = stress[rises[-33] :]
+    assert float(run.amplitude) == pytest.approx(np.ptp(last), rel=1e-4)
+    rate = 32 / (times[rises[-1]] - times[rises[-33]])
+    assert float(run.frequency) == pytest.approx(rate, rel=1e-3)
+
+
+def test_measures_of_two_returns_by_scipy():
+    """Period, extremes, multipliers and the waveform of the whole period, by Radau and an FFT."""
+    parameters = (1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
+    those = system("slip", *parameters)
+    settled, found = found_by_search(those)
+    assert settled.returns.tolist() == [2]
+    found = {name: value[0] for name, value in found.items()}
+    f, J = rates("slip", *parameters), jacobian("slip", *parameters)
+    y, period = state(those, settled.u)[0], found["period"]
+    run = solve_ivp(
+        lambda t, y: f(y),
+        (0, period),
+        y,
+        "Radau",
+        jac=lambda t, y: J(y),
+        rtol=1e-11,
+        atol=1e-11,
+        max_step=period / 1000,
+        dense_output=True,
+    )
+    assert np.abs(run.y[:, -1] - y).max() < 1e-6
+    half = run.sol(0.5 * period)
+    assert np.abs(half - y).max() > 0.5  # not one return twice
+    t = (run.t[:-1, None] + np.diff(run.t)[:, None] * np.linspace(0, 1, 21)[:-1]).ravel()
+    x, v, psi = run.sol(t)
+    assert found["amplitude"] == pytest.approx(top(x) + top(-x), rel=1e-7)
+    assert found["v_max"] == pytest.approx(top(v), abs=1e-6)
+    assert found["v_min"] == pytest.approx(-top(-v), abs=1e-5)
+    assert found["g_max"] == pytest.approx(top(np.abs(x - v - parameters[1] * psi)), rel=1e-5)
+    n = 1 << 16
+    stress = run.sol(period * np.arange(n) / n)[0]
+    share = 2 * np.abs(np.fft.rfft(stress)[2] / n) ** 2 / stress.var()  # once a return
+    assert found["fundamental"] == pytest.approx(share, rel=1e-4)
+    slow = (run.sol(period * np.arange(n) / n)[1] < -math.log(10)).mean()
+    assert found["slow_fraction"] == pytest.approx(slow, abs=1e-4)
+
+
+def test_iterate_is_the_map_applied_again():
+    """Image, derivative, times and extremes of three returns at once, against one by one."""
+    those = system("slip", 1.1 * 8.0, [9.0, 9.0], [0.9, 0.9])
+    u = turn(those, steady_start(those), 1e-11, alone=False).image
+    together = iterate(those, u, 1e-11, np.array([3, 1]), alone=False, period=np.array([7.0, 2.0]))
+    point, matrix, times, highs, lows, traces = u[:1], np.eye(2), [], [], [], []
+    one = those.at([0])
+    for _ in range(3):
+        single = turn(one, state(one, point), 1e-11, alone=False)
+        highs.append(state(one, point)[0, 0])
+        lows.append(single.numbers["x_low"][0])
+        times.append(single.numbers["period"][0])
+        traces.append(single.numbers["trace"][0])
+        matrix = single.jacobian[0] @ matrix
+        point = single.image
+    np.testing.assert_allclose(together.image[0], point[0], rtol=1e-12)
+    np.testing.assert_allclose(together.jacobian[0], matrix, rtol=1e-10)
+    numbers = {name: value[0] for name, value in together.numbers.items()}
+    assert numbers["period"] == pytest.approx(sum(times), rel=1e-13)
+    assert numbers["x_high"] == max(highs)
+    assert numbers["x_low"] == min(lows)
+    # derivatives of what is measured, against differences
+    for column, name in enumerate("ab"):
+        change = 1e-6 * np.eye(2)[column]
+        up, down = (
+            iterate(one, start, 1e-13, np.array([3]), alone=False, period=np.array([7.0])).numbers
+            for start in (u[:1] + change, u[:1] - change)
+        )
+        for what in ("period", "x_high", "x_low", "v_max", "v_min"):
+            slope = (up[what][0] - down[what][0]) / 2e-6
+            near = 0.3 if what == "v_min" else 1e-5  # V stops falling within 1e-14 of a cycle
+            assert numbers[f"{what}_{name}"] == pytest.approx(slope, rel=near, abs=1e-6), what
+    assert numbers["trace"] == pytest.approx(sum(traces), rel=1e-12)
+    # and where one return is asked for, it is one
+    single = turn(those.at([1]), state(those.at([1]), u[1:]), 1e-11, alone=False)
+    assert together.numbers["period"][1] == single.numbers["period"][0]
+
+
+def test_cascade_against_plain_iteration():
+    """Random sliders where cycles double: returns and extremes are those of the orbit itself."""
+    rng = np.random.default_rng(7)
+    n = 36
+    beta = 10 ** rng.uniform(math.log10(8), math.log10(50), n)
+    eta = 10 ** rng.uniform(-0.7, 1, n)
+    ratio = rng.uniform(0.95, 1.35, n)
+    those = system("slip", ratio * (beta - 1), beta, eta)
+    high, low, _ = followed(those, 300, rtol=1e-9)
+    swing = high.max(axis=0) - low.min(axis=0)
+    repeats = np.zeros(n, int)
+    for p in (32, 16, 8, 4, 2, 1):
+        same = np.abs(high[p:] - high[:-p]).max(axis=0) < 1e-5 * swing
+        repeats[same] = p
+    # the search goes on long where nothing repeats: two of these are enough
+    kept = np.sort(np.append(np.flatnonzero(repeats > 0), np.flatnonzero(repeats == 0)[:2]))
+    repeats, swing = repeats[kept], swing[kept]
+    settled, found = found_by_search(those.at(kept))
+    cycle = settled.status == FINISHED
+    quick = cycle & (np.abs(found["multipliers"][:, 0]) < 0.9)
+    assert quick.sum() > 22
+    assert (settled.returns[quick] == repeats[quick]).all()
+    np.testing.assert_allclose(found["amplitude"][quick], swing[quick], rtol=1e-5)
+    assert set(settled.returns[quick].tolist()) >= {1, 2, 4}
+    # what repeats is found, and what is refused does not
+    assert cycle[repeats > 0].all()
+    assert (repeats[settled.status == NO_CONVERGENCE] == 0).all()
+    assert (settled.status == NO_CONVERGENCE).any()
+
+
+@pytest.mark.parametrize("law", ["slip", "aging"])
+def test_one_return_where_one_is_all(law):
+    slider = BESIDE.replace(b=0.006, K=9e8, law=law)
+    found = rs.limit_cycle(slider, 3.2e-3)
+    assert found.returns == 1
+    run = rs.simulate(slider, rs.Loading.constant(3.2e-3), 10.0, V_start=3.2e-4)
+    assert run.returns == 1
+    assert rs.limit_cycle(slider, 1e-4).returns == 0  # steady sliding
+    rest = rs.simulate(slider, rs.Loading.constant(1e-4), 1.0)
+    assert rest.returns == 0
+
+
+def test_a_drift_is_no_alternation():
+    """Growing and shrinking cycles count return by return, until they alternate."""
+    slider = BESIDE.replace(b=0.006, K=9e8)
+    for V_start in (3.2e-3 * 1.0001, 3.2e-5):
+        times = np.linspace(0.1, 3.0, 30)
+        ends = xr.DataArray(times, dims="end")
+        run = rs.simulate(slider, rs.Loading.constant(3.2e-3), ends, V_start=V_start)
+        assert (run.returns == 1).all()
+
+
+def test_errors_of_speeds():
+    """Those of V_max and V_min hold, and do not claim a thousand times too much."""
+    rng = np.random.default_rng(8)
+    n = 120
+    beta, eta = 1 + 10 ** rng.uniform(-1, 0.9, n), 10 ** rng.uniform(-8, 3, n)
+    below = np.where(eta < 1e-5, 1.0, 1 + eta) * rng.uniform(0.05, 0.95, n)
+    values = {"kappa": below * (beta - 1), "beta": beta, "eta": eta}
+    those = system("slip", *values.values())
+    (_, loose), (_, exact) = (
+        (s, refine(those, s, rtol, False))
+        for rtol in (1e-6, 1e-11)
+        for s in [settle(those, steady_start(those), rtol, False, None)]
+    )
+    known = exact["error"] < 1e-9
+    assert known.mean() > 0.9
+    for name in ("v_max", "v_min"):
+        off = np.abs(loose[name] - exact[name])[known]
+        stated = loose[f"{name}_error"][known]
+        assert (off <= stated + exact[f"{name}_error"][known]).mean() > 0.98, name
+        assert np.median(off / stated) > 1e-3, name
+        assert off.max() > 1e-7, name
+
+
+def test_a_branch_does_not_begin_with_a_doubled_cycle():
+    with pytest.raises(rs.NotConverged, match=r"closes after 2 returns \(period doubling\)"):
+        rs.continue_cycle(BESIDE, "V_lp", V_LP, 9e-3)
+
+
+def test_verdict_tells_of_the_doubling():
+    said = verdict(BESIDE, V_LP)
+    assert said.returns == 2
+    cycle = rs.limit_cycle(BESIDE, V_LP)
+    sentence = next(text for text in said.sentences if "period doubling" in text)
+    assert sentence.startswith("It repeats after 2 unequal maxima of the stress")
+    assert f"every {1e3 * float(cycle.period):.4g} ms" in sentence
+    other = verdict(BESIDE.replace(b=0.006, K=9e8), 3.2e-3)
+    assert other.returns == 1
+    assert not any("doubling" in text for text in other.sentences)
+
+
+def test_multipliers_of_the_whole_period():
+    """Those of two returns are those of the map's second iterate."""
+    those = system("slip", 1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
+    settled, found = found_by_search(those)
+    twice = iterate(those, found["u"], 1e-11, settled.returns, alone=True)
+    np.testing.assert_allclose(
+        multipliers(twice)[0, 0].real, found["multipliers"][0, 0].real, rtol=1e-5
+    )
+    single = turn(those, state(those, found["u"]), 1e-11, alone=True)
+    assert np.abs(single.image - found["u"]).max() > 0.1

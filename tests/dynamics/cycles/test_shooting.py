@@ -1,0 +1,291 @@
+"""Turns as algebra: section, multipliers, Newton's step; where orbits settle; what is measured."""
+
+import math
+
+import numpy as np
+import pytest
+from dimensionless import P1, P2, P4B, jacobian, rates, some, system
+from naive import top
+from scipy.integrate import solve_ivp
+
+from ratestate.dynamics.cycles.attraction import View, _leap
+from ratestate.dynamics.cycles.attractor import settle, steady_start
+from ratestate.dynamics.cycles.measure import measure
+from ratestate.dynamics.cycles.shooting import (
+    System,
+    Turns,
+    multipliers,
+    newton_step,
+    state,
+    system_of,
+    turn,
+)
+from ratestate.engine.model import FINISHED, STEADY_SLIDING
+
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+
+
+def turns_with(jacobians, trace, image=None):
+    n = len(jacobians)
+    image = np.zeros((n, 2)) if image is None else image
+    return Turns(np.zeros(n), image, jacobians, {"trace": trace})
+
+
+# Algebra ------------------------------------------------------------------------------------------
+
+
+def test_system():
+    values = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "sigma": 4e6, "K": 0.96e9, "V_lp": 1e-5}
+    values |= {"M": [100.0, 0.0], "mu0": 0.6}
+    arrays = {name: np.broadcast_to(value, 2).astype(float) for name, value in values.items()}
+    those = system_of("slip", **arrays)
+    np.testing.assert_allclose(those.kappa, 0.48, rtol=1e-14)
+    np.testing.assert_allclose(those.beta, 1.6, rtol=1e-14)
+    np.testing.assert_allclose(those.eta, [5e-8, 0], rtol=1e-14)
+    assert those.v_limit[0] == math.inf  # inertia bounds the speed
+    assert 0 < those.v_limit[1] < math.inf
+    np.testing.assert_allclose(those.margin, 0.48 - 0.6 * (1 + those.eta), rtol=1e-14)
+    assert those.at([1]).eta.tolist() == [0.0]
+
+
+def test_section():
+    those = system("slip", 0.5, [1.5, 3.0], [0.2, 1e-12])
+    u = np.array([[0.3, 0.7], [-0.2, 0.1]])
+    y = state(those, u)
+    assert (y[:, 1] == 0).all()
+    np.testing.assert_array_equal(y[:, 2], u[:, 0])
+    np.testing.assert_allclose((y[0, 0] - 1.5 * y[0, 2]) / 0.2, 0.7, rtol=1e-15)
+    start = steady_start(those)
+    for y, beta in zip(start, those.beta, strict=True):
+        assert y[1] == pytest.approx(math.log(0.1), rel=1e-15)
+        np.testing.assert_allclose(rates("slip", 0.5, beta, 1.0)(y)[1:], 0, atol=1e-15)
+        np.testing.assert_allclose(rates("aging", 0.5, beta, 1.0)(y)[2], 0, atol=1e-14)
+
+
+def test_multipliers_are_eigenvalues():
+    rng = np.random.default_rng(31)
+    jacobians = rng.normal(size=(200, 2, 2))
+    jacobians[np.linalg.det(jacobians) < 0, 0] *= -1  # those of a flow keep the orientation
+    trace = np.log(np.linalg.det(jacobians))
+    found = multipliers(turns_with(jacobians, trace))
+    exact = np.linalg.eigvals(jacobians)
+    assert (np.abs(found[:, 0]) >= np.abs(found[:, 1]) * (1 - 1e-12)).all()
+    assert 20 < (found.imag != 0).any(axis=1).sum() < 180
+    for ours, theirs in zip(found, exact, strict=True):
+        off = min(np.abs(ours - theirs).max(), np.abs(ours - theirs[::-1]).max())
+        assert off < 1e-6  # a root of two nearly equal eigenvalues
+    np.testing.assert_allclose(found.prod(axis=1), np.exp(trace), rtol=1e-12)
+
+
+def test_small_multipliers_keep_their_digits():
+    """Where the determinant of the derivative is all rounding."""
+    J = np.array([[[0.6, 0.2], [1.2, 0.4 + 1e-16]], [[-0.5, 0.0], [0.0, 0.0]], np.zeros((2, 2))])
+    found = multipliers(turns_with(J, np.array([math.log(1e-20), -math.inf, math.nan])))
+    np.testing.assert_allclose(found[0], [1.0, 1e-20], rtol=1e-14)
+    np.testing.assert_array_equal(found[1:], [[-0.5, 0], [0, 0]])
+
+
+def test_newton_step():
+    rng = np.random.default_rng(32)
+    J, image, u = rng.normal(size=(50, 2, 2)), rng.normal(size=(50, 2)), rng.normal(size=(50, 2))
+    found = newton_step(turns_with(J, np.zeros(50), image), u)
+    for i in range(50):
+        exact = np.linalg.solve(np.eye(2) - J[i], image[i] - u[i])
+        np.testing.assert_allclose(found[i], exact, rtol=0, atol=1e-12 * np.abs(exact).max())
+    none = newton_step(turns_with(np.eye(2)[None], np.zeros(1), np.ones((1, 2))), np.zeros((1, 2)))
+    assert not np.isfinite(none).any()
+
+
+@LAWS
+def test_newton_converges_quadratically(law):
+    those = system(law, 0.9 * 0.8 * 1.5, 1.8, 0.5)
+    settled = settle(those, steady_start(those), 1e-11, False, None)
+    u = settled.u * [1.01, 0.98]
+    off = []
+    for _ in range(4):
+        off.append(np.abs(u / settled.u - 1).max())
+        turns = turn(those, state(those, u), 1e-13, alone=False)
+        u = u + newton_step(turns, u)
+    assert off[3] < 1e-10
+    for before, after in ((off[0], off[1]), (off[1], off[2])):
+        assert after < 10 * before**2 + 1e-11
+    assert off[1] > 1e-7  # not what a solver that starts at the answer would show
+
+
+# Where orbits settle ------------------------------------------------------------------------------
+
+
+def follow(those, turns):
+    """The orbit from steady sliding at V_lp/10, turn by turn; NaN once it is steady sliding."""
+    steady = np.where(those.margin > 0, 1e-6, 0.0)
+    image = turn(those, steady_start(those), 1e-9, alone=False, steady_tol=steady).image
+    for _ in range(turns):
+        on = np.flatnonzero(np.isfinite(image[:, 0]))
+        part = those.at(on)
+        image[on] = turn(
+            part, state(part, image[on]), 1e-9, alone=False, steady_tol=steady[on]
+        ).image
+    return image
+
+
+@LAWS
+def test_a_turn_is_as_fine_as_its_cycle_attracts(law):
+    """Errors of a turn add up, along a slow direction, to 1/(1 - multiplier) times as much."""
+    those = system(law, [0.2, 0.6, 1.05], 2.0, 0.5)
+    settled = settle(those, steady_start(those), 1e-8, False, None)
+    first = multipliers(turn(those, state(those, settled.u), 1e-10, alone=False))[:, 0].real
+    assert 0.0 < first.min() < 0.2 < first.max() < 0.8
+    np.testing.assert_allclose(settled.tol, 1e-8 * (1.0 - first), rtol=0.01)
+
+
+@LAWS
+def test_settles_where_the_orbit_goes(law):
+    """Of sliders that settle within some turns, those with a fixed point not theirs included."""
+    rng = np.random.default_rng(33)
+    n = 48
+    beta, eta = 1 + 10 ** rng.uniform(-0.5, 0.6, n), 10 ** rng.uniform(-5, 1.5, n)
+    ratio = np.where(rng.random(n) < 0.7, rng.uniform(0.1, 0.97, n), 1.2 + eta)
+    those = system(law, ratio * (beta - 1), beta, eta)
+    settled = settle(those, steady_start(those), 1e-8, False, None)
+    end = follow(those, 40)
+    cycle = settled.status == FINISHED
+    assert cycle.sum() > 20
+    assert (settled.status[~cycle] == STEADY_SLIDING).all()
+    assert (those.margin[~cycle] > 0).all()
+    turns = turn(those.at(cycle), state(those.at(cycle), settled.u[cycle]), 1e-9, alone=False)
+    quick = np.abs(multipliers(turns)[:, 0]) < 0.55  # 40 turns are enough
+    assert quick.sum() > 10
+    np.testing.assert_allclose(settled.u[cycle][quick, 0], end[cycle][quick, 0], rtol=1e-7)
+    np.testing.assert_allclose(turns.image[:, 0], settled.u[cycle][:, 0], rtol=1e-7)
+
+
+def test_leaps_pass_no_fixed_point():
+    """Aging law just above K_c: a stable cycle, and inside an unstable one that guards sliding.
+
+    From V_lp/10 some sliders come to rest on the cycle, others spiral in; the orbit is the judge.
+    """
+    beta, eta = 2.0, 0.05
+    above = np.array([0.001, 0.003, 0.005, 0.0054, 0.0065, 0.009, 0.02])
+    those = system("aging", (beta - 1) * (1 + eta) * (1 + above), beta, eta)
+    settled = settle(those, steady_start(those), 1e-8, False, None)
+    end = follow(those, 600)
+    cycle = np.hypot(*end.T) > 0.1
+    assert {FINISHED, STEADY_SLIDING} == set(settled.status.tolist())
+    np.testing.assert_array_equal(settled.status == FINISHED, cycle)
+    np.testing.assert_allclose(settled.u[cycle, 0], end[cycle, 0], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("multiplier", "fixed_point", "expected"),
+    [
+        (0.9, 1.2, 1.1),  # half of the way, of which a return makes a tenth
+        (0.4, 1.2, 1.12),  # a return makes more than half: the orbit itself
+        (0.99, 101.0, 1.0 + 0.3 * math.sqrt(101.0)),  # no more than 0.3 of the distance from 0
+    ],
+)
+def test_how_far_an_orbit_leaps(multiplier, fixed_point, expected):
+    """A linear map that contracts psi to a fixed point, slowly, and G not at all."""
+    one = np.ones(1)
+    those = System("slip", one, one, one, one)
+    u, matrix = np.array([[1.0, 10.0]]), np.diag([multiplier, 0.1])[None]
+    image = u + np.array([(1.0 - multiplier) * (fixed_point - 1.0), 0.0])
+    view = View(*[None] * len(View._fields))
+    view = view._replace(first=multiplier * (one + 0j), second=0.1 * (one + 0j))
+    leapt = _leap(those, turns_with(matrix, one, image), u, view, np.array([True]))
+    np.testing.assert_allclose(leapt, [[expected, 10.0]], rtol=1e-12)
+
+
+# What is measured ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("law", "parameters", "method"),
+    [
+        ("slip", P1, "DOP853"),
+        ("slip", P2, "Radau"),
+        ("aging", P4B, "Radau"),
+        ("aging", (0.8 * 20, 2.0, 20.0), "DOP853"),
+        ("slip", (0.05, 1.5, 1e-3), "Radau"),
+    ],
+)
+def test_measures_against_a_dense_run(law, parameters, method):
+    """Extremes, time spent sticking and the fundamental's share, by SciPy and a fast transform."""
+    those = system(law, *parameters)
+    settled = settle(those, steady_start(those), 1e-9, False, None)
+    found = {name: value[0] for name, value in measure(those, settled, False).items()}
+    f, J = rates(law, *parameters), jacobian(law, *parameters)
+    known = {"jac": lambda t, y: J(y)} if method == "Radau" else {}
+    y, period = state(those, settled.u)[0], found["period"]
+
+    def sticks(t, y):
+        return y[1] - math.log(0.1)
+
+    run = solve_ivp(
+        lambda t, y: f(y),
+        (0, period),
+        y,
+        method,
+        rtol=1e-10,
+        atol=1e-10,
+        max_step=period / 300,
+        events=sticks,
+        dense_output=True,
+        **known,
+    )
+    assert np.abs(run.y[:, -1] - y).max() < 1e-6
+    t = (run.t[:-1, None] + np.diff(run.t)[:, None] * np.linspace(0, 1, 21)[:-1]).ravel()
+    x, v, psi = run.sol(t)
+    assert found["v_max"] == pytest.approx(top(v), abs=1e-6)
+    assert found["v_min"] == pytest.approx(-top(-v), abs=1e-6)
+    assert found["amplitude"] == pytest.approx(top(x) + top(-x), rel=1e-7)
+    g = np.abs(x - v - those.beta[0] * psi)
+    assert found["g_max"] == pytest.approx(top(g), rel=1e-5)
+    times = run.t_events[0]
+    assert len(times) in (0, 2)  # down and up again
+    slow = (times[1] - times[0]) / period if len(times) else 0.0
+    assert found["slow_fraction"] == pytest.approx(slow, abs=1e-7)
+    n = 1 << 16
+    stress = run.sol(period * np.arange(n) / n)[0]
+    share = 2 * np.abs(np.fft.rfft(stress)[1] / n) ** 2 / stress.var()
+    assert found["fundamental"] == pytest.approx(share, rel=5e-5)  # stress drops within a sample
+    assert 0.4 < share < 1
+    assert found["residual"] < 1e-6
+
+
+@LAWS
+def test_measures_take_the_step_that_is_left(law):
+    """From a point a little off, amplitude and period are the cycle's to second order."""
+    those = system(law, 0.9 * 0.8 * 1.5, 1.8, 0.5)
+    settled = settle(those, steady_start(those), 1e-11, False, None)
+    exact = measure(those, settled, False)
+    off = measure(those, settled._replace(u=settled.u * (1 + 1e-5)), False)
+    for name in ("period", "amplitude"):
+        assert off[name] == pytest.approx(exact[name], rel=1e-8)
+    assert 1e-6 < off["error"][0] < 1e-3  # but it is not trusted further than the step is long
+    assert exact["error"][0] < 1e-10
+    assert 1e-7 < off["residual"][0] < 1e-4
+
+
+def test_a_failed_turn_leaves_nothing():
+    those = system("slip", [0.5, math.nan], 2.0, 0.1)
+    u = np.ones((2, 2))
+    settled = settle(those, steady_start(those), 1e-6, False, None)
+    assert settled.status[0] == FINISHED
+    assert settled.status[1] > STEADY_SLIDING
+    found = measure(those, settled._replace(u=u, tol=np.full(2, 1e-8)), False)
+    for name, value in found.items():
+        assert np.isnan(value[1]).all(), name
+        assert np.isfinite(value[0]).all(), name
+
+
+@LAWS
+def test_same_bits_in_any_batch(law):
+    those, _ = some(law, 24)
+    whole = settle(those, steady_start(those), 1e-7, False, None)
+    pick = np.random.default_rng(34).permutation(24)[:7]
+    part = settle(those.at(pick), steady_start(those.at(pick)), 1e-7, False, None)
+    for one, other in zip(part, whole.at(pick), strict=True):
+        np.testing.assert_array_equal(one, other)
+    one, other = measure(those.at(pick), part, False), measure(those, whole, False)
+    for name, value in one.items():
+        np.testing.assert_array_equal(value, other[name][pick], err_msg=name)

@@ -1,0 +1,271 @@
+"""Soft limit cycles against 60-digit harmonic balance, SciPy, and the law of their birth."""
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from ratestate.dynamics.cycles.harmonic_balance import SERIES
+from ratestate.dynamics.cycles.small_cycles import curvature, soft_cycle
+from ratestate.friction.laws import LAWS
+
+laws = st.sampled_from(sorted(LAWS))
+
+
+def at_margin_of(r, law, beta, eta):
+    """Arguments of soft_cycle whose cycle has this amplitude to leading order."""
+    beta, eta = np.atleast_1d(beta, eta)
+    margin = curvature(law, beta, eta) * r**2
+    return law, (beta - 1) * (1 + eta) + margin, beta, eta, margin
+
+
+def rates(law, kappa, beta, eta):
+    """Right-hand side of the slider's equations, as published."""
+
+    def f(T, y):
+        x, v, psi = y
+        w = np.exp(v)
+        evolution = -w * (v + psi) if law == "slip" else np.exp(-psi) - w
+        return [kappa * (1 - w), (x - v - beta * psi) / (eta * w), evolution]
+
+    return f
+
+
+def integrated(law, kappa, beta, eta, psi, G, period):
+    """State and stress extremes after this time, by DOP853 from the section."""
+
+    def v(T, y):
+        return y[1]
+
+    start = [beta * psi + eta * G, 0.0, psi]
+    run = solve_ivp(
+        rates(law, kappa, beta, eta), (0, period), start, "DOP853", rtol=3e-14, atol=1e-16, events=v
+    )
+    x, v_end, psi_end = run.y[:, -1]
+    stress = [start[0], *run.y_events[0][:, 0]]
+    return np.array([v_end, psi_end, (x - beta * psi_end) / eta]), max(stress) - min(stress)
+
+
+def shot(law, kappa, beta, eta, guess):
+    """psi, G and period of the cycle and its amplitude by Newton's method, far from the guess."""
+    q = np.array(guess) * [1.03, 0.96, 1.01]
+    for _ in range(12):
+
+        def miss(q):
+            end, amplitude = integrated(law, kappa, beta, eta, *q)
+            return end - [0.0, *q[:2]], amplitude
+
+        here, amplitude = miss(q)
+        slopes = [(miss(q + step)[0] - miss(q - step)[0]) / 2e-6 for step in 1e-6 * np.eye(3)]
+        step = np.linalg.solve(np.transpose(slopes), here)
+        q = q - step
+        if np.max(np.abs(step)) < 1e-12:
+            return *q, amplitude
+    raise AssertionError("shooting did not converge")
+
+
+@pytest.mark.parametrize(
+    ("law", "kappa", "beta", "eta", "stable"),
+    [
+        ("slip", 1.5, 2.0, 0.512, True),  # Fig. 2 at 3.2 mm/s
+        ("aging", 1.5, 2.0, 0.512, True),
+        ("slip", 0.9 * (1 + 3.0) - 0.01, 1.9, 3.0, True),
+        ("aging", 2.0 * 1.05 + 6e-4, 3.0, 0.05, False),
+    ],
+)
+def test_is_the_cycle_that_shooting_finds(law, kappa, beta, eta, stable):
+    (found,), (r,), (omega,), *ours, (error,) = soft_cycle(law, [kappa], [beta], [eta])
+    assert found
+    assert 0.05 < r < 0.3
+    assert stable == (kappa < (beta - 1) * (1 + eta))
+    (psi,), (G,), (amplitude,) = ours
+    theirs = shot(law, kappa, beta, eta, (psi, G, 2 * np.pi / omega))
+    # each is good to its own rounding: 1e-15 of the map over the 1 - multiplier ~ r^2
+    np.testing.assert_allclose((psi, G, 2 * np.pi / omega, amplitude), theirs, rtol=1e-11)
+    assert 1e-16 < error < 1e-10
+
+
+@settings(max_examples=25, deadline=None)
+@given(laws, st.floats(-1, 1), st.floats(-1, 1), st.floats(0.02, 0.15))
+def test_closes_after_a_period(law, log_b1, log_eta, r):
+    arguments = at_margin_of(r, law, 1 + 10**log_b1, 10**log_eta)
+    cycle = soft_cycle(*arguments)
+    if not cycle.found[0]:  # by a fold of the aging law
+        assert abs(arguments[-1][0]) < 0.02 * r**2
+        return
+    psi, G = cycle.psi[0], cycle.G[0]
+    parameters = (value[0] for value in arguments[1:4])
+    end, amplitude = integrated(law, *parameters, psi, G, 2 * np.pi / cycle.omega[0])
+    np.testing.assert_allclose(end, [0, psi, G], rtol=0, atol=3e-12 * max(1, G))
+    assert amplitude == pytest.approx(cycle.amplitude[0], rel=1e-10)
+
+
+def precise_cycle(law, r, beta, eta):
+    """Margin, omega, psi, G and amplitude at amplitude r: collocation as it stands, in 60 digits.
+
+    With three harmonics its own error is r^3.
+    """
+    mp = mpmath.MPContext()
+    mp.dps = 60
+    n, r, beta, eta = 7, mp.mpf(r), mp.mpf(beta), mp.mpf(eta)
+
+    def waves(phase):
+        return [mp.mpf(1), *(f(k * phase) for k in (1, 2, 3) for f in (mp.cos, mp.sin))]
+
+    def slopes(phase):
+        return [0, *(f for k in (1, 2, 3) for f in (-k * mp.sin(k * phase), k * mp.cos(k * phase)))]
+
+    nodes = [(waves(t), slopes(t)) for t in (2 * mp.pi * j / n for j in range(n))]
+
+    def split(q):
+        kappa, omega = q[n + 1 : n + 3]  # in the place of v's fundamental, which is r cos
+        return q[:n], [q[n], r, 0, *q[n + 3 : 2 * n]], q[2 * n :], kappa, omega
+
+    def equations(*q):
+        x, v, psi, kappa, omega = split(q)
+        left = []
+        for wave, slope in nodes:
+            x_, v_, psi_ = (mp.fdot(c, wave) for c in (x, v, psi))
+            w = mp.exp(v_)
+            rate = -w * (v_ + psi_) if law == "slip" else mp.exp(-psi_) - w
+            left.append(omega * mp.fdot(x, slope) - kappa * (1 - w))
+            left.append(omega * mp.fdot(v, slope) * eta * w - (x_ - v_ - beta * psi_))
+            left.append(omega * mp.fdot(psi, slope) - rate)
+        return left
+
+    omega, zero = mp.sqrt(beta - 1), mp.mpf(0)
+    x = [zero, zero, -r * omega * (1 + eta), *[zero] * 4]
+    v = [zero, (beta - 1) * (1 + eta), omega, *[zero] * 4]
+    psi = [zero, -r / beta, -r * omega / beta, *[zero] * 4]
+    q = mp.findroot(equations, x + v + psi, tol=mp.mpf(10) ** -90)
+    x, v, psi, kappa, omega = split(list(q))
+    rising, falling = (
+        mp.findroot(lambda t: mp.fdot(v, waves(t)), side * mp.pi / 2) for side in (-1, 1)
+    )
+    section = mp.fdot(psi, waves(rising)), omega * mp.fdot(v, slopes(rising))
+    amplitude = mp.fdot(x, waves(rising)) - mp.fdot(x, waves(falling))
+    return [float(f) for f in (kappa - (beta - 1) * (1 + eta), omega, *section, amplitude)]
+
+
+@pytest.mark.parametrize(
+    ("law", "r", "beta", "eta"),
+    [
+        ("slip", 1e-8, 1.7, 0.3),
+        ("aging", 1e-8, 1.7, 0.3),
+        ("slip", 1e-6, 3.0, 1e6),
+        ("aging", 1e-6, 1.001, 20.0),
+        ("aging", 1e-5, 40.0, 1e-4),
+        ("slip", 1e-5, 2.0, 1e-5),
+    ],
+)
+def test_keeps_all_digits_however_small(law, r, beta, eta):
+    margin, *theirs = precise_cycle(law, r, beta, eta)
+    cycle = soft_cycle(law, (beta - 1) * (1 + eta) + margin, beta, eta, margin)
+    assert curvature(law, beta, eta)[0] * r**2 == pytest.approx(margin, rel=1e-8, abs=0)
+    assert cycle.found[0]
+    error = cycle.error[0]
+    cancelling = np.sqrt((beta - 1) * beta) * (1 + eta) * r**2 / abs(margin)
+    assert 2e-16 < error < 3e-15 * (1 + cancelling)
+    assert cycle.r[0] == pytest.approx(r, rel=error, abs=0)
+    ours = [cycle.omega[0], cycle.psi[0], cycle.G[0], cycle.amplitude[0]]
+    np.testing.assert_allclose(ours, theirs, rtol=error + 3e-15)
+
+
+@pytest.mark.parametrize("law", sorted(LAWS))
+def test_amplitude_grows_like_the_root_of_the_margin(law):
+    eta = np.array([1e-3, 0.03, 0.5, 4.0, 1e3])
+    off = []
+    for r in (1e-7, 0.01, 0.02):
+        arguments = at_margin_of(r, law, 2.5, eta)
+        cycle = soft_cycle(*arguments)
+        assert cycle.found.all()
+        off.append((cycle.r / r) ** 2 - 1)
+    assert np.all(np.abs(off[0]) < 1e-11)
+    np.testing.assert_allclose(off[2] / off[1], 4.0, rtol=0.02)  # the next term is r^4
+
+
+def test_curvature_changes_sign_with_inertia_for_the_aging_law_alone():
+    # at b/a = 2 and eta = 1/10 the curvature is a short decimal
+    np.testing.assert_allclose(curvature("slip", 2.0, [0.1, 1.0]), [-0.0836, -1.25], rtol=1e-13)
+    np.testing.assert_allclose(curvature("aging", 2.0, [0.1, 1.0]), [0.0058, -0.5], rtol=1e-13)
+    eta = np.logspace(-6, 6, 25)
+    assert np.all(curvature("slip", 2.0, eta) < 0)
+    for law, kappa, margin, there in [
+        ("aging", 1.05, 1e-6, True),
+        ("aging", 1.05, -1e-6, False),
+        ("aging", 2.0, 1e-6, False),
+        ("aging", 2.0, -1e-6, True),
+        ("slip", 1.05, 1e-6, False),
+        ("slip", 1.05, -1e-6, True),
+    ]:
+        cycle = soft_cycle(law, kappa + margin, 2.0, kappa - 1, margin)
+        assert cycle.found[0] == there
+        assert np.isnan(cycle.r[0]) != there
+
+
+def test_error_counts_what_subtraction_loses():
+    exact = soft_cycle("slip", 4.0 - 1e-11, 2.0, 3.0, -1e-11)
+    blurred = soft_cycle("slip", 4.0 - 1e-11, 2.0, 3.0)
+    assert exact.error[0] < 1e-14
+    assert 3e-5 < blurred.error[0] < 3e-4
+    assert 0 < abs(blurred.r[0] / exact.r[0] - 1) < blurred.error[0]
+
+
+@pytest.mark.parametrize("law", sorted(LAWS))
+def test_series_is_that_of_the_law(law):
+    rng = np.random.default_rng(5)
+    v, z = rng.uniform(-3, 3, 50), rng.uniform(-0.5, 0.5, 50)
+    h = -z + sum(c * z**k for k, c in enumerate(SERIES[law], 2))
+    rate = LAWS[law].rate(np.exp(v), v, z - v, np.exp(v - z))
+    np.testing.assert_allclose(np.exp(v) * h, rate, rtol=0, atol=3e-14)
+    np.testing.assert_allclose(h, LAWS[law].rate(1.0, 0.0, z, np.exp(-z)), rtol=0, atol=3e-16)
+    assert set(SERIES) == set(LAWS)
+
+
+def test_same_bits_in_any_batch():
+    rng = np.random.default_rng(6)
+    beta, eta = 1 + 10 ** rng.uniform(-3, 1, 40), 10 ** rng.uniform(-3, 3, 40)
+    law, *arguments = at_margin_of(10 ** rng.uniform(-4, -0.8, 40), "aging", beta, eta)
+    together = soft_cycle(law, *arguments)
+    assert together.found.mean() > 0.9
+    for i in range(40):
+        alone = soft_cycle(law, *(value[i : i + 1] for value in arguments))
+        for one, all_ in zip(alone, together, strict=True):
+            assert one.tobytes() == all_[i : i + 1].tobytes()
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    laws,
+    st.floats(-6, 2),
+    st.floats(-14, 14),
+    st.floats(-320, 1),
+    st.sampled_from([-1, 0, 1]),
+    st.booleans(),
+)
+def test_never_fails(law, log_b1, log_eta, log_margin, sign, given_margin):
+    beta, eta = 1 + 10**log_b1, 10**log_eta
+    critical = (beta - 1) * (1 + eta)
+    margin = max(sign * 10**log_margin, -0.99) * critical
+    cycle = soft_cycle(law, critical + margin, beta, eta, margin if given_margin else None)
+    if cycle.found[0]:
+        assert all(np.isfinite(value[0]) and value[0] > 0 for value in cycle[1:])
+        assert cycle.r[0] <= 0.3
+        assert cycle.error[0] <= 1e-3
+    else:
+        assert all(np.isnan(value[0]) for value in cycle[1:])
+
+
+@settings(max_examples=60, deadline=None)
+@given(laws, st.floats(-6, 2), st.floats(-6, 14), st.floats(-8, -1.5))
+def test_finds_what_there_is(law, log_b1, log_eta, log_r):
+    arguments = at_margin_of(10**log_r, law, 1 + 10**log_b1, 10**log_eta)
+    _, _, beta, eta, margin = arguments
+    relative = np.abs(margin[0]) / (10 ** (2 * log_r) * (beta[0] - 1) * eta[0])
+    if law == "aging" and relative < 0.02:  # the curvature nearly vanishes
+        return
+    cycle = soft_cycle(*arguments)
+    assert cycle.found[0]
+    assert cycle.r[0] == pytest.approx(10**log_r, rel=0.1 + cycle.error[0])

@@ -1,0 +1,362 @@
+"""The atlas, how far cycles and steady sliding coexist, and the pictures of both."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+import ratestate as rs
+from ratestate import ParameterError, SpringSlider, limit_cycle, plot
+from ratestate.dynamics.atlas import atlas
+from ratestate.dynamics.continuation.folds import folds
+from ratestate.dynamics.cycles.attractor import settle
+from ratestate.dynamics.cycles.regimes import REGIMES, classify
+from ratestate.dynamics.cycles.shooting import System, multipliers, small_amplitude, state, turn
+from ratestate.dynamics.cycles.small_cycles import curvature
+from ratestate.engine.model import FINISHED, STEADY_SLIDING
+from ratestate.paper import atlas as chart
+
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+N = 24
+
+
+def dimensionless(law, b_over_a, eta, excess=0.0):
+    """With V_lp = 1, a slider of this eta and K/K_c - 1."""
+    slider = SpringSlider(a=1.0, b=b_over_a, Dc=1.0, sigma=1.0, M=eta, K=1.0, law=law)
+    return slider.replace(K=float(slider.K_c(1.0)) * (1.0 + excess))
+
+
+def system(law, kappa, beta, eta):
+    columns = np.broadcast_arrays(kappa, beta, eta, np.inf)
+    return System(law, *(np.array(column) for column in columns))
+
+
+def excess(found, beta, eta):
+    """K_fold/K_c - 1."""
+    return found.kappa / ((beta - 1.0) * (1.0 + eta)) - 1.0
+
+
+# coexistence
+
+
+@pytest.mark.parametrize(
+    ("b_over_a", "eta"), [(1.2, 1e-2), (2.0, 1e-3), (2.0, 0.1), (5.0, 1e-2), (12.0, 0.094)]
+)
+def test_the_fold_is_where_a_branch_turns_back(b_over_a, eta):
+    """Against pseudo-arclength continuation; the last one lies beyond the Bautin point."""
+    slider = dimensionless("aging", b_over_a, eta, -0.03)
+    branch = rs.continue_cycle(slider, "K", slider.K, 1.1 * slider.K, V_lp=1.0, rtol=1e-8)
+    stiffest = float(branch.K.max())
+    assert "fold" in branch.special.values[branch.K.values == stiffest]
+    found = folds("aging", np.array([b_over_a]), np.array([eta]))
+    width = float(excess(found, b_over_a, eta)[0])
+    assert width == pytest.approx(stiffest / float(slider.K_c(1.0)) - 1.0, rel=1e-4)
+    assert 1e-3 < width < 1e-2
+    beyond = eta > rs.bautin("aging", b_over_a)
+    assert str(rs.hopf(slider, 1.0).type.values) == ("supercritical" if beyond else "subcritical")
+
+
+def test_two_cycles_meet_there():
+    eta = np.geomspace(1e-6, 0.12, 12)
+    found = folds("aging", 2.0, eta)
+    there = system("aging", found.kappa, 2.0, eta)
+    turns = turn(there, state(there, found.u), 1e-12, alone=False)
+    # G is stress over eta: weighed by it
+    off = np.abs(turns.image - found.u) * np.stack([np.ones(12), eta], axis=1)
+    assert off.max() < 1e-6
+    np.testing.assert_allclose(multipliers(turns)[:, 0], 1.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("eta", [1e-5, 1e-3, 0.05])
+def test_cycles_are_reached_below_the_fold_only(eta):
+    found = folds("aging", 2.0, np.array([eta]))
+    width = excess(found, 2.0, eta)
+    for factor, status in ((0.99, FINISHED), (1.01, STEADY_SLIDING)):
+        here = system("aging", (1.0 + eta) * (1.0 + factor * width), 2.0, np.array([eta]))
+        start = state(here, 1.3 * found.u)
+        assert settle(here, start, 1e-6, True, lambda fraction: None).status == status
+
+
+@pytest.mark.parametrize("eta", [1e-3, 0.05])
+def test_a_small_unstable_cycle_parts_rest_from_vibration(eta):
+    """Just above K_c swings smaller than the unstable cycle, of r^2 = margin/curvature, die out."""
+    beta, r = 2.0, 4e-3  # of the aging law; in ln V
+    edge = system("aging", 1.0 + eta, beta, np.array([eta]))
+    margin = curvature("aging", edge.beta, edge.eta) * r**2
+    here = system("aging", 1.0 + eta + margin, beta, edge.eta)
+    assert here.margin == pytest.approx(margin, rel=0.1)
+    u = np.ones((1, 2))
+    u *= r / small_amplitude(here, u)
+    for size, status in ((0.5, STEADY_SLIDING), (0.95, STEADY_SLIDING), (1.05, FINISHED)):
+        assert settle(here, state(here, size * u), 1e-6, True, None).status == status
+
+
+def test_the_strip_closes_at_the_bautin_point():
+    last = rs.bautin("aging", 2.0)
+    eta = last * np.array([0.98, 0.99, 1.0, 1.01, 2.0, 1e4])
+    width = excess(folds("aging", 2.0, eta), 2.0, eta)
+    assert width[0] / width[1] == pytest.approx(4.0, rel=0.05)  # like the square of the distance
+    assert np.isnan(width[2:]).all()
+    # a degenerate one, with b/a some 7, comes before it outlives the bifurcation's change of type
+    wide = rs.bautin("aging", 40.0) * np.array([1.0, 1.3, 1.6])
+    width = excess(folds("aging", 40.0, wide), 40.0, wide)
+    assert width[0] > width[1] > 0.0
+    assert np.isnan(width[2])
+
+
+@pytest.mark.parametrize("b_over_a", [1.2, 2.0, 5.0, 12.0])
+def test_slip_law_has_no_cycle_beside_stable_sliding(b_over_a):
+    assert np.isnan(folds("slip", b_over_a, np.geomspace(1e-6, 1e2, 20)).kappa).all()
+    # nor is one reached from afar
+    rng = np.random.default_rng(3)
+    eta, above = 10.0 ** rng.uniform(-6, 1, 150), 10.0 ** rng.uniform(-3, -0.5, 150)
+    psi, v = rng.uniform(-15, 15, 150), rng.uniform(-15, 5, 150)
+    here = system("slip", (b_over_a - 1.0) * (1.0 + eta) * (1.0 + above), b_over_a, eta)
+    start = np.stack([v + b_over_a * psi + rng.normal(size=150), v, psi], axis=1)
+    found = settle(here, start, 1e-6, False, lambda fraction: None)
+    np.testing.assert_array_equal(found.status, STEADY_SLIDING)
+
+
+def test_folds_of_a_batch_are_those_of_each():
+    eta = np.array([1e-7, 1e-5, 1e-2, 0.13, 1.0])
+    beta = np.array([2.0, 1.5, 5.0, 2.0, 3.0])
+    together = folds("aging", beta, eta)
+    assert np.isnan(together.kappa).tolist() == [True, False, False, False, True]
+    for i in range(5):
+        alone = folds("aging", beta[i : i + 1], eta[i : i + 1])
+        np.testing.assert_allclose(alone.kappa, together.kappa[i : i + 1], rtol=1e-12)
+    with pytest.raises(ParameterError, match="law"):
+        folds("sloth", beta, eta)
+
+
+# the atlas
+
+
+@pytest.fixture(scope="module")
+def charts():
+    """law -> atlas, each computed once."""
+    known = {}
+
+    def of(law):
+        if law not in known:
+            known[law] = atlas(2.0, law, n=N)
+        return known[law]
+
+    return of
+
+
+@LAWS
+def test_contract(charts, law, tmp_path):
+    data = charts(law)
+    whole = ["amplitude_over_a", "slip_per_cycle", "frequency_over_f_n", "V_max_over_V_lp"]
+    whole += ["inertia", "fundamental", "slow_fraction", "agree", "regime", "status"]
+    for name in whole:
+        assert data[name].dims == ("eta", "K_over_K_c_qs")
+        assert data[f"{name}_close"].dims == ("eta", "K_over_K_c")
+    for name in ("lyapunov_1", "type", "K_c_over_K_c_qs", "K_fold_over_K_c_qs"):
+        assert data[name].dims == ("eta",)
+    for name, variable in data.variables.items():
+        assert {"units", "long_name"} <= set(variable.attrs), name
+    assert data.regime.dtype == data.status.dtype == np.int8
+    meanings = data.regime.attrs["flag_meanings"].split()
+    assert [name.replace("_", " ") for name in meanings] == list(REGIMES)
+    assert data.b_over_a == 2.0
+    assert data.attrs["law"] == law
+    data.to_netcdf(tmp_path / "atlas.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "atlas.nc", engine="h5netcdf") as back:
+        xr.testing.assert_equal(data, back.load())
+
+
+@LAWS
+def test_boundary_and_bifurcation(charts, law):
+    data = charts(law)
+    np.testing.assert_allclose(data.K_c_over_K_c_qs, 1.0 + data.eta, rtol=1e-15)
+    unstable = data.K_over_K_c_qs < data.K_c_over_K_c_qs
+    reach = data.K_fold_over_K_c_qs.fillna(data.K_c_over_K_c_qs)
+    settled = (data.status == 1).transpose(*unstable.dims)
+    assert not settled.where(unstable, False).any()
+    assert settled.where(data.K_over_K_c_qs > reach, True).all()
+    assert (data.status_close == 0).all()
+    steady = REGIMES.index("steady")
+    np.testing.assert_array_equal(data.regime == steady, data.status == 1)
+    assert (data.amplitude_over_a.where(data.status == 1, 0.0) == 0.0).all()
+    turn_over = rs.bautin(law, 2.0)
+    if law == "slip":
+        assert turn_over is None
+        assert np.isnan(data.eta_bautin)
+        assert (data.type == "supercritical").all()
+        assert data.K_fold_over_K_c_qs.isnull().all()
+    else:
+        assert float(data.eta_bautin) == turn_over
+        np.testing.assert_array_equal(data.type == "subcritical", data.eta < turn_over)
+        strip = (data.eta > 1e-6) & (data.eta < turn_over)
+        np.testing.assert_array_equal(data.K_fold_over_K_c_qs > data.K_c_over_K_c_qs, strip)
+        assert 4 < strip.sum() < N
+    np.testing.assert_array_equal(data.lyapunov_1 < 0, data.type == "supercritical")
+
+
+def test_another_b_over_a():
+    data = atlas(5.0, "aging", n=12)
+    assert data.b_over_a == 5.0
+    beyond = (data.K_fold_over_K_c_qs / data.K_c_over_K_c_qs - 1.0).dropna("eta")
+    assert 2 < beyond.size < 12
+    assert 0.0 < float(beyond.min()) < float(beyond.max()) < 0.0125
+    assert float(data.eta_bautin) == pytest.approx(1.0 / (3.0 + 2.0 * np.sqrt(8.0)), rel=1e-9)
+    np.testing.assert_array_equal(data.status[0] == 0, data.K_over_K_c_qs < 1.0)
+
+
+@LAWS
+def test_any_slider_is_a_point_of_it(charts, law):
+    """One given in SI units, of the same b/a, at random points."""
+    data = charts(law)
+    rng = np.random.default_rng(4)
+    for i, j in rng.integers(0, N, (8, 2)):
+        for suffix, stiffness in (("", "K_over_K_c_qs"), ("_close", "K_over_K_c")):
+            here = data.isel({"eta": i, stiffness: j % data.sizes[stiffness]})
+            a, Dc, sigma, V = 10.0 ** rng.uniform([-3, -7, 4, -10], [-1.5, -2, 9, 1])
+            slider = SpringSlider(a=a, b=2.0 * a, Dc=Dc, sigma=sigma, K=1.0, law=law)
+            slider = slider.replace(M=float(here.eta) * a * sigma * Dc / V**2)
+            unit = slider.K_c(V) if suffix else slider.K_c_qs
+            slider = slider.replace(K=float(here[stiffness]) * float(unit))
+            cycle = limit_cycle(slider, V, rtol=1e-6)
+            expected = {
+                "amplitude_over_a": cycle.amplitude / a,
+                "slip_per_cycle": V * cycle.period / Dc,
+                "frequency_over_f_n": cycle.frequency / slider.f_n,
+                "V_max_over_V_lp": cycle.V_max / V,
+                "inertia": cycle.inertia,
+            }
+            for name, value in expected.items():
+                tolerance = {"rel": 1e-4, "abs": 1e-12, "nan_ok": True}
+                assert float(here[name + suffix]) == pytest.approx(float(value), **tolerance), name
+            regime = REGIMES[int(here[f"regime{suffix}"])]
+            assert regime == str(classify(cycle).regime.values)
+
+
+def test_fast_sliders_vibrate_freely(charts):
+    """At the greatest eta the frequency is the natural one, and V goes from 0 to 2 V_lp."""
+    last = charts("slip").isel(eta=-1).sel(K_over_K_c_qs=slice(10.0, None))
+    np.testing.assert_allclose(last.frequency_over_f_n, 1.0, rtol=1e-2)
+    np.testing.assert_allclose(last.V_max_over_V_lp, 2.0, rtol=0.1)
+    assert (last.regime == REGIMES.index("quasi-harmonic")).all()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"b_over_a": 1.0}, {"b_over_a": 0.5}, {"law": "sloth"}, {"n": 1}, {"n": 2.5}],
+)
+def test_bad_input(options):
+    with pytest.raises(ParameterError):
+        atlas(**options)
+
+
+# pictures
+
+
+@LAWS
+def test_the_chart_is_drawn_from_a_file_alone(charts, law, tmp_path, monkeypatch, looks_as_before):
+    monkeypatch.setattr(chart, "atlas", lambda b_over_a, law, n: charts(law))
+    paths = chart.make(law, tmp_path / "new")
+    assert [path.name for path in paths] == [f"atlas_{law}{end}" for end in (".png", ".pdf", ".nc")]
+    assert sorted(paths) == sorted((tmp_path / "new").iterdir())
+    with xr.open_dataset(paths[2], engine="h5netcdf") as back:
+        fig = chart.draw(back.load())
+    looks_as_before(fig, f"atlas_{law}")
+    fig.savefig(tmp_path / "atlas.png", dpi=40)  # warnings, which are errors here, come late
+    assert f"{law} (" in fig.get_suptitle()
+    assert "= 2." in fig.get_suptitle()
+    named = [text.get_text() for text in fig.axes[0].get_legend().get_texts()]
+    assert any("supercritical" in name for name in named)
+    for part in ("subcritical", "both stable"):
+        assert any(part in name for name in named) == (law == "aging"), part
+
+
+def test_chart_colours_tell_the_regimes(charts):
+    data = charts("slip")
+    ax = Figure().subplots()
+    artists = plot.atlas(data, ax)
+    legend = {artist.get_label(): artist for artist in artists}
+    (mesh,) = (c for c in ax.collections if hasattr(c, "get_coordinates"))
+    colors = mesh.to_rgba(mesh.get_array()).reshape(N, N, 4)
+    for name in ("stick-slip", "quasi-harmonic"):
+        rows = colors[(data.regime == REGIMES.index(name)).values]
+        assert {to_hex(color) for color in rows} == {to_hex(legend[name].get_facecolor())}
+    assert to_hex(colors[(data.regime == 0).values][0]) == "#ffffff"
+
+
+def synthetic(**changes):
+    """Along K, with K_c = 2e9 Pa/m: Hopf, fold at 2.2e9, and back to 1e9."""
+    K = np.array([2.0, 2.1, 2.2, 2.1, 2.0, 1.0]) * 1e9
+    slider = SpringSlider(a=0.01, b=0.02, Dc=1e-5, sigma=1e6, M=1e4, K=1e9, V0=1e-6)
+    data = xr.Dataset(
+        {
+            "amplitude": ("point", np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0]) * 0.01),
+            "stable": ("point", [False, False, True, True, True, True]),
+            "special": ("point", np.array(["hopf", "", "fold", "", "period_doubling", "stop"])),
+        },
+        {"K": ("point", K), "V_lp": 3.1622776601683795e-3},
+    )
+    data.attrs = limit_cycle(slider.replace(M=0.0, K=1e10), float(data.V_lp)).attrs
+    data.attrs["parameter"] = "K"
+    assert float(slider.K_c(float(data.V_lp))) == pytest.approx(2e9, rel=1e-12)
+    data.attrs["slider"] = data.attrs["slider"].replace('"M": 0.0', '"M": 10000.0')
+    return data
+
+
+def lines_of(ax):
+    return {line.get_label(): line for line in ax.lines}
+
+
+def test_branch_is_solid_where_stable():
+    data, ax = synthetic(), Figure().subplots()
+    assert plot.branch(data, ax) is ax
+    drawn = lines_of(ax)
+    solid, dashed = drawn["cycle, stable"], drawn["cycle, unstable"]
+    assert (solid.get_linestyle(), dashed.get_linestyle()) == ("-", "--")
+    np.testing.assert_allclose(dashed.get_xdata(), data.K[:3])
+    np.testing.assert_allclose(dashed.get_ydata(), data.amplitude[:3])
+    np.testing.assert_allclose(solid.get_xdata(), data.K[2:])
+    steady, not_steady = drawn["steady sliding, stable"], drawn["steady sliding, unstable"]
+    assert (steady.get_linestyle(), not_steady.get_linestyle()) == ("-", "--")
+    assert steady.get_xdata()[0] == pytest.approx(2e9, rel=1e-3)
+    assert not_steady.get_xdata()[-1] == pytest.approx(2e9, rel=1e-3)
+    for line in (steady, not_steady):
+        assert not line.get_ydata().any()
+    for name, K, amplitude in (
+        *(("Hopf", 2.0e9, 0.0), ("fold of cycles", 2.2e9, 0.02)),
+        *(("period doubling", 2.0e9, 0.04), ("stop", 1e9, 0.05)),
+    ):
+        assert drawn[name].get_xdata() == pytest.approx([K])
+        assert drawn[name].get_ydata() == pytest.approx([amplitude])
+    assert "torus" not in drawn
+    assert "[Pa/m]" in ax.get_xlabel()
+    assert ax.get_xscale() == "linear"
+
+
+def test_branches_share_axes_and_legend():
+    slider = SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=6.06e8, law="aging")
+    ax = Figure().subplots()
+    for law, color in (("aging", "tab:red"), ("slip", "tab:green")):
+        found = rs.continue_cycle(slider.replace(law=law), "V_lp", 0.01, 1e-5, rtol=1e-6)
+        plot.branch(found, ax, color=color, label=law)
+    named = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert len(named) == len(set(named))
+    assert {"aging, stable", "aging, unstable", "slip, stable", "Hopf", "start"} <= set(named)
+    assert "slip, unstable" not in named
+    assert ax.get_xscale() == "log"
+    # V_c, and that of the fold below it
+    V_c = float(slider.V_c)
+    steady = next(line for line in ax.lines if line.get_label() == "steady sliding, stable")
+    assert steady.get_xdata()[-1] == pytest.approx(V_c, rel=1e-2)
+    (fold,) = (line for line in ax.lines if line.get_label() == "fold of cycles")
+    assert 0.5 * V_c < fold.get_xdata()[0] < 0.99 * V_c
+
+
+def test_branch_makes_its_own_axes():
+    from matplotlib import pyplot
+
+    with pyplot.rc_context({"backend": "agg"}):
+        ax = plot.branch(synthetic())
+        pyplot.close(ax.figure)
+    assert lines_of(ax)["Hopf"].get_xdata() == pytest.approx([2e9])

@@ -1,0 +1,498 @@
+"""The Hopf bifurcation against closed forms, eigenvalues, and a normal form in 60 digits."""
+
+import itertools
+import math
+
+import mpmath
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import ratestate as rs
+from ratestate import bautin, hopf, stability
+from ratestate.dynamics.cycles.small_cycles import curvature
+from ratestate.friction.laws import LAWS
+from ratestate.friction.normal_form import growth_slopes, law_curvatures, lyapunov_1, third_order
+
+FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
+mp = mpmath.MPContext()
+mp.dps = 60
+
+
+# The first Lyapunov coefficient of any system, and the systems on which it is tried.
+
+
+def symmetric(form, count):
+    """A form (index of equation, indices of variables -> number) as a function of vectors."""
+
+    def of(*vectors):
+        total = [mp.mpc(0)] * len(vectors[0])
+        for (i, *where), value in form.items():
+            ways = set(itertools.permutations(where))
+            assert len(where) == count
+            total[i] += value * sum(
+                mp.fprod(u[k] for u, k in zip(vectors, way, strict=True)) for way in ways
+            )
+        return mp.matrix(total)
+
+    return of
+
+
+def first_lyapunov(A, second, third, measure):
+    """l1 of dr/dt = growth r + l1 r^3 for ``measure . x = r cos(omega t)``, by Kuznetsov's formula.
+
+    A : Jacobian with one pair of eigenvalues +- i omega
+    second, third : {(i, j, k): d2 f_i/dx_j dx_k}, {(i, j, k, l): ...}, j <= k <= l
+    """
+    A = mp.matrix(A)
+    n = A.rows
+    B, C = symmetric(second, 2), symmetric(third, 3)
+    values, left, right = mp.eig(A, left=True, right=True)
+    pair = min(range(n), key=lambda i: abs(mp.re(values[i])) if mp.im(values[i]) > 0 else mp.inf)
+    omega = mp.im(values[pair])
+    q, p = right[:, pair], left[pair, :]
+    q = q / mp.fdot(measure, q)
+    p = p / (p * q)[0]
+    conjugate = q.apply(mp.conj)
+    cubic = (
+        C(q, q, conjugate)
+        - 2 * B(q, mp.lu_solve(A, B(q, conjugate)))
+        + B(conjugate, mp.lu_solve(2j * omega * mp.eye(n) - A, B(q, q)))
+    )
+    return mp.re((p * cubic)[0]) / 8
+
+
+def change_variables(T, A, second, third, measure):
+    """The same system in y = T x."""
+    n, T = len(A), mp.matrix(T)
+    inverse = T**-1
+    unit = [mp.eye(n)[:, i] for i in range(n)]
+
+    def moved(form, count):
+        f = symmetric(form, count)
+        table = {}
+        for where in itertools.combinations_with_replacement(range(n), count):
+            value = T * f(*(inverse * unit[k] for k in where))
+            table |= {(i, *where): value[i] for i in range(n)}
+        return table
+
+    measure = [mp.fdot(measure, inverse * unit[k]) for k in range(n)]
+    return T * mp.matrix(A) * inverse, moved(second, 2), moved(third, 3), measure
+
+
+def normal_form(s):
+    """x' = -y + s x (x^2+y^2), y' = x + s y (x^2+y^2): r' = s r^3."""
+    third = {(0, 0, 0, 0): 6 * s, (0, 0, 1, 1): 2 * s, (1, 0, 0, 1): 2 * s, (1, 1, 1, 1): 6 * s}
+    return [[0, -1], [1, 0]], {}, third, [1, 0]
+
+
+def van_der_pol():
+    """x'' + (x^2 - mu) x' + x = 0: r' = mu r/2 - r^3/8."""
+    return [[0, 1], [-1, 0]], {}, {(1, 0, 0, 1): -2}, [1, 0]
+
+
+def brusselator(A):
+    """x' = A - (B+1) x + x^2 y, y' = B x - x^2 y about (A, B/A) at B = 1 + A^2."""
+    B = 1 + A**2
+    second = {(0, 0, 0): 2 * B / A, (0, 0, 1): 2 * A, (1, 0, 0): -2 * B / A, (1, 0, 1): -2 * A}
+    third = {(0, 0, 0, 1): 2, (1, 0, 0, 1): -2}
+    return [[B - 1, A**2], [-B, -(A**2)]], second, third, [1, 0]
+
+
+def slaved_round(k, s):
+    """x' = -y + x z, y' = x + y z, z' = -k z + s (x^2+y^2): on the manifold z = s r^2/k."""
+    A = [[0, -1, 0], [1, 0, 0], [0, 0, -k]]
+    second = {(0, 0, 2): 1, (1, 1, 2): 1, (2, 0, 0): 2 * s, (2, 1, 1): 2 * s}
+    return A, second, {}, [1, 0, 0]
+
+
+def slaved_swinging(k, s):
+    """x' = -y + x z, y' = x, z' = -k z + s x^2: z = s r^2 (1/k + Re[exp(2 i t)/(k + 2 i)])/2."""
+    return (
+        [[0, -1, 0], [1, 0, 0], [0, 0, -k]],
+        {(0, 0, 2): 1, (2, 0, 0): 2 * s},
+        {},
+        [1, 0, 0],
+    )
+
+
+@pytest.mark.parametrize(
+    ("system", "expected"),
+    [
+        (normal_form(mp.mpf(-0.7)), -0.7),
+        (normal_form(mp.mpf(0.3)), 0.3),
+        (van_der_pol(), -1 / 8),
+        (brusselator(mp.mpf(1)), -3 / 8),  # -(2 + A^2)/(8 A^2): Kuramoto (1984)
+        (brusselator(mp.mpf(2)), -6 / 32),
+        (slaved_round(mp.mpf(2), mp.mpf(-3)), -3 / 2),
+        (slaved_swinging(mp.mpf(3), mp.mpf(5)), 5 / 12 + 5 * 3 / (8 * 13)),
+    ],
+)
+def test_formula_on_known_bifurcations(system, expected):
+    assert float(first_lyapunov(*system)) == pytest.approx(expected, rel=1e-14, abs=0)
+    T = mp.matrix([[3, 1, -2], [-1, 2, 0.5], [0.25, 1, 1]])[: len(system[0]), : len(system[0])]
+    moved = first_lyapunov(*change_variables(T, *system))
+    assert float(moved) == pytest.approx(expected, rel=1e-14, abs=0)
+
+
+# The slider through the same formula.
+
+
+def slider_system(eta, b1, state_1, state_2, state_3):
+    """The dimensionless slider at its Hopf bifurcation; state_n: n-th derivatives of d psi/dT.
+
+    dx/dT = kappa (1 - e^v), dv/dT = (x - v - beta psi) e^-v/eta.
+    """
+    eta, b1 = mp.mpf(eta), mp.mpf(b1)
+    kappa, beta = b1 * (1 + eta), 1 + b1
+    A = [[0, -kappa, 0], [1 / eta, -1 / eta, -beta / eta], [0, *state_1]]
+    second = {(0, 1, 1): -kappa, (1, 0, 1): -1 / eta, (1, 1, 1): 2 / eta, (1, 1, 2): beta / eta}
+    second |= dict(zip([(2, 1, 1), (2, 1, 2), (2, 2, 2)], state_2, strict=True))
+    third = {(0, 1, 1, 1): -kappa, (1, 0, 1, 1): 1 / eta}
+    third |= {(1, 1, 1, 1): -3 / eta, (1, 1, 1, 2): -beta / eta}
+    indices = [(2, 1, 1, 1), (2, 1, 1, 2), (2, 1, 2, 2), (2, 2, 2, 2)]
+    return A, second, third | dict(zip(indices, state_3, strict=True)), [0, 1, 0]
+
+
+def exact(law, eta, b1):
+    """l1 [V/Dc] in 60 digits, from the columns of the law's derivatives."""
+    row, at = LAWS[law], (1.0, 0.0, 0.0, 1.0)
+    columns = row.rate_partials(*at), row.rate_partials_2(*at), row.rate_partials_3(*at)
+    return first_lyapunov(*slider_system(eta, b1, *columns))
+
+
+@pytest.mark.parametrize("law", LAWS)
+@settings(max_examples=60, deadline=None)
+@given(log_eta=st.floats(-14, 14), log_b1=st.floats(-6, 2))
+def test_lyapunov_1_over_the_physical_range(law, log_eta, log_b1):
+    eta, b1 = 10**log_eta, 10**log_b1
+    value, doubt = lyapunov_1(eta, b1, *law_curvatures(law))
+    truth = exact(law, eta, b1)
+    assert abs(value - truth) < 0.2 * doubt  # the rest is for eta and b1
+    if law == "slip" or abs(eta * (3 + 2 * math.sqrt(4 + b1)) - 1) > 0.01:
+        assert float(value / truth) == pytest.approx(1, rel=1e-11, abs=0)
+        assert doubt < 1e-11 * abs(value)
+
+
+@pytest.mark.parametrize("eta", [1e-3, 0.3, 20.0])
+@pytest.mark.parametrize("b1", [0.1, 3.0])
+@pytest.mark.parametrize(("h2", "h3"), [(0.3, 0.0), (0.0, 0.7), (-1.2, 2.0)])
+def test_lyapunov_1_of_any_law_with_one_length(eta, b1, h2, h3):
+    """d psi/dT = w h(v + psi), h = -z + h2 z^2/2 + h3 z^3/6; without inertia not degenerate."""
+    second = h2 - 2, h2 - 1, h2
+    third = h3 + 3 * h2 - 3, h3 + 2 * h2 - 1, h3 + h2, h3
+    truth = first_lyapunov(*slider_system(eta, b1, (-1, -1), second, third))
+    value, _ = lyapunov_1(eta, b1, h2, h3)
+    assert value == pytest.approx(float(truth), rel=1e-13, abs=0)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_laws_have_the_form_that_the_coefficient_is_for(law):
+    """d psi/dT = w h(v + psi) with h(0) = 0, h'(0) = -1: then h2 and h3 say all."""
+    row, at = LAWS[law], (1.0, 0.0, 0.0, 1.0)
+    h2, h3 = law_curvatures(law)
+    assert (row.rate(*at), *row.rate_partials(*at)) == (0, -1, -1)
+    assert row.rate_partials_2(*at) == (h2 - 2, h2 - 1, h2)
+    assert row.rate_partials_3(*at) == (h3 + 3 * h2 - 3, h3 + 2 * h2 - 1, h3 + h2, h3)
+
+
+@settings(deadline=None)
+@given(st.floats(-6, 2))
+def test_what_the_docstring_says_of_both_laws(log_b1):
+    beta = 1 + (b1 := 10**log_b1)
+    for law, factor, powers in (
+        ("slip", 2 * beta**2, (0, 1, 10, 9)),
+        ("aging", 2 * beta, (0, -1, 6, 3 + 4 * beta)),
+    ):
+        found = third_order(b1, *law_curvatures(law))
+        assert found[0] == 0
+        np.testing.assert_allclose(found, factor * np.array(powers), rtol=1e-14)
+
+
+@settings(deadline=None)
+@given(st.floats(-2, 3), st.floats(-2, 1.5))
+def test_small_cycles_found_by_harmonic_balance_have_this_amplitude(log_eta, log_b1):
+    """kappa - kappa_c = curvature r^2 there; here growth = slope (kappa - kappa_c)/kappa_c."""
+    eta, b1 = 10**log_eta, 10**log_b1
+    for law in LAWS:
+        value, doubt = lyapunov_1(eta, b1, *law_curvatures(law))
+        slope = growth_slopes(eta, b1)[1] / (b1 * (1 + eta))
+        (bend,) = curvature(law, 1 + b1, eta)
+        if abs(value) > 1e8 * doubt:
+            assert value == pytest.approx(-slope * bend, rel=1e-5 if eta < 0.1 else 1e-7, abs=0)
+
+
+# The verbs.
+
+physical = {
+    "a": st.floats(-3, -1.3).map(lambda x: 10**x),
+    "Dc": st.floats(-7, -2).map(lambda x: 10**x),
+    "sigma": st.floats(4, 9).map(lambda x: 10**x),
+    "M": st.floats(-6, 6).map(lambda x: 10**x),
+}
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.fixed_dictionaries(physical),
+    st.floats(1.001, 50),
+    st.floats(-2, 2).map(lambda x: 10**x),
+    st.sampled_from(sorted(LAWS)),
+)
+def test_point_is_where_the_eigenvalues_say(p, ratio, excess, law):
+    p["b"] = ratio * p["a"]
+    K_c_qs = (p["b"] - p["a"]) * p["sigma"] / p["Dc"]
+    K = (1 + excess) * K_c_qs
+    slider = rs.SpringSlider(**p, K=K, law=law)
+    point = hopf(slider)
+    V = math.sqrt(p["sigma"] * p["a"] * p["Dc"] / p["M"] * excess)
+    assert float(point.V_c) == pytest.approx(V, rel=1e-10, abs=0)
+    assert float(point.K_c) == K
+    assert float(point.eta) == pytest.approx(excess, rel=1e-10, abs=0)
+    omega = V / p["Dc"] * math.sqrt(ratio - 1)
+    assert float(point.omega_c) == pytest.approx(omega, rel=1e-10, abs=0)
+    assert float(point.frequency) == pytest.approx(omega / 2 / math.pi, rel=1e-10, abs=0)
+    modes = stability(slider, float(point.V_c)).eigenvalues.values
+    assert modes[0].imag == pytest.approx(float(point.omega_c), rel=1e-10, abs=0)
+    assert modes[2] == pytest.approx(float(point.eigenvalue_3), rel=1e-10, abs=0)
+    assert abs(modes[0].real) < 1e-10 * omega
+    # the other way round
+    back = hopf(slider.replace(K=1.0), float(point.V_c))
+    assert float(back.K_c) == pytest.approx(K, rel=1e-12, abs=0)
+    for name in ("V_c", "eta", "omega_c", "frequency", "eigenvalue_3", "lyapunov_1"):
+        near = 1e-10 if name != "lyapunov_1" or law == "slip" else 1e-8
+        if near == 1e-10 or abs(excess / bautin(law, ratio) - 1) > 1e-3:
+            assert float(back[name]) == pytest.approx(float(point[name]), rel=near, abs=0)
+    # |dr/dt|: both parameters move the same growth rate, 2 eta/(1 + eta) as fast by V as by K
+    share = float(point.amplitude_coefficient / back.amplitude_coefficient) ** 2
+    assert share == pytest.approx(2 * excess / (1 + excess), rel=1e-6, abs=0)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("eta", [1e-6, 0.02, 0.5, 30.0])
+def test_growth_rate_leaves_zero_as_the_amplitude_supposes(law, eta):
+    """r^2 = -growth/l1 with the growth rate of `stability`, on either side and way."""
+    a, sigma, Dc, V = 0.003, 2e6, 1e-5, 1e-3
+    M = eta * sigma * a * Dc / V**2
+    slider = rs.SpringSlider(a=a, b=0.0075, Dc=Dc, sigma=sigma, M=M, K=1.5e9 * 0.6 * (1 + eta))
+    assert float(hopf(slider).V_c) == pytest.approx(V, rel=1e-8)
+    h = 1e-4
+    for V_lp, at in (
+        (None, lambda x: (slider, V * x)),
+        (V, lambda x: (slider.replace(K=slider.K * x), V)),
+    ):
+        point = hopf(slider, V_lp)
+        K = float(point.K_c)
+        growth = [float(stability(*at(1 + side)).growth_rate) for side in (-h, h)]
+        r2 = abs((growth[1] - growth[0]) / (2 * h) / float(point.lyapunov_1))
+        kappa, omega = K * Dc / (a * sigma), float(point.omega_c) * Dc / V
+        swing = 2 * a * kappa / omega  # of tau/sigma for r = 1: x' = -kappa v
+        assert float(point.amplitude_coefficient) == pytest.approx(swing * math.sqrt(r2), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "amplitude", "near"), [("slip", 1.234696554e-3, 7e-4), ("aging", 2.2991965811e-3, 3e-4)]
+)
+def test_amplitude_of_the_cycles_of_fig_2(law, amplitude, near):
+    """1.2 % above V_c, where the leading order is good to less than 1e-3."""
+    slider = rs.SpringSlider(**FIG_2, K=9e8, M=3000, law=law)
+    point = hopf(slider)
+    assert str(point.type.values) == "supercritical"
+    predicted = float(point.amplitude_coefficient) * math.sqrt(3.2e-3 / float(point.V_c) - 1)
+    assert predicted == pytest.approx(amplitude, rel=near)
+
+
+@pytest.mark.parametrize("ratio", [1 + 1e-9, 1.001, 1.5, 2.0, 10.0, 1e3])
+def test_bautin_point_of_the_aging_law(ratio):
+    eta = bautin("aging", ratio)
+    assert isinstance(eta, float)
+    assert eta == pytest.approx(1 / (3 + 2 * math.sqrt(ratio + 3)), rel=1e-13, abs=0)
+    for side in (-1, 1):
+        near = eta * (1 + side * 1e-9)
+        assert mp.sign(exact("aging", near, ratio - 1)) == -side
+        K = (ratio - 1) * 0.003 * 2e6 / 1e-5 * (1 + near)
+        slider = rs.SpringSlider(a=0.003, b=0.003 * ratio, Dc=1e-5, sigma=2e6, K=K, M=30.0)
+        V = math.sqrt(near * 2e6 * 0.003 * 1e-5 / 30.0)
+        for law, kind in (("aging", ["super", "sub"][side < 0]), ("slip", "super")):
+            assert str(hopf(slider.replace(law=law), V).type.values) == kind + "critical"
+    V = math.sqrt(eta * 2e6 * 0.003 * 1e-5 / 30.0)
+    point = hopf(slider.replace(law="aging"), V)
+    assert str(point.type.values) == "degenerate"
+    assert float(point.amplitude_coefficient) == np.inf
+
+
+@pytest.mark.parametrize("law", LAWS)
+@settings(deadline=None)
+@given(log_b1=st.floats(-6, 3))
+def test_type_changes_nowhere_else(law, log_b1):
+    b1 = 10**log_b1
+    eta = np.logspace(-16, 16, 321)
+    value, _ = lyapunov_1(eta, b1, *law_curvatures(law))
+    change = bautin(law, 1 + b1)
+    np.testing.assert_array_equal(value > 0, eta < change if law == "aging" else eta < 0)
+    assert (change is None) == (law == "slip")
+
+
+def test_bautin_over_arrays():
+    ratio = rs.logspace("b_over_a", 1.1, 100, 5)
+    curve = bautin("aging", ratio)
+    assert curve.dims == ("b_over_a",)
+    assert (curve.name, curve.attrs["units"]) == ("eta", "1")
+    assert curve.values.tolist() == [bautin("aging", float(x)) for x in ratio]
+    assert np.isnan(bautin("slip", ratio)).all()
+
+
+NONE = {
+    "unstable at any speed": ({"K": 599e6}, 0.0),
+    "at K_c_qs": ({"a": 0.5, "b": 1.0, "Dc": 1.0, "sigma": 2.0, "K": 1.0}, 0.0),
+    "unstable without mass": ({"K": 599e6, "M": 0.0}, 0.0),
+    "stable without mass": ({"M": 0.0}, np.inf),
+    "neutral": ({"b": 0.003}, np.inf),
+    "strengthening": ({"b": 0.001}, np.inf),
+    "b < 0": ({"b": -0.001, "M": 0.0}, np.inf),
+    "rigid": ({"K": np.inf}, np.inf),
+    "rigid without mass": ({"K": np.inf, "M": 0.0}, np.inf),
+}
+
+
+@pytest.mark.parametrize(("changes", "V_c"), NONE.values(), ids=NONE)
+@pytest.mark.parametrize("law", LAWS)
+def test_no_bifurcation_in_V(law, changes, V_c):
+    point = hopf(rs.SpringSlider(**{**FIG_2, "K": 9e8, "M": 3e3, **changes}, law=law))
+    assert str(point.type.values) == "none"
+    assert float(point.V_c) == V_c
+    rest = point.drop_vars(["type", "V_c"])
+    assert all(np.isnan(rest[name]) for name in rest)
+
+
+@pytest.mark.parametrize("b", [0.003, 0.001, -0.001])
+def test_no_bifurcation_in_K(b):
+    slider = rs.SpringSlider(**{**FIG_2, "b": b}, K=9e8, M=3e3)
+    point = hopf(slider, 1e-3)
+    assert str(point.type.values) == "none"
+    assert float(point.V_c) == np.inf
+    assert float(point.K_c) == slider.K_c(1e-3)
+    rest = point.drop_vars(["type", "V_c", "K_c"])
+    assert all(np.isnan(rest[name]) for name in rest)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("K", [1e8, 9e8, np.inf])
+def test_without_mass_the_bifurcation_in_K_is_degenerate(law, K):
+    point = hopf(rs.SpringSlider(**FIG_2, K=K, law=law), "1 mm/s")
+    assert str(point.type.values) == "degenerate"
+    assert float(point.K_c) == pytest.approx(6e8, rel=1e-15)
+    assert (float(point.eta), float(point.lyapunov_1)) == (0, 0)
+    assert float(point.omega_c) == pytest.approx(100, rel=1e-15)
+    assert float(point.eigenvalue_3) == -np.inf
+    assert float(point.amplitude_coefficient) == np.inf
+
+
+UNITS = {
+    "V_c": "m/s",
+    "K_c": "Pa/m",
+    "eta": "1",
+    "omega_c": "rad/s",
+    "frequency": "Hz",
+    "eigenvalue_3": "1/s",
+    "lyapunov_1": "1/s",
+    "type": "1",
+    "amplitude_coefficient": "1",
+}
+
+
+def test_dataset():
+    slider = rs.SpringSlider(**FIG_2, K="900 MPa/m", M=3000, law="aging")
+    point = hopf(slider)
+    assert {name: v.attrs["units"] for name, v in point.data_vars.items()} == UNITS
+    assert all(v.attrs["long_name"] for v in point.variables.values())
+    assert point.sizes == {}
+    assert "V_lp" not in point.coords
+    assert point.attrs == {"slider": repr(slider), "law": "aging", "parameter": "V_lp"}
+    assert point.V_c == slider.V_c
+    given = hopf(slider, "3.2 mm/s")
+    assert given.V_lp == 0.0032
+    assert given.attrs["parameter"] == "K"
+    assert given.K_c == slider.K_c(3.2e-3)
+    assert "V_lp/V_c" in point.amplitude_coefficient.attrs["comment"]
+    assert "K/K_c" in given.amplitude_coefficient.attrs["comment"]
+
+
+def test_broadcasting_gives_what_one_call_a_case_gives():
+    slider = rs.SpringSlider(
+        a=0.003,
+        b=xr.DataArray([0.002, 0.006, 0.009], dims="b"),
+        Dc="10 um",
+        sigma="2 MPa",
+        K=xr.DataArray([1e8, 1.23e9, 1e10], dims="K"),
+        M=xr.DataArray([0.0, 1e3], dims="M"),
+        law="aging",
+    )
+    V_lp = rs.logspace("V_lp", 1e-4, 1e-1, 3)
+    for grid, dims in ((hopf(slider), ("b", "M", "K")), (hopf(slider, V_lp), ("b", "M", "V_lp"))):
+        assert set(dims) == set(grid.sizes)
+        seen = set()
+        for where in itertools.product(*(grid[dim].values for dim in dims)):
+            case = dict(zip(dims, where, strict=True))
+            at = grid.sel(case)
+            V = case.pop("V_lp", None)
+            alone = hopf(slider.replace(**{"K": 1.0, **case}), V)
+            xr.testing.assert_identical(
+                at.drop_vars(dims),
+                alone.drop_vars("V_lp", errors="ignore").assign_attrs(grid.attrs),
+            )
+            seen.add(str(at.type.values))
+        assert seen >= {"none", "subcritical", "supercritical"}
+
+
+def test_axes_that_are_not_parameters():
+    eta = rs.logspace("ratio", 0.01, 100, 5)
+    slider = rs.SpringSlider(**FIG_2, K=900e6, M=3000)
+    V_lp = np.sqrt(eta * 0.003 * 1e-5 * 2e6 / 3000)
+    point = hopf(slider, V_lp)
+    assert point.lyapunov_1.dims == ("ratio",)
+    np.testing.assert_allclose(point.eta, eta, rtol=1e-15)
+    np.testing.assert_array_equal(point.V_lp, V_lp)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((0,), "V_lp = 0 m/s must be > 0"),
+        (("3.2 mm",), "V_lp = '3.2 mm' is a length"),
+        (
+            (xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M"),),
+            "M and V_lp have different coordinates along the dimension 'M'",
+        ),
+        ((xr.DataArray([1.0], dims="type"),), "a dimension called 'type' clashes"),
+    ],
+)
+def test_bad_input(arguments, message):
+    slider = rs.SpringSlider(**FIG_2, K=900e6, M=rs.logspace("M", 1, 10, 3))
+    with pytest.raises(rs.ParameterError, match=message):
+        hopf(slider, *arguments)
+
+
+def test_bad_slider():
+    with pytest.raises(rs.ParameterError, match="is not a SpringSlider"):
+        hopf({"a": 0.003})
+
+
+@pytest.mark.parametrize(
+    ("law", "ratio", "message"),
+    [
+        ("nagata", 2.0, "law = 'nagata' is unknown; choose 'slip' or 'aging'"),
+        ("aging", 1.0, "b_over_a = 1 must be > 1.*no Hopf bifurcation"),
+        ("slip", -2.0, "b_over_a = -2 must be > 1"),
+        ("slip", xr.DataArray([2.0, 0.5], dims="q"), "b_over_a = 0.5 must be > 1"),
+        ("slip", float("nan"), "b_over_a = nan is not a number"),
+        ("slip", float("inf"), "b_over_a = inf must be finite"),
+        ("slip", "2 mm", "b_over_a = '2 mm' is a length"),
+        ("slip", [2.0], "such as 2, or for many values"),
+    ],
+)
+def test_bad_input_of_bautin(law, ratio, message):
+    with pytest.raises(rs.ParameterError, match=message):
+        bautin(law, ratio)

@@ -1,0 +1,253 @@
+"""Compiled kernels on disk: damaged, full, refused, another's; a call never fails for it."""
+
+import errno
+import hashlib
+import os
+import pickle
+import stat
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from ratestate.engine import cache, dispatch, jit
+from ratestate.errors import CompilationError
+
+CHECKSUM = hashlib.sha256().digest_size
+
+
+def add_three(x):
+    return x + 3.0
+
+
+@pytest.fixture
+def usual(tmp_path, monkeypatch):
+    """The folder for kernels, in an empty cache; temporary files have a folder of their own too."""
+    (tmp_path / "tmp").mkdir()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
+    cache._say.cache_clear()
+    return tmp_path / "cache" / "ratestate" / f"kernels-{cache.DIGEST}"
+
+
+@pytest.fixture
+def temporary(tmp_path, usual):
+    return tmp_path / "tmp" / f"ratestate-{os.getuid()}" / f"kernels-{cache.DIGEST}"
+
+
+def called():
+    """Call the function, as a new process would; whether it was found compiled."""
+    found, compiled = [], jit.kernel(add_three)
+    load = compiled._cache.load_overload
+    compiled._cache.load_overload = lambda *a: found.append(load(*a)) or found[-1]
+    assert compiled(4.5) == 7.5
+    return [one is not None for one in found] == [True]
+
+
+def only(folder):
+    """The one file of a kernel in a folder."""
+    (path,) = folder.iterdir()
+    assert path.name.startswith("test_kernel_cache.add_three-")
+    assert path.suffix == ".nbc"
+    return path
+
+
+def test_a_kernel_is_compiled_once(usual, temporary, capfd):
+    assert [called(), called(), called()] == [False, True, True]
+    content = only(usual).read_bytes()
+    assert content[:CHECKSUM] == hashlib.sha256(content[CHECKSUM:]).digest()
+    assert not temporary.exists()
+    assert capfd.readouterr().err == ""
+
+
+def test_one_file_for_types_and_programs(usual, monkeypatch):
+    called()
+    integer = jit.kernel(add_three)
+    assert integer(4) == 7.0
+    assert len(list(usual.iterdir())) == 2
+    monkeypatch.setattr(cache, "PROGRAMS", ("another numba",))
+    assert [called(), called()] == [False, True]
+    assert len(list(usual.iterdir())) == 3
+
+
+def signed(content):
+    return hashlib.sha256(content).digest() + content
+
+
+def flipped(content, place):
+    changed = bytearray(content)
+    changed[int(place * (len(content) - 1))] ^= 1
+    return bytes(changed)
+
+
+DAMAGES = {
+    "cut": lambda content: content[:1000],
+    "empty": lambda content: b"",
+    "noise": lambda content: np.random.default_rng(1).bytes(3000),
+    **{f"bit at {x}": lambda content, x=x: flipped(content, x) for x in (0, 0.01, 0.3, 0.7, 1)},
+    "no pickle": lambda content: signed(b"\x1b" * 3000),
+    "another thing": lambda content: signed(pickle.dumps({"a": 1})),
+    "too few": lambda content: signed(pickle.dumps(pickle.loads(content[CHECKSUM:])[:5])),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
+def test_a_damaged_file_is_replaced(damage, usual, capfd):
+    called()
+    path = only(usual)
+    whole = path.read_bytes()
+    path.write_bytes(damage(whole))
+    assert not called()
+    said = f"ratestate: the compiled kernel {path} is damaged; it is compiled anew\n"
+    assert capfd.readouterr().err == said
+    assert only(usual) == path
+    content = path.read_bytes()
+    assert content[:CHECKSUM] == hashlib.sha256(content[CHECKSUM:]).digest()
+    assert len(content) > 0.9 * len(whole)
+    assert called()
+    assert capfd.readouterr().err == ""
+
+
+def test_a_flipped_bit_of_real_machine_code(tmp_path):
+    program = (
+        "import numpy as np; from ratestate.engine.noise import whiten; out = np.empty((1, 3));"
+        "print(whiten(np.ones(2), 1.0, 1.0, 1.0, np.ones((1, 3)), out), out)"
+    )
+
+    def run():
+        place = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
+        command = [sys.executable, "-c", program]
+        return subprocess.run(command, env=place, capture_output=True, text=True, check=False)
+
+    first = run()
+    assert (first.returncode, first.stderr) == (0, "")
+    t = np.arange(3.0)
+    log_determinant = np.linalg.slogdet(np.eye(3) + np.exp(-abs(t - t[:, None])))[1]
+    assert float(first.stdout.split()[0]) == pytest.approx(log_determinant, rel=1e-14)
+    (path,) = tmp_path.rglob("*.nbc")
+    assert path.is_relative_to(tmp_path / "ratestate" / f"kernels-{cache.DIGEST}")
+    content = path.read_bytes()
+    at = content.index(b"\x7fELF")  # the object file begins; behind its header there is code
+    start, end = at + 64, at + 400
+    path.write_bytes(content[:start] + bytes(b ^ 1 for b in content[start:end]) + content[end:])
+    second, third = run(), run()
+    assert second.stdout == third.stdout == first.stdout
+    assert second.stderr.count("is damaged") == 1
+    assert (second.returncode, third.returncode, third.stderr) == (0, 0, "")
+
+
+# ------------------------------------------------------------------------------- nowhere to put it
+
+
+def refuse(monkeypatch, *folders):
+    """Let writes into some folders find the disk full."""
+    write = cache._write
+
+    def full(path, content):
+        if path.parent in folders:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        write(path, content)
+
+    monkeypatch.setattr(cache, "_write", full)
+
+
+def test_a_full_disk_leads_to_one_folder_of_this_user(usual, temporary, monkeypatch, capfd):
+    refuse(monkeypatch, usual)
+    assert [called(), called(), called()] == [False, True, True]
+    only(temporary)
+    assert stat.S_IMODE(temporary.parent.stat().st_mode) == 0o700
+    assert capfd.readouterr().err == (
+        f"ratestate: compiled kernels cannot be kept in {usual} (No space left on device); "
+        f"they are in {temporary}\n"
+    )
+
+
+def test_a_folder_that_cannot_be_made(usual, temporary, tmp_path, capfd):
+    (tmp_path / "cache").write_text("a file")
+    assert [called(), called()] == [False, True]
+    only(temporary)
+    said = capfd.readouterr().err
+    assert f"cannot be kept in {usual} (Not a directory); they are in {temporary}" in said
+
+
+def test_no_place_at_all(usual, temporary, monkeypatch, capfd):
+    refuse(monkeypatch, usual, temporary)
+    assert [called(), called()] == [False, False]
+    said = capfd.readouterr().err
+    assert said.count("\n") == 1  # once
+    assert f"{usual} (No space left on device) nor in {temporary} (No space" in said
+    assert "XDG_CACHE_HOME" in said
+
+
+def test_a_disk_that_fills_up_leaves_no_part_of_a_file(usual, temporary):
+    from limits import largest_file
+
+    with largest_file(5000):
+        assert not called()
+    assert [*usual.iterdir(), *temporary.iterdir()] == []
+
+
+def test_no_home_and_no_temporary_folder(monkeypatch, usual):
+    monkeypatch.delenv("XDG_CACHE_HOME")
+
+    def missing():
+        raise RuntimeError("Could not determine home directory.")
+
+    def none():
+        raise FileNotFoundError("No usable temporary directory found")
+
+    monkeypatch.setattr("pathlib.Path.home", missing)
+    monkeypatch.setattr("tempfile.gettempdir", none)
+    assert [called(), called()] == [False, False]
+
+
+@pytest.mark.parametrize("taken", ["mode", "link", "owner"])
+def test_a_folder_that_others_can_write_to_is_not_used(taken, usual, temporary, monkeypatch, capfd):
+    refuse(monkeypatch, usual)
+    called()
+    assert called()
+    if taken == "mode":
+        temporary.parent.chmod(0o720)
+    elif taken == "link":
+        temporary.parent.rename(temporary.parent.with_name("else"))
+        temporary.parent.symlink_to("else")
+    else:
+        user = os.getuid()
+        temporary.parent.rename(temporary.parent.with_name(f"ratestate-{user + 1}"))
+        monkeypatch.setattr("os.getuid", lambda: user + 1)
+    capfd.readouterr()
+    assert [called(), called()] == [False, False]
+    assert "is not this user's alone" in capfd.readouterr().err
+
+
+def test_writers_at_once_leave_a_whole_file(usual):
+    program = (
+        "import sys; from pathlib import Path; from ratestate.engine import cache\n"
+        "path, content = Path(sys.argv[1]), bytes([int(sys.argv[2])]) * 300_000\n"
+        "for _ in range(40): cache._write(path, content)"
+    )
+    usual.mkdir(parents=True)
+    path = usual / "x.nbc"
+    cache._write(path, bytes(300_000))
+    command = [sys.executable, "-c", program, str(path)]
+    writers = [subprocess.Popen([*command, str(i)]) for i in (1, 2)]
+    while any(writer.poll() is None for writer in writers):
+        content = path.read_bytes()
+        assert content == content[:1] * 300_000
+    assert [writer.returncode for writer in writers] == [0, 0]
+    assert list(usual.iterdir()) == [path]
+
+
+# ------------------------------------------------------------------------- compiling itself fails
+
+
+def test_a_kernel_that_cannot_be_compiled(monkeypatch):
+    @jit.kernel
+    def broken(x, budget):
+        return x.nothing
+
+    worker = dispatch._Worker(broken, 300, (), np.zeros(1), ())
+    worker.arguments = (1.0,)
+    with pytest.raises(CompilationError, match=r"kernel broken cannot be compiled.*TypingError"):
+        worker.go()

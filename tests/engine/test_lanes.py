@@ -1,0 +1,204 @@
+"""The same bits wherever a slider marches: lane, batch, order, threads; alone within tolerance."""
+
+import json
+import os
+import subprocess
+import sys
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import xarray as xr
+from numba import njit
+from synthetic_records import SLIDER, STEP, record
+
+import ratestate as rs
+from ratestate.dynamics.continuation.basin import escape
+from ratestate.engine import dispatch, lanes
+from ratestate.engine import rows as R
+from ratestate.engine.march import march
+from ratestate.engine.return_map import return_map
+
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+NAMES = ["V", "theta", "tau", "delta", "mu", "status", "steps", "energy_residual", "V_max", "V_min"]
+NAMES += ["inertial_force", "mu_min", "reversal_margin", "outside_domain", "amplitude", "frequency"]
+NAMES += ["cycles"]
+LOADING = rs.Loading.steps(1e-4, (0.02, 3e-3), (0.1, 0.0), (0.3, 1e-2))
+
+
+def cases(n, seed=11):
+    """Mixed lengths and fates: easy and stiff, stick-slip, steady, without mass, failing."""
+    rng = np.random.default_rng(seed)
+    a = 10 ** rng.uniform(-2.7, -1.5, n)
+    M = np.where(rng.random(n) < 0.2, 0.0, 10 ** rng.uniform(0, 5, n))
+    K = (rng.uniform(0.1, 2, n) - 0.1 * (M > 0)) * 0.8 * a * 2e6 / 1e-5 + 1e6
+    return {"a": a, "b": 1.8 * a, "M": M, "K": K}, rng.uniform(0.05, 0.5, n)
+
+
+def run(parameters, t_end, law="slip", pick=None):
+    pick = np.arange(len(t_end)) if pick is None else np.asarray(pick)
+    arrays = {k: xr.DataArray(v[pick], dims="case") for k, v in parameters.items()}
+    slider = rs.SpringSlider(**arrays, Dc=1e-5, sigma=2e6, V0=1e-9, law=law)
+    ends = xr.DataArray(t_end[pick], dims="case")
+    times = ends * xr.DataArray([0.0, 0.4, 0.8], dims="time")
+    return rs.simulate(slider, LOADING, ends, times=times, rtol=1e-6)
+
+
+def same(one, other):
+    for name in NAMES:
+        np.testing.assert_array_equal(one[name].values, other[name].values, err_msg=name)
+
+
+@njit
+def commit_often(s, h, n):
+    s[R.H_USED], s[R.OK], s[R.LAND] = h, 1.0, np.inf
+    for _ in range(n):
+        lanes.commit(s, 1)
+
+
+def test_a_million_steps_lose_no_time():
+    """Time is known to twice the digits of its first part: 1e6 steps of 0.1 are its 1e6-fold."""
+    s = np.zeros(R.SIZE)
+    commit_often(s, 0.1, 10**6)
+    exact = 10**6 * Fraction(0.1)
+    off = Fraction(s[R.T]) + Fraction(s[R.T_LOW]) - exact
+    assert abs(off) < 1e-20 * exact
+    assert abs(Fraction(s[R.T]) - exact) <= np.spacing(1e5) / 2  # the low part is but the rest
+    assert s[R.STEPS] == 1e6
+
+
+def test_where_nothing_marches_no_kernel_is_loaded(monkeypatch):
+    """Motion with K = inf is known in closed form."""
+    monkeypatch.setattr(dispatch, "march", None)
+    monkeypatch.setattr(dispatch, "return_map", None)
+    rigid = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=np.inf)
+    assert float(rs.simulate(rigid, rs.Loading.constant(1e-3), 0.2).status) == 0
+    assert float(rs.limit_cycle(rigid, 1e-3).status) == 1
+
+
+@pytest.fixture(scope="module")
+def reference():
+    everything = {}
+    for law in ("slip", "aging"):
+        found = run(*cases(40), law)
+        codes = set(found.status.values.tolist())
+        assert {0, 5} <= codes  # both fates are among them
+        everything[law] = found
+    return everything
+
+
+@LAWS
+@pytest.mark.parametrize("n", [2, 3, 15, 16, 17, 31, 32, 33, 40])
+def test_order_and_size(reference, law, n):
+    pick = np.random.default_rng(n).permutation(40)[:n]
+    same(run(*cases(40), law, pick), reference[law].isel(case=pick))
+
+
+@LAWS
+def test_repeats_in_every_lane(reference, law):
+    many = run(*cases(40), law, np.full(35, 7))
+    same(many, reference[law].isel(case=np.full(35, 7)))
+
+
+@LAWS
+@pytest.mark.parametrize("cores", [1, 2, 3, 7])
+def test_threads(reference, law, cores, monkeypatch):
+    monkeypatch.setattr(dispatch, "cores", lambda: cores)
+    pick = np.tile(np.arange(40), 4)  # enough for that many sets of lanes
+    same(run(*cases(40), law, pick), reference[law].isel(case=pick))
+
+
+@LAWS
+def test_one_after_another(law):
+    """A run leaves nothing behind for the next."""
+    same(run(*cases(40), law), run(*cases(40), law))
+
+
+@LAWS
+def test_alone(reference, law):
+    """A single call takes the scalar path: other rounding, the same answer."""
+    parameters, t_end = cases(40)
+    for i in range(40):
+        batch = reference[law].isel(case=i)
+        slider = rs.SpringSlider(
+            **{k: float(v[i]) for k, v in parameters.items()}, Dc=1e-5, sigma=2e6, V0=1e-9, law=law
+        )
+        end = float(t_end[i])
+        if batch.status != 0:
+            with pytest.raises(rs.SolverError):
+                rs.simulate(slider, LOADING, end)
+            continue
+        one = rs.simulate(slider, LOADING, end, times=end * np.array([0.0, 0.4, 0.8]), rtol=1e-6)
+        np.testing.assert_allclose(np.log(one.V), np.log(batch.V), rtol=0, atol=1e-5)
+        np.testing.assert_allclose(np.log(one.theta), np.log(batch.theta), rtol=0, atol=1e-5)
+        np.testing.assert_allclose(one.tau, batch.tau, rtol=1e-6)
+        assert abs(int(one.steps) - int(batch.steps)) <= 2 + 0.01 * int(batch.steps)
+
+
+@LAWS
+def test_limit_cycles(law):
+    a = 0.005
+    K = xr.DataArray(np.linspace(0.3, 1.5, 24) * 0.003 * 4e6 / 1e-5, dims="K")
+    slider = rs.SpringSlider(a=a, b=0.008, Dc=1e-5, sigma=4e6, M=100.0, K=K, V0=1e-9, law=law)
+    whole = rs.limit_cycle(slider, 1e-3, rtol=1e-6)
+    assert {0, 1} <= set(whole.status.values.tolist())
+    pick = np.random.default_rng(0).permutation(24)[:9]
+    part = rs.limit_cycle(slider.replace(K=K[pick]), 1e-3, rtol=1e-6)
+    for name in ("period", "amplitude", "V_max", "V_min", "inertia", "status"):
+        np.testing.assert_array_equal(part[name], whole[name][pick], err_msg=name)
+
+
+def test_a_kernel_is_compiled_once():
+    """An array of another layout would have it compiled again, for some 10 s."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=6.06e8, M=3e3, law="aging")
+    many = slider.replace(M=rs.logspace("M", 3e3, 3.1e3, 2))
+    for one in (slider, many):
+        rs.limit_cycle(one, 1e-2)
+        rs.simulate(one, rs.Loading.constant(1e-2), 1e-3, times=np.linspace(0.0, 1e-3, 9)[::2])
+        escape(one, 3.6e-4)
+    t = np.linspace(0.0, 140.0, 400)
+    rs.fit(record(SLIDER, STEP, t, noise=1e-4), SLIDER, errors="covariance")
+    assert len(return_map.signatures) == len(march.signatures) == 1
+
+
+SCRIPT = """
+import json, sys
+import ratestate as rs
+
+def runs(law, M):
+    slider = rs.SpringSlider(a=.003, b=.006, Dc=1e-5, sigma=2e6, M=M, K=3e9, V0=1e-9, law=law)
+    loading = rs.Loading.series([0, .005, .005, .01, .02], [1e-3, 1e-3, 2e-3, 0, 1e-3])
+    one = rs.simulate(slider, loading, .02, times=[.001, .008, .02])
+    two = rs.simulate(slider.replace(sigma=rs.logspace("sigma", 1e6, 2e6, 2)), loading, .02)
+    heavy = slider.replace(M=1e3)
+    old = rs.simulate(heavy, loading, .02, method="im2017", dt=1e-4, times=[.02])
+    out = [one.V, one.theta, one.tau, two.V, two.theta, old.V, one.V_max, one.V_min]
+    counts = [one.steps, two.steps]
+    return [[v.values.ravel().tolist() for v in vs] for vs in (out, counts)]
+"""
+CASES = [("slip", 3e3), ("aging", 3e3), ("slip", 0.0)]
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """(law, M) -> what the kernels find as plain Python."""
+    code = f"{SCRIPT}\nfor case in {CASES}: print(json.dumps(runs(*case)))"
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", code],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return dict(zip(CASES, map(json.loads, done.stdout.splitlines()[-3:]), strict=True))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_without_the_compiler(case, plain):
+    """The kernels are plain Python too, and do the same."""
+    script = {}
+    exec(SCRIPT, script)
+    for one, other in zip(script["runs"](*case)[0], plain[case][0], strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+    assert script["runs"](*case)[1] == plain[case][1]

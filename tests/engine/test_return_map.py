@@ -1,0 +1,340 @@
+"""The return map and its derivative: differences, SciPy's variational equations, lanes."""
+
+import json
+import math
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from dimensionless import P1, P2, P4A, P4B, jacobian, rates, some, system
+from scipy.integrate import solve_ivp
+
+from ratestate.dynamics.cycles.attractor import settle, steady_start
+from ratestate.dynamics.cycles.shooting import multipliers, state, turn
+from ratestate.engine import dispatch
+from ratestate.engine.model import FINISHED, NOT_FINITE, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
+from ratestate.engine.return_map import RETURN_NUMBERS, Starts
+from ratestate.friction.laws import LAWS as ROWS
+
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+
+
+# The derivative -----------------------------------------------------------------------------------
+
+
+@LAWS
+@pytest.mark.parametrize("eta", [1e-20, 1e-12, 1e-7, 1e-3, 0.1, 1.0, 10.0, 1e4])
+def test_derivative_by_differences(law, eta):
+    """Of the map, the period and the lowest stress; by differences of much finer turns."""
+    those, y = some(law, 12, eta)
+    turns = turn(those, y, 1e-9, alone=False)
+    assert turns.came_back.all()
+    assert np.abs(turns.jacobian[:, 0, 0]).max() > 1e-4  # there is something to see
+    # eta d G is lost in the rounding of x where eta is small, and so is G
+    for column, name in enumerate("ab" if eta > 1e-4 else "a"):
+        along = state(those, np.eye(2)[[column] * len(y)])
+        d = 3e-5 * (np.abs(y).max(axis=1) if name == "a" else 1 / (1 + eta / 10))
+        up, down = (turn(those, y + sign * (d * along.T).T, 1e-12, alone=False) for sign in (1, -1))
+        pairs = [(turns.jacobian[:, 0, :], up.image[:, 0], down.image[:, 0])]
+        if not 1e-9 <= eta <= 1e-4:  # between, little is left of G but rounding
+            pairs.append((turns.jacobian[:, 1, :], up.image[:, 1], down.image[:, 1]))
+        for number in ("period", "x_low"):
+            slopes = np.stack([turns.numbers[f"{number}_{of}"] for of in "ab"], axis=1)
+            pairs.append((slopes, up.numbers[number], down.numbers[number]))
+        for slopes, above, below in pairs:
+            off = np.abs(slopes[:, column] - (above - below) / (2 * d))
+            rounding = 1e-12 * np.maximum(np.abs(above), np.abs(y).max(axis=1)) / d
+            assert (off < 1e-5 * np.abs(slopes).max(axis=1) + rounding).all(), (off, slopes)
+
+
+@LAWS
+def test_turns_follow_the_tolerance(law):
+    """Errors of the section's next point and of the period: near the tolerance, on both sides."""
+    those, y = some(law, 24)
+    exact = turn(those, y, 1e-12, alone=False)
+    for rtol in (1e-5, 1e-7, 1e-9):
+        found = turn(those, y, rtol, alone=False)
+        off = np.abs(found.image[:, 0] - exact.image[:, 0]) / np.hypot(y[:, 0], y[:, 2])
+        assert off.max() < 10 * rtol
+        assert off.max() > 1e-2 * rtol  # the test is not blind
+        late = np.abs(found.numbers["period"] / exact.numbers["period"] - 1)
+        assert rtol / 100 < late.max() < 10 * rtol
+        steps = np.log(exact.numbers["steps"] / found.numbers["steps"])
+        assert 4.3 < np.log(rtol / 1e-12) / steps.mean() < 5.3  # fifth order
+
+
+# SciPy's variational equations --------------------------------------------------------------------
+
+
+class Turn:
+    """One turn from the section's point u by SciPy: the state with two perturbations and the trace.
+
+    In the perturbations' rows the Jacobian given to Radau leaves out their dependence on the
+    state, which costs it iterations and no accuracy.
+    """
+
+    def __init__(self, law, kappa, beta, eta, u, t_max, method, rtol):
+        f, J_of = rates(law, kappa, beta, eta), jacobian(law, kappa, beta, eta)
+
+        def all_rates(t, s):
+            J = J_of(s[:3])
+            return np.concatenate([f(s[:3]), J @ s[3:6], J @ s[6:9], [np.trace(J)]])
+
+        def all_slopes(t, s):
+            J = np.zeros((10, 10))
+            J[:3, :3] = J[3:6, 3:6] = J[6:9, 6:9] = J_of(s[:3])
+            return J
+
+        def rises(t, s):
+            return s[1]
+
+        def falls(t, s):
+            return s[1]
+
+        rises.direction, rises.terminal, falls.direction = 1.0, True, -1.0
+        settings = {"rtol": rtol, "atol": 1e-2 * rtol}
+        settings |= {"jac": all_slopes} if method == "Radau" else {}
+        psi, G = u
+        s = [beta * psi + eta * G, 0, psi, beta, 0, 1, eta, 0, 0, 0]
+        first = solve_ivp(all_rates, (0, 1e-3 * t_max), s, method, **settings)
+        run = solve_ivp(
+            all_rates,
+            (first.t[-1], t_max),
+            first.y[:, -1],
+            method,
+            events=(rises, falls),
+            **settings,
+        )
+        end = run.y_events[0][0]
+        x, _, psi = end[:3]
+        flow = f(end[:3])
+        # the perturbed orbits' own points of the section
+        moved = [z - flow * (z[1] / flow[1]) for z in (end[3:6], end[6:9])]
+        self.period, self.trace, self.x_low = run.t_events[0][0], end[9], run.y_events[1][-1][0]
+        self.image = np.array([psi, (x - beta * psi) / eta])
+        self.jacobian = np.array([[z[2], (z[0] - beta * z[2]) / eta] for z in moved]).T
+
+
+# K Dc/(a sigma), b/a and eta of numerics.md, section 5
+
+
+@pytest.mark.parametrize(
+    ("law", "parameters"),
+    [
+        ("slip", P1),
+        ("aging", P4A),
+        ("slip", (0.9 * 0.9 * 4, 1.9, 3.0)),
+        ("aging", (0.8 * 0.5 * 41, 1.5, 40.0)),
+        ("slip", (0.97 * 2.0 * 7, 3.0, 6.0)),
+        ("aging", (0.97 * 2.0 * 7, 3.0, 6.0)),
+        ("slip", (0.9 * 0.2 * 1001, 1.2, 1000.0)),
+    ],
+)
+def test_derivative_of_smooth_cycles(law, parameters):
+    """Against DOP853 through the variational equations: both multipliers, Liouville's product."""
+    those = system(law, *parameters)
+    settled = settle(those, steady_start(those), 1e-10, False, None)
+    assert settled.status == FINISHED
+    u = settled.u[0]
+    turns = turn(those, state(those, settled.u), 1e-12, alone=False)
+    numbers = {name: value[0] for name, value in turns.numbers.items()}
+    exact = Turn(law, *parameters, u, 1.2 * numbers["period"], "DOP853", 1e-13)
+    assert numbers["period"] == pytest.approx(exact.period, rel=1e-11)
+    assert numbers["x_low"] == pytest.approx(exact.x_low, rel=1e-11)
+    np.testing.assert_allclose(turns.image[0], exact.image, rtol=1e-10)
+    np.testing.assert_allclose(
+        turns.jacobian[0], exact.jacobian, rtol=0, atol=1e-9 * np.abs(exact.jacobian).max()
+    )
+    first, second = multipliers(turns)[0]
+    theirs = np.linalg.eigvals(exact.jacobian)
+    theirs = theirs[np.argsort(-np.abs(theirs))]
+    assert first == pytest.approx(theirs[0], rel=1e-9)
+    assert second == pytest.approx(theirs[1], rel=1e-9, abs=1e-12)
+    assert numbers["trace"] == pytest.approx(exact.trace, rel=1e-10)
+    if exact.trace > math.log(1e-8):
+        product = np.linalg.det(exact.jacobian)
+        assert abs(first * second) == pytest.approx(product, rel=1e-6)
+        assert np.linalg.det(turns.jacobian[0]) == pytest.approx(product, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "parameters", "multiplier"),
+    [("slip", P2, 1.873923e-4), ("aging", P4B, 0.15171038)],
+    ids=["P2", "P4b"],
+)
+def test_derivative_of_stick_slip(law, parameters, multiplier):
+    """Against Radau; rounding of x - beta psi over eta leaves it no digits of G."""
+    those = system(law, *parameters)
+    settled = settle(those, steady_start(those), 1e-10, False, None)
+    turns = turn(those, state(those, settled.u), 1e-12, alone=False)
+    numbers = {name: value[0] for name, value in turns.numbers.items()}
+    exact = Turn(law, *parameters, settled.u[0], 1.2 * numbers["period"], "Radau", 3e-9)
+    assert numbers["period"] == pytest.approx(exact.period, rel=1e-10)
+    assert numbers["x_low"] == pytest.approx(exact.x_low, rel=1e-10)
+    assert turns.image[0, 0] == pytest.approx(exact.image[0], rel=1e-10)
+    assert numbers["trace"] == pytest.approx(exact.trace, rel=1e-9)
+    theirs = np.linalg.eigvals(exact.jacobian)
+    first, second = multipliers(turns)[0]
+    assert first == pytest.approx(theirs[np.argmax(np.abs(theirs))], rel=1e-6)
+    assert first == pytest.approx(multiplier, rel=1e-6)  # Radau at 1e-11
+    assert second == 0  # exp of minus 1e9 and more
+
+
+# What ends a turn ---------------------------------------------------------------------------------
+
+
+@LAWS
+def test_statuses(law):
+    kinds = [
+        (0.8, 0.1, np.inf),  # comes back
+        (3.0, 0.1, np.inf),  # spirals towards steady sliding
+        (0.1, 0.0, 20.0),  # runs away, having no mass
+        (math.nan, 0.1, np.inf),
+    ]
+    kappa, eta, v_limit = np.array(kinds).T
+    those = system(law, kappa, 2.0, eta, v_limit)
+    y = state(those, np.array([[0.5, 1.0], [1e-3, 1e-3], [0.5, 1.0], [0.5, 1.0]]))
+    turns = turn(those, y, 1e-6, alone=False, steady_tol=2e-3)
+    assert turns.status.tolist() == [FINISHED, STEADY_SLIDING, RUNAWAY, NOT_FINITE]
+    assert np.isnan(turns.image[1:]).all()
+    assert np.isfinite(turns.image[0]).all()
+    assert turns.came_back.tolist() == [True, False, False, False]
+    # nothing is steady that is not asked to be
+    assert turn(those, y, 1e-6, alone=False).status[1] == FINISHED
+
+
+def test_step_limit():
+    n = 3
+    ones, zeros = np.ones(n), np.zeros(n)
+    steps = np.array([5.0, 40.0, 1e6])
+    y = np.tile([0.1, -1.0, 1.0], (n, 1))
+    starts = Starts(
+        0.5 * ones,
+        2 * ones,
+        ones,
+        y,
+        np.zeros((n, 2, 3)),
+        1e-6 * ones,
+        zeros,
+        zeros,
+        ones,
+        np.inf * ones,
+        steps,
+    )
+    returns = dispatch.run_returns(ROWS["slip"].code, starts, False)
+    assert returns.status.tolist() == [STEP_LIMIT, STEP_LIMIT, FINISHED]
+    assert returns.numbers[:2, RETURN_NUMBERS.index("steps")].tolist() == [5, 40]
+
+
+@LAWS
+def test_a_turn_is_from_maximum_to_maximum(law):
+    """From anywhere to the next rise of V through V_lp; from one to the next, not to itself."""
+    those, y = some(law, 24)
+    assert (y[:, 1] == 0).all()
+    turns = turn(those, y, 1e-8, alone=False)
+    numbers = turns.numbers
+    assert (numbers["G"] > 0).all()
+    assert (numbers["x_low"] < numbers["x"]).all()
+    assert (numbers["period"] > 2).all()
+    # from a state between two maxima to the second of them
+    smooth, y = some(law, 4, 1.0)
+    turns = turn(smooth, y, 1e-11, alone=False)
+    period = turns.numbers["period"]
+    between = y.copy()
+    for i, (kappa, beta, eta) in enumerate(zip(*smooth[1:4], strict=True)):
+        f, J = rates(law, kappa, beta, eta), jacobian(law, kappa, beta, eta)
+        settings = {"jac": lambda t, y, J=J: J(y), "rtol": 1e-11, "atol": 1e-13}
+        span = (0, 0.4 * period[i])
+        run = solve_ivp(lambda t, y, f=f: f(y), span, y[i], "Radau", **settings)
+        between[i] = run.y[:, -1]
+    rest = turn(smooth, between, 1e-11, alone=False)
+    np.testing.assert_allclose(rest.image, turns.image, rtol=1e-9)
+    np.testing.assert_allclose(rest.numbers["period"], 0.6 * period, rtol=1e-9)
+
+
+# Lanes --------------------------------------------------------------------------------------------
+
+
+def every(turns):
+    return np.column_stack([turns.status, *turns.numbers.values(), turns.jacobian.reshape(-1, 4)])
+
+
+@LAWS
+@pytest.mark.parametrize("observed", [False, True])
+def test_same_bits_anywhere(law, observed, monkeypatch):
+    those, y = some(law, 40)
+    rtol = 10 ** np.random.default_rng(3).uniform(-9, -4, 40)
+    period = np.full(40, 7.0) if observed else None
+
+    def run(pick):
+        mine = those.at(pick)
+        guess = None if period is None else period[pick]
+        return every(turn(mine, y[pick], rtol[pick], alone=False, period=guess))
+
+    whole = run(np.arange(40))
+    rng = np.random.default_rng(4)
+    for n in (1, 2, 15, 16, 17, 33):
+        pick = rng.permutation(40)[:n]
+        np.testing.assert_array_equal(run(pick), whole[pick])
+    np.testing.assert_array_equal(run(np.full(35, 7)), whole[np.full(35, 7)])
+    for cores in (1, 2, 5):
+        monkeypatch.setattr(dispatch, "cores", lambda cores=cores: cores)
+        pick = rng.permutation(np.tile(np.arange(40), 3))
+        np.testing.assert_array_equal(run(pick), whole[pick])
+
+
+@LAWS
+def test_alone(law):
+    """The scalar path: other rounding, the same answer."""
+    those, y = some(law, 20)
+    whole = turn(those, y, 1e-8, alone=False, period=np.full(20, 7.0))
+    for i in range(20):
+        one = turn(those.at([i]), y[[i]], 1e-8, alone=True, period=np.full(1, 7.0))
+        assert one.status[0] == whole.status[i]
+        for name in ("period", "x", "psi", "x_low", "slow", "mean", "square"):
+            value = whole.numbers[name][i]
+            assert one.numbers[name][0] == pytest.approx(value, rel=3e-7, abs=1e-12), name
+        assert abs(one.numbers["steps"][0] / whole.numbers["steps"][i] - 1) < 0.02
+
+
+SCRIPT = """
+import json
+import numpy as np
+from ratestate.dynamics.cycles.shooting import System, state, turn
+
+out = []
+for law in ("slip", "aging"):
+    those = System(law, np.array([0.9, 0.48]), np.array([2.0, 1.6]), np.array([0.1, 1e-10]),
+                   np.full(2, np.inf))
+    y = state(those, np.array([[0.3, 0.5], [0.4, 1.6 * 0.4]]))
+    found = turn(those, y, 1e-6, alone=False, period=np.full(2, 7.0))
+    out.append([found.status.tolist(), np.array([*found.numbers.values()]).tolist(),
+                found.jacobian.tolist()])
+print(json.dumps(out))
+"""
+
+
+def test_without_the_compiler():
+    """The kernel is plain Python too, and does the same."""
+    results = []
+    for jit in ("1", "0"):
+        done = subprocess.run(
+            [sys.executable, "-W", "ignore", "-c", SCRIPT],
+            env=os.environ | {"NUMBA_DISABLE_JIT": jit},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        results.append(json.loads(done.stdout.splitlines()[-1]))
+    for plain, compiled in zip(*results, strict=True):
+        assert plain[0] == compiled[0] == [FINISHED, FINISHED]
+        steps = RETURN_NUMBERS.index("steps")
+        assert plain[1][steps] == compiled[1][steps]
+        for one, other, name in zip(plain[1], compiled[1], RETURN_NUMBERS, strict=True):
+            # of the second case inertia is all but lost in rounding
+            assert one[0] == pytest.approx(other[0], rel=1e-8, abs=1e-12), name
+            assert one[1] == pytest.approx(other[1], rel=1e-5, abs=1e-12), name
+        np.testing.assert_allclose(plain[2], compiled[2], rtol=1e-5, atol=1e-12)

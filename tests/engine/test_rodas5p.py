@@ -1,0 +1,311 @@
+"""Rodas5P: its tableau by algebra, one step against a plain implementation, observed orders."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from naive import Naive
+from numba import njit
+
+import ratestate as rs
+from ratestate.engine import exp as ours
+from ratestate.engine import rodas5p as R
+from ratestate.friction.laws import AGING, SLIP
+
+CODE = {"slip": SLIP, "aging": AGING}
+
+# The published (transformed) coefficients as full matrices: stage i starts from y + sum_j A_ij k_j.
+A, C = np.zeros((9, 8)), np.zeros((8, 8))
+for i, row in enumerate(R.A):
+    A[i, : len(row)] = row
+for i in (6, 7, 8):
+    A[i] = A[i - 1]
+    A[i, i - 1] = 1.0
+for i, row in enumerate(R.C):
+    C[i, : len(row)] = row
+# ... and what they stand for (Hairer & Wanner 1996, IV.7): coefficients of the untransformed
+# method, in 40 digits, so that what residuals show is the tableau's rounding and not that of this
+with mpmath.workdps(40):
+    INVERSE = (mpmath.matrix(np.eye(8)) / mpmath.mpf(R.GAMMA) - mpmath.matrix(C)) ** -1
+    EXACT = np.array(INVERSE.tolist())
+GAMMAS = EXACT.astype(float)
+ALPHAS = A[:8] @ GAMMAS
+BETAS = ALPHAS + GAMMAS
+NODES = ALPHAS.sum(1)
+
+
+def order_conditions(weights, s=1.0):
+    """Residuals of the order conditions (H&W, table IV.7.1), order -> residuals.
+
+    weights : of k_1 to k_8 in the new state
+    With s < 1 those of dense output at the fraction s of a step.
+    """
+    with mpmath.workdps(40):
+        return _order_conditions(weights @ EXACT, mpmath.mpf(s))
+
+
+def _order_conditions(b, s):
+    al = A[:8] @ EXACT
+    be = al + EXACT
+    c, one = al.sum(1), be.sum(1)
+    return {
+        1: [b.sum() - s],
+        2: [b @ one - s**2 / 2],
+        3: [b @ c**2 - s**3 / 3, b @ be @ one - s**3 / 6],
+        4: [
+            b @ c**3 - s**4 / 4,
+            b @ (c * (al @ one)) - s**4 / 8,
+            b @ be @ c**2 - s**4 / 12,
+            b @ be @ be @ one - s**4 / 24,
+        ],
+        5: [
+            b @ c**4 - s**5 / 5,
+            b @ (c**2 * (al @ one)) - s**5 / 10,
+            b @ (al @ one) ** 2 - s**5 / 20,
+            b @ (c * (al @ c**2)) - s**5 / 15,
+            b @ (c * (al @ be @ one)) - s**5 / 30,
+            b @ be @ c**3 - s**5 / 20,
+            b @ be @ (c * (al @ one)) - s**5 / 40,
+            b @ be @ be @ c**2 - s**5 / 60,
+            b @ be @ be @ be @ one - s**5 / 120,
+        ],
+    }
+
+
+def largest(conditions, *orders):
+    return max(abs(residual) for order in orders for residual in conditions[order])
+
+
+def test_nodes_and_drifts_are_row_sums():
+    np.testing.assert_allclose(R.NODES, NODES, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(R.D, GAMMAS.sum(1), rtol=0, atol=2e-13)
+    np.testing.assert_allclose(np.diag(GAMMAS), R.GAMMA, rtol=1e-14)
+
+
+def test_order_conditions():
+    assert largest(order_conditions(A[8]), 1, 2, 3, 4, 5) < 1e-14
+    embedded = order_conditions(A[7])  # y_new - k_8
+    assert largest(embedded, 1, 2, 3, 4) < 1e-14
+    assert largest(embedded, 5) > 1e-4  # else the error estimate would say nothing
+
+
+@pytest.mark.parametrize("s", [0.1, 0.37, 0.5, 0.9])
+def test_order_conditions_of_dense_output(s):
+    h1, h2, h3 = np.array(R.H)
+    weights = s * A[8] + s * (1 - s) * (h1 + s * (h2 + s * h3))
+    conditions = order_conditions(weights, s)
+    assert largest(conditions, 1, 2, 3, 4) < 4e-14
+    assert largest(conditions, 5) > 1e-6
+
+
+def test_stiff_accuracy():
+    np.testing.assert_allclose(BETAS[7], A[8] @ GAMMAS, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(BETAS[6], A[7] @ GAMMAS, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(NODES[5:], 1, atol=1e-14)
+    # R(infinity) = 1 - b B^-1 1 = 0
+    assert abs(1 - (A[8] @ GAMMAS) @ np.linalg.solve(BETAS, np.ones(8))) < 1e-12
+
+
+def test_quadrature_weights():
+    np.testing.assert_allclose(R.B, A[8] @ GAMMAS, rtol=0, atol=1e-13)
+    assert abs(R.DRIFT - np.dot(R.B, R.D)) < 1e-15
+    for k in range(5):  # of T**k, whose derivative at the start is 1 for k = 1 alone
+        drift = R.DRIFT if k == 1 else 0.0
+        assert abs(np.dot(R.B, NODES**k) + drift - 1 / (k + 1)) < 2e-14, k
+    assert abs(np.dot(R.B, NODES**5) - 1 / 6) > 1e-4
+
+
+# One step of the engine ---------------------------------------------------------------------------
+
+
+@njit
+def step(y, w_lp, ramp, h, p):
+    return R.step(y, math.exp(y[1]), math.exp(-y[2]), w_lp, ramp, h, p)
+
+
+def plain_step(f, jacobian, f_t, y, h):
+    """Rodas5P on dy/dt = f(t, y), as in the books: y_new, error, K_1 to K_3."""
+    solve = np.linalg.inv(np.eye(len(y)) / (R.GAMMA * h) - jacobian)
+    k = np.zeros((8, len(y)))
+    for i in range(8):
+        value = f(NODES[i] * h, y + A[i] @ k)
+        k[i] = solve @ (value + C[i] @ k / h + h * R.D[i] * f_t)
+    return y + A[8] @ k, k[7], np.array(R.H) @ k
+
+
+@pytest.mark.parametrize("law", ["slip", "aging"])
+@pytest.mark.parametrize("eta0", [0.02, 1.0, 50.0])
+def test_one_step_is_the_method(law, eta0):
+    """The arrow solve and the scaled row are rearrangements, not approximations."""
+    kappa, beta, w_lp, ramp, h = 0.7, 1.9, 1.3, 0.4, 0.11
+    y = np.array([0.3, 0.2, -0.15])
+    # Dc = V0 = sigma = 1 and mu0 = 0 make the twin's seconds and stresses dimensionless
+    twin = Naive(a=1.0, b=beta, Dc=1.0, sigma=1.0, K=kappa, M=eta0, mu0=0.0, V0=1.0, law=law)
+
+    def speed(t):
+        return w_lp + ramp * t
+
+    def f(t, y):
+        return np.array(twin.rates(t, y, speed))
+
+    f_t = np.array([kappa * ramp, 0, 0])
+    y_new, error, dense = plain_step(f, twin.jacobian(0, y, speed), f_t, y, h)
+    got = step(tuple(y), w_lp, ramp, h, (CODE[law], kappa, beta, eta0))
+    np.testing.assert_allclose(got[0], y_new, rtol=0, atol=2e-14)
+    np.testing.assert_allclose(got[1:3], np.exp([y_new[1], -y_new[2]]) * [1, law == "aging"])
+    np.testing.assert_allclose(got[3], error, rtol=0, atol=2e-14)
+    np.testing.assert_allclose(got[4:7], dense, rtol=0, atol=2e-13)
+
+
+def march_fixed(law, eta0, n, t_end=3.0):
+    """x, v, psi and the two works at t_end; without inertia the start is on v = x - beta psi."""
+    y, h, ramp = (0.5, -0.3 if eta0 else 0.18, 0.2), t_end / n, 0.25
+    work = friction = 0.0
+    for i in range(n):
+        out = step(y, 1.0 + ramp * i * h, ramp, h, (CODE[law], 0.8, 1.6, eta0))
+        y, work, friction = out[0], work + out[7], friction + out[8]
+    return np.array([*y, work, friction])
+
+
+@pytest.mark.parametrize("law", ["slip", "aging"])
+@pytest.mark.parametrize(("eta0", "n"), [(0.0, 40), (0.5, 100), (5.0, 20)])
+def test_observed_order(law, eta0, n):
+    """Of the state, and of the works that ride along; the load point accelerates."""
+    exact = march_fixed(law, eta0, 2560)
+    errors = np.array([np.abs(march_fixed(law, eta0, m) - exact) for m in (n, 2 * n)])
+    state = np.log2(errors[0, :3].max() / errors[1, :3].max())
+    works = np.log2(errors[0, 3:].max() / errors[1, 3:].max())
+    assert 4.8 < state < 5.2
+    assert 4.8 < works < 5.2
+
+
+def plain_march(n, f, jacobian, f_t, y, t_end):
+    h = t_end / n
+    for i in range(n):
+        t = i * h
+
+        def g(s, y, t=t):
+            return f(t + s, y)
+
+        y, _, _ = plain_step(g, jacobian(t, y), f_t(t, y), y, h)
+    return y
+
+
+@pytest.mark.parametrize("problem", ["van der Pol", "forced logistic", "Lotka-Volterra"])
+def test_order_of_the_tableau_on_other_problems(problem):
+    """The coefficients themselves, free of anything that is special about friction."""
+    f, jacobian, f_t, y, t_end = {
+        "van der Pol": (
+            lambda t, y: np.array([y[1], (1 - y[0] ** 2) * y[1] - y[0]]),
+            lambda t, y: np.array([[0, 1], [-2 * y[0] * y[1] - 1, 1 - y[0] ** 2]]),
+            lambda t, y: np.zeros(2),
+            np.array([2.0, 0.0]),
+            2.0,
+        ),
+        "forced logistic": (
+            lambda t, y: y * (1 - y) * np.cos(t) + np.exp(-t),
+            lambda t, y: np.array([[(1 - 2 * y[0]) * np.cos(t)]]),
+            lambda t, y: -y * (1 - y) * np.sin(t) - np.exp(-t),
+            np.array([0.3]),
+            3.0,
+        ),
+        "Lotka-Volterra": (
+            lambda t, y: np.array([y[0] * (1 - y[1]), y[1] * (y[0] - 1)]),
+            lambda t, y: np.array([[1 - y[1], -y[0]], [y[1], y[0] - 1]]),
+            lambda t, y: np.zeros(2),
+            np.array([1.5, 0.7]),
+            4.0,
+        ),
+    }[problem]
+    exact = plain_march(640, f, jacobian, f_t, y, t_end)
+    errors = [np.abs(plain_march(n, f, jacobian, f_t, y, t_end) - exact).max() for n in (40, 80)]
+    assert 4.7 < math.log2(errors[0] / errors[1]) < 5.3
+
+
+# The exponential ----------------------------------------------------------------------------------
+
+
+@njit
+def exp_in_lanes(x):
+    out = np.empty(x.size)
+    for i in range(x.size):
+        out[i] = ours.exp(x[i])
+    return out
+
+
+def test_exp_within_3_ulp():
+    rng = np.random.default_rng(8)
+    near = [0.0, -0.0, 1e-300, -1e-17, *(math.log(2) * (k + 0.5) for k in range(-40, 41))]
+    x = np.concatenate([rng.uniform(-599, 599, 3000), rng.uniform(-1, 1, 500), near])
+    with mpmath.workprec(120):
+        exact = [mpmath.exp(mpmath.mpf(float(v))) for v in x]
+        got = exp_in_lanes(x)
+        ulps = [
+            abs(mpmath.mpf(float(g)) - e) / math.ulp(float(e))
+            for g, e in zip(got, exact, strict=True)
+        ]
+    assert max(ulps) < 3.0
+    assert np.mean([float(u) for u in ulps]) < 0.6
+    assert exp_in_lanes(np.zeros(3)).tolist() == [1.0, 1.0, 1.0]
+
+
+def test_exp_saturates_and_keeps_nan():
+    far = exp_in_lanes(np.array([-1e4, -np.inf, 1e4, np.inf, np.nan]))
+    assert np.isnan(far[4])
+    assert far[0] == far[1] > 0
+    assert far[2] == far[3] < np.inf
+    assert far[0] < 1e-250
+    assert far[2] > 1e250
+    assert (np.diff(exp_in_lanes(np.linspace(-900, 900, 1801))) >= 0).all()
+
+
+# Orders seen by a user ----------------------------------------------------------------------------
+
+STABLE = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3000.0, "K": 9e8, "V0": 1e-9}
+
+
+def final(slider, t_end, **settings):
+    run = rs.simulate(
+        slider, rs.Loading.constant(2e-3), t_end, V_start=1e-3, times=[t_end], **settings
+    )
+    return np.array([run.tau[0] / 6e3, np.log(run.V[0]), np.log(run.theta[0])])
+
+
+@pytest.mark.parametrize(
+    ("law", "method"), [("slip", "im2017"), ("aging", "im2017"), ("aging", "im2017_euler")]
+)
+def test_order_of_the_papers_scheme(law, method):
+    slider = rs.SpringSlider(**STABLE, law=law)
+    exact = final(slider, 0.02, rtol=1e-12)
+    errors = [
+        np.abs(final(slider, 0.02, method=method, dt=0.02 / n) - exact).max()
+        for n in (1000, 2000, 4000)
+    ]
+    slopes = np.log2([errors[0] / errors[1], errors[1] / errors[2]])
+    assert ((slopes > 0.9) & (slopes < 1.1)).all(), slopes
+    assert errors[0] > 1e-4  # else it would not be this scheme
+
+
+@pytest.mark.parametrize("dt", [1e-5, 1e-6, 1e-7])
+def test_the_papers_scheme_takes_small_steps(dt):
+    """Small steps are accurate ones: no root is lost to rounding."""
+    slider = rs.SpringSlider(**STABLE)
+    error = final(slider, 0.02, method="im2017", dt=dt) - final(slider, 0.02, rtol=1e-10)
+    assert 500 * dt < np.abs(error).max() < 800 * dt
+
+
+@pytest.mark.parametrize("law", ["slip", "aging"])
+def test_error_follows_the_tolerance(law):
+    """Error per unit time of an adaptive fifth-order method: about rtol**(5/5), and it is met."""
+    slider = rs.SpringSlider(**STABLE, law=law)
+    exact = final(slider, 0.1, rtol=1e-13)
+    rtols = np.array([1e-4, 1e-6, 1e-8, 1e-10])
+    errors = np.array([np.abs(final(slider, 0.1, rtol=r) - exact).max() for r in rtols])
+    assert (errors < 20 * rtols).all(), errors
+    assert (errors > 1e-4 * rtols).all(), errors  # the test is not blind
+    steps = [
+        int(rs.simulate(slider, rs.Loading.constant(2e-3), 0.1, V_start=1e-3, rtol=r).steps)
+        for r in (1e-7, 1e-12)
+    ]
+    assert 0.8 * 10 < steps[1] / steps[0] < 1.25 * 10  # h ~ rtol**(1/5)

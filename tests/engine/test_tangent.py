@@ -1,0 +1,202 @@
+"""One step with its derivative: by complex steps and by differences of the step, its trace."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from dimensionless import jacobian, rates
+from numba import njit
+from test_rodas5p import CODE, A, C
+
+from ratestate.engine import rodas5p as R
+from ratestate.engine import tangent as T
+from ratestate.engine.exp import exp_alone
+
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+SMALLEST = 1e-30  # an imaginary part so small that its square is nothing
+
+
+class Step(NamedTuple):
+    """What `tangent.step` returns."""
+
+    y: tuple
+    w: float
+    e: float
+    z1: tuple
+    z2: tuple
+    error: tuple
+    dense1: tuple
+    dense2: tuple
+    dense3: tuple
+    trace: float
+
+
+@njit
+def compiled_step(y, y1, y2, h, p):
+    return T.step(y, exp_alone(y[1]), math.exp(-y[2]), y1, y2, 1.0, h, p)
+
+
+def step(y, y1, y2, h, p):
+    return Step(*compiled_step(tuple(y), tuple(y1), tuple(y2), h, p))
+
+
+@njit
+def base_step(y, h, p):
+    return R.step(y, exp_alone(y[1]), math.exp(-y[2]), 1.0, 0.0, h, p)
+
+
+# The method as in the books, and derivatives by complex steps ------------------------------------
+
+
+def plain_step(y, h, f, J):
+    """y_new and the integral of the trace of J, which rides along as a fourth variable."""
+    n = len(y)
+    matrix = np.zeros((n + 1, n + 1), complex)
+    matrix[:n, :n] = J(y)
+    for j in range(n):  # gradient of the trace
+        there = np.array(y, complex)
+        there[j] += 1j * SMALLEST
+        matrix[n, j] = np.trace(J(there)).imag / SMALLEST if np.isrealobj(y) else 0.0
+    solve = np.linalg.inv(np.eye(n + 1) / (R.GAMMA * h) - matrix)
+    k = np.zeros((8, n + 1), complex)
+    for i in range(8):
+        u = y + A[i] @ k[:, :n]
+        k[i] = solve @ (np.append(f(u), np.trace(J(u))) + C[i] @ k / h)
+    total = A[8] @ k
+    return y + total[:n], total[n]
+
+
+def draw(law, rng, eta=None, spread=1.0, slaved=False):
+    """y, h and p of a step as the step control would take it at a very loose tolerance."""
+    kappa, beta = 10 ** rng.uniform(-1.5, 1), rng.uniform(1.1, 5)
+    eta = 10 ** rng.uniform(-5, 3) if eta is None else eta
+    v, psi = spread * rng.normal(size=2)
+    g = 0.0 if slaved else min(1.0, eta) * rng.normal()
+    y, h, p = np.array([v + beta * psi + g, v, psi]), 1.0, (CODE[law], kappa, beta, eta)
+    while not np.abs(base_step(tuple(y), h, p)[3]).max() < 1e-4:
+        h /= 4
+    return y, h, p
+
+
+@LAWS
+def test_is_the_derivative_of_the_method(law):
+    """Against complex steps through the method as in the books: exact to rounding."""
+    rng = np.random.default_rng(21)
+    for _ in range(40):
+        y, h, p = draw(law, rng)
+        f, J = rates(law, *p[1:]), jacobian(law, *p[1:])
+        y1, y2 = rng.normal(size=(2, 3))
+        got = step(y, y1, y2, h, p)
+        y_new, trace = plain_step(y, h, f, J)
+        rounding = 1e-13 * (1 + 0.01 / p[3])
+        np.testing.assert_allclose(got.y, y_new.real, rtol=0, atol=rounding)
+        assert got.trace == pytest.approx(trace.real, rel=100 * rounding)
+        for along, z in ((y1, got.z1), (y2, got.z2)):
+            moved, _ = plain_step(y + 1j * SMALLEST * along, h, f, J)
+            exact = moved.imag / SMALLEST
+            np.testing.assert_allclose(z, exact, rtol=0, atol=100 * rounding * np.abs(exact).max())
+
+
+# The engine's own step ----------------------------------------------------------------------------
+
+
+@LAWS
+@pytest.mark.parametrize("eta", [0.0, 1e-18, 1e-6, 0.1, 30.0, 1e4])
+def test_base_step_is_that_of_a_march(law, eta):
+    rng = np.random.default_rng(22)
+    for _ in range(20):
+        y, h, p = draw(law, rng, eta, spread=2.0, slaved=eta < 1e-10)
+        ours = step(y, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), h, p)
+        y_new, w, e, error, *dense, _, _ = base_step(tuple(y), h, p)
+        np.testing.assert_allclose(ours.y, y_new, rtol=0, atol=1e-13)
+        np.testing.assert_allclose((ours.w, ours.e), (w, e), rtol=1e-13)
+        np.testing.assert_allclose(ours.error, error, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(
+            (ours.dense1, ours.dense2, ours.dense3), dense, rtol=0, atol=1e-11
+        )
+
+
+def at_rest(law, rng):
+    """The same where v < -600: v changes by some units while x and psi stand still."""
+    v, psi, beta, g = rng.uniform(-900, -700), rng.normal(), rng.uniform(1.1, 5), rng.normal()
+    eta = 10 ** rng.uniform(0, 3)
+    y, p = np.array([v + beta * psi + g, v, psi]), (CODE[law], 1.0, beta, eta)
+    return y, rng.uniform(0.1, 1) * eta * math.exp(-600.0), p
+
+
+def differences(y, along, h, p, size):
+    """Central differences of the march's step, extrapolated from two sizes."""
+
+    def central(d):
+        up, down = (base_step(tuple(y + sign * d * along), h, p)[0] for sign in (1, -1))
+        return (np.array(up) - np.array(down)) / (2 * d)
+
+    return (4 * central(size) - central(2 * size)) / 3
+
+
+@LAWS
+@pytest.mark.parametrize("place", ["moving", "slaved", "held", "rest"])
+def test_is_the_derivative_of_the_engines_step(law, place):
+    """Where inertia matters, where it is small, where it is below rounding, and at rest."""
+    rng = np.random.default_rng(23)
+    for _ in range(30):
+        if place == "moving":
+            y, h, p = draw(law, rng)
+        elif place == "slaved":
+            y, h, p = draw(law, rng, 10 ** rng.uniform(-12, -7), slaved=True)
+        elif place == "held":
+            y, h, p = draw(law, rng, 10 ** rng.uniform(-30, -22), slaved=True)
+        else:  # w is a constant there
+            y, h, p = at_rest(law, rng)
+        y1, y2 = rng.normal(size=(2, 3))
+        if place in ("slaved", "held"):  # off v = x - beta psi all is over within a step
+            y1[0], y2[0] = y1[1] + p[2] * y1[2], y2[1] + p[2] * y2[2]
+        got = step(y, y1, y2, h, p)
+        for along, z in ((y1, got.z1), (y2, got.z2)):
+            exact = differences(y, along, h, p, 1e-2 if place == "rest" else 1e-4)
+            np.testing.assert_allclose(z, exact, rtol=0, atol=5e-9 * np.abs(exact).max())
+        beta, (x, v, psi) = p[2], got.y
+        if place == "held":
+            assert v == pytest.approx(x - beta * psi, rel=1e-14, abs=1e-14)
+            for z in (got.z1, got.z2):
+                assert z[1] == pytest.approx(z[0] - beta * z[2], rel=1e-13, abs=1e-13)
+
+
+@LAWS
+def test_directions_do_not_mix(law):
+    y, h, p = draw(law, np.random.default_rng(24))
+    a, b = (0.3, -1.1, 0.7), (-0.2, 0.4, 1.3)
+    one, other = step(y, a, b, h, p), step(y, b, a, h, p)
+    np.testing.assert_allclose((one.z1, one.z2), (other.z2, other.z1), rtol=1e-13)
+    both = step(y, np.add(a, b), 1e8 * np.array(a), h, p)
+    np.testing.assert_allclose(both.z1, np.add(one.z1, one.z2), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(both.z2, 1e8 * np.array(one.z1), rtol=1e-13)
+
+
+def march_fixed(law, eta, n, t_end=3.0):
+    """End of a march with perturbations along x, v and psi, and its trace."""
+    y, h, p = (0.5, -0.3, 0.2), t_end / n, (CODE[law], 0.8, 1.6, eta)
+    a, b, c = np.eye(3)
+    trace = 0.0
+    for _ in range(n):
+        c = step(y, c, b, h, p).z1
+        found = step(y, a, b, h, p)
+        y, a, b, trace = found.y, found.z1, found.z2, trace + found.trace
+    return np.array([a, b, c]).T, trace
+
+
+@LAWS
+@pytest.mark.parametrize(("eta", "n"), [(0.5, 100), (5.0, 20)])
+def test_order_of_the_tangent_and_of_the_trace(law, eta, n):
+    """Fifth, as of the state; and by Liouville's formula the trace is that of the determinant."""
+    exact, exact_trace = march_fixed(law, eta, 2560)
+    assert np.linalg.det(exact) == pytest.approx(math.exp(exact_trace), rel=1e-11)
+    tangents, traces = [], []
+    for m in (n, 2 * n):
+        found, trace = march_fixed(law, eta, m)
+        tangents.append(np.abs(found - exact).max())
+        traces.append(abs(trace - exact_trace))
+    assert 4.8 < math.log2(tangents[0] / tangents[1]) < 5.2
+    assert 4.8 < math.log2(traces[0] / traces[1]) < 5.2
+    assert traces[0] > 1e-12  # else rounding would be what is measured

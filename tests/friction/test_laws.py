@@ -1,0 +1,132 @@
+"""The friction law and the evolution laws against their definitions (eqs 1-3)."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ratestate import ParameterError
+from ratestate.friction import laws
+
+LAWS = list(laws.LAWS)
+FRICTION = {"a": 0.003, "b": 0.006, "mu0": 0.6, "V0": 1e-9, "Dc": 1e-5}
+#: eqs 2 and 3 as printed
+TEXTBOOK = {
+    "aging": lambda V, theta, Dc: 1 - V * theta / Dc,
+    "slip": lambda V, theta, Dc: -V * theta / Dc * np.log(V * theta / Dc),
+}
+logs = st.floats(-9, 1)
+spread = st.floats(-8, 8)
+
+
+def test_friction_is_mu0_in_steady_sliding_at_V0_and_e_fold_steps_read_a_and_b():
+    at_V0 = laws.friction(1e-9, 1e-5 / 1e-9, **FRICTION)
+    assert at_V0 == pytest.approx(0.6, abs=1e-15)
+    assert laws.friction(1e-9 * math.e, 1e4, **FRICTION) - at_V0 == pytest.approx(0.003, abs=1e-15)
+    assert laws.friction(1e-9, 1e4 * math.e, **FRICTION) - at_V0 == pytest.approx(0.006, abs=1e-15)
+
+
+@given(logs)
+def test_steady_state_is_steady_for_both_laws(log_V):
+    V = 10**log_V
+    theta = laws.theta_ss(V, Dc=1e-5)
+    for law in LAWS:
+        assert abs(laws.dtheta_dt(V, theta, Dc=1e-5, law=law)) < 1e-15
+    steady = laws.mu_ss(V, a=0.003, b=0.006, mu0=0.6, V0=1e-9)
+    assert laws.friction(V, theta, **FRICTION) == pytest.approx(steady, abs=1e-15)
+    assert steady == pytest.approx(0.6 - 0.003 * math.log(V / 1e-9), abs=1e-15)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@given(log_V=logs, log_omega=spread)
+def test_evolution_is_that_of_the_textbook(law, log_V, log_omega):
+    V, Dc = 10**log_V, 1e-5
+    theta = Dc / V * 10**log_omega
+    expected = TEXTBOOK[law](V, theta, Dc)
+    scale = max(1, 10**log_omega)  # 1 - Omega and ln(Omega) cancel near Omega = 1
+    assert abs(laws.dtheta_dt(V, theta, Dc=Dc, law=law) - expected) < 1e-14 * scale
+
+
+@pytest.mark.parametrize("law", LAWS)
+@given(log_V=logs, log_omega=spread, log_V0=logs)
+def test_log_form_and_textbook_form_are_one(law, log_V, log_omega, log_V0):
+    """d theta/dt = theta (V0/Dc) d psi/dT, whatever the reference velocity."""
+    V, V0, Dc = 10**log_V, 10**log_V0, 1e-5
+    theta = Dc / V * 10**log_omega
+    psi = math.log(V0 * theta / Dc)
+    rate = laws.LAWS[law].rate(V / V0, math.log(V / V0), psi, math.exp(-psi))
+    expected = laws.dtheta_dt(V, theta, Dc=Dc, law=law)
+    assert theta * V0 / Dc * rate == pytest.approx(expected, rel=1e-11, abs=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_holds_heal_by_the_aging_law_only(law):
+    assert laws.dtheta_dt(0.0, 5.0, Dc=1e-5, law=law) == {"aging": 1, "slip": 0}[law]
+
+
+def complex_step(function, x):
+    return function(x * (1 + 1e-30j)).imag / (x * 1e-30)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@given(log_V=logs, log_omega=spread)
+def test_partials_of_evolution(law, log_V, log_omega):
+    V, Dc = 10**log_V, 1e-5
+    theta = Dc / V * 10**log_omega
+    by_V, by_theta = laws.dtheta_dt_partials(V, theta, Dc=Dc, law=law)
+    book = TEXTBOOK[law]
+    # absolute part: the slip law's slope, 1 + ln(Omega), has a zero
+    assert by_V == pytest.approx(
+        complex_step(lambda x: book(x, theta, Dc), V), rel=1e-12, abs=1e-14 * theta / Dc
+    )
+    assert by_theta == pytest.approx(
+        complex_step(lambda x: book(V, x, Dc), theta), rel=1e-12, abs=1e-14 * V / Dc
+    )
+
+
+@pytest.mark.parametrize("law", LAWS)
+@given(v=st.floats(-20, 20), psi=st.floats(-20, 20))
+def test_partials_of_the_log_form(law, v, psi):
+    h = 1e-30
+
+    def rate(v, psi):
+        return laws.LAWS[law].rate(np.exp(v), v, psi, np.exp(-psi))
+
+    zero = 1e-14 * math.exp(v) * (1 + abs(v + psi))  # the slip law's 1 + v + psi changes sign
+    by_v, by_psi = laws.LAWS[law].rate_partials(math.exp(v), v, psi, math.exp(-psi))
+    assert by_v == pytest.approx(rate(v + 1j * h, psi).imag / h, rel=1e-12, abs=zero)
+    assert by_psi == pytest.approx(rate(v, psi + 1j * h).imag / h, rel=1e-12, abs=0)
+
+
+@given(log_V=logs, log_omega=spread)
+def test_partials_of_friction(log_V, log_omega):
+    V = 10**log_V
+    theta = 1e-5 / V * 10**log_omega
+    by_V, by_theta = laws.friction_partials(V, theta, a=0.003, b=0.006)
+    mu = laws.friction
+    assert by_V == pytest.approx(
+        complex_step(lambda x: mu(x, theta, **FRICTION), V), rel=1e-13, abs=0
+    )
+    assert by_theta == pytest.approx(
+        complex_step(lambda x: mu(V, x, **FRICTION), theta), rel=1e-13, abs=0
+    )
+
+
+def test_arrays_and_named_arrays_broadcast():
+    V = xr.DataArray([1e-6, 1e-3], dims="V_lp")
+    Dc = xr.DataArray([1e-6, 1e-5, 1e-4], dims="Dc")
+    for law in LAWS:
+        rate = laws.dtheta_dt(V, 0.1, Dc=Dc, law=law)
+        assert dict(rate.sizes) == {"V_lp": 2, "Dc": 3}
+        assert float(rate[1, 2]) == laws.dtheta_dt(1e-3, 0.1, Dc=1e-4, law=law)
+        np.testing.assert_array_equal(laws.dtheta_dt(V.values, 0.1, Dc=1e-5, law=law), rate[:, 1])
+    assert laws.friction(V, laws.theta_ss(V, Dc=Dc), **{**FRICTION, "Dc": Dc}).sizes["Dc"] == 3
+
+
+@pytest.mark.parametrize("law", ["ruina", "Slip", None, 0])
+def test_unknown_law(law):
+    with pytest.raises(ParameterError, match=r"is unknown; choose 'slip' or 'aging'"):
+        laws.dtheta_dt(1e-6, 1.0, Dc=1e-5, law=law)

@@ -1,0 +1,255 @@
+"""Sliding without inertia: closed forms against marched motion."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.special import lambertw
+
+import ratestate as rs
+from ratestate.friction.quasi_static import (
+    excursion,
+    period,
+    runaway_step,
+    runaway_step_lower_bound,
+    runaway_step_upper_bound,
+)
+
+LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
+V_LP, DC, SIGMA, A = 1e-12, 1e-5, 2e6, 0.004
+UNIT = DC / V_LP
+E_FOLDS = st.floats(-4, 4)
+
+
+def friction(b_over_a):
+    return {"a": A, "b": b_over_a * A, "Dc": DC, "sigma": SIGMA}
+
+
+def stiffness(b_over_a, ratio):
+    """K [Pa/m] that is this many K_c_qs."""
+    return ratio * (b_over_a - 1) * A * SIGMA / DC
+
+
+def march(law, b_over_a, ratio, v, psi, fractions, t_end, rtol=1e-10):
+    """Motion from ln(V/V_lp) = v and ln(theta V_lp/Dc) = psi, at K = ratio K_c_qs."""
+    parameters = friction(b_over_a) | {"K": stiffness(b_over_a, ratio)}
+    run = rs.simulate(
+        rs.SpringSlider(**parameters, mu0=0.6, V0=1e-9, M=0.0, law=law),
+        rs.Loading.constant(V_LP),
+        t_end,
+        initial={"V": V_LP * math.exp(v), "theta": UNIT * math.exp(psi)},
+        times=np.asarray(fractions) * t_end,
+        rtol=rtol,
+    )
+    E = excursion(run.V, run.theta, V_lp=V_LP, **parameters, law=law)
+    return run, E.values
+
+
+def start_on(law, c, first, second):
+    """v, psi of any start of the aging law, and of any periodic one of the slip law."""
+    if law == "aging":
+        return first - second, second  # ln(V theta/Dc) and psi
+    h = math.exp(-first) - 1 + first
+    x = -math.expm1(second) - c * h  # 1 - x - c h = exp(second) > 0
+    return first, (x - first) / (1 + c)
+
+
+def runs_away(b_over_a, ratio, steps, law="slip"):
+    """Whether steps in V_lp from steady sliding at V_lp/steps meet the instability."""
+    parameters = friction(b_over_a) | {"K": stiffness(b_over_a, ratio)}
+    slider = rs.SpringSlider(**parameters, mu0=0.6, V0=1e-9, M=0.0, law=law)
+    V_start = xr.DataArray(V_LP / np.atleast_1d(steps), dims="step")
+    # runaway takes about V_lp/V_start Dc/V_lp, the slip at the old speed
+    t_end = UNIT * (20 * np.max(steps) + 20)
+    run = rs.simulate(slider, rs.Loading.constant(V_LP), t_end, V_start=V_start, rtol=1e-10)
+    names = run.status.attrs["flag_meanings"].split()
+    codes = run.status.attrs["flag_values"].tolist()
+    found = [names[codes.index(int(s))] for s in run.status]
+    assert set(found) <= {"finished", "quasi_static_instability"}
+    return np.array([name == "quasi_static_instability" for name in found])
+
+
+# K = K_c_qs ---------------------------------------------------------------------------------------
+
+
+@LAWS
+@settings(max_examples=40, deadline=None)
+@given(b_over_a=st.floats(1.2, 8), first=E_FOLDS, second=E_FOLDS)
+def test_every_start_is_periodic(law, b_over_a, first, second):
+    """One period later the state is back, and E has not changed (slip law: where E is finite)."""
+    c = b_over_a - 1
+    v, psi = start_on(law, c, first, second)
+    parameters = friction(b_over_a) | {"K": stiffness(b_over_a, 1.0)}
+    E = excursion(V_LP * math.exp(v), UNIT * math.exp(psi), V_lp=V_LP, **parameters, law=law)
+    assert 0 <= E < np.inf
+    assume(500 * c > E)  # V reaches V_lp exp(E/c), and 600 e-folds are what an exponential holds
+    # near the separatrix of the slip law, E = inf, the motion forgets where it came from
+    spread = math.exp(E) if law == "slip" else 1 + E
+    assume(spread < 1e4)
+    T = period(E, V_lp=V_LP, a=A, b=b_over_a * A, Dc=DC)
+    run, kept = march(law, b_over_a, 1.0, v, psi, [0.0, 0.21, 0.47, 0.83, 1.0], T)
+    np.testing.assert_allclose(kept, E, rtol=0, atol=1e-8 * spread)
+    back = [np.log(run.V[-1] / V_LP) - v, np.log(run.theta[-1] / UNIT) - psi]
+    speed = (1 + c) * (1 + math.exp(v) + math.exp(-psi))  # of v and psi there, or more
+    np.testing.assert_allclose(back, 0, atol=1e-8 * spread * max(speed, 1))
+
+
+@pytest.mark.parametrize("b_over_a", [1.5, 2.0, 3.0, 6.0])
+def test_slip_law_runs_away_above_b_over_b_less_a(b_over_a):
+    low, high = 1.0, 20.0
+    for _ in range(4):  # 32 steps at a time
+        steps = np.geomspace(low, high, 32)
+        unstable = runs_away(b_over_a, 1.0, steps)
+        first = int(np.argmax(unstable))
+        assert unstable[first:].all()
+        assert not unstable[:first].any()
+        low, high = steps[first - 1], steps[first]
+    assert high / low < 1 + 5e-6
+    expected = runaway_step(a=A, b=b_over_a * A)
+    assert expected == pytest.approx(b_over_a / (b_over_a - 1), rel=1e-14)
+    assert math.sqrt(low * high) == pytest.approx(expected, rel=3e-6)
+
+
+def test_runaway_is_where_the_excursion_is_infinite():
+    """A kick in stress from steady sliding, up or down, at K = K_c_qs (slip law).
+
+    V jumps by exp(x), x = kick/(a sigma), and theta does not: (b/a) x + c exp(-x) >= b/a runs
+    away, that is, x outside 1 + W(-c a/(b e)) with the two branches of Lambert's function.
+    """
+    c, beta = 1.0, 2.0
+    for branch, sign in ((0, 1), (-1, -1)):  # x - 1 = -(c/beta) exp(-x)
+        kick = 1 + float(lambertw(-c / beta / math.e, branch).real)
+        assert kick * sign > 0
+        for factor, unstable in ((1 - 1e-5, False), (1 + 1e-5, True)):
+            V = V_LP * math.exp(kick * factor)
+            state = {"V_lp": V_LP, **friction(beta), "K": stiffness(beta, 1.0), "law": "slip"}
+            assert np.isinf(excursion(V, UNIT, **state)) == unstable
+            if unstable:
+                with pytest.raises(rs.QuasiStaticInstability):
+                    march("slip", beta, 1.0, math.log(V / V_LP), 0.0, [1.0], 60 * UNIT)
+            else:
+                march("slip", beta, 1.0, math.log(V / V_LP), 0.0, [1.0], 60 * UNIT)
+
+
+@LAWS
+def test_period_of_small_excursions(law):
+    """2 pi/omega_c, and no more than E away from it."""
+    for b_over_a in (1.1, 2.0, 10.0):
+        omega_c = V_LP / DC * math.sqrt(b_over_a - 1)
+        T = [
+            period(E, V_lp=V_LP, a=A, b=b_over_a * A, Dc=DC) * omega_c / (2 * math.pi) - 1
+            for E in (0.0, 1e-6, 2e-6, 1e-2)
+        ]
+        assert abs(T[0]) < 1e-9
+        assert T[2] - T[1] == pytest.approx(T[1], rel=1e-3)
+        assert 1e-3 * 1e-2 < T[3] < 1e-2
+
+
+def test_period_of_large_excursions():
+    """Loading at rest takes nearly all the time: the stress climbs by E a sigma at K V_lp."""
+    for c in (0.5, 2.0):
+        T = float(period(1e3, V_lp=1.0, a=1.0, b=1 + c, Dc=1.0))
+        assert 1.0 < T * c / 1e3 < 1.03
+
+
+# Other stiffnesses --------------------------------------------------------------------------------
+
+
+@LAWS
+@pytest.mark.parametrize("ratio", [0.8, 1.001, 1.5])
+def test_rate_of_the_excursion(law, ratio):
+    """dE/dT as the module gives it, integrated along a marched path; it has one sign."""
+    b_over_a, fractions = 2.0, np.linspace(0, 1, 4001)
+    v, psi = start_on(law, 1.0, 0.3, -0.9)
+    run, E = march(law, b_over_a, ratio, v, psi, fractions, 3 * UNIT, rtol=1e-12)
+    assert (np.diff(E) * (1 - ratio) > 0).all()
+    v, psi = np.log(run.V.values / V_LP), np.log(run.theta.values / UNIT)
+    kappa, c = ratio, 1.0
+    if law == "aging":
+        rate = -(kappa - c) * np.expm1(v + psi) ** 2 * np.exp(-psi)
+    else:
+        one_less_z = 1 - (v + 2 * psi) - kappa * (np.exp(-v) - 1 + v)
+        rate = kappa * (kappa - c) * v * np.expm1(-v) / one_less_z * np.exp(v)
+    step = 3 / 4000
+    integral = (rate[:-2:2] + 4 * rate[1:-1:2] + rate[2::2]).sum() * step / 3
+    assert E[-1] - E[0] == pytest.approx(integral, rel=1e-6)
+
+
+@pytest.mark.parametrize(("v", "psi"), [(-12.0, 5.0), (6.0, -2.0), (1e-3, 0.0)])
+def test_aging_law_returns_or_runs_away_by_stiffness_alone(v, psi):
+    run, E = march("aging", 2.0, 1.2, v, psi, [0.0, 1.0], 600 * UNIT)
+    assert E[0] > 1e-7
+    assert abs(E[1]) < 1e-13
+    assert float(run.V[1]) == pytest.approx(V_LP, rel=1e-7)
+    with pytest.raises(rs.QuasiStaticInstability):
+        march("aging", 2.0, 0.8, v, psi, [1.0], 600 * UNIT)
+
+
+@settings(max_examples=25, deadline=None)
+@given(b_over_a=st.floats(1.1, 6), ratio=st.floats(1.0001, 4))
+def test_bounds_of_the_step_that_runs_away(b_over_a, ratio):
+    parameters = friction(b_over_a) | {"K": stiffness(b_over_a, ratio)}
+    low = runaway_step_lower_bound(**parameters)
+    high = runaway_step_upper_bound(**parameters)
+    assert runs_away(b_over_a, ratio, [low, high]).tolist() == [False, True]
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.5, 4.0])
+def test_slip_law_runs_away_from_states_stronger_than_the_spring(ratio):
+    """From ln(V theta/Dc) >= K/K_c_qs at any V, and where V >> V_lp only from there."""
+    for v in (-3.0, 0.0, 3.0, 8.0):
+        with pytest.raises(rs.QuasiStaticInstability):
+            march("slip", 2.0, ratio, v, ratio + 1e-6 - v, [1.0], 100 * UNIT)
+    run, _ = march("slip", 2.0, ratio, 8.0, ratio - 1e-3 - 8.0, [1.0], 100 * UNIT)
+    assert run.status == 0
+
+
+def test_bounds_at_the_paper_s_stiffness():
+    """b/a = 2, K = 1.5 K_c_qs as in Fig. 2: 2.5 < 3.469 < 4.718."""
+    parameters = friction(2.0) | {"K": stiffness(2.0, 1.5)}
+    assert runaway_step_lower_bound(**parameters) == pytest.approx(2.5, rel=1e-12)
+    assert runaway_step_upper_bound(**parameters) == pytest.approx(2 + math.e, rel=1e-12)
+    assert runs_away(2.0, 1.5, [3.468, 3.470]).tolist() == [False, True]
+    assert not runs_away(2.0, 1.5, [3.470, 100.0], law="aging").any()
+
+
+# Limits and shapes --------------------------------------------------------------------------------
+
+
+def test_limits():
+    for b in (A, 0.5 * A, 0.0, -A):  # never unstable
+        parameters = {"a": A, "b": b, "Dc": DC, "sigma": SIGMA, "K": 1e9}
+        assert runaway_step(a=A, b=b) == np.inf
+        assert runaway_step_lower_bound(**parameters) == np.inf
+        assert runaway_step_upper_bound(**parameters) == np.inf
+        assert np.isnan(period(1.0, V_lp=V_LP, a=A, b=b, Dc=DC))
+    for bound in (runaway_step_lower_bound, runaway_step_upper_bound):
+        soft, critical = (friction(2.0) | {"K": stiffness(2.0, r)} for r in (0.99, 1 + 1e-12))
+        assert bound(**soft) == 1
+        assert bound(**critical) == pytest.approx(2, rel=1e-5)
+    assert period(np.inf, V_lp=V_LP, a=A, b=2 * A, Dc=DC) == np.inf
+    with pytest.raises(rs.ParameterError, match="law = 'cut-off'"):
+        excursion(1.0, 1.0, V_lp=1.0, **friction(2.0), K=1e9, law="cut-off")
+
+
+def test_named_arrays():
+    b = xr.DataArray([A, 2 * A, 3 * A], dims="b")
+    K = xr.DataArray([1e9, 4e9], dims="K")
+    parameters = {"a": A, "b": b, "Dc": DC, "sigma": SIGMA, "K": K}
+    np.testing.assert_allclose(runaway_step(a=A, b=b), [np.inf, 2, 1.5], rtol=1e-14)
+    for bound in (runaway_step_lower_bound, runaway_step_upper_bound):
+        found = bound(**parameters)
+        assert dict(found.sizes) == {"b": 3, "K": 2}
+        one = bound(**(parameters | {"b": 2 * A, "K": 4e9}))
+        assert float(found[1, 1]) == pytest.approx(float(one), rel=1e-14)
+    E = excursion(
+        V_LP * xr.DataArray([1.0, 1.5], dims="V"), UNIT, V_lp=V_LP, **parameters, law="slip"
+    )
+    assert dict(E.sizes) == {"V": 2, "b": 3, "K": 2}
+    assert (E[0] == 0).all()
+    T = period(xr.DataArray([0.1, 1.0, 2.0], dims="E"), V_lp=V_LP, a=A, b=b, Dc=DC)
+    assert dict(T.sizes) == {"E": 3, "b": 3}
+    assert (T[:, 1:].diff("E") > 0).all()

@@ -1,0 +1,133 @@
+"""Runaway without inertia: its edge, and that only what crosses it is called one."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import ratestate as rs
+from ratestate.dynamics.continuation.basin import escape
+from ratestate.engine.model import STEADY_SLIDING
+from ratestate.friction.laws import aging_runs_away, slip_runs_away
+from ratestate.friction.quasi_static import runaway_step_lower_bound, runaway_step_upper_bound
+from ratestate.friction.separatrix import runaway_edge
+
+LARGEST = 27.6
+CORNERS = [(1.005, 1.0001), (1.005, 20.0), (50.0, 1.0001), (50.0, 20.0)]
+BETWEEN = [(1.02, 2.0), (1.1, 1.3), (2.0, 1.5), (7.0, 4.0)]
+
+
+def massless(b_over_a, ratio, law="slip"):
+    """a sigma = Dc = 1, so that K = K Dc/(a sigma)."""
+    K = ratio * (b_over_a - 1)
+    return rs.SpringSlider(a=1e-3, b=1e-3 * b_over_a, Dc=1.0, sigma=1e3, K=K, M=0.0, law=law)
+
+
+def runs_away(b_over_a, ratio, v, y):
+    """By the equations in slip, from v = ln(V/V_lp) and y = ln(V theta/Dc) on."""
+    if y >= ratio:
+        return True
+    beta, c, kappa = b_over_a, b_over_a - 1, ratio * (b_over_a - 1)
+
+    def rates(D, state):
+        load = kappa * math.expm1(-state[0])
+        return [beta * state[1] + load, c * state[1] + load]
+
+    def gone(D, state):
+        return state[1] - ratio
+
+    def turned(D, state):
+        return rates(D, state)[0]
+
+    gone.terminal = turned.terminal = True
+    turned.direction = -1
+    path = solve_ivp(
+        rates, (0, 1e7), [v, y], "DOP853", rtol=1e-12, atol=1e-13, events=(gone, turned)
+    )
+    assert path.status == 1
+    return path.t_events[0].size > 0
+
+
+@pytest.mark.parametrize(("b_over_a", "ratio"), CORNERS + BETWEEN)
+def test_edge(b_over_a, ratio):
+    """A ten-millionth less comes back, a ten-millionth more does not."""
+    edge = runaway_edge(ratio * (b_over_a - 1), b_over_a, LARGEST)
+    assert 0 < edge.kick_up < ratio
+    lines = (lambda s: (-s, 0.0), lambda s: (s, s), lambda s: (-s, -s))
+    for size, line in zip(edge, lines, strict=True):
+        if np.isinf(size):
+            assert not runs_away(b_over_a, ratio, *line(LARGEST))
+            continue
+        found = [runs_away(b_over_a, ratio, *line(size * off)) for off in (1 - 1e-7, 1 + 1e-7)]
+        assert found == [False, True]
+    parameters = {"a": 1.0, "b": b_over_a, "Dc": 1.0, "sigma": 1.0, "K": ratio * (b_over_a - 1)}
+    low, high = runaway_step_lower_bound(**parameters), runaway_step_upper_bound(**parameters)
+    assert math.log(low) * (1 - 1e-9) < edge.step_up < math.log(high) * (1 + 1e-9)
+
+
+@pytest.mark.parametrize(("largest", "kick"), [(1.9, np.inf), (2.1, 1.99731468)])
+def test_no_further_than_asked(largest, kick):
+    found = runaway_edge(2.0 * 0.02, 1.02, largest)
+    assert found.kick_up == pytest.approx(kick, rel=1e-8)
+    assert found.step_up == np.inf
+
+
+def test_escape_near_b_over_a_1():
+    """Where ln V passes any limit long before it is decided."""
+    found = escape(massless(1.02, 2.0), 1e-6)
+    assert math.log(found.step_up) == pytest.approx(5.354515, rel=1e-6, abs=0)
+    assert float(found.kick_up) == pytest.approx(1.99731468, rel=1e-8)  # a sigma = 1
+    assert found.step_down == 0
+    assert found.kick_down == -np.inf
+    assert found.outcome == "runaway"
+
+
+@pytest.mark.parametrize("V_lp", [1e-6, 1.0])
+def test_a_run_that_turns_back_is_none(V_lp):
+    """Faster than light, and still it comes back; with a little more it does not."""
+    slider, step = massless(1.02, 2.0), 5.354515
+    loading, t_end = rs.Loading.constant(V_lp), 1e4 / V_lp
+    run = rs.simulate(slider, loading, t_end, V_start=V_lp * math.exp(-0.999 * step), rtol=1e-8)
+    assert float(run.V_max) > 1e10 * 3e8
+    assert float(run.V[-1]) == pytest.approx(V_lp, rel=1e-5)
+    with pytest.raises(rs.QuasiStaticInstability):
+        rs.simulate(slider, loading, t_end, V_start=V_lp * math.exp(-1.001 * step), rtol=1e-8)
+
+
+def test_a_cycle_search_that_turns_back_is_none():
+    """The start from V_lp/10, at a thousandth on either side of the edge."""
+
+    def beyond(ratio):
+        return runaway_edge(0.2 * ratio, 1.2, LARGEST).step_up - math.log(10)
+
+    ratio = brentq(beyond, 1.0001, 4.0, xtol=1e-9)
+    assert 0 < beyond(ratio * 1.001) < 0.01
+    assert rs.limit_cycle(massless(1.2, ratio * 1.001), 1.0).status == STEADY_SLIDING
+    with pytest.raises(rs.QuasiStaticInstability):
+        rs.limit_cycle(massless(1.2, ratio * 0.999), 1.0)
+
+
+def test_aging_law_above_K_c_qs_only_turns_back():
+    loading = rs.Loading.constant(1.0)
+    run = rs.simulate(massless(2.0, 1.01, "aging"), loading, 1e4, V_start=1 / 60, rtol=1e-8)
+    assert 3e8 < float(run.V_max) < 1e200
+    assert float(run.V[-1]) == pytest.approx(1.0, rel=1e-9)
+    with pytest.raises(rs.QuasiStaticInstability):
+        rs.simulate(massless(2.0, 0.8, "aging"), loading, 1e4, V_start=1 / 60, rtol=1e-8)
+    # by way of a speed that no double holds: refused, and not as a runaway
+    with pytest.raises(rs.SolverError, match="beyond double precision") as caught:
+        rs.simulate(massless(2.0, 1.01, "aging"), loading, 1e6, V_start=1e-5, rtol=1e-8)
+    assert not isinstance(caught.value, rs.QuasiStaticInstability)
+
+
+def test_criteria():
+    """Both sides of each, and never where friction does not weaken."""
+    assert [slip_runs_away(y, 3.0, 2.0) for y in (1.499, 1.5)] == [False, True]
+    edge = -math.log1p(-0.5)
+    assert [aging_runs_away(edge + d, 1.0, 2.0) for d in (-1e-9, 1e-9)] == [False, True]
+    assert not aging_runs_away(1e3, 2.0, 2.0)
+    for c in (0.0, -0.5):
+        assert not slip_runs_away(-1e3, 1.0, c)
+        assert not aging_runs_away(1e3, 1.0, c)

@@ -1,0 +1,274 @@
+"""Steady sliding: the paper's numbers, limits, and eigenvalues against 60-digit arithmetic."""
+
+import importlib
+import itertools
+
+import mpmath
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import ratestate as rs
+from ratestate import stability
+from ratestate.friction import laws
+from ratestate.friction.eigenvalues import steady_modes
+
+FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
+FIG_4 = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "sigma": 4e6}
+theory = importlib.import_module("ratestate.stability")  # the file, not the verb
+
+
+def without(parameters, *symbols):
+    return {symbol: value for symbol, value in parameters.items() if symbol not in symbols}
+
+
+def test_numbers_of_fig_2():
+    assert theory.K_c_qs(**FIG_2) == pytest.approx(600e6, rel=1e-15, abs=0)
+    V_c = theory.V_c(**FIG_2, K=900e6, M=3000)
+    assert V_c == pytest.approx(np.sqrt(1e-5), rel=1e-15, abs=0)  # 3.162 mm/s
+    assert theory.K_c(V_c, **FIG_2, M=3000) == pytest.approx(900e6, rel=1e-14, abs=0)
+    slider = rs.SpringSlider(**FIG_2, K=900e6, M=3000)
+    assert [bool(stability(slider, V).stable) for V in (0.3e-3, 3.1e-3, 3.2e-3)] == [
+        True,
+        True,
+        False,
+    ]
+
+
+def test_numbers_of_fig_4():
+    assert theory.eta(4.472e-2, **without(FIG_4, "b"), M=100) == pytest.approx(1, abs=5e-4)
+    assert theory.f_n(K=0.96e9, M=100) == pytest.approx(493, abs=0.5)
+    assert theory.f_n(K=0.60e9, M=100) == pytest.approx(390, abs=0.5)
+    assert 0.96e9 / theory.K_c_qs(**FIG_4) == pytest.approx(0.8, rel=1e-14, abs=0)
+
+
+def test_numbers_of_fig_6():
+    K = 1.0005 * theory.K_c_qs(**FIG_2)
+    assert theory.eta(200e-6, **without(FIG_2, "b"), M=3000) == pytest.approx(
+        0.002, rel=1e-13, abs=0
+    )
+    assert K / theory.K_c(200e-6, **FIG_2, M=3000) == pytest.approx(0.9985, abs=5e-5)
+    assert theory.K_c(10e-6, **FIG_2, M=3000) < K
+
+
+@given(st.floats(-9, 1), st.floats(0, 6), st.floats(-3, -1), st.floats(0.3, 5))
+def test_eq_5_with_the_slopes_of_this_law_is_eq_6(log_V, log_M, log_a, ratio):
+    V, M, a = 10**log_V, 10**log_M, 10**log_a
+    p = {"a": a, "b": ratio * a, "Dc": 1e-5, "sigma": 2e6}
+    slope = p["sigma"] * laws.friction_partials(V, laws.theta_ss(V, Dc=1e-5), a=a, b=p["b"])[0]
+    h = 1e-30  # complex step through the steady-state friction
+    ss = p["sigma"] * laws.mu_ss(V * (1 + 1j * h), a=a, b=p["b"], mu0=0.6, V0=1e-6).imag / (V * h)
+    general = theory.K_c_of_any_law(V, Dc=1e-5, M=M, dtau_ss_dV=ss, dtau_dV=slope)
+    assert general == pytest.approx(theory.K_c(V, **p, M=M), rel=1e-13, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "V_c"),
+    [
+        ({"K": 599e6}, 0.0),  # unstable at any speed
+        ({"K": 599e6, "M": 0.0}, 0.0),
+        ({"K": 900e6, "M": 0.0}, np.inf),  # only inertia could destabilise it
+        ({"b": 0.003}, np.inf),  # never unstable
+        ({"b": 0.002, "M": 0.0}, np.inf),
+        ({"b": -0.002}, np.inf),
+        ({"K": np.inf}, np.inf),
+        ({"K": np.inf, "M": 0.0, "b": 0.001}, np.inf),
+    ],
+)
+def test_limits_of_V_c(changes, V_c):
+    assert theory.V_c(**{**FIG_2, "K": 900e6, "M": 3000.0, **changes}) == V_c
+
+
+def test_other_limits():
+    assert (
+        theory.f_n(K=1e9, M=0) == theory.f_n(K=np.inf, M=1) == theory.f_n(K=np.inf, M=0) == np.inf
+    )
+    assert theory.omega_c(1e-3, a=0.003, b=0.006, Dc=1e-5) == pytest.approx(100, rel=1e-15, abs=0)
+    assert np.isnan(theory.omega_c(1e-3, a=0.003, b=0.003, Dc=1e-5))
+    assert np.isnan(theory.omega_c(1e-3, a=0.003, b=0.001, Dc=1e-5))
+
+
+def exact_modes(V, a, b, Dc, sigma, K, M):
+    """Eigenvalues [1/s] in 60 digits, and how much a rounding of K or K_c counts in K - K_c."""
+    with mpmath.workdps(60):
+        V, a, b, Dc, sigma, K, M = map(mpmath.mpf, (V, a, b, Dc, sigma, K, M))
+        eta, kappa = M * V**2 / (sigma * a * Dc), K * Dc / (a * sigma)
+        cubic = [eta, 1 + eta, 1 - b / a + kappa, kappa]
+        ascending = cubic[eta == 0 :][::-1]
+        roots = mpmath.polyroots(ascending, maxsteps=2000, extraprec=1200, asc=True)
+        terms = kappa, (b / a - 1) * (1 + eta)
+        margin = abs(terms[0] - terms[1])
+        amplified = float((terms[0] + abs(terms[1])) / margin) if margin else np.inf
+        return [root * V / Dc for root in roots], amplified
+
+
+physical = {
+    "a": st.floats(-3, -1.3).map(lambda x: 10**x),
+    "b": st.floats(0.3, 5),  # of a
+    "Dc": st.floats(-7, -2).map(lambda x: 10**x),
+    "sigma": st.floats(4, 9).map(lambda x: 10**x),
+    "M": st.one_of(st.just(0.0), st.floats(-6, 6).map(lambda x: 10**x)),
+    "K": st.floats(-2, 2.7).map(lambda x: 10**x),  # kappa
+    "V": st.floats(-12, 1).map(lambda x: 10**x),
+}
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.fixed_dictionaries(physical))
+def test_eigenvalues_over_the_physical_range(p):
+    b, K = p["b"] * p["a"], p["K"] * p["a"] * p["sigma"] / p["Dc"]
+    p = {**p, "b": b, "K": K}
+    modes = theory.eigenvalues(**p)
+    exact, amplified = exact_modes(**p)
+    assert modes.shape == (3,)
+    assert (np.diff(modes.real) <= 0).all()
+    if p["M"] == 0:
+        assert modes[2] == -np.inf
+    pairs = itertools.combinations(exact, 2)
+    gap = min(abs(x - y) / max(abs(x), abs(y)) for x, y in pairs)  # 0 for a double root
+    for root in exact:
+        error = min(abs(complex(mode) - root) for mode in modes if np.isfinite(mode)) / abs(root)
+        assert error < 1e-14 / max(gap, 1e-7)
+    if (
+        gap > 1e-3 and amplified < 1e12
+    ):  # the growth rate itself, to its own digits: only K - K_c may cancel
+        growth = max(mpmath.re(root) for root in exact)
+        assert abs(modes[0].real / growth - 1) < 1e-14 / gap * amplified
+
+
+@pytest.mark.parametrize("eta", [1e-15, 1e-8, 1e-3, 1, 1e3, 1e8])
+@pytest.mark.parametrize("stiffness", [0.5, 0.8, 0.999999, 1.000001, 1.5, 30])
+def test_eigenvalues_where_masses_are_extreme(eta, stiffness):
+    V, M = 1e-3, eta * 2e6 * 0.003 * 1e-5 / 1e-6
+    K = stiffness * theory.K_c(V, **FIG_2, M=M)
+    exact, amplified = exact_modes(V=V, M=M, K=K, **FIG_2)
+    modes = theory.eigenvalues(V, M=M, K=K, **FIG_2)
+    for root in exact:
+        assert min(abs(complex(mode) - root) for mode in modes) < 1e-14 * abs(root)
+    growth = max(mpmath.re(root) for root in exact)
+    assert abs(modes[0].real / growth - 1) < 2e-15 * amplified
+
+
+def test_eigenvalues_do_not_depend_on_what_lies_beside_them():
+    """To the bit: a sweep gives the same whatever the size of its chunks."""
+    random = np.random.default_rng(7)
+    eta, kappa = 10 ** random.uniform(-12, 8, 500), 10 ** random.uniform(-4, 4, 500)
+    beta = random.uniform(0, 40, 500)
+    numbers = eta, kappa, beta, kappa - (beta - 1) * (1 + eta)
+    together = steady_modes(*numbers)
+    alone = np.array([steady_modes(*each) for each in zip(*numbers, strict=True)])
+    assert (alone == together).all()
+
+
+def test_eigenvalues_that_coincide_or_are_evenly_spaced():
+    for roots, tolerance in (([-1, -2, -3], 1e-14), ([-1, -1, -1], 1e-4), ([-1, -4, -4], 1e-7)):
+        _, c2, c1, c0 = np.poly(roots)
+        eta = 1 / (c2 - 1)  # b = 0 whenever one root is -1: the state relaxes by itself
+        kappa, beta = c0 * eta, 1 + (c0 - c1) * eta
+        assert abs(beta) < 1e-14
+        modes = steady_modes(*map(np.asarray, (eta, kappa, beta, kappa - (beta - 1) * (1 + eta))))
+        np.testing.assert_allclose(modes, sorted(roots, reverse=True), rtol=tolerance)
+
+
+@pytest.mark.parametrize("M", [0.0, 1e-3, 3000.0, 1e9])
+def test_hopf_bifurcation(M):
+    """At K = K_c the pair is +- i omega_c, whatever the mass, and stability turns there."""
+    V = 3e-3
+    critical = theory.K_c(V, **FIG_2, M=M)
+    omega_c = theory.omega_c(V, **without(FIG_2, "sigma"))
+    modes = theory.eigenvalues(V, **FIG_2, K=critical, M=M)
+    assert modes[0].imag == pytest.approx(omega_c, rel=1e-13, abs=0)
+    assert modes[1] == modes[0].conjugate()
+    assert abs(modes[0].real) < 1e-14 * omega_c
+    for side in (-1, 1):  # one unit in the last place of K is enough
+        slider = rs.SpringSlider(**FIG_2, K=np.nextafter(critical, side * np.inf), M=M)
+        result = stability(slider, V)
+        assert bool(result.stable) == (side > 0)
+        assert np.sign(result.growth_rate) == -side
+
+
+def test_rigid_limit():
+    modes = theory.eigenvalues(1e-3, **FIG_2, K=np.inf, M=np.array([0.0, 100.0]))
+    np.testing.assert_array_equal(modes, np.tile([-100, -np.inf, -np.inf], (2, 1)))
+    # which is where ever stiffer springs lead
+    assert theory.eigenvalues(1e-3, **FIG_2, K=1e22, M=0.0)[0] == pytest.approx(
+        -100, rel=1e-12, abs=0
+    )
+    result = stability(rs.SpringSlider(**FIG_2, K=np.inf), 1e-3)
+    assert bool(result.stable)
+    assert (float(result.growth_rate), float(result.omega)) == (-100, 0)
+
+
+VARIABLES = {
+    "K_c": "Pa/m",
+    "K_c_qs": "Pa/m",
+    "eta": "1",
+    "V_c": "m/s",
+    "f_n": "Hz",
+    "eigenvalues": "1/s",
+    "growth_rate": "1/s",
+    "omega": "rad/s",
+    "omega_c": "rad/s",
+    "stable": "1",
+}
+
+
+def test_dataset():
+    result = stability(rs.SpringSlider(**FIG_2, K="900 MPa/m", M=3000), "3.2 mm/s")
+    assert {name: v.attrs["units"] for name, v in result.data_vars.items()} == VARIABLES
+    assert all(v.attrs["long_name"] for v in result.variables.values())
+    assert result.sizes == {"mode": 3}
+    assert result.V_lp == 0.0032
+    assert result.eigenvalues.dtype == complex
+    assert result.stable.dtype == bool
+    assert complex(result.growth_rate, result.omega) == result.eigenvalues[0]
+
+
+def test_broadcasting_gives_what_one_call_a_case_gives():
+    slider = rs.SpringSlider(
+        a=0.003,
+        b=xr.DataArray([0.002, 0.006], dims="b"),
+        Dc="10 um",
+        sigma="2 MPa",
+        K=900e6,
+        M=rs.logspace("M", 1e2, 1e5, 4),
+    )
+    V_lp = rs.logspace("V_lp", 1e-4, 1e-1, 3)
+    grid = stability(slider, V_lp)
+    assert grid.eigenvalues.dims == ("b", "M", "V_lp", "mode")
+    assert grid.stable.dims == ("b", "M", "V_lp")
+    for b, M, V in itertools.product(grid.b.values, grid.M.values, grid.V_lp.values):
+        case = stability(slider.replace(b=b, M=M), V)
+        xr.testing.assert_allclose(
+            grid.sel(b=b, M=M, V_lp=V).drop_vars(["b", "M"]), case, rtol=1e-15, atol=0
+        )
+
+
+def test_axes_that_are_not_parameters():
+    eta = rs.logspace("ratio", 0.01, 100, 5)
+    slider = rs.SpringSlider(**FIG_2, K=900e6, M=3000, mu0=xr.DataArray([0.5, 0.6], dims="mu0"))
+    V_lp = np.sqrt(eta * 0.003 * 1e-5 * 2e6 / 3000)
+    result = stability(slider, V_lp)
+    np.testing.assert_allclose(result.eta, eta, rtol=1e-15)
+    xr.testing.assert_equal(result.V_lp.reset_coords(drop=True), V_lp)
+    assert result.eigenvalues.dims == ("ratio", "mode")
+
+
+@pytest.mark.parametrize(
+    ("V_lp", "message"),
+    [
+        (0, "V_lp = 0 m/s must be > 0"),
+        ("3.2 mm", "V_lp = '3.2 mm' is a length"),
+        (
+            xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M"),
+            "M and V_lp have different coordinates along the dimension 'M'",
+        ),
+        (xr.DataArray([1.0], dims="eta"), "a dimension called 'eta' clashes with the result"),
+    ],
+)
+def test_bad_input(V_lp, message):
+    slider = rs.SpringSlider(**FIG_2, K=900e6, M=rs.logspace("M", 1, 10, 3))
+    with pytest.raises(rs.ParameterError, match=message):
+        stability(slider, V_lp)

@@ -1,0 +1,314 @@
+"""The command line: what it writes, says and returns."""
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+import types
+from urllib.parse import parse_qsl
+
+import pytest
+from paths import EXAMPLES
+from typer.testing import CliRunner
+
+import ratestate
+from ratestate import ParameterError, SolverError
+from ratestate.interfaces import cli, scenario
+from ratestate.interfaces.cli import main
+from ratestate.paper import atlas, claims, figures
+from ratestate.paper.claim import Claim, exact
+
+ROW = Claim(id="x", where="sec. 1", claim="Water is wet.", paper="wet", unit="", **exact(1.0))
+
+
+def call(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """List of (figure, law) that were asked for; the claims are one row."""
+    asked = []
+
+    def make(number, law, out):
+        asked.append((number, law))
+        return [out / f"{figures.stem(number, law)}.png"]
+
+    monkeypatch.setattr(figures, "make", make)
+    monkeypatch.setattr(claims, "claims", lambda law: [ROW])
+    return asked
+
+
+@pytest.fixture
+def charted(monkeypatch):
+    """List of what atlases were asked for."""
+    asked = []
+
+    def make(law, out, **options):
+        asked.append((law, options))
+        return [out / f"atlas_{law}.png"]
+
+    monkeypatch.setattr(atlas, "make", make)
+    return asked
+
+
+def test_version():
+    result = call("--version")
+    assert result.exit_code == 0
+    assert result.output.strip() == ratestate.__version__
+
+
+def told(*arguments):
+    """The help of a command, in one line."""
+    result = call(*arguments, "--help")
+    assert result.exit_code == 0
+    return " ".join(result.output.split())
+
+
+COMMANDS = [function.__name__ for function in cli.COMMANDS]
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_has_an_example_and_the_exit_codes(command):
+    text = told(*[command] if command else [])
+    assert text.count(f"Example: ratestate {command}".rstrip()) == 1
+    for code in (
+        "0 done",
+        "1 a bug in ratestate",
+        "2 error or wrong usage",
+        "3 some cases failed",
+        "130 interrupted",
+    ):
+        assert code in text
+    assert "--debug" in text
+
+
+def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
+    """Those of all helps, one after the other, beside the project's own examples."""
+    served = []
+    monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
+    page = types.ModuleType("ratestate.interfaces.explorer")
+    page.serve = lambda **how: served.append(how)
+    monkeypatch.setitem(sys.modules, page.__name__, page)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(EXAMPLES)
+    for command in ["", *COMMANDS]:
+        (line,) = (
+            line
+            for line in call(*[command] if command else [], "--help").output.splitlines()
+            if "Example: " in line
+        )
+        name, *arguments = shlex.split(line.partition("Example: ")[2])
+        assert name == "ratestate"
+        result = call(*arguments)
+        assert result.exit_code == 0, (line, result.output)
+    assert served == [{"port": 8765, "open_browser": True, "fragment": ""}]
+    assert made == [(2, "aging"), (4, "aging")]
+    assert charted == [("aging", {"b_over_a": 1.6, "n": 200})]
+    names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures", "fitted"}
+    assert {path.name for path in tmp_path.iterdir()} == names | {"examples"}
+
+
+def test_the_explorer_opens_with_a_files_slider(tmp_path, monkeypatch):
+    from ratestate.interfaces.explorer.entries import asked_of
+
+    served = []
+    monkeypatch.setattr("ratestate.interfaces.explorer.serve", lambda **how: served.append(how))
+    rig = tmp_path / "rig.toml"
+    lines = """[slider]
+a = 0.003
+b = 0.0061234567
+Dc = "12.3456789 um"
+sigma = "2 MPa"
+K = "inf Pa/m"
+law = "aging"
+[loading]
+V_lp = "1 um/s"
+steps = [{ t = "1 s", V_lp = "3 um/s" }, { t = "2 s", V_lp = "7 um/s" }]
+"""
+    rig.write_text(lines)
+    result = call("explore", rig, "--no-browser")
+    assert result.exit_code == 0, result.output
+    asked = asked_of(dict(parse_qsl(served[0]["fragment"])))
+    wanted = scenario.load(rig, "stability")
+    assert asked.slider == wanted.slider
+    assert (asked.V_lp, asked.V_from) == (7e-6, None)
+    rig.write_text(lines + '[sweep]\nM = ["1 kg/m^2", "2 kg/m^2"]\n')
+    result = call("explore", rig)
+    assert result.exit_code == 2
+    assert "a sweep over M" in " ".join(result.output.split())
+    assert len(served) == 1
+
+
+@pytest.mark.parametrize("kind", ["lab", "brake", "fault"])
+def test_init_writes_a_file_that_can_be_run(kind, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = call("init", kind)
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / f"{kind}.toml").read_text()
+    assert text == scenario.template(kind)
+    assert scenario.load(tmp_path / f"{kind}.toml").verb == "simulate"
+    assert f"ratestate run {kind}.toml --plot {kind}.png" in result.stdout
+    assert call("init", kind, "--out", "-").stdout == text
+    (tmp_path / f"{kind}.toml").write_text("mine")
+    result = call("init", kind)
+    assert result.exit_code == 2
+    assert result.stderr == f"error: {kind}.toml exists; give another name with --out\n"
+    assert (tmp_path / f"{kind}.toml").read_text() == "mine"
+    assert call("init", kind, "--out", "mine.toml").exit_code == 0
+    assert (tmp_path / "mine.toml").read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["sofa"], "'sofa' is not one of"),
+        (["lab", "--out", "lab.tml"], "does not end in .toml"),
+        (
+            ["lab", "--out", "no/lab.toml"],
+            "error: no/lab.toml: there is no folder no; make it first",
+        ),
+        (["lab", "--out", "/proc/lab.toml"], "error: /proc/lab.toml: cannot be written: "),
+    ],
+)
+def test_init_refuses(arguments, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = call("init", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in " ".join(result.stderr.split())
+    assert not [*tmp_path.iterdir()]
+
+
+def test_json_lists_what_was_made(made, charted, tmp_path):
+    found = json.loads(call("figures", "2", "--json", "--out", tmp_path).stdout)
+    assert found == {"files": [str(tmp_path / "fig2_slip.png")]}
+    found = json.loads(call("figures", "all", "--json", "--out", tmp_path).stdout)
+    assert found["claims"][0]["claim"] == "Water is wet."
+    assert len(found["files"]) == 11
+    found = json.loads(call("atlas", "--json", "--out", tmp_path).stdout)
+    assert found == {"files": [str(tmp_path / f"atlas_{law}.png") for law in ("slip", "aging")]}
+
+
+def test_help_and_version_load_nothing_heavy():
+    heavy = {"xarray", "numba", "numpy", "matplotlib", "pint"}
+    code = f"""
+import sys
+from ratestate.interfaces.cli import main
+try:
+    main(["--version"])
+except SystemExit:
+    pass
+print(*({heavy} & set(sys.modules)))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [ratestate.__version__]
+
+
+def test_a_figure_is_written_and_listed(tmp_path):
+    out = tmp_path / "new" / "folder"
+    result = call("figures", "1", "--out", out)
+    assert result.exit_code == 0, result.output
+    names = ["fig1.nc", "fig1.pdf", "fig1.png"]
+    assert sorted(path.name for path in out.iterdir()) == names
+    assert all(str(out / name) in result.stderr for name in names)
+    assert result.stdout == ""
+
+
+def test_all_is_every_figure_the_scheme_and_the_claims(made, tmp_path):
+    result = call("figures", "all", "--law", "aging", "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert made == [(name, "aging") for name in [1, 2, 3, 4, 5, 6, "scheme", "branches", "basins"]]
+    assert {path.name for path in tmp_path.iterdir()} == {"claims_aging.md", "claims_aging.json"}
+    assert "Water is wet." in result.stdout
+    assert "scheme_aging.png" in result.stderr
+
+
+def test_both_laws_share_a_folder(made, tmp_path):
+    for law in ("slip", "aging"):
+        assert call("figures", "--law", law, "--out", tmp_path).exit_code == 0
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {f"claims_{law}.{end}" for law in ("slip", "aging") for end in ("md", "json")}
+
+
+def test_figures_come_in_the_paper_s_order(made, tmp_path):
+    assert call("figures", "scheme", "4", "2", "4", "--out", tmp_path).exit_code == 0
+    assert made == [(2, "slip"), (4, "slip"), ("scheme", "slip")]
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("arguments", [["7"], ["1", "none"], ["1", "--law", "sloth"], ["--oops"]])
+def test_bad_arguments_exit_2(made, tmp_path, arguments):
+    result = call("figures", *arguments, "--out", tmp_path)
+    assert result.exit_code == 2
+    assert arguments[-1].strip("-") in result.stderr
+    assert made == []
+
+
+@pytest.mark.parametrize(
+    "error", [ParameterError("K = -1 Pa/m"), SolverError("stopped at t = 3 s")]
+)
+def test_errors_are_one_message_and_exit_2(monkeypatch, tmp_path, error):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr(figures, "make", fail)
+    result = call("figures", "2", "--out", tmp_path)
+    assert result.exit_code == 2
+    assert result.stderr.splitlines()[-1] == f"error: {error}"
+    assert "Traceback" not in result.output
+
+
+def test_folder_that_is_a_file_exits_2(made, tmp_path):
+    path = tmp_path / "taken"
+    path.write_text("")
+    result = call("figures", "1", "--out", path)
+    assert result.exit_code == 2
+    assert result.stderr == f"error: {path}: cannot be written: File exists\n"
+    assert made == []
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
+def test_read_only_folder_exits_2(made, tmp_path):
+    tmp_path.chmod(0o500)
+    result = call("figures", "1", "--out", tmp_path)
+    tmp_path.chmod(0o700)
+    assert result.exit_code == 2
+    assert result.stderr == f"error: {tmp_path}: cannot be written: Permission denied\n"
+    assert made == []
+
+
+def test_interrupt_exits_130(monkeypatch, tmp_path):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(figures, "make", interrupt)
+    result = call("figures", "1", "--out", tmp_path)
+    assert result.exit_code == 130
+    assert "interrupted" in result.stderr
+
+
+def test_atlas_is_of_both_laws_unless_one_is_named(charted, tmp_path):
+    result = call("atlas", "--out", tmp_path / "new")
+    assert result.exit_code == 0, result.output
+    assert charted == [(law, {"b_over_a": 2.0, "n": 200}) for law in ("slip", "aging")]
+    assert str(tmp_path / "new" / "atlas_aging.png") in result.stderr
+    charted.clear()
+    result = call("atlas", "--law", "slip", "--b-over-a", 1.6, "--n", 50, "--out", tmp_path)
+    assert charted == [("slip", {"b_over_a": 1.6, "n": 50})]
+
+
+@pytest.mark.parametrize("arguments", [["--n", "1"], ["--law", "sloth"], ["--b-over-a", "two"]])
+def test_atlas_refuses_what_it_cannot_read(charted, tmp_path, arguments):
+    result = call("atlas", *arguments, "--out", tmp_path)
+    assert result.exit_code == 2
+    assert f"Invalid value for '{arguments[0]}'" in result.stderr
+    assert charted == []
+
+
+def test_atlas_without_instability_is_one_message(tmp_path):
+    result = call("atlas", "--b-over-a", 0.5, "--out", tmp_path)
+    assert result.exit_code == 2
+    last = result.stderr.splitlines()[-1]
+    assert last == "error: b_over_a = 0.5 must be one number > 1, such as 2"
+    assert list(tmp_path.iterdir()) == []

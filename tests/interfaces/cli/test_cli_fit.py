@@ -1,0 +1,160 @@
+"""``ratestate fit``: what it prints, writes and returns."""
+
+import json
+import re
+import warnings
+
+import numpy as np
+import pytest
+import xarray
+from synthetic_records import SLIDER, STEP, record
+from typer.testing import CliRunner
+
+import ratestate as rs
+from ratestate import files
+from ratestate.interfaces.cli import main
+from ratestate.model.quantities import with_error
+
+WINDOW = ["--time", "10 s,135 s"]
+
+
+def call(*arguments):
+    return CliRunner().invoke(main, ["fit", *map(str, arguments)])
+
+
+def written(path, *, noise=3e-4, sigma=True, rows=701):
+    """A laboratory's file of a velocity step."""
+    data = record(SLIDER, STEP, np.linspace(0.0, 140.0, rows), noise=noise)
+    columns = {"Time(s)": data.time, "Displ(microns)": 1e6 * data.delta_lp}
+    columns |= {"Friction": data.friction}
+    columns |= {"Normal_stress(MPa)": np.full(rows, 20.0)} if sigma else {}
+    table = np.column_stack([np.asarray(values) for values in columns.values()])
+    np.savetxt(path, table, "%.9g", "\t", header="\t".join(columns), comments="")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a record, and a report on it under both laws; what was printed."""
+    folder = tmp_path_factory.mktemp("lab")
+    written(folder / "step.txt")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        done = call("step.txt", "--law", "slip,aging", *WINDOW, "--out", "made")
+    return folder, done
+
+
+def test_it_prints_both_laws_and_what_was_found(folder):
+    path, done = folder
+    result = files.read(path / "made" / "fit.nc")
+    assert "velocity step 1.00 -> 10.0 um/s at 100.0 s" in done.stdout
+    for law in ("slip", "aging"):
+        one = result.sel(law=law)
+        error = 1e6 * float(one.standard_error.sel(parameter="Dc"))
+        assert with_error(1e6 * float(one.Dc), error) in done.stdout
+    assert result.attrs["comparison"].split(":")[0] in " ".join(done.stdout.split())
+    assert "fit of step.txt, slip and aging laws ..." in done.stderr
+    assert "note: sigma = 20 MPa is the median of the record's, for none was given" in done.stdout
+    assert float(result.Dc.sel(law="slip")) == pytest.approx(SLIDER.Dc, rel=0.2)
+    assert result.attrs["source"] == "step.txt"
+
+
+def test_a_fit_that_carries_warnings_ends_with_3_and_says_so_first(folder):
+    path, done = folder
+    result = files.read(path / "made" / "fit.nc")
+    said = str(result.warnings.sel(law="aging").item()).splitlines()
+    assert said  # it does not fit what the slip law made
+    assert done.exit_code == 3
+    assert f"warning: aging law: {said[0]}" in done.stdout
+    report = (path / "made" / "report.md").read_text("utf-8")
+    assert report.index(said[0].split(";")[0]) < report.index("## Estimates")
+
+
+def test_the_report_has_the_estimates_and_the_picture(folder):
+    path, _ = folder
+    report = (path / "made" / "report.md").read_text("utf-8")
+    result = files.read(path / "made" / "fit.nc").sel(law="slip")
+    (row,) = (line for line in report.splitlines() if line.startswith("| K [GPa/m] |"))
+    cells = [cell.strip().strip("*") for cell in row.split("|")[1:-1]]
+    error = 1e-9 * float(result.standard_error.sel(parameter="K"))
+    assert cells[2] == with_error(1e-9 * float(result.K), error).replace("+-", "\u00b1")
+    low, high = (float(text) for text in cells[4].split(" to "))
+    ends = 1e-9 * result.interval.sel(parameter="K", level=0.95).values
+    assert (low, high) == (pytest.approx(ends[0], abs=error), pytest.approx(ends[1], abs=error))
+    assert report.startswith("# Fit of step.txt\n")
+    (picture,) = re.findall(r"!\[.*\]\((.*)\)", report)
+    assert (path / "made" / picture).read_bytes()[:4] == b"\x89PNG"
+    assert sorted(p.name for p in (path / "made").iterdir()) == ["fit.nc", "fit.png", "report.md"]
+
+
+def test_the_lines_of_the_report_make_the_result_again(folder, monkeypatch):
+    path, _ = folder
+    report = (path / "made" / "report.md").read_text("utf-8")
+    code = report.partition("```python\n")[2].partition("```")[0]
+    monkeypatch.chdir(path)
+    lines, made = code.replace('"fit.png"', '"again.png"'), {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        exec(lines, made)
+    stored = files.read(path / "made" / "fit.nc")
+    for name in ("a", "b", "Dc", "K", "mu0"):
+        np.testing.assert_allclose(made["result"][name], stored[name], rtol=1e-12)
+    assert (path / "again.png").is_file()
+    best = stored.sel(law="slip")
+    assert made["fitted"] == SLIDER.replace(
+        **{name: float(best[name]) for name in ("a", "b", "Dc", "K", "mu0")}
+    )
+
+
+def test_a_fit_is_no_scenario(tmp_path):
+    path = files.write(xarray.Dataset(attrs={"title": "ratestate fit"}), tmp_path / "fit.nc")
+    done = CliRunner().invoke(main, ["run", "--from", str(path)])
+    assert done.exit_code == 2
+    assert "the result is a fit" in done.stderr
+    assert "slider_of(result)" in " ".join(done.stderr.split())
+
+
+def test_json_and_options(tmp_path):
+    path = written(tmp_path / "step.txt", sigma=False, rows=401)
+    given = ["--sigma", "20 MPa", "--K", "64 GPa/m", "--free", "a, b,Dc", "--trend", "none"]
+    noise = ["--noise", "white=3e-4,red=1e-5,time=1 s", "--errors", "covariance"]
+    done = call(path, *given, *noise, "--columns", "friction=3", "--units", "friction=1", "--json")
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    variables, attrs = found["data_vars"], found["attrs"]
+    assert attrs["free"] == ["a", "b", "Dc"]
+    assert variables["warnings"]["data"] == ""
+    assert (attrs["slider"]["sigma"], attrs["slider"]["K"]) == (2e7, 6.4e10)
+    assert "K" not in variables
+    assert variables["noise_red"]["data"] == 1e-5
+    assert variables["a"]["data"] == pytest.approx(SLIDER.a, rel=0.05)
+    assert [path.name for path in tmp_path.iterdir()] == ["step.txt"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "no normal stress.*--sigma '20 MPa'"),
+        (["--sigma", "20 MPa", "--free", "a,b,Dc"], "K is neither free nor given; add --K VALUE"),
+        (["--sigma", "20 um"], "sigma.*20 um.*expected a stress"),
+        (["--sigma", "20 MPa", "--free", "a,slip"], "'slip'.*none of a, b"),
+        (["--time", "3 s"], "'3 s' is not START,END"),
+        (["--law", "slip, Ruina"], "'Ruina' is no law; choose slip, aging or slip,aging"),
+        (["--columns", "friction"], "'friction' has no NAME="),
+        (["--time", "500 s,"], "no row lies in the window"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(tmp_path, arguments, message):
+    done = call(written(tmp_path / "step.txt", sigma=False, rows=101), *arguments)
+    assert done.exit_code == 2
+    assert re.search(message, " ".join(re.sub("[\u2500-\u257f]", "", done.stderr).split()))
+    assert "Traceback" not in done.stderr
+
+
+def test_a_report_of_others_is_not_replaced(tmp_path):
+    (tmp_path / "report.md").write_text("# Minutes of a meeting\n")
+    done = call(written(tmp_path / "step.txt", rows=101), "--out", tmp_path)
+    assert done.exit_code == 2
+    assert "is no report of ratestate fit" in done.stderr
+    assert (tmp_path / "report.md").read_text() == "# Minutes of a meeting\n"
+    assert not (tmp_path / "fit.nc").exists()

@@ -1,0 +1,550 @@
+"""``ratestate run``, ``stability``, ``cycle`` and ``branch``: what they print, write and return."""
+
+import dataclasses
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import ratestate as rs
+from ratestate import files
+from ratestate.dynamics.verdict import verdict
+from ratestate.interfaces.cli import main
+from ratestate.interfaces.scenario import load, model
+from ratestate.sweeps.calls import call_of
+from ratestate.sweeps.solve import bytes_of_a_case, form_of
+
+LAB = """
+[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "2 MPa"
+K = "900 MPa/m"
+M = "3000 kg/m^2"
+V0 = "1 nm/s"
+[loading]
+V_lp = "0.1 mm/s"
+steps = [{ t = "50 ms", V_lp = "3.2 mm/s" }]
+[run]
+t_end = "0.2 s"
+"""
+SWEEP = """
+[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "2 MPa"
+K = "500 MPa/m"
+[sweep]
+verb = "limit_cycle"
+M = [0, "3000 kg/m^2"]
+V_lp = ["1 mm/s", "3 mm/s", "10 mm/s"]
+"""
+SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3e3, V0=1e-9)
+LOADING = rs.Loading.steps(1e-4, (0.05, 3.2e-3))
+BRANCH = ["--start", "3.5 mm/s", "--stop", "3 mm/s"]
+#: command -> its arguments, and the same through the Python API
+VERBS = {
+    "run": ([], lambda: rs.simulate(SLIDER, LOADING, 0.2)),
+    "stability": ([], lambda: rs.stability(SLIDER, 3.2e-3)),
+    "cycle": ([], lambda: rs.limit_cycle(SLIDER, 3.2e-3)),
+    "branch": (BRANCH, lambda: rs.continue_cycle(SLIDER, "V_lp", 3.5e-3, 3e-3)),
+}
+
+
+def call(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def lab(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "lab.toml"
+    path.write_text(LAB)
+    return path
+
+
+@pytest.fixture(scope="module")
+def api():
+    """What the Python API gives, each verb once."""
+    return {command: ask() for command, (_, ask) in VERBS.items()}
+
+
+def strict(text):
+    """The document of strict JSON."""
+
+    def refuse(constant):
+        raise AssertionError(f"{constant} is no JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+@pytest.mark.parametrize("command", VERBS)
+def test_numbers_are_those_of_the_python_api(command, lab, api):
+    out = lab.with_name("out.nc")
+    result = call(command, lab, *VERBS[command][0], "--json", "--out", out)
+    assert result.exit_code == 0, result.output
+    assert result.stderr == f"wrote {out}\n"
+    xr.testing.assert_identical(files.read(out), api[command])
+    found = strict(result.stdout)
+    assert found["title"] == api[command].attrs["title"]
+    assert found["ratestate"] == rs.__version__
+    assert found["failed"] == 0
+    assert found["attrs"]["slider"]["K"] == 9e8
+    same = files.split(api[command])
+    assert found["data_vars"].keys() == {*same.data_vars}
+    assert found["coords"].keys() == {*same.coords}
+    for name, variable in (found["data_vars"] | found["coords"]).items():
+        assert variable["attrs"]["units"] == same[name].attrs["units"]
+        assert variable["dims"] == list(same[name].dims)
+        given = np.array(variable["data"], same[name].dtype)
+        np.testing.assert_array_equal(given, same[name])
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("run", ["At the end, 200 ms, after", "V_max 26.8682 mm/s", "cycles 6", "V_lp = 3.2 mm/s"]),
+        ("stability", ["Steady sliding at 3.2 mm/s is unstable", "907.2 MPa/m", "3.16228 mm/s"]),
+        ("cycle", ["19.7649 ms", "3e-10", "0.0012347", "0.9706, 7.097e-09", "1.141 V_lp"]),
+        ("branch", ["V_lp from 3.162 mm/s to 3.5 mm/s", "3.16228 mm/s", "hopf", "start"]),
+    ],
+)
+def test_tables(command, words, lab):
+    result = call(command, lab, *VERBS[command][0])
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    assert "\x1b" not in result.stdout
+    text = " ".join(result.stdout.split())
+    for word in words:
+        assert word in text
+    assert sorted(path.name for path in lab.parent.iterdir()) == ["lab.toml"]
+
+
+def test_numbers_of_a_cycle_stand_beside_their_own_errors(lab, api):
+    rows = {line.split()[0]: line for line in call("cycle", lab).stdout.splitlines() if line}
+    for name, error in (
+        ("period", "error"),
+        ("amplitude", "error"),
+        ("V_max", "V_max_error"),
+        ("V_min", "V_min_error"),
+    ):
+        assert f" {float(api['cycle'][error]):.0e} " in rows[name], name
+    assert "e-" not in rows["fundamental"]
+
+
+@pytest.mark.parametrize("command", ["run", "stability", "cycle"])
+def test_the_verdict_is_printed(command, lab):
+    said = verdict(SLIDER, 3.2e-3)
+    text = call(command, lab).stdout.rstrip("\n")
+    about = "Driven steadily at V_lp = 3.2 mm/s, from a tenth of that speed on"
+    if command == "run":
+        assert f"\n\n{about}:\n{said.text}\nThis run is not there, or not yet: its" in text
+        said = dataclasses.replace(said, sentences=(*said.sentences, text.splitlines()[-1]))
+    else:
+        assert text.startswith(f"{said.text}\n\n")
+    found = strict(call(command, lab, "--json").stdout)
+    assert found["verdict"] == {"about": about, "regime": "quasi-harmonic", "text": said.text}
+
+
+DRIVES = [
+    ('sinusoid = { amplitude = "1 mm/s", period = "50 ms" }', "Steady sliding at the mean speed"),
+    ('t = ["0 s", "0.1 s", "0.2 s"]\nV_lp = ["1 mm/s", "2 mm/s", "2 mm/s"]', ""),
+    ('steps = [{ t = "50 ms", V_lp = 0 }]', ""),
+]
+
+
+@pytest.mark.parametrize(("drive", "about"), DRIVES)
+def test_nothing_is_said_of_motion_under_a_varying_speed(drive, about, lab):
+    speed = 'V_lp = "3.2 mm/s"\n' if "V_lp = [" not in drive else ""
+    before, after = LAB.index("V_lp"), LAB.index("[run]")
+    lab.write_text(f"{LAB[:before]}{speed}{drive}\n{LAB[after:]}")
+    result = call("run", lab)
+    assert result.exit_code == 0, result.output
+    text = result.stdout
+    assert "vibration at" not in text
+    assert text.count("steady sliding is unstable") == text.count("V_lp = ") == len(about[:1])
+    assert about in text
+    found = strict(call("run", lab, "--json").stdout)
+    assert found.get("verdict", {"regime": None})["regime"] is None
+
+
+def test_a_run_that_ends_elsewhere_than_the_verdict_says_so(lab):
+    """Aging law just above K_c: small steps settle, from a tenth of the speed it stick-slips."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K=1, M=3e3, law="aging")
+    K = 1.001 * slider.K_c(5e-4)
+    text = LAB.replace('"900 MPa/m"', f"{K!r}\nlaw = 'aging'").replace("0.1 mm/s", "495 um/s")
+    lab.write_text(text.replace("3.2 mm/s", "500 um/s").replace("0.2 s", "100 s"))
+    lines = call("run", lab).stdout.splitlines()
+    assert any(line.startswith("Stick-slip, a cycle every") for line in lines)
+    assert lines[-1].startswith("This run is not there, or not yet: ")
+
+
+def test_the_last_cycle_is_called_no_limit_cycle(lab):
+    lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s"))  # a ring-down
+    text = call("run", lab).stdout
+    (row,) = (line.split() for line in text.splitlines() if line.startswith("frequency"))
+    assert row[3:] == "of the last cycle".split()
+    assert "limit cycle" not in text
+    lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s").replace('"0.2 s"', '"2 s"'))
+    assert "of the last cycle" not in call("run", lab).stdout  # below what rtol resolves
+
+
+def test_on_the_edge_nothing_is_called_unstable(lab):
+    lab.write_text(LAB.replace('"3.2 mm/s"', "3.1622776601683795e-3"))
+    text = call("stability", lab).stdout.replace("unstable where K < K_c", "")
+    assert "\nSteady sliding at 3.162 mm/s is on the edge of stability\n" in text
+    assert "stable" not in text.replace("least stable mode", "")
+
+
+def test_a_stable_slider_without_mass_and_without_a_cycle(lab):
+    lab.write_text(LAB.replace("3000 kg/m^2", "0 kg/m^2"))
+    result = call("cycle", lab)
+    assert (result.exit_code, result.stdout) == (2, "")
+    said = "Steady sliding at 3.2 mm/s is stable against small disturbances; without mass (M = 0) a"
+    assert result.stderr.startswith(f"error: no cycle is found.\n{said} large one")
+    table = call("stability", lab).stdout
+    assert re.search(r"V_c +none +critical velocity; stable at any speed", table)
+    assert re.search(r"f_n +none +natural frequency; M = 0", table)
+    assert not re.search(r"\binf\b", table)
+
+
+def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
+    lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s").replace("t_end", "rtol = 1e-5\nt_end"))
+    result = call("cycle", lab)
+    assert result.exit_code == 0
+    assert "No cycle is reached at V_lp = 1 mm/s, slip law: steady sliding" in result.stdout
+    found = strict(call("cycle", lab, "--json").stdout)
+    assert found["data_vars"]["period"]["data"] is None
+    assert found["data_vars"]["multipliers_real"]["data"] == [None, None]
+    lab.write_text(LAB.replace('"900 MPa/m"', "inf"))
+    found = strict(call("stability", lab, "--json").stdout)
+    assert found["data_vars"]["V_c"]["data"] == "inf"
+    assert found["attrs"]["slider"]["K"] == "inf"
+    assert found["data_vars"]["eigenvalues_real"]["data"][1:] == ["-inf", "-inf"]
+    assert "stable at any speed" in call("stability", lab).stdout
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"), [*((command, "csv") for command in VERBS), ("branch", "zarr")]
+)
+def test_other_files(command, ending, lab, api):
+    out = lab.with_name(f"out.{ending}")
+    assert call(command, lab, *VERBS[command][0], "--out", out).exit_code == 0
+    if ending == "zarr":
+        xr.testing.assert_identical(files.read(out), api[command])
+    else:
+        assert out.read_text() == files.csv_text(api[command])
+
+
+@pytest.mark.parametrize("command", VERBS)
+def test_pictures(command, lab, monkeypatch):
+    monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
+    path = lab.with_name("page.png")
+    result = call(command, lab, *VERBS[command][0], "--plot", path)
+    assert result.exit_code == 0, result.output
+    assert result.stderr == f"wrote {path}\n"
+    assert path.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_output_of_the_file_is_for_run_alone(lab):
+    lab.write_text(LAB + '[output]\nfile = "x.csv"\nplot = "x.png"\n')
+    assert call("cycle", lab).exit_code == 0
+    assert call("run", lab, "--out", "y.csv").exit_code == 0
+    assert sorted(path.name for path in lab.parent.iterdir()) == ["lab.toml", "x.png", "y.csv"]
+
+
+# ---------------------------------------------------------------------------------------- sweeps
+
+
+def test_a_sweep_in_memory(lab):
+    lab.write_text(SWEEP)
+    result = call("run", lab, "--out", "x.nc", "--plot", "x.png", "--json")
+    assert result.exit_code == 3, result.output
+    slider = SLIDER.replace(K=5e8, V0=1e-6, M=xr.DataArray([0.0, 3e3], dims="M"))
+    V_lp = xr.DataArray([1e-3, 3e-3, 1e-2], dims="V_lp")
+    expected = rs.sweep("limit_cycle", slider, V_lp=V_lp)
+    xr.testing.assert_identical(files.read("x.nc"), expected)
+    found = strict(result.stdout)
+    assert found["failed"] == 3
+    assert found["data_vars"]["message"]["data"][1] == ["", "", ""]
+    text = call("run", lab).stdout
+    assert "6 cases of limit_cycle over M (2 from 0 kg/m^2 to 3000 kg/m^2), V_lp (3 from" in text
+    assert "3 cycles, 3 failed (quasi static instability)" in text
+    row = next(line.split() for line in text.splitlines() if line.startswith("amplitude"))
+    smallest, largest = (float(f(expected.amplitude)) for f in (np.nanmin, np.nanmax))
+    assert (float(row[1]), row.count("kg/m^2,")) == (pytest.approx(smallest, rel=1e-5), 2)
+    assert f"{largest:.6g}" in row
+    assert "  M = 0 kg/m^2, V_lp = 10 mm/s: quasi_static_instability: V grows" in text
+
+
+def test_a_sweep_over_many_axes_has_no_picture(lab):
+    lab.write_text(SWEEP + "a = [0.003, 0.004]\n")
+    result = call("run", lab, "--plot", "x.png")
+    assert result.exit_code == 2
+    assert "over one or two axes, and this one has 3 (a, M, V_lp)" in result.stderr
+
+
+# ------------------------------------------------------------------------------------------ again
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"), [("run", "zarr"), ("cycle", "nc"), ("stability", "nc"), ("branch", "nc")]
+)
+def test_from_a_result_to_the_same_bits(command, ending, lab):
+    first, second = (lab.with_name(f"{name}.{ending}") for name in ("first", "second"))
+    assert call(command, lab, *VERBS[command][0], "--out", first).exit_code == 0
+    result = call("run", "--from", first, "--out", second)
+    assert result.exit_code == 0, result.output
+    xr.testing.assert_identical(files.read(second), files.read(first))
+
+
+def test_a_sweep_again(lab):
+    lab.write_text(SWEEP)
+    assert call("run", lab, "--out", "x.nc").exit_code == 3
+    assert call("run", "--from", "x.nc", "--out", "y.nc").exit_code == 3
+    xr.testing.assert_identical(files.read("y.nc"), files.read("x.nc"))
+
+
+# ------------------------------------------------------------------------------ what may go wrong
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "none.toml"], "error: none.toml cannot be read: No such file"),
+        (["run"], "give either a file or --from"),
+        (["run", "lab.toml", "--from", "x.nc"], "give either a file or --from"),
+        (["run", "--from", "none.nc"], "error: none.nc does not exist"),
+        (["run", "--from", "lab.toml"], "ends in .nc or .zarr"),
+        (["run", "--from", "x.csv"], "lacks the parameters"),
+        (
+            ["cycle", "lab.toml", "--out", "x.txt"],
+            "expected a name that ends in .nc, .csv or .zarr",
+        ),
+        (["cycle", "lab.toml", "--plot", "x.nc"], "expected a name that ends in .png or .pdf"),
+        (["cycle", "lab.toml", "--out", "no/x.nc"], "error: no/x.nc: there is no folder no"),
+        (["cycle", "lab.toml", "--out", "folder.nc"], "folder.nc is a folder and is not replaced"),
+        (["cycle", "lab.toml", "--out", "folder.zarr"], "is a folder that holds no result"),
+        (["branch", "lab.toml", "--start", "1 mm/s"], "both are needed"),
+        (["explore", "--port", "99999"], "--port"),
+    ],
+)
+def test_what_cannot_be_done_is_found_before_the_work(arguments, message, lab, monkeypatch):
+    def never(*_):
+        raise AssertionError
+
+    for folder in ("folder.nc", "folder.zarr"):
+        lab.with_name(folder).mkdir()
+    before = sorted(lab.parent.rglob("*"))
+    for verb in model.VERBS:
+        monkeypatch.setitem(model.VERBS, verb, never)
+    result = call(*arguments)
+    assert result.exit_code == 2, result.output
+    assert message in " ".join(result.stderr.split())
+    assert "Traceback" not in result.output
+    assert result.stdout == ""
+    assert sorted(lab.parent.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--parameter", "Q", *BRANCH], "parameter = 'Q'"),
+        (["--start", "1 mm", "--stop", "2 mm"], "start = '1 mm' is a length"),
+        ([], "[sweep]: is missing, expected what a branch follows"),
+    ],
+)
+def test_a_branch_of_nothing(arguments, message, lab):
+    result = call("branch", lab, *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_takes_no_files(lab):
+    lab.parent.chmod(0o500)
+    result = call("cycle", lab, "--out", "x.nc")
+    lab.parent.chmod(0o700)
+    assert result.exit_code == 2
+    assert result.stderr == "error: x.nc: cannot be written: Permission denied\n"
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="no folder that takes no files")
+def test_who_cannot_write_hears_of_the_file_that_was_asked_for(lab):
+    result = call("cycle", lab, "--out", "/proc/x.nc")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith("error: /proc/x.nc: cannot be written: ")
+    assert "tmp" not in result.stderr
+
+
+def test_an_error_of_reading_is_not_called_one_of_writing(lab, monkeypatch):
+    def unreadable(*_):
+        raise PermissionError(13, "Permission denied", "lab.toml")
+
+    monkeypatch.setattr("ratestate.interfaces.scenario.load", unreadable)
+    assert call("cycle", lab).stderr == "error: lab.toml: Permission denied\n"
+    monkeypatch.setattr("pathlib.Path.exists", unreadable)
+    result = call("run", "--from", "x.nc")
+    assert result.stderr.startswith("error: x.nc cannot be read as a result: ")
+
+
+def test_a_scenario_from_standard_input(lab):
+    from_file = call("stability", lab, "--json").stdout
+    result = CliRunner().invoke(main, ["stability", "-", "--json"], input=LAB)
+    assert (result.exit_code, result.stdout, result.stderr) == (0, from_file, "")
+    record = "t [s],V [mm/s]\n0,1\n0.01,1\n"
+    lab.with_name("here.csv").write_text(record)
+    loading = '[loading]\nfile = "here.csv"\ncolumns = [1, 2]\n[run]\nt_end = "10 ms"\n'
+    text = LAB.split("[loading]")[0] + loading
+    assert CliRunner().invoke(main, ["run", "-"], input=text).exit_code == 0
+    result = CliRunner().invoke(main, ["run", "-"], input="x = [")
+    assert result.stderr.startswith("error: standard input is broken: line 1, 'x = [': ")
+    result = CliRunner().invoke(main, ["cycle", "-"], input="x = 1")
+    assert result.stderr.startswith("error: standard input cannot be used:\nx: stands above all")
+    result = CliRunner().invoke(main, ["run", "-"], input="#" * (10**7 + 1))
+    assert "standard input cannot be read: it has 10000001 bytes, more than" in result.stderr
+
+
+HUGE = """
+[sweep]
+M = { from = 1, to = 2, n = 31_000 }
+V_lp = { from = 1, to = 2, n = 31_000 }
+verb = """
+
+
+@pytest.mark.parametrize(
+    ("command", "verb"), [("run", "simulate"), ("run", "stability"), ("cycle", "limit_cycle")]
+)
+def test_a_sweep_too_large_for_memory_is_refused_at_once(command, verb, lab, monkeypatch):
+    def never(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr("ratestate.sweeps.verb.sweep", never)
+    lab.write_text(LAB.replace("M = ", "# ").replace('V_lp = "0.1 mm/s"\nsteps', "#") + HUGE)
+    with lab.open("a") as file:
+        file.write(f"'{verb}'\n")
+    result = call(command, lab)
+    assert (result.exit_code, result.stdout) == (2, ""), result.stderr
+    assert result.stderr.startswith("error: the results of 961,000,000 cases take 1")
+    assert "use ratestate sweep FILE --store x.zarr" in result.stderr
+
+
+def test_three_gigabytes_are_not_too_large(lab, monkeypatch):
+    asked = call_of("limit_cycle", load(lab).slider, {"V_lp": rs.logspace("V_lp", 1, 2, 2)})[1]
+    side = math.isqrt(3 * 10**9 // bytes_of_a_case(form_of(asked).kinds))
+    monkeypatch.setattr("ratestate.sweeps.verb.sweep", bug)
+    for n, said in ((side, "so much for that"), (side + 1, "no more than 3 GB are kept in memory")):
+        text = LAB.split("[loading]")[0] + HUGE.replace("31_000", str(n)) + "'limit_cycle'\n"
+        lab.write_text(text)
+        assert said in call("run", lab).stderr
+
+
+def test_numbers_beyond_double_precision_end_without_warnings():
+    slider = SLIDER.replace(V0=1e-303)
+    with pytest.raises(rs.SolverError, match="not_finite"):
+        rs.simulate(slider, rs.Loading.constant(1e-3), 0.1)
+    swept = slider.replace(M=xr.DataArray([0.0, 3e3], dims="M"))
+    assert (rs.simulate(swept, rs.Loading.constant(1e-3), 0.1).status > 0).all()
+
+
+def test_a_disk_that_is_full(lab, monkeypatch):
+    def full(self, path, **_):
+        path.write_text("half")
+        raise OSError(28, "No space left on device")
+
+    lab.with_name("x.nc").write_text("old")
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    result = call("cycle", lab, "--out", "x.nc")
+    assert result.exit_code == 2
+    assert result.stderr == "error: x.nc: cannot be written: No space left on device\n"
+    assert lab.with_name("x.nc").read_text() == "old"
+    assert len([*lab.parent.iterdir()]) == 2
+
+
+def test_a_part_of_a_branch_is_kept(lab, monkeypatch):
+    monkeypatch.setattr("ratestate.dynamics.continuation.branch.MAX_POINTS", 5)
+    result = call("branch", lab, *BRANCH, "--out", "x.nc")
+    assert result.exit_code == 3
+    assert "error: the branch ends at V_lp = " in result.stderr
+    assert 1 < files.read("x.nc").sizes["point"] <= 6
+    assert "A branch of" in result.stdout
+
+
+def bug(*_, **__):
+    raise ZeroDivisionError("so much for that")
+
+
+def test_a_bug_is_told_and_its_traceback_shown_if_asked(lab, monkeypatch):
+    monkeypatch.setattr("ratestate.interfaces.scenario.run", bug)
+    result = call("cycle", lab)
+    assert result.exit_code == 1
+    assert result.stderr == (
+        "this is a bug in ratestate: ZeroDivisionError: so much for that\n"
+        "Please report it, with what the same command says with --debug.\n"
+    )
+    for arguments in (
+        ["--debug", "cycle", lab],
+        ["cycle", "--debug", lab],
+        ["cycle", lab, "--debug"],
+    ):
+        result = call(*arguments)
+        assert result.exit_code == 1
+        assert result.stderr.startswith("Traceback (most recent call last)")
+        assert "in bug" in result.stderr
+
+
+def test_debug_shows_where_an_error_was_found(lab):
+    result = call("--debug", "cycle", lab, "--out", "x.txt")
+    assert result.exit_code == 2
+    assert "ParameterError" in result.stderr
+    assert "error: 'x.txt': expected a name" in result.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "message"),
+    [
+        (KeyboardInterrupt(), 130, "interrupted; no file is half written\n"),
+        (MemoryError(), 2, "error: not enough memory; ask for less at a time\n"),
+        (rs.SolverError("stopped at t = 3 s"), 2, "error: stopped at t = 3 s\n"),
+    ],
+)
+def test_other_ends(error, code, message, lab, monkeypatch):
+    def end(*_):
+        raise error
+
+    monkeypatch.setattr("ratestate.interfaces.scenario.run", end)
+    result = call("cycle", lab, "--out", "x.nc")
+    assert (result.exit_code, result.stderr) == (code, message)
+    assert [path.name for path in lab.parent.iterdir()] == ["lab.toml"]
+
+
+def test_a_reader_that_leaves_ends_it_quietly(lab):
+    command = [sys.executable, "-c", "from ratestate.interfaces.cli import main; main()"]
+    arguments = ["run", lab, "--json", "--out", "x.csv"]
+    with subprocess.Popen(
+        [*command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        process.stdout.close()  # before anything is said
+        errors = process.stderr.read()
+    assert process.returncode == 0
+    assert errors == "wrote x.csv\n"
+    first, *_, last = lab.with_name("x.csv").read_text().splitlines()
+    assert first.startswith("time [s],V [m/s],")
+    assert last.startswith("0.2,")
+
+
+def test_colours_are_for_terminals(lab, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert "\x1b[" in call("stability", lab).stdout
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b" not in call("stability", lab).stdout

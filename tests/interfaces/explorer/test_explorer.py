@@ -1,0 +1,614 @@
+"""The explorer's server: what it answers, what it refuses, what it can bear."""
+
+import contextlib
+import http.client
+import json
+import struct
+import threading
+import time
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+import ratestate as rs
+from ratestate.dynamics.simulation.simulate import SimulateCall
+from ratestate.engine.backend import Stopped
+from ratestate.interfaces.explorer import (
+    charts,
+    entries,
+    exports,
+    lane,
+    picture,
+    server,
+    session,
+    wire,
+)
+from ratestate.interfaces.explorer.app import MOST_PAGES
+from ratestate.interfaces.explorer.budget import Deadline
+from ratestate.interfaces.explorer.guard import Guard
+from ratestate.interfaces.explorer.presets import entries_of, presets
+from ratestate.paper.parameters import FIG2, FIG4
+
+STICK_SLIP = presets()[0]["entries"]
+VIBRATION = entries_of(FIG2, 3.2e-3)
+RUNAWAY = VIBRATION | {"M": "0 kg/m^2", "K": "500 MPa/m"}
+
+
+def read(message):
+    """Header and arrays of an answer, read by hand."""
+    (length,) = struct.unpack_from("<I", message)
+    header, at = json.loads(message[4 : 4 + length]), 4 + length
+    assert at % 8 == 0
+    arrays = {}
+    for name, n in header.pop("arrays"):
+        arrays[name] = np.frombuffer(message, "<f8", n, at)
+        at += 8 * n
+    assert at == len(message)
+    return header, arrays
+
+
+def painted(texts, seconds=10.0):
+    return picture.picture(entries.asked_of(texts), Deadline(seconds))
+
+
+class TestEntries:
+    def test_texts_make_a_slider(self):
+        asked = entries.asked_of(VIBRATION | {"V_from": "0.1 mm/s"})
+        assert asked.slider == FIG2
+        assert (asked.V_lp, asked.V_from) == (3.2e-3, 1e-4)
+
+    @pytest.mark.parametrize(
+        ("field", "text", "said"),
+        [
+            ("K", "900 MPa", "K = '900 MPa' is a stress [Pa]; expected a stiffness [Pa/m] such as"),
+            ("a", "-1", "a = '-1' must be > 0"),
+            ("Dc", "ten", "is not a number with a unit"),
+            ("M", "", "M is empty; expected a mass per area"),
+            ("M", "1" * 65, "longer than 64 characters"),
+            ("sigma", 3, "sigma has no text"),
+            ("V_from", "0 m/s", "V_from = '0 m/s' must be > 0; expected a speed"),
+            ("law", "dry", "law = 'dry' is unknown; choose slip or aging"),
+            ("K", "1 m**9**9**9**9/Pa", "unknown unit"),
+        ],
+    )
+    def test_what_is_wrong_is_said_of_its_field(self, field, text, said):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.asked_of(VIBRATION | {field: text})
+        assert list(caught.value.problems) == [field]
+        assert said in caught.value.problems[field]
+
+    @pytest.mark.parametrize(
+        ("symbol", "text", "value"),
+        [("M", "500", 500.0), ("M", "0", 0.0), ("K", "inf", np.inf), ("V_lp", " 1.e-4 ", 1e-4)],
+    )
+    def test_a_number_without_a_unit_is_in_SI(self, symbol, text, value):
+        assert entries.values_of(VIBRATION | {symbol: text})[symbol] == value
+
+    @pytest.mark.parametrize("text", ["1_000", "5 5", "nan", "1e", "-5"])
+    def test_not_every_text_is_a_number(self, text):
+        assert entries.values_of(VIBRATION | {"M": text}) is None
+
+    def test_all_problems_at_once(self):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.asked_of({})
+        assert set(caught.value.problems) == {*entries.SYMBOLS, "law"}
+
+    def test_presets_are_the_papers(self):
+        assert all(entries.asked_of(preset["entries"]) for preset in presets())
+        assert entries.asked_of(STICK_SLIP).slider == FIG4
+
+
+class TestWire:
+    def test_answers_are_as_described(self):
+        arrays = {"x": np.arange(3), "y": np.array([True])}
+        header, found = read(wire.answer(7, "picture", arrays, big=np.inf, z=1 + 2j, text="\u00b5"))
+        assert header == {
+            "id": 7,
+            "kind": "picture",
+            "big": "inf",
+            "z": [1.0, 2.0],
+            "text": "\u00b5",
+        }
+        assert found["x"].tolist() == [0.0, 1.0, 2.0]
+        assert found["y"].tolist() == [1.0]
+
+    def test_questions(self):
+        assert wire.question('{"id": 3, "ask": "csv", "entries": 1}') == (3, "csv", 1)
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            *('{"id": 1, "ask": "csv", "entries": NaN}', '{"id": 1, "ask": "csv", "x": Infinity}'),
+            *("", "{", "[]", "null", "[" * 4000, '{"id": NaN, "ask": "csv"}', "9" * 4090),
+            *(
+                '{"id": true, "ask": "csv"}',
+                '{"id": -1, "ask": "csv"}',
+                '{"id": 1e3, "ask": "csv"}',
+            ),
+            *('{"id": 1, "ask": "rm"}', '{"id": 1, "ask": ["csv"]}', " " * 5000),
+        ],
+    )
+    def test_what_is_no_question_is_refused(self, text):
+        with pytest.raises(wire.BadQuestion):
+            wire.question(text)
+
+
+class TestPicture:
+    def test_it_shows_the_run_and_the_cycle(self):
+        header, arrays = painted(STICK_SLIP)
+        cycle = rs.limit_cycle(FIG4, 1e-4)
+        assert header["numbers"]["period"] == pytest.approx(float(cycle.period), rel=1e-7)
+        assert arrays["cycle_time"][-1] == pytest.approx(float(cycle.period), rel=1e-7)
+        for name in ("run", "cycle"):
+            late = arrays[f"{name}_stress"][len(arrays[f"{name}_stress"]) // 2 :]
+            assert np.ptp(late) == pytest.approx(float(cycle.amplitude), rel=2e-3)
+        # it begins in steady sliding at a tenth of the speed
+        assert arrays["run_V"][0] == pytest.approx(1e-5, rel=1e-12)
+        assert arrays["run_stress"][0] == pytest.approx(0.6 - 0.003 * np.log(1e4), rel=1e-12)
+        assert header["steady"] == pytest.approx(0.6 - 0.003 * np.log(1e5), rel=1e-12)
+
+    def test_a_step_is_at_time_0(self):
+        _, arrays = painted(VIBRATION | {"V_from": "0.1 mm/s"})
+        before = arrays["run_time"] < 0.0
+        assert 0.1 < -arrays["run_time"][0] / np.ptp(arrays["run_time"]) < 0.25
+        assert arrays["run_V"][before] == pytest.approx(1e-4, rel=1e-4)
+        assert arrays["run_V"][~before].max() > 1e-2
+
+    def test_a_step_from_a_cycle_is_at_its_stress_maximum(self):
+        _, arrays = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
+        cycle = rs.limit_cycle(FIG4, 1e-4)
+        at = int(np.argmin(np.abs(arrays["run_time"])))
+        before = arrays["run_time"] <= 0.0
+        assert arrays["run_time"][at] == 0.0
+        assert arrays["run_V"][at] == pytest.approx(1e-4, rel=0.02)
+        assert arrays["run_stress"][before].max() == pytest.approx(
+            arrays["run_stress"][at], rel=1e-6
+        )
+        assert -arrays["run_time"][0] <= 3.0 * float(cycle.period) * (1 + 1e-5)
+        # a fifth of the time shown, to a step of the cycle
+        assert -arrays["run_time"][0] / arrays["run_time"][-1] == pytest.approx(0.2, rel=0.05)
+
+    def test_a_runaway_is_shown_as_far_as_it_comes(self):
+        header, arrays = painted(RUNAWAY)
+        assert header["numbers"]["regime"] == "runaway"
+        assert "quasi_static_instability" in header["notes"][0]
+        assert "SpringSlider" not in header["notes"][0]
+        assert arrays["run_V"][-1] > 1e3
+        assert "cycle_V" not in arrays
+
+    def test_a_run_that_has_not_settled_says_so(self):
+        near = painted(VIBRATION | {"V_lp": "3.16228 mm/s"})  # V_c is 3.162278 mm/s
+        told = [text for text in near[0]["notes"] if "has not settled" in text]
+        assert told == ["The run shown is 40 cycles long, and has not settled by then."]
+        period = near[0]["numbers"]["period"]
+        assert near[1]["run_time"][-1] == pytest.approx(40.0 * period, rel=1e-5)
+        assert painted(STICK_SLIP)[0]["notes"] == []
+        damped, arrays = painted(VIBRATION | {"V_lp": "3.16 mm/s"})
+        assert "swings long, and has not settled" in damped["notes"][0]
+        late = arrays["run_V"][arrays["run_time"] > 0.95 * arrays["run_time"][-1]]
+        assert np.ptp(late) > 1e-3 * 3.16e-3
+
+    def test_a_start_that_was_not_found_is_said(self, monkeypatch):
+        settled = picture._settled
+
+        def fails_before(slider, V, watch):
+            return (rs.SolverError("none"), None) if V == 1e-4 else settled(slider, V, watch)
+
+        monkeypatch.setattr(picture, "_settled", fails_before)
+        header, _ = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
+        assert "No cycle is known at the speed before the step" in header["notes"][0]
+
+    def test_work_is_cut_and_that_is_said(self):
+        header, arrays = painted(STICK_SLIP, seconds=0.0)
+        assert "the search was ended after 0 s" in header["sentences"][0]
+        assert header["numbers"]["regime"] == "unknown"
+        assert header["notes"][0].startswith("No run is shown: of ")
+        assert arrays["run_time"].size == 0
+
+    def test_a_long_run_is_cut_where_time_is_up(self, monkeypatch):
+        monkeypatch.setattr("ratestate.interfaces.explorer.motion.SLIP", 1e9)  # some minutes' work
+        monkeypatch.setattr(picture, "_settled", lambda *_: (rs.SolverError("none"), None))
+        begin = time.monotonic()
+        header, arrays = painted(VIBRATION, seconds=0.2)
+        assert "The run is cut at" in header["notes"][0]
+        assert 100 < arrays["run_time"].size <= picture.MOST_SENT
+        assert time.monotonic() - begin < 20.0
+
+    def test_a_run_that_got_nowhere_is_not_tried_again(self, monkeypatch):
+        tried = []
+
+        def stopped(call, watch):
+            tried.append(call.t_end)
+            watch(0.0)
+            raise Stopped
+
+        monkeypatch.setattr(picture, "_settled", lambda *_: (rs.SolverError("none"), None))
+        monkeypatch.setattr(SimulateCall, "move", stopped)
+        header, arrays = painted(VIBRATION)
+        assert len(tried) == 1
+        assert header["notes"][0].startswith("No run is shown: of ")
+        assert arrays["run_time"].size == 0
+
+    def test_a_cancelled_picture_gives_nothing(self):
+        deadline = Deadline(10.0)
+        deadline.set()
+        with pytest.raises(Stopped):
+            picture.picture(entries.asked_of(STICK_SLIP), deadline)
+
+    def test_a_cancelled_run_gives_nothing(self, monkeypatch):
+        deadline = Deadline(60.0)
+
+        def settled(*_):
+            deadline.set()
+            return rs.SolverError("none"), None
+
+        monkeypatch.setattr("ratestate.interfaces.explorer.motion.SLIP", 1e9)
+        monkeypatch.setattr(picture, "_settled", settled)
+        with pytest.raises(Stopped):
+            picture.picture(entries.asked_of(VIBRATION), deadline)
+
+    def test_a_failure_of_the_program_is_an_answer_too(self, caplog):
+        def fails(question, deadline):
+            raise ZeroDivisionError("a bug")
+
+        header, _ = read(lane.answered(fails, wire.Question(3, "csv", {}), Deadline(1.0)))
+        assert (header["id"], header["kind"]) == (3, "problem")
+        assert "the explorer failed" in header["problems"][""]
+        assert "a bug" in caplog.text
+        caplog.clear()
+        ended = Deadline(1.0)
+        ended.set()
+        with pytest.raises(Stopped):
+            lane.answered(fails, wire.Question(3, "csv", {}), ended)
+        assert caplog.text == ""
+
+    def test_a_deadline_of_parts_has_an_end(self):
+        deadline = Deadline(60.0, whole=0.05)
+        begin = time.monotonic()
+        while not deadline.is_set() and time.monotonic() < begin + 5.0:
+            deadline.start()
+            time.sleep(0.01)
+        assert 0.04 < time.monotonic() - begin < 5.0
+
+    def test_thinned_curves_keep_their_extremes(self):
+        x = np.sin(np.arange(100_000.0)) * np.linspace(1.0, 2.0, 100_000)
+        which = picture._kept(x, -x)
+        assert len(which) <= picture.MOST_SENT
+        assert {0, 99_999, int(x.argmin()), int(x.argmax())} <= set(which.tolist())
+        assert (np.diff(which) > 0).all()
+        assert picture._kept(x[:10], x[:10]) == slice(None)
+
+
+class TestExports:
+    def test_the_same_run_in_all_forms(self, tmp_path):
+        asked = entries.asked_of(STICK_SLIP | {"V_from": "50 um/s"})
+        texts = {ask: exports.export(ask, asked, Deadline(20.0))["text"] for ask in exports.NAMES}
+        file = tmp_path / "ratestate.toml"
+        file.write_text(texts["scenario"])
+        from ratestate.interfaces import scenario
+
+        loaded = scenario.run(scenario.load(file))
+        lines: dict = {}
+        exec(texts["python"], lines)
+        numbers = np.genfromtxt(texts["csv"].splitlines(), delimiter=",", skip_header=1)
+        header = texts["csv"].split("\n")[0].split(",")
+        written = next(v for v in lines.values() if hasattr(v, "data_vars"))
+        assert np.array_equal(loaded.tau, written.tau)
+        assert np.array_equal(numbers[:, header.index("tau [Pa]")], loaded.tau)
+        assert numbers[:, 0].tolist() == loaded.time.values.tolist()
+
+    def test_a_run_that_ends_early_is_written_as_far_as_it_comes(self):
+        text = exports.export("csv", entries.asked_of(RUNAWAY), Deadline(20.0))["text"]
+        numbers = np.genfromtxt(text.splitlines(), delimiter=",", names=True)
+        _, arrays = painted(RUNAWAY)
+        assert numbers["time_s"][-1] == arrays["run_time"][-1]
+        assert numbers["V_ms"][-1] > 1e3
+
+    def test_long_tables_are_refused_in_words(self, monkeypatch):
+        monkeypatch.setattr(exports, "MOST_ROWS", 100)
+        with pytest.raises(rs.ParameterError, match="rows, more than the 100 of a download"):
+            exports.export("csv", entries.asked_of(VIBRATION), Deadline(20.0))
+
+
+class TestCharts:
+    def test_a_chart_is_the_atlas_and_is_kept(self):
+        slider = entries.asked_of(STICK_SLIP).slider
+        header, arrays = charts.chart(slider, 4, Deadline(60.0))
+        assert header["key"] == ("slip", 1.6)
+        assert arrays["regime"].size == 16
+        begin = time.perf_counter()
+        again = charts.chart(slider.replace(a=0.0050001), 4, Deadline(0.0))
+        assert again[1] is arrays
+        assert time.perf_counter() - begin < 1.0
+
+    def test_the_curve_is_eq_6(self):
+        span, line = charts.frame()
+        assert np.allclose(line["line_ratio"], 1.0 + line["line_eta"], rtol=1e-14)
+        assert span["eta"] == (line["line_eta"][0], line["line_eta"][-1])
+
+    def test_it_is_bounded(self):
+        slider = entries.asked_of(VIBRATION).slider
+        with pytest.raises(rs.ParameterError, match="60 x 60 points of the map take more than 0 s"):
+            charts.chart(slider, 60, Deadline(0.0))
+        cancelled = Deadline(60.0)
+        cancelled.set()
+        with pytest.raises(Stopped):
+            charts.chart(slider, 60, cancelled)
+
+    @pytest.mark.parametrize(
+        ("a", "b", "ratio"),
+        [
+            (0.008, 0.009, 1.125),
+            (0.008, 0.013, 1.625),
+            (0.008, 0.00801, 1.00125),
+            (0.001, 0.1, 100.0),
+            (0.008, 0.008, None),
+            (0.008, -0.001, None),
+        ],
+    )
+    def test_a_picture_names_its_chart(self, a, b, ratio):
+        key = charts.key_of(FIG4.replace(a=a, b=b))
+        assert (key and key[1]) == (pytest.approx(ratio, rel=1e-12) if ratio else None)
+
+    def test_friction_that_strengthens_has_none(self):
+        with pytest.raises(rs.ParameterError, match="b <= a"):
+            charts.chart(FIG4.replace(b=0.001), 4, Deadline(60.0))
+
+
+@pytest.fixture(scope="module")
+def port():
+    """An explorer in this process."""
+    listening = server.listen(0)
+    running = server.server_at(listening)
+    thread = threading.Thread(target=running.run, kwargs={"sockets": [listening]})
+    thread.start()
+    yield listening.getsockname()[1]
+    running.should_exit = True
+    thread.join(20)
+    listening.close()
+    assert not thread.is_alive()
+
+
+@contextlib.contextmanager
+def page(port, **more):
+    """A page's WebSocket, after the greeting."""
+    more = {"origin": f"http://127.0.0.1:{port}"} | more
+    with connect(f"ws://127.0.0.1:{port}/socket", max_size=None, **more) as socket:
+        header, _ = read(socket.recv(30))
+        assert header["kind"] == "hello"
+        yield socket
+
+
+def others():
+    """Threads that are none of the explorer's pools."""
+    return {t.name for t in threading.enumerate() if not t.name.startswith("explorer")}
+
+
+def drained(socket):
+    """Read until the connection ends."""
+    while True:
+        socket.recv(20)
+
+
+def answered(socket, number, kinds=("picture", "problem", "file")):
+    """The answer to the question of this id."""
+    while True:
+        header, arrays = read(socket.recv(60))
+        if header["id"] == number and header["kind"] in kinds:
+            return header, arrays
+
+
+def ask(socket, number, what="picture", texts=VIBRATION):
+    socket.send(json.dumps({"id": number, "ask": what, "entries": texts}))
+
+
+class TestServer:
+    def test_questions_are_answered(self, port):
+        with page(port) as socket:
+            ask(socket, 1)
+            header, arrays = answered(socket, 1)
+            assert header["numbers"]["regime"] == "quasi-harmonic"
+            assert arrays["run_time"].size > 100
+            ask(socket, 2, texts=VIBRATION | {"K": "900 MPa"})
+            assert "is a stress" in answered(socket, 2)[0]["problems"]["K"]
+            ask(socket, 3, "python")
+            assert "rs.simulate(" in answered(socket, 3)[0]["text"]
+
+    def test_the_newest_question_wins(self, port):
+        with page(port) as socket:
+            for number in range(1, 41):
+                ask(socket, number)
+            seen = []
+            while 40 not in seen:
+                header, _ = read(socket.recv(60))
+                seen += [header["id"]] if header["kind"] == "picture" else []
+            assert seen == sorted(seen)
+            assert len(seen) < 40
+
+    def test_too_many_downloads_are_said(self, port):
+        with page(port) as socket:
+            for number in range(1, 61):
+                ask(socket, number, "csv")
+            kinds = {}
+            while 60 not in kinds or len(kinds) < 60:
+                header, _ = read(socket.recv(60))
+                if header["kind"] != "ready":  # comes to a page that is opened early
+                    kinds[header["id"]] = header["kind"]
+            assert set(kinds.values()) == {"file", "problem"}
+            assert kinds[60] == "file"
+
+    def test_downloads_hold_no_picture_up(self, port, monkeypatch):
+        free, begun = threading.Event(), threading.Event()
+
+        def export(*_):
+            begun.set()
+            assert free.wait(60)
+            return {"name": "a", "text": "b"}
+
+        monkeypatch.setattr(session, "export", export)
+        with page(port) as first, page(port) as second, page(port) as third:
+            for socket in (first, second):
+                ask(socket, 1, "csv")
+            assert begun.wait(30)
+            ask(third, 1)
+            assert answered(third, 1)[0]["kind"] == "picture"
+            free.set()
+            assert answered(second, 1)[0]["kind"] == "file"
+
+    def test_nonsense_is_shown_the_door(self, port):
+        with page(port) as socket:
+            for _ in range(session.NONSENSE - 1):
+                socket.send("nonsense")
+            ask(socket, 1)
+            assert answered(socket, 1)[0]["kind"] == "picture"
+            for _ in range(session.NONSENSE):
+                socket.send("nonsense")
+            with pytest.raises(ConnectionClosed, match="these are no questions"):
+                drained(socket)
+
+    def test_a_chart_comes_twice(self, port, monkeypatch):
+        monkeypatch.setattr(charts, "SIZES", (2, 3))
+        with page(port) as socket:
+            ask(socket, 1, "chart")
+            sizes = [answered(socket, 1, ("chart",))[0]["size"] for _ in range(2)]
+            assert sizes == [2, 3]
+
+    @pytest.mark.parametrize(
+        "origin", [None, "http://evil.example", "https://127.0.0.1", "null", "http://127.0.0.1:1"]
+    )
+    def test_other_origins_are_refused(self, port, origin):
+        with pytest.raises(InvalidStatus) as caught, page(port, origin=origin):
+            pass
+        assert caught.value.response.status_code == 403
+
+    @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1", "127.0.0.1:1", ""])
+    def test_other_hosts_are_refused(self, port, host):
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+        connection.request("GET", "/", headers={"Host": host})
+        response = connection.getresponse()
+        assert (response.status, response.read()) == (403, b"not this host's page")
+        connection.close()
+
+    def test_the_page_asks_nobody_else(self, port):
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+        connection.request("GET", "/")
+        response = connection.getresponse()
+        policy = response.headers["Content-Security-Policy"]
+        assert response.status == 200
+        assert policy.startswith("default-src 'none'; script-src 'self'")
+        assert b"http://" not in response.read()
+        away = ("/../app.py", "/%2e%2e/app.py", "/..%2fapp.py", "/js/../../app.py", "//app.py")
+        for path in ("/vendor/uPlot.LICENSE", "/docs", *away):
+            status = 200 if path.startswith("/vendor") else 404
+            connection.request("GET", path)
+            response = connection.getresponse()
+            response.read()
+            assert response.status == status, path
+        connection.close()
+
+    def test_over_long_messages_close_the_page_alone(self, port):
+        with page(port) as other, page(port) as socket:
+            socket.send("x" * 100_000)
+            with pytest.raises(ConnectionClosed):
+                drained(socket)
+            ask(other, 1)
+            assert answered(other, 1)[0]["kind"] == "picture"
+
+    def test_too_many_pages_are_refused(self, port):
+        with contextlib.ExitStack() as stack:
+            for _ in range(MOST_PAGES):
+                stack.enter_context(page(port))
+            uri, origin = f"ws://127.0.0.1:{port}/socket", f"http://127.0.0.1:{port}"
+            with connect(uri, origin=origin) as socket:
+                with pytest.raises(ConnectionClosed) as caught:
+                    socket.recv(20)
+                assert caught.value.rcvd.code == 1013
+                assert "too many pages" in caught.value.rcvd.reason
+
+    def test_nothing_is_left_of_pages_that_left(self, port):
+        with page(port) as socket:
+            ask(socket, 1)
+            answered(socket, 1)
+        time.sleep(0.2)
+        before = others()
+        for _ in range(10):
+            with page(port) as socket:
+                ask(socket, 1, "csv")
+                ask(socket, 2)
+        deadline = time.monotonic() + 20.0
+        while others() - before and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert others() <= before
+        ours = [t for t in threading.enumerate() if t.name.startswith("explorer")]
+        assert len(ours) <= 4  # those of the pools stay
+
+    def test_any_message_is_borne(self, port, monkeypatch):
+        monkeypatch.setattr(session, "NONSENSE", 10**6)
+        values = st.recursive(
+            st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
+            lambda inner: (
+                st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4)
+            ),
+            max_leaves=12,
+        )
+        texts = st.sampled_from(["1e308", "1e-320", "nan", "inf", "-0", "1e999 m", "1 mm/s", "2"])
+        field = st.sampled_from([*entries.SYMBOLS, "law", "V_from", "id", "ask"])
+        questions = st.builds(
+            lambda ask, changed: json.dumps(
+                {"id": 5, "ask": ask, "entries": {**VIBRATION, **changed}}
+            ),
+            st.sampled_from(wire.ASKS),
+            st.dictionaries(field, texts | values, max_size=3),
+        )
+        messages = st.one_of(
+            st.binary(max_size=200),
+            st.text(max_size=200),
+            values.map(lambda value: json.dumps(value)),
+            questions,
+        )
+        with page(port) as socket:
+
+            @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+            @given(messages)
+            def send(message):
+                socket.send(message)
+
+            send()
+            ask(socket, 77)
+            told = []
+            while (header := read(socket.recv(60))[0])["id"] != 77:
+                told += header.get("problems", {}).values()
+            assert header["kind"] == "picture"
+            assert [text for text in told if "the explorer failed" in text] == []
+
+
+class TestServe:
+    def test_what_is_prepared_ends_with_the_server(self, monkeypatch, caplog):
+        monkeypatch.setattr(session, "survey", lambda *_, **__: 1 / 0)
+        desk = session.Desk()
+        desk.close()
+        begin = time.monotonic()
+        session._rehearse(desk.preparing)
+        assert time.monotonic() - begin < 10.0
+        assert caplog.text == ""
+
+    def test_browsers_leave_port_80_out(self):
+        assert {b"127.0.0.1", b"localhost:80"} <= Guard(None, 80).hosts
+        assert b"http://localhost" in Guard(None, 80).origins
+        assert b"127.0.0.1" not in Guard(None, 8080).hosts
+
+    def test_a_port_in_use_is_said(self, port):
+        with pytest.raises(rs.ParameterError, match=f"port = {port} is in use; give another"):
+            server.listen(port)
+        for bad in (-1, 70000, "80", True):
+            with pytest.raises(rs.ParameterError, match="whole number from 0 to 65535"):
+                server.listen(bad)
+
+    def test_without_a_wish_any_port_will_do(self):
+        with server.listen() as first, server.listen() as second:
+            assert first.getsockname() != second.getsockname()
+            assert first.getsockname()[0] == "127.0.0.1"

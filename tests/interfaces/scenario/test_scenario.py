@@ -1,0 +1,468 @@
+"""Scenario files: they mean what the Python API means, and all that is wrong is told at once."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from paths import EXAMPLES
+
+import ratestate as rs
+from ratestate import ParameterError, SpringSlider
+from ratestate.interfaces.scenario import load
+from ratestate.model.units import to_si
+from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP
+
+SLIDER = {
+    "a": "0.003",
+    "b": "0.006",
+    "Dc": '"10 um"',
+    "sigma": '"2 MPa"',
+    "K": '"900 MPa/m"',
+}
+PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law"
+LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
+TABLES = "[slider], [loading], [run], [sweep], [output]"
+TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
+AXIS = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 4, scale = "log" }'
+CYCLE = {"verb": '"limit_cycle"', "M": AXIS, "V_lp": '"3.2 mm/s"'}
+SIMULATE = {"verb": '"simulate"', "M": AXIS, "V_lp": "1e-3", "t_end": '"10 s"'}
+
+
+def toml(slider=SLIDER, sweep=CYCLE, more=""):
+    """The text of a file; None leaves a key out."""
+    tables = {"slider": slider, "sweep": sweep}
+    lines = [more]
+    for name, table in tables.items():
+        lines += [f"[{name}]", *(f"{key} = {v}" for key, v in table.items() if v is not None)]
+    return "\n".join(lines)
+
+
+@pytest.fixture(scope="module")
+def read(tmp_path_factory):
+    """Load a scenario from its text."""
+    path = tmp_path_factory.mktemp("scenario") / "it.toml"
+
+    def read(text):
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return load(path)
+
+    return read
+
+
+def test_the_example_is_fig_3():
+    scenario = load(EXAMPLES / "fig3.toml")
+    assert scenario.verb == "limit_cycle"
+    assert scenario.slider == FIG2.replace(M=rs.logspace("M", *FIG3_M))
+    assert scenario.settings.keys() == {"V_lp"}
+    assert scenario.settings["V_lp"].identical(rs.logspace("V_lp", *FIG3_V_LP))
+
+
+def test_a_file_runs_as_the_python_lines_do(read):
+    scenario = read(toml(sweep=CYCLE | {"verb": '"stability"', "a": "[0.003, 0.004]"}))
+    slider = SpringSlider(
+        a=xr.DataArray([0.003, 0.004], {"a": [0.003, 0.004]}, "a"),
+        b=0.006,
+        Dc="10 um",
+        sigma="2 MPa",
+        K="900 MPa/m",
+        M=rs.logspace("M", 100, 1e5, 4),
+    )
+    assert scenario.slider == slider
+    result = rs.stability(scenario.slider, **scenario.settings)
+    assert result.identical(rs.stability(slider, "3.2 mm/s"))
+
+
+def test_simulate_gets_a_loading_and_saved_times(read):
+    sweep = SIMULATE | {"times": '[0.5, "1 s"]', "V_lp": '["1 mm/s", 0]', "V_start": '"1 um/s"'}
+    scenario = read(toml(sweep=sweep | {"rtol": "1e-5"}))
+    settings = scenario.settings
+    assert settings.keys() == {"loading", "t_end", "times", "V_start", "rtol"}
+    assert settings["times"].tolist() == [0.5, 1.0]
+    assert (settings["t_end"], settings["V_start"], settings["rtol"]) == (10.0, 1e-6, 1e-5)
+    run = rs.simulate(scenario.slider, **settings)
+    assert run.sizes == {"M": 4, "V_lp": 2, "time": 2}
+    assert (run.status == 0).all()
+
+
+def test_times_are_no_axis(read):
+    for times, expected in [
+        ("[1]", [1]),
+        ('"3 s"', [3]),
+        ('{from = 0, to = "1 min", n = 3}', [0, 30, 60]),
+    ]:
+        scenario = read(toml(sweep=SIMULATE | {"times": times, "t_end": "60"}))
+        assert type(scenario.settings["times"]) is np.ndarray
+        assert scenario.settings["times"].tolist() == expected
+    with pytest.raises(ParameterError, match=r"\[sweep\]: nothing has many values"):
+        read(toml(sweep=SIMULATE | {"times": "[1, 2]", "M": None}))
+
+
+def test_sweep_overrides_the_slider_and_stands_in_for_it(read):
+    sweep = CYCLE | {"K": '"1 GPa/m"', "law": '"aging"'}
+    assert (
+        read(toml(SLIDER | {"law": '"slip"'}, sweep)).slider
+        == read(toml(SLIDER | {"K": None, "law": '"aging"'}, CYCLE | {"K": "1e9"})).slider
+    )
+
+
+def test_an_axis_may_be_a_table_of_its_own(read):
+    text = toml(sweep=CYCLE | {"M": None}) + "\n[sweep.M]\nfrom = 100\nto = 1e5\nn = 4\n"
+    M = read(text + 'scale = "log"').slider.M
+    assert M.identical(
+        SpringSlider(a=1, b=1, Dc=1, sigma=1, K=1, M=rs.logspace("M", 100, 1e5, 4)).M
+    )
+
+
+UNITS = {
+    "Dc": ["", " m", " um", " mm", "nm"],
+    "sigma": ["", " Pa", " MPa", "bar"],
+    "K": ["", " Pa/m", " MPa/m", " GPa/m"],
+    "M": ["", " kg/m^2", " kg/m2", " g/cm^2"],
+    "V_lp": ["", " m/s", " mm/s", "um/s", " m/hour"],
+}
+
+
+def spelled(x, unit):
+    """A value as Python has it and as TOML does: a number, or a string with a unit."""
+    return (f"{x!r}{unit}", f'"{x!r}{unit}"') if unit else (x, repr(x))
+
+
+@st.composite
+def values(draw):
+    """(symbol, what the Python API is given, what the file says) of two to five symbols."""
+    found = {}
+    for symbol in draw(st.lists(st.sampled_from([*UNITS]), min_size=2, unique=True)):
+        x = draw(st.floats(1e-6, 1e5))
+        found[symbol] = spelled(x, draw(st.sampled_from(UNITS[symbol])))
+    return found
+
+
+@settings(deadline=None)
+@given(values(), st.integers(2, 40), st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
+def test_values_are_those_of_the_python_api(read, found, n, start, stop):
+    text = {symbol: said for symbol, (_, said) in found.items()}
+    sweep = CYCLE | {"mu0": f'{{from={start!r}, to={stop!r}, n={n}, scale="log"}}'}
+    sweep["M"] = None
+    sweep["V_lp"] = text.pop("V_lp", "1")
+    scenario = read(toml(SLIDER | text, sweep))
+    python = {"Dc": "10 um", "sigma": "2 MPa", "K": "900 MPa/m"}
+    python |= {symbol: value for symbol, (value, _) in found.items() if symbol != "V_lp"}
+    slider = SpringSlider(a=0.003, b=0.006, **python, mu0=rs.logspace("mu0", start, stop, n))
+    assert scenario.slider == slider
+    assert scenario.settings["V_lp"] == to_si("V_lp", found.get("V_lp", (1.0, ""))[0])
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(1e-20, 1e20) | st.just(0.0), min_size=1, max_size=20))
+def test_lists_are_kept(read, numbers):
+    axis = read(toml(sweep=CYCLE | {"M": "[" + ", ".join(map(repr, numbers)) + "]"})).slider.M
+    assert axis.values.tolist() == axis.M.values.tolist() == numbers
+    assert axis.dims == ("M",)
+
+
+@settings(deadline=None)
+@given(st.floats(-1e2, 1e2), st.floats(-1e2, 1e2), st.integers(2, 50))
+def test_linear_axes(read, start, stop, n):
+    b = read(toml(sweep=CYCLE | {"b": f"{{from={start!r}, to={stop!r}, n={n}}}"})).slider.b.values
+    assert (b[0], b[-1], b.size) == (start, stop, n)
+    rounding = 1e-15 * (abs(start) + abs(stop))
+    np.testing.assert_allclose(b, np.linspace(start, stop, n), rtol=1e-14, atol=rounding)
+    assert all(x == float(f"{x:.15g}") for x in b[1:-1])
+
+
+def test_a_linear_axis_meets_the_numbers_it_should(read):
+    for start, stop, n in [(-0.3, 0.3, 7), (0.0, 1.0, 11), (-0.1, 0.2, 31)]:
+        axis = f'{{from={start}, to={stop}, n={n}, scale = "linear"}}'
+        b = read(toml(sweep=CYCLE | {"b": axis})).slider.b.values
+        step = 10 * (stop - start) / (n - 1)
+        tenths = [round(10 * start + i * step, 9) for i in range(n)]
+        assert b.tolist() == [float(f"{x / 10:.12g}") for x in tenths]
+        assert 0.0 in b
+
+
+def test_rigid_and_quasi_static_limits(read):
+    K = read(toml(sweep=CYCLE | {"K": '[inf, "inf Pa/m", 9e8]', "M": "0"})).slider.K
+    assert K.values.tolist() == [math.inf, math.inf, 9e8]
+
+
+def test_many_problems_are_told_at_once(read):
+    text = """
+        loose = 1
+        [slder]
+        [slider]
+        A = 0.003
+        b = "0.006 m"
+        Dc = ["10 um"]
+        law = "slipp"
+        V_lp = 1
+        [sweep]
+        verb = "simulate"
+        M = ["3 kg/m^2", "3 kg"]
+        V_lp = { fro = 1, to = "3 m", scale = "logs" }
+        rtol = 3
+        t_end = 3
+        times = [1, "1 h"]
+    """
+    with pytest.raises(ParameterError) as caught:
+        read(text)
+    title, *lines = str(caught.value).splitlines()
+    assert title.endswith("it.toml cannot be used:")
+    TOTAL = "of the whole contact, and to be divided by its area"
+    told = f"""\
+loose: stands above all tables, expected one of {TABLES}
+[slder]: unknown table, expected one of {TABLES}; did you mean [slider]?
+[slider] A: unknown key, expected one of {PARAMETERS} such as a = 0.003; did you mean a?
+[slider] b: '0.006 m' is a length, expected a pure number such as 0.006
+[slider] Dc: a list of 1 makes an axis, expected in [sweep], or one value such as Dc = '10 um'
+[slider] law: 'slipp' is unknown, expected one of slip, aging; did you mean slip?
+[slider] V_lp: stands in the wrong table, expected in [loading] or [sweep] such as V_lp = '3.2 mm/s'
+[slider] a: is missing, expected a pure number such as 0.003
+[slider] sigma: is missing, expected a stress such as '2 MPa'
+[slider] K: is missing, expected a stiffness such as '900 MPa/m'
+[sweep] M[1]: '3 kg' is {TOTAL}, expected a mass per area such as '3000 kg/m^2'
+[sweep] V_lp.fro: unknown key, expected one of from, to, n, scale such as {LOG}; did you mean from?
+[sweep] V_lp.scale: 'logs' is unknown, expected one of linear, log; did you mean log?
+[sweep] V_lp.from: is missing, expected a speed such as '3.2 mm/s'
+[sweep] V_lp.to: '3 m' is a length, expected a speed such as '3.2 mm/s'
+[sweep] V_lp.n: is missing, expected an integer from 2 to 1000000, such as 12
+[sweep] rtol: 3.0 is out of range, expected one number from 1e-13 to 0.1 such as 1e-6
+[sweep] times: reach 3600 s, beyond t_end = 3 s; extend t_end or drop the later times, {TIMES}"""
+    assert sorted(lines) == sorted(told.splitlines())
+
+
+#: changes of a good file -> the beginning of the line that is then told
+MUTATED = [
+    # [slider]: wrong units, ranges, types
+    ({"a": "-0.003"}, {}, "[slider] a: -0.003 must be > 0, expected a pure number"),
+    ({"a": '"0.003 m"'}, {}, "[slider] a: '0.003 m' is a length, expected"),
+    ({"a": "true"}, {}, "[slider] a: true is not one number, expected"),
+    ({"a": '""'}, {}, "[slider] a: '' is not a number with a unit, expected"),
+    ({"a": "nan"}, {}, "[slider] a: nan is not a number, expected"),
+    ({"b": "inf"}, {}, "[slider] b: inf must be finite, expected"),
+    ({"b": '"six"'}, {}, "[slider] b: 'six' is not a number with a unit, expected"),
+    ({"Dc": '"10"'}, {}, "[slider] Dc: '10' has no unit, expected a length"),
+    ({"Dc": '"10 furlong/s"'}, {}, "[slider] Dc: '10 furlong/s' is a speed, expected"),
+    ({"Dc": '"10 blorp"'}, {}, "[slider] Dc: '10 blorp' has an unknown unit 'blorp', expected"),
+    ({"Dc": '"1e999999999 m"'}, {}, "[slider] Dc: '1e999999999 m' "),
+    ({"Dc": '"1e-999999999 m"'}, {}, "[slider] Dc: '1e-999999999 m' must be > 0, expected"),
+    ({"Dc": "1e999"}, {}, "[slider] Dc: inf m must be finite, expected"),
+    ({"Dc": "1" + "0" * 400}, {}, "[slider] Dc: a huge integer is beyond what can be, expected"),
+    ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is beyond what can be, expected"),
+    ({"Dc": '"' + "9" * 10000 + ' m"'}, {}, "[slider] Dc: '9999"),
+    ({"Dc": '"1 m**9**9**9"'}, {}, "[slider] Dc: '1 m**9**9**9' has an unknown unit"),
+    ({"Dc": '"10 um; expected"'}, {}, "[slider] Dc: '10 um; expected' has an unknown unit"),
+    ({"Dc": "07:32:00"}, {}, "[slider] Dc: 07:32:00 is not one number, expected"),
+    ({"Dc": "1979-05-27"}, {}, "[slider] Dc: 1979-05-27 is not one number, expected"),
+    ({"Dc": '[1, "10 um"]'}, {}, "[slider] Dc: a list of 2 makes an axis, expected in [sweep]"),
+    ({"Dc": "{ from = 1 }"}, {}, "[slider] Dc: a table makes an axis, expected in [sweep]"),
+    ({"sigma": "0"}, {}, "[slider] sigma: 0 Pa must be > 0, expected a stress"),
+    ({"M": "-1"}, {}, "[slider] M: -1 kg/m^2 must be >= 0, expected a mass"),
+    ({"law": '"Slip law"'}, {}, "[slider] law: 'Slip law' is unknown, expected one of slip, aging"),
+    ({"law": "1"}, {}, "[slider] law: 1 is unknown, expected one of slip, aging"),
+    ({"law": '["slip", "aging"]'}, {}, "[slider] law: a list of 2 is unknown, expected one of"),
+    # keys
+    ({"a": None}, {}, "[slider] a: is missing, expected a pure number"),
+    ({"Dc": None}, {}, "[slider] Dc: is missing, expected a length"),
+    ({"Dc": None, "dc": "1"}, {}, "[slider] dc: unknown key, expected one of * did you mean Dc?"),
+    ({"sgima": "1"}, {}, "[slider] sgima: unknown key, expected one of * did you mean sigma?"),
+    ({"zzz": "1"}, {}, "[slider] zzz: unknown key, expected one of a, b, Dc, sigma, K, M, mu0, V0"),
+    ({'"a\\nb"': "1"}, {}, "[slider] 'a\\nb': unknown key, expected one of"),
+    ({'""': "1"}, {}, "[slider] '': unknown key, expected one of"),
+    ({"t_end": "1"}, {}, "[slider] t_end: stands in the wrong table, expected in [run] or [sweep]"),
+    ({"a.b": "1", "a": None}, {}, "[slider] a: a table makes an axis, expected in [sweep]"),
+    # [sweep]: the verb
+    ({}, {"verb": None}, "[sweep] verb: is missing, expected one of limit_cycle, simulate, "),
+    ({}, {"verb": '"limitcycle"'}, "[sweep] verb: 'limitcycle' is unknown, * mean limit_cycle?"),
+    ({}, {"verb": '"hopf"'}, "[sweep] verb: 'hopf' is unknown, expected one of"),
+    ({}, {"verb": "[1]"}, "[sweep] verb: a list of 1 is unknown, expected one of"),
+    ({}, {"verb": '"simulate"'}, "[sweep] t_end: is missing, expected a time"),
+    ({}, {"V_lp": None}, "[sweep] V_lp: is missing, expected a speed"),
+    (
+        {},
+        {"t_end": "3"},
+        "[sweep] t_end: is no parameter of the slider or of limit_cycle, expected",
+    ),
+    ({}, {"V_pl": "3"}, "[sweep] V_pl: is no parameter of the slider or of * did you mean V_lp?"),
+    ({}, {"verb": '"stability"', "rtol": "1e-6"}, "[sweep] rtol: is no parameter of the slider or"),
+    ({}, {"M": None}, "[sweep]: nothing has many values, expected an axis such as M = {"),
+    # values of [sweep]
+    ({}, {"V_lp": "0"}, "[sweep] V_lp: 0 m/s must be > 0, expected a speed"),
+    ({}, {"V_lp": '"3.2 mm"'}, "[sweep] V_lp: '3.2 mm' is a length, expected a speed"),
+    ({}, {"law": '{ from = "slip" }'}, "[sweep] law: a table is unknown, expected one of"),
+    ({}, {"rtol": "0.5"}, "[sweep] rtol: 0.5 is out of range, expected one number from 1e-12"),
+    ({}, {"rtol": "[1e-6]"}, "[sweep] rtol: a list of 1 is not one number, expected"),
+    (
+        {"a": "0"},
+        {"rtol": "0.5"},
+        "[sweep] rtol: 0.5 is out of range, expected one number from 1e-12",
+    ),
+    # lists
+    ({}, {"M": "[]"}, "[sweep] M: is a list of 0, expected 1 to 1000000 values, such as"),
+    ({}, {"M": "[[1, 2]]"}, "[sweep] M[0]: a list of 2 is not one number, expected"),
+    ({}, {"M": "[1, 2, -3]"}, "[sweep] M[2]: -3 kg/m^2 must be >= 0, expected"),
+    ({}, {"M": '[1, "2 m"]'}, "[sweep] M[1]: '2 m' is a length, expected"),
+    ({}, {"M": "[nan]"}, "[sweep] M[0]: nan kg/m^2 is not a number, expected"),
+    # axes
+    ({}, {"M": "{}"}, "[sweep] M.n: is missing, expected an integer from 2 to"),
+    ({}, {"M": "{ to = 3, n = 2 }"}, "[sweep] M.from: is missing, expected a mass"),
+    ({}, {"M": "{ from = 3, n = 2 }"}, "[sweep] M.to: is missing, expected a mass"),
+    ({}, {"M": "{ from = 1, to = 2 }"}, "[sweep] M.n: is missing, expected an integer from 2"),
+    *(
+        ({}, {"M": f"{{ from = 1, to = 2, n = {n} }}"}, f"[sweep] M.n: {said} cannot be the number")
+        for n, said in {
+            "1": "1",
+            "0": "0",
+            "-3": "-3",
+            "2.0": "2.0",
+            '"12"': "'12'",
+            "true": "true",
+            "[2]": "a list of 1",
+            "1_000_000_000_000": "1000000000000",
+            "0x" + "f" * 9999: "a huge integer",
+        }.items()
+    ),
+    (
+        {},
+        {"M": "{ from = 0, to = 2, n = 3, scale = 'log' }"},
+        "[sweep] M.from: 0 kg/m^2 must be > ",
+    ),
+    (
+        {},
+        {"M": "{ from = 1, to = -2, n = 3, scale = 'log' }"},
+        "[sweep] M.to: -2 kg/m^2 must be > ",
+    ),
+    ({}, {"M": "{ from = -1, to = 2, n = 3 }"}, "[sweep] M.from: -1 kg/m^2 must be >= 0, expected"),
+    ({}, {"K": "{ from = 1, to = inf, n = 3 }"}, "[sweep] K.to: inf is no end of an axis, which"),
+    ({}, {"M": "{ from = [1], to = 2, n = 3 }"}, "[sweep] M.from: a list of 1 is not one number,"),
+    (
+        {},
+        {"M": "{ from = 1, to = 2, n = 3, scale = 'lin' }"},
+        "[sweep] M.scale: 'lin' is unknown, ",
+    ),
+    (
+        {},
+        {"M": "{ from = 1, to = 2, n = 3, scale = 3 }"},
+        "[sweep] M.scale: 3 is unknown, expected",
+    ),
+    ({}, {"M": "{ form = 1, to = 2, n = 3 }"}, "[sweep] M.form: unknown key, * did you mean from?"),
+    ({}, {"M": "{ start = 1, to = 2, n = 3 }"}, "[sweep] M.start: unknown key, expected one of"),
+]
+SIMULATED = [
+    ({"t_end": "0"}, "[sweep] t_end: 0 s must be > 0, expected a time"),
+    ({"t_end": '"3 mm"'}, "[sweep] t_end: '3 mm' is a length, expected a time"),
+    ({"t_end": "inf"}, "[sweep] t_end: inf s must be finite, expected a time"),
+    ({"V_lp": "-1"}, "[sweep] V_lp: -1 m/s must be >= 0, expected a speed"),
+    (
+        {"V_lp": "[1, 0]"},
+        "[sweep] V_start: is missing; at V_lp = 0 nothing slides, expected a spee",
+    ),
+    ({"V_start": "0"}, "[sweep] V_start: 0 m/s must be > 0, expected a speed"),
+    ({"times": "[1, 11]"}, "[sweep] times: reach 11 s, beyond t_end = 10 s; extend t_end or"),
+    ({"times": "[1, 1]"}, "[sweep] times: must increase; sort them"),
+    ({"times": "[]"}, "[sweep] times: is a list of 0, expected"),
+    ({"times": "[-1]"}, "[sweep] times[0]: -1 s must be >= 0, expected"),
+    ({"times": '["1 mm"]'}, "[sweep] times[0]: '1 mm' is a length, expected a time"),
+    ({"times": "{from=0, to=1, n=1e6}"}, "[sweep] times.n: 1000000.0 cannot be the number"),
+    ({"times": "[3]", "t_end": "[2, 4, 5]"}, "[sweep] times: reach 3 s, beyond t_end"),
+    ({"rtol": "1e-15"}, "[sweep] rtol: 1e-15 is out of range, expected one number from 1e-13"),
+    ({"method": '"im2017"'}, "[sweep] method: stands in the wrong table, expected in [run]"),
+]
+BROKEN = [
+    ("[slider]\na = 0.003\nDc = 10 um\n", "line 3, 'Dc = 10 um': Expected newline or end"),
+    ("[slider]\na = \n", "line 2, 'a =': Invalid value"),
+    ("[slider]\na = 1\na = 2\n", "line 3, 'a = 2': Cannot overwrite a value"),
+    ("[slider]\n[slider]\n", "line 2, '[slider]': Cannot declare ('slider',) twice"),
+    ('[slider]\nDc = "10 um\n', "line 2, 'Dc = \"10 um': Illegal character"),
+    ("[slider\n", "line 1, '[slider': Expected ']' at the end of a table declaration"),
+    ('[slider]\nDc = """10\n', 'line 2, \'Dc = """10\': Unterminated string, expected TOML'),
+    ("x = " + "[" * 100_000, "too many brackets inside each other, expected"),
+    ("x = " + "9" * 10_000, "an integer of thousands of digits, expected"),
+    (b'[slider]\nDc = "10 \xb5m"\n', "line 2 is not UTF-8, expected"),
+    ("a = 1\r[slider]", "line 1, 'a = 1\\r[slider]': Expected newline or end"),
+    ("\0", "line 1, '\\x00': Invalid statement"),
+    ("a = 1\n\r", "line 2, '': "),
+    ("a = 1\n\x0b\nb\n", "line 2, '': Invalid statement"),
+    ("a = 1\r\nb = \r\n\r\n", "line 2, 'b =': Invalid value"),
+]
+
+
+def lines(read, text):
+    with pytest.raises(ParameterError) as caught:
+        read(text)
+    assert caught.value.__cause__ is None
+    assert all(len(line) < 300 for line in str(caught.value).splitlines())
+    return str(caught.value).splitlines()
+
+
+def told(beginning, line):
+    """Whether a line begins so; * stands for anything."""
+    return re.match(".*".join(map(re.escape, beginning.split(" * "))), line)
+
+
+@pytest.mark.parametrize(("slider", "sweep", "beginning"), MUTATED)
+def test_mutated(read, slider, sweep, beginning):
+    found = lines(read, toml(SLIDER | slider, CYCLE | sweep))
+    assert found[0].endswith("it.toml cannot be used:")
+    assert any(told(beginning, line) for line in found[1:]), found
+    form = re.compile(r"\[\w+\]( ('.*'|[\w.\[\]]+))?: .+(, expected | must be one number )")
+    assert all(form.match(line) for line in found[1:]), found
+
+
+@pytest.mark.parametrize(("sweep", "beginning"), SIMULATED)
+def test_mutated_simulate(read, sweep, beginning):
+    found = lines(read, toml(sweep=SIMULATE | sweep))
+    assert len(found) == 2
+    assert told(beginning, found[1]), found
+
+
+@pytest.mark.parametrize(("text", "what"), BROKEN)
+def test_broken(read, text, what):
+    (line,) = lines(read, text)
+    assert f"it.toml is broken: {what}" in line
+    assert line.endswith('such as a = 0.003 or Dc = "10 um"')
+
+
+@pytest.mark.parametrize(
+    ("more", "line"),
+    [
+        ("[outptu]", "[outptu]: unknown table, * did you mean [output]?"),
+        ("[Slider]\na = 1", "[Slider]: unknown table, * did you mean [slider]?"),
+        ("a = 3", "a: stands above all tables, expected in [slider] or [sweep]"),
+        ("[[a]]", "a: stands above all tables, expected"),
+        ("['x y']", "['x y']: unknown table, expected"),
+    ],
+)
+def test_what_is_no_table(read, more, line):
+    found = lines(read, toml(more=more))
+    assert len(found) == 2
+    assert told(line, found[1]), found
+
+
+@pytest.mark.parametrize("text", ["", "slider = 3\nsweep = 3", "[[slider]]\n[[sweep]]"])
+def test_nothing_at_all_is_all_that_is_missing(read, text):
+    places = {line.split(": ")[0] for line in lines(read, text)[1:]}
+    assert {f"[slider] {key}" for key in SLIDER} <= places
+    if text:
+        assert {"[slider]", "[sweep] verb", "[sweep] V_lp", "[sweep]"} <= places
+    else:
+        assert places == {f"[slider] {key}" for key in SLIDER} | {"[loading] V_lp", "[run] t_end"}
+
+
+def test_a_sweep_too_large_is_refused_before_it_takes_memory(read):
+    axes = dict.fromkeys(("a", "b", "Dc", "sigma", "K"), "{ from = 1, to = 2, n = 1_000_000 }")
+    found = lines(read, toml(sweep=CYCLE | axes))
+    assert len(found) == 2
+    assert found[1].startswith("[sweep]: 4 M x 1000000 a x ")
+    assert f"are {4 * 10**30} cases, expected {10**9} at most" in found[1]
+    wide = CYCLE | {"M": "[" + "1," * 1_000_001 + "]"}
+    assert lines(read, toml(sweep=wide))[1].startswith("[sweep] M: is a list of 1000001, expected")
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    for path in (tmp_path, tmp_path / "none.toml", tmp_path / ("x" * 1000)):
+        with pytest.raises(ParameterError, match=re.escape(f"{path} cannot be read: ")):
+            load(path)

@@ -1,0 +1,723 @@
+"""What the tables of a scenario file mean, and what is said of those that mean nothing."""
+
+import re
+import shutil
+
+import numpy as np
+import pytest
+
+import ratestate as rs
+from ratestate import Loading, ParameterError
+from ratestate.interfaces.scenario import Output, load, run
+
+SLIDER = """
+[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "2 MPa"
+K = "900 MPa/m"
+M = 3000
+"""
+RUN = '[run]\nt_end = "10 s"\n'
+CSV = "time [s],V_lp [um/s],no unit\n0,1,x\n1,1,x\n1,3,x\n2.5,3,x\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("grammar")
+
+
+@pytest.fixture
+def read(folder):
+    """Load a scenario of the tables given, beside [slider]."""
+
+    def read(text, verb=None, slider=SLIDER):
+        path = folder / "it.toml"
+        path.write_text(slider + text)
+        return load(path, verb)
+
+    return read
+
+
+@pytest.fixture
+def told(read):
+    """What is told of these tables: the lines without the title."""
+
+    def told(text, verb=None, slider=SLIDER):
+        with pytest.raises(ParameterError) as caught:
+            read(text, verb, slider)
+        title, *lines = str(caught.value).splitlines()
+        assert title.endswith("it.toml cannot be used:")
+        form = r"\[\w+\].*: .+, expected (one of \S|.*such as \S)"
+        assert all(re.match(form, line) for line in lines), lines
+        return lines
+
+    return told
+
+
+def same(one, other):
+    """Whether two loadings have the same bits."""
+    return all(
+        np.array_equal(getattr(one, name), getattr(other, name))
+        for name in ("t", "V", "rate", "t_last")
+    )
+
+
+@pytest.mark.parametrize(
+    ("table", "loading"),
+    [
+        ('V_lp = "3.2 mm/s"', Loading.constant("3.2 mm/s")),
+        (
+            'V_lp = 1e-3\nsteps = [{ t = "500 ms", V_lp = "3.2 mm/s" }, { t = 2, V_lp = 0 }]',
+            Loading.steps(1e-3, (0.5, "3.2 mm/s"), (2, 0)),
+        ),
+        (
+            'V_lp = 1e-3\nsteps = [{t=1, hold="2 s"}, {t=3, V_lp=2e-3}, {t=4, V_lp=0, ramp="1 s"}]',
+            Loading.constant(1e-3).hold(1, 2).step(3, 2e-3).ramp(4, 0, 1),
+        ),
+        (
+            'V_lp = 1e-3\nsinusoid = { amplitude = "1 mm/s", period = "2 s" }',
+            Loading.sinusoid(1e-3, 1e-3, period=2, t_end=10),
+        ),
+        (
+            'V_lp = 1e-3\nsinusoid = { amplitude = 1e-4, frequency = "0.3 Hz" }',
+            Loading.sinusoid(1e-3, 1e-4, frequency=0.3, t_end=10),
+        ),
+        (
+            't = [0, 1, 1, "1 min"]\nV_lp = [1e-3, "2 mm/s", 0, 1]',
+            Loading.series([0, 1, 1, 60], [1e-3, 2e-3, 0, 1]),
+        ),
+        (
+            "t = { from = 0, to = 20, n = 3 }\nV_lp = [1, 2, 3]",
+            None,
+        ),
+    ],
+)
+def test_loadings(read, told, table, loading):
+    text = f"[loading]\n{table}\n{RUN}"
+    if loading is None:
+        assert told(text) == [
+            "[loading] t: a table is no list, expected as many values in V_lp as in t such as "
+            "[0, 1, 1, '5 s'] and ['1 um/s', '1 um/s', '3 um/s', 0]"
+        ]
+        return
+    scenario = read(text)
+    assert scenario.verb == "simulate"
+    assert scenario.settings.keys() == {"loading", "t_end"}
+    assert scenario.settings["t_end"] == 10
+    assert scenario.output == Output()
+    assert same(scenario.settings["loading"], loading)
+
+
+RECORD = Loading.series([0, 1, 1, 2.5], [1e-6, 1e-6, 3e-6, 3e-6])
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "more"),
+    [
+        ("a.csv", CSV, 'columns = ["time [s]", "V_lp [um/s]"]'),
+        ("a.csv", CSV, 'columns = ["time", "V_lp"]'),
+        ("a.csv", CSV, "columns = [1, 2]"),
+        ("a.csv", CSV, 'columns = ["time", 2]\nunits = ["s", "um/s"]'),
+        ("a.csv", CSV.replace(",", " , "), 'columns = ["time [s]", "V_lp"]'),
+        ("b.csv", CSV.replace(",", ";"), 'columns = ["time", "V_lp"]'),
+        ("b.TSV", CSV.replace(",", "\t"), 'columns = ["time", "V_lp"]'),
+        ("b.txt", "\ufeff" + CSV.replace("\n", "\r\n"), 'columns = ["time", "V_lp"]'),
+        ("b.csv", CSV.replace("[s]", "(s)").replace(" [um/s]", "(um/s)"), "columns = [1, 2]"),
+        ("b.csv", CSV.split("\n", 1)[1], 'columns = [1, 2]\nunits = ["s", "um/s"]'),
+        ("b.csv", "\n" + CSV + "\n,,\n\n", 'columns = ["time", "V_lp"]'),
+        (
+            "b.csv",
+            "V [mm/hour],t [ms]\n3.6,0\n3.6,1e3\n10.8,1000\n10.8,2500",
+            'columns = ["t", "V"]',
+        ),
+    ],
+)
+def test_records(read, folder, name, content, more):
+    (folder / name).write_text(content, newline="")
+    table = f'[loading]\nfile = "{name}"\n{more}\n[run]\nt_end = 2'
+    assert same(read(table).settings["loading"], RECORD)
+    assert read(table, "limit_cycle").settings == {"V_lp": 3e-6}
+
+
+NO_RECORD = [
+    (CSV, 'columns = ["tiem", "V_lp"]', "columns[0]: 'tiem' is no column, expected one of * did"),
+    (CSV, 'columns = ["time", "no unit"]', "columns[1]: 'no unit' has no unit, expected units"),
+    (CSV, "columns = [1, 4]", "columns[1]: 4 is no column, expected a number from 1 to 3"),
+    (CSV, "columns = [0, true]", "columns: a list of 2 is no pair, expected a pair, of times"),
+    (CSV, "columns = [1]", "columns: a list of 1 is no pair, expected a pair"),
+    (CSV, "", "columns: is missing, expected a pair"),
+    (CSV, "columns = [2, 1]", "columns[0]: the unit 'um/s' is a speed, expected a time such as"),
+    (CSV, 'columns = [1, 2]\nunits = ["s", "um"]', "units[1]: the unit 'um' is a length, expected"),
+    (CSV, 'columns = [1, 2]\nunits = ["s", "x"]', "units[1]: the unit 'x' is unknown, expected"),
+    (CSV, 'columns = [1, 2]\nunits = "s"', "units: 's' is no pair, expected a pair"),
+    (
+        CSV.replace("1,3,x", "1,three,x"),
+        "columns = [1, 2]",
+        "file: line 4: 'three' in 'V_lp [um/s]' is no number, expected one such as 0.5",
+    ),
+    (CSV.replace("1,3,x", "1"), "columns = [1, 2]", "file: line 4: '' in 'V_lp [um/s]' is no"),
+    (CSV.replace("1,3,x", "1,nan"), "columns = [1, 2]", "file: line 4: 'nan' in"),
+    (CSV.replace("1,3,x", "1,-3"), "columns = [1, 2]", "file: V_lp = -3e-06 m/s at row[2] must be"),
+    (CSV.replace("2.5", "0.5"), "columns = [1, 2]", "file: t[3] = 0.5 s is less than t[2] = 1.0 s"),
+    (CSV + 6 * "a,b,c\n", "columns = [1, 2]", "file: and 7 cells more are no numbers, expected"),
+    (CSV.split("\n", 1)[1], "columns = [1, 2]", "columns[0]: 'column 1' has no unit, expected"),
+    (
+        "1,2,3\n2,3,4\n",
+        'columns = ["a", 2]',
+        "columns[0]: 'a' cannot be found, for the file has no header, expected the number",
+    ),
+    ("a [s],a [um/s]\n1,2", 'columns = ["a", 2]', "columns[0]: 'a' is the name of several columns"),
+    ("", "columns = [1, 2]", "file: 'x.csv' is empty, expected rows of times and speeds"),
+    ("\x00,1\n", "columns = [1, 2]", "columns[0]: '\\x00' has no unit, expected units"),
+    ("a [s],b [m/s]\n1,2\n", "columns = [1, 2]", "file: t has 1 and V_lp 1 values"),
+    (b"t [s],V [\xb5m/s]\n1,2", "columns = [1, 2]", "file: 'x.csv', line 1 is not UTF-8, expected"),
+]
+
+
+@pytest.mark.parametrize(("content", "more", "line"), NO_RECORD)
+def test_bad_records(told, folder, content, more, line):
+    data = content if isinstance(content, bytes) else content.encode()
+    (folder / "x.csv").write_bytes(data)
+    lines = told(f'[loading]\nfile = "x.csv"\n{more}\n[run]\nt_end = 2')
+    beginning = ".*".join(map(re.escape, f"[loading] {line}".split(" * ")))
+    assert any(re.match(beginning, found) for found in lines), lines
+
+
+def test_what_a_file_says_is_quoted_as_it_stands(told, folder):
+    """Also where it looks like a unit in brackets, or like the end of a message."""
+    header = "time [s],V [m/s],lp [um/s]\n"
+    (folder / "si.csv").write_text(header + "0,1,1\n1,1,1\n")
+    table = '[loading]\nfile = "si.csv"\n{}\n' + RUN
+    (line,) = told(table.format('columns = ["t [s]", "lp"]'))
+    assert line.startswith(
+        "[loading] columns[0]: 't [s]' is no column, "
+        "expected one of 'time [s]', 'V [m/s]', 'lp [um/s]'"
+    )
+    (line,) = told(table.format(""))
+    assert line.endswith('such as ["time [s]", "V_lp [um/s]"]')
+    (line,) = told(table.format('columns = [1, 2]\nunits = ["s [s]", "m/s"]'))
+    assert line == (
+        "[loading] units[0]: the unit 's [s]' is unknown, expected a time such as '10 s'"
+    )
+    more = "[loading]\nV_lp = 1\n[run]\n"
+    for given, what in [
+        ("abc [s]", "is not a number with a unit"),
+        ("1 s; expected a time [s]", "has an unknown unit 's; expected a time [s]'"),
+    ]:
+        (line,) = told(f'{more}t_end = "{given}"')
+        assert line == f"[run] t_end: {given!r} {what}, expected a time such as '10 s'"
+    (line,) = told(f'{more}t_end = 1\nmethod = "m; expected [s]"')
+    assert line.startswith("[run] method: 'm; expected [s]' is unknown, expected one of rodas5p")
+
+
+@pytest.mark.parametrize(
+    ("unit", "meant"),
+    [
+        ("um/s # x", None),
+        ("um/s #", None),
+        ("um/s; m/s", None),
+        ("um/S", "um/s"),
+        ("MM/s", "mm/s"),
+    ],
+)
+def test_units_that_are_none(told, unit, meant):
+    (line,) = told(f'[loading]\nV_lp = "1 {unit}"\n{RUN}')
+    end = f"; did you mean {meant!r}?" if meant else ""
+    assert line.endswith(f", expected a speed such as '3.2 mm/s'{end}")
+    assert line.startswith(f"[loading] V_lp: '1 {unit}' ")
+
+
+def test_stresses_in_small_letters(told):
+    for unit in ("Mpa", "mpa", "MPA"):
+        (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=SLIDER.replace("2 MPa", f"2 {unit}"))
+        assert line.endswith("such as '2 MPa'; did you mean 'MPa'?")
+    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=SLIDER.replace("10 um", "1e1e1 um"))
+    assert line.startswith("[slider] Dc: '1e1e1 um' is not a number with a unit, expected")
+
+
+SIZES = [
+    (
+        'V_lp = "1e12 mm/s"',
+        "[loading] V_lp: '1e12 mm/s' is beyond any usual size, 1e-50",
+    ),
+    (
+        "V_lp = 1e-300",
+        "[loading] V_lp: 1e-300 is beyond any usual size, 1e-50 to 100000 m/s, ex",
+    ),
+    ("V_lp = 1\nsteps = [{ t = 1e19, V_lp = 1 }]", "[loading] steps[0].t: 1e+19 is beyond any"),
+    ("t = [0, 20]\nV_lp = [0, 1e6]", "[loading] V_lp[1]: 1000000.0 is beyond any usual size"),
+    (
+        "V_lp = 1\nsinusoid = { amplitude = 1, frequency = '1e30 Hz' }",
+        "[loading] sinusoid.frequency: '1e30 Hz' is beyond any usual size, 1e-18 to 1e+20 Hz, exp",
+    ),
+    ("file = 'fast.csv'\ncolumns = [1, 2]", "[loading] file: V_lp = 1e+06 m/s is beyond any usual"),
+]
+
+
+@pytest.mark.parametrize(("table", "line"), SIZES)
+def test_sizes_that_nobody_means(told, folder, table, line):
+    (folder / "fast.csv").write_text("t [s],V [km/s]\n0,0\n20,1000\n")
+    (found,) = told(f"[loading]\n{table}\n{RUN}")
+    assert found.startswith(line)
+
+
+@pytest.mark.parametrize(
+    ("symbol", "refused"),
+    [
+        *(("a", x) for x in ("0.99e-12", "101")),
+        *(("b", x) for x in ("101", "-101")),
+        *(("Dc", x) for x in ("0.99e-15", "1.01e9")),
+        *(("sigma", x) for x in ("0.99e-9", "1.01e15")),
+        *(("K", x) for x in ("0.99e-20", "1.01e25")),
+        *(("M", x) for x in ("0.99e-20", "1.01e20")),
+        *(("mu0", "1001"), ("V0", "0.99e-50"), ("V0", "1.01e5")),
+    ],
+)
+def test_sizes_of_a_slider(told, symbol, refused):
+    slider = re.sub(rf"(?m)^{symbol} = .*\n", "", SLIDER) + f"{symbol} = {refused}\n"
+    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=slider)
+    assert line.startswith(f"[slider] {symbol}: ")
+    assert " is beyond any usual size, " in line
+
+
+def test_sizes_that_somebody_may_mean(read):
+    """A fault that is locked, a laboratory, an asteroid, a rigid spring without friction."""
+    slider = """
+        [slider]
+        a = [1.01e-12, 0.003, 99]
+        b = [-99, 0, 1e-20, 99]
+        Dc = ["1.01 fm", "10 um", "9.9e5 km"]
+        sigma = ["1.01 nPa", "2 MPa", "990 TPa"]
+        K = [1.01e-20, "900 MPa/m", 9.9e24, inf]
+        M = [0, 1.01e-20, 3000, 9.9e19]
+        mu0 = [0, 0.6, 990]
+        V0 = ["1.01e-50 m/s", "1 nm/s", "99 km/s"]
+    """
+    lists = "[sweep]" + slider.split("[slider]")[1] + "verb = 'stability'\nV_lp = [2e-50, 9e4]\n"
+    assert read(lists, slider="").slider.K.values[-1] == np.inf
+    for theta, t_end in ((9.9e39, 9.9e17), (1.01e-20, 1.01e-20)):
+        start = f"V_start = 1e-30\ninitial = {{ theta = {theta}, V = 1e-30, tau = -9.9e14 }}\n"
+        scenario = read(f"[loading]\nV_lp = 0\n[run]\nt_end = {t_end}\n{start}")
+        assert scenario.settings["t_end"] == t_end
+
+
+@pytest.mark.parametrize(
+    ("key", "line"),
+    [
+        ("t_end = 1.01e18", "[run] t_end"),
+        ("t_end = 0.99e-20", "[run] t_end"),
+        ("t_end = 1\ninitial = { theta = 1.01e40 }", "[run] initial.theta"),
+        ("t_end = 1\ninitial = { theta = 0.99e-20 }", "[run] initial.theta"),
+    ],
+)
+def test_sizes_of_a_run(told, key, line):
+    (found,) = told(f"[loading]\nV_lp = 1\n[run]\n{key}\n")
+    assert found.startswith(f"{line}: ")
+    assert " is beyond any usual size, " in found
+
+
+def test_a_wrong_start_is_told_beside_other_problems(told):
+    slider = SLIDER.replace("M = 3000", "M = 0")
+    clash = "initial = { V = 1, theta = 1, tau = 1 }\n"
+    for loading, table, others in [
+        ("V_lp = 1", "t_end = 1\nrtol = 3", 1),
+        ("V_lp = 1", "t_end = 1\ntimes = [2]", 1),
+        ("V_lp = 1", "times = 'x'", 2),
+        ("V_lp = '1 m'", "t_end = 1", 1),
+        ("t = [0, 1]\nV_lp = [1, 1]", "t_end = 5", 1),
+        ("V_lp = 0", "t_end = 5", 1),
+    ]:
+        lines = told(f"[loading]\n{loading}\n[run]\n{table}\n{clash}", slider=slider)
+        assert len(lines) == 1 + others
+        assert sum(line.startswith("[run] initial: initial V, theta and") for line in lines) == 1
+
+
+def test_only_what_is_near_is_proposed(told):
+    (line,) = told(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
+    assert "did you mean" not in line
+    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}title = 'x'")
+    assert "did you mean" not in line
+
+
+def test_one_thing_is_expected_of_a_sinusoid_and_of_steps(told):
+    (line,) = told(f"[loading]\nV_lp = 1\nsinusoid = {{ amplitude = 2, period = 1 }}\n{RUN}")
+    assert line.endswith(
+        "would move back, expected an amplitude up to V_lp such as "
+        '{ amplitude = "0.05 mm/s", period = "2 s" }'
+    )
+    steps = "steps = [{ t = 2, V_lp = 1 }, { t = 1, V_lp = 2 }]"
+    (line,) = told(f"[loading]\nV_lp = 1\n{steps}\n{RUN}")
+    assert ", expected the steps in order of time such as [ { t" in line
+
+
+def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
+    def refuses(**_):
+        raise ParameterError("a and b fell out with each other")
+
+    monkeypatch.setattr("ratestate.interfaces.scenario.assemble.SpringSlider", refuses)
+    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}")
+    assert line.startswith(
+        "[slider]: a and b fell out with each other, expected values such as a ="
+    )
+
+
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ('"none.csv"', "does not exist, expected a table of text with the ending .csv, .tsv, .txt"),
+        ('"it.toml"', "'it.toml' ends otherwise, expected a table"),
+        ('"x.xlsx"', "'x.xlsx' ends otherwise, expected a table"),
+        ('"folder.csv"', "does not exist, expected"),
+        ("3", "3 is no file's name, expected"),
+        ('"' + "x" * 2000 + '.csv"', "is no file's name, expected"),
+        ('"' + "x" * 500 + '.csv"', "cannot be read: File name too long, expected"),
+        ("'''a\nb.csv'''", "'a\\nb.csv' is no file's name, expected"),
+    ],
+)
+def test_records_that_are_no_files(told, folder, file, line):
+    (folder / "folder.csv").mkdir(exist_ok=True)
+    (found,) = told(f"[loading]\nfile = {file}\ncolumns = [1, 2]\n[run]\nt_end = 2")
+    assert found.startswith("[loading] file: ")
+    assert line in found
+
+
+def test_a_record_too_large_is_refused_unread(told, folder):
+    with (folder / "large.csv").open("wb") as file:
+        file.truncate(10**9)  # a hole
+    (line,) = told('[loading]\nfile = "large.csv"\ncolumns = [1, 2]\n[run]\nt_end = 2')
+    assert "'large.csv' has 1000000000 bytes, expected 100000000 at most" in line
+
+
+LOADINGS = [
+    ('V_lp = "3.2 mm"', "V_lp: '3.2 mm' is a length, expected a speed such as '3.2 mm/s'"),
+    ("V_lp = -1", "V_lp: -1 m/s must be >= 0, expected a speed"),
+    ("V_lp = [1, 2]", "V_lp: a list of 2 makes an axis, expected in [sweep], or here with as many"),
+    ("V_lp = { from = 1 }", "V_lp: a table makes an axis, expected in [sweep]"),
+    ("V_pl = 1", "V_pl: unknown key, expected one of * did you mean V_lp?"),
+    ("t_end = 1", "t_end: stands in the wrong table, expected in [run] or [sweep]"),
+    ("plot = 1", "plot: stands in the wrong table, expected in [output]"),
+    ("t_ned = 1", "t_ned: unknown key, * did you mean t_end in [run] or [sweep]?"),
+    ("V_lp = 1\nsteps = []", "steps: a list of 0 is no list of 1 to 1000 steps, expected such as"),
+    ("V_lp = 1\nsteps = [3]", "steps[0]: 3 is no table, expected such as [ { t ="),
+    (
+        "V_lp = 1\nsteps = [{t=1}]",
+        "steps[0].V_lp: is missing, expected a speed * or hold = '100 s'",
+    ),
+    ("V_lp = 1\nsteps = [{V_lp=1}]", "steps[0].t: is missing, expected a time such as"),
+    ("V_lp = 1\nsteps = [{t=0, V_lp=1}]", "steps[0].t: 0 s must be > 0, expected a time"),
+    ("V_lp = 1\nsteps = [{t=1, V_lp='1 m'}]", "steps[0].V_lp: '1 m' is a length, expected a speed"),
+    ("V_lp = 1\nsteps = [{t=1, V_lp=1, ramp='1 m'}]", "steps[0].ramp: '1 m' is a length, expected"),
+    ("V_lp = 1\nsteps = [{t=1, hold=1, V_lp=1}]", "steps[0].V_lp: is given beside hold, which is"),
+    ("V_lp = 1\nsteps = [{t=1, hodl=1}]", "steps[0].hodl: unknown key, * did you mean hold?"),
+    (
+        "V_lp = 1\nsteps = [{t=2, hold=2}, {t=3, V_lp=1}, {t=1, V_lp=1}, {t=9, V_lp=1}]",
+        "steps[1]: 3.0 s must come after t = 4.0 s, where the history has come to",
+    ),
+    ("V_lp = 1\nsinusoid = 3", "sinusoid: 3 is no table, expected such as { amplitude"),
+    ("V_lp = 1\nsinusoid = {}", "sinusoid.amplitude: is missing, expected a speed"),
+    ("V_lp = 1\nsinusoid = {amplitude=1}", "sinusoid.period: is missing, expected a period such"),
+    ("V_lp = 1\nsinusoid = {amplitude=1, period=1, frequency=1}", "sinusoid.period: twice, expect"),
+    (
+        "V_lp = 1\nsinusoid = {amplitude=2, period=1}",
+        "sinusoid: amplitude = 2 m/s is more than V_lp",
+    ),
+    ("V_lp = 1\nsinusoid = {amplitude=1, period=1e-9}", "sinusoid: 10 s are 1e+10 periods"),
+    ("V_lp = 1\nsinusoid = {amplitude=1, phase=1}", "sinusoid.phase: unknown key, expected one of"),
+    ("sinusoid = {amplitude=1, period=1}", "V_lp: is missing, expected a speed"),
+    ("V_lp = 1\nsteps = [{t=1, V_lp=1}]\nt = [1]", "* has steps and t, expected no more than one"),
+    ("t = [0, 1]", "V_lp: is missing, expected a list of as many speeds as t has"),
+    ("t = [0, 1]\nV_lp = 1", "V_lp: 1 is no list, expected as many values in V_lp as in t"),
+    ("t = [0, 1]\nV_lp = [1, 2, 3]", "t: has 2 and V_lp 3 values; a series needs as many"),
+    ("t = [0, 1, 0.5]\nV_lp = [1, 2, 3]", "t: t[2] = 0.5 s is less than t[1] = 1.0 s"),
+    ('t = [0, 20]\nV_lp = [1, "2 mm"]', "V_lp[1]: '2 mm' is a length, expected a speed"),
+    (
+        "columns = [1, 2]\nV_lp = 1",
+        "columns: is given without file, expected beside one such as file = 'record.csv'",
+    ),
+    ("", "V_lp: is missing, expected a speed such as '3.2 mm/s'"),
+]
+
+
+@pytest.mark.parametrize(("table", "line"), LOADINGS)
+def test_bad_loadings(told, table, line):
+    lines = told(f"[loading]\n{table}\n{RUN}")
+    beginning = ".*".join(map(re.escape, f"[loading] {line}".split(" * ")))
+    assert any(re.match(beginning.replace(r"\ \*", ".*"), found) for found in lines), lines
+
+
+RUNS = [
+    ("t_end = 10\nV_start = 0", "V_start: 0 m/s must be > 0, expected a speed"),
+    ("t_end = [1, 2]", "t_end: a list of 2 makes an axis, expected in [sweep]"),
+    ("t_end = 1e18", None),
+    ("t_end = 1e300", "t_end: 1e+300 is beyond any usual size, 1e-20 to 1e+18 s, expected a time"),
+    ("t_end = inf", "t_end: inf s must be finite, expected a time"),
+    ("t_end = 1\ntimes = 'often'", "times: 'often' is not a number with a unit, expected a time"),
+    (
+        "t_end = 1\ntimes = [2]",
+        "times: reach 2 s, beyond t_end = 1 s; extend t_end or drop the later",
+    ),
+    (
+        "t_end = 1\nrtol = 1",
+        "rtol: 1.0 is out of range, expected one number from 1e-13 to 0.1 such",
+    ),
+    ("t_end = 1\nmethod = 'euler'", "method: 'euler' is unknown, expected one of rodas5p"),
+    (
+        "t_end = 1\ndt = 1e-4",
+        "dt: 0.0001: rodas5p chooses its steps itself; leave dt out, expected",
+    ),
+    ("t_end = 1\nmethod = 'im2017'", "dt: im2017 needs a time step"),
+    ("t_end = 1\nmethod = 'im2017'\ndt = 1", "dt: 1 s is 548/omega"),
+    (
+        "t_end = 1e9\nmethod = 'im2017'\ndt = 1e-4",
+        "dt: 0.0001 s makes 1e+13 steps up to t_end, more",
+    ),
+    (
+        "t_end = 1\nmethod = 'im2017_euler'\ndt = 1e-5",
+        "method: im2017_euler is for law='aging'",
+    ),
+    ("t_end = 1\ninitial = 3", "initial: 3 is no table, expected one such as { theta = '10 s' }"),
+    ("t_end = 1\ninitial = { mu = 1 }", "initial.mu: unknown key, expected one of V, theta, tau"),
+    ("t_end = 1\ninitial = { V = '1 s' }", "initial.V: '1 s' is a time, expected a speed"),
+    ("t_end = 1\nverb = 'run'", "verb: 'run' is unknown, expected one of limit_cycle, simulate"),
+    ("t_end = 1\nV_lp = 3", "V_lp: stands in the wrong table, expected in [loading] or [sweep]"),
+    ("", "t_end: is missing, expected a time such as '10 s'"),
+]
+
+
+@pytest.mark.parametrize(("table", "line"), RUNS)
+def test_bad_runs(told, read, table, line):
+    text = f"[loading]\nV_lp = 1e-3\n[run]\n{table}"
+    if line is None:
+        assert read(text).settings["t_end"] == 1e18
+        return
+    (found,) = told(text)
+    assert found.startswith(f"[run] {line}")
+
+
+def test_settings_of_a_run(read):
+    text = """
+        [loading]
+        V_lp = 0
+        [run]
+        t_end = "1 min"
+        V_start = "1 um/s"
+        initial = { theta = "10 s", tau = "1.2 MPa" }
+        times = [0.5, "1 s"]
+        rtol = 1e-5
+        method = "im2017"
+        dt = "0.1 ms"
+        [output]
+        file = "x.zarr"
+        plot = "x.PNG"
+    """
+    scenario = read(text)
+    settings = dict(scenario.settings)
+    assert settings.pop("times").tolist() == [0.5, 1]
+    assert same(settings.pop("loading"), Loading.constant(0))
+    assert settings == {
+        "t_end": 60,
+        "V_start": 1e-6,
+        "initial": {"theta": 10, "tau": 1.2e6},
+        "rtol": 1e-5,
+        "method": "im2017",
+        "dt": 1e-4,
+    }
+    assert (scenario.output.file.name, scenario.output.plot.name) == ("x.zarr", "x.PNG")
+
+
+def test_initial_values_that_clash(told):
+    slider = SLIDER.replace("M = 3000", "M = 0")
+    text = "[loading]\nV_lp = 1\n[run]\nt_end = 1\ninitial = { V = 1, theta = 1, tau = 1 }"
+    (line,) = told(text, slider=slider)
+    assert line.startswith("[run] initial: initial V, theta and tau do not agree: without inertia")
+
+
+@pytest.mark.parametrize(
+    ("table", "line"),
+    [
+        ("file = 3", "file: 3 is no text, expected a file that ends in .nc or .csv or .zarr, such"),
+        ('file = "x"', "file: 'x' ends otherwise, expected"),
+        ('file = "x.png"', "file: 'x.png' ends otherwise, expected"),
+        (
+            'plot = "x.svg"',
+            "plot: 'x.svg' ends otherwise, expected a file that ends in .png or .pdf",
+        ),
+        ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder, expected"),
+        ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be a file's name, expected"),
+        (
+            'flie = "x.nc"',
+            "flie: unknown key, expected one of file, plot such as file = 'out.nc'; did",
+        ),
+    ],
+)
+def test_bad_outputs(told, table, line):
+    (found,) = told(f"[loading]\nV_lp = 1\n{RUN}[output]\n{table}")
+    assert found.startswith(f"[output] {line}")
+
+
+def test_a_sweep_over_the_last_speed(read):
+    text = "[loading]\nV_lp = 1\nsteps = [{t=1, V_lp=9}, {t=2, hold=1}]\n" + RUN
+    sweep = '[sweep]\nverb = "simulate"\nV_lp = [2, 3]'
+    loading = read(text + sweep).settings["loading"]
+    assert loading.V.dims == ("V_lp", "segment")
+    assert loading.V.values.tolist() == [[1, 2, 0, 2], [1, 3, 0, 3]]
+    sine = read("[loading]\nV_lp = 1\nsinusoid = {amplitude=1, period=5}\n" + RUN + sweep)
+    assert sine.settings["loading"].sine.V_lp.values.tolist() == [2, 3]
+
+
+def test_the_tables_of_a_sweep_come_before_the_others(read):
+    text = "[loading]\nV_lp = 1\n[run]\nt_end = 10\nrtol = 1e-3\n[sweep]\nverb = 'simulate'\n"
+    settings = read(text + "t_end = 5\nrtol = 1e-4\nM = [1, 2]").settings
+    assert (settings["t_end"], settings["rtol"]) == (5, 1e-4)
+
+
+def test_sweeps_that_a_loading_cannot_have(told):
+    record = "[loading]\nt = [0, 20]\nV_lp = [1, 1]\n"
+    (line,) = told(f"{record}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
+    assert line.startswith("[sweep] V_lp: cannot stand for the speeds of a record, expected")
+    steps = "[loading]\nsteps = [{t=1, V_lp=1}]\n"
+    (line,) = told(f"{steps}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
+    assert line.startswith("[loading] V_lp: is missing, expected a speed")
+    sine = "[loading]\nV_lp = 3\nsinusoid = {amplitude=2, period=1}\n"
+    (line,) = told(f"{sine}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
+    assert line.startswith("[loading] sinusoid: amplitude = 2 m/s is more than V_lp = 1 m/s")
+
+
+def test_another_verb_may_be_asked(read, told):
+    text = "[loading]\nV_lp = 1e-3\nsteps = [{t=1, V_lp=3.2e-3}]\n[run]\nt_end = 3\nrtol = 1e-3\n"
+    assert read(text).verb == "simulate"
+    for verb in ("limit_cycle", "stability"):
+        scenario = read(text, verb)
+        assert (scenario.verb, scenario.settings) == (verb, {"V_lp": 3.2e-3})
+    sweep = "[sweep]\nverb = 'limit_cycle'\nrtol = 1e-9\nM = [1, 2]"
+    assert read(text + sweep).settings == {"V_lp": 3.2e-3, "rtol": 1e-9}
+    assert read(text + sweep, "stability").settings == {"V_lp": 3.2e-3}
+    simulated = read(text + sweep, "simulate")
+    assert simulated.settings.keys() == {"loading", "t_end"}  # both tolerances are of other verbs
+    assert simulated.slider.M.sizes == {"M": 2}
+    lines = told(sweep, "simulate")
+    assert lines == [
+        "[sweep] V_lp: is missing, expected a speed such as '3.2 mm/s'",
+        "[sweep] t_end: is missing, expected a time such as '10 s'",
+    ]
+    with pytest.raises(ParameterError, match="'hopf' is unknown, expected one of limit_cycle"):
+        read(text, "hopf")
+
+
+def test_a_verb_for_one_case(read, told):
+    text = "[loading]\nV_lp = 1e-3\n[run]\nverb = 'limit_cycle'\nrtol = 1e-9\n"
+    scenario = read(text)
+    assert (scenario.verb, scenario.settings) == ("limit_cycle", {"V_lp": 1e-3, "rtol": 1e-9})
+    lines = told(text + "[sweep]\nverb = 'stability'\nM = [1, 2]")
+    assert lines == [
+        "[sweep] verb: 'stability' is not that of [run], expected one such as 'limit_cycle'"
+    ]
+    (line,) = told(text.replace("1e-9", "1"))
+    assert line.startswith("[run] rtol: 1.0 is out of range, expected one number from 1e-12 to")
+
+
+def test_an_unknown_verb_leaves_nothing_else_missing(told):
+    table = '[sweep]\nverb = "cycle"\nV_lp = ["1 um/s", "1 mm/s"]\nK = { from = "1 MPa/m" }\n'
+    slider = "\n".join(line for line in SLIDER.splitlines() if not line.startswith("K ")) + "\n"
+    lines = told(table, slider=slider)
+    assert [line.partition(": ")[0] for line in lines] == [
+        "[sweep] verb",
+        "[sweep] K.to",
+        "[sweep] K.n",
+    ]
+
+
+@pytest.mark.parametrize("verb", ["limit_cycle", "stability"])
+@pytest.mark.parametrize(
+    ("table", "place"),
+    [
+        ("V_lp = 0", "V_lp"),
+        ("V_lp = 1\nsteps = [{t=1, V_lp=1}, {t=2, V_lp=0}]", "steps[1].V_lp"),
+        ("t = [0, 1]\nV_lp = [1, 0]", "V_lp"),
+    ],
+)
+def test_no_cycle_at_rest(told, verb, table, place):
+    (line,) = told(f"[loading]\n{table}", verb)
+    assert line == (
+        f"[loading] {place}: 0 m/s, a loading that ends at rest, has no {verb}, "
+        f"expected a speed such as '3.2 mm/s'"
+    )
+
+
+def test_a_branch(read, told):
+    sweep = '[sweep]\nverb = "continue_cycle"\nV_lp = "3 mm/s"\nK = { from = 7e8, to = 3e8 }'
+    scenario = read(sweep)
+    assert scenario.verb == "continue_cycle"
+    assert scenario.settings == {"parameter": "K", "start": 7e8, "stop": 3e8, "V_lp": 3e-3}
+    branch = '[sweep]\nverb = "continue_cycle"\n'
+    along = read(f"{branch}rtol = 1e-6\nV_lp = {{ from = 1e-3, to = 5e-3 }}")
+    assert along.settings.keys() == {"parameter", "start", "stop", "rtol"}
+    for table, line in [
+        ("V_lp = 1", "[sweep]: nothing between two ends, expected one such as K = { from"),
+        (
+            "V_lp = {from=1, to=2}\nK = {from=1, to=2}",
+            "[sweep]: V_lp and K between two ends, expec",
+        ),
+        ("V_lp = {from=1, to=2, n=3}", "[sweep] V_lp: 'n': a branch chooses its points itself"),
+        ("V_lp = {from=1}", "[sweep] V_lp.to: is missing, expected a speed such as"),
+        ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = stop = 1.0: nothing to follow"),
+        ("mu0 = {from=1, to=2}\nV_lp = 1", "[sweep] mu0: cannot be followed, expected one of V_lp"),
+        ("K = {from=1, to=2}", "[sweep] V_lp: is missing, expected a speed"),
+        ("V_lp = {from=1, to=2}\nrtol = 1", "[sweep] rtol: 1.0 is out of range, expected one"),
+    ]:
+        lines = told(branch + table)
+        assert any(found.startswith(line) for found in lines), lines
+
+
+def test_a_rigid_spring_cannot_rest(told, read):
+    slider = SLIDER.replace('"900 MPa/m"', "inf")
+    steps = "[loading]\nV_lp = 1e-3\nsteps = [{t=5, hold=1}]\n[run]\nt_end = "
+    (line,) = told(f"{steps}10", slider=slider)
+    assert line.startswith(
+        "[slider] K: inf moves the slider with the load point, which comes to re"
+    )
+    assert read(f"{steps}4", slider=slider).verb == "simulate"
+    with pytest.raises(ParameterError, match="K = inf"):  # as the verb itself would say
+        rs.simulate(rs.SpringSlider(a=1, b=1, Dc=1, sigma=1, K=np.inf), Loading.steps(1, (1, 0)), 2)
+
+
+def test_bounds(told, folder):
+    keys = "\n".join(f"k{i} = 1" for i in range(5000))
+    assert len(told(f"[loading]\nV_lp = 1\n[run]\nt_end = 1\n{keys}")) == 1
+    many = ", ".join(["{ t = 1, V_lp = 1 }"] * 1001)
+    (line,) = told(f"[loading]\nV_lp = 1\nsteps = [{many}]\n{RUN}")
+    assert "a list of 1001 is no list of 1 to 1000 steps" in line
+    path = folder / "large.toml"
+    with path.open("wb") as file:
+        file.truncate(10**8)
+    with pytest.raises(
+        ParameterError, match=r"it has 100000000 bytes, more than 10000000 \(long .*\), expected"
+    ):
+        load(path)
+    path.write_text("a" + ".a" * 100_000 + " = 1")
+    with pytest.raises(ParameterError, match="line 1 has a key of more than 50 parts, expected"):
+        load(path)
+    with pytest.raises(ParameterError, match="cannot be read: it is no file, expected"):
+        load("/dev/zero")
+    with pytest.raises(ParameterError, match="cannot be read: no such name, expected"):
+        load("a\0b")
+
+
+def test_no_more_than_a_hundred_problems_are_told(folder):
+    path = folder / "many.toml"
+    path.write_text("[slider]\n" + "\n".join(f"k{i} = 1" for i in range(500)))
+    with pytest.raises(ParameterError) as caught:
+        load(path)
+    lines = str(caught.value).splitlines()
+    assert len(lines) == 102
+    assert lines[-1] == "and 407 problems more"  # of 500 keys, and 7 that are missing
+
+
+def test_run_does_it(read, folder):
+    shutil.rmtree(folder / "none", ignore_errors=True)
+    result = run(read("[loading]\nV_lp = 3.2e-3\n[run]\nt_end = 0.1\nV_start = 1e-3"))
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3000)
+    expected = rs.simulate(slider, Loading.constant(3.2e-3), 0.1, V_start=1e-3)
+    assert result.identical(expected)

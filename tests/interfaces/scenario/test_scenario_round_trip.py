@@ -1,0 +1,517 @@
+"""Scenario to text to scenario, to Python, to result and back: always the same bits."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import ratestate as rs
+from ratestate import Loading, ParameterError, SpringSlider, files
+from ratestate.interfaces.scenario import Output, Scenario, from_result, load, python, run, toml
+from ratestate.interfaces.scenario.sizes import USUAL
+from ratestate.interfaces.scenario.words import quantity
+from ratestate.model.loading.written import events_of, rows_of
+from ratestate.model.quantities import QUANTITIES
+from ratestate.model.units import is_array, to_si
+
+SLIDER = SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3000)
+
+
+@pytest.fixture(scope="module")
+def again(tmp_path_factory):
+    """A scenario, written to a file and read."""
+    path = tmp_path_factory.mktemp("again") / "it.toml"
+
+    def again(scenario):
+        path.write_text(toml(scenario), "utf-8")
+        return load(path)
+
+    return again
+
+
+def executed(scenario):
+    """The result of a scenario's Python lines."""
+    there: dict = {}
+    exec(python(scenario), there)
+    return there["result"]
+
+
+def alike(x, y):
+    """Whether two settings have the same bits."""
+    if isinstance(x, Loading):
+        return all(
+            alike(getattr(x, name), getattr(y, name)) for name in ("t", "V", "rate", "t_last")
+        )
+    if is_array(x) or is_array(y):
+        return is_array(x) and is_array(y) and x.equals(y)
+    if isinstance(x, np.ndarray):
+        return np.array_equal(x, y)
+    return x == y
+
+
+def check(one, other):
+    """Check that two scenarios are the same."""
+    assert (one.verb, one.slider, one.output) == (other.verb, other.slider, other.output)
+    assert one.settings.keys() == other.settings.keys()
+    for key, value in one.settings.items():
+        assert alike(value, other.settings[key]), key
+
+
+positive = st.floats(1e-30, 1e30)
+speeds = st.one_of(st.just(0.0), st.floats(1e-20, 1e3))
+times = st.floats(1e-9, 1e9)
+
+
+def usual(symbol):
+    """Any size that a file takes."""
+    low, high = USUAL.get(symbol) or USUAL[QUANTITIES[symbol].unit]
+    return st.floats(low or 1e-12, high)
+
+
+def axes(symbol):
+    """A parameter: one value, a list, or an axis with even spacing."""
+    one = usual(symbol)
+    values = st.lists(one, min_size=1, max_size=5).map(
+        lambda found: xr.DataArray(found, dims=symbol)
+    )
+    even = st.tuples(one, one, st.integers(2, 9)).map(lambda ends: rs.logspace(symbol, *ends))
+    return st.one_of(one, one, values, even)
+
+
+sliders = st.builds(
+    SpringSlider,
+    a=axes("a"),
+    b=st.one_of(st.floats(-1e2, 1e2), axes("b")),
+    Dc=axes("Dc"),
+    sigma=axes("sigma"),
+    K=st.one_of(st.just(math.inf), axes("K")),
+    M=st.one_of(st.just(0.0), axes("M")),
+    mu0=usual("mu0"),
+    V0=usual("V0"),
+    law=st.sampled_from(["slip", "aging"]),
+)
+
+
+@st.composite
+def events(draw, last=speeds):
+    """Steps, holds and ramps, some where the last one ends."""
+    loading = Loading.constant(draw(speeds))
+    for _ in range(draw(st.integers(0, 6))):
+        t = float(loading.t[-1])
+        if not loading.returns or draw(st.booleans()):
+            t = (t + draw(times)) * (1 + 1e-9)
+        kind = draw(st.sampled_from(["step", "hold", "ramp"]))
+        lasting = max(draw(times), 1e-9 * t)
+        given_ = {"step": [draw(speeds)], "hold": [lasting], "ramp": [draw(speeds), lasting]}
+        loading = getattr(loading, kind)(t, *given_[kind])
+    return loading
+
+
+@st.composite
+def records(draw):
+    """Rows with jumps."""
+    t, V = [0.0], [draw(speeds)]
+    for _ in range(draw(st.integers(1, 8))):
+        if len(t) > 1 and draw(st.booleans()):
+            t.append(t[-1])
+            V.append(draw(speeds))
+        t.append((t[-1] + draw(times)) * (1 + 1e-9))
+        V.append(draw(speeds))
+    return Loading.series(t, V)
+
+
+sinusoids = st.builds(
+    lambda V_lp, share, period, turns: Loading.sinusoid(
+        V_lp, share * V_lp, period=period, t_end=turns * period
+    ),
+    st.floats(1e-12, 1e3),
+    st.just(0.0) | st.floats(1e-9, 1),
+    times,
+    st.floats(0.01, 5),
+)
+
+
+@st.composite
+def simulations(draw):
+    loading = draw(st.one_of(events(), records(), sinusoids))
+    t_end = loading.t_last if np.isfinite(loading.t_last) else draw(st.floats(1e-3, 1e9))
+    chosen = {"loading": loading, "t_end": t_end, "V_start": draw(usual("V_start"))}
+    more = {
+        "initial": st.fixed_dictionaries({"V": usual("V")}, optional={"theta": usual("theta")}),
+        "times": st.one_of(
+            st.lists(st.just(0.0) | st.floats(1e-3 * t_end, t_end), min_size=1, unique=True)
+            .map(sorted)
+            .map(np.array),
+            st.just(np.linspace(0, t_end, 7)),
+        ),
+        "rtol": st.floats(1e-13, 0.1),
+        "method": st.just("rodas5p"),
+    }
+    for key in draw(st.sets(st.sampled_from([*more]))):
+        chosen[key] = draw(more[key])
+    slider = draw(sliders)
+    if np.isinf(slider.K).any():
+        slider = slider.replace(K=1.0)
+    if np.equal(slider.M, 0).any() and "initial" in chosen:
+        del chosen["initial"]
+    return Scenario("simulate", slider, chosen)
+
+
+@st.composite
+def others(draw):
+    verb = draw(st.sampled_from(["limit_cycle", "stability"]))
+    chosen = {"V_lp": to_si("V_lp", draw(axes("V_lp")))}
+    if verb == "limit_cycle" and draw(st.booleans()):
+        chosen["rtol"] = draw(st.floats(1e-12, 1e-2))
+    return Scenario(verb, draw(sliders), chosen, Output())
+
+
+unhurried = settings(deadline=None, max_examples=20, suppress_health_check=list(HealthCheck))
+
+
+@unhurried
+@given(st.one_of(simulations(), others()))
+def test_text_and_back(again, scenario):
+    check(again(scenario), scenario)
+
+
+@unhurried
+@given(st.sampled_from(["Dc", "sigma", "K", "V_lp", "t_end", "M", "a", "dt"]), positive)
+def test_quantities(symbol, x):
+    text = quantity(symbol, x)
+    assert to_si(symbol, eval(text)) == x
+    assert len(text) < 40 or not 1e-30 < x < 1e30
+
+
+@pytest.mark.parametrize(
+    ("symbol", "x", "text"),
+    [
+        ("Dc", 1e-5, '"10 um"'),
+        ("sigma", 2e6, '"2 MPa"'),
+        ("K", 9e8, '"900 MPa/m"'),
+        ("K", math.inf, "inf"),
+        ("V_lp", 3.2e-3, '"3.2 mm/s"'),
+        ("V0", 1e-9, '"1 nm/s"'),
+        ("V_lp", 1e-15, '"1e-15 m/s"'),
+        ("V_lp", 0.0, '"0 m/s"'),
+        ("M", 3000.0, '"3000 kg/m^2"'),
+        ("t_end", 3600.0, '"3600 s"'),
+        ("a", 0.003, "0.003"),
+        ("Dc", 1 / 3, '"333.3333333333333 mm"'),
+    ],
+)
+def test_quantities_read_well(symbol, x, text):
+    assert quantity(symbol, x) == text
+
+
+@unhurried
+@given(events())
+def test_events_and_back(loading):
+    start, found = events_of(loading)
+    built = Loading.constant(start)
+    for event in found:
+        built = getattr(built, event.kind)(*(x for x in event[1:] if x is not None))
+    assert alike(built, loading)
+
+
+@unhurried
+@given(records())
+def test_rows_and_back(loading):
+    assert alike(Loading.series(*rows_of(loading)), loading)
+
+
+SCENARIOS = {
+    "steps": Scenario(
+        "simulate", SLIDER, {"loading": Loading.steps(1e-4, (1, 3.2e-3)), "t_end": 2.0}
+    ),
+    "holds, ramps": Scenario(
+        "simulate",
+        SLIDER.replace(M=0, law="aging", K=np.inf, V0=1e-9),
+        {
+            "loading": Loading.constant(1e-4).ramp(1, 1e-3, 0.5).step(1.5, 2e-3).step(2, 1e-3),
+            "t_end": 3.0,
+            "V_start": 1e-5,
+        },
+    ),
+    "sinusoid": Scenario(
+        "simulate",
+        SLIDER,
+        {"loading": Loading.sinusoid(1e-3, 1e-4, frequency=3, t_end=1), "t_end": 1.0, "rtol": 1e-5},
+    ),
+    "record": Scenario(
+        "simulate",
+        SLIDER,
+        {
+            "loading": Loading.series([0, 0.3, 0.3, 1], [1e-3, 1e-3, 0, 2e-3]),
+            "t_end": 0.9,
+            "initial": {"theta": 1.0, "tau": 1.1e6},
+            "times": np.array([0.1, 0.5]),
+        },
+    ),
+    "long record": Scenario(
+        "simulate",
+        SLIDER,
+        {
+            "loading": Loading.series(np.linspace(0, 1, 1500), np.linspace(1e-3, 2e-3, 1500) ** 2),
+            "t_end": 1.0,
+        },
+    ),
+    "im2017": Scenario(
+        "simulate",
+        SLIDER,
+        {"loading": Loading.constant(1e-3), "t_end": 0.1, "method": "im2017", "dt": 1e-4},
+    ),
+    "sweep": Scenario(
+        "simulate",
+        SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3)),
+        {
+            "loading": Loading.steps(
+                1e-4, (0.1, to_si("V_lp", rs.logspace("V_lp", 1e-3, 1e-2, 2)))
+            ),
+            "t_end": 0.2,
+        },
+    ),
+    "sweep with times": Scenario(
+        "simulate",
+        SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3)),
+        {"loading": Loading.constant(1e-3), "t_end": 0.2, "times": np.linspace(0, 0.2, 5)},
+    ),
+    "sweep over t_end": Scenario(
+        "simulate",
+        SLIDER,
+        {
+            "loading": Loading.constant(1e-3),
+            "t_end": to_si("t_end", xr.DataArray([0.1, 0.2], dims="t_end")),
+            "V_start": to_si("V_start", xr.DataArray([1e-3, 2e-3, 3e-3], dims="V_start")),
+        },
+    ),
+    "sweep over a sinusoid": Scenario(
+        "simulate",
+        SLIDER,
+        {
+            "loading": Loading.sinusoid(
+                to_si("V_lp", xr.DataArray([1e-3, 2e-3], dims="V_lp")), 1e-4, period=1, t_end=0.3
+            ),
+            "t_end": 0.3,
+        },
+    ),
+    "cycle": Scenario("limit_cycle", SLIDER, {"V_lp": 5e-3, "rtol": 1e-7}),
+    "cycles": Scenario(
+        "limit_cycle",
+        SLIDER.replace(law="aging", M=rs.logspace("M", 1e3, 1e4, 2)),
+        {"V_lp": to_si("V_lp", rs.logspace("V_lp", 1e-3, 1e-2, 3))},
+    ),
+    "stability": Scenario("stability", SLIDER.replace(K=rs.logspace("K", 1, 2, 2)), {"V_lp": 1.0}),
+    "many": Scenario(
+        "stability", SLIDER.replace(K=rs.logspace("K", 1e8, 1e9, 1500)), {"V_lp": 1e-3}
+    ),
+    "branch": Scenario(
+        "continue_cycle",
+        SLIDER,
+        {"parameter": "V_lp", "start": 4e-3, "stop": 5e-3, "rtol": 1e-5},
+    ),
+    "branch in K": Scenario(
+        "continue_cycle",
+        SLIDER,
+        {"parameter": "K", "start": 8.5e8, "stop": 8e8, "V_lp": 3.2e-3, "rtol": 1e-5},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_result_and_back(name, again, tmp_path):
+    scenario = SCENARIOS[name]
+    result = run(scenario)
+    check(from_result(result), scenario)
+    kept = tmp_path / "kept.nc"
+    files.write(result, kept)
+    check(from_result(files.read(kept)), scenario)
+    check(again(scenario), scenario)
+    assert run(again(from_result(result))).identical(result)
+    assert executed(scenario).identical(result)
+
+
+def test_of_a_sweep_that_was_cut(again):
+    whole = run(SCENARIOS["cycles"])
+    part = whole.sel(M=1e4).isel(V_lp=[0, 2])
+    scenario = from_result(part)
+    assert scenario.slider.M == 1e4
+    assert scenario.settings["V_lp"].values.tolist() == [1e-3, 1e-2]
+    for name, found in run(again(scenario)).data_vars.items():
+        np.testing.assert_array_equal(found, part[name])
+
+
+def test_of_a_sweep_in_a_store(tmp_path):
+    scenario = SCENARIOS["cycles"]
+    kept = rs.sweep(
+        "limit_cycle",
+        scenario.slider,
+        **scenario.settings,
+        store=tmp_path / "x.zarr",
+        progress=False,
+    )
+    check(from_result(kept), scenario)
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda r: None, "NoneType is no result; give a Dataset as a verb"),
+        (lambda r: r.drop_attrs(), "the result's title is '', which is no verb's"),
+        (lambda r: r.assign_attrs(title="ratestate figures"), "'ratestate figures', which is no"),
+        (
+            lambda r: r.assign_attrs(slider="{"),
+            "the attribute 'slider' of the Dataset is '{', expected JSON",
+        ),
+        (
+            lambda r: r.assign_attrs(loading="3"),
+            "attribute 'loading' of the Dataset is '3', expected a JSON dict",
+        ),
+        (
+            lambda r: r.assign_attrs(slider='{"a": -1}'),
+            "lacks, or has beside what it should, Dc, K, M",
+        ),
+        (lambda r: r.isel(V_lp=0), "holds 1 of 2 cases along 'V_lp', and does not say which"),
+    ],
+)
+def test_results_that_tell_too_little(damage, message):
+    with pytest.raises(ParameterError) as caught:
+        from_result(damage(run(SCENARIOS["sweep"])))
+    assert message in str(caught.value)
+
+
+SAMPLE = xr.DataArray([1e3, 2e3], dims="sample")
+
+
+@pytest.mark.parametrize(
+    ("slider", "changes", "message"),
+    [
+        (SLIDER.replace(M=SAMPLE), {}, "M lies along sample: a scenario file can sweep"),
+        (
+            SLIDER,
+            {"loading": Loading.steps(xr.DataArray([1, 2.0], dims="V_lp"), (1, 1.0))},
+            "a scenario file can sweep none but the last speed",
+        ),
+        (SLIDER, {"initial": {"V": SAMPLE * 1e-6}}, "initial values cannot be swept"),
+        (
+            SLIDER,
+            {"loading": Loading.series([0, 9], [SAMPLE, 1])},
+            "the speeds of a record cannot be swept",
+        ),
+        (
+            SLIDER,
+            {"loading": Loading.sinusoid(2e3, SAMPLE, period=1, t_end=1)},
+            "the amplitude of a sinusoid cannot be swept",
+        ),
+    ],
+)
+def test_what_no_file_can_say_python_can(slider, changes, message):
+    chosen = {"loading": Loading.constant(1e-3), "t_end": 0.01} | changes
+    scenario = Scenario("simulate", slider, chosen)
+    with pytest.raises(ParameterError, match=message):
+        toml(scenario)
+    if "loading" not in changes:
+        assert executed(scenario).equals(run(scenario))
+
+
+def test_the_text_reads_well():
+    scenario = Scenario(
+        "simulate",
+        SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3)),
+        {
+            "loading": Loading.constant("1 mm/s").step(1, "3.2 mm/s").hold(2, 1).ramp(3, 0, 0.5),
+            "t_end": 10.0,
+            "initial": {"theta": 1.0},
+        },
+        Output(file=None, plot=None),
+    )
+    assert toml(scenario) == (
+        """\
+# To do this: ratestate sweep FILE.toml
+
+[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "2 MPa"
+K = "900 MPa/m"
+mu0 = 0.6
+V0 = "1 um/s"
+law = "slip"
+
+[loading]
+V_lp = "1 mm/s"
+steps = [
+    { t = "1 s", V_lp = "3.2 mm/s" },
+    { t = "2 s", hold = "1 s" },
+    { t = "3 s", V_lp = "0 m/s", ramp = "500 ms" },
+]
+
+[run]
+t_end = "10 s"
+initial = { theta = "1 s" }
+
+[sweep]
+verb = "simulate"
+M = { from = "100 kg/m^2", to = "10000 kg/m^2", n = 3, scale = "log" }
+"""
+    )
+    assert python(scenario) == (
+        """\
+import ratestate as rs
+
+slider = rs.SpringSlider(
+    a=0.003,
+    b=0.006,
+    Dc="10 um",
+    sigma="2 MPa",
+    K="900 MPa/m",
+    M=rs.logspace("M", "100 kg/m^2", "10000 kg/m^2", 3),
+    mu0=0.6,
+    V0="1 um/s",
+    law="slip",
+)
+loading = (
+    rs.Loading.constant("1 mm/s")
+    .step("1 s", "3.2 mm/s")
+    .hold("2 s", "1 s")
+    .ramp("3 s", "0 m/s", "500 ms")
+)
+result = rs.simulate(slider, loading, t_end="10 s", initial={"theta": "1 s"})
+"""
+    )
+
+
+def test_a_long_call_of_python_has_an_argument_a_line():
+    def lines(n):
+        steps = [(1.0 + i, 2e-3 + 1e-3 * i) for i in range(n)]
+        settings = {"loading": Loading.steps(1e-3, *steps), "t_end": 5.0}
+        return python(Scenario("simulate", SLIDER, settings))
+
+    two = 'rs.Loading.steps("1 mm/s", ("1 s", "2 mm/s"), ("2 s", "3 mm/s"))'
+    assert f"\nloading = {two}\n" in lines(2)
+    assert """
+loading = rs.Loading.steps(
+    "1 mm/s",
+    ("1 s", "2 mm/s"),
+    ("2 s", "3 mm/s"),
+    ("3 s", "4 mm/s"),
+)
+""" in lines(3)
+
+
+def test_many_rows_and_back():
+    """Jumps and ramps over twenty decades, whose ends have to be sought among neighbours."""
+    rng = np.random.default_rng(3)
+    for _ in range(400):
+        n = int(rng.integers(2, 12))
+        jumps = np.sort(rng.integers(1, n, rng.integers(0, n)))
+        t = np.concatenate([[0.0], np.cumsum(10 ** rng.uniform(-8, 8, n))])
+        rows = np.sort(np.concatenate([np.arange(n + 1), np.unique(jumps)]))
+        V = 10 ** rng.uniform(-18, 2, rows.size) * (rng.random(rows.size) > 0.2)
+        if (np.diff(t) > 0).all():
+            loading = Loading.series(t[rows], V)
+            assert alike(Loading.series(*rows_of(loading)), loading)

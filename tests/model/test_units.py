@@ -1,0 +1,286 @@
+"""Values come in through one door: all accepted forms give the same float, the rest is refused."""
+
+import re
+from decimal import Decimal
+
+import numpy as np
+import pint
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ratestate import ParameterError, logspace
+from ratestate.model.arrays import check_aligned
+from ratestate.model.quantities import KINDS, QUANTITIES, attrs, long_time
+from ratestate.model.units import _PREFIXES, _factor, _registry, to_si
+
+SPELLED = [
+    ("Dc", "10 um", 1e-05),
+    ("Dc", "10 µm", 1e-05),
+    ("Dc", "10um", 1e-05),
+    ("Dc", "0.01 mm", 1e-05),
+    ("Dc", "1e-2mm", 1e-05),
+    ("V_lp", "3.2 mm/s", 0.0032),
+    ("V_lp", " 0.1 mm/s ", 1e-4),
+    ("V_lp", "0.1 mm s-1", 1e-4),
+    ("V0", "1e-9 m/s", 1e-9),
+    ("V0", "30 um/s", 3e-05),
+    ("sigma", "2 MPa", 2e6),
+    ("sigma", "2e6", None),
+    ("sigma", "1 bar", 1e5),
+    ("K", "900 MPa/m", 9e8),
+    ("K", "0.96 GPa/m", 0.96e9),
+    ("K", "inf Pa/m", np.inf),
+    ("M", "3000 kg/m^2", 3000.0),
+    ("M", "3000 kg/m2", 3000.0),
+    ("M", "3000 kg m-2", 3000.0),
+    ("M", "0.3 g/mm**2", 300.0),
+    ("t_end", "1 day", 86400.0),
+    ("dt", "50 us", 5e-05),
+    ("a", "0.003", 0.003),
+    ("a", "0.3 %", 0.003),
+]
+
+
+@pytest.mark.parametrize(("symbol", "text", "si"), SPELLED)
+def test_strings_are_read_exactly(symbol, text, si):
+    if si is None:
+        with pytest.raises(ParameterError, match="has no unit; expected a stress"):
+            to_si(symbol, text)
+    else:
+        assert to_si(symbol, text) == si
+        assert type(to_si(symbol, text)) is float
+
+
+@pytest.mark.parametrize("registry", [pint.UnitRegistry(), pint.UnitRegistry(non_int_type=Decimal)])
+def test_quantities_of_any_registry(registry):
+    assert to_si("Dc", registry.Quantity(10, "um")) == 1e-05
+    assert to_si("Dc", registry.Quantity("10 um")) == 1e-05
+    assert to_si("K", registry.Quantity(900, "MPa") / registry.Quantity(1, "m")) == 9e8
+    with pytest.raises(ParameterError, match=re.escape("sigma = 3 meter is a length [m]")):
+        to_si("sigma", registry.Quantity(3, "m"))
+    with pytest.raises(ParameterError, match="dims='Dc'"):
+        to_si("Dc", registry.Quantity(np.array([1, 2]), "um"))
+
+
+@pytest.mark.parametrize("unit", [unit for unit in KINDS if unit[0] in "msPH"])
+@pytest.mark.parametrize("prefix", _PREFIXES)
+def test_units_read_without_pint_agree_with_pint(unit, prefix):
+    by_pint = _registry().Quantity(Decimal(1), prefix + unit).to(unit).magnitude
+    assert _factor(unit, prefix + unit) == by_pint
+
+
+def test_units_of_the_table_are_known_to_pint_and_so_are_its_examples():
+    for symbol, quantity in QUANTITIES.items():
+        assert (
+            _registry()
+            .Quantity(Decimal(1), quantity.unit)
+            .is_compatible_with(quantity.unit if quantity.unit != "1" else "dimensionless")
+        )
+        example = quantity.example or KINDS[quantity.unit][1]
+        assert to_si(symbol, example.strip("'")) > 0, symbol
+        assert attrs(symbol) == {"units": quantity.unit, "long_name": quantity.long_name}
+
+
+@pytest.mark.parametrize(
+    "value",
+    [3, 3.0, np.float64(3), np.float32(3), np.int16(3), np.array(3.0), Decimal(3), "3 kg/m^2"],
+)
+def test_scalars(value):
+    assert to_si("M", value) == 3.0
+    assert type(to_si("M", value)) is float
+
+
+REFUSED = [
+    (
+        "V_lp",
+        "3.2 mm",
+        "V_lp = '3.2 mm' is a length [m]; expected a speed [m/s] such as '3.2 mm/s'",
+    ),
+    ("V_lp", "3.2", "V_lp = '3.2' has no unit; expected a speed [m/s]"),
+    ("V_lp", "3.2 mn/s", "V_lp = '3.2 mn/s' has an unknown unit 'mn/s'; expected a speed"),
+    ("V_lp", "fast", "V_lp = 'fast' is not a number with a unit; expected a speed [m/s]"),
+    ("V_lp", "", "V_lp = '' is not a number with a unit"),
+    ("V_lp", "3.2 10 m/s", "unknown unit"),
+    ("V_lp", "-3.2 mm/s", "V_lp = '-3.2 mm/s' must be > 0; expected a speed [m/s] such as"),
+    ("V_lp", "nan mm/s", "V_lp = 'nan mm/s' is not a number"),
+    ("sigma", "5 degC", "sigma = '5 degC' is of dimension [temperature]; expected a stress [Pa]"),
+    ("sigma", "200 N", "sigma = '200 N' is of the whole contact, and to be divided by its area"),
+    ("K", "5 kN/mm", "K = '5 kN/mm' is of the whole contact, and to be divided by its area"),
+    ("M", "500 kg", "is of the whole contact, and to be divided by its area; expected a mass per"),
+    ("V_lp", "3 m^3/s", "V_lp = '3 m^3/s' is of dimension"),  # which no sheet gives
+    ("sigma", -2e6, "sigma = -2e+06 Pa must be > 0; expected a stress [Pa] such as '2 MPa'"),
+    ("sigma", 0, "sigma = 0 Pa must be > 0"),
+    ("sigma", np.inf, "sigma = inf Pa must be finite"),
+    ("sigma", "1e400 Pa", "sigma = '1e400 Pa' must be finite"),
+    ("sigma", 10**400, "sigma = inf Pa must be finite"),
+    ("Dc", np.nan, "Dc = nan m is not a number; expected a length [m] such as '10 um'"),
+    ("Dc", 0.0, "Dc = 0 m must be > 0"),
+    ("K", -1.0, "K = -1 Pa/m must be > 0; expected a stiffness [Pa/m]"),
+    ("a", 0, "a = 0 must be > 0; expected a pure number such as 0.003"),
+    ("a", "3 um", "a = '3 um' is a length [m]; expected a pure number such as 0.003"),
+    ("b", np.inf, "b = inf must be finite"),
+    (
+        "M",
+        -1,
+        "M = -1 kg/m^2 must be >= 0; expected a mass per area [kg/m^2] such as '3000",
+    ),
+    ("M", -1e-9, "M = -1e-09 kg/m^2 must be >= 0"),
+    ("M", -5e-324, "must be >= 0"),
+    ("Dc", -1e-9, "Dc = -1e-09 m must be > 0"),
+    ("M", True, "M = True is of type bool; expected a mass per area"),
+    ("M", np.True_, "is of type bool"),
+    ("M", None, "M = None is of type NoneType; expected a mass per area"),
+    ("M", 1j, "is of type complex"),
+    (
+        "M",
+        [1.0, 2.0],
+        "such as '3000 kg/m^2', or for many values xarray.DataArray(",
+    ),
+    ("M", np.ones(2), "or for many values xarray.DataArray(values, dims='M')"),
+    ("M", (1, 2), "xarray.DataArray(values, dims='M')"),
+    ("rtol", 0, "rtol = 0 must be > 0; expected a pure number such as 1e-6"),
+    ("t_end", -1, "t_end = -1 s must be > 0; expected a time [s] such as '10 s'"),
+]
+
+
+@pytest.mark.parametrize(("symbol", "value", "message"), REFUSED)
+def test_refused(symbol, value, message):
+    with pytest.raises(ParameterError, match=re.escape(message)) as error:
+        to_si(symbol, value)
+    assert str(error.value).startswith(f"{symbol} = ")
+    assert isinstance(error.value, ValueError)
+
+
+def test_label_and_bound_of_the_caller():
+    assert to_si("V_lp", 0, bound=">= 0") == 0
+    assert to_si("V_lp", 5e-324, bound="> 0") == 5e-324
+    with pytest.raises(ParameterError, match=re.escape("V_lp[3] = -1 m/s must be >= 0")):
+        to_si("V_lp", -1, label="V_lp[3]", bound=">= 0")
+
+
+def test_b_may_be_negative():
+    assert to_si("b", -0.001) == -0.001
+
+
+@given(st.floats(1e-12, 1e12), st.sampled_from(["nm", "um", "mm", "cm", "m", "km"]))
+def test_strings_are_correctly_rounded(x, unit):
+    power = {"nm": -9, "um": -6, "mm": -3, "cm": -2, "m": 0, "km": 3}[unit]
+    assert to_si("Dc", f"{x!r} {unit}") == float(Decimal(repr(x)).scaleb(power))
+
+
+def test_array_along_its_own_symbol_becomes_the_coordinate():
+    M = to_si("M", xr.DataArray([1, 2], dims="M"))
+    assert M.name == "M"
+    assert M.dtype == float
+    np.testing.assert_array_equal(M.coords["M"], [1.0, 2.0])
+    assert M.attrs == M.coords["M"].attrs == attrs("M")
+
+
+def test_array_in_other_units_is_converted_and_its_coordinate_with_it():
+    V = xr.DataArray([1.0, 3.2], dims="V_lp", attrs={"units": "mm/s"})
+    for given_V in (V, V.assign_coords(V_lp=V.values)):
+        si = to_si("V_lp", given_V)
+        np.testing.assert_array_equal(si, [0.001, 0.0032])
+        np.testing.assert_array_equal(si.coords["V_lp"], [0.001, 0.0032])
+    np.testing.assert_array_equal(to_si("V_lp", V.assign_coords(V_lp=[7, 8])).V_lp, [7, 8])
+    np.testing.assert_array_equal(
+        to_si("Dc", xr.DataArray([10.0], dims="x", attrs={"units": "um"})), 1e-5
+    )
+    np.testing.assert_array_equal(
+        to_si("sigma", xr.DataArray([2], dims="x", attrs={"units": "MPa"})), 2e6
+    )
+    with pytest.raises(
+        ParameterError,
+        match=re.escape("V_lp has the attribute units = 'mm', which is a length [m]; "),
+    ):
+        to_si("V_lp", V.assign_attrs(units="mm"))
+    assert V.attrs == {"units": "mm/s"}  # what the user holds is left alone
+
+
+def test_arrays_of_pint_and_without_dimensions():
+    registry = pint.UnitRegistry()
+    data = registry.Quantity(np.array([10.0, 20.0]), "um")
+    np.testing.assert_array_equal(to_si("Dc", xr.DataArray(data, dims="x")), [1e-5, 2e-5])
+    assert to_si("Dc", xr.DataArray(10, attrs={"units": "um"})) == 1e-5
+    assert type(to_si("Dc", xr.DataArray(10.0))) is float
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (
+            xr.DataArray([1.0, -2, -3], dims="M"),
+            "M = -2 kg/m^2 at M[1] must be >= 0; expected",
+        ),
+        (
+            xr.DataArray([1, np.nan], {"x": [5, 6]}, "x"),
+            "M = nan kg/m^2 at x[1] = 6 is not a ",
+        ),
+        (
+            xr.DataArray([[1, np.inf]], dims=("x", "y")),
+            "M = inf kg/m^2 at x[0], y[1] must be ",
+        ),
+        (xr.DataArray([1.0, 2.0]), "M has a dimension called 'dim_0', which cannot name a sweep"),
+        (xr.DataArray([1.0, 2.0], dims="time"), "M has a dimension called 'time'"),
+        (xr.DataArray([1.0, 2.0], dims="mode"), "M has a dimension called 'mode'"),
+        (xr.DataArray([True], dims="M"), "M is a DataArray of dtype bool; expected a mass"),
+        (xr.DataArray(["1 kg"], dims="M"), "M is a DataArray of dtype <U4"),
+        (xr.DataArray([], dims="M"), "M is a DataArray without values"),
+        (xr.DataArray(-1.0), "M = -1 kg/m^2 must be >= 0"),
+    ],
+)
+def test_arrays_refused(array, message):
+    with pytest.raises(ParameterError, match=re.escape(message)):
+        to_si("M", array)
+
+
+def test_logspace():
+    M = logspace("M", 100, "100000 kg/m^2", 4)
+    np.testing.assert_array_equal(M, [1e2, 1e3, 1e4, 1e5])
+    np.testing.assert_array_equal(M.M, M)
+    assert (M.name, M.dims, M.M.attrs) == ("M", ("M",), attrs("M"))
+    eta = logspace("eta", 0.01, 100, 3)  # an axis of what is not a parameter serves as well
+    np.testing.assert_allclose(to_si("V_lp", np.sqrt(eta)), [0.1, 1, 10], rtol=1e-15)
+    V = logspace("V_lp", 10**-3.8, 0.1, 13)
+    assert (V[0], V[-1], V.size) == (10**-3.8, 0.1, 13)
+    np.testing.assert_allclose(np.diff(np.log10(V)), 2.8 / 12, rtol=1e-13)
+    assert logspace("ratio", 0.5, 2, 3).sel(ratio=1).item() == 1
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (("M", 0, 1, 3), "M (start) = 0 kg/m^2 must be > 0"),
+        (("M", 1, "3 m", 3), "M (stop) = '3 m' is a length"),
+        (("K", 1, np.inf, 3), "K: start and stop must be finite"),
+        (("M", 1, 2, 1), "n = 1 must be an integer of at least 2"),
+        (("M", 1, 2, 3.0), "n = 3.0 must be an integer"),
+        (("ratio", "1 m", 2, 3), "ratio (start) = '1 m' is a length"),
+    ],
+)
+def test_logspace_refuses(call, message):
+    with pytest.raises(ParameterError, match=re.escape(message)):
+        logspace(*call)
+
+
+def test_check_aligned():
+    one, two = logspace("M", 1, 10, 3), logspace("M", 1, 20, 3)
+    check_aligned({"M": one, "K": one * 2, "sigma": 1.0, "a": logspace("a", 1e-3, 1e-2, 4)})
+    check_aligned({"M": one, "K": xr.DataArray([1, 2, 3], dims="M")})  # without a coordinate
+    with pytest.raises(ParameterError, match=r"M and K have different coordinates along .* 'M'"):
+        check_aligned({"a": 1.0, "M": one, "K": two})
+    with pytest.raises(ParameterError, match="M and K have 3 and 2 values along the dimension 'M'"):
+        check_aligned({"M": one, "K": one[:2]})
+    bare = xr.DataArray([1, 2, 3], dims="M")
+    with pytest.raises(ParameterError, match="M and K have different coordinates"):
+        check_aligned({"b": bare, "M": one, "K": two})
+
+
+def test_long_times_have_units_of_their_own():
+    day, year = 24 * 60 * 60, 365.25 * 24 * 60 * 60
+    assert long_time(7199.9) is None
+    assert long_time(7200.0) == long_time(1.99 * day) == ("hours", 3600.0)
+    assert long_time(2.0 * day) == long_time(1.99 * year) == ("days", day)
+    assert long_time(2.0 * year) == ("years", year)

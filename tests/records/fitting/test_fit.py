@@ -1,0 +1,394 @@
+"""The verb `fit`: what it finds in records of known truth, and what it refuses."""
+
+import json
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+import xarray
+from hypothesis import given, settings
+from synthetic_records import SLIDER, record
+
+import ratestate as rs
+from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.starts import unknowns_of
+
+T = np.concatenate([np.linspace(60.0, 99.0, 150), np.linspace(99.1, 130.0, 450)]) - 60.0
+EARLY_STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
+START = SLIDER.replace(a=0.005, b=0.005, Dc=5e-5, K=1e10)
+FREE = ("a", "b", "Dc", "K")
+LAWS = ("slip", "aging")
+
+
+def assert_finds(result, truth, names=FREE, within=4.0, least=0.0):
+    """Each estimate within so many standard errors of the truth, which are no wider than this."""
+    for name in names:
+        error = float(result.standard_error.sel(parameter=name))
+        value = getattr(truth, name)
+        assert least * abs(value) <= error < 0.2 * abs(value), name
+        assert abs(float(result[name]) - value) < within * error, name
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return record(SLIDER, EARLY_STEP, T)
+
+
+@pytest.fixture(scope="module")
+def noisy():
+    return record(SLIDER, EARLY_STEP, T, noise=2e-4, seed=4)
+
+
+@pytest.fixture(scope="module")
+def fitted(noisy):
+    return rs.fit(noisy, START)
+
+
+@given(
+    a=st.floats(0.003, 0.02),
+    ratio=st.floats(0.4, 1.8),
+    stiffness=st.floats(0.4, 6.0),
+    down=st.booleans(),
+    law=st.sampled_from(LAWS),
+    eta=st.sampled_from([0.0, 0.0, 0.3, 3.0]),
+)
+@settings(max_examples=25)
+def test_a_record_without_noise_gives_back_its_slider(a, ratio, stiffness, down, law, eta):
+    b, Dc, sigma = ratio * a, 1e-5, 2e7
+    V1, V2 = (1e-5, 1e-6) if down else (1e-6, 1e-5)
+    K = (max(ratio - 1.0, 0.0) * (1.0 + eta) + stiffness) * a * sigma / Dc
+    M = eta * a * sigma * Dc / 1e-10
+    truth = rs.SpringSlider(a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M, law=law)
+    step = 20e-5 / V1
+    loading = rs.Loading.steps(V1, (step, V2))
+    t = np.concatenate([np.linspace(0, step, 100, False), step + np.linspace(0, 20e-5 / V2, 400)])
+    start = truth.replace(a=0.6 * a, b=1.5 * b, Dc=3e-5, K=0.4 * K)
+    result = rs.fit(record(truth, loading, t), start)
+    for name in FREE:
+        assert float(result[name]) == pytest.approx(getattr(truth, name), rel=2e-5), name
+    assert float(result.rms) < 1e-7 * a
+    assert float(result.mu0) == pytest.approx(0.6, abs=1e-7)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_several_steps_are_fitted_together(law):
+    loading = EARLY_STEP.step(70.0, "1 um/s").step(120.0, "30 um/s")
+    t = np.concatenate([T, np.linspace(70.1, 140.0, 900)])
+    data = record(SLIDER, loading, t, noise=2e-4, law=law)
+    result = rs.fit(data, START, law=law)
+    assert_finds(result, SLIDER)
+    first = rs.fit(data.sel(time=slice(None, 69.9)), START, law=law)
+    assert (result.standard_error < first.standard_error).all()
+    loading = json.loads(result.attrs["loading"])
+    np.testing.assert_allclose(loading["V"], [1e-6, 1e-5, 1e-6, 3e-5], rtol=1e-6)
+    np.testing.assert_allclose(loading["t"], [0.0, 40.0, 70.0, 120.0], atol=1e-4)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_slide_hold_slide(law):
+    loading = rs.Loading.steps("10 um/s", (20.0, 0.0), (70.0, "10 um/s"), (90.0, 0.0))
+    loading = loading.step(590.0, "10 um/s")
+    t = np.concatenate([np.linspace(0, 588, 1177), np.linspace(588.1, 620, 320)])
+    data = record(SLIDER, loading, t, noise=2e-4, law=law)
+    assert_finds(rs.fit(data, START, law=law), SLIDER)
+
+
+def test_mass_is_found_where_it_shows():
+    truth = SLIDER.replace(M=2e11)
+    t = np.concatenate([T[:150], np.linspace(39.1, 70.0, 1500)])
+    data = record(truth, EARLY_STEP, t, noise=2e-4)
+    result = rs.fit(data, START.replace(M=1e10), free=(*FREE, "M"))
+    assert_finds(result, truth, (*FREE, "M"))
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_neglected_mass_is_a_bias_that_no_error_admits():
+    truth = SLIDER.replace(M=1.5e11)
+    data = record(truth, EARLY_STEP, T, noise=2e-4)
+    with_mass = rs.fit(data, START.replace(M=truth.M))
+    assert_finds(with_mass, truth)
+    without = rs.fit(data, START)
+    assert "inertia would lower chi-square" in without.warnings.item()
+    off = abs(float(without.a) - truth.a) / float(without.standard_error.sel(parameter="a"))
+    assert off > 5.0
+    assert float(without.log_likelihood) < float(with_mass.log_likelihood) - 30.0
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_a_start_out_of_steady_sliding_is_seen():
+    loading = rs.Loading.steps("4 um/s", (10.0, "1 um/s"), (50.0, "10 um/s"))
+    t = np.concatenate([T[:150], np.linspace(39.1, 80.0, 800)])
+    late = record(SLIDER, loading, t, noise=1e-4).sel(time=slice(11.0, None))
+    found = rs.fit(late, START)
+    assert_finds(found, SLIDER)
+    steady = rs.fit(late, START, start="steady")
+    assert float(found.log_likelihood) > float(steady.log_likelihood) + 30.0
+    # 1 s after the step down from 4 um/s
+    run = rs.simulate(SLIDER, loading, 11.0, times=[11.0])
+    assert float(found.V_start) == pytest.approx(float(run.V[0]), rel=0.2)
+    assert float(found.theta_start) == pytest.approx(float(run.theta[0]), rel=0.2)
+    # and where there is none, it makes no difference
+    sound = record(SLIDER, EARLY_STEP, T, noise=1e-4)
+    assert float(rs.fit(sound, START).Dc) == float(rs.fit(sound, START, start="steady").Dc)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+@pytest.mark.parametrize("trend", ["slip", "time"])
+def test_a_trend_is_told_from_the_step(clean, trend):
+    along = clean.delta_lp / 1e-3 if trend == "slip" else clean.time / 100.0
+    drifting = clean.assign(friction=clean.friction + 0.01 * along)
+    result = rs.fit(drifting, START, trend=trend)
+    # (the trend goes by the slider's slip, of which the record's load point is a little ahead)
+    assert float(result.Dc) == pytest.approx(1e-5, rel=5e-3)
+    expected = 10.0 if trend == "slip" else 1e-4
+    assert float(result[f"trend_{trend}"]) == pytest.approx(expected, rel=5e-3)
+    without = rs.fit(drifting, START, trend=None)
+    assert float(without.rms) > 10 * float(result.rms)
+
+
+def test_a_lag_of_the_record_is_found(clean):
+    late = clean.assign_coords(time=clean.time).copy()
+    late["friction"] = ("time", np.interp(T - 0.15, T, clean.friction))
+    noise = 1e-4 * np.random.default_rng(1).normal(size=T.size)
+    result = rs.fit(late.assign(friction=late.friction + noise), START, free=(*FREE, "lag"))
+    assert float(result.lag) == pytest.approx(0.15, abs=0.03)
+    assert float(result.lag) > 5 * float(result.standard_error.sel(parameter="lag"))
+
+
+def test_against_displacement_needs_no_clock(noisy):
+    """The same record by a clock that runs wrong between the steps."""
+    result = rs.fit(noisy, START, against="displacement")
+    by_time = rs.fit(noisy, START)
+    for name in FREE:
+        assert float(result[name]) == pytest.approx(float(by_time[name]), rel=1e-6)
+    noise = 2e-8 * np.random.default_rng(0).normal(size=T.size)
+    rough = noisy.assign(delta_lp=noisy.delta_lp + noise)
+    assert_finds(rs.fit(rough, START, against="displacement"), SLIDER, within=5.0)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_given_noise_is_taken(noisy, fitted):
+    assert float(fitted.noise_white) == pytest.approx(2e-4, rel=0.1)
+    doubled = rs.fit(noisy, START, noise=2.0 * float(fitted.noise_white))
+    ratio = doubled.standard_error / fitted.standard_error
+    np.testing.assert_allclose(ratio, 2.0, rtol=1e-3)
+    with pytest.warns(rs.FitWarning, match="times as large as the noise that was given"):
+        red = rs.fit(noisy, START, noise={"white": 1e-5, "red": 2e-4, "time": "3 s"})
+    assert float(red.noise_time) == 3.0
+    assert float(red.standard_error.sel(parameter="mu0")) > 2 * float(
+        fitted.standard_error.sel(parameter="mu0")
+    )
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_what_is_recorded_does_not_matter_where_it_tells_the_same(noisy, fitted):
+    """Origin of time, stress for friction, speed for displacement, a loading that is given."""
+    tau = noisy.drop_vars("friction").assign(tau=noisy.friction * SLIDER.sigma)
+    speed = xarray.DataArray(np.where(T < 40.0, 1e-6, 1e-5), dims="time")
+    others = {
+        "origin": (noisy.assign_coords(time=noisy.time + 1e4), {}),
+        "tau": (tau, {}),
+        "loading": (noisy.drop_vars("delta_lp"), {"loading": EARLY_STEP}),
+        "units": (noisy, {"law": "slip"}),
+    }
+    for label, (data, options) in others.items():
+        result = rs.fit(data, START, **options)
+        for name in FREE:
+            assert float(result[name]) == pytest.approx(float(fitted[name]), rel=1e-4), label
+    # between two samples of the speed the step may be anywhere
+    by_speed = rs.fit(noisy.drop_vars("delta_lp").assign(V_load=speed), START)
+    assert "add 'lag' to free" in by_speed.warnings.item()
+    assert float(by_speed.Dc) == pytest.approx(float(fitted.Dc), rel=0.05)
+
+
+def test_where_the_search_begins_does_not_matter(noisy, fitted):
+    for far in ({"a": 1e-4, "b": 0.5, "Dc": 1e-2, "K": 1e6}, {"a": 0.5, "b": 0.1, "Dc": 1e-8}):
+        result = rs.fit(noisy, SLIDER.replace(**far))
+        for name in FREE:
+            assert float(result[name]) == pytest.approx(float(fitted[name]), rel=2e-3)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_two_laws_side_by_side(noisy, fitted):
+    with pytest.warns(rs.FitWarning, match="does not describe the record after its steps"):
+        both = rs.fit(noisy, START, law=LAWS)
+    assert both.law.values.tolist() == list(LAWS)
+    assert float(both.Dc.sel(law="slip")) == pytest.approx(float(fitted.Dc), rel=1e-9)
+    # the record is of the slip law, and says so
+    assert float(both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")) > 10.0
+
+
+def test_the_result_says_what_it_is(noisy, fitted):
+    assert set(FREE) <= set(fitted.data_vars)
+    assert fitted.parameter.values.tolist() == [*FREE, "mu0", "a_minus_b", "trend_slip"]
+    for variable in fitted.variables.values():
+        assert (
+            variable.dtype.kind in "US"
+            or {"units", "long_name"} <= set(variable.attrs)
+            or (variable.dims in (("level",), ("side",)))
+        )
+    residual = fitted.friction - fitted.friction_fit
+    np.testing.assert_allclose(fitted.residual, residual, atol=1e-15)
+    np.testing.assert_array_equal(fitted.time, noisy.time)
+    inside = (fitted.band.sel(side="lower") < noisy.friction) & (
+        noisy.friction < fitted.band.sel(side="upper")
+    )
+    assert 0.92 < float(inside.mean()) < 0.98
+    low, high = (fitted.interval.sel(side=side) for side in ("lower", "upper"))
+    assert (low.sel(level=0.95) < low.sel(level=0.68)).all()
+    assert (high.sel(level=0.68) < high.sel(level=0.95)).all()
+    found = np.diag(fitted.correlation)
+    np.testing.assert_allclose(found, 1.0, atol=1e-9)
+    error = fitted.standard_error.sel(parameter="a_minus_b")
+    assert float(fitted.a_minus_b) == pytest.approx(float(fitted.a - fitted.b), rel=1e-12)
+    assert abs(float(fitted.a_minus_b) + 0.004) < 4 * float(error)
+    assert float(error) < 0.5 * float(fitted.standard_error.sel(parameter="a"))
+    assert fitted.warnings.item() == ""
+    assert fitted.identifiability.item().startswith("All free parameters are determined")
+    assert json.loads(fitted.attrs["slider"])["sigma"] == 2e7
+
+
+def test_mu0_is_at_V0(noisy, fitted):
+    """The slider's V0 is 1 um/s, the speed of the first segment; at another, mu0 is another."""
+    other = rs.fit(noisy, START.replace(V0=1e-8))
+    expected = float(fitted.mu0) - float(fitted.a_minus_b) * np.log(1e-6 / 1e-8)
+    assert float(other.mu0) == pytest.approx(expected, abs=2e-6)
+
+
+@pytest.mark.parametrize("level", [0.05, -0.05])
+def test_friction_may_be_a_change_from_some_level(noisy, level):
+    """Nothing moves but mu0: the interface knows no zero of a load cell."""
+    options = {"free": ("a", "Dc"), "errors": "covariance"}
+    whole = rs.fit(noisy, SLIDER, **options)
+    shift = level - float(noisy.friction.median())
+    change = rs.fit(noisy.assign(friction=noisy.friction + shift), SLIDER, **options)
+    assert float(change.mu0 - whole.mu0) == pytest.approx(shift, abs=1e-6)
+    for name in options["free"]:
+        assert float(change[name]) == pytest.approx(float(whole[name]), rel=1e-3)
+
+
+REFUSED = {
+    "no Dataset": (lambda d: d.friction, {}, "data is of type DataArray"),
+    "no friction": (lambda d: d.drop_vars("friction"), {}, "has no friction"),
+    "no load point": (lambda d: d.drop_vars("delta_lp"), {}, "neither delta_lp nor V_load"),
+    "too short": (lambda d: d.isel(time=slice(0, 20)), {}, "20 samples, too few"),
+    "no step": (lambda d: d.sel(time=slice(0, 35)), {}, "without a velocity step"),
+    "step at the end": (
+        lambda d: d.sel(time=slice(0, 40.2)),
+        {"loading": EARLY_STEP},
+        "samples after the last step",
+    ),
+    "constant": (lambda d: d.assign(friction=0.0 * d.friction + 0.6), {}, "friction is constant"),
+    "NaN": (lambda d: d.assign(friction=d.friction.where(d.time != T[7])), {}, "in row 7"),
+    "backwards": (lambda d: d.isel(time=slice(None, None, -1)), {}, "times must increase"),
+    "rest": (lambda d: d, {"loading": rs.Loading.steps(0.0, (40.0, 1e-5))}, "begins at rest"),
+    "tau and mu": (
+        lambda d: d.assign(tau=d.friction, mu=d.friction).drop_vars("friction"),
+        {},
+        "both tau and mu",
+    ),
+    "unknown": (lambda d: d, {"free": ("a", "D_c")}, "free has 'D_c'"),
+    "nothing": (lambda d: d, {"free": ()}, "free is empty"),
+    "twice": (lambda d: d, {"free": ("a", "a")}, "twice"),
+    "law": (lambda d: d, {"law": "ruina"}, "law = 'ruina' is unknown"),
+    "trend": (lambda d: d, {"trend": "cubic"}, "trend = 'cubic' is unknown"),
+    "start": (lambda d: d, {"start": True}, "start = True is unknown"),
+    "against": (lambda d: d, {"against": "phase"}, "against = 'phase' is unknown"),
+    "noise": (lambda d: d, {"noise": -1.0}, "noise = -1 must be > 0"),
+    "parts": (lambda d: d, {"noise": {"red": 1e-4}}, "no time"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_fitted_is_refused(noisy, case):
+    change, options, message = REFUSED[case]
+    with pytest.raises(rs.ParameterError, match=message):
+        rs.fit(change(noisy), START, **options)
+
+
+def test_sliders_that_cannot_be_fitted_are_refused(clean):
+    with pytest.raises(rs.ParameterError, match="K = inf, a rigid machine"):
+        rs.fit(clean, SLIDER.replace(K=np.inf))
+    with pytest.raises(rs.ParameterError, match="M is free but starts at M = 0"):
+        rs.fit(clean, SLIDER, free=("a", "M"))
+    with pytest.raises(rs.ParameterError, match="a of the slider is a DataArray"):
+        rs.fit(clean, SLIDER.replace(a=xarray.DataArray([0.01, 0.02], dims="a")))
+    with pytest.raises(rs.ParameterError, match="not a SpringSlider"):
+        rs.fit(clean, 3)
+    with pytest.raises(rs.ParameterError, match="without inertia"):
+        rs.fit(clean, SLIDER.replace(K=5e9), free=("lag",))
+
+
+@pytest.mark.parametrize(
+    ("slid", "counts"),
+    [
+        (8.0, 8e-6),  # what the load point moves
+        (4.5, 5e-6),  # as far as in ten samples, where it hardly moves at all
+    ],
+)
+def test_bounds_come_from_how_far_the_load_point_moves(slid, counts):
+    """At 1 um/s for some seconds, and then at rest; a sample each half second."""
+    t = np.arange(0.0, 60.0, 0.5)
+    loading = rs.Loading.steps("1 um/s", (slid, 0.0))
+    friction = np.linspace(0.6, 0.4, t.size)
+    data = xarray.Dataset({"friction": ("time", friction)}, {"time": t})
+    found = record_of(data, SLIDER, loading=loading, trend=None, against="time")
+    unknowns = unknowns_of(found, ("Dc", "K"), start=False, sigma=2e7)
+    Dc, K = 0.05 * counts, 10.0 * 2e7 * 0.2 / counts
+    low, high = (np.exp(ends[:2]) for ends in (unknowns.low, unknowns.high))
+    np.testing.assert_allclose(low, [1e-3 * Dc, 1e-4 * K], rtol=1e-12)
+    np.testing.assert_allclose(high, [1e3 * Dc, 1e6 * K], rtol=1e-12)
+
+
+def test_a_fit_is_the_same_each_time(noisy, fitted):
+    xarray.testing.assert_identical(rs.fit(noisy, START), fitted)
+
+
+def test_a_rigid_machine_is_fitted_as_one():
+    truth = SLIDER.replace(K=np.inf)
+    data = record(truth, EARLY_STEP, T, noise=2e-4)
+    result = rs.fit(data, START.replace(K=np.inf), free=("a", "b", "Dc"))
+    assert_finds(result, truth, ("a", "b", "Dc"))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"friction": 100.0}, "in per cent"),
+        ({"friction": -1.0}, "turn its sign"),
+        ({"friction": -0.2}, "turn its sign"),
+        ({"delta_lp": 1e6}, "if it is in um, divide it by 1e6"),
+    ],
+)
+def test_sizes_that_no_laboratory_has_are_refused(noisy, change, message):
+    data = noisy.assign({name: factor * noisy[name] for name, factor in change.items()})
+    with pytest.raises(rs.ParameterError, match=message):
+        rs.fit(data, START)
+
+
+def test_a_loading_that_is_not_the_recorded_one_is_refused(noisy):
+    for loading in (
+        rs.Loading.steps("1 mm/s", (40.0, "10 mm/s")),
+        rs.Loading.steps("1 um/s", (20.0, "10 um/s")),
+    ):
+        with pytest.raises(rs.ParameterError, match="check units and times"):
+            rs.fit(noisy, START, loading=loading)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_an_unsteady_start_is_found_also_where_noise_could_take_the_blame():
+    """Windows that begin soon after an earlier step; the law fits all of them."""
+    loading = rs.Loading.steps("10 um/s", (10.0, "1 um/s"), (50.0, "10 um/s"))
+    t = np.concatenate([np.linspace(0.0, 49.9, 500), np.linspace(50.0, 80.0, 900)])
+    for begin in (10.5, 13.0, 20.0):
+        data = record(SLIDER, loading, t, noise=1e-4, seed=3).sel(time=slice(begin, None))
+        result = rs.fit(data, START)
+        assert_finds(result, SLIDER)
+        assert float(result.noise_white) == pytest.approx(1e-4, rel=0.15)
+        assert "V_start" in result
+
+
+def test_a_wrong_value_that_was_given_is_not_called_noise(noisy):
+    with pytest.warns(rs.FitWarning) as told:
+        rs.fit(noisy, SLIDER.replace(b=0.03), free=("a",))
+    assert any("what was given does not suit the record (b = 0.03" in str(w.message) for w in told)

@@ -1,0 +1,491 @@
+"""Errors of fits: profiles, posterior, comparison of laws, and the words on them."""
+
+import builtins
+import re
+import types
+
+import numpy as np
+import pytest
+import xarray
+from scipy.stats import norm
+from synthetic_records import SLIDER, record
+
+import ratestate as rs
+from ratestate.records.fitting.likelihood import posterior as sampling
+from ratestate.records.fitting.likelihood.held import Held
+from ratestate.records.fitting.likelihood.posterior import Marginal, posterior
+from ratestate.records.fitting.likelihood.profile import Better, Profile, profile
+from ratestate.records.fitting.likelihood.profiles import gaussian, profiles
+from ratestate.records.fitting.likelihood.reported import reported_of
+from ratestate.records.fitting.likelihood.uncertainty import uncertain
+from ratestate.records.fitting.noise import Noise
+from ratestate.records.fitting.record import Record, record_of
+from ratestate.records.fitting.result import ROOTS, estimates
+from ratestate.records.fitting.solve import Solution, solve
+from ratestate.records.fitting.starts import unknowns_of
+from ratestate.records.fitting.unknowns import Unknowns
+from ratestate.records.fitting.words.compare import compared
+from ratestate.records.fitting.words.trades import product, trade, traded
+
+T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
+STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
+FREE = ("a", "b", "Dc", "K")
+STIFF = SLIDER.replace(K=5e12)
+
+
+def solution_of(data, slider, free=FREE, noise=None):
+    found = record_of(data, slider, loading=None, trend="slip", against="time")
+    return solve(found, slider, 0, free, noise, "steady")
+
+
+@pytest.fixture(scope="module")
+def good():
+    return record(SLIDER, STEP, T, noise=2e-4, seed=4)
+
+
+@pytest.fixture(scope="module")
+def stiff():
+    return record(STIFF, STEP, T, noise=5e-4, seed=4)
+
+
+@pytest.fixture(scope="module")
+def solution(good):
+    return solution_of(good, SLIDER)
+
+
+@pytest.fixture(scope="module")
+def sampled(good):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sampling, "LIVE", 100)
+        patch.setattr(sampling, "FEWEST", 100)
+        return rs.fit(good, SLIDER, ("a", "Dc"), errors="posterior")
+
+
+def test_reported_numbers_have_their_gradient_and_can_be_kept(solution):
+    rng = np.random.default_rng(5)
+    numbers = reported_of(solution.problem, SLIDER)
+    assert [number.name for number in numbers] == [*FREE, "mu0", "a_minus_b", "trend_slip"]
+    for number in numbers:
+        point = solution.point + 0.01 * rng.normal(size=solution.point.size)
+        steps = 1e-6 * np.eye(point.size)
+        slopes = [(number.value(point + h) - number.value(point - h)) / 2e-6 for h in steps]
+        np.testing.assert_allclose(number.gradient(point), slopes, rtol=1e-6, atol=1e-9)
+        target = number.value(point) * 1.001
+        kept = number.kept(point, target)
+        assert number.value(kept) == pytest.approx(target, rel=1e-12)
+        assert np.count_nonzero(kept != point) == 1
+
+
+def test_a_minus_b_is_kept_by_a_alone(good):
+    found = solution_of(good, SLIDER, ("a", "Dc"))
+    number = reported_of(found.problem, SLIDER)[-2]
+    kept = number.kept(found.point, -0.003)
+    assert np.exp(kept[0]) == pytest.approx(SLIDER.b - 0.003, rel=1e-12)
+
+
+def test_a_gaussian_likelihood_is_told_and_its_profile_is_the_covariance(solution):
+    numbers = reported_of(solution.problem, SLIDER)
+    assert all(gaussian(solution, numbers))
+    assert profiles(solution, numbers, False) == {}
+    for number in (numbers[2], numbers[5], numbers[6]):
+        one = profile(solution, number)
+        gradient = number.gradient(solution.point)
+        error = np.sqrt(gradient @ solution.covariance @ gradient)
+        ends = (one.interval() - number.value(solution.point)) / error
+        np.testing.assert_allclose(ends, ROOTS[:, None] * [-1.0, 1.0], rtol=0.05)
+        assert one.ends == ("closed", "closed")
+
+
+def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
+    """Held K: the same as a fit of the others to a slider that has it."""
+    number = reported_of(solution.problem, SLIDER)[3]
+    one = profile(solution, number)
+    for value, deviance in zip(one.values[[0, -1]], one.deviance[[0, -1]], strict=True):
+        slider = SLIDER.replace(K=float(np.exp(value)))
+        other = solve(
+            solution.problem.record, slider, 0, ("a", "b", "Dc"), solution.noise, "steady"
+        )
+        assert other.chi2 - solution.chi2 == pytest.approx(deviance, abs=2e-3)
+        assert deviance > ROOTS[-1] ** 2
+
+
+def test_a_stiff_machine_bounds_K_from_below_alone(stiff):
+    start = STIFF.replace(K=1e12)
+    with pytest.warns(rs.FitWarning, match=r"the record only says K > .* too stiff"):
+        result = rs.fit(stiff, start)
+    K = result.interval.sel(parameter="K", level=0.95).values
+    assert 2e11 < K[0] < STIFF.K
+    assert K[1] == np.inf
+    assert str(result.interval_kind.sel(parameter="K").values) == "profile"
+    assert "Not determined: K (> " in result.identifiability.item()
+    for name in ("a", "b", "Dc"):
+        low, high = result.interval.sel(parameter=name, level=0.95).values
+        assert low < getattr(STIFF, name) < high
+    deviance = result.profile_deviance.sel(parameter="K")
+    assert float(deviance[0]) > 3.84
+    assert float(deviance.max("profile_point")) == float(deviance[0])
+    assert not np.isnan(result.interval).any()
+    absent = np.isnan(result.profile_value).all("profile_point")
+    np.testing.assert_array_equal(absent, result.interval_kind == "covariance")
+    np.testing.assert_array_equal(np.isnan(result.profile_value), np.isnan(result.profile_deviance))
+
+
+def test_no_inertia_bounds_M_from_above_alone(good):
+    with pytest.warns(rs.FitWarning, match=r"the record only says M < .* no inertia is seen"):
+        result = rs.fit(good, SLIDER.replace(M=1e8), ("a", "b", "M"))
+    assert float(result.interval.sel(parameter="M", level=0.95, side="lower")) == 0.0
+    assert 1e6 < float(result.interval.sel(parameter="M", level=0.95, side="upper")) < 1e12
+
+
+def test_one_profile_follows_where_another_leads():
+    """a moves with K: its own search stops at a ridge that the profile of K knows a way round."""
+    slider = SLIDER.replace(K=1e12)
+    found = solution_of(record(slider, STEP, T, noise=4e-4, seed=6), slider)
+    numbers = {number.name: number for number in reported_of(found.problem, slider)}
+    assert gaussian(found, tuple(numbers.values())) == [True, True, True, False, True, True, True]
+    alone = profile(found, numbers["a"])
+    assert set(profiles(found, (numbers["a"], numbers["Dc"]), False)) == set()
+    together = profiles(found, tuple(numbers.values()), False)
+    assert together["K"].interval()[-1, 1] == np.inf
+    value, deviance = numbers["a"].value(together["K"].points[-1]), together["K"].deviance[-1]
+    assert deviance < ROOTS[-1] ** 2
+    assert alone.interval()[-1, 1] < value < together["a"].interval()[-1, 1]
+
+
+def test_the_jacobian_of_held_fits(solution):
+    """Against central differences: a coordinate given up for a - b, or mu0, carries others."""
+    noise, rng = solution.noise, np.random.default_rng(2)
+    for number in reported_of(solution.problem, SLIDER):
+        held = Held(solution.problem, number, number.value(solution.point))
+        direction = solution.point[held.others] * 1e-3 * rng.normal(size=len(held.others))
+        rest = solution.point[held.others]
+        up, down = (held.residual(rest + s * direction, noise) for s in (0.1, -0.1))
+        expected = (up - down) / 0.2
+        off = held.jacobian(rest, noise) @ direction - expected
+        assert np.abs(off).max() < 2e-3 * np.abs(expected).max(), number.name
+
+
+def test_a_better_point_is_taken(good, solution):
+    point = solution.point.copy()
+    point[2] += 0.01
+    worse = solution._replace(point=point, chi2=solution.chi2 + 5.0)
+    with pytest.raises(Better):
+        profile(worse, reported_of(solution.problem, SLIDER)[0])
+    again = uncertain(worse, SLIDER, None, "profile")
+    assert again.solution.chi2 == pytest.approx(solution.chi2, rel=1e-3)
+    np.testing.assert_allclose(again.solution.point, solution.point, rtol=1e-3)
+    assert not again.restless
+
+
+def test_ends_of_a_profile_that_is_no_parabola():
+    values = np.linspace(-3.0, 4.0, 29)
+    wave = np.where(values < 0.0, values**2, np.minimum(values, 1.5) ** 2)
+    found = Profile(values, wave, values[:, None], ("closed", "open")).interval()
+    np.testing.assert_allclose(found[:, 0], -ROOTS, rtol=1e-6)
+    assert found[0, 1] == pytest.approx(ROOTS[0], rel=1e-6)
+    assert found[1, 1] == np.inf
+    edge = Profile(values, wave, values[:, None], ("closed", "edge")).interval()
+    assert edge[1, 1] == 4.0
+    # of several crossings the outermost counts
+    dips = np.interp(values, [-3, 0, 2, 3, 4], [9, 0, 9, 1, 9])
+    several = Profile(values, dips, values[:, None], ("closed", "closed")).interval()
+    assert 3.0 < several[1, 1] < 4.0
+
+
+def test_level_and_trend_are_integrated_out(solution):
+    """Against quadrature of the likelihood over both."""
+    moving = [i for i, name in enumerate(solution.unknowns.names) if name in FREE]
+    marginal = Marginal(solution._replace(noise=Noise(3e-4, 2e-4, 2.0)), moving)
+    coordinates = solution.point[moving] + [0.02, 1e-4, -0.03, 0.01]
+    value, blob = marginal(coordinates)
+    t, friction = solution.problem.record.t, solution.problem.record.friction
+    root = blob[2:].reshape(2, 2)
+    spread = np.sqrt(np.diag(root @ root.T))
+
+    def log_likelihood(level, trend):
+        point = np.zeros(solution.point.size)
+        point[moving], point[-2:] = coordinates, (level, trend)
+        residual = friction - solution.problem.forward.friction(point[None])[0]
+        white, log_determinant = marginal.noise.whiten(t, residual)
+        constant = t.size * np.log(2 * np.pi)
+        return -0.5 * (white[:, 0] @ white[:, 0] + log_determinant + constant)
+
+    top = log_likelihood(*blob[:2])
+    nodes, weights = np.polynomial.hermite.hermgauss(12)
+    inner = [
+        sum(
+            v
+            * np.exp(log_likelihood(*(blob[:2] + np.sqrt(2.0) * root @ [x, y])) - top + x**2 + y**2)
+            for y, v in zip(nodes, weights, strict=True)
+        )
+        for x in nodes
+    ]
+    integral = 2.0 * abs(np.linalg.det(root)) * (weights @ inner)
+    assert value == pytest.approx(top + np.log(integral), abs=1e-6)
+    assert (spread > 0.0).all()
+
+
+def test_the_posterior_of_a_gaussian_is_the_gaussian(sampled, good):
+    profiled = rs.fit(good, SLIDER, ("a", "Dc"), errors="profile")
+    assert (sampled.interval_kind == "posterior").all()
+    assert (profiled.interval_kind == "profile").all()
+    width = sampled.interval.diff("side") / profiled.interval.diff("side")
+    assert np.abs(width - 1.0).max() < 0.15
+    shift = (sampled.interval - profiled.interval).sel(level=0.95) / profiled.standard_error
+    assert np.abs(shift).max() < 0.35
+    spread = sampled.posterior.std("sample") / profiled.standard_error
+    assert np.abs(spread - 1.0).max() < 0.12
+    assert 100 < float(sampled.effective_samples) < float(sampled.posterior_evaluations)
+    assert "flat in ln a from" in sampled.attrs["prior"]
+    assert sampled.warnings.item() == ""
+
+
+def test_the_evidence_of_a_gaussian_is_laplaces(sampled, good):
+    solution = solution_of(good, SLIDER, ("a", "Dc"))
+    text = sampled.attrs["prior"]
+    a = [float(x) for x in text.split("ln a from ")[1].split(",")[0].split(" to ")]
+    Dc = [float(x.split(" ")[0]) for x in text.split("ln Dc from ")[1].split(";")[0].split(" to ")]
+    volume = np.log(a[1] / a[0]) * np.log(Dc[1] / Dc[0])
+    _, half = np.linalg.slogdet(2.0 * np.pi * solution.covariance)
+    laplace = solution.log_likelihood + 0.5 * half - np.log(volume)
+    error = float(sampled.log_evidence_error)
+    assert 0.05 < error < 0.5
+    assert abs(float(sampled.log_evidence) - laplace) < 3.5 * error
+
+
+def test_a_known_posterior_is_found(good, monkeypatch):
+    """A likelihood with tails: Student's t, of which quantiles and evidence are known."""
+    from scipy.stats import t as student
+
+    def known(self, coordinates):
+        self.evaluations += 1
+        value = student.logpdf(coordinates, 4).sum()
+        return float(value), np.zeros(6)
+
+    monkeypatch.setattr(Marginal, "__call__", known)
+    monkeypatch.setattr(sampling, "LIVE", 100)
+    box = dict.fromkeys(("a", "Dc"), (-20.0, 20.0))
+    solution = solution_of(good, SLIDER, ("a", "Dc"))
+    found = posterior(solution, box, "test")
+    inside = student.cdf(20.0, 4) - student.cdf(-20.0, 4)
+    assert abs(found.log_evidence - 2.0 * np.log(inside / 40.0)) < 3.5 * found.log_evidence_error
+    number = reported_of(solution.problem, SLIDER)[1]
+    expected = student.ppf(norm.cdf(ROOTS), 4)
+    np.testing.assert_allclose(found.interval(number)[:, 1], expected, rtol=0.25)
+    np.testing.assert_allclose(found.interval(number)[:, 0], -expected, rtol=0.25)
+    assert found.complete
+
+
+def test_a_posterior_that_is_cut_or_poor_says_so(stiff, good, monkeypatch):
+    monkeypatch.setattr(sampling, "LIVE", 40)
+    with pytest.warns(rs.FitWarning) as said:
+        result = rs.fit(stiff, STIFF.replace(K=1e12), ("K", "Dc"), errors="posterior")
+    texts = " ".join(str(one.message) for one in said)
+    assert "the posterior of K reaches the upper end of its prior" in texts
+    assert "effective samples: the intervals are not its quantiles" in texts
+    assert not (result.interval_kind == "posterior").any()
+    monkeypatch.setattr(sampling, "MOST", 100)
+    with pytest.warns(rs.FitWarning) as said:
+        rs.fit(good, SLIDER, ("a",), errors="posterior")
+    assert "the posterior was not complete after" in str(said[0].message)
+
+
+def test_a_posterior_needs_dynesty(good, monkeypatch):
+    real = builtins.__import__
+
+    def without(name, *arguments, **options):
+        if name == "dynesty":
+            raise ImportError(name)
+        return real(name, *arguments, **options)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(rs.ParameterError, match=r"install 'ratestate\[posterior\]'"):
+        rs.fit(good, SLIDER, ("a",), errors="posterior")
+    with pytest.raises(
+        rs.ParameterError, match="errors = 'bayes' is unknown; choose one of 'auto'"
+    ):
+        rs.fit(good, SLIDER, errors="bayes")
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_laws_are_compared(good):
+    both = rs.fit(good, SLIDER, law=("slip", "aging"))
+    apart = both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")
+    assert float(both.aic_difference.sel(law="slip")) == 0.0
+    assert float(both.akaike_weight.sum()) == pytest.approx(1.0)
+    assert "The slip law fits clearly better than the aging law" in both.attrs["comparison"]
+    parameters = both.aic + 2.0 * both.log_likelihood
+    expected = 2.0 * apart + parameters.sel(law="aging") - parameters.sel(law="slip")
+    assert float(both.aic_difference.sel(law="aging")) == pytest.approx(float(expected))
+    both.warnings.sel(law="aging").item()
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_a_noisy_record_does_not_decide_between_laws(monkeypatch):
+    monkeypatch.setattr(sampling, "LIVE", 50)
+    data = record(SLIDER, STEP, T, noise=5e-3, seed=3)
+    both = rs.fit(data, SLIDER, ("a", "Dc"), law=("slip", "aging"), errors="posterior")
+    assert "does not decide between the laws" in both.attrs["comparison"]
+    assert "which decides nothing" in both.attrs["comparison"]
+    evidence = both.log_evidence - both.log_evidence.max()
+    np.testing.assert_allclose(both.log_bayes_factor, evidence)
+    assert float(both.log_bayes_factor_error.max()) > 0.0
+    # a common prior, and laws of the same number of parameters: the factor is that of likelihoods
+    ratio = both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")
+    factor = both.log_evidence.sel(law="slip") - both.log_evidence.sel(law="aging")
+    assert abs(float(factor - ratio)) < 1.5
+
+
+@pytest.mark.parametrize(
+    ("apart", "by_likelihood", "by_evidence"),
+    [
+        (1.4, "does not decide between the laws", "which decides nothing"),
+        (1.6, "The slip law fits somewhat better", "under equal priors"),
+        (4.9, "The slip law fits somewhat better", "under equal priors"),
+        (5.1, "The slip law fits clearly better", "under equal priors"),
+    ],
+)
+def test_what_a_difference_of_likelihoods_means(apart, by_likelihood, by_evidence):
+    """AIC is twice as far apart as ln(likelihood), and the evidence is as far, without error."""
+    results = {
+        law: {"log_evidence": value, "log_evidence_error": 0.0}
+        for law, value in (("slip", 0.0), ("aging", -apart))
+    }
+    found, words = compared(results, {"slip": 10.0, "aging": 10.0 + 2.0 * apart}, False)
+    assert by_likelihood in words
+    assert by_evidence in words
+    assert float(found.aic_difference.sel(law="aging")) == pytest.approx(2.0 * apart)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+@pytest.mark.parametrize(("share", "told"), [(0.08, False), (0.12, True)])
+def test_noise_that_lasts_a_tenth_of_the_transient_is_doubted(share, told):
+    """Dc/V is 1 s after the step; samples are so dense that such noise is seen to be correlated."""
+    t = np.concatenate([np.arange(0.0, 40.0, 0.2), np.arange(40.0, 60.0, 0.01)])
+    noise = {"red": 2e-4, "time": share}
+    data = record(SLIDER, STEP, t, noise=1e-6, seed=2, **noise)
+    result = rs.fit(data, SLIDER, ("a",), noise=noise | {"white": 1e-6}, errors="covariance")
+    assert ("not short beside the transient (Dc/V = 1 s)" in result.warnings.item()) == told
+
+
+def test_doubts_are_said(good):
+    """Each by a record that gives reason to it, and not by the good one."""
+    said = rs.fit(good, SLIDER).warnings.item().splitlines()
+    assert said == []
+    rng = np.random.default_rng(1)
+    silent = good.assign(friction=0.6 + 2e-4 * xarray.zeros_like(good.friction))
+    silent = silent.assign(friction=silent.friction + 2e-4 * rng.normal(size=T.size))
+    pressed = good.assign(sigma=("time", np.linspace(2.05e7, 2.25e7, T.size)))
+    cases = {
+        "does not respond to the steps by more than the noise": (silent, {"errors": "covariance"}),
+        "normal stress is 21.5 MPa on average": (pressed, {}),
+        "varies by 2.7 %": (pressed, {}),
+        "before friction has settled": (good.isel(time=T < 42.0), {"free": ("a", "K")}),
+        "does not describe the record after its steps": (good, {"law": "aging"}),
+        "times as large as the noise that was given": (good, {"noise": 5e-5}),
+    }
+    for words, (data, options) in cases.items():
+        with pytest.warns(rs.FitWarning) as emitted:
+            rs.fit(data, SLIDER, **options)
+        texts = [str(one.message) for one in emitted]
+        assert any(words in text for text in texts), (words, texts)
+        assert {one.filename for one in emitted} == {__file__}  # the line that asked
+
+
+@pytest.mark.parametrize("given", [5e-5, 2e-4, 8e-4])
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_misfit_is_measured_by_the_noise_elsewhere(good, given):
+    """In one unit, whatever noise was given."""
+    result = rs.fit(good, SLIDER, law="aging", noise=given, errors="covariance")
+    square, settled = result.residual.values**2, 40.0 + 5.0 * float(result.Dc) / 1e-5
+    after = (T >= 40.0) & (settled > T)
+    ratio = np.sqrt(square[after].mean() / square[~after].mean())
+    assert ratio > 1.5
+    said = f"after its steps: residuals there are {ratio:.2g} times as large as the noise elsewhere"
+    assert said in result.warnings.item()
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_a_late_load_point_is_advised(good):
+    later = rs.Loading.steps("1 um/s", (39.95, "10 um/s"))
+    data = good.drop_vars("delta_lp")
+    result = rs.fit(data, SLIDER, ("a", "b"), loading=later)
+    words = result.warnings.item()
+    found = re.search(r"moves ([0-9.]+) ms later than recorded .* add 'lag' to free", words)
+    assert found
+    assert 35.0 < float(found[1]) < 70.0
+
+
+def test_trades_are_named():
+    """Of a covariance made by hand: K Dc known to 1 %, Dc/K to 80 %; a and b likewise."""
+    best, worst = 0.01**2, 0.8**2
+    block = 0.5 * np.array([[best + worst, best - worst], [best - worst, best + worst]])
+    pair = 0.5 * np.array([[1.0, 1.0], [1.0, 1.0]]) * 0.1**2 + 1e-6 * np.eye(2)
+    scale = np.diag([1.0, 0.01])  # b = 0.01 is no logarithm
+    covariance = np.block([[scale @ pair @ scale, np.zeros((2, 2))], [np.zeros((2, 2)), block]])
+    coordinates = np.array([np.log(0.01), 0.01, np.log(1e-5), np.log(1e10)])
+    difference = ("a_minus_b", 0.0, np.array([0.01, -1.0, 0.0, 0.0]))
+    table = estimates(FREE, coordinates, covariance, [difference])
+    assert traded(table, FREE) == [("Dc", "K"), ("a", "b")]
+    text, loose = trade(table, ("Dc", "K"))
+    assert loose
+    assert text.startswith("Dc and K trade off (correlation -1.000): the record fixes Dc K to 1 %")
+    assert text.endswith(("but Dc/K only to a factor of 2.2", "K/Dc only to a factor of 2.2"))
+    text, loose = trade(table, ("a", "b"))
+    assert not loose
+    assert re.fullmatch(r"(a/b|b/a) to 0.1 %, and a - b = 0\.0+ \+- 0\.000014", text)
+    assert product(("Dc", "K"), np.array([0.7, 0.69])) == "Dc K"
+    assert product(("a", "b"), np.array([-0.6, 0.8])) == "b/a^0.75"
+
+
+def test_cycles_refuse_what_only_samples_have(good):
+    with pytest.raises(rs.ParameterError, match="errors, noise: a fit against='cycles'"):
+        rs.fit(good, SLIDER, against="cycles", errors="profile", noise=1e-4)
+    with pytest.raises(rs.ParameterError, match="must name one law, or several that differ"):
+        rs.fit(good, SLIDER, law=("slip", "slip"))
+
+
+@pytest.mark.parametrize("noise", [1e-4, 3e-4])
+@pytest.mark.parametrize("law", ["slip", "aging"])
+def test_the_wrong_law_is_told_also_where_the_noise_could_take_the_blame(law, noise):
+    """Two steps: what the other law cannot fit looks like noise as slow as the whole record."""
+    loading = rs.Loading.steps("3 um/s", (60.0, "10 um/s"), (90.0, "3 um/s"))
+    data = record(SLIDER, loading, np.arange(0.0, 150.0, 0.1), noise=noise, law=law)
+    assert rs.fit(data, SLIDER, law=law).warnings.item() == ""
+    other = "aging" if law == "slip" else "slip"
+    with pytest.warns(rs.FitWarning, match="that the law does not describe|does not describe the"):
+        rs.fit(data, SLIDER, law=other)
+
+
+def test_how_far_a_search_reaches():
+    """About sizes that the record suggests: friction's range over ln 10, parts of the way."""
+    t = np.linspace(0.0, 100.0, 201)
+    loading = rs.Loading.steps("1 um/s", (50.0, "10 um/s"))  # 550 um in all
+    friction = np.where(t < 50.0, 0.6, 0.6 + 0.01 * np.log(10.0))
+    found = Record(t, friction, t, None, loading, "tau", t, np.arange(t.size))
+    unknowns = unknowns_of(found, ("a", "b", "Dc", "K", "M", "lag"), start=True, sigma=2e7)
+    K = 2e7 * 0.01 * np.log(10.0) / 55e-6
+    ends = {
+        "a": np.log([1e-5, 1.0]),
+        "b": (-1.0, 1.0),
+        "Dc": np.log([27.5e-9, 27.5e-3]),
+        "K": np.log([1e-4 * K, 1e6 * K]),
+        "M": np.log([4e-8 * K, 4e4 * K]),  # K times the square of a fiftieth of the time
+        "lag": (-10.0, 10.0),
+        "v_start": (-20.0, 20.0),
+        "psi_start": (-20.0, 20.0),
+        "level": (-np.inf, np.inf),
+    }
+    assert set(unknowns.names) == set(ends)
+    for name, low, high in zip(*unknowns, strict=True):
+        np.testing.assert_allclose([low, high], ends[name], atol=1e-9, err_msg=name)
+
+
+def test_which_bound_an_estimate_has_run_to():
+    """Within a thousandth of the way between both, and not where there is but one."""
+    names = ("below", "above", "low", "high", "open")
+    low, high = np.array([0.0, 0.0, 0.0, 0.0, 0.0]), np.array([10.0, 10.0, 10.0, 10.0, np.inf])
+    problem = types.SimpleNamespace(unknowns=Unknowns(names, low, high))
+    point = np.array([0.011, 9.989, 0.009, 9.991, 0.0])
+    found = Solution(problem, None, point, *[None] * (len(Solution._fields) - 3))
+    assert [found.at_bound(name) for name in names] == [0, 0, -1, 1, 0]

@@ -1,0 +1,221 @@
+"""The model that fits move, against codes that share nothing with it."""
+
+import naive
+import numpy as np
+import pytest
+from scipy.linalg import cholesky, solve_triangular
+from synthetic_records import SLIDER, STEP, correlated, record
+
+import ratestate as rs
+from ratestate.friction.laws import LAWS
+from ratestate.records.fitting.forward import Forward, _difference
+from ratestate.records.fitting.noise import Noise, estimated_noise
+from ratestate.records.fitting.record import record_of
+
+T = np.concatenate([np.linspace(0.0, 99.0, 34), np.linspace(100.05, 104.0, 80)])
+MASSES = {"none": 0.0, "inertial": 3e11}
+
+
+def forward(names, *, law="slip", M=0.0, loading=STEP, kind="friction", trend="slip"):
+    data = record(SLIDER, loading, T).rename(friction=kind)
+    seen = record_of(data, SLIDER, loading=loading, trend=trend, against="time")
+    return Forward(seen, SLIDER.replace(M=M), LAWS[law].code, names)
+
+
+def by_scipy(t, *, V_start=1e-6, theta_start=None, level=0.6, trend=0.0, law="slip", **changes):
+    """Friction of the spring at times t by SciPy, of a slider changed in this."""
+    case = {s: getattr(SLIDER, s) for s in ("a", "b", "Dc", "sigma", "K", "M", "mu0", "V0")}
+    slider = naive.Naive(**(case | {"mu0": level} | changes), law=law)
+    theta = slider.Dc / 1e-6 if theta_start is None else theta_start
+    y = np.array([slider.mu(V_start, theta), np.log(V_start), np.log(theta)])
+    settings = {"dense": True, "method": "DOP853"}  # none of these is stiff
+    early = slider.solve(y[[0, 2]] if slider.M == 0 else y, 0.0, 100.0, 1e-6, **settings)
+    late = slider.solve(early.y[:, -1], 100.0, t[-1] + 1e-9, 1e-5, **settings)
+    found = np.where(t < 100.0, early.sol(np.minimum(t, 100.0))[0], late.sol(np.maximum(t, 100))[0])
+    advance = np.where(t < 100.0, 1e-6 * t, 1e-4 + 1e-5 * (t - 100.0))
+    slip = advance - (found - found[0]) * slider.sigma / slider.K
+    return found + trend * slip
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("M", MASSES.values(), ids=MASSES)
+def test_friction_and_its_sensitivities_are_those_of_scipy(law, M):
+    """Derivatives by differences of SciPy at 1e-12, with a step that is not the lanes' own."""
+    names = ("a", "b", "Dc", "K", *(("M",) if M else ()), "v_start", "psi_start", "level", "trend")
+    values = {"a": 0.01, "b": 0.014, "Dc": 1e-5, "K": 6.4e10, "M": M, "level": 0.6, "trend": 2.0}
+    point = np.array(
+        [
+            0.3
+            if n == "v_start"
+            else -0.2
+            if n == "psi_start"
+            else values[n]
+            if n in ("b", "level", "trend")
+            else np.log(values[n])
+            for n in names
+        ]
+    )
+
+    def there(point):
+        given = dict(zip(names, point, strict=True))
+        changes = {n: np.exp(given[n]) for n in ("a", "Dc", "K", "M") if n in given}
+        return by_scipy(
+            T,
+            V_start=1e-6 * np.exp(given["v_start"]),
+            theta_start=changes["Dc"] / 1e-6 * np.exp(given["psi_start"]),
+            level=given["level"],
+            trend=given["trend"],
+            law=law,
+            b=given["b"],
+            **changes,
+        )
+
+    model = forward(names, law=law, M=M)
+    friction, jacobian = model.jacobian(point)
+    np.testing.assert_allclose(friction, there(point), rtol=0, atol=3e-9)
+    for i, name in enumerate(names):
+        step = 1e-5 if name == "b" else 1e-2 if name in ("level", "trend") else 7e-4
+        ahead, back = point.copy(), point.copy()
+        ahead[i] += step
+        back[i] -= step
+        expected = (there(ahead) - there(back)) / (2 * step)
+        scale = np.abs(expected).max()
+        assert scale > 0.0, name
+        np.testing.assert_allclose(jacobian[:, i], expected, rtol=0, atol=2e-5 * scale)
+
+
+def test_a_lag_is_the_same_motion_later():
+    names = ("lag", "level", "trend")
+    model = forward(names)
+    now, later = model.friction(np.array([[0.0, 0.6, 0.0], [0.7, 0.6, 0.0]]))
+    np.testing.assert_allclose(now, by_scipy(T), rtol=0, atol=3e-9)
+    np.testing.assert_allclose(later, by_scipy(np.maximum(T - 0.7, 0.0)), rtol=0, atol=3e-9)
+    # about the sample nearest to the step the friction has a kink
+    _, jacobian = model.jacobian(np.array([0.35, 0.6, 0.0]))
+    h = 1e-4
+    differ = by_scipy(np.maximum(T - 0.35 - h, 0)) - by_scipy(np.maximum(T - 0.35 + h, 0))
+    np.testing.assert_allclose(jacobian[:, 0], differ / (2 * h), rtol=0, atol=3e-5)
+
+
+@pytest.mark.parametrize("kind", ["friction", "mu"])
+def test_of_the_spring_or_of_the_interface(kind):
+    """They differ by the inertial force alone; simulate tells both."""
+    slider = SLIDER.replace(M=MASSES["inertial"])
+    run = rs.simulate(slider, STEP, 104.0, times=T, rtol=1e-10)
+    model = forward(("level",), M=slider.M, kind=kind, trend=None)
+    expected = run.mu if kind == "mu" else run.tau / slider.sigma
+    assert np.abs(run.mu - run.tau / slider.sigma).max() > 1e-3
+    np.testing.assert_allclose(model.friction(np.array([[0.6]]))[0], expected, rtol=0, atol=1e-8)
+
+
+def test_a_slider_that_runs_away_is_no_number():
+    """Without inertia no motion exists below K_c; its neighbours in the lanes keep theirs."""
+    model = forward(("K", "v_start", "level"), trend=None)
+    points = np.array([[np.log(6.4e10), 0.0, 0.6], [np.log(1e9), 1.0, 0.6]])[[0, 1, 0]]
+    sound, lost, again = model.friction(points)
+    assert np.isnan(lost).all()
+    np.testing.assert_array_equal(sound, again)
+    np.testing.assert_allclose(sound, by_scipy(T), rtol=0, atol=3e-9)
+
+
+def times(n, rng):
+    """Times as a logger has them: two rates, a gap."""
+    dt = np.where(np.arange(n - 1) < n // 3, 1.0, 0.1) * rng.uniform(0.8, 1.2, n - 1)
+    dt[n // 2] = 20.0
+    return np.concatenate([[0.0], np.cumsum(dt)])
+
+
+@pytest.mark.parametrize("time", [0.01, 0.5, 300.0])
+def test_whitening_is_that_of_the_dense_covariance(time):
+    rng = np.random.default_rng(1)
+    t = times(200, rng)
+    columns = rng.normal(size=(200, 3))
+    noise = Noise(white=0.3, red=2.0, time=time)
+    covariance = 4.0 * np.exp(-np.abs(t[:, None] - t) / time) + 0.09 * np.eye(200)
+    lower = cholesky(covariance, lower=True)
+    white, log_determinant = noise.whiten(t, columns)
+    np.testing.assert_allclose(white, solve_triangular(lower, columns, lower=True), atol=1e-10)
+    assert log_determinant == pytest.approx(2 * np.log(np.diag(lower)).sum(), abs=1e-8)
+
+
+def test_the_noise_is_found_as_it_was_made():
+    """Estimates of 40 records scatter about the truth, allowing for what 12 parameters took."""
+    rng = np.random.default_rng(2)
+    t = times(600, rng)
+    fitted = np.stack([np.cos(k * np.pi * t / t[-1]) for k in range(12)], axis=1)
+    truth = Noise(white=1e-4, red=3e-4, time=2.0)
+    found = []
+    for _ in range(40):
+        made = truth.white * rng.normal(size=t.size) + truth.red * correlated(t, truth.time, rng)
+        coefficients, *_ = np.linalg.lstsq(fitted, made, rcond=None)
+        found.append(estimated_noise(t, made - fitted @ coefficients, fitted))
+    for name in ("white", "red", "time"):
+        values = np.log([getattr(noise, name) for noise in found])
+        error = values.std() / np.sqrt(len(values))
+        assert abs(values.mean() - np.log(getattr(truth, name))) < 3.5 * error + 0.02, name
+        assert values.std() < 0.35, name
+
+
+def restricted_likelihood(t, y, X, share, time):
+    """Its logarithm, at the best variance, from the dense covariance."""
+    correlation = (1 - share) * np.eye(t.size) + share * np.exp(-np.abs(t[:, None] - t) / time)
+    white = np.linalg.solve(np.linalg.cholesky(correlation), np.column_stack([y, X]))
+    y, X = white[:, 0], white[:, 1:]
+    left = y - X @ np.linalg.lstsq(X, y, rcond=None)[0]
+    freedom = t.size - X.shape[1]
+    determinants = np.linalg.slogdet(correlation)[1] + np.linalg.slogdet(X.T @ X)[1]
+    return -0.5 * (freedom * np.log(left @ left / freedom) + determinants)
+
+
+@pytest.mark.parametrize("time", [0.3, 2.0])
+def test_no_other_noise_is_likelier_than_what_is_found(time):
+    """Neither what each of 5 records was made with, nor any near the estimate."""
+    rng = np.random.default_rng(7)
+    t = times(300, rng)
+    X = np.stack([np.cos(k * np.pi * t / t[-1]) for k in range(6)], axis=1)
+    for _ in range(5):
+        y = 1e-4 * rng.normal(size=t.size) + 3e-4 * correlated(t, time, rng)
+        found = estimated_noise(t, y, X)
+        share = found.red**2 / found.level**2
+        best = restricted_likelihood(t, y, X, share, found.time)
+        others = [(0.9, time), (share, 0.8 * found.time), (share, 1.25 * found.time)]
+        others += [(share**1.2, found.time), (share**0.8, found.time)]
+        for other in others:
+            assert restricted_likelihood(t, y, X, *other) < best + 0.01, other
+
+
+@pytest.mark.parametrize(("seed", "counts"), [(1, False), (2, True)])
+def test_correlation_counts_where_it_explains_more_than_two_numbers_would(seed, counts):
+    """It must raise ln(likelihood) by 3; here it does so by 1.6, and by 5.8."""
+    rng, t = np.random.default_rng(seed), np.arange(300.0)
+    slow = np.linalg.cholesky(np.exp(-np.abs(t[:, None] - t) / 5.0))
+    y, X = rng.normal(size=300) + 0.45 * slow @ rng.normal(size=300), np.ones((300, 1))
+    found = estimated_noise(t, y, X)
+    assert (found.red > 0.0) == counts
+    plain = restricted_likelihood(t, y, X, 0.0, 1.0)
+    shapes = [
+        (share, time) for share in (0.03, 0.1, 0.3, 0.5) for time in (1.0, 3.0, 10.0, 30.0, 100.0)
+    ]
+    rise = max(restricted_likelihood(t, y, X, *shape) for shape in shapes) - plain
+    assert (4.0 < rise < 6.0) if counts else (1.5 < rise < 2.9)
+
+
+def test_white_noise_is_called_white():
+    rng = np.random.default_rng(3)
+    t = times(500, rng)
+    fitted = np.stack([np.ones_like(t), t], axis=1)
+    found = [estimated_noise(t, 2e-4 * rng.normal(size=t.size), fitted) for _ in range(40)]
+    assert sum(noise.red > 0.0 for noise in found) <= 2
+    assert np.mean([noise.level for noise in found]) == pytest.approx(2e-4, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("lost", "slope"),
+    [((), 6.0), (("above",), 5.5), (("below",), 6.5)],
+)
+def test_a_difference_beside_the_end_of_motion_is_that_of_the_other_side(lost, slope):
+    """Of x^2 at 3, with steps of a half: 2 x, or 2 x -+ the step."""
+    step = 0.5
+    friction = {"above": 3.5**2, "here": 3.0**2, "below": 2.5**2}
+    lanes = {k: np.array([x, np.nan if k in lost else x]) for k, x in friction.items()}
+    assert _difference(*lanes.values(), step)[0] == pytest.approx(slope, rel=1e-15)

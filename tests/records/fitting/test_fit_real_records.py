@@ -1,0 +1,46 @@
+"""Real laboratory records (Giacomel et al. 2024, Geosphere), where they lie beside the project."""
+
+import pytest
+from paths import LAB
+
+import ratestate as rs
+
+FREE = ["a", "b", "Dc", "K"]
+
+
+def read(name):
+    path = LAB / name
+    if not path.exists():
+        pytest.skip(f"{name} is not here")
+    return rs.read_lab(path)
+
+
+def test_basalt_from_3_to_10_um_s():
+    """An independent quasi-static fit gave these; errors of that kind are a few per cent."""
+    record = read("velstep4_BRAVA_expb819_basalt.txt")
+    assert "3.00 -> 10.0 um/s" in record.attrs["found"]
+    slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="20 MPa", K="40 GPa/m")
+    both = rs.fit(record, slider, law=("slip", "aging"))
+    expected = {"slip": (0.0092, 0.0094, 8.7e-6), "aging": (0.0089, 0.0091, 6.5e-6)}
+    for law, values in expected.items():
+        result = both.sel(law=law)
+        for name, value, within in zip(FREE, values, (0.05, 0.05, 0.15), strict=False):
+            assert float(result[name]) == pytest.approx(value, rel=within), (law, name)
+        assert float(result.noise_time) == pytest.approx(0.03, rel=0.3)
+        assert 3.0 < float(result.chi2_white) < 4.5
+        assert -0.0009 < float(result.a_minus_b) < 0.0
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_sepiolite_from_0_2_to_2_um_s():
+    """Strengthening by much more than a: b is negative, which no logarithm could be."""
+    record = read("velstep3_TR2_exp013_sepiolite.txt")
+    assert "0.200 -> 2.00 um/s" in record.attrs["found"]
+    slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="30 MPa", K="40 GPa/m")
+    result = rs.fit(record, slider, errors="covariance")
+    assert 0.008 < float(result.a) < 0.013
+    assert -0.014 < float(result.b) < -0.008
+    assert float(result.a_minus_b) == pytest.approx(0.021, abs=0.003)
+    # undulations over tens of seconds are noise, not signal: errors know of them
+    assert float(result.noise_time) > 20.0
+    assert float(result.standard_error.sel(parameter="a_minus_b")) > 2e-4

@@ -1,0 +1,144 @@
+"""A fit in words: `fitting.summary` and its lines; the slider it found: `fitting.slider_of`."""
+
+import re
+
+import numpy as np
+import pytest
+from synthetic_records import SLIDER, STEP, record
+
+import ratestate as rs
+from ratestate import ParameterError
+from ratestate.model.quantities import with_error
+from ratestate.records import fitting
+from ratestate.records.fitting.each import each_law, error_of, stiffness_over_critical
+from ratestate.records.fitting.lines import lines, noise
+
+pytestmark = pytest.mark.filterwarnings("ignore::ratestate.FitWarning")
+
+
+@pytest.fixture(scope="module")
+def both():
+    """A step, fitted under both laws."""
+    data = record(SLIDER, STEP, np.linspace(0.0, 130.0, 521), noise=3e-4)
+    start = SLIDER.replace(M=4800)
+    return rs.fit(data, start, law=("slip", "aging"), errors="covariance")
+
+
+def refuted(result, low, high, level=0.68):
+    """The same, but a profile puts the ends of an interval of K elsewhere [SI]."""
+    kind, interval = result.interval_kind.astype(object).copy(), result.interval.copy()
+    kind.loc[{"parameter": "K"}] = "profile"
+    interval.loc[{"parameter": "K", "level": level}] = np.array([low, high])
+    return result.assign(interval_kind=kind.astype(str), interval=interval)
+
+
+def test_the_summary_has_a_row_for_each_quantity(both):
+    text = fitting.summary(both)
+    rows = [re.split(r"  +", line) for line in text.partition("Given")[0].splitlines() if line]
+    by_label = {row[0]: row[1:] for row in rows}
+    assert rows[0][0] == "Fit of 521 samples, slip and aging laws"
+    assert by_label[""] == ["slip law", "95 %", "aging law", "95 %"]
+    for i, law in enumerate(("slip", "aging")):
+        one = both.sel(law=law)
+        error = 1e6 * float(one.standard_error.sel(parameter="Dc"))
+        low, high = 1e6 * one.interval.sel(parameter="Dc", level=0.95).values
+        value, interval = by_label["Dc [um]"][2 * i : 2 * i + 2]
+        assert value == with_error(1e6 * float(one.Dc), error)
+        assert [float(end) for end in interval.split(" to ")] == pytest.approx(
+            [low, high], abs=0.5 * error
+        )
+    for said in (both.attrs["comparison"], *both.identifiability.values, "M = 4800 kg/m^2"):
+        assert said in " ".join(text.split())
+    assert text.count("warning: aging law: ") == len(str(both.warnings[1].item()).splitlines())
+    assert max(map(len, text.splitlines())) < 120
+    assert not re.search(r"\d\n +(%|um|s)\b", text)
+
+
+def test_one_law_of_several_is_told_with_what_each_number_is(both):
+    text = fitting.summary(both.sel(law="aging"))
+    assert "521 samples, aging law" in text
+    assert re.search(r"^Dc \[um\] .*   critical slip distance$", text, re.MULTILINE)
+    assert "slip law:" not in text
+
+
+def test_where_a_profile_refutes_the_covariance_its_interval_makes_the_error(both):
+    (part,) = each_law(refuted(both.sel(law="slip"), 5.0e10, 9.0e10)).values()
+    assert error_of(part, "K") == 2.0e10
+    (K,) = (line for line in lines({"slip": part}) if line.symbol == "K")
+    assert K.each[0].value == with_error(1e-9 * float(part.K), 20.0)
+    assert K.each[0].intervals[0] == "50 to 90"
+    wide, usual = (stiffness_over_critical(one)[1] for one in (part, each_law(both)["slip"]))
+    assert wide > 2.0 * usual
+
+
+def test_stiffness_over_critical_needs_a_less_b_alone(both):
+    """However little is known of a and b: K_c_qs has only their difference."""
+    (part,) = each_law(both.sel(law="slip")).values()
+    kind, interval = part.interval_kind.astype(object).copy(), part.interval.copy()
+    for symbol in ("a", "b"):
+        kind.loc[{"parameter": symbol}] = "profile"
+        interval.loc[{"parameter": symbol}] = np.array([0.0, np.inf])
+    vague = part.assign(interval_kind=kind.astype(str), interval=interval)
+    assert error_of(vague, "a") == error_of(vague, "b") == np.inf
+    assert stiffness_over_critical(vague) == stiffness_over_critical(part)
+    assert stiffness_over_critical(part)[1] < np.inf
+
+
+@pytest.mark.parametrize(
+    ("ends", "shown"), [((5e10, np.inf), "50 to (open)"), ((0, 9e10), "0 to 90")]
+)
+def test_an_open_interval_has_no_error(both, ends, shown):
+    (part,) = each_law(refuted(both.sel(law="slip"), *ends)).values()
+    (other,) = each_law(refuted(both.sel(law="slip"), *ends, level=0.95)).values()
+    assert error_of(other, "K") == np.inf
+    found = {line.symbol: line.each[0] for line in lines({"slip": part})}
+    assert error_of(part, "K") == np.inf
+    assert "+-" not in found["K"].value
+    assert found["K"].intervals[0] == shown
+    assert "+-" not in found["K/K_c_qs"].value
+    assert "+-" in found["a"].value
+
+
+def test_a_above_b_is_told(both):
+    part = each_law(both.assign(a=both.b + 0.001))["slip"]
+    (ratio,) = (line for line in lines({"slip": part}) if line.symbol == "K/K_c_qs")
+    assert ratio.each[0].value == "a > b: stable at any K"
+
+
+@pytest.mark.parametrize(
+    ("white", "red", "said"),
+    [
+        (3e-4, 0.0, "0.0003, white"),
+        (7e-7, 7.93e-4, "0.00079, correlated over 28.2 ms"),
+        (2e-4, 3e-4, "0.0002, white, and 0.0003, correlated over 28.2 ms"),
+    ],
+)
+def test_noise_in_words(white, red, said):
+    assert noise({"noise_white": white, "noise_red": red, "noise_time": 0.0282}) == said
+
+
+def test_the_slider_that_was_found(both):
+    slider = fitting.slider_of(both, "aging")
+    one = both.sel(law="aging")
+    found = {symbol: float(one[symbol]) for symbol in ("a", "b", "Dc", "K", "mu0")}
+    assert slider == SLIDER.replace(M=4800, law="aging", **found)
+    assert slider == fitting.slider_of(one)
+    # fitted friction is that of the motion of this slider
+    run = rs.simulate(slider, STEP, 130.0, times=both.time.values)
+    trend = float(one.trend_slip) * (run.delta - run.delta[0]).values
+    friction = (run.tau / slider.sigma).values + trend
+    np.testing.assert_allclose(friction, one.friction_fit, atol=2e-6)
+
+
+def test_what_has_no_slider_or_summary_is_refused(both):
+    with pytest.raises(ParameterError, match="several laws; give law='slip' or law='aging'"):
+        fitting.slider_of(both)
+    with pytest.raises(ParameterError, match="no fit is under law = 'Ruina'"):
+        fitting.slider_of(both, "Ruina")
+    for function in (fitting.slider_of, fitting.summary):
+        with pytest.raises(ParameterError, match=f"{function.__name__} wants the Dataset that fit"):
+            function(both.drop_attrs())
+        with pytest.raises(ParameterError, match="whole"):
+            function(both[["Dc"]])
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        _ = fitting.nonsense

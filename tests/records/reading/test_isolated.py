@@ -1,0 +1,192 @@
+"""Foreign files are read in a child, and harm nothing else."""
+
+import concurrent.futures
+import os
+import random
+import struct
+import subprocess
+import sys
+import textwrap
+
+import h5py
+import numpy as np
+import pytest
+import readers
+import scipy.io
+import xarray as xr
+
+import ratestate as rs
+from ratestate import ParameterError, files
+from ratestate.records.reading import isolated
+from ratestate.records.reading.isolated import read_isolated
+
+T = np.arange(120) * 0.25
+X, MU = np.where(T < 15, T, 10 * T - 135), 0.6 + 0.003 * np.sin(T)
+RECORD = {"Time_s": T, "disp_um": X, "mu": MU}
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="Linux limits memory")
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "r.dat"
+    path.write_text("content")
+    return path
+
+
+def mat(path, **how):
+    scipy.io.savemat(path, RECORD, **how)
+    return path
+
+
+def hdf5(path):
+    with h5py.File(path, "w") as file:
+        for name, column in RECORD.items():
+            file.create_dataset(name, data=column, chunks=(60,), compression="gzip")
+    return path
+
+
+def netcdf(path):
+    data = xr.Dataset({k: ("time", v) for k, v in RECORD.items()}, {"time": T}, {"title": "x"})
+    return files.write(data, path)
+
+
+def test_what_a_reader_finds_comes_back_from_a_child(path):
+    with pytest.warns(UserWarning, match=r"^r.dat: odd$"):
+        found, (child, main) = read_isolated(readers.good, path, "anything")
+    assert child != os.getpid()
+    assert main is None  # what the user's script does is not done again
+    x = np.arange(6.0).reshape(2, 3)
+    for name, values in {"x": x, "column": x[:, 1], "turned": x.T, "none": x[:0]}.items():
+        np.testing.assert_array_equal(found[name], values)
+        assert found[name].flags.writeable
+    assert found["text"] == "content"
+
+
+@pytest.mark.parametrize(
+    ("reader", "message"),
+    [
+        ("killed", r"as a thing: it ended the process that read it \(SIGSEGV\); copy it again"),
+        ("left", r"it ended the process that read it \(exit code 7\)"),
+        ("stumbled", "r.dat cannot be read as a thing: IndexError: x{288}; copy it again"),
+        ("nested", "r.dat cannot be read as a thing: RecursionError"),
+        ("refused", "^r.dat is not wanted$"),
+        pytest.param("greedy", "it asks for more memory than 1.1 GB", marks=LINUX),
+    ],
+)
+def test_whatever_goes_wrong_is_a_parameter_error(path, reader, message):
+    with pytest.raises(ParameterError, match=message):
+        read_isolated(getattr(readers, reader), path, "a thing")
+
+
+def test_a_child_that_never_ends_is_ended(path, monkeypatch):
+    monkeypatch.setattr(isolated, "SECONDS", 2.0)
+    with pytest.raises(
+        ParameterError, match=r"r.dat cannot be read as a thing: it took more than 2"
+    ):
+        read_isolated(readers.endless, path, "a thing")
+
+
+@pytest.mark.parametrize("program", ["/no/such/python", "/bin/false"])
+def test_without_a_child_it_is_read_here(path, monkeypatch, program):
+    monkeypatch.setattr(sys, "executable", program)
+    with pytest.warns(UserWarning, match="odd"):
+        _, (process, _) = read_isolated(readers.good, path, "anything")
+    assert process == os.getpid()
+
+
+def test_a_script_needs_no_guard_and_a_folder_may_hold_anything(tmp_path):
+    mat(tmp_path / "r.mat")
+    (tmp_path / "random.py").write_text("raise SystemExit('the wrong random')")
+    (tmp_path / "numpy.py").write_text("raise SystemExit('the wrong numpy')")
+    script = tmp_path / "bin" / "script.py"
+    script.parent.mkdir()
+    script.write_text(
+        textwrap.dedent(
+            """
+            import ratestate as rs
+            from ratestate.records.reading import opened
+
+            def here(path):
+                raise SystemExit("it was read in this process, not in the child")
+
+            here.__module__, here.__qualname__ = "ratestate.records.reading.stored", "read_mat"
+            opened.read_mat = here
+            print("once", rs.read_lab("r.mat").sizes["time"])
+            """
+        )
+    )
+    done = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "once 120\n"
+
+
+def test_the_child_imports_little():
+    code = "import sys; from ratestate.records.reading import isolated, stored\n"
+    code += "import ratestate.files.netcdf; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    heavy = {"xarray", "pandas", "numba", "scipy.optimize", "matplotlib", "pint", "zarr"}
+    assert not heavy & set(done.stdout.split())
+
+
+def test_a_type_that_killed_the_process(tmp_path):
+    """SciPy looks an unknown type up in a table without looking, and dies of it."""
+    path = mat(tmp_path / "r.mat")
+    double = struct.pack("<II", 9, 8 * T.size)
+    assert double in path.read_bytes()
+    path.write_bytes(path.read_bytes().replace(double, struct.pack("<II", 0, 8 * T.size), 1))
+    with pytest.raises(ParameterError, match=r"r.mat cannot be read as a MAT file: .*; copy it"):
+        rs.read_lab(path)
+
+
+def test_a_small_file_that_asks_for_much(tmp_path):
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        file.create_dataset("time_s", shape=(3 * 10**9,), dtype="f8", chunks=(10**6,))
+    with pytest.raises(ParameterError, match=r"'time_s' would fill 2.4e\+10 bytes, out of a file"):
+        rs.read_lab(tmp_path / "r.h5")
+    path = tmp_path / "packs.h5"
+    with h5py.File(path, "w") as file:  # what really is packed so well is read
+        t = np.arange(24_000.0)
+        for name, values in {"time_s": t, "disp_um": 10 * t, "mu": 0.6 + t % 2}.items():
+            file.create_dataset(name, data=values, compression="gzip", shuffle=True)
+        file.create_dataset("sn_MPa", data=np.full(24_000, 5.0), compression="gzip")
+    assert rs.read_lab(path).sizes["time"] == 24_000
+
+
+def mutant(content, rng):
+    """A file with bits turned, its end lost, or bytes overwritten."""
+    content = bytearray(content)
+    i, kind = rng.randrange(len(content)), rng.randrange(3)
+    if kind == 0:
+        content[i] ^= 1 << rng.randrange(8)
+    elif kind == 1:
+        del content[i:]
+    else:
+        content[i : i + 8] = rng.randbytes(len(content[i : i + 8]))
+    return bytes(content)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(
+    ("make", "name", "read"),
+    [(mat, "r.mat", rs.read_lab), (hdf5, "r.h5", rs.read_lab), (netcdf, "r.nc", files.read)],
+)
+def test_mutants(tmp_path, make, name, read):
+    """A few of thousands; from threads, as the explorer has them."""
+    content = make(tmp_path / name).read_bytes()
+    rng = random.Random(f"{name} 13")
+    paths = [tmp_path / f"{i} {name}" for i in range(6)]
+    for path in paths:
+        path.write_bytes(mutant(content, rng))
+
+    def outcome(path):
+        try:
+            read(path)
+        except ParameterError as error:
+            return str(error)
+        return ""
+
+    with concurrent.futures.ThreadPoolExecutor(3) as pool:
+        told = list(pool.map(outcome, paths))
+    assert all(path.name in text for path, text in zip(paths, told, strict=True) if text)
+    assert any(told)

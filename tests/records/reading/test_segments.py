@@ -1,0 +1,242 @@
+"""The load point's history out of its displacement: known truth, noise, machines as they are."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from ratestate import ParameterError
+from ratestate.records.reading import find_segments, segments, splits
+from ratestate.records.reading.levels import levels_of
+from ratestate.records.reading.segments import segments_of
+
+NOISE = 0.3e-6
+
+
+def history(t, starts, V):
+    """Displacement of a load point that has these speeds from these times on."""
+    edges = np.array([*starts, max(t[-1], starts[-1]) + 1.0])
+    return np.interp(t, edges, np.append(0.0, np.cumsum(np.asarray(V) * np.diff(edges))))
+
+
+def drawn(rng):
+    """Starts and speeds of a random history, times of its rows, and noise of a random kind."""
+    V = [10 ** rng.uniform(-7, -3)]
+    for _ in range(rng.integers(0, 7)):
+        if V[-1] == 0.0:  # after a hold, as before it or otherwise
+            V.append(V[-2] * (1.0 if rng.random() < 0.5 else 10 ** rng.uniform(-1, 1)))
+        elif rng.random() < 0.25:
+            V.append(0.0)
+        else:
+            ratio = 10 ** rng.uniform(np.log10(1.5), 3)
+            step = V[-1] * ratio if V[-1] * ratio < 2e-3 else V[-1] / ratio
+            V.append(max(step, 5e-8) if V[-1] > 7.5e-8 else 1.5 * V[-1])
+    V = np.array(V)
+    scatter = 10 ** rng.uniform(-8, -6.3)
+    lasts = (10 ** rng.uniform(-4.5, -3, V.size) + 100 * scatter) / np.where(V > 0, V, 1)
+    lasts[V == 0] = rng.uniform(0.2, 3) * np.median(lasts[V > 0])
+    rows = 10 ** rng.uniform(1.7, 3.3, V.size)  # a rate of its own for each speed, or one for all
+    dt = lasts / rows if rng.random() < 0.5 else np.full(V.size, lasts.min() / 15)
+    if lasts.sum() / dt[0] > 3e4:
+        dt = lasts / rows
+    starts = np.append(0.0, np.cumsum(lasts))
+    t = np.concatenate(
+        [np.arange(a, b, d) for a, b, d in zip(starts, starts[1:], dt, strict=False)]
+    )
+    t = t[np.append(True, np.diff(t) > 1e-9 * t[-1])]
+    rho = 0.0 if rng.random() < 0.5 else np.exp(-1 / 10 ** rng.uniform(0.3, 1.3))
+    noise = lfilter([(1 - rho**2) ** 0.5], [1, -rho], rng.standard_normal(t.size))
+    return starts[:-1], V, t, scatter * noise, rho
+
+
+def test_random_histories():
+    wrong, misses = 0, {True: [], False: []}
+    for seed in range(100):
+        starts, V, t, noise, rho = drawn(np.random.default_rng(seed))
+        found = segments_of(t + 1e4, 8e-3 + history(t, starts, V) + noise)
+        assert found.t[0] == 1e4
+        if found.V.size != V.size:
+            wrong += 1
+            continue
+        wrong += ((found.V == 0) != (V == 0)).any()
+        misses[rho == 0.0] += ((found.t[1:] - 1e4 - starts[1:]) / found.t_error[1:]).tolist()
+    assert wrong <= 3  # seen: 1
+    white, correlated = (np.array(misses[key]) for key in (True, False))
+    assert min(white.size, correlated.size) > 100
+    assert 0.9 < white.std() < 1.15
+    assert 0.9 < correlated.std() < 1.35
+    assert max(abs(white).max(), abs(correlated).max()) < 6.0
+
+
+def test_without_noise_breaks_come_out_to_rounding():
+    for seed in range(25):
+        starts, V, t, _, _ = drawn(np.random.default_rng(seed))
+        found_t, found_V = find_segments(t, history(t, starts, V))
+        assert found_V.size == V.size, seed
+        np.testing.assert_allclose(found_t, starts, rtol=0, atol=2e-14 * t[-1])
+        np.testing.assert_allclose(found_V, V, rtol=0, atol=1e-14 * V.max())
+        np.testing.assert_array_equal(found_V == 0.0, V == 0.0)
+
+
+@pytest.mark.parametrize("V", [(2e-7, 2e-6), (3e-6, 1e-5), (1e-5, 1e-6), (1e-5, 0.0), (1e-5, 1e-3)])
+def test_a_break_is_found_as_exactly_as_noise_allows(V):
+    # Two lines through n rows each, s the noise: each is known at its end to 4 s^2 / n, and they
+    # cross at a time known to 4 s^2 (1/n + 1/m) / (V_1 - V_2)^2 (a level, where V = 0, to s^2 / m)
+    rng = np.random.default_rng(0)
+    before, after = 400, 600
+    dt = 40 * NOISE / max(V) / 20
+    t = (np.arange(before + after) + 0.5) * dt
+    x = history(t, [0, before * dt], V)
+    limit = NOISE / abs(V[0] - V[1]) * (4 / before + (4 if V[1] else 1) / after) ** 0.5
+    found = [segments_of(t, x + NOISE * rng.standard_normal(t.size)) for _ in range(120)]
+    assert {f.V.size for f in found} == {2}
+    times = np.array([f.t[1] for f in found])
+    assert abs(times.mean() - before * dt) < 4 * limit / 120**0.5
+    assert 0.8 < times.std() / limit < 1.2  # 120 draws know it to 6.5 %
+    told = np.median([f.t_error[1] for f in found])
+    assert 0.9 < told / limit < 1.2
+    if not V[1]:
+        assert {f.V[1] for f in found} == {0.0}
+
+
+def test_one_speed():
+    t = np.arange(3000) * 0.1
+    noise = NOISE * np.random.default_rng(1).standard_normal(t.size)
+    for V in (1e-7, 1e-5):
+        found_t, found_V = find_segments(t, V * t + noise)
+        assert found_t.tolist() == [0.0]
+        np.testing.assert_allclose(found_V, [V], rtol=0.01)
+    assert find_segments(t, noise)[1].tolist() == [0.0]
+
+
+def test_slide_hold_slide():
+    t = np.arange(0, 400, 0.1)
+    starts, V = [0, 100, 110, 150, 250, 300], [1e-5, 0, 1e-5, 0, 1e-5, 0]
+    noise = NOISE * np.random.default_rng(2).standard_normal(t.size)
+    found = segments_of(t, history(t, starts, V) + noise)
+    np.testing.assert_allclose(found.t, starts, atol=0.03)
+    np.testing.assert_allclose(found.V, V, rtol=0.01, atol=0)
+    assert found.notes == []
+
+
+def test_machines_that_wander_do_not_step():
+    # a tenth of a turn of a gear, and drifts of a tenth of a micron: a change of speed by 3 %
+    t = np.arange(0, 600, 0.05)
+    x = history(t, [0, 300], [1e-6, 1e-5])
+    wander = 2e-7 * np.sin(2 * np.pi * x / 100e-6) + 1e-7 * np.sin(2 * np.pi * t / 170)
+    noise = 5e-8 * np.random.default_rng(3).standard_normal(t.size)
+    found = segments_of(t, x + wander + noise)
+    np.testing.assert_allclose(found.V, [1e-6, 1e-5], rtol=0.01)
+    assert abs(found.t[1] - 300) < 0.05
+    big = segments_of(t, 1e-5 * t + 1e-6 * np.sin(t / 5) + noise * 1e-2)
+    assert "wanders about constant speeds" in big.notes[-1]
+
+
+def test_a_jump_of_the_displacement_moves_no_step():
+    t = np.arange(0, 200, 0.02)
+    x = history(t, [0, 100], [3e-6, 1e-5]) + 1e-6 * (t >= 104) + 1e-6 * (t >= 40)
+    noise = 1.5e-7 * np.random.default_rng(4).standard_normal(t.size)
+    found = segments_of(t, x + noise)
+    np.testing.assert_allclose(found.V, [3e-6, 1e-5], rtol=0.002)
+    assert abs(found.t[1] - 100) < 4 * found.t_error[1] < 0.05
+    assert [" at 40 s" in found.notes[0], " at 104 s" in found.notes[1]] == [True, True]
+    assert "as in 0.1 s at that speed" in found.notes[1]
+
+
+def test_a_ramp_is_a_step():
+    t = np.arange(0, 100, 0.01)
+    V = np.interp(t, [0, 50, 50.4, 100], [1e-6, 1e-6, 1e-3, 1e-3])
+    noise = NOISE * np.random.default_rng(5).standard_normal(t.size)
+    found = segments_of(t, np.append(0, np.cumsum(0.01 * 0.5 * (V[1:] + V[:-1]))) + noise)
+    np.testing.assert_allclose(found.V, [1e-6, 1e-3], rtol=0.01)
+    assert abs(found.t[1] - 50.2) < 0.01  # in the middle of the ramp: the same displacement after
+    assert len(found.notes) == 1
+    assert re.search(r"changes over some 0.[34]\d? s from 50.0\d* s on; taken", found.notes[0])
+
+
+def test_holds_that_creep_or_are_short():
+    t = np.arange(0, 300, 0.1)
+    noise = 5e-8 * np.random.default_rng(6).standard_normal(t.size)
+    x = history(t, [0, 100, 200], [1e-5, 0, 1e-5]) - 2e-8 * np.clip(t - 100, 0, 100)
+    found = segments_of(t, x + noise)  # a machine that gives a little
+    assert found.V[1] == 0.0
+    assert "runs back by 2 um in the hold at 100" in found.notes[0]
+    x = history(t, [0, 1], [2e-8, 1e-5])
+    found = segments_of(t, x + noise)
+    assert found.V[0] == 0.0
+    assert "cannot be told from a speed of up to" in found.notes[0]
+
+
+def test_levels_of_a_recorded_velocity():
+    t = np.arange(0, 100, 0.1)
+    V = np.select([t < 30.05, t < 60.05], [1e-6, 0.0], 1e-5)
+    found = levels_of(t, V)
+    np.testing.assert_allclose(found.t, [0, 30.05, 60.05], rtol=1e-12)
+    np.testing.assert_allclose(found.V, [1e-6, 0, 1e-5], rtol=1e-12, atol=0)
+    rng = np.random.default_rng(7)
+    many = [levels_of(t, V + 1e-6 * rng.standard_normal(t.size)) for _ in range(50)]
+    assert {f.V.size for f in many} == {3}
+    misses = [(f.t[1] - 30.05) / f.t_error[1] for f in many]
+    assert 0.4 < np.std(misses) < 1.6
+    assert max(abs(f.t[2] - 60.05) for f in many) < 0.01
+
+
+def test_refused():
+    t = np.arange(100.0)
+    for times, x, match in [
+        (t, t[1:], "two columns of equal length"),
+        (t[:3], t[:3], "4 rows at least"),
+        (t[::-1], t, "t does not increase at index 1"),
+        (t, np.where(t == 3, np.nan, t), "not finite"),
+        (
+            t,
+            np.where(t < 50, t, 100 - t) * 1e-6,
+            r"backwards, at 1 um/s from 50 s.*None, '",
+        ),
+        (t, np.where(t < 50, 50 - t, t - 50) * 1e-6, r"backwards.* time=\('49 s', None\)"),
+    ]:
+        with pytest.raises(ParameterError, match=match):
+            find_segments(times, x)
+    with pytest.raises(ParameterError, match="V_load is -1 um/s from 50 s on"):
+        levels_of(t, np.where(t < 50, 1e-6, -1e-6))
+
+
+def test_no_constant_speeds(monkeypatch):
+    monkeypatch.setattr(splits, "MOST", 20)
+    monkeypatch.setattr(segments, "MOST", 20)
+    t = np.arange(8000.0)
+    x = 1e-6 * np.cumsum(1.5 + np.sign(np.sin(np.pi * t / 200 + 0.1)))
+    with pytest.raises(ParameterError, match="no constant speeds from 0 s to 7999 s: more than 20"):
+        find_segments(t, x)
+    monkeypatch.undo()
+    assert find_segments(t, x)[1].size == 41
+
+
+def test_many_rows():
+    t = np.linspace(0, 1000, 200_001)
+    x = history(t, [0, 500, 700], [1e-6, 0, 1e-5])
+    noise = 1e-7 * np.random.default_rng(8).standard_normal(t.size)
+    found = segments_of(t, x + noise)
+    assert abs(found.t - [0, 500, 700]).max() < 0.01
+
+
+@pytest.mark.parametrize(("moved", "still"), [(1.0, True), (2.2, False)])
+def test_a_hold_may_move_by_the_noise(moved, still):
+    """1.5 times its standard deviation: far more than the error of so long a hold's speed."""
+    t = np.arange(0, 300, 0.1)
+    noise = NOISE * np.random.default_rng(8).standard_normal(t.size)
+    hold = (t >= 100) & (t < 200)
+    noise[hold] -= np.polyval(np.polyfit(t[hold], noise[hold], 1), t[hold])
+    found = segments_of(t, history(t, [0, 100, 200], [1e-5, moved * NOISE / 100, 1e-5]) + noise)
+    assert found.V.size == 3
+    assert (found.V[1] == 0.0) == still
+
+
+@pytest.mark.parametrize("degree", [0, 1])
+def test_the_noise_of_a_record_is_its_variance(degree):
+    """White noise of 2 um, about a line or a level."""
+    t = np.arange(40_000.0)
+    white = 2e-6 * np.random.default_rng(9).standard_normal(t.size)
+    line = 3e-6 * t if degree else np.zeros(t.size)
+    assert 0.95 < splits.Rows(t, line + white, degree).noise / 4e-12 < 1.15

@@ -1,0 +1,210 @@
+"""Rows of laboratory files with values that nobody measured; columns that contradict each other."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+import ratestate as rs
+from ratestate.errors import RecordWarning
+from ratestate.records.reading import read_lab
+from ratestate.records.reading.values import single
+
+N = 300
+T = np.arange(N) * 0.1
+X = np.where(T < 15, T, 10 * T - 135)
+RNG = np.random.default_rng(5)
+MU = 0.6 + 0.003 * np.sin(T) + 3e-4 * RNG.normal(size=N)
+HEADER = "Time(s)\tDispl(um)\tFriction"
+STRESSES = "Time(s)\tDispl(um)\tShear stress (MPa)\tNormal stress (MPa)"
+
+
+def write(path, *columns, header=HEADER):
+    lines = ["\t".join(map(str, row)) for row in zip(*(c.tolist() for c in columns), strict=True)]
+    path.write_text("\n".join([header, *lines]) + "\n")
+    return path
+
+
+def put(values, *places):
+    """Values with others in some rows."""
+    values = values.astype(object)
+    for row, other in places:
+        values[row] = other
+    return values
+
+
+def left(path, match, rows, friction=MU):
+    """That these rows are left out, with such a warning."""
+    with pytest.warns(RecordWarning, match=match) as told:
+        data = read_lab(path)
+    assert len(told) == 1
+    good = np.delete(np.arange(N), rows)
+    np.testing.assert_array_equal(data.time, T[good])
+    np.testing.assert_allclose(data.friction, friction[good], rtol=1e-12)
+    assert abs(float(data.segment_t[1]) - 15) < 1e-3
+
+
+def test_values_that_nobody_measured(tmp_path):
+    path = tmp_path / "r.txt"
+    for column in (1, 2):
+        columns = [T, X, MU]
+        columns[column] = put(columns[column], *((row, -9999) for row in range(10, 150, 20)))
+        match = (
+            r"7 rows .* -9999 in '(Displ\(um\)|Friction)', a code .*: line 12, line 32, .* 2 more"
+        )
+        left(write(path, *columns), match, range(10, 150, 20))
+    match = (
+        r"no rock has \(more than 3\): line 42 \(friction = 1.2e\+04\), line 43 \(friction = -5\)"
+    )
+    left(write(path, T, X, put(MU, (40, 12000), (41, -5))), match, [40, 41])
+    match = r"1 row .* single samples .*: line 102 \(friction = 1.2\)"
+    left(write(path, T, X, put(MU, (100, 1.2))), match, [100])
+    match = r"1 row .* single samples .*: line 102 \(delta_lp = 800 um\)"
+    left(write(path, T, put(X, (100, 800)), MU), match, [100])
+
+
+def test_rows_without_normal_stress(tmp_path):
+    for sigma, match in [
+        (0.0, r"with normal stress .*: line 2 \(sigma = 0 Pa\)"),
+        (4e-4, r"no rock has .*: line 2 \(friction = 2.999e\+04\)"),
+    ]:
+        normal = np.where(T < 2, sigma, 20.0)
+        path = write(tmp_path / "r.txt", T, X, 20 * MU, normal, header=STRESSES)
+        left(path, match, np.flatnonzero(T < 2))
+    path = write(tmp_path / "r.txt", T, X, 20 * MU, 0 * T, header=STRESSES)
+    with pytest.raises(rs.ParameterError, match=r"only 0 rows are left.*with normal stress"):
+        read_lab(path)
+
+
+def test_normal_stress_beside_friction(tmp_path):
+    """Rows where it cannot be are left out and named; a column that is dead throughout is not."""
+    header = HEADER + "\tNormal stress (MPa)"
+    row = np.arange(N) == 40
+    for wrong, match in [
+        (0.0, r"1 row .*normal stress outside 100 to 1e\+11 Pa: line 42 \(sigma = 0 Pa\)"),
+        (-20.0, r"normal stress .*: line 42 \(sigma = -20 MPa\)"),
+        (1e20, r"normal stress .*: line 42 \(sigma = 1e\+17 GPa\)"),
+    ]:
+        path = write(tmp_path / "r.txt", T, X, MU, np.where(row, wrong, 20.0), header=header)
+        left(path, match, [40])
+    for normal in (20.0 + 0 * T, 0 * T):
+        data = read_lab(write(tmp_path / "r.txt", T, X, MU, normal, header=header))
+        np.testing.assert_array_equal(data.friction, MU)
+        assert "normal stress" not in data.attrs["notes"]
+
+
+def test_what_is_measured_stays(tmp_path):
+    """Stick-slip, a peak of one sample, the loading from 0 with noise, a spike within the noise."""
+    saw = 0.6 + 0.05 * (T % 3.0) / 3.0
+    peak = MU + 0.02 * np.exp(-np.maximum(T - 15, 0) / 0.03) * (T >= 15)
+    loading = np.minimum(0.6, 0.2 * T) + 1e-3 * RNG.normal(size=N)
+    for mu in (saw, peak, loading, put(MU, (50, 0.61)).astype(float), MU.round(3)):
+        np.testing.assert_array_equal(read_lab(write(tmp_path / "r.txt", T, X, mu)).friction, mu)
+
+
+def test_single_samples():
+    smooth = np.sin(T)
+    assert not single(smooth).any()
+    smooth[[50, 120]] += [3, -3]
+    assert np.flatnonzero(single(smooth)).tolist() == [50, 120]
+    assert not single(smooth, least=10.0).any()
+    bent = T.copy()
+    bent[100] += 0.5  # five steps: far, but no more than noise of long tails is
+    assert not single(bent).any()
+
+
+@pytest.mark.parametrize("signs", [(-1, 1), (1, -1), (-1, -1)])
+def test_signs_are_turned(tmp_path, signs):
+    tau, sigma = 20 * MU * signs[0], 20.0 * signs[1] + 0 * T
+    data = read_lab(write(tmp_path / "r.txt", T, X, tau, sigma, header=STRESSES))
+    np.testing.assert_allclose(data.friction, MU, rtol=1e-12)
+    assert float(data.sigma.min()) == 2e7
+    notes = [
+        f"{s} is negative throughout"
+        for s, sign in zip(("tau", "sigma"), signs, strict=True)
+        if sign < 0
+    ]
+    assert [note.partition(";")[0] for note in json.loads(data.attrs["notes"])] == notes
+    if signs == (-1, -1):
+        data = read_lab(write(tmp_path / "r.txt", T, X, -MU))
+        np.testing.assert_array_equal(data.friction, MU)
+        assert "friction is negative" in data.attrs["notes"]
+
+
+def test_coarse_displacement(tmp_path):
+    header = "Time(s)\tDispl(mm)\tVelocity (um/s)\tFriction"
+    V = np.where(T < 15, 1.0, 10.0)
+    path = write(tmp_path / "r.txt", T, (X / 1000).round(1) + 0.2, V, MU, header=header)
+    with pytest.warns(RecordWarning, match="moves in steps of 100 um: too few digits.*V_load"):
+        data = read_lab(path)
+    assert data.attrs["found"] == "delta_lp moves in steps of 100 um"
+    data = read_lab(path, {"V_load": "Velocity"})
+    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5])
+    # a hold that reads one of three numbers, and in the end one more, is one
+    still = np.where(T < 1, 10 * T, 10).round() + RNG.integers(-1, 2, N) + (T > 25)
+    assert "hold of" in read_lab(write(tmp_path / "r.txt", T, still, MU)).attrs["found"]
+
+
+def test_velocity_and_displacement_disagree(tmp_path):
+    header = "Time(s)\tDispl(um)\tVelocity (um/s)\tFriction"
+    V = np.where(T < 15, 1.0, 10.0)
+    path = write(tmp_path / "r.txt", T, X, 5 * V, MU, header=header)
+    with pytest.warns(
+        RecordWarning, match=r"'Velocity \(um/s\)' leads 8\d\d um .* delta_lp 164 um"
+    ):
+        read_lab(path)
+    read_lab(write(tmp_path / "r.txt", T, X, put(V, (3, "x")), MU, header=header))
+
+
+@pytest.mark.parametrize(
+    ("header", "time", "match"),
+    [
+        (
+            HEADER,
+            "00:00:01.{:03.0f}",
+            r"'Time\(s\)' \(time\) has no number.*'00:00:01.000' in line 2; .*seconds",
+        ),
+        ("Temps (s)\tDispl(um)\tFriction", "{}", r"as columns={'time': 'Temps \(s\)'}"),
+        ("Zeit\tDispl(um)\tFriction", "{}", r"number, in columns={'time': \.\.\.}"),
+        ("t (s)\tslip (um)\tFriction", "{}", r"in columns={'delta_lp': \.\.\.}"),
+        ("Disp (um)\tDisp (um)\tmu", "{}", "columns={.delta_lp.: 1}"),
+        ("Time (s)\tDisp (um)\tTime (s)", "{}", "columns={'time': 1}"),
+        (HEADER, "x x {}", "no line of numbers .it begins 'Time.*' and 'x x 0"),
+    ],
+)
+def test_what_messages_suggest(tmp_path, header, time, match):
+    times = np.array([time.format(t) for t in T])
+    columns = (times, X, MU) if " x" not in time else (times,)
+    with pytest.raises(rs.ParameterError, match=match):
+        read_lab(write(tmp_path / "r.txt", *columns, header=header))
+
+
+@pytest.mark.parametrize(
+    ("header", "factor"),
+    [
+        ("Time\tDispl\tFriction\n(s)\t(mm)\t()", 1e3),
+        ("TIME [S]\tDISPLACEMENT [UM]\tFRICTION", 1),
+        ("time\tLP_Disp\tmu\nsec\tmic\t.", 1),
+    ],
+)
+def test_units_as_they_are_written(tmp_path, header, factor):
+    data = read_lab(write(tmp_path / "r.txt", T, X, MU, header=header))
+    np.testing.assert_allclose(data.segment_V, [1e-6 * factor, 1e-5 * factor])
+    fortran = [np.array([f"{x:.9e}".replace("e", "D") for x in c]) for c in (T, X, MU)]
+    again = read_lab(write(tmp_path / "r.txt", *fortran, header=header))
+    np.testing.assert_allclose(again.friction, MU, rtol=1e-9)
+
+
+def test_stored_files_with_texts_or_damage(tmp_path):
+    path = tmp_path / "r.h5"
+    with h5py.File(path, "w") as file:
+        file["time_s"] = [str(t).encode() for t in T]
+        file["disp_um"], file["mu"] = X, MU
+    with pytest.raises(rs.ParameterError, match=r"'mu' \(no real numbers, so not read: 'time_s'\)"):
+        read_lab(path)
+    content = bytearray(path.read_bytes())
+    content[1000:1400] = b"\xff" * 400
+    path.write_bytes(content)
+    with pytest.raises(rs.ParameterError, match=r"r.h5 (is damaged|cannot be read)"):
+        read_lab(path)

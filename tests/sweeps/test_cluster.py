@@ -1,0 +1,462 @@
+"""Sweeps on a Dask cluster: the same bits as here, whatever happens to workers."""
+
+import contextlib
+import json
+import os
+import pickle
+import shutil
+import signal
+import sys
+import threading
+import time
+import types
+
+import numpy as np
+import pytest
+import xarray
+
+import ratestate as rs
+from ratestate.dynamics.cycles.limit_cycle import LimitCycleCall, limit_cycle, limit_cycle_call
+from ratestate.dynamics.results import versions
+from ratestate.dynamics.steady_sliding import StabilityCall
+from ratestate.engine.model import CRASHED
+from ratestate.errors import StoreError
+from ratestate.model.arrays import cut
+from ratestate.sweeps import apart, bar, calls, cluster, origin
+from ratestate.sweeps import verb as verb_module
+from ratestate.sweeps.apart import Apart
+from ratestate.sweeps.chunks import chunks_of
+from ratestate.sweeps.solve import form_of, solve
+from ratestate.sweeps.status import held
+from ratestate.sweeps.task import Tasks
+
+M = rs.logspace("M", 1e2, 1e5, 24)
+V_LP = rs.logspace("V_lp", 2e-3, 1e-1, 2)
+SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=M)
+ARGUMENTS = {
+    "limit_cycle": {"V_lp": V_LP, "rtol": 1e-6},
+    "stability": {"V_lp": V_LP},
+    "simulate": {
+        "loading": rs.Loading.steps("0.1 mm/s", (0.01, V_LP)),
+        "t_end": 0.05,
+        "times": [0.0, 0.01, 0.05],
+    },
+}
+BAD = [(i, 1) for i in (5, 17)]  # places of bad cases
+
+
+def bad(call):
+    """Whether there are bad cases among those of a call."""
+    places = [(M.values[i], V_LP.values[j]) for i, j in BAD]
+    return any(case in places for case in zip(*map(call.batch.flat, ("M", "V_lp")), strict=True))
+
+
+class Slow(LimitCycleCall):
+    """Takes its time, and counts how many of its kind do so at once in this process."""
+
+    now = most = 0
+
+    def run(self, progress=None):
+        Slow.now += 1
+        Slow.most = max(Slow.most, Slow.now)
+        time.sleep(0.2)
+        Slow.now -= 1
+        return super().run(progress)
+
+
+class Deadly(LimitCycleCall):
+    """Kills its process if there are bad cases."""
+
+    def run(self, progress=None):
+        if bad(self):
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().run(progress)
+
+
+class Raising(LimitCycleCall):
+    """Raises if there are bad cases."""
+
+    def run(self, progress=None):
+        if bad(self):
+            raise ZeroDivisionError("spanner")
+        return super().run(progress)
+
+
+@pytest.fixture(autouse=True)
+def in_time():
+    """Let a test that hangs fail."""
+
+    def late(*_):
+        raise TimeoutError("this takes too long")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(120)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture
+def cycles(monkeypatch):
+    """Have limit cycles found by another class."""
+
+    def by(kind):
+        def call(slider, V_lp, *, rtol=1e-8):
+            return kind(**vars(limit_cycle_call(slider, V_lp, rtol=rtol)))
+
+        monkeypatch.setitem(calls.VERBS, "limit_cycle", (limit_cycle, call))
+
+    return by
+
+
+@pytest.fixture(scope="module")
+def client():
+    import dask
+    from distributed import Client, LocalCluster
+
+    # A worker of a LocalCluster that is seen to be down twice within 15 s is given up.
+    with (
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"}),
+        LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs="CRITICAL"
+        ) as workers,
+        Client(workers) as client,
+    ):
+        yield client
+
+
+@contextlib.contextmanager
+def threads(n_workers):
+    """A client, not the default one, of workers that are threads of this process."""
+    from distributed import Client, LocalCluster
+
+    with (
+        LocalCluster(
+            n_workers=n_workers,
+            threads_per_worker=1,
+            processes=False,
+            dashboard_address=":0",
+            silence_logs="CRITICAL",
+        ) as workers,
+        Client(workers, set_as_default=False) as client,
+    ):
+        yield client
+
+
+@pytest.fixture(scope="module")
+def alone():
+    """What the sweep of limit cycles finds without a cluster."""
+    return sweep("limit_cycle")
+
+
+def sweep(verb, **how):
+    return rs.sweep(verb, SLIDER, **ARGUMENTS[verb] | {"progress": False} | how)
+
+
+@contextlib.contextmanager
+def meanwhile(do, when=lambda: True):
+    """Do something in another thread once `when()` holds."""
+
+    def work():
+        while not when() and not over.is_set():
+            time.sleep(0.02)
+        if not over.is_set():
+            do()
+
+    over, thread = threading.Event(), threading.Thread(target=work)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def some_done(path):
+    """Whether a store holds some, but not all chunks."""
+    return lambda: path.exists() and len(list((path / "sweep" / "done" / "c").glob("*"))) > 3
+
+
+def deaths(client):
+    """How many workers have died so far."""
+    events = [message for _, message in client.get_events("all")]
+    return sum(event["action"] == "remove-worker" for event in events)
+
+
+# ---------------------------------------------------------------------------------------- same bits
+
+
+@pytest.mark.parametrize("verb", ARGUMENTS)
+@pytest.mark.parametrize("store", [False, True])
+def test_the_same_bits_as_here(client, verb, store, tmp_path):
+    path = tmp_path / "x.zarr" if store else None
+    found = sweep(verb, client=client, chunk=5, store=path)
+    xarray.testing.assert_identical(found.load(), sweep(verb))
+
+
+def test_chunks_by_a_probe(client, alone):
+    xarray.testing.assert_identical(sweep("limit_cycle", client=client), alone)
+
+
+def test_a_task_weighs_what_its_cases_do():
+    slider = SLIDER.replace(M=rs.logspace("M", 1e2, 1e5, 1_000_000))
+    name, call = calls.call_of("limit_cycle", slider, {"V_lp": 1e-3})
+    part = cut(call, chunks_of(call.batch.sizes, 1000).places(500))
+    assert 16_000 < len(pickle.dumps(part)) < 20_000  # values and coordinates, and little else
+    assert name == "limit_cycle"
+
+
+# --------------------------------------------------------------------------------- workers that die
+
+
+def test_a_killed_worker_costs_nothing(client, cycles, alone):
+    cycles(Slow)
+    before = deaths(client)
+
+    def several():  # tasks: this is no probe
+        return client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)) > 2
+
+    def kill():
+        time.sleep(0.5)
+        pid = next(iter(client.run(os.getpid).values()))
+        os.kill(pid, signal.SIGKILL)
+
+    with meanwhile(kill, several):
+        found = sweep("limit_cycle", client=client, chunk=2)
+    assert deaths(client) == before + 1
+    xarray.testing.assert_identical(found, alone)
+
+
+def check_failed(found, alone, message):
+    """The bad cases have failed, and the others have the same bits."""
+    where = np.zeros(found.status.shape, bool)
+    where[tuple(zip(*BAD, strict=True))] = True
+    assert np.array_equal(found.status == CRASHED, where)
+    for i, j in BAD:
+        assert message in found.message.item(i, j)
+        assert np.isnan(found.period[i, j])
+    good = xarray.DataArray(~where, dims=found.status.dims)
+    xarray.testing.assert_identical(found.load().where(good), alone.where(good))
+
+
+def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path):
+    cycles(Deadly)
+    before = deaths(client)
+    # chunks so small that a bad one costs few processes
+    found = sweep("limit_cycle", client=client, chunk=4, store=tmp_path / "x.zarr")
+    check_failed(found, alone, "its process died, signal 9")
+    assert 1 <= deaths(client) - before <= 12  # each chunk once; more where the machine is slow
+    there = held(tmp_path / "x.zarr")
+    assert (there.done, there.failed) == (48, 2)
+
+
+def test_a_case_that_raises_costs_itself_only(client, cycles, alone):
+    cycles(Raising)
+    found = sweep("limit_cycle", client=client, chunk=8)
+    check_failed(found, alone, "ZeroDivisionError: spanner")
+
+
+@pytest.mark.parametrize(("deaths", "enough"), [(4, True), (5, False)])
+def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
+    """A chunk whose worker dies is done apart, and given up with the fifth."""
+
+    class Work:
+        """The one chunk kills its worker so many times, however it is done."""
+
+        def __init__(self, client):
+            self.sent, self.deaths, self.under_way = [], deaths, {}
+
+        def threads(self):
+            return 1
+
+        def send(self, i, function, how, *arguments):
+            self.sent.append(type(how))
+            self.under_way = {"task": i}
+
+        @property
+        def unfinished(self):
+            return bool(self.under_way)
+
+        def bereft(self):
+            self.deaths -= 1
+            return [(0, False)] if self.deaths >= 0 else []
+
+        def finished(self):
+            if self.deaths >= 0:
+                return []
+            self.under_way = {}
+            return [(0, types.SimpleNamespace(result=lambda: self.sent))]
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(cluster, "_Work", Work)
+    _, call = calls.call_of("limit_cycle", SLIDER, ARGUMENTS["limit_cycle"])
+    chunks = chunks_of(call.batch.sizes, 48)
+    tasks, report = Tasks(chunks, {}, None, "cpu"), types.SimpleNamespace(show=lambda: None)
+    outcomes = cluster.outcomes(None, tasks, call, [0], report)
+    if enough:
+        assert list(outcomes) == [[Tasks] + 4 * [Apart]]
+    else:
+        with pytest.raises(rs.SolverError, match="workers die, one after the other"):
+            list(outcomes)
+
+
+def test_the_case_that_kills_is_found_by_halving(monkeypatch):
+    """An eighth is tried, and divided further only if it kills."""
+    _, call = calls.call_of("stability", SLIDER, ARGUMENTS["stability"])
+    kinds, tried = form_of(call).kinds, []
+    monkeypatch.setattr(apart, "GRACE", 0.0)
+
+    class Process:
+        died = "signal 9"
+
+        def solve(self, part):
+            tried.append((part.batch.n, bad(part)))
+            return None if bad(part) else solve(part, kinds)
+
+    found, whole = apart._divided(Process(), call, kinds), solve(call, kinds)
+    where = np.zeros(found["status"].shape, bool)
+    where[tuple(zip(*BAD, strict=True))] = True
+    assert np.array_equal(found["status"] == CRASHED, where)
+    growth = whole["growth_rate"].values
+    np.testing.assert_allclose(found["growth_rate"].values[~where], growth[~where], rtol=1e-14)
+    assert sum(n for n, killed in tried if not killed) == 46
+    assert sorted(n for n, killed in tried if killed) == [1, 1, 6, 6]
+
+
+class Ending(StabilityCall):
+    """Is ended by signals if there are bad cases: asked to end, then killed."""
+
+    def run(self, progress=None):
+        if self.batch.n == 1:
+            os.kill(os.getpid(), signal.SIGTERM)
+            os.kill(os.getpid(), signal.SIGINT)
+        if bad(self):
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().run(progress)
+
+
+def test_a_case_is_not_blamed_for_what_ends_its_worker_too(monkeypatch):
+    """Who asks a whole job to end asks its processes, too; who kills it needs a moment."""
+    _, call = calls.call_of("stability", SLIDER.replace(M=M[5:6]), ARGUMENTS["stability"])
+    kinds, slept = form_of(call).kinds, []
+    monkeypatch.setattr(apart.time, "sleep", slept.append)
+    with contextlib.closing(apart._Process("cpu", kinds)) as process:
+        found = apart._divided(process, Ending(call.slider, call.V_lp), kinds)
+    assert found["status"].values.tolist() == [[0, CRASHED]]
+    assert found["growth_rate"].values[0, 0] == pytest.approx(
+        solve(call, kinds)["growth_rate"].values[0, 0], rel=1e-14
+    )
+    assert slept == [1.0]
+
+
+# --------------------------------------------------------------------------- a cluster that is lost
+
+
+def test_a_cluster_that_closes(cycles, alone, tmp_path):
+    cycles(Slow)
+    path = tmp_path / "x.zarr"
+    with (
+        threads(1) as client,
+        meanwhile(client.cluster.close, some_done(path)),
+        pytest.raises(rs.SolverError, match=r"cluster is lost .* run the same sweep again"),
+    ):
+        sweep("limit_cycle", client=client, chunk=2, store=path)
+    assert 8 <= held(path).done < 48
+    xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
+
+
+def test_an_interrupt_ends_it_soon(client, cycles, alone, monkeypatch, tmp_path):
+    cycles(Slow)
+    path, told, finished = tmp_path / "x.zarr", [], bar.Report.finished
+
+    def interrupt(report, outcome):
+        finished(report, outcome)
+        if report.done >= 8:
+            told.append(time.monotonic())
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(bar.Report, "finished", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        sweep("limit_cycle", client=client, chunk=2, store=path)
+    assert time.monotonic() - told[0] < 5.0
+    monkeypatch.setattr(bar.Report, "finished", finished)
+
+    def under_way():
+        return client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks))
+
+    until = time.monotonic() + 20.0
+    while under_way() and time.monotonic() < until:
+        time.sleep(0.1)
+    assert under_way() == 0
+    assert 8 <= held(path).done < 48
+    found = sweep("limit_cycle", client=client, store=path)
+    xarray.testing.assert_identical(found.load(), alone)
+
+
+def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, capfd):
+    cycles(Slow)
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    begin, said = time.monotonic(), "ratestate: the cluster has no workers; waiting for some ...\n"
+    Slow.most, look = 0, cluster._Work.threads
+
+    def interrupt(work):
+        if time.monotonic() - begin > 2.0:
+            raise KeyboardInterrupt
+        return look(work)
+
+    with threads(0) as client:
+        monkeypatch.setattr(cluster._Work, "threads", interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            sweep("limit_cycle", client=client, chunk=2)
+        monkeypatch.setattr(cluster._Work, "threads", look)
+        assert capfd.readouterr().err == said
+        with meanwhile(lambda: client.cluster.scale(4), lambda: capfd.readouterr().err == said):
+            found = sweep("limit_cycle", client=client, chunk=2)
+    xarray.testing.assert_identical(found, alone)
+    assert Slow.most == 4  # those that came late have work too
+
+
+# ---------------------------------------------------------------------------------- what is refused
+
+
+def test_workers_of_another_version_are_refused(client, monkeypatch):
+    other = json.loads(versions()) | {"numpy": "1.0"}
+    monkeypatch.setattr(cluster, "versions", lambda: json.dumps(other))
+    with pytest.raises(StoreError, match=r"'numpy': '2\..*expected, .*'numpy': '1\.0'"):
+        sweep("limit_cycle", client=client)
+
+
+def test_workers_of_two_kinds_are_refused_unless_mixed(client, monkeypatch):
+    """The one that was asked first is of another kind than those that work."""
+    first = origin.origin("cpu")
+    first["processor"] |= {"cpu": "i386"}
+    monkeypatch.setattr(verb_module, "origin", {"cpu": first}.get)  # which workers can be sent
+    with pytest.raises(StoreError, match=r"(?s)workers of one kind.*processor: i386"):
+        sweep("stability", client=client, chunk=24)
+    found = sweep("stability", client=client, chunk=24, mixed=True)
+    xarray.testing.assert_identical(found, sweep("stability"))
+
+
+def test_workers_that_lack_a_program_are_refused(client, cycles, monkeypatch):
+    module = types.ModuleType("only_here")
+    monkeypatch.setitem(sys.modules, "only_here", module)
+    module.Here = type("Here", (LimitCycleCall,), {"__module__": "only_here"})
+    cycles(module.Here)
+    with pytest.raises(rs.SolverError, match=r"only_here.*needs the same programs"):
+        sweep("limit_cycle", client=client, chunk=8)
+
+
+def test_a_store_that_workers_cannot_write_to(client, cycles, alone, tmp_path):
+    cycles(Slow)
+    path = tmp_path / "x.zarr"
+    with (
+        meanwhile(lambda: path.rename(tmp_path / "y.zarr"), some_done(path)),
+        pytest.raises(StoreError, match=r"x\.zarr cannot be written to"),
+    ):
+        sweep("limit_cycle", client=client, chunk=2, store=path)
+    time.sleep(0.5)
+    shutil.rmtree(path, ignore_errors=True)
+    (tmp_path / "y.zarr").rename(path)
+    xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)

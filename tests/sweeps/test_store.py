@@ -1,0 +1,900 @@
+"""Stores of sweeps: what is put in comes out, and no accident takes it away."""
+
+import contextlib
+import fcntl
+import itertools
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import zarr
+from limits import largest_file
+from paths import TESTS
+from torture import SMALL, same, torture
+
+import ratestate as rs
+from ratestate.errors import ParameterError, StoreError
+from ratestate.files import read
+from ratestate.sweeps import create as create_module
+from ratestate.sweeps import store as store_module
+from ratestate.sweeps.status import failures, held
+from ratestate.sweeps.store import NO_RESULT
+
+POINT = {"a": 0.003, "b": 0.006, "Dc": "10 um", "sigma": "2 MPa", "K": "900 MPa/m"}
+# 24 cases in 12 chunks: (M, V_lp) in blocks of (1, 2).
+AXES = {"M": rs.logspace("M", 100, 1e4, 6), "V_lp": rs.logspace("V_lp", 1e-3, 1e-2, 4)}
+CHUNKS, CHUNK = 12, 2
+
+
+def sweep(path=None, verb="stability", *, chunk=CHUNK, **changes):
+    """Sweep with the parameters above, but for these."""
+    values = POINT | AXES | changes
+    own = {"V_lp", "rtol", "loading", "t_end", "times", "initial", "V_start", "mixed"}
+    slider = rs.SpringSlider(**{k: v for k, v in values.items() if k not in own})
+    arguments = {k: v for k, v in values.items() if k in own}
+    if "loading" in arguments:
+        del arguments["V_lp"]
+    return rs.sweep(verb, slider, store=path, chunk=chunk, progress=False, **arguments)
+
+
+def assert_same(one, other, names=None):
+    """The variables of two results, coordinates too, are equal to the last bit."""
+    assert set(one.variables) == set(other.variables)
+    for name in names or one.variables:
+        assert one[name].dims == other[name].dims, name
+        assert same(one[name].values, other[name].values), name
+
+
+def files(folder):
+    """Path -> content of all files in a folder."""
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def leftovers(folder):
+    """What should not outlast a sweep."""
+    return [path for path in folder.rglob("*") if "partial" in path.name]
+
+
+@contextlib.contextmanager
+def solved(before):
+    """Within, `before(number of the call)` is called before each chunk is solved."""
+    numbers = itertools.count()
+    with pytest.MonkeyPatch.context() as patch:
+        from ratestate.sweeps import task
+
+        solve = task.solve
+
+        def solving(*arguments):
+            before(next(numbers))
+            return solve(*arguments)
+
+        patch.setattr(task, "solve", solving)
+        yield
+
+
+def interrupted(path, after=5, **asked):
+    """A store whose sweep was interrupted after about so many chunks."""
+
+    def interrupt(number):
+        if number >= after:
+            raise KeyboardInterrupt
+
+    with solved(interrupt), pytest.raises(KeyboardInterrupt):
+        sweep(path, **asked)
+    return path
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "x.zarr"
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    """No waiting for the disk: what it is asked for, and when, has a test of its own."""
+    monkeypatch.setattr(os, "fsync", lambda handle: None)
+
+
+@pytest.fixture(scope="module")
+def pattern(tmp_path_factory):
+    return interrupted(tmp_path_factory.mktemp("pattern") / "x.zarr")
+
+
+@pytest.fixture
+def begun(path, pattern):
+    """A store of which some chunks are done."""
+    shutil.copytree(pattern, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def expected():
+    return sweep()
+
+
+# Killed -------------------------------------------------------------------------------------------
+
+
+def test_survives_kills(tmp_path):
+    said = []
+    _, wrong = torture(tmp_path, SMALL, kills=2, seed=9, say=said.append)
+    assert wrong == [], "\n".join(said)
+    assert sum(line.startswith("kill ") for line in said) == 2
+
+
+def test_an_interrupted_sweep_is_gone_on_with(begun, expected):
+    before = {file: file.stat().st_mtime_ns for file in files(begun)}
+    done = zarr.open_array(begun / "sweep/done")[:]
+    assert 4 <= done.sum() <= 6
+    numbers = []
+    with solved(numbers.append):
+        result = sweep(begun)
+    assert len(numbers) == CHUNKS - done.sum()
+    assert {file: file.stat().st_mtime_ns for file in before} == before
+    assert_same(result, expected)
+    with solved(numbers.append):
+        sweep(begun)
+    assert len(numbers) == CHUNKS - done.sum()
+
+
+def test_a_chunk_is_on_disk_before_it_is_called_done(path, monkeypatch):
+    synced, seen, handles = [], [], {}
+    replace, open_file = Path.replace, os.open
+
+    def remember_open(file, *how, **more):
+        handle = open_file(file, *how, **more)
+        handles[handle] = Path(file)
+        return handle
+
+    def remember_fsync(handle):
+        synced.append(handles[handle])
+
+    def remember_replace(self, target):
+        seen.append((Path(target), list(synced)))
+        return replace(self, target)
+
+    monkeypatch.setattr(os, "open", remember_open)
+    monkeypatch.setattr(os, "fsync", remember_fsync)
+    monkeypatch.setattr(Path, "replace", remember_replace)
+    monkeypatch.setattr("ratestate.sweeps.here.cores", lambda: 1)
+    sweep(path)
+    written = {target for target, _ in seen if path in target.parents}
+    # the first time that each was written
+    flags = {file: before for file, before in reversed(seen) if "sweep/done/c" in str(file)}
+    assert len(flags) == CHUNKS
+    for flag, before in flags.items():
+        i, j = divmod(int(flag.name), 2)
+        keys = [f"c/{i}/{j}", f"c/{i}/{j}/0"]
+        keys += ([] if j else [f"f_n/c/{i}"]) + ([] if i else [f"omega_c/c/{j}"])
+        keys += [f"sweep/manifest/c/{flag.name}"]
+        results = [file for file in written if str(file).endswith(tuple(keys))]
+        assert len(results) >= 5 + (j == 0) + (i == 0)
+        for file in results:
+            assert file in before
+            # and so are the folders that name it, up to those that were made with the store
+            for folder in itertools.takewhile(lambda one: one != path, file.parents):
+                assert folder in before, folder
+        assert flag in synced
+
+
+def test_files_cut_off_by_a_kill_are_removed(begun, expected):
+    for name in ("growth_rate/c/5/1.0123.partial", "sweep/done/c/7.0123.partial"):
+        (begun / name).parent.mkdir(exist_ok=True, parents=True)
+        (begun / name).write_bytes(b"half a chu")
+    assert_same(sweep(begun), expected)
+    assert leftovers(begun) == []
+
+
+@pytest.mark.parametrize("name", ["x.zarr", "x[1].zarr", "x*"])
+def test_half_a_store_left_by_a_kill_is_removed(tmp_path, name):
+    left = tmp_path / f".{name}.0123.partial"
+    (left / "M").mkdir(parents=True)
+    (left / "zarr.json").write_text("{")
+    sweep(tmp_path / name)
+    assert not left.exists()
+
+
+def test_half_a_store_is_removed_when_another_sweep_made_the_store(begun):
+    left = begun.parent / f".{begun.name}.0123.partial"
+    left.mkdir()
+    sweep(begun)
+    assert not left.exists()
+
+
+def test_stores_that_are_being_made_by_others_stay(tmp_path):
+    sweep(tmp_path / "y.zarr")
+    other = tmp_path / ".x.zarr.0123.partial"
+    other.mkdir()
+    handle = create_module.hold(other)
+    sweep(tmp_path / "x.zarr")
+    os.close(handle)
+    assert other.exists()
+
+
+# Full ---------------------------------------------------------------------------------------------
+
+
+def test_no_room_for_a_chunk(path):
+    asked = {"M": rs.logspace("M", 1, 1e4, 100), "V_lp": rs.logspace("V_lp", 1e-3, 1e-2, 200)}
+    asked["chunk"] = 10000
+    with largest_file(50_000), pytest.raises(StoreError, match="File too large") as error:
+        sweep(path, **asked)
+    assert "make room" in str(error.value)
+    assert "run the same sweep again" in str(error.value)
+    assert held(path).done == 0
+    assert leftovers(path.parent) == []
+    assert_same(sweep(path, **asked), sweep(**asked))
+
+
+def test_no_room_for_a_store(path):
+    with largest_file(1000), pytest.raises(StoreError, match="File too large") as error:
+        sweep(path)
+    assert f"{path} cannot be made" in str(error.value)
+    assert "room" in str(error.value)
+    assert list(path.parent.iterdir()) == []
+
+
+@pytest.fixture
+def disk(tmp_path):
+    """A disk of 1 MB, and how to give it another size."""
+    place = tmp_path / "disk"
+    place.mkdir()
+
+    def mount(*options):
+        command = ["mount", *options, "tmpfs", str(place)]
+        return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+    try:
+        mounted = mount("-t", "tmpfs", "-o", "size=1m")
+    except FileNotFoundError:
+        mounted = False
+    if not mounted:
+        pytest.skip("a disk can be mounted by root only")
+    yield place, lambda size: mount("-o", f"remount,size={size}")
+    subprocess.run(["umount", "--lazy", str(place)], check=True)
+
+
+def test_a_full_disk(disk):
+    place, resize = disk
+    path = place / "x.zarr"
+    asked = {"V_lp": rs.logspace("V_lp", 1e-3, 1e-2, 16), "chunk": 2}
+    for _ in range(2):  # again without room: no better, no worse
+        with pytest.raises(StoreError, match="No space left on device") as error:
+            sweep(path, **asked)
+        assert "make room" in str(error.value)
+        assert "run the same sweep again" in str(error.value)
+        assert leftovers(place) == []
+        there = held(path)
+        assert 3 <= there.chunks_done < there.chunks == 48
+        done = zarr.open_array(path / "sweep/done")[:].reshape(6, 8).repeat(2, axis=1)
+        part, whole = xr.open_zarr(path, chunks=None), sweep(**asked)
+        for name in ("growth_rate", "eigenvalues", "status", "K_c"):
+            where = done if part[name].ndim > 1 else done.any(axis=1)
+            assert same(part[name].values[where], whole[name].values[where])
+    flags = list((path / "sweep/done/c").iterdir())
+    results = [path / f"growth_rate/c/{int(flag.name) // 8}/{int(flag.name) % 8}" for flag in flags]
+    before = {file: file.stat().st_mtime_ns for file in flags + results}
+    assert resize("8m")
+    assert_same(sweep(path, **asked), whole)
+    assert {file: file.stat().st_mtime_ns for file in before} == before
+
+
+def test_no_room_on_the_disk_for_a_store(disk):
+    place, resize = disk
+    assert resize("64k")
+    with pytest.raises(StoreError, match="No space left on device"):
+        sweep(place / "x.zarr")
+    assert list(place.iterdir()) == []
+
+
+# Read-only ----------------------------------------------------------------------------------------
+
+OTHERS = f"""
+import os, sys, warnings
+warnings.simplefilter("error")
+import xarray as xr
+sys.path[:0] = {[str(Path(__file__).parent), str(TESTS / "helpers")]!r}
+from test_store import StoreError, held, sweep
+sweep(sys.argv[1] + "/warm.zarr")  # all that is imported and compiled lazily
+xr.open_zarr(sys.argv[1] + "/warm.zarr", chunks=None).load()
+held(sys.argv[1] + "/warm.zarr")
+if os.getuid() == 0:  # whom no permissions bind
+    os.setgroups([])
+    os.setgid(65534)
+    os.setuid(65534)
+os.chdir(sys.argv[1])
+for path in sys.argv[2:]:
+    try:
+        sweep(path)
+        print("done")
+    except StoreError as error:
+        print(str(error).replace(chr(10), " "))
+    except Exception as error:
+        print(f"{{type(error).__name__}}: {{error}}".replace(chr(10), " "))
+print(held("x.zarr").chunks_done, int((xr.open_zarr("x.zarr", chunks=None).status == 0).sum()))
+"""
+
+
+def test_read_only(begun):
+    # not in pytest's folder, which nobody else may enter
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)
+        shutil.copytree(begun, folder / "x.zarr")
+        shutil.copytree(begun, folder / "half.zarr")
+        for path in (folder / "half.zarr/sweep").rglob("*"):
+            path.chmod(0o777)  # the lock, the flags: all but the results
+        (folder / "closed").mkdir(mode=0o700)
+        shutil.copytree(begun, folder / "closed/x.zarr")
+        if os.getuid():
+            (folder / "closed").chmod(0o000)
+            (folder / "new").mkdir(mode=0o555)
+            for path in [*(folder / "x.zarr").rglob("*"), *(folder / "half.zarr").glob("[!s]*/*")]:
+                path.chmod(0o555)
+        before = files(folder / "x.zarr")
+        stores = ["x.zarr", "half.zarr", "new.zarr", "closed/x.zarr", "closed/new.zarr"]
+        command = [sys.executable, "-c", OTHERS, name, *stores]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=name)
+        assert done.returncode == 0, done.stderr
+        store, half, new, closed, closed_new, rest = done.stdout.splitlines()
+        assert store.startswith("x.zarr cannot be written to (Permission denied); mend")
+        assert "what it holds is whole" in store
+        assert half.startswith("half.zarr cannot be written to ([Errno 13] Permission denied")
+        assert new.startswith("new.zarr cannot be made (Permission denied)")
+        assert closed.startswith("closed/x.zarr cannot be read (Permission denied)")
+        assert "(Permission denied)" in closed_new
+        assert rest == f"{held(begun).chunks_done} {held(begun).done}"
+        assert files(folder / "x.zarr") == before
+
+
+# Two at once --------------------------------------------------------------------------------------
+
+
+def in_thread(path, outcomes):
+    def run():
+        try:
+            outcomes.append(sweep(path).load())
+        except Exception as error:
+            outcomes.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    return thread
+
+
+def test_two_threads_on_a_store(begun, expected):
+    running, go_on, outcomes = threading.Event(), threading.Event(), []
+
+    def pause(_):
+        running.set()
+        go_on.wait(20)
+
+    with solved(pause):
+        thread = in_thread(begun, outcomes)
+        assert running.wait(20)
+        with pytest.raises(StoreError, match=r"another sweep is writing to .*x.zarr; wait until"):
+            sweep(begun)
+        go_on.set()
+        thread.join(20)
+    assert_same(outcomes[0], expected)
+    sweep(begun)  # the lock is gone
+
+
+# zarr's warnings: filters are common to all threads, and come and go with any of them
+@pytest.mark.filterwarnings("ignore:Consolidated metadata is", "ignore:The data type")
+def test_two_threads_make_a_store(path, expected, monkeypatch):
+    both, outcomes = threading.Barrier(2, timeout=20), []
+    fill = create_module._fill
+
+    def wait_for_the_other(*arguments):
+        fill(*arguments)
+        with contextlib.suppress(threading.BrokenBarrierError):
+            both.wait()
+
+    monkeypatch.setattr(create_module, "_fill", wait_for_the_other)
+    threads = [in_thread(path, outcomes) for _ in range(2)]
+    for thread in threads:
+        thread.join(30)
+    errors = [outcome for outcome in outcomes if isinstance(outcome, Exception)]
+    assert len(errors) < 2
+    for outcome in outcomes:
+        if isinstance(outcome, Exception):
+            assert is_clear(outcome, path)
+        else:
+            assert_same(outcome, expected)
+    assert leftovers(path.parent) == []
+    assert_same(sweep(path), expected)
+
+
+def is_clear(error, path):
+    """Whether an error says that another sweep has the store."""
+    known = (f"another sweep is writing to {path};", f"another sweep made {path} meanwhile;")
+    return isinstance(error, StoreError) and str(error).startswith(known)
+
+
+def test_the_half_made_store_of_another_thread_stays(path, monkeypatch):
+    """It is not mistaken for one that a kill left, however early the other looks."""
+    hold, first, outcomes = create_module.hold, threading.Event(), []
+
+    def look_before(folder):
+        if not first.is_set():
+            first.set()
+            in_thread(path, outcomes).join(10)
+        return hold(folder)
+
+    monkeypatch.setattr(create_module, "hold", look_before)
+    in_thread(path, outcomes).join(20)
+    assert len(outcomes) == 2
+    errors = [outcome for outcome in outcomes if isinstance(outcome, Exception)]
+    assert len(errors) < 2
+    assert all(is_clear(error, path) for error in errors), errors
+    assert leftovers(path.parent) == []
+
+
+def test_a_store_is_whole_or_absent(path, monkeypatch, expected):
+    """Another sweep looks for what a kill left just as this one takes hold of its half store."""
+    hold, fill, inputs_of = create_module.hold, create_module._fill, create_module.inputs_of
+    main, outcomes, looked = threading.main_thread(), [], threading.Event()
+    folders = []
+
+    def hold_what_another_looks_at(folder):
+        folders.append(folder)
+        if len(folders) > 1:
+            return hold(folder)
+        handle = os.open(folder, os.O_RDONLY)
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        threading.Timer(0.2, os.close, [handle]).start()
+        try:
+            return hold(folder)
+        finally:
+            time.sleep(0.3)
+
+    def fill_until_full(*arguments):
+        if threading.current_thread() is not main:
+            raise OSError(28, "No space left on device")
+        fill(*arguments)
+
+    def look_meanwhile(*arguments):
+        if threading.current_thread() is main and not looked.is_set():
+            looked.set()
+            in_thread(path, outcomes).join(10)
+        return inputs_of(*arguments)
+
+    monkeypatch.setattr(create_module, "hold", hold_what_another_looks_at)
+    monkeypatch.setattr(create_module, "_fill", fill_until_full)
+    monkeypatch.setattr(create_module, "inputs_of", look_meanwhile)
+    assert_same(sweep(path), expected)
+    assert [type(outcome) for outcome in outcomes] == [StoreError]
+    assert leftovers(path.parent) == []
+
+
+TOGETHER = f"""
+import sys, time
+sys.path[:0] = {[str(Path(__file__).parent), str(TESTS / "helpers")]!r}
+from test_store import StoreError, sweep
+folder, rounds = sys.argv[1], int(sys.argv[2])
+sweep(f"{{folder}}/warm{{sys.argv[3]}}.zarr")
+print("ready", flush=True)
+begin = float(sys.stdin.readline())
+for i in range(rounds):
+    time.sleep(max(begin + i - 0.01 - time.time(), 0.0))
+    while time.time() < begin + i:  # to the microsecond
+        pass
+    try:
+        sweep(f"{{folder}}/x{{i}}.zarr")
+        print("done")
+    except StoreError as error:
+        print(error)
+    except Exception as error:
+        print(f"not foreseen: {{type(error).__name__}}: {{error}}")
+"""
+
+
+def test_two_processes_on_a_store(tmp_path, pattern, expected):
+    rounds = 2
+    for i in range(1, rounds, 2):  # half of them have been begun before
+        shutil.copytree(pattern, tmp_path / f"x{i}.zarr")
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", TOGETHER, str(tmp_path), str(rounds), name],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for name in "ab"
+    ]
+    for run in runs:
+        assert run.stdout.readline() == "ready\n"
+    begin = time.time() + 0.2
+    for run in runs:
+        run.stdin.write(f"{begin}\n")
+        run.stdin.flush()
+    said = [run.communicate()[0].splitlines() for run in runs]
+    assert all(len(lines) == rounds for lines in said), said
+    for i, (one, other) in enumerate(zip(*said, strict=True)):
+        path = tmp_path / f"x{i}.zarr"
+        assert "done" in (one, other), (one, other)
+        for words in (one, other):
+            assert words == "done" or is_clear(StoreError(words), path)
+        assert_same(sweep(path), expected)
+    assert leftovers(tmp_path) == []
+
+
+# Another sweep ------------------------------------------------------------------------------------
+
+
+def test_of_other_parameters(begun):
+    before = files(begun)
+    with pytest.raises(StoreError) as error:
+        sweep(
+            begun,
+            a=0.004,
+            M=AXES["M"] * 1.5,
+            V_lp=rs.logspace("V_lp", 1e-3, 1e-1, 4),
+            sigma=rs.logspace("sigma", 1e6, 2e6, 2),
+            law="aging",
+            chunk=4,
+        )
+    first, *lines = str(error.value).splitlines()
+    assert first.startswith(f"{begun} holds another sweep; give this one a store of its own")
+    found = {line.strip().partition(":")[0]: line for line in lines}
+    assert set(found) == {"a", "M", "V_lp", "sigma", "law", "chunk"}
+    assert "0.003 in the store, 0.004 now" in found["a"]
+    assert "6 of 6 values differ, first at M[0]: 100.0 kg/m^2 in the store, 150.0" in found["M"]
+    assert "3 of 4 values differ, first at V_lp[1]: " in found["V_lp"]
+    assert "2000000.0 Pa in the store, <sigma: 2; 1e+06 to 2e+06 Pa> now" in found["sigma"]
+    assert "slip in the store, aging now" in found["law"]
+    assert "(1, 2) cases in the store, chunk=4 now" in found["chunk"]
+    assert files(begun) == before
+
+
+@pytest.mark.parametrize("symbol", ["a", "b", "Dc", "sigma", "K", "mu0", "V0"])
+def test_of_a_slider_that_differs_in_the_last_bit(begun, symbol):
+    slider = rs.SpringSlider(**POINT)
+    with pytest.raises(StoreError, match=rf"\n  {symbol}: .* in the store, .* now$"):
+        sweep(begun, **{symbol: float(np.nextafter(getattr(slider, symbol), 1e99))})
+
+
+def test_of_an_axis_that_differs_in_the_last_bit(begun):
+    V_lp = AXES["V_lp"].copy()
+    V_lp[2] = np.nextafter(V_lp[2], 1.0)
+    with pytest.raises(StoreError, match=r"V_lp: 1 of 4 values differ, first at V_lp\[2\]"):
+        sweep(begun, V_lp=xr.DataArray(V_lp.values, dims="V_lp"))
+
+
+def test_of_another_dimension(begun):
+    M = xr.DataArray(AXES["M"].values, dims="depth")
+    with pytest.raises(StoreError, match=r"M: <M: 6; .*> in the store, <depth: 6; .*> now"):
+        sweep(begun, M=M)
+
+
+def test_of_another_verb(begun):
+    with pytest.raises(StoreError, match="verb: stability in the store, limit_cycle now"):
+        sweep(begun, "limit_cycle")
+
+
+def test_of_other_settings(path):
+    few = {"M": AXES["M"][:2], "V_lp": AXES["V_lp"][:2]}
+    sweep(path, "limit_cycle", **few)
+    with pytest.raises(StoreError, match=r"\n  rtol: 1e-08 in the store, 1e-07 now$"):
+        sweep(path, "limit_cycle", rtol=1e-7, **few)
+
+
+MOTION = {
+    "loading": rs.Loading.steps("1 mm/s", (0.01, "3 mm/s")),
+    "t_end": 0.03,
+    "times": [0.0, 0.01, 0.03],
+    "V_start": 1e-3,
+    "M": AXES["M"][:2],
+}
+
+
+@pytest.mark.parametrize(
+    ("changed", "named"),
+    [
+        ({"loading": rs.Loading.steps("1 mm/s", (0.01, "4 mm/s"))}, {"loading V"}),
+        ({"loading": rs.Loading.steps("1 mm/s", (0.02, "3 mm/s"))}, {"loading t"}),
+        ({"t_end": 0.04}, {"t_end"}),
+        ({"times": [0.0, 0.02, 0.03]}, {"times"}),
+        ({"times": [0.0, 0.03]}, {"times"}),
+        ({"times": None}, {"times"}),
+        ({"V_start": 2e-3}, {"V_start"}),
+        ({"V_start": None}, {"V_start"}),
+        ({"initial": {"theta": 0.1}}, {"initial theta"}),
+        ({"rtol": 1e-5, "t_end": 0.05}, {"rtol", "t_end"}),
+    ],
+)
+def test_of_another_motion(path, changed, named):
+    sweep(path, "simulate", **MOTION)
+    with pytest.raises(StoreError) as error:
+        sweep(path, "simulate", **MOTION | changed)
+    assert {line.strip().partition(":")[0] for line in str(error.value).splitlines()[1:]} == named
+
+
+# No store, or a damaged one -----------------------------------------------------------------------
+
+
+def put_file(path):
+    path.write_text("results")
+
+
+def put_folder(path):
+    path.mkdir()
+
+
+def put_group(path):
+    zarr.create_group(path).create_array("V", shape=(3,), dtype=float)
+
+
+def put_dataset(path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        sweep(V_lp=1e-3, chunk=10).drop_vars("message").to_zarr(path)
+
+
+@pytest.mark.parametrize("put", [put_file, put_folder, put_group, put_dataset])
+def test_what_is_no_store_stays_as_it_is(path, put):
+    put(path)
+    before = files(path.parent)
+    for use in (sweep, held):
+        with pytest.raises(StoreError, match=r"x.zarr is no store of a sweep"):
+            use(path)
+    assert files(path.parent) == before
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_no_folder_to_make_a_store_in(tmp_path):
+    with pytest.raises(StoreError, match=r"x.zarr cannot be made \(No such file or directory\)"):
+        sweep(tmp_path / "missing/x.zarr")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(StoreError, match=r"x.zarr cannot be made \(Not a directory\)"):
+        sweep(tmp_path / "file/x.zarr")
+    with pytest.raises(
+        StoreError, match=r"there is nothing at .*x.zarr: no sweep has stored a chunk"
+    ):
+        held(tmp_path / "missing/x.zarr")
+
+
+def test_relative_paths_and_text(tmp_path, monkeypatch, expected):
+    monkeypatch.chdir(tmp_path)
+    assert_same(sweep("x.zarr"), expected)
+    assert [path.name for path in tmp_path.iterdir()] == ["x.zarr"]
+
+
+RECORDS = [
+    "sweep/zarr.json",
+    "sweep/inputs/zarr.json",
+    "sweep/inputs/M/zarr.json",
+    "sweep/inputs/M/c/0",
+]
+
+
+@pytest.mark.filterwarnings("ignore:Object at")  # zarr's way of saying that it is lost
+@pytest.mark.parametrize("name", RECORDS)
+@pytest.mark.parametrize("use", [sweep, held], ids=["sweep", "held"])
+def test_records_cut_short_or_lost(begun, name, use):
+    content = (begun / name).read_bytes()
+    for length in (0, 1, len(content) // 2, len(content) - 1):
+        (begun / name).write_bytes(content[:length])
+        with pytest.raises(StoreError, match=r"x.zarr"):
+            use(begun)
+    (begun / name).unlink()
+    with pytest.raises(StoreError, match=r"x.zarr"):
+        use(begun)
+
+
+def flipped(file):
+    """Flip bits of a file, a byte at a time, and mend it again."""
+    content = file.read_bytes()
+    for i in range(len(content)):
+        for mask in (0x01, 0x40, 0xFF):
+            file.write_bytes(content[:i] + bytes([content[i] ^ mask]) + content[i + 1 :])
+            yield i
+    file.write_bytes(content)
+
+
+@pytest.mark.parametrize("name", ["M", "amplitude", "multipliers", "status", "message"])
+def test_a_flipped_bit_is_an_error_and_no_number(path, name):
+    M = xr.DataArray([0.0, 100.0, 3000.0, 1e4], {"M": [1, 2, 3, 4]}, dims="M")
+    sweep(path, "limit_cycle", M=M, V_lp=1e-2)
+    before = zarr.open_array(path / name)[:]
+    file = next(file for file in (path / name / "c").rglob("*") if file.is_file())
+    for i in flipped(file):
+        try:
+            found = zarr.open_array(path / name)[:]
+        except Exception:  # zarr's, of many kinds
+            continue
+        assert same(found, before), f"byte {i}"
+
+
+def test_a_flipped_bit_in_the_parameters(begun):
+    for _ in flipped(begun / "sweep/inputs/M/c/0"):
+        try:
+            _, inputs = store_module.read(begun)
+        except StoreError:
+            continue
+        np.testing.assert_array_equal(inputs.M, AXES["M"])
+
+
+def test_a_flipped_bit_in_a_flag_calls_nothing_done(begun):
+    done = zarr.open_array(begun / "sweep/done")[:]
+    flag = begun / f"sweep/done/c/{np.flatnonzero(done)[0]}"
+    for i in flipped(flag):
+        try:
+            found = zarr.open_array(begun / "sweep/done")[:]
+        except Exception:
+            continue
+        assert not (found & ~done).any(), f"byte {i}"
+
+
+# Read again ---------------------------------------------------------------------------------------
+
+
+def cases():
+    """Name of a sweep -> what it is asked."""
+    bare = xr.DataArray([100.0, 300.0, 1000.0], dims="case")
+    square = xr.DataArray([[1e8, 2e8, 4e8], [5e8, 6e8, 9e8]], dims=("z", "case"))
+    rocks = {"rock": ["gouge", "granite", "serpentinite"]}
+    labelled = xr.DataArray([0.005, 0.006, 0.007], rocks, dims="rock")
+    extra = {"x": [1, 2, 3], "depth": ("x", [1.5, 2.5, 3.5]), "site": ("x", ["a", "b", "long"])}
+    numbers = xr.DataArray([100.0, 300.0, 1000.0], extra, dims="x")
+    speeds = rs.logspace("V_lp", 1e-3, 1e-2, 2)
+    own = xr.DataArray([[0.0, 0.01, 0.02], [0.0, 0.005, 0.03]], dims=("M", "time"))
+    days = {"x": np.array(["2026-11-20", "2026-11-21", "2026-11-22"], "M8[ns]")}
+    return {
+        "stability": ("stability", {}),
+        "of one case": ("stability", {"M": AXES["M"][:1], "V_lp": 1e-3}),
+        "of one number": ("stability", {"V_lp": 1e-3}),
+        "limit cycles": ("limit_cycle", {"M": [0, 1e2, 3e3], "V_lp": [1e-3, 1e-1]}),
+        "runs": ("simulate", MOTION),
+        "ends of runs": ("simulate", MOTION | {"times": None}),
+        "times for each case": ("simulate", MOTION | {"times": own}),
+        "no coordinate": ("stability", {"M": bare}),
+        "in the plane": ("stability", {"M": bare, "K": square, "chunk": 5}),
+        "labels": ("limit_cycle", {"b": labelled, "M": 1e3, "V_lp": speeds}),
+        "further coordinates": ("stability", {"M": numbers, "V_lp": speeds}),
+        "days": ("stability", {"M": xr.DataArray([1e2, 3e2, 1e3], days, dims="x")}),
+        "dimensions out of order": (
+            "stability",
+            {
+                "a": xr.DataArray([0.003, 0.004, 0.005], dims="z"),
+                "M": xr.DataArray([1e2, 3e2], dims="y"),
+                "V_lp": xr.DataArray([1e-3, 1e-2, 2e-2], dims="x"),
+            },
+        ),
+        "a dimension named for a parameter of two dimensions": (
+            "stability",
+            {"K": square.rename(z="K"), "M": 1e3, "V_lp": 1e-3},
+        ),
+        "a parameter over the axis of another": (
+            "stability",
+            {"K": xr.DataArray(np.linspace(1e8, 9e8, 6), dims="M"), "V_lp": speeds},
+        ),
+    }
+
+
+def asked(name):
+    verb, arguments = cases()[name]
+    for symbol in ("M", "V_lp"):
+        if isinstance(arguments.get(symbol), list):
+            arguments[symbol] = xr.DataArray(arguments[symbol], dims=symbol)
+    return verb, arguments
+
+
+@pytest.mark.parametrize("name", cases())
+def test_read_again(path, name):
+    verb, arguments = asked(name)
+    returned = sweep(path, verb, **arguments)
+    expected = sweep(None, verb, **arguments)
+    again = xr.open_zarr(path)  # no warning
+    for result in (returned, again):
+        assert set(result.coords) == set(expected.coords)
+        assert_same(result.load(), expected)
+        assert set(result.indexes) == set(expected.indexes)
+        for key, index in expected.indexes.items():
+            assert index.equals(result.indexes[key])
+        assert result.attrs == expected.attrs
+        for key, variable in expected.variables.items():
+            found = {k: np.asarray(v).tolist() for k, v in result[key].attrs.items()}
+            assert found == {k: np.asarray(v).tolist() for k, v in variable.attrs.items()}, key
+            kinds = (result[key].dtype.kind, variable.dtype.kind)
+            assert kinds[0] == kinds[1] or set(kinds) <= set("OTU"), key
+    # and each chunk's number does not show
+    for chunk in (1, 10**6):
+        assert_same(sweep(None, verb, **arguments | {"chunk": chunk}), expected)
+
+
+def test_types_and_what_is_not_a_number(path):
+    verb, arguments = asked("limit cycles")
+    result = sweep(path, verb, **arguments)
+    assert result.status.dtype == np.int8
+    assert result.multipliers.dtype == np.complex128
+    assert result.stable.dtype.kind == "b" or result.stable.dtype == float
+    assert set(np.unique(result.status)) == {0, 1, 5}
+    nan = np.isnan(result.multipliers.values).all(axis=-1)
+    np.testing.assert_array_equal(nan, result.status.values != 0)
+    assert (result.message.values != "").tolist() == (result.status.values == 5).tolist()
+    assert (result.amplitude.values[result.status.values == 1] == 0.0).all()
+
+
+@pytest.mark.parametrize("name", ["stability", "limit cycles", "runs", "labels"])
+@pytest.mark.parametrize("opened", [True, False], ids=["opened", "returned"])
+def test_to_netcdf(path, name, opened):
+    verb, arguments = asked(name)
+    result = sweep(path, verb, **arguments)
+    result = xr.open_zarr(path) if opened else result
+    engine = {"engine": "h5netcdf", "invalid_netcdf": True}  # complex numbers
+    file = path.with_suffix(".nc")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*invalid netcdf.*")
+        result.to_netcdf(file, **engine)
+    with xr.open_dataset(file, engine="h5netcdf") as again:
+        assert set(again.variables) == set(result.variables)
+        for key in ("status", "message"):
+            assert same(again[key].values, result[key].values)
+
+
+# What is held -------------------------------------------------------------------------------------
+
+
+def test_held_and_failures_of_part_of_a_sweep(path):
+    M = xr.DataArray([0.0, 100.0, 3000.0, 1e4], dims="M")
+    asked = {"M": M, "V_lp": rs.logspace("V_lp", 1e-3, 1e-1, 4)}
+    interrupted(path, after=5, verb="limit_cycle", **asked)
+    done = zarr.open_array(path / "sweep/done")[:]
+    assert 4 <= done.sum() <= 6
+    whole = sweep(None, "limit_cycle", **asked)
+    where = done.reshape(4, 2).repeat(2, axis=1)
+    status = np.where(where, whole.status.values, -1)
+    there, data = held(str(path)), xr.open_zarr(path, chunks=None)
+    np.testing.assert_array_equal(data.status, status)
+    assert (data.amplitude.values[~where] == NO_RESULT).all()
+    assert (data.multipliers.values[~where] == complex(NO_RESULT, NO_RESULT)).all()
+    assert np.isfinite(whole.amplitude.values[whole.status == 0]).all()
+    masked = read(path)
+    np.testing.assert_array_equal(masked.status, status)
+    assert np.isnan(masked.amplitude.values[~where]).all()
+    assert np.isnan(masked.multipliers.values[~where]).all()
+    assert same(masked.amplitude.values[where], whole.amplitude.values[where])
+    assert same(masked.multipliers.values[where], whole.multipliers.values[where])
+    assert there.path == path
+    assert (there.verb, there.dims) == ("limit_cycle", {"M": 4, "V_lp": 4})
+    assert (there.cases, there.done) == (16, 2 * done.sum())
+    assert (there.chunks, there.chunks_done) == (8, done.sum())
+    assert there.failed == (status > 1).sum() >= 3
+    assert there.steady == (status == 1).sum()
+    assert there.versions["numpy"] == np.__version__
+    assert there.size == sum(map(len, files(path).values()))
+    first, number = failures(data, most=2)
+    assert number == there.failed
+    assert [name for _, name, _ in first] == ["quasi_static_instability"] * 2
+    assert first[1][0] == {"M": 0.0, "V_lp": whole.V_lp.values[1]}
+    assert "V grows without bound" in first[0][2]
+    sweep(path, "limit_cycle", **asked)
+    there = held(path)
+    assert (there.done, there.chunks_done) == (16, 8)
+    assert there.failed == (whole.status > 1).sum()
+
+
+def test_held_before_anything_is_done(path):
+    interrupted(path, after=0)
+    there = held(path)
+    assert (there.done, there.failed, there.steady, there.chunks_done) == (0, 0, 0, 0)
+    data = xr.open_zarr(path)
+    assert (data.status == -1).all()
+    assert failures(data) == ([], 0)
+
+
+def test_a_sweep_that_cannot_be_asked_makes_no_store(path):
+    with pytest.raises(ParameterError):
+        sweep(path, "limit_cycle", rtol=1.0)
+    assert list(path.parent.iterdir()) == []

@@ -1,0 +1,402 @@
+"""Stores of sweeps that were damaged, or begun by others: seen, named, mended or refused."""
+
+import json
+import random
+import shutil
+import warnings
+
+import numpy as np
+import pytest
+import xarray as xr
+import zarr
+from test_store import CHUNKS, assert_same, files, interrupted, solved, sweep
+
+from ratestate.errors import StoreError
+from ratestate.files import read
+from ratestate.interfaces.cli.stored import tell
+from ratestate.sweeps import origin, resume, task, verb
+from ratestate.sweeps.manifest import RECORDS
+from ratestate.sweeps.status import held
+from ratestate.sweeps.store import NO_RESULT
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    """No waiting for the disk."""
+    monkeypatch.setattr("os.fsync", lambda handle: None)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    return sweep()
+
+
+@pytest.fixture(scope="module")
+def pattern(tmp_path_factory):
+    path = tmp_path_factory.mktemp("pattern") / "x.zarr"
+    sweep(path)
+    return path
+
+
+@pytest.fixture
+def path(tmp_path, pattern):
+    """A store of 12 chunks, all done."""
+    shutil.copytree(pattern, tmp_path / "x.zarr")
+    return tmp_path / "x.zarr"
+
+
+@pytest.fixture(scope="module")
+def half(tmp_path_factory):
+    return interrupted(tmp_path_factory.mktemp("half") / "x.zarr")
+
+
+@pytest.fixture
+def begun(tmp_path, half):
+    """A store of which some chunks are done."""
+    shutil.copytree(half, tmp_path / "x.zarr")
+    return tmp_path / "x.zarr"
+
+
+def flip(file):
+    """Change one bit in the middle of a file."""
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 0x10
+    file.write_bytes(content)
+
+
+def lose(file):
+    file.unlink()
+
+
+def swap(file):
+    """Swap a chunk's file with that of another chunk of the variable."""
+    other = file.parent.parent / "5" / file.name
+    one, two = file.read_bytes(), other.read_bytes()
+    assert one != two
+    file.write_bytes(two)
+    other.write_bytes(one)
+
+
+def flaws_of(path):
+    """What verifying a store says."""
+    try:
+        return "\n".join(held(path, verify=True).flaws)
+    except StoreError as error:
+        return str(error)
+
+
+def mended(path, match):
+    """The result of the sweep, with a warning that matches; and how many chunks were computed."""
+    numbers: list = []
+    with solved(numbers.append), pytest.warns(RuntimeWarning, match=match) as told:
+        result = sweep(path)
+    assert len(told) == 1
+    assert held(path, verify=True).flaws == []
+    return result, len(numbers)
+
+
+# Damaged ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("harm", "chunks", "how"), [(flip, 1, "damaged"), (lose, 1, "missing"), (swap, 2, "damaged")]
+)
+def test_a_chunk_is_named_and_computed_again(path, expected, harm, chunks, how):
+    before = files(path)
+    harm(path / "growth_rate/c/2/1")
+    named = rf"variable growth_rate, chunk 5 \(growth_rate/c/2/1\) is {how}"
+    flaws = held(path, verify=True).flaws
+    assert len(flaws) == chunks
+    assert held(path, verify=True).chunks_done == CHUNKS - chunks
+    assert held(path).flaws is None
+    assert held(path).chunks_done == CHUNKS
+    with pytest.raises(StoreError, match=named + "$") as error:
+        read(path)
+    assert "run the same sweep again" in str(error.value)
+    result, number = mended(path, named)
+    assert number == chunks
+    assert_same(result, expected)
+    assert files(path) == before
+
+
+def test_what_is_common_to_chunks_is_computed_again_by_the_one_that_has_it(path, expected):
+    lose(path / "f_n/c/3")
+    result, number = mended(path, r"variable f_n, chunk 6 \(f_n/c/3\) is missing")
+    assert number == 1
+    assert_same(result, expected)
+
+
+@pytest.mark.parametrize("name", ["sweep/done/c/7", "sweep/manifest/c/7"])
+def test_a_damaged_flag_or_entry_is_that_of_its_chunk(path, expected, name):
+    before = files(path)
+    flip(path / name)
+    assert held(path).chunks_done == CHUNKS - ("done" in name)
+    result, number = mended(path, rf"variable {name[:-4]}, chunk 7 \({name}\) is damaged")
+    assert number == 1
+    assert_same(result, expected)
+    assert files(path) == before
+
+
+def test_swapped_entries_of_the_manifest(path, expected):
+    one, two = (path / f"sweep/manifest/c/{i}" for i in (1, 4))
+    content = one.read_bytes()
+    one.write_bytes(two.read_bytes())
+    two.write_bytes(content)
+    assert len(held(path, verify=True).flaws) == 2
+    result, number = mended(path, "chunk 4 .sweep/manifest/c/4. is damaged")
+    assert number == 2
+    assert_same(result, expected)
+
+
+MADE = [
+    "zarr.json",
+    "K_c/zarr.json",
+    "status/zarr.json",
+    "M/c/0",
+    "M/zarr.json",
+    "K_c_qs/c",
+    "sweep/done/zarr.json",
+    "sweep/manifest/zarr.json",
+    "sweep/manifest/c/12",
+]
+
+
+@pytest.mark.filterwarnings("ignore:Object at")  # zarr's way of saying that it is lost
+@pytest.mark.parametrize("name", MADE)
+def test_what_was_made_with_the_store_is_made_again(path, expected, name):
+    before = files(path)
+    content = (path / name).read_bytes()
+    # a change that readers take as it is, where there are words
+    (path / name).write_bytes(content.replace(b"Pa", b"mm").replace(b"zstd", b"zsts")[:-1] + b" ")
+    assert name in flaws_of(path)
+    result, number = mended(path, name)
+    assert number == 0
+    assert_same(result, expected)
+    assert result.attrs == expected.attrs
+    assert files(path) == before
+    assert [one.name for one in path.parent.iterdir()] == [path.name]
+
+
+@pytest.mark.filterwarnings("ignore:Object at")
+def test_any_change_of_a_byte_is_seen(path):
+    """In metadata, attributes among them, and in chunks."""
+    dice = random.Random(13)
+    chunks = [one for one in path.glob("[!s]*/c/**/*") if one.is_file()]
+    for found in ([*path.rglob("zarr.json")], chunks):
+        for _ in range(30):
+            file = dice.choice(sorted(found))
+            content = file.read_bytes()
+            i = dice.randrange(len(content))
+            file.write_bytes(content[:i] + bytes([content[i] ^ 2]) + content[i + 1 :])
+            assert "damaged" in flaws_of(path), (file, i)
+            file.write_bytes(content)
+    assert held(path, verify=True).flaws == []
+
+
+def test_what_cannot_be_mended_is_left_as_it_is(path, monkeypatch):
+    flip(path / "M/c/0")
+    before = files(path)
+    now = json.loads(origin.versions())
+    monkeypatch.setattr(resume, "versions", lambda: json.dumps(now | {"ratestate": "9"}))
+    with pytest.raises(StoreError, match=r"put back from a copy:\n  variable M, chunk .* damaged"):
+        sweep(path)
+    assert files(path) == before
+
+
+@pytest.mark.parametrize("harm", [lose, lambda file: file.write_text("{")])
+def test_the_group_of_the_sweep_itself(path, harm):
+    """What is known of the sweep is gone, and the results are not: no word of another path only."""
+    harm(path / "sweep/zarr.json")
+    for use in (sweep, held):
+        with pytest.raises(StoreError, match=r"record of the parameters is damaged .* from a copy"):
+            use(path)
+    assert (xr.open_zarr(path, chunks=None).status == 0).any()
+
+
+def test_without_sweep_a_lost_file_shows(path):
+    names = ["growth_rate", "eigenvalues", "M", "status"]
+    for name in names:
+        shutil.rmtree(path / name / "c")
+    data = xr.open_zarr(path, chunks=None)
+    assert (data.growth_rate == NO_RESULT).all()
+    assert (data.eigenvalues == complex(NO_RESULT, NO_RESULT)).all()
+    assert (data.M == NO_RESULT).all()
+    assert (data.status == -1).all()
+
+
+def test_status_says_what_is_damaged(path, capsys):
+    tell(path, None, json=False, verify=True)
+    assert "verified  all files are as they were written" in capsys.readouterr().out
+    lose(path / "growth_rate/c/2/1")
+    tell(path, None, json=False)
+    assert "verified" not in capsys.readouterr().out
+    for as_json in (False, True):
+        with pytest.raises(StoreError, match=r"chunk 5 \(growth_rate/c/2/1\) is missing"):
+            tell(path, None, json=as_json, verify=True)
+    said, document = capsys.readouterr().out.split("{", 1)
+    assert "verified  damaged or missing files: 1\n" in said
+    assert len(json.loads("{" + document)["flaws"]) == 1
+
+
+# Made by others -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def elsewhere(monkeypatch):
+    """Have this process take itself for another: on another processor, of other versions."""
+    now = origin.origin("cpu")
+
+    def be(cpu=None, lack=(), **other):
+        kind = dict(now["processor"])
+        features = [name for name in kind["features"].split() if name not in lack]
+        kind |= {"features": " ".join(features)} | ({"cpu": cpu} if cpu else {})
+        text = json.dumps(now["versions"] | other)
+        monkeypatch.setattr(origin, "processor", lambda device: kind)
+        monkeypatch.setattr(origin, "versions", lambda: text)
+        monkeypatch.setattr(resume, "versions", lambda: text)
+        return kind
+
+    return be
+
+
+FOREIGN = {
+    "processor": ({"cpu": "i386"}, r"processor: \S+ made the store, i386 is here$"),
+    "features": ({"lack": ["sse2"]}, r"is here \(only there: sse2\)$"),
+    "numba": ({"numba": "0.1"}, r"version of numba: 0\.\d.* made the store, 0\.1 is here$"),
+    "kernels": ({"kernels": "abc", "ratestate": "9"}, "kernels: .* made the store, abc is here"),
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_others_do_not_go_on_unless_asked(begun, expected, elsewhere, name):
+    who, difference = FOREIGN[name]
+    own = held(begun).chunks_done
+    before = files(begun)
+    elsewhere(**who)
+    with pytest.raises(StoreError, match=difference) as error:
+        sweep(begun)
+    assert "mixed=True (--mixed)" in str(error.value)
+    assert files(begun) == before
+    assert held(begun, verify=True).flaws == []
+    with pytest.warns(RuntimeWarning, match=difference):
+        result = sweep(begun, mixed=True)
+    assert_same(result, expected)
+    origins = held(begun, verify=True).origins
+    assert [one["chunks"] for one in origins] == [own, CHUNKS - own]
+    assert origins[0] != origins[1]
+    for key in ("versions", "processor"):
+        assert origins[1][key] == origin.origin("cpu")[key]
+    assert_same(sweep(begun), expected)  # nothing is left to be done, and anybody may read
+
+
+def test_another_version_with_the_same_kernels_goes_on(begun, expected, elsewhere):
+    elsewhere(ratestate="9")
+    assert_same(sweep(begun), expected)
+    assert [one["versions"]["ratestate"] for one in held(begun).origins][1] == "9"
+
+
+def test_what_another_version_finds(begun, expected, monkeypatch):
+    """Another version that knows one variable more, or less, or has it of another type."""
+    plain = verb.form_of
+
+    def other(change):
+        def form(call):
+            found = plain(call)
+            return found._replace(kinds=change(dict(found.kinds)))
+
+        return form
+
+    def less(kinds):
+        del kinds["omega"]
+        return kinds
+
+    def more(kinds):
+        return kinds | {"returns": kinds["status"]}
+
+    def narrower(kinds):
+        return kinds | {"omega": kinds["omega"]._replace(dtype=np.dtype("f4"))}
+
+    before, solve = files(begun), task.solve
+
+    def with_returns(part, kinds, progress=None):
+        found = solve(part, kinds, progress)
+        return found | {"returns": found["status"]}
+
+    lines = {
+        less: r"variable omega: float64 over \(M, V_lp\) in the store, none now$",
+        more: r"variable returns: none in the store, int8 over \(M, V_lp\) now$",
+        narrower: r"omega: float64 over \(M, V_lp\) in the store, float32 over \(M, V_lp\) now$",
+    }
+    for change, mixed in [(less, False), (less, True), (more, False), (narrower, True)]:
+        monkeypatch.setattr(verb, "form_of", other(change))
+        with pytest.raises(StoreError, match=lines[change]):
+            sweep(begun, mixed=mixed)
+        assert files(begun) == before
+    with monkeypatch.context() as patch:
+        patch.setattr(verb, "form_of", other(more))
+        patch.setattr(task, "solve", with_returns)
+        with pytest.warns(RuntimeWarning, match=lines[more]):
+            assert_same(sweep(begun, mixed=True), expected)
+
+
+def test_workers_of_another_kind_are_refused(elsewhere):
+    here = origin.processor("cpu")
+    tasks = task.Tasks(None, {}, None, "cpu", here)
+    elsewhere(cpu="i386")
+    with pytest.raises(StoreError, match=r"i386 is here") as error:
+        task.do_elsewhere(tasks, 0, None, task.versions())
+    assert "mixed=True" in str(error.value)
+    with pytest.raises(AttributeError):  # it is at work
+        task.do_elsewhere(tasks._replace(kind=None), 0, None, task.versions())
+
+
+# Older stores -------------------------------------------------------------------------------------
+
+
+def as_of_old(path):
+    """A store as version 0.1.0 made it: without a manifest, filled with NaN."""
+    shutil.rmtree(path / "sweep/manifest")
+    record = json.loads((path / "sweep/zarr.json").read_text())
+    del record["attributes"][RECORDS]
+    (path / "sweep/zarr.json").write_text(json.dumps(record))
+    for file in path.glob("*/zarr.json"):
+        node = json.loads(file.read_text())
+        if node.get("data_type") == "float64":
+            node["fill_value"] = "NaN"
+        file.write_text(json.dumps(node))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        zarr.consolidate_metadata(path)
+    return path
+
+
+def test_an_older_store_is_read_verified_and_gone_on_with(begun, expected):
+    as_of_old(begun)
+    done = held(begun, verify=True)
+    assert done.flaws == []
+    assert [one["processor"] for one in done.origins] == [None]
+    assert np.isnan(read(begun).growth_rate.values).sum() == 2 * (CHUNKS - done.chunks_done)
+    with pytest.warns(RuntimeWarning, match="does not say on what kind of processor"):
+        assert_same(sweep(begun), expected)
+    after = held(begun, verify=True)
+    assert after.flaws == []
+    own = done.chunks_done
+    assert [one["chunks"] for one in after.origins] == [own, CHUNKS - own]
+    assert after.origins[1]["processor"] == origin.processor("cpu")
+
+
+def test_damage_of_an_older_store(path, expected):
+    as_of_old(path)
+    for harm, how in ((flip, "damaged"), (lose, "missing")):
+        harm(path / "growth_rate/c/2/1")
+        named = rf"variable growth_rate, chunk 5 \(growth_rate/c/2/1\) is {how}"
+        assert len(held(path, verify=True).flaws) == 1
+        with pytest.raises(StoreError, match=named):
+            read(path)
+        with pytest.warns(RuntimeWarning) as told:
+            assert_same(sweep(path), expected)
+        assert any(named.replace("\\", "") in str(one.message) for one in told)
+    file = path / "K_c/zarr.json"
+    file.write_text(file.read_text().replace("Pa", "mm"))
+    with pytest.raises(StoreError, match=r"put back from a copy:\n  metadata \(K_c/zarr.json\)"):
+        sweep(path)

@@ -1,0 +1,509 @@
+"""`sweep`: the same bits as the verb, however it is cut; bad cases; interruption; progress."""
+
+import dataclasses
+import itertools
+import math
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import ratestate as rs
+from ratestate.dynamics.cycles.limit_cycle import LimitCycleCall
+from ratestate.dynamics.progress import duration
+from ratestate.dynamics.simulation.simulate import SimulateCall
+from ratestate.dynamics.steady_sliding import StabilityCall
+from ratestate.engine import backend, dispatch
+from ratestate.engine.model import CRASHED, RUNAWAY, STATUSES
+from ratestate.sweeps import bar, here, probe
+from ratestate.sweeps.calls import call_of
+from ratestate.sweeps.chunks import Chunks, chunks_of, halves
+from ratestate.sweeps.solve import Kind, form_of, solve
+from ratestate.sweeps.status import failures
+from ratestate.sweeps.task import Outcome
+
+FIG2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 9e8}
+SLIDER = rs.SpringSlider(**FIG2, M=rs.logspace("M", 100, 1e5, 3))
+V_LP = rs.logspace("V_lp", 2e-3, 1e-1, 4)
+CALLS = {
+    "limit_cycle": {"V_lp": V_LP, "rtol": 1e-6},
+    "stability": {"V_lp": V_LP},
+    "simulate": {
+        "loading": rs.Loading.steps("0.1 mm/s", (0.01, V_LP)),
+        "t_end": 0.05,
+        "times": [0.0, 0.01, 0.05],
+    },
+}
+
+
+def sweep(verb, slider=SLIDER, **how):
+    return rs.sweep(verb, slider, **({"progress": False} | how))
+
+
+# ---------------------------------------------------------------------------------- how it is cut
+
+sizes = st.lists(st.integers(1, 7), min_size=1, max_size=4).map(
+    lambda found: {f"d{i}": n for i, n in enumerate(found)}
+)
+
+
+@given(sizes, st.integers(1, 300))
+def test_chunks_tile_the_sweep_in_order(sizes, most):
+    chunks = chunks_of(sizes, most)
+    numbers = np.arange(math.prod(sizes.values())).reshape(*sizes.values())
+    found = [numbers[tuple(places.values())].ravel() for places in chunks]
+    assert np.array_equal(np.concatenate(found), np.arange(numbers.size))
+    assert [part.size for part in found] == [chunks.cases(i) for i in range(chunks.number)]
+    assert max(part.size for part in found) <= most
+    # No larger blocks of the kind would do with as many chunks along each dimension.
+    whole = list(itertools.takewhile(lambda k: chunks.counts[-1 - k] == 1, range(len(sizes))))
+    assert math.prod([1, *list(sizes.values())[len(sizes) - len(whole) :]]) <= most
+
+
+@given(sizes, st.integers(1, 300))
+def test_chunks_are_of_about_equal_size(sizes, most):
+    chunks = chunks_of(sizes, most)
+    for n, k, count in zip(sizes.values(), chunks.shape, chunks.counts, strict=True):
+        assert 1 <= k <= n
+        assert (count - 1) * k < n <= count * k
+        assert k == -(-n // count)
+
+
+@given(sizes)
+def test_halves_are_the_whole(sizes):
+    if math.prod(sizes.values()) == 1:
+        return
+    dim, (first, second) = halves(sizes)
+    assert first[dim].start == 0
+    assert first[dim].stop == second[dim].start > 0
+    assert second[dim].stop == sizes[dim] == max(sizes.values())
+
+
+@given(sizes)
+def test_a_sample_lies_all_over_the_sweep(sizes):
+    places = probe.spread(sizes, probe.SAMPLE)
+    assert places.keys() == sizes.keys()
+    assert math.prod(map(len, places.values())) <= 2 * probe.SAMPLE
+    for dim, found in places.items():
+        assert found == sorted(set(found))
+        assert found[0] == 0
+        assert found[-1] == (sizes[dim] - 1 if len(found) > 1 else 0)
+        assert len(found) == sizes[dim] or len(found) > 1 or len(sizes) > 3
+
+
+def here_and_now(function, *arguments):
+    return function(*arguments)
+
+
+KINDS = {"period": Kind(("case",), np.dtype(float), {}, {})}
+
+
+@pytest.mark.parametrize(
+    ("seconds", "n", "workers", "cases"),
+    [
+        (1e-3, 1000, 2, 500),  # 1 s: one chunk each
+        (1e-3, 10**4, 2, 1000),  # 10 s: of 1 s
+        (1e-3, 10**6, 2, 10000),  # 1000 s: of 10 s
+        (1e-9, 10**12, 2, (1 << 27) // 8),  # never more than fits into memory
+        (1e-2, 10**5, 50, 128),  # 1000 s on 50 workers: 16 for each, were there not the lanes
+        (0.1, 500, 2, 500),  # not enough to cut it and fill all lanes
+        (0.1, 600, 2, 128),
+        (20.0, 200, 2, 30),  # more than an hour: no longer than 10 minutes each ...
+        (100.0, 1000, 2, 16),  # ... but a case for each lane
+    ],
+)
+def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
+    monkeypatch.setattr(probe, "seconds_of_a_case", lambda *_: seconds)
+    call = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={}))
+    assert probe.cases_of_a_chunk(call, KINDS, workers, True, "cpu", here_and_now) == cases
+
+
+def test_a_probe_stops_in_time():
+    slider = SLIDER.replace(K=rs.logspace("K", 7e8, 8e8, 10))
+    how = {"loading": rs.Loading.constant("0.1 m/s"), "V_start": "10 mm/s", "t_end": 20.0}
+    call = call_of("simulate", slider, how)[1]
+    solve(dataclasses.replace(call, t_end=1e-3), {})  # compile
+    begin = time.perf_counter()
+    a_case = probe.seconds_of_a_case(call, form_of(call).kinds)
+    spent = time.perf_counter() - begin
+    assert a_case > 1e-3
+    assert spent < 30 * a_case  # there are 30 cases
+
+
+# ------------------------------------------------------------------------------------- same bits
+
+
+@pytest.mark.parametrize("verb", CALLS)
+@pytest.mark.parametrize("chunk", [None, 1, 3, 4, 7, 12])
+def test_the_verb_and_its_sweep_agree(verb, chunk):
+    alone = getattr(rs, verb)(SLIDER, **CALLS[verb])
+    found = sweep(verb, chunk=chunk, **CALLS[verb])
+    added = ["message"] if "status" in alone else ["message", "status"]
+    assert set(found.data_vars) == {*alone.data_vars, *added}
+    xarray.testing.assert_identical(found.drop_vars(added), alone)
+    assert (found.message == "").all()
+    assert found.message.dtype == object
+    assert (found.status <= 1).all()
+
+
+ARRAYS = {
+    "two parameters along one dimension": {
+        "M": xarray.DataArray([1e3, 3e3, 1e4], dims="case"),
+        "K": xarray.DataArray([7e8, 8e8, 9e8], dims="case"),
+    },
+    "a plane of values": {
+        "b": xarray.DataArray([[0.006, 0.0065], [0.007, 0.004]], dims=("x", "y")),
+        "M": rs.logspace("M", 1e3, 1e4, 2),
+    },
+    "labels": {"M": xarray.DataArray([1e3, 2e3], {"rig": ["A", "B"]}, ("rig",))},
+    "one value": {"M": xarray.DataArray([2e3], dims="M")},
+    "a dimension called like another parameter": {"M": xarray.DataArray([1e3, 2e3], dims="K")},
+    "no mass, no spring": {
+        "M": xarray.DataArray([0.0, 2e3], dims="M"),
+        "K": xarray.DataArray([9e8, np.inf], dims="K"),
+    },
+}
+
+
+@pytest.mark.parametrize("arrays", ARRAYS)
+@pytest.mark.parametrize("chunk", [None, 1, 2])
+@pytest.mark.parametrize("store", [False, True])
+def test_any_arrays(arrays, chunk, store, tmp_path):
+    slider = rs.SpringSlider(**FIG2 | ARRAYS[arrays])
+    alone = rs.limit_cycle(slider, "3.2 mm/s", rtol=1e-6)
+    path = tmp_path / "x.zarr" if store else None
+    found = sweep(rs.limit_cycle, slider, chunk=chunk, store=path, V_lp="3.2 mm/s", rtol=1e-6)
+    xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
+
+
+@pytest.mark.parametrize("chunk", [None, 2])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"t_end": xarray.DataArray([0.05, 0.05, 0.05, 0.04], dims="V_lp"), "times": None},
+        {"times": xarray.DataArray(np.outer([1.0, 0.9, 0.9], [0.01, 0.05]), dims=("M", "time"))},
+        {"times": None},
+        {"initial": {"theta": xarray.DataArray([1.0, 2.0, 3.0], dims="M")}},
+        {"V_start": xarray.DataArray([1e-3, 2e-3], dims="start")},
+        {"method": "im2017", "dt": 1e-5},
+    ],
+)
+def test_any_arguments_of_simulate(changes, chunk, tmp_path):
+    arguments = CALLS["simulate"] | changes
+    alone = rs.simulate(SLIDER, **arguments)
+    for store in (None, tmp_path / "x.zarr"):
+        found = sweep("simulate", chunk=chunk, store=store, **arguments)
+        xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.data())
+def test_a_case_has_the_same_bits_in_any_sweep(data):
+    n = data.draw(st.integers(1, 40))
+    log = st.floats(-1.0, 1.0)
+    mass = [1e3 * 10 ** data.draw(log) for _ in range(n)]
+    speed = [1e-2 * 10 ** data.draw(log) for _ in range(n)]
+    slider = rs.SpringSlider(**FIG2, M=xarray.DataArray(mass, dims="case"))
+    V_lp = xarray.DataArray(speed, dims="case")
+    whole = sweep("limit_cycle", slider, V_lp=V_lp)
+    pieces = sweep("limit_cycle", slider, V_lp=V_lp, chunk=data.draw(st.integers(1, n)))
+    xarray.testing.assert_identical(whole, pieces)
+
+
+# ------------------------------------------------------------------------------------- bad cases
+
+
+def test_a_failed_case_costs_itself_only():
+    slider = rs.SpringSlider(**FIG2 | {"K": xarray.DataArray([5e8, 7e8], dims="K")})  # M = 0
+    V = xarray.DataArray([1e-6, 1.05e-6], dims="step")
+    loading = rs.Loading.steps("1 um/s", (1.0, V))
+    found = sweep("simulate", slider, loading=loading, t_end=2000.0, chunk=1)
+    assert found.status.sel(K=5e8).values.tolist() == [0, RUNAWAY]
+    assert found.status.sel(K=7e8).values.tolist() == [0, 0]
+    bad = found.where(found.status > 1, drop=True)
+    assert bad.message.values.tolist() == [[STATUSES[RUNAWAY][1]]]
+    assert np.isnan(bad.tau).all()
+    listed, number = failures(found)
+    assert listed == [({"K": 5e8, "step": 1}, "quasi_static_instability", STATUSES[RUNAWAY][1])]
+    assert number == 1
+    assert failures(found, most=0) == ([], 1)
+
+
+BAD = 1e4
+
+
+@pytest.fixture
+def raising(monkeypatch):
+    """Let `limit_cycle` raise where a slider has the mass `BAD`."""
+    run = LimitCycleCall.run
+
+    def raises(self, progress=None):
+        if (self.batch.flat("M") == BAD).any():
+            raise ZeroDivisionError("spanner")
+        return run(self, progress)
+
+    monkeypatch.setattr(LimitCycleCall, "run", raises)
+
+
+@pytest.mark.parametrize("chunk", [None, 1, 5])
+@pytest.mark.parametrize("store", [False, True])
+def test_a_case_that_raises_is_found(raising, chunk, store, tmp_path):
+    mass = xarray.DataArray([1e3, 2e3, 3e3, BAD, 5e3, 6e3, 7e3], dims="M")
+    slider = rs.SpringSlider(**FIG2, M=mass)
+    good = [0, 1, 2, 4, 5, 6]
+    path = tmp_path / "x.zarr" if store else None
+    found = sweep("limit_cycle", slider, V_lp=V_LP, chunk=chunk, store=path, rtol=1e-6)
+    assert (found.status.isel(M=3) == CRASHED).all()
+    assert all("ZeroDivisionError: spanner" in text for text in found.message.isel(M=3).values)
+    assert np.isnan(found.period.isel(M=3)).all()
+    assert not found.stable.isel(M=3).any()
+    rest = rs.limit_cycle(slider.replace(M=mass[good]), V_LP, rtol=1e-6)
+    for name, variable in rest.data_vars.items():
+        assert np.array_equal(found[name].isel(M=good), variable, equal_nan=True), name
+
+
+def test_the_first_case_may_raise(raising):
+    slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([BAD, 1e3], dims="M"))
+    found = sweep("limit_cycle", slider, V_lp=V_LP)
+    assert (found.status.isel(M=0) == CRASHED).all()
+    assert (found.status.isel(M=1) <= 1).all()
+
+
+def test_a_sweep_in_which_every_case_raises(raising):
+    slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([BAD, BAD], dims="M"))
+    found = sweep("limit_cycle", slider, V_lp=V_LP)
+    assert (found.status == CRASHED).all()
+
+
+def test_what_cases_have_in_common_is_kept(monkeypatch):
+    def raises(self, progress=None):
+        raise ZeroDivisionError
+
+    alone = sweep("simulate", chunk=2, **CALLS["simulate"])
+    run = SimulateCall.run
+    monkeypatch.setattr(
+        SimulateCall,
+        "run",
+        lambda self, progress=None: (raises if 1e5 in self.batch.flat("M") else run)(self),
+    )
+    found = sweep("simulate", chunk=2, **CALLS["simulate"])
+    assert np.array_equal(found.time, alone.time)
+    assert (found.status.sel(M=1e5) == CRASHED).all()
+    assert found.isel(M=slice(0, 2)).identical(alone.isel(M=slice(0, 2)))
+
+
+@pytest.mark.parametrize("chunk", [None, 1])
+def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
+    run = StabilityCall.run
+
+    def raises(self, progress=None):
+        if 100.0 in self.batch.flat("M") and progress is not self:
+            raise ZeroDivisionError
+        return run(self)
+
+    monkeypatch.setattr(StabilityCall, "blank", run)
+    monkeypatch.setattr(StabilityCall, "run", raises)
+    slider = SLIDER.replace(b=xarray.DataArray([0.006, 0.007], dims="b"))
+    found = sweep("stability", slider, V_lp=1e-3, chunk=chunk)
+    assert found.K_c_qs.dims == ("b",)
+    if chunk is None:  # (the first chunk along M alone brings it)
+        assert found.K_c_qs.values.tolist() == pytest.approx([6e8, 8e8])
+
+
+# -------------------------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ({"verb": "hopf"}, "verb = 'hopf' cannot be swept; choose one of limit_cycle, simulate"),
+        ({"verb": rs.hopf}, "cannot be swept"),
+        ({"V_lp": None}, "V_lp"),
+        ({"V_lpp": 1.0}, "unexpected keyword argument 'V_lpp'"),
+        ({"V_lp": xarray.DataArray([1.0, -1.0], dims="V_lp")}, r"V_lp = -1 m/s .* must be > 0"),
+        (
+            {"slider": SLIDER.replace(M=xarray.DataArray([1e3], dims="message"))},
+            "'message' clashes",
+        ),
+        ({"slider": SLIDER.replace(M=xarray.DataArray([1e3], dims="a/b"))}, "'a/b' clashes"),
+        (
+            {"slider": SLIDER.replace(M=xarray.DataArray([1e3], {"x": [object()]}, ("x",)))},
+            "'x' has labels that cannot be stored",
+        ),
+        ({"client": "tcp://1"}, r"client = 'tcp://1' is no dask.distributed.Client"),
+        ({"store": 3}, "store = 3 must be the path of a folder"),
+        ({"store": "s3://bucket/x.zarr"}, "must be the path of a folder"),
+        ({"slider": 3}, "slider = 3 is not a SpringSlider"),
+        ({"slider": SLIDER.replace(M=1e3), "V_lp": 1e-3}, "nothing to sweep over"),
+        ({"mixed": "yes"}, "mixed = 'yes' must be True or False"),
+        ({"retry_crashed": 1}, "retry_crashed = 1 must be True or False"),
+        ({"chunk": 0}, "chunk = 0 must be a number of cases"),
+        ({"chunk": 1.5}, "chunk = 1.5 must"),
+        ({"chunk": True}, "chunk = True must"),
+        ({"device": "tpu"}, "device = 'tpu' is unknown; choose one of cpu, cuda"),
+        ({"verb": "stability", "device": "cuda"}, "closed form; leave device out"),
+    ],
+)
+def test_bad_input(how, message):
+    how = {"verb": "limit_cycle", "slider": SLIDER, "V_lp": V_LP} | how
+    with pytest.raises(rs.ParameterError, match=message):
+        sweep(how.pop("verb"), how.pop("slider"), **how)
+
+
+def test_contradictions_are_told_before_anything_runs(tmp_path):
+    slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([1e3, 1e3, 0.0], dims="M"))
+    initial = {"V": 1e-3, "theta": 1e-2, "tau": 1e6}
+    arguments = {"loading": rs.Loading.constant(1e-3), "t_end": 1.0, "initial": initial}
+    with pytest.raises(rs.ParameterError, match="do not agree: without inertia"):
+        sweep("simulate", slider, store=tmp_path / "x.zarr", chunk=1, **arguments)
+    assert list(tmp_path.iterdir()) == []
+
+
+# ----------------------------------------------------------------------------------- interruption
+
+
+@pytest.mark.parametrize("cores", [1, 2])
+def test_kernels_stop_when_told(monkeypatch, cores):
+    monkeypatch.setattr(dispatch, "cores", lambda: cores)
+    slider = SLIDER.replace(K=xarray.DataArray(np.linspace(7e8, 8e8, 20), dims="K"))
+    loading, stop = rs.Loading.steps("10 mm/s", (0.01, "0.1 m/s")), threading.Event()
+    timer = threading.Timer(0.3, stop.set)
+    timer.start()
+    with backend.use(stop=stop), pytest.raises(backend.Stopped):
+        rs.simulate(slider, loading, 1e4)
+    timer.join()
+    with backend.use():
+        rs.simulate(slider, loading, 1e-3)  # another place knows nothing of it
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers", "threads"),
+    [("cpu", [0, 1, 2], 2), ("cpu", [1], 6), ("cuda", [0, 1, 2], 6)],  # a GPU has one at a time
+)
+def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
+    monkeypatch.setattr(here, "cores", lambda: 6)
+    seen = []
+
+    class Tasks:
+        device, chunks = kind, Chunks({"M": 3}, (1,))
+
+        def do(self, i, part, progress, threads, stop):
+            seen.append((i, part.batch.n, threads))
+            progress(1.0)
+            return Outcome(i, 0, None)
+
+    class Report:
+        def part(self, i, fraction):
+            pass
+
+        show = staticmethod(lambda: None)
+
+    call = call_of("limit_cycle", SLIDER, {"V_lp": 1e-3})[1]
+    found = list(here.outcomes(Tasks(), call, numbers, Report()))
+    assert sorted(outcome.chunk for outcome in found) == numbers
+    assert sorted(seen) == [(i, 1, threads) for i in numbers]
+
+
+CODE = """
+import signal, ratestate as rs
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
+M = rs.logspace("M", 100, 1e5, 40)
+slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=M)
+V_lp = rs.logspace("V_lp", 1e-2, 1e-1, 40)
+kwargs = dict(loading=rs.Loading.constant(V_lp), V_start=1e-3, t_end=1e4, progress=False)
+rs.sweep("simulate", slider, **kwargs | dict(t_end=1e-3))
+print("ready", flush=True)
+rs.sweep("simulate", slider, **kwargs)
+"""
+
+
+def test_an_interrupt_ends_it_soon():
+    with subprocess.Popen(
+        [sys.executable, "-c", CODE], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        try:
+            _, errors = process.communicate(timeout=20)  # the work itself would take hours
+        finally:
+            process.kill()
+    assert process.returncode == -signal.SIGINT
+    assert errors.rstrip().endswith("KeyboardInterrupt")
+
+
+# --------------------------------------------------------------------------------------- progress
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [
+        (0.0, "0 s"),
+        (40.4, "40 s"),
+        (200.0, "3 min 20 s"),
+        (18_600.0, "5 h 10 min"),
+        (2 * 86_400 + 3 * 3600 + 59.0, "2 d 3 h"),
+    ],
+)
+def test_durations(seconds, words):
+    assert duration(seconds) == words
+
+
+def test_what_a_report_says(monkeypatch, capsys):
+    clock = [100.0]
+    monkeypatch.setattr(bar.time, "monotonic", lambda: clock[0])
+    done = np.array([True, False, False, False])
+    with bar.Report("sweep", Chunks({"M": 40}, (10,)), done, 3, quiet=False) as report:
+        clock[0] += 0.5
+        report.show()
+        assert capsys.readouterr().err == ""
+        clock[0] += 30.0
+        report.part(1, 0.5)
+        report.finished(Outcome(2, 4, None))
+        assert capsys.readouterr().err == (
+            "sweep: 25 of 40 cases, 7 failed, 0.492 cases/s, 30 s left\n"
+        )
+        report.finished(Outcome(1, 0, None))
+        assert capsys.readouterr().err == ""  # not so soon again
+        clock[0] += 31.0
+        report.show()
+        assert "30 of 40 cases, 7 failed" in capsys.readouterr().err
+
+
+def test_a_quiet_sweep_is_quiet(capfd):
+    sweep("stability", V_lp=V_LP, progress=False)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_bar_is_drawn_on_a_terminal():
+    import pty
+
+    code = CODE.replace("progress=False", "progress=True").replace("t_end=1e4", "t_end=2.0")
+    parent, child = pty.openpty()
+    environment = os.environ | {"COLUMNS": "100", "TERM": "xterm"}
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=child, stderr=child, env=environment
+    ) as process:
+        os.close(child)
+        text = b""
+        while True:
+            try:
+                piece = os.read(parent, 10_000)
+            except OSError:  # the end, on Linux
+                break
+            if not piece:
+                break
+            text += piece
+    os.close(parent)
+    assert process.returncode == 0
+    assert b"of 1,600 cases, 0 failed" in text
+    assert b"cases/s" in text
