@@ -95,6 +95,7 @@ print("ratestate" in sys.modules)
         (before + AFTERWARDS).format(verb=verb)
         for verb in ("hopf", "simulate", "stability")
         for before in IMPORTS
+        if not (verb == "stability" and before.startswith("from"))  # which never was in that module
     ]
     assert run(code, *codes, NUMBA_DISABLE_JIT="1") == ["False"]
 

@@ -17,8 +17,9 @@ from ratestate.paper import (
     claims_table,
     scheme,
 )
-from ratestate.paper.claim import Claim, exact, pair, to_digits
+from ratestate.paper.claim import Claim, exact, pair, statements, to_digits
 from ratestate.paper.claims import claims
+from ratestate.paper.fig3 import UNSTABLE
 from ratestate.paper.parameters import FIG2, FIG2_START, FIG4
 from ratestate.paper.scheme_map import critical_velocity, multiplier, step_response, time_step
 
@@ -27,7 +28,8 @@ from ratestate.paper.scheme_map import critical_velocity, multiplier, step_respo
 def rows():
     """id -> row, of the whole table for the slip law."""
     table = claims("slip")
-    assert len({row.id for row in table}) == len(table) >= 30
+    assert [row.id for row in table] == [*statements()]
+    assert len(table) >= 30
     return {row.id: row for row in table}
 
 
@@ -116,6 +118,12 @@ def test_values_that_the_paper_gives_in_words(rows):
     assert converged("first_drop_inertia")[0] == pytest.approx(0.426, rel=0.01)
 
 
+def test_one_bound_parts_steady_from_unstable(rows):
+    """In the figure, and in the ranges of claims.toml."""
+    assert rows["step_to_0.3"].covers == rows["step_to_3.1"].covers == ((0.0, UNSTABLE),)
+    assert rows["step_to_3.2"].covers == ((UNSTABLE, math.inf),)
+
+
 def test_the_scheme_is_the_cause_where_the_table_says_so(rows):
     """Its error shrinks with its step, towards the converged value."""
     for name in ("V_c", "cycle_range", "step_to_3.2"):
@@ -131,12 +139,8 @@ def test_the_scheme_is_the_cause_where_the_table_says_so(rows):
 
 def test_aging_law():
     """Where the laws share an answer they agree; the paper's slip-law numbers are not judged."""
-    table = [
-        *claims_friction.on_friction("aging"),
-        *claims_steps.on_steps("aging"),
-        *claims_slow.on_slow_slip("aging"),
-    ]
-    rows = {row.id: row for row in table}
+    parts = [claims_friction.on_friction, claims_steps.on_steps, claims_slow.on_slow_slip]
+    rows = {row.id: row for row in claims("aging", parts)}
     verdicts = {name: row.verdict for name, row in rows.items() if row.verdict != "agrees"}
     assert verdicts == {
         "evolution_distance": "differs",
@@ -150,7 +154,7 @@ def test_aging_law():
     assert rows["slow_cycle"].converged[0] == pytest.approx(0.01961776, rel=1e-6)
     by_scheme = [V_c for (V_c,) in rows["V_c"].scheme.values()]  # as published: backward Euler
     assert by_scheme == pytest.approx([EULER[0.1], EULER[0.01]], rel=1e-3)
-    assert not any(row.paper for row in table if row.verdict == "no value given")
+    assert not any(row.paper for row in rows.values() if row.verdict == "no value given")
 
 
 # numerics.md, section 4: omega dt -> V_c [mm/s]
@@ -224,7 +228,7 @@ def test_every_case_is_counted_by_the_scheme(monkeypatch):
     """A case on the wrong side is found: with all speeds called stable, the unstable ones are."""
     monkeypatch.setattr(claims_map, "FIG3_M", (1e4, 1e5, 2))
     monkeypatch.setattr(claims_map, "FIG3_V_LP", (1e-3, 1e-1, 3))
-    row = claims_map.on_map("slip")[0]
+    row = claims("slip", [claims_map.on_map])[0]
     assert row.converged == (6.0,)
     assert row.verdict == "differs"  # 6 of what should be 156
     assert all(values == (6.0,) for values in row.scheme.values())

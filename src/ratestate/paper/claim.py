@@ -1,6 +1,9 @@
-"""A row of the claims table: what the paper says, and what comes out."""
+"""A row of the claims table: what the paper says (claims.toml), and what comes out."""
 
 import dataclasses
+import functools
+import tomllib
+from pathlib import Path
 
 TIGHT, LOOSE = 1e-10, 1e-8  # rtol of the converged values, and of those they are compared with
 CLOSED_FORM = "closed form; rounding only"
@@ -17,7 +20,7 @@ class Claim:
     where : str
         Section and figure of the paper.
     claim : str
-        In our own words.
+        In other words than the paper's.
     paper : str
         The paper's value; empty where it gives none for this law.
     unit : str
@@ -65,6 +68,41 @@ class Claim:
         if any(self.holds(values) for values in self.scheme.values()):
             return "agrees with the scheme only"
         return "differs"
+
+
+@functools.cache
+def statements():
+    """id -> what the paper says, in the order of the paper."""
+    return tomllib.loads(Path(__file__).with_name("claims.toml").read_text("utf-8"))
+
+
+def claim(name, law, measured):
+    """The `Claim` of this id.
+
+    Parameters
+    ----------
+    name : str
+    law : {"slip", "aging"}
+    measured : dict
+        Fields of `Claim` that a measurement gives, and ``texts``: what stands in the statement's
+        braces.
+    """
+    said = statements()[name]
+    texts = measured.pop("texts", {})
+    silent = said.get("slip_only", False) and law != "slip"
+    covers = [to_digits(*one) for one in said.get("digits", [])] + said.get("ranges", [])
+    if len(covers) == 1:
+        covers *= len(measured["converged"])
+    return Claim(
+        id=name,
+        where=said["where"],
+        claim=said["claim"].format(**texts),
+        paper="" if silent else said["paper"],
+        unit=said.get("unit", ""),
+        covers=() if silent else tuple(map(tuple, covers)),
+        note=said.get("note", "").format(**texts),
+        **measured,
+    )
 
 
 def pair(measure, *args):

@@ -2,9 +2,10 @@
 
 from ..friction.laws import evolution_law
 from . import claims_cycles, claims_friction, claims_map, claims_regimes, claims_slow, claims_steps
+from .claim import claim, statements
 
-#: Where the rows come from, in the order of the paper.
-PARTS = [
+#: what measures the claims: functions of a law that give id -> what `claim` takes
+MEASUREMENTS = [
     claims_friction.on_friction,
     claims_steps.on_steps,
     claims_map.on_map,
@@ -14,7 +15,7 @@ PARTS = [
 ]
 
 
-def claims(law="slip"):
+def claims(law="slip", measurements=MEASUREMENTS):
     """Check the claims of the paper.
 
     Parameters
@@ -22,10 +23,13 @@ def claims(law="slip"):
     law : {"slip", "aging"}
         The paper's text, and all of its numbers, are about the slip law; what it says in words
         is put to the aging law too, with which its supplement repeats runs.
+    measurements : list of functions, optional
+        For some of the claims.
 
     Returns
     -------
     list of ratestate.paper.claim.Claim
+        In the order of the paper.
 
     Raises
     ------
@@ -33,4 +37,5 @@ def claims(law="slip"):
         An unknown law.
     """
     evolution_law(law)
-    return [row for part in PARTS for row in part(law)]
+    measured = {name: row for measure in measurements for name, row in measure(law).items()}
+    return [claim(name, law, measured[name]) for name in statements() if name in measured]

@@ -11,7 +11,7 @@ from ..dynamics.cycles.orbit import orbit
 from ..dynamics.simulation.simulate import simulate
 from ..model.arrays import logspace
 from ..model.loading import Loading
-from .claim import Claim, exact, pair, to_digits
+from .claim import exact, pair
 from .parameters import FIG4, FIG4_K
 from .scheme_map import LARGEST, METHOD, time_step
 
@@ -30,147 +30,55 @@ def on_cycles(law):
     sweeps = {rtol: [limit_cycle(s, SWEEP, rtol=rtol) for s in sliders] for rtol in (1e-10, 1e-8)}
     by_scheme = [_scheme(s, c) for s, c in zip(sliders, sweeps[1e-10], strict=True)]
 
-    def row(measure, covers, branches=(0, 1), **texts):
-        """A claim from a measure of (slider, sweep) on these branches."""
+    def both(measure, branches=(0, 1), **more):
+        """A measure of (slider, sweep) on these branches: converged, and by the scheme."""
 
-        def values(found):
-            return tuple(float(measure(sliders[i], found[i])) for i in branches)
+        def values(sweep):
+            return tuple(float(measure(sliders[i], sweep[i])) for i in branches)
 
         dt = (time_step(sliders[i], LARGEST) for i in branches)
-        found = pair(lambda rtol: values(sweeps[rtol]))
-        scheme = {(LARGEST, *dt): values(by_scheme)}
-        return Claim(scheme=scheme, covers=covers, **{"unit": ""} | found | texts)
+        measured = pair(lambda rtol: values(sweeps[rtol]))
+        return measured | {"scheme": {(LARGEST, *dt): values(by_scheme)}} | more
 
-    slip = law == "slip"
-    minima = [
-        row(
-            lambda slider, sweep: 1e2 * _minimum(sweep)[0],
-            ((2.5, 5.5),) if slip else (),
-            branches=(i,),
-            id=f"minimum_{K / 1e9:.2f}",
-            where="sec. 3.2, Figs 4a, 5",
-            claim=f"Loading velocity of the smallest amplitude, K = {K / 1e9:.2f} GPa/m.",
-            paper="about 3 to 5 cm/s, depending on K" if slip else "",
-            unit="cm/s",
-            error=1e2 * abs(_minimum(sweep)[0] - _minimum(sweep, every=2)[0]),
-            error_from=HALF_AS_DENSE,
-            note=f"The minimum is flat: at 3 cm/s the amplitude is {100 * _above(sweep):.1f} % "
-            "above it. The scheme's error differs along the branch, which moves the minimum; so "
-            "may the spacing of the paper's velocities.",
-        )
-        for i, (K, sweep) in enumerate(zip(FIG4_K, sweeps[1e-10], strict=True))
-    ]
-    return [
-        row(
-            lambda slider, sweep: _line(sweep, sweep.V_lp)[0],
-            ((-math.inf, 0.0),) * 2,
-            id="slope",
-            where="sec. 3.2, Fig. 4a",
-            claim="In stick-slip the amplitude falls with loading velocity: change of tau/sigma "
-            f"per decade from 1e-5 to 1e-3 m/s; {BRANCHES}.",
-            paper="a decrease; no number",
-            note="The scheme's error reaches "
-            f"{100 * _worst(sweeps[1e-10], by_scheme):.1f} % of the amplitude there.",
-        ),
-        row(
-            lambda slider, sweep: _line(sweep, sweep.V_lp)[1],
-            ((0.0, 0.05),) * 2,
-            id="log_linear",
-            where="sec. 3.2, Fig. 4a",
-            claim="That decrease is roughly log-linear: largest departure from the line, as a "
-            f"share of the decrease; {BRANCHES}.",
-            paper="roughly log-linear",
-        ),
-        row(
-            lambda slider, sweep: _line(sweep, sweep.frequency)[1],
-            ((0.0, 0.05),) * 2,
-            id="log_linear_in_frequency",
-            where="sec. 3.2, Fig. 5",
-            claim="There it is log-linear in the frequency too: largest departure from that line, "
-            f"likewise; {BRANCHES}.",
-            paper="log-linear",
-        ),
-        row(
-            lambda slider, sweep: (sweep.status == 0).mean(),
-            ((1.0, 1.0),) * 2,
-            id="all_cycles",
-            where="sec. 3.2",
-            claim="Below K_c_qs every loading velocity ends in a periodic cycle: share of those "
-            f"from 1e-5 to 10 m/s; {BRANCHES}.",
-            paper="all",
-        ),
-        *minima,
-        row(
+    texts = {
+        "branches": BRANCHES,
+        "grown": GROWN,
+        "worst": 100 * _worst(sweeps[1e-10], by_scheme),
+        "fastest": " ".join(map(_fastest, sliders)),
+    }
+    measured = {
+        "slope": both(lambda slider, sweep: _line(sweep, sweep.V_lp)[0]),
+        "log_linear": both(lambda slider, sweep: _line(sweep, sweep.V_lp)[1]),
+        "log_linear_in_frequency": both(lambda slider, sweep: _line(sweep, sweep.frequency)[1]),
+        "all_cycles": both(lambda slider, sweep: (sweep.status == 0).mean()),
+        "eta_at_minimum": both(
             lambda slider, sweep: slider.eta(_minimum(sweep)[0]),
-            ((0.1, 10.0),) * 2,
-            id="eta_at_minimum",
-            where="sec. 3.2, 4.2, Fig. 4a",
-            claim=f"The regimes meet where eta nears 1: eta at the smallest amplitude; {BRANCHES}.",
-            paper="transition near eta = 1, gradual",
             error=max(
                 abs(s.eta(_minimum(c)[0]) - s.eta(_minimum(c, every=2)[0]))
                 for s, c in zip(sliders, sweeps[1e-10], strict=True)
             ),
             error_from=HALF_AS_DENSE,
         ),
-        row(
-            lambda slider, sweep: sweep.amplitude.sel(V_lp=GROWN) / _minimum(sweep)[1],
-            ((2.0, math.inf),) * 2,
-            id="growth",
-            where="sec. 3.2, 5, Fig. 4a",
-            claim="Beyond, the amplitude grows much with loading velocity: amplitude at "
-            f"{GROWN:g} m/s over the smallest; {BRANCHES}.",
-            paper="a significant increase; no number",
-        ),
-        Claim(
-            id="eta_1",
-            where="sec. 4.2",
-            claim="Loading velocity at which eta = 1 for the parameters of Fig. 4.",
-            paper="4.47 cm/s",
-            unit="cm/s",
-            covers=(to_digits(4.47, 0.01),),
-            **exact(1e2 / math.sqrt(FIG4.eta(1.0))),
-        ),
-        Claim(
-            id="K_c_qs_fig4",
-            where="sec. 3.2",
-            claim="Quasi-static critical stiffness for the parameters of Fig. 4.",
-            paper="1.2 GPa/m",
-            unit="GPa/m",
-            covers=(to_digits(1.2, 0.1),),
-            **exact(FIG4.K_c_qs / 1e9),
-        ),
-        Claim(
-            id="f_n",
-            where="sec. 3.2, Fig. 5",
-            claim=f"Natural frequencies; {BRANCHES}.",
-            paper="493 and 390 Hz",
-            unit="Hz",
-            covers=(to_digits(493, 1), to_digits(390, 1)),
-            **exact(*(slider.f_n for slider in sliders)),
-        ),
-        row(
-            lambda slider, sweep: sweep.frequency.max() / slider.f_n,
-            ((0.99, 1.0),) * 2,
-            id="frequency_limit",
-            where="sec. 3.2, Fig. 5 and inset",
-            claim="The frequency nears the natural frequency and never passes it: largest ratio "
-            f"for loading at 1e-5 to 10 m/s; {BRANCHES}.",
-            paper="a limit",
-            note=" ".join(map(_fastest, sliders)),
-        ),
-        row(
+        "growth": both(lambda slider, sweep: sweep.amplitude.sel(V_lp=GROWN) / _minimum(sweep)[1]),
+        "eta_1": exact(1e2 / math.sqrt(FIG4.eta(1.0))),
+        "K_c_qs_fig4": exact(FIG4.K_c_qs / 1e9),
+        "f_n": exact(*(slider.f_n for slider in sliders)),
+        "frequency_limit": both(lambda slider, sweep: sweep.frequency.max() / slider.f_n),
+        "frequency_rises": both(
             lambda slider, sweep: np.min(
                 np.diff(np.log(sweep.frequency)) / np.diff(np.log(sweep.V_lp))
-            ),
-            ((0.0, math.inf),) * 2,
-            id="frequency_rises",
-            where="abstract, sec. 3.2, Fig. 5",
-            claim="The frequency rises with loading velocity all the way: smallest slope "
-            f"d ln f/d ln V_lp; {BRANCHES}.",
-            paper="an increase",
+            )
         ),
-    ]
+    }
+    for i, (K, sweep) in enumerate(zip(FIG4_K, sweeps[1e-10], strict=True)):
+        measured[f"minimum_{K / 1e9:.2f}"] = both(
+            lambda slider, sweep: 1e2 * _minimum(sweep)[0],
+            branches=(i,),
+            error=1e2 * abs(_minimum(sweep)[0] - _minimum(sweep, every=2)[0]),
+            error_from=HALF_AS_DENSE,
+            texts={"above": 100 * _above(sweep)},
+        )
+    return {name: {"texts": texts} | one for name, one in measured.items()}
 
 
 def _fastest(slider):

@@ -6,7 +6,6 @@ import numpy as np
 
 from ..dynamics.simulation.simulate import simulate
 from ..model.loading import Loading
-from .claim import Claim, to_digits
 from .parameters import FIG1
 
 STIFFNESS = 1e5  # 1/m, the paper's K/sigma
@@ -27,51 +26,22 @@ def on_friction(law):
     exact = (
         slider.Dc if law == "slip" else slider.Dc * math.log((math.e - 1) / math.expm1(1 / math.e))
     )
-    rows = [
-        (
-            "direct_effect",
-            "At an e-fold step in velocity friction rises at once by a.",
-            ("a = 0.003", 0.003, 0.0001, ""),
-            (rise, slider.a),
-            f"With the paper's K/sigma = 1e5 1/m instead of a rigid drive: {peak:.5f}. {NO_MASS}",
-        ),
-        (
-            "evolution_effect",
-            "Friction then falls by b.",
-            ("b = 0.004", 0.004, 0.0001, ""),
-            (fall, slider.b),
-            NO_MASS,
-        ),
-        (
-            "evolution_distance",
-            "Of this fall, 1/e is left after a slip of Dc.",
-            ("Dc = 10 um", 10.0, 1.0, "um"),
-            (1e6 * distance, 1e6 * exact),
-            AGING if law == "aging" else NO_MASS,
-        ),
-        (
-            "net_change",
-            "From one steady state to the next friction changes by a - b.",
-            ("a - b = -0.001", -0.001, 0.0001, ""),
-            (net, slider.a - slider.b),
-            NO_MASS,
-        ),
-    ]
-    return [
-        Claim(
-            id=name,
-            where="sec. 2.2, Fig. 1",
-            claim=claim,
-            paper=paper,
-            unit=unit,
-            converged=(float(value),),
-            error=abs(float(value) - truth),
-            error_from="against the closed form of a rigid drive",
-            covers=(to_digits(number, digit),),
-            note=note,
-        )
-        for name, claim, (paper, number, digit, unit), (value, truth), note in rows
-    ]
+    values = {
+        "direct_effect": (rise, slider.a),
+        "evolution_effect": (fall, slider.b),
+        "evolution_distance": (1e6 * distance, 1e6 * exact),
+        "net_change": (net, slider.a - slider.b),
+    }
+    texts = {"peak": peak, "no_mass": NO_MASS, "distance": AGING if law == "aging" else NO_MASS}
+    return {
+        name: {
+            "converged": (float(value),),
+            "error": abs(float(value) - truth),
+            "error_from": "against the closed form of a rigid drive",
+            "texts": texts,
+        }
+        for name, (value, truth) in values.items()
+    }
 
 
 def _run(slider, reach, rtol):

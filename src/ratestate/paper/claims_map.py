@@ -1,12 +1,10 @@
 """Claims on stability over mass and loading velocity: Fig. 3."""
 
-from typing import Any
-
 from ..dynamics.cycles.limit_cycle import limit_cycle
 from ..dynamics.simulation.simulate import simulate
 from ..model.arrays import logspace
 from ..model.loading import Loading
-from .claim import Claim, pair
+from .claim import pair
 from .claims_steps import LAST, last_amplitude
 from .fig3 import UNSTABLE
 from .parameters import FIG2, FIG2_DURATION, FIG2_START, FIG3_M, FIG3_V_LP
@@ -31,35 +29,16 @@ def on_map(law):
         status = limit_cycle(slider, V_lp, rtol=rtol).status
         return (float(((status == 0) == above).sum()),)
 
-    common: dict[str, Any] = {
-        "where": "sec. 3.1, Fig. 3",
-        "paper": "all 156",
-        "unit": "",
-        "covers": ((156, 156),),
+    return {
+        "cases_at_10_s": {
+            "converged": (counts[0],),
+            "error": abs(counts[0] - counts[1]),
+            "error_from": f"difference between rtol {RTOL[0]:g} and {RTOL[1]:g}",
+            "scheme": scheme,
+            "texts": {"unstable": UNSTABLE, "below": below, "least": least, "repeated": repeated},
+        },
+        "cases_converged": pair(cycles),
     }
-    return [
-        Claim(
-            id="cases_at_10_s",
-            claim="Cases of M and V_lp, of 156, on the side of V_c(M) where eq. 10 puts them, 10 s "
-            "after a step from 0.1 mm/s; unstable: the last oscillation of tau/sigma exceeds "
-            f"{UNSTABLE:g}.",
-            converged=(counts[0],),
-            error=abs(counts[0] - counts[1]),
-            error_from=f"difference between rtol {RTOL[0]:g} and {RTOL[1]:g}",
-            scheme=scheme,
-            note=f"No case is undecided: below V_c the largest oscillation left is {below:.1e}, "
-            f"above it the smallest is {least:.1e}. Of the scheme's finer step only the cases were "
-            f"run that its large step puts on the wrong side ({repeated}).",
-            **common,
-        ),
-        Claim(
-            id="cases_converged",
-            claim="The same of the converged motion: a limit cycle above V_c(M), none below.",
-            note="Reached from steady sliding at V_lp/10.",
-            **common,
-            **pair(cycles),
-        ),
-    ]
 
 
 def _after_10_s(slider, V_lp, rtol):
