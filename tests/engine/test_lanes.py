@@ -51,7 +51,7 @@ def same(one, other):
 
 @njit
 def commit_often(s, h, n):
-    s[R.H_USED], s[R.OK], s[R.LAND] = h, 1.0, np.inf
+    s[R.H_USED], s[R.OK], s[R.BREAKPOINT] = h, 1.0, np.inf
     for _ in range(n):
         lanes.commit(s, 1)
 

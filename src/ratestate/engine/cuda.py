@@ -95,12 +95,12 @@ def run_returns(law, starts, stop=None):
     return returns
 
 
-def _work(kernel, size, order, given, found, progress, stop):
-    """Launch the kernel until all cases are done; what it found is copied into `found`."""
+def _work(kernel, size, order, given, results, progress, stop):
+    """Launch the kernel until all cases are done; its results are copied into `results`."""
     if len(order) == 0:
         return
     try:
-        _launch(kernel, size, order, given, found, progress, stop)
+        _launch(kernel, size, order, given, results, progress, stop)
     except Exception as error:
         if not _of_cuda(error):
             raise
@@ -110,7 +110,7 @@ def _work(kernel, size, order, given, found, progress, stop):
         ) from error
 
 
-def _launch(kernel, size, order, given, found, progress, stop):
+def _launch(kernel, size, order, given, results, progress, stop):
     """`_work`, whatever goes wrong."""
     n = len(order)
     cuda = _numba_cuda()
@@ -120,7 +120,7 @@ def _launch(kernel, size, order, given, found, progress, stop):
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Grid size")  # a small batch makes a small grid
         launch = kernel[blocks, BLOCK]
-    position, there = np.zeros(2, np.int64), _to_device(found)
+    position, there = np.zeros(2, np.int64), _to_device(results)
     buffers = cuda.to_device(np.full((rows, size), IDLE))
     queue, counts = _to_device(order), cuda.to_device(position)
     rest = (*map(_to_device, given), there)
@@ -137,7 +137,7 @@ def _launch(kernel, size, order, given, found, progress, stop):
         if progress:
             part = np.nan_to_num(under_way.copy_to_host()[0])
             progress(min(1.0, (position[1] + part) / n))
-    for here, array in zip(found, there, strict=True):
+    for here, array in zip(results, there, strict=True):
         array.copy_to_host(here)
 
 

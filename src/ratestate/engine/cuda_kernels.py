@@ -23,8 +23,8 @@ from numba import cuda as numba_cuda
 from . import lanes as L
 from . import return_map as M
 from . import rows as R
-from .events import attend
-from .march import IDLE, finish, load, save, turn
+from .events import handle_events
+from .march import IDLE, end_segment, finish, load, save
 from .model import RUNNING
 
 cuda: Any = numba_cuda  # which of its two modules it is, is known at run time
@@ -57,15 +57,15 @@ def march(law):
                     return
                 load(s, l, law, queue[n], cases, loads, save_times, results)
             L.try_step(s, l, law)
-            L.judge(s, l)
-            L.needs_attention(s, l, law)
+            L.control_step(s, l)
+            L.has_event(s, l, law)
             if s[R.CALL + l] > 0.0:
-                attend(s, l, law)
+                handle_events(s, l, law)
                 if L.saves(s, l):
                     save(s, l, cases, save_times, results.saved)
             L.commit_lane(s, l)
-            if s[R.TURN + l] > 0.0:
-                turn(s, l, law, cases, loads)
+            if s[R.BREAK + l] > 0.0:
+                end_segment(s, l, law, cases, loads)
                 if s[R.STATUS + l] != RUNNING:
                     finish(s, l, cases, results)
                     cuda.atomic.add(position, 1, 1)
@@ -94,13 +94,13 @@ def return_map(law):
                     return
                 M.load(s, l, law, queue[n], starts)
             M.try_step(s, l, law)
-            L.judge(s, l)
-            L.needs_attention(s, l, law)
+            L.control_step(s, l)
+            L.has_event(s, l, law)
             if s[R.CALL + l] > 0.0:
-                M.attend(s, l, law)
+                M.handle_events(s, l, law)
             L.commit_lane(s, l)
             M.commit_lane(s, l, law)
-            if s[R.TURN + l] > 0.0:
+            if s[R.BREAK + l] > 0.0:
                 M.finish(s, l, law, returns)
                 cuda.atomic.add(position, 1, 1)
 

@@ -10,7 +10,7 @@ from ..friction.laws import AGING
 from . import rows as R
 from .exp import LIMIT
 from .jit import inner
-from .lanes import turns
+from .lanes import extrema
 from .model import NOT_FINITE, RUNAWAY, runs_away
 
 # Change of stress maxima or minima from one return to the next, over the amplitude, that is seen;
@@ -18,7 +18,7 @@ from .model import NOT_FINITE, RUNAWAY, runs_away
 VISIBLE, REPEATS = 1e-3, 0.1
 # How often stress maxima turn back, among those that are known, where a motion is irregular; and
 # what part of their earlier changes the later ones then are, for it may be on its way to a period.
-TURNS_BACK, LASTING = 3, 0.5
+REVERSALS, LASTING = 3, 0.5
 
 
 @inner
@@ -176,7 +176,7 @@ def is_irregular(s, l, cycles, visible):
             earlier = max(earlier, abs(rise))
         else:
             later = max(later, abs(rise))
-    return count >= TURNS_BACK and later > LASTING * earlier
+    return count >= REVERSALS and later > LASTING * earlier
 
 
 @inner
@@ -186,19 +186,19 @@ def observe(s, l, law, cx, cv, cpsi):
     Returns where in the step V has one, or -1.
     """
     cf = combined(cv, s[R.BETA + l], cpsi)
-    v_turns, g_turns, f_turns, xf_turns = turns(s, l, law)
+    v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     at = -1.0
-    if v_turns:
+    if v_extremum:
         at = extreme(cv)
         v = polynomial(cv, at)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
-    if g_turns:
+    if g_extremum:
         cg = combined(cx, -1.0, cf)
         s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
-    if f_turns:
+    if f_extremum:
         s[R.F_LOW + l] = min(s[R.F_LOW + l], polynomial(cf, extreme(cf)))
-    if xf_turns:
+    if xf_extremum:
         cxf = combined(cx, 1.0, cf)
         s[R.XF_LOW + l] = min(s[R.XF_LOW + l], polynomial(cxf, extreme(cxf)))
     return at
@@ -219,7 +219,7 @@ def outrun(s, l, law):
 
 
 @inner
-def attend(s, l, law):
+def handle_events(s, l, law):
     """Everything of interest in the lane's accepted step, before it is committed."""
     cx, cv, cpsi = components(s, l)
     h, w_lp = s[R.H_USED + l], s[R.W_LP + l]

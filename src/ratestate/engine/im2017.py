@@ -43,7 +43,7 @@ def advance_state(law, method, psi, v, w, h):
 
 @kernel
 def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
-    """v, psi and x at the end of the step, and whether they were found.
+    """v, psi and x at the end of the step, and whether they could be solved for.
 
     Newton in v, kept inside a bracket: the mismatch of eq. 9 runs from -inf to inf with v, so a
     root exists; steps are limited to 2 so that a far guess cannot overflow.
@@ -77,16 +77,16 @@ def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
 
 @inner
 def take(s, l, law, method):
-    """Take one step of the lane and record its outcome as `lanes.try_step` and `judge` do."""
+    """Take one step of the lane; record its outcome as `lanes.try_step` and `control_step` do."""
     x, v, psi, w, w_lp = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l], s[R.W_LP + l]
     kappa, beta = s[R.KAPPA + l], s[R.BETA + l]
     s[R.H + l] = s[R.DT + l]
-    h = L.step_size(s[R.DT + l], s[R.LAND + l], s[R.T + l], s[R.T_LOW + l])
+    h = L.step_size(s[R.DT + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     dw = h * s[R.RAMP + l]
     omega = math.sqrt(kappa / s[R.ETA0 + l])
     d_lp = h * (w_lp + 0.5 * dw)
-    v_new, psi_new, x_new, found = solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega)
-    found = found and np.isfinite(x_new) and np.isfinite(psi_new)
+    v_new, psi_new, x_new, solved = solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega)
+    solved = solved and np.isfinite(x_new) and np.isfinite(psi_new)
     w_new = exp_alone(v_new)
     s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = x_new, v_new, psi_new
     s[R.W_NEW + l], s[R.E_NEW + l] = w_new, exp_alone(-psi_new)
@@ -96,8 +96,8 @@ def take(s, l, law, method):
     s[R.X_2 + l] = rise - h * kappa * (w_lp + dw - w_new) - s[R.X_1 + l]
     s[R.D_LOAD + l] = 0.5 * h * (x * w_lp + x_new * (w_lp + dw))
     s[R.D_FRICTION + l] = 0.5 * h * ((v + beta * psi) * w + (v_new + beta * psi_new) * w_new)
-    s[R.OK + l] = 1.0 if found else 0.0
+    s[R.OK + l] = 1.0 if solved else 0.0
     s[R.H_USED + l], s[R.H_NEXT + l], s[R.MEMORY_NEW + l] = h, s[R.DT + l], 1.0
-    L.needs_attention(s, l, law)
-    if not found:
+    L.has_event(s, l, law)
+    if not solved:
         s[R.STATUS + l] = NO_ROOT

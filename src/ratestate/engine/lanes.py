@@ -23,7 +23,7 @@ SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 
 @inlined
-def turning(x, v, psi, f_x, f_psi, w, beta, eta0):
+def extremum_conditions(x, v, psi, f_x, f_psi, w, beta, eta0):
     """Numbers of the signs of dv/dT, dg/dT, df/dT and d(x + f)/dT.
 
     dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - beta f_psi; then x = f.
@@ -40,14 +40,14 @@ def turning(x, v, psi, f_x, f_psi, w, beta, eta0):
 
 
 @inlined
-def step_size(h, land, t, t_low):
-    """The step to try: never past the next landing, nor so near it that a crumb remains."""
-    left = (land - t) - t_low
+def step_size(h, t_break, t, t_low):
+    """The step to try: never past the next breakpoint, nor just short of it."""
+    left = (t_break - t) - t_low
     return left if h * (1.0 + 1e-9) >= left else h
 
 
 @inlined
-def judge(s, l):
+def control_step(s, l):
     """Accept or reject by a PI controller; powers by square roots, which vectorise."""
     err, h, planned = s[R.ERROR + l], s[R.H_USED + l], s[R.H + l]
     finite = err < 1e300
@@ -71,7 +71,7 @@ def judge(s, l):
 
 
 @inlined
-def turns(s, l, law):
+def extrema(s, l, law):
     """Whether V, |g|, the friction f and x + f have an extreme inside the step; f's a minimum."""
     kappa, beta, eta0 = s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l]
     w_lp = s[R.W_LP + l]
@@ -80,10 +80,10 @@ def turns(s, l, law):
     f_psi0 = state_rate(law, s[R.W + l], s[R.V + l], s[R.PSI + l], s[R.E + l])
     f_psi1 = state_rate(law, w, v, psi, s[R.E_NEW + l])
     x0, v0, psi0, w0 = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l]
-    a0, b0, c0, d0 = turning(x0, v0, psi0, kappa * (w_lp - w0), f_psi0, w0, beta, eta0)
-    a1, b1, c1, d1 = turning(x, v, psi, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
-    f_turns, xf_turns = (c0 < 0.0) & (c1 >= 0.0), (d0 < 0.0) & (d1 >= 0.0)
-    return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0), f_turns, xf_turns
+    a0, b0, c0, d0 = extremum_conditions(x0, v0, psi0, kappa * (w_lp - w0), f_psi0, w0, beta, eta0)
+    a1, b1, c1, d1 = extremum_conditions(x, v, psi, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
+    f_extremum, xf_extremum = (c0 < 0.0) & (c1 >= 0.0), (d0 < 0.0) & (d1 >= 0.0)
+    return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0), f_extremum, xf_extremum
 
 
 @inlined
@@ -105,12 +105,12 @@ def steadies(s, l):
 
 
 @inlined
-def needs_attention(s, l, law):
+def has_event(s, l, law):
     """Whether the accepted step holds anything that the scalar code must look at."""
     w_lp = s[R.W_LP + l]
     crosses = (s[R.W + l] < w_lp) != (s[R.W_NEW + l] < w_lp + s[R.H_USED + l] * s[R.RAMP + l])
-    v_turns, g_turns, f_turns, xf_turns = turns(s, l, law)
-    extreme = (v_turns | g_turns | f_turns | xf_turns) & (s[R.OBSERVE + l] > 0.0)
+    v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
+    extreme = (v_extremum | g_extremum | f_extremum | xf_extremum) & (s[R.OBSERVE + l] > 0.0)
     runs_away = s[R.V_NEW + l] > s[R.V_LIMIT + l]
     flag = crosses | extreme | saves(s, l) | steadies(s, l) | runs_away
     flag = flag | (s[R.EVERY_STEP + l] > 0.0)
@@ -137,7 +137,7 @@ def record(s, l, h, new, error, dense):
 @inlined
 def try_step(s, l, law):
     """Try one step of the lane by Rodas5P and record its outcome; law is a literal."""
-    h = step_size(s[R.H + l], s[R.LAND + l], s[R.T + l], s[R.T_LOW + l])
+    h = step_size(s[R.H + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
     p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
     y_new, w_new, e_new, error, k1, k2, k3, load, friction = rodas5p_step(
@@ -151,7 +151,7 @@ def try_step(s, l, law):
 def commit_lane(s, l):
     """Move an accepted step's outcome into the state; time is summed in two parts (Kahan).
 
-    TURN is set where the lane has come to a landing or cannot go on.
+    BREAK is set where the lane has come to a breakpoint or cannot go on.
 
     Everything is loaded, then selected, then stored: in that order the loop vectorises.
     """
@@ -170,7 +170,7 @@ def commit_lane(s, l):
     f_low, xf_low = s[R.F_LOW + l], s[R.XF_LOW + l]
     f1 = v1 + s[R.BETA + l] * psi1
     g1, xf1 = abs(x1 - f1), x1 + f1
-    land, status, max_steps = s[R.LAND + l], s[R.STATUS + l], s[R.MAX_STEPS + l]
+    t_break, status, max_steps = s[R.BREAKPOINT + l], s[R.STATUS + l], s[R.MAX_STEPS + l]
     increment = low + h
     t1 = t + increment
     low1 = increment - (t1 - t)
@@ -192,10 +192,10 @@ def commit_lane(s, l):
     s[R.STEPS + l], s[R.REJECTED + l] = steps + accepted, rejected + (1.0 - accepted)
     failures = (failures + 1.0) * (1.0 - accepted)
     s[R.FAILURES + l] = failures
-    landed = ok & ((land - t1) - low1 <= 1e-12 * h)
+    arrived = ok & ((t_break - t1) - low1 <= 1e-12 * h)
     spent = steps + rejected + 1.0 >= max_steps
-    turn = landed | spent | (failures > TOO_MANY_FAILURES) | (status != RUNNING)
-    s[R.TURN + l] = 1.0 if turn else 0.0
+    over = arrived | spent | (failures > TOO_MANY_FAILURES) | (status != RUNNING)
+    s[R.BREAK + l] = 1.0 if over else 0.0
     s[R.H + l] = h_next
 
 
@@ -203,14 +203,14 @@ def commit_lane(s, l):
 def assess(s, law, n):
     """Judge the steps of the first n lanes, and look whether they hold events."""
     for l in range(n):
-        judge(s, l)
+        control_step(s, l)
     for l in range(n):
-        needs_attention(s, l, law)
+        has_event(s, l, law)
 
 
 @lanewise
 def advance(s, law, n):
-    """Try one step in the first n lanes, judge it, and look whether it holds events.
+    """Try one step in the first n lanes, accept or reject it, and see whether it holds events.
 
     n is `LANES`, or 1 for a slider alone, which the loops' scalar remainder then takes; a length
     known at compile time would get the loops unrolled.  They are three since LLVM vectorises

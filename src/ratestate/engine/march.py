@@ -10,7 +10,7 @@ import numpy as np
 
 from . import lanes as L
 from . import rows as R
-from .events import attend, components, last_period, polynomial
+from .events import components, handle_events, last_period, polynomial
 from .exp import exp_alone
 from .im2017 import take as take_im2017
 from .jit import inner, kernel
@@ -36,16 +36,16 @@ def enter_segment(s, l, law, k, scale, V0, loads, row):
     s[R.W_LP + l] = w_lp
     s[R.RAMP + l] = loads.rate[row, k] / (V0 * scale)
     s[R.LOG_W_LP + l] = math.log(w_lp) if w_lp > 0.0 else -math.inf
-    land = s[R.T_END + l]
+    t_break = s[R.T_END + l]
     if k < last:
-        land = min(land, loads.t[k + 1] * scale)
-    s[R.LAND + l] = land
+        t_break = min(t_break, loads.t[k + 1] * scale)
+    s[R.BREAKPOINT + l] = t_break
     if jump:
         w = s[R.W + l]
         f_x = s[R.KAPPA + l] * (w_lp - w)
         f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], s[R.E + l])
         pace = abs(f_x) + abs(f_psi) + w + w_lp
-        s[R.H + l] = min(land - s[R.T + l], 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace)
+        s[R.H + l] = min(t_break - s[R.T + l], 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace)
         s[R.MEMORY + l] = 1.0
         s[R.CROSS_LOW + l] = math.inf
         s[R.CYCLES + l] = 0.0
@@ -138,16 +138,16 @@ def stuck(s, l):
 
 
 @inner
-def turn(s, l, law, cases, loads):
+def end_segment(s, l, law, cases, loads):
     """At a landing: enter the next segment or finish.  Elsewhere: give up, saying why."""
     if s[R.STATUS + l] != RUNNING:
         return
     if s[R.OK + l] == 0.0 or s[R.STEPS + l] + s[R.REJECTED + l] >= s[R.MAX_STEPS + l]:
         s[R.STATUS + l] = stuck(s, l)
-    elif s[R.LAND + l] >= s[R.T_END + l]:
+    elif s[R.BREAKPOINT + l] >= s[R.T_END + l]:
         s[R.STATUS + l] = FINISHED
     else:
-        s[R.T + l], s[R.T_LOW + l] = s[R.LAND + l], 0.0
+        s[R.T + l], s[R.T_LOW + l] = s[R.BREAKPOINT + l], 0.0
         i, k = int(s[R.CASE + l]), int(s[R.SEGMENT + l])
         enter_segment(s, l, law, k, cases.scale[i], cases.V0[i], loads, cases.loading[i])
 
@@ -192,7 +192,7 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
             L.advance(s, law, width)
         for l in range(width):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
-                attend(s, l, law)
+                handle_events(s, l, law)
                 if L.saves(s, l):
                     save(s, l, cases, save_times, results.saved)
         L.commit(s, width)
@@ -202,8 +202,8 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
             path[position[2], 3] = s[R.PSI]
             position[2] += 1
         for l in range(width):
-            if s[R.TURN + l] > 0.0 and s[R.CASE + l] != IDLE:
-                turn(s, l, law, cases, loads)
+            if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
+                end_segment(s, l, law, cases, loads)
                 if s[R.STATUS + l] != RUNNING:
                     finish(s, l, cases, results)
                     position[1] += 1

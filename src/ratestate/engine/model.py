@@ -84,7 +84,7 @@ METHODS = {"rodas5p": RODAS5P, "im2017": IM2017, "im2017_euler": IM2017_EULER}
 
 
 class Cases(NamedTuple):
-    """What each slider is and is asked; arrays of one value a case unless a shape is given."""
+    """Each slider, and what its run needs; arrays of one value a case unless a shape is given."""
 
     kappa: np.ndarray
     beta: np.ndarray

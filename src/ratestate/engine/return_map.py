@@ -85,7 +85,7 @@ def try_step(s, l, law):
 
 @lanewise
 def advance(s, law, n):
-    """Try one step in the first n lanes, judge it, and look whether it holds events."""
+    """Try one step in the first n lanes, accept or reject it, and see whether it holds events."""
     if law == SLIP:
         for l in range(n):
             try_step(s, l, SLIP)
@@ -155,7 +155,7 @@ def load(s, l, law, i, starts):
     w, e = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
     s[R.W + l], s[R.E + l] = w, e
     s[R.W_LP + l] = 1.0
-    s[R.T_END + l] = s[R.LAND + l] = s[R.SAVE_AT + l] = math.inf
+    s[R.T_END + l] = s[R.BREAKPOINT + l] = s[R.SAVE_AT + l] = math.inf
     s[R.RTOL + l], s[R.STEADY + l] = starts.rtol[i], starts.steady_tol[i]
     s[R.MAX_STEPS + l], s[R.V_LIMIT + l] = starts.max_steps[i], starts.v_limit[i]
     s[R.OBSERVE + l] = s[R.EVERY_STEP + l] = starts.observe[i]
@@ -184,7 +184,7 @@ def rates(s, l, law):
 
 
 @inner
-def land(s, l, law):
+def end_at_crossing(s, l, law):
     """Move the end of a step that was cut at a crossing onto the section, and book it."""
     f_x, f_v, f_psi = rates(s, l, law)
     dt = -s[R.V_NEW + l] / f_v
@@ -194,7 +194,7 @@ def land(s, l, law):
     s[R.E_NEW + l] = exp_alone(-s[R.PSI_NEW + l])
     s[R.H_USED + l] += dt
     s[R.H_NEXT + l] = s[R.H_PLANNED + l]
-    s[R.LANDING + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
+    s[R.LAST_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
     s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
     if f_v > 0.0:
         s[R.STATUS + l] = FINISHED
@@ -226,8 +226,8 @@ def perturbed(s, l, law, h):
     a = (s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l])
     b = (s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l])
     p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
-    found = tangent_step(y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p)
-    return found[3][1], found[4][1]
+    stepped = tangent_step(y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p)
+    return stepped[3][1], stepped[4][1]
 
 
 @inner
@@ -255,21 +255,21 @@ def record_waveform(s, l, cx, cv):
 
 
 @inner
-def attend(s, l, law):
+def handle_events(s, l, law):
     """Everything of interest in the lane's accepted step, before it is committed."""
     cx, cv, cpsi = components(s, l)
-    landing = s[R.LANDING + l]
-    if landing > 0.0 and s[R.H_USED + l] >= landing:
+    last_step = s[R.LAST_STEP + l]
+    if last_step > 0.0 and s[R.H_USED + l] >= last_step:
         if s[R.OBSERVE + l] > 0.0:
             observe_step(s, l, law, cx, cv, cpsi)
-        land(s, l, law)
+        end_at_crossing(s, l, law)
         return
-    s[R.LANDING + l] = 0.0
+    s[R.LAST_STEP + l] = 0.0
     rises = s[R.W_NEW + l] >= 1.0
     if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
         at = max(crossing(cv, 1.0, 0.0, 0.0), NEAREST)
         s[R.H_PLANNED + l] = s[R.H_NEXT + l]
-        s[R.H_NEXT + l] = s[R.LANDING + l] = at * s[R.H_USED + l]
+        s[R.H_NEXT + l] = s[R.LAST_STEP + l] = at * s[R.H_USED + l]
         s[R.EVERY_STEP + l], s[R.OK + l] = 1.0, 0.0
         return
     s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
@@ -349,11 +349,11 @@ def return_map(law, alone, s, queue, position, starts, returns, budget):
         advance(s, law, width)
         for l in range(width):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
-                attend(s, l, law)
+                handle_events(s, l, law)
         L.commit(s, width)
         commit(s, law, width)
         for l in range(width):
-            if s[R.TURN + l] > 0.0 and s[R.CASE + l] != IDLE:
+            if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 finish(s, l, law, returns)
                 position[1] += 1
                 vacant = True

@@ -63,19 +63,19 @@ def _forced(law, V, V_end, rate, slip, Dc, V0):
     """Integral of the law's forcing times exp(-y) over y, the slip still to come over Dc.
 
     Gauss's rule on panels: of at most 1 in y, and 1/2 in ln V.  Where V spans decades it goes over
-    z = ln(V_end/V) in place of y, with dy = (2/bend) (V/V_end)^2 dz.
+    z = ln(V_end/V) in place of y, with dy = (2/curvature) (V/V_end)^2 dz.
 
     ======  =======================================================
-    bend    change of (V/V_end)^2 with y, and so 1 - bend y is that
+    curvature    change of (V/V_end)^2 with y, and so 1 - curvature y is that
     oldest  V/V_end where the integral ends, at y = slip
     end     of y, or of z
     ======  =======================================================
     """
-    bend = 2.0 * rate * Dc / V_end / V_end
+    curvature = 2.0 * rate * Dc / V_end / V_end
     oldest = V / V_end
     if slip > MEMORY:
         slip = MEMORY
-        oldest = math.sqrt(max(1.0 - bend * slip, min(oldest, 1.0) ** 2))
+        oldest = math.sqrt(max(1.0 - curvature * slip, min(oldest, 1.0) ** 2))
     decades = -math.log(oldest)
     wide = oldest < WIDE
     end = decades if wide else slip
@@ -84,20 +84,22 @@ def _forced(law, V, V_end, rate, slip, Dc, V0):
     while here < end:
         y, z = slip * i / by_slip, decades * j / by_speed
         if wide:
-            near = -0.5 * math.log1p(-bend * y) if i < by_slip else end
+            near = -0.5 * math.log1p(-curvature * y) if i < by_slip else end
             far = z if j < by_speed else end
         else:
             near = y if i < by_slip else end
-            far = -math.expm1(-2.0 * z) / bend if j < by_speed else end
+            far = -math.expm1(-2.0 * z) / curvature if j < by_speed else end
         there = min(near, far, end)
         i, j = i + (near <= there), j + (far <= there)
         half = 0.5 * (there - here)
         for node, weight in zip(NODES, WEIGHTS):  # noqa: B905  (strict is unknown to numba)
             at = here + half * (1.0 + node)
-            part = math.exp(-2.0 * at) if wide else 1.0 - bend * at  # (V/V_end)^2
-            y = (1.0 - part) / bend if wide else at
+            part = math.exp(-2.0 * at) if wide else 1.0 - curvature * at  # (V/V_end)^2
+            y = (1.0 - part) / curvature if wide else at
             # of s, and of theta in units of Dc/V0
-            force = 0.5 * bend / part if law == laws.SLIP else V0 / V_end / math.sqrt(part)
-            total += half * weight * force * math.exp(-y) * (2.0 * part / bend if wide else 1.0)
+            force = 0.5 * curvature / part if law == laws.SLIP else V0 / V_end / math.sqrt(part)
+            total += (
+                half * weight * force * math.exp(-y) * (2.0 * part / curvature if wide else 1.0)
+            )
         here = there
     return total

@@ -238,7 +238,7 @@ def on_manifold(y_new, v_start, m_end, beta, h):
 def stage(u, w, w_inverse, e, w_lp, rest, p, start):
     """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
 
-    p = (law, kappa, beta, eta0); start is what `prepare` found.
+    p = (law, kappa, beta, eta0); start is what `prepare` gave.
     """
     law, kappa, beta, _ = p
     x, v, psi = u

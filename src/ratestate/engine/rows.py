@@ -16,7 +16,7 @@ RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
     X, V, PSI, W, E,                        # state, e**v, e**-psi
     KAPPA, BETA, ETA0,                      # parameters (model.py)
     W_LP, RAMP, LOG_W_LP,                   # load point: speed, its rate, ln of a constant speed
-    T, T_LOW, LAND, H,                      # time in two parts, next landing, next step size
+    T, T_LOW, BREAKPOINT, H,                # time in two parts, next breakpoint, next step size
     RTOL, MEMORY,                           # tolerance, err**(1/16) of the last accepted step
     SAVE_AT, V_LIMIT, STEADY,               # next saved time, runaway ln w, steady-state tolerance
     OBSERVE, EVERY_STEP,                    # 1 where extremes are wanted; where each step is
@@ -26,7 +26,7 @@ RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
     X_3, V_3, PSI_3,
     D_LOAD, D_FRICTION,                     # its works
     ERROR, H_USED, H_NEXT, MEMORY_NEW,      # for step control
-    OK, CALL, BAD, TURN,                    # 1 if accepted; eventful; not finite; landed or lost
+    OK, CALL, BAD, BREAK,                   # 1 if accepted; eventful; not finite; at a break
     LOAD_WORK, DISSIPATION,                 # accumulated works
     STEPS, REJECTED, FAILURES,              # counts; rejections in a row
     V_HIGH, V_LOW, G_HIGH,                  # extremes of ln w and |g|
@@ -47,7 +47,7 @@ HIGHS, LOWS, SPANS = range(STATE_SIZE, SIZE, RING * LANES)
     X_B_NEW, V_B_NEW, PSI_B_NEW,
     EARLY_A, EARLY_B,                       # how much earlier they are: shifts along the orbit
     TRACE, D_TRACE,                         # integral of the trace of J; the step's part
-    SINCE, LANDING, H_PLANNED,              # steps since a crossing; the step that ends at one
+    SINCE, LAST_STEP, H_PLANNED,              # steps since a crossing; the step that ends at one
     X_A_LOW, X_B_LOW,                       # perturbations of the stress minimum
     V_A_HIGH, V_B_HIGH, V_A_LOW, V_B_LOW,   # and of the extremes of v
     GUESS, SLOW, MEAN, SQUARE, COSINE, SINE,  # waveform: period assumed; integrals

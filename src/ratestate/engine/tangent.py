@@ -39,7 +39,7 @@ from .rodas5p import (
 
 
 @inlined
-def bend(y, w, e, z, p):
+def second_derivatives(y, w, e, z, p):
     """J'(y) z: how J, its v row times eta0 w, changes in the direction z.
 
     By row and column: -xv, -vx, vv, v psi, psi v, psi psi.  At rest w is a constant (exp.py).
@@ -56,16 +56,16 @@ def bend(y, w, e, z, p):
 
 
 @inlined
-def tangent(u, du, at, k, rest, turned, r, p, start):
+def tangent(u, du, at, k, rest, curvature, r, p, start):
     """Increment dk of a stage, given rest = sum_j C_ij dk_j.
 
     As V falls, v's perturbation grows like 1/w and h shrinks like w: m/h comes before it.
 
-    at : what `slopes` found at u; turned : what `bend` found; r : 1/h
+    at : what `slopes` gave at u; curvature : what `second_derivatives` gave; r : 1/h
     """
     beta = p[2]
     ratio, g, kappa_w, f_v, f_psi = at
-    x_v, v_x, v_v, v_psi, s_v, s_psi = turned
+    x_v, v_x, v_v, v_psi, s_v, s_psi = curvature
     dg = du[0] - du[1] - beta * du[2]
     r_x = r * rest[0] - kappa_w * du[1] - x_v * k[1]
     r_v = (dg - g * du[1]) * ratio + (start[1] * r) * rest[1]
@@ -105,50 +105,50 @@ def step(y, w, e, y1, y2, w_lp, h, p):
     """
     law, _, beta, eta0 = p
     start = prepare(y, w, e, h, p)
-    turned1, turned2 = bend(y, w, e, y1, p), bend(y, w, e, y2, p)
+    curvature1, curvature2 = second_derivatives(y, w, e, y1, p), second_derivatives(y, w, e, y2, p)
     r = 1.0 / h
 
     i_u = 1.0 / w
     k1 = stage(y, w, i_u, e, w_lp, ZERO, p, start)
     at, t1 = slopes(y, w, i_u, e, p, start)
-    a1 = tangent(y, y1, at, k1, ZERO, turned1, r, p, start)
-    b1 = tangent(y, y2, at, k1, ZERO, turned2, r, p, start)
+    a1 = tangent(y, y1, at, k1, ZERO, curvature1, r, p, start)
+    b1 = tangent(y, y2, at, k1, ZERO, curvature2, r, p, start)
 
     u = plus(y, A[1][0], k1)
     w_u, i_u, e_u = exponentials(u, law)
     k2 = stage(u, w_u, i_u, e_u, w_lp, times(r * C[1][0], k1), p, start)
     at, t2 = slopes(u, w_u, i_u, e_u, p, start)
     d = plus(y1, A[1][0], a1)
-    a2 = tangent(u, d, at, k2, times(C[1][0], a1), turned1, r, p, start)
+    a2 = tangent(u, d, at, k2, times(C[1][0], a1), curvature1, r, p, start)
     d = plus(y2, A[1][0], b1)
-    b2 = tangent(u, d, at, k2, times(C[1][0], b1), turned2, r, p, start)
+    b2 = tangent(u, d, at, k2, times(C[1][0], b1), curvature2, r, p, start)
 
     u = sum2(y, A[2], k1, k2)
     w_u, i_u, e_u = exponentials(u, law)
     k3 = stage(u, w_u, i_u, e_u, w_lp, times(r, sum2(ZERO, C[2], k1, k2)), p, start)
     at, t3 = slopes(u, w_u, i_u, e_u, p, start)
     d = sum2(y1, A[2], a1, a2)
-    a3 = tangent(u, d, at, k3, sum2(ZERO, C[2], a1, a2), turned1, r, p, start)
+    a3 = tangent(u, d, at, k3, sum2(ZERO, C[2], a1, a2), curvature1, r, p, start)
     d = sum2(y2, A[2], b1, b2)
-    b3 = tangent(u, d, at, k3, sum2(ZERO, C[2], b1, b2), turned2, r, p, start)
+    b3 = tangent(u, d, at, k3, sum2(ZERO, C[2], b1, b2), curvature2, r, p, start)
 
     u = sum3(y, A[3], k1, k2, k3)
     w_u, i_u, e_u = exponentials(u, law)
     k4 = stage(u, w_u, i_u, e_u, w_lp, times(r, sum3(ZERO, C[3], k1, k2, k3)), p, start)
     at, t4 = slopes(u, w_u, i_u, e_u, p, start)
     d = sum3(y1, A[3], a1, a2, a3)
-    a4 = tangent(u, d, at, k4, sum3(ZERO, C[3], a1, a2, a3), turned1, r, p, start)
+    a4 = tangent(u, d, at, k4, sum3(ZERO, C[3], a1, a2, a3), curvature1, r, p, start)
     d = sum3(y2, A[3], b1, b2, b3)
-    b4 = tangent(u, d, at, k4, sum3(ZERO, C[3], b1, b2, b3), turned2, r, p, start)
+    b4 = tangent(u, d, at, k4, sum3(ZERO, C[3], b1, b2, b3), curvature2, r, p, start)
 
     u = sum4(y, A[4], k1, k2, k3, k4)
     w_u, i_u, e_u = exponentials(u, law)
     k5 = stage(u, w_u, i_u, e_u, w_lp, times(r, sum4(ZERO, C[4], k1, k2, k3, k4)), p, start)
     at, t5 = slopes(u, w_u, i_u, e_u, p, start)
     d = sum4(y1, A[4], a1, a2, a3, a4)
-    a5 = tangent(u, d, at, k5, sum4(ZERO, C[4], a1, a2, a3, a4), turned1, r, p, start)
+    a5 = tangent(u, d, at, k5, sum4(ZERO, C[4], a1, a2, a3, a4), curvature1, r, p, start)
     d = sum4(y2, A[4], b1, b2, b3, b4)
-    b5 = tangent(u, d, at, k5, sum4(ZERO, C[4], b1, b2, b3, b4), turned2, r, p, start)
+    b5 = tangent(u, d, at, k5, sum4(ZERO, C[4], b1, b2, b3, b4), curvature2, r, p, start)
 
     u = sum5(y, A[5], k1, k2, k3, k4, k5)
     w_u, i_u, e_u = exponentials(u, law)
@@ -157,10 +157,10 @@ def step(y, w, e, y1, y2, w_lp, h, p):
     at, t6 = slopes(u, w_u, i_u, e_u, p, start)
     d1 = sum5(y1, A[5], a1, a2, a3, a4, a5)
     rest = sum5(ZERO, C[5], a1, a2, a3, a4, a5)
-    a6 = tangent(u, d1, at, k6, rest, turned1, r, p, start)
+    a6 = tangent(u, d1, at, k6, rest, curvature1, r, p, start)
     d2 = sum5(y2, A[5], b1, b2, b3, b4, b5)
     rest = sum5(ZERO, C[5], b1, b2, b3, b4, b5)
-    b6 = tangent(u, d2, at, k6, rest, turned2, r, p, start)
+    b6 = tangent(u, d2, at, k6, rest, curvature2, r, p, start)
 
     u, d1, d2 = plus(u, 1.0, k6), plus(d1, 1.0, a6), plus(d2, 1.0, b6)
     w_u, i_u, e_u = exponentials(u, law)
@@ -168,9 +168,9 @@ def step(y, w, e, y1, y2, w_lp, h, p):
     k7 = stage(u, w_u, i_u, e_u, w_lp, rest, p, start)
     at, t7 = slopes(u, w_u, i_u, e_u, p, start)
     rest = sum6(ZERO, C[6], a1, a2, a3, a4, a5, a6)
-    a7 = tangent(u, d1, at, k7, rest, turned1, r, p, start)
+    a7 = tangent(u, d1, at, k7, rest, curvature1, r, p, start)
     rest = sum6(ZERO, C[6], b1, b2, b3, b4, b5, b6)
-    b7 = tangent(u, d2, at, k7, rest, turned2, r, p, start)
+    b7 = tangent(u, d2, at, k7, rest, curvature2, r, p, start)
 
     u, d1, d2 = plus(u, 1.0, k7), plus(d1, 1.0, a7), plus(d2, 1.0, b7)
     w_u, i_u, e_u = exponentials(u, law)
@@ -178,9 +178,9 @@ def step(y, w, e, y1, y2, w_lp, h, p):
     k8 = stage(u, w_u, i_u, e_u, w_lp, rest, p, start)
     at, t8 = slopes(u, w_u, i_u, e_u, p, start)
     rest = sum7(ZERO, C[7], a1, a2, a3, a4, a5, a6, a7)
-    a8 = tangent(u, d1, at, k8, rest, turned1, r, p, start)
+    a8 = tangent(u, d1, at, k8, rest, curvature1, r, p, start)
     rest = sum7(ZERO, C[7], b1, b2, b3, b4, b5, b6, b7)
-    b8 = tangent(u, d2, at, k8, rest, turned2, r, p, start)
+    b8 = tangent(u, d2, at, k8, rest, curvature2, r, p, start)
 
     free = plus(u, 1.0, k8)
     y_new, held = on_manifold(free, y[1], eta0 * w_u, beta, h)
