@@ -15,7 +15,7 @@ from ratestate import ParameterError, plot
 from ratestate.model.quantities import with_error
 from ratestate.plot.curves import MOST, _envelope, change
 from ratestate.plot.estimates import SIZE, write
-from ratestate.plot.likelihood import likelihood, told
+from ratestate.plot.likelihood import likelihood, non_gaussian
 from ratestate.records.fitting.each import each_law, stiffness_over_critical, warnings_of
 
 HOLD = rs.Loading.steps("10 um/s", (30.0, 0.0), (130.0, "10 um/s"))
@@ -184,8 +184,8 @@ def test_profiles_and_posteriors_have_a_row_of_their_own(both, looks_as_before):
         profile_value=(dims, values),
         profile_deviance=(dims, deviance),
     )
-    assert told(both) == []
-    assert told(more) == ["a", "b", "Dc", "K"]
+    assert non_gaussian(both) == []
+    assert non_gaussian(more) == ["a", "b", "Dc", "K"]
     fig = plot.fit(more)
     looks_as_before(fig, "fit_profiles")
     drawn = [ax for ax in fig.axes if "likelihood of" in ax.get_title("left")]
@@ -198,7 +198,7 @@ def test_profiles_and_posteriors_have_a_row_of_their_own(both, looks_as_before):
     spread = float(part.standard_error.sel(parameter="a") / part.a)
     np.testing.assert_allclose(y, np.exp(-0.5 * (np.log(x / float(part.a)) / spread) ** 2))
     sampled = more.assign(posterior=(("law", "sample", "parameter"), samples))
-    assert told(sampled) == ["a", "b", "Dc", "K"]
+    assert non_gaussian(sampled) == ["a", "b", "Dc", "K"]
     ax = Figure().subplots()
     likelihood(sampled, "a", ax)
     heights, edges, _ = ax.patches[0].get_data()

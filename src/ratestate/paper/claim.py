@@ -87,20 +87,20 @@ def claim(name, law, measured):
         Fields of `Claim` that a measurement gives, and ``texts``: what stands in the statement's
         braces.
     """
-    said = statements()[name]
+    statement = statements()[name]
     texts = measured.pop("texts", {})
-    silent = said.get("slip_only", False) and law != "slip"
-    covers = [to_digits(*one) for one in said.get("digits", [])] + said.get("ranges", [])
+    silent = statement.get("slip_only", False) and law != "slip"
+    covers = [to_digits(*one) for one in statement.get("digits", [])] + statement.get("ranges", [])
     if len(covers) == 1:
         covers *= len(measured["converged"])
     return Claim(
         id=name,
-        where=said["where"],
-        claim=said["claim"].format(**texts),
-        paper="" if silent else said["paper"],
-        unit=said.get("unit", ""),
+        where=statement["where"],
+        claim=statement["claim"].format(**texts),
+        paper="" if silent else statement["paper"],
+        unit=statement.get("unit", ""),
         covers=() if silent else tuple(map(tuple, covers)),
-        note=said.get("note", "").format(**texts),
+        note=statement.get("note", "").format(**texts),
         **measured,
     )
 

@@ -12,9 +12,9 @@ from .labels import label, prefixed
 
 #: what a heading calls an estimate, where `label` does not know it
 HEADINGS = {"a_minus_b": "$a-b$"}
-#: what the table tells of; a trend is the record's alone
-TOLD = (*PARAMETERS, "lag", "mu0", "a_minus_b")
-#: those that are told in thousandths
+#: what the table lists; a trend is the record's alone
+LISTED = (*PARAMETERS, "lag", "mu0", "a_minus_b")
+#: those that are given in thousandths
 SMALL = ("a", "b", "a_minus_b")
 #: height of a row [inches], size of letters [points], width that the panels' margins take [inches]
 ROW, SIZE, MARGIN = 0.17, 7.5, 0.25
@@ -33,7 +33,7 @@ def estimates(result, ax):
         Filled by the table, and left without axes.
     """
     laws = each_law(result)
-    symbols = [str(symbol) for symbol in result["parameter"].values if symbol in TOLD]
+    symbols = [str(symbol) for symbol in result["parameter"].values if symbol in LISTED]
     columns = [_column(laws, symbol) for symbol in symbols]
     if any(ratios := [over_critical(part) for part in laws.values()]):
         cells = ["$a > b$: stable" if text == ALWAYS else _printed(text) for text in ratios]

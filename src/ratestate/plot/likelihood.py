@@ -15,7 +15,7 @@ BINS = 40
 TAIL = 0.002
 
 
-def told(result):
+def non_gaussian(result):
     """The free parameters with a likelihood to draw; none if all are Gaussian under all laws."""
     free = [s for s in result["parameter"].values.tolist() if s in (*PARAMETERS, "lag")]
     parts = each_law(result).values()
@@ -26,7 +26,7 @@ def told(result):
 
 
 def likelihood(result, symbol, ax):
-    """Draw the likelihood over a parameter, over its largest: as a line; a posterior filled.
+    """Draw the relative likelihood of a parameter as a line, or a posterior, filled.
 
     The line is the profile where there is one, else the Gaussian of the standard error.
 

@@ -8,7 +8,7 @@ from ..curves import COLORS
 from ..estimates import ROW, estimates
 from ..labels import label
 from ..layout import figure, letter
-from ..likelihood import likelihood, told
+from ..likelihood import likelihood, non_gaussian
 
 #: heights [inches]: of a likelihood, of axes' labels, of the title and the space under the table
 LIKELIHOOD, LABELS, TITLE = 1.3, 1.0, 0.45
@@ -16,7 +16,8 @@ LIKELIHOOD, LABELS, TITLE = 1.3, 1.0, 0.45
 
 def framed(result, laws, height):
     """An empty figure with its title, and its parts: panels, likelihoods if any, estimates."""
-    heights = [height + LABELS, *([LIKELIHOOD] if told(result) else []), ROW * (1 + len(laws))]
+    middle = [LIKELIHOOD] if non_gaussian(result) else []
+    heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
     symbols = ["sigma", "M", *(s for s in ("a", "b", "Dc", "K") if s not in result), "V0"]
     symbols = [symbol for symbol in symbols if symbol not in result]
     source = attributes.text(result, "source", "")
@@ -32,12 +33,12 @@ def framed(result, laws, height):
 
 def finished(result, parts, letters):
     """Fill the lower parts of a figure: likelihoods, if any, and the table of estimates."""
-    if symbols := told(result):
+    if symbols := non_gaussian(result):
         panels = parts[0].subplots(1, len(symbols), sharey=True, squeeze=False)[0]
         for mark, symbol, ax in zip(letters, symbols, panels, strict=False):
             likelihood(result, symbol, ax)
             letter(ax, mark, f"likelihood of {label(symbol)}")
-        panels[0].set_ylabel("over its largest")
+        panels[0].set_ylabel("relative likelihood")
     estimates(result, parts[-1].subplots())
 
 
