@@ -67,7 +67,7 @@ class FitProblem:
     def start(self):
         """(5,) where the search begins, with the level that fits best there."""
         values = [to_coordinate(name, getattr(self.begin, name)) for name in FREE]
-        return self.search.levelled(np.array([[*values, 0.0]]))[0][0]
+        return self.search.with_best_level(np.array([[*values, 0.0]]))[0][0]
 
     def exact(self, point):
         """(m,) friction at a point, by `simulate` at its tightest."""

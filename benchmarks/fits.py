@@ -133,7 +133,7 @@ def _evaluations(part, name, problem):
     jobs = {
         "jacobian": lambda: problem.search.jacobian(point, NOISE),
         "alone": lambda: problem.search.residual(point, NOISE),
-        "lanes": lambda: problem.search.levelled(many),
+        "lanes": lambda: problem.search.with_best_level(many),
     }
     seconds = interleaved(jobs)
     part.notes.append(

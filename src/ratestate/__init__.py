@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .model.arrays import logspace
     from .model.loading import Loading
     from .model.slider import SpringSlider
-    from .records.fitting.verb import fit
+    from .records.fitting.fit import fit
     from .records.reading import read_lab
     from .sweeps.verb import sweep
 
@@ -68,7 +68,7 @@ _HOMES = {
     "StoreError": "errors",
     "bautin": "dynamics.hopf",
     "continue_cycle": "dynamics.continuation.branch",
-    "fit": "records.fitting.verb",
+    "fit": "records.fitting.fit",
     "hopf": "dynamics.hopf",
     "limit_cycle": "dynamics.cycles.limit_cycle",
     "logspace": "model.arrays",

@@ -16,7 +16,7 @@ from ratestate.model.quantities import with_error
 from ratestate.plot.curves import MOST, _envelope, change
 from ratestate.plot.estimates import SIZE, write
 from ratestate.plot.likelihood import likelihood, non_gaussian
-from ratestate.records.fitting.each import each_law, stiffness_over_critical, warnings_of
+from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical, warnings_of
 
 HOLD = rs.Loading.steps("10 um/s", (30.0, 0.0), (130.0, "10 um/s"))
 
@@ -95,7 +95,7 @@ def test_the_step_is_seen_from_close_by(both, drawn):
 
 def test_the_table_tells_the_estimates_with_their_errors(both, drawn):
     written = texts(drawn)
-    for law, part in each_law(both).items():
+    for law, part in results_by_law(both).items():
         assert f"{law} law" in written
         for symbol, factor in (("a", 1e3), ("Dc", 1e6), ("K", 1e-9)):
             error = float(part.standard_error.sel(parameter=symbol))
@@ -194,7 +194,7 @@ def test_profiles_and_posteriors_have_a_row_of_their_own(both, looks_as_before):
     expected = np.exp(-0.5 * ((1e-6 * x / float(both.Dc[0]) - 1.0) / 0.05) ** 2)
     np.testing.assert_allclose(y, expected, atol=2e-3)
     x, y = drawn[0].lines[0].get_data()  # no profile: the Gaussian of the logarithm
-    part = each_law(both)["slip"]
+    part = results_by_law(both)["slip"]
     spread = float(part.standard_error.sel(parameter="a") / part.a)
     np.testing.assert_allclose(y, np.exp(-0.5 * (np.log(x / float(part.a)) / spread) ** 2))
     sampled = more.assign(posterior=(("law", "sample", "parameter"), samples))
@@ -242,7 +242,7 @@ def test_the_page_of_cycles(both, looks_as_before):
 
 
 def test_the_error_of_stiffness_over_critical_is_that_of_draws(both):
-    part = each_law(both)["slip"]
+    part = results_by_law(both)["slip"]
     ratio, error = stiffness_over_critical(part)
     names = ["K", "Dc", "a_minus_b"]
     values = np.array([float(part[name]) for name in names])
@@ -259,12 +259,15 @@ def test_the_error_of_stiffness_over_critical_is_that_of_draws(both):
 
 def test_each_law_has_its_own_words(both):
     warned = both.assign(warnings=("law", ["beware\nof it", ""]))
-    assert [warnings_of(part) for part in each_law(warned).values()] == [["beware", "of it"], []]
+    assert [warnings_of(part) for part in results_by_law(warned).values()] == [
+        ["beware", "of it"],
+        [],
+    ]
 
 
 def test_the_lines_of_residuals_hold_95_percent_of_the_noise(both, drawn):
     """At +- the normal quantile, by SciPy, times the level of white and red noise together."""
-    for law, part in each_law(both).items():
+    for law, part in results_by_law(both).items():
         level = norm.ppf(0.975) * np.hypot(float(part.noise_white), float(part.noise_red))
         flat = [line.get_ydata() for line in panels(drawn)[f"{law} record"].lines[1:4]]
         heights = sorted(float(y[0]) for y in flat)

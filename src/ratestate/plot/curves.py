@@ -7,7 +7,7 @@ import numpy as np
 from ..dynamics.attributes import loading_record
 from ..errors import ParameterError
 from ..model.quantities import QUANTITIES
-from ..records.fitting.each import each_law
+from ..records.fitting.by_law import results_by_law
 from .labels import BLUE, GRAY, RED, prefixed
 
 #: law -> colour and dashes of its curve; the record is gray
@@ -82,7 +82,7 @@ def curves(result, ax, axis, rows=slice(None), *, close=False):
     friction = result["friction"].values.reshape(-1, axis.t.size)[0, rows]
     _scatter(ax, shown, friction, close, "0.55", "recorded")
     ends = [friction.min(), friction.max()]
-    for law, part in each_law(result).items():
+    for law, part in results_by_law(result).items():
         if "band" in part:
             low, high = part["band"].transpose("side", "time").values[:, rows]
             ax.fill_between(shown, low, high, color=COLORS[law], alpha=0.14, lw=0.0, zorder=2)

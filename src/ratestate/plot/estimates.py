@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.textpath import TextPath
 
 from ..model.quantities import QUANTITIES, short
-from ..records.fitting.each import each_law, value_of
-from ..records.fitting.lines import ALWAYS, estimate, over_critical
+from ..records.fitting.by_law import results_by_law, value_of
+from ..records.fitting.table import STABLE_AT_ANY_K, formatted_estimate, stiffness_ratio_text
 from ..records.fitting.unknowns import PARAMETERS
 from .curves import COLORS
 from .labels import label, prefixed
@@ -32,11 +32,13 @@ def estimates(result, ax):
     ax : matplotlib.axes.Axes
         Filled by the table, and left without axes.
     """
-    laws = each_law(result)
+    laws = results_by_law(result)
     symbols = [str(symbol) for symbol in result["parameter"].values if symbol in LISTED]
     columns = [_column(laws, symbol) for symbol in symbols]
-    if any(ratios := [over_critical(part) for part in laws.values()]):
-        cells = ["$a > b$: stable" if text == ALWAYS else _printed(text) for text in ratios]
+    if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
+        cells = [
+            "$a > b$: stable" if text == STABLE_AT_ANY_K else _printed(text) for text in ratios
+        ]
         columns.append((f"$K$/{label('K_c_qs')}", cells))
     if "aic" not in result:
         columns.append((r"$\chi^2$", [short(float(part["chi2"])) for part in laws.values()]))
@@ -76,7 +78,9 @@ def _column(laws, symbol):
     else:
         factor, unit = prefixed(QUANTITIES[symbol].unit, max(map(abs, values)))
     heading = HEADINGS.get(symbol, label(symbol)) + (f" [{unit}]" if unit else "")
-    return heading, [_printed(estimate(part, symbol, factor).value) for part in laws.values()]
+    return heading, [
+        _printed(formatted_estimate(part, symbol, factor).value) for part in laws.values()
+    ]
 
 
 def _printed(text):

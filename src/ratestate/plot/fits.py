@@ -1,6 +1,6 @@
 """`plot.fit`: a fit as a picture."""
 
-from ..records.fitting.fitted import checked_laws
+from ..records.fitting.by_law import checked_by_law
 from .curves import axis_of, curves, marks
 from .layout import styled
 from .pages.fit import fit_page
@@ -32,7 +32,7 @@ def fit(result, ax=None, *, x=None):
     ParameterError
         Another result than that of `fit`, or one that has lost its attributes.
     """
-    checked_laws(result, "plot.fit")
+    checked_by_law(result, "plot.fit")
     if ax is None:
         return fit_page(result, x)
     axis = axis_of(result, x)

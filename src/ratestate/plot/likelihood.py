@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..model.quantities import QUANTITIES
-from ..records.fitting.each import each_law
+from ..records.fitting.by_law import results_by_law
 from ..records.fitting.unknowns import LINEAR, PARAMETERS
 from .curves import COLORS, DASHES
 from .labels import GRAY, label, prefixed
@@ -18,7 +18,7 @@ TAIL = 0.002
 def non_gaussian(result):
     """The free parameters with a likelihood to draw; none if all are Gaussian under all laws."""
     free = [s for s in result["parameter"].values.tolist() if s in (*PARAMETERS, "lag")]
-    parts = each_law(result).values()
+    parts = results_by_law(result).values()
     if not any(_profile(p, s) or _samples(p, s) is not None for s in free for p in parts):
         return []
     seen = result["standard_error"].sel(parameter=free).values.reshape(-1, len(free))
@@ -37,7 +37,7 @@ def likelihood(result, symbol, ax):
     symbol : str
     ax : matplotlib.axes.Axes
     """
-    laws = each_law(result)
+    laws = results_by_law(result)
     largest = max(abs(float(part[symbol])) for part in laws.values())
     factor, unit = prefixed(QUANTITIES[symbol].unit, largest)
     for law, part in laws.items():

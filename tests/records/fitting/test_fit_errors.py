@@ -11,21 +11,25 @@ from scipy.stats import norm
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
+from ratestate.records.fitting.diagnostics.model_comparison import compare_laws
+from ratestate.records.fitting.diagnostics.tradeoffs import (
+    correlated_groups,
+    product,
+    tradeoff_text,
+)
+from ratestate.records.fitting.estimates import ROOTS, estimates_from
 from ratestate.records.fitting.likelihood import posterior as sampling
-from ratestate.records.fitting.likelihood.held import Held
-from ratestate.records.fitting.likelihood.posterior import Marginal, posterior
-from ratestate.records.fitting.likelihood.profile import Better, Profile, profile
-from ratestate.records.fitting.likelihood.profiles import gaussian, profiles
-from ratestate.records.fitting.likelihood.reported import reported_of
-from ratestate.records.fitting.likelihood.uncertainty import uncertain
+from ratestate.records.fitting.likelihood.constrained import ConstrainedProblem
+from ratestate.records.fitting.likelihood.posterior import Marginal, sample_posterior
+from ratestate.records.fitting.likelihood.profile import BetterPoint, Profile, compute_profile
+from ratestate.records.fitting.likelihood.profiles import are_gaussian, compute_profiles
+from ratestate.records.fitting.likelihood.quantities import reported_quantities
+from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.record import Record, record_of
-from ratestate.records.fitting.result import ROOTS, estimates
 from ratestate.records.fitting.solve import Solution, solve
 from ratestate.records.fitting.starts import unknowns_of
 from ratestate.records.fitting.unknowns import Unknowns
-from ratestate.records.fitting.words.compare import compared
-from ratestate.records.fitting.words.trades import product, trade, traded
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
@@ -63,7 +67,7 @@ def sampled(good):
 
 def test_reported_numbers_have_their_gradient_and_can_be_kept(solution):
     rng = np.random.default_rng(5)
-    numbers = reported_of(solution.problem, SLIDER)
+    numbers = reported_quantities(solution.problem, SLIDER)
     assert [number.name for number in numbers] == [*FREE, "mu0", "a_minus_b", "trend_slip"]
     for number in numbers:
         point = solution.point + 0.01 * rng.normal(size=solution.point.size)
@@ -71,24 +75,24 @@ def test_reported_numbers_have_their_gradient_and_can_be_kept(solution):
         slopes = [(number.value(point + h) - number.value(point - h)) / 2e-6 for h in steps]
         np.testing.assert_allclose(number.gradient(point), slopes, rtol=1e-6, atol=1e-9)
         target = number.value(point) * 1.001
-        kept = number.kept(point, target)
+        kept = number.constrained(point, target)
         assert number.value(kept) == pytest.approx(target, rel=1e-12)
         assert np.count_nonzero(kept != point) == 1
 
 
 def test_a_minus_b_is_kept_by_a_alone(good):
     found = solution_of(good, SLIDER, ("a", "Dc"))
-    number = reported_of(found.problem, SLIDER)[-2]
-    kept = number.kept(found.point, -0.003)
+    number = reported_quantities(found.problem, SLIDER)[-2]
+    kept = number.constrained(found.point, -0.003)
     assert np.exp(kept[0]) == pytest.approx(SLIDER.b - 0.003, rel=1e-12)
 
 
 def test_a_gaussian_likelihood_is_told_and_its_profile_is_the_covariance(solution):
-    numbers = reported_of(solution.problem, SLIDER)
-    assert all(gaussian(solution, numbers))
-    assert profiles(solution, numbers, False) == {}
+    numbers = reported_quantities(solution.problem, SLIDER)
+    assert all(are_gaussian(solution, numbers))
+    assert compute_profiles(solution, numbers, False) == {}
     for number in (numbers[2], numbers[5], numbers[6]):
-        one = profile(solution, number)
+        one = compute_profile(solution, number)
         gradient = number.gradient(solution.point)
         error = np.sqrt(gradient @ solution.covariance @ gradient)
         ends = (one.interval() - number.value(solution.point)) / error
@@ -98,8 +102,8 @@ def test_a_gaussian_likelihood_is_told_and_its_profile_is_the_covariance(solutio
 
 def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
     """Held K: the same as a fit of the others to a slider that has it."""
-    number = reported_of(solution.problem, SLIDER)[3]
-    one = profile(solution, number)
+    number = reported_quantities(solution.problem, SLIDER)[3]
+    one = compute_profile(solution, number)
     for value, deviance in zip(one.values[[0, -1]], one.deviance[[0, -1]], strict=True):
         slider = SLIDER.replace(K=float(np.exp(value)))
         other = solve(
@@ -141,11 +145,12 @@ def test_one_profile_follows_where_another_leads():
     """a moves with K: its own search stops at a ridge that the profile of K knows a way round."""
     slider = SLIDER.replace(K=1e12)
     found = solution_of(record(slider, STEP, T, noise=4e-4, seed=6), slider)
-    numbers = {number.name: number for number in reported_of(found.problem, slider)}
-    assert gaussian(found, tuple(numbers.values())) == [True, True, True, False, True, True, True]
-    alone = profile(found, numbers["a"])
-    assert set(profiles(found, (numbers["a"], numbers["Dc"]), False)) == set()
-    together = profiles(found, tuple(numbers.values()), False)
+    numbers = {number.name: number for number in reported_quantities(found.problem, slider)}
+    gaussian = dict(zip(numbers, are_gaussian(found, tuple(numbers.values())), strict=True))
+    assert [name for name, is_gaussian in gaussian.items() if not is_gaussian] == ["K"]
+    alone = compute_profile(found, numbers["a"])
+    assert set(compute_profiles(found, (numbers["a"], numbers["Dc"]), False)) == set()
+    together = compute_profiles(found, tuple(numbers.values()), False)
     assert together["K"].interval()[-1, 1] == np.inf
     value, deviance = numbers["a"].value(together["K"].points[-1]), together["K"].deviance[-1]
     assert deviance < ROOTS[-1] ** 2
@@ -155,10 +160,10 @@ def test_one_profile_follows_where_another_leads():
 def test_the_jacobian_of_held_fits(solution):
     """Against central differences: a coordinate given up for a - b, or mu0, carries others."""
     noise, rng = solution.noise, np.random.default_rng(2)
-    for number in reported_of(solution.problem, SLIDER):
-        held = Held(solution.problem, number, number.value(solution.point))
-        direction = solution.point[held.others] * 1e-3 * rng.normal(size=len(held.others))
-        rest = solution.point[held.others]
+    for number in reported_quantities(solution.problem, SLIDER):
+        held = ConstrainedProblem(solution.problem, number, number.value(solution.point))
+        direction = solution.point[held.rest] * 1e-3 * rng.normal(size=len(held.rest))
+        rest = solution.point[held.rest]
         up, down = (held.residual(rest + s * direction, noise) for s in (0.1, -0.1))
         expected = (up - down) / 0.2
         off = held.jacobian(rest, noise) @ direction - expected
@@ -169,12 +174,12 @@ def test_a_better_point_is_taken(good, solution):
     point = solution.point.copy()
     point[2] += 0.01
     worse = solution._replace(point=point, chi2=solution.chi2 + 5.0)
-    with pytest.raises(Better):
-        profile(worse, reported_of(solution.problem, SLIDER)[0])
-    again = uncertain(worse, SLIDER, None, "profile")
+    with pytest.raises(BetterPoint):
+        compute_profile(worse, reported_quantities(solution.problem, SLIDER)[0])
+    again = infer(worse, SLIDER, None, "profile")
     assert again.solution.chi2 == pytest.approx(solution.chi2, rel=1e-3)
     np.testing.assert_allclose(again.solution.point, solution.point, rtol=1e-3)
-    assert not again.restless
+    assert not again.still_improving
 
 
 def test_ends_of_a_profile_that_is_no_parabola():
@@ -266,10 +271,10 @@ def test_a_known_posterior_is_found(good, monkeypatch):
     monkeypatch.setattr(sampling, "LIVE", 100)
     box = dict.fromkeys(("a", "Dc"), (-20.0, 20.0))
     solution = solution_of(good, SLIDER, ("a", "Dc"))
-    found = posterior(solution, box, "test")
+    found = sample_posterior(solution, box, "test")
     inside = student.cdf(20.0, 4) - student.cdf(-20.0, 4)
     assert abs(found.log_evidence - 2.0 * np.log(inside / 40.0)) < 3.5 * found.log_evidence_error
-    number = reported_of(solution.problem, SLIDER)[1]
+    number = reported_quantities(solution.problem, SLIDER)[1]
     expected = student.ppf(norm.cdf(ROOTS), 4)
     np.testing.assert_allclose(found.interval(number)[:, 1], expected, rtol=0.25)
     np.testing.assert_allclose(found.interval(number)[:, 0], -expected, rtol=0.25)
@@ -351,7 +356,7 @@ def test_what_a_difference_of_likelihoods_means(apart, by_likelihood, by_evidenc
         law: {"log_evidence": value, "log_evidence_error": 0.0}
         for law, value in (("slip", 0.0), ("aging", -apart))
     }
-    found, words = compared(results, {"slip": 10.0, "aging": 10.0 + 2.0 * apart}, False)
+    found, words = compare_laws(results, {"slip": 10.0, "aging": 10.0 + 2.0 * apart}, False)
     assert by_likelihood in words
     assert by_evidence in words
     assert float(found.aic_difference.sel(law="aging")) == pytest.approx(2.0 * apart)
@@ -380,7 +385,7 @@ def test_doubts_are_said(good):
         "does not respond to the steps by more than the noise": (silent, {"errors": "covariance"}),
         "normal stress is 21.5 MPa on average": (pressed, {}),
         "varies by 2.7 %": (pressed, {}),
-        "before friction has settled": (good.isel(time=T < 42.0), {"free": ("a", "K")}),
+        "before friction is steady": (good.isel(time=T < 42.0), {"free": ("a", "K")}),
         "does not describe the record after its steps": (good, {"law": "aging"}),
         "times as large as the noise that was given": (good, {"noise": 5e-5}),
     }
@@ -397,8 +402,8 @@ def test_doubts_are_said(good):
 def test_misfit_is_measured_by_the_noise_elsewhere(good, given):
     """In one unit, whatever noise was given."""
     result = rs.fit(good, SLIDER, law="aging", noise=given, errors="covariance")
-    square, settled = result.residual.values**2, 40.0 + 5.0 * float(result.Dc) / 1e-5
-    after = (T >= 40.0) & (settled > T)
+    square, steady = result.residual.values**2, 40.0 + 5.0 * float(result.Dc) / 1e-5
+    after = (T >= 40.0) & (steady > T)
     ratio = np.sqrt(square[after].mean() / square[~after].mean())
     assert ratio > 1.5
     said = f"after its steps: residuals there are {ratio:.2g} times as large as the noise elsewhere"
@@ -425,13 +430,13 @@ def test_trades_are_named():
     covariance = np.block([[scale @ pair @ scale, np.zeros((2, 2))], [np.zeros((2, 2)), block]])
     coordinates = np.array([np.log(0.01), 0.01, np.log(1e-5), np.log(1e10)])
     difference = ("a_minus_b", 0.0, np.array([0.01, -1.0, 0.0, 0.0]))
-    table = estimates(FREE, coordinates, covariance, [difference])
-    assert traded(table, FREE) == [("Dc", "K"), ("a", "b")]
-    text, loose = trade(table, ("Dc", "K"))
+    table = estimates_from(FREE, coordinates, covariance, [difference])
+    assert correlated_groups(table, FREE) == [("Dc", "K"), ("a", "b")]
+    text, loose = tradeoff_text(table, ("Dc", "K"))
     assert loose
     assert text.startswith("Dc and K trade off (correlation -1.000): the record fixes Dc K to 1 %")
     assert text.endswith(("but Dc/K only to a factor of 2.2", "K/Dc only to a factor of 2.2"))
-    text, loose = trade(table, ("a", "b"))
+    text, loose = tradeoff_text(table, ("a", "b"))
     assert not loose
     assert re.fullmatch(r"(a/b|b/a) to 0.1 %, and a - b = 0\.0+ \+- 0\.000014", text)
     assert product(("Dc", "K"), np.array([0.7, 0.69])) == "Dc K"

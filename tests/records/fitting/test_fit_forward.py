@@ -216,6 +216,6 @@ def test_white_noise_is_called_white():
 def test_a_difference_beside_the_end_of_motion_is_that_of_the_other_side(lost, slope):
     """Of x^2 at 3, with steps of a half: 2 x, or 2 x -+ the step."""
     step = 0.5
-    friction = {"above": 3.5**2, "here": 3.0**2, "below": 2.5**2}
+    friction = {"above": 3.5**2, "centre": 3.0**2, "below": 2.5**2}
     lanes = {k: np.array([x, np.nan if k in lost else x]) for k, x in friction.items()}
     assert _difference(*lanes.values(), step)[0] == pytest.approx(slope, rel=1e-15)

@@ -1,4 +1,4 @@
-"""A fit in words: `fitting.summary` and its lines; the slider it found: `fitting.slider_of`."""
+"""A fit as text: `fitting.summary` and its rows; the slider it estimated: `fitting.slider_of`."""
 
 import re
 
@@ -10,8 +10,8 @@ import ratestate as rs
 from ratestate import ParameterError
 from ratestate.model.quantities import with_error
 from ratestate.records import fitting
-from ratestate.records.fitting.each import each_law, error_of, stiffness_over_critical
-from ratestate.records.fitting.lines import lines, noise
+from ratestate.records.fitting.by_law import error_of, results_by_law, stiffness_over_critical
+from ratestate.records.fitting.table import estimate_rows, noise_text
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.FitWarning")
 
@@ -62,18 +62,18 @@ def test_one_law_of_several_is_told_with_what_each_number_is(both):
 
 
 def test_where_a_profile_refutes_the_covariance_its_interval_makes_the_error(both):
-    (part,) = each_law(refuted(both.sel(law="slip"), 5.0e10, 9.0e10)).values()
+    (part,) = results_by_law(refuted(both.sel(law="slip"), 5.0e10, 9.0e10)).values()
     assert error_of(part, "K") == 2.0e10
-    (K,) = (line for line in lines({"slip": part}) if line.symbol == "K")
-    assert K.each[0].value == with_error(1e-9 * float(part.K), 20.0)
-    assert K.each[0].intervals[0] == "50 to 90"
-    wide, usual = (stiffness_over_critical(one)[1] for one in (part, each_law(both)["slip"]))
+    (K,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K")
+    assert K.estimates[0].value == with_error(1e-9 * float(part.K), 20.0)
+    assert K.estimates[0].intervals[0] == "50 to 90"
+    wide, usual = (stiffness_over_critical(one)[1] for one in (part, results_by_law(both)["slip"]))
     assert wide > 2.0 * usual
 
 
 def test_stiffness_over_critical_needs_a_less_b_alone(both):
     """However little is known of a and b: K_c_qs has only their difference."""
-    (part,) = each_law(both.sel(law="slip")).values()
+    (part,) = results_by_law(both.sel(law="slip")).values()
     kind, interval = part.interval_kind.astype(object).copy(), part.interval.copy()
     for symbol in ("a", "b"):
         kind.loc[{"parameter": symbol}] = "profile"
@@ -88,21 +88,21 @@ def test_stiffness_over_critical_needs_a_less_b_alone(both):
     ("ends", "shown"), [((5e10, np.inf), "50 to (open)"), ((0, 9e10), "0 to 90")]
 )
 def test_an_open_interval_has_no_error(both, ends, shown):
-    (part,) = each_law(refuted(both.sel(law="slip"), *ends)).values()
-    (other,) = each_law(refuted(both.sel(law="slip"), *ends, level=0.95)).values()
+    (part,) = results_by_law(refuted(both.sel(law="slip"), *ends)).values()
+    (other,) = results_by_law(refuted(both.sel(law="slip"), *ends, level=0.95)).values()
     assert error_of(other, "K") == np.inf
-    found = {line.symbol: line.each[0] for line in lines({"slip": part})}
+    cells = {row.symbol: row.estimates[0] for row in estimate_rows({"slip": part})}
     assert error_of(part, "K") == np.inf
-    assert "+-" not in found["K"].value
-    assert found["K"].intervals[0] == shown
-    assert "+-" not in found["K/K_c_qs"].value
-    assert "+-" in found["a"].value
+    assert "+-" not in cells["K"].value
+    assert cells["K"].intervals[0] == shown
+    assert "+-" not in cells["K/K_c_qs"].value
+    assert "+-" in cells["a"].value
 
 
 def test_a_above_b_is_told(both):
-    part = each_law(both.assign(a=both.b + 0.001))["slip"]
-    (ratio,) = (line for line in lines({"slip": part}) if line.symbol == "K/K_c_qs")
-    assert ratio.each[0].value == "a > b: stable at any K"
+    part = results_by_law(both.assign(a=both.b + 0.001))["slip"]
+    (ratio,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K/K_c_qs")
+    assert ratio.estimates[0].value == "a > b: stable at any K"
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_a_above_b_is_told(both):
     ],
 )
 def test_noise_in_words(white, red, said):
-    assert noise({"noise_white": white, "noise_red": red, "noise_time": 0.0282}) == said
+    assert noise_text({"noise_white": white, "noise_red": red, "noise_time": 0.0282}) == said
 
 
 def test_the_slider_that_was_found(both):

@@ -25,13 +25,13 @@ REPORT, PICTURE, NUMBERS = "report.md", "fit.png", "fit.nc"
 
 def tell_and_write(request: FitRequest, out: Path | None, as_json: bool) -> bool:
     """Fit, print, write; whether the answer carries warnings."""
-    from ...records.fitting.lines import named
+    from ...records.fitting.table import law_names
     from .job import tell
 
     if out:
         writable(out)
         _not_foreign(out / REPORT)
-    with reported(f"fit of {request.file.name}, {named(request.laws)}") as files:
+    with reported(f"fit of {request.file.name}, {law_names(request.laws)}") as files:
         record, slider, result = _result(request)
         if out:
             files += _written(request, record, slider, result, out)
@@ -41,7 +41,7 @@ def tell_and_write(request: FitRequest, out: Path | None, as_json: bool) -> bool
 
 def _result(request: FitRequest) -> "tuple[xarray.Dataset, SpringSlider, xarray.Dataset]":
     """The record, the slider that the search began with, and the result."""
-    from ...records.fitting.verb import fit
+    from ...records.fitting.fit import fit
     from ...records.reading import read_lab
 
     with warnings.catch_warnings():

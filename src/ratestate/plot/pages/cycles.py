@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...records.fitting.each import each_law
+from ...records.fitting.by_law import results_by_law
 from ..curves import COLORS, NORMAL_95, axis_of, curves
 from ..layout import letter
 from .frame import finished, framed, legend
@@ -15,7 +15,7 @@ HEIGHTS = [1.5, 1.9]  # inches
 
 def cycles_page(result):
     """Page of a fit against cycles."""
-    axis, laws = axis_of(result, "time"), each_law(result)
+    axis, laws = axis_of(result, "time"), results_by_law(result)
     fig, (top, *below) = framed(result, laws, sum(HEIGHTS))
     axes = top.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=HEIGHTS)
     curves(result, axes["a"], axis)

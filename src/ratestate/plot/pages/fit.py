@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...records.fitting.each import each_law, value_of
+from ...records.fitting.by_law import results_by_law, value_of
 from ..curves import COLORS, axis_of, change, curves, marks, residuals, segments
 from ..layout import letter, styled
 from .cycles import cycles_page
@@ -25,7 +25,7 @@ def fit_page(result, x=None):
     """Page of a fit; x, of one against time or displacement, as `plot.fit` has it."""
     if result.attrs.get("against") == "cycles":
         return cycles_page(result)
-    axis, laws = axis_of(result, x), each_law(result)
+    axis, laws = axis_of(result, x), results_by_law(result)
     close = _close_ups(result, axis, laws)
     rows, heights = _rows(laws, [*close])
     fig, (top, *below) = framed(result, laws, sum(heights))

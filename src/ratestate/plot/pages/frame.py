@@ -3,7 +3,7 @@
 from matplotlib.patches import Patch
 
 from ...dynamics import attributes
-from ...records.fitting.lines import named
+from ...records.fitting.table import law_names
 from ..curves import COLORS
 from ..estimates import ROW, estimates
 from ..labels import label
@@ -23,7 +23,7 @@ def framed(result, laws, height):
     source = attributes.text(result, "source", "")
     title = (
         f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "
-        f"under the {named(laws)}"
+        f"under the {law_names(laws)}"
     )
     total = sum(heights) + TITLE
     fig = figure(result.assign_attrs(title=title), total, " ".join(symbols))

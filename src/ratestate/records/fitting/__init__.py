@@ -1,4 +1,4 @@
-"""Fits of laboratory records: the verb `fit` and what it is made of.
+"""Fits of laboratory records: the function `fit` and its parts.
 
 Nothing heavy is loaded until it is used.
 """
@@ -7,13 +7,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .fitted import slider_of
+    from .by_law import slider_of
     from .text import summary
 
 __all__ = ["slider_of", "summary"]
 
 #: public name -> module that defines it
-_HOMES = {"slider_of": "fitted", "summary": "text"}
+_HOMES = {"slider_of": "by_law", "summary": "text"}
 
 
 def __getattr__(name):

@@ -1,19 +1,19 @@
-"""What a record's Dataset holds: its times and friction, checked."""
+"""Times and friction in the Dataset of a record, checked."""
 
 import numpy as np
 
 from ...errors import ParameterError
 
-#: name of the variable -> kind of friction it is: the spring's or the interface's
+#: name of the variable -> kind of friction: of the spring (tau) or the interface (mu)
 KINDS = {"friction": "tau", "tau": "tau", "mu": "mu"}
-#: friction that is possible, also as a change from its level; how far a load point moves [m]
+#: bounds of friction, which may be a change from some level; farthest that a load point moves [m]
 LOW, HIGH, FARTHEST = -0.1, 3.0, 10.0
 
 
 def column(data, name):
-    """(m,) values of a variable along time [SI]; whatever is not finite is refused by row."""
+    """(m,) values of a variable along time [SI]; refuses values that are not finite, by row."""
     if name not in data.variables:
-        raise ParameterError(f"the record has no variable {name!r}; it has {listed(data)}")
+        raise ParameterError(f"the record has no variable {name!r}; it has {variable_names(data)}")
     variable = data[name]
     if variable.dims != ("time",):
         raise ParameterError(
@@ -30,12 +30,13 @@ def column(data, name):
     return values
 
 
-def listed(data):
+def variable_names(data):
+    """The names of all variables, as a message lists them."""
     return ", ".join(map(str, data.variables)) or "no variable at all"
 
 
-def of_usual_size(friction, data):
-    """Refuse values that no laboratory has: of another unit, or sign."""
+def check_sizes(friction, data):
+    """Refuse values that no laboratory has: they are in another unit, or of another sign."""
     typical = float(np.median(friction))
     if not LOW < typical < HIGH:
         what = "turn its sign" if -HIGH < typical < 0.0 else "is it a stress, or in per cent?"
@@ -52,7 +53,7 @@ def of_usual_size(friction, data):
             )
 
 
-def increasing(time):
+def check_increasing(time):
     """Refuse times that do not increase, by row."""
     if not (np.diff(time) > 0.0).all():
         row = int(np.argmin(np.diff(time) > 0.0)) + 1
@@ -66,16 +67,16 @@ def friction_of(data, slider):
     """Kind and values of the friction that was recorded."""
     if "friction" in data.variables:
         return "tau", column(data, "friction")
-    found = [name for name in ("tau", "mu") if name in data.variables]
-    if len(found) == 2:
+    names = [name for name in ("tau", "mu") if name in data.variables]
+    if len(names) == 2:
         raise ParameterError(
             "the record has both tau and mu, of which only one can be fitted; drop the other, or "
             "assign friction, for example data.assign(friction=data.tau / sigma)"
         )
-    if not found:
-        raise ParameterError(f"the record has no friction; it has {listed(data)}")
-    values = column(data, found[0])
-    if found[0] == "tau":
+    if not names:
+        raise ParameterError(f"the record has no friction; it has {variable_names(data)}")
+    values = column(data, names[0])
+    if names[0] == "tau":
         sigma = data["sigma"] if "sigma" in data.variables else slider.sigma
         values = values / np.asarray(sigma, float)
-    return KINDS[found[0]], values
+    return KINDS[names[0]], values

@@ -1,8 +1,8 @@
-"""From coordinates to the friction that a load cell would show, with its sensitivities.
+"""Friction that a load cell would show, from the coordinates, with its sensitivities.
 
 Sensitivities are central differences between sliders in neighbouring lanes of the march: the
-2 k + 1 sliders of one Jacobian cost little more than one, and every law, mass, loading and start
-is served by the one engine.  Neighbours take nearly the same steps, so most of their errors
+2 k + 1 sliders of one Jacobian cost little more than one, and all laws, masses, loadings and starts
+use the same engine.  Neighbours take nearly the same steps, so most of their errors
 cancel: with rtol = 1e-8 and differences of 3e-5 sensitivities are right to 1e-6.
 """
 
@@ -40,20 +40,20 @@ class Forward:
             self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
         loading = record.loading
-        self.V0 = float(loading.V[0])  # the reference: what slides steadily at it is at rest
+        self.V0 = float(loading.V[0])  # the reference: v = 0 in steady sliding at it
         self.loads = Loads(
             np.ascontiguousarray(loading.t),
             np.ascontiguousarray(loading.V, float)[None],
             np.ascontiguousarray(loading.rate, float)[None],
         )
         self.evaluations = 0
-        self.common: dict = {}  # number of sliders -> what all calls for as many share
+        self.common: dict = {}  # number of sliders -> values of `_common`
         own = {"b": STEP * record.scale, "lag": 0.1 * record.spacing}
         #: step of a central difference in each coordinate that the motion depends on
         self.steps = {n: own.get(n, STEP) for n in names if n not in ("level", "trend")}
 
     def friction(self, points):
-        """(n, m) friction at the record's samples for coordinates (n, k); NaN where none exists.
+        """(n, m) friction at the record's samples for coordinates (n, k); NaN without a motion.
 
         Friction is level + (tau/sigma or mu, less its value in steady sliding at the record's
         first speed) + trend times slip or time.
@@ -68,21 +68,21 @@ class Forward:
             points[2 * j + 1, i] += step
             points[2 * j + 2, i] -= step
         friction, along = self.parts(points)
-        here = friction[0]
-        columns = np.ones((len(self.names), here.size))  # that of the level stays 1
+        centre = friction[0]
+        columns = np.ones((len(self.names), centre.size))  # the level's stays 1
         for j, (i, step) in enumerate(moving):
-            columns[i] = _difference(friction[2 * j + 1], here, friction[2 * j + 2], step)
+            columns[i] = _difference(friction[2 * j + 1], centre, friction[2 * j + 2], step)
         if "trend" in self.names:
             columns[self.names.index("trend")] = along[0]
-        return here, columns.T
+        return centre, columns.T
 
     def parts(self, points):
-        """`friction`, and (n, m) what the trend multiplies: slip or time since the start."""
+        """`friction`, and (n, m) the trend's factor: slip or time since the start."""
         values = self.values(points)
         saved = self._motion(values)
         a, b, K = (values[symbol][:, None] for symbol in ("a", "b", "K"))
         x, v, psi = saved[..., 0], saved[..., 1], saved[..., 2]
-        along = np.broadcast_to(self.record.along, x.shape)
+        along = np.broadcast_to(self.record.trend_variable, x.shape)
         if self.record.trend == "slip":
             along = along - (a * self.sigma / K) * (x - x[:, :1])
         change = a * x if self.record.kind == "tau" else a * v + b * psi
@@ -96,21 +96,21 @@ class Forward:
             for i, name in enumerate(self.names):
                 values[name] = points[:, i] if name in PLAIN else np.exp(points[:, i])
         if np.isinf(self.fixed["K"]) and "K" not in self.names:
-            # the march knows no rigid machine, but one as good as that
+            # the march has no rigid machine, but one that is practically rigid
             values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]
         return values
 
     def _common(self, n):
-        """What all calls for n sliders share: values that are not sought, columns of `Cases`."""
+        """Values that are not free and columns of `Cases`, shared by all calls for n sliders."""
         if n not in self.common:
             self.common[n] = self._common_of(n)
         return self.common[n]
 
     def _common_of(self, n):
         record = self.record
-        nothing = {"level": 0.0, "trend": 0.0, "lag": 0.0, **dict.fromkeys(START, 0.0)}
-        values = {k: np.full(n, float(v)) for k, v in {**self.fixed, **nothing}.items()}
-        # without inertia V may run away; with a mass that is sought it cannot
+        zero = {"level": 0.0, "trend": 0.0, "lag": 0.0, **dict.fromkeys(START, 0.0)}
+        values = {k: np.full(n, float(v)) for k, v in {**self.fixed, **zero}.items()}
+        # without inertia V may run away; with a free mass it cannot
         limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
         columns = {
             "V0": np.full(n, self.V0),
@@ -132,7 +132,7 @@ class Forward:
         n = a.size
         columns, times = self._common(n)[1], self.record.t[None]
         if "lag" in self.names:
-            # a sample of before the start shows the start
+            # samples from before the start take the value at the start
             times = self.record.t - values["lag"][:, None]
             ends = np.maximum(times[:, -1], 1e-9 * self.record.t[-1])
             columns = columns | {"times": np.arange(n), "t_end": ends}
@@ -155,10 +155,10 @@ class Forward:
         return saved
 
 
-def _difference(above, here, below, step):
-    """A derivative from both sides, or from the one on which there is motion at all."""
+def _difference(above, centre, below, step):
+    """A derivative from both sides, or from the only one on which there is motion."""
     if np.isfinite(above[-1]) and np.isfinite(below[-1]):
         return (above - below) / (2.0 * step)
     if np.isfinite(below[-1]):
-        return (here - below) / step
-    return (above - here) / step
+        return (centre - below) / step
+    return (above - centre) / step

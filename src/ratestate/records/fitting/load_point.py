@@ -1,4 +1,4 @@
-"""What the load point did in a record: as recorded, as given, or as found."""
+"""The load point's history in a record: as given, or from its recorded motion."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from ...model.loading import Loading
 from ...model.quantities import readable
 from ...model.units import to_si
 from ..reading.segments import find_segments
-from .channels import column, listed
+from .channels import column, variable_names
 
-#: by what part of its way a given loading may differ from the recorded displacement
-APART = 0.1
+#: largest difference of a given loading from the recorded displacement, over the distance moved
+DIFFERENCE = 0.1
 #: samples that a step needs on each side
 BESIDE = 8
 
@@ -26,7 +26,7 @@ def displacement_of(data, t):
 
 
 def loading_of(data, displacement, time, loading):
-    """What the load point did from the record's first sample on."""
+    """The `Loading` from the record's first sample on."""
     if loading is not None:
         if not isinstance(loading, Loading) or np.ndim(loading.V) != 1:
             raise ParameterError(
@@ -36,12 +36,12 @@ def loading_of(data, displacement, time, loading):
         loading.covers(time[-1] - time[0])
         if not loading.V[0] > 0.0:
             raise ParameterError("loading begins at rest; a record must begin in sliding")
-        _agrees(loading, displacement, time - time[0])
+        _check_agreement(loading, displacement, time - time[0])
         return loading
     if displacement is None:
         raise ParameterError(
             f"the record has neither delta_lp nor V_load, so what the load point did is unknown; "
-            f"give loading=Loading.steps(...). It has {listed(data)}"
+            f"give loading=Loading.steps(...). It has {variable_names(data)}"
         )
     if "segment_t" in data.variables:
         starts = np.asarray(data["segment_t"].values, float)
@@ -61,29 +61,28 @@ def loading_of(data, displacement, time, loading):
     return Loading.steps(float(speeds[0]), *((float(t), float(V)) for t, V in pairs))
 
 
-def _agrees(loading, displacement, t):
-    """Refuse a loading that is not the one recorded: of other units, or with other times."""
+def _check_agreement(loading, displacement, t):
+    """Refuse a loading that differs from the recorded one: in units, or in times."""
     if displacement is None:
         return
-    said = np.asarray(loading.delta_lp(t))
-    apart = displacement - said
-    worst, far = float(np.ptp(apart)), float(np.ptp(displacement))
-    if worst > APART * far:
+    given = np.asarray(loading.delta_lp(t))
+    worst, far = float(np.ptp(displacement - given)), float(np.ptp(displacement))
+    if worst > DIFFERENCE * far:
         raise ParameterError(
-            f"loading moves the load point by {readable('delta_lp', float(said[-1]))} in all, the "
+            f"loading moves the load point by {readable('delta_lp', float(given[-1]))} in all, the "
             f"record by {readable('delta_lp', far)}, and on the way they differ by "
             f"{readable('delta_lp', worst)}: check units and times (t = 0 is the first sample), "
             f"or drop delta_lp from the record"
         )
 
 
-def has_steps(loading, t):
-    """Refuse a record of one speed, and steps at its very ends."""
+def check_steps(loading, t):
+    """Refuse a record at one speed, and steps too near to its ends."""
     if loading.t.size < 2 and not np.any(loading.rate):
         raise ParameterError(
             f"the load point moves at {to_si('V_lp', float(loading.V[0])):.4g} m/s all the time: "
-            f"without a velocity step or hold the record tells nothing of a, b and Dc; widen the "
-            f"window, or, if the record is of stick-slip, use against='cycles'"
+            f"without a velocity step or hold the record does not constrain a, b and Dc; widen "
+            f"the window, or, if the record is of stick-slip, use against='cycles'"
         )
     before = int(np.searchsorted(t, loading.t[1]))
     after = t.size - int(np.searchsorted(t, loading.t[-1]))
@@ -95,8 +94,8 @@ def has_steps(loading, t):
         )
 
 
-def times_of(displacement, loading, t):
-    """Times at which the load point passed the displacements, in order, and their rows."""
+def times_at(displacement, loading, t):
+    """Times in order at which the load point passed these displacements, and their rows."""
     if displacement is None:
         raise ParameterError("against='displacement' needs the displacement delta_lp of the record")
     if not np.all(loading.V > 0.0) or np.any(loading.rate):
@@ -107,6 +106,6 @@ def times_of(displacement, loading, t):
     advance = displacement - np.median(displacement - loading.delta_lp(t))
     breaks = loading.delta_lp(loading.t)
     segment = np.clip(np.searchsorted(breaks, advance, side="right") - 1, 0, None)
-    found = loading.t[segment] + (advance - breaks[segment]) / loading.V[segment]
-    order = np.argsort(found, kind="stable")
-    return np.maximum(found[order], 0.0), order
+    times = loading.t[segment] + (advance - breaks[segment]) / loading.V[segment]
+    order = np.argsort(times, kind="stable")
+    return np.maximum(times[order], 0.0), order

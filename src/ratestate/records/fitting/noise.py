@@ -1,7 +1,7 @@
 """The noise of a record: its level and correlation, given or estimated from the residuals.
 
-The noise is white noise plus an Ornstein-Uhlenbeck process (engine/noise.py): a load cell's
-digits and electronics are the one, what filters, gouge and machine do the other.  Its three
+The noise is white noise plus an Ornstein-Uhlenbeck process (engine/noise.py): the former is
+from a load cell's digits and electronics, the latter from filters, gouge and machine.  Its three
 numbers are estimated by restricted maximum likelihood, which allows for what the fitted
 parameters have taken out of the residuals: Patterson & Thompson (1971)
 doi:10.1093/biomet/58.3.545.
@@ -17,7 +17,7 @@ from ...engine.noise import whiten
 from ...errors import ParameterError
 from ...model.units import to_si
 
-#: by how much ln(likelihood) must rise for correlated noise to count: two more parameters
+#: least rise of ln(likelihood) for correlated noise, which has two more parameters
 RISE = 3.0
 
 
@@ -47,7 +47,7 @@ class Noise(NamedTuple):
 
 
 def given_noise(noise):
-    """The user's `Noise`, or None if it is to be estimated.
+    """The `Noise` that the user gives, or None if it is to be estimated.
 
     noise : None, a standard deviation of friction, or a dict of "white", "red" and "time".
     """
@@ -90,13 +90,13 @@ def estimated_noise(t, residual, jacobian):
         return share, math.exp(point[1])
 
     def criterion(share, time):
-        """-ln(restricted likelihood), its scale at the best, and that scale (a variance)."""
+        """-ln(restricted likelihood) at the best variance, and that variance."""
         unit = Noise(math.sqrt(1.0 - share), math.sqrt(share), time)
         white, log_determinant = unit.whiten(t, columns)
         normal = white.T @ white
         try:
             factor = np.linalg.cholesky(normal[1:, 1:])
-        except np.linalg.LinAlgError:  # parameters of which one is not seen at all
+        except np.linalg.LinAlgError:  # the record does not see some parameter at all
             return math.inf, math.nan
         projected = np.linalg.solve(factor, normal[1:, 0])
         variance = max(normal[0, 0] - projected @ projected, 0.0) / degrees
@@ -105,8 +105,8 @@ def estimated_noise(t, residual, jacobian):
         log_normal = 2.0 * np.log(np.diag(factor)).sum()
         return 0.5 * (degrees * math.log(variance) + log_determinant + log_normal), variance
 
-    plain, variance = criterion(0.0, 1.0)
-    best, found = plain, Noise(math.sqrt(variance))
+    best, variance = criterion(0.0, 1.0)
+    noise = Noise(math.sqrt(variance))
     low, high = math.log(0.2 * lags[0]), math.log(lags[1])
     for start in (2.0 * lags[0], 0.02 * lags[1]):
         first = np.array([0.0, min(max(math.log(start), low), high)])
@@ -119,9 +119,9 @@ def estimated_noise(t, residual, jacobian):
             bounds=((-8.0, 14.0), (low, high)),
             options={"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.01, "maxfev": 150},
         )
-        if result.fun < best - (RISE if found.red == 0.0 else 0.0):
+        if result.fun < best - (RISE if noise.red == 0.0 else 0.0):
             share, time = shape(result.x)
             variance = criterion(share, time)[1]
             best = result.fun
-            found = Noise(math.sqrt((1.0 - share) * variance), math.sqrt(share * variance), time)
-    return found
+            noise = Noise(math.sqrt((1.0 - share) * variance), math.sqrt(share * variance), time)
+    return noise

@@ -11,7 +11,7 @@ MOST = 200
 
 
 class Problem:
-    """A record, a law and what is sought: misfits, residuals and their derivatives."""
+    """Residuals of a record under a law as functions of the unknowns, and their derivatives."""
 
     def __init__(self, record, slider, law, unknowns):
         self.record, self.unknowns = record, unknowns
@@ -23,27 +23,27 @@ class Problem:
         return noise.whiten(self.record.t, residual)[0][:, 0]
 
     def jacobian(self, point, noise):
-        """(m, k) derivative of `residual`; 0 where a parameter cannot move without loss."""
+        """(m, k) derivative of `residual`; 0 where it does not exist."""
         columns = self.forward.jacobian(point)[1]
         return np.nan_to_num(noise.whiten(self.record.t, columns)[0])
 
-    def levelled(self, points):
-        """Points with the level, and the trend, that fit the record best; their misfits."""
+    def with_best_level(self, points):
+        """Points with the level and trend that fit the record best, and their misfits."""
         points = points.copy()
-        linear = [self.unknowns.place(n) for n in ("level", "trend") if n in self.unknowns.names]
+        linear = [self.unknowns.index_of(n) for n in ("level", "trend") if n in self.unknowns.names]
         points[:, linear] = 0.0
         columns = np.ones((self.record.t.size, len(linear)))
-        columns[:, 1:] = self.record.along[:, None]
+        columns[:, 1:] = self.record.trend_variable[:, None]
         scale = np.abs(columns).max(axis=0)
-        missing = (self.record.friction - self.forward.friction(points)).T
-        sound = np.isfinite(missing).all(axis=0)
-        found = np.linalg.lstsq(columns / scale, missing[:, sound], rcond=None)[0]
-        points[np.ix_(sound, linear)] = (found / scale[:, None]).T
+        residuals = (self.record.friction - self.forward.friction(points)).T
+        sound = np.isfinite(residuals).all(axis=0)
+        best = np.linalg.lstsq(columns / scale, residuals[:, sound], rcond=None)[0]
+        points[np.ix_(sound, linear)] = (best / scale[:, None]).T
         misfits = np.full(len(points), np.inf)
-        misfits[sound] = ((missing[:, sound] - columns / scale @ found) ** 2).sum(axis=0)
+        misfits[sound] = ((residuals[:, sound] - columns / scale @ best) ** 2).sum(axis=0)
         return points, misfits
 
-    def plain_noise(self, point):
+    def white_noise(self, point):
         """White noise of the size of the residuals at a point."""
         residual = self.forward.friction(point[None])[0] - self.record.friction
         return Noise(max(float(np.sqrt(np.mean(residual**2))), 1e-15))

@@ -1,4 +1,4 @@
-"""A laboratory record as the fit sees it: samples from t = 0 on, and what the load point did."""
+"""A laboratory record as a fit uses it: samples from t = 0 on, and the load point's history."""
 
 from typing import NamedTuple
 
@@ -7,21 +7,21 @@ import xarray
 
 from ...errors import ParameterError
 from ...model.loading import Loading
-from .channels import column, friction_of, increasing, of_usual_size
-from .load_point import displacement_of, has_steps, loading_of, times_of
+from .channels import check_increasing, check_sizes, column, friction_of
+from .load_point import check_steps, displacement_of, loading_of, times_at
 
 #: most samples: a march keeps each of them for a dozen sliders at once
 MOST = 200_000
-#: samples that a window needs
+#: least samples of a window
 FEWEST = 30
 
 
 class Record(NamedTuple):
-    """What is fitted.  Times count from the record's first sample on."""
+    """The samples that are fitted.  Times are from the record's first sample on."""
 
     t: np.ndarray  # (m,) [s], increasing
     friction: np.ndarray  # (m,)
-    along: np.ndarray  # (m,) what the trend multiplies: time [s] or load-point displacement [m]
+    trend_variable: np.ndarray  # (m,) factor of the trend: time [s] or load-point displacement [m]
     trend: str | None  # "slip", "time" or None
     loading: Loading
     kind: str  # "tau": of the spring over sigma; "mu": of the interface
@@ -30,7 +30,7 @@ class Record(NamedTuple):
 
     @property
     def scale(self):
-        """How far friction ranges."""
+        """The range of friction."""
         return float(np.ptp(self.friction))
 
     @property
@@ -38,15 +38,15 @@ class Record(NamedTuple):
         """The usual time between samples [s]."""
         return float(np.median(np.diff(self.t)))
 
-    def every(self, stride):
-        """The same with one sample in `stride`, and all of those about each step."""
+    def thinned(self, stride):
+        """The record with one sample in `stride`, and all samples about each step."""
         keep = np.zeros(self.t.size, bool)
         keep[::stride] = True
         for step in self.loading.t[1:]:
             at = np.searchsorted(self.t, step)
             keep[max(at - 5, 0) : at + 40] = True
-        picked = {n: getattr(self, n)[keep] for n in ("t", "friction", "along", "time", "order")}
-        return self._replace(**picked)
+        columns = ("t", "friction", "trend_variable", "time", "order")
+        return self._replace(**{name: getattr(self, name)[keep] for name in columns})
 
 
 def record_of(data, slider, *, loading, trend, against):
@@ -64,7 +64,7 @@ def record_of(data, slider, *, loading, trend, against):
         )
     time = column(data, "time")
     kind, friction = friction_of(data, slider)
-    increasing(time)
+    check_increasing(time)
     if time.size < FEWEST:
         raise ParameterError(
             f"the record has {time.size} samples, too few to fit; expected {FEWEST} or more: widen "
@@ -82,14 +82,14 @@ def record_of(data, slider, *, loading, trend, against):
             f"friction is constant, {friction[0]:.6g} in all {time.size} samples: nothing to fit; "
             f"look at the column that was read"
         )
-    of_usual_size(friction, data)
+    check_sizes(friction, data)
     t = time - time[0]
     order = np.arange(t.size)
     displacement = displacement_of(data, t)
     loading = loading_of(data, displacement, time, loading)
     if against == "displacement":
-        t, order = times_of(displacement, loading, t)
+        t, order = times_at(displacement, loading, t)
         friction, time = friction[order], time[order]
-    has_steps(loading, t)
-    along = t if trend == "time" else np.asarray(loading.delta_lp(t))
-    return Record(t, friction, along, trend, loading, kind, time, order)
+    check_steps(loading, t)
+    trend_variable = t if trend == "time" else np.asarray(loading.delta_lp(t))
+    return Record(t, friction, trend_variable, trend, loading, kind, time, order)

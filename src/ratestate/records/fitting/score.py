@@ -1,40 +1,40 @@
-"""Score tests: what more, or less, freedom would do to chi-square, without another search."""
+"""Score tests: how chi-square would change with more, or fewer, parameters, without a search."""
 
 import numpy as np
 from scipy.special import chdtri
 
-#: fall of chi-square that has a cause, and is no chance: of a start out of steady sliding, of a lag
+#: fall of chi-square by one more parameter (a lag, an unsteady start) that is not by chance
 FALL = 12.0
-#: chance below which noise alone is not believed to make a response
+#: probability below which a response is not taken for noise
 CHANCE = 1e-4
 
 
 def gain_of(solution, added):
-    """By how much chi-square would fall with more coordinates, and where they would come to.
+    """Fall of chi-square with more coordinates, and the values that these would take.
 
-    To first order, all others being refitted: a score test.
+    To first order, with all other coordinates fitted again: a score test.
 
     added : (m, p) derivatives of friction by them
     """
     record = solution.problem.record
-    residual = record.friction - solution.fitted
+    residual = record.friction - solution.fitted_friction
     columns = np.column_stack([residual, added, solution.jacobian])
-    rest = _rest(solution, columns, 1 + added.shape[1])
+    rest = _projected(solution, columns, 1 + added.shape[1])
     moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
     return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
 
 
 def response(solution):
-    """By how much the sliders fit better than level and trend alone, and by how many parameters."""
+    """Fall of chi-square from level and trend alone to the solution, and parameters it takes."""
     record = solution.problem.record
-    lines = [np.ones(record.t.size), record.along / np.abs(record.along).max()]
+    lines = [np.ones(record.t.size), record.trend_variable / np.abs(record.trend_variable).max()]
     columns = np.column_stack([record.friction, *lines[: 2 if record.trend else 1]])
-    rest = _rest(solution, columns, 1)[:, 0]
+    rest = _projected(solution, columns, 1)[:, 0]
     return float(rest @ rest) - solution.chi2, len(solution.point) - columns.shape[1] + 1
 
 
-def _rest(solution, columns, count):
-    """The first columns (m, count), whitened, without what the others can make of them."""
+def _projected(solution, columns, count):
+    """The first columns (m, count), whitened, less their projections on the other columns."""
     white, _ = solution.noise.whiten(solution.problem.record.t, columns)
     basis, _ = np.linalg.qr(white[:, count:])
     return white[:, :count] - basis @ (basis.T @ white[:, :count])

@@ -1,7 +1,7 @@
 """Least squares in the presence of correlated noise, from several starts.
 
 The sum of squares is that of the residuals made white by the noise's own covariance, which is
-estimated from the residuals of the fit before; both are repeated until the estimates stand still.
+estimated from the residuals of the fit before; the two alternate until the estimates converge.
 """
 
 from typing import NamedTuple
@@ -16,16 +16,16 @@ from .score import FALL, gain_of
 from .starts import SAMPLES, starting_points, unknowns_of
 from .unknowns import NEAR, START, Unknowns
 
-#: most starts of the least squares, and rounds of noise and fit
+#: most starts of the least squares, and most rounds of noise and fit
 STARTS, ROUNDS = 12, 4
-#: what the march itself leaves unsure, as a part of the range of friction
+#: error of the march itself, as a part of the range of friction
 FLOOR = 1e-6
 #: two searches that end at sums of squares no further apart agree
 AGREE = 1e-3
-#: most evaluations of a search from which the best is picked
-FEW = 25
-#: estimates stand still where none moves by more, in its standard error
-STILL = 0.02
+#: most evaluations of a search, where the best of several is picked
+SEARCH_EVALUATIONS = 25
+#: largest move of an estimate, in its standard errors, that counts as converged
+CONVERGED = 0.02
 
 NO_MOTION = (
     "no slider of any size near these moves through the whole record without instability; without "
@@ -35,13 +35,13 @@ NO_MOTION = (
 
 
 class Solution(NamedTuple):
-    """Where least squares have come to, with m samples and k coordinates."""
+    """Result of the least squares, with m samples and k coordinates."""
 
     problem: Problem
     noise: Noise
     point: np.ndarray  # (k,)
     covariance: np.ndarray  # (k, k)
-    fitted: np.ndarray  # (m,) friction
+    fitted_friction: np.ndarray  # (m,)
     jacobian: np.ndarray  # (m, k) of the fitted friction
     chi2: float  # of the whitened residuals
     log_likelihood: float
@@ -53,8 +53,8 @@ class Solution(NamedTuple):
         return self.problem.unknowns
 
     def at_bound(self, name):
-        """-1 or 1 if a coordinate has run to its lower or upper bound, else 0."""
-        i = self.unknowns.place(name)
+        """-1 or 1 if a coordinate is at its lower or upper bound, else 0."""
+        i = self.unknowns.index_of(name)
         low, high = self.unknowns.low[i], self.unknowns.high[i]
         if not np.isfinite(high - low):
             return 0
@@ -76,106 +76,106 @@ def solve(record, slider, law, free, noise, start):
     """
     unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
-    solution = settled(problem, _best_start(problem, slider, law), noise)
+    solution = solution_from(problem, _best_start(problem, slider, law), noise)
     if start != "auto" or not _may_start_unsteady(solution, slider, law):
         return solution
-    # Correlated noise may have taken the blame: so the search begins anew.
+    # Noise may have been estimated as correlated because of the start: so search anew.
     unknowns = unknowns_of(record, free, start=True, sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
-    begins = (_widened(solution, unknowns), _best_start(problem, slider, law))
-    others = [settled(problem, begin, noise) for begin in begins]
-    best = max(others, key=lambda one: one.log_likelihood)
-    gains = best.log_likelihood - solution.log_likelihood, _early(best) - _early(solution)
-    return best if min(gains) > 0.5 * FALL else solution
+    starts = (_with_more_coordinates(solution, unknowns), _best_start(problem, slider, law))
+    solutions = [solution_from(problem, start, noise) for start in starts]
+    best = max(solutions, key=lambda one: one.log_likelihood)
+    gain = best.log_likelihood - solution.log_likelihood
+    early_gain = _early_log_likelihood(best) - _early_log_likelihood(solution)
+    return best if min(gain, early_gain) > 0.5 * FALL else solution
 
 
 def _best_start(problem, slider, law):
-    """The best point that a thinned record leads to, from several starts."""
-    thin = problem.record.every(max(problem.record.t.size // SAMPLES, 1))
-    rough = Problem(thin, slider, law, problem.unknowns)
-    points = starting_points(rough, slider)[:STARTS]
+    """The best point that a search on a thinned record reaches from several starts."""
+    thin = problem.record.thinned(max(problem.record.t.size // SAMPLES, 1))
+    thin_problem = Problem(thin, slider, law, problem.unknowns)
+    points = starting_points(thin_problem, slider)[:STARTS]
     if not points:
         raise ParameterError(NO_MOTION)
-    plain = rough.plain_noise(points[0])
-    found: list = []
+    noise = thin_problem.white_noise(points[0])
+    searches: list = []
     for point in points:
-        one = search(rough, point, plain, FEW)
-        found = sorted([*found, *([one] if one else [])], key=lambda one: one.cost)
-        # a least sum that two starts have led to is not passed by a third
-        if len(found) > 1 and found[1].cost <= found[0].cost * (1.0 + AGREE):
+        if result := search(thin_problem, point, noise, SEARCH_EVALUATIONS):
+            searches = sorted([*searches, result], key=lambda one: one.cost)
+        # a third start hardly finds less than the least sum that two starts have led to
+        if len(searches) > 1 and searches[1].cost <= searches[0].cost * (1.0 + AGREE):
             break
-    if not found:
+    if not searches:
         raise ParameterError(NO_MOTION)
-    return found[0].x
+    return searches[0].x
 
 
-def _searched(problem, point, noise):
-    """What `search` finds from this point; ParameterError if that is nothing."""
-    found = search(problem, point, noise)
-    if not found:
+def _checked_search(problem, point, noise):
+    """`search` from this point, or a ParameterError if nothing moves there."""
+    result = search(problem, point, noise)
+    if not result:
         raise ParameterError(NO_MOTION)
-    return found
+    return result
 
 
-def settled(problem, point, noise):
-    """The `Solution` from this point, with noise as given or estimated until nothing moves."""
+def solution_from(problem, point, noise):
+    """The `Solution` from this point, with the noise given, or estimated until that converges."""
     record = problem.record
-    guess = problem.plain_noise(point) if noise is None else noise
+    current = problem.white_noise(point) if noise is None else noise
     before = problem.forward.evaluations
-    found, was_white = _searched(problem, point, guess), True
+    result, was_white = _checked_search(problem, point, current), True
     for _ in range(ROUNDS if noise is None else 0):
-        fitted, jacobian = problem.forward.jacobian(found.x)
-        guess = estimated_noise(record.t, fitted - record.friction, np.nan_to_num(jacobian))
-        # what the march itself leaves unsure counts as noise: a record may have none
-        guess = guess._replace(white=float(np.hypot(guess.white, FLOOR * record.scale)))
-        if guess.red == 0.0 and was_white:
-            break  # other weights, all alike, are no other sum of squares
-        last, was_white = found.x, False
-        found = _searched(problem, last, guess)
-        error = np.sqrt(np.diag(_covariance(found.jac)))
-        if (np.abs(found.x - last) <= STILL * error).all():
+        friction, jacobian = problem.forward.jacobian(result.x)
+        current = estimated_noise(record.t, friction - record.friction, np.nan_to_num(jacobian))
+        # the error of the march itself counts as noise: a record may have none
+        current = current._replace(white=float(np.hypot(current.white, FLOOR * record.scale)))
+        if current.red == 0.0 and was_white:
+            break  # all weights change by one factor: the minimum stays
+        last, was_white = result.x, False
+        result = _checked_search(problem, last, current)
+        error = np.sqrt(np.diag(_covariance(result.jac)))
+        if (np.abs(result.x - last) <= CONVERGED * error).all():
             break
-    noise = guess
-    fitted, jacobian = problem.forward.jacobian(found.x)
+    friction, jacobian = problem.forward.jacobian(result.x)
     jacobian = np.nan_to_num(jacobian)
-    white, log_determinant = noise.whiten(
-        record.t, np.column_stack([fitted - record.friction, jacobian])
+    white, log_determinant = current.whiten(
+        record.t, np.column_stack([friction - record.friction, jacobian])
     )
     chi2 = float(white[:, 0] @ white[:, 0])
     constant = record.t.size * np.log(2.0 * np.pi)
     return Solution(
         problem,
-        noise,
-        found.x,
+        current,
+        result.x,
         _covariance(white[:, 1:]),
-        fitted,
+        friction,
         jacobian,
         chi2,
         -0.5 * (chi2 + log_determinant + constant),
-        found.status > 0,
+        result.status > 0,
         problem.forward.evaluations - before,
     )
 
 
 def _covariance(jacobian):
-    """(k, k) inverse of the normal matrix; a direction that is not seen at all has no end."""
+    """(k, k) inverse of the normal matrix; huge in directions that the record does not see."""
     scale = np.linalg.norm(jacobian, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     _, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)
-    spread = vt.T / np.maximum(s, 1e-9)
-    return spread @ spread.T / np.outer(scale, scale)
+    root = vt.T / np.maximum(s, 1e-9)
+    return root @ root.T / np.outer(scale, scale)
 
 
-def _widened(solution, unknowns):
-    """A point of more coordinates, the new ones at 0."""
+def _with_more_coordinates(solution, unknowns):
+    """The solution's point with more coordinates, the new ones at 0."""
     point = np.zeros(len(unknowns.names))
     for i, name in enumerate(solution.unknowns.names):
-        point[unknowns.place(name)] = solution.point[i]
+        point[unknowns.index_of(name)] = solution.point[i]
     return point
 
 
 def _may_start_unsteady(solution, slider, law):
-    """Whether a start out of steady sliding may fit better: by a score test, or red misfit."""
+    """Whether an unsteady start may fit better: if noise is correlated, or by a score test."""
     if solution.noise.red:
         return True
     forward = Forward(solution.problem.record, slider, law, (*START, *solution.unknowns.names))
@@ -183,13 +183,13 @@ def _may_start_unsteady(solution, slider, law):
     return gain_of(solution, jacobian[:, : len(START)])[0] > FALL
 
 
-def _early(solution):
-    """ln(likelihood) of what was recorded before the first step, where a start shows.
+def _early_log_likelihood(solution):
+    """ln(likelihood) of the samples before the first step, where the start has its effect.
 
-    What comes later a start can only spoil: it must not stand in for mass, or another law.
+    Later samples do not count: there a free start would only make up for a mass or another law.
     """
     record = solution.problem.record
     early = record.t < record.loading.t[1]
-    residual = (record.friction - solution.fitted)[early]
+    residual = (record.friction - solution.fitted_friction)[early]
     white, log_determinant = solution.noise.whiten(record.t[early], residual)
     return -0.5 * (float(np.sum(white**2)) + log_determinant)

@@ -1,8 +1,8 @@
-"""Where a search begins: sizes that the record suggests, and bounds that nothing passes.
+"""Starting points of a search, from sizes that the record suggests, and its bounds.
 
 The friction of a velocity step fixes the sizes of all parameters to an order of magnitude or two.
-Within those a seeded cloud of sliders is marched at once; the best of them, and the user's own,
-are what the least squares start from.
+Within those a seeded cloud of sliders is marched at once; the least squares start from the best of
+them and the user's own.
 """
 
 import numpy as np
@@ -14,14 +14,14 @@ CLOUD, SAMPLES = 96, 500
 SEED = 20190101
 #: ln of the ratio of speeds that a hold counts as
 HOLD = 5.0
-#: starts are at least this far apart in one coordinate, ln 2
-APART = 0.7
+#: least distance of two starts in some coordinate, ln 2
+DISTANCE = 0.7
 #: how far the cloud reaches from the sizes of `_sizes`, in powers of ten
 DECADES = {"a": (-0.5, 0.5), "Dc": (-1.5, 0.7), "K": (-0.5, 1.5), "M": (-3.0, 1.0)}
 
 
 def unknowns_of(record, free, *, start, sigma):
-    """`Unknowns` of a record: free parameters, its start if that is to be found, level, trend."""
+    """`Unknowns` of a record: free parameters, the start if that is free, level, trend."""
     sizes = _sizes(record, sigma)
     edges = {
         "a": (1e-3, 1e2),
@@ -48,7 +48,7 @@ def unknowns_of(record, free, *, start, sigma):
 
 
 def starting_points(problem, slider):
-    """Points (k,) to start from, none like another, the best fit to a thinned record first."""
+    """Points (k,) to start from, all distinct, the best fit to a thinned record first."""
     unknowns, record = problem.unknowns, problem.record
     sizes = _sizes(record, slider.sigma)
     rng = np.random.default_rng(SEED)
@@ -62,16 +62,16 @@ def starting_points(problem, slider):
         if name in sizes:
             cloud[0, i] = to_coordinate(name, getattr(slider, name))
     cloud = np.clip(cloud, unknowns.low, unknowns.high)
-    here = [i for i, name in enumerate(unknowns.names) if name in sizes]
-    cloud, misfit = problem.levelled(cloud if here else cloud[:1])
+    sized = [i for i, name in enumerate(unknowns.names) if name in sizes]
+    cloud, misfit = problem.with_best_level(cloud if sized else cloud[:1])
     order = np.argsort(misfit, kind="stable")
-    # b, the only one that is no logarithm, counts by its size
+    # distances in b, the only one that is no logarithm, are over its size
     scale = np.array([sizes["b"] if name == "b" else 1.0 for name in unknowns.names])
-    found: list = []
+    points: list = []
     for point in cloud[order[: int(np.isfinite(misfit).sum())]]:
-        if all((np.abs(point - other) / scale)[here].max() > APART for other in found):
-            found.append(point)
-    return found
+        if all((np.abs(point - other) / scale)[sized].max() > DISTANCE for other in points):
+            points.append(point)
+    return points
 
 
 def _sizes(record, sigma):

@@ -1,4 +1,4 @@
-"""What a fit seeks: the coordinates in which it moves, their bounds, and the way back to SI.
+"""The coordinates in which a fit moves, their bounds, and their values in SI.
 
 A positive parameter moves as its logarithm, so that steps are relative and no bound is needed at
 0.  b is its own coordinate, for it may be negative.  Beside what the user frees, a record brings
@@ -20,7 +20,7 @@ LINEAR = ("b", "lag", "level", "trend")
 START = ("v_start", "psi_start")
 #: coordinates that are no logarithm of a value in SI
 PLAIN = (*LINEAR, *START)
-#: a fit that ends this near to a bound, as a part of the way between both, has run to it
+#: an estimate this near to a bound, as a part of the distance between both, is at the bound
 NEAR = 1e-3
 
 
@@ -31,13 +31,13 @@ class Unknowns(NamedTuple):
     low: np.ndarray  # (k,)
     high: np.ndarray  # (k,)
 
-    def place(self, name):
-        """Where a coordinate stands."""
+    def index_of(self, name):
+        """Index of a coordinate."""
         return self.names.index(name)
 
     @property
     def reported(self):
-        """Those that the result reports: all but what only describes the record."""
+        """Names that the result reports: all but those that only describe the record."""
         return tuple(n for n in self.names if n not in (*START, "level", "trend"))
 
 
@@ -49,24 +49,24 @@ def checked_free(free, slider):
     ParameterError
         An unknown or repeated name, none at all, or one whose value leaves nothing to start from.
     """
-    known = (*PARAMETERS, "lag", "mu0")
+    allowed = (*PARAMETERS, "lag", "mu0")
     try:
         names = (free,) if isinstance(free, str) else tuple(free)
     except TypeError:
         raise ParameterError(
-            f"free = {free!r} is no sequence of names; give some of {', '.join(known)}"
+            f"free = {free!r} is no sequence of names; give some of {', '.join(allowed)}"
         ) from None
     if not names:
-        raise ParameterError("free is empty; give at least one of " + ", ".join(known))
+        raise ParameterError("free is empty; give at least one of " + ", ".join(allowed))
     for name in names:
-        if name not in known:
-            raise ParameterError(f"free has {name!r}, which is none of {', '.join(known)}")
+        if name not in allowed:
+            raise ParameterError(f"free has {name!r}, which is none of {', '.join(allowed)}")
     if len(set(names)) < len(names):
         raise ParameterError(f"free = {names!r} names a parameter twice")
     if "K" in names and math.isinf(slider.K):
         raise ParameterError(
-            "K is free but starts at K = inf, a rigid machine, of which no friction tells the "
-            "stiffness; give the slider a finite K to start from, or leave K out of free"
+            "K is free but starts at K = inf, a rigid machine, whose stiffness has no "
+            "effect on friction; give the slider a finite K to start from, or leave K out of free"
         )
     if "M" in names and slider.M == 0.0:
         raise ParameterError(
@@ -85,7 +85,7 @@ def to_coordinate(name, value):
 
 
 def to_value(name, coordinate):
-    """What a coordinate stands for [SI]."""
+    """The value [SI] of a coordinate."""
     if name in LINEAR:
         return coordinate
     with np.errstate(over="ignore"):  # an open end of an interval

@@ -11,14 +11,14 @@ def fit(result: "xarray.Dataset") -> list[Any]:
     """The estimates under each law with 95 % intervals, the noise, and what must be known."""
     from rich.text import Text
 
-    from ....records.fitting.each import each_law
-    from ....records.fitting.text import heading, remarks, warned
+    from ....records.fitting.by_law import results_by_law
+    from ....records.fitting.text import heading, labelled_warnings, remarks
 
-    laws = each_law(result)
+    laws = results_by_law(result)
     first, *more = heading(result, laws)
     shown = [Text(first, style="bold"), *map(Text, more), _Widest(laws), Text("")]
     shown += map(Text, remarks(result, laws))
-    return [*shown, *(Text(f"warning: {text}", style="bold") for text in warned(laws))]
+    return [*shown, *(Text(f"warning: {text}", style="bold") for text in labelled_warnings(laws))]
 
 
 class _Widest:
@@ -47,7 +47,7 @@ def _table(laws: "dict[str, xarray.Dataset]", meaning: bool) -> "Table":
     from rich.table import Table
     from rich.text import Text
 
-    from ....records.fitting.lines import lines
+    from ....records.fitting.table import estimate_rows
 
     made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     made.add_column("", no_wrap=True)
@@ -56,7 +56,7 @@ def _table(laws: "dict[str, xarray.Dataset]", meaning: bool) -> "Table":
         made.add_column("95 % interval", justify="right", no_wrap=True)
     if meaning:
         made.add_column("", no_wrap=True)
-    for line in lines(laws):
-        cells = [text for one in line.each for text in (one.value, (one.intervals or ("",))[-1])]
-        made.add_row(*map(Text, (line.label, *cells, *([line.meaning] if meaning else []))))
+    for row in estimate_rows(laws):
+        cells = [text for e in row.estimates for text in (e.value, (e.intervals or ("",))[-1])]
+        made.add_row(*map(Text, (row.label, *cells, *([row.meaning] if meaning else []))))
     return made

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ....model.quantities import readable, short, with_error
-from ....records.fitting.each import each_law, warnings_of
-from ....records.fitting.lines import NAMES, lines, noise
-from ....records.fitting.text import given, identifiability
+from ....records.fitting.by_law import results_by_law, warnings_of
+from ....records.fitting.table import NAMES, estimate_rows, noise_text
+from ....records.fitting.text import fixed_parameters, identifiability_by_law
 
 if TYPE_CHECKING:
     import xarray
@@ -40,14 +40,14 @@ def markdown(
     picture: str,
 ) -> str:
     """The whole report; `picture` is the name of the file beside it that shows the fit."""
-    laws = each_law(result)
+    laws = results_by_law(result)
     parts = [
         f"{HEADING}{request.file.name}",
         f"![Record, fitted curves, residuals and estimates]({picture})",
         _warnings(laws),
         "## Estimates",
         _estimates(laws),
-        given(laws),
+        fixed_parameters(laws),
         "## How well they fit",
         _statistics(laws) if "aic" in result else _features(laws),
         result.attrs.get("comparison", ""),
@@ -73,9 +73,9 @@ def _estimates(laws: "dict[str, xarray.Dataset]") -> str:
     """Values, standard errors and intervals under each law, side by side."""
     head = ["", "", *(t for law in laws for t in (f"**{law} law**", "68 %", "95 %"))]
     rows = []
-    for line in lines(laws):
-        cells = [t for one in line.each for t in (f"**{one.value}**", *(one.intervals or "  "))]
-        rows.append([line.label, line.meaning, *cells])
+    for row in estimate_rows(laws):
+        cells = [t for e in row.estimates for t in (f"**{e.value}**", *(e.intervals or "  "))]
+        rows.append([row.label, row.meaning, *cells])
     return _table(head, rows, range(2, len(head))) + (
         "\n\nAfter +- stands the standard error, or half the 68 % interval where that is not from "
         "the covariance; the next columns are the intervals that hold the true value with these "
@@ -104,7 +104,7 @@ def _statistics(laws: "dict[str, xarray.Dataset]") -> str:
         [
             f"{law} law",
             f"{float(part['rms']):.3g}",
-            noise(part),
+            noise_text(part),
             f"{float(part['chi2_white']):.3g}",
             short(float(part["aic"])),
             short(float(part["bic"])),
@@ -143,7 +143,7 @@ def _features(laws: "dict[str, xarray.Dataset]") -> str:
 
 def _identifiability(laws: "dict[str, xarray.Dataset]") -> list[str]:
     """What the record tells of each parameter."""
-    said = [f"**{law} law.** {words}" for law, words in identifiability(laws).items()]
+    said = [f"**{law} law.** {words}" for law, words in identifiability_by_law(laws).items()]
     return ["## What the record tells", *said] if said else []
 
 
@@ -174,7 +174,7 @@ def _python(
     result: "xarray.Dataset",
 ) -> str:
     """Lines that make the result again, and go on with the slider of the law that fits best."""
-    from ....records.fitting.verb import fit
+    from ....records.fitting.fit import fit
 
     defaults = inspect.signature(fit).parameters
     changed = {k: v for k, v in request.fitting.items() if v != defaults[k].default}

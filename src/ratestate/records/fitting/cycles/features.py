@@ -1,14 +1,15 @@
-"""Features of cycles: what a record that oscillates is measured by, and a model's cycle likewise.
+"""Features of cycles, by which the cycles of a record and of a model are compared.
 
-Phase says nothing of friction, and has many peaks in a likelihood.  So a record is cut into its
-cycles, these are folded into one, and of that profile six numbers are taken, with the four parts
-of the period told by where tau/sigma crosses 1/4 and 3/4 of the way from its least to its largest:
+Phase holds no information on friction, and gives a likelihood many peaks.  So a record is cut into
+its cycles, these are folded into one profile, and six numbers are measured on that.  The period has
+four parts, between the times at which tau/sigma crosses 1/4 and 3/4 of the way from its smallest to
+its largest value:
 
-    amplitude   largest less smallest tau/sigma         period
+    amplitude   peak-to-peak tau/sigma                  period
     rise        from 1/4 to 3/4, the spring loading     high   above 3/4
     drop        from 3/4 to 1/4, slip faster than V_lp  level  mean tau/sigma
 
-The time below 1/4 is what these leave of the period.  Six features at one speed are as many as
+The time below 1/4 is the rest of the period.  Six features at one speed are as many as
 the numbers a, b, Dc, K, M and mu0 that a cycle depends on.  Crossings are steep, where extremes
 are flat, so that noise moves them little.
 """
@@ -28,13 +29,13 @@ UPPER, LOWER = 0.75, 0.25
 def profile_features(profiles, period, extremes=None):
     """(n, 6) features of profiles (n, m) over one period (n,): logarithms, but for the level.
 
-    extremes : (n, 2) smallest and largest values, where they are known better
+    extremes : (n, 2) smallest and largest values, if known more precisely
 
     A profile begins anywhere, and has one largest and one smallest value.
     """
     n, m = profiles.shape
     top = np.argmax(profiles, axis=1)
-    # one turn, from maximum to maximum
+    # one period, from maximum to maximum
     y = np.take_along_axis(profiles, (top[:, None] + np.arange(m + 1)) % m, axis=1)
     bottom = np.argmin(y, axis=1)
     row = np.arange(n)
@@ -63,8 +64,9 @@ def profile_features(profiles, period, extremes=None):
 def wave_profiles(grid, waves, bins):
     """Profiles (n, FINE) and extremes (n, 2) of waves (n, q) at phases grid (q,) from 0 to 1.
 
-    Means over the width of a bin, of the wave, which is linear between the phases given; but at
-    more phases than there are bins, so that features change smoothly with parameters.
+    The values are means of the wave over the width of a bin, the wave being linear between the
+    phases given.  There are more of them than bins, so that features change smoothly with
+    parameters.
     """
     step = np.diff(grid)
     sums = np.zeros_like(waves)
@@ -75,18 +77,18 @@ def wave_profiles(grid, waves, bins):
     before, after = np.split(_integrals(grid, waves, sums, ends), 2, axis=1)
     profiles = (after - before) * bins
     extremes = np.empty((len(waves), 2))
-    for side, place in enumerate((np.argmin(profiles, axis=1), np.argmax(profiles, axis=1))):
-        at = _turning(grid, waves, place / FINE, half, 1.0 if side else -1.0)
+    for side, index in enumerate((np.argmin(profiles, axis=1), np.argmax(profiles, axis=1))):
+        at = _extremum(grid, waves, index / FINE, half, 1.0 if side else -1.0)
         ends = np.stack([at - half, at + half], axis=1)
         extremes[:, side] = np.diff(_integrals(grid, waves, sums, ends))[:, 0] * bins
     return profiles, extremes
 
 
-def _turning(grid, waves, near, half, sign):
-    """(n,) phases about these where sliding means are largest (sign 1) or smallest (-1).
+def _extremum(grid, waves, near, half, sign):
+    """(n,) phases near these where sliding means are largest (sign 1) or smallest (-1).
 
-    There a wave has equal values at both ends of the window; by bisection, for kinks in what the
-    phases of the profile miss would mislead derivatives.
+    There a wave has equal values at both ends of the window.  By bisection: a parabola would be
+    misled by kinks between the phases of the profile.
     """
     low, high = near - 1.0 / FINE, near + 1.0 / FINE
     for _ in range(HALVINGS):
@@ -109,8 +111,8 @@ def _pieces(grid, waves, within):
 
 def _integrals(grid, waves, sums, ends):
     """(n, e) integrals of periodic waves from phase 0 to phases ends (n or 1, e)."""
-    turns, within = np.divmod(ends, 1.0)
+    periods, within = np.divmod(ends, 1.0)
     j, left, rate = _pieces(grid, waves, within)
     beyond = within - grid[j]
     before = np.take_along_axis(sums, j, axis=1)
-    return turns * sums[:, -1:] + before + beyond * (left + 0.5 * rate * beyond)
+    return periods * sums[:, -1:] + before + beyond * (left + 0.5 * rate * beyond)

@@ -5,46 +5,46 @@ from typing import NamedTuple
 import numpy as np
 
 from ....errors import ParameterError
-from ..likelihood.profile import Better
+from ..likelihood.profile import BetterPoint
+from .diagnostics import fit_warnings, identifiability
 from .features import LEVEL
 from .measured import corrected
 from .model import GRID, CycleModel
 from .profile import Profiles
 from .search import Problem, starts
+from .segments import check_feature_count, measured_of, segments_of
 from .space import Space
-from .stretches import enough, measured_of, segments
-from .words import identified, remarks
 
-# Chance below which a misfit is not put down to errors of the features.
+# Probability of a misfit by errors of the features alone, below which the errors are enlarged.
 CHANCE = 0.01
-# Starts that end with a chi-squared within this of the best fit equally well; they are distinct
-# when as many standard errors apart.
+# Runs with a chi-squared within the first of the best one's fit equally well; runs are distinct if
+# they end more standard errors apart than the second.
 EQUAL, DISTINCT = 4.0, 4.0
-# Chi-squared beyond the best one's of the runs that go on once noise's shift is known, and
-# their number.
+# Runs are continued, once the shift by noise is known, if their chi-squared is within the first of
+# the best one's; their largest number.
 FOLLOWED, MOST = 30.0, 3
-# Fall of chi-squared by which a point of a profile is better than the fit, which then goes on from
-# there; how often.
+# Fall of chi-squared by which a point of a profile is better than the fit, which then continues
+# there; how often at most.
 BETTER, REFITS = 0.1, 2
 
 
 class CyclesFit(NamedTuple):
-    """What a record's cycles say of a slider."""
+    """Parameters of a slider from a record's cycles."""
 
     names: tuple  # free parameters, mu0, and a - b ("a_minus_b") where a or b is free
-    values: dict  # symbol -> value [SI] of a, b, Dc, K, M, fitted or not, and of mu0
+    values: dict  # symbol -> value [SI] of a, b, Dc, K, M, free or not, and of mu0
     covariance: np.ndarray  # (p, p) of the logarithms of the free, of mu0 and a - b themselves
-    ends: np.ndarray  # (p, levels, sides) of the intervals, in the same scale; inf: none there
-    kinds: tuple  # "covariance" or "profile", which the intervals are from
+    ends: np.ndarray  # (p, levels, sides) of the intervals, in the same scale; inf where open
+    kinds: tuple  # source of each interval: "covariance" or "profile"
     law: str
     measured: tuple  # `Measured`, one a segment
-    fitted: np.ndarray  # (s, 6) features, as `Measured.values`
+    fitted_features: np.ndarray  # (s, 6), as `Measured.values`
     waves: np.ndarray  # (s, q) tau/sigma at the phases `GRID` of the model's cycle
     runs: tuple  # `Run`, one a start, the best first
     run_values: tuple  # dict symbol -> value [SI], of each run's end
     chi2: float
     dof: int  # features less free parameters
-    enlarged: float  # factor by which errors are, for a misfit beyond theirs
+    enlarged: float  # factor by which errors are enlarged, for a misfit beyond them
     warnings: list
     identifiability: str
 
@@ -65,11 +65,11 @@ def fit_cycles(record, slider, free, law, loading=None):
     Parameters
     ----------
     record : xarray.Dataset
-        As for `fit`.  Each stretch of one load-point speed that oscillates is fitted.
+        As for `fit`.  Each segment at one load-point speed that oscillates is fitted.
     slider : SpringSlider
         What is not free, and the first of the starts.
     free : sequence of str
-        Any of a, b, Dc, K, M; mu0 is always found.
+        Any of a, b, Dc, K, M; mu0 is always free.
     law : {"slip", "aging"}
     loading : Loading, optional
 
@@ -82,44 +82,47 @@ def fit_cycles(record, slider, free, law, loading=None):
     ParameterError
         No cycles that repeat; a slider that has none (M = 0); more free parameters than features.
     """
-    found = segments(record, slider, loading)
-    space = Space(slider, free, min(segment.V_lp for segment in found))
-    measured, said = measured_of(found)
-    enough(space, measured)
-    V_lp = np.array([found.segment.V_lp for found in measured])
+    segments = segments_of(record, slider, loading)
+    space = Space(slider, free, min(segment.V_lp for segment in segments))
+    measured, warnings = measured_of(segments)
+    check_feature_count(space, measured)
+    V_lp = np.array([one.segment.V_lp for one in measured])
     model = CycleModel(law, V_lp, [m.bins for m in measured], slider.sigma, slider.V0)
     problem = Problem(space, model, measured)
-    runs = [problem.search(q) for q in starts(space, model, measured, slider.sigma)]
-    runs = sorted((run for run in runs if np.isfinite(run.chi2)), key=lambda run: run.chi2)
+    runs = _ranked(problem.search(q) for q in starts(space, model, measured, slider.sigma))
     if not runs:
         raise ParameterError(
             f"no limit cycle was found near the record's with {', '.join(space.names)} free under "
             f"the {law} law; free more parameters, or start from a slider nearer to the machine"
         )
-    # Noise shifts the features of the model's cycle, not those of the record's.
-    waves, fitted = _at(problem, runs[0])
-    measured = tuple(map(corrected, measured, map(wave_at, waves), fitted))
-    enough(space, measured)
+    # The shift by noise is found about the model's cycle, which has none.
+    waves, features = _waves_and_features(problem, runs[0])
+    measured = tuple(map(corrected, measured, map(wave_at, waves), features))
+    check_feature_count(space, measured)
     problem = Problem(space, model, measured)
-    # The shift moves a minimum by about an error: only the better ones are followed.
+    # The shift moves a minimum by about an error: only the better ones are continued.
     distinct = _distinct(runs, runs[0].covariance)
     followed = [i for i in distinct[:MOST] if runs[i].chi2 < runs[0].chi2 + FOLLOWED]
-    runs = [
+    runs = _ranked(
         problem.search(run.end)._replace(start=run.start)
         if i in followed
         else problem.run(run.start, run.end, run.status)
         for i, run in enumerate(runs)
-    ]
-    runs = sorted((run for run in runs if np.isfinite(run.chi2)), key=lambda run: run.chi2)
-    return _result(problem, runs, said)
+    )
+    return _cycles_fit(problem, runs, warnings)
 
 
-def _at(problem, run):
+def _ranked(runs):
+    """The runs that ended at a cycle, the best first."""
+    return sorted((run for run in runs if np.isfinite(run.chi2)), key=lambda run: run.chi2)
+
+
+def _waves_and_features(problem, run):
     """Waves (s, q) of tau/sigma and features (s, 6) at a run's end."""
     values = problem.space.values(run.end[None])
-    fitted = problem.model.features(values)[0][0]
-    fitted[:, LEVEL] += run.mu0
-    return problem.model.waves(values)[1][0] + run.mu0, fitted
+    features = problem.model.features(values)[0][0]
+    features[:, LEVEL] += run.mu0
+    return problem.model.waves(values)[1][0] + run.mu0, features
 
 
 def wave_at(wave):
@@ -127,7 +130,7 @@ def wave_at(wave):
     return lambda phase: np.interp(phase % 1.0, GRID, wave)
 
 
-def _result(problem, runs, said, again=REFITS):
+def _cycles_fit(problem, runs, warnings, refits=REFITS):
     """`CyclesFit` of the best run."""
     from scipy.special import chdtrc
 
@@ -135,24 +138,26 @@ def _result(problem, runs, said, again=REFITS):
     dof = problem.levels.size - space.size - 1
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
-    moved = enlarged**2 * best.covariance
-    names = (*space.names, "mu0", *space.numbers[space.size :])
-    by_moved = np.array([_gradient(space, name, best.end) for name in names])
-    covariance = by_moved @ moved @ by_moved.T
+    by_coordinates = enlarged**2 * best.covariance
+    names = (*space.names, "mu0", *space.reported[space.size :])
+    gradients = np.array([_gradient(space, name, best.end) for name in names])
+    covariance = gradients @ by_coordinates @ gradients.T
     errors = np.sqrt(np.diag(covariance))
-    better = BETTER if again else np.inf
+    better = BETTER if refits else np.inf
+    profiles = Profiles(problem, best, names, by_coordinates, errors, enlarged, better)
     try:
-        ends, kinds = Profiles(problem, best, names, moved, errors, enlarged, better).intervals()
-    except Better as passed:
-        return _result(problem, [problem.search(passed.point), *runs], said, again - 1)
-    waves, fitted = _at(problem, best)
-    ended = [space.values(run.end[None]) for run in runs]
-    run_values = tuple({s: float(v[0]) for s, v in end.items()} for end in ended)
+        ends, kinds = profiles.intervals()
+    except BetterPoint as improvement:
+        runs = [problem.search(improvement.point), *runs]
+        return _cycles_fit(problem, runs, warnings, refits - 1)
+    waves, features = _waves_and_features(problem, best)
+    ends_of_runs = [space.values(run.end[None]) for run in runs]
+    run_values = tuple({s: float(v[0]) for s, v in end.items()} for end in ends_of_runs)
     values = {**run_values[0], "mu0": best.mu0}
-    alike = [i for i in _distinct(runs, moved)[1:] if runs[i].chi2 - best.chi2 < EQUAL]
+    alike = [i for i in _distinct(runs, by_coordinates)[1:] if runs[i].chi2 - best.chi2 < EQUAL]
     free = slice(space.size)
-    words, vague = identified(space.names, covariance[free, free], problem.measured)
-    found = CyclesFit(
+    note, vague = identifiability(space.names, covariance[free, free], problem.measured)
+    fit = CyclesFit(
         names,
         values,
         covariance,
@@ -160,7 +165,7 @@ def _result(problem, runs, said, again=REFITS):
         kinds,
         problem.model.law,
         problem.measured,
-        fitted,
+        features,
         waves,
         tuple(runs),
         run_values,
@@ -168,25 +173,25 @@ def _result(problem, runs, said, again=REFITS):
         dof,
         enlarged,
         [],
-        words,
+        note,
     )
-    return found._replace(warnings=[*said, *remarks(found, alike), *vague])
+    return fit._replace(warnings=[*warnings, *fit_warnings(fit, alike), *vague])
 
 
 def _gradient(space, name, q):
-    """(k + 1,) derivative of a number by the coordinates and mu0."""
+    """(k + 1,) derivative of a reported quantity by the coordinates and mu0."""
     if name == "mu0":
         return np.append(np.zeros(q.size), 1.0)
     return np.append(space.gradient(name, q), 0.0)
 
 
 def _distinct(runs, covariance):
-    """Numbers of the best run and of those that end away from it, and from each other."""
-    # (each by itself: along a bent valley the covariance at one end misleads)
+    """Indices of the best run and of those that end away from it and from each other."""
+    # (coordinate by coordinate: along a curved valley the covariance at one end misleads)
     errors = np.sqrt(np.diag(covariance)[:-1])
     kept = [0]
     for i, run in enumerate(runs):
-        apart = [run.end - runs[j].end for j in kept]
-        if all(np.any(np.abs(d) > DISTINCT * errors) for d in apart):
+        distances = [np.abs(run.end - runs[j].end) for j in kept]
+        if all(np.any(d > DISTINCT * errors) for d in distances):
             kept.append(i)
     return kept

@@ -7,25 +7,25 @@ import numpy as np
 from ....errors import ParameterError
 from ....model.quantities import readable
 
-# Fewest cycles, and samples in a cycle, of which anything can be said.
+# Fewest cycles, and samples in a cycle, that can be used.
 FEWEST_CYCLES, FEWEST_SAMPLES = 3, 6
 # Parts of a period over which noise is smoothed before cycles are cut.
 SMOOTH = 12
-# Of the amplitude of the smoothed record, the swing about its middle that counts as a crossing.
-SWING = 0.2
-# Chance by which a spectrum of noise alone passes for an oscillation.
+# Excursion to both sides of the middle, over the smoothed amplitude, that makes a crossing.
+EXCURSION = 0.2
+# Probability that the spectrum of mere noise passes for an oscillation.
 CHANCE = 1e-4
 # Samples, in all and in a cycle, beyond which neighbours are averaged.
 MOST, PLENTY = 20_000, 256
 
 
 class Cycles(NamedTuple):
-    """A stretch of record, cut and folded into one cycle of m bins."""
+    """A segment of record, cut and folded into one cycle of m bins."""
 
     cuts: np.ndarray  # (n + 1,) [s] where tau falls through its middle
     phase: np.ndarray  # (samples,) cycles since the first cut; < 0 or >= n outside of all
     profile: np.ndarray  # (m,) mean tau/sigma in each bin, trend removed
-    without: np.ndarray  # (n, m) the same, each time without one of the cycles
+    leave_one_out: np.ndarray  # (n, m) such profiles, each without one of the cycles
     means: np.ndarray  # (n,) tau/sigma of each cycle less that of the profile
     slope: float  # [1/s] trend removed, about the middle of the cycles
 
@@ -39,7 +39,7 @@ class Cycles(NamedTuple):
 
     @property
     def period(self):
-        """Slope of the cuts against their number [s]: noise of single cuts matters least."""
+        """Slope of the cuts against their number [s]: least sensitive to noise of single cuts."""
         number = np.arange(self.cuts.size) - 0.5 * self.n
         return float(number @ self.cuts / (number @ number))
 
@@ -90,7 +90,7 @@ def main_period(t, y):
 
 
 def thinned(segment, period):
-    """A segment with neighbouring samples averaged, if it has more than it takes."""
+    """A segment with neighbouring samples averaged, if it has more than are needed."""
     n = segment.t.size
     dense = period / float(np.median(np.diff(segment.t)))
     every = int(min(n / MOST, dense / PLENTY))
@@ -104,19 +104,19 @@ def thinned(segment, period):
 def cut_cycles(t, y, period):
     """(n + 1,) times [s] at which tau falls through its middle, once in about a period.
 
-    The record less its mean over a period, smoothed over a twelfth of one, must swing from well
+    The record less its mean over a period, smoothed over a twelfth of one, must pass from well
     above to well below: noise in between makes no cut.
     """
     grid, even = _even(t, y)
     step = grid[1] - grid[0]
     smooth = _mean_over(even, period / SMOOTH / step) - _mean_over(even, period / step)
     low, high = np.percentile(smooth, (2.0, 98.0))
-    middle, swing = 0.5 * (high + low), SWING * (high - low)
-    side = np.where(smooth > middle + swing, 1, np.where(smooth < middle - swing, -1, 0))
-    told = np.flatnonzero(side)
-    falls = np.flatnonzero((side[told[:-1]] > 0) & (side[told[1:]] < 0))
+    middle, excursion = 0.5 * (high + low), EXCURSION * (high - low)
+    side = np.where(smooth > middle + excursion, 1, np.where(smooth < middle - excursion, -1, 0))
+    sided = np.flatnonzero(side)
+    falls = np.flatnonzero((side[sided[:-1]] > 0) & (side[sided[1:]] < 0))
     cuts = np.empty(falls.size)
-    for k, (i, j) in enumerate(zip(told[falls], told[falls + 1], strict=True)):
+    for k, (i, j) in enumerate(zip(sided[falls], sided[falls + 1], strict=True)):
         first = i + int(np.argmax(smooth[i : j + 1] < middle))
         above, below = smooth[first - 1] - middle, smooth[first] - middle
         cuts[k] = grid[first - 1] + step * above / (above - below)
@@ -124,7 +124,7 @@ def cut_cycles(t, y, period):
 
 
 def fold(t, y, cuts, bins):
-    """`Cycles` of a record cut there, with the trend from one cycle to the next removed."""
+    """`Cycles` of a record with these cuts, the trend from cycle to cycle removed."""
     n = cuts.size - 1
     phase = np.interp(t, cuts, np.arange(n + 1.0), left=-1.0, right=n + 1.0)
     inside = (phase >= 0.0) & (phase < n)
@@ -136,16 +136,16 @@ def fold(t, y, cuts, bins):
         level = y[inside] - slope * (t[inside] - 0.5 * (cuts[0] + cuts[-1]))
         total = np.bincount(where, level, n * bins).reshape(n, bins)
         profile = _filled(total.sum(axis=0), count.sum(axis=0))
-        left = level - periodic(profile, phase[inside])
-        means = np.bincount(cycle, left, n) / np.maximum(np.bincount(cycle, minlength=n), 1)
+        residual = level - periodic(profile, phase[inside])
+        means = np.bincount(cycle, residual, n) / np.maximum(np.bincount(cycle, minlength=n), 1)
         if n >= FEWEST_CYCLES:
             slope += _slope(0.5 * (cuts[1:] + cuts[:-1]), means)
-    without = _filled(total.sum(axis=0) - total, count.sum(axis=0) - count)
-    return Cycles(cuts, phase, profile, without, means, slope)
+    leave_one_out = _filled(total.sum(axis=0) - total, count.sum(axis=0) - count)
+    return Cycles(cuts, phase, profile, leave_one_out, means, slope)
 
 
 def _even(t, y):
-    """A record without its line, at even times no closer than its typical ones."""
+    """A record less its line of regression, interpolated to even times of its usual spacing."""
     flat = y - _slope(t, y) * (t - t[0])
     step = float(np.median(np.diff(t)))
     grid = np.linspace(t[0], t[-1], max(int((t[-1] - t[0]) / step), 1) + 1)
@@ -153,13 +153,13 @@ def _even(t, y):
 
 
 def _slope(t, y):
-    """Slope of the line through a record."""
+    """Slope of the line of regression of a record."""
     u = t - t.mean()
     return float(u @ y / (u @ u))
 
 
 def _mean_over(y, width):
-    """Mean over a window of so many samples about each; near the ends, that nearest to it."""
+    """Means over a window of this width [samples] about each sample; edge values near the ends."""
     half = min(round(width) // 2, (y.size - 1) // 2)
     if half < 1:
         return y
@@ -170,13 +170,13 @@ def _mean_over(y, width):
 
 
 def _filled(total, count):
-    """Means of bins (..., m); an empty one lies between its neighbours."""
+    """Means of bins (..., m); those of empty bins are interpolated."""
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = np.asarray(total / count)
     if (count > 0).all():
         return mean
-    for row, known in zip(np.atleast_2d(mean), np.atleast_2d(count > 0), strict=True):
-        if not known.all() and known.any():
+    for row, filled in zip(np.atleast_2d(mean), np.atleast_2d(count > 0), strict=True):
+        if not filled.all() and filled.any():
             at = np.arange(row.size)
-            row[~known] = np.interp(at[~known], at[known], row[known], period=row.size)
+            row[~filled] = np.interp(at[~filled], at[filled], row[filled], period=row.size)
     return mean

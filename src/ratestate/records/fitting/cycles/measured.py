@@ -1,10 +1,9 @@
-"""Features of a record with their errors, and what noise does to them.
+"""Features of a record with their errors, and the effect of noise on them.
 
-Noise shifts features: it makes the largest value larger, and cuts misplaced.  How much, and how
-they scatter together, is found by measuring many times what is known: a cycle without noise,
-sampled as the record is, plus noise of the record's strength and correlation.  Where cycles
-differ from each other by more than such noise explains, the errors are enlarged to what their
-scatter says.
+Noise shifts features: it makes the largest value larger, and displaces cuts.  The shift, and the
+covariance of the features, come from a parametric bootstrap: a cycle without noise, sampled as the
+record is, plus noise of the record's size and correlation, is measured many times.  Where cycles
+differ from each other by more than such noise explains, the errors are enlarged to their scatter.
 """
 
 from typing import NamedTuple
@@ -18,17 +17,17 @@ from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, perio
 from .noise import Noise, residual_noise
 from .regular import Segment, regular_cuts
 
-# Bins of the profile: their bounds, and the noise in one over the amplitude that is aimed at.
+# Bins of the profile: their least and largest number; noise in one over the amplitude, as a target.
 BINS, BIN_NOISE = (24, 128), 0.01
 # Artificial records, and the seed of their noise.
 COPIES, SEED = 80, 20190117
-# What a machine's speed and stress are known to, at best: no feature is taken for more certain.
-KNOWN = 1e-3
-# Chance of calling cycles different that are not.
+# Relative error of a machine's speed and stress at best: no feature counts as more certain.
+MACHINE_ERROR = 1e-3
+# Probability of calling equal cycles different.
 CHANCE = 0.005
 # A part of the period this short, in bins, is not resolved; nor one this uncertain (of 1).
 RESOLVED, VAGUE = 1.5, 0.3
-# Part of the amplitude that a trend must make up over the cycles to be worth a word.
+# A trend over the cycles below this part of the amplitude is not mentioned.
 DRIFT = 0.1
 
 
@@ -39,11 +38,11 @@ class Measured(NamedTuple):
     cycles: Cycles
     noise: Noise
     raw: np.ndarray  # (6,) as measured, shifted by noise
-    values: np.ndarray  # (6,) freed of that
+    values: np.ndarray  # (6,) corrected for the shift
     covariance: np.ndarray  # (6, 6)
-    used: np.ndarray  # (6,) whether the record resolves it
-    left_out: tuple  # cycles that were, in words
-    removed: tuple  # trend, and what is not resolved
+    used: np.ndarray  # (6,) whether the record resolves the feature
+    left_out: tuple  # notes on cycles left out
+    removed: tuple  # notes on the trend and on features that are not resolved
     warnings: tuple  # on scatter
 
     @property
@@ -71,59 +70,59 @@ def measure(segment):
     cycles = fold(segment.t, segment.y, cuts, bins)
     noise = residual_noise(segment, cycles)
     raw = _features(cycles)
-    found = Measured(
+    measured = Measured(
         segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), left_out, (), ()
     )
-    return corrected(found, lambda phase: periodic(cycles.profile, phase), raw)
+    return corrected(measured, lambda phase: periodic(cycles.profile, phase), raw)
 
 
-def corrected(found, wave, features):
-    """`Measured` with noise's shift, covariance and scatter as they are about a known cycle.
+def corrected(measured, wave, features):
+    """`Measured` with the shift by noise and the covariance found by a bootstrap about this cycle.
 
     wave : callable, tau/sigma at phases in cycles, falling through its middle at 0
     features : (6,) of that cycle, without noise
     """
-    segment, cycles = found.segment, found.cycles
+    segment, cycles = measured.segment, measured.cycles
     rng = np.random.default_rng(SEED)
     phase = (segment.t - cycles.cuts[0]) / cycles.period
     sample = float(np.median(np.diff(phase)))
     copies = []
     for _ in range(COPIES):
-        # where in a cycle samples fall is known to less than a sample
+        # the phase of the samples is uncertain by a sample
         clean = wave(phase + sample * rng.uniform(-0.5, 0.5))
-        y = clean + found.noise.draw(clean.size, rng)
+        y = clean + measured.noise.draw(clean.size, rng)
         cuts = cut_cycles(segment.t, y, cycles.period)
         if cuts.size > FEWEST_CYCLES:
-            copies.append(fold(segment.t, y, cuts, found.bins))
+            copies.append(fold(segment.t, y, cuts, measured.bins))
     if len(copies) < COPIES // 2:
         raise ParameterError(
-            f"the oscillation of friction, {np.exp(found.raw[AMPLITUDE]):.3g} from largest to "
-            f"smallest, drowns in noise of {found.noise.sd:.3g}; give a longer or quieter record"
+            f"the oscillation of friction, {np.exp(measured.raw[AMPLITUDE]):.3g} peak to peak, "
+            f"is lost in noise of {measured.noise.sd:.3g}; give a longer or quieter record"
         )
     drawn = np.array([_features(copy) for copy in copies])
-    known = np.array(features)
-    known[PERIOD] = np.log(cycles.period)
-    shift = np.nanmean(drawn, axis=0) - known
-    whole = np.where(np.isfinite(drawn), drawn, np.nanmean(drawn, axis=0))
-    covariance = np.cov(whole.T)
+    true = np.array(features)
+    true[PERIOD] = np.log(cycles.period)
+    shift = np.nanmean(drawn, axis=0) - true
+    filled = np.where(np.isfinite(drawn), drawn, np.nanmean(drawn, axis=0))
+    covariance = np.cov(filled.T)
     typical = np.mean([_scatter(copy) for copy in copies], axis=0)
     excess = _excess(_scatter(cycles), typical, cycles.n)
-    covariance += np.diag(excess + np.where(np.arange(excess.size) == LEVEL, 0.0, KNOWN**2))
+    covariance += np.diag(excess + np.where(np.arange(excess.size) == LEVEL, 0.0, MACHINE_ERROR**2))
     error = np.sqrt(np.diag(covariance))
-    parts = np.exp(found.raw - found.raw[PERIOD]) * found.bins
-    used = np.isfinite(found.raw) & (error < VAGUE)
+    parts = np.exp(measured.raw - measured.raw[PERIOD]) * measured.bins
+    used = np.isfinite(measured.raw) & (error < VAGUE)
     used[[2, 3, 4]] &= parts[[2, 3, 4]] > RESOLVED
     used[LEVEL] = True
-    values = np.where(np.isfinite(found.raw), found.raw - np.nan_to_num(shift), np.nan)
-    removed, warnings = _said(found, excess, used)
-    return found._replace(
+    values = np.where(np.isfinite(measured.raw), measured.raw - np.nan_to_num(shift), np.nan)
+    removed, warnings = _notes(measured, excess, used)
+    return measured._replace(
         values=values, covariance=covariance, used=used, removed=removed, warnings=warnings
     )
 
 
-def _said(found, excess, used):
+def _notes(measured, excess, used):
     """Notes on trend and resolution, and warnings about scatter."""
-    cycles, speed = found.cycles, f"at {readable('V_lp', found.segment.V_lp)}"
+    cycles, speed = measured.cycles, f"at {readable('V_lp', measured.segment.V_lp)}"
     notes: tuple = ()
     warnings: tuple = ()
     drift = cycles.slope * (cycles.cuts[-1] - cycles.cuts[0])
@@ -138,13 +137,13 @@ def _said(found, excess, used):
         names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
         warnings += (
             f"cycles differ by more than the noise within them ({names}) {speed}; errors are "
-            f"enlarged to what their scatter says",
+            f"enlarged to their scatter",
         )
     return notes, warnings
 
 
 def _bins(segment, rough):
-    """Number of bins in which noise is small beside the amplitude, and all have samples."""
+    """Number of bins such that noise is small beside the amplitude and all bins have samples."""
     inside = int(np.sum((rough.phase >= 0.0) & (rough.phase < rough.n)))
     noise = residual_noise(segment, rough).sd
     amplitude = float(np.ptp(rough.profile))
@@ -159,15 +158,15 @@ def _features(cycles):
 
 
 def _scatter(cycles):
-    """(6,) variances of features as the differences between cycles tell them."""
+    """(6,) variances of features from the differences between cycles (a jackknife)."""
     n = cycles.n
-    each = profile_features(cycles.without, np.full(n, cycles.period))
+    each = profile_features(cycles.leave_one_out, np.full(n, cycles.period))
     with np.errstate(invalid="ignore"):
-        found = (n - 1) / n * np.sum((each - each.mean(axis=0)) ** 2, axis=0)
+        variance = (n - 1) / n * np.sum((each - each.mean(axis=0)) ** 2, axis=0)
     periods = np.diff(cycles.cuts)
-    found[PERIOD] = periods.var(ddof=1) / n / cycles.period**2
-    found[LEVEL] = cycles.means.var(ddof=1) / n
-    return found
+    variance[PERIOD] = periods.var(ddof=1) / n / cycles.period**2
+    variance[LEVEL] = cycles.means.var(ddof=1) / n
+    return variance
 
 
 def _excess(scatter, typical, n):

@@ -14,21 +14,21 @@ from ....engine.model import FINISHED, RODAS5P, Cases, Loads
 from ....friction.laws import evolution_law, mu_ss
 from .features import FEATURES, profile_features, wave_profiles
 
-# Phases at which a wave is known, from where it falls through its middle: even, and as geometric
-# sequences on both sides of the fall, which may take any part of the period.
+# Phases of a wave, from where it falls through its middle: even, and geometric sequences on both
+# sides of the fall, which may take any part of the period.
 _BESIDE = np.geomspace(1e-7, 0.25, 110)
 GRID = np.unique(np.concatenate([np.linspace(0.0, 1.0, 513), _BESIDE, 1.0 - _BESIDE]))
-# Phases among which the fall is sought, and then again between two of them.
-COARSE, FINER, TIMES = 513, 129, 2
-# b/a between which cycles are sought: beyond, they are slow to settle.  The upper end is ten times
-# that of any friction known; at the lower one steady sliding is all but neutral.
+# Phases among which the fall is searched for, and then again between two of them; rounds.
+COARSE, FINER, ROUNDS = 513, 129, 2
+# b/a between which cycles are searched for: beyond, they converge slowly.  The upper end is ten
+# times that of any friction known; at the lower one steady sliding is nearly neutral.
 WEAKEST, STRONGEST = 1.01, 50.0
-# Of the cycle, and of the turn that draws it, in x, ln V and psi.
-RTOL, TURN_RTOL = 1e-7, 1e-8
+# Tolerances of the cycle, and of the period that is saved, in x, ln V and psi.
+RTOL, PERIOD_RTOL = 1e-7, 1e-8
 
 
 class Waves(NamedTuple):
-    """Limit cycles of n sliders; NaN where one settles into none, or for b/a none is sought."""
+    """Limit cycles of n sliders; NaN where the attractor is none, or b/a is out of range."""
 
     period: np.ndarray  # (n,) [s]
     x: np.ndarray  # (n, q) (tau/sigma - its value in steady sliding)/a at the phases `GRID`
@@ -43,55 +43,54 @@ def limit_waves(law, values, V_lp, near=None):
     values : dict, symbol -> (n,) of a, b > a, Dc, sigma, K, M > 0 [SI]
     V_lp : (n,) [m/s]
     near : (n, 2), optional
-        Points from which to seek the cycles, as of a slider nearly alike; else they are what
-        steady sliding at V_lp/10 leads to.
+        Points to start from, such as those of a nearly equal slider; else steady sliding at
+        V_lp/10.
     """
     system = system_of(law, **values, V_lp=V_lp)
     n = V_lp.size
-    found = Waves(np.full(n, np.nan), np.full((n, GRID.size), np.nan), np.full((n, 2), np.nan))
+    cycles = Waves(np.full(n, np.nan), np.full((n, GRID.size), np.nan), np.full((n, 2), np.nan))
     start = steady_start(system) if near is None else state(system, near)
     which = np.flatnonzero((system.beta > WEAKEST) & (system.beta < STRONGEST))
-    settled = settle(system.at(which), start[which], RTOL, False, None)
-    cyclic = (settled.status == FINISHED) & (settled.returns == 1)
-    which, settled = which[cyclic], settled.at(cyclic)
+    attractors = settle(system.at(which), start[which], RTOL, False, None)
+    cyclic = (attractors.status == FINISHED) & (attractors.returns == 1)
+    which, attractors = which[cyclic], attractors.at(cyclic)
     if not which.size:
-        return found
-    cycle = refine(system.at(which), settled, RTOL, False)
+        return cycles
+    cycle = refine(system.at(which), attractors, RTOL, False)
     good = (cycle["error"] <= WORST) & (np.abs(cycle["multipliers"][:, 0]) < 1.0)
     which = which[good]
-    system, turn, u = system.at(which), cycle["period"][good], cycle["u"][good]
-    x = _from_fall(system, u, turn)
-    found.x[which] = x
-    found.period[which] = turn * values["Dc"][which] / V_lp[which]
-    found.u[which] = u
-    return found
+    u, period = cycle["u"][good], cycle["period"][good]
+    cycles.x[which] = _from_fall(system.at(which), u, period)
+    cycles.period[which] = period * values["Dc"][which] / V_lp[which]
+    cycles.u[which] = u
+    return cycles
 
 
-def _from_fall(system, u, turn):
-    """(n, q) x on the cycles through u, of periods turn (n,), at the phases `GRID`."""
-    low, high = np.zeros(turn.size), np.ones(turn.size)
-    row, count = np.arange(turn.size), COARSE
+def _from_fall(system, u, period):
+    """(n, q) x on the cycles through u, of periods (n,) [Dc/V_lp], at the phases `GRID`."""
+    low, high = np.zeros(period.size), np.ones(period.size)
+    row, count = np.arange(period.size), COARSE
     middle = None
-    for _ in range(TIMES):
+    for _ in range(ROUNDS):
         phases = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, count)
-        x = _saved(system, u, turn, phases)
+        x = _saved(system, u, period, phases)
         if middle is None:
             middle = 0.5 * (x.max(axis=1) + x.min(axis=1))
         i = np.maximum(np.argmax(x < middle[:, None], axis=1), 1)
         low, high, count = phases[row, i - 1], phases[row, i], FINER
     phases = (0.5 * (low + high)[:, None] + GRID[:-1]) % 1.0
     order = np.argsort(phases, axis=1)
-    x = np.empty((turn.size, GRID.size))
-    saved = _saved(system, u, turn, np.take_along_axis(phases, order, axis=1))
+    x = np.empty((period.size, GRID.size))
+    saved = _saved(system, u, period, np.take_along_axis(phases, order, axis=1))
     np.put_along_axis(x, order, saved, axis=1)
     x[:, -1] = x[:, 0]
     return x
 
 
-def _saved(system, u, turn, phases):
+def _saved(system, u, period, phases):
     """(n, m) x at phases (n, m) in increasing order; NaN where a run fails."""
-    n = turn.size
-    one, nothing = np.ones(n), np.zeros(n)
+    n = period.size
+    one, zero = np.ones(n), np.zeros(n)
     cases = Cases(
         kappa=system.kappa,
         beta=system.beta,
@@ -99,17 +98,17 @@ def _saved(system, u, turn, phases):
         scale=one,
         V0=one,
         y=np.ascontiguousarray(state(system, u)),
-        t_end=turn,
-        dt=nothing,
+        t_end=period,
+        dt=zero,
         loading=np.zeros(n, np.int64),
         times=np.arange(n),
-        rtol=np.full(n, TURN_RTOL),
-        observe=nothing,
+        rtol=np.full(n, PERIOD_RTOL),
+        observe=zero,
         v_limit=system.v_limit,
         max_steps=np.full(n, MAX_STEPS),
     )
     loads = Loads(np.zeros(1), np.ones((1, 1)), np.zeros((1, 1)))
-    times = np.ascontiguousarray(np.minimum(turn[:, None] * phases, turn[:, None]))
+    times = np.ascontiguousarray(np.minimum(period[:, None] * phases, period[:, None]))
     code = evolution_law(system.law).code
     results = dispatch.run_march(RODAS5P, code, cases, loads, times, np.arange(n), False)
     saved = results.saved[..., 0]
@@ -124,7 +123,7 @@ class CycleModel:
     ----------
     law : str
     V_lp : (s,) speeds [m/s]
-    bins : (s,) of the profile at each
+    bins : (s,) number of bins of the profile at each
     sigma, V0 : normal stress [Pa], speed at which friction is mu0 [m/s]
     """
 
@@ -135,24 +134,24 @@ class CycleModel:
         """Periods (n, s) [s], waves (n, s, q) of tau/sigma less mu0, points (n, s, 2) of `Waves`.
 
         values : symbol -> (n,) of a, b, Dc, K, M [SI]
-        near : (s, 2) points from which to seek the cycles
+        near : (s, 2) points to start from
         """
         n, s = values["a"].size, self.V_lp.size
         each = {symbol: np.repeat(value, s) for symbol, value in values.items()}
         each["sigma"] = np.full(n * s, self.sigma)
         V_lp = np.tile(self.V_lp, n)
-        found = limit_waves(self.law, each, V_lp, None if near is None else np.tile(near, (n, 1)))
+        cycles = limit_waves(self.law, each, V_lp, None if near is None else np.tile(near, (n, 1)))
         steady = mu_ss(V_lp, a=each["a"], b=each["b"], mu0=0.0, V0=self.V0)
-        wave = steady[:, None] + each["a"][:, None] * found.x
-        return found.period.reshape(n, s), wave.reshape(n, s, -1), found.u.reshape(n, s, 2)
+        wave = steady[:, None] + each["a"][:, None] * cycles.x
+        return cycles.period.reshape(n, s), wave.reshape(n, s, -1), cycles.u.reshape(n, s, 2)
 
     def features(self, values, near=None):
         """(n, s, 6) as `profile_features` with mu0 = 0, NaN without a cycle; points (n, s, 2)."""
         period, waves, points = self.waves(values, near)
-        found = np.full((*period.shape, len(FEATURES)), np.nan)
+        features = np.full((*period.shape, len(FEATURES)), np.nan)
         for j, bins in enumerate(self.bins):
             ok = np.isfinite(waves[:, j]).all(axis=1)
             profiles, extremes = wave_profiles(GRID, waves[ok, j], bins)
-            found[ok, j] = profile_features(profiles, period[ok, j], extremes)
-        found[~np.isfinite(found).all(axis=2)] = np.nan
-        return found, points
+            features[ok, j] = profile_features(profiles, period[ok, j], extremes)
+        features[~np.isfinite(features).all(axis=2)] = np.nan
+        return features, points

@@ -23,17 +23,17 @@ class Noise(NamedTuple):
 
 
 def residual_noise(segment, cycles):
-    """`Noise` of a record about its folded cycle, blind to a few samples far off."""
+    """`Noise` of a record about its folded cycle; robust against a few outliers."""
     inside = (cycles.phase >= 0.0) & (cycles.phase < cycles.n)
     t, phase = segment.t[inside], cycles.phase[inside]
-    left = segment.y[inside] - cycles.at(t)
+    residual = segment.y[inside] - cycles.at(t)
     middles = np.arange(cycles.n) + 0.5
-    left -= np.interp(phase, middles, cycles.means)
-    sd = 1.4826 * float(np.median(np.abs(left)))
-    sd *= np.sqrt(left.size / max(left.size - cycles.profile.size, 0.25 * left.size))
-    left = np.clip(left, -3.0 * sd, 3.0 * sd)
-    power = float(left @ left)
-    correlation = float(left[1:] @ left[:-1]) / power if power > 0.0 else 0.0
-    # that of white noise is 0 within 3 of its errors
-    correlation = 0.0 if abs(correlation) < 3.0 / np.sqrt(left.size) else correlation
+    residual -= np.interp(phase, middles, cycles.means)
+    sd = 1.4826 * float(np.median(np.abs(residual)))
+    sd *= np.sqrt(residual.size / max(residual.size - cycles.profile.size, 0.25 * residual.size))
+    residual = np.clip(residual, -3.0 * sd, 3.0 * sd)
+    power = float(residual @ residual)
+    correlation = float(residual[1:] @ residual[:-1]) / power if power > 0.0 else 0.0
+    # white noise has 0 within 3 standard errors
+    correlation = 0.0 if abs(correlation) < 3.0 / np.sqrt(residual.size) else correlation
     return Noise(sd, float(np.clip(correlation, 0.0, 0.99)))

@@ -1,4 +1,4 @@
-"""Which cycles of a stretch of record repeat."""
+"""The cycles of a segment of record that repeat."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -9,13 +9,13 @@ from ....errors import ParameterError
 from ....model.quantities import readable
 from .folding import FEWEST_CYCLES, cut_cycles
 
-# Scatter of the periods beyond which nothing repeats; a swing of cycles counts as a transient
-# beyond so many of their deviations and this part of it.
-IRREGULAR, TRANSIENT, SETTLED = 0.2, 6.0, 0.05
+# Scatter of the periods beyond which cycles do not repeat.  An amplitude counts as a transient's if
+# it is off by so many standard deviations and by this part of the typical one.
+IRREGULAR, TRANSIENT, DEVIATION = 0.2, 6.0, 0.05
 
 
 class Segment(NamedTuple):
-    """A stretch of record at one load-point speed."""
+    """A part of a record at one load-point speed."""
 
     t: np.ndarray  # (samples,) [s]
     y: np.ndarray  # (samples,) tau/sigma
@@ -23,7 +23,7 @@ class Segment(NamedTuple):
 
 
 def regular_cuts(segment, period):
-    """Where to cut a segment into cycles that repeat, and what is left out, in words (tuple).
+    """Times to cut a segment into cycles that repeat, and notes on cycles left out (tuple).
 
     Raises
     ------
@@ -37,11 +37,11 @@ def regular_cuts(segment, period):
             f"friction at {V_lp} has fewer than {FEWEST_CYCLES} whole cycles; give a longer "
             f"record, or fit against time"
         )
-    swing = np.array(
+    amplitude = np.array(
         [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in pairwise(cuts)]
     )
     left_out: tuple = ()
-    first = _transient(swing)
+    first = _transient(amplitude)
     if first and cuts.size - first > FEWEST_CYCLES:
         which = "first cycle" if first == 1 else f"first {first} cycles"
         left_out = (f"a transient, the {which} at {V_lp}, is left out",)
@@ -56,9 +56,11 @@ def regular_cuts(segment, period):
     return cuts, left_out
 
 
-def _transient(swing):
-    """How many cycles swing unlike the later ones before one does not."""
-    late = swing[swing.size // 2 :]
+def _transient(amplitude):
+    """Number of first cycles whose amplitude (n,) is unlike that of the later ones."""
+    late = amplitude[amplitude.size // 2 :]
     typical = float(np.median(late))
-    spread = 1.4826 * max(float(np.median(np.abs(x - np.median(x)))) for x in (late, swing))
-    return int(np.argmin(np.abs(swing - typical) > max(TRANSIENT * spread, SETTLED * typical)))
+    spread = 1.4826 * max(float(np.median(np.abs(x - np.median(x)))) for x in (late, amplitude))
+    return int(
+        np.argmin(np.abs(amplitude - typical) > max(TRANSIENT * spread, DEVIATION * typical))
+    )

@@ -1,12 +1,12 @@
 """Coordinates in which cycles are fitted: logarithms, and a distance from steady sliding.
 
 The amplitude of a cycle follows from how far below K_c the spring's stiffness is, and near K_c it
-changes hundredfold where parameters change by percents.  So b, or else a, moves as
+changes hundredfold where parameters change by a few percent.  So b, or else a, moves as
 
     ln(K_c/K - STRIP)
 
-at the record's lowest speed: what changes the amplitude is one coordinate, the others turn the
-shape of the cycle, and least squares need not follow a bent valley.
+at the record's lowest speed: this coordinate changes the amplitude, the others change the shape of
+the cycle, and least squares need not follow a curved valley.
 """
 
 import numpy as np
@@ -15,19 +15,19 @@ from ....errors import ParameterError
 from ....friction.stability import K_c, a_of_K_c, b_of_K_c
 from ..unknowns import PARAMETERS, checked_free
 
-# How far a parameter may move from any start, as a logarithm: a run that gets there has gone off.
+# Largest distance of a coordinate from its start: a run that gets there does not converge.
 FAR = 12.0
-# K_c/K at which cycles surely end: some live on beside steady sliding, a little above K_c.
+# K_c/K below which no cycle exists: some coexist with steady sliding, a little above K_c.
 STRIP = 0.98
-# Step of a difference in a coordinate.
+# Step of a central difference in a coordinate.
 STEP = 1e-5
-# Ranges from which starts are drawn, where a record does not say more.
+# Ranges from which starts are drawn.
 DIRECT = (3e-4, 0.03)  # a
 WEAKER = (0.01, 20.0)  # K_c/K - STRIP
 SLIPS = (2.0, 200.0)  # slip in a cycle, over Dc
 STIFFER = (0.9, 60.0)  # K over amplitude sigma/(V_lp period), that of a sawtooth
 LIGHTER = (1e-10, 1.0)  # (natural period/period)^2
-NEAR = 1.1  # and about the slider's own values, as a logarithm
+NEAR = 1.1  # half width of the range about the slider's own values, as a logarithm
 
 
 class Space:
@@ -49,7 +49,8 @@ class Space:
         self.names = checked_free(free, slider)
         if "lag" in self.names:
             raise ParameterError(
-                "free has 'lag': of a load point that moves steadily no delay is seen; leave it out"
+                "free has 'lag': a delay of a load point that moves steadily has no effect; leave "
+                "it out"
             )
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in PARAMETERS}
         if self.fixed["M"] == 0.0:
@@ -68,8 +69,8 @@ class Space:
                 f"free b, or give one that is larger than a"
             )
         self.V_lp, self.sigma = V_lp, float(slider.sigma)
-        # whose place the distance from steady sliding takes
-        self.weaker = "b" if "b" in self.names else "a" if "a" in self.names else None
+        # the parameter in place of which the distance from steady sliding is a coordinate
+        self.replaced = "b" if "b" in self.names else "a" if "a" in self.names else None
 
     @property
     def size(self):
@@ -79,51 +80,47 @@ class Space:
         """Symbol -> (n,) of all of `PARAMETERS` at coordinates q (n, k)."""
         n = len(q)
         values = {symbol: np.full(n, value) for symbol, value in self.fixed.items()}
-        moved = dict(zip(self.names, np.exp(np.clip(q.T, -700.0, 700.0)), strict=True))
-        over = moved.pop(self.weaker) if self.weaker else None
-        values |= moved
-        if self.weaker:
-            self._weaken(values, over)
+        free = dict(zip(self.names, np.exp(np.clip(q.T, -700.0, 700.0)), strict=True))
+        values |= free
+        if self.replaced:
+            excess = free[self.replaced]  # K_c/K - STRIP
+            rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.replaced}
+            solve = b_of_K_c if self.replaced == "b" else a_of_K_c
+            critical = (excess + STRIP) * values["K"]
+            values[self.replaced] = solve(self.V_lp, critical, sigma=self.sigma, **rest)
         return values
-
-    def _weaken(self, values, over):
-        """Set b, or a, so that K_c/K - STRIP is this."""
-        rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.weaker}
-        solved = b_of_K_c if self.weaker == "b" else a_of_K_c
-        critical = (over + STRIP) * values["K"]
-        values[self.weaker] = solved(self.V_lp, critical, sigma=self.sigma, **rest)
 
     def coordinates(self, values):
         """(n, k) of values, symbol -> (n,), where b > a."""
-        columns = {s: np.log(values[s]) for s in self.names if s != self.weaker}
-        if self.weaker:
+        columns = {s: np.log(values[s]) for s in self.names if s != self.replaced}
+        if self.replaced:
             a, b, Dc, K, M = (values[symbol] for symbol in PARAMETERS)
             stiffness = K_c(self.V_lp, a=a, b=b, Dc=Dc, sigma=self.sigma, M=M)
-            columns[self.weaker] = np.log(np.maximum(stiffness / K - STRIP, WEAKER[0]))
+            columns[self.replaced] = np.log(np.maximum(stiffness / K - STRIP, WEAKER[0]))
         return np.stack([columns[symbol] for symbol in self.names], axis=1)
 
     @property
-    def numbers(self):
-        """What is reported: the free parameters, and a - b where one of both is among them."""
-        return (*self.names, "a_minus_b") if self.weaker else self.names
+    def reported(self):
+        """Names that are reported: the free parameters, and a - b if a or b is free."""
+        return (*self.names, "a_minus_b") if self.replaced else self.names
 
-    def number(self, name, q):
-        """(n,) one of `numbers` at coordinates q (n, k): a logarithm, or a - b."""
+    def value(self, name, q):
+        """(n,) one of `reported` at coordinates q (n, k): a logarithm, or a - b."""
         values = self.values(q)
         return values["a"] - values["b"] if name == "a_minus_b" else np.log(values[name])
 
     def gradient(self, name, q):
-        """(k,) derivative of `number` by the coordinates (k,)."""
+        """(k,) derivative of `value` by the coordinates (k,)."""
         step = STEP * np.eye(self.size)
-        up, down = np.split(self.number(name, np.concatenate([q + step, q - step])), 2)
+        up, down = np.split(self.value(name, np.concatenate([q + step, q - step])), 2)
         return (up - down) / (2.0 * STEP)
 
     def own(self):
-        """(1, k) the slider's own values, or, where those have no cycle, ones near to them."""
+        """(1, k) coordinates of the slider's own values, moved to where cycles exist."""
         return self.coordinates({symbol: np.array([v]) for symbol, v in self.fixed.items()})
 
     def cloud(self, n, amplitude, period, V_lp, sigma, seed):
-        """(n, k) points to start from; one half about what a record says, one about the slider.
+        """(n, k) points to start from: one half from the record's features, one about the slider.
 
         n : a power of 2
         """
@@ -149,6 +146,6 @@ class Space:
         if "a" in parts:
             values["a"] = within("a", min(DIRECT[0], a / 3.0), max(DIRECT[1], 3.0 * a))
         q = self.coordinates(values)
-        if self.weaker:
-            q[:, self.names.index(self.weaker)] = np.log(within(self.weaker, *WEAKER))
+        if self.replaced:
+            q[:, self.names.index(self.replaced)] = np.log(within(self.replaced, *WEAKER))
         return np.concatenate([self.own(), about[1:], q])

@@ -13,13 +13,13 @@ import numpy as np
 from ....dynamics.progress import bar
 from ....errors import ParameterError
 from ....model.quantities import readable
-from ..result import LEVELS
+from ..estimates import LEVELS
 from ..unknowns import PLAIN
 
 LIVE, SEED = 400, 20190101
-#: what ln(evidence) may still gain when sampling ends; most evaluations
+#: gain of ln(evidence) still possible when sampling ends; most evaluations
 GAIN, MOST = 0.05, 300_000
-#: samples of equal weight that are kept; effective ones below which none is believed
+#: samples of equal weight that are kept; effective samples below which they are not reliable
 KEPT, FEWEST = 2000, 200
 #: how far a prior reaches, in half widths of the 95 % interval, and in a logarithm
 REACH, FARTHEST = 4.0, math.log(100.0)
@@ -28,7 +28,7 @@ NONE = -1e300
 
 
 class Posterior(NamedTuple):
-    """Samples of equal weight, and what tells whether they can be trusted."""
+    """Samples of equal weight, and measures of how reliable they are."""
 
     names: tuple  # of the coordinates
     points: np.ndarray  # (KEPT, k), whole points: level and trend drawn as well
@@ -36,36 +36,36 @@ class Posterior(NamedTuple):
     log_evidence: float
     log_evidence_error: float
     evaluations: int
-    effective: float  # samples of the same worth, if independent
-    efficiency: float  # part of the evaluations that became samples
+    effective: float  # number of independent samples that would be worth as much
+    efficiency: float  # samples over evaluations
     complete: bool
 
     @property
-    def sound(self):
+    def reliable(self):
         return self.effective >= FEWEST
 
-    def of(self, reported):
-        """(KEPT,) samples of a `Reported`."""
-        return np.array([reported.value(point) for point in self.points])
+    def samples_of(self, quantity):
+        """(KEPT,) samples of a `ReportedQuantity`."""
+        return np.array([quantity.value(point) for point in self.points])
 
-    def interval(self, reported):
+    def interval(self, quantity):
         """(levels, sides) quantiles."""
         tails = 0.5 - 0.5 * np.array(LEVELS)
-        return np.quantile(self.of(reported), np.stack([tails, 1.0 - tails], axis=1))
+        return np.quantile(self.samples_of(quantity), np.stack([tails, 1.0 - tails], axis=1))
 
-    def cut(self, reported):
-        """-1, 1 or 0: the lower or upper end of the prior at which samples gather, if any."""
-        if not reported.plain:
+    def truncated_side(self, quantity):
+        """-1 or 1 if samples gather at the lower or upper end of the prior, else 0."""
+        if not quantity.is_coordinate:
             return 0
-        low, high = self.prior[reported.name]
-        sample = (self.of(reported) - low) / (high - low)
+        low, high = self.prior[quantity.name]
+        sample = (self.samples_of(quantity) - low) / (high - low)
         if np.mean(sample < 0.05) > 0.01:
             return -1
         return 1 if np.mean(sample > 0.95) > 0.01 else 0
 
 
-def prior_of(solutions, reaches):
-    """name -> (low, high): one box for all laws, so that their evidences compare.
+def common_prior(solutions, reaches):
+    """name -> (low, high): one box for all laws, so that their evidences can be compared.
 
     Parameters
     ----------
@@ -79,32 +79,32 @@ def prior_of(solutions, reaches):
         for i, name in enumerate(unknowns.names):
             if name in ("level", "trend"):
                 continue
-            here = float(solution.point[i])
-            lower, upper = reach.get(name, (here - errors[i], here + errors[i]))
+            estimate = float(solution.point[i])
+            lower, upper = reach.get(name, (estimate - errors[i], estimate + errors[i]))
             lower, upper = float(lower), float(upper)
-            low, high = _ends(here, lower, upper, name in PLAIN)
+            low, high = _prior_ends(estimate, lower, upper, name in PLAIN)
             low, high = max(low, unknowns.low[i]), min(high, unknowns.high[i])
-            known = box.get(name, (low, high))
-            box[name] = (min(low, known[0]), max(high, known[1]))
+            others = box.get(name, (low, high))
+            box[name] = (min(low, others[0]), max(high, others[1]))
     return box
 
 
-def _ends(here, lower, upper, plain):
+def _prior_ends(estimate, lower, upper, plain):
     """Ends of the prior of a coordinate, from its estimate and the ends of its 95 % interval.
 
     On an open side the estimate means nothing: a logarithm's prior then reaches from the other end.
     """
     far = math.inf if plain else FARTHEST
-    below, above = REACH * (here - lower), REACH * (upper - here)
+    below, above = REACH * (estimate - lower), REACH * (upper - estimate)
     if not plain and math.isinf(above) and math.isfinite(below):
         return lower - min(below, 1.0), lower + far
     if not plain and math.isinf(below) and math.isfinite(above):
         return upper - far, upper + min(above, 1.0)
-    return here - min(below, far), here + min(above, far)
+    return estimate - min(below, far), estimate + min(above, far)
 
 
-def prior_words(prior):
-    """The prior of a box, in words."""
+def prior_text(prior):
+    """A sentence that describes the prior."""
     sides = []
     for name, (low, high) in prior.items():
         if name in PLAIN:
@@ -119,15 +119,15 @@ def prior_words(prior):
     )
 
 
-def posterior(solution, prior, label):
-    """The `Posterior` of a solution.
+def sample_posterior(solution, prior, label):
+    """The `Posterior` of a solution, by nested sampling.
 
     Raises
     ------
     ParameterError
         dynesty is missing.
     """
-    dynesty = _dynesty()
+    dynesty = _import_dynesty()
     moving = [i for i, name in enumerate(solution.unknowns.names) if name in prior]
     names = [solution.unknowns.names[i] for i in moving]
     low, high = np.array([prior[name] for name in names]).T
@@ -151,20 +151,20 @@ def posterior(solution, prior, label):
                 progress(step / (step + LIVE * state.delta_logz))
         for _ in sampler.add_live_points():
             pass
-    found = sampler.results
-    weights = found.importance_weights()
+    results = sampler.results
+    weights = results.importance_weights()
     rng = np.random.default_rng(SEED)
     ladder = (np.arange(KEPT) + rng.random()) / KEPT
     chosen = rng.permutation(np.searchsorted(np.cumsum(weights) / weights.sum(), ladder))
     points = np.zeros((KEPT, len(solution.point)))
-    points[:, moving] = found.samples[chosen]
-    points[:, marginal.linear] = marginal.drawn(found.blob[chosen], rng)
+    points[:, moving] = results.samples[chosen]
+    points[:, marginal.linear] = marginal.draw_linear(results.blob[chosen], rng)
     return Posterior(
         solution.unknowns.names,
         points,
         {name: prior[name] for name in names},
-        float(found.logz[-1]),
-        math.sqrt(max(float(found.information[-1]), 0.0) / LIVE),
+        float(results.logz[-1]),
+        math.sqrt(max(float(results.information[-1]), 0.0) / LIVE),
         marginal.evaluations,
         float(weights.sum() ** 2 / (weights @ weights)),
         len(weights) / marginal.evaluations,
@@ -189,9 +189,8 @@ class Marginal:
         point = np.zeros((1, self.size))
         point[0, self.moving] = coordinates
         friction, along = self.problem.forward.parts(point)
-        nothing = np.zeros(count + count * count)
         if not np.isfinite(friction).all():
-            return NONE, nothing
+            return NONE, np.zeros(count + count * count)
         columns = np.column_stack(
             [record.friction - friction[0], np.ones(record.t.size), along[0]][: count + 1]
         )
@@ -206,14 +205,14 @@ class Marginal:
         blob = np.concatenate([root @ gained, root.ravel()])
         return float(value + np.log(np.diag(root)).sum()), blob
 
-    def drawn(self, blobs, rng):
-        """(n, level and trend) draws given the coordinates."""
+    def draw_linear(self, blobs, rng):
+        """(n, level and trend) drawn given the other coordinates."""
         count = len(self.linear)
         mean, root = blobs[:, :count], blobs[:, count:].reshape(-1, count, count)
         return mean + np.einsum("nij,nj->ni", root, rng.standard_normal(mean.shape))
 
 
-def _dynesty():
+def _import_dynesty():
     try:
         import dynesty
     except ImportError:

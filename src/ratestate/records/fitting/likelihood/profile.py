@@ -1,8 +1,8 @@
 """Intervals from the likelihood itself, where it is not Gaussian.
 
-The profile of a number is the least chi-square of all fits in which the number keeps a value, over
-that of the best fit: its deviance.  With the noise fixed it is 1 and 3.84 at the ends of the 68
-and 95 % intervals.  See Venzon & Moolgavkar (1988) doi:10.2307/2347496.
+A quantity's profile is the least chi-square of all fits in which the quantity is constrained to a
+value, less that of the best fit: its deviance.  With the noise fixed it is 1 and 3.84 at the ends
+of the 68 and 95 % intervals.  See Venzon & Moolgavkar (1988) doi:10.2307/2347496.
 """
 
 from typing import NamedTuple
@@ -10,29 +10,29 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..result import ROOTS
+from ..estimates import ROOTS
 from ..unknowns import NEAR
-from .held import best_with
+from .constrained import constrained_fit
 
 #: root of the deviance where a profile may end
 BEYOND = 1.03 * ROOTS[-1]
 #: root of the deviance from one point of a profile to the next; most points on one side
 STRIDE, MOST = 1.02, 24
-#: the same, too much for a step that leads out of the interval
+#: difference of the roots that is too much for a step that leads out of the interval
 LEAP = 2.0
-#: shortest step, in parts of the way from the fit, where the deviance leaps, or motion ends
+#: shortest step, as a part of the distance from the fit, where the deviance leaps or motion ends
 LEAST = 0.02
-#: fall of chi-square that makes a point of the profile better than the fit
+#: fall of chi-square by which a point of the profile is better than the fit
 BETTER = 0.05
-#: sides on which a parameter ceases to matter; still likely so far from its estimate (as a
-#: logarithm) it has no end there
+#: sides on which a parameter ceases to matter: an interval is open there if a value so far from
+#: the estimate (as a logarithm) is still likely
 ENDLESS, FARTHEST = (("K", 1.0), ("M", -1.0)), np.log(1000.0)
-#: longest first step, in parts of the way between the bounds
+#: longest first step, as a part of the distance between the bounds
 LONGEST = 0.03
 
 
-class Better(Exception):
-    """A profile has found a point that fits better than the fit."""
+class BetterPoint(Exception):
+    """Raised with a point of a profile that fits better than the fit."""
 
     def __init__(self, point):
         super().__init__()
@@ -40,9 +40,9 @@ class Better(Exception):
 
 
 class Profile(NamedTuple):
-    """A number's values and the deviance there, in order, and how both sides end."""
+    """Values of a quantity in increasing order, the deviance at each, and how both sides end."""
 
-    values: np.ndarray  # (n,) as `Reported.value`
+    values: np.ndarray  # (n,) as `ReportedQuantity.value`
     deviance: np.ndarray  # (n,)
     points: np.ndarray  # (n, k) the best fits
     ends: tuple  # lower, upper: "closed", "open" or "edge" (no motion beyond)
@@ -60,9 +60,9 @@ class Profile(NamedTuple):
     def interval(self):
         """(levels, sides) where the root passes `ROOTS` for the last time; inf where it never does.
 
-        A number that ends at an edge, beyond which there is no motion, has its interval end there.
+        Where a side ends at an edge, beyond which there is no motion, so does the interval.
         """
-        found = np.empty((len(ROOTS), 2))
+        interval = np.empty((len(ROOTS), 2))
         curve = PchipInterpolator(self.values, self.root) if self.values.size > 1 else None
         for side, sign in enumerate((-1, 1)):
             last = self.values[0 if side == 0 else -1]
@@ -70,27 +70,27 @@ class Profile(NamedTuple):
             for level, target in enumerate(ROOTS):
                 if curve is not None and reached >= target**2:
                     crossings = curve.solve(sign * target, extrapolate=False)
-                    found[level, side] = crossings.max() if side else crossings.min()
+                    interval[level, side] = crossings.max() if side else crossings.min()
                 else:
-                    found[level, side] = sign * np.inf if self.ends[side] == "open" else last
-        return found
+                    interval[level, side] = sign * np.inf if self.ends[side] == "open" else last
+        return interval
 
 
-def profile(solution, reported, known=()):
-    """The `Profile` of a `Reported` about a solution.
+def compute_profile(solution, quantity, fits=()):
+    """The `Profile` of a `ReportedQuantity` about a solution.
 
     Parameters
     ----------
     solution : Solution
-    reported : Reported
-    known : sequence of (point, deviance), fits from which to start as well
+    quantity : ReportedQuantity
+    fits : sequence of (point, deviance), other fits to start from as well
 
     Raises
     ------
-    Better
-        A point was found that fits better than the solution.
+    BetterPoint
+        A point of the profile fits better than the solution.
     """
-    low, high = (_Side(solution, reported, sign, known).walk() for sign in (-1.0, 1.0))
+    low, high = (_Side(solution, quantity, sign, fits).walk() for sign in (-1.0, 1.0))
     values, deviance, points = (
         np.array([*below[:0:-1], *above]) for below, above in zip(low[:3], high[:3], strict=True)
     )
@@ -100,74 +100,76 @@ def profile(solution, reported, known=()):
 class _Side:
     """One side of a profile, from the fit outwards."""
 
-    def __init__(self, solution, reported, sign, known):
-        self.solution, self.reported, self.sign = solution, reported, sign
-        gradient = reported.gradient(solution.point)
+    def __init__(self, solution, quantity, sign, fits):
+        self.solution, self.quantity, self.sign = solution, quantity, sign
+        gradient = quantity.gradient(solution.point)
         along = solution.covariance @ gradient
         variance = float(gradient @ along)
         self.error = float(np.sqrt(variance))
-        self.lead = sign * along / variance  # how the others follow, for each unit of the number
+        self.lead = sign * along / variance  # change of all coordinates per unit of the quantity
         self.limit, self.step = sign * np.inf, STRIDE * self.error
-        self.values, self.deviance = [reported.value(solution.point)], [0.0]
+        self.values, self.deviance = [quantity.value(solution.point)], [0.0]
         self.points = [solution.point]
-        if reported.plain:
-            low, high = (float(end[reported.given_up]) for end in solution.unknowns[1:])
+        if quantity.is_coordinate:
+            low, high = (float(end[quantity.eliminated]) for end in solution.unknowns[1:])
             self.limit = high if sign > 0 else low
-            if (reported.name, sign) in ENDLESS:
+            if (quantity.name, sign) in ENDLESS:
                 far = self.values[0] + sign * FARTHEST
                 self.limit = sign * min(sign * self.limit, sign * far)
             if np.isfinite(high - low):
                 self.step = min(self.step, LONGEST * (high - low))
-        fits = [(reported.value(point), point, deviance) for point, deviance in known]
-        self.known = [fit for fit in fits if sign * (fit[0] - self.values[0]) > 0.0]
-        likely = [fit[0] for fit in self.known if fit[2] < BEYOND**2]
-        #: the likely values that are known reach as far as this
+        valued = [(quantity.value(point), point, deviance) for point, deviance in fits]
+        self.fits = [fit for fit in valued if sign * (fit[0] - self.values[0]) > 0.0]
+        likely = [fit[0] for fit in self.fits if fit[2] < BEYOND**2]
+        #: the farthest value of a likely fit
         self.far = sign * max((sign * value for value in likely), default=-np.inf)
 
     def walk(self):
         """Values, deviances, points and how the side ends."""
-        return self.values, self.deviance, self.points, self._walked()
+        end = self._walk_to_end()
+        return self.values, self.deviance, self.points, end
 
-    def _walked(self):
+    def _walk_to_end(self):
         for _ in range(MOST):
-            here = self.values[-1]
-            if np.isfinite(self.limit) and abs(self.limit - here) <= 1e-9 * max(abs(here), 1e-9):
+            last = self.values[-1]
+            if np.isfinite(self.limit) and abs(self.limit - last) <= 1e-9 * max(abs(last), 1e-9):
                 return "open"
             value = self.sign * min(
-                self.sign * (here + self.sign * self.step), self.sign * self.limit
+                self.sign * (last + self.sign * self.step), self.sign * self.limit
             )
-            moved = abs(value - here)
-            found = best_with(self.solution, self.reported, value, self._starts(value, moved))
-            root = np.sqrt(max(found[1], 0.0)) if found else np.inf
+            moved = abs(value - last)
+            starts = self._starts(value, moved)
+            fit = constrained_fit(self.solution, self.quantity, value, starts)
+            root = np.sqrt(max(fit[1], 0.0)) if fit else np.inf
             if root > BEYOND and root - np.sqrt(self.deviance[-1]) > LEAP:
                 self.step = 0.5 * moved
-                if self.step < LEAST * max(abs(here - self.values[0]), LEAST * self.error):
-                    return "open" if found and self._stopped(found[0]) else "edge"
+                if self.step < LEAST * max(abs(last - self.values[0]), LEAST * self.error):
+                    return "open" if fit and self._at_a_bound(fit[0]) else "edge"
                 continue
-            self._take(value, *found)
+            self._add_point(value, *fit)
             if self.deviance[-1] > BEYOND**2 and self.sign * (value - self.far) >= 0.0:
                 return "closed"
         return "open"
 
-    def _stopped(self, point):
-        """Whether another coordinate stands at a bound: the search, not the record, ends there."""
+    def _at_a_bound(self, point):
+        """Whether another coordinate is at a bound: then the search ends, not the motion."""
         names, low, high = self.solution.unknowns
         near = np.where(np.isfinite(high - low), NEAR * (high - low), 0.0)
-        stopped = set(zip(names, np.where(point <= low + near, -1.0, 0.0), strict=True))
-        stopped |= set(zip(names, np.where(point >= high - near, 1.0, 0.0), strict=True))
-        own = self.reported.names[self.reported.given_up]
-        return any(side and name != own and (name, side) not in ENDLESS for name, side in stopped)
+        sides = set(zip(names, np.where(point <= low + near, -1.0, 0.0), strict=True))
+        sides |= set(zip(names, np.where(point >= high - near, 1.0, 0.0), strict=True))
+        own = self.quantity.names[self.quantity.eliminated]
+        return any(side and name != own and (name, side) not in ENDLESS for name, side in sides)
 
     def _starts(self, value, moved):
-        """Where least squares start: on from here, and from the nearest fit that is known."""
+        """Points to start from: ahead of the last point, and the nearest other fit."""
         ahead = self.points[-1] + self.lead * moved
-        nearest = min(self.known, key=lambda fit: abs(fit[0] - value), default=None)
+        nearest = min(self.fits, key=lambda fit: abs(fit[0] - value), default=None)
         return [ahead, self.points[-1]] if nearest is None else [ahead, nearest[1]]
 
-    def _take(self, value, point, deviance):
-        """One more point, and the step to the next."""
+    def _add_point(self, value, point, deviance):
+        """Add a point, and choose the step to the next."""
         if deviance < -BETTER:
-            raise Better(point)
+            raise BetterPoint(point)
         moved = abs(value - self.values[-1])
         rise = np.sqrt(max(deviance, 0.0)) - np.sqrt(self.deviance[-1])
         self.lead = (point - self.points[-1]) / moved

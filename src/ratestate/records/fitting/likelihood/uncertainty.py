@@ -1,34 +1,34 @@
-"""From a solution to numbers with errors: covariance, profiles where needed, posterior if asked."""
+"""Errors of a solution's quantities: covariance, profiles where needed, posterior on request."""
 
 from typing import NamedTuple
 
-from ..result import Estimates, estimates
+from ..estimates import Estimates, estimates_from
 from ..score import responds
-from ..solve import Solution, settled
-from .posterior import Posterior, posterior, prior_of
-from .profile import Better
-from .profiles import profiles
-from .reported import reported_of
+from ..solve import Solution, solution_from
+from .posterior import Posterior, common_prior, sample_posterior
+from .profile import BetterPoint
+from .profiles import compute_profiles
+from .quantities import reported_quantities
 
-#: kinds of intervals, as the user asks for them
+#: kinds of intervals that a user may choose
 ERRORS = ("auto", "covariance", "profile", "posterior")
-#: how often a fit is made again from a better point that a profile has found
+#: how often a fit starts again from a better point on a profile
 REFITS = 3
 
 
-class Uncertain(NamedTuple):
-    """A solution, and how well its numbers are known."""
+class Inference(NamedTuple):
+    """A solution with the errors and intervals of its quantities."""
 
     solution: Solution
-    numbers: tuple  # `Reported`, as in `estimates`
+    quantities: tuple  # `ReportedQuantity`, as in `estimates`
     estimates: Estimates
     profiles: dict  # name -> `Profile`
-    sampled: Posterior | None
-    restless: bool  # profiles have found ever better points
+    posterior: Posterior | None
+    still_improving: bool  # even after `REFITS` a profile has a better point
 
 
-def uncertain(solution, slider, noise, errors):
-    """The `Uncertain` of a solution, without a posterior.
+def infer(solution, slider, noise, errors):
+    """The `Inference` of a solution, without a posterior.
 
     A point of a profile that fits better than the solution becomes the solution.
 
@@ -39,51 +39,51 @@ def uncertain(solution, slider, noise, errors):
     noise : Noise, or None where it is estimated
     errors : str, one of `ERRORS`
     """
-    made, restless = {}, False
-    numbers = reported_of(solution.problem, slider)
-    # profiles of what is mere noise would lead anywhere
+    profiles, still_improving = {}, False
+    quantities = reported_quantities(solution.problem, slider)
+    # profiles of a fit to mere noise would lead anywhere
     wanted = errors != "covariance" and (errors != "auto" or responds(solution))
-    for again in range(REFITS if wanted else 0):
+    for attempt in range(REFITS if wanted else 0):
         try:
-            made = profiles(solution, numbers, errors == "profile")
+            profiles = compute_profiles(solution, quantities, errors == "profile")
             break
-        except Better as better:
-            solution = settled(solution.problem, better.point, noise)
-            restless = again == REFITS - 1
-    found = _estimates(solution, numbers)
-    ends = {n.name: n.si(made[n.name].interval()) for n in numbers if n.name in made}
-    return Uncertain(solution, numbers, found.with_intervals(ends, "profile"), made, None, restless)
+        except BetterPoint as better:
+            solution = solution_from(solution.problem, better.point, noise)
+            still_improving = attempt == REFITS - 1
+    ends = {q.name: q.si(profiles[q.name].interval()) for q in quantities if q.name in profiles}
+    estimates = _covariance_estimates(solution, quantities).with_intervals(ends, "profile")
+    return Inference(solution, quantities, estimates, profiles, None, still_improving)
 
 
-def with_posteriors(known, laws):
-    """Each `Uncertain` with its posterior, all under one prior."""
+def with_posteriors(inferences, laws):
+    """Each `Inference` with its posterior, all under one prior."""
     reaches = [
         {
-            number.name: one.profiles[number.name].interval()[-1]
-            for number in one.numbers
-            if number.name in one.profiles and number.plain
+            q.name: inference.profiles[q.name].interval()[-1]
+            for q in inference.quantities
+            if q.name in inference.profiles and q.is_coordinate
         }
-        for one in known
+        for inference in inferences
     ]
-    prior = prior_of([one.solution for one in known], reaches)
-    found = []
-    for one, law in zip(known, laws, strict=True):
-        sampled = posterior(one.solution, prior, f"posterior of the {law} law")
-        table = one.estimates
-        if sampled.sound:
-            ends = {number.name: number.si(sampled.interval(number)) for number in one.numbers}
-            table = table.with_intervals(ends, "posterior")
-        found.append(one._replace(estimates=table, sampled=sampled))
-    return found
+    prior = common_prior([inference.solution for inference in inferences], reaches)
+    completed = []
+    for inference, law in zip(inferences, laws, strict=True):
+        posterior = sample_posterior(inference.solution, prior, f"posterior of the {law} law")
+        estimates = inference.estimates
+        if posterior.reliable:
+            ends = {q.name: q.si(posterior.interval(q)) for q in inference.quantities}
+            estimates = estimates.with_intervals(ends, "posterior")
+        completed.append(inference._replace(estimates=estimates, posterior=posterior))
+    return completed
 
 
-def _estimates(solution, numbers):
-    """`Estimates` of the numbers, from the covariance."""
-    names = solution.unknowns.names
+def _covariance_estimates(solution, quantities):
+    """`Estimates` of the quantities, from the covariance."""
     derived = [
-        (number.name, number.value(solution.point), number.gradient(solution.point))
-        for number in numbers
-        if not number.plain
+        (q.name, q.value(solution.point), q.gradient(solution.point))
+        for q in quantities
+        if not q.is_coordinate
     ]
-    found = estimates(names, solution.point, solution.covariance, derived)
-    return found.only([number.name for number in numbers])
+    names = solution.unknowns.names
+    estimates = estimates_from(names, solution.point, solution.covariance, derived)
+    return estimates.only([q.name for q in quantities])

@@ -1,57 +1,57 @@
-"""Parameters that trade off with each other: which combination a record fixes."""
+"""Parameters that trade off: the combination of them that a record determines."""
 
 import numpy as np
 
 from ....model.quantities import with_error
 
-#: correlation from which parameters trade off, and the error of a combination worth a warning
-TRADED, LOOSE = 0.95, 0.2
-#: power in a product of parameters below which one is left out
+#: correlation from which parameters trade off, and error of a combination worth a warning
+CORRELATED, LOOSE = 0.95, 0.2
+#: power below which a parameter is left out of a product
 SMALL = 0.1
 
 
-def traded(table, names):
-    """Groups (tuples) of these parameters of which each correlates strongly with another one.
+def correlated_groups(estimates, names):
+    """Groups (tuples) of these parameters, linked by strong correlations.
 
-    table : Estimates
+    estimates : Estimates
     """
-    which = [table.names.index(name) for name in names]
-    linked = np.abs(table.correlation[np.ix_(which, which)]) > TRADED
+    which = [estimates.names.index(name) for name in names]
+    linked = np.abs(estimates.correlation[np.ix_(which, which)]) > CORRELATED
     reach = np.linalg.matrix_power(linked.astype(int), max(len(names), 1)) > 0
     groups = {tuple(n for n, on in zip(names, row, strict=True) if on) for row in reach}
     return sorted(group for group in groups if len(group) > 1)
 
 
-def trade(table, which):
-    """Words on the combination of a group that is known, and whether another one is hardly.
+def tradeoff_text(estimates, which):
+    """A text on the best-constrained combination of a group, and whether another is loose.
 
     Combinations are the axes of the covariance of the logarithms.
     """
-    index = [table.names.index(name) for name in which]
-    errors = np.array([relative_error(table, name) for name in which])
+    index = [estimates.names.index(name) for name in which]
+    errors = np.array([relative_error(estimates, name) for name in which])
     # b < 0 has no logarithm but that of -b, which correlates the other way
-    signs = np.sign(table.values[index])
-    correlation = table.correlation[np.ix_(index, index)] * np.outer(signs, signs)
+    signs = np.sign(estimates.values[index])
+    correlation = estimates.correlation[np.ix_(index, index)] * np.outer(signs, signs)
     variance, axes = np.linalg.eigh(correlation * np.outer(errors, errors))
     best, worst = np.sqrt(np.maximum(variance[[0, -1]], 0.0))
-    known = f"{product(which, axes[:, 0])} to {percent(best)}"
+    best_text = f"{product(which, axes[:, 0])} to {percent(best)}"
     if "a" in which and "b" in which:
-        i = table.names.index("a_minus_b")
-        known += f", and a - b = {with_error(table.values[i], table.errors[i])}"
+        i = estimates.names.index("a_minus_b")
+        best_text += f", and a - b = {with_error(estimates.values[i], estimates.errors[i])}"
     if worst < LOOSE:
-        return known, False
+        return best_text, False
     pairs = correlation[np.triu_indices(len(which), 1)]
     strongest = pairs[np.argmax(np.abs(pairs))]
     return (
         f"{', '.join(which[:-1])} and {which[-1]} trade off (correlation {strongest:.3f}): the "
-        f"record fixes {known}, but {product(which, axes[:, -1])} only to {percent(worst)}"
+        f"record fixes {best_text}, but {product(which, axes[:, -1])} only to {percent(worst)}"
     ), True
 
 
-def relative_error(table, name):
-    """Standard error of a parameter's logarithm, from the covariance; of b, in parts of it."""
-    i = table.names.index(name)
-    return float(table.errors[i] / max(abs(table.values[i]), 1e-300))
+def relative_error(estimates, name):
+    """Standard error of a parameter's logarithm, from the covariance; of b, over its size."""
+    i = estimates.names.index(name)
+    return float(estimates.errors[i] / max(abs(estimates.values[i]), 1e-300))
 
 
 def percent(error):

@@ -1,23 +1,23 @@
-"""The stretches of a record at one load-point speed, and what is measured of them."""
+"""The segments of a record at one load-point speed, and the features of their cycles."""
 
 import numpy as np
 
 from ....errors import ParameterError
 from ....model.quantities import readable
-from ..channels import column, friction_of, increasing
+from ..channels import check_increasing, column, friction_of
 from ..load_point import displacement_of, loading_of
 from .features import FEATURES
 from .measured import measure
 from .regular import Segment
 
-# Samples below which a stretch of record is not looked at.
+# Fewest samples of a segment that is used.
 FEWEST = 20
 
 
-def segments(record, slider, loading):
-    """`Segment`s of a record in which the load point moves at one speed."""
+def segments_of(record, slider, loading):
+    """`Segment`s of a record, in each of which the load point moves at one speed."""
     time = column(record, "time")
-    increasing(time)
+    check_increasing(time)
     kind, friction = friction_of(record, slider)
     if kind != "tau":
         raise ParameterError(
@@ -27,23 +27,23 @@ def segments(record, slider, loading):
     t = time - time[0]
     loading = loading_of(record, displacement_of(record, t), time, loading)
     ends = np.append(loading.t[1:], np.inf)
-    found = []
+    segments = []
     for start, end, V_lp in zip(loading.t, ends, loading.V, strict=True):
         rows = (t >= start) & (t < end)
         if V_lp > 0.0 and rows.sum() >= FEWEST:
-            found.append(Segment(time[rows], friction[rows], float(V_lp)))
-    if not found:
+            segments.append(Segment(time[rows], friction[rows], float(V_lp)))
+    if not segments:
         raise ParameterError(
             f"the record has no stretch of {FEWEST} samples at one load-point speed > 0; give a "
             f"longer one"
         )
-    return found
+    return segments
 
 
-def measured_of(found):
-    """`Measured` of the segments that have cycles, and warnings of those that do not."""
+def measured_of(segments):
+    """`Measured` of the segments that have cycles, and warnings on the others."""
     measured, refused = [], []
-    for segment in found:
+    for segment in segments:
         try:
             measured.append(measure(segment))
         except ParameterError as error:
@@ -55,15 +55,15 @@ def measured_of(found):
     ]
 
 
-def enough(space, measured):
+def check_feature_count(space, measured):
     """Refuse more unknowns than features."""
-    count = sum(int(found.used.sum()) for found in measured)
+    count = sum(int(one.used.sum()) for one in measured)
     if space.size + 1 <= count:
         return
     listed = "; ".join(
-        f"at {readable('V_lp', found.segment.V_lp)} "
-        + ", ".join(name for name, used in zip(FEATURES, found.used, strict=True) if used)
-        for found in measured
+        f"at {readable('V_lp', one.segment.V_lp)} "
+        + ", ".join(name for name, used in zip(FEATURES, one.used, strict=True) if used)
+        for one in measured
     )
     raise ParameterError(
         f"{space.size} free parameters ({', '.join(space.names)}) and mu0, but the record has only "

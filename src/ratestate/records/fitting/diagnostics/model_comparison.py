@@ -5,12 +5,13 @@ import xarray
 
 from ....model.quantities import attrs
 
-#: differences of ln(likelihood) or ln(evidence): undecided below the first, clear above the second
+#: a difference of ln(likelihood) or ln(evidence) below the first decides nothing, above the second
+#: it is clear
 UNDECIDED, CLEAR = 1.5, 5.0
 
 
-def compared(results, aic, colored):
-    """Variables along ``law``, and some sentences.
+def compare_laws(results, aic, colored):
+    """Dataset of differences along ``law``, and a text on them.
 
     Parameters
     ----------
@@ -23,46 +24,46 @@ def compared(results, aic, colored):
     weight = np.exp(-0.5 * difference)
     weight = weight / weight.sum()
     values = {"aic_difference": difference, "akaike_weight": weight}
-    if all("bic" in one for one in results.values()):
-        bic = np.array([float(one["bic"]) for one in results.values()])
+    if all("bic" in result for result in results.values()):
+        bic = np.array([float(result["bic"]) for result in results.values()])
         values["bic_difference"] = bic - bic.min()
-    words = [_by_likelihood(difference, weight, laws)]
-    if all("log_evidence" in one for one in results.values()):
+    sentences = [_by_likelihood(difference, weight, laws)]
+    if all("log_evidence" in result for result in results.values()):
         evidence, error = (
-            np.array([float(one[name]) for one in results.values()])
+            np.array([float(result[name]) for result in results.values()])
             for name in ("log_evidence", "log_evidence_error")
         )
         best = int(np.argmax(evidence))
         error = np.where(np.arange(len(laws)) == best, 0.0, np.hypot(error, error[best]))
         values |= {"log_bayes_factor": evidence - evidence[best], "log_bayes_factor_error": error}
-        words.append(_by_evidence(evidence - evidence[best], error, laws))
+        sentences.append(_by_evidence(evidence - evidence[best], error, laws))
     if colored:
-        words.append(
+        sentences.append(
             "Residuals are correlated, so that the comparison rests on the model of the noise, "
             "which counts what a law leaves unexplained as noise; small differences mean little."
         )
     variables = {name: ("law", value, attrs(name)) for name, value in values.items()}
-    return xarray.Dataset(variables, {"law": laws}), " ".join(words)
+    return xarray.Dataset(variables, {"law": laws}), " ".join(sentences)
 
 
 def _ranked(values, laws):
-    """Best and second law, and by how much `values` (the less, the better) differ."""
+    """Best and second law by `values` (the smaller, the better), and their difference."""
     first, second = np.argsort(values)[:2]
     return laws[first], laws[second], float(values[second] - values[first])
 
 
 def _by_likelihood(aic, weight, laws):
-    best, other, apart = _ranked(aic, laws)
+    best, other, difference = _ranked(aic, laws)
     share = " and ".join(f"{_share(w)} ({law})" for law, w in zip(laws, weight, strict=True))
-    if apart < 2.0 * UNDECIDED:
+    if difference < 2.0 * UNDECIDED:
         return (
-            f"The record does not decide between the laws: AIC differs by {apart:.2g}, in favour "
-            f"of the {best} law (Akaike weights {share})."
+            f"The record does not decide between the laws: AIC differs by {difference:.2g}, in "
+            f"favour of the {best} law (Akaike weights {share})."
         )
-    how = "clearly" if apart > 2.0 * CLEAR else "somewhat"
+    how = "clearly" if difference > 2.0 * CLEAR else "somewhat"
     return (
-        f"The {best} law fits {how} better than the {other} law: AIC is lower by {apart:.3g}, "
-        f"which is a likelihood ratio of exp({0.5 * apart:.3g}) (Akaike weights {share})."
+        f"The {best} law fits {how} better than the {other} law: AIC is lower by {difference:.3g}, "
+        f"which is a likelihood ratio of exp({0.5 * difference:.3g}) (Akaike weights {share})."
     )
 
 
@@ -72,8 +73,9 @@ def _share(weight):
 
 
 def _by_evidence(factor, error, laws):
-    best, other, apart = _ranked(-factor, laws)
+    best, other, difference = _ranked(-factor, laws)
     second = int(np.argsort(-factor)[1])
-    shown = f"ln(Bayes factor) of the {best} over the {other} law is {apart:.3g} +- "
-    verdict = "which decides nothing" if apart < UNDECIDED + error[second] else "under equal priors"
-    return f"{shown}{error[second]:.2g}, {verdict}."
+    text = f"ln(Bayes factor) of the {best} over the {other} law is {difference:.3g} +- "
+    undecided = difference < UNDECIDED + error[second]
+    verdict = "which decides nothing" if undecided else "under equal priors"
+    return f"{text}{error[second]:.2g}, {verdict}."

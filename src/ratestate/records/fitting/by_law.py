@@ -1,0 +1,120 @@
+"""A result of `fit` law by law: its estimates with their errors, and the slider they make."""
+
+import numpy as np
+import xarray
+
+from ...dynamics.results import parameter
+from ...errors import ParameterError
+from ...friction.stability import K_c_qs
+from ...model.slider import SpringSlider
+
+#: variables that every result of `fit` has
+NEEDED = ("law", "parameter", "standard_error", "interval", "friction", "time")
+
+
+def results_by_law(result):
+    """law -> that law's part of a result of `fit`."""
+    if "law" not in result.dims:
+        return {str(result["law"].item()): _without_empty(result.drop_vars("law"))}
+    parts = {str(law): result.sel(law=law, drop=True) for law in result["law"].values}
+    return {law: _without_empty(part) for law, part in parts.items()}
+
+
+def checked_by_law(result, caller):
+    """`results_by_law`, or a ParameterError in the name of `caller` if `fit` did not give this."""
+    title = result.attrs.get("title") if isinstance(result, xarray.Dataset) else None
+    if str(title) != "ratestate fit" or any(name not in result.variables for name in NEEDED):
+        raise ParameterError(
+            f"{caller} wants the Dataset that fit gives, whole, with its attributes"
+        )
+    return results_by_law(result)
+
+
+def _without_empty(part):
+    """One law's part without variables that are all NaN: those that only other laws have."""
+    empty = [name for name, v in part.data_vars.items() if v.dtype.kind == "f" and v.isnull().all()]
+    return part.drop_vars(empty)
+
+
+def warnings_of(part):
+    """The warnings (list of str) of one law's part."""
+    return str(part["warnings"].item()).splitlines()
+
+
+def value_of(part, symbol):
+    """A parameter [SI] of one law's part: its estimate, or the value that was given."""
+    value = part[symbol] if symbol in part.data_vars else parameter(part, symbol)
+    if np.ndim(value):
+        raise ParameterError(f"{symbol} has several values in the Dataset, where a fit has one")
+    return float(value)
+
+
+def error_of(part, symbol):
+    """Standard error of a parameter [SI]; 0 if its value was given.
+
+    Where the interval is from a profile or a posterior: half the width of the 68 % interval, or inf
+    if either interval is open.
+    """
+    if symbol not in part["parameter"].values:
+        return 0.0
+    row = part.sel(parameter=symbol)
+    if "interval_kind" not in row or row["interval_kind"] == "covariance":
+        return float(row["standard_error"])
+    ends = row["interval"].transpose("level", "side").values
+    is_open = ~np.isfinite(ends) | (ends == 0.0)  # (0: of a logarithm)
+    return np.inf if is_open.any() else float(ends[0, 1] - ends[0, 0]) / 2.0
+
+
+def stiffness_over_critical(part):
+    """K/K_c_qs of one law's part and its error; None where K_c_qs is not positive.
+
+    The relative errors of the parameters (`error_of`) are propagated with their correlation.
+    """
+    a, b, Dc, sigma, K = (value_of(part, symbol) for symbol in "a b Dc sigma K".split())
+    critical = K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma)
+    if not (critical > 0.0 and np.isfinite(K)):
+        return None
+    weights = {"K": 1.0 / K, "Dc": 1.0 / Dc}
+    if "a_minus_b" in part["parameter"].values:
+        weights["a_minus_b"] = 1.0 / (b - a)
+    else:
+        weights |= {"a": 1.0 / (b - a), "b": -1.0 / (b - a)}
+    names = [name for name in weights if name in part["parameter"].values]
+    if not names:
+        return K / critical, 0.0
+    relative = np.array([weights[name] * error_of(part, name) for name in names])
+    if not np.isfinite(relative).all():
+        return K / critical, np.inf
+    correlation = part["correlation"].sel(parameter=names, other=names).values
+    return K / critical, K / critical * float(np.sqrt(relative @ correlation @ relative))
+
+
+def slider_of(result, law=None):
+    """The slider that a fit estimated: free parameters and mu0 as fitted, the others as given.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `fit`.
+    law : {"slip", "aging"}, optional
+        Which law, if the fit is under several.
+
+    Returns
+    -------
+    SpringSlider
+        In SI, for `simulate`, `stability` and all else.
+
+    Raises
+    ------
+    ParameterError
+        No result of `fit`; a law that was not fitted; several laws, and none is named.
+    """
+    laws = checked_by_law(result, "slider_of")
+    if law is None and len(laws) == 1:
+        (law,) = laws
+    if law not in laws:
+        choices = " or ".join(f"law={name!r}" for name in laws)
+        what = "the fit is under several laws" if law is None else f"no fit is under law = {law!r}"
+        raise ParameterError(f"{what}; give {choices}")
+    symbols = ("a", "b", "Dc", "sigma", "K", "M", "mu0", "V0")
+    return SpringSlider(**{symbol: value_of(laws[law], symbol) for symbol in symbols}, law=law)

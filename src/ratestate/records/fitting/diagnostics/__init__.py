@@ -1,0 +1,1 @@
+"""Notes on a fit: warnings, identifiability of the parameters, comparison of the laws."""

@@ -1,0 +1,49 @@
+"""Least squares with one reported quantity constrained to a value."""
+
+import numpy as np
+
+from ..problem import search
+from ..solve import SEARCH_EVALUATIONS
+from ..unknowns import Unknowns
+
+
+class ConstrainedProblem:
+    """A `Problem` with a `ReportedQuantity` constrained: one coordinate is eliminated by it."""
+
+    def __init__(self, problem, quantity, value):
+        self.problem, self.quantity, self.value = problem, quantity, value
+        names, low, high = problem.unknowns
+        rest = self.rest = [i for i in range(len(names)) if i != quantity.eliminated]
+        self.unknowns = Unknowns(tuple(names[i] for i in rest), low[rest], high[rest])
+
+    def point(self, rest):
+        """The point (k,) with these values (k - 1,) of the other coordinates."""
+        point = np.zeros(len(self.rest) + 1)
+        point[self.rest] = rest
+        return self.quantity.constrained(point, self.value)
+
+    def residual(self, rest, noise):
+        return self.problem.residual(self.point(rest), noise)
+
+    def jacobian(self, rest, noise):
+        point = self.point(rest)
+        columns = self.problem.jacobian(point, noise)
+        gradient = self.quantity.gradient(point)
+        eliminated = self.quantity.eliminated
+        by_rest = -gradient[self.rest] / gradient[eliminated]
+        return columns[:, self.rest] + np.outer(columns[:, eliminated], by_rest)
+
+
+def constrained_fit(solution, quantity, value, starts):
+    """Point, and deviance from the solution, of the best fit in which a quantity has this value.
+
+    None where no start moves through the whole record.
+    """
+    problem = ConstrainedProblem(solution.problem, quantity, value)
+    best = None
+    for start in starts:
+        rest = np.clip(start[problem.rest], problem.unknowns.low, problem.unknowns.high)
+        fit = search(problem, rest, solution.noise, SEARCH_EVALUATIONS)
+        if fit and (best is None or fit.cost < best.cost):
+            best = fit
+    return best and (problem.point(best.x), 2.0 * float(best.cost) - solution.chi2)

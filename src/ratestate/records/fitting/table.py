@@ -1,0 +1,136 @@
+"""The table of estimates as text: values, errors and intervals under each law, in one unit."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...model.quantities import PREFIXES, QUANTITIES, power_of, readable, rounded
+from .by_law import error_of, stiffness_over_critical, value_of
+
+if TYPE_CHECKING:
+    import xarray
+
+#: short names of quantities with a longer symbol
+NAMES = {"a_minus_b": "a - b"}
+#: white noise below this part of the correlated noise is not mentioned
+NEGLIGIBLE = 0.05
+#: relative error that sets the digits of K/K_c_qs where its own error is not finite
+VAGUE = 0.1
+#: text in place of K/K_c_qs where K_c_qs is not positive
+STABLE_AT_ANY_K = "a > b: stable at any K"
+
+
+class FormattedEstimate(NamedTuple):
+    """An estimate under one law, with its error and its intervals, as text."""
+
+    value: str
+    intervals: tuple[str, ...]  # one for each level
+
+
+class Row(NamedTuple):
+    """A quantity: its symbol, unit and meaning, and its estimate under each law."""
+
+    symbol: str
+    unit: str
+    meaning: str
+    estimates: tuple[FormattedEstimate, ...]
+
+    @property
+    def label(self) -> str:
+        return f"{self.symbol} [{self.unit}]" if self.unit else self.symbol
+
+
+def estimate_rows(laws: "dict[str, xarray.Dataset]") -> list[Row]:
+    """Rows of all estimates, K/sigma and K/K_c_qs; laws as from `results_by_law`."""
+    first = next(iter(laws.values()))
+    symbols = [str(symbol) for symbol in first["parameter"].values]
+    rows = [_row(laws, symbol) for symbol in symbols]
+    if "K" in symbols:
+        rows.append(_stiffness_over_sigma(laws))
+    if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
+        cells = tuple(FormattedEstimate(text or "-", ()) for text in ratios)
+        rows.append(Row("K/K_c_qs", "", "above 1: steady sliding is stable", cells))
+    return rows
+
+
+def stiffness_ratio_text(part: "xarray.Dataset") -> str:
+    """K/K_c_qs of one law's part with its error, or why it has none; "" for a rigid machine."""
+    if value_of(part, "a") > value_of(part, "b"):
+        return STABLE_AT_ANY_K
+    if (ratio_and_error := stiffness_over_critical(part)) is None:
+        return ""
+    ratio, error = ratio_and_error
+    return _plus_minus(ratio, error, error if np.isfinite(error) else VAGUE * ratio)
+
+
+def _plus_minus(value: float, error: float, digits: float) -> str:
+    """A value, with its error where that is finite, rounded as for an error of `digits`."""
+    if not 0.0 < digits < np.inf:
+        return f"{value:.4g}"
+    shown = rounded(value, digits)
+    return f"{shown} +- {rounded(error, digits)}" if 0.0 < error < np.inf else shown
+
+
+def noise_text(part: "xarray.Dataset") -> str:
+    """Size and correlation time of a record's noise."""
+    white, red = float(part["noise_white"]), float(part["noise_red"])
+    if not red > 0.0:
+        return f"{white:.2g}, white"
+    correlated = f"{red:.2g}, correlated over {readable('t', float(part['noise_time']), 3)}"
+    return correlated if white < NEGLIGIBLE * red else f"{white:.2g}, white, and {correlated}"
+
+
+def quality_text(part: "xarray.Dataset") -> str:
+    """How well a law fits."""
+    if "chi2" in part:
+        features = int(part["used"].sum())
+        return f"chi-square {float(part['chi2']):.3g} for {features} features of cycles"
+    return f"r.m.s. residual {float(part['rms']):.3g}; noise {noise_text(part)}"
+
+
+def law_names(laws: "dict[str, xarray.Dataset] | tuple[str, ...]") -> str:
+    """The laws by name.
+
+    >>> law_names(("slip",)), law_names(("slip", "aging"))
+    ('slip law', 'slip and aging laws')
+    """
+    return f"{' and '.join(laws)} {'law' if len(laws) == 1 else 'laws'}"
+
+
+def _row(laws: "dict[str, xarray.Dataset]", symbol: str) -> Row:
+    """The row of a parameter."""
+    quantity = QUANTITIES[symbol]
+    power = power_of(quantity.unit, max(abs(value_of(part, symbol)) for part in laws.values()))
+    unit = "" if quantity.unit == "1" else f"{PREFIXES[power]}{quantity.unit}"
+    return Row(
+        NAMES.get(symbol, symbol),
+        unit,
+        quantity.long_name.removesuffix(", a - b"),
+        tuple(formatted_estimate(part, symbol, 10.0**-power) for part in laws.values()),
+    )
+
+
+def _stiffness_over_sigma(laws: "dict[str, xarray.Dataset]") -> Row:
+    """The stiffness per normal stress, as other programs have it."""
+    cells = [
+        formatted_estimate(part, "K", 1e-6 / value_of(part, "sigma")) for part in laws.values()
+    ]
+    return Row("K/sigma", "1/um", "stiffness, in friction per displacement", tuple(cells))
+
+
+def formatted_estimate(part: "xarray.Dataset", symbol: str, factor: float) -> FormattedEstimate:
+    """A parameter of one law's part, multiplied by `factor` to leave SI."""
+    value, error = factor * value_of(part, symbol), factor * error_of(part, symbol)
+    ends = factor * part["interval"].sel(parameter=symbol).transpose("level", "side").values
+    # of an interval open on one side, the closed side sets the digits
+    closed = [abs(end - value) for end in ends[0] if np.isfinite(end) and end != 0.0]
+    digits = error if np.isfinite(error) else min(closed, default=np.inf)
+    return FormattedEstimate(
+        _plus_minus(value, error, digits),
+        tuple(f"{_end(low, digits)} to {_end(high, digits)}" for low, high in ends),
+    )
+
+
+def _end(value: float, digits: float) -> str:
+    """An end of an interval; one at infinity is open."""
+    return rounded(value, digits) if np.isfinite(value) else "(open)"
