@@ -237,6 +237,17 @@ def test_stick_slip_at_two_speeds_gives_back_its_slider():
     assert "best-constrained first" in found.identifiability
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_two_laws_are_fitted_side_by_side():
+    data = record(segment(VIBRATION, 3.2e-3, cycles=20, samples=50))
+    both = rs.fit(data, VIBRATION, ("a", "b"), law=("slip", "aging"), against="cycles")
+    slip = rs.fit(data, VIBRATION, ("a", "b"), against="cycles")
+    assert float(both.a.sel(law="slip")) == float(slip.a)
+    assert both.fitted.dims == ("law", "segment", "feature")
+    assert float(both.aic_difference.min()) == 0.0
+    assert "AIC" in both.attrs["comparison"]
+
+
 def test_intervals_end_where_no_fit_is_likely():
     part = segment(BRAKE, 3.2e-3, noise=0.06, seed=3)
     found = fit_cycles(record(part), BRAKE, ("a", "b", "Dc"), "slip")

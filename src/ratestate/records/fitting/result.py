@@ -15,9 +15,6 @@ from .variables import (
     text_variables,
 )
 
-#: variables of the record itself
-RECORDED = ("friction", "delta_lp")
-
 
 def dataset_of(inference, data, slider):
     """The Dataset of an `Inference`, with notes and warnings on it."""
@@ -57,16 +54,9 @@ def add_comparison(results, aic, *, colored=False):
 
 def side_by_side(results):
     """Results under several laws (dict, law -> Dataset) as one, along ``law``."""
-    first, *others = results.values()
-    # the record's variables, which are the same under all laws
-    recorded = [
-        name
-        for name in RECORDED
-        if all(other[name].equals(first[name]) for other in others)
-    ]
     joined = xarray.concat(
         [
-            result.drop_vars(recorded).assign_coords(
+            result.assign_coords(
                 {d: range(result.sizes[d]) for d in result.dims if d not in result.coords}
             )
             for result in results.values()
@@ -78,4 +68,4 @@ def side_by_side(results):
     for name, variable in joined.data_vars.items():
         if variable.dtype == object:  # text, padded where a law has less of it
             joined[name] = variable.fillna("").astype(str)
-    return joined.assign({name: first[name].drop_vars("law") for name in recorded})
+    return joined
