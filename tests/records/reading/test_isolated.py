@@ -104,13 +104,13 @@ def test_a_script_needs_no_guard_and_a_folder_may_hold_anything(tmp_path):
         textwrap.dedent(
             """
             import ratestate as rs
-            from ratestate.records.reading import opened
+            from ratestate.records.reading import open_table
 
             def here(path):
                 raise SystemExit("it was read in this process, not in the child")
 
             here.__module__, here.__qualname__ = "ratestate.records.reading.stored", "read_mat"
-            opened.read_mat = here
+            open_table.read_mat = here
             print("once", rs.read_lab("r.mat").sizes["time"])
             """
         )

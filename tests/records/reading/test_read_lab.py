@@ -159,14 +159,16 @@ SPELLINGS = {
 def test_spellings(symbol):
     for title in SPELLINGS[symbol].split(";"):
         letters = titles.letters(titles.split(title)[0])
-        known = [s for s, ways in names.PATTERNS.items() if names.known(letters, ways) is not None]
+        known = [
+            s for s, ways in names.PATTERNS.items() if names.match_rank(letters, ways) is not None
+        ]
         assert known == [symbol], title
 
 
 def test_what_is_no_load_point():
     for title in ["Slip (mm)", "Normal displacement [mm]", "Layer thickness", "On-board disp"]:
         letters = titles.letters(titles.split(title)[0])
-        assert names.known(letters, names.PATTERNS["delta_lp"]) is None, title
+        assert names.match_rank(letters, names.PATTERNS["delta_lp"]) is None, title
 
 
 @pytest.mark.parametrize(
@@ -191,7 +193,7 @@ def test_the_surer_of_two_names_is_taken():
     row = np.arange(3.0)
     columns = "Time Displacement LP_disp Friction Normal_stress Effective_normal_stress".split()
     table = Table([Column(title, title, "", row) for title in columns], "line")
-    chosen = names.found(table, None)
+    chosen = names.choose_columns(table, None)
     assert chosen == {"time": 0, "delta_lp": 2, "friction": 3, "sigma": 5}
 
 

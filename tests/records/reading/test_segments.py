@@ -8,8 +8,8 @@ from scipy.signal import lfilter
 
 from ratestate import ParameterError
 from ratestate.records.reading import find_segments, segments, splits
-from ratestate.records.reading.levels import levels_of
-from ratestate.records.reading.segments import segments_of
+from ratestate.records.reading.segments import segments_from_displacement
+from ratestate.records.reading.velocity import segments_from_velocity
 
 NOISE = 0.3e-6
 
@@ -54,7 +54,7 @@ def test_random_histories():
     wrong, misses = 0, {True: [], False: []}
     for seed in range(100):
         starts, V, t, noise, rho = drawn(np.random.default_rng(seed))
-        found = segments_of(t + 1e4, 8e-3 + history(t, starts, V) + noise)
+        found = segments_from_displacement(t + 1e4, 8e-3 + history(t, starts, V) + noise)
         assert found.t[0] == 1e4
         if found.V.size != V.size:
             wrong += 1
@@ -89,7 +89,9 @@ def test_a_break_is_found_as_exactly_as_noise_allows(V):
     t = (np.arange(before + after) + 0.5) * dt
     x = history(t, [0, before * dt], V)
     limit = NOISE / abs(V[0] - V[1]) * (4 / before + (4 if V[1] else 1) / after) ** 0.5
-    found = [segments_of(t, x + NOISE * rng.standard_normal(t.size)) for _ in range(120)]
+    found = [
+        segments_from_displacement(t, x + NOISE * rng.standard_normal(t.size)) for _ in range(120)
+    ]
     assert {f.V.size for f in found} == {2}
     times = np.array([f.t[1] for f in found])
     assert abs(times.mean() - before * dt) < 4 * limit / 120**0.5
@@ -114,7 +116,7 @@ def test_slide_hold_slide():
     t = np.arange(0, 400, 0.1)
     starts, V = [0, 100, 110, 150, 250, 300], [1e-5, 0, 1e-5, 0, 1e-5, 0]
     noise = NOISE * np.random.default_rng(2).standard_normal(t.size)
-    found = segments_of(t, history(t, starts, V) + noise)
+    found = segments_from_displacement(t, history(t, starts, V) + noise)
     np.testing.assert_allclose(found.t, starts, atol=0.03)
     np.testing.assert_allclose(found.V, V, rtol=0.01, atol=0)
     assert found.notes == []
@@ -126,10 +128,10 @@ def test_machines_that_wander_do_not_step():
     x = history(t, [0, 300], [1e-6, 1e-5])
     wander = 2e-7 * np.sin(2 * np.pi * x / 100e-6) + 1e-7 * np.sin(2 * np.pi * t / 170)
     noise = 5e-8 * np.random.default_rng(3).standard_normal(t.size)
-    found = segments_of(t, x + wander + noise)
+    found = segments_from_displacement(t, x + wander + noise)
     np.testing.assert_allclose(found.V, [1e-6, 1e-5], rtol=0.01)
     assert abs(found.t[1] - 300) < 0.05
-    big = segments_of(t, 1e-5 * t + 1e-6 * np.sin(t / 5) + noise * 1e-2)
+    big = segments_from_displacement(t, 1e-5 * t + 1e-6 * np.sin(t / 5) + noise * 1e-2)
     assert "wanders about constant speeds" in big.notes[-1]
 
 
@@ -137,7 +139,7 @@ def test_a_jump_of_the_displacement_moves_no_step():
     t = np.arange(0, 200, 0.02)
     x = history(t, [0, 100], [3e-6, 1e-5]) + 1e-6 * (t >= 104) + 1e-6 * (t >= 40)
     noise = 1.5e-7 * np.random.default_rng(4).standard_normal(t.size)
-    found = segments_of(t, x + noise)
+    found = segments_from_displacement(t, x + noise)
     np.testing.assert_allclose(found.V, [3e-6, 1e-5], rtol=0.002)
     assert abs(found.t[1] - 100) < 4 * found.t_error[1] < 0.05
     assert [" at 40 s" in found.notes[0], " at 104 s" in found.notes[1]] == [True, True]
@@ -148,7 +150,9 @@ def test_a_ramp_is_a_step():
     t = np.arange(0, 100, 0.01)
     V = np.interp(t, [0, 50, 50.4, 100], [1e-6, 1e-6, 1e-3, 1e-3])
     noise = NOISE * np.random.default_rng(5).standard_normal(t.size)
-    found = segments_of(t, np.append(0, np.cumsum(0.01 * 0.5 * (V[1:] + V[:-1]))) + noise)
+    found = segments_from_displacement(
+        t, np.append(0, np.cumsum(0.01 * 0.5 * (V[1:] + V[:-1]))) + noise
+    )
     np.testing.assert_allclose(found.V, [1e-6, 1e-3], rtol=0.01)
     assert abs(found.t[1] - 50.2) < 0.01  # in the middle of the ramp: the same displacement after
     assert len(found.notes) == 1
@@ -159,23 +163,23 @@ def test_holds_that_creep_or_are_short():
     t = np.arange(0, 300, 0.1)
     noise = 5e-8 * np.random.default_rng(6).standard_normal(t.size)
     x = history(t, [0, 100, 200], [1e-5, 0, 1e-5]) - 2e-8 * np.clip(t - 100, 0, 100)
-    found = segments_of(t, x + noise)  # a machine that gives a little
+    found = segments_from_displacement(t, x + noise)  # a machine that gives a little
     assert found.V[1] == 0.0
     assert "runs back by 2 um in the hold at 100" in found.notes[0]
     x = history(t, [0, 1], [2e-8, 1e-5])
-    found = segments_of(t, x + noise)
+    found = segments_from_displacement(t, x + noise)
     assert found.V[0] == 0.0
-    assert "cannot be told from a speed of up to" in found.notes[0]
+    assert "cannot be distinguished from a speed of up to" in found.notes[0]
 
 
 def test_levels_of_a_recorded_velocity():
     t = np.arange(0, 100, 0.1)
     V = np.select([t < 30.05, t < 60.05], [1e-6, 0.0], 1e-5)
-    found = levels_of(t, V)
+    found = segments_from_velocity(t, V)
     np.testing.assert_allclose(found.t, [0, 30.05, 60.05], rtol=1e-12)
     np.testing.assert_allclose(found.V, [1e-6, 0, 1e-5], rtol=1e-12, atol=0)
     rng = np.random.default_rng(7)
-    many = [levels_of(t, V + 1e-6 * rng.standard_normal(t.size)) for _ in range(50)]
+    many = [segments_from_velocity(t, V + 1e-6 * rng.standard_normal(t.size)) for _ in range(50)]
     assert {f.V.size for f in many} == {3}
     misses = [(f.t[1] - 30.05) / f.t_error[1] for f in many]
     assert 0.4 < np.std(misses) < 1.6
@@ -199,7 +203,7 @@ def test_refused():
         with pytest.raises(ParameterError, match=match):
             find_segments(times, x)
     with pytest.raises(ParameterError, match="V_load is -1 um/s from 50 s on"):
-        levels_of(t, np.where(t < 50, 1e-6, -1e-6))
+        segments_from_velocity(t, np.where(t < 50, 1e-6, -1e-6))
 
 
 def test_no_constant_speeds(monkeypatch):
@@ -217,7 +221,7 @@ def test_many_rows():
     t = np.linspace(0, 1000, 200_001)
     x = history(t, [0, 500, 700], [1e-6, 0, 1e-5])
     noise = 1e-7 * np.random.default_rng(8).standard_normal(t.size)
-    found = segments_of(t, x + noise)
+    found = segments_from_displacement(t, x + noise)
     assert abs(found.t - [0, 500, 700]).max() < 0.01
 
 
@@ -228,7 +232,9 @@ def test_a_hold_may_move_by_the_noise(moved, still):
     noise = NOISE * np.random.default_rng(8).standard_normal(t.size)
     hold = (t >= 100) & (t < 200)
     noise[hold] -= np.polyval(np.polyfit(t[hold], noise[hold], 1), t[hold])
-    found = segments_of(t, history(t, [0, 100, 200], [1e-5, moved * NOISE / 100, 1e-5]) + noise)
+    found = segments_from_displacement(
+        t, history(t, [0, 100, 200], [1e-5, moved * NOISE / 100, 1e-5]) + noise
+    )
     assert found.V.size == 3
     assert (found.V[1] == 0.0) == still
 

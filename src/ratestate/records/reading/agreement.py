@@ -1,22 +1,22 @@
-"""Whether the columns of a record agree with each other and with what is found in them."""
+"""Checks whether the columns of a record agree with each other."""
 
 import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import readable
-from .names import beside
+from .names import other_column
 from .sizes import in_si, unit_of
-from .table import shown
+from .table import quoted
 
-#: friction and tau/sigma of one file agree to this part, or one of the three is something else
+#: largest relative difference of friction and tau/sigma of one file
 AGREE = 0.05
-#: so do a velocity and a displacement: speeds are often those asked of the machine
+#: and of a velocity and a displacement: speeds are often nominal
 MOVED = 0.25
-#: fewest rows at one displacement, on average, that tell its last digit; digits by which a
-#: displacement may go from the first to the last part of a hold (one, and noise)
+#: fewest rows at one displacement, on average, if its last digit can be found; largest move in a
+#: hold, in digits (one, and noise)
 REPEATED, DIGITS = 5, 1.5
-#: fewest rows of constant friction that are told of, with what probability they may be chance, and
-#: the part of other rows at which friction turns back at least if it has noise
+#: fewest rows of constant friction that are noted, largest probability that they are by chance, and
+#: least part of other rows at which friction has an extremum if it has noise
 CONSTANT, CHANCE, NOISY = 20, 1e-6, 0.25
 REMEDY = (
     ": too few digits to find speeds in; name a column of velocity in columns={'V_load': ...}, or "
@@ -24,12 +24,12 @@ REMEDY = (
 )
 
 
-def doubtful(table, chosen, rows, record, segments):
+def disagreements(table, chosen, rows, record, segments):
     """Notes on columns that contradict each other."""
     return [
         *_friction(record),
         *_constant(record),
-        *([words + REMEDY] if (words := coarse(record, segments)) else []),
+        *([text + REMEDY] if (text := coarse_resolution(record, segments)) else []),
         *_speeds(table, chosen, rows, record),
     ]
 
@@ -76,8 +76,8 @@ def _constant(record):
     ]
 
 
-def coarse(record, segments):
-    """What a displacement with too few digits is like, "" if holds in it are holds."""
+def coarse_resolution(record, segments):
+    """A text on a displacement with too few digits; "" if it stays constant in holds."""
     if "delta_lp" not in record:
         return ""
     t, x = record["time"], record["delta_lp"]
@@ -96,22 +96,22 @@ def coarse(record, segments):
 
 def _speeds(table, chosen, rows, record):
     """A note if a velocity beside the displacement leads elsewhere."""
-    column = None if "V_load" in chosen else beside(table, chosen, "V_load")
+    column = None if "V_load" in chosen else other_column(table, chosen, "V_load")
     if column is None or "delta_lp" not in record or column.values.size <= rows.kept.max():
         return []
     try:
         V = in_si("V_load", column.values[rows.kept], unit_of(column, "V_load", {}))
-    except ParameterError:  # none that is needed
+    except ParameterError:  # the column is not needed
         return []
     good = np.isfinite(V)
     t, x = record["time"][good], record["delta_lp"][good]
     if t.size < 2:
         return []
-    there, way = abs(float(np.trapezoid(V[good], t))), abs(float(x[-1] - x[0]))
-    if abs(there - way) <= MOVED * max(there, way):
+    by_V, by_x = abs(float(np.trapezoid(V[good], t))), abs(float(x[-1] - x[0]))
+    if abs(by_V - by_x) <= MOVED * max(by_V, by_x):
         return []
     return [
-        f"the column {shown(column.title)} leads {readable('delta_lp', there, 3)} far from "
-        f"{t[0]:.7g} s to {t[-1]:.7g} s, and delta_lp {readable('delta_lp', way, 3)}; one of the "
+        f"the column {quoted(column.title)} leads {readable('delta_lp', by_V, 3)} far from "
+        f"{t[0]:.7g} s to {t[-1]:.7g} s, and delta_lp {readable('delta_lp', by_x, 3)}; one of the "
         f"two or its unit is perhaps another, and delta_lp is used"
     ]

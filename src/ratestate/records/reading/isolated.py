@@ -26,11 +26,11 @@ from ...errors import ParameterError
 MEMORY, MEMORY_EACH = 1024**3, 20  # bytes
 SECONDS, SECONDS_EACH = 60.0, 1e-6
 READY = b"+"
-LONGEST = 300  # characters of what a reader complains of
+LONGEST = 300  # characters of a reader's error message
 
 
 def read_isolated(reader, path, kind):
-    """What `reader` finds in a file; whatever it does, only the child that it runs in is harmed.
+    """The result of `reader` on a file; if it crashes, only its child process does.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def read_isolated(reader, path, kind):
         process.kill()
 
     try:
-        process = _started(reader, path, memory, seconds)
+        process = _start(reader, path, memory, seconds)
     except OSError:  # of the system, not of the file: it is read here
         return reader(path)
     timer = threading.Timer(seconds, too_late)
@@ -64,7 +64,7 @@ def read_isolated(reader, path, kind):
     try:
         timer.start()
         ready = process.stdout.read(1) == READY
-        answer = _received(process.stdout) if ready else None
+        answer = _receive(process.stdout) if ready else None
         if answer is None:
             process.wait()
     finally:
@@ -73,13 +73,13 @@ def read_isolated(reader, path, kind):
         process.stdout.close()
         code = process.wait()
     if answer is not None:
-        found, error, failure, told = answer
-        for message, category in told:
+        result, error, failure, messages = answer
+        for message, category in messages:
             warnings.warn(f"{path.name}: {message}", category, stacklevel=3)
         if error is not None:
             raise error
         if not failure:
-            return found
+            return result
     elif late.is_set():
         failure = f"it took more than {seconds:.0f} s"
     elif ready:
@@ -92,7 +92,7 @@ def read_isolated(reader, path, kind):
     )
 
 
-def _started(reader, path, memory, seconds):
+def _start(reader, path, memory, seconds):
     """The child; it can import what this process can."""
     places = [place or str(Path.cwd()) for place in sys.path]
     own = {"PYTHONPATH": os.pathsep.join(places), "OPENBLAS_NUM_THREADS": "1"}
@@ -107,15 +107,15 @@ def _started(reader, path, memory, seconds):
     )
 
 
-def _received(stream):
-    """What the child has to say: (found, ParameterError, another failure, warnings), or None."""
+def _receive(stream):
+    """The child's answer: (result, ParameterError, another failure, warnings), or None."""
     try:
         head, sizes = pickle.load(stream)
         parts = [bytearray(size) for size in sizes]
         if any(stream.readinto(part) < len(part) for part in parts):
             return None
         return pickle.loads(head, buffers=parts)
-    except Exception:  # whatever a process leaves behind that died amid a sentence
+    except Exception:  # the process died while it sent
         return None
 
 
@@ -140,10 +140,10 @@ def _serve():
     answers.flush()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        found, error, failure = _outcome(reader, Path(path), int(memory))
-    told = dict.fromkeys((str(one.message), one.category) for one in caught)
+        result, error, failure = _outcome(reader, Path(path), int(memory))
+    messages = dict.fromkeys((str(one.message), one.category) for one in caught)
     parts: list = []
-    head = pickle.dumps((found, error, failure, [*told]), 5, buffer_callback=parts.append)
+    head = pickle.dumps((result, error, failure, [*messages]), 5, buffer_callback=parts.append)
     raw = [part.raw() for part in parts]
     pickle.dump((head, [part.nbytes for part in raw]), answers)
     for part in raw:
@@ -153,7 +153,7 @@ def _serve():
 
 
 def _outcome(reader, path, memory):
-    """(found, ParameterError, another failure) of a reader."""
+    """(result, ParameterError, another failure) of a reader."""
     try:
         return reader(path), None, ""
     except ParameterError as error:

@@ -1,16 +1,16 @@
-"""Which column of a file is which quantity, by its name."""
+"""Assigns quantities to the columns of a file, by the names of these."""
 
 import re
 
 from ...errors import ParameterError
-from .suggested import OTHERS, likely, named
-from .table import listed, nearest, shown
+from .suggestions import NOT_OTHERS, column_reference, suggested_column
+from .table import name_list, quoted, suggest_name
 from .titles import letters
 
 _POINT = r"(?:lp|loadpoint|loadingpoint|loadpt|ram|loading|load|actuator|piston|drive|driver)"
 _MOVED = r"(?:disp|displ|displacement|position|pos|dist|distance)"
 
-#: symbol -> patterns of the letters of a name, the surest first
+#: symbol -> patterns of the letters of a name, the most certain first
 PATTERNS = {
     "time": (
         r"(?:t|time|times)",
@@ -18,10 +18,10 @@ PATTERNS = {
         r"|time(?:stamp|elapsed|column)?|secs?|seconds?|tsec",
     ),
     "delta_lp": (
-        rf"{OTHERS}.*{_POINT}.*{_MOVED}.*|{OTHERS}.*{_MOVED}.*(?:lp|loadpoint)"
+        rf"{NOT_OTHERS}.*{_POINT}.*{_MOVED}.*|{NOT_OTHERS}.*{_MOVED}.*(?:lp|loadpoint)"
         rf"|deltalp|ulp|xlp|dlp|lp|loadpoint",
-        rf"{OTHERS}(?:shear|total|cumulative|cum)?{_MOVED}s?(?:shear|mm|um)?",
-        rf"{OTHERS}.*{_MOVED}.*",
+        rf"{NOT_OTHERS}(?:shear|total|cumulative|cum)?{_MOVED}s?(?:shear|mm|um)?",
+        rf"{NOT_OTHERS}.*{_MOVED}.*",
     ),
     "V_load": (
         rf"vlp|vload|v0?lp|lpv|{_POINT}(?:point)?(?:vel|velocity|speed|rate)"
@@ -52,8 +52,8 @@ PATTERNS = {
 }
 
 
-def found(table, columns):
-    """Symbol -> index of its column, for those that were asked for and those that names tell.
+def choose_columns(table, columns):
+    """Symbol -> index of its column: those that were requested, and others by their names.
 
     Parameters
     ----------
@@ -68,33 +68,36 @@ def found(table, columns):
     """
     columns = {} if columns is None else columns
     if not isinstance(columns, dict) or any(symbol not in PATTERNS for symbol in columns):
-        given = "" if not isinstance(columns, dict) else f" (given {listed(map(str, columns))})"
+        given = "" if not isinstance(columns, dict) else f" (given {name_list(map(str, columns))})"
         raise ParameterError(
             f"columns must name some of {', '.join(PATTERNS)}{given}, such as "
             f"columns={{'time': 'Time(s)', 'delta_lp': 2}}"
         )
-    chosen = {symbol: _asked(table, symbol, asked) for symbol, asked in columns.items()}
+    chosen = {
+        symbol: _requested_column(table, symbol, request) for symbol, request in columns.items()
+    }
     taken = set(chosen.values())
     for symbol in PATTERNS:
-        if symbol in chosen or _spared(symbol, chosen):
+        if symbol in chosen or _is_replaced(symbol, chosen):
             continue
-        # beside friction, stresses are welcome but not needed
+        # beside friction, stresses are optional
         needed = symbol not in ("tau", "sigma") or "friction" not in chosen
-        index = _recognised(table, symbol, taken, needed)
+        index = _column_by_name(table, symbol, taken, needed)
         if index is not None:
             chosen[symbol] = index
             taken.add(index)
-    return _complete(table, chosen)
+    _check_complete(table, chosen)
+    return chosen
 
 
-def _spared(symbol, chosen):
-    """Whether other columns stand for this one."""
+def _is_replaced(symbol, chosen):
+    """Whether other columns replace this one."""
     instead = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "sigma"}}
     return symbol in instead and instead[symbol] <= set(chosen)
 
 
-def _complete(table, chosen):
-    """The columns, if they are all that a record needs."""
+def _check_complete(table, chosen):
+    """Refuse columns that are not all that a record needs."""
     needs = {
         "time": ["time"],
         "delta_lp or V_load (of the load point)": ["delta_lp", "V_load"],
@@ -104,80 +107,79 @@ def _complete(table, chosen):
     for need, ways in needs.items():
         if not set(ways) & set(chosen):
             symbol = ways[-1 if "tau" in need else 0]
-            like = likely(table, symbol, set(chosen.values()))
-            such = f", such as columns={{'{symbol}': {like}}}"
-            such = such if like else f", in columns={{'{symbol}': ...}}"
+            column = suggested_column(table, symbol, set(chosen.values()))
+            example = f", such as columns={{'{symbol}': {column}}}"
+            example = example if column else f", in columns={{'{symbol}': ...}}"
             raise ParameterError(
-                f"no column is known as {need}; the file has {listed(table.titles)}"
-                f"{table.not_read()}: say which by title or number{such}"
+                f"no column is known as {need}; the file has {name_list(table.titles)}"
+                f"{table.unread_text()}: say which by title or number{example}"
             )
-    return chosen
 
 
-def beside(table, chosen, symbol):
-    """The column of a quantity that was not chosen, by its name; None if there is none."""
+def other_column(table, chosen, symbol):
+    """A column with the name of a quantity that was not chosen; None if there is none."""
     own = [id(column) for column in chosen.values()]
     taken = {i for i, column in enumerate(table.columns) if id(column) in own}
-    index = _recognised(table, symbol, taken, needed=False)
+    index = _column_by_name(table, symbol, taken, needed=False)
     return None if index is None else table.columns[index]
 
 
-def _asked(table, symbol, asked):
-    """Index of the column that was asked for by title or number."""
+def _requested_column(table, symbol, request):
+    """Index of the column that was requested by title or number."""
     titles = table.titles
-    if isinstance(asked, int) and not isinstance(asked, bool):
-        if 1 <= asked <= len(titles):
-            return asked - 1
+    if isinstance(request, int) and not isinstance(request, bool):
+        if 1 <= request <= len(titles):
+            return request - 1
         raise ParameterError(
-            f"columns: {symbol} = {asked} is no column; give a number from 1 to {len(titles)}"
+            f"columns: {symbol} = {request} is no column; give a number from 1 to {len(titles)}"
         )
-    if not isinstance(asked, str):
+    if not isinstance(request, str):
         raise ParameterError(
-            f"columns: {symbol} = {asked!r} is neither a title nor a number; give one of "
-            f"{listed(titles)}"
+            f"columns: {symbol} = {request!r} is neither a title nor a number; give one of "
+            f"{name_list(titles)}"
         )
     ways = [titles, [column.name for column in table.columns]]
     ways += [[letters(name) for name in way] for way in ways]
-    for way, wanted in zip(ways, [asked] * 2 + [letters(asked)] * 2, strict=True):
+    for way, wanted in zip(ways, [request] * 2 + [letters(request)] * 2, strict=True):
         same = [i for i, name in enumerate(way) if name == wanted]
         if len(same) == 1:
             return same[0]
         if same:
             raise ParameterError(
-                f"columns: {symbol} = {shown(asked)} is the name of {len(same)} columns, numbers "
-                f"{', '.join(str(i + 1) for i in same)}; give the number"
+                f"columns: {symbol} = {quoted(request)} is the name of {len(same)} columns, "
+                f"numbers {', '.join(str(i + 1) for i in same)}; give the number"
             )
     raise ParameterError(
-        f"columns: {symbol} = {shown(asked)} is no column; expected one of {listed(titles)}"
-        f"{nearest(asked, titles)}"
+        f"columns: {symbol} = {quoted(request)} is no column; expected one of {name_list(titles)}"
+        f"{suggest_name(request, titles)}"
     )
 
 
-def known(name, patterns):
-    """Which of the patterns fits the letters of a name first, None if none does."""
-    fits = (rank for rank, pattern in enumerate(patterns) if re.fullmatch(pattern, name))
-    return next(fits, None)
+def match_rank(name, patterns):
+    """Index of the first pattern that matches the letters of a name, None if none does."""
+    ranks = (rank for rank, pattern in enumerate(patterns) if re.fullmatch(pattern, name))
+    return next(ranks, None)
 
 
-def _recognised(table, symbol, taken, needed):
+def _column_by_name(table, symbol, taken, needed):
     """Index of the one column that has such a name, None if there is none.
 
-    Several as sure as each other are an error where the column is needed, else left out.
+    Several that match equally well are an error where the column is needed, else left out.
     """
-    sure = {
-        i: known(letters(column.name), PATTERNS[symbol])
+    ranks = {
+        i: match_rank(letters(column.name), PATTERNS[symbol])
         for i, column in enumerate(table.columns)
         if i not in taken
     }
     for rank in range(len(PATTERNS[symbol])):
-        same = [i for i, own in sure.items() if own == rank]
+        same = [i for i, own in ranks.items() if own == rank]
         if len(same) == 1:
             return same[0]
         if same and needed:
-            told = listed([table.titles[i] for i in same])
+            candidates = name_list([table.titles[i] for i in same])
             raise ParameterError(
-                f"{symbol} may be any of the columns {told}; say which, such as "
-                f"columns={{'{symbol}': {named(table, same[0])}}}"
+                f"{symbol} may be any of the columns {candidates}; say which, such as "
+                f"columns={{'{symbol}': {column_reference(table, same[0])}}}"
             )
         if same:
             return None

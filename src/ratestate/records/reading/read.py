@@ -7,17 +7,17 @@ import numpy as np
 
 from ...errors import ParameterError, RecordWarning
 from ...model.quantities import attrs
-from .agreement import coarse, doubtful
-from .found import found_in_words
-from .levels import levels_of
-from .names import found
-from .opened import opened
+from .agreement import coarse_resolution, disagreements
+from .history_text import describe_history
+from .names import choose_columns
+from .open_table import open_table
 from .rows import Rows, check_alive, check_numbers
-from .segments import segments_of
+from .segments import segments_from_displacement
 from .sizes import check_sizes, checked_units, in_si, unit_of
-from .table import shown
-from .values import drop_codes, drop_impossible, turn_negative
-from .window import ends, inside
+from .table import quoted
+from .values import drop_codes, drop_impossible, flip_negative
+from .velocity import segments_from_velocity
+from .window import rows_inside, window_ends
 
 
 def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
@@ -30,7 +30,7 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
         HDF5 (NetCDF 4 as well); or MAT.  The latter two are read by a process of their own (some
         0.3 s), for damaged ones may end the process that reads them, or fill the memory.
     columns : dict, optional
-        Which column is which, where their names do not tell: some of ``time``, ``delta_lp``
+        Which column is which, where their names do not decide: some of ``time``, ``delta_lp``
         (displacement of the load point), ``V_load`` (its velocity), ``friction``, ``tau`` and
         ``sigma``, each with a title of the file or a number from 1 on, as in
         ``{"time": "Time(s)", "delta_lp": 2}``.
@@ -47,8 +47,8 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
         [m] or ``V_load`` [m/s], and ``tau`` and ``sigma`` [Pa] if they were recorded.  Along
         ``segment``: ``segment_t`` [s], ``segment_V`` [m/s] (0 in a hold) and their standard errors
         ``segment_t_error`` and ``segment_V_error``: the load point's constant speeds.  The
-        attribute ``found`` tells steps and holds in words, ``notes`` (a JSON list) what was left
-        out or looks odd, by row, and ``columns`` (JSON) where each variable comes from.
+        attribute ``found`` is a text on steps and holds, ``notes`` (a JSON list) has what was left
+        out or looks odd, by row, and ``columns`` (JSON) the source of each variable.
 
     Raises
     ------
@@ -69,8 +69,9 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     'velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)'
     """
     units, windows = checked_units(units), _windows(time, displacement)
-    path, table = opened(path)
-    chosen = {symbol: table.columns[index] for symbol, index in found(table, columns).items()}
+    path, table = open_table(path)
+    indices = choose_columns(table, columns)
+    chosen = {symbol: table.columns[index] for symbol, index in indices.items()}
     if unused := set(units) - set(chosen):
         raise ParameterError(
             f"units: {', '.join(sorted(unused))} is none of the columns that are read "
@@ -91,55 +92,56 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     for symbol, values in record.items():
         check_alive(symbol, values, chosen[symbol])
         check_sizes(symbol, values, chosen[symbol], unit[symbol])
-    turned = turn_negative(record) + _turn(record)
+    flips = flip_negative(record) + _flip_downward(record)
     record = drop_impossible(rows, record)
     rows.find_gaps()
     segments = _history(record)
-    told = rows.warnings + notes + doubtful(table, chosen, rows, record, segments)
-    for text in told:
+    messages = rows.warnings + notes + disagreements(table, chosen, rows, record, segments)
+    for text in messages:
         warnings.warn(f"{path.name}: {text}", RecordWarning, stacklevel=2)
     data = _dataset(record, segments)
     data.attrs["source"] = path.name
     data.attrs["columns"] = json.dumps(
         {s: {"title": c.title, "unit": unit[s]} for s, c in chosen.items()}
     )
-    data.attrs["notes"] = json.dumps(told + turned + segments.notes)
+    data.attrs["notes"] = json.dumps(messages + flips + segments.notes)
     return data
 
 
 def _windows(time, displacement):
     """The windows that were given: symbol -> (from, to, name)."""
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
-    windows = {s: (ends(s, window, name), name) for s, (window, name) in given.items()}
+    windows = {s: (window_ends(s, window, name), name) for s, (window, name) in given.items()}
     return {s: window for s, window in windows.items() if window[0] is not None}
 
 
-def _with_units(chosen, asked, units):
-    """Columns and their units; a column that nobody needs goes, with a note, if it has none."""
-    found_, notes = {}, []
+def _with_units(chosen, requested, units):
+    """Columns, their units, and notes on optional columns left out for want of a unit."""
+    unit, notes = {}, []
     for symbol, column in chosen.items():
-        spare = symbol in ("tau", "sigma") and "friction" in chosen and symbol not in asked
+        stress = symbol in ("tau", "sigma")
+        optional = stress and "friction" in chosen and symbol not in requested
         try:
-            found_[symbol] = unit_of(column, symbol, units)
+            unit[symbol] = unit_of(column, symbol, units)
         except ParameterError as error:
-            if not spare:
+            if not optional:
                 raise
             notes.append(f"{symbol} is left out: {error}")
-    return {symbol: chosen[symbol] for symbol in found_}, found_, notes
+    return {symbol: chosen[symbol] for symbol in unit}, unit, notes
 
 
 def _check_lengths(chosen):
     sizes = {column.values.size for column in chosen.values()}
     if len(sizes) > 1:
-        told = ", ".join(f"{shown(c.title)} has {c.values.size}" for c in chosen.values())
+        listed = ", ".join(f"{quoted(c.title)} has {c.values.size}" for c in chosen.values())
         raise ParameterError(
-            f"the columns have different numbers of rows: {told}; name those of one record in "
+            f"the columns have different numbers of rows: {listed}; name those of one record in "
             f"columns"
         )
 
 
 def _cut(rows, chosen, unit, windows):
-    """Leave the rows in the windows."""
+    """Keep only the rows in the windows."""
     for symbol, (window, name) in windows.items():
         if symbol not in chosen:
             raise ParameterError(
@@ -147,13 +149,13 @@ def _cut(rows, chosen, unit, windows):
                 "give time=... instead"
             )
         values = in_si(symbol, chosen[symbol].values[rows.kept], unit[symbol])
-        first, last = inside(symbol, values, window, name)
+        first, last = rows_inside(symbol, values, window, name)
         rows.kept = rows.kept[first:last]
     rows.check_enough(" in the window" if windows else "")
 
 
-def _turn(record):
-    """Turn a load point that moves downwards; a note if it did."""
+def _flip_downward(record):
+    """Flip the sign of a load point that moves downwards; notes (list of str) on it."""
     if "delta_lp" in record:
         symbol, x = "delta_lp", record["delta_lp"]
         part = max(1, x.size // 20)
@@ -167,14 +169,14 @@ def _turn(record):
 
 
 def _history(record):
-    """What the load point did: `Segments`."""
+    """The load point's history: `Segments`."""
     if "delta_lp" in record:
-        return segments_of(record["time"], record["delta_lp"])
-    return levels_of(record["time"], record["V_load"])
+        return segments_from_displacement(record["time"], record["delta_lp"])
+    return segments_from_velocity(record["time"], record["V_load"])
 
 
 def _dataset(record, segments):
-    """The Dataset, with what is found in it."""
+    """The Dataset, with the load point's history."""
     import xarray
 
     t = record["time"]
@@ -183,9 +185,11 @@ def _dataset(record, segments):
     labels = {"segment_t": segments.t, "segment_V": segments.V}
     labels |= {"segment_t_error": segments.t_error, "segment_V_error": segments.V_error}
     variables |= {s: ("segment", values, attrs(s)) for s, values in labels.items()}
-    words = coarse(record, segments) or found_in_words(segments, t, record.get("delta_lp"))
+    history = coarse_resolution(record, segments) or describe_history(
+        segments, t, record.get("delta_lp")
+    )
     return xarray.Dataset(
         variables,
         coords={"time": ("time", t, attrs("time"))},
-        attrs={"title": "ratestate read_lab", "found": words},
+        attrs={"title": "ratestate read_lab", "found": history},
     )

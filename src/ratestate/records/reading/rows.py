@@ -1,24 +1,24 @@
-"""Rows of a record that cannot be used, or look odd: left out, told by number, or refused."""
+"""Rows of a record that cannot be used, or look odd: left out, reported by number, or refused."""
 
 import re
 
 import numpy as np
 
 from ...errors import ParameterError
-from .table import shown
+from .table import quoted
 
 FEWEST = 10  # rows
-TOLD = 5  # rows of each kind
-#: a gap is a step of time so many times longer than is usual on either side of it
+LISTED = 5  # rows of each kind in a message
+#: a gap is a step of time so many times longer than usual on either side of it
 GAP = 5.0
-#: a step of time so many times shorter than is usual is none: no speed can be told from it
+#: a step of time this short, over the usual one, counts as 0: it gives no speed
 SAME = 1e-9
-BESIDE = 10  # rows that tell what is usual
+NEIGHBOURS = 10  # rows that define what is usual
 CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
 class Rows:
-    """The rows that are kept, as indices into the table, with what there is to say of them.
+    """The rows that are kept, as indices into the table, with warnings on the others.
 
     Parameters
     ----------
@@ -34,14 +34,14 @@ class Rows:
         self.kept = np.arange(t.size)
         self.warnings: list[str] = []
 
-    def told(self, rows, what=None):
-        """Some rows in words: "line 17 ('x' in 'Time(s)'), line 20 and 3 more"."""
-        words = []
-        for row in rows[:TOLD]:
+    def listed(self, rows, what=None):
+        """Some rows as a message lists them: "line 17 ('x' in 'Time(s)'), line 20 and 3 more"."""
+        texts = []
+        for row in rows[:LISTED]:
             more = f" ({what(row)})" if what else ""
-            words.append(f"{self.table.number(row)}{more}")
-        more = f" and {len(rows) - TOLD} more" if len(rows) > TOLD else ""
-        return ", ".join(words) + more
+            texts.append(f"{self.table.row_label(row)}{more}")
+        more = f" and {len(rows) - LISTED} more" if len(rows) > LISTED else ""
+        return ", ".join(texts) + more
 
     def drop_unreadable(self):
         """Leave out rows without a number in a column that is needed."""
@@ -50,7 +50,7 @@ class Rows:
             for symbol, column in self.columns.items():
                 check_numbers(self.table, symbol, column, self.kept)
         good = np.all([np.isfinite(column.values[self.kept]) for column in columns], axis=0)
-        self.leave_out(~good, "for want of a number", self._cell)
+        self.leave_out(~good, "for want of a number", self._bad_cell)
 
     def leave_out(self, bad, why, what):
         """Leave out some of the rows that are kept.
@@ -65,24 +65,24 @@ class Rows:
         rows = self.kept[bad]
         self.kept = self.kept[~bad]
         if rows.size:
-            self.warnings.append(f"{_rows(rows.size)} left out {why}: {self.told(rows, what)}")
+            self.warnings.append(f"{_rows(rows.size)} left out {why}: {self.listed(rows, what)}")
 
-    def _cell(self, row):
-        """What stands in a row instead of a number."""
+    def _bad_cell(self, row):
+        """The cell of a row that is not a number, as a message shows it."""
         column = next(c for c in self.columns.values() if not np.isfinite(c.values[row]))
         text = self.table.odd.get((row, column.title), str(column.values[row]))
-        return f"{shown(text) if text else 'nothing'} in {shown(column.title)}"
+        return f"{quoted(text) if text else 'nothing'} in {quoted(column.title)}"
 
     def order(self):
         """Leave out repeated times; refuse times that run backwards."""
         t = self.t[self.kept]
         backwards = self.kept[1:][np.diff(t) < 0.0]
         if backwards.size:
-            place = int(np.argmax(np.diff(t) < 0.0))
+            i = int(np.argmax(np.diff(t) < 0.0))
             raise ParameterError(
-                f"time runs backwards at {self.told(backwards)}, first from {t[place]:.10g} s to "
-                f"{t[place + 1]:.10g} s; sort the rows by time, or, if the file holds several "
-                f"records, read each by its window, such as time=(None, '{t[place]:.10g} s'), or "
+                f"time runs backwards at {self.listed(backwards)}, first from {t[i]:.10g} s to "
+                f"{t[i + 1]:.10g} s; sort the rows by time, or, if the file holds several "
+                f"records, read each by its window, such as time=(None, '{t[i]:.10g} s'), or "
                 f"from a file of its own"
             )
         steps = np.diff(t)
@@ -94,7 +94,7 @@ class Rows:
             coarse = "; the times have too few digits" if 10 * bad.size > t.size else ""
             self.warnings.append(
                 f"{_rows(bad.size)} left out with the time of the row before: "
-                f"{self.told(bad, lambda row: f'{self.t[row]:.10g} s')}{coarse}"
+                f"{self.listed(bad, lambda row: f'{self.t[row]:.10g} s')}{coarse}"
             )
 
     def find_gaps(self):
@@ -105,15 +105,15 @@ class Rows:
         beside = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
         gaps = []
         for i in np.flatnonzero(dt > GAP * beside):
-            sides = [dt[max(0, i - BESIDE) : i], dt[i + 1 : i + 1 + BESIDE]]
+            sides = [dt[max(0, i - NEIGHBOURS) : i], dt[i + 1 : i + 1 + NEIGHBOURS]]
             # the sampling rate may change: then the step is usual on one side
             if dt[i] > GAP * max(float(np.median(side)) for side in sides if side.size):
                 gaps.append(i)
         if gaps:
             length = {int(self.kept[i + 1]): dt[i] for i in gaps}
-            told = self.told(list(length), lambda row: f"{length[row]:.3g} s")
-            one = "a gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
-            self.warnings.append(f"{one} in time before {told}")
+            listed = self.listed(list(length), lambda row: f"{length[row]:.3g} s")
+            count = "a gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
+            self.warnings.append(f"{count} in time before {listed}")
 
     def check_enough(self, why=""):
         """Refuse a record of hardly any rows."""
@@ -138,8 +138,8 @@ def check_numbers(table, symbol, column, rows=slice(None)):
     if symbol == "time" and CLOCK.search(text):
         remedy = "dates and clock times are not read: convert them to seconds from the start"
     raise ParameterError(
-        f"the column {shown(column.title)} ({symbol}) has no number in any row, but "
-        f"{shown(text) if text else 'nothing'} in {table.number(row)}; {remedy}"
+        f"the column {quoted(column.title)} ({symbol}) has no number in any row, but "
+        f"{quoted(text) if text else 'nothing'} in {table.row_label(row)}; {remedy}"
     )
 
 
@@ -152,6 +152,6 @@ def check_alive(symbol, values, column):
     if symbol == "tau":
         symbol = "tau, and so friction perhaps,"
     raise ParameterError(
-        f"the column {shown(column.title)} ({symbol}) is {values[0]:.6g} in all {values.size} "
+        f"the column {quoted(column.title)} ({symbol}) is {values[0]:.6g} in all {values.size} "
         f"rows: a dead channel; name another in columns, or choose another window"
     )

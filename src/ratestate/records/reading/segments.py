@@ -6,16 +6,16 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import readable
-from .lines import breaks, noise_of
+from .runs import breakpoints, noise_variances
 from .splits import MOST, Rows, cut
-from .steps import ROUNDED, WANDER, oddities, scatter_of, steps_and_jumps, still, without_ramps
+from .steps import ROUNDED, WANDER, mark_holds, oddities, scatter_of, steps_and_jumps, without_ramps
 
 #: rows in which noise is looked for by a second search, and by how much it must lessen the scatter
 SHORT, SUCCESS = 16, 5.0
 
 
 class Segments(NamedTuple):
-    """What was found: starts [s] and speeds [m/s] with their standard errors, and notes."""
+    """Starts [s] and speeds [m/s] of segments with their standard errors, and notes."""
 
     t: np.ndarray
     V: np.ndarray
@@ -61,18 +61,18 @@ def find_segments(t, delta_lp):
     >>> segment_t.round(6).tolist(), segment_V.round(12).tolist()
     ([0.0, 45.0], [1e-06, 1e-05])
     """
-    found = segments_of(t, delta_lp)
-    return found.t, found.V
+    segments = segments_from_displacement(t, delta_lp)
+    return segments.t, segments.V
 
 
-def segments_of(t, x):
+def segments_from_displacement(t, x):
     """`find_segments` with errors and notes: `Segments`."""
-    t, x = checked(t, x)
+    t, x = checked_arrays(t, x)
     rows, runs = _runs(t, x)
-    runs, notes = still(t, x, runs, rows)
+    runs, notes = mark_holds(t, x, runs, rows)
     runs, ramps = without_ramps(t, x, runs)
     _check_forward(t, runs)
-    noise, at = noise_of(t, x, runs), breaks(t, runs)
+    noise, at = noise_variances(t, x, runs), breakpoints(t, runs)
     variance = [
         (s * one.variance(tau, -1) + z * other.variance(tau, 0)) / (one.V - other.V) ** 2
         for tau, one, other, s, z in zip(at, runs, runs[1:], noise, noise[1:], strict=False)
@@ -94,17 +94,17 @@ def _runs(t, x):
     that, a second search looks for noise in short spans only.
     """
     rows = Rows(t, x)
-    runs = steps_and_jumps(rows, few(cut(rows), t), t, x)
+    runs = steps_and_jumps(rows, check_count(cut(rows), t), t, x)
     scatter, steps = scatter_of(t, x, runs)
     if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
         again = Rows(t, x, longest=SHORT)
-        closer = steps_and_jumps(again, few(cut(again), t), t, x)
+        closer = steps_and_jumps(again, check_count(cut(again), t), t, x)
         if SUCCESS * scatter_of(t, x, closer)[0] < scatter:
             return again, closer
     return rows, runs
 
 
-def checked(t, x, symbol="delta_lp"):
+def checked_arrays(t, x, symbol="delta_lp"):
     """Times and values as arrays of numbers, or ParameterError."""
     t, x = np.asarray(t, float), np.asarray(x, float)
     if t.ndim != 1 or t.shape != x.shape or t.size < 4:
@@ -120,8 +120,8 @@ def checked(t, x, symbol="delta_lp"):
     return t, x
 
 
-def few(cuts, t):
-    """The cuts, if they are not as many as a history without constant speeds would make."""
+def check_count(cuts, t):
+    """The cuts; refuses as many as a history without constant speeds would make."""
     if len(cuts) > MOST:
         raise ParameterError(
             f"the load point has no constant speeds from {t[0]:.6g} s to {t[-1]:.6g} s: more than "

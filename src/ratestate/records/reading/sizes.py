@@ -1,4 +1,4 @@
-"""Columns in SI: their units, and whether their sizes are what they say."""
+"""Columns in SI: their units, and checks of their sizes against them."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from ...errors import ParameterError
 from ...model.quantities import QUANTITIES, readable
 from ...model.units import to_si
 from .names import PATTERNS
-from .table import shown
+from .table import quoted
 from .titles import plain
 
 #: symbol -> least and largest typical size [SI] of what friction is measured with, by any machine
@@ -36,7 +36,7 @@ def unit_of(column, symbol, units):
         return "1"
     remedy = f"give units={{'{symbol}': '{LIKE.get(symbol, '1')}'}} or what it is in"
     if not unit:
-        raise ParameterError(f"the column {shown(column.title)} ({symbol}) has no unit; {remedy}")
+        raise ParameterError(f"the column {quoted(column.title)} ({symbol}) has no unit; {remedy}")
     try:
         to_si(symbol, f"1 {unit}", bound="")
     except ParameterError as error:
@@ -45,7 +45,7 @@ def unit_of(column, symbol, units):
         where = f"units: {symbol} = {unit!r}" if given else f"the unit {unit!r}"
         other = "" if "divided" in what else ", or name another column in columns"
         raise ParameterError(
-            f"{where} of the column {shown(column.title)} {what}; {remedy}{other}"
+            f"{where} of the column {quoted(column.title)} {what}; {remedy}{other}"
         ) from None
     return unit
 
@@ -63,19 +63,19 @@ def checked_units(units):
 
 
 def in_si(symbol, values, unit):
-    """Values of a column in SI; what is no number stays NaN."""
+    """Values of a column in SI; NaN stays NaN."""
     import xarray
 
     good = np.isfinite(values)
-    found = np.full(values.shape, np.nan)
+    converted = np.full(values.shape, np.nan)
     if good.any():
         rows = xarray.DataArray(values[good], dims="row", attrs={"units": unit})
-        found[good] = to_si(symbol, rows, label=symbol, bound="").values
-    return found
+        converted[good] = to_si(symbol, rows, label=symbol, bound="").values
+    return converted
 
 
 def check_sizes(symbol, values, column, unit):
-    """Raise for values of a size that nobody can have measured: the unit is another."""
+    """Refuse values of a size that nobody can have measured: their unit must be another."""
     span = symbol in ("time", "delta_lp")
     size = float(np.ptp(values) if span else np.median(np.abs(values)))
     if symbol == "friction":
@@ -90,6 +90,6 @@ def check_sizes(symbol, values, column, unit):
         remedy = "if it is in per cent, give units={'friction': '%'}; if it is a stress, name it so"
         remedy += " in columns={'tau': ...}"
     raise ParameterError(
-        f"the column {shown(column.title)} ({symbol}) {what}, and no record is of such a size "
+        f"the column {quoted(column.title)} ({symbol}) {what}, and no record is of such a size "
         f"({low:g} to {high:g}{si}); {remedy}"
     )

@@ -1,7 +1,7 @@
-"""Where a line breaks: rows of a record cut into runs on each of which a straight line fits.
+"""Cuts the rows of a record into runs, on each of which a straight line fits.
 
 Continuous lines that break at free times have two numbers for each line (with n lines: n slopes,
-n - 1 times, one offset), as many as n lines that know nothing of each other.  So the joint least
+n - 1 times, one offset), as many as n independent lines.  So the joint least
 squares of times and slopes are a line through the rows of each run by itself, broken where
 neighbours intersect; and sums over rows from the start on give the misfit of any run at once.
 """
@@ -42,13 +42,13 @@ class Rows:
         self.all = np.zeros((6, t.size + 1))
         self.all[:, 1:] = running_sum(columns)
         self.every = -(-t.size // CANDIDATES)
-        self.look_at(np.unique(np.append(np.arange(0, t.size, self.every), t.size)))
+        self.set_candidates(np.unique(np.append(np.arange(0, t.size, self.every), t.size)))
         self.noise = self._noise(longest)
 
-    def look_at(self, at):
+    def set_candidates(self, at):
         """Let these rows be the candidates."""
         self.at, self.sums = at, self.all[:, at]
-        self.best_cut = functools.cache(self._best_cut)  # asked for again and again
+        self.best_cut = functools.cache(self._best_cut)  # called repeatedly
 
     def misfit(self, i, j):
         """Sum of squares about the best line (or level) for rows ``at[i]`` to ``at[j]``."""
@@ -71,7 +71,7 @@ class Rows:
         return int(k[best]), float(self.misfit(i, j) - both[best])
 
     def _noise(self, longest):
-        """Variance of the noise, as cuts feel it.
+        """Variance of the noise, as it affects cuts.
 
         The typical fall of the misfit when a run without break is cut in the middle, for runs of
         all lengths up to a fortieth of the record, over what it is for white noise of variance 1.
@@ -80,16 +80,16 @@ class Rows:
         last = self.at.size - 1
         # the median of chi-squared with as many degrees as a cut has numbers
         typical = 1.386 if self.degree else 0.455
-        found = [1e-15 * self.scale]
+        variances = [1e-15 * self.scale]
         length = SHORTEST
         while length <= max(SHORTEST, min(last // 40, longest)):
             i = np.arange(0, last - 2 * length + 1, length)
             if i.size:
                 parts = self.misfit(i, i + length) + self.misfit(i + length, i + 2 * length)
                 fall = self.misfit(i, i + 2 * length) - parts
-                found.append(float(np.median(fall)) / typical)
+                variances.append(float(np.median(fall)) / typical)
             length *= 2
-        return max(found)
+        return max(variances)
 
 
 def cut(rows):
@@ -109,14 +109,14 @@ def cut(rows):
             open_ += [(i, k), (k, j)]
     if len(cuts) > MOST:
         return sorted(cuts)
-    cuts = moved(rows, sorted(cuts))
+    cuts = improve_cuts(rows, sorted(cuts))
     if rows.every > 1:
-        cuts = moved(rows, _closer(rows, cuts))
+        cuts = improve_cuts(rows, _closer(rows, cuts))
     while len(cuts) > 2:
-        m, fewer, gain = weakest(rows, cuts)
+        m, fewer, gain = weakest_cut(rows, cuts)
         if gain > least:
             break
-        cuts = moved(rows, fewer, near=m)
+        cuts = improve_cuts(rows, fewer, near=m)
     return cuts
 
 
@@ -124,32 +124,32 @@ def _closer(rows, cuts):
     """The same cuts, with all rows near them as candidates, not only every second or so."""
     near = np.arange(-2 * rows.every, 2 * rows.every + 1)
     places = rows.at[cuts]
-    found = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
-    rows.look_at(found[(found >= 0) & (found <= places[-1])])
+    candidates = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
+    rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
     return np.searchsorted(rows.at, places).tolist()
 
 
-def weakest(rows, cuts):
-    """What is missed least: (its place, the cuts without it, by how much the misfit rises).
+def weakest_cut(rows, cuts):
+    """The cut that matters least: (its index, the cuts without it, the rise of the misfit).
 
-    A cut, or two that one better placed cut may replace.
+    Or two cuts that one better placed cut may replace.
     """
     c = np.array(cuts)
     one = rows.misfit(c[:-1], c[1:])
     gains = rows.misfit(c[:-2], c[2:]) - one[:-1] - one[1:]
     m = int(np.argmin(gains))
-    found = m + 1, cuts[: m + 1] + cuts[m + 2 :], float(gains[m])
+    weakest = m + 1, cuts[: m + 1] + cuts[m + 2 :], float(gains[m])
     for m in range(1, len(cuts) - 2):
         i, j = cuts[m - 1], cuts[m + 2]
         k, gain = rows.best_cut(i, j)
         loss = float(rows.misfit(i, j) - gain - one[m - 1 : m + 2].sum())
-        if i < k and loss < found[2]:
-            found = m, [*cuts[:m], k, *cuts[m + 2 :]], loss
-    return found
+        if i < k and loss < weakest[2]:
+            weakest = m, [*cuts[:m], k, *cuts[m + 2 :]], loss
+    return weakest
 
 
-def moved(rows, cuts, near=None):
-    """The same cuts, each (or those near one place) at its best place between its neighbours."""
+def improve_cuts(rows, cuts, near=None):
+    """The cuts, each (or those near index `near`) at its best place between its neighbours."""
     cuts = list(cuts)
     inner = range(1, len(cuts) - 1)
     for _ in range(20):
@@ -163,6 +163,6 @@ def moved(rows, cuts, near=None):
     return cuts
 
 
-def without(rows, cuts, m):
+def remove_cut(rows, cuts, m):
     """The cuts but one, those beside it moved to their best places."""
-    return moved(rows, cuts[:m] + cuts[m + 1 :], near=m)
+    return improve_cuts(rows, cuts[:m] + cuts[m + 1 :], near=m)

@@ -1,4 +1,4 @@
-"""Runs between cuts, joined where no step is: speeds, holds, jumps and ramps."""
+"""Runs between cuts, joined where there is no step: speeds, holds, jumps and ramps."""
 
 import functools
 import itertools
@@ -6,15 +6,15 @@ import itertools
 import numpy as np
 
 from ...model.quantities import readable
-from .lines import Line, Run, fitted, joined, jump, noise_of, settled
-from .splits import without
+from .runs import Line, Run, fit_run, join_runs, jump_size, noise_variances, refine_breakpoints
+from .splits import remove_cut
 
 #: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
 STEP = 0.05
-#: least bend of the displacement that is a step, over its noise: machines wander by as much
-BEND = 3.0
+#: least deflection of the displacement by a step, over its noise: machines wander by as much
+DEFLECTION = 3.0
 #: standard errors of a speed up to which it is that of a hold, and of the noise that it moves
-STILL, CREPT = 3.0, 1.5
+HOLD_ERRORS, HOLD_SCATTER = 3.0, 1.5
 #: a hold's speed backwards, or its error, over the speed beside it: machines give a little
 BACK = 0.01
 #: longest ramp between two speeds, over the shorter of the times at these, that is no segment
@@ -33,14 +33,14 @@ def steps_and_jumps(rows, cuts, t, x):
 
     @functools.cache
     def run_of(i, j):
-        return fitted(t, x, Run((Line(i, j),)))
+        return fit_run(t, x, Run((Line(i, j),)))
 
     @functools.cache
     def change(i, j, k):
         """Size of the change at row j between runs from i on and up to k; whether x jumps."""
         one, other = run_of(i, j), run_of(j, k)
         size = _size(rows, one, other, t)
-        return size, size < 1.0 and jump(t, x, j, 0.5 * (one.V + other.V)) != 0.0
+        return size, size < 1.0 and jump_size(t, x, j, 0.5 * (one.V + other.V)) != 0.0
 
     while True:
         at = rows.at[cuts].tolist()
@@ -48,43 +48,43 @@ def steps_and_jumps(rows, cuts, t, x):
         weak = [1.0 if jumps else size for size, jumps in changes]
         if not weak or min(weak) >= 1.0:
             break
-        cuts = without(rows, cuts, int(np.argmin(weak)) + 1)
+        cuts = remove_cut(rows, cuts, int(np.argmin(weak)) + 1)
     runs = [run_of(*two) for two in itertools.pairwise(at)]
-    found = runs[:1]
+    joined = runs[:1]
     for run, (_, same) in zip(runs[1:], changes, strict=True):
         if same:
-            found[-1] = joined(found[-1], run)
+            joined[-1] = join_runs(joined[-1], run)
         else:
-            found.append(run)
-    return settled(t, x, found)
+            joined.append(run)
+    return refine_breakpoints(t, x, joined)
 
 
 def _size(rows, one, other, t):
-    """How much the change of speed between two runs is, over the least that is a step."""
-    turn = abs(one.V - other.V)
+    """Change of speed between two runs, over the least change that is a step."""
+    change = abs(one.V - other.V)
     T = [t[run.last - 1] - t[run.first] for run in (one, other)]
     error = (rows.noise / one.spread + rows.noise / other.spread) ** 0.5
-    least = max(STEP * max(abs(one.V), abs(other.V)), STILL * error)
-    bend = turn * T[0] * T[1] / sum(T) / (BEND * rows.noise**0.5)
-    return min(turn / least if least else 0.0, bend)
+    least = max(STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
+    deflection = change * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise**0.5)
+    return min(change / least if least else 0.0, deflection)
 
 
-def still(t, x, runs, rows):
-    """The same with holds, and notes: V = 0 where it cannot be told from 0."""
+def mark_holds(t, x, runs, rows):
+    """Runs with V = 0 where it cannot be distinguished from 0 (holds), and notes."""
     scatter, _ = scatter_of(t, x, runs)
     largest = max(abs(run.V) for run in runs)
-    found: list[Run] = []
+    marked: list[Run] = []
     notes = []
-    for m, (run, own) in enumerate(zip(runs, noise_of(t, x, runs), strict=True)):
+    for m, (run, own) in enumerate(zip(runs, noise_variances(t, x, runs), strict=True)):
         lasts = t[run.last - 1] - t[run.first]
         error = (max(rows.noise, own) / run.spread) ** 0.5
-        least = max(STILL * error, CREPT * scatter / lasts, ROUNDED * largest)
+        least = max(HOLD_ERRORS * error, HOLD_SCATTER * scatter / lasts, ROUNDED * largest)
         hold = abs(run.V) <= least
         beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
         if hold and least > BACK * beside > 0.0:
             notes.append(
                 f"V = 0 from {t[run.first]:.7g} s to {t[run.last - 1]:.7g} s: so short and noisy a "
-                f"hold cannot be told from a speed of up to {readable('V_lp', least, 2)}"
+                f"hold cannot be distinguished from a speed of up to {readable('V_lp', least, 2)}"
             )
         if not hold and -BACK * beside <= run.V < 0.0:
             hold = True
@@ -92,11 +92,11 @@ def still(t, x, runs, rows):
                 f"delta_lp runs back by {readable('delta_lp', -run.V * lasts, 2)} in the hold at "
                 f"{t[run.first]:.7g} s; taken as V = 0"
             )
-        if hold and found and found[-1].hold:
-            found[-1] = joined(found[-1], run, hold=True)
+        if hold and marked and marked[-1].hold:
+            marked[-1] = join_runs(marked[-1], run, hold=True)
         else:
-            found.append(run._replace(hold=bool(hold)))
-    return settled(t, x, found), notes
+            marked.append(run._replace(hold=bool(hold)))
+    return refine_breakpoints(t, x, marked), notes
 
 
 def without_ramps(t, x, runs):
@@ -116,7 +116,7 @@ def without_ramps(t, x, runs):
                 del runs[m:last]
                 break
         m += 1
-    return settled(t, x, runs), notes
+    return refine_breakpoints(t, x, runs), notes
 
 
 def scatter_of(t, x, runs):
@@ -130,7 +130,7 @@ def oddities(t, x, runs):
     notes = []
     for run in runs:
         for line in run.lines[1:]:
-            if gap := jump(t, x, line.first, run.V):
+            if gap := jump_size(t, x, line.first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
                 notes.append(
                     f"delta_lp jumps by {readable('delta_lp', gap, 3)} at {t[line.first]:.7g} s, "

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...errors import ParameterError
-from .table import Column, Table, shown
+from .table import Column, Table, quoted
 from .titles import split
 
 #: attributes in which units, and names of columns of an array, are kept
@@ -36,7 +36,7 @@ def read_hdf5(path):
             room -= item.nbytes
             if room < 0:
                 raise ParameterError(
-                    f"{path.name} is damaged: {shown(title)} would fill {item.nbytes:.3g} bytes, "
+                    f"{path.name} is damaged: {quoted(title)} would fill {item.nbytes:.3g} bytes, "
                     f"out of a file of {path.stat().st_size}; copy it again from where it comes "
                     f"from"
                 )
@@ -127,7 +127,7 @@ def _table(path, columns, texts=()):
     table = Table(columns, "row", unread=tuple(texts))
     if not columns:
         raise ParameterError(
-            f"{path.name} has no columns of numbers{table.not_read()}; expected arrays of one "
+            f"{path.name} has no columns of numbers{table.unread_text()}; expected arrays of one "
             f"length for time, displacement and friction"
         )
     return table

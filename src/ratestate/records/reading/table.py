@@ -1,4 +1,4 @@
-"""What a file holds before anything is known of its meaning: columns, and rows with numbers."""
+"""The contents of a file before they are interpreted: columns, and rows with numbers."""
 
 import difflib
 from typing import NamedTuple
@@ -9,8 +9,8 @@ import numpy as np
 class Column(NamedTuple):
     """A column as it stands in a file.
 
-    title : what the file calls it, with all there is; "column 3" in a file without header
-    name : that without unit and place; "" where there is none
+    title : its whole name in the file; "column 3" in a file without header
+    name : the title without unit and group; "" where there is none
     unit : the unit beside it in the file, as written; "" where there is none
     values : ndarray of float, NaN where a cell is no number
     """
@@ -40,29 +40,29 @@ class Table(NamedTuple):
     def titles(self):
         return [column.title for column in self.columns]
 
-    def not_read(self):
-        """The end of a sentence: what the file has that is no column of numbers."""
-        return f" (no real numbers, so not read: {listed(self.unread)})" if self.unread else ""
+    def unread_text(self):
+        """The end of a sentence on what the file has beside columns of numbers."""
+        return f" (no real numbers, so not read: {name_list(self.unread)})" if self.unread else ""
 
-    def number(self, row):
-        """How the reader finds a row (counted here from 0 on): "line 17"."""
+    def row_label(self, row):
+        """How a person finds a row (counted from 0 on) in the file: "line 17"."""
         return f"{self.row_name} {row + 1 if self.numbers is None else int(self.numbers[row])}"
 
 
-def shown(text, longest=60):
+def quoted(text, longest=60):
     """A text out of a file, as a message shows it: on one line, and short."""
     return repr(text if len(text) <= longest else text[: longest - 3] + "...")
 
 
-def listed(names, most=20):
+def name_list(names, most=20):
     """Names in a row, as a message lists them."""
-    names = [shown(name) for name in names]
+    names = [quoted(name) for name in names]
     more = [f"{len(names) - most} more"] if len(names) > most else []
     return ", ".join(names[:most] + more)
 
 
-def nearest(asked, names):
+def suggest_name(given, names):
     """The end of a message: which of these names was perhaps meant."""
     lower = {name.lower(): name for name in names}
-    near = difflib.get_close_matches(asked.lower()[:60], lower, n=1, cutoff=0.7)
-    return f"; did you mean {shown(lower[near[0]])}?" if near else ""
+    near = difflib.get_close_matches(given.lower()[:60], lower, n=1, cutoff=0.7)
+    return f"; did you mean {quoted(lower[near[0]])}?" if near else ""

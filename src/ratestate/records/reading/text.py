@@ -7,12 +7,12 @@ from collections import Counter
 import numpy as np
 
 from ...errors import ParameterError
-from .table import Column, Table, shown
+from .table import Column, Table, quoted
 from .titles import is_unit, plain, split
 
 COMMENTS = ("#", "%")
 DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
-LOOK = 200  # lines, by which the layout is known
+LOOK = 200  # lines from which the layout is found
 LARGEST = 10**9  # bytes, of which each takes some ten of memory
 LONGEST = 20_000  # characters of a line
 HEADER = 2_000  # lines above the numbers
@@ -109,7 +109,7 @@ def _is_data(cells):
 
 
 def _layout(path, lines):
-    """Index of the first line of numbers, and what stands between its cells."""
+    """Index of the first line of numbers, and the delimiter of its cells."""
     full = [i for i, line in enumerate(lines) if line.strip() and not _is_comment(line)]
     for start, after in zip(full[:HEADER], [*full[1:], None], strict=False):
         for delimiter in DELIMITERS:
@@ -120,7 +120,7 @@ def _layout(path, lines):
             # a date above the table is numbers as well
             if _is_data(cells) and (len(below) == len(cells) or not after):
                 return start, delimiter
-    begins = " and ".join(shown(lines[i].strip()) for i in full[:2])
+    begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
     what = f"has no line of numbers (it begins {begins})" if full else "is empty"
     raise ParameterError(
         f"{path.name} {what}; expected rows such as 11607.70, 8503.6, 0.607 with tabs, commas, "
@@ -148,9 +148,9 @@ def _header(lines, delimiter, width, start):
     kept = [line for line in lines if line.strip(" \t\r" + "".join(COMMENTS))]
     heads = [_names(line, delimiter, width) for line in kept]
     if heads and heads[-1] is None and not _is_comment(kept[-1]):
-        count = len(_words(kept[-1], delimiter))
+        count = len(_header_cells(kept[-1], delimiter))
         raise ParameterError(
-            f"the header {shown(kept[-1].strip())} has {count} names for {width} columns (line "
+            f"the header {quoted(kept[-1].strip())} has {count} names for {width} columns (line "
             f"{start + 1} has {width} numbers); mend it, or leave it out and give columns by "
             f"number and units, such as columns={{'time': 1, 'delta_lp': 2, 'friction': 3}}, "
             f"units={{'time': 's', 'delta_lp': 'um'}}"
@@ -161,10 +161,10 @@ def _header(lines, delimiter, width, start):
     if len(heads) > 1 and heads[-2] is not None and _all_units(names):
         names, below = heads[-2], names
     names = [name or f"column {i + 1}" for i, name in enumerate(names)]
-    found = [(name, *split(name)) for name in names]
+    columns = [(name, *split(name)) for name in names]
     if below is not None:
-        found = [(*own[:2], unit or own[2]) for unit, own in zip(below, found, strict=True)]
-    return found
+        columns = [(*own[:2], unit or own[2]) for unit, own in zip(below, columns, strict=True)]
+    return columns
 
 
 def _all_units(cells):
@@ -172,26 +172,26 @@ def _all_units(cells):
     return any(cells) and all(not plain(cell) or is_unit(cell) for cell in cells)
 
 
-def _words(line, delimiter):
-    """What stands in a line of the header."""
+def _header_cells(line, delimiter):
+    """The cells of a line of the header."""
     line = line.strip().lstrip("".join(COMMENTS)) if delimiter is None else line.strip(" \r")
     if delimiter is None:
-        found: list[str] = []
+        names: list[str] = []
         for word in line.split():  # "Time (s)" is one
-            bracket = found and (word[0] in "([{" or found[-1].count("(") > found[-1].count(")"))
+            bracket = names and (word[0] in "([{" or names[-1].count("(") > names[-1].count(")"))
             if bracket:
-                found[-1] += f" {word}"
+                names[-1] += f" {word}"
             else:
-                found.append(word)
-        return found
+                names.append(word)
+        return names
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
 
 
 def _names(line, delimiter, width):
     """The names in a line above the numbers, or None if they are not as many as columns."""
     bare = line.strip(" \r").lstrip("".join(COMMENTS)).strip(" \r")
-    ways = [_words(bare, delimiter), re.split(r"\s{2,}|\t", bare), _words(bare, ",")]
-    ways += [_words(bare, "\t"), bare.split()]
+    ways = [_header_cells(bare, delimiter), re.split(r"\s{2,}|\t", bare), _header_cells(bare, ",")]
+    ways += [_header_cells(bare, "\t"), bare.split()]
     for cells in ways:
         if len(cells) == width + 1 and not cells[-1]:
             cells = cells[:-1]

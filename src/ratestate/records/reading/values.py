@@ -1,18 +1,18 @@
-"""Values of single rows that nobody can have measured: their rows are left out, told by number."""
+"""Values that nobody can have measured: their rows are left out, and reported by number."""
 
 import numpy as np
 
 from ...model.quantities import readable
 from .sizes import USUAL
-from .table import shown
+from .table import quoted
 
 #: what loggers write where they have no value
 MISSING = (-999.0, -999.25, -9999.0, -99999.0)
-#: how far a single sample stands off from both neighbours, over the largest step of all others,
-#: to be none that was measured; of friction also over its typical size.  The peak of a direct
+#: least distance of an isolated sample from both neighbours, over the largest step of all others,
+#: and, of friction, also over its typical size.  The peak of a direct
 #: effect may be one sample, so can the end of a slip, but these are smaller.
 FAR, LEAST = 10.0, 0.1
-#: most samples that are looked at as single ones
+#: one in so many samples, at most, is tried as an isolated one
 PART = 100
 
 
@@ -22,14 +22,14 @@ def drop_codes(rows):
         values = column.values[rows.kept]
         for code in MISSING:
             bad = values == code
-            if bad.any() and _apart(values[~bad], code):
-                why = f"with {code:g} in {shown(column.title)}, a code for no value"
+            if bad.any() and _is_far_below(values[~bad], code):
+                why = f"with {code:g} in {quoted(column.title)}, a code for no value"
                 rows.leave_out(bad, why, None)
                 values = column.values[rows.kept]
 
 
-def _apart(others, code):
-    """Whether a value lies farther below all others than these go in ten of their steps."""
+def _is_far_below(others, code):
+    """Whether a value is below all others by more than ten times their largest step."""
     return others.size > 1 and others.min() - code > FAR * np.abs(np.diff(others)).max()
 
 
@@ -45,26 +45,26 @@ def drop_impossible(rows, record):
     if "sigma" in record:
         low, high = USUAL["sigma"]
         bad = (record["sigma"] < low) | (record["sigma"] > high)
-        # a dead column of it says nothing against friction that was recorded beside it
+        # a dead column of sigma is no reason to reject the friction recorded beside it
         if "friction" not in record or not bad.all():
             why = f"with normal stress outside {low:g} to {high:g} Pa"
-            record = _without(rows, record, bad, why, "sigma")
+            record = _drop_rows(rows, record, bad, why, "sigma")
     if "friction" not in record:
         record["friction"] = record["tau"] / record["sigma"]
     _, high = USUAL["friction"]
     why = f"with friction that no rock has (more than {high:g})"
-    record = _without(rows, record, np.abs(record["friction"]) > high, why, "friction")
+    record = _drop_rows(rows, record, np.abs(record["friction"]) > high, why, "friction")
     for symbol in ("friction", "delta_lp", "V_load"):
         if symbol in record:
             least = LEAST * float(np.median(np.abs(record[symbol]))) * (symbol == "friction")
             why = "as single samples far off from those before and after"
-            bad = single(record[symbol], least)
-            record = _without(rows, record, bad, why, symbol)
+            bad = isolated_samples(record[symbol], least)
+            record = _drop_rows(rows, record, bad, why, symbol)
     return record
 
 
-def single(values, least=0.0):
-    """Which samples stand off on one side from both neighbours, farther than all else moves.
+def isolated_samples(values, least=0.0):
+    """Mask of samples off to one side of both neighbours, by more than all other steps.
 
     Parameters
     ----------
@@ -87,8 +87,8 @@ def single(values, least=0.0):
     return bad
 
 
-def _without(rows, record, bad, why, symbol):
-    """The record without some rows, which are told with their value."""
+def _drop_rows(rows, record, bad, why, symbol):
+    """The record without some rows, which are reported with their values."""
     if not bad.any():
         return record
     values = dict(zip(rows.kept.tolist(), record[symbol].tolist(), strict=True))
@@ -97,8 +97,8 @@ def _without(rows, record, bad, why, symbol):
     return {s: column[~bad] for s, column in record.items()}
 
 
-def turn_negative(record):
-    """Turn friction and stresses that are negative throughout; notes on what was turned."""
+def flip_negative(record):
+    """Flip friction and stresses that are negative throughout; notes on them."""
     notes = []
     for symbol in ("friction", "tau", "sigma"):
         if symbol in record and np.quantile(record[symbol], 0.9) < 0.0:

@@ -7,7 +7,7 @@ from ...model.quantities import readable
 from ...model.units import to_si
 
 
-def ends(symbol, window, name):
+def window_ends(symbol, window, name):
     """Both ends of a window [SI], infinite where None is given."""
     if window is None:
         return None
@@ -32,8 +32,8 @@ def ends(symbol, window, name):
     return low, high
 
 
-def inside(symbol, values, window, name):
-    """First and last row + 1 of those in the window; the rows between go with them.
+def rows_inside(symbol, values, window, name):
+    """First row in the window, and one more than the last; the rows between count as inside.
 
     values : ndarray [SI], NaN among them
     """

@@ -1,4 +1,4 @@
-"""Straight lines through the runs of a record, and where and how surely they intersect."""
+"""Straight lines through the runs of a record, and their intersections with their errors."""
 
 import itertools
 import math
@@ -12,7 +12,7 @@ JUMP = 4.0  # least jump, over the standard deviation of these rows
 
 
 class Line(NamedTuple):
-    """What rows first to last - 1 say of a line through them: their means."""
+    """A line through rows first to last - 1, with their means."""
 
     first: int
     last: int
@@ -47,12 +47,12 @@ class Run(NamedTuple):
         return mean if self.hold else mean + (t - line.t) ** 2 / self.spread
 
     def residual(self, t, x):
-        """What the lines leave of the displacement."""
+        """The displacement less the lines."""
         parts = [(slice(line.first, line.last), line) for line in self.lines]
         return np.concatenate([x[i] - line.x - self.V * (t[i] - line.t) for i, line in parts])
 
 
-def fitted(t, x, run):
+def fit_run(t, x, run):
     """A run with the slope and the lines that fit its rows best; levels for a hold."""
     lines, spread, along = [], 0.0, 0.0
     for line in run.lines:
@@ -65,33 +65,33 @@ def fitted(t, x, run):
     return run._replace(lines=tuple(lines), V=V, spread=spread)
 
 
-def joined(one, other, hold=False):
+def join_runs(one, other, hold=False):
     """Two runs as one, with lines of its own for each."""
     return Run(one.lines + other.lines, hold)
 
 
-def breaks(t, runs):
+def breakpoints(t, runs):
     """Times at which each run meets the next one; midway between them if they hardly do."""
-    found = []
+    times = []
     for one, other in itertools.pairwise(runs):
         middle = 0.5 * (t[one.last - 1] + t[other.first])
-        turn = one.V - other.V
-        meet = middle + (other.at(middle, 0) - one.at(middle, -1)) / turn if turn else middle
+        change = one.V - other.V
+        meet = middle + (other.at(middle, 0) - one.at(middle, -1)) / change if change else middle
         near = t[one.lines[-1].first] < meet < t[other.lines[0].last - 1]
-        found.append(float(meet if near else middle))
-    return np.array(found)
+        times.append(float(meet if near else middle))
+    return np.array(times)
 
 
-def settled(t, x, runs):
+def refine_breakpoints(t, x, runs):
     """Runs with the rows that lie between their breaks: the joint least squares.
 
     Neighbours with rows between them that belong to neither (a ramp) keep them so.
     """
-    runs = [fitted(t, x, run) for run in runs]
+    runs = [fit_run(t, x, run) for run in runs]
     seen = set()
     for _ in range(ROUNDS):
         changed = list(runs)
-        for m, edge in enumerate(np.searchsorted(t, breaks(t, runs)).tolist()):
+        for m, edge in enumerate(np.searchsorted(t, breakpoints(t, runs)).tolist()):
             one, other = changed[m], changed[m + 1]
             *before, last = one.lines
             first, *after = other.lines
@@ -102,35 +102,35 @@ def settled(t, x, runs):
         if changed == runs or places in seen:
             break
         seen.add(places)
-        runs = [fitted(t, x, run) for run in changed]
+        runs = [fit_run(t, x, run) for run in changed]
     return runs
 
 
-def noise_of(t, x, runs):
-    """Variance of each run that white noise would need to make its errors.
+def noise_variances(t, x, runs):
+    """Variance for each run of the white noise that would cause its errors.
 
-    That of its rows, times what correlation makes of it in the record as a whole: the sum of the
-    correlations over all lags, as the next row tells it, or as means over 2, 4, 8, ... rows
-    (up to a twentieth of the record) scatter; whichever is more.
+    It is the variance of its rows, times a factor for correlation in the record as a whole: the sum
+    of the correlations over all lags, from neighbouring rows, or from the scatter of means over
+    2, 4, 8, ... rows (up to a twentieth of the record); whichever is larger.
     """
-    left = [run.residual(t, x) for run in runs]
-    lost = [len(run.lines) + (not run.hold) for run in runs]
-    levels = [float(r @ r) / max(1, r.size - n) for r, n in zip(left, lost, strict=True)]
-    pure = np.concatenate([r / (s**0.5 or 1.0) for r, s in zip(left, levels, strict=True)])
-    next_ = min(0.99, float(pure[1:] @ pure[:-1]) / (float(pure @ pure) or 1.0))
-    found = [1.0, (1.0 + next_) / (1.0 - next_)]
+    residuals = [run.residual(t, x) for run in runs]
+    parameters = [len(run.lines) + (not run.hold) for run in runs]
+    levels = [float(r @ r) / max(1, r.size - n) for r, n in zip(residuals, parameters, strict=True)]
+    unit = np.concatenate([r / (s**0.5 or 1.0) for r, s in zip(residuals, levels, strict=True)])
+    next_ = min(0.99, float(unit[1:] @ unit[:-1]) / (float(unit @ unit) or 1.0))
+    factors = [1.0, (1.0 + next_) / (1.0 - next_)]
     batch = 2
-    while batch <= pure.size // 20:
-        means = pure[: pure.size // batch * batch].reshape(-1, batch).mean(axis=1)
-        found.append(batch * float(means @ means) / means.size)
+    while batch <= unit.size // 20:
+        means = unit[: unit.size // batch * batch].reshape(-1, batch).mean(axis=1)
+        factors.append(batch * float(means @ means) / means.size)
         batch *= 2
-    return [max(found) * level for level in levels]
+    return [max(factors) * level for level in levels]
 
 
-def jump(t, x, row, V):
-    """By how much a displacement jumps just before a row where it runs at speed V; 0 if not.
+def jump_size(t, x, row, V):
+    """Jump of a displacement just before a row where it runs at speed V; 0 if there is none.
 
-    A jump stands out of the rows beside it; a machine that wanders does not.
+    A jump exceeds the scatter of the rows beside it; a machine that wanders does not.
     """
     x = x - V * (t - t[row])
     before, after = x[max(0, row - NEAR) : row], x[row : row + NEAR]

@@ -1,4 +1,4 @@
-"""A file as a table, by what it begins with."""
+"""Opens a file as a table; its first bytes decide the format."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ FOREIGN = {
 }
 
 
-def opened(path):
+def open_table(path):
     """Path and `Table` of a record.
 
     Raises

@@ -1,11 +1,11 @@
-"""What was found in a record, in a line of words."""
+"""The steps and holds of a record as a line of text."""
 
 import numpy as np
 
 from ...model.quantities import PREFIXES, power_of, readable
 
 
-def found_in_words(segments, t, displacement=None):
+def describe_history(segments, t, displacement=None):
     """Steps and holds, such as "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)".
 
     Parameters
@@ -20,19 +20,19 @@ def found_in_words(segments, t, displacement=None):
         V = segments.V[0]
         return f"no step: {'a hold' if V == 0.0 else f'steady at {_speed(V)}'} throughout"
     ends = np.append(segments.t[1:], t[-1])
-    words = []
+    texts = []
     for i in range(segments.V.size):
         start, V = segments.t[i], segments.V[i]
         before = segments.V[i - 1] if i else None
         if V == 0.0:
-            place = f"from {_time(start)}" + (_where(start, t, displacement) if i else "")
-            words.append(f"hold of {readable('t', ends[i] - start, 4)} {place}")
+            since = f"from {_time(start)}" + (_displacement(start, t, displacement) if i else "")
+            texts.append(f"hold of {readable('t', ends[i] - start, 4)} {since}")
         elif before == 0.0:
-            words.append(f"slide at {_speed(V)} from {_time(start)}")
+            texts.append(f"slide at {_speed(V)} from {_time(start)}")
         elif before is not None:
-            at = f"at {_time(start)}{_where(start, t, displacement)}"
-            words.append(f"velocity step {_speeds(before, V)} {at}")
-    return "; ".join(words)
+            at = f"at {_time(start)}{_displacement(start, t, displacement)}"
+            texts.append(f"velocity step {_speeds(before, V)} {at}")
+    return "; ".join(texts)
 
 
 def _speed(V):
@@ -52,7 +52,7 @@ def _time(t):
     return f"{t:.1f} s" if abs(t) >= 100.0 else f"{t:.4g} s"
 
 
-def _where(start, t, displacement):
+def _displacement(start, t, displacement):
     """The displacement at a time, in brackets."""
     if displacement is None:
         return ""

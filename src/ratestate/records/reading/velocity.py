@@ -1,4 +1,4 @@
-"""The history of the load point out of its velocity, as it was recorded."""
+"""The load point's history from its recorded velocity."""
 
 import itertools
 
@@ -6,36 +6,38 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import readable
-from .segments import Segments, checked, few
-from .splits import Rows, cut, without
-from .steps import ROUNDED, STEP, STILL
+from .segments import Segments, check_count, checked_arrays
+from .splits import Rows, cut, remove_cut
+from .steps import HOLD_ERRORS, ROUNDED, STEP
 
 #: variance of the place of a jump by k standard deviations, found by least squares: this many
 #: samples squared, over k^4 (Yao, Annals of Statistics 15, 1987, for small k)
 PLACE = 26.0
 
 
-def levels_of(t, V):
-    """`Segments` out of speeds [m/s] that were recorded; steps lie midway between two rows.
+def segments_from_velocity(t, V):
+    """`Segments` from recorded speeds [m/s]; steps lie midway between two rows.
 
     Raises
     ------
     ParameterError
         As in `find_segments`.
     """
-    t, V = checked(t, V, "V_load")
+    t, V = checked_arrays(t, V, "V_load")
     rows = Rows(t, V, degree=0)
-    cuts = few(cut(rows), t)
+    cuts = check_count(cut(rows), t)
     while True:
         at = rows.at[cuts].tolist()
         means = np.array([V[i:j].mean() for i, j in itertools.pairwise(at)])
         errors = np.sqrt(rows.noise / np.diff(at))
-        means[np.abs(means) <= np.maximum(STILL * errors, ROUNDED * np.abs(means).max())] = 0.0
-        turns = np.abs(np.diff(means))
-        changes = turns / np.maximum(np.maximum(np.abs(means[1:]), np.abs(means[:-1])), 1e-300)
+        means[np.abs(means) <= np.maximum(HOLD_ERRORS * errors, ROUNDED * np.abs(means).max())] = (
+            0.0
+        )
+        jumps = np.abs(np.diff(means))
+        changes = jumps / np.maximum(np.maximum(np.abs(means[1:]), np.abs(means[:-1])), 1e-300)
         if not changes.size or changes.min() >= STEP:
             break
-        cuts = without(rows, cuts, int(np.argmin(changes)) + 1)
+        cuts = remove_cut(rows, cuts, int(np.argmin(changes)) + 1)
     if means.min() < 0.0:
         i = int(np.argmin(means))
         raise ParameterError(
@@ -43,7 +45,7 @@ def levels_of(t, V):
             f"moves at V >= 0: leave that span out with time=..."
         )
     before, after = t[np.array(at[1:-1], int) - 1], t[np.array(at[1:-1], int)]
-    place = np.sqrt(1.0 / 12.0 + PLACE * (rows.noise / turns**2) ** 2)
+    place = np.sqrt(1.0 / 12.0 + PLACE * (rows.noise / jumps**2) ** 2)
     return Segments(
         np.append(t[0], 0.5 * (before + after)),
         means,
