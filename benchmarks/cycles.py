@@ -27,7 +27,7 @@ from report import Part, power
 from timing import cpu, interleaved, one_core
 
 import ratestate as rs
-from ratestate.dynamics.cycles.attractor import settle, steady_start
+from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
 from ratestate.dynamics.cycles.shooting import System
 from ratestate.paper.parameters import FIG2
 
@@ -146,7 +146,7 @@ def _scipy(part, law):
     K, eta = sample(n, 3, ETA_SCIPY)
     exact = truth(listed(law, K, eta)) / [[1.0], [BASE.a]]
     system = System(law, K, np.full(n, 2.0), eta, np.full(n, np.inf))
-    points = settle(system, steady_start(system), EXACT, False, None).u
+    points = find_attractors(system, steady_start(system), EXACT, False, None).u
     cases = [
         case_of(sliders(law, K[i], eta[i]), system.at(i), points[i], T)
         for i, T in enumerate(exact[0])

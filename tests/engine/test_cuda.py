@@ -105,7 +105,7 @@ def turns(law):
     u = np.stack([psi, np.linspace(0.1, 0.4, 7)], axis=1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(shooting, "MAX_STEPS", 700.0)
-        found = shooting.turn(
+        found = shooting.return_map(
             system,
             shooting.state(system, u),
             RTOL,

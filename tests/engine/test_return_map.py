@@ -8,11 +8,11 @@ import sys
 
 import numpy as np
 import pytest
-from dimensionless import P1, P2, P4A, P4B, jacobian, rates, some, system
+from dimensionless import P1, P2, P4A, P4B, jacobian, make_system, random_sliders, rates
 from scipy.integrate import solve_ivp
 
-from ratestate.dynamics.cycles.attractor import settle, steady_start
-from ratestate.dynamics.cycles.shooting import multipliers, state, turn
+from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
+from ratestate.dynamics.cycles.shooting import multipliers, return_map, state
 from ratestate.engine import dispatch
 from ratestate.engine.model import FINISHED, NOT_FINITE, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
 from ratestate.engine.return_map import RETURN_NUMBERS, Starts
@@ -27,21 +27,23 @@ LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 @LAWS
 @pytest.mark.parametrize("eta", [1e-20, 1e-12, 1e-7, 1e-3, 0.1, 1.0, 10.0, 1e4])
 def test_derivative_by_differences(law, eta):
-    """Of the map, the period and the lowest stress; by differences of much finer turns."""
-    those, y = some(law, 12, eta)
-    turns = turn(those, y, 1e-9, alone=False)
-    assert turns.came_back.all()
-    assert np.abs(turns.jacobian[:, 0, 0]).max() > 1e-4  # there is something to see
+    """Of the map, the period and the lowest stress; by differences of much finer returns."""
+    system, y = random_sliders(law, 12, eta)
+    returns = return_map(system, y, 1e-9, alone=False)
+    assert returns.came_back.all()
+    assert np.abs(returns.jacobian[:, 0, 0]).max() > 1e-4  # there is something to see
     # eta d G is lost in the rounding of x where eta is small, and so is G
     for column, name in enumerate("ab" if eta > 1e-4 else "a"):
-        along = state(those, np.eye(2)[[column] * len(y)])
+        along = state(system, np.eye(2)[[column] * len(y)])
         d = 3e-5 * (np.abs(y).max(axis=1) if name == "a" else 1 / (1 + eta / 10))
-        up, down = (turn(those, y + sign * (d * along.T).T, 1e-12, alone=False) for sign in (1, -1))
-        pairs = [(turns.jacobian[:, 0, :], up.image[:, 0], down.image[:, 0])]
+        up, down = (
+            return_map(system, y + sign * (d * along.T).T, 1e-12, alone=False) for sign in (1, -1)
+        )
+        pairs = [(returns.jacobian[:, 0, :], up.image[:, 0], down.image[:, 0])]
         if not 1e-9 <= eta <= 1e-4:  # between, little is left of G but rounding
-            pairs.append((turns.jacobian[:, 1, :], up.image[:, 1], down.image[:, 1]))
+            pairs.append((returns.jacobian[:, 1, :], up.image[:, 1], down.image[:, 1]))
         for number in ("period", "x_low"):
-            slopes = np.stack([turns.numbers[f"{number}_{of}"] for of in "ab"], axis=1)
+            slopes = np.stack([returns.numbers[f"{number}_{of}"] for of in "ab"], axis=1)
             pairs.append((slopes, up.numbers[number], down.numbers[number]))
         for slopes, above, below in pairs:
             off = np.abs(slopes[:, column] - (above - below) / (2 * d))
@@ -52,10 +54,10 @@ def test_derivative_by_differences(law, eta):
 @LAWS
 def test_turns_follow_the_tolerance(law):
     """Errors of the section's next point and of the period: near the tolerance, on both sides."""
-    those, y = some(law, 24)
-    exact = turn(those, y, 1e-12, alone=False)
+    system, y = random_sliders(law, 24)
+    exact = return_map(system, y, 1e-12, alone=False)
     for rtol in (1e-5, 1e-7, 1e-9):
-        found = turn(those, y, rtol, alone=False)
+        found = return_map(system, y, rtol, alone=False)
         off = np.abs(found.image[:, 0] - exact.image[:, 0]) / np.hypot(y[:, 0], y[:, 2])
         assert off.max() < 10 * rtol
         assert off.max() > 1e-2 * rtol  # the test is not blind
@@ -68,8 +70,8 @@ def test_turns_follow_the_tolerance(law):
 # SciPy's variational equations --------------------------------------------------------------------
 
 
-class Turn:
-    """One turn from the section's point u by SciPy: the state with two perturbations and the trace.
+class Return:
+    """One return from the section's u by SciPy: the state with two perturbations and the trace.
 
     In the perturbations' rows the Jacobian given to Radau leaves out their dependence on the
     state, which costs it iterations and no accuracy.
@@ -134,20 +136,20 @@ class Turn:
 )
 def test_derivative_of_smooth_cycles(law, parameters):
     """Against DOP853 through the variational equations: both multipliers, Liouville's product."""
-    those = system(law, *parameters)
-    settled = settle(those, steady_start(those), 1e-10, False, None)
-    assert settled.status == FINISHED
-    u = settled.u[0]
-    turns = turn(those, state(those, settled.u), 1e-12, alone=False)
-    numbers = {name: value[0] for name, value in turns.numbers.items()}
-    exact = Turn(law, *parameters, u, 1.2 * numbers["period"], "DOP853", 1e-13)
+    system = make_system(law, *parameters)
+    attractors = find_attractors(system, steady_start(system), 1e-10, False, None)
+    assert attractors.status == FINISHED
+    u = attractors.u[0]
+    returns = return_map(system, state(system, attractors.u), 1e-12, alone=False)
+    numbers = {name: value[0] for name, value in returns.numbers.items()}
+    exact = Return(law, *parameters, u, 1.2 * numbers["period"], "DOP853", 1e-13)
     assert numbers["period"] == pytest.approx(exact.period, rel=1e-11)
     assert numbers["x_low"] == pytest.approx(exact.x_low, rel=1e-11)
-    np.testing.assert_allclose(turns.image[0], exact.image, rtol=1e-10)
+    np.testing.assert_allclose(returns.image[0], exact.image, rtol=1e-10)
     np.testing.assert_allclose(
-        turns.jacobian[0], exact.jacobian, rtol=0, atol=1e-9 * np.abs(exact.jacobian).max()
+        returns.jacobian[0], exact.jacobian, rtol=0, atol=1e-9 * np.abs(exact.jacobian).max()
     )
-    first, second = multipliers(turns)[0]
+    first, second = multipliers(returns)[0]
     theirs = np.linalg.eigvals(exact.jacobian)
     theirs = theirs[np.argsort(-np.abs(theirs))]
     assert first == pytest.approx(theirs[0], rel=1e-9)
@@ -156,7 +158,7 @@ def test_derivative_of_smooth_cycles(law, parameters):
     if exact.trace > math.log(1e-8):
         product = np.linalg.det(exact.jacobian)
         assert abs(first * second) == pytest.approx(product, rel=1e-6)
-        assert np.linalg.det(turns.jacobian[0]) == pytest.approx(product, rel=1e-6)
+        assert np.linalg.det(returns.jacobian[0]) == pytest.approx(product, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -166,23 +168,23 @@ def test_derivative_of_smooth_cycles(law, parameters):
 )
 def test_derivative_of_stick_slip(law, parameters, multiplier):
     """Against Radau; rounding of x - beta psi over eta leaves it no digits of G."""
-    those = system(law, *parameters)
-    settled = settle(those, steady_start(those), 1e-10, False, None)
-    turns = turn(those, state(those, settled.u), 1e-12, alone=False)
-    numbers = {name: value[0] for name, value in turns.numbers.items()}
-    exact = Turn(law, *parameters, settled.u[0], 1.2 * numbers["period"], "Radau", 3e-9)
+    system = make_system(law, *parameters)
+    attractors = find_attractors(system, steady_start(system), 1e-10, False, None)
+    returns = return_map(system, state(system, attractors.u), 1e-12, alone=False)
+    numbers = {name: value[0] for name, value in returns.numbers.items()}
+    exact = Return(law, *parameters, attractors.u[0], 1.2 * numbers["period"], "Radau", 3e-9)
     assert numbers["period"] == pytest.approx(exact.period, rel=1e-10)
     assert numbers["x_low"] == pytest.approx(exact.x_low, rel=1e-10)
-    assert turns.image[0, 0] == pytest.approx(exact.image[0], rel=1e-10)
+    assert returns.image[0, 0] == pytest.approx(exact.image[0], rel=1e-10)
     assert numbers["trace"] == pytest.approx(exact.trace, rel=1e-9)
     theirs = np.linalg.eigvals(exact.jacobian)
-    first, second = multipliers(turns)[0]
+    first, second = multipliers(returns)[0]
     assert first == pytest.approx(theirs[np.argmax(np.abs(theirs))], rel=1e-6)
     assert first == pytest.approx(multiplier, rel=1e-6)  # Radau at 1e-11
     assert second == 0  # exp of minus 1e9 and more
 
 
-# What ends a turn ---------------------------------------------------------------------------------
+# What ends a return -------------------------------------------------------------------------------
 
 
 @LAWS
@@ -194,15 +196,15 @@ def test_statuses(law):
         (math.nan, 0.1, np.inf),
     ]
     kappa, eta, v_limit = np.array(kinds).T
-    those = system(law, kappa, 2.0, eta, v_limit)
-    y = state(those, np.array([[0.5, 1.0], [1e-3, 1e-3], [0.5, 1.0], [0.5, 1.0]]))
-    turns = turn(those, y, 1e-6, alone=False, steady_tol=2e-3)
-    assert turns.status.tolist() == [FINISHED, STEADY_SLIDING, RUNAWAY, NOT_FINITE]
-    assert np.isnan(turns.image[1:]).all()
-    assert np.isfinite(turns.image[0]).all()
-    assert turns.came_back.tolist() == [True, False, False, False]
+    system = make_system(law, kappa, 2.0, eta, v_limit)
+    y = state(system, np.array([[0.5, 1.0], [1e-3, 1e-3], [0.5, 1.0], [0.5, 1.0]]))
+    returns = return_map(system, y, 1e-6, alone=False, steady_tol=2e-3)
+    assert returns.status.tolist() == [FINISHED, STEADY_SLIDING, RUNAWAY, NOT_FINITE]
+    assert np.isnan(returns.image[1:]).all()
+    assert np.isfinite(returns.image[0]).all()
+    assert returns.came_back.tolist() == [True, False, False, False]
     # nothing is steady that is not asked to be
-    assert turn(those, y, 1e-6, alone=False).status[1] == FINISHED
+    assert return_map(system, y, 1e-6, alone=False).status[1] == FINISHED
 
 
 def test_step_limit():
@@ -231,17 +233,17 @@ def test_step_limit():
 @LAWS
 def test_a_turn_is_from_maximum_to_maximum(law):
     """From anywhere to the next rise of V through V_lp; from one to the next, not to itself."""
-    those, y = some(law, 24)
+    system, y = random_sliders(law, 24)
     assert (y[:, 1] == 0).all()
-    turns = turn(those, y, 1e-8, alone=False)
-    numbers = turns.numbers
+    returns = return_map(system, y, 1e-8, alone=False)
+    numbers = returns.numbers
     assert (numbers["G"] > 0).all()
     assert (numbers["x_low"] < numbers["x"]).all()
     assert (numbers["period"] > 2).all()
     # from a state between two maxima to the second of them
-    smooth, y = some(law, 4, 1.0)
-    turns = turn(smooth, y, 1e-11, alone=False)
-    period = turns.numbers["period"]
+    smooth, y = random_sliders(law, 4, 1.0)
+    returns = return_map(smooth, y, 1e-11, alone=False)
+    period = returns.numbers["period"]
     between = y.copy()
     for i, (kappa, beta, eta) in enumerate(zip(*smooth[1:4], strict=True)):
         f, J = rates(law, kappa, beta, eta), jacobian(law, kappa, beta, eta)
@@ -249,29 +251,31 @@ def test_a_turn_is_from_maximum_to_maximum(law):
         span = (0, 0.4 * period[i])
         run = solve_ivp(lambda t, y, f=f: f(y), span, y[i], "Radau", **settings)
         between[i] = run.y[:, -1]
-    rest = turn(smooth, between, 1e-11, alone=False)
-    np.testing.assert_allclose(rest.image, turns.image, rtol=1e-9)
+    rest = return_map(smooth, between, 1e-11, alone=False)
+    np.testing.assert_allclose(rest.image, returns.image, rtol=1e-9)
     np.testing.assert_allclose(rest.numbers["period"], 0.6 * period, rtol=1e-9)
 
 
 # Lanes --------------------------------------------------------------------------------------------
 
 
-def every(turns):
-    return np.column_stack([turns.status, *turns.numbers.values(), turns.jacobian.reshape(-1, 4)])
+def every(returns):
+    return np.column_stack(
+        [returns.status, *returns.numbers.values(), returns.jacobian.reshape(-1, 4)]
+    )
 
 
 @LAWS
 @pytest.mark.parametrize("observed", [False, True])
 def test_same_bits_anywhere(law, observed, monkeypatch):
-    those, y = some(law, 40)
+    system, y = random_sliders(law, 40)
     rtol = 10 ** np.random.default_rng(3).uniform(-9, -4, 40)
     period = np.full(40, 7.0) if observed else None
 
     def run(pick):
-        mine = those.at(pick)
+        mine = system.at(pick)
         guess = None if period is None else period[pick]
-        return every(turn(mine, y[pick], rtol[pick], alone=False, period=guess))
+        return every(return_map(mine, y[pick], rtol[pick], alone=False, period=guess))
 
     whole = run(np.arange(40))
     rng = np.random.default_rng(4)
@@ -288,10 +292,10 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
 @LAWS
 def test_alone(law):
     """The scalar path: other rounding, the same answer."""
-    those, y = some(law, 20)
-    whole = turn(those, y, 1e-8, alone=False, period=np.full(20, 7.0))
+    system, y = random_sliders(law, 20)
+    whole = return_map(system, y, 1e-8, alone=False, period=np.full(20, 7.0))
     for i in range(20):
-        one = turn(those.at([i]), y[[i]], 1e-8, alone=True, period=np.full(1, 7.0))
+        one = return_map(system.at([i]), y[[i]], 1e-8, alone=True, period=np.full(1, 7.0))
         assert one.status[0] == whole.status[i]
         for name in ("period", "x", "psi", "x_low", "slow", "mean", "square"):
             value = whole.numbers[name][i]
@@ -302,14 +306,14 @@ def test_alone(law):
 SCRIPT = """
 import json
 import numpy as np
-from ratestate.dynamics.cycles.shooting import System, state, turn
+from ratestate.dynamics.cycles.shooting import System, state, return_map
 
 out = []
 for law in ("slip", "aging"):
-    those = System(law, np.array([0.9, 0.48]), np.array([2.0, 1.6]), np.array([0.1, 1e-10]),
+    system = System(law, np.array([0.9, 0.48]), np.array([2.0, 1.6]), np.array([0.1, 1e-10]),
                    np.full(2, np.inf))
-    y = state(those, np.array([[0.3, 0.5], [0.4, 1.6 * 0.4]]))
-    found = turn(those, y, 1e-6, alone=False, period=np.full(2, 7.0))
+    y = state(system, np.array([[0.3, 0.5], [0.4, 1.6 * 0.4]]))
+    found = return_map(system, y, 1e-6, alone=False, period=np.full(2, 7.0))
     out.append([found.status.tolist(), np.array([*found.numbers.values()]).tolist(),
                 found.jacobian.tolist()])
 print(json.dumps(out))

@@ -3,28 +3,28 @@
 import numpy as np
 
 from ratestate.dynamics.cycles.attractor import steady_start
-from ratestate.dynamics.cycles.shooting import System, state, turn
+from ratestate.dynamics.cycles.shooting import System, return_map, state
 
 #: kappa, beta, eta of cycles in numerics.md
 P1 = P4A = (1.5, 2.0, 0.512)
 P2 = P4B = (0.48, 1.6, 5e-8)
 
 
-def system(law, kappa, beta, eta, v_limit=np.inf):
+def make_system(law, kappa, beta, eta, v_limit=np.inf):
     values = np.broadcast_arrays([0.0], kappa, beta, eta, v_limit)[1:]
     return System(law, *(np.array(v, float) for v in values))
 
 
-def some(law, n, eta=None, seed=5):
+def random_sliders(law, n, eta=None, seed=5):
     """Sliders of every kind, all with cycles, and points of the section on their way there."""
     rng = np.random.default_rng(seed)
     beta = 1 + 10 ** rng.uniform(-0.7, 0.7, n)
     eta = 10 ** rng.uniform(-20, 4, n) if eta is None else np.full(n, eta)
     softness = 10 ** rng.uniform(-4, -0.2, n)
-    those = system(law, (1 - softness) * (beta - 1), beta, eta)
-    first = turn(those, steady_start(those), 1e-6, alone=False)
+    system = make_system(law, (1 - softness) * (beta - 1), beta, eta)
+    first = return_map(system, steady_start(system), 1e-6, alone=False)
     assert first.came_back.all()
-    return those, state(those, first.image)
+    return system, state(system, first.image)
 
 
 def rates(law, kappa, beta, eta):

@@ -143,7 +143,7 @@ def march(case, y, segments, t_end, tol=1e-12, method="Radau"):
 
 
 class Cycle(NamedTuple):
-    """One turn from the section V = V_lp, V rising, to itself."""
+    """One return from the section V = V_lp, V rising, to itself."""
 
     end: np.ndarray  # (tau/sigma, ln theta) there
     period: float
@@ -155,7 +155,7 @@ class Cycle(NamedTuple):
 
 
 def one_cycle(case, stress, log_theta, V_lp, t_max, tol=1e-12, method="Radau"):
-    """The turn that begins at this point of the section."""
+    """The return that begins at this point of the section."""
     log_v = math.log(V_lp)
 
     def up(t, y):

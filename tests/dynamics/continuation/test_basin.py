@@ -96,24 +96,24 @@ def test_no_step_down_leaves():
 
 @pytest.mark.parametrize("name", ["step_up", *KICKS])
 def test_unstable_cycle_lies_on_the_edge(name):
-    """An orbit from just inside lingers on it: its amplitude and period, for tens of turns."""
+    """An orbit from just inside lingers on it: its amplitude and period, for tens of periods."""
     period = float(edge().unstable_period)
     inside = float(edge()[name])
-    for turns in (6.5, 30.5):
-        run = disturbed(STRIP, V_LP, name, [inside], turns * period, rtol=1e-9).isel(size=0)
-        assert run.cycles > turns - 2
+    for periods in (6.5, 30.5):
+        run = disturbed(STRIP, V_LP, name, [inside], periods * period, rtol=1e-9).isel(size=0)
+        assert run.cycles > periods - 2
         off = float(run.amplitude / edge().unstable_amplitude) - 1
-        assert abs(off) < 1e-5 * float(edge().unstable_multiplier) ** turns
+        assert abs(off) < 1e-5 * float(edge().unstable_multiplier) ** periods
         assert float(run.frequency) * period == pytest.approx(1, abs=2e-5)
 
 
 def test_unstable_multiplier():
-    """What is left of a distance from the unstable cycle grows by it in a turn."""
+    """A distance from the unstable cycle grows by it in a period."""
     period, size = float(edge().unstable_period), float(edge().kick_up)
     sizes = size * (1 + np.array([-2e-3, 2e-3]))
     early, late = (
-        disturbed(STRIP, V_LP, "kick_up", sizes, turns * period, rtol=1e-10).amplitude
-        for turns in (5.5, 25.5)
+        disturbed(STRIP, V_LP, "kick_up", sizes, periods * period, rtol=1e-10).amplitude
+        for periods in (5.5, 25.5)
     )
     growth = float((late[1] - late[0]) / (early[1] - early[0])) ** (1 / 20)
     assert growth > 1.015

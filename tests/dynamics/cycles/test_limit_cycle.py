@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import ratestate as rs
 from ratestate import SpringSlider, limit_cycle, logspace, simulate
 from ratestate.dynamics.cycles import attractor
-from ratestate.dynamics.cycles.small_cycles import soft_cycle
+from ratestate.dynamics.cycles.small_cycles import small_cycle
 from ratestate.engine.model import NO_CONVERGENCE, RUNAWAY
 
 FIG2 = SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
@@ -344,15 +344,15 @@ def test_error_is_what_it_says(law):
         assert far.max() > 0.01 * rtol  # the test is not blind
 
 
-def test_a_soft_cycle_is_looked_for_once(monkeypatch):
+def test_a_small_cycle_is_sought_once(monkeypatch):
     """It is that of the slider, wherever its orbit is; where it is none, it is none for good."""
     asked = []
 
     def counted(*arguments):
         asked.append(arguments)
-        return soft_cycle(*arguments)
+        return small_cycle(*arguments)
 
-    monkeypatch.setattr(attractor, "soft_cycle", counted)
+    monkeypatch.setattr(attractor, "small_cycle", counted)
     slider = sliders([1.000021318697708], [2.547042082424036], [2.131869813939853e-05], "slip")
     assert limit_cycle(slider, 1e-3).status.values[0] == NO_CONVERGENCE
     assert len(asked) == 1
@@ -379,7 +379,7 @@ def test_birth(law, K):
     assert (np.abs(ratio - 1) < 2 * epsilon + rounding).all()
     assert (np.abs(found.frequency / point.frequency - 1) < 2 * epsilon).all()
     assert (found.error < 1e-8 + 2 * rounding).all()
-    # one turn takes away twice as much of a small distance as it adds to that from steady sliding
+    # one return takes away twice as much of a small distance as it adds to that from steady sliding
     added = rs.stability(slider, V_lp).growth_rate * found.period
     taken = -np.log(found.multipliers[:, 0].real)
     np.testing.assert_allclose(taken[:4], 2 * added[:4], rtol=0.03)
@@ -471,7 +471,7 @@ kind = st.tuples(
 )
 def test_answers_or_names_why_not(monkeypatch, law, rtol, kinds):
     # The few that never settle would take all the time; the next test has late ones.
-    monkeypatch.setattr(attractor, "MOST_ROUNDS", 50)
+    monkeypatch.setattr(attractor, "MAX_STEPS", 50)
     beta, eta, ratio, towards = np.array(kinds).T
     ratio = np.where(beta > 1, ratio, 10.0) * (1 + towards * eta)
     slider = sliders(ratio * np.sign(beta - 1), beta, eta, law)
@@ -504,6 +504,6 @@ def test_answers_or_names_why_not(monkeypatch, law, rtol, kinds):
     ("law", "beta"), [("slip", 1.0954239936519985), ("aging", 6.011872336272722)]
 )
 def test_runs_away_late(law, beta):
-    """Without inertia and barely softer than K_c_qs, after some 300 turns."""
+    """Without inertia and barely softer than K_c_qs, after some 300 returns."""
     found = limit_cycle(sliders([0.9999], [beta], [0.0], law), 1e-3, rtol=1e-6)
     assert found.status == RUNAWAY

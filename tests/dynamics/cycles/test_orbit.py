@@ -22,45 +22,45 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_it_closes_and_measures_as_the_cycle(name):
     slider, V_lp = CASES[name]
-    cycle, turn = cycle_and_orbit(slider, V_lp)
-    stress = turn.tau / slider.sigma
-    ends = np.array([stress, slider.a * np.log(turn.V), slider.b * np.log(turn.theta)])[:, [0, -1]]
+    cycle, run = cycle_and_orbit(slider, V_lp)
+    stress = run.tau / slider.sigma
+    ends = np.array([stress, slider.a * np.log(run.V), slider.b * np.log(run.theta)])[:, [0, -1]]
     amplitude = float(cycle.amplitude)
     assert np.abs(np.diff(ends)).max() < 1e-6 * amplitude
-    assert float(turn.time[-1]) == pytest.approx(float(cycle.period), rel=1e-14)
+    assert float(run.time[-1]) == pytest.approx(float(cycle.period), rel=1e-14)
     # the extremes lie between steps: sampled ones are smaller, and hardly so
     assert 0.999 < float(stress.max() - stress.min()) / amplitude < 1.0 + 1e-7
-    assert 0.99 < float(turn.V.max() / cycle.V_max) < 1.0 + 1e-6
-    assert turn.sizes["time"] > 50
+    assert 0.99 < float(run.V.max() / cycle.V_max) < 1.0 + 1e-6
+    assert run.sizes["time"] > 50
 
 
 @pytest.mark.parametrize("name", ["stick-slip", "quasi-harmonic"])
 def test_it_begins_at_the_stress_maximum(name):
     slider, V_lp = CASES[name]
-    turn = orbit(slider, V_lp)
-    assert turn.V[0] == pytest.approx(V_lp, rel=1e-13)
-    assert turn.V[1] > V_lp
-    assert float(turn.tau[0]) == pytest.approx(float(turn.tau.max()), rel=1e-9)
+    run = orbit(slider, V_lp)
+    assert run.V[0] == pytest.approx(V_lp, rel=1e-13)
+    assert run.V[1] > V_lp
+    assert float(run.tau[0]) == pytest.approx(float(run.tau.max()), rel=1e-9)
 
 
 def test_the_equations_bring_it_back():
     slider, V_lp = CASES["quasi-harmonic"]
-    turn = orbit(slider, V_lp)
+    run = orbit(slider, V_lp)
     twin = Naive(**slider.parameters)
-    tau, V, theta = (float(turn[name][0]) for name in ("tau", "V", "theta"))
+    tau, V, theta = (float(run[name][0]) for name in ("tau", "V", "theta"))
     start = [tau / slider.sigma, np.log(V), np.log(theta)]
-    late = twin.solve(start, 0.0, float(turn.time[-1]), V_lp).y[:, -1]
-    amplitude = float(turn.tau.max() - turn.tau.min()) / slider.sigma
+    late = twin.solve(start, 0.0, float(run.time[-1]), V_lp).y[:, -1]
+    amplitude = float(run.tau.max() - run.tau.min()) / slider.sigma
     assert late[0] == pytest.approx(start[0], abs=1e-6 * amplitude)
     assert late[1] == pytest.approx(start[1], abs=1e-6)
 
 
 def test_steady_sliding_is_one_point():
     for slider in (FIG2, FIG2.replace(M=0.0, law="aging"), FIG2.replace(K=np.inf)):
-        turn = orbit(slider, 3e-4)
-        assert turn.sizes["time"] == 1
-        assert float(turn.V[0]) == pytest.approx(3e-4, rel=1e-12)
-        assert float(turn.tau[0]) == pytest.approx(2e6 * (0.6 - 0.003 * np.log(3e5)), rel=1e-12)
+        run = orbit(slider, 3e-4)
+        assert run.sizes["time"] == 1
+        assert float(run.V[0]) == pytest.approx(3e-4, rel=1e-12)
+        assert float(run.tau[0]) == pytest.approx(2e6 * (0.6 - 0.003 * np.log(3e5)), rel=1e-12)
 
 
 def test_what_has_no_cycle_says_so():

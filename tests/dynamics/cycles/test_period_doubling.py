@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from dimensionless import jacobian, rates, system
+from dimensionless import jacobian, make_system, rates
 from naive import top
 from scipy.integrate import solve_ivp
 
 import ratestate as rs
-from ratestate.dynamics.cycles.attractor import settle, steady_start
-from ratestate.dynamics.cycles.iterates import iterate
+from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
+from ratestate.dynamics.cycles.iterates import iterated_map
 from ratestate.dynamics.cycles.measure import refine
-from ratestate.dynamics.cycles.shooting import multipliers, state, turn
+from ratestate.dynamics.cycles.shooting import multipliers, return_map, state
 from ratestate.dynamics.verdict import verdict
 from ratestate.engine.model import FINISHED, NO_CONVERGENCE
 
@@ -24,22 +24,22 @@ BESIDE = rs.SpringSlider(
 V_LP = 8.78e-3
 
 
-def followed(those, returns, rtol=1e-10):
+def iterate_plainly(system, returns, rtol=1e-10):
     """Stress maxima and minima of the last 64 returns of plain iteration, and where it ends."""
-    u = turn(those, steady_start(those), rtol, alone=False).image
+    u = return_map(system, steady_start(system), rtol, alone=False).image
     high, low = [], []
     for number in range(returns):
-        turns = turn(those, state(those, u), rtol, alone=False)
+        single = return_map(system, state(system, u), rtol, alone=False)
         if number >= returns - 64:
-            high.append(state(those, u)[:, 0])
-            low.append(turns.numbers["x_low"])
-        u = turns.image
+            high.append(state(system, u)[:, 0])
+            low.append(single.numbers["x_low"])
+        u = single.image
     return np.array(high), np.array(low), u
 
 
-def found_by_search(those):
-    settled = settle(those, steady_start(those), 1e-9, False, None)
-    return settled, refine(those, settled, 1e-9, False)
+def cycles_by_search(system):
+    attractors = find_attractors(system, steady_start(system), 1e-9, False, None)
+    return attractors, refine(system, attractors, 1e-9, False)
 
 
 def test_the_attractor_and_not_the_cycle_beside_it():
@@ -153,12 +153,12 @@ def test_a_run_without_a_period():
 def test_measures_of_two_returns_by_scipy():
     """Period, extremes, multipliers and the waveform of the whole period, by Radau and an FFT."""
     parameters = (1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
-    those = system("slip", *parameters)
-    settled, found = found_by_search(those)
-    assert settled.returns.tolist() == [2]
+    system = make_system("slip", *parameters)
+    attractors, found = cycles_by_search(system)
+    assert attractors.n_returns.tolist() == [2]
     found = {name: value[0] for name, value in found.items()}
     f, J = rates("slip", *parameters), jacobian("slip", *parameters)
-    y, period = state(those, settled.u)[0], found["period"]
+    y, period = state(system, attractors.u)[0], found["period"]
     run = solve_ivp(
         lambda t, y: f(y),
         (0, period),
@@ -189,13 +189,15 @@ def test_measures_of_two_returns_by_scipy():
 
 def test_iterate_is_the_map_applied_again():
     """Image, derivative, times and extremes of three returns at once, against one by one."""
-    those = system("slip", 1.1 * 8.0, [9.0, 9.0], [0.9, 0.9])
-    u = turn(those, steady_start(those), 1e-11, alone=False).image
-    together = iterate(those, u, 1e-11, np.array([3, 1]), alone=False, period=np.array([7.0, 2.0]))
+    system = make_system("slip", 1.1 * 8.0, [9.0, 9.0], [0.9, 0.9])
+    u = return_map(system, steady_start(system), 1e-11, alone=False).image
+    together = iterated_map(
+        system, u, 1e-11, np.array([3, 1]), alone=False, period=np.array([7.0, 2.0])
+    )
     point, matrix, times, highs, lows, traces = u[:1], np.eye(2), [], [], [], []
-    one = those.at([0])
+    one = system.at([0])
     for _ in range(3):
-        single = turn(one, state(one, point), 1e-11, alone=False)
+        single = return_map(one, state(one, point), 1e-11, alone=False)
         highs.append(state(one, point)[0, 0])
         lows.append(single.numbers["x_low"][0])
         times.append(single.numbers["period"][0])
@@ -212,7 +214,9 @@ def test_iterate_is_the_map_applied_again():
     for column, name in enumerate("ab"):
         change = 1e-6 * np.eye(2)[column]
         up, down = (
-            iterate(one, start, 1e-13, np.array([3]), alone=False, period=np.array([7.0])).numbers
+            iterated_map(
+                one, start, 1e-13, np.array([3]), alone=False, period=np.array([7.0])
+            ).numbers
             for start in (u[:1] + change, u[:1] - change)
         )
         for what in ("period", "x_high", "x_low", "v_max", "v_min"):
@@ -221,7 +225,7 @@ def test_iterate_is_the_map_applied_again():
             assert numbers[f"{what}_{name}"] == pytest.approx(slope, rel=near, abs=1e-6), what
     assert numbers["trace"] == pytest.approx(sum(traces), rel=1e-12)
     # and where one return is asked for, it is one
-    single = turn(those.at([1]), state(those.at([1]), u[1:]), 1e-11, alone=False)
+    single = return_map(system.at([1]), state(system.at([1]), u[1:]), 1e-11, alone=False)
     assert together.numbers["period"][1] == single.numbers["period"][0]
 
 
@@ -232,8 +236,8 @@ def test_cascade_against_plain_iteration():
     beta = 10 ** rng.uniform(math.log10(8), math.log10(50), n)
     eta = 10 ** rng.uniform(-0.7, 1, n)
     ratio = rng.uniform(0.95, 1.35, n)
-    those = system("slip", ratio * (beta - 1), beta, eta)
-    high, low, _ = followed(those, 300, rtol=1e-9)
+    system = make_system("slip", ratio * (beta - 1), beta, eta)
+    high, low, _ = iterate_plainly(system, 300, rtol=1e-9)
     swing = high.max(axis=0) - low.min(axis=0)
     repeats = np.zeros(n, int)
     for p in (32, 16, 8, 4, 2, 1):
@@ -242,17 +246,17 @@ def test_cascade_against_plain_iteration():
     # the search goes on long where nothing repeats: two of these are enough
     kept = np.sort(np.append(np.flatnonzero(repeats > 0), np.flatnonzero(repeats == 0)[:2]))
     repeats, swing = repeats[kept], swing[kept]
-    settled, found = found_by_search(those.at(kept))
-    cycle = settled.status == FINISHED
+    attractors, found = cycles_by_search(system.at(kept))
+    cycle = attractors.status == FINISHED
     quick = cycle & (np.abs(found["multipliers"][:, 0]) < 0.9)
     assert quick.sum() > 22
-    assert (settled.returns[quick] == repeats[quick]).all()
+    assert (attractors.n_returns[quick] == repeats[quick]).all()
     np.testing.assert_allclose(found["amplitude"][quick], swing[quick], rtol=1e-5)
-    assert set(settled.returns[quick].tolist()) >= {1, 2, 4}
+    assert set(attractors.n_returns[quick].tolist()) >= {1, 2, 4}
     # what repeats is found, and what is refused does not
     assert cycle[repeats > 0].all()
-    assert (repeats[settled.status == NO_CONVERGENCE] == 0).all()
-    assert (settled.status == NO_CONVERGENCE).any()
+    assert (repeats[attractors.status == NO_CONVERGENCE] == 0).all()
+    assert (attractors.status == NO_CONVERGENCE).any()
 
 
 @pytest.mark.parametrize("law", ["slip", "aging"])
@@ -284,11 +288,11 @@ def test_errors_of_speeds():
     beta, eta = 1 + 10 ** rng.uniform(-1, 0.9, n), 10 ** rng.uniform(-8, 3, n)
     below = np.where(eta < 1e-5, 1.0, 1 + eta) * rng.uniform(0.05, 0.95, n)
     values = {"kappa": below * (beta - 1), "beta": beta, "eta": eta}
-    those = system("slip", *values.values())
+    system = make_system("slip", *values.values())
     (_, loose), (_, exact) = (
-        (s, refine(those, s, rtol, False))
+        (s, refine(system, s, rtol, False))
         for rtol in (1e-6, 1e-11)
-        for s in [settle(those, steady_start(those), rtol, False, None)]
+        for s in [find_attractors(system, steady_start(system), rtol, False, None)]
     )
     known = exact["error"] < 1e-9
     assert known.mean() > 0.9
@@ -319,11 +323,11 @@ def test_verdict_tells_of_the_doubling():
 
 def test_multipliers_of_the_whole_period():
     """Those of two returns are those of the map's second iterate."""
-    those = system("slip", 1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
-    settled, found = found_by_search(those)
-    twice = iterate(those, found["u"], 1e-11, settled.returns, alone=True)
+    system = make_system("slip", 1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
+    attractors, found = cycles_by_search(system)
+    twice = iterated_map(system, found["u"], 1e-11, attractors.n_returns, alone=True)
     np.testing.assert_allclose(
         multipliers(twice)[0, 0].real, found["multipliers"][0, 0].real, rtol=1e-5
     )
-    single = turn(those, state(those, found["u"]), 1e-11, alone=True)
+    single = return_map(system, state(system, found["u"]), 1e-11, alone=True)
     assert np.abs(single.image - found["u"]).max() > 0.1

@@ -1,34 +1,34 @@
-"""Turns as algebra: section, multipliers, Newton's step; where orbits settle; what is measured."""
+"""The return map: section, multipliers, Newton's step; the attractors of orbits; their measures."""
 
 import math
 
 import numpy as np
 import pytest
-from dimensionless import P1, P2, P4B, jacobian, rates, some, system
+from dimensionless import P1, P2, P4B, jacobian, make_system, random_sliders, rates
 from naive import top
 from scipy.integrate import solve_ivp
 
-from ratestate.dynamics.cycles.attraction import View, _leap
-from ratestate.dynamics.cycles.attractor import settle, steady_start
+from ratestate.dynamics.cycles.attraction import LocalMap, _leap
+from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
 from ratestate.dynamics.cycles.measure import measure
 from ratestate.dynamics.cycles.shooting import (
+    Returns,
     System,
-    Turns,
     multipliers,
     newton_step,
+    return_map,
     state,
     system_of,
-    turn,
 )
 from ratestate.engine.model import FINISHED, STEADY_SLIDING
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 
 
-def turns_with(jacobians, trace, image=None):
+def returns_with(jacobians, trace, image=None):
     n = len(jacobians)
     image = np.zeros((n, 2)) if image is None else image
-    return Turns(np.zeros(n), image, jacobians, {"trace": trace})
+    return Returns(np.zeros(n), image, jacobians, {"trace": trace})
 
 
 # Algebra ------------------------------------------------------------------------------------------
@@ -38,25 +38,25 @@ def test_system():
     values = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "sigma": 4e6, "K": 0.96e9, "V_lp": 1e-5}
     values |= {"M": [100.0, 0.0], "mu0": 0.6}
     arrays = {name: np.broadcast_to(value, 2).astype(float) for name, value in values.items()}
-    those = system_of("slip", **arrays)
-    np.testing.assert_allclose(those.kappa, 0.48, rtol=1e-14)
-    np.testing.assert_allclose(those.beta, 1.6, rtol=1e-14)
-    np.testing.assert_allclose(those.eta, [5e-8, 0], rtol=1e-14)
-    assert those.v_limit[0] == math.inf  # inertia bounds the speed
-    assert 0 < those.v_limit[1] < math.inf
-    np.testing.assert_allclose(those.margin, 0.48 - 0.6 * (1 + those.eta), rtol=1e-14)
-    assert those.at([1]).eta.tolist() == [0.0]
+    system = system_of("slip", **arrays)
+    np.testing.assert_allclose(system.kappa, 0.48, rtol=1e-14)
+    np.testing.assert_allclose(system.beta, 1.6, rtol=1e-14)
+    np.testing.assert_allclose(system.eta, [5e-8, 0], rtol=1e-14)
+    assert system.v_limit[0] == math.inf  # inertia bounds the speed
+    assert 0 < system.v_limit[1] < math.inf
+    np.testing.assert_allclose(system.margin, 0.48 - 0.6 * (1 + system.eta), rtol=1e-14)
+    assert system.at([1]).eta.tolist() == [0.0]
 
 
 def test_section():
-    those = system("slip", 0.5, [1.5, 3.0], [0.2, 1e-12])
+    system = make_system("slip", 0.5, [1.5, 3.0], [0.2, 1e-12])
     u = np.array([[0.3, 0.7], [-0.2, 0.1]])
-    y = state(those, u)
+    y = state(system, u)
     assert (y[:, 1] == 0).all()
     np.testing.assert_array_equal(y[:, 2], u[:, 0])
     np.testing.assert_allclose((y[0, 0] - 1.5 * y[0, 2]) / 0.2, 0.7, rtol=1e-15)
-    start = steady_start(those)
-    for y, beta in zip(start, those.beta, strict=True):
+    start = steady_start(system)
+    for y, beta in zip(start, system.beta, strict=True):
         assert y[1] == pytest.approx(math.log(0.1), rel=1e-15)
         np.testing.assert_allclose(rates("slip", 0.5, beta, 1.0)(y)[1:], 0, atol=1e-15)
         np.testing.assert_allclose(rates("aging", 0.5, beta, 1.0)(y)[2], 0, atol=1e-14)
@@ -67,7 +67,7 @@ def test_multipliers_are_eigenvalues():
     jacobians = rng.normal(size=(200, 2, 2))
     jacobians[np.linalg.det(jacobians) < 0, 0] *= -1  # those of a flow keep the orientation
     trace = np.log(np.linalg.det(jacobians))
-    found = multipliers(turns_with(jacobians, trace))
+    found = multipliers(returns_with(jacobians, trace))
     exact = np.linalg.eigvals(jacobians)
     assert (np.abs(found[:, 0]) >= np.abs(found[:, 1]) * (1 - 1e-12)).all()
     assert 20 < (found.imag != 0).any(axis=1).sum() < 180
@@ -80,7 +80,7 @@ def test_multipliers_are_eigenvalues():
 def test_small_multipliers_keep_their_digits():
     """Where the determinant of the derivative is all rounding."""
     J = np.array([[[0.6, 0.2], [1.2, 0.4 + 1e-16]], [[-0.5, 0.0], [0.0, 0.0]], np.zeros((2, 2))])
-    found = multipliers(turns_with(J, np.array([math.log(1e-20), -math.inf, math.nan])))
+    found = multipliers(returns_with(J, np.array([math.log(1e-20), -math.inf, math.nan])))
     np.testing.assert_allclose(found[0], [1.0, 1e-20], rtol=1e-14)
     np.testing.assert_array_equal(found[1:], [[-0.5, 0], [0, 0]])
 
@@ -88,75 +88,81 @@ def test_small_multipliers_keep_their_digits():
 def test_newton_step():
     rng = np.random.default_rng(32)
     J, image, u = rng.normal(size=(50, 2, 2)), rng.normal(size=(50, 2)), rng.normal(size=(50, 2))
-    found = newton_step(turns_with(J, np.zeros(50), image), u)
+    found = newton_step(returns_with(J, np.zeros(50), image), u)
     for i in range(50):
         exact = np.linalg.solve(np.eye(2) - J[i], image[i] - u[i])
         np.testing.assert_allclose(found[i], exact, rtol=0, atol=1e-12 * np.abs(exact).max())
-    none = newton_step(turns_with(np.eye(2)[None], np.zeros(1), np.ones((1, 2))), np.zeros((1, 2)))
+    none = newton_step(
+        returns_with(np.eye(2)[None], np.zeros(1), np.ones((1, 2))), np.zeros((1, 2))
+    )
     assert not np.isfinite(none).any()
 
 
 @LAWS
 def test_newton_converges_quadratically(law):
-    those = system(law, 0.9 * 0.8 * 1.5, 1.8, 0.5)
-    settled = settle(those, steady_start(those), 1e-11, False, None)
-    u = settled.u * [1.01, 0.98]
+    system = make_system(law, 0.9 * 0.8 * 1.5, 1.8, 0.5)
+    attractors = find_attractors(system, steady_start(system), 1e-11, False, None)
+    u = attractors.u * [1.01, 0.98]
     off = []
     for _ in range(4):
-        off.append(np.abs(u / settled.u - 1).max())
-        turns = turn(those, state(those, u), 1e-13, alone=False)
-        u = u + newton_step(turns, u)
+        off.append(np.abs(u / attractors.u - 1).max())
+        returns = return_map(system, state(system, u), 1e-13, alone=False)
+        u = u + newton_step(returns, u)
     assert off[3] < 1e-10
     for before, after in ((off[0], off[1]), (off[1], off[2])):
         assert after < 10 * before**2 + 1e-11
     assert off[1] > 1e-7  # not what a solver that starts at the answer would show
 
 
-# Where orbits settle ------------------------------------------------------------------------------
+# Attractors of orbits -----------------------------------------------------------------------------
 
 
-def follow(those, turns):
-    """The orbit from steady sliding at V_lp/10, turn by turn; NaN once it is steady sliding."""
-    steady = np.where(those.margin > 0, 1e-6, 0.0)
-    image = turn(those, steady_start(those), 1e-9, alone=False, steady_tol=steady).image
-    for _ in range(turns):
+def follow(system, returns):
+    """The orbit from steady sliding at V_lp/10, return by return; NaN once it is steady sliding."""
+    steady = np.where(system.margin > 0, 1e-6, 0.0)
+    image = return_map(system, steady_start(system), 1e-9, alone=False, steady_tol=steady).image
+    for _ in range(returns):
         on = np.flatnonzero(np.isfinite(image[:, 0]))
-        part = those.at(on)
-        image[on] = turn(
+        part = system.at(on)
+        image[on] = return_map(
             part, state(part, image[on]), 1e-9, alone=False, steady_tol=steady[on]
         ).image
     return image
 
 
 @LAWS
-def test_a_turn_is_as_fine_as_its_cycle_attracts(law):
-    """Errors of a turn add up, along a slow direction, to 1/(1 - multiplier) times as much."""
-    those = system(law, [0.2, 0.6, 1.05], 2.0, 0.5)
-    settled = settle(those, steady_start(those), 1e-8, False, None)
-    first = multipliers(turn(those, state(those, settled.u), 1e-10, alone=False))[:, 0].real
+def test_a_return_is_as_fine_as_its_cycle_attracts(law):
+    """Errors of a return add up, along a slow direction, to 1/(1 - multiplier) times as much."""
+    system = make_system(law, [0.2, 0.6, 1.05], 2.0, 0.5)
+    attractors = find_attractors(system, steady_start(system), 1e-8, False, None)
+    first = multipliers(return_map(system, state(system, attractors.u), 1e-10, alone=False))[
+        :, 0
+    ].real
     assert 0.0 < first.min() < 0.2 < first.max() < 0.8
-    np.testing.assert_allclose(settled.tol, 1e-8 * (1.0 - first), rtol=0.01)
+    np.testing.assert_allclose(attractors.tol, 1e-8 * (1.0 - first), rtol=0.01)
 
 
 @LAWS
 def test_settles_where_the_orbit_goes(law):
-    """Of sliders that settle within some turns, those with a fixed point not theirs included."""
+    """Of sliders that settle within some returns, those with a fixed point not theirs included."""
     rng = np.random.default_rng(33)
     n = 48
     beta, eta = 1 + 10 ** rng.uniform(-0.5, 0.6, n), 10 ** rng.uniform(-5, 1.5, n)
     ratio = np.where(rng.random(n) < 0.7, rng.uniform(0.1, 0.97, n), 1.2 + eta)
-    those = system(law, ratio * (beta - 1), beta, eta)
-    settled = settle(those, steady_start(those), 1e-8, False, None)
-    end = follow(those, 40)
-    cycle = settled.status == FINISHED
+    system = make_system(law, ratio * (beta - 1), beta, eta)
+    attractors = find_attractors(system, steady_start(system), 1e-8, False, None)
+    end = follow(system, 40)
+    cycle = attractors.status == FINISHED
     assert cycle.sum() > 20
-    assert (settled.status[~cycle] == STEADY_SLIDING).all()
-    assert (those.margin[~cycle] > 0).all()
-    turns = turn(those.at(cycle), state(those.at(cycle), settled.u[cycle]), 1e-9, alone=False)
-    quick = np.abs(multipliers(turns)[:, 0]) < 0.55  # 40 turns are enough
+    assert (attractors.status[~cycle] == STEADY_SLIDING).all()
+    assert (system.margin[~cycle] > 0).all()
+    returns = return_map(
+        system.at(cycle), state(system.at(cycle), attractors.u[cycle]), 1e-9, alone=False
+    )
+    quick = np.abs(multipliers(returns)[:, 0]) < 0.55  # 40 returns are enough
     assert quick.sum() > 10
-    np.testing.assert_allclose(settled.u[cycle][quick, 0], end[cycle][quick, 0], rtol=1e-7)
-    np.testing.assert_allclose(turns.image[:, 0], settled.u[cycle][:, 0], rtol=1e-7)
+    np.testing.assert_allclose(attractors.u[cycle][quick, 0], end[cycle][quick, 0], rtol=1e-7)
+    np.testing.assert_allclose(returns.image[:, 0], attractors.u[cycle][:, 0], rtol=1e-7)
 
 
 def test_leaps_pass_no_fixed_point():
@@ -166,13 +172,13 @@ def test_leaps_pass_no_fixed_point():
     """
     beta, eta = 2.0, 0.05
     above = np.array([0.001, 0.003, 0.005, 0.0054, 0.0065, 0.009, 0.02])
-    those = system("aging", (beta - 1) * (1 + eta) * (1 + above), beta, eta)
-    settled = settle(those, steady_start(those), 1e-8, False, None)
-    end = follow(those, 600)
+    system = make_system("aging", (beta - 1) * (1 + eta) * (1 + above), beta, eta)
+    attractors = find_attractors(system, steady_start(system), 1e-8, False, None)
+    end = follow(system, 600)
     cycle = np.hypot(*end.T) > 0.1
-    assert {FINISHED, STEADY_SLIDING} == set(settled.status.tolist())
-    np.testing.assert_array_equal(settled.status == FINISHED, cycle)
-    np.testing.assert_allclose(settled.u[cycle, 0], end[cycle, 0], rtol=1e-6)
+    assert {FINISHED, STEADY_SLIDING} == set(attractors.status.tolist())
+    np.testing.assert_array_equal(attractors.status == FINISHED, cycle)
+    np.testing.assert_allclose(attractors.u[cycle, 0], end[cycle, 0], rtol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -186,16 +192,16 @@ def test_leaps_pass_no_fixed_point():
 def test_how_far_an_orbit_leaps(multiplier, fixed_point, expected):
     """A linear map that contracts psi to a fixed point, slowly, and G not at all."""
     one = np.ones(1)
-    those = System("slip", one, one, one, one)
+    system = System("slip", one, one, one, one)
     u, matrix = np.array([[1.0, 10.0]]), np.diag([multiplier, 0.1])[None]
     image = u + np.array([(1.0 - multiplier) * (fixed_point - 1.0), 0.0])
-    view = View(*[None] * len(View._fields))
-    view = view._replace(first=multiplier * (one + 0j), second=0.1 * (one + 0j))
-    leapt = _leap(those, turns_with(matrix, one, image), u, view, np.array([True]))
+    local = LocalMap(*[None] * len(LocalMap._fields))
+    local = local._replace(first=multiplier * (one + 0j), second=0.1 * (one + 0j))
+    leapt = _leap(system, returns_with(matrix, one, image), u, local, np.array([True]))
     np.testing.assert_allclose(leapt, [[expected, 10.0]], rtol=1e-12)
 
 
-# What is measured ---------------------------------------------------------------------------------
+# Measures of cycles -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -210,12 +216,12 @@ def test_how_far_an_orbit_leaps(multiplier, fixed_point, expected):
 )
 def test_measures_against_a_dense_run(law, parameters, method):
     """Extremes, time spent sticking and the fundamental's share, by SciPy and a fast transform."""
-    those = system(law, *parameters)
-    settled = settle(those, steady_start(those), 1e-9, False, None)
-    found = {name: value[0] for name, value in measure(those, settled, False).items()}
+    system = make_system(law, *parameters)
+    attractors = find_attractors(system, steady_start(system), 1e-9, False, None)
+    found = {name: value[0] for name, value in measure(system, attractors, False).items()}
     f, J = rates(law, *parameters), jacobian(law, *parameters)
     known = {"jac": lambda t, y: J(y)} if method == "Radau" else {}
-    y, period = state(those, settled.u)[0], found["period"]
+    y, period = state(system, attractors.u)[0], found["period"]
 
     def sticks(t, y):
         return y[1] - math.log(0.1)
@@ -238,7 +244,7 @@ def test_measures_against_a_dense_run(law, parameters, method):
     assert found["v_max"] == pytest.approx(top(v), abs=1e-6)
     assert found["v_min"] == pytest.approx(-top(-v), abs=1e-6)
     assert found["amplitude"] == pytest.approx(top(x) + top(-x), rel=1e-7)
-    g = np.abs(x - v - those.beta[0] * psi)
+    g = np.abs(x - v - system.beta[0] * psi)
     assert found["g_max"] == pytest.approx(top(g), rel=1e-5)
     times = run.t_events[0]
     assert len(times) in (0, 2)  # down and up again
@@ -255,10 +261,10 @@ def test_measures_against_a_dense_run(law, parameters, method):
 @LAWS
 def test_measures_take_the_step_that_is_left(law):
     """From a point a little off, amplitude and period are the cycle's to second order."""
-    those = system(law, 0.9 * 0.8 * 1.5, 1.8, 0.5)
-    settled = settle(those, steady_start(those), 1e-11, False, None)
-    exact = measure(those, settled, False)
-    off = measure(those, settled._replace(u=settled.u * (1 + 1e-5)), False)
+    system = make_system(law, 0.9 * 0.8 * 1.5, 1.8, 0.5)
+    attractors = find_attractors(system, steady_start(system), 1e-11, False, None)
+    exact = measure(system, attractors, False)
+    off = measure(system, attractors._replace(u=attractors.u * (1 + 1e-5)), False)
     for name in ("period", "amplitude"):
         assert off[name] == pytest.approx(exact[name], rel=1e-8)
     assert 1e-6 < off["error"][0] < 1e-3  # but it is not trusted further than the step is long
@@ -266,13 +272,13 @@ def test_measures_take_the_step_that_is_left(law):
     assert 1e-7 < off["residual"][0] < 1e-4
 
 
-def test_a_failed_turn_leaves_nothing():
-    those = system("slip", [0.5, math.nan], 2.0, 0.1)
+def test_a_failed_return_leaves_nothing():
+    system = make_system("slip", [0.5, math.nan], 2.0, 0.1)
     u = np.ones((2, 2))
-    settled = settle(those, steady_start(those), 1e-6, False, None)
-    assert settled.status[0] == FINISHED
-    assert settled.status[1] > STEADY_SLIDING
-    found = measure(those, settled._replace(u=u, tol=np.full(2, 1e-8)), False)
+    attractors = find_attractors(system, steady_start(system), 1e-6, False, None)
+    assert attractors.status[0] == FINISHED
+    assert attractors.status[1] > STEADY_SLIDING
+    found = measure(system, attractors._replace(u=u, tol=np.full(2, 1e-8)), False)
     for name, value in found.items():
         assert np.isnan(value[1]).all(), name
         assert np.isfinite(value[0]).all(), name
@@ -280,12 +286,12 @@ def test_a_failed_turn_leaves_nothing():
 
 @LAWS
 def test_same_bits_in_any_batch(law):
-    those, _ = some(law, 24)
-    whole = settle(those, steady_start(those), 1e-7, False, None)
+    system, _ = random_sliders(law, 24)
+    whole = find_attractors(system, steady_start(system), 1e-7, False, None)
     pick = np.random.default_rng(34).permutation(24)[:7]
-    part = settle(those.at(pick), steady_start(those.at(pick)), 1e-7, False, None)
+    part = find_attractors(system.at(pick), steady_start(system.at(pick)), 1e-7, False, None)
     for one, other in zip(part, whole.at(pick), strict=True):
         np.testing.assert_array_equal(one, other)
-    one, other = measure(those.at(pick), part, False), measure(those, whole, False)
+    one, other = measure(system.at(pick), part, False), measure(system, whole, False)
     for name, value in one.items():
         np.testing.assert_array_equal(value, other[name][pick], err_msg=name)

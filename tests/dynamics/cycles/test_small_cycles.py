@@ -8,14 +8,14 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ratestate.dynamics.cycles.harmonic_balance import SERIES
-from ratestate.dynamics.cycles.small_cycles import curvature, soft_cycle
+from ratestate.dynamics.cycles.small_cycles import curvature, small_cycle
 from ratestate.friction.laws import LAWS
 
 laws = st.sampled_from(sorted(LAWS))
 
 
 def at_margin_of(r, law, beta, eta):
-    """Arguments of soft_cycle whose cycle has this amplitude to leading order."""
+    """Arguments of small_cycle whose cycle has this amplitude to leading order."""
     beta, eta = np.atleast_1d(beta, eta)
     margin = curvature(law, beta, eta) * r**2
     return law, (beta - 1) * (1 + eta) + margin, beta, eta, margin
@@ -76,7 +76,7 @@ def shot(law, kappa, beta, eta, guess):
     ],
 )
 def test_is_the_cycle_that_shooting_finds(law, kappa, beta, eta, stable):
-    (found,), (r,), (omega,), *ours, (error,) = soft_cycle(law, [kappa], [beta], [eta])
+    (found,), (r,), (omega,), *ours, (error,) = small_cycle(law, [kappa], [beta], [eta])
     assert found
     assert 0.05 < r < 0.3
     assert stable == (kappa < (beta - 1) * (1 + eta))
@@ -91,8 +91,8 @@ def test_is_the_cycle_that_shooting_finds(law, kappa, beta, eta, stable):
 @given(laws, st.floats(-1, 1), st.floats(-1, 1), st.floats(0.02, 0.15))
 def test_closes_after_a_period(law, log_b1, log_eta, r):
     arguments = at_margin_of(r, law, 1 + 10**log_b1, 10**log_eta)
-    cycle = soft_cycle(*arguments)
-    if not cycle.found[0]:  # by a fold of the aging law
+    cycle = small_cycle(*arguments)
+    if not cycle.valid[0]:  # by a fold of the aging law
         assert abs(arguments[-1][0]) < 0.02 * r**2
         return
     psi, G = cycle.psi[0], cycle.G[0]
@@ -162,9 +162,9 @@ def precise_cycle(law, r, beta, eta):
 )
 def test_keeps_all_digits_however_small(law, r, beta, eta):
     margin, *theirs = precise_cycle(law, r, beta, eta)
-    cycle = soft_cycle(law, (beta - 1) * (1 + eta) + margin, beta, eta, margin)
+    cycle = small_cycle(law, (beta - 1) * (1 + eta) + margin, beta, eta, margin)
     assert curvature(law, beta, eta)[0] * r**2 == pytest.approx(margin, rel=1e-8, abs=0)
-    assert cycle.found[0]
+    assert cycle.valid[0]
     error = cycle.error[0]
     cancelling = np.sqrt((beta - 1) * beta) * (1 + eta) * r**2 / abs(margin)
     assert 2e-16 < error < 3e-15 * (1 + cancelling)
@@ -179,8 +179,8 @@ def test_amplitude_grows_like_the_root_of_the_margin(law):
     off = []
     for r in (1e-7, 0.01, 0.02):
         arguments = at_margin_of(r, law, 2.5, eta)
-        cycle = soft_cycle(*arguments)
-        assert cycle.found.all()
+        cycle = small_cycle(*arguments)
+        assert cycle.valid.all()
         off.append((cycle.r / r) ** 2 - 1)
     assert np.all(np.abs(off[0]) < 1e-11)
     np.testing.assert_allclose(off[2] / off[1], 4.0, rtol=0.02)  # the next term is r^4
@@ -200,14 +200,14 @@ def test_curvature_changes_sign_with_inertia_for_the_aging_law_alone():
         ("slip", 1.05, 1e-6, False),
         ("slip", 1.05, -1e-6, True),
     ]:
-        cycle = soft_cycle(law, kappa + margin, 2.0, kappa - 1, margin)
-        assert cycle.found[0] == there
+        cycle = small_cycle(law, kappa + margin, 2.0, kappa - 1, margin)
+        assert cycle.valid[0] == there
         assert np.isnan(cycle.r[0]) != there
 
 
 def test_error_counts_what_subtraction_loses():
-    exact = soft_cycle("slip", 4.0 - 1e-11, 2.0, 3.0, -1e-11)
-    blurred = soft_cycle("slip", 4.0 - 1e-11, 2.0, 3.0)
+    exact = small_cycle("slip", 4.0 - 1e-11, 2.0, 3.0, -1e-11)
+    blurred = small_cycle("slip", 4.0 - 1e-11, 2.0, 3.0)
     assert exact.error[0] < 1e-14
     assert 3e-5 < blurred.error[0] < 3e-4
     assert 0 < abs(blurred.r[0] / exact.r[0] - 1) < blurred.error[0]
@@ -228,10 +228,10 @@ def test_same_bits_in_any_batch():
     rng = np.random.default_rng(6)
     beta, eta = 1 + 10 ** rng.uniform(-3, 1, 40), 10 ** rng.uniform(-3, 3, 40)
     law, *arguments = at_margin_of(10 ** rng.uniform(-4, -0.8, 40), "aging", beta, eta)
-    together = soft_cycle(law, *arguments)
-    assert together.found.mean() > 0.9
+    together = small_cycle(law, *arguments)
+    assert together.valid.mean() > 0.9
     for i in range(40):
-        alone = soft_cycle(law, *(value[i : i + 1] for value in arguments))
+        alone = small_cycle(law, *(value[i : i + 1] for value in arguments))
         for one, all_ in zip(alone, together, strict=True):
             assert one.tobytes() == all_[i : i + 1].tobytes()
 
@@ -249,8 +249,8 @@ def test_never_fails(law, log_b1, log_eta, log_margin, sign, given_margin):
     beta, eta = 1 + 10**log_b1, 10**log_eta
     critical = (beta - 1) * (1 + eta)
     margin = max(sign * 10**log_margin, -0.99) * critical
-    cycle = soft_cycle(law, critical + margin, beta, eta, margin if given_margin else None)
-    if cycle.found[0]:
+    cycle = small_cycle(law, critical + margin, beta, eta, margin if given_margin else None)
+    if cycle.valid[0]:
         assert all(np.isfinite(value[0]) and value[0] > 0 for value in cycle[1:])
         assert cycle.r[0] <= 0.3
         assert cycle.error[0] <= 1e-3
@@ -266,6 +266,6 @@ def test_finds_what_there_is(law, log_b1, log_eta, log_r):
     relative = np.abs(margin[0]) / (10 ** (2 * log_r) * (beta[0] - 1) * eta[0])
     if law == "aging" and relative < 0.02:  # the curvature nearly vanishes
         return
-    cycle = soft_cycle(*arguments)
-    assert cycle.found[0]
+    cycle = small_cycle(*arguments)
+    assert cycle.valid[0]
     assert cycle.r[0] == pytest.approx(10**log_r, rel=0.1 + cycle.error[0])

@@ -1,9 +1,10 @@
-"""The basin of stable steady sliding: which disturbances it comes back from.
+"""The basin of stable steady sliding: the disturbances from which the motion returns to it.
 
-Where K > K_c small ones decay.  But where a limit cycle coexists, or a runaway without inertia,
-large ones need not.  `escape` finds the smallest that do not, of two kinds that a laboratory can
-impose: with inertia by following the motion itself, together with the unstable cycle that lies
-between; without by the path that parts what runs away from what comes back (`separatrix`).
+Where K > K_c small disturbances decay.  But where a limit cycle coexists, or a runaway without
+inertia, large ones need not.  `escape` finds the smallest that do not, of two kinds that a
+laboratory can impose.  With inertia it follows the motion itself, and adds the unstable cycle that
+lies between; without inertia it uses the path that separates runaways from orbits that come back
+(`separatrix`).
 """
 
 import json
@@ -18,7 +19,7 @@ from ...friction.separatrix import runaway_edge
 from ...model.batch import Batch
 from ...model.slider import checked
 from ...model.units import to_si
-from ..cycles.attractor import settle
+from ..cycles.attractor import find_attractors
 from ..cycles.shooting import system_of
 from ..progress import bar
 from ..results import plain, provenance
@@ -27,19 +28,19 @@ from .unstable import CYCLES, cycles_around
 #: disturbances, in the order of `_disturbed`
 KINDS = ("step_up", "step_down", "kick_up", "kick_down")
 TAKEN = [*KINDS, "outcome", *CYCLES]
-# Sizes looked at, as |ln(V_lp/V)| and as |change of tau|/(a sigma): smallest, largest, number.
+# Sizes tried, as |ln(V_lp/V)| and as |change of tau|/(a sigma): smallest, largest, number.
 LADDER = np.geomspace(1e-4, 27.6, 96)
-#: how an orbit that does not come back ends -> what to call that
+#: status of an orbit that does not come back -> its name
 OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles"}
-# Each round divides what is left between two of them by so many parts, down to this.
+# Then the interval between two sizes is divided into so many parts, until it is this narrow.
 PARTS, ACCURACY = 16, 1e-6
-# Of the cycle that is reached, which need not be known better to know that it is one; and of a
-# step of the orbit, over the size of the disturbance.
-RTOL, CLOSELY = 1e-5, 2e-9
+# Accuracy of the cycle that is reached, enough to know that it is one; and tolerance of a step of
+# the orbit, over the size of the disturbance.
+RTOL, ORBIT_RTOL = 1e-5, 2e-9
 
 
 def escape(slider, V_lp):
-    """The smallest disturbances of steady sliding at V_lp that it does not come back from.
+    """The smallest disturbances of steady sliding at V_lp from which it does not come back.
 
     A step: sliding steadily at another speed, where that is stable, until the load point's changes
     to V_lp.  A kick: a sudden change of the spring's stress while sliding steadily at V_lp.
@@ -57,7 +58,7 @@ def escape(slider, V_lp):
         ``step_up`` and ``step_down`` [1]: ratio of V_lp to the speed before, > 1 and < 1;
         ``kick_up`` and ``kick_down`` [Pa]: change of tau.  They are inf (step_down: 0) where no
         disturbance of up to 12 decades of V, or 27 a sigma, leaves the basin, and 1 and 0 where
-        steady sliding is unstable (K <= K_c).  ``outcome``: what lies beyond, "cycle", "irregular
+        steady sliding is unstable (K <= K_c).  ``outcome``: the motion beyond, "cycle", "irregular
         cycles" (they do not repeat), "runaway" (M = 0), "none", or "no steady sliding" where that
         is unstable.  Of the limit cycle beyond ``amplitude`` and ``period`` [s], and of the
         unstable cycle between, ``unstable_amplitude`` (max - min of tau/sigma),
@@ -88,8 +89,7 @@ def escape(slider, V_lp):
     system = system_of(slider.law, **batch.columns)
     with bar("escape") as progress:
         sizes, outcome, u = _thresholds(system, progress)
-    lost = outcome == "unknown"
-    if batch.shape == () and lost[0]:
+    if batch.shape == () and outcome[0] == "unknown":
         raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
     cycles = cycles_around(system, np.flatnonzero(outcome == "cycle"), u)
     stress = batch.flat("a") * batch.flat("sigma")
@@ -132,7 +132,7 @@ class Edge(NamedTuple):
 def _edges(system, kind, largest, progress):
     """`Edge` of sliders (n,) under disturbances of these kinds (n,).
 
-    largest : (n,) size up to which to look
+    largest : (n,) largest size to try
     """
     n = len(kind)
     low, high = np.zeros(n), np.full(n, np.inf)
@@ -142,16 +142,16 @@ def _edges(system, kind, largest, progress):
         m = trial.shape[1]
         part = system.at(np.repeat(which, m))
         start = _disturbed(part, np.repeat(kind[which], m), trial.ravel())
-        loosest = CLOSELY * np.clip(trial.ravel(), 1e-5, 1.0)
-        settled = settle(part, start, RTOL, False, progress, loosest)
-        leaves = (settled.status != STEADY_SLIDING).reshape(-1, m)
+        loosest = ORBIT_RTOL * np.clip(trial.ravel(), 1e-5, 1.0)
+        attractors = find_attractors(part, start, RTOL, False, progress, loosest)
+        leaves = (attractors.status != STEADY_SLIDING).reshape(-1, m)
         first, some = leaves.argmax(axis=1), leaves.any(axis=1)
         row = np.arange(len(which))
         last = np.where(some, first, m) - 1
         low[which] = np.where(last < 0, low[which], trial[row, last])
         at, cell = which[some], row[some] * m + first[some]
-        high[at], edge.status[at] = trial[some, first[some]], settled.status[cell]
-        edge.u[at] = settled.u[cell]
+        high[at], edge.status[at] = trial[some, first[some]], attractors.status[cell]
+        edge.u[at] = attractors.u[cell]
         which = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
         gap = high[which] - low[which]
         trial = low[which, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
@@ -159,13 +159,13 @@ def _edges(system, kind, largest, progress):
 
 
 def _thresholds(system, progress):
-    """Sizes (4, n) from which on the basin is left, what lies beyond (n,), and its u (n, 2)."""
+    """Smallest sizes (4, n) that leave the basin, the outcome (n,), and u (n, 2) of a cycle."""
     n = len(system.beta)
-    slides = system.margin > 0.0
-    sizes = np.where(slides, np.inf, 0.0) * np.ones((4, 1))
-    outcome = np.where(slides, "none", "no steady sliding").astype("<U17")
+    stable = system.margin > 0.0
+    sizes = np.where(stable, np.inf, 0.0) * np.ones((4, 1))
+    outcome = np.where(stable, "none", "no steady sliding").astype("<U17")
     u = np.full((n, 2), np.nan)
-    may_leave = slides & (system.beta > 1.0) & np.isfinite(system.kappa)
+    may_leave = stable & (system.beta > 1.0) & np.isfinite(system.kappa)
     # Without inertia every orbit of the aging law comes back (Ranjith & Rice 1999).
     if system.law == "slip":
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):

@@ -1,4 +1,4 @@
-"""Where a branch of limit cycles begins, and the Hopf points where it shrinks to nothing."""
+"""Where a branch of limit cycles begins, and the Hopf points where its amplitude is zero."""
 
 from typing import NamedTuple
 
@@ -6,11 +6,11 @@ import numpy as np
 
 from ...engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ...errors import NotConverged, ParameterError
-from ..cycles.attractor import settle, steady_start
-from ..cycles.small_cycles import curvature, soft_cycle
+from ..cycles.attractor import find_attractors, steady_start
+from ..cycles.small_cycles import curvature, small_cycle
 
 # Amplitude of ln V at which a branch leaves its Hopf point.
-AWAY = 0.03
+START_AMPLITUDE = 0.03
 
 
 class Beginning(NamedTuple):
@@ -22,15 +22,15 @@ class Beginning(NamedTuple):
 
 
 def beginning(family, p_start, p_stop):
-    """Where a branch from p_start to p_stop begins: `Beginning`.
+    """The `Beginning` of a branch from p_start to p_stop.
 
-    With the cycle that is reached from steady sliding at p_start, or else at a Hopf point between.
+    That is the cycle reached from steady sliding at p_start, or else a Hopf point between the two.
     """
     system = family.system(p_start)
     unstable = system.beta[0] > 1.0
     if unstable:
-        settled = settle(system, steady_start(system), family.rtol, True, None)
-        status, returns = int(settled.status[0]), int(settled.returns[0])
+        attractor = find_attractors(system, steady_start(system), family.rtol, True, None)
+        status, returns = int(attractor.status[0]), int(attractor.n_returns[0])
         if status == FINISHED and returns > 1:
             raise NotConverged(
                 f"the motion at `start` closes after {returns} returns (period doubling), and "
@@ -38,7 +38,7 @@ def beginning(family, p_start, p_stop):
                 None,
             )
         if status == FINISHED:
-            return Beginning(family.chart(settled.u, [p_start])[0], p_start, None)
+            return Beginning(family.chart(attractor.u, [p_start])[0], p_start, None)
         if status != STEADY_SLIDING:
             name, text = STATUSES[status]
             raise NotConverged(f"continue_cycle found no cycle at `start` ({name}): {text}", None)
@@ -50,7 +50,7 @@ def beginning(family, p_start, p_stop):
             f"a cycle, or on the other side of the Hopf point (see `hopf`)"
         )
     hopf = hopf_point(family, p_start, p_stop)
-    return _soft_beginning(family, hopf)
+    return _beginning_at_hopf(family, hopf)
 
 
 def hopf_point(family, low, high):
@@ -70,38 +70,38 @@ def hopf_near(family, p):
     raise NotConverged(f"no Hopf point near {family.parameter} = {np.exp(p):.6g}", None)
 
 
-def _soft_beginning(family, hopf):
-    """A small cycle beside the Hopf point, on the side where there are any."""
+def _beginning_at_hopf(family, hopf):
+    """`Beginning` with a small cycle beside the Hopf point, on the side where cycles exist."""
     at = family.system(hopf)
-    margin = AWAY**2 * float(curvature(at.law, at.beta, at.eta)[0])
+    margin = START_AMPLITUDE**2 * float(curvature(at.law, at.beta, at.eta)[0])
     step = 1e-3
     while (family.margin(hopf - step) > margin) == (family.margin(hopf + step) > margin):
         step *= 2.0
     p = _bisect(lambda q: family.margin(q) - margin, hopf - step, hopf + step)
     system = family.system(p)
-    soft = soft_cycle(system.law, system.kappa, system.beta, system.eta)
-    if not soft.found[0]:
+    cycle = small_cycle(system.law, system.kappa, system.beta, system.eta)
+    if not cycle.valid[0]:
         raise NotConverged(
             f"the Hopf point at {family.parameter} = {np.exp(hopf):.9g} is all but degenerate "
             f"(eta = {at.eta[0]:.3g}): its cycles of all sizes lie closer together than rounding; "
             f"start where `limit_cycle` finds a cycle",
             None,
         )
-    u = np.stack([soft.psi, soft.G], axis=1)
+    u = np.stack([cycle.psi, cycle.G], axis=1)
     return Beginning(family.chart(u, [p])[0], p, hopf)
 
 
 def hopf_measures(family, p):
-    """What `measure` would find of the vanishing cycle at a Hopf point, name -> (1,) or (1, 2)."""
+    """Measures of the vanishing cycle at a Hopf point, as by `measure`: name -> (1,) or (1, 2)."""
     system = family.system(p)
     omega = np.sqrt(system.beta - 1.0)
     period = 2.0 * np.pi / omega
     third = np.exp(-(1.0 + 1.0 / system.eta) * period)
     zero = np.zeros(1)
-    nothing = (
+    vanishing = (
         "amplitude v_max v_min v_max_error v_min_error g_max f_min xf_min slow_fraction".split()
     )
-    values = dict.fromkeys(nothing, zero)
+    values = dict.fromkeys(vanishing, zero)
     return values | {
         "period": period,
         "fundamental": zero + 1.0,
@@ -113,7 +113,7 @@ def hopf_measures(family, p):
 
 
 def _bisect(function, low, high):
-    """Where the sign of a function changes between low and high."""
+    """Where the sign of a function changes between low and high, to rounding."""
     rising = function(high) > 0.0
     while low != (middle := 0.5 * (low + high)) != high:
         low, high = (low, middle) if (function(middle) > 0.0) == rising else (middle, high)

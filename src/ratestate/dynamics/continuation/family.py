@@ -2,7 +2,7 @@
 
 The parameter enters as p, its natural logarithm, so that its values stay positive and steps are
 relative.  The points of the section are taken as U = (psi, G eta/(1 + eta)): in these the errors
-of a turn are of one size, however small eta is.
+of a return are of one size, however small eta is.
 """
 
 from typing import NamedTuple
@@ -12,29 +12,29 @@ import numpy as np
 from ...engine.model import FINISHED
 from ...engine.return_map import SLAVED
 from ...friction.laws import evolution_law
-from ..cycles.attractor import Settled
+from ..cycles.attractor import CycleEstimates
 from ..cycles.measure import measure
-from ..cycles.shooting import TIGHTEST, small_amplitude, state, system_of, tightest, turn
+from ..cycles.shooting import TIGHTEST, return_map, small_amplitude, state, system_of, tightest
 from .arclength import Steps, follow
 from .polish import polished
 
-#: what a family can run along
+#: parameters along which a family may be followed
 PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
-# Size of U from which on steps and errors along a branch are relative.  psi is known absolutely, to
-# the tolerance of a turn, and at large eta it is small and matters little.
+# Size of U above which steps and errors along a branch are relative.  The error of psi is absolute,
+# the tolerance of a return; at large eta psi is small and matters little.
 SCALE = np.array([0.02, 1e-3])
-# Of rtol: the tolerance of a turn, and the error that it leaves in units of SCALE.
+# Over rtol: the tolerance of a return, and its error in units of SCALE.
 TOLERANCE, NOISE = 0.002, 0.1
 # So that a branch looks smooth.
 STEPS = Steps(largest=0.06)
 
 
-class Orbits(NamedTuple):
-    """What `arclength.follow` wants of one turn of each of m sliders."""
+class MapValues(NamedTuple):
+    """The return map of m sliders, as `arclength.follow` needs it."""
 
     image: np.ndarray  # (m, 2) the next U
     jacobian: np.ndarray  # (m, 2, 2)
-    ok: np.ndarray  # (m,) whether it came back to the section
+    ok: np.ndarray  # (m,) whether the orbit came back to the section
     measures: dict  # "period" and "tol", (m,)
 
 
@@ -50,7 +50,7 @@ class Family(NamedTuple):
         """`System` of the sliders with these values (m,) of the parameter."""
         m = len(parameter)
         columns = {symbol: np.full(m, value) for symbol, value in self.values.items()}
-        with np.errstate(over="ignore"):  # beyond what is physical, no orbit comes back
+        with np.errstate(over="ignore"):  # beyond physical values no orbit comes back
             return system_of(self.law, **columns | {self.parameter: parameter})
 
     def system(self, p):
@@ -89,52 +89,62 @@ class Family(NamedTuple):
         return np.stack([u[:, 0], _scale(self.system(p)) * u[:, 1]], axis=1)
 
     def tolerance(self, u, p):
-        """(m,) tolerance of a step; a turn changes a small r by some r^3."""
+        """(m,) tolerance of a step; a return changes a small r by some r^3."""
         system = self.system(p)
         r = np.minimum(1.0, np.abs(small_amplitude(system, u)))
         return np.maximum(TOLERANCE * self.rtol * r**3, tightest(system, u))
 
-    def turns(self, U, p):
-        """One turn of each of m sliders from U (m, 2), p (m,); `Orbits`."""
+    def return_map(self, U, p):
+        """`MapValues` of m sliders at U (m, 2), p (m,)."""
         system, u = self.system(p), self.points(U, p)
         tol = self.tolerance(u, p)
         usable = (system.beta > 1.0) & (u[:, 1] > 0.0) & np.isfinite(u).all(axis=1)
         u[~usable] = np.nan
-        found = turn(system, state(system, u), tol, alone=False)
+        returns = return_map(system, state(system, u), tol, alone=False)
         scale = _scale(system)
-        jacobian = found.jacobian.copy()
+        jacobian = returns.jacobian.copy()
         jacobian[:, 1, :] *= scale[:, None]
         jacobian[:, :, 1] *= np.where(system.eta < SLAVED, 0.0, 1.0 / scale)[:, None]
-        image = np.stack([found.image[:, 0], scale * found.image[:, 1]], axis=1)
-        measures = {"period": found.numbers["period"], "tol": tol}
-        return Orbits(image, jacobian, usable & found.came_back, measures)
+        image = np.stack([returns.image[:, 0], scale * returns.image[:, 1]], axis=1)
+        measures = {"period": returns.numbers["period"], "tol": tol}
+        return MapValues(image, jacobian, usable & returns.came_back, measures)
 
-    def follow(self, U, p, **asked):
-        """`continuation.follow` from U (2,) at p with what is known of these maps."""
-        # At large eta the stress is large, and its rounding too: tau/(a sigma) swings by some
-        # sqrt(kappa eta) where sliding stops and goes.
-        system = self.system(np.array([p, asked["stop"]]))
-        swing = np.sqrt(np.max(np.maximum(1.0, system.kappa * system.eta)))
-        noise = max(NOISE * self.rtol, TIGHTEST * swing / SCALE[0])
-        known = {"scale": SCALE, "tol": self.rtol, "noise": noise, "steps": STEPS}
-        return follow(self.turns, U, p, **known, **asked)
+    def follow(self, U, p, *, stop, **options):
+        """`arclength.follow` from U (2,) at p to stop, with the scale and noise of these maps."""
+        # At large eta the stress is large, and its rounding too: in stick-slip tau/(a sigma) varies
+        # by some sqrt(kappa eta).
+        system = self.system(np.array([p, stop]))
+        amplitude = np.sqrt(np.max(np.maximum(1.0, system.kappa * system.eta)))
+        noise = max(NOISE * self.rtol, TIGHTEST * amplitude / SCALE[0])
+        return follow(
+            self.return_map,
+            U,
+            p,
+            stop=stop,
+            scale=SCALE,
+            tol=self.rtol,
+            noise=noise,
+            steps=STEPS,
+            **options,
+        )
 
     def measures(self, points, exact):
-        """What `measure` finds of the points of a branch, name -> (n,) or (n, 2).
+        """The measures of the points of a branch, as by `measure`: name -> (n,) or (n, 2).
 
-        And under "parameter" its values (n,), to which all the rest belongs.
+        Also "parameter", its values (n,) to which the measures belong.
 
-        exact : special of a point -> the value that its parameter has to keep
+        exact : special of a point -> the exact value of its parameter
         """
-        found = polished(self, points, exact)
-        status = np.full(len(points), FINISHED)
-        # An error > 0 says that a cycle is not to be corrected at constant p.
-        error, once = found.errors[:, :2].max(axis=1) + 1e-16, np.ones(len(points), np.int64)
-        settled = Settled(status, found.u, found.tol, found.period, error, once)
-        values = measure(self.sliders(found.parameter), settled, False)
-        for name, of_speed in zip(("v_max_error", "v_min_error"), found.errors.T[2:], strict=True):
+        points = polished(self, points, exact)
+        n = len(points.parameter)
+        # An error > 0 keeps `measure` from correcting the cycle at constant p.
+        error = points.errors[:, :2].max(axis=1) + 1e-16
+        status, once = np.full(n, FINISHED), np.ones(n, np.int64)
+        cycles = CycleEstimates(status, points.u, points.tol, points.period, error, once)
+        values = measure(self.sliders(points.parameter), cycles, False)
+        for name, of_speed in zip(("v_max_error", "v_min_error"), points.errors.T[2:], strict=True):
             values[name] = np.maximum(values[name], of_speed)
-        return values | {"parameter": found.parameter}
+        return values | {"parameter": points.parameter}
 
 
 def _scale(system):

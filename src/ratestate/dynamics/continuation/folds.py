@@ -1,13 +1,14 @@
 """How far beyond K_c a limit cycle coexists with stable steady sliding.
 
-Where the Hopf bifurcation is subcritical, the branch of cycles that is born there leads to larger
+Where the Hopf bifurcation is subcritical, the branch of cycles that begins there leads to larger
 stiffness, turns back in a fold, and goes on as the stable cycles of softer springs.  Between K_c
 and the fold, steady sliding and a cycle are both stable.  Beyond the Bautin point the branch begins
-towards softer springs; by the aging law with b/a above some 7 it may yet come back to stiffer ones.
+towards softer springs; with the aging law and b/a above some 7 it may still come back to stiffer
+ones.
 
-Over the stiffness the branch folds; over the size of the cycle it does not.  So here the cycle's
-size is given, by psi at its stress maximum, and the stiffness sought at which it closes: the fold
-is where that stiffness has a maximum.
+As a function of the stiffness the branch folds; as a function of the cycle's size it does not.  So
+the size is given, as psi at the stress maximum, and the stiffness is found at which the cycle
+closes: the fold is the maximum of that stiffness.
 """
 
 from typing import NamedTuple
@@ -15,21 +16,21 @@ from typing import NamedTuple
 import numpy as np
 
 from ...friction.normal_form import growth_slopes, law_curvatures, lyapunov_1
-from ..cycles.shooting import TIGHTEST, System, state, turn
+from ..cycles.shooting import TIGHTEST, System, return_map, state
 
-# Amplitude of ln V of the first cycle looked at, and ratio of the sizes of neighbours.
+# Amplitude of ln V of the first cycle tried, and ratio of the sizes of neighbours.
 SMALLEST, RATIO = 0.02, 1.3
-# Sizes looked at, and K/K_c - 1 below which a branch is not expected to come back.
-MOST_CYCLES, FLOOR = 40, -0.03
+# Number of sizes tried, and K/K_c - 1 below which a branch is not expected to come back.
+MAX_SIZES, FLOOR = 40, -0.03
 # Relative accuracy of K/K_c - 1 and of G: of the cycles on the way, and of the fold.
 ROUGH, FINE = 1e-2, 1e-5
-# Most steps of Newton's method, and most rounds of the search between two sizes.
-MOST_STEPS, MOST_ROUNDS = 12, 40
+# Steps of Newton's method, and of the search between two sizes.
+MAX_NEWTON_STEPS, MAX_SEARCH_STEPS = 12, 40
 # Tolerance of a step in x, v and psi, over eta, and the loosest: K_fold/K_c - 1 is of eta's order.
 TOL, LOOSEST = 1e-6, 1e-9
-# Below this eta the strip is narrower than 1e-4 K_c, and G is lost in the errors of a turn.
+# Below this eta the strip is narrower than 1e-4 K_c, and G is lost in the errors of a return.
 LEAST_ETA = 1e-6
-# K/K_c - 1 that counts as none: near the Bautin point, maxima may be rounding.
+# Least K/K_c - 1 of a fold: near the Bautin point, maxima may be rounding.
 LEAST_EXCESS = 1e-7
 
 
@@ -41,7 +42,7 @@ class Folds(NamedTuple):
 
 
 class Cycles(NamedTuple):
-    """A limit cycle of each of n sliders, stable or not; NaN where none was found."""
+    """A limit cycle of each of n sliders, stable or not; NaN where Newton's method failed."""
 
     psi: np.ndarray  # (n,) at the stress maximum
     G: np.ndarray  # (n,) dv/dT there
@@ -50,10 +51,10 @@ class Cycles(NamedTuple):
     excess_slope: np.ndarray  # (n,)
 
     def of_size(self, psi):
-        """A guess at the cycles of these psi, to first order in their logarithm."""
-        further = np.log(psi / self.psi)
-        G = self.G * np.exp(self.G_slope / self.G * further)
-        return self._replace(psi=psi, G=G, excess=self.excess + self.excess_slope * further)
+        """An estimate of the cycles of these psi, to first order in their logarithm."""
+        change = np.log(psi / self.psi)
+        G = self.G * np.exp(self.G_slope / self.G * change)
+        return self._replace(psi=psi, G=G, excess=self.excess + self.excess_slope * change)
 
     def where(self, condition, other):
         """These cycles where the condition (n,) holds, and the others elsewhere."""
@@ -73,8 +74,8 @@ def folds(law, beta, eta):
     Returns
     -------
     Folds
-        K_fold/K_c - 1 to a relative error of 1e-4.  NaN where no cycle of the branch that is born
-        at the Hopf point has K > K_c (1 + 1e-7), as with the slip law, and at eta < 1e-6.
+        K_fold/K_c - 1 to a relative error of 1e-4.  NaN where no cycle of the branch from the
+        Hopf point has K > K_c (1 + 1e-7), as with the slip law, and at eta < 1e-6.
 
     Raises
     ------
@@ -87,49 +88,49 @@ def folds(law, beta, eta):
     top = np.full((len(Cycles._fields), len(eta)), np.nan)
     b1 = beta[which] - 1.0
     slope = growth_slopes(eta[which], b1)[1]
-    bend = -lyapunov_1(eta[which], b1, *curvatures)[0] / slope
-    brackets = _climb(law, beta[which], eta[which], bend)
+    curvature = -lyapunov_1(eta[which], b1, *curvatures)[0] / slope
+    brackets = _bracket_maximum(law, beta[which], eta[which], curvature)
     folding = np.isfinite(brackets[0].psi)
     which = which[folding]
     left, right = (Cycles(*np.array(side)[:, folding]) for side in brackets)
-    top[:, which] = _top(law, beta[which], eta[which], left, right)
+    top[:, which] = _maximum(law, beta[which], eta[which], left, right)
     psi, G, excess = np.where(top[2] > LEAST_EXCESS, top[:3], np.nan)
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + excess)
     return Folds(kappa, np.stack([psi, G], axis=1))
 
 
-def _climb(law, beta, eta, bend):
+def _bracket_maximum(law, beta, eta, curvature):
     """Neighbours in size between which the stiffness is largest, `Cycles` each; NaN without.
 
-    bend : (n,) (K/K_c - 1)/r^2 of the cycles of vanishing amplitude r of ln V
+    curvature : (n,) (K/K_c - 1)/r^2 of the cycles of vanishing amplitude r of ln V
     """
-    psi, excess = SMALLEST * np.sqrt(beta - 1.0) / beta, bend * SMALLEST**2
+    psi, excess = SMALLEST * np.sqrt(beta - 1.0) / beta, curvature * SMALLEST**2
     G = beta * psi
-    here = _closed(law, beta, eta, Cycles(psi, G, excess, G, 2.0 * excess), ROUGH)
-    nothing = Cycles(*np.full((len(here), len(eta)), np.nan))
+    cycles = _closed(law, beta, eta, Cycles(psi, G, excess, G, 2.0 * excess), ROUGH)
+    nothing = Cycles(*np.full((len(cycles), len(eta)), np.nan))
     left, right = nothing, nothing
-    for _ in range(MOST_CYCLES):
-        going = here.excess > FLOOR
+    for _ in range(MAX_SIZES):
+        going = cycles.excess > FLOOR
         if not going.any():
             break
-        guess = here.of_size(RATIO * here.psi).where(going, nothing)
-        last, here = here, _closed(law, beta, eta, guess, ROUGH)
-        between = (last.excess_slope > 0.0) & (here.excess_slope <= 0.0)
-        left, right = last.where(between, left), here.where(between, right)
+        guess = cycles.of_size(RATIO * cycles.psi).where(going, nothing)
+        last, cycles = cycles, _closed(law, beta, eta, guess, ROUGH)
+        between = (last.excess_slope > 0.0) & (cycles.excess_slope <= 0.0)
+        left, right = last.where(between, left), cycles.where(between, right)
     return left, right
 
 
-def _top(law, beta, eta, left, right):
+def _maximum(law, beta, eta, left, right):
     """The cycles with the stiffest springs between those on the left and on the right.
 
-    Regula falsi for the slope of the stiffness, in the Illinois variant.  Where eta is small it is
-    steeper by decades on the right: its arc tangent lets the search halve the interval there.
+    Regula falsi for the slope of the stiffness, in the Illinois variant.  Where eta is small the
+    slope is steeper by decades on the right: with its arc tangent the search halves the interval.
     """
     scale = np.maximum(np.abs(left.excess), eta * 1e-6)
     left, right = (_closed(law, beta, eta, side, FINE) for side in (left, right))
     low, high = (np.arctan(side.excess_slope / scale) for side in (left, right))
     rose = fell = np.zeros(len(eta), bool)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_SEARCH_STEPS):
         width = np.log(right.psi / left.psi)
         searching = left.excess_slope * width > FINE * np.abs(left.excess)
         if not searching.any():
@@ -150,9 +151,9 @@ def _top(law, beta, eta, left, right):
 def _closed(law, beta, eta, guess, accuracy):
     """The cycles of given psi near a guess, by Newton's method for G and K; `Cycles`."""
     psi, G, excess = (np.array(values) for values in guess[:3])
-    found = np.full((len(guess), len(psi)), np.nan)
+    result = np.full((len(guess), len(psi)), np.nan)
     rows = np.flatnonzero(np.isfinite(psi * G * excess))
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         if not len(rows):
             break
         step, slope = _linearised(law, beta[rows], eta[rows], psi[rows], G[rows], excess[rows])
@@ -164,15 +165,15 @@ def _closed(law, beta, eta, guess, accuracy):
             size = np.abs(step) / (G[rows], np.abs(excess[rows]) + 1e-3 * eta[rows])
         done = (size < accuracy).all(axis=0)
         closed = rows[done]
-        found[:, closed] = psi[closed], G[closed], excess[closed], *(psi[closed] * slope[:, done])
+        result[:, closed] = psi[closed], G[closed], excess[closed], *(psi[closed] * slope[:, done])
         rows = rows[~done & np.isfinite(step).all(axis=0)]
-    return Cycles(*found)
+    return Cycles(*result)
 
 
 def _linearised(law, beta, eta, psi, G, excess):
     """(2, n) steps of G and K/K_c - 1 that close a cycle, and their slopes over psi.
 
-    NaN where a turn does not come back.
+    NaN where an orbit does not come back.
     """
     n = len(eta)
     tol = np.clip(TOL * eta, TIGHTEST, LOOSEST)
@@ -184,14 +185,14 @@ def _linearised(law, beta, eta, psi, G, excess):
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + np.stack([excess, excess + h]))
     system = System(law, kappa.ravel(), twice(beta), twice(eta), np.full(2 * n, np.inf))
     u = twice(np.stack([psi, G], axis=1))
-    turns = turn(system, state(system, u), twice(tol), alone=False)
-    gap = turns.image - u
-    by_psi, by_G = np.moveaxis(turns.jacobian[:n] - np.eye(2), -1, 0)
+    returns = return_map(system, state(system, u), twice(tol), alone=False)
+    gap = returns.image - u
+    by_psi, by_G = np.moveaxis(returns.jacobian[:n] - np.eye(2), -1, 0)
     by_K = (gap[n:] - gap[:n]) / h[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         return tuple(
-            np.stack([_cross(by_K, rest), _cross(rest, by_G)]) / _cross(by_G, by_K)
-            for rest in (gap[:n], by_psi)
+            np.stack([_cross(by_K, vector), _cross(vector, by_G)]) / _cross(by_G, by_K)
+            for vector in (gap[:n], by_psi)
         )
 
 

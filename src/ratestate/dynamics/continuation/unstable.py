@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from ..cycles.attractor import settle
+from ..cycles.attractor import find_attractors
 from ..cycles.measure import refine
 from ..cycles.shooting import state
 from .family import Family
 
-#: what `cycles_around` finds
+#: results of `cycles_around`
 CYCLES = (
     *("amplitude", "period"),
     *("unstable_amplitude", "unstable_period", "unstable_multiplier"),
@@ -20,29 +20,28 @@ FARTHEST = 100.0
 def cycles_around(system, which, u):
     """Measures of stable cycles and of the unstable ones inside them, name -> (n,).
 
-    On raising the stiffness the two meet in a fold: the branch that leaves the stable cycle comes
-    back to the slider's own stiffness as the unstable one.
+    As the stiffness increases the two meet in a fold: the branch from the stable cycle comes back
+    to the slider's own stiffness as the unstable one.
 
-    system : n sliders; which : numbers of those that have a cycle; u : (n, 2) about where
+    system : n sliders; which : numbers of those with a cycle; u : (n, 2) estimates of its point
     """
-    found = {name: np.full(len(u), np.nan) for name in CYCLES}
+    result = {name: np.full(len(u), np.nan) for name in CYCLES}
     part = system.at(which)
-    settled = settle(part, state(part, u[which]), RTOL, False, None)
-    stable = refine(part, settled, RTOL, False)
-    found["amplitude"][which], found["period"][which] = stable["amplitude"], stable["period"]
-    single = settled.returns == 1  # the unstable cycle's, which this one meets
-    for i, u_i in zip(which[single], settled.u[single], strict=True):
-        numbers = (float(values[i]) for values in (system.kappa, system.beta, system.eta))
-        kappa, beta, eta = numbers
+    attractors = find_attractors(part, state(part, u[which]), RTOL, False, None)
+    stable = refine(part, attractors, RTOL, False)
+    result["amplitude"][which], result["period"][which] = stable["amplitude"], stable["period"]
+    single = attractors.n_returns == 1  # as many as of the unstable cycle that meets it
+    for i, u_i in zip(which[single], attractors.u[single], strict=True):
+        kappa, beta, eta = (float(values[i]) for values in (system.kappa, system.beta, system.eta))
         # With V_lp = Dc = sigma = a = 1 the slider is its own dimensionless form.
         values = {"a": 1.0, "b": beta, "Dc": 1.0, "sigma": 1.0, "K": kappa, "M": eta, "V_lp": 1.0}
         family, p = Family(system.law, values, "K", RTOL), np.log(kappa)
         branch = family.follow(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST))
-        # Close to the Hopf point p hardly changes along the branch, and no solution at exactly
-        # the first p stands out of the noise.
+        # Close to the Hopf point p hardly changes along the branch, and noise hides the solution at
+        # exactly the first p.
         if len(branch.points) > 2 and abs(branch.points[-1].p - p) <= RTOL:
-            measured = family.measures(branch.points[-1:], {"start": kappa})
-            found["unstable_amplitude"][i] = measured["amplitude"][0]
-            found["unstable_period"][i] = measured["period"][0]
-            found["unstable_multiplier"][i] = measured["multipliers"][0, 0].real
-    return found
+            measures = family.measures(branch.points[-1:], {"start": kappa})
+            result["unstable_amplitude"][i] = measures["amplitude"][0]
+            result["unstable_period"][i] = measures["period"][0]
+            result["unstable_multiplier"][i] = measures["multipliers"][0, 0].real
+    return result

@@ -1,7 +1,7 @@
-"""Which limit cycle a slider settles into, and that cycle to full accuracy.
+"""Which attractor a slider reaches from a given start: a limit cycle or steady sliding.
 
-Where steady sliding and cycles coexist, the answer depends on the start.  So the orbit itself is
-followed from the start on, with what attraction.py knows of where it goes.  Near steady sliding,
+Where steady sliding and cycles coexist, the answer depends on the start.  So the search follows
+the orbit itself from the start, and estimates where it goes (attraction.py).  Near steady sliding,
 where the return map drowns in rounding, harmonic balance takes over.
 """
 
@@ -10,34 +10,38 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
-from .attraction import LOOSE, REACH, SEARCH, advance
-from .iterates import iterate
-from .shooting import distance, small_amplitude, tightest, turn
-from .small_cycles import curvature, soft_cycle
+from .attraction import LOOSEST, SEARCH, STEP_LIMIT, advance_search
+from .iterates import iterated_map
+from .shooting import distance, return_map, small_amplitude, tightest
+from .small_cycles import curvature, small_cycle
 
-# Steps of the search, and returns of an orbit, after which a slider counts as never settling.
-MOST_ROUNDS, MOST_FOLLOWED = 400, 2000
+# Steps of the search, and returns of an orbit, after which a slider counts as never converging.
+MAX_STEPS, MAX_RETURNS = 400, 2000
 # Distance, relative to that from u = 0, to which a cycle closes after half its returns.
 CLOSES = 1e-4
-# Amplitudes of ln V below which a stable steady sliding is reached; below which cycles are soft.
-STEADY, SOFT = 1e-2, 2e-2
-# Looser answers are not cheaper.
+# Amplitude of ln V below which a stable steady sliding is reached; and below which a cycle is
+# small enough for harmonic balance.
+STEADY, SMALL = 1e-2, 2e-2
+# A looser answer would not be cheaper.
 LOOSEST_ANSWER = 1e-5
 
 
-class Settled(NamedTuple):
-    """Where n sliders end up."""
+class CycleEstimates(NamedTuple):
+    """A point on the section for each of n sliders, where its limit cycle is thought to be.
+
+    `find_attractors` returns the attractor that each slider has reached.
+    """
 
     status: np.ndarray  # engine.model: FINISHED is a cycle
-    u: np.ndarray  # (n, 2) its stress maximum; where there is none, the last one
-    tol: np.ndarray  # (n,) tolerance of its turn
+    u: np.ndarray  # (n, 2) the cycle's stress maximum; without a cycle, the orbit's last one
+    tol: np.ndarray  # (n,) tolerance of the return that led there
     period: np.ndarray  # (n,)
-    error: np.ndarray  # (n,) of a soft cycle, estimated relative error; 0 elsewhere
-    returns: np.ndarray  # (n,) how many make the period
+    error: np.ndarray  # (n,) estimated relative error if known, as of a small cycle; else 0
+    n_returns: np.ndarray  # (n,) how many returns make the period
 
     def at(self, which):
         """The sliders with these numbers, or where this is true."""
-        return Settled(*(values[which] for values in self))
+        return CycleEstimates(*(values[which] for values in self))
 
 
 def steady_start(system):
@@ -46,21 +50,21 @@ def steady_start(system):
     return np.stack([(1.0 - system.beta) * v, v, -v], axis=1)
 
 
-def settle(system, start, rtol, alone, progress, loosest=LOOSE):
-    """Follow n sliders from the states start (n, 3) until they settle; `Settled`.
+def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
+    """Follow n sliders from the states start (n, 3) to their attractors; `CycleEstimates`.
 
     rtol : relative accuracy of the cycle
     alone : whether this is the one case of a call
-    progress : callable or None, given the fraction of sliders that have settled
-    loosest : (n,) tolerance of a turn, at most; as close as this the orbit itself is followed
+    progress : callable or None, given the fraction of sliders that have reached an attractor
+    loosest : (n,) largest tolerance of a return; the orbit itself is followed at least this closely
     """
     n = len(start)
     loosest = np.broadcast_to(loosest, n)
     rtol = min(rtol, LOOSEST_ANSWER)
     stable = system.margin >= 0.0
     steady_tol = np.where(stable, 1e-6, 0.0)
-    first = turn(system, start, loosest, alone=alone, steady_tol=steady_tol)
-    found = Settled(
+    first = return_map(system, start, loosest, alone=alone, steady_tol=steady_tol)
+    estimates = CycleEstimates(
         np.where(first.came_back, RUNNING, first.status),
         first.image.copy(),
         loosest.astype(float),
@@ -69,73 +73,74 @@ def settle(system, start, rtol, alone, progress, loosest=LOOSE):
         np.ones(n, np.int64),
     )
     search, followed = np.zeros(n, SEARCH), np.ones(n, np.int64)
-    soft_untried = ~stable
-    search["reach"] = REACH
-    for number in range(MOST_ROUNDS):
-        active = np.flatnonzero((found.status == RUNNING) & (followed < MOST_FOLLOWED))
+    balance_untried = ~stable
+    search["step_limit"] = STEP_LIMIT
+    for number in range(MAX_STEPS):
+        active = np.flatnonzero((estimates.status == RUNNING) & (followed < MAX_RETURNS))
         if progress:
             progress(1.0 - len(active) / n)
         if not len(active):
             break
-        part, now, here = system.at(active), found.at(active), search[active]
-        turns = iterate(
-            part, now.u, now.tol, now.returns, alone=alone, steady_tol=steady_tol[active]
+        part, current = system.at(active), estimates.at(active)
+        u, tol, n_returns = current.u, current.tol, current.n_returns
+        at_rest = steady_tol[active]
+        returns = iterated_map(part, u, tol, n_returns, alone=alone, steady_tol=at_rest)
+        followed[active] += n_returns
+        estimates.status[active] = np.where(returns.came_back, RUNNING, returns.status)
+        estimates.period[active] = returns.numbers["period"]
+        active_search = search[active]
+        on_orbit = ~active_search["ahead"]
+        estimates.u[active], estimates.tol[active], converged, doubled = advance_search(
+            part, returns, current, active_search, rtol, loosest[active], leap=number > 0
         )
-        followed[active] += now.returns
-        found.status[active] = np.where(turns.came_back, RUNNING, turns.status)
-        found.period[active] = turns.numbers["period"]
-        on_orbit = ~here["ahead"]
-        found.u[active], found.tol[active], done, doubled = advance(
-            part, turns, now, here, rtol, loosest[active], leap=number > 0
-        )
-        found.returns[active] = np.where(doubled, 2 * now.returns, now.returns)
-        search[active] = here
-        found.status[active[done]] = FINISHED
-        small = np.where(turns.came_back & on_orbit, small_amplitude(part, now.u), np.inf)
-        _come_to_rest(system, found, active, np.where(stable[active], small, np.inf))
-        nearly = active[soft_untried[active] & (small < SOFT)]
-        _soften(system, found, nearly)
-        soft_untried[nearly] = False
-    found.status[found.status == RUNNING] = NO_CONVERGENCE
-    _halve(system, found, alone)
-    return found
+        estimates.n_returns[active] = np.where(doubled, 2 * n_returns, n_returns)
+        search[active] = active_search
+        estimates.status[active[converged]] = FINISHED
+        r = np.where(returns.came_back & on_orbit, small_amplitude(part, u), np.inf)
+        _finish_at_rest(system, estimates, active, np.where(stable[active], r, np.inf))
+        small = active[balance_untried[active] & (r < SMALL)]
+        _finish_on_small_cycles(system, estimates, small)
+        balance_untried[small] = False
+    estimates.status[estimates.status == RUNNING] = NO_CONVERGENCE
+    _halve_periods(system, estimates, alone)
+    return estimates
 
 
-def _halve(system, found, alone):
-    """Put down what closes after half its returns already as a cycle of these."""
-    which = np.flatnonzero((found.status == FINISHED) & (found.returns > 1))
+def _halve_periods(system, estimates, alone):
+    """Halve the returns of a cycle as long as it closes after half of them already."""
+    which = np.flatnonzero((estimates.status == FINISHED) & (estimates.n_returns > 1))
     while len(which):
-        part, now = system.at(which), found.at(which)
-        half = iterate(part, now.u, now.tol, now.returns // 2, alone=alone)
-        closes = distance(part, half.image - now.u) <= CLOSES * distance(part, now.u)
+        part, cycles = system.at(which), estimates.at(which)
+        half = iterated_map(part, cycles.u, cycles.tol, cycles.n_returns // 2, alone=alone)
+        closes = distance(part, half.image - cycles.u) <= CLOSES * distance(part, cycles.u)
         which = which[closes]
-        found.returns[which] //= 2
-        found.period[which] *= 0.5
-        which = which[found.returns[which] > 1]
+        estimates.n_returns[which] //= 2
+        estimates.period[which] *= 0.5
+        which = which[estimates.n_returns[which] > 1]
 
 
-def _come_to_rest(system, found, active, r):
-    """Let sliders with these numbers end in steady sliding where their amplitudes r say so.
+def _finish_at_rest(system, estimates, active, r):
+    """Mark as steady sliding those of the active sliders whose amplitude r is small enough.
 
-    Only unstable cycles are that small beside stable sliding; inside them it is reached.
+    Beside stable sliding, only unstable cycles are that small; an orbit inside them spirals in.
     """
     which, r = active[r < STEADY], r[r < STEADY]
     if len(which):
         part = system.at(which)
         inside = part.margin > curvature(part.law, part.beta, part.eta) * r**2
-        found.status[which[inside]] = STEADY_SLIDING
+        estimates.status[which[inside]] = STEADY_SLIDING
 
 
-def _soften(system, found, which):
-    """Put the soft cycles of these sliders into `found`, where they have one."""
+def _finish_on_small_cycles(system, estimates, which):
+    """Put the small cycles of these sliders into the estimates, where harmonic balance has one."""
     if not len(which):
         return
     part = system.at(which)
-    soft = soft_cycle(part.law, part.kappa, part.beta, part.eta)
-    near = soft.found & (soft.r < 2.0 * SOFT)
-    which, soft = which[near], type(soft)(*(values[near] for values in soft))
-    found.status[which] = FINISHED
-    found.u[which] = np.stack([soft.psi, soft.G], axis=1)
-    found.period[which] = 2.0 * np.pi / soft.omega
-    found.error[which] = soft.error
-    found.tol[which] = tightest(system.at(which), found.u[which])
+    cycles = small_cycle(part.law, part.kappa, part.beta, part.eta)
+    near = cycles.valid & (cycles.r < 2.0 * SMALL)
+    which, cycles = which[near], type(cycles)(*(values[near] for values in cycles))
+    estimates.status[which] = FINISHED
+    estimates.u[which] = np.stack([cycles.psi, cycles.G], axis=1)
+    estimates.period[which] = 2.0 * np.pi / cycles.omega
+    estimates.error[which] = cycles.error
+    estimates.tol[which] = tightest(system.at(which), estimates.u[which])

@@ -1,4 +1,4 @@
-"""Harmonic balance of a soft limit cycle: one that is small, near the Hopf point.
+"""Harmonic balance of a small-amplitude limit cycle near the Hopf point.
 
 Dimensionless with V0 := V_lp, time in Dc/V_lp.  For a law whose state obeys d theta/dt = f(Omega),
 Omega = V theta/Dc, the rate is d psi/dT = w h(z) with z = ln Omega = v + psi, and at the phase
@@ -7,16 +7,17 @@ omega T the slider's three equations become one for w = V/V_lp (' = d/d phase),
     kappa (w - 1) + eta omega^2 w'' + omega w'/w + beta w h(z) = 0,
     beta z = x + (beta - 1) v - eta omega w',    x' = -kappa (w - 1)/omega.
 
-A cycle shrinks to w = 1 + r cos(phase), whatever r: what fixes r are terms r^2 times smaller, which
-rounding would bury.  But half a turn of the phase changes the sign of r, so that even harmonics
-are odd in r and odd ones even,
+A small cycle is w = 1 + r cos(phase) for any r: the terms that determine r are r^2 times smaller,
+and rounding would bury them.  But a shift of the phase by pi changes the sign of r, so that the
+harmonics separate by parity,
 
     w = 1 + r (cos + r Q + r^2 P),     Q: harmonics 2, 4, ...,   P: harmonics 3, 5, ...,
 
-and v, z and the equation split likewise into parts of either parity.  What cos satisfies by itself
-is left out by hand, the parts are divided by r^2 and r^3, and the rest holds s = r^2 alone: nothing
-cancels, and s = 0 is as good as any.  There the rest is triangular, so sweeps that solve each
-harmonic's linear equation converge like s.  Arrays are (n, 1), harmonics complex (n, harmonics).
+and v, z and the equation split likewise into parts of even and odd harmonics.  The terms that cos
+alone satisfies are left out by hand, the parts are divided by r^2 and r^3, and only s = r^2 is
+left: nothing cancels, down to s = 0.  There the equations are triangular, so an iteration that
+solves each harmonic's linear equation converges like s.  Arrays are (n, 1), harmonics complex
+(n, harmonics).
 """
 
 from typing import NamedTuple
@@ -31,7 +32,8 @@ SERIES = {
 }
 
 HARMONICS = 15
-NODES = np.pi * np.arange(HARMONICS + 1) / (HARMONICS + 1)  # half a period: parity knows the rest
+# over half a period: parity gives the other half
+NODES = np.pi * np.arange(HARMONICS + 1) / (HARMONICS + 1)
 FIRST = np.exp(1j * NODES)
 C, S = FIRST.real, FIRST.imag
 EVEN, ODD = np.arange(2, HARMONICS, 2), np.arange(3, HARMONICS + 1, 2)
@@ -57,27 +59,27 @@ class Balance(NamedTuple):
     m: np.ndarray
     #: omega^2 = (beta - 1) (1 + s d)
     d: np.ndarray
-    #: m - eta (beta - 1) d, which as a difference would lose digits
+    #: m - eta (beta - 1) d, kept apart as the difference would lose digits
     g: np.ndarray
 
 
-def birth(case):
-    """The balance at s = 0, exact after two sweeps."""
+def hopf_limit(case):
+    """The balance at s = 0, the Hopf point; exact after two iterations."""
     n = len(case.eta)
     scalars = (np.zeros((n, 1)) for _ in range(4))
     balance = Balance(np.zeros((n, EVEN.size)), np.zeros((n, ODD.size)), *scalars)
-    return sweep(sweep(balance, 0.0, case), 0.0, case)
+    return next_balance(next_balance(balance, 0.0, case), 0.0, case)
 
 
-def sweep(balance, s, case):
-    """Solve each harmonic's linear part for what the last balance left over."""
+def next_balance(balance, s, case):
+    """One iteration: each harmonic's linear part solved for the residual of the last balance."""
     Q, P, X0, _, d, g = balance
     even, odd = residual(balance, s, case)
     omega = frequency(d, s, case)
 
-    def correction(k, waves, rest):
+    def correction(k, waves, part):
         mu = dynamic_stiffness(k, g, omega, s, case)
-        return -project(rest, waves) / (mu * (1 - 1j / (k * omega)) + 1j * k * omega - case.b1)
+        return -project(part, waves) / (mu * (1 - 1j / (k * omega)) + 1j * k * omega - case.b1)
 
     Q, P = Q + correction(EVEN, EVEN_WAVES, even), P + correction(ODD, ODD_WAVES, odd)
     first = project(odd, FIRST[None])
@@ -98,7 +100,10 @@ def dynamic_stiffness(k, g, omega, s, case):
 
 
 def residual(balance, s, case):
-    """Even part/r^2 and odd part/r^3 of the equation at the nodes, (n, nodes) each."""
+    """Even part/r^2 and odd part/r^3 of the equation at the nodes, (n, nodes) each.
+
+    Names end in o and e for odd parts/r and even parts/r^2, and begin with d for d/d phase.
+    """
     b1, beta, _, series = case
     Q, P, X0, _, d, g = balance
     omega = frequency(d, s, case)

@@ -5,18 +5,18 @@ A limit cycle that closes after m returns is a fixed point of the m-th iterate.
 
 import numpy as np
 
-from .shooting import state, turn
+from .shooting import gradient, return_map, state
 
 #: what adds up over several returns
 SUMS = ("period", "trace", "slow", "mean", "square", "steps")
 
 
-def iterate(system, u, rtol, count, *, alone, steady_tol=0.0, period=None):
-    """`turn` from the section's points u (n, 2), count (n,) times over, as one map.
+def iterated_map(system, u, rtol, count, *, alone, steady_tol=0.0, period=None):
+    """`return_map` from the section's points u (n, 2), count (n,) times over; `Returns`.
 
-    The numbers are those of all returns: sums, extremes, Fourier integrals of a phase that runs
-    on, the times' derivatives by u; and x_high, the largest stress maximum from u on, the last
-    return's own left out (on a cycle it is the first again).
+    The numbers are those of all returns together: sums, extremes, Fourier integrals of a phase
+    that runs on, and derivatives of times by the first u.  They also have x_high, the largest
+    stress maximum from u on, without that at the end (on a cycle it is the first again).
 
     period : (n,) of all returns together
     """
@@ -24,56 +24,55 @@ def iterate(system, u, rtol, count, *, alone, steady_tol=0.0, period=None):
 
     def single(part, y, rtol, steady_tol, each):
         assumed = None if period is None else each
-        return turn(part, y, rtol, alone=alone, steady_tol=steady_tol, period=assumed)
+        return return_map(part, y, rtol, alone=alone, steady_tol=steady_tol, period=assumed)
 
-    turns = single(system, state(system, u), rtol, steady_tol, each)
+    returns = single(system, state(system, u), rtol, steady_tol, each)
     high = np.stack([system.beta, system.eta], axis=1)  # d x/d u at a stress maximum
-    turns.numbers["x_high"] = state(system, u)[:, 0]
-    turns.numbers["x_high_a"], turns.numbers["x_high_b"] = high.T.copy()
+    returns.numbers["x_high"] = state(system, u)[:, 0]
+    returns.numbers["x_high_a"], returns.numbers["x_high_b"] = high.T.copy()
     steady_tol, rtol = np.broadcast_to(steady_tol, len(u)), np.broadcast_to(rtol, len(u))
     for number in range(1, int(count.max(initial=1))):
-        which = np.flatnonzero((count > number) & turns.came_back)
-        part, begin = system.at(which), state(system.at(which), turns.image[which])
+        which = np.flatnonzero((count > number) & returns.came_back)
+        part, begin = system.at(which), state(system.at(which), returns.image[which])
         more = single(part, begin, rtol[which], steady_tol[which], each[which])
         more.numbers["x_high"] = begin[:, 0]
         more.numbers["x_high_a"], more.numbers["x_high_b"] = high[which].T
-        _append(turns, which, more, 2.0 * np.pi / each[which])
-    return turns
+        _append(returns, which, more, 2.0 * np.pi / each[which])
+    return returns
 
 
-def _append(turns, which, more, pace):
-    """Let the turns with these numbers go on by one more.
+def _append(returns, which, more, omega):
+    """Extend the returns of the sliders with these numbers by one more return, in place.
 
-    pace : angular frequency of the waveform
+    omega : (n,) angular frequency of the waveform
     """
-    had = {name: values[which] for name, values in turns.numbers.items()}
-    before, new = turns.jacobian[which], more.numbers
+    old = {name: values[which] for name, values in returns.numbers.items()}
+    before, new = returns.jacobian[which], more.numbers
 
     def by_start(name):
-        """Derivatives, with respect to where the turns begin, of what the last one says."""
-        row = np.stack([new[f"{name}_a"], new[f"{name}_b"]], axis=1)
-        return np.einsum("ni,nij->jn", row, before)
+        """Derivatives of one of the last return's numbers by the first u, (2, n)."""
+        return np.einsum("ni,nij->jn", gradient(new, name), before)
 
     joined = dict(new)
     for name in SUMS:
-        joined[name] = had[name] + new[name]
-    joined["g_max"] = np.maximum(had["g_max"], new["g_max"])
+        joined[name] = old[name] + new[name]
+    joined["g_max"] = np.maximum(old["g_max"], new["g_max"])
     for name in ("f_min", "xf_min"):
-        joined[name] = np.minimum(had[name], new[name])
+        joined[name] = np.minimum(old[name], new[name])
     for suffix, slope in zip("ab", by_start("period"), strict=True):
-        joined[f"period_{suffix}"] = had[f"period_{suffix}"] + slope
-    for name, further in (
-        ("x_low", new["x_low"] < had["x_low"]),
-        ("x_high", new["x_high"] > had["x_high"]),
-        ("v_min", new["v_min"] < had["v_min"]),
-        ("v_max", new["v_max"] > had["v_max"]),
+        joined[f"period_{suffix}"] = old[f"period_{suffix}"] + slope
+    for name, is_new in (
+        ("x_low", new["x_low"] < old["x_low"]),
+        ("x_high", new["x_high"] > old["x_high"]),
+        ("v_min", new["v_min"] < old["v_min"]),
+        ("v_max", new["v_max"] > old["v_max"]),
     ):
-        joined[name] = np.where(further, new[name], had[name])
+        joined[name] = np.where(is_new, new[name], old[name])
         for suffix, slope in zip("ab", by_start(name), strict=True):
-            joined[f"{name}_{suffix}"] = np.where(further, slope, had[f"{name}_{suffix}"])
-    turned = np.exp(1j * pace * had["period"]) * (new["cosine"] + 1j * new["sine"])
-    joined["cosine"], joined["sine"] = had["cosine"] + turned.real, had["sine"] + turned.imag
+            joined[f"{name}_{suffix}"] = np.where(is_new, slope, old[f"{name}_{suffix}"])
+    shifted = np.exp(1j * omega * old["period"]) * (new["cosine"] + 1j * new["sine"])
+    joined["cosine"], joined["sine"] = old["cosine"] + shifted.real, old["sine"] + shifted.imag
     for name, values in joined.items():
-        turns.numbers[name][which] = values
-    turns.status[which], turns.image[which] = more.status, more.image
-    turns.jacobian[which] = more.jacobian @ before
+        returns.numbers[name][which] = values
+    returns.status[which], returns.image[which] = more.status, more.image
+    returns.jacobian[which] = more.jacobian @ before

@@ -1,4 +1,4 @@
-"""The verb `limit_cycle`: what a steadily driven slider settles into, and how firmly."""
+"""The function `limit_cycle`: the attractor of a steadily driven slider, and its multipliers."""
 
 import dataclasses
 import functools
@@ -19,7 +19,7 @@ from ..progress import bar
 from ..results import plain, provenance, status_variable
 from ..simulation.cases import failure, speed
 from ..simulation.domain import domain_variables
-from .attractor import settle, steady_start
+from .attractor import find_attractors, steady_start
 from .measure import refine
 from .shooting import system_of
 
@@ -30,7 +30,7 @@ TAKEN = (
 ).split()
 # Relative error beyond which an answer is refused.
 WORST = 1e-2
-# Sliders in hand at a time: enough to fill every lane, few enough to hold in memory.
+# Sliders at a time: enough to fill every lane, few enough to hold in memory.
 CHUNK = 1 << 15
 
 
@@ -134,7 +134,7 @@ class LimitCycleCall:
         return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=TAKEN)
 
     def blank(self):
-        """What `run` gives, without answers."""
+        """The variables of `run`, with no case solved."""
         nothing = np.full(self.batch.n, NO_CONVERGENCE)
         variables = cycle_variables(self.batch, nothing, {}, stable=False)
         return variables | {"status": status_variable(self.batch, nothing)}
@@ -144,13 +144,13 @@ class LimitCycleCall:
         return self.variables(*self.solve(progress))
 
     def solve(self, progress=None):
-        """Status (n,) of all cases, and what `refine` found of those that have a cycle."""
+        """Status (n,) of all cases, and the measures of their cycles, as by `refine`."""
         return _cycles(self.batch, self.slider.law, self.rtol, progress)
 
-    def variables(self, status, found):
-        """What `run` gives, of what `solve` found."""
-        # Only cycles that attract are settled into; the multipliers of the softest round to 1.
-        variables = cycle_variables(self.batch, status, found, stable=status == FINISHED)
+    def variables(self, status, measures):
+        """The variables of `run`, from the results of `solve`."""
+        # An attractor is stable, though the multipliers of the smallest cycles round to 1.
+        variables = cycle_variables(self.batch, status, measures, stable=status == FINISHED)
         return variables | {"status": status_variable(self.batch, status)}
 
     def dataset(self, variables):
@@ -160,76 +160,77 @@ class LimitCycleCall:
         return xarray.Dataset(variables, self.batch.coordinates(TAKEN), attrs)
 
     def refuse_failure(self, result):
-        """Raise what became of a single case that has no answer."""
+        """Raise the exception for a single case without an answer."""
         if self.batch.alone and (status := int(result.status)) > STEADY_SLIDING:
             best = result if status == NO_CONVERGENCE else None
             raise failure("limit_cycle", self.slider, status, best=best)
 
 
 def _cycles(batch, law, rtol, progress):
-    """Status (n,) of all cases, and what `refine` found of those that have a cycle."""
+    """Status (n,) of all cases, and the measures of their cycles, as by `refine`."""
     system = system_of(law, **batch.columns)
     status = np.full(batch.n, STEADY_SLIDING)
-    moves = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
-    found: dict = {}
+    may_cycle = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
+    measures: dict = {}
     alone = batch.alone
-    for first in range(0, len(moves), CHUNK):
-        which = moves[first : first + CHUNK]
+    for first in range(0, len(may_cycle), CHUNK):
+        which = may_cycle[first : first + CHUNK]
         part = system.at(which)
-        before, share = first / len(moves), len(which) / len(moves)
+        before, share = first / len(may_cycle), len(which) / len(may_cycle)
         advance = progress and (lambda done, b=before, s=share: progress(b + s * done))
-        settled = settle(part, steady_start(part), rtol, alone, advance)
-        status[which] = settled.status
-        cycle = (settled.status == FINISHED) | (alone & (settled.status == NO_CONVERGENCE))
-        for name, value in refine(part.at(cycle), settled.at(cycle), rtol, alone).items():
+        attractors = find_attractors(part, steady_start(part), rtol, alone, advance)
+        status[which] = attractors.status
+        cycle = attractors.status == FINISHED
+        cycle |= alone & (attractors.status == NO_CONVERGENCE)
+        for name, value in refine(part.at(cycle), attractors.at(cycle), rtol, alone).items():
             empty = np.full((batch.n, *value.shape[1:]), np.nan, value.dtype)
-            found.setdefault(name, empty)[which[cycle]] = value
-    doubtful = (status == FINISHED) & ~(found.get("error", np.zeros(batch.n)) <= WORST)
-    if found:  # what does not attract, seen closely, was not settled into
-        doubtful |= (status == FINISHED) & ~(np.abs(found["multipliers"][:, 0]) < 1.0)
+            measures.setdefault(name, empty)[which[cycle]] = value
+    doubtful = (status == FINISHED) & ~(measures.get("error", np.zeros(batch.n)) <= WORST)
+    if measures:  # a cycle that proves to be unstable is not the attractor
+        doubtful |= (status == FINISHED) & ~(np.abs(measures["multipliers"][:, 0]) < 1.0)
     status[doubtful] = NO_CONVERGENCE
-    for value in () if alone else found.values():
+    for value in () if alone else measures.values():
         value[doubtful] = np.nan
-    return status, found
+    return status, measures
 
 
-def cycle_variables(batch, status, found, stable):
-    """The result's variables, name -> Variable, of what `measure` found; NaN where it failed.
+def cycle_variables(batch, status, measures, stable):
+    """The result's variables, name -> Variable, from the measures of cycles; NaN without one.
 
     batch : holds the slider and V_lp
-    found : name -> (n,) or (n, 2), NaN where there is no cycle; empty where there is none at all
+    measures : as of `measure`, name -> (n,) or (n, 2), NaN where there is no cycle; or empty
     stable : (n,) whether the cycles are
     """
     a, b, Dc, sigma, K, M, V = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V_lp"))
     steady = status == STEADY_SLIDING
     nothing = np.full(batch.n, np.nan)
 
-    def of(name, if_steady=np.nan):
-        return np.where(steady, if_steady, found.get(name, nothing))
+    def measured(name, if_steady=np.nan):
+        return np.where(steady, if_steady, measures.get(name, nothing))
 
-    period, amplitude = of("period") * Dc / V, of("amplitude", 0.0)
-    multipliers = found.get("multipliers", np.full((batch.n, 2), np.nan, complex))
+    period, amplitude = measured("period") * Dc / V, measured("amplitude", 0.0)
+    multipliers = measures.get("multipliers", np.full((batch.n, 2), np.nan, complex))
     with np.errstate(divide="ignore", invalid="ignore"):
         values = {
             "period": period,
             "frequency": 1.0 / period,
             "amplitude": a * amplitude,
-            "V_max": speed(of("v_max", 0.0), V),
-            "V_min": speed(of("v_min", 0.0), V),
-            "inertia": np.where(steady, 0.0, of("g_max") / amplitude),
-            "slow_fraction": of("slow_fraction", 0.0),
-            "fundamental": of("fundamental"),
+            "V_max": speed(measured("v_max", 0.0), V),
+            "V_min": speed(measured("v_min", 0.0), V),
+            "inertia": np.where(steady, 0.0, measured("g_max") / amplitude),
+            "slow_fraction": measured("slow_fraction", 0.0),
+            "fundamental": measured("fundamental"),
             "stable": np.where(steady, K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K, stable),
-            "residual": of("residual", 0.0),
-            "error": of("error", 0.0),
-            "V_max_error": of("v_max_error", 0.0),
-            "V_min_error": of("v_min_error", 0.0),
+            "residual": measured("residual", 0.0),
+            "error": measured("error", 0.0),
+            "V_max_error": measured("v_max_error", 0.0),
+            "V_min_error": measured("v_min_error", 0.0),
         }
-    returns = np.nan_to_num(of("returns", 0.0)).astype(np.int16)
+    returns = np.nan_to_num(measured("returns", 0.0)).astype(np.int16)
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     variables["returns"] = batch.variable(returns, "returns")
     steady_mu = mu_ss(V, a=a, b=b, mu0=batch.flat("mu0"), V0=batch.flat("V0"))
-    lowest = (steady_mu + a * of("f_min", 0.0), 2.0 * steady_mu + a * of("xf_min", 0.0))
+    lowest = (steady_mu + a * measured("f_min", 0.0), 2.0 * steady_mu + a * measured("xf_min", 0.0))
     variables |= domain_variables(batch, *lowest)
     variables["multipliers"] = batch.variable(multipliers, "multipliers", "multiplier")
     return variables

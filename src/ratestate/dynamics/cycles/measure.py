@@ -1,45 +1,58 @@
-"""What a limit cycle is like: one turn of it, observed, and what its derivative says."""
+"""Measures of a limit cycle and their errors, from one period of it and its derivatives."""
 
 import numpy as np
 
 from ...engine.model import FINISHED
 from ...friction.eigenvalues import steady_modes
 from .attraction import FINER
-from .iterates import iterate
-from .sensitivity import COARSER, defect, measured, stiffness_sensitivity
-from .shooting import distance, kept_tolerance, multipliers, newton_step, small_amplitude, tightest
+from .sensitivity import (
+    backward_error,
+    coarser_orbits,
+    difference,
+    follow_period,
+    stiffness_sensitivity,
+)
+from .shooting import (
+    change_along,
+    distance,
+    effective_tolerance,
+    gradient,
+    multipliers,
+    newton_step,
+    small_amplitude,
+    tightest,
+)
 
-# Of the error estimate: its safety, and what rounding makes of a turn.
+# Of the error estimate: its safety factor, and the error of a return due to rounding.
 SAFETY, ROUNDING = 3.0, 60.0 * 2.0**-52
-# Turns, each finer than the last, to which a cycle that is not yet known well enough is put.
-MOST_TURNS = 8
+# Measurements, each with finer returns than the last, of a cycle that is not accurate enough yet.
+MAX_REFINEMENTS = 8
 
 
-def refine(system, settled, rtol, alone):
-    """`measure`, repeated with finer turns where the error is larger than rtol."""
-    found = measure(system, settled, alone)
-    for _ in range(MOST_TURNS):
-        floor = tightest(system, settled.u)
-        worse = (found["error"] > rtol) & (settled.tol > floor) & (settled.error == 0.0)
+def refine(system, cycles, rtol, alone):
+    """`measure`, repeated with finer returns where the error is larger than rtol."""
+    measures = measure(system, cycles, alone)
+    for _ in range(MAX_REFINEMENTS):
+        floor = tightest(system, cycles.u)
+        worse = (measures["error"] > rtol) & (cycles.tol > floor) & (cycles.error == 0.0)
         if not worse.any():
             break
-        part = settled.at(worse)
-        finer = part.tol * np.clip(rtol / found["error"][worse], 0.01, 0.3)
-        tol = np.maximum(finer, floor[worse])
-        settled.tol[worse], settled.u[worse] = tol, found["u"][worse]
-        settled.period[worse] = found["period"][worse]
-        for name, value in measure(system.at(worse), settled.at(worse), alone).items():
-            found[name][worse] = value
-    soft = settled.error > 0.0
-    first = _soft_multiplier(system.at(soft), found["period"][soft])
+        finer = cycles.tol[worse] * np.clip(rtol / measures["error"][worse], 0.01, 0.3)
+        cycles.tol[worse] = np.maximum(finer, floor[worse])
+        cycles.u[worse] = measures["u"][worse]
+        cycles.period[worse] = measures["period"][worse]
+        for name, value in measure(system.at(worse), cycles.at(worse), alone).items():
+            measures[name][worse] = value
+    small = cycles.error > 0.0
+    first = _small_cycle_multiplier(system.at(small), measures["period"][small])
     with np.errstate(divide="ignore", invalid="ignore"):
-        second = np.prod(found["multipliers"][soft], axis=1) / first
-    found["multipliers"][soft] = np.stack([first, second], axis=1)
-    return found
+        second = np.prod(measures["multipliers"][small], axis=1) / first
+    measures["multipliers"][small] = np.stack([first, second], axis=1)
+    return measures
 
 
-def _soft_multiplier(system, period):
-    """(n,) larger multiplier of soft cycles, which a turn would round to 1.
+def _small_cycle_multiplier(system, period):
+    """(n,) larger multiplier of small-amplitude cycles, which a return would round to 1.
 
     With dr/dT = g r + l r^3, g the growth rate of steady sliding, a distance from r^2 = -g/l
     grows at the rate -2 g.
@@ -48,94 +61,108 @@ def _soft_multiplier(system, period):
     return np.exp(-2.0 * modes[:, 0].real * period)
 
 
-def measure(system, settled, alone):
-    """Measures of the cycles in `settled`, name -> (n,) or (n, 2); NaN where a turn did not close.
+def measure(system, cycles, alone):
+    """Measures of the `CycleEstimates`, name -> (n,) or (n, 2); NaN where an orbit did not return.
 
-    In units of a (stress), Dc/V_lp (time) and ln V_lp (speeds).  The turn is finer than the one
-    that found the cycle.  The step of Newton's method that it still asks for is taken, to first
-    order, in the period and the amplitude; as errors go with the tolerance, the error left is
-    smaller than what it changes by as much as the turn is finer, and so it is smaller than what
-    another turn, no finer than the one that found the cycle, makes of them.  Cycles that come with
-    an error are known better, or under another condition, and left as they are.
+    In units of a (stress), Dc/V_lp (time) and ln V_lp (speeds).  One more period is followed, with
+    finer steps than those that led to the estimate.  The step of Newton's method that is left is
+    taken to first order, for period, amplitude and speeds.  Estimates that come with an error are
+    known better, or under another condition than constant parameters, and are not corrected.
     """
-    tol = np.maximum(FINER * settled.tol, tightest(system, settled.u))
-    u = settled.u
-    turns = iterate(system, u, tol, settled.returns, alone=alone, period=settled.period)
-    found = turns.numbers
-    fixed = settled.error > 0.0
-    step = np.where(fixed[:, None], 0.0, newton_step(turns, u))
-    floquet = multipliers(turns)
-    attraction = np.where(fixed, 1.0, np.minimum(1.0, np.abs(1.0 - floquet[:, 0])))
+    u, fixed = cycles.u, cycles.error > 0.0
+    tol = np.maximum(FINER * cycles.tol, tightest(system, u))
+    orbits = follow_period(system, cycles, tol, alone)
+    returns, numbers = orbits.returns, orbits.returns.numbers
+    step = np.where(fixed[:, None], 0.0, newton_step(returns, u))
+    floquet = multipliers(returns)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        high, low, shift, v_max, v_min = (
-            found[f"{name}_a"] * step[:, 0] + found[f"{name}_b"] * step[:, 1]
-            for name in ("x_high", "x_low", "period", "v_max", "v_min")
-        )
-        before = found["x_high"] - found["x_low"]
-        amplitude = before + (high - low)
-        period = found["period"] + shift
-        scale = np.minimum(1.0, np.abs(small_amplitude(system, u)))
-        # Where the stress is large and the cycle hardly attracts, rounding can feign one.
-        drowned = ROUNDING * distance(system, u) > 1e-4 * attraction
-        kept = kept_tolerance(turns, tol)
-        finer = kept / np.maximum(kept, settled.tol)
-        gathered = np.where(fixed[:, None], 0.0, _gathered(system, settled, turns, kept, alone))
-        least = kept / scale + np.where(drowned & ~fixed, np.inf, ROUNDING / attraction)
-        sensitivity = stiffness_sensitivity(system, settled, turns, tol)
-        doubt = np.where(fixed[:, None], 0.0, defect(system, kept)[:, None] * sensitivity)
-        # A cycle that is corrected away was none.
+        corrected = ("x_high", "x_low", "period", "v_max", "v_min")
+        gradients = np.stack([gradient(numbers, name) for name in corrected], axis=1)
+        high, low, longer, v_max, v_min = change_along(gradients, step).T
+        larger = high - low
+        amplitude = numbers["x_high"] - numbers["x_low"] + larger
+        period = numbers["period"] + longer
+        # A cycle whose amplitude or period the correction removes was none.
         whole = np.where((amplitude > 0.0) & (period > 0.0), [amplitude, period], 0.0)
-        changes = np.abs([high - low, shift]) / whole
-        mean = found["mean"] / found["period"]
-        variance = found["square"] / found["period"] - mean**2
-        wave = (found["cosine"] ** 2 + found["sine"] ** 2) / found["period"] ** 2
-        closes = turns.image - u
-
-        def error(change, gathered, doubt):
-            return settled.error + SAFETY * (finer * change + gathered + least + doubt)
-
+        changes = np.stack([*np.abs([larger, longer]) / whole, *np.abs([v_max, v_min])], axis=1)
+        error, v_max_error, v_min_error = _errors(orbits, floquet, changes, alone)
         values = {
             "period": period,
             "amplitude": amplitude,
-            "v_max": found["v_max"] + v_max,
-            "v_min": found["v_min"] + v_min,
-            "g_max": found["g_max"],
-            "f_min": found["f_min"],
-            "xf_min": found["xf_min"],
-            "slow_fraction": found["slow"] / found["period"],
-            "fundamental": 2.0 * wave / variance,
+            "v_max": numbers["v_max"] + v_max,
+            "v_min": numbers["v_min"] + v_min,
+            "g_max": numbers["g_max"],
+            "f_min": numbers["f_min"],
+            "xf_min": numbers["xf_min"],
+            "slow_fraction": numbers["slow"] / numbers["period"],
+            "fundamental": _fundamental_share(numbers),
             "multipliers": floquet,
             "u": u + step,
-            "residual": distance(system, closes) / distance(system, u),
-            "returns": settled.returns.astype(float),
-            "error": error(changes.max(axis=0), *(w[:, :2].max(axis=1) for w in (gathered, doubt))),
-            "v_max_error": error(np.abs(v_max), gathered[:, 2], doubt[:, 2]),
-            "v_min_error": error(np.abs(v_min), gathered[:, 3], doubt[:, 3]),
+            "residual": distance(system, returns.image - u) / distance(system, u),
+            "returns": cycles.n_returns.astype(float),
+            "error": error,
+            "v_max_error": v_max_error,
+            "v_min_error": v_min_error,
         }
-    closed = turns.status == FINISHED
+    closed = returns.status == FINISHED
     return {
         name: np.where(closed[:, None] if value.ndim == 2 else closed, value, np.nan)
         for name, value in values.items()
     }
 
 
-def _gathered(system, settled, turns, kept, alone):
-    """(n, 4) errors of amplitude, period, V_max and V_min that the steps of turns add up to.
+def _fundamental_share(numbers):
+    """(n,) share of the fundamental in the variance of the stress."""
+    mean = numbers["mean"] / numbers["period"]
+    variance = numbers["square"] / numbers["period"] - mean**2
+    wave = (numbers["cosine"] ** 2 + numbers["sine"] ** 2) / numbers["period"] ** 2
+    return 2.0 * wave / variance
 
-    Told by another turn, no finer than the one that found the cycle: what a step may have, steps
-    gather to many times, as V falls over decades, or in the stress of b/a near 1, which changes
-    little while ln V and psi change much.  Errors go with the tolerance.  Those of extreme speeds,
-    which fall into a few steps, do so less evenly, and may cancel in one turn but not in another:
-    of them the root of the ratio is counted on, and each part by itself.
 
-    kept : (n,) tolerance of the turns
+def _errors(orbits, floquet, changes, alone):
+    """(3, n) relative errors: the larger one of amplitude and period, of V_max, and of V_min.
+
+    Each is the sum of four parts.  Errors go with the tolerance, so what Newton's step leaves is
+    smaller than its change by the ratio of this orbit's tolerance to the estimate's.  The others
+    are the errors that steps accumulate, the smallest error of a return, and that of the
+    parameters.
+
+    changes : (n, 4) relative changes of amplitude, period, V_max and V_min by Newton's step
     """
-    tol = np.maximum(settled.tol, COARSER * kept)
-    u, count = settled.u, settled.returns
-    rough = iterate(system, u, tol, count, alone=alone, period=settled.period)
-    fine, step = measured(turns), newton_step(rough, u) - newton_step(turns, u)
-    at_u, by_u = measured(rough).values - fine.values, fine.by_u * step[:, None, :]
-    together = np.abs(at_u + by_u.sum(axis=2))[:, :2]
-    apart = (np.abs(at_u) + np.abs(by_u).sum(axis=2))[:, 2:]
-    finer = (kept / tol)[:, None]
+    system, cycles = orbits.system, orbits.cycles
+    fixed = cycles.error > 0.0
+    tol = effective_tolerance(orbits.returns, orbits.tol)
+    finer = tol / np.maximum(tol, cycles.tol)
+    attraction = np.where(fixed, 1.0, np.minimum(1.0, np.abs(1.0 - floquet[:, 0])))
+    scale = np.minimum(1.0, np.abs(small_amplitude(system, cycles.u)))
+    # Where the stress is large and the cycle hardly attracts, rounding can feign a cycle.
+    feigned = ROUNDING * distance(system, cycles.u) > 1e-4 * attraction
+    least = tol / scale + np.where(feigned & ~fixed, np.inf, ROUNDING / attraction)
+    accumulated = np.where(fixed[:, None], 0.0, _accumulated_errors(orbits, alone))
+    by_stiffness = backward_error(system, tol)[:, None] * stiffness_sensitivity(orbits)
+    by_stiffness = np.where(fixed[:, None], 0.0, by_stiffness)
+
+    def column(values):
+        return np.array([values[:, :2].max(axis=1), values[:, 2], values[:, 3]])
+
+    parts = finer * column(changes) + column(accumulated) + least + column(by_stiffness)
+    return cycles.error + SAFETY * parts
+
+
+def _accumulated_errors(orbits, alone):
+    """(n, 4) errors of amplitude, period, V_max and V_min that the steps of an orbit add up to.
+
+    Estimated from a coarser orbit, no finer than the one that led to the estimate: steps may
+    accumulate many times the error of one, as V falls over decades, or in the stress of b/a near
+    1, which changes little while ln V and psi change much.  Errors go with the tolerance.  Those
+    of extreme speeds, which arise in a few steps, do so less evenly, and may cancel in one orbit
+    but not in another: they are scaled by the root of the ratio of tolerances, and their parts are
+    added without their signs.
+    """
+    coarse, finer = coarser_orbits(orbits, orbits.cycles.tol, alone)
+    u, finer = orbits.cycles.u, finer[:, None]
+    step = newton_step(coarse.returns, u) - newton_step(orbits.returns, u)
+    at_u, gradients = difference(coarse, orbits).values, orbits.measures.by_u
+    together = np.abs(at_u + change_along(gradients, step))[:, :2]
+    apart = (np.abs(at_u) + change_along(np.abs(gradients), np.abs(step)))[:, 2:]
     return np.concatenate([finer * together, np.sqrt(finer) * apart], axis=1)

@@ -1,4 +1,4 @@
-"""The limit cycle as a curve: one turn of it, at the solver's own steps."""
+"""The limit cycle as a curve: one period of it, at the solver's own steps."""
 
 import numpy as np
 
@@ -10,13 +10,13 @@ from ..simulation.simulate import simulate, simulate_call
 from .limit_cycle import limit_cycle_call
 from .shooting import state, system_of
 
-# Of a turn: its tolerance over that of the cycle, per amplitude of tau/(a sigma); the loosest
-# that draws smooth curves, and the tightest that rounding leaves a meaning.
+# Of the period: its tolerance over that of the cycle, per amplitude of tau/(a sigma); the loosest
+# that draws smooth curves, and the tightest that is above rounding.
 FINER, LOOSEST, TIGHTEST = 0.1, 1e-7, 1e-13
 
 
 def orbit(slider, V_lp, *, rtol=1e-8):
-    """One turn of the cycle that `limit_cycle` finds.
+    """One period of the cycle that `limit_cycle` finds.
 
     Parameters
     ----------
@@ -32,8 +32,7 @@ def orbit(slider, V_lp, *, rtol=1e-8):
     xarray.Dataset
         As from `simulate`, at the solver's own steps along ``time``: ``V`` [m/s], ``theta`` [s],
         ``tau`` [Pa], ``mu`` and the rest.  It begins where V = V_lp and the stress has its
-        maximum, and ends there one period later.  Where the slider slides steadily it is that one
-        point, at time 0.
+        maximum, and ends there one period later.  For steady sliding it is one point, at time 0.
 
     Raises
     ------
@@ -44,17 +43,17 @@ def orbit(slider, V_lp, *, rtol=1e-8):
     --------
     >>> import ratestate as rs
     >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
-    >>> turn = orbit(slider, "3.2 mm/s")
-    >>> round(float(turn.time[-1]), 5)  # s, the period
+    >>> run = orbit(slider, "3.2 mm/s")
+    >>> round(float(run.time[-1]), 5)  # s, the period
     0.01976
     """
     return cycle_and_orbit(slider, V_lp, rtol=rtol)[1]
 
 
 def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
-    """What `limit_cycle` and `orbit` give, from one search.
+    """The results of `limit_cycle` and `orbit`, from one search.
 
-    progress : callable, optional, given the fraction done after every turn; it may raise
+    progress : callable, optional, given the fraction done after every return; it may raise
     """
     call = limit_cycle_call(slider, V_lp, rtol=rtol)
     if not call.batch.alone:
@@ -62,31 +61,40 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
             f"{slider!r} is a sweep over {', '.join(map(str, call.batch.dims))}; orbit wants one "
             f"slider and one speed, such as those of one case"
         )
-    status, found = call.solve(progress)
-    cycle = call.dataset(call.variables(status, found))
+    status, measures = call.solve(progress)
+    cycle = call.dataset(call.variables(status, measures))
     call.refuse_failure(cycle)
     if status[0] == STEADY_SLIDING:
-        return cycle, _at_rest(slider, call.V_lp)
-    return cycle, _turn(slider, call, found, rtol, progress)
+        return cycle, _steady_sliding(slider, call.V_lp)
+    return cycle, _period(slider, call, measures, rtol, progress)
 
 
-def _at_rest(slider, V_lp):
+def _steady_sliding(slider, V_lp):
     """Steady sliding at V_lp as a run of one point."""
     loading = Loading.constant(V_lp)
     return simulate(slider, loading, slider.Dc / V_lp, times=[0.0])
 
 
-def _turn(slider, call, found, rtol, progress):
+def _period(slider, call, measures, rtol, progress):
     """One period from the section on, as a run."""
-    system, u, V_lp = system_of(slider.law, **call.batch.columns), found["u"], call.V_lp
+    system, u, V_lp = system_of(slider.law, **call.batch.columns), measures["u"], call.V_lp
     x, _, psi = state(system, u)[0]
     initial = {"V": V_lp, "theta": theta_ss(V_lp, Dc=slider.Dc) * np.exp(psi)}
     if slider.M > 0.0:  # else the stress follows from these two
         steady = mu_ss(V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0)
         initial["tau"] = slider.sigma * (steady + slider.a * x)
-    period = found["period"][0] * slider.Dc / V_lp
-    scale = min(1.0, found["amplitude"][0])
+    period = measures["period"][0] * slider.Dc / V_lp
+    scale = min(1.0, measures["amplitude"][0])
     tol = np.clip(FINER * rtol * scale, TIGHTEST, LOOSEST)
-    asked = {"V_start": None, "initial": initial, "times": None, "rtol": tol}
-    asked |= {"method": "rodas5p", "dt": None}
-    return simulate_call(slider, Loading.constant(V_lp), period, **asked).result(progress)
+    call = simulate_call(
+        slider,
+        Loading.constant(V_lp),
+        period,
+        V_start=None,
+        initial=initial,
+        times=None,
+        rtol=tol,
+        method="rodas5p",
+        dt=None,
+    )
+    return call.result(progress)

@@ -1,4 +1,4 @@
-"""Regimes of sliding, told from the measured cycle, beside the paper's criterion."""
+"""Regimes of sliding, by the measured cycle and by the paper's criterion."""
 
 import numpy as np
 import xarray
@@ -29,12 +29,12 @@ def classify(cycle):
     By the cycle, in this order: "steady" where there is none; "slow stick-slip" where inertia is
     negligible throughout, ``inertia`` < 0.1; "quasi-harmonic" where the fundamental's share in the
     variance of the stress is at least 0.87; "stick-slip" otherwise; "unknown" where the cycle is
-    not known.  By the paper (sec. 4.2): stick-slip where eta < 1, quasi-harmonic where eta >= 1.
+    unknown.  By the paper (sec. 4.2): stick-slip where eta < 1, quasi-harmonic where eta >= 1.
     The transitions are gradual: Figs 4 and 6 of the paper come out as it names them, and between
     them the thresholds are a convention.
 
-    ``slow_fraction`` and ``V_max`` are given, but decide nothing.  What the paper calls stick-slip
-    need not stick: by the slip law cycles with eta between 0.005 and 1 are at no time slower than
+    ``slow_fraction`` and ``V_max`` are returned, but not used as criteria.  The paper's stick-slip
+    need not stick: with the slip law, cycles with eta between 0.005 and 1 are never slower than
     V_lp/10.  V_max/V_lp falls through all regimes without a step.
 
     Parameters
@@ -59,33 +59,34 @@ def classify(cycle):
     --------
     >>> import ratestate as rs
     >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="900 MPa/m")
-    >>> found = classify(rs.limit_cycle(slider, "3.2 mm/s"))
-    >>> str(found.regime.values), str(found.regime_by_eta.values), bool(found.agree)
+    >>> result = classify(rs.limit_cycle(slider, "3.2 mm/s"))
+    >>> str(result.regime.values), str(result.regime_by_eta.values), bool(result.agree)
     ('quasi-harmonic', 'stick-slip', False)
     """
-    wanted = {"inertia", "fundamental", "slow_fraction", "V_max", "status"}
-    if not (isinstance(cycle, xarray.Dataset) and wanted <= set(cycle.data_vars)):
-        raise ParameterError("classify wants the Dataset that limit_cycle or continue_cycle gives")
+    required = {"inertia", "fundamental", "slow_fraction", "V_max", "status"}
+    if not (isinstance(cycle, xarray.Dataset) and required <= set(cycle.data_vars)):
+        raise ParameterError("classify needs a Dataset from limit_cycle or continue_cycle")
     if "eta" in cycle.dims:
         raise ParameterError("a dimension called 'eta' clashes with the result; rename it")
     measured = cycle[["inertia", "fundamental", "slow_fraction", "V_max"]]
-    speed_up = _eta(cycle)
+    eta_of_case = _eta(cycle)
     steady = cycle.status == STEADY_SLIDING
-    known = (cycle.status == FINISHED) & cycle.inertia.notnull()
-    fast = np.where(speed_up < 1.0, STICK_SLIP, HARMONIC)
+    has_cycle = (cycle.status == FINISHED) & cycle.inertia.notnull()
     slow = cycle.inertia < SLOW_INERTIA
     harmonic = cycle.fundamental >= HARMONIC_SHARE
     regime = np.select(
-        [steady, ~known, slow, harmonic], [STEADY, UNKNOWN, SLOW, HARMONIC], STICK_SLIP
+        [steady, ~has_cycle, slow, harmonic], [STEADY, UNKNOWN, SLOW, HARMONIC], STICK_SLIP
     )
-    by_eta = np.select([steady, ~known], [STEADY, UNKNOWN], fast)
-    side = np.where(regime == SLOW, STICK_SLIP, regime)
+    by_eta = np.select(
+        [steady, ~has_cycle, eta_of_case < 1.0], [STEADY, UNKNOWN, STICK_SLIP], HARMONIC
+    )
+    coarse_regime = np.where(regime == SLOW, STICK_SLIP, regime)
     dims = cycle.inertia.dims
     result = measured.assign(
         regime=(dims, regime, attrs("regime")),
         regime_by_eta=(dims, by_eta, attrs("regime_by_eta")),
-        agree=(dims, (side == by_eta) & (regime != UNKNOWN), attrs("agree")),
-        eta=speed_up,
+        agree=(dims, (coarse_regime == by_eta) & (regime != UNKNOWN), attrs("agree")),
+        eta=eta_of_case,
     )
     result.attrs = {
         **cycle.attrs,
@@ -100,5 +101,5 @@ def _eta(cycle):
     """eta of each case (eq. 7), as a DataArray like the variables of the result."""
     V_lp, *rest = (parameter(cycle, symbol) for symbol in ("V_lp", "a", "Dc", "sigma", "M"))
     value = eta(V_lp, **dict(zip(("a", "Dc", "sigma", "M"), rest, strict=True)))
-    whole = (xarray.ones_like(cycle.inertia) * value).transpose(*cycle.inertia.dims)
-    return whole.reset_coords(drop=True).assign_attrs(attrs("eta"))
+    broadcast = (xarray.ones_like(cycle.inertia) * value).transpose(*cycle.inertia.dims)
+    return broadcast.reset_coords(drop=True).assign_attrs(attrs("eta"))

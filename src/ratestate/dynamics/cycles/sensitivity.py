@@ -1,100 +1,124 @@
-"""How a limit cycle, its amplitude and its period change with a parameter.
+"""How a limit cycle, its amplitude and its period change with a parameter, and their errors.
 
-On a canard they change by ten million times what the stiffness does, relatively: then the last
-digit of a parameter, or the rounding of a turn, is what an amplitude is uncertain by.
+On a canard they change, relatively, ten million times as much as the stiffness does.  There the
+last digit of a parameter, or the rounding of a return, limits how well an amplitude is known.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from .iterates import iterate
-from .shooting import newton_step
+from .iterates import iterated_map
+from .shooting import Returns, System, change_along, effective_tolerance, gradient, newton_step
 
-# Relative change of a parameter for derivatives: the smallest, and over the tolerance of a turn.
-# A canard may be all over within 1e-7, and multiplies the errors of a turn by as much.
+# Relative change of a parameter for derivatives: the smallest, and over the tolerance of a return.
+# A canard may be all over within 1e-7, and multiplies the errors of a return by as much.
 LEAST_CHANGE, CHANGE = 1e-9, 1e3
-# What errors are worth as relative changes of K: those of a step, over its tolerance, and rounding,
-# of the parameters and in a turn.
+# Errors as equivalent relative changes of K: those of a step, over its tolerance, and rounding,
+# of the parameters and in a return.
 TRUNCATION, ROUNDING = 0.3, 5.0 * 2.0**-52
-# Of two turns whose difference tells the errors that steps gather: how much coarser one is.
+# Ratio of the tolerances of two orbits whose difference shows the errors that their steps
+# accumulate.
 COARSER = 2.0
 
 
-class Measured(NamedTuple):
+class LogMeasures(NamedTuple):
     """Logarithms of amplitude (of x), period, V_max and V_min, in this order, of n orbits."""
 
     values: np.ndarray  # (n, 4)
     by_u: np.ndarray  # (n, 4, 2) their derivatives with respect to (psi, G) at the beginning
 
 
-class Slopes(NamedTuple):
-    """Derivatives with respect to a parameter's logarithm, the point u held."""
+class Orbits(NamedTuple):
+    """Orbits of n sliders from points near their cycles, for one period, with extremes recorded."""
+
+    system: System
+    cycles: Any  # `attractor.CycleEstimates`, whose u the orbits begin at
+    tol: np.ndarray  # (n,)
+    returns: Returns
+    measures: LogMeasures
+
+
+class Difference(NamedTuple):
+    """By how much orbits that begin at the same u differ, or that over the cause's size."""
 
     image: np.ndarray  # (n, 2) of the next u
-    values: np.ndarray  # (n, 4) of what `Measured` has
+    values: np.ndarray  # (n, 4) of the values of `LogMeasures`
 
 
-def measured(turns):
-    """`Measured` of what `iterate` found, extremes observed."""
-    of = turns.numbers
+def follow_period(system, cycles, tol, alone=False):
+    """`Orbits` of one period from the `attractor.CycleEstimates` cycles, at the tolerance tol."""
+    count, period = cycles.n_returns, cycles.period
+    returns = iterated_map(system, cycles.u, tol, count, alone=alone, period=period)
+    return Orbits(system, cycles, tol, returns, _log_measures(returns.numbers))
 
-    def row(suffix):
-        return [
-            (of[f"x_high{suffix}"] - of[f"x_low{suffix}"]) / amplitude,
-            of[f"period{suffix}"] / of["period"],
-            of[f"v_max{suffix}"],
-            of[f"v_min{suffix}"],
-        ]
 
+def _log_measures(numbers):
+    """`LogMeasures` of what `iterated_map` recorded."""
+    high, low, period = numbers["x_high"], numbers["x_low"], numbers["period"]
     with np.errstate(divide="ignore", invalid="ignore"):
-        amplitude = of["x_high"] - of["x_low"]
-        values = [np.log(amplitude), np.log(of["period"]), of["v_max"], of["v_min"]]
-        by_u = np.array([row("_a"), row("_b")])
-    return Measured(np.array(values).T, by_u.transpose(2, 1, 0))
+        amplitude = high - low
+        values = [np.log(amplitude), np.log(period), numbers["v_max"], numbers["v_min"]]
+        by_u = [
+            (gradient(numbers, "x_high") - gradient(numbers, "x_low")) / amplitude[:, None],
+            gradient(numbers, "period") / period[:, None],
+            gradient(numbers, "v_max"),
+            gradient(numbers, "v_min"),
+        ]
+    return LogMeasures(np.stack(values, axis=1), np.stack(by_u, axis=1))
+
+
+def difference(orbits, reference):
+    """`Difference` of orbits from those of reference."""
+    return Difference(
+        orbits.returns.image - reference.returns.image,
+        orbits.measures.values - reference.measures.values,
+    )
+
+
+def coarser_orbits(orbits, tol, alone=False):
+    """The same orbits with coarser steps, whose difference shows the errors that steps accumulate.
+
+    tol : (n,) their tolerance, at least
+    Returns the orbits, and the ratio (n,) of the tolerances, by which errors scale: fine to coarse.
+    """
+    fine = effective_tolerance(orbits.returns, orbits.tol)
+    coarse = np.maximum(tol, COARSER * fine)
+    return follow_period(orbits.system, orbits.cycles, coarse, alone), fine / coarse
 
 
 def parameter_change(tol):
-    """(n,) relative change of a parameter by which `slopes` takes differences."""
+    """(n,) relative change of a parameter by which `parameter_derivatives` takes differences."""
     return np.maximum(LEAST_CHANGE, CHANGE * tol)
 
 
-def slopes(changed, settled, turns, tol):
-    """`Slopes` by one orbit more, of the sliders `changed`.
+def parameter_derivatives(changed, orbits):
+    """`Difference` over that of a parameter's logarithm, u held constant, by one orbit more.
 
-    settled, turns : `attractor.Settled`, and what `iterate` found from there at the
-        tolerance tol (n,)
     changed : the sliders with the parameter larger by the factor 1 + `parameter_change`
     """
-    others = iterate(changed, settled.u, tol, settled.returns, alone=False, period=settled.period)
-    h = parameter_change(tol)[:, None]
-    values = measured(others).values - measured(turns).values
-    return Slopes((others.image - turns.image) / h, values / h)
+    h = parameter_change(orbits.tol)[:, None]
+    image, values = difference(follow_period(changed, orbits.cycles, orbits.tol), orbits)
+    return Difference(image / h, values / h)
 
 
-def stiffness_slopes(system, settled, turns, tol):
-    """`Slopes` with respect to ln K."""
-    changed = system._replace(kappa=system.kappa * (1.0 + parameter_change(tol)))
-    return slopes(changed, settled, turns, tol)
+def stiffness_derivatives(orbits):
+    """`parameter_derivatives` with respect to ln K."""
+    kappa = orbits.system.kappa * (1.0 + parameter_change(orbits.tol))
+    return parameter_derivatives(orbits.system._replace(kappa=kappa), orbits)
 
 
-def defect(system, tol):
-    """(n,) relative change of K that the errors of a turn at this tolerance are worth.
+def backward_error(system, tol):
+    """(n,) relative change of K that is equivalent to the errors of a return at this tolerance.
 
-    The rounding of b/a counts as much more as b - a is smaller than b.
+    The rounding of b/a counts the more, the smaller b - a is than b.
     """
     return TRUNCATION * tol + ROUNDING * system.beta / (system.beta - 1.0)
 
 
-def stiffness_sensitivity(system, settled, turns, tol):
-    """(n, 4) relative changes of a cycle's amplitude, period, V_max and V_min over that of K.
-
-    settled, turns : `attractor.Settled`, and what `iterate` found from there at the
-        tolerance tol (n,)
-    """
-    by_K = stiffness_slopes(system, settled, turns, tol)
-    du = newton_step(turns._replace(image=settled.u + by_K.image), settled.u)
+def stiffness_sensitivity(orbits):
+    """(n, 4) relative changes of a cycle's amplitude, period, V_max and V_min over that of K."""
+    u, by_K = orbits.cycles.u, stiffness_derivatives(orbits)
+    du = newton_step(orbits.returns._replace(image=u + by_K.image), u)
     with np.errstate(invalid="ignore", over="ignore"):
-        # (not a product of matrices: numpy rounds it otherwise for one case than for several)
-        by_u = (measured(turns).by_u * du[:, None, :]).sum(axis=2)
-        return np.abs(by_u + by_K.values)
+        return np.abs(change_along(orbits.measures.by_u, du) + by_K.values)

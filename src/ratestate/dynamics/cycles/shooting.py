@@ -1,12 +1,12 @@
-"""Turns: from one stress maximum of a steadily driven slider to the next, and their derivative.
+"""The return map: from one stress maximum of a steadily driven slider to the next.
 
 Everything is in units of V_lp, Dc and a sigma (V0 := V_lp in engine/model.py), so that a slider
-is three numbers kappa, beta = b/a, eta, and steady sliding is x = v = psi = 0.  A turn begins and
-ends on the section V = V_lp, V rising, where the stress has its maximum.  Its points are given by
+is three numbers kappa, beta = b/a, eta, and steady sliding is x = v = psi = 0.  A return begins and
+ends on the section V = V_lp, V rising, where the stress has its maximum.  Points of the section are
 
     u = (psi, G),     G = dv/dT = (x - beta psi)/eta,     x = beta psi + eta G,
 
-in which nothing cancels, neither for small eta, where inertia is lost in rounding and G follows
+Nothing cancels in these, neither for small eta, where inertia is lost in rounding and G follows
 from psi (G = -beta dpsi/dT), nor near steady sliding.  A limit cycle is a fixed point of the map
 from u to the next u, or of an iterate of it (iterates.py).
 """
@@ -23,7 +23,7 @@ from ...friction.laws import evolution_law
 from ...friction.stability import eta
 from ..simulation.cases import V_LIMIT
 
-# Of one turn: a hundred times what a stick-slip cycle over 20 decades of V takes.
+# Of one return: a hundred times what a stick-slip cycle over 20 decades of V takes.
 MAX_STEPS = 2e5
 # Tolerance of a step in x, v and psi that rounding of numbers of order 1 allows.
 TIGHTEST = 2e-14
@@ -36,7 +36,7 @@ class System(NamedTuple):
     kappa: np.ndarray  # K Dc/(a sigma)
     beta: np.ndarray  # b/a
     eta: np.ndarray  # M V_lp^2/(a sigma Dc)
-    v_limit: np.ndarray  # ln(V/V_lp) beyond which what does not turn back has run away
+    v_limit: np.ndarray  # ln(V/V_lp) beyond which a slider that does not slow down has run away
 
     def at(self, which):
         """The sliders with these numbers, or where this is true."""
@@ -49,14 +49,14 @@ class System(NamedTuple):
 
 
 def system_of(law, *, a, b, Dc, sigma, K, M, V_lp, **_):
-    """`System` of sliders with these parameters [SI], each (n,); those left over play no part."""
+    """`System` of sliders with these parameters [SI], each (n,); others are ignored."""
     inertia = eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
     v_limit = np.where(M == 0.0, np.log(V_LIMIT / V_lp), np.inf)
     return System(law, K * Dc / (a * sigma), b / a, inertia, v_limit)
 
 
-class Turns(NamedTuple):
-    """What one turn of each of n sliders did; NaN where it did not come back to the section."""
+class Returns(NamedTuple):
+    """One return of each of n sliders; NaN where it did not come back to the section."""
 
     status: np.ndarray  # engine.model; FINISHED where it came back
     image: np.ndarray  # (n, 2) the next u
@@ -76,8 +76,8 @@ def state(system, u):
 
 
 def distance(system, vectors):
-    """(n,) length of vectors (n, 2) of (psi, G): what they change in x, beta psi and eta G."""
-    with np.errstate(invalid="ignore"):  # no mass, and no step of Newton's method
+    """(n,) length of vectors (n, 2) of (psi, G), measured by the changes of beta psi and eta G."""
+    with np.errstate(invalid="ignore"):  # without mass, where Newton's method has no step
         return np.hypot(system.beta * vectors[:, 0], system.eta * vectors[:, 1])
 
 
@@ -91,28 +91,28 @@ def small_amplitude(system, u):
 
 
 def tightest(system, u):
-    """(n,) the smallest tolerance of a turn that rounding of x leaves a meaning."""
+    """(n,) the smallest tolerance of a return that is above the rounding of x."""
     return TIGHTEST * np.maximum(1.0, distance(system, u))
 
 
-def turn(system, y, rtol, *, alone, steady_tol=0.0, period=None):
-    """Take sliders at y (n, 3) to their next stress maximum.
+def return_map(system, y, rtol, *, alone, steady_tol=0.0, period=None):
+    """`Returns` of sliders from y (n, 3) to their next stress maximum.
 
     rtol : (n,) tolerance of a step in x, v and psi
     alone : whether this is the one case of a call, which may take the scalar path
     steady_tol : (n,) distance from steady sliding at which to stop
-    period : (n,) periods assumed for the waveform; extremes and waveform are recorded if given
+    period : (n,) periods assumed for the waveform; if given, extremes and waveform are recorded
     """
     n = len(y)
-    along = np.zeros((n, 2, 3))
-    along[:, 0, 0], along[:, 0, 2] = system.beta, 1.0
-    along[:, 1, 0] = system.eta
+    directions = np.zeros((n, 2, 3))  # d(x, v, psi)/d(psi, G)
+    directions[:, 0, 0], directions[:, 0, 2] = system.beta, 1.0
+    directions[:, 1, 0] = system.eta
     starts = Starts(
         system.kappa,
         system.beta,
         system.eta,
         np.ascontiguousarray(y),
-        along,
+        directions,
         np.broadcast_to(rtol, n).astype(float),
         np.broadcast_to(steady_tol, n).astype(float),
         observe=np.full(n, float(period is not None)),
@@ -121,34 +121,43 @@ def turn(system, y, rtol, *, alone, steady_tol=0.0, period=None):
         max_steps=np.full(n, MAX_STEPS),
     )
     law = evolution_law(system.law)
-    returns = dispatch.run_returns(law.code, starts, alone)
-    numbers = dict(zip(RETURN_NUMBERS, returns.numbers.T, strict=True))
+    results = dispatch.run_returns(law.code, starts, alone)
+    numbers = dict(zip(RETURN_NUMBERS, results.numbers.T, strict=True))
     image = np.stack([numbers["psi"], numbers["G"]], axis=1)
-    image[returns.status != FINISHED] = np.nan
-    jacobian = np.empty((n, 2, 2))
+    image[results.status != FINISHED] = np.nan
     slaved = system.eta < SLAVED
     eta = np.where(slaved, 1.0, system.eta)
     psi = numbers["psi"]
     with np.errstate(over="ignore", invalid="ignore"):
         slope = -system.beta * law.rate_partials(1.0, 0.0, psi, np.exp(-psi))[1]
-    for column, name in enumerate("ab"):
-        d_psi = numbers[f"psi_{name}"]
-        d_G = (numbers[f"x_{name}"] - system.beta * d_psi) / eta
-        jacobian[:, 0, column] = d_psi
-        jacobian[:, 1, column] = np.where(slaved, slope * d_psi, d_G)
-    return Turns(returns.status, image, jacobian, numbers)
+    d_psi = gradient(numbers, "psi")
+    d_G = (gradient(numbers, "x") - system.beta[:, None] * d_psi) / eta[:, None]
+    d_G = np.where(slaved[:, None], slope[:, None] * d_psi, d_G)
+    jacobian = np.stack([d_psi, d_G], axis=1)
+    return Returns(results.status, image, jacobian, numbers)
 
 
-def multipliers(turns):
+def gradient(numbers, name):
+    """(n, 2) derivatives of one of a return's numbers with respect to u = (psi, G)."""
+    return np.stack([numbers[f"{name}_a"], numbers[f"{name}_b"]], axis=1)
+
+
+def change_along(gradients, step):
+    """(n, m) first-order changes, by a step (n, k), of what has the gradients (n, m, k)."""
+    # (not a product of matrices: numpy rounds it otherwise for one case than for several)
+    return (gradients * step[:, None, :]).sum(axis=2)
+
+
+def multipliers(returns):
     """(n, 2) complex Floquet multipliers beside the trivial 1, the larger first.
 
     Their sum is the trace of the map's derivative, their product, by Liouville's formula, the
-    exponential of the integrated trace of the Jacobian: the smaller one so has digits even where
+    exponential of the integrated trace of the Jacobian.  So the smaller one has digits even where
     it is far below the errors of the derivative.
     """
-    half = 0.5 * np.trace(turns.jacobian, axis1=1, axis2=2)
+    half = 0.5 * np.trace(returns.jacobian, axis1=1, axis2=2)
     with np.errstate(over="ignore"):
-        product = np.exp(np.nan_to_num(turns.numbers["trace"], nan=-np.inf))
+        product = np.exp(np.nan_to_num(returns.numbers["trace"], nan=-np.inf))
     root = np.sqrt(half.astype(complex) ** 2 - product)
     first = half + np.where(half < 0.0, -root, root)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -156,15 +165,15 @@ def multipliers(turns):
     return np.stack([first, second], axis=1)
 
 
-def kept_tolerance(turns, tol):
-    """(n,) tolerance of the steps of these turns, which rounding bounds from below."""
-    extremes = [turns.numbers[name] for name in ("x", "x_low", "v_max")]
+def effective_tolerance(returns, tol):
+    """(n,) tolerance that the steps of these returns kept, which rounding bounds from below."""
+    extremes = [returns.numbers[name] for name in ("x", "x_low", "v_max")]
     return np.maximum(tol, ROUNDING * np.abs(extremes).max(axis=0))
 
 
-def newton_step(turns, u):
+def newton_step(returns, u):
     """(n, 2) step of Newton's method from u to the fixed point; not finite where it has none."""
-    (a, b), (c, d) = np.moveaxis(np.eye(2) - turns.jacobian, 0, -1)
-    psi, G = (turns.image - u).T
+    (a, b), (c, d) = np.moveaxis(np.eye(2) - returns.jacobian, 0, -1)
+    psi, G = (returns.image - u).T
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.stack([d * psi - b * G, a * G - c * psi], axis=1) / (a * d - b * c)[:, None]

@@ -1,7 +1,7 @@
-"""Soft limit cycles: the small ones near the Hopf point, which shooting cannot resolve.
+"""Small-amplitude limit cycles near the Hopf point, which shooting cannot resolve.
 
-Dimensionless with V0 := V_lp, time in Dc/V_lp; the equations and how they keep all digits down to
-cycles of no size at all are told in balance.py.
+Dimensionless with V0 := V_lp, time in Dc/V_lp.  harmonic_balance.py has the equations, and how they
+keep all digits down to zero amplitude.
 """
 
 from typing import NamedTuple
@@ -18,24 +18,25 @@ from .harmonic_balance import (
     Balance,
     Case,
     at_nodes,
-    birth,
     dynamic_stiffness,
     frequency,
+    hopf_limit,
     logarithm,
+    next_balance,
     project,
-    sweep,
 )
 
-R_MAX = 0.3  # beyond, 15 harmonics and the sweeps no longer serve
+R_MAX = 0.3  # beyond, 15 harmonics are too few and the iteration converges too slowly
 ERROR_MAX = 1e-3
-SWEEPS = 100
+MAX_ITERATIONS = 100
 EPS = 2.0**-52
 
 
-class SoftCycles(NamedTuple):
-    """Small limit cycles, dimensionless, each (n,); NaN where none was found."""
+class SmallCycles(NamedTuple):
+    """Small limit cycles, dimensionless, each (n,); NaN where they are not valid."""
 
-    found: np.ndarray
+    #: whether there is a cycle, small and accurate enough
+    valid: np.ndarray
     #: amplitude of the fundamental of ln V
     r: np.ndarray
     #: angular frequency: the period is 2 pi/omega
@@ -49,13 +50,13 @@ class SoftCycles(NamedTuple):
     error: np.ndarray
 
 
-def soft_cycle(law, kappa, beta, eta, margin=None):
-    """The cycle that is born at the Hopf point kappa_c = (beta - 1) (1 + eta), while it is small.
+def small_cycle(law, kappa, beta, eta, margin=None):
+    """The cycle that bifurcates at the Hopf point kappa_c = (beta - 1) (1 + eta), while small.
 
-    Stable or not: `found` is False on the side of kappa_c where there is none, and where r
-    exceeds 0.3, the estimated error exceeds 1e-3 or the sweeps do not converge.  They do not near
-    a fold of cycles; rounding alone is an error of 1e-16 sqrt((beta - 1) beta)/curvature, which
-    for both laws grows like 1/eta at small eta.
+    It may be stable or not.  `valid` is False on the side of kappa_c where there is no cycle, and
+    where r exceeds 0.3, the estimated error exceeds 1e-3 or the iteration does not converge, as
+    near a fold of cycles.  Rounding alone is an error of 1e-16 sqrt((beta - 1) beta)/curvature,
+    which for both laws grows like 1/eta at small eta.
 
     Parameters
     ----------
@@ -64,40 +65,40 @@ def soft_cycle(law, kappa, beta, eta, margin=None):
     kappa, beta, eta : array, (n,)
         K Dc/(a sigma) > 0, b/a > 1 and M V_lp^2/(a sigma Dc) > 0 [1].
     margin : array, (n,), optional
-        kappa - kappa_c, if it is known better than by subtraction; r ~ sqrt(margin).
+        kappa - kappa_c, if known more accurately than by subtraction; r ~ sqrt(margin).
 
     Returns
     -------
-    SoftCycles
+    SmallCycles
     """
     with np.errstate(all="ignore"):
         if margin is None:
             beta, size = np.asarray(beta, float), 1 + np.asarray(eta, float)
             b1 = beta - 1
-            # rounding of kappa and of what it is compared with, and of beta, which b1 lays bare
-            margin, doubt = kappa - b1 * size, EPS * (2 * b1 + 0.5 * beta) * size
+            # rounding of kappa and kappa_c, and that of beta, which subtracting 1 amplifies
+            margin, margin_error = kappa - b1 * size, EPS * (2 * b1 + 0.5 * beta) * size
         else:
-            doubt = 0.0
-        kappa, beta, eta, margin, doubt = _columns(kappa, beta, eta, margin, doubt)
+            margin_error = 0.0
+        kappa, beta, eta, margin, margin_error = _columns(kappa, beta, eta, margin, margin_error)
         case = Case(beta - 1, beta, eta, SERIES[law])
-        balance, s, gap = _solve(margin, case)
+        balance, s, residual = _solve(margin, case)
         r, omega, psi, G, amplitude = _waveform(balance, s, kappa, case)
         tail = np.maximum(np.abs(balance.Q[:, -1:]) * np.sqrt(s), np.abs(balance.P[:, -1:]) * s)
-        error = gap / np.abs(balance.m) + doubt / np.abs(margin) + tail + EPS
-        found = (r <= R_MAX) & (error <= ERROR_MAX)
+        error = residual / np.abs(balance.m) + margin_error / np.abs(margin) + tail + EPS
+        valid = (r <= R_MAX) & (error <= ERROR_MAX)
     values = (r, omega, psi, G, amplitude, error)
-    return SoftCycles(found[:, 0], *(np.where(found, value, np.nan)[:, 0] for value in values))
+    return SmallCycles(valid[:, 0], *(np.where(valid, value, np.nan)[:, 0] for value in values))
 
 
 def curvature(law, beta, eta):
-    """d kappa/d(r^2) [1] along the cycles at their birth, (n,).
+    """d kappa/d(r^2) [1] along the cycles at the Hopf point, (n,).
 
     Cycles of small amplitude r exist at kappa - kappa_c = curvature r^2.  As steady sliding is
     stable at kappa > kappa_c, they are unstable (subcritical) where it is positive.
     """
     beta, eta = _columns(beta, eta)
     with np.errstate(all="ignore"):
-        return birth(Case(beta - 1, beta, eta, SERIES[law])).m[:, 0]
+        return hopf_limit(Case(beta - 1, beta, eta, SERIES[law])).m[:, 0]
 
 
 def _columns(*values):
@@ -106,28 +107,28 @@ def _columns(*values):
 
 
 def _solve(margin, case):
-    """Balance, s at which s m = margin, and by how much m may fail it, rounding included."""
-    balance = birth(case)
+    """Balance, s at which s m = margin, and the residual error of m, rounding included."""
+    balance = hopf_limit(case)
     # rounding is relative to the terms that sum to m
     rounding = 2 * EPS * np.sqrt(case.b1 * case.beta) * (1 + case.eta)
     s = margin / balance.m
     s = np.where(s > 0, np.minimum(s, R_MAX**2), np.nan)
-    gap = np.full_like(s, np.nan)
-    rows = np.flatnonzero(s > 0)  # those still at work
-    for _ in range(SWEEPS):
-        at_work = Case(case.b1[rows], case.beta[rows], case.eta[rows], case.series)
-        before, s_now = Balance(*(value[rows] for value in balance)), s[rows]
-        now = sweep(before, s_now, at_work)
-        target = margin[rows] / now.m
-        drift, off = np.abs(now.m - before.m), np.abs(now.m - margin[rows] / s_now)
-        for value, new in zip(balance, now, strict=True):
-            value[rows] = new
-        gap[rows] = off + drift + rounding[rows]
-        # m is small where eta is, but not the rest of the balance: let it settle before s follows
+    residual = np.full_like(s, np.nan)
+    rows = np.flatnonzero(s > 0)  # cases that have not converged
+    for _ in range(MAX_ITERATIONS):
+        active = Case(case.b1[rows], case.beta[rows], case.eta[rows], case.series)
+        old, s_old = Balance(*(value[rows] for value in balance)), s[rows]
+        new = next_balance(old, s_old, active)
+        target = margin[rows] / new.m
+        drift, off = np.abs(new.m - old.m), np.abs(new.m - margin[rows] / s_old)
+        for values, new_values in zip(balance, new, strict=True):
+            values[rows] = new_values
+        residual[rows] = off + drift + rounding[rows]
+        # m is small where eta is, but the rest of the balance is not: it converges before s moves
         follow = (drift < 0.1 * off) & (off > rounding[rows])
-        s[rows] = np.where(follow, np.clip(target, s_now / 4, 4 * s_now), s_now)
+        s[rows] = np.where(follow, np.clip(target, s_old / 4, 4 * s_old), s_old)
         rows = rows[(off + drift > 2 * rounding[rows])[:, 0]]
-    return balance, s, gap
+    return balance, s, residual
 
 
 def _waveform(balance, s, kappa, case):

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....dynamics.cycles.attractor import settle, steady_start
+from ....dynamics.cycles.attractor import find_attractors, steady_start
 from ....dynamics.cycles.limit_cycle import WORST
 from ....dynamics.cycles.measure import refine
 from ....dynamics.cycles.shooting import state, system_of
@@ -51,8 +51,8 @@ def limit_waves(law, values, V_lp, near=None):
     cycles = Waves(np.full(n, np.nan), np.full((n, GRID.size), np.nan), np.full((n, 2), np.nan))
     start = steady_start(system) if near is None else state(system, near)
     which = np.flatnonzero((system.beta > WEAKEST) & (system.beta < STRONGEST))
-    attractors = settle(system.at(which), start[which], RTOL, False, None)
-    cyclic = (attractors.status == FINISHED) & (attractors.returns == 1)
+    attractors = find_attractors(system.at(which), start[which], RTOL, False, None)
+    cyclic = (attractors.status == FINISHED) & (attractors.n_returns == 1)
     which, attractors = which[cyclic], attractors.at(cyclic)
     if not which.size:
         return cycles
