@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import ratestate as rs
 from ratestate.dynamics.cycles.limit_cycle import limit_cycle
 from ratestate.dynamics.steady_sliding import stability
-from ratestate.dynamics.verdict import judge, verdict
+from ratestate.dynamics.verdict import verdict, verdict_of_cycle
 from ratestate.model.quantities import POWERS, QUANTITIES, readable
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG1, FIG2, FIG4, FIG6
@@ -114,11 +114,11 @@ def test_a_search_without_an_answer_is_told(monkeypatch):
 
 def test_a_search_that_was_stopped_says_by_what():
     error = rs.SolverError("the search was ended after 1 s\nSpringSlider(...)")
-    assert judge(FIG2, 3.2e-3, error).sentences[0] == (
+    assert verdict_of_cycle(FIG2, 3.2e-3, error).sentences[0] == (
         "No cycle is known here: the search was ended after 1 s."
     )
     assert (
-        judge(FIG2, 1e-3, error)
+        verdict_of_cycle(FIG2, 1e-3, error)
         .sentences[0]
         .endswith("was not settled: the search was ended after 1 s.")
     )

@@ -55,7 +55,7 @@ def from_json(result, name, kind=object):
     return value
 
 
-def recorded(name, symbol, value):
+def parameter_value(name, symbol, value):
     """A value out of JSON, in SI and checked: a float, a DataArray, or str for the law.
 
     Parameters
@@ -90,7 +90,7 @@ def array(name, value):
     raise _altered(name, value, "expected dims and as many levels of values")
 
 
-def followed(result):
+def branch_parameter(result):
     """The parameter that changes along a branch of cycles."""
     symbol = text(result, "parameter")
     if symbol not in QUANTITIES or "point" not in getattr(result.get(symbol), "dims", ()):

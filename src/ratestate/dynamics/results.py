@@ -66,7 +66,7 @@ def parameter(result, symbol):
     ParameterError
         The result has lost its attributes, or they are not as they were made.
     """
-    if "parameter" in result.attrs and attributes.followed(result) == symbol:
+    if "parameter" in result.attrs and attributes.branch_parameter(result) == symbol:
         return result[symbol]
     name = "V_lp" if symbol == "V_lp" else "slider"
     value = attributes.from_json(result, name)
@@ -75,7 +75,7 @@ def parameter(result, symbol):
             raise ParameterError(f"{symbol} is missing in the attribute 'slider' of the Dataset")
         value = value[symbol]
     elsewhere = isinstance(value, dict) and isinstance(value.get("values"), str)
-    value = None if elsewhere else attributes.recorded(name, symbol, value)
+    value = None if elsewhere else attributes.parameter_value(name, symbol, value)
     if symbol in result.coords and not _labels(result[symbol], value):
         # with the cases that the result still holds
         return result[symbol] if result[symbol].ndim else result[symbol].item()

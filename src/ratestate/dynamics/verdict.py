@@ -1,4 +1,4 @@
-"""What a slider does at a speed, in numbers and in words."""
+"""The verdict on a slider at a speed: its regime, numbers, and sentences."""
 
 import dataclasses
 from typing import Any
@@ -16,7 +16,7 @@ from .cycles.regimes import UNKNOWN, classify
 from .steady_sliding import stability
 from .wording import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
 
-# K/K_c up to which `folds` is asked; the aging law's branches fold below 1.016, for any b/a.
+# K/K_c up to which a fold is sought; the aging law's branches fold below 1.016, for any b/a.
 STRIP = 1.02
 
 
@@ -34,7 +34,7 @@ class Verdict:
         `ratestate.regimes.classify`): what is reached from steady sliding at a tenth of the speed.
         Without mass (M = 0) also "runaway": no motion beyond some time; and "conditionally
         stable" where that start runs away but small disturbances of steady sliding die.
-        "unknown" where it was not found out, as the text says.
+        "unknown" where the search failed, as the text says.
     stable : bool
         Whether steady sliding is: K > K_c.
     K_c, K_c_qs : float
@@ -55,12 +55,12 @@ class Verdict:
         Smallest mu and tau/sigma + mu of the motion reached: below 0 it leaves the domain of the
         friction law (see `simulation.domain`).
     multiplier : complex or None
-        Largest Floquet multiplier beside 1: what is left of a disturbance after one cycle.
+        Largest Floquet multiplier beside 1: the factor by which a disturbance changes in a cycle.
     K_fold : float or None
-        Stiffness [Pa/m] up to which a limit cycle coexists with stable sliding, where that was
-        found.
+        Stiffness [Pa/m] up to which a limit cycle coexists with stable sliding, where there
+        is a fold.
     sentences : tuple of str
-        All this in words, the regime first.
+        All this as text, the regime first.
     """
 
     slider: SpringSlider
@@ -98,7 +98,7 @@ class Verdict:
 
     @property
     def of_steady_sliding(self):
-        """Sentences on steady sliding alone, which hold whatever the motion."""
+        """Sentences on steady sliding alone, which hold for any motion."""
         return tuple(of_steady_sliding(self))
 
     @property
@@ -131,8 +131,8 @@ def verdict(slider, V_lp):
     --------
     >>> import ratestate as rs
     >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
-    >>> said = verdict(slider, "3.2 mm/s")
-    >>> said.regime, said.sentences[0].partition(":")[0]
+    >>> answer = verdict(slider, "3.2 mm/s")
+    >>> answer.regime, answer.sentences[0].partition(":")[0]
     ('quasi-harmonic', 'Quasi-harmonic vibration at 50.59 Hz')
     """
     V_lp = to_si("V_lp", V_lp)
@@ -142,34 +142,34 @@ def verdict(slider, V_lp):
         cycle: xarray.Dataset | SolverError = limit_cycle(slider, V_lp)
     except SolverError as error:
         cycle = error
-    return judge(slider, V_lp, cycle)
+    return verdict_of_cycle(slider, V_lp, cycle)
 
 
-def judge(slider, V_lp, cycle):
-    """`Verdict`, given what `limit_cycle` returned or the SolverError that it raised."""
+def verdict_of_cycle(slider, V_lp, cycle):
+    """`Verdict`, given the result of `limit_cycle` or the SolverError that it raised."""
     steady = stability(slider, V_lp)
     names = ("K_c", "K_c_qs", "V_c", "eta", "f_n", "growth_rate", "omega")
-    found: dict[str, Any] = {name: float(steady[name]) for name in names}
-    found["stable"] = bool(steady.stable)
-    found["regime"] = UNKNOWN
+    values: dict[str, Any] = {name: float(steady[name]) for name in names}
+    values["stable"] = bool(steady.stable)
+    values["regime"] = UNKNOWN
     if not isinstance(cycle, SolverError):
-        found["regime"] = str(classify(cycle).regime.values)
-        found["amplitude"] = float(cycle.amplitude)
+        values["regime"] = str(classify(cycle).regime.values)
+        values["amplitude"] = float(cycle.amplitude)
         for name in ("V_max", "V_min", "mu_min", "reversal_margin"):
-            found[name] = float(cycle[name])
+            values[name] = float(cycle[name])
         if int(cycle.status) != STEADY_SLIDING:
-            found["period"], found["frequency"] = float(cycle.period), float(cycle.frequency)
-            found["multiplier"] = complex(cycle.multipliers[0])
-            found["returns"] = int(cycle.returns)
-    if found["stable"] and 0.0 < slider.K < STRIP * found["K_c"]:
-        found["K_fold"] = _fold(slider, found["eta"])
-    bare = Verdict(slider=slider, V_lp=V_lp, **found)
+            values["period"], values["frequency"] = float(cycle.period), float(cycle.frequency)
+            values["multiplier"] = complex(cycle.multipliers[0])
+            values["returns"] = int(cycle.returns)
+    if values["stable"] and 0.0 < slider.K < STRIP * values["K_c"]:
+        values["K_fold"] = _fold(slider, values["eta"])
+    answer = Verdict(slider=slider, V_lp=V_lp, **values)
     if isinstance(cycle, QuasiStaticInstability):
-        small = bare.stable and not bare.on_edge
-        bare = dataclasses.replace(bare, regime=CONDITIONAL if small else RUNAWAY)
-    settled = isinstance(cycle, NotConverged) or not isinstance(cycle, SolverError)
-    why = "" if settled else str(cycle).partition("\n")[0]
-    return dataclasses.replace(bare, sentences=tuple(sentences(bare, why)))
+        small = answer.stable and not answer.on_edge
+        answer = dataclasses.replace(answer, regime=CONDITIONAL if small else RUNAWAY)
+    failed = isinstance(cycle, SolverError) and not isinstance(cycle, NotConverged)
+    reason = str(cycle).partition("\n")[0] if failed else ""
+    return dataclasses.replace(answer, sentences=tuple(sentences(answer, reason)))
 
 
 def _fold(slider, eta):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..dynamics.attributes import followed
+from ..dynamics.attributes import branch_parameter
 from ..dynamics.results import parameter
 from ..errors import ParameterError
 from ..friction.stability import K_c
@@ -48,12 +48,12 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
         from matplotlib import pyplot
 
         ax = pyplot.subplots()[1]
-    return diagram(data, ax, 1.0, QUANTITIES[followed(data)].unit, color, label)
+    return diagram(data, ax, 1.0, QUANTITIES[branch_parameter(data)].unit, color, label)
 
 
 def diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
     """Draw a `branch` over the parameter times a factor, which is in this unit."""
-    symbol = followed(data)
+    symbol = branch_parameter(data)
     x, amplitude, special = (data[name].values for name in (symbol, "amplitude", "special"))
     at = np.geomspace(x.min() / 1.05, x.max() * 1.05, 2001)
     stable = _steady_is_stable(data, symbol, at)

@@ -1,6 +1,6 @@
 """Pseudo-arclength continuation of fixed points u = P(u, p) of a map through folds.
 
-Nothing here knows what the map is.  Sources as in `continuation.newton`.
+This module does not depend on the map.  Sources as in `newton`.
 """
 
 from collections.abc import Callable
@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .bifurcations import change, locate, special_points, without_noise
+from .bifurcations import bifurcation_points, change, locate, without_noise
 from .newton import NO_CONVERGENCE, Lost, Point, Problem, solve, unit
 
-MOST_TURN = 0.2  # rad between the tangents of neighbouring points: some 15 points to a fold
-MOST_CHANGE = 0.2  # of test functions of multipliers, which lie between -1 and 1
-MOST_DEVIATION = 0.5  # of the prediction, in steps; farther away lies another branch
+MAX_ROTATION = 0.2  # rad between the tangents of neighbouring points: some 15 points to a fold
+MAX_CHANGE = 0.2  # of test functions of multipliers, which lie between -1 and 1
+MAX_DEVIATION = 0.5  # of the prediction, in steps; farther away lies another branch
 FAST = 4  # Newton iterations after which a step may still grow
 
 
@@ -63,7 +63,7 @@ def follow(
     evaluate : callable
         Of u (m, n) and p (m,), giving an object with ``image`` (m, n), P(u, p); ``jacobian``
         (m, n, n), dP/du; ``ok`` (m,), False where there is no image; ``measures``, name -> (m,),
-        what to keep of each point.
+        to store with each point.
     u0 : (n,) ndarray
         Near the fixed point at p0.
     p0, stop : float
@@ -77,13 +77,13 @@ def follow(
         then only near its first point.
     amplitude : callable, optional
         Of a Point; the branch ends where it falls to 0.  Beyond lies a Hopf point, too near
-        for a return map, that the caller knows better: the last point has no ``special``.
+        for a return map, which the caller computes otherwise: the last point has no ``special``.
     tol : float
         Largest last Newton correction, in units of scale + |u| and of p.
     noise : float
         Bound of the errors of P, in units of scale + |u|.
     steps : Steps
-        Steps are shortened where the branch turns or multipliers change fast.
+        Steps are shortened where the branch bends or multipliers change fast.
     max_points : int
         Points, special ones not counted, after which to give up.
     progress : callable, optional
@@ -134,8 +134,8 @@ def follow(
 class End(NamedTuple):
     """A place where a branch ends."""
 
-    room: Callable[[Point], float]  # > 0 before it
-    p: float | None  # that the last point has exactly
+    distance: Callable[[Point], float]  # > 0 before the end
+    p: float | None  # exact value at the last point
 
 
 def _at(problem, guess, along):
@@ -150,25 +150,25 @@ def _constant_p(y):
 
 
 def _advance(problem, a, step, steps, ends):
-    """One step from a, as long as can be up to `step`.
+    """One step from a, as long as possible up to `step`.
 
     Returns the points to keep, the end's name ("" if the branch goes on), the point where the next
     step starts, and its length.
     """
     while True:
         try:
-            b, next_step = _stride(problem, a, step, steps, ends)
-            return *_stretch(problem, a, b, ends), b, next_step
+            b, next_step = _predict_and_correct(problem, a, step, steps, ends)
+            return *_points_between(problem, a, b, ends), b, next_step
         except Lost:
             if step <= steps.smallest:
                 raise
             step = max(0.5 * step, steps.smallest)
 
 
-def _stride(problem, a, step, steps, ends):
+def _predict_and_correct(problem, a, step, steps, ends):
     """The point that lies `step` ahead of a along its tangent, and the length of the next step.
 
-    Where the tangent gets to the p of an end earlier, so does the point: beyond, the map may end.
+    Where the tangent reaches the p of an end earlier, the point lies there; the map may end beyond.
     """
     weights = problem.weights(a.u)
     t = unit(a.tangent / weights)
@@ -180,35 +180,38 @@ def _stride(problem, a, step, steps, ends):
             guess, normal = a.y + step * weights * t, _constant_p(t)
             guess[-1] = p
     b = solve(problem, guess, normal, t, weights, problem.tol)
-    if np.linalg.norm((b.y - guess) / weights) > MOST_DEVIATION * step:
+    if np.linalg.norm((b.y - guess) / weights) > MAX_DEVIATION * step:
         raise Lost(NO_CONVERGENCE)
-    turn = np.arccos(min(t @ unit(b.tangent / weights), 1.0))
-    strain = max(turn / MOST_TURN, change(a, b) / MOST_CHANGE)
+    rotation = np.arccos(min(t @ unit(b.tangent / weights), 1.0))
+    strain = max(rotation / MAX_ROTATION, change(a, b) / MAX_CHANGE)
     if strain > 1 and step > steps.smallest:
         raise Lost(NO_CONVERGENCE)
     growth = min(2.0 if b.iterations <= FAST else 0.7, 0.7 / max(strain, 0.1))
     return b, float(np.clip(growth * step, steps.smallest, steps.largest))
 
 
-def _stretch(problem, a, b, ends):
-    """What comes after a up to b: special points, and then b or the end of the branch before it."""
+def _points_between(problem, a, b, ends):
+    """Points after a up to b: special points, and then b or the end of the branch before it.
+
+    Returns the points, and the name of the end or "".
+    """
     weights = problem.weights(a.u)
     kept: list[Point] = []
     last = a
-    for point in [*special_points(problem, a, b, weights), b]:
-        found = []
+    for point in [*bifurcation_points(problem, a, b, weights), b]:
+        reached = []
         for name, end in ends.items():
-            if end.room(point) <= 0 < end.room(last):
-                found.append((locate(problem, last, point, end.room, weights), name))
-            elif point is b and end.room(b) <= min(0, end.room(last)):  # beyond it from the start
-                raise Lost(name)
-        if found:
+            if end.distance(point) <= 0 < end.distance(last):
+                reached.append((locate(problem, last, point, end.distance, weights), name))
+            elif point is b and end.distance(b) <= min(0, end.distance(last)):
+                raise Lost(name)  # the branch began beyond this end
+        if reached:
             chord = (point.y - last.y) / weights**2
-            place, name = min(found, key=lambda item: chord @ item[0].y)
+            final, name = min(reached, key=lambda item: chord @ item[0].y)
             if (p := ends[name].p) is not None:
-                exact = _at(problem, np.append(place.u, p), place.tangent / weights)
-                place = exact._replace(special=name)
-            return [*kept, place], name
+                exact = _at(problem, np.append(final.u, p), final.tangent / weights)
+                final = exact._replace(special=name)
+            return [*kept, final], name
         kept.append(point)
         last = point
     return kept, ""

@@ -1,4 +1,4 @@
-"""Special points of a branch of fixed points: where its multipliers cross the unit circle.
+"""Bifurcation points of a branch of fixed points: where multipliers cross the unit circle.
 
 Each kind has a test function that changes sign there (Kuznetsov, Elements of Applied Bifurcation
 Theory, section 10.2, doi:10.1007/978-3-031-22007-4).  Factors like 1 + m are divided by 1 + |m|,
@@ -11,7 +11,7 @@ import numpy as np
 
 from .newton import NO_CONVERGENCE, Lost, solve, unit
 
-MOST_SECANTS = 100
+MAX_SECANTS = 100
 
 
 def fold(point):
@@ -49,8 +49,8 @@ def change(a, b):
     return max(abs(test(b) - test(a)) for test in (saddle, period_doubling, torus))
 
 
-def special_points(problem, a, b, weights):
-    """The special points between two neighbouring points of a branch, in their order along it.
+def bifurcation_points(problem, a, b, weights):
+    """The bifurcation points between two neighbouring points of a branch, in their order along it.
 
     Parameters
     ----------
@@ -58,28 +58,28 @@ def special_points(problem, a, b, weights):
     a, b : Point
         Tangents make an acute angle.
     weights : (n + 1,) ndarray
-        In which distances are measured.
+        Units of distances.
 
     Returns
     -------
     list of Point
-        Each on the branch, as near to the special point as rounding and noise allow.
+        Each on the branch, as near to the bifurcation as rounding and noise allow.
 
     Raises
     ------
     Lost
-        One that must be there was not found.
+        One that must exist was not found.
     """
-    found = []
+    points = []
     for name, test in TESTS.items():
         if (test(a) > 0) == (test(b) > 0):
             continue
         point = locate(problem, a, b, test, weights)
-        # Two real multipliers m and 1/m are no torus: that point is called a neutral saddle.
+        # With two real multipliers m and 1/m it is a neutral saddle, no torus bifurcation.
         if name != "torus" or _pair(point):
-            found.append(point._replace(special=name))
+            points.append(point._replace(special=name))
     chord = (b.y - a.y) / weights**2
-    return sorted(found, key=lambda point: chord @ point.y)
+    return sorted(points, key=lambda point: chord @ point.y)
 
 
 def _pair(point):
@@ -90,22 +90,22 @@ def _pair(point):
 
 
 def without_noise(points):
-    """A branch whose folds are those between which p varies by more than it is known.
+    """The branch without folds between which p varies by no more than its error.
 
-    Where p is all but constant, as near a degenerate Hopf point, noise makes it turn: two folds
-    with no more between them, or one with no more between it and an end, become ordinary points.
+    Where p is all but constant, as near a degenerate Hopf point, noise makes it turn back: then two
+    folds, or a fold and an end, are that close in p, and the folds become ordinary points.
     """
     points = list(points)
     while True:
         folds = [i for i, point in enumerate(points) if point.special == "fold"]
         for i, j in pairwise([0, *folds, len(points) - 1]):
-            turns = [k for k in (i, j) if k in folds]
+            ends = [k for k in (i, j) if k in folds]
             p = [point.p for point in points[i : j + 1]]
-            if turns and max(p) - min(p) <= max(points[k].error for k in turns):
+            if ends and max(p) - min(p) <= max(points[k].error for k in ends):
                 break
         else:
             return points
-        for k in turns:
+        for k in ends:
             points[k] = points[k]._replace(special="")
 
 
@@ -120,7 +120,7 @@ def locate(problem, a, b, test, weights):
     length, normal = np.linalg.norm(chord), unit(chord)
     low, high, f_low, f_high = 0.0, length, test(a), test(b)
     last, last_side = np.inf, None
-    for _ in range(MOST_SECANTS):
+    for _ in range(MAX_SECANTS):
         s = (low * f_high - high * f_low) / (f_high - f_low)
         guess = _hermite(a, b, normal, length, weights, s / length)
         point = solve(problem, guess, normal, normal, weights, tol=0.0)
@@ -143,5 +143,5 @@ def _hermite(a, b, normal, length, weights, x):
     slope_a = a.tangent * length / (normal @ (a.tangent / weights))
     slope_b = b.tangent * length / (normal @ (b.tangent / weights))
     rise = b.y - a.y
-    bend = (1 - x) * (slope_a - rise) - x * (slope_b - rise)
-    return a.y + x * rise + x * (1 - x) * bend
+    deviation = (1 - x) * (slope_a - rise) - x * (slope_b - rise)
+    return a.y + x * rise + x * (1 - x) * deviation

@@ -1,4 +1,4 @@
-"""The verb `continue_cycle`: a branch of limit cycles, stable and unstable, along one parameter."""
+"""The function `continue_cycle`: a branch of limit cycles along one parameter."""
 
 import json
 
@@ -17,10 +17,10 @@ from ..results import provenance, status_variable
 from .branch_ends import beginning, hopf_measures, hopf_near
 from .family import PARAMETERS, Family
 
-# Amplitude of ln V at which a branch has come to a Hopf point.
-NEAR = 0.02
+# Amplitude of ln V below which a branch ends at a Hopf point.
+END_AMPLITUDE = 0.02
 MAX_POINTS = 1000
-#: why a branch ends before it should -> what that means
+#: premature end of a branch -> its meaning
 ENDS = {
     "no return": "beyond this no orbit comes back to the section within 200,000 steps: the slider "
     "stops or runs away, or the parameters leave the range that double precision holds",
@@ -79,7 +79,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     >>> str(branch.special.values[0]), round(float(branch.V_lp[0]), 6)
     ('hopf', 0.003162)
     """
-    family, ends = followed(slider, parameter, start, stop, V_lp, rtol)
+    family, ends = checked_family(slider, parameter, start, stop, V_lp, rtol)
     p_start, p_stop = np.log([*ends.values()])
     with bar("continue_cycle") as progress:
         begin = beginning(family, p_start, p_stop)
@@ -93,7 +93,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
             stop=p_stop,
             start=p_start,
             along=None if begin.hopf is None else np.append(begin.U, 0.0),
-            amplitude=lambda point: family.amplitude(point.u, point.p) - NEAR,
+            amplitude=lambda point: family.amplitude(point.u, point.p) - END_AMPLITUDE,
             max_points=MAX_POINTS,
             progress=progress and advance,
         )
@@ -116,32 +116,32 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     return result
 
 
-def _dataset(family, branch, hopf, given):
-    """The result: the points of a branch, measured, between the Hopf points at its ends.
+def _dataset(family, branch, hopf, ends):
+    """The result: measures of a branch's points, with the Hopf points at its ends.
 
-    given : the parameter's values at "start" and "stop", of which p is the rounded logarithm
+    ends : the parameter's values at "start" and "stop", of which p is the rounded logarithm
     """
     points = branch.points
     if hopf is None and points:
         points = [points[0]._replace(special="start"), *points[1:]]
     special = [point.special for point in points]
-    found = family.measures(points, given)
-    along = found.pop("parameter")
-    ends = [] if hopf is None else [(0, hopf)]
+    measures = family.measures(points, ends)
+    along = measures.pop("parameter")
+    hopf_points = [] if hopf is None else [(0, hopf)]
     if branch.end == "hopf":
-        ends.append((len(points), hopf_near(family, points[-1].p)))
-    for index, place in reversed(ends):
+        hopf_points.append((len(points), hopf_near(family, points[-1].p)))
+    for index, p in reversed(hopf_points):
         special.insert(index, "hopf")
-        along = np.insert(along, index, np.exp(place))
-        for name, value in hopf_measures(family, place).items():
-            found[name] = np.insert(found[name], index, value[0], axis=0)
+        along = np.insert(along, index, np.exp(p))
+        for name, value in hopf_measures(family, p).items():
+            measures[name] = np.insert(measures[name], index, value[0], axis=0)
     values = family.values | {
         family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
     }
     batch = Batch(values, taken=TAKEN)
     status = np.full(len(along), FINISHED)
-    stable = np.abs(found["multipliers"][:, 0]) < 1.0
-    variables = cycle_variables(batch, status, found, stable)
+    stable = np.abs(measures["multipliers"][:, 0]) < 1.0
+    variables = cycle_variables(batch, status, measures, stable)
     variables["status"] = status_variable(batch, status)
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*TAKEN, "special"]))
@@ -152,15 +152,15 @@ def _dataset(family, branch, hopf, given):
 
 
 def check_rtol(rtol):
-    """Raise ParameterError for an rtol to which no branch is followed."""
+    """Raise ParameterError for an rtol out of the range of `continue_cycle`."""
     if not 1e-10 <= rtol <= 1e-4:
         raise ParameterError(
             f"rtol = {rtol!r} is out of range; expected one number from 1e-10 to 1e-4 such as 1e-8"
         )
 
 
-def followed(slider, parameter, start, stop, V_lp, rtol):
-    """`Family`, and dict of start and stop; ParameterError where they make no sense."""
+def checked_family(slider, parameter, start, stop, V_lp, rtol):
+    """`Family` and dict of start and stop, from the arguments of `continue_cycle`, checked."""
     checked(slider)
     if parameter not in PARAMETERS:
         names = ", ".join(PARAMETERS)
@@ -172,31 +172,31 @@ def followed(slider, parameter, start, stop, V_lp, rtol):
             else f"V_lp is missing: give the load-point velocity at which {parameter} changes"
         )
     rtol = to_si("rtol", rtol)
-    given = {
+    ends = {
         "start": to_si(parameter, start, label="start"),
         "stop": to_si(parameter, stop, label="stop"),
     }
-    values = {**slider.values, **given}
+    values = {**slider.values, **ends}
     if V_lp is not None:
         values["V_lp"] = to_si("V_lp", V_lp)
     if arrays := [symbol for symbol, value in {**values, "rtol": rtol}.items() if is_array(value)]:
         raise ParameterError(f"{arrays[0]} is an array: a branch is that of one slider")
     check_rtol(rtol)
-    values |= {parameter: given["start"]}
-    for symbol, value in {**values, **given}.items():
+    values |= {parameter: ends["start"]}
+    for symbol, value in {**values, **ends}.items():
         if symbol in (*PARAMETERS, "start", "stop") and symbol != "b" and not 0 < value < np.inf:
             unit = QUANTITIES[symbol if symbol in QUANTITIES else parameter].unit
             raise ParameterError(
                 f"{symbol} = {value!r} {unit}: a limit cycle needs inertia and a spring, and a "
                 f"parameter is followed in its logarithm, so give 0 < {symbol} < inf"
             )
-    if given["start"] == given["stop"]:
-        raise ParameterError(f"start = stop = {given['start']!r}: nothing to follow")
+    if ends["start"] == ends["stop"]:
+        raise ParameterError(f"start = stop = {ends['start']!r}: nothing to follow")
     family = Family(slider.law, values, parameter, rtol)
-    beta = family.system(np.log([*given.values()])).beta
+    beta = family.system(np.log([*ends.values()])).beta
     if (beta <= 1.0).all():
         raise ParameterError(
             f"b <= a (b/a = {beta[0]:.6g}): steady sliding is stable at any stiffness and speed, "
             f"and there are no limit cycles to follow; give b > a"
         )
-    return family, given
+    return family, ends

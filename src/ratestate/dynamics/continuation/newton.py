@@ -14,8 +14,9 @@ import numpy as np
 
 NO_RETURN = "no return"
 NO_CONVERGENCE = "no convergence"
-MOST_ITERATIONS = 10
-# Of an image between neighbouring p, in weights; a kink, as where orbits graze a stop, is no jump.
+MAX_ITERATIONS = 10
+# Change of the image between neighbouring p, in weights, that counts as a jump; a kink, as where
+# orbits graze a stop, is none.
 JUMP = 0.01
 
 
@@ -26,7 +27,7 @@ class Point(NamedTuple):
     p: float
     multipliers: np.ndarray  # (n,) complex eigenvalues of dP/du, by descending modulus
     special: str
-    error: float  # the last Newton correction, or what noise makes of it, in units of weights
+    error: float  # the last Newton correction, or that due to noise, in units of weights
     measures: dict[str, float]
     tangent: np.ndarray  # (n + 1,) d(u, p)/ds
     iterations: int
@@ -38,7 +39,7 @@ class Point(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """The map, and how well its fixed points are wanted; see `arclength.follow`."""
+    """The map, and the accuracy of its fixed points; see `arclength.follow`."""
 
     evaluate: Callable[[np.ndarray, np.ndarray], Any]
     scale: np.ndarray
@@ -70,22 +71,22 @@ def solve(problem, guess, normal, along, weights, tol):
     guess : (n + 1,) ndarray
         First approximation (u, p).
     normal, along : (n + 1,) ndarray
-        In the coordinates z: normal of the plane, and a direction with which the tangent is to
-        make an acute angle.  The last unit vector as `normal` keeps p exactly as it is.
+        In the coordinates z: normal of the plane, and a direction with which the tangent makes
+        an acute angle.  The last unit vector as `normal` keeps p exactly as it is.
     weights : (n + 1,) ndarray
         y/z.
     tol : float
-        Largest last correction in z; if it is 0, noise alone limits it.
+        Largest last correction in z; 0: as small as noise allows.
 
     Raises
     ------
     Lost
-        The map has no image on the way, or the iteration does not converge.
+        The map has no image at an iterate, or the iteration does not converge.
     """
     y, last = np.array(guess), np.inf
-    for iteration in range(1, MOST_ITERATIONS + 1):
+    for iteration in range(1, MAX_ITERATIONS + 1):
         orbit, rows = _linearised(problem, y, weights)
-        size = np.abs(rows).max(axis=1)  # of the rows, which multipliers spread over decades
+        size = np.abs(rows).max(axis=1)  # multipliers spread the rows over decades
         residual = np.append((orbit.image[0] - y[:-1]) / size, normal @ ((y - guess) / weights))
         try:
             inverse = np.linalg.inv(np.vstack([rows / size[:, None], normal]))
@@ -96,7 +97,7 @@ def solve(problem, guess, normal, along, weights, tol):
         floor = np.linalg.norm(np.abs(inverse) @ noise)
         step = float(np.linalg.norm(correction))
         if floor > max(tol, np.sqrt(problem.noise)):
-            break  # as at constant p beside a fold, where noise decides whether there is a solution
+            break  # as at constant p beside a fold, where noise decides if a solution exists
         stagnant = step > 0.5 * last
         if step <= max(tol, 10.0 * floor if stagnant else floor):
             direction = np.linalg.svd(rows / size[:, None])[2][-1]
@@ -112,20 +113,20 @@ def _linearised(problem, y, weights):
     """The map at y, and the derivative (n, n + 1) of P(u, p) - u with respect to z.
 
     dP/dp is a central difference, or a one-sided one at the edge of where the map is defined.
-    Its error slows Newton's method but spoils no fixed point, nor a fold of the branch, where
-    the p component of the tangent vanishes whatever dP/dp is: so its step is not the third root
-    of the noise but the square root, for the sake of maps that vary fast with p.
+    Its error slows Newton's method, but changes no fixed point and no fold of the branch, where
+    the p component of the tangent vanishes whatever dP/dp is.  So its step is not the third root
+    of the noise but the square root, which suits maps that vary fast with p.
     """
     n = len(y) - 1
     p = y[-1] + np.sqrt(problem.noise) * np.array([0.0, 1.0, -1.0])
     orbit = problem.evaluate(np.tile(y[:-1], (3, 1)), p)
-    known = orbit.ok & np.isfinite(orbit.image).all(axis=1)
-    if not (known[0] and known[1:].any() and np.isfinite(orbit.jacobian[0]).all()):
+    defined = orbit.ok & np.isfinite(orbit.image).all(axis=1)
+    if not (defined[0] and defined[1:].any() and np.isfinite(orbit.jacobian[0]).all()):
         raise Lost(NO_RETURN)
-    above, below = (1 if known[1] else 0), (2 if known[2] else 0)
+    above, below = (1 if defined[1] else 0), (2 if defined[2] else 0)
     change, one_sided = orbit.image[above] - orbit.image[below], orbit.image[0] - orbit.image[below]
     unequal = np.abs(change - 2 * one_sided) > 0.9 * np.abs(change) + JUMP * weights[:-1]
-    if known.all() and unequal.any():
+    if defined.all() and unequal.any():
         raise Lost(NO_CONVERGENCE)  # the map jumps: to Newton's method that is a steep slope
     dP_dp = change / (p[above] - p[below])
     return orbit, np.column_stack([orbit.jacobian[0] - np.eye(n), dP_dp]) * weights

@@ -25,12 +25,12 @@ class Spoken(NamedTuple):
 
 def spoken(asked: "Scenario", result: "xarray.Dataset") -> Spoken | None:
     """Words on a single slider, or None where nothing is sure."""
-    from ...dynamics.verdict import judge, verdict
+    from ...dynamics.verdict import verdict, verdict_of_cycle
 
     if asked.verb == "continue_cycle":
         return None
     if asked.verb == "limit_cycle":
-        return _settled(judge(asked.slider, asked.settings["V_lp"], result))
+        return _settled(verdict_of_cycle(asked.slider, asked.settings["V_lp"], result))
     if asked.verb == "stability":
         return _settled(verdict(asked.slider, asked.settings["V_lp"]))
     loading = asked.settings["loading"]
@@ -78,7 +78,7 @@ def _elsewhere(found: "Verdict", result: "xarray.Dataset") -> str:
 
 def instead(asked: "Scenario", error: "SolverError") -> str:
     """The message where no cycle is found: what there is."""
-    from ...dynamics.verdict import judge
+    from ...dynamics.verdict import verdict_of_cycle
 
-    found = judge(asked.slider, asked.settings["V_lp"], error)
+    found = verdict_of_cycle(asked.slider, asked.settings["V_lp"], error)
     return f"no cycle is found.\n{found.text}\n{asked.slider!r}"

@@ -7,7 +7,7 @@ import xarray
 
 from ...dynamics.cycles.orbit import cycle_and_orbit
 from ...dynamics.simulation.cases import failure
-from ...dynamics.verdict import Verdict, judge
+from ...dynamics.verdict import Verdict, verdict_of_cycle
 from ...engine.backend import Stopped
 from ...engine.model import FINISHED
 from ...errors import SolverError
@@ -38,7 +38,7 @@ def study_of(asked, watch):
     """The `Study` of what is asked; backend.Stopped if somebody cancelled it."""
     cycle, turn = _settled(asked.slider, asked.V_lp, watch)
     watch.deadline.start()
-    found = judge(asked.slider, asked.V_lp, cycle)
+    found = verdict_of_cycle(asked.slider, asked.V_lp, cycle)
     notes = [said] if (said := unsettled(found, turn)) else []
     before = None
     if asked.V_from is not None:

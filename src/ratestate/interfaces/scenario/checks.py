@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...dynamics.continuation.branch import check_rtol as check_rtol_of_branch
-from ...dynamics.continuation.branch import followed
+from ...dynamics.continuation.branch import checked_family
 from ...dynamics.cycles.limit_cycle import limit_cycle_call
 from ...dynamics.simulation.cases import MAX_STEPS
 from ...dynamics.simulation.simulate import saved_times, solver_settings
@@ -48,7 +48,7 @@ def check_branch(slider: SpringSlider, settings: dict[str, Any], problems: Probl
     """Note what keeps a branch from being followed."""
     place = f"[sweep] {settings['parameter']}"
     with problems.at(place, expected="expected M > 0, b > a and two different ends", like=BRANCH):
-        followed(slider, **({"V_lp": None, "rtol": 1e-8} | settings))
+        checked_family(slider, **({"V_lp": None, "rtol": 1e-8} | settings))
 
 
 def check_run(

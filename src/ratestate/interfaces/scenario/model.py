@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ...dynamics.continuation.branch import continue_cycle, followed
+from ...dynamics.continuation.branch import checked_family, continue_cycle
 from ...dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
 from ...dynamics.simulation.simulate import simulate, simulate_call
 from ...dynamics.steady_sliding import stability, stability_call
@@ -24,7 +24,7 @@ CHECKS: dict[str, Callable[..., Any]] = {
     "limit_cycle": lambda **given: limit_cycle_call(**given).batch,
     "simulate": lambda **given: simulate_call(**given).batch,
     "stability": lambda **given: stability_call(**given).batch,
-    "continue_cycle": followed,
+    "continue_cycle": checked_family,
 }
 
 

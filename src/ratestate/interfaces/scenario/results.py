@@ -76,7 +76,7 @@ def _slider(result: Any) -> SpringSlider:
 def _swept(result: Any, name: str, symbol: str, recorded: Any) -> Any:
     """A value that an attribute records; of a swept one those that the result still holds."""
     if not isinstance(recorded, dict):
-        return attributes.recorded(name, symbol, recorded)
+        return attributes.parameter_value(name, symbol, recorded)
     if symbol in result.coords and symbol not in ("V_start", "t_end"):
         return _alone(parameter(result, symbol))
     if isinstance(recorded.get("values"), str):  # too many for an attribute
@@ -190,11 +190,11 @@ def _limit_cycle(result: Any) -> dict[str, Any]:
 
 def _branch(result: Any) -> dict[str, Any]:
     """The arguments of `continue_cycle`."""
-    settings: dict[str, Any] = {"parameter": attributes.followed(result), "V_lp": None}
+    settings: dict[str, Any] = {"parameter": attributes.branch_parameter(result), "V_lp": None}
     settings |= {key: attributes.number(result, key) for key in ("start", "stop", "rtol")}
     if settings["parameter"] != "V_lp":
         recorded = attributes.from_json(result, "V_lp")
-        settings["V_lp"] = attributes.recorded("V_lp", "V_lp", recorded)
+        settings["V_lp"] = attributes.parameter_value("V_lp", "V_lp", recorded)
     return settings
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...dynamics.attributes import followed
+from ...dynamics.attributes import branch_parameter
 from ...dynamics.results import parameter
 from ...model.quantities import QUANTITIES
 from ..bifurcation import NARROW, STABLE, UNSTABLE, diagram
@@ -16,7 +16,7 @@ WIDE = 10.0
 @styled
 def branch_page(data):
     """Page of a branch of limit cycles."""
-    symbol = followed(data)
+    symbol = branch_parameter(data)
     law = LAWS[parameter(data, "law")]
     title = f"Limit cycles along {label(symbol)}, {law}"
     fig = figure(data.assign_attrs(title=title), 5.2, "a b Dc sigma M K")

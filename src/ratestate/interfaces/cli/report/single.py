@@ -127,9 +127,9 @@ def branch(result: "xarray.Dataset") -> list[Any]:
     from rich.table import Table
     from rich.text import Text
 
-    from ....dynamics.attributes import followed
+    from ....dynamics.attributes import branch_parameter
 
-    symbol = followed(result)
+    symbol = branch_parameter(result)
     made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for name in ("point", symbol, "amplitude", "period", "V_max", "multiplier", "cycles after it"):
         made.add_column(name, justify="left" if name in ("point", "cycles after it") else "right")
