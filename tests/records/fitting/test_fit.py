@@ -1,4 +1,4 @@
-"""The verb `fit`: what it finds in records of known truth, and what it refuses."""
+"""The function `fit`: its estimates from records of known truth, and what it refuses."""
 
 import json
 
@@ -134,7 +134,7 @@ def test_a_start_out_of_steady_sliding_is_seen():
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.parametrize("trend", ["slip", "time"])
-def test_a_trend_is_told_from_the_step(clean, trend):
+def test_a_trend_is_separated_from_the_step(clean, trend):
     along = clean.delta_lp / 1e-3 if trend == "slip" else clean.time / 100.0
     drifting = clean.assign(friction=clean.friction + 0.01 * along)
     result = rs.fit(drifting, START, trend=trend)
@@ -181,7 +181,7 @@ def test_given_noise_is_taken(noisy, fitted):
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_what_is_recorded_does_not_matter_where_it_tells_the_same(noisy, fitted):
+def test_equivalent_records_give_the_same_fit(noisy, fitted):
     """Origin of time, stress for friction, speed for displacement, a loading that is given."""
     tau = noisy.drop_vars("friction").assign(tau=noisy.friction * SLIDER.sigma)
     speed = xarray.DataArray(np.where(T < 40.0, 1e-6, 1e-5), dims="time")
@@ -218,7 +218,7 @@ def test_two_laws_side_by_side(noisy, fitted):
     assert float(both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")) > 10.0
 
 
-def test_the_result_says_what_it_is(noisy, fitted):
+def test_variables_of_the_result(noisy, fitted):
     assert set(FREE) <= set(fitted.data_vars)
     assert fitted.parameter.values.tolist() == [*FREE, "mu0", "a_minus_b", "trend_slip"]
     for variable in fitted.variables.values():
@@ -237,8 +237,7 @@ def test_the_result_says_what_it_is(noisy, fitted):
     low, high = (fitted.interval.sel(side=side) for side in ("lower", "upper"))
     assert (low.sel(level=0.95) < low.sel(level=0.68)).all()
     assert (high.sel(level=0.68) < high.sel(level=0.95)).all()
-    found = np.diag(fitted.correlation)
-    np.testing.assert_allclose(found, 1.0, atol=1e-9)
+    np.testing.assert_allclose(np.diag(fitted.correlation), 1.0, atol=1e-9)
     error = fitted.standard_error.sel(parameter="a_minus_b")
     assert float(fitted.a_minus_b) == pytest.approx(float(fitted.a - fitted.b), rel=1e-12)
     assert abs(float(fitted.a_minus_b) + 0.004) < 4 * float(error)
@@ -332,8 +331,8 @@ def test_bounds_come_from_how_far_the_load_point_moves(slid, counts):
     loading = rs.Loading.steps("1 um/s", (slid, 0.0))
     friction = np.linspace(0.6, 0.4, t.size)
     data = xarray.Dataset({"friction": ("time", friction)}, {"time": t})
-    found = record_of(data, SLIDER, loading=loading, trend=None, against="time")
-    unknowns = unknowns_of(found, ("Dc", "K"), start=False, sigma=2e7)
+    checked = record_of(data, SLIDER, loading=loading, trend=None, against="time")
+    unknowns = unknowns_of(checked, ("Dc", "K"), start=False, sigma=2e7)
     Dc, K = 0.05 * counts, 10.0 * 2e7 * 0.2 / counts
     low, high = (np.exp(ends[:2]) for ends in (unknowns.low, unknowns.high))
     np.testing.assert_allclose(low, [1e-3 * Dc, 1e-4 * K], rtol=1e-12)
@@ -389,6 +388,8 @@ def test_an_unsteady_start_is_found_also_where_noise_could_take_the_blame():
 
 
 def test_a_wrong_value_that_was_given_is_not_called_noise(noisy):
-    with pytest.warns(rs.FitWarning) as told:
+    with pytest.warns(rs.FitWarning) as emitted:
         rs.fit(noisy, SLIDER.replace(b=0.03), free=("a",))
-    assert any("what was given does not suit the record (b = 0.03" in str(w.message) for w in told)
+    assert any(
+        "what was given does not suit the record (b = 0.03" in str(w.message) for w in emitted
+    )

@@ -176,7 +176,7 @@ def test_scatter_between_cycles_enlarges_errors():
     assert calm.warnings == ()
 
 
-def test_a_trend_is_removed_and_said():
+def test_a_trend_is_removed_and_noted():
     plain, drifting = (measure(segment(BRAKE, 3.2e-3, trend=x)) for x in (0.0, 1.5))
     np.testing.assert_allclose(drifting.values[:5], plain.values[:5], atol=2e-2)
     assert any("trend of friction at 3.2 mm/s" in text for text in drifting.notes)
@@ -255,10 +255,10 @@ def test_intervals_end_where_no_fit_is_likely():
     model = CycleModel("slip", np.array([3.2e-3]), [found.measured[0].bins], BRAKE.sigma, BRAKE.V0)
     for side in (0, 1):
         # a fit of its own, of a slider that has this Dc
-        held = BRAKE.replace(Dc=float(np.exp(found.ends[2, 1, side])))
-        space = Space(held, ("a", "b"), 3.2e-3)
+        constrained = BRAKE.replace(Dc=float(np.exp(found.ends[2, 1, side])))
+        space = Space(constrained, ("a", "b"), 3.2e-3)
         problem = Problem(space, model, found.measured)
-        ratio = held.Dc / found.values["Dc"]
+        ratio = constrained.Dc / found.values["Dc"]
         at = {s: np.array([found.values[s]]) for s in SYMBOLS}
         at["Dc"] = at["Dc"] * ratio
         best = min(
@@ -358,8 +358,8 @@ def test_cycles_left_out_are_counted(small, words):
     t = np.arange(900) / 100.0
     size = np.where(t < small + 0.2, 0.6, 1.0)  # tau falls through its middle at 0.2, 1.2, ...
     y = size * np.sin(2.0 * np.pi * (t - 0.7))
-    _, said = regular_cuts(Segment(t, y, 1e-5), 1.0)
-    assert said == (f"a transient, the {words} 10 um/s, is left out",)
+    _, notes = regular_cuts(Segment(t, y, 1e-5), 1.0)
+    assert notes == (f"a transient, the {words} 10 um/s, is left out",)
 
 
 def test_grid_covers_a_cycle():

@@ -47,14 +47,14 @@ def test_the_summary_has_a_row_for_each_quantity(both):
         assert [float(end) for end in interval.split(" to ")] == pytest.approx(
             [low, high], abs=0.5 * error
         )
-    for said in (both.attrs["comparison"], *both.identifiability.values, "M = 4800 kg/m^2"):
-        assert said in " ".join(text.split())
+    for part in (both.attrs["comparison"], *both.identifiability.values, "M = 4800 kg/m^2"):
+        assert part in " ".join(text.split())
     assert text.count("warning: aging law: ") == len(str(both.warnings[1].item()).splitlines())
     assert max(map(len, text.splitlines())) < 120
     assert not re.search(r"\d\n +(%|um|s)\b", text)
 
 
-def test_one_law_of_several_is_told_with_what_each_number_is(both):
+def test_the_summary_of_one_law_says_what_each_number_is(both):
     text = fitting.summary(both.sel(law="aging"))
     assert "521 samples, aging law" in text
     assert re.search(r"^Dc \[um\] .*   critical slip distance$", text, re.MULTILINE)
@@ -99,25 +99,25 @@ def test_an_open_interval_has_no_error(both, ends, shown):
     assert "+-" in cells["a"].value
 
 
-def test_a_above_b_is_told(both):
+def test_a_above_b_is_stated(both):
     part = results_by_law(both.assign(a=both.b + 0.001))["slip"]
     (ratio,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K/K_c_qs")
     assert ratio.estimates[0].value == "a > b: stable at any K"
 
 
 @pytest.mark.parametrize(
-    ("white", "red", "said"),
+    ("white", "red", "expected"),
     [
         (3e-4, 0.0, "0.0003, white"),
         (7e-7, 7.93e-4, "0.00079, correlated over 28.2 ms"),
         (2e-4, 3e-4, "0.0002, white, and 0.0003, correlated over 28.2 ms"),
     ],
 )
-def test_noise_in_words(white, red, said):
-    assert noise_text({"noise_white": white, "noise_red": red, "noise_time": 0.0282}) == said
+def test_noise_as_text(white, red, expected):
+    assert noise_text({"noise_white": white, "noise_red": red, "noise_time": 0.0282}) == expected
 
 
-def test_the_slider_that_was_found(both):
+def test_the_estimated_slider(both):
     slider = fitting.slider_of(both, "aging")
     one = both.sel(law="aging")
     found = {symbol: float(one[symbol]) for symbol in ("a", "b", "Dc", "K", "mu0")}

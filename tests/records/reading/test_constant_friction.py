@@ -24,8 +24,10 @@ def record(n=600, digits=6, noise=3e-4):
 def test_a_channel_at_the_end_of_its_range(tmp_path):
     friction = record()
     friction[200:260] = 0.65
-    told = r"friction stays at 0.65 from 20 s to 25.9 s, 60 rows, .*end of its range.*dropped out"
-    with pytest.warns(rs.RecordWarning, match=told):
+    message = (
+        r"friction stays at 0.65 from 20 s to 25.9 s, 60 rows, .*end of its range.*dropped out"
+    )
+    with pytest.warns(rs.RecordWarning, match=message):
         data = read(tmp_path, friction)
     assert "60 rows" in data.attrs["notes"]
 

@@ -187,6 +187,6 @@ def test_mutants(tmp_path, make, name, read):
         return ""
 
     with concurrent.futures.ThreadPoolExecutor(3) as pool:
-        told = list(pool.map(outcome, paths))
-    assert all(path.name in text for path, text in zip(paths, told, strict=True) if text)
-    assert any(told)
+        messages = list(pool.map(outcome, paths))
+    assert all(path.name in text for path, text in zip(paths, messages, strict=True) if text)
+    assert any(messages)

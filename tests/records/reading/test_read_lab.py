@@ -122,13 +122,13 @@ def test_any_layout(tmp_path, header, order, delimiter, end, bad, comments):
         spelled = [name.replace(",", "") for name in spelled]
     path = write(tmp_path / "r.txt", lines, spelled, delimiter, end=end)
     left = sorted(set(range(N)) - {row for row, _ in bad})
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as emitted:
         warnings.simplefilter("always")
         data = read_lab(path)
     check(data, left)
     assert set(data.sigma.values) == {2e7}
     dropped = sorted({row for row, _ in bad})
-    texts = [str(one.message) for one in told if "want of a number" in str(one.message)]
+    texts = [str(one.message) for one in emitted if "want of a number" in str(one.message)]
     assert len(texts) == bool(dropped)
     if dropped:
         # as an editor counts: the header is line 1, and remarks are lines too
@@ -469,11 +469,11 @@ def test_times_that_are_one_but_for_rounding(tmp_path):
     for step, rows in ((0.25e-9, T != 0.25), (0.25e-8, slice(None))):
         t = np.where(T == 0.25, step, T)
         path = write(tmp_path / "r.txt", cells((t, *COLUMNS[1:])))
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as emitted:
             warnings.simplefilter("always")
             data = read_lab(path)
         np.testing.assert_array_equal(data.time, t[rows])
-        left_out = [str(one.message) for one in told if "the time of the row before" in str(one)]
+        left_out = [str(one.message) for one in emitted if "the time of the row before" in str(one)]
         assert len(left_out) == (step < 1e-9)
 
 

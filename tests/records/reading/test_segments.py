@@ -96,8 +96,8 @@ def test_a_break_is_found_as_exactly_as_noise_allows(V):
     times = np.array([f.t[1] for f in found])
     assert abs(times.mean() - before * dt) < 4 * limit / 120**0.5
     assert 0.8 < times.std() / limit < 1.2  # 120 draws know it to 6.5 %
-    told = np.median([f.t_error[1] for f in found])
-    assert 0.9 < told / limit < 1.2
+    stated = np.median([f.t_error[1] for f in found])
+    assert 0.9 < stated / limit < 1.2
     if not V[1]:
         assert {f.V[1] for f in found} == {0.0}
 

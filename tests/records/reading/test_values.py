@@ -36,9 +36,9 @@ def put(values, *places):
 
 def left(path, match, rows, friction=MU):
     """That these rows are left out, with such a warning."""
-    with pytest.warns(RecordWarning, match=match) as told:
+    with pytest.warns(RecordWarning, match=match) as emitted:
         data = read_lab(path)
-    assert len(told) == 1
+    assert len(emitted) == 1
     good = np.delete(np.arange(N), rows)
     np.testing.assert_array_equal(data.time, T[good])
     np.testing.assert_allclose(data.friction, friction[good], rtol=1e-12)

@@ -23,18 +23,18 @@ def read_hdf5(path):
 
     columns: list[Column] = []
     texts: list[str] = []
-    room = UNPACKED * path.stat().st_size
+    remaining = UNPACKED * path.stat().st_size
 
     def visit(title, item):
-        nonlocal room
+        nonlocal remaining
         # MATLAB keeps texts as numbers, and what cells refer to in a group of its own
         hidden = title.startswith("#") or item.attrs.get("MATLAB_class") == b"char"
         if isinstance(item, h5py.Dataset) and not hidden:
             if item.ndim and item.dtype.kind not in "iufV":
                 texts.append(title)
                 return
-            room -= item.nbytes
-            if room < 0:
+            remaining -= item.nbytes
+            if remaining < 0:
                 raise ParameterError(
                     f"{path.name} is damaged: {quoted(title)} would fill {item.nbytes:.3g} bytes, "
                     f"out of a file of {path.stat().st_size}; copy it again from where it comes "
@@ -57,13 +57,13 @@ def read_mat(path):
     return _table(path, list(_in_struct("", loadmat(path, simplify_cells=True))))
 
 
-def _in_struct(place, struct):
+def _in_struct(group, struct):
     """The columns of a struct, whose field ``units`` may have a unit for each."""
     units: dict = next((struct[key] for key in UNITS if isinstance(struct.get(key), dict)), {})
     for name, value in struct.items():
         if name.startswith("__"):
             continue
-        title = f"{place}/{name}" if place else name
+        title = f"{group}/{name}" if group else name
         if isinstance(value, dict):
             yield from _in_struct(title, value)
         elif isinstance(value, np.ndarray):

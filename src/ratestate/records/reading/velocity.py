@@ -10,9 +10,9 @@ from .segments import Segments, check_count, checked_arrays
 from .splits import Rows, cut, remove_cut
 from .steps import HOLD_ERRORS, ROUNDED, STEP
 
-#: variance of the place of a jump by k standard deviations, found by least squares: this many
-#: samples squared, over k^4 (Yao, Annals of Statistics 15, 1987, for small k)
-PLACE = 26.0
+#: variance of the position of a jump by k standard deviations, from least squares: so many samples
+#: squared, over k^4 (Yao, Annals of Statistics 15, 1987, for small k)
+POSITION = 26.0
 
 
 def segments_from_velocity(t, V):
@@ -45,11 +45,11 @@ def segments_from_velocity(t, V):
             f"moves at V >= 0: leave that span out with time=..."
         )
     before, after = t[np.array(at[1:-1], int) - 1], t[np.array(at[1:-1], int)]
-    place = np.sqrt(1.0 / 12.0 + PLACE * (rows.noise / jumps**2) ** 2)
+    relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise / jumps**2) ** 2)
     return Segments(
         np.append(t[0], 0.5 * (before + after)),
         means,
-        np.append(0.0, (after - before) * place),
+        np.append(0.0, (after - before) * relative),
         np.where(means == 0.0, 0.0, errors),
         [],
     )

@@ -59,11 +59,11 @@ def fit_warnings(fit, alike):
         warnings.append(f"the least squares ended {best.status}; the estimates are not reliable")
     if fit.enlarged > 1.0:
         worst = [
-            f"{name} by {_misfit(measured, fitted, i)}"
-            for measured, fitted in zip(fit.measured, fit.fitted_features, strict=True)
+            f"{name} by {_difference(measured, features, i)}"
+            for measured, features in zip(fit.measured, fit.fitted_features, strict=True)
             for i, name in enumerate(FEATURES)
             if measured.used[i]
-            and abs(fitted[i] - measured.values[i]) > 2.0 * measured.covariance[i, i] ** 0.5
+            and abs(features[i] - measured.values[i]) > 2.0 * measured.covariance[i, i] ** 0.5
         ]
         warnings.append(
             f"the {fit.law} law does not fit the cycles within their errors (chi-squared "
@@ -79,7 +79,7 @@ def fit_warnings(fit, alike):
     return warnings
 
 
-def _misfit(measured, fitted, i):
+def _difference(measured, features, i):
     """Difference of a feature from the measured one; relative, but for the level."""
-    difference = fitted[i] - measured.values[i]
+    difference = features[i] - measured.values[i]
     return f"{difference:.2g}" if i == LEVEL else f"{100 * np.expm1(difference):.2g} %"

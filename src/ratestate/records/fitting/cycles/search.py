@@ -69,13 +69,13 @@ class Problem:
         steady sliding, it so stays on the cycle.
         """
         values = self.space.values(q)
-        fitted, points = self.model.features(values, self.near)
-        if self.near is not None and not np.isfinite(fitted[0]).all():
-            fitted, points = self.model.features(values)
-        if np.isfinite(fitted[0]).all():
+        features, points = self.model.features(values, self.near)
+        if self.near is not None and not np.isfinite(features[0]).all():
+            features, points = self.model.features(values)
+        if np.isfinite(features[0]).all():
             self.near = points[0]
         parts = [
-            (fitted[:, j, one.used] - one.values[one.used]) @ w.T
+            (features[:, j, one.used] - one.values[one.used]) @ w.T
             for j, (w, one) in enumerate(self._whitened())
         ]
         return np.concatenate(parts, axis=1)
@@ -167,13 +167,13 @@ def starts(space, model, measured, sigma):
     first = measured[0]
     amplitude, period = np.exp(first.values[:2])
     q = space.cloud(CLOUD, amplitude, period, first.segment.V_lp, sigma, SEED)
-    fitted, _ = model.features(space.values(q))
+    features, _ = model.features(space.values(q))
     misfit = np.zeros(len(q))
     for j, one in enumerate(measured):
         shape = one.used.copy()
         shape[LEVEL] = False  # mu0 can still adjust it
         error = np.diag(one.covariance)[shape] + ROUGH**2
-        misfit += np.sum((fitted[:, j, shape] - one.values[shape]) ** 2 / error, axis=1)
+        misfit += np.sum((features[:, j, shape] - one.values[shape]) ** 2 / error, axis=1)
     order = np.argsort(misfit, kind="stable")
     chosen: list = []
     for i in order[: np.isfinite(misfit).sum()]:
