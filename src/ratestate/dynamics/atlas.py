@@ -21,7 +21,7 @@ from .results import provenance
 
 #: first and last value of the axes: faults at the bottom left, brakes at the top
 ETA, STIFFNESS = (1e-16, 1e4), (1e-2, 1e3)
-#: first and last distance from K_c, 1 - K/K_c, of the columns that look closer at the transition
+#: first and last distance from K_c, 1 - K/K_c, of the columns that resolve the transition
 CLOSE = (0.5, 1e-5)
 
 
@@ -72,8 +72,8 @@ def atlas(b_over_a=2.0, law="slip", *, n=200, rtol=1e-6):
     # With a = Dc = sigma = V_lp = 1 the slider is its own dimensionless form, and M is eta.
     mass = eta.rename(eta="row").reset_coords(drop=True).drop_vars("row")
     slider = SpringSlider(a=1.0, b=b_over_a, Dc=1.0, sigma=1.0, K=1.0, M=mass, law=law)
-    whole = _charted(slider.replace(K=ratio * slider.K_c_qs), rtol)
-    near = _charted(slider.replace(K=close * slider.K_c(1.0)), rtol)
+    whole = _cycles_and_regimes(slider.replace(K=ratio * slider.K_c_qs), rtol)
+    near = _cycles_and_regimes(slider.replace(K=close * slider.K_c(1.0)), rtol)
     near = near.rename({name: f"{name}_close" for name in near.data_vars})
     data = whole.merge(near).merge(_transition(slider, eta)).rename(row="eta")
     data = data.transpose("eta", ...).assign_coords(eta=eta.eta)
@@ -84,38 +84,38 @@ def atlas(b_over_a=2.0, law="slip", *, n=200, rtol=1e-6):
     return data
 
 
-def _charted(slider, rtol):
+def _cycles_and_regimes(slider, rtol):
     """Cycles and regimes of dimensionless sliders, under the names of the atlas."""
     cycle = limit_cycle(slider, 1.0, rtol=rtol)
-    found = classify(cycle)
+    regimes = classify(cycle)
     values = {
         "amplitude_over_a": cycle.amplitude,
         "slip_per_cycle": cycle.period,
         "frequency_over_f_n": cycle.frequency / slider.f_n,
         "V_max_over_V_lp": cycle.V_max,
         **{name: cycle[name] for name in ("inertia", "fundamental", "slow_fraction")},
-        "agree": found.agree,
+        "agree": regimes.agree,
     }
-    codes = np.vectorize(REGIMES.index, otypes=[np.int8])(found.regime)
+    codes = np.vectorize(REGIMES.index, otypes=[np.int8])(regimes.regime)
     flags = {
         "flag_values": np.arange(len(REGIMES), dtype=np.int8),
         "flag_meanings": " ".join(name.replace(" ", "_") for name in REGIMES),
     }
     data = xarray.Dataset({name: value.assign_attrs(attrs(name)) for name, value in values.items()})
-    data["regime"] = (found.regime.dims, codes, attrs("regime") | flags)
+    data["regime"] = (regimes.regime.dims, codes, attrs("regime") | flags)
     data["status"] = cycle.status
     return data.drop_vars(["K", "M", "V_lp"])
 
 
 def _transition(slider, eta):
-    """What happens at K_c and beyond, along ``row``."""
+    """The Hopf bifurcation at K_c and the fold beyond it, along ``row``."""
     point = hopf(slider, 1.0)
     b_over_a = slider.b
-    meeting = folds(slider.law, np.full(eta.size, b_over_a), eta.values).kappa / (b_over_a - 1.0)
+    fold = folds(slider.law, np.full(eta.size, b_over_a), eta.values).kappa / (b_over_a - 1.0)
     change = bautin(slider.law, b_over_a)
     data = point[["lyapunov_1", "type"]].drop_vars(["M", "V_lp"])
     data["lyapunov_1"].attrs |= {"units": "1", "comment": "in units of V_lp/Dc"}
     data["K_c_over_K_c_qs"] = ("row", 1.0 + eta.values, attrs("K_c_over_K_c_qs"))
-    data["K_fold_over_K_c_qs"] = ("row", meeting, attrs("K_fold_over_K_c_qs"))
+    data["K_fold_over_K_c_qs"] = ("row", fold, attrs("K_fold_over_K_c_qs"))
     data["eta_bautin"] = ((), np.nan if change is None else change, attrs("eta_bautin"))
     return data

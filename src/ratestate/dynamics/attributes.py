@@ -1,6 +1,6 @@
-"""Attributes of results, which anybody can lose or change: read with care.
+"""Attributes of results, which anybody can lose or change, and their checked values.
 
-Whatever stands in them, these functions give what was asked for or raise a `ParameterError`.
+Whatever the attributes contain, these functions return a valid value or raise a `ParameterError`.
 """
 
 import json
@@ -16,7 +16,7 @@ LONGEST = 60  # characters of a value in a message
 
 
 def attribute(result, name):
-    """An attribute of a result, whatever it is."""
+    """An attribute of a result, of any type."""
     if name not in result.attrs:
         raise ParameterError(
             f"the Dataset has lost its attribute {name!r} (arithmetic drops attributes; copy "
@@ -26,7 +26,7 @@ def attribute(result, name):
 
 
 def text(result, name, default=None):
-    """An attribute that is a text; a default, if any, for one that need not be there."""
+    """An attribute that is a string; the default, if any, where it is missing."""
     if default is not None and name not in result.attrs:
         return default
     value = attribute(result, name)
@@ -36,7 +36,7 @@ def text(result, name, default=None):
 
 
 def number(result, name):
-    """An attribute that is a number, of a quantity one in its range."""
+    """An attribute that is a number; that of a quantity must be in its range."""
     value = attribute(result, name)
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.item()
@@ -70,14 +70,14 @@ def parameter_value(name, symbol, value):
         evolution_law(value)
         return value
     if isinstance(value, dict):
-        found = array(name, value)
-        to_si(symbol, found)  # which checks it
-        return found
+        values = array(name, value)
+        to_si(symbol, values)  # checks it
+        return values
     return to_si(symbol, _plain(name, value))
 
 
 def array(name, value):
-    """The DataArray that ``{"dims": [...], "values": [...]}`` stands for."""
+    """The DataArray given as ``{"dims": [...], "values": [...]}``."""
     import xarray
 
     dims = value.get("dims")
@@ -99,7 +99,7 @@ def branch_parameter(result):
 
 
 def loading_record(result):
-    """What `results.record_loading` kept: a dict.
+    """The dict that `results.record_loading` has stored.
 
     ``t``, ``V`` and ``rate``, where they are there and of a single case, are equally long lists of
     finite numbers.

@@ -1,4 +1,4 @@
-"""The verbs `hopf` and `bautin`: where steady sliding becomes unstable, and whether with a jump."""
+"""The functions `hopf` and `bautin`: where steady sliding becomes unstable, and how."""
 
 import numpy as np
 import xarray
@@ -22,7 +22,7 @@ VARIABLES = (
 
 
 def hopf(slider, V_lp=None):
-    """The Hopf bifurcation of steady sliding: where it is, and what begins there.
+    """The Hopf bifurcation of steady sliding: its position and type, and its small cycles.
 
     Without V_lp, that on raising the speed at the slider's K, at V_c (eq. 10).  With V_lp, that
     on lowering the stiffness at this speed, at K_c (eq. 6); then the slider's K plays no part.
@@ -100,16 +100,16 @@ def _bifurcation(law, parameter, a, b, Dc, sigma, M, other):
         exists = b > a
         V = np.where(exists, other, np.inf)
         K = K_c(other, b=b, **rest)
-    V_there, b1 = np.where(exists, V, np.nan), np.where(exists, (b - a) / a, np.nan)
-    inertia, rate = eta(V_there, **rest), V_there / Dc
-    coefficient, doubt = lyapunov_1(inertia, b1, *law_curvatures(law))
+    V_hopf, b1 = np.where(exists, V, np.nan), np.where(exists, (b - a) / a, np.nan)
+    inertia, rate = eta(V_hopf, **rest), V_hopf / Dc
+    coefficient, rounding = lyapunov_1(inertia, b1, *law_curvatures(law))
     slope = growth_slopes(inertia, b1)[("V_lp", "K").index(parameter)]
-    degenerate = np.abs(coefficient) <= doubt
+    degenerate = np.abs(coefficient) <= rounding
     types = ("none", "degenerate", "supercritical")
     with np.errstate(divide="ignore"):
         r = np.sqrt(np.abs(slope / np.where(degenerate, 0.0, coefficient)))
         third = -(1 + 1 / inertia) * rate
-    omega = omega_c(V_there, a=a, b=b, Dc=Dc)
+    omega = omega_c(V_hopf, a=a, b=b, Dc=Dc)
     return {
         "V_c": V,
         "K_c": K,
@@ -167,5 +167,5 @@ def bautin(law, b_over_a):
 
     if is_array(value):
         return named("eta", xarray.apply_ufunc(change, value - 1, vectorize=True))
-    found = float(change(value - 1))
-    return None if np.isnan(found) else found
+    eta_bautin = float(change(value - 1))
+    return None if np.isnan(eta_bautin) else eta_bautin

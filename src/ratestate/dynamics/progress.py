@@ -1,4 +1,4 @@
-"""Progress bars for work that takes more than a second, where someone is there to see them."""
+"""Progress bars on a terminal, for work that takes more than a second."""
 
 import contextlib
 import sys
@@ -14,13 +14,13 @@ def on_terminal():
 
 
 class Bar:
-    """A bar on stderr, which comes once work has taken a second, and goes when it is done.
+    """A bar on stderr, which appears once work has taken a second, and disappears at its end.
 
     Parameters
     ----------
     label : str
     total : float
-        How much there is to do.
+        Amount of work.
     """
 
     def __init__(self, label, total=1.0):
@@ -40,8 +40,8 @@ class Bar:
         """Whether the work has taken long enough for a bar."""
         return time.monotonic() - self.begin >= PATIENCE
 
-    def show(self, done, words):
-        """Draw how much is done, with some words behind."""
+    def show(self, done, description):
+        """Draw how much is done, followed by a description."""
         if self.drawn is None:
             from rich.console import Console
             from rich.progress import BarColumn, Progress, TextColumn
@@ -53,14 +53,14 @@ class Bar:
                 console=Console(stderr=True),
                 transient=True,
             )
-            self.drawn.add_task(words, total=self.total)
+            self.drawn.add_task(description, total=self.total)
             self.drawn.start()
-        self.drawn.update(self.drawn.task_ids[0], completed=done, description=words)
+        self.drawn.update(self.drawn.task_ids[0], completed=done, description=description)
 
 
 @contextlib.contextmanager
 def bar(label):
-    """Give a function of the fraction done, which draws a `Bar`; None where nobody would see it."""
+    """A function of the fraction done, which draws a `Bar`; None without a terminal."""
     if not on_terminal():
         yield None
         return
@@ -68,17 +68,17 @@ def bar(label):
 
         def update(fraction):
             if drawn.due:
-                words = f"{fraction:4.0%}"
+                description = f"{fraction:4.0%}"
                 if fraction > 0.0:
                     passed = time.monotonic() - drawn.begin
-                    words += f", {duration(passed * (1.0 / fraction - 1.0))} left"
-                drawn.show(fraction, words)
+                    description += f", {duration(passed * (1.0 / fraction - 1.0))} left"
+                drawn.show(fraction, description)
 
         yield update
 
 
 def duration(seconds):
-    """Seconds in words: 40 s, 3 min 20 s, 5 h 10 min, 2 d 3 h."""
+    """A duration as text: 40 s, 3 min 20 s, 5 h 10 min, 2 d 3 h."""
     parts = []
     for size, unit in ((86400, "d"), (3600, "h"), (60, "min"), (1, "s")):
         count, seconds = divmod(seconds, size)

@@ -1,4 +1,4 @@
-"""What results carry beside their numbers: status flags and provenance."""
+"""Status flags and provenance of results."""
 
 import dataclasses
 import functools
@@ -22,11 +22,11 @@ def status_variable(batch, status):
     return variable
 
 
-def provenance(verb, slider, **settings):
-    """Attributes with which a result can be made again: the call, its values, the versions."""
+def provenance(function, slider, **settings):
+    """Attributes from which a result can be reproduced: the call, its values, the versions."""
     parameters = {symbol: plain(value) for symbol, value in slider.parameters.items()}
     return {
-        "title": f"ratestate {verb}",
+        "title": f"ratestate {function}",
         "slider": json.dumps(parameters),
         **{k: v for k, v in settings.items() if v is not None},
         "versions": versions(),
@@ -35,7 +35,7 @@ def provenance(verb, slider, **settings):
 
 @functools.cache
 def versions():
-    """Versions of what makes the numbers, as JSON; looking them up takes a millisecond."""
+    """Versions of the programs that compute the numbers, as JSON (a look-up takes 1 ms)."""
     programs = {name: version(name) for name in ("ratestate", "numba", "numpy")}
     return json.dumps(programs | {"kernels": DIGEST})
 
@@ -45,7 +45,7 @@ MANY = 1000
 
 
 def plain(value):
-    """A value as JSON holds it; a DataArray by dimensions and values (or where those stand)."""
+    """A value for JSON; a DataArray as its dimensions and values (or the coordinate's name)."""
     if not is_array(value):
         return value
     values = value.values.tolist() if value.size <= MANY else f"coordinate {value.name}"
@@ -74,8 +74,8 @@ def parameter(result, symbol):
         if not isinstance(value, dict) or symbol not in value:
             raise ParameterError(f"{symbol} is missing in the attribute 'slider' of the Dataset")
         value = value[symbol]
-    elsewhere = isinstance(value, dict) and isinstance(value.get("values"), str)
-    value = None if elsewhere else attributes.parameter_value(name, symbol, value)
+    in_coordinate = isinstance(value, dict) and isinstance(value.get("values"), str)
+    value = None if in_coordinate else attributes.parameter_value(name, symbol, value)
     if symbol in result.coords and not _labels(result[symbol], value):
         # with the cases that the result still holds
         return result[symbol] if result[symbol].ndim else result[symbol].item()
@@ -85,15 +85,15 @@ def parameter(result, symbol):
 
 
 def _labels(coordinate, value):
-    """Whether a coordinate only labels a dimension that is called like the symbol."""
+    """Whether a coordinate only labels a dimension of the same name as the symbol."""
     return is_array(value) and not np.isin(coordinate, value).all()
 
 
 def record_loading(result, loading):
     """Put the loading into a result: segments' starts, speeds and accelerations, and its end.
 
-    As JSON in the attribute ``loading``, or, if long, as variables along ``segment``.  In
-    their place, of a sinusoid, what it was made from.
+    As JSON in the attribute ``loading``, or, if long, as variables along ``segment``.  Of a
+    sinusoid its parameters are stored instead.
     """
     columns = {"t": loading.t, "V": loading.V, "rate": loading.rate}
     record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}

@@ -1,4 +1,4 @@
-"""The verb `stability`: steady sliding at the load point's speed, and whether it holds."""
+"""The function `stability`: linear stability of steady sliding."""
 
 import dataclasses
 import functools
@@ -65,7 +65,7 @@ class StabilityCall:
         return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=TAKEN)
 
     def blank(self):
-        """What `run` gives; it costs nothing."""
+        """The variables of `run`, which cost nothing."""
         return self.run()
 
     def run(self, progress=None):
@@ -76,7 +76,7 @@ class StabilityCall:
         modes = modes if is_array(modes) else xarray.DataArray(modes, dims="mode")
         first = modes.isel(mode=0)
         critical = K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)
-        found = {
+        results = {
             "K_c": critical,
             "K_c_qs": K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma),
             "eta": eta(V, a=a, Dc=Dc, sigma=sigma, M=M),
@@ -89,7 +89,7 @@ class StabilityCall:
             "stable": critical < K,
         }
         variables = {}
-        for symbol, value in found.items():
+        for symbol, value in results.items():
             variable = value.variable if is_array(value) else xarray.Variable((), value)
             variable = variable.transpose(*self.batch.dims, ..., missing_dims="ignore")
             variables[symbol] = xarray.Variable(variable.dims, variable.values, attrs(symbol))

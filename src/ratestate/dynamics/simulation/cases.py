@@ -7,7 +7,7 @@ from ...engine.exp import LIMIT
 from ...engine.model import METHODS, NO_CONVERGENCE, RIGID_REST, RUNAWAY, STATUSES, Cases
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 
-# [m/s] Beyond this a quasi-static run that does not turn back (`laws`) has met its instability.
+# [m/s] Beyond this a quasi-static run that does not slow down (`laws`) has met its instability.
 V_LIMIT = 3e8
 # Some 20 s of a case alone, and millions of cycles: beyond it a run counts as stuck.
 MAX_STEPS = 1e8
@@ -24,8 +24,8 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0
     dt, rtol : float
     """
     a, b, Dc, sigma, K, M, V0 = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V0"))
-    asked = {"observe": observe, "max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol}
-    with np.errstate(over="ignore"):  # what leaves double precision ends as not finite
+    settings = {"observe": observe, "max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol}
+    with np.errstate(over="ignore"):  # overflow ends as not finite
         eta0 = M * V0**2 / (a * sigma * Dc)
         v_limit = np.where(M == 0.0, np.log(V_LIMIT / V0), np.inf)
     return Cases(
@@ -39,7 +39,7 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0
         loading=loading,
         times=times,
         v_limit=v_limit,
-        **{name: np.broadcast_to(value, batch.n).astype(float) for name, value in asked.items()},
+        **{name: np.broadcast_to(value, batch.n).astype(float) for name, value in settings.items()},
     )
 
 
@@ -54,7 +54,7 @@ def run_path(method, law, cases, loads, progress=None):
     """March the one case, keeping each step: times [s], states (1, m, 3), `Results`."""
     path, results = dispatch.run_path(METHODS[method], law, cases, loads, progress)
     t = path[:, 0] / cases.scale[0]
-    # Scaling to seconds rounds; a step that lands on a break, or the end, is at its very time.
+    # Scaling to seconds rounds; a step to a breakpoint, or to the end, gets its exact time.
     for breaks in (loads.t, cases.t_end):
         at = np.clip(np.searchsorted(breaks, t), 1, len(breaks)) - 1
         for k in (at, np.minimum(at + 1, len(breaks) - 1)):
@@ -63,30 +63,30 @@ def run_path(method, law, cases, loads, progress=None):
 
 
 def speed(v, V0):
-    """V [m/s] from v = ln(V/V0); at rest, the smallest that the engine tells from 0."""
-    with np.errstate(over="ignore"):  # without mass V may pass all bounds, and come back
+    """V [m/s] from v = ln(V/V0); at rest, the smallest speed of the engine."""
+    with np.errstate(over="ignore"):  # without mass V may overflow, and come back
         return V0 * np.exp(np.maximum(v, -LIMIT))
 
 
 def cost(cases, loads):
-    """A guess at the steps of each case: oscillations at the frequency of the Hopf bifurcation.
+    """Estimated steps of each case: oscillations at the frequency of the Hopf bifurcation.
 
-    Bounded by the natural frequency; it need only put long cases first.
+    Bounded by the natural frequency.  It serves only to put long cases first.
     """
     fastest = loads.V.max(axis=1)[cases.loading] / cases.V0
     with np.errstate(divide="ignore", invalid="ignore"):
         natural = np.sqrt(cases.kappa / cases.eta0)
-    pace = np.minimum(fastest * np.sqrt(np.maximum(cases.beta - 1.0, 0.01)), natural)
-    return np.nan_to_num(pace, nan=0.0) * cases.scale * np.minimum(cases.t_end, 1e300)
+    rate = np.minimum(fastest * np.sqrt(np.maximum(cases.beta - 1.0, 0.01)), natural)
+    return np.nan_to_num(rate, nan=0.0) * cases.scale * np.minimum(cases.t_end, 1e300)
 
 
-def failure(verb, slider, status, t=None, best=None):
+def failure(function, slider, status, t=None, best=None):
     """The exception for a single case that ended with this status, at time t [s] if known."""
     name, text = STATUSES[int(status)]
     if status == RIGID_REST:
         return ParameterError(f"{text}.\n{slider!r}")
     when = "" if t is None else f" at t = {t:.9g} s"
-    message = f"{verb} stopped{when} ({name}): {text}.\n{slider!r}"
+    message = f"{function} stopped{when} ({name}): {text}.\n{slider!r}"
     if status == RUNAWAY:
         return QuasiStaticInstability(message)
     return NotConverged(message, best) if status == NO_CONVERGENCE else SolverError(message)

@@ -1,21 +1,21 @@
 """Where a motion leaves the domain of the friction law.
 
-Eq. 1 is for forward slip, V > 0, against which friction acts.  Nothing in it keeps mu from falling
-below 0, where friction would have to push; nor lets the slider turn round where the spring pulls it
-back harder than friction can hold, tau < -sigma mu.  The motion computed goes on, but no slider
-moves so.
+Eq. 1 is for forward slip, V > 0, against which friction acts.  It allows mu to fall below 0, where
+friction would have to push; and it does not reverse the slip where the spring pulls the slider back
+harder than friction can hold, tau < -sigma mu.  The computed motion goes on, but no real slider
+moves like that.
 """
 
 import numpy as np
 
-#: flag -> what it says
+#: flag -> its meaning
 FLAGS = {-1: "unknown", 0: "inside", 1: "mu_negative", 2: "spring_reverses", 3: "both"}
 #: names of the variables
 NAMES = ("mu_min", "reversal_margin", "outside_domain")
 
 
 def domain_variables(batch, mu_min, reversal_margin):
-    """The variables that tell where the law is outside of its domain, name -> Variable.
+    """The variables that show whether the motion leaves the domain, name -> Variable.
 
     mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN where there is no motion
     """

@@ -1,4 +1,4 @@
-"""A batch of runs: into the engine, and back into quantities with units."""
+"""A batch of runs: converted for the engine, run, and converted back to units."""
 
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ SMALLEST = np.finfo(float).tiny
 
 
 class Motion(NamedTuple):
-    """What a batch of n cases did, at m times each."""
+    """The motion of a batch of n cases, at m times each."""
 
     t: np.ndarray  # (m,) or, where each case has its own, (n, m) [s]
     states: np.ndarray  # (n, m, 3) x, v, psi
@@ -34,7 +34,7 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
     rates, _ = batch.rows(loading.rate)
     y0 = initial_state(batch, table[rows, 0])
     t_end = batch.flat("t_end")
-    wanted, time_rows = batch.rows(np.empty(0) if times is None else times)
+    save_times, time_rows = batch.rows(np.empty(0) if times is None else times)
     cases = engine_cases(batch, y0, t_end=t_end, loading=rows, times=time_rows, dt=dt, rtol=rtol)
     loads = Loads(loading.t, table, rates)
     is_rigid = np.isinf(batch.flat("K"))
@@ -48,7 +48,7 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
         t = saved_at(batch, times)
     if not own_steps or is_rigid[0]:
         which = np.flatnonzero(~is_rigid)
-        results = run_cases(method, law, cases, loads, wanted, which, batch.alone, progress)
+        results = run_cases(method, law, cases, loads, save_times, which, batch.alone, progress)
         if not own_steps:
             states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
@@ -58,17 +58,17 @@ def move(batch, law, loading, times, method, dt, rtol, progress):
         segments = (loading.t, table[rows[i]], rates[rows[i]])
         at = t if t.ndim == 1 else t[i]
         own = {symbol: values[i] for symbol, values in scales.items()}
-        followed = rigid.follow(law, y0[i, 2], at, t_end[i], segments, **own)
-        results.status[i] = RIGID_REST if followed is None else FINISHED
-        if followed is not None:
-            states[i], found = followed
-            for name, value in found.items():
+        motion = rigid.follow(law, y0[i, 2], at, t_end[i], segments, **own)
+        results.status[i] = RIGID_REST if motion is None else FINISHED
+        if motion is not None:
+            states[i], rigid_numbers = motion
+            for name, value in rigid_numbers.items():
                 numbers[name][i] = value
     return Motion(t, states, numbers, results.status)
 
 
 def saved_at(batch, times):
-    """When the cases of a batch are saved [s]: (m,) or, where each has times of its own, (n, m).
+    """Times at which the cases are saved [s]: (m,) or, where each has its own, (n, m).
 
     times : as for `move`; None saves the end
     """
@@ -80,7 +80,7 @@ def saved_at(batch, times):
 
 
 def blank_motion(batch, times):
-    """The `Motion` of a batch of which nothing is known."""
+    """The `Motion` of a batch that has not been run: NaN."""
     t = saved_at(batch, times)
     nothing = np.full(batch.n, np.nan)
     numbers = dict.fromkeys((*NUMBERS, "energy_residual"), nothing)
@@ -104,13 +104,13 @@ def energy_residual(batch, loading, cases, y0, results):
     base = batch.flat("mu0") / batch.flat("a")
     advance = batch.of(loading.delta_lp, batch.flat("t_end")[:, None])[:, 0] / batch.flat("Dc")
     slip = advance - (x1 - x0) / cases.kappa
-    turned_over = (
+    turnover = (
         np.abs(base * advance + load)
         + np.abs(base * slip + friction)
         + np.abs(spring + base * (x1 - x0) / cases.kappa + kinetic)
     )
     residual = load - friction - spring - kinetic
-    return residual / np.where(turned_over > 0.0, turned_over, 1.0)
+    return residual / np.where(turnover > 0.0, turnover, 1.0)
 
 
 def series(batch, loading, motion):
@@ -125,8 +125,10 @@ def series(batch, loading, motion):
     V = speed(v, V0)
     with np.errstate(over="ignore"):
         theta = Dc / V0 * np.exp(psi)
-    # Beyond double precision V and theta are not those that friction was computed from.
-    kept = (v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V) & (theta >= SMALLEST) & (theta < np.inf)
+    # Beyond double precision V and theta differ from those that friction was computed from.
+    in_range = (
+        (v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V) & (theta >= SMALLEST) & (theta < np.inf)
+    )
     values = {
         "V": V,
         "theta": theta,
@@ -134,7 +136,7 @@ def series(batch, loading, motion):
         "delta_lp": delta_lp,
         "V_load": batch.of(loading.V_load, t),
         "tau": tau,
-        "mu": np.where(kept, mu0 + a * (v + b / a * psi), np.nan),
+        "mu": np.where(in_range, mu0 + a * (v + b / a * psi), np.nan),
     }
     variables = {name: batch.variable(value, name, "time") for name, value in values.items()}
     variables["mu"].attrs["comment"] = "NaN where V or theta is beyond double precision"
@@ -144,25 +146,25 @@ def series(batch, loading, motion):
 def observables(batch, motion, rtol):
     """The variables that have one value a case, as name -> Variable."""
     a, mu0, V0 = batch.flat("a"), batch.flat("mu0"), batch.flat("V0")
-    found = motion.numbers
+    numbers = motion.numbers
     # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.
-    counts = (found["amplitude"] > 10.0 * rtol) & (found["cycles"] > 0)
+    counts = (numbers["amplitude"] > 10.0 * rtol) & (numbers["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        frequency = V0 / batch.flat("Dc") / found["period"]
+        frequency = V0 / batch.flat("Dc") / numbers["period"]
     values = {
-        "cycles": np.where(counts, found["cycles"], 0.0),
-        "amplitude": np.where(counts, a * found["amplitude"], 0.0),
+        "cycles": np.where(counts, numbers["cycles"], 0.0),
+        "amplitude": np.where(counts, a * numbers["amplitude"], 0.0),
         "frequency": np.where(counts, frequency, 0.0),
-        "V_max": speed(found["v_max"], V0),
-        "V_min": speed(found["v_min"], V0),
-        "inertial_force": a * found["g_max"],
-        "mu_min": mu0 + a * found["f_min"],
-        "reversal_margin": 2.0 * mu0 + a * found["xf_min"],
+        "V_max": speed(numbers["v_max"], V0),
+        "V_min": speed(numbers["v_min"], V0),
+        "inertial_force": a * numbers["g_max"],
+        "mu_min": mu0 + a * numbers["f_min"],
+        "reversal_margin": 2.0 * mu0 + a * numbers["xf_min"],
     }
     failed = motion.status != FINISHED
     values = {name: np.where(failed, np.nan, value) for name, value in values.items()}
     domain = domain_variables(batch, values.pop("mu_min"), values.pop("reversal_margin"))
-    values["steps"] = np.nan_to_num(found["steps"]).astype(np.int64)
-    values["returns"] = np.where(counts & ~failed, found["returns"], 0.0).astype(np.int16)
-    values["energy_residual"] = found["energy_residual"]
+    values["steps"] = np.nan_to_num(numbers["steps"]).astype(np.int64)
+    values["returns"] = np.where(counts & ~failed, numbers["returns"], 0.0).astype(np.int16)
+    values["energy_residual"] = numbers["energy_residual"]
     return {name: batch.variable(value, name) for name, value in values.items()} | domain

@@ -13,8 +13,8 @@ from ...friction.laws import SLIP, aging_rate, slip_rate
 def follow(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
     """States (m, 3) x, v, psi at times t, and the numbers of a run as the engine reports them.
 
-    None where the load point rests.  tau includes the force M dV_lp/dt that a ramp takes; the
-    impulse of a jump is not shown.
+    Returns None where the load point rests.  tau includes the force M dV_lp/dt that a ramp takes;
+    the impulse of a jump is not shown.
     """
     starts, V, rate = segments
     k = np.searchsorted(starts, t, side="right") - 1
@@ -27,7 +27,7 @@ def follow(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
     dispatch.call(states, law, psi0, t, starts, V, rate, Dc, V0, psi)
     v = np.log((V[k] + rate[k] * (t - starts[k])) / V0)
     inertia = M * rate / (a * sigma)
-    found = {
+    numbers = {
         "t": t_end,
         "steps": 0.0,
         "energy_residual": 0.0,  # the load point's work is friction's, by V = V_lp
@@ -40,15 +40,15 @@ def follow(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
     }
     begin = starts[used]
     lowest = _lowest_friction(law, psi0, begin, ends[used], (V, rate), Dc, V0, b / a)
-    found["f_min"] = lowest.min()
-    found["xf_min"] = (2.0 * lowest + inertia[used]).min()
-    return np.stack([v + b / a * psi + inertia[k], v, psi], axis=-1), found
+    numbers["f_min"] = lowest.min()
+    numbers["xf_min"] = (2.0 * lowest + inertia[used]).min()
+    return np.stack([v + b / a * psi + inertia[k], v, psi], axis=-1), numbers
 
 
 def _lowest_friction(law, psi0, begin, end, segments, Dc, V0, beta):
     """(n,) smallest v + beta psi in each segment of the loading, which is from begin to end.
 
-    At one of its ends, or where its slope turns from falling to rising.
+    At one of its ends, or where it has a minimum between them.
     """
     V, rate = (values[: begin.size] for values in segments)
     state_rate = slip_rate if law == SLIP else aging_rate
@@ -85,7 +85,7 @@ def _lowest_friction(law, psi0, begin, end, segments, Dc, V0, beta):
 
 
 def grid(starts, V, t_end, Dc):
-    """Times [s] that show a run of its own accord: dense over 10 Dc of slip after each break."""
+    """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints."""
     breaks = np.append(starts[starts < t_end], t_end)
     if len(breaks) > 100:  # a sampled record: its own rows
         return breaks

@@ -1,4 +1,4 @@
-"""The verb `simulate`: a slider, a loading, an end; out comes the motion."""
+"""The function `simulate`: the motion of a slider under a load-point history."""
 
 import dataclasses
 import functools
@@ -29,7 +29,7 @@ TAKEN = (
     "V theta delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
     " returns V_max V_min inertial_force mu_min reversal_margin outside_domain t"
 ).split()
-# That a case takes in memory at each time: seven variables of the result, three of the engine's.
+# Memory of a case at each time: seven variables of the result, three of the engine's.
 BYTES = 80
 
 
@@ -52,7 +52,7 @@ def simulate(
     slider : SpringSlider
         Parameters that are named DataArrays make a sweep.
     loading : Loading
-        What the load point does; t = 0 starts its clock and the run.
+        History of the load point; the run starts at its t = 0.
     t_end : float, str, pint.Quantity or DataArray
         End of the run [s], > 0.
     V_start : float, str, pint.Quantity or DataArray, optional
@@ -162,9 +162,9 @@ class SimulateCall:
         """All that has a value for each case."""
         start = first_speed(self.loading) if self.V_start is None else self.V_start
         values = {**self.slider.values, "t_end": self.t_end, "V_start": start, **self.initial}
-        own = {"V_lp": self.loading.V} if is_array(self.loading.V) else {}
-        own |= {"time": self.times} if is_array(self.times) else {}
-        return Batch(values, own, taken=TAKEN)
+        extra = {"V_lp": self.loading.V} if is_array(self.loading.V) else {}
+        extra |= {"time": self.times} if is_array(self.times) else {}
+        return Batch(values, extra, taken=TAKEN)
 
     def result(self, progress=None):
         """The Dataset; the exception for a single case that failed."""
@@ -184,7 +184,7 @@ class SimulateCall:
         return self.variables(self.move(progress))
 
     def blank(self):
-        """What `run` gives, without answers."""
+        """The variables of `run`, with no case solved."""
         return self.variables(blank_motion(self.batch, self.times))
 
     def move(self, progress):
@@ -195,7 +195,7 @@ class SimulateCall:
         )
 
     def variables(self, motion):
-        """What `run` gives, of this motion."""
+        """The variables of `run`, from this motion."""
         variables = series(self.batch, self.loading, motion)
         variables["status"] = status_variable(self.batch, motion.status)
         variables |= observables(self.batch, motion, self.rtol)
