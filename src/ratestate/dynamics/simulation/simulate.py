@@ -255,9 +255,9 @@ def solver_settings(rtol, method, dt, slider):
             f"{method} needs mass and spring: M > 0 and K < inf (it steps by sqrt(K/M)); "
             f"use method='rodas5p' for M = 0 or K = inf"
         )
-    if (turn := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
+    if (angle := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
         raise ParameterError(
-            f"dt = {dt:g} s is {turn:.3g}/omega, omega = sqrt(K/M): more than half a natural "
+            f"dt = {dt:g} s is {angle:.3g}/omega, omega = sqrt(K/M): more than half a natural "
             f"period; take dt of 0.1/omega or less"
         )
     if method == "im2017_euler" and evolution_law(slider.law).code != AGING:
