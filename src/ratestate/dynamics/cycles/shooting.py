@@ -144,8 +144,8 @@ def gradient(numbers, name):
 
 def change_along(gradients, step):
     """(n, m) first-order changes, by a step (n, k), of what has the gradients (n, m, k)."""
-    # (not a product of matrices: numpy rounds it otherwise for one case than for several)
-    return (gradients * step[:, None, :]).sum(axis=2)
+    # (no product of matrices: numpy rounds it otherwise for one case than for several)
+    return sum(gradients[:, :, i] * step[:, i, None] for i in range(step.shape[1]))
 
 
 def multipliers(returns):
