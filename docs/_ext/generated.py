@@ -26,7 +26,7 @@ def outdated(app, env, added, changed, removed):
 
 def commands():
     """What typer says of each command of ``ratestate``, examples as code."""
-    from ratestate.interfaces.cli.ends import EXIT_CODES
+    from ratestate.interfaces.cli.exits import EXIT_CODES
 
     asked = [
         sys.executable,
@@ -39,7 +39,7 @@ def commands():
 
 def exit_codes():
     """The exit codes, as the help of each command has them."""
-    from ratestate.interfaces.cli.ends import EXIT_CODES
+    from ratestate.interfaces.cli.exits import EXIT_CODES
 
     pairs = re.findall(r"(\d+) ([^,.]+)", EXIT_CODES)
     return "\n".join(["| code | |", "|---|---|", *(f"| {code} | {what} |" for code, what in pairs)])

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .model.slider import SpringSlider
     from .records.fitting.fit import fit
     from .records.reading import read_lab
-    from .sweeps.verb import sweep
+    from .sweeps.sweep import sweep
 
 __all__ = [
     "Loading",
@@ -75,7 +75,7 @@ _HOMES = {
     "read_lab": "records.reading",
     "simulate": "dynamics.simulation.simulate",
     "stability": "dynamics.steady_sliding",
-    "sweep": "sweeps.verb",
+    "sweep": "sweeps.sweep",
 }
 #: module as it is documented, and was when all modules lay side by side -> where it is now
 _MODULES = {

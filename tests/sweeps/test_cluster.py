@@ -22,12 +22,12 @@ from ratestate.dynamics.steady_sliding import StabilityCall
 from ratestate.engine.model import CRASHED
 from ratestate.errors import StoreError
 from ratestate.model.arrays import cut
-from ratestate.sweeps import apart, bar, calls, cluster, origin
-from ratestate.sweeps import verb as verb_module
-from ratestate.sweeps.apart import Apart
+from ratestate.sweeps import calls, cluster, origin, progress, subprocesses
+from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.chunks import chunks_of
 from ratestate.sweeps.solve import form_of, solve
-from ratestate.sweeps.status import held
+from ratestate.sweeps.status import store_status
+from ratestate.sweeps.subprocesses import SubprocessTasks
 from ratestate.sweeps.task import Tasks
 
 M = rs.logspace("M", 1e2, 1e5, 24)
@@ -47,8 +47,8 @@ BAD = [(i, 1) for i in (5, 17)]  # places of bad cases
 
 def bad(call):
     """Whether there are bad cases among those of a call."""
-    places = [(M.values[i], V_LP.values[j]) for i, j in BAD]
-    return any(case in places for case in zip(*map(call.batch.flat, ("M", "V_lp")), strict=True))
+    cases = [(M.values[i], V_LP.values[j]) for i, j in BAD]
+    return any(case in cases for case in zip(*map(call.batch.flat, ("M", "V_lp")), strict=True))
 
 
 class Slow(LimitCycleCall):
@@ -104,7 +104,7 @@ def cycles(monkeypatch):
         def call(slider, V_lp, *, rtol=1e-8):
             return kind(**vars(limit_cycle_call(slider, V_lp, rtol=rtol)))
 
-        monkeypatch.setitem(calls.VERBS, "limit_cycle", (limit_cycle, call))
+        monkeypatch.setitem(calls.FUNCTIONS, "limit_cycle", (limit_cycle, call))
 
     return by
 
@@ -126,7 +126,7 @@ def client():
 
 
 @contextlib.contextmanager
-def threads(n_workers):
+def local_cluster(n_workers):
     """A client, not the default one, of workers that are threads of this process."""
     from distributed import Client, LocalCluster
 
@@ -201,7 +201,7 @@ def test_chunks_by_a_probe(client, alone):
 def test_a_task_weighs_what_its_cases_do():
     slider = SLIDER.replace(M=rs.logspace("M", 1e2, 1e5, 1_000_000))
     name, call = calls.call_of("limit_cycle", slider, {"V_lp": 1e-3})
-    part = cut(call, chunks_of(call.batch.sizes, 1000).places(500))
+    part = cut(call, chunks_of(call.batch.sizes, 1000).slices(500))
     assert 16_000 < len(pickle.dumps(part)) < 20_000  # values and coordinates, and little else
     assert name == "limit_cycle"
 
@@ -246,7 +246,7 @@ def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path)
     found = sweep("limit_cycle", client=client, chunk=4, store=tmp_path / "x.zarr")
     check_failed(found, alone, "its process died, signal 9")
     assert 1 <= deaths(client) - before <= 12  # each chunk once; more where the machine is slow
-    there = held(tmp_path / "x.zarr")
+    there = store_status(tmp_path / "x.zarr")
     assert (there.done, there.failed) == (48, 2)
 
 
@@ -266,7 +266,7 @@ def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
         def __init__(self, client):
             self.sent, self.deaths, self.under_way = [], deaths, {}
 
-        def threads(self):
+        def thread_count(self):
             return 1
 
         def send(self, i, function, how, *arguments):
@@ -277,7 +277,7 @@ def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
         def unfinished(self):
             return bool(self.under_way)
 
-        def bereft(self):
+        def lost_tasks(self):
             self.deaths -= 1
             return [(0, False)] if self.deaths >= 0 else []
 
@@ -296,7 +296,7 @@ def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
     tasks, report = Tasks(chunks, {}, None, "cpu"), types.SimpleNamespace(show=lambda: None)
     outcomes = cluster.outcomes(None, tasks, call, [0], report)
     if enough:
-        assert list(outcomes) == [[Tasks] + 4 * [Apart]]
+        assert list(outcomes) == [[Tasks] + 4 * [SubprocessTasks]]
     else:
         with pytest.raises(rs.SolverError, match="workers die, one after the other"):
             list(outcomes)
@@ -305,17 +305,17 @@ def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
 def test_the_case_that_kills_is_found_by_halving(monkeypatch):
     """An eighth is tried, and divided further only if it kills."""
     _, call = calls.call_of("stability", SLIDER, ARGUMENTS["stability"])
-    kinds, tried = form_of(call).kinds, []
-    monkeypatch.setattr(apart, "GRACE", 0.0)
+    specs, tried = form_of(call).specs, []
+    monkeypatch.setattr(subprocesses, "GRACE", 0.0)
 
     class Process:
         died = "signal 9"
 
         def solve(self, part):
             tried.append((part.batch.n, bad(part)))
-            return None if bad(part) else solve(part, kinds)
+            return None if bad(part) else solve(part, specs)
 
-    found, whole = apart._divided(Process(), call, kinds), solve(call, kinds)
+    found, whole = subprocesses._solve_divided(Process(), call, specs), solve(call, specs)
     where = np.zeros(found["status"].shape, bool)
     where[tuple(zip(*BAD, strict=True))] = True
     assert np.array_equal(found["status"] == CRASHED, where)
@@ -340,13 +340,13 @@ class Ending(StabilityCall):
 def test_a_case_is_not_blamed_for_what_ends_its_worker_too(monkeypatch):
     """Who asks a whole job to end asks its processes, too; who kills it needs a moment."""
     _, call = calls.call_of("stability", SLIDER.replace(M=M[5:6]), ARGUMENTS["stability"])
-    kinds, slept = form_of(call).kinds, []
-    monkeypatch.setattr(apart.time, "sleep", slept.append)
-    with contextlib.closing(apart._Process("cpu", kinds)) as process:
-        found = apart._divided(process, Ending(call.slider, call.V_lp), kinds)
+    specs, slept = form_of(call).specs, []
+    monkeypatch.setattr(subprocesses.time, "sleep", slept.append)
+    with contextlib.closing(subprocesses._Process("cpu", specs)) as process:
+        found = subprocesses._solve_divided(process, Ending(call.slider, call.V_lp), specs)
     assert found["status"].values.tolist() == [[0, CRASHED]]
     assert found["growth_rate"].values[0, 0] == pytest.approx(
-        solve(call, kinds)["growth_rate"].values[0, 0], rel=1e-14
+        solve(call, specs)["growth_rate"].values[0, 0], rel=1e-14
     )
     assert slept == [1.0]
 
@@ -358,30 +358,30 @@ def test_a_cluster_that_closes(cycles, alone, tmp_path):
     cycles(Slow)
     path = tmp_path / "x.zarr"
     with (
-        threads(1) as client,
+        local_cluster(1) as client,
         meanwhile(client.cluster.close, some_done(path)),
         pytest.raises(rs.SolverError, match=r"cluster is lost .* run the same sweep again"),
     ):
         sweep("limit_cycle", client=client, chunk=2, store=path)
-    assert 8 <= held(path).done < 48
+    assert 8 <= store_status(path).done < 48
     xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
 
 
 def test_an_interrupt_ends_it_soon(client, cycles, alone, monkeypatch, tmp_path):
     cycles(Slow)
-    path, told, finished = tmp_path / "x.zarr", [], bar.Report.finished
+    path, times, finished = tmp_path / "x.zarr", [], progress.ProgressReport.finished
 
     def interrupt(report, outcome):
         finished(report, outcome)
         if report.done >= 8:
-            told.append(time.monotonic())
+            times.append(time.monotonic())
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(bar.Report, "finished", interrupt)
+    monkeypatch.setattr(progress.ProgressReport, "finished", interrupt)
     with pytest.raises(KeyboardInterrupt):
         sweep("limit_cycle", client=client, chunk=2, store=path)
-    assert time.monotonic() - told[0] < 5.0
-    monkeypatch.setattr(bar.Report, "finished", finished)
+    assert time.monotonic() - times[0] < 5.0
+    monkeypatch.setattr(progress.ProgressReport, "finished", finished)
 
     def under_way():
         return client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks))
@@ -390,7 +390,7 @@ def test_an_interrupt_ends_it_soon(client, cycles, alone, monkeypatch, tmp_path)
     while under_way() and time.monotonic() < until:
         time.sleep(0.1)
     assert under_way() == 0
-    assert 8 <= held(path).done < 48
+    assert 8 <= store_status(path).done < 48
     found = sweep("limit_cycle", client=client, store=path)
     xarray.testing.assert_identical(found.load(), alone)
 
@@ -399,18 +399,18 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
     cycles(Slow)
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     begin, said = time.monotonic(), "ratestate: the cluster has no workers; waiting for some ...\n"
-    Slow.most, look = 0, cluster._Work.threads
+    Slow.most, look = 0, cluster._Work.thread_count
 
     def interrupt(work):
         if time.monotonic() - begin > 2.0:
             raise KeyboardInterrupt
         return look(work)
 
-    with threads(0) as client:
-        monkeypatch.setattr(cluster._Work, "threads", interrupt)
+    with local_cluster(0) as client:
+        monkeypatch.setattr(cluster._Work, "thread_count", interrupt)
         with pytest.raises(KeyboardInterrupt):
             sweep("limit_cycle", client=client, chunk=2)
-        monkeypatch.setattr(cluster._Work, "threads", look)
+        monkeypatch.setattr(cluster._Work, "thread_count", look)
         assert capfd.readouterr().err == said
         with meanwhile(lambda: client.cluster.scale(4), lambda: capfd.readouterr().err == said):
             found = sweep("limit_cycle", client=client, chunk=2)
@@ -432,7 +432,7 @@ def test_workers_of_two_kinds_are_refused_unless_mixed(client, monkeypatch):
     """The one that was asked first is of another kind than those that work."""
     first = origin.origin("cpu")
     first["processor"] |= {"cpu": "i386"}
-    monkeypatch.setattr(verb_module, "origin", {"cpu": first}.get)  # which workers can be sent
+    monkeypatch.setattr(sweep_module, "origin", {"cpu": first}.get)  # which workers can be sent
     with pytest.raises(StoreError, match=r"(?s)workers of one kind.*processor: i386"):
         sweep("stability", client=client, chunk=24)
     found = sweep("stability", client=client, chunk=24, mixed=True)

@@ -11,10 +11,10 @@ import ratestate as rs
 from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
 from ratestate.engine.model import CRASHED
 from ratestate.interfaces.cli import main
-from ratestate.sweeps import apart, calls, store
+from ratestate.sweeps import calls, store, subprocesses
 from ratestate.sweeps.chunks import Chunks
 from ratestate.sweeps.solve import form_of, solve
-from ratestate.sweeps.status import held
+from ratestate.sweeps.status import store_status
 
 MASSES = xr.DataArray([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], dims="M")
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=MASSES)
@@ -44,7 +44,7 @@ def broken(how=Broken):
         return how(**vars(stability_call(slider, V_lp)))
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(calls.VERBS, "stability", (rs.stability, call))
+        patch.setitem(calls.FUNCTIONS, "stability", (rs.stability, call))
         yield
 
 
@@ -71,7 +71,7 @@ def test_crashed_cases_are_tried_again_when_asked(path):
     assert (sweep(path).status == CRASHED).sum() == 3  # not by itself
     assert_whole(sweep(path, retry_crashed=True))
     assert_whole(sweep(path))
-    assert (held(path).failed, held(path).chunks_done) == (0, 3)
+    assert (store_status(path).failed, store_status(path).chunks_done) == (0, 3)
 
 
 def test_only_chunks_with_crashed_cases_are_done_again(path):
@@ -100,10 +100,10 @@ def test_an_interrupted_retry_is_gone_on_with(path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(store, "_write", interrupted)
-        patch.setattr("ratestate.sweeps.here.cores", lambda: 1)
+        patch.setattr("ratestate.sweeps.threads.cores", lambda: 1)
         with pytest.raises(KeyboardInterrupt):
             sweep(path, retry_crashed=True)
-    assert held(path).chunks_done == 1
+    assert store_status(path).chunks_done == 1
     assert_whole(sweep(path))
 
 
@@ -147,18 +147,18 @@ def test_the_command_tries_again(path, tmp_path):
 def test_an_error_of_compiling_ends_a_sweep_and_is_not_stored(path):
     with broken(Uncompiled), pytest.raises(rs.CompilationError, match="spanner"):
         sweep(path)
-    assert held(path).failed == 0
+    assert store_status(path).failed == 0
     assert_whole(sweep(path))
 
 
 def test_so_it_does_in_a_process_of_its_own(monkeypatch):
-    monkeypatch.setattr(apart, "GRACE", 0.0)
+    monkeypatch.setattr(subprocesses, "GRACE", 0.0)
     call = stability_call(SLIDER.replace(M=MASSES[[0, 1, 3]]), 1e-5)
     given = vars(call).copy()
-    kinds = form_of(call).kinds
-    tasks = apart.Apart(Chunks({"M": 3}, (3,)), kinds, None, "cpu")
+    specs = form_of(call).specs
+    tasks = subprocesses.SubprocessTasks(Chunks({"M": 3}, (3,)), specs, None, "cpu")
     with pytest.raises(rs.CompilationError, match="spanner"):
         tasks.do(0, Uncompiled(**given))
     found = tasks.do(0, Broken(**given)).variables
     assert found["status"].values.tolist() == [0, CRASHED, 0]
-    assert np.array_equal(found["growth_rate"][[0, 2]], solve(call, kinds)["growth_rate"][[0, 2]])
+    assert np.array_equal(found["growth_rate"][[0, 2]], solve(call, specs)["growth_rate"][[0, 2]])

@@ -257,11 +257,11 @@ def test_how_jobs_are_kept(options, kept):
     with connect.slurm_cluster(options, start=False) as found:
         jobs = found.jobs
         assert (jobs.number, jobs.replacements, jobs.wait) == kept
-        assert jobs.threads == jobs.number * int(options.partition("cores=")[2][0])
+        assert jobs.thread_count == jobs.number * int(options.partition("cores=")[2][0])
         client = types.SimpleNamespace(cluster=found, nthreads=lambda: {"tcp://a:1": 1})
-        assert cluster.threads(client) == jobs.threads
+        assert cluster.thread_count(client) == jobs.thread_count
     client = types.SimpleNamespace(cluster=None, nthreads=lambda: {"tcp://a:1": 1, "tcp://b:1": 4})
-    assert cluster.threads(client) == 5
+    assert cluster.thread_count(client) == 5
 
 
 def test_a_client_or_slurm():
@@ -332,10 +332,10 @@ def test_whether_a_job_has_ended(monkeypatch):
     jobs.job_of = {"tcp://a:1": "17"}
     assert jobs.has_ended("tcp://b:1", now) is False  # of no job that is known
     assert jobs.has_ended("tcp://a:1", now) is None
-    assert jobs.hurry
+    assert jobs.urgent
     assert jobs.has_ended("tcp://a:1", now - 59.0) is None
     assert jobs.has_ended("tcp://a:1", now - 61.0) is False
-    jobs.states["17"], jobs.answered = State("RUNNING", ""), now - 1.0
+    jobs.states["17"], jobs.last_answer = State("RUNNING", ""), now - 1.0
     assert jobs.has_ended("tcp://a:1", now) is None
     assert jobs.has_ended("tcp://a:1", now - 2.0) is False
     for state in ("CANCELLED", "TIMEOUT", "COMPLETED", "FAILED", "NODE_FAIL", "PREEMPTED"):
@@ -360,15 +360,15 @@ def kept(slurm, monkeypatch):
             try:
                 yield found
             finally:
-                for worker in served:
+                for worker in workers:
                     leave(found, worker)
 
-    served.clear()
+    workers.clear()
 
     return cluster_of
 
 
-served: list = []  # workers of the cluster that is kept
+workers: list = []  # workers of the cluster that is kept
 
 
 def serve(cluster, job):
@@ -378,9 +378,9 @@ def serve(cluster, job):
         return await Worker(cluster.scheduler_address, name=job, nthreads=1, dashboard=False)
 
     worker = cluster.sync(come)
-    served.append(worker)
+    workers.append(worker)
     until(lambda: worker.address in cluster.scheduler.workers)
-    cluster.jobs.keep()
+    cluster.jobs.maintain()
     return worker
 
 
@@ -391,7 +391,7 @@ def leave(cluster, worker):
 
 def keep_until_submitted(slurm, cluster, number):
     """Look after the jobs once, and let Dask submit what that asks for."""
-    cluster.jobs.keep()
+    cluster.jobs.maintain()
     until(lambda: slurm.submitted == number and len(cluster.workers) == len(cluster.worker_spec))
 
 
@@ -424,7 +424,7 @@ def test_jobs_are_replaced_until_that_is_used_up(slurm, kept, capfd):
             r"longer walltime or more replacements=N$"
         )
         with pytest.raises(rs.SolverError, match=message):
-            cluster.jobs.keep()
+            cluster.jobs.maintain()
         assert slurm.submitted == 4
 
 
@@ -451,10 +451,10 @@ def test_jobs_that_end_before_a_worker_comes(slurm, kept, way):
             rf"must reach tcp://.*run the same sweep again to go on$"
         )
         with pytest.raises(rs.SolverError, match=message):
-            cluster.jobs.keep()
+            cluster.jobs.maintain()
         assert slurm.submitted == 4
         # such as are refused cost nothing: the two jobs, and 20 replacements, are still to come
-        assert cluster.jobs.left == (18 if way == "fail" else 22)
+        assert cluster.jobs.replacements_left == (18 if way == "fail" else 22)
 
 
 def test_a_worker_that_comes_gives_new_hope(slurm, kept):
@@ -474,25 +474,25 @@ def test_a_worker_that_comes_gives_new_hope(slurm, kept):
 def test_a_queue_that_starts_nothing(slurm, kept, monkeypatch):
     (slurm.folder / "reason").write_text("PartitionDown")
     with kept("cores=1,jobs=2,wait=00:01:00") as cluster:
-        begin = cluster.jobs.served
+        begin = cluster.jobs.last_worker
         monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 59.0)
-        cluster.jobs.keep()
+        cluster.jobs.maintain()
         monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 61.0)
         message = (
             r"^no worker for 60 s: job \d \(PENDING, PartitionDown\), job \d \(PENDING, PartitionDo"
             r"wn\); ask for less in a job, .* run the same sweep again to go on$"
         )
         with pytest.raises(rs.SolverError, match=message):
-            cluster.jobs.keep()
+            cluster.jobs.maintain()
         worker = serve(cluster, next(iter(cluster.workers)))
         monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 150.0)
-        cluster.jobs.keep()  # there is one
+        cluster.jobs.maintain()  # there is one
         leave(cluster, worker)
         monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 209.0)
-        cluster.jobs.keep()
+        cluster.jobs.maintain()
         monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 211.0)
         with pytest.raises(rs.SolverError, match="no worker for 60 s"):
-            cluster.jobs.keep()
+            cluster.jobs.maintain()
 
 
 def test_slurm_forgets_what_has_ended_and_may_be_away(slurm, kept):
@@ -512,15 +512,15 @@ def test_slurm_is_not_asked_all_the_time(slurm, kept, monkeypatch):
     with kept("cores=1") as cluster:
         monkeypatch.setattr(slurm_jobs, "POLL", 15.0)
         jobs, now = cluster.jobs, time.monotonic()
-        jobs.asked = now
+        jobs.last_query = now
         for later, queues in {14.0: 0, 16.0: 1, 30.0: 1, 32.0: 2}.items():
             monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda later=later: now + later)
-            jobs.keep()
+            jobs.maintain()
             assert slurm.queues == queues
-        jobs.hurry = True
+        jobs.urgent = True
         for later, queues in {32.5: 2, 33.5: 3, 40.0: 3}.items():
             monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda later=later: now + later)
-            jobs.keep()
+            jobs.maintain()
             assert slurm.queues == queues
 
 
@@ -540,7 +540,7 @@ def test_a_job_outlives_its_worker(slurm, kept):
 # ------------------------------------------------------------------------------ with Dask's workers
 
 
-class Held(StabilityCall):
+class SlowCall(StabilityCall):
     """Ends, on a worker, once a file is there."""
 
     def run(self, progress=None):
@@ -553,18 +553,18 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
     """A worker's death makes its chunks suspect, and its job's end does not."""
 
     def call(slider, V_lp):
-        return Held(**vars(stability_call(slider, V_lp)))
+        return SlowCall(**vars(stability_call(slider, V_lp)))
 
-    monkeypatch.setitem(calls.VERBS, "stability", (rs.stability, call))
+    monkeypatch.setitem(calls.FUNCTIONS, "stability", (rs.stability, call))
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
     monkeypatch.chdir(tmp_path)
     slurm.answer("run")
     both = tmp_path / "both"
-    events, seen, keep, bereft = [], set(), Jobs.keep, cluster._Work.bereft
+    events, seen, maintain, lost_tasks = [], set(), Jobs.maintain, cluster._Work.lost_tasks
 
     def meanwhile(jobs):
         """Kill a worker when two are at work; cancel the other's job when they are so again."""
-        keep(jobs)
+        maintain(jobs)
         there = jobs.cluster.scheduler.workers
         at_work = sum(bool(worker.processing) for worker in list(there.values()))
         if at_work == 2 and not events:
@@ -578,13 +578,13 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
             both.touch()
 
     def watched(work):
-        known = bereft(work)
+        known = lost_tasks(work)
         seen.update((len(events), job_has_ended) for _, job_has_ended in known)
         return known
 
     monkeypatch.setattr(slurm_jobs, "POLL", 1.0)
-    monkeypatch.setattr(Jobs, "keep", meanwhile)
-    monkeypatch.setattr(cluster._Work, "bereft", watched)
+    monkeypatch.setattr(Jobs, "maintain", meanwhile)
+    monkeypatch.setattr(cluster._Work, "lost_tasks", watched)
     arguments = {"V_lp": 1e-2, "progress": False}
     slurm_options = "jobs=2,cores=1,memory=1GB,interface=lo"
     with site(**{"job-script-prologue": [f"export HELD_UNTIL={both}"]}):

@@ -26,7 +26,7 @@ from ratestate.errors import ParameterError, StoreError
 from ratestate.files import read
 from ratestate.sweeps import create as create_module
 from ratestate.sweeps import store as store_module
-from ratestate.sweeps.status import failures, held
+from ratestate.sweeps.status import failures, store_status
 from ratestate.sweeps.store import NO_RESULT
 
 POINT = {"a": 0.003, "b": 0.006, "Dc": "10 um", "sigma": "2 MPa", "K": "900 MPa/m"}
@@ -165,7 +165,7 @@ def test_a_chunk_is_on_disk_before_it_is_called_done(path, monkeypatch):
     monkeypatch.setattr(os, "open", remember_open)
     monkeypatch.setattr(os, "fsync", remember_fsync)
     monkeypatch.setattr(Path, "replace", remember_replace)
-    monkeypatch.setattr("ratestate.sweeps.here.cores", lambda: 1)
+    monkeypatch.setattr("ratestate.sweeps.threads.cores", lambda: 1)
     sweep(path)
     written = {target for target, _ in seen if path in target.parents}
     # the first time that each was written
@@ -214,7 +214,7 @@ def test_stores_that_are_being_made_by_others_stay(tmp_path):
     sweep(tmp_path / "y.zarr")
     other = tmp_path / ".x.zarr.0123.partial"
     other.mkdir()
-    handle = create_module.hold(other)
+    handle = create_module.lock_folder(other)
     sweep(tmp_path / "x.zarr")
     os.close(handle)
     assert other.exists()
@@ -230,7 +230,7 @@ def test_no_room_for_a_chunk(path):
         sweep(path, **asked)
     assert "make room" in str(error.value)
     assert "run the same sweep again" in str(error.value)
-    assert held(path).done == 0
+    assert store_status(path).done == 0
     assert leftovers(path.parent) == []
     assert_same(sweep(path, **asked), sweep(**asked))
 
@@ -273,7 +273,7 @@ def test_a_full_disk(disk):
         assert "make room" in str(error.value)
         assert "run the same sweep again" in str(error.value)
         assert leftovers(place) == []
-        there = held(path)
+        there = store_status(path)
         assert 3 <= there.chunks_done < there.chunks == 48
         done = zarr.open_array(path / "sweep/done")[:].reshape(6, 8).repeat(2, axis=1)
         part, whole = xr.open_zarr(path, chunks=None), sweep(**asked)
@@ -303,10 +303,10 @@ import os, sys, warnings
 warnings.simplefilter("error")
 import xarray as xr
 sys.path[:0] = {[str(Path(__file__).parent), str(TESTS / "helpers")]!r}
-from test_store import StoreError, held, sweep
+from test_store import StoreError, store_status, sweep
 sweep(sys.argv[1] + "/warm.zarr")  # all that is imported and compiled lazily
 xr.open_zarr(sys.argv[1] + "/warm.zarr", chunks=None).load()
-held(sys.argv[1] + "/warm.zarr")
+store_status(sys.argv[1] + "/warm.zarr")
 if os.getuid() == 0:  # whom no permissions bind
     os.setgroups([])
     os.setgid(65534)
@@ -320,7 +320,8 @@ for path in sys.argv[2:]:
         print(str(error).replace(chr(10), " "))
     except Exception as error:
         print(f"{{type(error).__name__}}: {{error}}".replace(chr(10), " "))
-print(held("x.zarr").chunks_done, int((xr.open_zarr("x.zarr", chunks=None).status == 0).sum()))
+status = store_status("x.zarr")
+print(status.chunks_done, int((xr.open_zarr("x.zarr", chunks=None).status == 0).sum()))
 """
 
 
@@ -352,7 +353,7 @@ def test_read_only(begun):
         assert new.startswith("new.zarr cannot be made (Permission denied)")
         assert closed.startswith("closed/x.zarr cannot be read (Permission denied)")
         assert "(Permission denied)" in closed_new
-        assert rest == f"{held(begun).chunks_done} {held(begun).done}"
+        assert rest == f"{store_status(begun).chunks_done} {store_status(begun).done}"
         assert files(folder / "x.zarr") == before
 
 
@@ -393,14 +394,14 @@ def test_two_threads_on_a_store(begun, expected):
 @pytest.mark.filterwarnings("ignore:Consolidated metadata is", "ignore:The data type")
 def test_two_threads_make_a_store(path, expected, monkeypatch):
     both, outcomes = threading.Barrier(2, timeout=20), []
-    fill = create_module._fill
+    fill = create_module._write_static
 
     def wait_for_the_other(*arguments):
         fill(*arguments)
         with contextlib.suppress(threading.BrokenBarrierError):
             both.wait()
 
-    monkeypatch.setattr(create_module, "_fill", wait_for_the_other)
+    monkeypatch.setattr(create_module, "_write_static", wait_for_the_other)
     threads = [in_thread(path, outcomes) for _ in range(2)]
     for thread in threads:
         thread.join(30)
@@ -423,15 +424,15 @@ def is_clear(error, path):
 
 def test_the_half_made_store_of_another_thread_stays(path, monkeypatch):
     """It is not mistaken for one that a kill left, however early the other looks."""
-    hold, first, outcomes = create_module.hold, threading.Event(), []
+    lock_folder, first, outcomes = create_module.lock_folder, threading.Event(), []
 
     def look_before(folder):
         if not first.is_set():
             first.set()
             in_thread(path, outcomes).join(10)
-        return hold(folder)
+        return lock_folder(folder)
 
-    monkeypatch.setattr(create_module, "hold", look_before)
+    monkeypatch.setattr(create_module, "lock_folder", look_before)
     in_thread(path, outcomes).join(20)
     assert len(outcomes) == 2
     errors = [outcome for outcome in outcomes if isinstance(outcome, Exception)]
@@ -442,19 +443,23 @@ def test_the_half_made_store_of_another_thread_stays(path, monkeypatch):
 
 def test_a_store_is_whole_or_absent(path, monkeypatch, expected):
     """Another sweep looks for what a kill left just as this one takes hold of its half store."""
-    hold, fill, inputs_of = create_module.hold, create_module._fill, create_module.inputs_of
+    lock_folder, fill, inputs_of = (
+        create_module.lock_folder,
+        create_module._write_static,
+        create_module.inputs_of,
+    )
     main, outcomes, looked = threading.main_thread(), [], threading.Event()
     folders = []
 
     def hold_what_another_looks_at(folder):
         folders.append(folder)
         if len(folders) > 1:
-            return hold(folder)
+            return lock_folder(folder)
         handle = os.open(folder, os.O_RDONLY)
         fcntl.flock(handle, fcntl.LOCK_EX)
         threading.Timer(0.2, os.close, [handle]).start()
         try:
-            return hold(folder)
+            return lock_folder(folder)
         finally:
             time.sleep(0.3)
 
@@ -469,8 +474,8 @@ def test_a_store_is_whole_or_absent(path, monkeypatch, expected):
             in_thread(path, outcomes).join(10)
         return inputs_of(*arguments)
 
-    monkeypatch.setattr(create_module, "hold", hold_what_another_looks_at)
-    monkeypatch.setattr(create_module, "_fill", fill_until_full)
+    monkeypatch.setattr(create_module, "lock_folder", hold_what_another_looks_at)
+    monkeypatch.setattr(create_module, "_write_static", fill_until_full)
     monkeypatch.setattr(create_module, "inputs_of", look_meanwhile)
     assert_same(sweep(path), expected)
     assert [type(outcome) for outcome in outcomes] == [StoreError]
@@ -645,7 +650,7 @@ def put_dataset(path):
 def test_what_is_no_store_stays_as_it_is(path, put):
     put(path)
     before = files(path.parent)
-    for use in (sweep, held):
+    for use in (sweep, store_status):
         with pytest.raises(StoreError, match=r"x.zarr is no store of a sweep"):
             use(path)
     assert files(path.parent) == before
@@ -661,7 +666,7 @@ def test_no_folder_to_make_a_store_in(tmp_path):
     with pytest.raises(
         StoreError, match=r"there is nothing at .*x.zarr: no sweep has stored a chunk"
     ):
-        held(tmp_path / "missing/x.zarr")
+        store_status(tmp_path / "missing/x.zarr")
 
 
 def test_relative_paths_and_text(tmp_path, monkeypatch, expected):
@@ -680,7 +685,7 @@ RECORDS = [
 
 @pytest.mark.filterwarnings("ignore:Object at")  # zarr's way of saying that it is lost
 @pytest.mark.parametrize("name", RECORDS)
-@pytest.mark.parametrize("use", [sweep, held], ids=["sweep", "held"])
+@pytest.mark.parametrize("use", [sweep, store_status], ids=["sweep", "held"])
 def test_records_cut_short_or_lost(begun, name, use):
     content = (begun / name).read_bytes()
     for length in (0, 1, len(content) // 2, len(content) - 1):
@@ -719,7 +724,7 @@ def test_a_flipped_bit_is_an_error_and_no_number(path, name):
 def test_a_flipped_bit_in_the_parameters(begun):
     for _ in flipped(begun / "sweep/inputs/M/c/0"):
         try:
-            _, inputs = store_module.read(begun)
+            _, inputs = store_module.read_group(begun)
         except StoreError:
             continue
         np.testing.assert_array_equal(inputs.M, AXES["M"])
@@ -855,7 +860,7 @@ def test_held_and_failures_of_part_of_a_sweep(path):
     whole = sweep(None, "limit_cycle", **asked)
     where = done.reshape(4, 2).repeat(2, axis=1)
     status = np.where(where, whole.status.values, -1)
-    there, data = held(str(path)), xr.open_zarr(path, chunks=None)
+    there, data = store_status(str(path)), xr.open_zarr(path, chunks=None)
     np.testing.assert_array_equal(data.status, status)
     assert (data.amplitude.values[~where] == NO_RESULT).all()
     assert (data.multipliers.values[~where] == complex(NO_RESULT, NO_RESULT)).all()
@@ -880,14 +885,14 @@ def test_held_and_failures_of_part_of_a_sweep(path):
     assert first[1][0] == {"M": 0.0, "V_lp": whole.V_lp.values[1]}
     assert "V grows without bound" in first[0][2]
     sweep(path, "limit_cycle", **asked)
-    there = held(path)
+    there = store_status(path)
     assert (there.done, there.chunks_done) == (16, 8)
     assert there.failed == (whole.status > 1).sum()
 
 
 def test_held_before_anything_is_done(path):
     interrupted(path, after=0)
-    there = held(path)
+    there = store_status(path)
     assert (there.done, there.failed, there.steady, there.chunks_done) == (0, 0, 0, 0)
     data = xr.open_zarr(path)
     assert (data.status == -1).all()

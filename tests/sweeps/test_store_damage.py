@@ -13,10 +13,11 @@ from test_store import CHUNKS, assert_same, files, interrupted, solved, sweep
 
 from ratestate.errors import StoreError
 from ratestate.files import read
-from ratestate.interfaces.cli.stored import tell
-from ratestate.sweeps import origin, resume, task, verb
+from ratestate.interfaces.cli.store_report import print_status
+from ratestate.sweeps import origin, resume, task
+from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.manifest import RECORDS
-from ratestate.sweeps.status import held
+from ratestate.sweeps.status import store_status
 from ratestate.sweeps.store import NO_RESULT
 
 
@@ -80,7 +81,7 @@ def swap(file):
 def flaws_of(path):
     """What verifying a store says."""
     try:
-        return "\n".join(held(path, verify=True).flaws)
+        return "\n".join(store_status(path, verify=True).flaws)
     except StoreError as error:
         return str(error)
 
@@ -88,10 +89,10 @@ def flaws_of(path):
 def mended(path, match):
     """The result of the sweep, with a warning that matches; and how many chunks were computed."""
     numbers: list = []
-    with solved(numbers.append), pytest.warns(RuntimeWarning, match=match) as told:
+    with solved(numbers.append), pytest.warns(RuntimeWarning, match=match) as warned:
         result = sweep(path)
-    assert len(told) == 1
-    assert held(path, verify=True).flaws == []
+    assert len(warned) == 1
+    assert store_status(path, verify=True).flaws == []
     return result, len(numbers)
 
 
@@ -105,11 +106,11 @@ def test_a_chunk_is_named_and_computed_again(path, expected, harm, chunks, how):
     before = files(path)
     harm(path / "growth_rate/c/2/1")
     named = rf"variable growth_rate, chunk 5 \(growth_rate/c/2/1\) is {how}"
-    flaws = held(path, verify=True).flaws
+    flaws = store_status(path, verify=True).flaws
     assert len(flaws) == chunks
-    assert held(path, verify=True).chunks_done == CHUNKS - chunks
-    assert held(path).flaws is None
-    assert held(path).chunks_done == CHUNKS
+    assert store_status(path, verify=True).chunks_done == CHUNKS - chunks
+    assert store_status(path).flaws is None
+    assert store_status(path).chunks_done == CHUNKS
     with pytest.raises(StoreError, match=named + "$") as error:
         read(path)
     assert "run the same sweep again" in str(error.value)
@@ -130,7 +131,7 @@ def test_what_is_common_to_chunks_is_computed_again_by_the_one_that_has_it(path,
 def test_a_damaged_flag_or_entry_is_that_of_its_chunk(path, expected, name):
     before = files(path)
     flip(path / name)
-    assert held(path).chunks_done == CHUNKS - ("done" in name)
+    assert store_status(path).chunks_done == CHUNKS - ("done" in name)
     result, number = mended(path, rf"variable {name[:-4]}, chunk 7 \({name}\) is damaged")
     assert number == 1
     assert_same(result, expected)
@@ -142,7 +143,7 @@ def test_swapped_entries_of_the_manifest(path, expected):
     content = one.read_bytes()
     one.write_bytes(two.read_bytes())
     two.write_bytes(content)
-    assert len(held(path, verify=True).flaws) == 2
+    assert len(store_status(path, verify=True).flaws) == 2
     result, number = mended(path, "chunk 4 .sweep/manifest/c/4. is damaged")
     assert number == 2
     assert_same(result, expected)
@@ -190,7 +191,7 @@ def test_any_change_of_a_byte_is_seen(path):
             file.write_bytes(content[:i] + bytes([content[i] ^ 2]) + content[i + 1 :])
             assert "damaged" in flaws_of(path), (file, i)
             file.write_bytes(content)
-    assert held(path, verify=True).flaws == []
+    assert store_status(path, verify=True).flaws == []
 
 
 def test_what_cannot_be_mended_is_left_as_it_is(path, monkeypatch):
@@ -207,7 +208,7 @@ def test_what_cannot_be_mended_is_left_as_it_is(path, monkeypatch):
 def test_the_group_of_the_sweep_itself(path, harm):
     """What is known of the sweep is gone, and the results are not: no word of another path only."""
     harm(path / "sweep/zarr.json")
-    for use in (sweep, held):
+    for use in (sweep, store_status):
         with pytest.raises(StoreError, match=r"record of the parameters is damaged .* from a copy"):
             use(path)
     assert (xr.open_zarr(path, chunks=None).status == 0).any()
@@ -225,14 +226,14 @@ def test_without_sweep_a_lost_file_shows(path):
 
 
 def test_status_says_what_is_damaged(path, capsys):
-    tell(path, None, json=False, verify=True)
+    print_status(path, None, json=False, verify=True)
     assert "verified  all files are as they were written" in capsys.readouterr().out
     lose(path / "growth_rate/c/2/1")
-    tell(path, None, json=False)
+    print_status(path, None, json=False)
     assert "verified" not in capsys.readouterr().out
     for as_json in (False, True):
         with pytest.raises(StoreError, match=r"chunk 5 \(growth_rate/c/2/1\) is missing"):
-            tell(path, None, json=as_json, verify=True)
+            print_status(path, None, json=as_json, verify=True)
     said, document = capsys.readouterr().out.split("{", 1)
     assert "verified  damaged or missing files: 1\n" in said
     assert len(json.loads("{" + document)["flaws"]) == 1
@@ -242,19 +243,19 @@ def test_status_says_what_is_damaged(path, capsys):
 
 
 @pytest.fixture
-def elsewhere(monkeypatch):
+def other_origin(monkeypatch):
     """Have this process take itself for another: on another processor, of other versions."""
     now = origin.origin("cpu")
 
     def be(cpu=None, lack=(), **other):
-        kind = dict(now["processor"])
-        features = [name for name in kind["features"].split() if name not in lack]
-        kind |= {"features": " ".join(features)} | ({"cpu": cpu} if cpu else {})
+        processor = dict(now["processor"])
+        features = [name for name in processor["features"].split() if name not in lack]
+        processor |= {"features": " ".join(features)} | ({"cpu": cpu} if cpu else {})
         text = json.dumps(now["versions"] | other)
-        monkeypatch.setattr(origin, "processor", lambda device: kind)
+        monkeypatch.setattr(origin, "processor", lambda device: processor)
         monkeypatch.setattr(origin, "versions", lambda: text)
         monkeypatch.setattr(resume, "versions", lambda: text)
-        return kind
+        return processor
 
     return be
 
@@ -268,20 +269,20 @@ FOREIGN = {
 
 
 @pytest.mark.parametrize("name", FOREIGN)
-def test_others_do_not_go_on_unless_asked(begun, expected, elsewhere, name):
+def test_others_do_not_go_on_unless_asked(begun, expected, other_origin, name):
     who, difference = FOREIGN[name]
-    own = held(begun).chunks_done
+    own = store_status(begun).chunks_done
     before = files(begun)
-    elsewhere(**who)
+    other_origin(**who)
     with pytest.raises(StoreError, match=difference) as error:
         sweep(begun)
     assert "mixed=True (--mixed)" in str(error.value)
     assert files(begun) == before
-    assert held(begun, verify=True).flaws == []
+    assert store_status(begun, verify=True).flaws == []
     with pytest.warns(RuntimeWarning, match=difference):
         result = sweep(begun, mixed=True)
     assert_same(result, expected)
-    origins = held(begun, verify=True).origins
+    origins = store_status(begun, verify=True).origins
     assert [one["chunks"] for one in origins] == [own, CHUNKS - own]
     assert origins[0] != origins[1]
     for key in ("versions", "processor"):
@@ -289,37 +290,37 @@ def test_others_do_not_go_on_unless_asked(begun, expected, elsewhere, name):
     assert_same(sweep(begun), expected)  # nothing is left to be done, and anybody may read
 
 
-def test_another_version_with_the_same_kernels_goes_on(begun, expected, elsewhere):
-    elsewhere(ratestate="9")
+def test_another_version_with_the_same_kernels_goes_on(begun, expected, other_origin):
+    other_origin(ratestate="9")
     assert_same(sweep(begun), expected)
-    assert [one["versions"]["ratestate"] for one in held(begun).origins][1] == "9"
+    assert [one["versions"]["ratestate"] for one in store_status(begun).origins][1] == "9"
 
 
 def test_what_another_version_finds(begun, expected, monkeypatch):
     """Another version that knows one variable more, or less, or has it of another type."""
-    plain = verb.form_of
+    plain = sweep_module.form_of
 
     def other(change):
         def form(call):
             found = plain(call)
-            return found._replace(kinds=change(dict(found.kinds)))
+            return found._replace(specs=change(dict(found.specs)))
 
         return form
 
-    def less(kinds):
-        del kinds["omega"]
-        return kinds
+    def less(specs):
+        del specs["omega"]
+        return specs
 
-    def more(kinds):
-        return kinds | {"returns": kinds["status"]}
+    def more(specs):
+        return specs | {"returns": specs["status"]}
 
-    def narrower(kinds):
-        return kinds | {"omega": kinds["omega"]._replace(dtype=np.dtype("f4"))}
+    def narrower(specs):
+        return specs | {"omega": specs["omega"]._replace(dtype=np.dtype("f4"))}
 
     before, solve = files(begun), task.solve
 
-    def with_returns(part, kinds, progress=None):
-        found = solve(part, kinds, progress)
+    def with_returns(part, specs, progress=None):
+        found = solve(part, specs, progress)
         return found | {"returns": found["status"]}
 
     lines = {
@@ -328,26 +329,26 @@ def test_what_another_version_finds(begun, expected, monkeypatch):
         narrower: r"omega: float64 over \(M, V_lp\) in the store, float32 over \(M, V_lp\) now$",
     }
     for change, mixed in [(less, False), (less, True), (more, False), (narrower, True)]:
-        monkeypatch.setattr(verb, "form_of", other(change))
+        monkeypatch.setattr(sweep_module, "form_of", other(change))
         with pytest.raises(StoreError, match=lines[change]):
             sweep(begun, mixed=mixed)
         assert files(begun) == before
     with monkeypatch.context() as patch:
-        patch.setattr(verb, "form_of", other(more))
+        patch.setattr(sweep_module, "form_of", other(more))
         patch.setattr(task, "solve", with_returns)
         with pytest.warns(RuntimeWarning, match=lines[more]):
             assert_same(sweep(begun, mixed=True), expected)
 
 
-def test_workers_of_another_kind_are_refused(elsewhere):
-    here = origin.processor("cpu")
-    tasks = task.Tasks(None, {}, None, "cpu", here)
-    elsewhere(cpu="i386")
+def test_workers_of_another_kind_are_refused(other_origin):
+    processor = origin.processor("cpu")
+    tasks = task.Tasks(None, {}, None, "cpu", processor)
+    other_origin(cpu="i386")
     with pytest.raises(StoreError, match=r"i386 is here") as error:
-        task.do_elsewhere(tasks, 0, None, task.versions())
+        task.do_on_worker(tasks, 0, None, task.versions())
     assert "mixed=True" in str(error.value)
     with pytest.raises(AttributeError):  # it is at work
-        task.do_elsewhere(tasks._replace(kind=None), 0, None, task.versions())
+        task.do_on_worker(tasks._replace(processor=None), 0, None, task.versions())
 
 
 # Older stores -------------------------------------------------------------------------------------
@@ -372,13 +373,13 @@ def as_of_old(path):
 
 def test_an_older_store_is_read_verified_and_gone_on_with(begun, expected):
     as_of_old(begun)
-    done = held(begun, verify=True)
+    done = store_status(begun, verify=True)
     assert done.flaws == []
     assert [one["processor"] for one in done.origins] == [None]
     assert np.isnan(read(begun).growth_rate.values).sum() == 2 * (CHUNKS - done.chunks_done)
     with pytest.warns(RuntimeWarning, match="does not say on what kind of processor"):
         assert_same(sweep(begun), expected)
-    after = held(begun, verify=True)
+    after = store_status(begun, verify=True)
     assert after.flaws == []
     own = done.chunks_done
     assert [one["chunks"] for one in after.origins] == [own, CHUNKS - own]
@@ -390,12 +391,12 @@ def test_damage_of_an_older_store(path, expected):
     for harm, how in ((flip, "damaged"), (lose, "missing")):
         harm(path / "growth_rate/c/2/1")
         named = rf"variable growth_rate, chunk 5 \(growth_rate/c/2/1\) is {how}"
-        assert len(held(path, verify=True).flaws) == 1
+        assert len(store_status(path, verify=True).flaws) == 1
         with pytest.raises(StoreError, match=named):
             read(path)
-        with pytest.warns(RuntimeWarning) as told:
+        with pytest.warns(RuntimeWarning) as warned:
             assert_same(sweep(path), expected)
-        assert any(named.replace("\\", "") in str(one.message) for one in told)
+        assert any(named.replace("\\", "") in str(one.message) for one in warned)
     file = path / "K_c/zarr.json"
     file.write_text(file.read_text().replace("Pa", "mm"))
     with pytest.raises(StoreError, match=r"put back from a copy:\n  metadata \(K_c/zarr.json\)"):

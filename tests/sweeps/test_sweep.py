@@ -24,10 +24,11 @@ from ratestate.dynamics.simulation.simulate import SimulateCall
 from ratestate.dynamics.steady_sliding import StabilityCall
 from ratestate.engine import backend, dispatch
 from ratestate.engine.model import CRASHED, RUNAWAY, STATUSES
-from ratestate.sweeps import bar, here, probe
+from ratestate.sweeps import probe, progress
+from ratestate.sweeps import threads as threads_module
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.chunks import Chunks, chunks_of, halves
-from ratestate.sweeps.solve import Kind, form_of, solve
+from ratestate.sweeps.solve import VariableSpec, form_of, solve
 from ratestate.sweeps.status import failures
 from ratestate.sweeps.task import Outcome
 
@@ -60,7 +61,7 @@ sizes = st.lists(st.integers(1, 7), min_size=1, max_size=4).map(
 def test_chunks_tile_the_sweep_in_order(sizes, most):
     chunks = chunks_of(sizes, most)
     numbers = np.arange(math.prod(sizes.values())).reshape(*sizes.values())
-    found = [numbers[tuple(places.values())].ravel() for places in chunks]
+    found = [numbers[tuple(slices.values())].ravel() for slices in chunks]
     assert np.array_equal(np.concatenate(found), np.arange(numbers.size))
     assert [part.size for part in found] == [chunks.cases(i) for i in range(chunks.number)]
     assert max(part.size for part in found) <= most
@@ -90,10 +91,10 @@ def test_halves_are_the_whole(sizes):
 
 @given(sizes)
 def test_a_sample_lies_all_over_the_sweep(sizes):
-    places = probe.spread(sizes, probe.SAMPLE)
-    assert places.keys() == sizes.keys()
-    assert math.prod(map(len, places.values())) <= 2 * probe.SAMPLE
-    for dim, found in places.items():
+    slices = probe.sample_indices(sizes, probe.SAMPLE)
+    assert slices.keys() == sizes.keys()
+    assert math.prod(map(len, slices.values())) <= 2 * probe.SAMPLE
+    for dim, found in slices.items():
         assert found == sorted(set(found))
         assert found[0] == 0
         assert found[-1] == (sizes[dim] - 1 if len(found) > 1 else 0)
@@ -104,7 +105,7 @@ def here_and_now(function, *arguments):
     return function(*arguments)
 
 
-KINDS = {"period": Kind(("case",), np.dtype(float), {}, {})}
+KINDS = {"period": VariableSpec(("case",), np.dtype(float), {}, {})}
 
 
 @pytest.mark.parametrize(
@@ -122,9 +123,9 @@ KINDS = {"period": Kind(("case",), np.dtype(float), {}, {})}
     ],
 )
 def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
-    monkeypatch.setattr(probe, "seconds_of_a_case", lambda *_: seconds)
+    monkeypatch.setattr(probe, "seconds_per_case", lambda *_: seconds)
     call = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={}))
-    assert probe.cases_of_a_chunk(call, KINDS, workers, True, "cpu", here_and_now) == cases
+    assert probe.cases_per_chunk(call, KINDS, workers, True, "cpu", here_and_now) == cases
 
 
 def test_a_probe_stops_in_time():
@@ -133,7 +134,7 @@ def test_a_probe_stops_in_time():
     call = call_of("simulate", slider, how)[1]
     solve(dataclasses.replace(call, t_end=1e-3), {})  # compile
     begin = time.perf_counter()
-    a_case = probe.seconds_of_a_case(call, form_of(call).kinds)
+    a_case = probe.seconds_per_case(call, form_of(call).specs)
     spent = time.perf_counter() - begin
     assert a_case > 1e-3
     assert spent < 30 * a_case  # there are 30 cases
@@ -390,7 +391,7 @@ def test_kernels_stop_when_told(monkeypatch, cores):
     [("cpu", [0, 1, 2], 2), ("cpu", [1], 6), ("cuda", [0, 1, 2], 6)],  # a GPU has one at a time
 )
 def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
-    monkeypatch.setattr(here, "cores", lambda: 6)
+    monkeypatch.setattr(threads_module, "cores", lambda: 6)
     seen = []
 
     class Tasks:
@@ -408,7 +409,7 @@ def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
         show = staticmethod(lambda: None)
 
     call = call_of("limit_cycle", SLIDER, {"V_lp": 1e-3})[1]
-    found = list(here.outcomes(Tasks(), call, numbers, Report()))
+    found = list(threads_module.outcomes(Tasks(), call, numbers, Report()))
     assert sorted(outcome.chunk for outcome in found) == numbers
     assert sorted(seen) == [(i, 1, threads) for i in numbers]
 
@@ -460,9 +461,9 @@ def test_durations(seconds, words):
 
 def test_what_a_report_says(monkeypatch, capsys):
     clock = [100.0]
-    monkeypatch.setattr(bar.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
     done = np.array([True, False, False, False])
-    with bar.Report("sweep", Chunks({"M": 40}, (10,)), done, 3, quiet=False) as report:
+    with progress.ProgressReport("sweep", Chunks({"M": 40}, (10,)), done, 3, quiet=False) as report:
         clock[0] += 0.5
         report.show()
         assert capsys.readouterr().err == ""

@@ -68,9 +68,9 @@ def read(path):
 def _read_zarr(path):
     """A result from a Zarr folder; a sweep's store knows what must be in it, and checks that."""
     if (path / "sweep").is_dir():
-        from ..sweeps.store import loaded
+        from ..sweeps.store import load_result
 
-        return _plain_text(loaded(path))
+        return _plain_text(load_result(path))
     import xarray
 
     with xarray.open_zarr(path, chunks=None) as opened:

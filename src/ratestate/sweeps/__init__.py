@@ -1,10 +1,16 @@
-"""Sweeps of any size: cut in chunks, spread over cores or a cluster, kept in a store.
+"""Sweeps of any size: divided into chunks, spread over cores or a cluster, kept in a store.
 
-``verb`` has the function `sweep`.  ``calls``: what can be swept; ``chunks``: how it is cut;
-``probe``: what a case costs; ``solve``: all cases of a part, each bad one by itself; ``task``: a
-chunk solved and stored; ``here`` and ``cluster``: who does the tasks; ``connect``: how to come by a
-cluster; ``apart``: cases that kill their process; ``create``, ``store``, ``lock`` and ``inputs``:
-what is kept; ``manifest``: what each file must hold (``older``: without one); ``origin``: versions
-and processor; ``resume``: what a store must be to be gone on with; ``status``: what a store or a
-result holds; ``bar``: progress.
+========================================== =======================================================
+``sweep``                                  the function `sweep`
+``calls``, ``chunks``, ``probe``           what can be swept, how it is divided, what a case costs
+``solve``, ``task``                        all cases of a part; a chunk solved and stored
+``threads``, ``cluster``, ``subprocesses`` where chunks are solved; the last: those that may kill
+                                           their process
+``connect``, ``slurm``, ``jobs``           Dask clusters, those made of SLURM jobs, and the jobs
+``create``, ``store``, ``inputs``, ``lock`` a store: made, read and written, for one sweep at a time
+``manifest``, ``origin``, ``legacy``       what its files must hold, what made them, and stores of
+                                           older versions, which do not record this
+``resume``, ``status``                     going on with a store; what a store or a result holds
+``progress``                               the progress bar
+========================================== =======================================================
 """

@@ -1,13 +1,14 @@
-"""What can be swept: verbs, whose checked calls can be cut in parts.
+"""The functions that can be swept, and their checked calls, which can be divided into parts.
 
-A call is a frozen dataclass of arguments in SI.  ``batch`` broadcasts them, ``run()`` gives the
-variables of all its cases, ``blank()`` the same without answers, ``dataset(variables)`` the result;
-`arrays.cut` cuts it.
+A call is a frozen dataclass of arguments in SI.  ``batch`` broadcasts them, ``run()`` returns the
+variables of all cases, ``blank()`` the same without answers, ``dataset(variables)`` the result;
+`arrays.cut` selects a part of it.
 """
 
 import inspect
 import re
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from ..dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
 from ..dynamics.simulation.simulate import simulate, simulate_call
@@ -16,39 +17,52 @@ from ..errors import ParameterError
 from ..model.arrays import cut
 from ..model.initial_state import initial_state
 
-#: name of a verb -> the verb, and what checks its arguments
-VERBS: dict[str, tuple[Callable, Callable]] = {
+#: name -> the function, and the one that checks its arguments and returns a call
+FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
     "limit_cycle": (limit_cycle, limit_cycle_call),
     "simulate": (simulate, simulate_call),
     "stability": (stability, stability_call),
 }
-#: names that a sweep's result needs
-TAKEN = ("message", "status", "sweep")
+#: names of variables and groups that a sweep's result needs itself
+RESERVED = ("message", "status", "sweep")
 DEVICES = ("cpu", "cuda")
 
 
+class SweepRequest(NamedTuple):
+    """What a sweep is to compute, and how."""
+
+    name: str  # of the function
+    call: Any  # its checked call
+    chunk: int | None  # cases of a chunk; None: chosen by `probe`
+    device: str
+
+
 def call_of(verb, slider, arguments):
-    """Name of the verb, and its checked call.
+    """Name of the function, and its checked call.
 
     Parameters
     ----------
     verb : callable or str
-        A verb, or its name.
+        A function that can be swept, or its name.
     slider : SpringSlider
     arguments : dict
-        The verb's other arguments, by name.
+        The function's other arguments, by name.
 
     Raises
     ------
     ParameterError
-        An argument that the verb would refuse, for any of the cases; nothing to sweep over.
+        An argument that the function would refuse, for any case; nothing to sweep over.
     """
-    name = next((name for name, (known, _) in VERBS.items() if verb in (name, known)), None)
+    name = next(
+        (name for name, (function, _) in FUNCTIONS.items() if verb in (name, function)), None
+    )
     if name is None:
-        raise ParameterError(f"verb = {verb!r} cannot be swept; choose one of {', '.join(VERBS)}")
-    known, checked_call = VERBS[name]
+        raise ParameterError(
+            f"verb = {verb!r} cannot be swept; choose one of {', '.join(FUNCTIONS)}"
+        )
+    function, checked_call = FUNCTIONS[name]
     try:
-        bound = inspect.signature(known).bind(slider, **arguments)
+        bound = inspect.signature(function).bind(slider, **arguments)
     except TypeError as error:
         raise ParameterError(f"sweep of {name}: {error}; see help(ratestate.{name})") from None
     bound.apply_defaults()
@@ -65,14 +79,14 @@ def call_of(verb, slider, arguments):
 
 
 def _check_names(call):
-    """Raise ParameterError for dimensions and coordinates that no result, or store, can have."""
+    """Raise ParameterError for dimensions and coordinates that a result or store cannot have."""
     coords = call.dataset({}).coords
     for name in {*call.batch.dims, *coords}:
-        if name in TAKEN or not re.fullmatch(r"[^\s/.][^\s/]*", str(name)):
+        if name in RESERVED or not re.fullmatch(r"[^\s/.][^\s/]*", str(name)):
             raise ParameterError(
                 f"a dimension or coordinate called {name!r} clashes with what a sweep needs;"
                 f" rename it: a word without spaces, slashes and a leading dot, and none of "
-                f"{', '.join(TAKEN)}"
+                f"{', '.join(RESERVED)}"
             )
     for name, labels in coords.items():
         plain = labels.dtype.kind != "O" or all(isinstance(x, str) for x in labels.values.flat)
@@ -83,24 +97,24 @@ def _check_names(call):
             )
 
 
-def check(call, chunks):
+def check_cases(call, chunks):
     """Raise ParameterError for any case whose arguments contradict each other."""
     if getattr(call, "initial", None):
-        for places in chunks:
-            part = cut(call, places)
+        for slices in chunks:
+            part = cut(call, slices)
             table, rows = part.batch.rows(part.loading.V)
             initial_state(part.batch, table[rows, 0])
 
 
-def check_device(name, call, device, here):
-    """Raise ParameterError unless this device can do the call, and, if it is to be here, exists."""
+def check_device(name, call, device, local):
+    """Raise ParameterError unless this device can run the call and, if `local`, exists here."""
     if device not in DEVICES:
         raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
     if device == "cuda" and name == "stability":
         raise ParameterError("device = 'cuda': stability is in closed form; leave device out")
     if device == "cuda" and name == "simulate" and call.method != "rodas5p":
         raise ParameterError(f"device = 'cuda' knows rodas5p only, not method = {call.method!r}")
-    if device == "cuda" and here:
+    if device == "cuda" and local:
         from ..engine import cuda
 
         cuda.check()

@@ -1,14 +1,16 @@
-"""How a sweep is cut: into blocks of cases, each of which one task solves and one file holds."""
+"""Chunks of a sweep: blocks of cases, each solved by one task and stored in one file a variable."""
 
 import dataclasses
 import math
 
+import numpy as np
+
 
 @dataclasses.dataclass(frozen=True)
 class Chunks:
-    """Blocks of equal shape, but for the last along a dimension, that together make a sweep.
+    """Blocks that make up a sweep, of equal shape except for the last along each dimension.
 
-    Iterated over, it gives the places of each chunk: dimension -> slice.
+    Iterating gives the slices of each chunk: dimension -> slice.
     """
 
     sizes: dict  # dimension -> number of values
@@ -26,43 +28,39 @@ class Chunks:
 
     def index(self, i):
         """Index of chunk i along each dimension."""
-        found = []
-        for count in reversed(self.counts):
-            i, k = divmod(i, count)
-            found.append(k)
-        return tuple(reversed(found))
+        return tuple(map(int, np.unravel_index(i, self.counts)))
 
-    def places(self, i):
+    def slices(self, i):
         """Dimension -> slice of the cases of chunk i."""
         parts = zip(self.sizes.items(), self.shape, self.index(i), strict=True)
         return {dim: slice(k * m, min((k + 1) * m, n)) for (dim, n), m, k in parts}
 
     def cases(self, i):
         """Number of cases in chunk i."""
-        return math.prod(part.stop - part.start for part in self.places(i).values())
+        return math.prod(part.stop - part.start for part in self.slices(i).values())
 
-    def keys(self, i, variables):
-        """Variable -> path within a store of the file in which chunk i has it, where it has.
+    def file_keys(self, i, variables):
+        """Variable -> path within a store of its file for chunk i, if this chunk writes one.
 
-        What does not depend on some dimensions is written by the first chunk along them.
+        A variable that does not depend on some dimensions is written by the first chunk along them.
         """
         index = dict(zip(self.sizes, self.index(i), strict=True))
-        found = {}
+        paths = {}
         for name, variable in variables.items():
             own = index.keys() & {*variable.dims}
             if own and not any(index[dim] for dim in index.keys() - own):
-                found[name] = "/".join([name, "c", *(str(index.get(d, 0)) for d in variable.dims)])
-        return found
+                paths[name] = "/".join([name, "c", *(str(index.get(d, 0)) for d in variable.dims)])
+        return paths
 
     def __iter__(self):
-        return (self.places(i) for i in range(self.number))
+        return (self.slices(i) for i in range(self.number))
 
 
 def chunks_of(sizes, most):
-    """`Chunks` of at most so many cases, in the order in which arrays lie in memory.
+    """`Chunks` of at most `most` cases, contiguous in memory.
 
-    Trailing dimensions are whole, one is cut into about equal parts, and leading ones are taken
-    value by value.
+    Trailing dimensions are whole, one is divided into about equal parts, and along leading ones a
+    chunk has a single value.
     """
     shape: list = []
     for n in reversed(sizes.values()):
@@ -72,7 +70,7 @@ def chunks_of(sizes, most):
 
 
 def halves(sizes):
-    """Places of the two halves of a block along its longest dimension; dimension -> slice."""
+    """The longest dimension of a block, and its two halves: dimension -> slice."""
     dim = max(sizes, key=sizes.__getitem__)
     middle = sizes[dim] // 2
     return dim, [{dim: slice(0, middle)}, {dim: slice(middle, sizes[dim])}]

@@ -1,4 +1,4 @@
-"""Clusters to work on: a Dask scheduler that is there, or SLURM jobs of one's own."""
+"""Dask clusters: an existing scheduler, or a new cluster of SLURM jobs."""
 
 import contextlib
 import re
@@ -8,20 +8,20 @@ import tempfile
 
 from ..errors import ParameterError
 
-#: what `slurm_cluster` reads for `Jobs`, and what it hands to dask-jobqueue by the same name
+#: options of `slurm_cluster` for `Jobs`, and those passed to dask-jobqueue under the same name
 JOBS = ["jobs", "replacements", "wait"]
 SLURM = "cores memory walltime queue account processes interface".split()
-# Replacements of each job; how long to wait for any worker.
+# Default replacements for each job; default time to wait for any worker.
 REPLACEMENTS, WAIT = 10, "1-00:00:00"
 # Bytes of memory for each process: Python and the kernels alone take 0.3 GB.
-LEAST = 5e8
+MIN_BYTES = 5e8
 EXAMPLE = "for example jobs=10,cores=16,memory=32GB,walltime=02:00:00,queue=short"
 
 
 @contextlib.contextmanager
 def slurm_client(text):
-    """A client of a new `slurm_cluster`; both are closed in the end."""
-    distributed = _needed("distributed")
+    """A client of a new `slurm_cluster`; both are closed at the end."""
+    distributed = _import_extra("distributed")
     with slurm_cluster(text) as cluster, distributed.Client(cluster) as client:
         yield client
 
@@ -29,30 +29,31 @@ def slurm_client(text):
 def slurm_cluster(text, start=True):
     """A Dask cluster of SLURM jobs, from options such as "jobs=10,cores=16,memory=32GB".
 
-    What is not given, and whatever else jobs need, such as ``job-extra-directives``,
-    ``job-script-prologue`` and ``worker-extra-args``, is read from dask-jobqueue's own
-    configuration: ~/.config/dask/jobqueue.yaml, or ``DASK_JOBQUEUE__SLURM__QUEUE`` and its like in
-    the environment.
+    Options that are not given, and whatever else jobs need, such as ``job-extra-directives``,
+    ``job-script-prologue`` and ``worker-extra-args``, are read from dask-jobqueue's own
+    configuration: ~/.config/dask/jobqueue.yaml, or environment variables such as
+    ``DASK_JOBQUEUE__SLURM__QUEUE``.
 
     Parameters
     ----------
     text : str
-        key=value, separated by commas.  For each job ``cores`` and ``memory``, which must be given
-        here or there, ``walltime`` (default 30 min), ``queue``, ``account``, ``processes`` (default
-        one a core) and ``interface``, the network's, such as ib0.  For all of them ``jobs``
-        (default 1), how many there are at a time; ``replacements`` (default 10 for each), how many
-        are submitted, in all, for such as are lost; and ``wait``, hours:minutes:seconds or
-        days-hours:minutes:seconds (default a day) without any worker after which to give up.
+        key=value, separated by commas.  For each job: ``cores`` and ``memory``, which must be given
+        here or in the configuration, ``walltime`` (default 30 min), ``queue``, ``account``,
+        ``processes`` (default one for each core) and ``interface`` of the network, such as ib0.
+        For all jobs: ``jobs`` (default 1), how many run at a time; ``replacements`` (default 10 for
+        each job), how many are submitted in all to replace lost ones; and ``wait``
+        (hours:minutes:seconds or days-hours:minutes:seconds, default a day), after which to give up
+        if there is no worker.
     start : bool
-        Whether to submit the jobs; else ``job_script()`` of the cluster shows what would be.
+        Whether to submit the jobs; else ``job_script()`` of the cluster shows what they would run.
 
     Raises
     ------
     ParameterError
-        An option that is unknown, malformed or missing; SLURM refuses the job, or is not here;
+        An option is unknown, malformed or missing; SLURM refuses the job or is not installed;
         dask-jobqueue is not installed.
     """
-    _needed("dask_jobqueue")  # its configuration, too, is there from now on
+    _import_extra("dask_jobqueue")  # this also loads its configuration
     import dask
 
     from .slurm import SweepCluster
@@ -66,7 +67,7 @@ def slurm_cluster(text, start=True):
         raise ParameterError(f"slurm: {text!r} makes no cluster ({error}); {EXAMPLE}") from error
     if start:
         try:
-            _approve(cluster.job_script())
+            _check_with_slurm(cluster.job_script())
         except ParameterError:
             cluster.close()
             raise
@@ -75,8 +76,8 @@ def slurm_cluster(text, start=True):
 
 
 def _options(text, site):
-    """The options in a text, name -> value, checked; `site`: dask-jobqueue's configuration."""
-    options = _given(text)
+    """The options in a string, name -> checked value; `site`: dask-jobqueue's configuration."""
+    options = _split(text)
     for key in {"cores", "memory", "processes"} - options.keys():
         if site.get(key) is not None:
             options[key] = site[key]
@@ -91,17 +92,18 @@ def _options(text, site):
     if missing := [key for key in ("cores", "memory") if key not in options]:
         raise ParameterError(f"slurm: {' and '.join(missing)} of a job must be given; {EXAMPLE}")
     options.setdefault("replacements", REPLACEMENTS * options["jobs"])
-    # One process a core: each has its own Python, and a case that kills it kills no others.
+    # One process for each core: a case that kills its process then kills no others.
     options.setdefault("processes", options["cores"])
     if options["cores"] % options["processes"]:
         raise ParameterError(
             f"slurm: processes = {options['processes']} must divide cores = {options['cores']}"
         )
     share = _bytes(options["memory"]) / options["processes"]
-    if share < LEAST:
+    if share < MIN_BYTES:
         raise ParameterError(
             f"slurm: memory = {options['memory']} gives each of {options['processes']} processes "
-            f"{share / 1e6:.0f} MB; each needs {LEAST / 1e6:.0f}: ask for more, or fewer processes"
+            f"{share / 1e6:.0f} MB; each needs {MIN_BYTES / 1e6:.0f}: ask for more, or fewer "
+            f"processes"
         )
     if not re.fullmatch(r"(\d+-)?\d+(:\d+){0,2}", options.get("walltime", "1")):
         raise ParameterError(
@@ -111,17 +113,17 @@ def _options(text, site):
     return options | {"wait": _seconds(options["wait"])}
 
 
-def _given(text):
-    """The options in a text, name -> text."""
+def _split(text):
+    """The options in a string, name -> string."""
     if not isinstance(text, str):
         raise ParameterError(f"slurm = {text!r} is not a text; {EXAMPLE}")
     options = {}
     for item in re.split(r",(?=\s*\w+\s*=)", text):  # values may hold commas
         key, equals, value = (part.strip() for part in item.partition("="))
         if not equals or not value or key not in {*JOBS, *SLURM}:
-            known = ", ".join([*JOBS, *SLURM])
+            keys = ", ".join([*JOBS, *SLURM])
             raise ParameterError(
-                f"slurm: {item!r} is not key=value with a key of {known}; {EXAMPLE}"
+                f"slurm: {item!r} is not key=value with a key of {keys}; {EXAMPLE}"
             )
         options[key] = value
     return options
@@ -149,7 +151,7 @@ def _bytes(text):
         raise ParameterError(f"slurm: memory = {text} is no size, such as 32GB") from None
 
 
-def _approve(script):
+def _check_with_slurm(script):
     """Raise ParameterError unless SLURM would take this job."""
     if not shutil.which("sbatch"):
         raise ParameterError(
@@ -171,9 +173,9 @@ def client_of(address):
     Raises
     ------
     ParameterError
-        dask.distributed is not installed; nothing answers there.
+        dask.distributed is not installed, or nothing answers at the address.
     """
-    distributed = _needed("distributed")
+    distributed = _import_extra("distributed")
     try:
         return distributed.Client(address, timeout="10s")
     except (OSError, ValueError) as error:
@@ -183,8 +185,8 @@ def client_of(address):
         ) from error
 
 
-def _needed(module):
-    """A module of the extra `cluster`."""
+def _import_extra(module):
+    """Import a module that the extra `cluster` installs."""
     from importlib import import_module
 
     try:

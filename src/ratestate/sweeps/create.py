@@ -1,4 +1,4 @@
-"""Making a store: in a hidden folder beside its place, renamed when it is whole."""
+"""Making a store: in a hidden temporary folder beside it, which is renamed when complete."""
 
 import contextlib
 import glob
@@ -17,31 +17,31 @@ from zarr.codecs import ZstdCodec
 from ..dynamics.results import versions
 from ..errors import StoreError
 from .inputs import checksum, inputs_of
-from .lock import hold, remove_if_abandoned
-from .manifest import MANIFEST, RECORDS, entry, sha256
-from .older import INSIDE, METADATA
+from .legacy import METADATA, SWEEP_GROUP
+from .lock import lock_folder, remove_if_abandoned
+from .manifest import MANIFEST, RECORDS, manifest_entry, sha256
 from .origin import origin
-from .store import NO_RESULT, noted, to_disk
+from .store import NO_RESULT, device_attrs, to_disk
 
-PENDING = -1  # status of a case that has not been done, and no result in other integers
-# Damage is told by a checksum in each file; more effort would hardly make them smaller.
+PENDING = -1  # status of a case that has not been done; other integers of such a case, too
+# The checksum in each file reveals damage; a higher level would hardly make files smaller.
 CODEC = ZstdCodec(level=0, checksum=True)
 
 
-def create(path, verb, call, chunks, form, device):
-    """Make a store without results, in a temporary sibling that is renamed when it is whole.
+def create(path, request, chunks, form):
+    """Make a store without results, in a temporary sibling that is renamed when complete.
 
     Raises
     ------
     StoreError
-        The place cannot be written to, or has been taken meanwhile.
+        The folder cannot be written to.
     """
     try:
-        temporary, handle = sibling(path)
+        temporary, handle = temporary_sibling(path)
         try:
-            make(temporary, verb, call, chunks, form, device)
-            # as folders are made here
-            temporary.chmod(stat.S_IMODE((temporary / INSIDE).stat().st_mode))
+            make(temporary, request, chunks, form)
+            # the permissions of an ordinary new folder
+            temporary.chmod(stat.S_IMODE((temporary / SWEEP_GROUP).stat().st_mode))
             to_disk([*temporary.rglob("*")], temporary)
             temporary.rename(path)
             to_disk([path], path.parent)
@@ -57,125 +57,126 @@ def create(path, verb, call, chunks, form, device):
         ) from error
 
 
-def sibling(path):
-    """A temporary folder beside a path, and the handle that marks it as in use."""
+def temporary_sibling(path):
+    """Make a temporary folder beside a path; it, and the handle that marks it as in use."""
     while True:
         temporary = Path(tempfile.mkdtemp(".partial", f".{path.name}.", path.parent))
-        handle = hold(temporary)
+        handle = lock_folder(temporary)
         if handle is not None:
             return temporary, handle
 
 
-def tidy(path):
-    """Remove what killed processes left beside a store."""
-    for sibling in path.parent.glob(f".{glob.escape(path.name)}.*.partial"):
-        remove_if_abandoned(sibling)
+def remove_abandoned(path):
+    """Remove temporary folders that killed processes left beside a store."""
+    for folder in path.parent.glob(f".{glob.escape(path.name)}.*.partial"):
+        remove_if_abandoned(folder)
 
 
-def make(folder, verb, call, chunks, form, device):
-    """Make a store in a folder: all its files, but for those of chunks."""
-    _fill(folder, call, chunks, form, device)
-    _note(folder, verb, call, chunks, device)
-    _list(folder, chunks, device)
+def make(folder, request, chunks, form):
+    """Make a store without results in a folder: all its files except those of chunks."""
+    _write_static(folder, request, chunks, form)
+    _write_inputs(folder, request, chunks)
+    _write_manifest(folder, chunks, request.device)
 
 
-def _fill(folder, call, chunks, form, device):
-    """Write the result into a folder, as far as it is known, with room for the rest."""
-    with _unsettled():
-        result = _plain_text(call.dataset(form.static).drop_attrs(deep=False))
+def _write_static(folder, request, chunks, form):
+    """Write what is known of the result before it is computed, and arrays for the rest."""
+    call = request.call
+    with _zarr_3_warnings_ignored():
+        result = _object_strings(call.dataset(form.static).drop_attrs(deep=False))
         group = zarr.open_group(folder, mode="a", zarr_format=3)
-        sure: dict = {name: {"compressors": [CODEC]} for name in result.variables}
+        encoding: dict = {name: {"compressors": [CODEC]} for name in result.variables}
         for name, variable in result.variables.items():
             if variable.dtype.kind == "f":
-                sure[name] |= {"fill_value": NO_RESULT, "_FillValue": None}
-        result.to_zarr(folder, mode="a", consolidated=False, zarr_format=3, encoding=sure)
-        for name, kind in form.kinds.items():
+                encoding[name] |= {"fill_value": NO_RESULT, "_FillValue": None}
+        result.to_zarr(folder, mode="a", consolidated=False, zarr_format=3, encoding=encoding)
+        for name, spec in form.specs.items():
             if name not in form.static:
-                _add(group, name, kind, chunks)
-        attributes = call.dataset({}).attrs | noted(device)
-        beside = {*result.coords, *({"t"} & form.kinds.keys())} - {*result.dims}
-        group.attrs.update(attributes | {"coordinates": " ".join(sorted(beside))})
+                _add_variable(group, name, spec, chunks)
+        attributes = call.dataset({}).attrs | device_attrs(request.device)
+        coordinates = {*result.coords, *({"t"} & form.specs.keys())} - {*result.dims}
+        group.attrs.update(attributes | {"coordinates": " ".join(sorted(coordinates))})
 
 
-def _note(folder, verb, call, chunks, device):
-    """Write into the folder what the sweep is asked, and that no chunk is done."""
-    with _unsettled():
-        inputs = inputs_of(verb, call)
-        inside = zarr.open_group(folder, mode="r+", zarr_format=3).create_group(INSIDE)
-        inputs.to_zarr(folder, group=f"{INSIDE}/inputs", consolidated=False, zarr_format=3)
-        add_record(inside, "done", bool, chunks.number)
-        add_record(inside, "manifest", str, chunks.number + 1)
-        records = [folder / INSIDE / name / METADATA for name in ("done", "manifest")]
-        inside.attrs.update(
-            verb=verb,
+def _write_inputs(folder, request, chunks):
+    """Write the inputs of the sweep, and that no chunk is done."""
+    with _zarr_3_warnings_ignored():
+        inputs = inputs_of(request.name, request.call)
+        sweep_group = zarr.open_group(folder, mode="r+", zarr_format=3).create_group(SWEEP_GROUP)
+        inputs.to_zarr(folder, group=f"{SWEEP_GROUP}/inputs", consolidated=False, zarr_format=3)
+        add_record(sweep_group, "done", bool, chunks.number)
+        add_record(sweep_group, "manifest", str, chunks.number + 1)
+        records = [folder / SWEEP_GROUP / name / METADATA for name in ("done", "manifest")]
+        sweep_group.attrs.update(
+            verb=request.name,
             sizes=chunks.sizes,
             chunk=list(chunks.shape),
-            device=device,
+            device=request.device,
             checksum=checksum(inputs),
             versions=json.loads(versions()),
             **{
                 RECORDS: {
-                    f"{file.relative_to(folder)}": sha256(file.read_bytes()) for file in records
+                    str(file.relative_to(folder)): sha256(file.read_bytes()) for file in records
                 }
             },
         )
         zarr.consolidate_metadata(folder)
 
 
-def add_record(inside, name, kind, number):
-    """Add an array of one dimension, a file for each value, to the group ``sweep``."""
-    with _unsettled():
-        inside.create_array(
+def add_record(sweep_group, name, spec, number):
+    """Add a 1-D array with a file for each value to the group ``sweep``."""
+    with _zarr_3_warnings_ignored():
+        sweep_group.create_array(
             name,
             shape=(number,),
             chunks=(1,),
-            dtype=kind,
-            fill_value=kind(),
+            dtype=spec,
+            fill_value=spec(),
             compressors=[CODEC],
         )
 
 
-def _list(folder, chunks, device):
-    """Write into the manifest what all other files in the folder hold."""
+def _write_manifest(folder, chunks, device):
+    """Write the entry for all files in the folder into the manifest."""
     keys = [file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()]
-    with _unsettled():
+    with _zarr_3_warnings_ignored():
         manifest: Any = zarr.open_array(folder / MANIFEST, mode="r+")
-        manifest[chunks.number] = entry(folder, keys, None, origin(device))
+        manifest[chunks.number] = manifest_entry(folder, keys, None, origin(device))
 
 
 @contextlib.contextmanager
-def _unsettled():
-    """Use what is new in Zarr 3, and all its readers know: text, and metadata joined in a file."""
+def _zarr_3_warnings_ignored():
+    """Allow strings and consolidated metadata: zarr warns, but all readers of Zarr 3 know them."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         yield
 
 
-def _plain_text(data):
-    """The same with labels as text of any length, the one kind that Zarr 3 has settled."""
+def _object_strings(data):
+    """Convert string labels to variable-length strings, the only ones that Zarr 3 specifies."""
     texts = [name for name, value in data.coords.items() if value.dtype.kind == "U"]
     return data.assign_coords({name: data[name].astype(object) for name in texts})
 
 
-def _add(group, name, kind, chunks):
-    """An array for a variable, a file a chunk."""
+def _add_variable(group, name, spec, chunks):
+    """Add the array of a variable, with a file for each chunk."""
     sizes, shape = chunks.sizes, dict(zip(chunks.sizes, chunks.shape, strict=True))
-    text = kind.dtype == object
+    text = spec.dtype == object
     group.create_array(
         name,
-        shape=[{**sizes, **kind.own}[dim] for dim in kind.dims],
-        chunks=[{**shape, **kind.own}[dim] for dim in kind.dims],
-        dtype=str if text else kind.dtype,
-        fill_value=_absent(kind),
-        dimension_names=kind.dims,
-        attributes={k: v.tolist() if hasattr(v, "tolist") else v for k, v in kind.attrs.items()},
+        shape=[{**sizes, **spec.own}[dim] for dim in spec.dims],
+        chunks=[{**shape, **spec.own}[dim] for dim in spec.dims],
+        dtype=str if text else spec.dtype,
+        fill_value=_fill_value(spec),
+        dimension_names=spec.dims,
+        attributes={k: v.tolist() if hasattr(v, "tolist") else v for k, v in spec.attrs.items()},
         compressors=[CODEC],
     )
 
 
-def _absent(kind: Any) -> Any:
-    """What is read where a file is not there: where there is one, a value that no result has."""
-    match kind.dtype.kind:
+def _fill_value(spec: Any) -> Any:
+    """The value that is read where a file is absent: one that no result has, if there is such."""
+    match spec.dtype.kind:
         case "f":
             return NO_RESULT
         case "c":
@@ -183,4 +184,4 @@ def _absent(kind: Any) -> Any:
         case "i":
             return PENDING
         case _:
-            return kind.missing
+            return spec.missing

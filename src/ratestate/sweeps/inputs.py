@@ -1,4 +1,4 @@
-"""What a sweep was asked: recorded in its store, and compared before it goes on."""
+"""The inputs of a sweep: recorded in its store, and compared before it is resumed."""
 
 import dataclasses
 import hashlib
@@ -11,9 +11,12 @@ from ..model.quantities import QUANTITIES
 from ..model.units import is_array
 
 
-def inputs_of(verb, call):
-    """Dataset of all arguments of a call: arrays and numbers as variables, the rest attributes."""
-    variables, texts = {}, {"verb": verb}
+def inputs_of(name, call):
+    """Dataset of all arguments of a call: arrays and numbers as variables, the rest as attributes.
+
+    name : of the function
+    """
+    variables, texts = {}, {"verb": name}
     for name, value in _leaves(call):
         if is_array(value):
             variables[name] = _variable(name, value.dims, value.values)
@@ -29,17 +32,17 @@ def inputs_of(verb, call):
             label = f"coordinate {name}"
             variables[label] = _variable(label, value.dims, value.values)
         else:  # texts, dates
-            texts[f"coordinate {name}"] = _in_words(value)
+            texts[f"coordinate {name}"] = _label_summary(value)
     return xarray.Dataset(variables, attrs=texts)
 
 
 def _variable(name, dims, values):
-    """A variable with dimensions of its own: those of the sweep may have names of parameters."""
+    """A variable with its own dimensions, since those of the sweep may be named like variables."""
     return xarray.Variable([f"{name}, {dim}" for dim in dims], values)
 
 
-def _in_words(labels):
-    """Labels as text: the first few, and what tells all from others."""
+def _label_summary(labels):
+    """Labels as a string: the first few, and a digest of all."""
     texts = labels.values.astype(str).ravel().tolist()
     digest = hashlib.sha256(json.dumps(texts).encode()).hexdigest()[:16]
     more = ", ..." if len(texts) > 5 else ""
@@ -47,20 +50,20 @@ def _in_words(labels):
 
 
 def _leaves(value, name=""):
-    """(name, value) of all that a call holds, down to the last dataclass."""
+    """Yield (name, value) for all fields of a call, those of nested dataclasses included."""
     if dataclasses.is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if not isinstance(value, dict):
         yield name, value
         return
     for key, part in value.items():
-        # the slider's parameters are known by their symbols
+        # the slider's parameters have no prefix
         inside = f"{name} {key}" if name and name != "slider" else key
         yield from _leaves(part, inside.removesuffix("_initial"))
 
 
 def checksum(inputs):
-    """SHA-256 of all values, as text."""
+    """SHA-256 of all inputs, hexadecimal."""
     digest = hashlib.sha256(json.dumps(inputs.attrs, sort_keys=True).encode())
     for name in sorted(inputs.variables):
         variable = inputs.variables[name]
@@ -69,41 +72,42 @@ def checksum(inputs):
     return digest.hexdigest()
 
 
-def differences(stored, asked):
-    """What two sets of inputs differ in, a line each."""
+def input_differences(stored, requested):
+    """Differences between two sets of inputs, as lines."""
     lines = []
-    for name in sorted({*stored.attrs, *asked.attrs}):
-        there, here = stored.attrs.get(name, "not given"), asked.attrs.get(name, "not given")
-        if there != here:
-            lines.append(f"{name}: {there} in the store, {here} now")
-    found = {}
-    for name in sorted({*stored.variables, *asked.variables}):
-        there, here = stored.variables.get(name), asked.variables.get(name)
-        if there is None or here is None or not there.equals(here):
-            found[name] = f"{name}: {_differ(name, there, here)}"
+    for name in sorted({*stored.attrs, *requested.attrs}):
+        old, new = stored.attrs.get(name, "not given"), requested.attrs.get(name, "not given")
+        if old != new:
+            lines.append(f"{name}: {old} in the store, {new} now")
+    changed = {}
+    for name in sorted({*stored.variables, *requested.variables}):
+        old, new = stored.variables.get(name), requested.variables.get(name)
+        if old is None or new is None or not old.equals(new):
+            changed[name] = f"{name}: {_difference(name, old, new)}"
     # (the coordinate of an axis differs whenever the axis does)
-    return lines + [line for name, line in found.items() if _symbol(name) not in found]
+    repeated = {f"coordinate {name}" for name in changed}
+    return lines + [line for name, line in changed.items() if name not in repeated]
 
 
-def _symbol(name):
-    """The symbol whose values a coordinate repeats, or nothing."""
-    return name.removeprefix("coordinate ") if name.startswith("coordinate ") else None
-
-
-def _differ(name, there, here):
-    """How two variables differ."""
-    if there is None or here is None or there.dims != here.dims or there.shape != here.shape:
-        return f"{_shown(name, there)} in the store, {_shown(name, here)} now"
-    old, new = there.values, here.values
-    other = np.argwhere(~((old == new) | (np.isnan(old) & np.isnan(new))))
-    first = tuple(other[0])
+def _difference(name, stored, requested):
+    """How two variables differ, of which one may be None."""
+    if (
+        stored is None
+        or requested is None
+        or stored.shape != requested.shape
+        or stored.dims != requested.dims
+    ):
+        return f"{_shown(name, stored)} in the store, {_shown(name, requested)} now"
+    old, new = stored.values, requested.values
+    differing = np.argwhere(~((old == new) | (np.isnan(old) & np.isnan(new))))
+    first = tuple(differing[0])
     unit = _unit(name)
     pair = f"{old[first].item()!r}{unit} in the store, {new[first].item()!r}{unit} now"
-    if not there.dims:
+    if not stored.dims:
         return pair
-    dims = [dim.removeprefix(f"{name}, ") for dim in there.dims]
-    place = ", ".join(f"{dim}[{i}]" for dim, i in zip(dims, first, strict=True))
-    return f"{len(other)} of {old.size} values differ, first at {place}: {pair}"
+    dims = [dim.removeprefix(f"{name}, ") for dim in stored.dims]
+    index = ", ".join(f"{dim}[{i}]" for dim, i in zip(dims, first, strict=True))
+    return f"{len(differing)} of {old.size} values differ, first at {index}: {pair}"
 
 
 def _shown(name, variable):

@@ -1,4 +1,4 @@
-"""One sweep at a time writes to a store."""
+"""Locks: only one sweep at a time writes to a store."""
 
 import contextlib
 import fcntl
@@ -10,13 +10,13 @@ from ..errors import StoreError
 
 
 @contextlib.contextmanager
-def alone(path, store):
-    """Hold this file of a store, so that no other sweep does; given up even by a killed process.
+def exclusive_lock(path, store):
+    """Lock this file of a store; the system releases the lock when the process ends or is killed.
 
     Raises
     ------
     StoreError
-        Another sweep holds it; it may not be written to; it is missing.
+        Another sweep has the lock; the file is missing, or may not be written to.
     """
     try:
         handle = os.open(path, os.O_RDWR)
@@ -33,7 +33,7 @@ def alone(path, store):
                 f"another sweep is writing to {store}; wait until it has ended, or give this one "
                 f"a store of its own"
             ) from None
-        except OSError as error:  # some network file systems know no locks
+        except OSError as error:  # some network file systems have no locks
             warnings.warn(
                 f"{store} cannot be locked ({error.strerror}): see to it that no other sweep "
                 f"writes to it",
@@ -45,10 +45,10 @@ def alone(path, store):
         os.close(handle)
 
 
-def hold(folder):
-    """Mark a folder as in use, for as long as this process lives; a handle to close afterwards.
+def lock_folder(folder):
+    """Mark a folder as in use while this process lives; a handle to close afterwards.
 
-    None: another process has taken it for one that a kill left, and removes it.
+    None: another process takes the folder for abandoned and is removing it.
     """
     try:
         handle = os.open(folder, os.O_RDONLY)
@@ -59,7 +59,7 @@ def hold(folder):
     except BlockingIOError:
         os.close(handle)
         return None
-    except OSError:  # some network file systems know no locks, and nobody removes anything there
+    except OSError:  # some network file systems have no locks; nothing is removed there
         return handle
     if not folder.exists():
         os.close(handle)
@@ -75,7 +75,7 @@ def remove_if_abandoned(folder):
         return
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        shutil.rmtree(folder, ignore_errors=True)  # held, so that nobody begins to use it
+        shutil.rmtree(folder, ignore_errors=True)  # under the lock, so that nobody starts using it
     except OSError:
         pass
     finally:

@@ -1,4 +1,4 @@
-"""What decides the bits beside a sweep's inputs: versions of programs, kind of processor."""
+"""The origin of results: versions of programs and kind of processor, which decide last digits."""
 
 import json
 
@@ -8,12 +8,12 @@ from ..dynamics.results import versions
 
 
 def origin(device):
-    """Versions and `processor` that this process would solve chunks with."""
+    """Versions and `processor` with which this process solves chunks."""
     return {"versions": json.loads(versions()), "processor": processor(device)}
 
 
 def processor(device):
-    """Kind of processor that kernels are compiled for here, as numba tells LLVM.
+    """Kind of processor for which numba compiles kernels in this process.
 
     Returns
     -------
@@ -23,8 +23,8 @@ def processor(device):
     """
     target, cpu, features = cpu_target.target_context.codegen().magic_tuple()
     used = [name.removeprefix("+") for name in features.split(",") if name.startswith("+")]
-    found = {"target": target, "cpu": cpu, "features": " ".join(used)}
-    return found if device == "cpu" else found | {"gpu": _gpu()}
+    kind = {"target": target, "cpu": cpu, "features": " ".join(used)}
+    return kind if device == "cpu" else kind | {"gpu": _gpu()}
 
 
 def _gpu():
@@ -36,37 +36,40 @@ def _gpu():
     return f"{name}, compute capability {'.'.join(map(str, device.compute_capability))}"
 
 
-def named(kind):
-    """A kind of processor in a few words; None: of which nothing is known."""
-    if kind is None:
+def processor_name(processor):
+    """Short name of a kind of processor; None: it was not recorded."""
+    if processor is None:
         return "not recorded"
-    return "; ".join(filter(None, (kind["cpu"], kind.get("gpu"))))
+    return "; ".join(filter(None, (processor["cpu"], processor.get("gpu"))))
 
 
-def differences(made, kind, here):
-    """In what an origin differs from the one here so that bits may, a line each.
+def origin_differences(old_versions, processor, now):
+    """Differences of a recorded origin from the present one that may change last digits, as lines.
 
-    Another version of ratestate alone is no difference: its kernels have a digest of their own.
+    Another version of ratestate alone does not count: its kernels have a digest of their own.
 
-    made : versions
-    kind : of processor; None: not recorded, and no difference
-    here : `origin`
+    old_versions : dict of the recorded versions
+    processor : the recorded kind; None: not recorded, which does not count as a difference
+    now : the present `origin`
     """
-    new = here["versions"]
-    changed = [name for name in sorted({*made, *new}) if made.get(name) != new.get(name)]
+    new = now["versions"]
+    changed = [
+        name for name in sorted({*old_versions, *new}) if old_versions.get(name) != new.get(name)
+    ]
     lines = [
-        f"version of {name}: {made.get(name)} made the store, {new.get(name)} is here"
+        f"version of {name}: {old_versions.get(name)} made the store, {new.get(name)} is here"
         for name in changed
         if changed != ["ratestate"]
     ]
-    if kind not in (None, here["processor"]):
-        lines.append(f"processor: {_two(kind, here['processor'])}")
+    if processor not in (None, now["processor"]):
+        lines.append(f"processor: {_processor_difference(processor, now['processor'])}")
     return lines
 
 
-def _two(stored, here):
-    there, now = ({*kind["features"].split()} for kind in (stored, here))
-    sides = {"there": sorted(there - now), "here": sorted(now - there)}
+def _processor_difference(stored, now):
+    """How two kinds of processor differ."""
+    there, here = ({*processor["features"].split()} for processor in (stored, now))
+    sides = {"there": sorted(there - here), "here": sorted(here - there)}
     only = [f"only {where}: {', '.join(names)}" for where, names in sides.items() if names]
     more = f" ({'; '.join(only)})" if only else ""
-    return f"{named(stored)} made the store, {named(here)} is here{more}"
+    return f"{processor_name(stored)} made the store, {processor_name(now)} is here{more}"

@@ -1,4 +1,4 @@
-"""What a case of a sweep costs, and so how many of them make a chunk."""
+"""The cost of a case, measured on a sample of the sweep, and from it the size of chunks."""
 
 import contextlib
 import math
@@ -11,78 +11,77 @@ from ..engine import backend
 from ..engine.rows import LANES
 from ..errors import RateStateError
 from ..model.arrays import cut
-from .solve import bytes_of_a_case, solve
+from .solve import bytes_per_case, solve
 
-# Cases to try, spread over the sweep; seconds after which to be content with a part of them.
+# Number of cases in the sample; seconds of computing after which a part of it is enough.
 SAMPLE = 256
 BUDGET = 0.02
-# A chunk: seconds that it takes, at least (below, overhead shows) and at most (what a pulled plug
-# costs); how many each worker gets of a long sweep; its bytes.
+# A chunk: how many seconds it takes, at least (below, overhead shows) and at most (what a power
+# failure costs); how many chunks each worker gets in a long sweep; the largest size in bytes.
 SECONDS = (1.0, 10.0)
 SHARE = 16
 MOST_BYTES = 1 << 27
-# Lanes run empty towards the end of a chunk: in one of 8 times as many cases, by a tenth.  Where
-# that takes longer than this [s], fewer must do, but no fewer than there are lanes.
+# Towards the end of a chunk lanes idle: a tenth of the time if it has 8 times as many cases as
+# there are lanes.  A chunk has so many, or fewer where they take longer than LONGEST [s], but
+# never fewer cases than lanes.
 FULL = 8 * LANES
 LONGEST = 600.0
-# A GPU works on this many at once.
+# A GPU works on this many cases in parallel.
 CASES_ON_GPU = 1 << 17
 
 
-def seconds_of_a_case(sample, kinds):
-    """What a case costs on one core, by a sample, or what can be done of it.
+def seconds_per_case(sample, specs):
+    """Seconds that a case takes on one core, measured on as much of a sample as `BUDGET` allows.
 
     Up to five times too much where costs differ, since the most costly cases come first.
     """
     stop, begin, done = threading.Event(), time.thread_time(), 1.0
 
-    def look(fraction):
+    def watch(fraction):
         nonlocal done
         if fraction > 0.0 and time.thread_time() - begin > BUDGET:
             done = fraction
             stop.set()
 
     with backend.use(threads=1, stop=stop), contextlib.suppress(backend.Stopped):
-        solve(sample, kinds, progress=look)
+        solve(sample, specs, progress=watch)
     return (time.thread_time() - begin) / (done * sample.batch.n)
 
 
-def spread(sizes, most):
-    """Places of about so many cases all over a sweep: dimension -> list of indices."""
-    left, places = float(most), {}
+def sample_indices(sizes, most):
+    """Indices of about `most` cases, evenly spread over a sweep: dimension -> list of indices."""
+    left, indices = float(most), {}
     for number, dim in enumerate(sorted(sizes, key=sizes.__getitem__)):
         side = max(1, round(left ** (1.0 / (len(sizes) - number))))
         count = min(side, sizes[dim])
-        places[dim] = np.unique(np.linspace(0, sizes[dim] - 1, count).round().astype(int)).tolist()
+        indices[dim] = np.unique(np.linspace(0, sizes[dim] - 1, count).round().astype(int)).tolist()
         left /= count
-    return places
+    return indices
 
 
-def cases_of_a_chunk(call, kinds, workers, together, device, run):
-    """How many cases make a chunk.
+def cases_per_chunk(call, specs, workers, shared, device, call_where):
+    """How many cases a chunk should have; in a long sweep each worker gets several chunks.
 
-    Of a long sweep each worker gets several.
-
-    kinds : of the variables
-    workers : how many there are, each with one core
-    together : whether all of them can do one chunk, which keeps their lanes full in a small sweep
-    run : callable of a function and its arguments, which says where
+    specs : dict, variable -> `VariableSpec`
+    workers : number of workers, each with one core
+    shared : whether all workers can share one chunk, which keeps their lanes full in a small sweep
+    call_where : calls a function with its arguments where the work is to be done
     """
     n = call.batch.n
-    fits = max(1, MOST_BYTES // bytes_of_a_case(kinds))
+    fits = max(1, MOST_BYTES // bytes_per_case(specs))
     if device == "cuda":
         return min(n, CASES_ON_GPU, fits)
-    sample = cut(call, spread(call.batch.sizes, min(SAMPLE, fits)))
+    sample = cut(call, sample_indices(call.batch.sizes, min(SAMPLE, fits)))
     try:
-        a_case = run(seconds_of_a_case, sample, kinds)
+        a_case = call_where(seconds_per_case, sample, specs)
     except RateStateError:
         raise
-    except Exception:  # a case of the sample took its worker down; what it costs is not known
+    except Exception:  # a case of the sample killed its worker, so the cost is unknown
         a_case = LONGEST
     a_case = max(a_case, 1e-9)
     full = float(np.clip(LONGEST / a_case, LANES, FULL))
     total = n * a_case
-    if together and n < 2 * workers * full:
+    if shared and n < 2 * workers * full:
         return min(n, fits, math.ceil(LONGEST * workers / a_case))
     seconds = float(np.clip(total / (SHARE * workers), *SECONDS))
     number = workers * math.ceil(total / (seconds * workers))

@@ -17,21 +17,21 @@ class Job(SLURMJob):
         try:
             await super().start()
         except (RuntimeError, ValueError, OSError) as error:
-            # dask-jobqueue quotes the whole call; what sbatch says comes last
+            # dask-jobqueue quotes the whole call; the message of sbatch comes last
             self.refused = "; ".join(str(error).rpartition("stderr:")[-1].strip().splitlines())
             self.status = Status.running  # as Dask expects
 
 
 class SweepCluster(SLURMCluster):
-    """SLURM jobs with Dask workers; more in `Jobs`, which takes the first parameters."""
+    """SLURM jobs with Dask workers; the first parameters are those of `Jobs`."""
 
     job_cls = Job
 
     def __init__(self, jobs, replacements, wait, **settings):
-        # What Dask logs of workers that die is said by `Jobs`, and better.
+        # Dask's log of workers that die is silenced: `Jobs` has better messages.
         super().__init__(**settings, silence_logs="critical")
         self.jobs = Jobs(self, jobs, replacements, wait)
 
     def _update_worker_status(self, op, msg):
-        # `SpecCluster` would cancel a job whose only worker is not back, after its death, in 15 s.
+        # `SpecCluster` would cancel a job whose only worker died and did not return within 15 s.
         super(SpecCluster, self)._update_worker_status(op, msg)

@@ -1,4 +1,4 @@
-"""What a store, or a result, holds."""
+"""The status of a store: cases done, failed cases, versions, damage."""
 
 import json
 import math
@@ -10,13 +10,13 @@ import numpy as np
 import zarr
 
 from ..engine.model import CRASHED, STATUSES, STEADY_SLIDING
-from .manifest import Checked, contents, flaws, whole
+from .manifest import Checked, find_flaws, intact_chunks, read_contents
 from .solve import ANSWERED
-from .store import chunks_in, damage_told, read
+from .store import as_store_error, read_group, stored_chunks
 
 
-class Held(NamedTuple):
-    """What a store holds."""
+class StoreStatus(NamedTuple):
+    """How much of a sweep a store has, and what made it."""
 
     path: Path
     verb: str
@@ -30,17 +30,17 @@ class Held(NamedTuple):
     versions: dict  # of the programs that made it
     size: int  # bytes on disk
     origins: list  # dicts: versions, processor (None: not recorded) and number of chunks of each
-    flaws: list | None  # texts: files that are damaged or missing; None: not looked for
+    flaws: list | None  # strings: files that are damaged or missing; None: not verified
 
 
-def held(path, verify=False):
-    """What the store at a path holds; `Held`.
+def store_status(path, verify=False):
+    """`StoreStatus` of the store at a path.
 
     Parameters
     ----------
     path : str or Path
     verify : bool
-        Whether to read all files, and hold them against the store's manifest.
+        Whether to read all files and compare them with the store's manifest.
 
     Raises
     ------
@@ -48,71 +48,71 @@ def held(path, verify=False):
         It is no store of a sweep, or cannot be read.
     """
     path = Path(path)
-    inside, _ = read(path)
-    chunks = chunks_in(inside)
-    with damage_told(path):
-        there = contents(path, inside)
-        found = flaws(there) if verify else []
-        done = whole(there, found)
-        number = _counts(Checked(path, held=there), chunks, done)
-    return Held(
+    sweep_group, _ = read_group(path)
+    chunks = stored_chunks(sweep_group)
+    with as_store_error(path):
+        contents = read_contents(path, sweep_group)
+        flaws = find_flaws(contents) if verify else []
+        done = intact_chunks(contents, flaws)
+        counts = _count_statuses(Checked(path, contents=contents), chunks, done)
+    return StoreStatus(
         path,
-        inside.attrs["verb"],
+        sweep_group.attrs["verb"],
         chunks.sizes,
         math.prod(chunks.sizes.values()),
-        number.total(),
-        _failed(number),
-        number[STEADY_SLIDING],
+        counts.total(),
+        _count_failed(counts),
+        counts[STEADY_SLIDING],
         chunks.number,
         int(done.sum()),
-        inside.attrs["versions"],
+        sweep_group.attrs["versions"],
         sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
-        _origins(inside, there, done),
-        list(map(str, found)) if verify else None,
+        _origins(sweep_group, contents, done),
+        list(map(str, flaws)) if verify else None,
     )
 
 
-def _origins(inside, there, done):
-    """What made the chunks that are done, and how many each."""
-    number = Counter[str]()
+def _origins(sweep_group, contents, done):
+    """The origins of the chunks that are done, each with the number of its chunks."""
+    counts = Counter[str]()
     for i in np.flatnonzero(done).tolist():
-        entry = there.entries.get(i, inside.attrs)
-        who = {"versions": entry["versions"], "processor": entry.get("processor")}
-        number[json.dumps(who, sort_keys=True)] += 1
-    return [json.loads(who) | {"chunks": n} for who, n in number.items()]
+        made = contents.entries.get(i, sweep_group.attrs)
+        origin = {"versions": made["versions"], "processor": made.get("processor")}
+        counts[json.dumps(origin, sort_keys=True)] += 1
+    return [json.loads(origin) | {"chunks": n} for origin, n in counts.items()]
 
 
-def failed_in(store):
+def failed_cases_in(store):
     """Number of failed cases among those that an open `Store` has."""
-    with damage_told(store.path):
-        return _failed(_counts(store.path, store.chunks, store.done))
+    with as_store_error(store.path):
+        return _count_failed(_count_statuses(store.path, store.chunks, store.done))
 
 
-def crashed_in(store):
+def crashed_chunks_in(store):
     """Numbers of the chunks with cases that crashed, among those that an open `Store` has."""
-    with damage_told(store.path):
+    with as_store_error(store.path):
         parts = _statuses(store.path, store.chunks, store.done)
         return [i for i, status in parts if (status == CRASHED).any()]
 
 
-def _counts(path, chunks, done):
+def _count_statuses(path, chunks, done):
     """Status -> number of cases, of the chunks that are done."""
-    number = Counter[int]()
+    counts = Counter[int]()
     for _, status in _statuses(path, chunks, done):
-        codes, counts = np.unique(status, return_counts=True)
-        number.update(dict(zip(codes.tolist(), counts.tolist(), strict=True)))
-    return number
+        codes, numbers = np.unique(status, return_counts=True)
+        counts.update(dict(zip(codes.tolist(), numbers.tolist(), strict=True)))
+    return counts
 
 
 def _statuses(path, chunks, done):
-    """(number, status of its cases) of each chunk that is done."""
+    """Yield (number, status of its cases) for each chunk that is done."""
     status: Any = zarr.open_group(path, mode="r", use_consolidated=False)["status"]
     for i in np.flatnonzero(done).tolist():
-        yield i, status[tuple(chunks.places(i).values())]
+        yield i, status[tuple(chunks.slices(i).values())]
 
 
-def _failed(number):
-    return sum(count for code, count in number.items() if code not in ANSWERED)
+def _count_failed(counts):
+    return sum(count for code, count in counts.items() if code not in ANSWERED)
 
 
 def failures(data, most=20):
@@ -126,18 +126,19 @@ def failures(data, most=20):
 
     Returns
     -------
-    list of (place, name, message), int
-        Place: dimension -> label, or number where it has none; name of the status; and of how many
-        they are the first.
+    list of (labels, name, message)
+        Labels: dimension -> label, or index where there is no label.  Name of the status.
+    int
+        Number of all failed cases.
     """
     status = data["status"].values
     where = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))
-    found = []
+    first = []
     for index in where[:most]:
-        place = {
+        labels = {
             dim: data[dim].values[i] if dim in data.coords else int(i)
             for dim, i in zip(data["status"].dims, index, strict=True)
         }
         at = tuple(index)
-        found.append((place, STATUSES[int(status[at])][0], str(data["message"].values[at])))
-    return found, len(where)
+        first.append((labels, STATUSES[int(status[at])][0], str(data["message"].values[at])))
+    return first, len(where)

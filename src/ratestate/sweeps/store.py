@@ -1,10 +1,10 @@
-"""A store of a sweep on disk: a Zarr group, filled by chunks, that any interruption leaves whole.
+"""A store of a sweep on disk: a Zarr group, filled by chunks, that any interruption leaves intact.
 
-The group holds the result as xarray reads it.  Its subgroup ``sweep`` knows the rest: ``inputs``,
-the shape of chunks, versions, ``done``, one flag a chunk, and ``manifest``, what each file must
-hold and what made it.  A chunk is one file a variable, written by one task, and reaches the disk,
-its entry in the manifest with it, before its flag does.  zarr writes a file beside its
-place and renames it, so that a file is whole or absent.
+The group holds the result as xarray reads it.  Its subgroup ``sweep`` has the rest: ``inputs``, the
+shape of chunks, versions, ``done``, one flag a chunk, and ``manifest``, the checksum and origin of
+each file.  A chunk has one file for each variable, written by one task.  These files, and the
+chunk's entry in the manifest, reach the disk before its flag does.  zarr writes a temporary file
+and renames it, so that a file is complete or absent.
 """
 
 import contextlib
@@ -18,26 +18,26 @@ import zarr
 
 from ..errors import StoreError
 from .chunks import Chunks, chunks_of
-from .inputs import checksum, differences, inputs_of
+from .inputs import checksum, input_differences, inputs_of
+from .legacy import DAMAGE, SWEEP_GROUP
 from .manifest import (
     MANIFEST,
     Checked,
-    contents,
-    entry,
-    flawed_records,
-    flaws,
-    listed,
-    lost_record,
-    told,
+    as_lines,
+    damage_message,
+    find_flaws,
+    flawed_metadata,
+    inputs_damaged_message,
+    manifest_entry,
+    read_contents,
 )
-from .older import DAMAGE, INSIDE
 from .origin import origin
 
-# What stands in a file of numbers that is not there: the value that netCDF has for it.  No result
-# has it, and readers shall see it, so it is not declared as missing.
+# What is read where a file of numbers is absent: netCDF's fill value.  No result has this value.
+# Readers shall see it, so it is not declared as a missing value.
 NO_RESULT = 9.969209968386869e36
-# Cases of which all messages are read at once.
-MANY = 10**7
+# Up to so many cases all messages are read at once.
+MOST_MESSAGES = 10**7
 
 
 class Store(NamedTuple):
@@ -47,60 +47,61 @@ class Store(NamedTuple):
     chunks: Chunks
     done: np.ndarray  # (chunks,) bool, when it was opened
     checksum: str  # of its inputs
-    variables: frozenset  # names of those that it has room for
+    variables: frozenset  # names of those that it has arrays for
 
 
-def examined(path, verb, call, chunk, device):
-    """The group with what is known of a sweep in the store at a path, if it is this sweep's.
+def matching_group(path, request):
+    """The group ``sweep`` of the store at a path, which must belong to the requested sweep.
 
     Raises
     ------
     StoreError
         It was made from other parameters, listed; it is no store of a sweep, or cannot be read.
     """
-    inside, inputs = read(path)
-    chunks = chunks_in(inside)
-    lines = differences(inputs, inputs_of(verb, call))
-    if device != inside.attrs["device"]:
-        lines.append(f"device: {inside.attrs['device']} in the store, {device} now")
+    sweep_group, inputs = read_group(path)
+    chunks = stored_chunks(sweep_group)
+    lines = input_differences(inputs, inputs_of(request.name, request.call))
+    device, chunk = sweep_group.attrs["device"], request.chunk
+    if request.device != device:
+        lines.append(f"device: {device} in the store, {request.device} now")
     if chunk is not None and chunks_of(chunks.sizes, chunk).shape != chunks.shape:
         lines.append(f"chunk: blocks of {chunks.shape} cases in the store, chunk={chunk} now")
     if lines:
         raise StoreError(
             f"{path} holds another sweep; give this one a store of its own, or make it the "
-            f"same:{listed(lines)}"
+            f"same:{as_lines(lines)}"
         )
-    return inside
+    return sweep_group
 
 
-def is_complete(path, inside):
-    """Whether all chunks are in a store, and nothing of it is damaged; reads every file."""
-    with damage_told(path):
-        if flawed_records(path, inside):
+def is_complete(path, sweep_group):
+    """Whether a store has all chunks and no damaged file; reads every file."""
+    with as_store_error(path):
+        if flawed_metadata(path, sweep_group):
             return False
-        held = contents(path, inside)
-        return bool(held.done.all()) and not flaws(held)
+        contents = read_contents(path, sweep_group)
+        return bool(contents.done.all()) and not find_flaws(contents)
 
 
-def chunks_in(inside):
-    """`Chunks` of a store, of which this is the group ``sweep``."""
-    return Chunks(inside.attrs["sizes"], tuple(inside.attrs["chunk"]))
+def stored_chunks(sweep_group):
+    """`Chunks` of the store with this group ``sweep``."""
+    return Chunks(sweep_group.attrs["sizes"], tuple(sweep_group.attrs["chunk"]))
 
 
-def sweep_up(path):
-    """Remove what killed writers left in a store."""
+def remove_partials(path):
+    """Remove temporary files that killed writers left in a store."""
     for partial in path.rglob("*.partial"):
         partial.unlink(missing_ok=True)
 
 
-def noted(device):
-    """Attributes of a result that say where it comes from: the GPU's bits are not the CPU's."""
+def device_attrs(device):
+    """Attributes of a result that name its device: a GPU and a CPU differ in last digits."""
     return {} if device == "cpu" else {"device": device}
 
 
 @contextlib.contextmanager
-def damage_told(path):
-    """Make a StoreError of all that reading a store that is none, or damaged, may raise."""
+def as_store_error(path):
+    """Turn any error from reading a damaged store, or something that is none, into a StoreError."""
     try:
         yield
     except StoreError:
@@ -108,71 +109,76 @@ def damage_told(path):
     except PermissionError as error:
         raise StoreError(f"{path} cannot be read ({error.strerror})") from error
     except DAMAGE as error:
-        found = _flaws_at(path)
-        if lost := [flaw for flaw in found if flaw.file.key.startswith(f"{INSIDE}/inputs/")]:
-            raise StoreError(lost_record(path, lost[0])) from error
-        if found:
-            raise StoreError(told(path, found)) from error
+        flaws = _flaws_of_store(path)
+        inputs = f"{SWEEP_GROUP}/inputs/"
+        if lost := [flaw for flaw in flaws if flaw.file.key.startswith(inputs)]:
+            raise StoreError(inputs_damaged_message(path, lost[0])) from error
+        if flaws:
+            raise StoreError(damage_message(path, flaws)) from error
         if not path.exists():
             raise StoreError(
                 f"there is nothing at {path}: no sweep has stored a chunk yet, or it "
                 "was another path"
             ) from error
-        if (path / INSIDE).is_dir():
-            raise StoreError(lost_record(path, f"{INSIDE}: {error}")) from error
+        if (path / SWEEP_GROUP).is_dir():
+            raise StoreError(inputs_damaged_message(path, f"{SWEEP_GROUP}: {error}")) from error
         raise StoreError(f"{path} is no store of a sweep ({error}); give another path") from error
 
 
-def _flaws_at(path):
-    """All `Flaw`s of the store at a path; none if it cannot be told."""
+def _flaws_of_store(path):
+    """All `Flaw`s of the store at a path; none if they cannot be determined."""
     try:
-        inside: Any = zarr.open_group(path / INSIDE, mode="r", use_consolidated=False)
-        return flawed_records(path, inside) or flaws(contents(path, inside))
+        sweep_group: Any = zarr.open_group(path / SWEEP_GROUP, mode="r", use_consolidated=False)
+        return flawed_metadata(path, sweep_group) or find_flaws(read_contents(path, sweep_group))
     except DAMAGE:
         return []
 
 
-def read(path):
-    """The group with what is known of a sweep, and its inputs; StoreError if that is damaged."""
-    with damage_told(path):
-        inside: Any = zarr.open_group(path / INSIDE, mode="r", use_consolidated=False)
+def read_group(path):
+    """The group ``sweep`` of a store, and the inputs of the sweep; StoreError if damaged."""
+    with as_store_error(path):
+        sweep_group: Any = zarr.open_group(path / SWEEP_GROUP, mode="r", use_consolidated=False)
         with xarray.open_zarr(
-            path, group=f"{INSIDE}/inputs", chunks=None, consolidated=False, decode_cf=False
+            path, group=f"{SWEEP_GROUP}/inputs", chunks=None, consolidated=False, decode_cf=False
         ) as data:
             inputs = data.load()
-        known = {"verb", "sizes", "chunk", "device", "checksum", "versions"} <= {*inside.attrs}
-    if not known or checksum(inputs) != inside.attrs["checksum"]:
-        raise StoreError(lost_record(path, "its checksum is another"))
-    return inside, inputs
+        needed = {"verb", "sizes", "chunk", "device", "checksum", "versions"}
+        complete = needed <= {*sweep_group.attrs}
+    if not complete or checksum(inputs) != sweep_group.attrs["checksum"]:
+        raise StoreError(inputs_damaged_message(path, "its checksum is another"))
+    return sweep_group, inputs
 
 
 def write(store, i, variables):
-    """Put the variables of chunk i into an open store, and say that they are there.
+    """Write the variables of chunk i into an open store, and set its flag.
 
     Raises
     ------
     StoreError
-        They cannot be written, or not whole; the store then lacks them, and nothing else.
+        They cannot be written completely; the store then lacks this chunk, and nothing else.
     """
-    with _writing(store.path):
+    with _as_write_error(store.path):
         _write(store, i, variables)
 
 
-def undone(store, numbers):
-    """The store with these chunks to be done again; errors as for `write`."""
+def mark_undone(store, numbers):
+    """Clear the flags of these chunks, so that they are computed again; return the store.
+
+    Raises what `write` does.
+    """
     done = store.done.copy()
     done[numbers] = False
-    with _writing(store.path):
-        flags: Any = zarr.open_array(store.path / INSIDE / "done", mode="r+")
+    with _as_write_error(store.path):
+        flags: Any = zarr.open_array(store.path / SWEEP_GROUP / "done", mode="r+")
         for i in numbers:  # (zarr removes the files)
             flags[i] = False
-        to_disk([store.path / INSIDE / "done" / "c"], store.path)
+        to_disk([store.path / SWEEP_GROUP / "done" / "c"], store.path)
     return store._replace(done=done)
 
 
 @contextlib.contextmanager
-def _writing(path):
-    """Make a StoreError of all that writing may raise."""
+def _as_write_error(path):
+    """Turn any error from writing into a StoreError."""
     try:
         yield
     except StoreError:
@@ -187,23 +193,23 @@ def _writing(path):
 def _write(store, i, variables):
     path, chunks = store.path, store.chunks
     group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=False)
-    inside = group[INSIDE]
-    if inside.attrs["checksum"] != store.checksum:  # a worker may be the last to know
+    sweep_group = group[SWEEP_GROUP]
+    if sweep_group.attrs["checksum"] != store.checksum:  # a worker may not have noticed
         raise StoreError(f"{path} has been replaced by the store of another sweep")
-    room = {name: variable for name, variable in variables.items() if name in store.variables}
-    keys, places = chunks.keys(i, room), chunks.places(i)
+    stored = {name: variable for name, variable in variables.items() if name in store.variables}
+    keys, slices = chunks.file_keys(i, stored), chunks.slices(i)
     for name in keys:
-        where = tuple(places.get(dim, slice(None)) for dim in variables[name].dims)
-        # (zarr leaves out files of fill values alone; here a missing one shall be a loss, and seen)
+        where = tuple(slices.get(dim, slice(None)) for dim in variables[name].dims)
+        # (zarr omits files that hold only fill values; here a missing file must mean a loss)
         group[name].with_config({"write_empty_chunks": True})[where] = variables[name].values
-    group[MANIFEST][i] = entry(path, keys.values(), i, origin(inside.attrs["device"]))
+    group[MANIFEST][i] = manifest_entry(path, keys.values(), i, origin(sweep_group.attrs["device"]))
     to_disk([path / key for key in (*keys.values(), f"{MANIFEST}/c/{i}")], path)
-    group[f"{INSIDE}/done"][i] = True
-    to_disk([path / INSIDE / "done" / "c" / str(i)], path)
+    group[f"{SWEEP_GROUP}/done"][i] = True
+    to_disk([path / SWEEP_GROUP / "done" / "c" / str(i)], path)
 
 
 def to_disk(files, top):
-    """Have the system write files, and the folders below `top` that name them, to the disk."""
+    """Have the system write files, and their folders up to `top`, to the disk."""
     folders = {one for file in files for one in file.parents if one.is_relative_to(top)}
     for file in {*files, *folders}:
         handle = os.open(file, os.O_RDONLY)
@@ -213,13 +219,13 @@ def to_disk(files, top):
             os.close(handle)
 
 
-def result_of(path):
-    """The result in a store, read and checked where it is used; cases not done: status -1, NaN."""
-    with damage_told(path):
-        inside: Any = zarr.open_group(path / INSIDE, mode="r", use_consolidated=False)
-        held = contents(path, inside)
-        data = xarray.open_zarr(Checked(path, held=held), chunks=None, decode_cf=False)
-        if not held.done.all():
+def open_result(path):
+    """The result in a store, read and checked when it is used; cases not done: status -1, NaN."""
+    with as_store_error(path):
+        sweep_group: Any = zarr.open_group(path / SWEEP_GROUP, mode="r", use_consolidated=False)
+        contents = read_contents(path, sweep_group)
+        data = xarray.open_zarr(Checked(path, contents=contents), chunks=None, decode_cf=False)
+        if not contents.done.all():
             for variable in data.data_vars.values():
                 if variable.dtype.kind in "fc":
                     fill = (
@@ -227,13 +233,13 @@ def result_of(path):
                     )
                     variable.attrs["_FillValue"] = fill
         data = xarray.decode_cf(data)
-        if data["message"].size > MANY:
+        if data["message"].size > MOST_MESSAGES:
             return data
         # xarray cannot mask zarr's own type for text
         return data.assign(message=data["message"].astype(object))
 
 
-def loaded(path):
-    """The result in a store, in memory; StoreError if any of it is damaged or missing."""
-    with damage_told(path):
-        return result_of(path).load()
+def load_result(path):
+    """Read the result in a store into memory; StoreError if a file is damaged or missing."""
+    with as_store_error(path):
+        return open_result(path).load()

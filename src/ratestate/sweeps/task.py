@@ -1,4 +1,4 @@
-"""A chunk of a sweep: solved, and stored if there is a store."""
+"""One chunk of a sweep: solved, and stored if there is a store."""
 
 import json
 from typing import Any, NamedTuple
@@ -7,13 +7,13 @@ from ..dynamics.results import versions
 from ..engine import backend
 from ..errors import StoreError
 from .chunks import Chunks
-from .manifest import listed
-from .origin import differences, origin
-from .solve import failed, solve
+from .manifest import as_lines
+from .origin import origin, origin_differences
+from .solve import count_failed, solve
 
 
 class Outcome(NamedTuple):
-    """What became of a chunk."""
+    """The result of a chunk."""
 
     chunk: int
     failed: int  # cases without an answer
@@ -24,14 +24,14 @@ class Tasks(NamedTuple):
     """What all chunks of a sweep share."""
 
     chunks: Chunks
-    kinds: dict
+    specs: dict  # variable -> `VariableSpec`
     store: Any  # `Store`, or None
     device: str
-    kind: dict | None = None  # of processor, of all workers; None: of any
+    processor: dict | None = None  # kind that all workers must have; None: any
 
     def outcome(self, i, variables):
-        """Store the variables of chunk i, if there is a store; `Outcome`."""
-        number = failed(variables)
+        """Store the variables of chunk i, if there is a store; return its `Outcome`."""
+        number = count_failed(variables)
         if self.store is None:
             return Outcome(i, number, variables)
         from .store import write
@@ -40,21 +40,21 @@ class Tasks(NamedTuple):
         return Outcome(i, number, None)
 
     def do(self, i, part, progress=None, threads=1, stop=None):
-        """Solve chunk i, the cases of the call `part`; `Outcome`."""
+        """Solve chunk i, whose cases are those of the call `part`; return its `Outcome`."""
         with backend.use(threads=threads, stop=stop, device=self.device):
-            return self.outcome(i, solve(part, self.kinds, progress))
+            return self.outcome(i, solve(part, self.specs, progress))
 
 
-def do_elsewhere(tasks, i, part, expected):
-    """`Tasks.do` in a worker process of the versions expected, on the kind of processor."""
+def do_on_worker(tasks, i, part, expected):
+    """`Tasks.do` in a worker process, which must have the expected versions and processor."""
     if versions() != expected:
         raise StoreError(
             f"a worker has other versions, {json.loads(versions())}, than those expected, "
             f"{json.loads(expected)}: results would differ in their last digits; install the same"
         )
-    if lines := differences(json.loads(expected), tasks.kind, origin(tasks.device)):
+    if lines := origin_differences(json.loads(expected), tasks.processor, origin(tasks.device)):
         raise StoreError(
             f"a worker differs from those before it, and results would in their last digits; use "
-            f"workers of one kind, or take them all with mixed=True (--mixed):{listed(lines)}"
+            f"workers of one kind, or take them all with mixed=True (--mixed):{as_lines(lines)}"
         )
     return tasks.do(i, part)

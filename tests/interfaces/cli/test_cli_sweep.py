@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 import ratestate as rs
 from ratestate import ParameterError, SolverError, files
 from ratestate.interfaces.cli import main
-from ratestate.sweeps.status import held
+from ratestate.sweeps.status import store_status
 
 SCENARIO = """
 [slider]
@@ -35,7 +35,7 @@ V_lp = ["1 mm/s", "10 mm/s"]
 """
 
 
-class Held(NamedTuple):
+class StoreStatus(NamedTuple):
     path: Path
     verb: str = "limit_cycle"
     dims: dict = {"M": 3, "V_lp": 2}  # noqa: RUF012
@@ -64,20 +64,24 @@ def file(tmp_path):
 
 @pytest.fixture
 def sweeps(monkeypatch, tmp_path):
-    """Stand-ins for sweeps and clusters: `asked` lists the calls; the rest may be changed."""
+    """Stand-ins for sweeps and clusters: `requests` lists the calls; the rest may be changed."""
     seen = types.SimpleNamespace(
-        asked=[], held=Held(tmp_path / "x.zarr"), failures=[], ends=lambda: None, opened=[]
+        requests=[],
+        status=StoreStatus(tmp_path / "x.zarr"),
+        failures=[],
+        ends=lambda: None,
+        opened=[],
     )
 
     def sweep(verb, slider, **arguments):
-        seen.asked.append((verb, slider, arguments))
+        seen.requests.append((verb, slider, arguments))
         seen.ends()
         return xr.Dataset()
 
-    def held(store, verify=False):
-        if seen.held is None:
+    def store_status(store, verify=False):
+        if seen.status is None:
             raise ParameterError(f"{store} is no store")
-        return seen.held
+        return seen.status
 
     def failures(data, most):
         return seen.failures[:most], len(seen.failures)
@@ -102,8 +106,8 @@ def sweeps(monkeypatch, tmp_path):
             return f"client of {self.options}"
 
     stand_ins = {
-        "verb": {"sweep": sweep},
-        "status": {"held": held, "failures": failures},
+        "sweep": {"sweep": sweep},
+        "status": {"store_status": store_status, "failures": failures},
         "connect": {
             "slurm_cluster": Cluster,
             "slurm_client": Client,
@@ -120,7 +124,7 @@ def sweeps(monkeypatch, tmp_path):
 def test_the_file_s_sweep_is_run(sweeps, file, tmp_path):
     result = call("sweep", file, "--store", tmp_path / "x.zarr")
     assert result.exit_code == 0, result.output
-    ((verb, slider, arguments),) = sweeps.asked
+    ((verb, slider, arguments),) = sweeps.requests
     assert verb == "limit_cycle"
     assert slider.M.values.tolist() == [100.0, 1000.0, 10000.0]
     assert arguments.pop("V_lp").values.tolist() == [0.001, 0.01]
@@ -141,7 +145,7 @@ def test_options_reach_the_sweep(sweeps, file, tmp_path):
     assert call("sweep", file, *store, "--chunk", 7, "--device", "cuda", "--mixed").exit_code == 0
     assert call("sweep", file, *store, "--scheduler", "tcp://node1:8786").exit_code == 0
     assert call("sweep", file, *store, "--slurm", "jobs=2,cores=4").exit_code == 0
-    first, second, third = (arguments for _, _, arguments in sweeps.asked)
+    first, second, third = (arguments for _, _, arguments in sweeps.requests)
     assert (first["chunk"], first["device"], first["client"]) == (7, "cuda", None)
     assert (first["mixed"], second["mixed"]) == (True, False)
     assert second["client"] == "tcp://node1:8786"
@@ -159,7 +163,7 @@ def test_a_cluster_is_closed_whatever_happens(sweeps, file):
 
 
 def test_some_failed(sweeps, file, tmp_path):
-    sweeps.held = sweeps.held._replace(failed=22, steady=1, cases=40, done=40)
+    sweeps.status = sweeps.status._replace(failed=22, steady=1, cases=40, done=40)
     sweeps.failures = [({"M": 100.0 * i, "V_lp": 0.0032}, "step_limit", "why") for i in range(22)]
     result = call("sweep", file, "--store", tmp_path / "x.zarr")
     assert result.exit_code == 3
@@ -171,7 +175,7 @@ def test_some_failed(sweeps, file, tmp_path):
 
 
 def test_summary_of_other_verbs(sweeps, file, tmp_path):
-    sweeps.held = sweeps.held._replace(verb="simulate", steady=0, done=5)
+    sweeps.status = sweeps.status._replace(verb="simulate", steady=0, done=5)
     result = call("sweep", file, "--store", tmp_path / "x.zarr")
     assert result.stdout.endswith("x.zarr: 5 finished, 0 failed, 1 not done\n")
 
@@ -180,7 +184,7 @@ def test_ctrl_c(sweeps, file, tmp_path):
     def interrupt():
         raise KeyboardInterrupt
 
-    sweeps.ends, sweeps.held = interrupt, sweeps.held._replace(done=4)
+    sweeps.ends, sweeps.status = interrupt, sweeps.status._replace(done=4)
     store = tmp_path / "x.zarr"
     result = call("sweep", file, "--store", store)
     assert result.exit_code == 130
@@ -191,7 +195,7 @@ def test_ctrl_c(sweeps, file, tmp_path):
     assert result.exit_code == 130
     last = result.stderr.splitlines()[-1]
     assert last == (f"interrupted; 4 of 6 cases are stored in {store}; the same command resumes")
-    sweeps.held = None
+    sweeps.status = None
     result = call("sweep", file, "--store", store)
     assert result.exit_code == 130
     last = result.stderr.splitlines()[-1]
@@ -229,7 +233,7 @@ def test_a_file_with_problems_starts_nothing(sweeps, file):
     ]
     for line, pattern in zip(sorted(lines), expected, strict=True):
         assert re.fullmatch(pattern, line)
-    assert (sweeps.asked, sweeps.opened) == ([], [])
+    assert (sweeps.requests, sweeps.opened) == ([], [])
 
 
 @pytest.mark.parametrize(
@@ -247,18 +251,18 @@ def test_usage(sweeps, arguments, named):
     result = call("sweep", *arguments)
     assert result.exit_code == 2
     assert named in result.stderr
-    assert sweeps.asked == []
+    assert sweeps.requests == []
 
 
 def test_the_job_script_is_printed_and_nothing_run(sweeps, file):
     result = call("sweep", file, "--store", "x", "--slurm", "jobs=2,cores=4", "--job-script")
     assert result.exit_code == 0
     assert result.stdout == "#SBATCH jobs=2,cores=4\n"
-    assert sweeps.asked == []
+    assert sweeps.requests == []
 
 
 def test_status(sweeps, tmp_path):
-    sweeps.held = sweeps.held._replace(done=4, chunks_done=2, failed=1)
+    sweeps.status = sweeps.status._replace(done=4, chunks_done=2, failed=1)
     result = call("sweep", "--store", tmp_path / "x.zarr", "--status")
     assert result.exit_code == 0, result.output
     assert (
@@ -276,7 +280,7 @@ versions  ratestate 0.1.0, numpy 2.3.0
 size      123 kB
 """
     )
-    assert sweeps.asked == []
+    assert sweeps.requests == []
 
 
 @pytest.mark.parametrize(
@@ -284,7 +288,7 @@ size      123 kB
     [(0, "0 B"), (999, "999 B"), (1000, "1 kB"), (2_345_678_901_234, "2.35e+03 GB")],
 )
 def test_sizes(sweeps, size, text):
-    sweeps.held = sweeps.held._replace(size=size)
+    sweeps.status = sweeps.status._replace(size=size)
     assert call("sweep", "--store", "x", "--status").stdout.splitlines()[-1] == f"size      {text}"
 
 
@@ -292,11 +296,11 @@ def test_verify(sweeps, tmp_path):
     result = call("sweep", "--store", tmp_path / "x.zarr", "--verify")
     assert result.exit_code == 2
     assert "it needs --status" in result.stderr
-    sweeps.held = sweeps.held._replace(flaws=[])
+    sweeps.status = sweeps.status._replace(flaws=[])
     result = call("sweep", "--store", tmp_path / "x.zarr", "--status", "--verify")
     assert result.exit_code == 0, result.output
     assert result.stdout.splitlines()[-1] == "verified  all files are as they were written"
-    sweeps.held = sweeps.held._replace(flaws=["variable V_max, chunk 3 (V_max/c/3) is missing"])
+    sweeps.status = sweeps.status._replace(flaws=["variable V_max, chunk 3 (V_max/c/3) is missing"])
     result = call("sweep", "--store", tmp_path / "x.zarr", "--status", "--verify")
     assert result.exit_code == 2
     assert result.stdout.splitlines()[-1] == "verified  damaged or missing files: 1"
@@ -306,11 +310,11 @@ def test_verify(sweeps, tmp_path):
 
 def test_what_made_a_store(sweeps, tmp_path):
     made = {"versions": {"numba": "0.1"}, "processor": {"cpu": "znver4"}, "chunks": 2}
-    sweeps.held = sweeps.held._replace(origins=[made])
+    sweeps.status = sweeps.status._replace(origins=[made])
     result = call("sweep", "--store", tmp_path / "x.zarr", "--status")
     assert result.stdout.splitlines()[-1] == "processor znver4"
     other = {"versions": {"numba": "0.2"}, "processor": None, "chunks": 1}
-    sweeps.held = sweeps.held._replace(origins=[made, other])
+    sweeps.status = sweeps.status._replace(origins=[made, other])
     result = call("sweep", "--store", tmp_path / "x.zarr", "--status")
     assert result.stdout.splitlines()[-1] == (
         "processor znver4: 2 chunks (numba 0.1); not recorded: 1 chunks (numba 0.2)"
@@ -357,7 +361,7 @@ def test_where_files_go_is_checked_first(sweeps, file):
     result = call("sweep", file, "--store", "x", "--out", "x.txt")
     assert result.exit_code == 2
     assert "expected a name that ends in .nc, .csv or .zarr" in result.stderr
-    assert sweeps.asked == []
+    assert sweeps.requests == []
 
 
 def test_status_compares_the_file_with_the_store(file, tmp_path):
@@ -414,7 +418,7 @@ def test_ctrl_c_ends_a_real_sweep(file, tmp_path):
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60.0)
     assert process.returncode == 130, errors
-    done = held(store).done
+    done = store_status(store).done
     assert 0 < done < 600_000
     assert errors == (
         f"interrupted; {done} of 600000 cases are stored in {store}; the same command resumes\n"

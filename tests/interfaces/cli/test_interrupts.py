@@ -10,7 +10,7 @@ import pytest
 HEAD = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 COMMAND = """
 import os, sys, threading, time, typer
-from ratestate.interfaces.cli.ends import ending_well, leaving
+from ratestate.interfaces.cli.exits import exit_on_error, on_interrupt
 
 def left():
     if sys.argv[1] == "tidying":
@@ -28,7 +28,7 @@ if sys.argv[1] == "thread":
 if sys.argv[1] == "late":
     late = Late()
 try:
-    with ending_well(False), leaving(left):
+    with exit_on_error(False), on_interrupt(left):
         print("working", flush=True)
         time.sleep(60)
 except typer.Exit as end:

@@ -7,15 +7,15 @@ from typing import Annotated
 
 import typer
 
+from .analyses import branch, cycle, stability
 from .atlas import atlas
-from .ends import EXIT_CODES, Debug, command
+from .exits import EXIT_CODES, Debug, command
 from .explore import explore
 from .figures import figures
 from .fit import fit
 from .init import init
 from .run import run
 from .sweep import sweep
-from .verbs import branch, cycle, stability
 
 COMMANDS = (init, run, stability, cycle, branch, fit, sweep, atlas, figures, explore)
 

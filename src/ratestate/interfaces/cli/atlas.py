@@ -5,8 +5,9 @@ from typing import Annotated
 
 import typer
 
-from .say import say
-from .shared import Law, reported, writable
+from .folders import make_writable, reporting_files
+from .options import Law
+from .printing import print_line
 
 
 def atlas(
@@ -22,27 +23,27 @@ def atlas(
         bool, typer.Option("--json", help="Print one JSON document: the files.")
     ] = False,
 ) -> None:
-    """Map what any spring-slider does, over its stiffness and its speed.
+    """Map the regimes of any spring-slider over its stiffness and speed.
 
-    For each law, atlas_LAW.png and .pdf (the map) and .nc (its numbers).  A machine, rig or fault
-    with this b/a is a point on it, at K/K_c_qs and eta.
+    Writes, for each law, atlas_LAW.png and .pdf (the map) and .nc (its numbers).  A machine, rig or
+    fault with this b/a is a point on the map, at K/K_c_qs and eta.
 
     Example: ratestate atlas --b-over-a 1.6 --law aging --out figures
     """
-    writable(out)
+    make_writable(out)
     made = [
         path for each in ([law] if law else Law) for path in _chart(b_over_a, each.value, n, out)
     ]
     if json:
-        from .document import strict
+        from .document import strict_json
 
-        say(strict({"files": [str(path) for path in made]}))
+        print_line(strict_json({"files": [str(path) for path in made]}))
 
 
 def _chart(b_over_a: float, law: str, n: int, out: Path) -> list[Path]:
     """Make the atlas of one law and list its files."""
     from ...paper.atlas import make
 
-    with reported(f"atlas, {law} law, b/a = {b_over_a:g}") as files:
+    with reporting_files(f"atlas, {law} law, b/a = {b_over_a:g}") as files:
         files += make(law, out, b_over_a=b_over_a, n=n)
     return files

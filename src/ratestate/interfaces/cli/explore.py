@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .ends import INTERRUPTED
+from .exits import INTERRUPTED
 
 
 def explore(
@@ -41,19 +41,19 @@ def explore(
         serve(port=port, open_browser=not no_browser, fragment=fragment)
     except KeyboardInterrupt:
         typer.echo("interrupted; the explorer has ended", err=True)
-        os._exit(INTERRUPTED)  # at once: nobody waits for what its threads compute or compile
+        os._exit(INTERRUPTED)  # at once, without waiting for threads that compute or compile
 
 
 def _fragment(file: Path) -> str:
-    """What the page's address says of the slider in a file."""
+    """The fragment of the page's address that describes the slider in a file."""
     from ...errors import ParameterError
     from ..explorer import fragment_of
-    from .job import axes, scenario_of
+    from .run_scenario import load_scenario, swept_dims
 
-    asked = scenario_of(file, "stability")
-    if swept := axes(asked):
+    scenario = load_scenario(file, "stability")
+    if swept := swept_dims(scenario):
         raise ParameterError(
             f"[sweep]: the file has a sweep over {', '.join(map(str, swept))}, and the explorer "
             f"shows one slider; expected a file without [sweep], or run it: ratestate run {file}"
         )
-    return fragment_of(asked.slider, asked.settings["V_lp"])
+    return fragment_of(scenario.slider, scenario.settings["V_lp"])

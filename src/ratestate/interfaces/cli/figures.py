@@ -5,8 +5,9 @@ from typing import Annotated, Any
 
 import typer
 
-from .say import say, show
-from .shared import Law, reported, writable
+from .folders import make_writable, reporting_files
+from .options import Law
+from .printing import print_line, print_rich
 
 #: What ``figures`` can draw: the paper's six, and others -> what they show.
 OTHERS = {
@@ -44,11 +45,11 @@ def figures(
     """
     names = which or ["all"]
     wanted = _wanted(names)
-    writable(out)
+    make_writable(out)
     files = [path for name in wanted for path in _draw(name, law.value, out)]
     rows = None
     if "all" in names:
-        with reported(f"claims, {law.value} law") as more:
+        with reporting_files(f"claims, {law.value} law") as more:
             rows, paths = _checked_claims(law.value, out)
             more += paths
         files += more
@@ -57,11 +58,11 @@ def figures(
     elif rows is not None:
         from ...paper import claims_table
 
-        show(claims_table.terminal(rows, law.value))
+        print_rich(claims_table.terminal(rows, law.value))
 
 
 def _wanted(names: list[str]) -> list[str]:
-    """The figures asked for, in the order of the paper."""
+    """The requested figures, in the order of the paper."""
     if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
         raise typer.BadParameter(
             f"{unknown[0]!r} is no figure; choose among {', '.join(FIGURES)} and all"
@@ -73,7 +74,7 @@ def _draw(name: str, law: str, out: Path) -> list[Path]:
     """Make one figure and list its files."""
     from ...paper.figures import make
 
-    with reported(f"{OTHERS.get(name, f'Fig. {name}')}, {law} law") as files:
+    with reporting_files(f"{OTHERS.get(name, f'Fig. {name}')}, {law} law") as files:
         files += make(name if name in OTHERS else int(name), law, out)
     return files
 
@@ -90,7 +91,7 @@ def _checked_claims(law: str, out: Path) -> tuple[list[Any], list[Path]]:
 def _say_json(files: list[Path], rows: list[Any] | None, law: str) -> None:
     """Print which files were written, and the claims where they were checked."""
     from ...paper import claims_table
-    from .document import strict
+    from .document import strict_json
 
     claims = {} if rows is None else claims_table.record(rows, law)
-    say(strict({"files": [str(path) for path in files], **claims}))
+    print_line(strict_json({"files": [str(path) for path in files], **claims}))

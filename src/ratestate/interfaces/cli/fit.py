@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from .ends import SOME_FAILED
+from .exits import SOME_FAILED
 from .options import Json
 
 
@@ -152,9 +152,9 @@ def fit(
     Example: ratestate fit examples/velocity_step.txt --out fitted
     """
     from .fit_request import FitRequest, laws, numbered, pair, pairs
-    from .fitted import tell_and_write
+    from .run_fit import fit_and_report
 
-    asked = FitRequest(
+    request = FitRequest(
         file,
         {"columns": numbered(pairs(columns, "--columns")), "units": pairs(units, "--units")},
         {"time": pair(time, "--time"), "displacement": pair(displacement, "--displacement")},
@@ -169,5 +169,5 @@ def fit(
         },
         noise,
     )
-    if tell_and_write(asked, out, json):
+    if fit_and_report(request, out, json):
         raise typer.Exit(SOME_FAILED)

@@ -1,15 +1,15 @@
-"""What the options of ``ratestate fit`` ask for."""
+"""The options of ``ratestate fit``, as arguments of `read_lab` and `fit`."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import typer
 
-from .shared import Law
+from .options import Law
 
 
 class FitRequest(NamedTuple):
-    """A fit as the command line asks for it."""
+    """A fit requested on the command line."""
 
     file: Path
     named: dict[str, Any]  # of read_lab
@@ -33,18 +33,18 @@ class FitRequest(NamedTuple):
 
 
 def laws(texts: list[str] | None, option: str) -> tuple[str, ...]:
-    """The laws, each once, from as many texts, with commas between some or not."""
-    found = [name.strip() for text in texts or ["slip"] for name in text.split(",")]
-    for name in found:
+    """The laws, each once, from strings with one or several laws separated by commas."""
+    names = [name.strip() for text in texts or ["slip"] for name in text.split(",")]
+    for name in names:
         if name not in [*Law]:
             raise typer.BadParameter(
                 f"{name!r} is no law; choose slip, aging or slip,aging", param_hint=option
             )
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(names))
 
 
 def pair(text: str | None, option: str) -> tuple[str | None, str | None] | None:
-    """START,END as two values, of which either may be left out."""
+    """START,END as two values, either of which may be omitted."""
     if text is None:
         return None
     ends = [end.strip() or None for end in text.split(",")]
@@ -57,18 +57,18 @@ def pair(text: str | None, option: str) -> tuple[str | None, str | None] | None:
 
 
 def pairs(texts: list[str] | None, option: str) -> dict[str, str]:
-    """NAME=TEXT, each, as a dict."""
-    found: dict[str, str] = {}
+    """Strings of the form NAME=TEXT as a dict."""
+    named: dict[str, str] = {}
     for text in texts or []:
         name, sign, value = (part.strip() for part in text.partition("="))
         if not (name and sign and value):
             raise typer.BadParameter(f"{text!r} has no NAME=...", param_hint=option)
-        found[name] = value
-    return found
+        named[name] = value
+    return named
 
 
 def numbered(columns: dict[str, str]) -> dict[str, Any]:
-    """The same with columns that are numbers as such."""
+    """Columns, with those given by number converted to int."""
     return {name: int(text) if text.isdigit() else text for name, text in columns.items()}
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ...errors import ParameterError
-from .say import say
+from .printing import print_line
 
 
 class Kind(enum.StrEnum):
@@ -41,14 +41,14 @@ def init(
     text = template(kind.value)
     path = out or Path(f"{kind.value}.toml")
     if path == Path("-"):
-        say(text.rstrip("\n"))
+        print_line(text.rstrip("\n"))
         return
     if path.suffix.lower() != ".toml":
         raise typer.BadParameter(f"{str(path)!r} does not end in .toml", param_hint="--out")
     if os.path.lexists(path):
         raise ParameterError(f"{path} exists; give another name with --out")
     replace(checked(path, (".toml",)), lambda partial: partial.write_text(text, "utf-8"))
-    say(
+    print_line(
         f"{path} is written: open it, read it, change it.  Then\n"
         f"  ratestate run {path} --plot {path.stem}.png    what happens\n"
         f"  ratestate stability {path}    whether steady sliding holds\n"

@@ -1,9 +1,18 @@
 """Arguments and options that commands have in common."""
 
+import enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+
+class Law(enum.StrEnum):
+    """Evolution law."""
+
+    slip = "slip"
+    aging = "aging"
+
 
 SCENARIO = typer.Argument(
     metavar="FILE.toml|-",

@@ -1,4 +1,4 @@
-"""``ratestate run``: whatever a scenario file asks for, or once more what a result came from."""
+"""``ratestate run``: runs a scenario file, or the scenario that made a result."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,7 +15,7 @@ def run(
         typer.Option(
             "--from",
             metavar="RESULT.nc|.zarr",
-            help="Do again, to the same bits, what this result came from.",
+            help="Compute this result again, bit-for-bit the same.",
             show_default=False,
         ),
     ] = None,
@@ -25,11 +25,11 @@ def run(
 ) -> None:
     """Run a scenario file: its loading, or its sweep in memory.
 
-    Without --out and --plot, files are those that the table output of the file names.
+    Without --out and --plot, files are written as the table [output] of the file says.
 
     Example: ratestate run lab.toml --plot lab.png
     """
-    from .job import do, scenario_of
+    from .run_scenario import do, load_scenario
 
     if (file is None) == (source is None):
         raise typer.BadParameter("give either a file or --from RESULT", param_hint="FILE.toml")
@@ -37,7 +37,7 @@ def run(
         from ...files import read
         from ..scenario import from_result
 
-        asked = from_result(read(source))
+        scenario = from_result(read(source))
     elif file is not None:
-        asked = scenario_of(file)
-    do(asked, out, plot, json)
+        scenario = load_scenario(file)
+    do(scenario, out, plot, json)

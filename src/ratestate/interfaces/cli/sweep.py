@@ -1,4 +1,4 @@
-"""``ratestate sweep``: a scenario file's sweep into a store, and what a store holds."""
+"""``ratestate sweep``: a scenario file's sweep into a store, and the status of a store."""
 
 import contextlib
 import enum
@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .ends import SOME_FAILED, leaving
+from .exits import SOME_FAILED, on_interrupt
 from .options import Json, Out, Plot
-from .say import say
-from .stored import ended, left, tell
+from .printing import print_line
+from .store_report import interrupted_message, print_outcome, print_status
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -28,7 +28,7 @@ class Device(enum.StrEnum):
 
 def sweep(
     store: Annotated[
-        Path, typer.Option(help="Zarr store: made if missing, else taken up where it was left.")
+        Path, typer.Option(help="Zarr store: made if missing, else resumed where it was left.")
     ],
     file: Annotated[
         Path | None,
@@ -40,10 +40,10 @@ def sweep(
     ] = None,
     chunk: Annotated[
         int | None,
-        typer.Option(help="Cases in a chunk.", show_default="by a probe of the cost", min=1),
+        typer.Option(help="Cases in a chunk.", show_default="measured on a sample", min=1),
     ] = None,
     status: Annotated[
-        bool, typer.Option("--status", help="Only tell what the store holds.")
+        bool, typer.Option("--status", help="Only print the status of the store.")
     ] = False,
     verify: Annotated[
         bool,
@@ -79,16 +79,16 @@ def sweep(
         bool, typer.Option("--job-script", help="Only print the job script that --slurm submits.")
     ] = False,
     retry_crashed: Annotated[
-        bool, typer.Option("--retry-crashed", help="Do crashed cases of the store again.")
+        bool, typer.Option("--retry-crashed", help="Compute crashed cases of the store again.")
     ] = False,
     device: Annotated[Device, typer.Option(help="What computes.")] = Device.cpu,
     out: Out = None,
     plot: Plot = None,
     json: Json = False,
 ) -> None:
-    """Run the sweep of a scenario file, or go on with it.
+    """Run the sweep of a scenario file, or resume it.
 
-    Results are stored as they come: after Ctrl-C or a crash the same command resumes.
+    Results are stored as they are computed: after Ctrl-C or a crash the same command resumes.
 
     Example: ratestate sweep examples/fig3.toml --store fig3.zarr
     """
@@ -98,44 +98,50 @@ def sweep(
         raise typer.BadParameter("it needs --slurm OPTIONS", param_hint="--job-script")
     if verify and not status:
         raise typer.BadParameter("it needs --status", param_hint="--verify")
-    with leaving(lambda: left(store)):
+    with on_interrupt(lambda: interrupted_message(store)):
         if slurm and job_script:
             _print_job_script(slurm)
         elif status:
-            tell(store, file, json, verify)
+            print_status(store, file, json, verify)
         elif file is None:
             raise typer.BadParameter(
                 "missing; only --status can do without", param_hint="FILE.toml"
             )
         else:
-            from .job import places, scenario_of
+            from .run_scenario import load_scenario, output_paths
 
-            asked = scenario_of(file)
-            output = places(asked, out, plot)
+            scenario = load_scenario(file)
+            output = output_paths(scenario, out, plot)
             with _client(scheduler, slurm) as client:
                 how: dict[str, Any] = {"client": client, "chunk": chunk, "device": device.value}
                 how |= {"mixed": mixed, "retry_crashed": retry_crashed}
-                _run(asked, output, store, json, **how)
+                _run(scenario, output, store, json, **how)
 
 
 def _run(
-    asked: "Scenario", output: "Output", store: Path, json: bool, **how: "int | str | Client | None"
+    scenario: "Scenario",
+    output: "Output",
+    store: Path,
+    json: bool,
+    **how: "int | str | Client | None",
 ) -> None:
-    """Run the sweep asked for, say how it went, and write what else is wanted of the result."""
-    from ...sweeps.verb import sweep as run
-    from .job import draw, keep
+    """Run the requested sweep, print its outcome, and write other output files."""
+    from ...sweeps.sweep import sweep as run
+    from .run_scenario import draw_plot, write_result
 
-    result = run(asked.verb, asked.slider, store=store, progress=True, **how, **asked.settings)
-    number = ended(store, result, json)
-    keep(result, output)
-    draw(result, output)
+    result = run(
+        scenario.verb, scenario.slider, store=store, progress=True, **how, **scenario.settings
+    )
+    number = print_outcome(store, result, json)
+    write_result(result, output)
+    draw_plot(result, output)
     if number:
         raise typer.Exit(SOME_FAILED)
 
 
 @contextlib.contextmanager
 def _client(scheduler: str | None, slurm: str | None) -> Iterator[Any]:
-    """The Dask client asked for, closed in the end; None for threads of this process."""
+    """The requested Dask client, closed at the end; None for threads of this process."""
     if slurm:
         from ...sweeps.connect import slurm_client
 
@@ -155,4 +161,4 @@ def _print_job_script(slurm: str) -> None:
     from ...sweeps.connect import slurm_cluster
 
     with slurm_cluster(slurm, start=False) as cluster:
-        say(cluster.job_script())
+        print_line(cluster.job_script())

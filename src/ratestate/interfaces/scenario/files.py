@@ -8,7 +8,7 @@ from typing import Any
 from ...errors import ParameterError
 from .assemble import Read, assembled
 from .drive import loading_table
-from .model import VERBS, Scenario
+from .model import FUNCTIONS, Scenario
 from .problems import Problems, bare, choice, one_of, shown
 from .simple import output_table, run_table, slider_table
 from .sweeps import sweep_table
@@ -67,7 +67,7 @@ def loads(
     ParameterError
         As for `load`.
     """
-    verb = None if verb is None else choice(verb, VERBS)
+    verb = None if verb is None else choice(verb, FUNCTIONS)
     problems = Problems()
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     tables = _tables(_parsed(data, name), problems)

@@ -13,7 +13,7 @@ from ...dynamics.steady_sliding import stability, stability_call
 from ...model.slider import SpringSlider
 
 #: name -> verb
-VERBS: dict[str, Callable[..., Any]] = {
+FUNCTIONS: dict[str, Callable[..., Any]] = {
     "limit_cycle": limit_cycle,
     "simulate": simulate,
     "stability": stability,
@@ -69,7 +69,7 @@ class Scenario:
 
 def check(scenario: Scenario) -> None:
     """Raise ParameterError for a scenario that its verb would refuse."""
-    verb = VERBS[scenario.verb]
+    verb = FUNCTIONS[scenario.verb]
     bound = inspect.signature(verb).bind(scenario.slider, **scenario.settings)
     bound.apply_defaults()
     CHECKS[scenario.verb](**bound.arguments)
@@ -77,4 +77,4 @@ def check(scenario: Scenario) -> None:
 
 def run(scenario: Scenario) -> Any:
     """Do what a scenario asks for; the verb's Dataset.  Its ``output`` is left to the caller."""
-    return VERBS[scenario.verb](scenario.slider, **scenario.settings)
+    return FUNCTIONS[scenario.verb](scenario.slider, **scenario.settings)

@@ -13,7 +13,7 @@ from ...errors import ParameterError
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from .model import VERBS, Scenario, check
+from .model import FUNCTIONS, Scenario, check
 
 WANTED = "give a Dataset as a verb of ratestate returned it, or read from the file it was kept in"
 
@@ -45,7 +45,7 @@ def from_result(result: Any) -> Scenario:
             "ratestate fit, or with the lines of Python in its report.md; to go on with the slider "
             "that it found, take ratestate.fitting.slider_of(result)"
         )
-    if verb not in VERBS or not title.startswith("ratestate "):
+    if verb not in FUNCTIONS or not title.startswith("ratestate "):
         raise ParameterError(f"the result's title is {title[:60]!r}, which is no verb's; {WANTED}")
     try:
         scenario = Scenario(verb, _slider(result), _lean(verb, _of_verb[verb](result)))
@@ -208,7 +208,7 @@ _of_verb = {
 
 def _lean(verb: str, settings: dict[str, Any]) -> dict[str, Any]:
     """Settings without those that the verb chooses by itself."""
-    defaults = {k: p.default for k, p in inspect.signature(VERBS[verb]).parameters.items()}
+    defaults = {k: p.default for k, p in inspect.signature(FUNCTIONS[verb]).parameters.items()}
     return {
         key: value
         for key, value in settings.items()

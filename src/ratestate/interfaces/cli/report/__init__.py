@@ -1,4 +1,4 @@
-"""What is printed of a result: what a person wants to know first, in units that fit."""
+"""Tables of a result for the terminal: what a person wants to know first, in fitting units."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -9,11 +9,11 @@ from .sweep import cases
 if TYPE_CHECKING:
     import xarray
 
-    from ..spoken import Spoken
+    from ..verdict_text import VerdictText
 
 __all__ = ["report"]
 
-#: verb -> its table for a single slider
+#: function -> the table of its result for a single slider
 SINGLE = {
     "simulate": run,
     "limit_cycle": cycle,
@@ -23,14 +23,14 @@ SINGLE = {
 }
 
 
-def report(result: "xarray.Dataset", said: "Spoken | None" = None) -> list[Any]:
+def report(result: "xarray.Dataset", verdict: "VerdictText | None" = None) -> list[Any]:
     """What to print, for rich.
 
     Parameters
     ----------
     result : Dataset
-        From a verb, or from `sweep`.
-    said : Spoken, optional
+        Of one of the package's functions, `sweep` included.
+    verdict : VerdictText, optional
         On a single slider.
     """
     from rich.text import Text
@@ -39,8 +39,8 @@ def report(result: "xarray.Dataset", said: "Spoken | None" = None) -> list[Any]:
     if "message" in result:
         return cases(result, verb)
     table = SINGLE[verb](result)
-    if not said:
+    if not verdict:
         return table
     if verb == "simulate":
-        return [*table, Text(""), Text(f"{said.about}:", style="bold"), Text(said.text)]
-    return [Text(said.text), Text(""), *table]
+        return [*table, Text(""), Text(f"{verdict.about}:", style="bold"), Text(verdict.text)]
+    return [Text(verdict.text), Text(""), *table]

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 def fit(result: "xarray.Dataset") -> list[Any]:
-    """The estimates under each law with 95 % intervals, the noise, and what must be known."""
+    """The estimates under each law with 95 % intervals, the noise, remarks and warnings."""
     from rich.text import Text
 
     from ....records.fitting.by_law import results_by_law

@@ -1,4 +1,4 @@
-"""Rows of a table about one slider: what it is, its value, its error, a remark."""
+"""Rows of a table about one slider: symbol, value, meaning, relative error."""
 
 import math
 from typing import Any, NamedTuple
@@ -38,7 +38,7 @@ def when(seconds: float) -> str:
 
 
 def table(title: str, rows: list[Row]) -> list[Any]:
-    """The rows as a table of rich's under a title; without errors, without their column."""
+    """The rows as a table of rich's under a title; a column of errors only if a row has one."""
     from rich import box
     from rich.table import Table
     from rich.text import Text

@@ -30,10 +30,10 @@ def run(result: "xarray.Dataset") -> list[Any]:
         row("cycles", result.cycles, "since the last jump of the load point"),
     ]
     if float(result.cycles) >= 1.0:
-        # (whatever made it: a limit cycle, a ring-down, the load point)
-        swing, pace = float(result.amplitude), float(result.frequency)
-        rows.append(row("amplitude", swing, "of the last cycle"))
-        rows.append(Row("frequency", readable("frequency", pace, DIGITS), "of the last cycle"))
+        # (of a limit cycle, of ringing that decays, or due to the load point)
+        amplitude, frequency = float(result.amplitude), float(result.frequency)
+        rows.append(row("amplitude", amplitude, "of the last cycle"))
+        rows.append(Row("frequency", readable("frequency", frequency, DIGITS), "of the last cycle"))
     rows.append(row("energy_residual", abs(result.energy_residual)))
     law = parameter(result, "law")
     title = f"At the end, {when(end)}, after {int(result.steps):,} steps, {law} law"
@@ -57,10 +57,10 @@ def stability(result: "xarray.Dataset") -> list[Any]:
         row("K_c", result.K_c, "unstable where K < K_c"),
         row("K_c_qs", result.K_c_qs, "without inertia"),
         row("V_lp", V),
-        row("V_c", result.V_c, _about(float(result.V_c), V)),
+        row("V_c", result.V_c, _speed_remark(float(result.V_c), V)),
         row("eta", result.eta, "share by which inertia raises K_c"),
         row("f_n", result.f_n, massless),
-        row("growth_rate", growth, _pace(growth)),
+        row("growth_rate", growth, _growth_time(growth)),
         row("omega", omega, f"{readable('f_n', omega / (2 * math.pi), 4)}" if omega else "creeps"),
     ]
     if not math.isnan(float(result.omega_c)):
@@ -68,8 +68,8 @@ def stability(result: "xarray.Dataset") -> list[Any]:
     return table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows)
 
 
-def _about(critical: float, V: float) -> str:
-    """What V_c says about V_lp."""
+def _speed_remark(critical: float, V: float) -> str:
+    """The remark on V_c: how V_lp compares with it."""
     if critical == 0.0:
         return "unstable at any speed"
     if math.isinf(critical):
@@ -77,8 +77,8 @@ def _about(critical: float, V: float) -> str:
     return f"V_lp is {V / critical:.4g} V_c"
 
 
-def _pace(growth: float) -> str:
-    """A growth rate in words."""
+def _growth_time(growth: float) -> str:
+    """The e-folding time of a growth rate, as a remark."""
     if growth == 0.0 or math.isinf(growth):
         return ""
     what = "grows e-fold" if growth > 0.0 else "shrinks e-fold"
@@ -122,7 +122,7 @@ def cycle(result: "xarray.Dataset") -> list[Any]:
 
 
 def branch(result: "xarray.Dataset") -> list[Any]:
-    """The special points of a branch, and what it is between them."""
+    """The bifurcation points of a branch, and the stability of cycles between them."""
     from rich import box
     from rich.table import Table
     from rich.text import Text

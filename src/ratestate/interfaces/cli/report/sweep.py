@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import xarray
 
 LISTED = 20  # failed cases, at most
-#: verb -> variables of which the range is told
+#: function -> variables whose range is printed
 RANGES = {
     "limit_cycle": ("amplitude", "period", "frequency", "V_max", "V_min", "inertia", "error"),
     "simulate": ("amplitude", "frequency", "V_max", "V_min", "cycles", "energy_residual"),

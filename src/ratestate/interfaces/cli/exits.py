@@ -1,4 +1,4 @@
-"""How commands end: exit codes, messages, and tracebacks for who asks for them."""
+"""How commands exit: statuses, messages, and a traceback with --debug."""
 
 import atexit
 import contextlib
@@ -20,17 +20,17 @@ EXIT_CODES = (
     "Exit codes: 0 done, 1 a bug in ratestate, 2 error or wrong usage, "
     "3 some cases failed or a fit carries warnings, 130 interrupted."
 )
-#: how typer itself ends a command
-OWN = (typer.Exit, typer.Abort, typer.BadParameter)
+#: exceptions by which typer itself ends a command
+TYPER_EXITS = (typer.Exit, typer.Abort, typer.BadParameter)
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
 def command(function: Callable[..., None]) -> Callable[..., None]:
-    """A function as a command: it takes --debug, ends well, and its help has the exit codes."""
+    """A function as a command: with --debug, error messages, and the exit codes in its help."""
 
     @functools.wraps(function)
-    def ended(*, context: typer.Context, debug: bool, **arguments: Any) -> None:
-        with ending_well(debug or bool(context.obj)):
+    def wrapped(*, context: typer.Context, debug: bool, **arguments: Any) -> None:
+        with exit_on_error(debug or bool(context.obj)):
             function(**arguments)
 
     signature = inspect.signature(function)
@@ -40,18 +40,18 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
         inspect.Parameter("context", kind, annotation=typer.Context),
     ]
     own = [parameter.replace(kind=kind) for parameter in signature.parameters.values()]
-    ended.__signature__ = inspect.Signature([*own, *more])  # type: ignore[attr-defined]
-    ended.__doc__ = f"{inspect.getdoc(function)}\n\n{EXIT_CODES}"
-    return ended
+    wrapped.__signature__ = inspect.Signature([*own, *more])  # type: ignore[attr-defined]
+    wrapped.__doc__ = f"{inspect.getdoc(function)}\n\n{EXIT_CODES}"
+    return wrapped
 
 
 @contextlib.contextmanager
-def ending_well(debug: bool) -> Iterator[None]:
-    """End every error with a message on stderr and an exit code; with its traceback if asked."""
+def exit_on_error(debug: bool) -> Iterator[None]:
+    """Turn every error into a message on stderr and an exit code; if `debug`, with a traceback."""
     try:
-        with _at_once_if_interrupted_again():
+        with _second_interrupt_exits():
             yield
-    except OWN:
+    except TYPER_EXITS:
         raise
     except KeyboardInterrupt as interrupt:
         typer.echo(f"interrupted; {str(interrupt) or 'no file is half written'}", err=True)
@@ -59,21 +59,21 @@ def ending_well(debug: bool) -> Iterator[None]:
     except Exception as error:
         if debug:
             typer.echo(traceback.format_exc(), err=True, nl=False)
-        message, code = _told(error)
+        message, code = _message_and_status(error)
         typer.echo(message, err=True)
         raise typer.Exit(code) from error
 
 
 @contextlib.contextmanager
-def _at_once_if_interrupted_again() -> Iterator[None]:
-    """Let a second Ctrl-C end the process, whatever it is at: tidying up after the first.
+def _second_interrupt_exits() -> Iterator[None]:
+    """Let a second Ctrl-C end the process at once, while it still cleans up after the first.
 
-    That is safe at any time: files are written beside their place and renamed.
+    That is safe at any time, since files are written under temporary names and renamed.
     """
 
     def first(*_: object) -> None:
         signal.signal(signal.SIGINT, again)
-        # once threads have ended Python drops handlers, and a signal would be the exit status
+        # when Python exits it drops handlers, and a signal would then become the exit status
         atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
         raise KeyboardInterrupt
 
@@ -81,9 +81,9 @@ def _at_once_if_interrupted_again() -> Iterator[None]:
         os.write(2, b"interrupted again; ended at once\n")
         os._exit(INTERRUPTED)
 
-    usual = signal.default_int_handler
+    default = signal.default_int_handler
     main = threading.current_thread() is threading.main_thread()
-    if not main or signal.getsignal(signal.SIGINT) is not usual:
+    if not main or signal.getsignal(signal.SIGINT) is not default:
         yield
         return
     signal.signal(signal.SIGINT, first)
@@ -91,11 +91,11 @@ def _at_once_if_interrupted_again() -> Iterator[None]:
         yield
     finally:
         if signal.getsignal(signal.SIGINT) is first:
-            signal.signal(signal.SIGINT, usual)
+            signal.signal(signal.SIGINT, default)
 
 
-def _told(error: Exception) -> tuple[str, int]:
-    """What is said of an error, and the exit code."""
+def _message_and_status(error: Exception) -> tuple[str, int]:
+    """The message for an error, and the exit code."""
     match error:
         case RateStateError():
             return f"error: {error}", FAILED
@@ -113,9 +113,9 @@ def _told(error: Exception) -> tuple[str, int]:
 
 
 @contextlib.contextmanager
-def leaving(what: Callable[[], str]) -> Iterator[None]:
-    """Say after Ctrl-C what is left of the work."""
+def on_interrupt(message: Callable[[], str]) -> Iterator[None]:
+    """After Ctrl-C, add a message on the state of the work."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
-        raise KeyboardInterrupt(what()) from interrupt
+        raise KeyboardInterrupt(message()) from interrupt

@@ -1,4 +1,4 @@
-"""Chunks of a sweep on threads of this process; compiled code lets them run side by side."""
+"""Chunks of a sweep on threads of this process; compiled code lets them run in parallel."""
 
 import itertools
 import threading
@@ -9,16 +9,16 @@ from ..model.arrays import cut
 
 
 def outcomes(tasks, call, numbers, report):
-    """Do the chunks with these numbers, and yield their `Outcome`s as they come.
+    """Solve the chunks with these numbers; yield each `Outcome` when it is ready.
 
-    report : `Report`, told of parts of chunks
+    report : `ProgressReport`, updated also while a chunk is being solved
     """
     workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
     threads = -(-cores() // workers)
     stop, queue = threading.Event(), iter(numbers)
 
     def work(i):
-        part = cut(call, tasks.chunks.places(i))
+        part = cut(call, tasks.chunks.slices(i))
         return tasks.do(i, part, lambda fraction: report.part(i, fraction), threads, stop)
 
     pool = ThreadPoolExecutor(workers)

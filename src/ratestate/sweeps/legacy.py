@@ -1,7 +1,8 @@
-"""Stores of older versions, which have no manifest: what they hold, and how far that is known.
+"""Stores of older versions, which have no manifest: the files they must have, and checks of these.
 
-Files of chunks are known by the flags; those of coordinates as far as they are there.  All have
-the checksum of their codec.  Metadata are there twice: by themselves, and joined at the top.
+The flags tell which files of chunks must exist; of coordinates only existing files are known.  All
+of these carry the checksum of their codec.  Metadata are stored twice: for each array and group,
+and consolidated at the top.
 """
 
 import json
@@ -10,19 +11,19 @@ from types import SimpleNamespace
 
 import zarr
 
-INSIDE = "sweep"
+SWEEP_GROUP = "sweep"
 METADATA = "zarr.json"
-#: what damaged files may raise, in zarr and its codecs
+#: errors that damaged files may raise in zarr and its codecs
 DAMAGE = (OSError, KeyError, TypeError, ValueError, RuntimeError)
 
 
 def files(path, chunks, done):
-    """(key, chunk or None) of the files that a store must have.
+    """(key, chunk or None) of each file that a store must have.
 
-    done : numbers of the chunks that are done, but in no manifest
+    done : numbers of the chunks that are done but have no entry in a manifest
     """
     nodes, attributes = _nodes(path)
-    # (the time of a run is a coordinate, and yet a result)
+    # (the time of a run is a coordinate, but also a result)
     coordinates = {*chunks.sizes, *attributes["coordinates"].split()} - {"t"}
     arrays = {
         name: SimpleNamespace(dims=tuple(node.get("dimension_names") or ()))
@@ -34,22 +35,22 @@ def files(path, chunks, done):
         for name, array in arrays.items()
         if name not in coordinates and chunks.sizes.keys() & array.dims
     }
-    found = [(f"{name}/{METADATA}", None) for name in nodes]
+    pairs = [(f"{name}/{METADATA}", None) for name in nodes]
     for name in arrays.keys() - swept.keys():
         blocks = (path / name).rglob("*")
         keys = [one.relative_to(path).as_posix() for one in blocks if one.is_file()]
-        found += [(key, None) for key in keys if not key.endswith(METADATA)]
-    return found + [(key, i) for i in done for key in chunks.keys(i, swept).values()]
+        pairs += [(key, None) for key in keys if not key.endswith(METADATA)]
+    return pairs + [(key, i) for i in done for key in chunks.file_keys(i, swept).values()]
 
 
 def array_and_block(key):
-    """Array, and indices of the block, that a file of a store has; ("", None): it has metadata."""
+    """Name of the array and indices of the block in a file; ("", None) for a file of metadata."""
     match = re.fullmatch(r"(.+)/c((?:/\d+)*)", key)
     return (match[1], tuple(map(int, match[2].split("/")[1:]))) if match else ("", None)
 
 
 def is_whole(path, key):
-    """Whether a file of a store is as it was written, as far as that can be told."""
+    """Whether a file of a store passes the checks that it has."""
     name, block = array_and_block(key)
     try:
         if block is None:
@@ -62,11 +63,11 @@ def is_whole(path, key):
 
 
 def _nodes(path):
-    """Path -> metadata of each group and array in a store, as joined at its top; its attributes."""
+    """Consolidated metadata of a store, path -> metadata of a group or array; its attributes."""
     top = json.loads((path / METADATA).read_text())
     return top["consolidated_metadata"]["metadata"], top["attributes"]
 
 
 def _plain(metadata):
-    """Metadata of a group or array alone."""
+    """Metadata of a group or array without those of its members."""
     return {key: value for key, value in metadata.items() if key != "consolidated_metadata"}

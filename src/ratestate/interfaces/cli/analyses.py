@@ -1,4 +1,4 @@
-"""``ratestate stability``, ``cycle`` and ``branch``: a verb on what a scenario file describes."""
+"""``ratestate stability``, ``cycle`` and ``branch``: one analysis of a scenario file's slider."""
 
 import dataclasses
 from pathlib import Path
@@ -10,7 +10,7 @@ from .options import File, Json, Out, Plot
 
 
 def stability(file: File, out: Out = None, plot: Plot = None, json: Json = False) -> None:
-    """Tell whether steady sliding holds at the load point's last speed.
+    """Find whether steady sliding is stable at the load point's last speed.
 
     Example: ratestate stability lab.toml
     """
@@ -18,7 +18,7 @@ def stability(file: File, out: Out = None, plot: Plot = None, json: Json = False
 
 
 def cycle(file: File, out: Out = None, plot: Plot = None, json: Json = False) -> None:
-    """Find the cycle into which the slider settles at the load point's last speed.
+    """Find the limit cycle that the slider reaches at the load point's last speed.
 
     Example: ratestate cycle brake.toml --plot cycle.png
     """
@@ -67,17 +67,17 @@ def branch(
 def _do(
     file: Path, verb: str, out: Path | None, plot: Path | None, json: bool, **changes: Any
 ) -> None:
-    """Ask a verb of a file; its [output] belongs to what it asks itself.
+    """Call a function with the scenario of a file, whose own verb and [output] are ignored.
 
-    changes : what makes of a limit cycle a branch
+    changes : settings that turn a limit cycle into a branch
     """
     from ..scenario import Output
-    from .job import do, scenario_of
+    from .run_scenario import do, load_scenario
 
-    asked = dataclasses.replace(scenario_of(file, verb), output=Output())
+    scenario = dataclasses.replace(load_scenario(file, verb), output=Output())
     if changes:
-        settings = asked.settings | changes
+        settings = scenario.settings | changes
         if changes["parameter"] == "V_lp":
             settings.pop("V_lp")
-        asked = dataclasses.replace(asked, verb="continue_cycle", settings=settings)
-    do(asked, out, plot, json)
+        scenario = dataclasses.replace(scenario, verb="continue_cycle", settings=settings)
+    do(scenario, out, plot, json)

@@ -39,7 +39,7 @@ def markdown(
     result: "xarray.Dataset",
     picture: str,
 ) -> str:
-    """The whole report; `picture` is the name of the file beside it that shows the fit."""
+    """The whole report; `picture` is the name of the image file beside it that shows the fit."""
     laws = results_by_law(result)
     parts = [
         f"{HEADING}{request.file.name}",
@@ -84,8 +84,8 @@ def _estimates(laws: "dict[str, xarray.Dataset]") -> str:
 
 
 def _kinds(laws: "dict[str, xarray.Dataset]") -> str:
-    """Which intervals are not from the covariance."""
-    said = []
+    """Sentences on the intervals that are not from the covariance."""
+    sentences = []
     for law, part in laws.items():
         kinds = part["interval_kind"].values.tolist()
         for kind in dict.fromkeys(kinds):
@@ -95,8 +95,10 @@ def _kinds(laws: "dict[str, xarray.Dataset]") -> str:
                 if one == kind
             ]
             if kind != "covariance":
-                said.append(f"  Those of {', '.join(symbols)} ({law} law) are from the {kind}.")
-    return "".join(said)
+                sentences.append(
+                    f"  Those of {', '.join(symbols)} ({law} law) are from the {kind}."
+                )
+    return "".join(sentences)
 
 
 def _statistics(laws: "dict[str, xarray.Dataset]") -> str:
@@ -133,8 +135,8 @@ def _features(laws: "dict[str, xarray.Dataset]") -> str:
                 for part in laws.values()
             ]
             speed = readable("V_lp", float(one["segment_V"]))
-            said = measured if bool(value["used"]) else "not resolved"
-            rows.append([speed, feature, said, *fitted])
+            shown = measured if bool(value["used"]) else "not resolved"
+            rows.append([speed, feature, shown, *fitted])
     head = ["load point", "feature", "measured", *(f"{law} law" for law in laws)]
     chi2 = ", ".join(f"{law} law {short(float(part['chi2']))}" for law, part in laws.items())
     table = _table(head, rows, range(2, len(head)))
@@ -142,29 +144,29 @@ def _features(laws: "dict[str, xarray.Dataset]") -> str:
 
 
 def _identifiability(laws: "dict[str, xarray.Dataset]") -> list[str]:
-    """What the record tells of each parameter."""
-    said = [f"**{law} law.** {words}" for law, words in identifiability_by_law(laws).items()]
-    return ["## What the record tells", *said] if said else []
+    """How well the record constrains each parameter."""
+    notes = [f"**{law} law.** {text}" for law, text in identifiability_by_law(laws).items()]
+    return ["## What the record tells", *notes] if notes else []
 
 
 def _warnings(laws: "dict[str, xarray.Dataset]") -> str:
     """All warnings, where they cannot be overlooked."""
-    said = [f"> - {law} law: {t}" for law, part in laws.items() for t in warnings_of(part)]
-    return "\n".join(["> **Read this before you use the numbers.**", ">", *said]) if said else ""
+    lines = [f"> - {law} law: {text}" for law, part in laws.items() for text in warnings_of(part)]
+    return "\n".join(["> **Read this before you use the numbers.**", ">", *lines]) if lines else ""
 
 
 def _record(record: "xarray.Dataset") -> str:
-    """File, rows, columns, what was found, notes."""
+    """File, rows, columns, detected segments, notes."""
     columns: dict[str, Any] = json.loads(record.attrs["columns"])
     rows = [[name, one["title"], one["unit"].removeprefix("1")] for name, one in columns.items()]
     time = record["time"].values
-    said = (
+    summary = (
         f"{record.attrs['source']}: {time.size:,} rows, from {time[0]:.7g} to {time[-1]:.7g} s.  "
         f"Found: {record.attrs['found']}."
     )
     notes = [f"- {text}" for text in json.loads(record.attrs["notes"])]
     table = _table(["", "column", "unit"], rows, range(0))
-    return "\n\n".join([said, table, *(["Notes:\n\n" + "\n".join(notes)] if notes else [])])
+    return "\n\n".join([summary, table, *(["Notes:\n\n" + "\n".join(notes)] if notes else [])])
 
 
 def _python(
@@ -173,7 +175,7 @@ def _python(
     slider: "SpringSlider",
     result: "xarray.Dataset",
 ) -> str:
-    """Lines that make the result again, and go on with the slider of the law that fits best."""
+    """Python lines that reproduce the result and continue with the slider of the best law."""
     from ....records.fitting.fit import fit
 
     defaults = inspect.signature(fit).parameters

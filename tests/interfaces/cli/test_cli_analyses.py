@@ -20,7 +20,7 @@ from ratestate.dynamics.verdict import verdict
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.scenario import load, model
 from ratestate.sweeps.calls import call_of
-from ratestate.sweeps.solve import bytes_of_a_case, form_of
+from ratestate.sweeps.solve import bytes_per_case, form_of
 
 LAB = """
 [slider]
@@ -53,7 +53,7 @@ SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa
 LOADING = rs.Loading.steps(1e-4, (0.05, 3.2e-3))
 BRANCH = ["--start", "3.5 mm/s", "--stop", "3 mm/s"]
 #: command -> its arguments, and the same through the Python API
-VERBS = {
+COMMANDS = {
     "run": ([], lambda: rs.simulate(SLIDER, LOADING, 0.2)),
     "stability": ([], lambda: rs.stability(SLIDER, 3.2e-3)),
     "cycle": ([], lambda: rs.limit_cycle(SLIDER, 3.2e-3)),
@@ -76,10 +76,10 @@ def lab(tmp_path, monkeypatch):
 @pytest.fixture(scope="module")
 def api():
     """What the Python API gives, each verb once."""
-    return {command: ask() for command, (_, ask) in VERBS.items()}
+    return {command: compute() for command, (_, compute) in COMMANDS.items()}
 
 
-def strict(text):
+def parse_strict(text):
     """The document of strict JSON."""
 
     def refuse(constant):
@@ -88,14 +88,14 @@ def strict(text):
     return json.loads(text, parse_constant=refuse)
 
 
-@pytest.mark.parametrize("command", VERBS)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_numbers_are_those_of_the_python_api(command, lab, api):
     out = lab.with_name("out.nc")
-    result = call(command, lab, *VERBS[command][0], "--json", "--out", out)
+    result = call(command, lab, *COMMANDS[command][0], "--json", "--out", out)
     assert result.exit_code == 0, result.output
     assert result.stderr == f"wrote {out}\n"
     xr.testing.assert_identical(files.read(out), api[command])
-    found = strict(result.stdout)
+    found = parse_strict(result.stdout)
     assert found["title"] == api[command].attrs["title"]
     assert found["ratestate"] == rs.__version__
     assert found["failed"] == 0
@@ -120,7 +120,7 @@ def test_numbers_are_those_of_the_python_api(command, lab, api):
     ],
 )
 def test_tables(command, words, lab):
-    result = call(command, lab, *VERBS[command][0])
+    result = call(command, lab, *COMMANDS[command][0])
     assert result.exit_code == 0, result.output
     assert result.stderr == ""
     assert "\x1b" not in result.stdout
@@ -144,16 +144,17 @@ def test_numbers_of_a_cycle_stand_beside_their_own_errors(lab, api):
 
 @pytest.mark.parametrize("command", ["run", "stability", "cycle"])
 def test_the_verdict_is_printed(command, lab):
-    said = verdict(SLIDER, 3.2e-3)
+    expected = verdict(SLIDER, 3.2e-3)
     text = call(command, lab).stdout.rstrip("\n")
     about = "Driven steadily at V_lp = 3.2 mm/s, from a tenth of that speed on"
     if command == "run":
-        assert f"\n\n{about}:\n{said.text}\nThis run is not there, or not yet: its" in text
-        said = dataclasses.replace(said, sentences=(*said.sentences, text.splitlines()[-1]))
+        assert f"\n\n{about}:\n{expected.text}\nThis run is not there, or not yet: its" in text
+        sentences = (*expected.sentences, text.splitlines()[-1])
+        expected = dataclasses.replace(expected, sentences=sentences)
     else:
-        assert text.startswith(f"{said.text}\n\n")
-    found = strict(call(command, lab, "--json").stdout)
-    assert found["verdict"] == {"about": about, "regime": "quasi-harmonic", "text": said.text}
+        assert text.startswith(f"{expected.text}\n\n")
+    found = parse_strict(call(command, lab, "--json").stdout)
+    assert found["verdict"] == {"about": about, "regime": "quasi-harmonic", "text": expected.text}
 
 
 DRIVES = [
@@ -174,7 +175,7 @@ def test_nothing_is_said_of_motion_under_a_varying_speed(drive, about, lab):
     assert "vibration at" not in text
     assert text.count("steady sliding is unstable") == text.count("V_lp = ") == len(about[:1])
     assert about in text
-    found = strict(call("run", lab, "--json").stdout)
+    found = parse_strict(call("run", lab, "--json").stdout)
     assert found.get("verdict", {"regime": None})["regime"] is None
 
 
@@ -210,8 +211,10 @@ def test_a_stable_slider_without_mass_and_without_a_cycle(lab):
     lab.write_text(LAB.replace("3000 kg/m^2", "0 kg/m^2"))
     result = call("cycle", lab)
     assert (result.exit_code, result.stdout) == (2, "")
-    said = "Steady sliding at 3.2 mm/s is stable against small disturbances; without mass (M = 0) a"
-    assert result.stderr.startswith(f"error: no cycle is found.\n{said} large one")
+    verdict = (
+        "Steady sliding at 3.2 mm/s is stable against small disturbances; without mass (M = 0) a"
+    )
+    assert result.stderr.startswith(f"error: no cycle is found.\n{verdict} large one")
     table = call("stability", lab).stdout
     assert re.search(r"V_c +none +critical velocity; stable at any speed", table)
     assert re.search(r"f_n +none +natural frequency; M = 0", table)
@@ -223,11 +226,11 @@ def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
     result = call("cycle", lab)
     assert result.exit_code == 0
     assert "No cycle is reached at V_lp = 1 mm/s, slip law: steady sliding" in result.stdout
-    found = strict(call("cycle", lab, "--json").stdout)
+    found = parse_strict(call("cycle", lab, "--json").stdout)
     assert found["data_vars"]["period"]["data"] is None
     assert found["data_vars"]["multipliers_real"]["data"] == [None, None]
     lab.write_text(LAB.replace('"900 MPa/m"', "inf"))
-    found = strict(call("stability", lab, "--json").stdout)
+    found = parse_strict(call("stability", lab, "--json").stdout)
     assert found["data_vars"]["V_c"]["data"] == "inf"
     assert found["attrs"]["slider"]["K"] == "inf"
     assert found["data_vars"]["eigenvalues_real"]["data"][1:] == ["-inf", "-inf"]
@@ -235,22 +238,22 @@ def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
 
 
 @pytest.mark.parametrize(
-    ("command", "ending"), [*((command, "csv") for command in VERBS), ("branch", "zarr")]
+    ("command", "ending"), [*((command, "csv") for command in COMMANDS), ("branch", "zarr")]
 )
 def test_other_files(command, ending, lab, api):
     out = lab.with_name(f"out.{ending}")
-    assert call(command, lab, *VERBS[command][0], "--out", out).exit_code == 0
+    assert call(command, lab, *COMMANDS[command][0], "--out", out).exit_code == 0
     if ending == "zarr":
         xr.testing.assert_identical(files.read(out), api[command])
     else:
         assert out.read_text() == files.csv_text(api[command])
 
 
-@pytest.mark.parametrize("command", VERBS)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_pictures(command, lab, monkeypatch):
     monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
     path = lab.with_name("page.png")
-    result = call(command, lab, *VERBS[command][0], "--plot", path)
+    result = call(command, lab, *COMMANDS[command][0], "--plot", path)
     assert result.exit_code == 0, result.output
     assert result.stderr == f"wrote {path}\n"
     assert path.read_bytes()[:4] == b"\x89PNG"
@@ -274,7 +277,7 @@ def test_a_sweep_in_memory(lab):
     V_lp = xr.DataArray([1e-3, 3e-3, 1e-2], dims="V_lp")
     expected = rs.sweep("limit_cycle", slider, V_lp=V_lp)
     xr.testing.assert_identical(files.read("x.nc"), expected)
-    found = strict(result.stdout)
+    found = parse_strict(result.stdout)
     assert found["failed"] == 3
     assert found["data_vars"]["message"]["data"][1] == ["", "", ""]
     text = call("run", lab).stdout
@@ -302,7 +305,7 @@ def test_a_sweep_over_many_axes_has_no_picture(lab):
 )
 def test_from_a_result_to_the_same_bits(command, ending, lab):
     first, second = (lab.with_name(f"{name}.{ending}") for name in ("first", "second"))
-    assert call(command, lab, *VERBS[command][0], "--out", first).exit_code == 0
+    assert call(command, lab, *COMMANDS[command][0], "--out", first).exit_code == 0
     result = call("run", "--from", first, "--out", second)
     assert result.exit_code == 0, result.output
     xr.testing.assert_identical(files.read(second), files.read(first))
@@ -346,8 +349,8 @@ def test_what_cannot_be_done_is_found_before_the_work(arguments, message, lab, m
     for folder in ("folder.nc", "folder.zarr"):
         lab.with_name(folder).mkdir()
     before = sorted(lab.parent.rglob("*"))
-    for verb in model.VERBS:
-        monkeypatch.setitem(model.VERBS, verb, never)
+    for verb in model.FUNCTIONS:
+        monkeypatch.setitem(model.FUNCTIONS, verb, never)
     result = call(*arguments)
     assert result.exit_code == 2, result.output
     assert message in " ".join(result.stderr.split())
@@ -429,7 +432,7 @@ def test_a_sweep_too_large_for_memory_is_refused_at_once(command, verb, lab, mon
     def never(*_, **__):
         raise AssertionError
 
-    monkeypatch.setattr("ratestate.sweeps.verb.sweep", never)
+    monkeypatch.setattr("ratestate.sweeps.sweep.sweep", never)
     lab.write_text(LAB.replace("M = ", "# ").replace('V_lp = "0.1 mm/s"\nsteps', "#") + HUGE)
     with lab.open("a") as file:
         file.write(f"'{verb}'\n")
@@ -441,12 +444,15 @@ def test_a_sweep_too_large_for_memory_is_refused_at_once(command, verb, lab, mon
 
 def test_three_gigabytes_are_not_too_large(lab, monkeypatch):
     asked = call_of("limit_cycle", load(lab).slider, {"V_lp": rs.logspace("V_lp", 1, 2, 2)})[1]
-    side = math.isqrt(3 * 10**9 // bytes_of_a_case(form_of(asked).kinds))
-    monkeypatch.setattr("ratestate.sweeps.verb.sweep", bug)
-    for n, said in ((side, "so much for that"), (side + 1, "no more than 3 GB are kept in memory")):
+    side = math.isqrt(3 * 10**9 // bytes_per_case(form_of(asked).specs))
+    monkeypatch.setattr("ratestate.sweeps.sweep.sweep", bug)
+    for n, message in (
+        (side, "so much for that"),
+        (side + 1, "no more than 3 GB are kept in memory"),
+    ):
         text = LAB.split("[loading]")[0] + HUGE.replace("31_000", str(n)) + "'limit_cycle'\n"
         lab.write_text(text)
-        assert said in call("run", lab).stderr
+        assert message in call("run", lab).stderr
 
 
 def test_numbers_beyond_double_precision_end_without_warnings():

@@ -1,4 +1,4 @@
-"""What ``ratestate fit`` does: reads, fits, prints, and writes the report with its files."""
+"""Runs ``ratestate fit``: reads, fits, prints, and writes the report with its files."""
 
 import json
 import warnings
@@ -8,44 +8,44 @@ from typing import TYPE_CHECKING, Any
 from ...errors import FitWarning, ParameterError, RecordWarning
 from ...model.quantities import readable
 from .fit_request import FitRequest
-from .shared import reported, writable
+from .folders import make_writable, reporting_files
 
 if TYPE_CHECKING:
     import xarray
 
     from ...model.slider import SpringSlider
 
-#: where a search begins, for want of better: the least squares scan the record's sizes themselves
+#: initial guesses where none are given; the least squares also scan the scales of the record
 STARTS = {"a": "0.01", "b": "0.01", "Dc": "10 um"}
 #: K over sigma [1/m], likewise
 STIFFNESS = 3e3
-#: what a record tells of itself that goes into the result
-REPORT, PICTURE, NUMBERS = "report.md", "fit.png", "fit.nc"
+#: file names
+REPORT, PLOT, NUMBERS = "report.md", "fit.png", "fit.nc"
 
 
-def tell_and_write(request: FitRequest, out: Path | None, as_json: bool) -> bool:
-    """Fit, print, write; whether the answer carries warnings."""
+def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool:
+    """Fit, print and write the files; return whether the answer carries warnings."""
     from ...records.fitting.table import law_names
-    from .job import tell
+    from .run_scenario import print_result
 
     if out:
-        writable(out)
-        _not_foreign(out / REPORT)
-    with reported(f"fit of {request.file.name}, {law_names(request.laws)}") as files:
-        record, slider, result = _result(request)
+        make_writable(out)
+        _refuse_foreign(out / REPORT)
+    with reporting_files(f"fit of {request.file.name}, {law_names(request.laws)}") as files:
+        record, slider, result = _fit(request)
         if out:
-            files += _written(request, record, slider, result, out)
-    tell(result, None, as_json)
-    return _warned(result)
+            files += _write_files(request, record, slider, result, out)
+    print_result(result, None, as_json)
+    return _has_warnings(result)
 
 
-def _result(request: FitRequest) -> "tuple[xarray.Dataset, SpringSlider, xarray.Dataset]":
-    """The record, the slider that the search began with, and the result."""
+def _fit(request: FitRequest) -> "tuple[xarray.Dataset, SpringSlider, xarray.Dataset]":
+    """The record, the slider that the search started from, and the result."""
     from ...records.fitting.fit import fit
     from ...records.reading import read_lab
 
     with warnings.catch_warnings():
-        # both stand in what is printed
+        # both are printed with the result
         warnings.simplefilter("ignore", FitWarning)
         warnings.simplefilter("ignore", RecordWarning)
         record = read_lab(request.file, **request.reading)
@@ -55,7 +55,7 @@ def _result(request: FitRequest) -> "tuple[xarray.Dataset, SpringSlider, xarray.
 
 
 def _slider(request: FitRequest, record: "xarray.Dataset") -> "SpringSlider":
-    """What is not free, and where the search for the rest begins; the record notes a default."""
+    """The fixed parameters, and initial guesses of the free ones; a default sigma is noted."""
     from ...model.slider import SpringSlider
     from ...model.units import to_si
     from ...records.fitting.unknowns import checked_free
@@ -68,8 +68,8 @@ def _slider(request: FitRequest, record: "xarray.Dataset") -> "SpringSlider":
                 "which column it is: --columns sigma=TITLE"
             )
         given["sigma"] = float(record["sigma"].median())
-        taken = f"sigma = {readable('sigma', given['sigma'])} is the median of the record's"
-        notes = [*json.loads(record.attrs["notes"]), f"{taken}, for none was given"]
+        default = f"sigma = {readable('sigma', given['sigma'])} is the median of the record's"
+        notes = [*json.loads(record.attrs["notes"]), f"{default}, for none was given"]
         record.attrs["notes"] = json.dumps(notes)
     K = STIFFNESS * to_si("sigma", given["sigma"])
     slider = SpringSlider(**{**STARTS, "K": K, **given}, law=request.laws[0])
@@ -82,33 +82,33 @@ def _slider(request: FitRequest, record: "xarray.Dataset") -> "SpringSlider":
     return slider
 
 
-def _warned(result: "xarray.Dataset") -> bool:
+def _has_warnings(result: "xarray.Dataset") -> bool:
     return bool((result["warnings"] != "").any())
 
 
-def _written(
+def _write_files(
     request: FitRequest,
     record: "xarray.Dataset",
     slider: "SpringSlider",
     result: "xarray.Dataset",
     out: Path,
 ) -> list[Path]:
-    """Write numbers, picture and report, each whole or not at all; the files."""
+    """Write numbers, plot and report, each completely or not at all; list the files."""
     from ... import plot
     from ...files import replace, write
-    from .report.written import markdown
+    from .report.markdown import markdown
 
-    text = markdown(request, record, slider, result, PICTURE)
+    text = markdown(request, record, slider, result, PLOT)
     return [
         write(result, out / NUMBERS),
-        plot.save(plot.fit(result), out / PICTURE),
+        plot.save(plot.fit(result), out / PLOT),
         replace(out / REPORT, lambda partial: partial.write_text(text, "utf-8")),
     ]
 
 
-def _not_foreign(path: Path) -> None:
-    """Refuse to replace a file that is no report of a fit."""
-    from .report.written import HEADING
+def _refuse_foreign(path: Path) -> None:
+    """Raise ParameterError instead of replacing a file that is no report of a fit."""
+    from .report.markdown import HEADING
 
     if path.is_file() and not path.read_text("utf-8", errors="replace").startswith(HEADING):
         raise ParameterError(

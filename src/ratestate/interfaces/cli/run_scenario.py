@@ -1,0 +1,139 @@
+"""Runs a scenario: checks outputs, computes, prints the result and writes the files."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
+from .exits import SOME_FAILED
+from .printing import print_line, print_rich
+from .verdict_text import no_cycle_message, verdict_text
+
+if TYPE_CHECKING:
+    import xarray
+
+    from ..scenario import Output, Scenario
+    from .verdict_text import VerdictText
+
+
+#: the largest result of a sweep in memory: some 2e7 cases of limit_cycle or stability
+MOST_BYTES = 3 * 10**9
+
+
+def load_scenario(file: Path, verb: str | None = None) -> "Scenario":
+    """The scenario of a file, or of standard input for the name "-"."""
+    from ..scenario import LARGEST, load, loads
+
+    if file != Path("-"):
+        return load(file, verb)
+    text = typer.get_binary_stream("stdin").read(LARGEST + 1)
+    return loads(text, verb, name="standard input")
+
+
+def do(scenario: "Scenario", out: Path | None, plot: Path | None, json: bool) -> None:
+    """Run a scenario, print the result, and write the requested files."""
+    output = output_paths(scenario, out, plot)
+    problem = None
+    try:
+        result = compute(scenario)
+    except NotConverged as error:
+        if error.best is None or scenario.verb != "continue_cycle":
+            raise
+        problem, result = error, error.best  # a part of a branch is useful
+    write_result(result, output)
+    print_result(result, None if swept_dims(scenario) else verdict_text(scenario, result), json)
+    draw_plot(result, output)
+    if problem:
+        typer.echo(f"error: {problem}", err=True)
+    from .document import failed
+
+    if problem or failed(result):
+        raise typer.Exit(SOME_FAILED)
+
+
+def output_paths(scenario: "Scenario", out: Path | None, plot: Path | None) -> "Output":
+    """Checked paths for the result: of the options, or else of the scenario."""
+    from ...files import NUMBERS, PICTURES, checked
+    from ..scenario import Output
+
+    file, picture = out or scenario.output.file, plot or scenario.output.plot
+    if picture and len(dims := swept_dims(scenario)) > 2:
+        raise ParameterError(
+            f"a picture shows a sweep over one or two axes, and this one has {len(dims)} "
+            f"({', '.join(dims)}); leave the plot out"
+        )
+    return Output(file and checked(file, NUMBERS), picture and checked(picture, PICTURES))
+
+
+def swept_dims(scenario: "Scenario") -> list[str]:
+    """Dimensions of a scenario's sweep; empty for a single case."""
+    from ...model.units import is_array
+
+    loading = scenario.settings.get("loading")
+    values = [
+        *scenario.slider.values.values(),
+        *scenario.settings.values(),
+        getattr(loading, "V", 0.0),
+    ]
+    dims = dict.fromkeys(str(dim) for value in values if is_array(value) for dim in value.dims)
+    return [dim for dim in dims if dim not in ("segment", "time")]
+
+
+def compute(scenario: "Scenario") -> "xarray.Dataset":
+    """The result of a scenario; a sweep uses all cores, and a failed case spoils no other."""
+    from ..scenario import run
+
+    if not swept_dims(scenario):
+        try:
+            return run(scenario)
+        except (NotConverged, QuasiStaticInstability) as error:
+            if scenario.verb != "limit_cycle":
+                raise
+            raise SolverError(no_cycle_message(scenario, error)) from error
+    from ...sweeps.calls import call_of
+    from ...sweeps.solve import bytes_per_case, form_of
+    from ...sweeps.sweep import sweep
+
+    _, call = call_of(scenario.verb, scenario.slider, scenario.settings)
+    cases = call.batch.n
+    size = cases * bytes_per_case(form_of(call).specs)
+    if size > MOST_BYTES:
+        raise ParameterError(
+            f"the results of {cases:,} cases take {size / 1e9:.3g} GB, and no more than "
+            f"{MOST_BYTES / 1e9:.3g} GB are kept in memory; use ratestate sweep FILE --store "
+            f"x.zarr, or fewer cases"
+        )
+    progress = sys.stderr is not None and sys.stderr.isatty()
+    return sweep(scenario.verb, scenario.slider, progress=progress, **scenario.settings)
+
+
+def write_result(result: "xarray.Dataset", output: "Output") -> None:
+    """Write the numbers to the output file, if there is one, and name it on stderr."""
+    from ...files import write
+
+    if output.file:
+        write(result, output.file)
+        typer.echo(f"wrote {output.file}", err=True)
+
+
+def print_result(result: "xarray.Dataset", verdict: "VerdictText | None", json: bool) -> None:
+    """Print the result and the verdict, as JSON or as tables."""
+    if json:
+        from .document import document
+
+        print_line(document(result, verdict))
+    else:
+        from .report import report
+
+        print_rich(*report(result, verdict))
+
+
+def draw_plot(result: "xarray.Dataset", output: "Output") -> None:
+    """Draw the output plot, if there is one, and name it on stderr."""
+    if output.plot:
+        from ... import plot
+
+        plot.save(plot.page(result), output.plot)
+        typer.echo(f"wrote {output.plot}", err=True)

@@ -1,0 +1,147 @@
+"""Reports on a store: its status, and how a sweep ended."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...errors import StoreError
+from .document import strict_json
+from .printing import print_line
+
+if TYPE_CHECKING:
+    import xarray
+
+    from ...sweeps.status import StoreStatus
+
+
+def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
+    """Print how a sweep into a store ended; return the number of failed cases."""
+    from ...sweeps.status import failures, store_status
+    from .report.sweep import failed_lines
+
+    status = store_status(store)
+    if json:
+        failed, _ = failures(result, most=status.failed)
+        names = ("at", "status", "message")
+        rows = [dict(zip(names, failure, strict=True)) for failure in failed]
+        print_line(strict_json(_json_fields(status) | {"failures": rows}))
+    else:
+        print_line(summary(status))
+        for line in failed_lines(result) if status.failed else []:
+            print_line(line)
+    return status.failed
+
+
+def _json_fields(status: "StoreStatus") -> dict[str, Any]:
+    """The status of a store, for JSON."""
+    return status._asdict() | {"path": str(status.path)}
+
+
+def print_status(store: Path, file: Path | None, json: bool, verify: bool = False) -> None:
+    """Print the status of a store and, if `file` is given, whether this is the file's sweep.
+
+    Raises
+    ------
+    StoreError
+        `verify` is true, and the store is damaged.
+    """
+    from ...sweeps.manifest import damage_message
+    from ...sweeps.status import store_status
+
+    status = store_status(store, verify)
+    lines = _differences(store, file) if file else []
+    if json:
+        print_line(strict_json(_json_fields(status) | ({"differences": lines} if file else {})))
+    else:
+        _print_rows(status, file, lines)
+    if status.flaws:
+        raise StoreError(damage_message(store, status.flaws))
+
+
+def _print_rows(status: "StoreStatus", file: Path | None, lines: list[str]) -> None:
+    """Print the status of a store as rows."""
+    rows = {
+        "store": str(status.path),
+        "verb": status.verb,
+        "axes": ", ".join(f"{dim} ({size})" for dim, size in status.dims.items()),
+        "cases": str(status.cases),
+        "done": f"{status.done} ({100 * status.done // status.cases} %)",
+        "failed": str(status.failed),
+        "steady": str(status.steady),
+        "chunks": f"{status.chunks_done} of {status.chunks}",
+        "versions": _versions(status.versions),
+        "size": _size(status.size),
+    }
+    if status.origins:
+        rows["processor"] = _origins(status)
+    if status.flaws is not None:
+        rows["verified"] = (
+            f"damaged or missing files: {len(status.flaws)}"
+            if status.flaws
+            else "all files are as they were written"
+        )
+    if file:
+        rows["file"] = f"{file} asks for {'another sweep:' if lines else 'this very sweep'}"
+    for label, text in rows.items():
+        print_line(f"{label:<9} {text}")
+    for line in lines:
+        print_line(f"  {line}")
+
+
+def _versions(versions: dict[str, str]) -> str:
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
+
+
+def _origins(status: "StoreStatus") -> str:
+    """The kinds of processor that made the store; of several, also chunks and versions."""
+    from ...sweeps.origin import processor_name
+
+    processors = [processor_name(one["processor"]) for one in status.origins]
+    if len(processors) == 1:
+        return processors[0]
+    return "; ".join(
+        f"{processor}: {one['chunks']} chunks ({_versions(one['versions'])})"
+        for one, processor in zip(status.origins, processors, strict=True)
+    )
+
+
+def _differences(store: Path, file: Path) -> list[str]:
+    """Differences of a file's sweep from a store's, as lines."""
+    from ...sweeps.calls import call_of
+    from ...sweeps.inputs import input_differences, inputs_of
+    from ...sweeps.store import read_group
+    from .run_scenario import load_scenario
+
+    scenario = load_scenario(file)
+    _, stored = read_group(store)
+    return input_differences(
+        stored, inputs_of(*call_of(scenario.verb, scenario.slider, scenario.settings))
+    )
+
+
+def summary(status: "StoreStatus") -> str:
+    """How many cases ended in which way, in one line."""
+    answers = "cycles" if status.verb == "limit_cycle" else "finished"
+    counts = {answers: status.done - status.steady - status.failed}
+    counts |= {"steady sliding": status.steady, "failed": status.failed}
+    counts["not done"] = status.cases - status.done
+    ways = ", ".join(f"{n} {how}" for how, n in counts.items() if n or how == "failed")
+    return f"{status.cases} cases in {status.path}: {ways}"
+
+
+def interrupted_message(store: Path) -> str:
+    """The message on what an interrupted sweep has stored."""
+    if not store.exists():
+        return f"nothing is stored in {store} yet; the same command starts again"
+    try:
+        from ...sweeps.status import store_status
+
+        status = store_status(store)
+    except Exception:  # any: the interrupt may have hit the import of a module
+        return f"what was done is stored in {store}; the same command resumes"
+    return f"{status.done} of {status.cases} cases are stored in {store}; the same command resumes"
+
+
+def _size(size: int) -> str:
+    """Bytes as kB, MB or GB."""
+    power = min(max(len(str(size)) - 1, 0) // 3, 3)
+    return f"{size / 1000**power:.3g} {['B', 'kB', 'MB', 'GB'][power]}"

@@ -1,0 +1,83 @@
+"""Progress of a sweep: a bar on a terminal, or a line now and then in a log."""
+
+import math
+import sys
+import time
+
+import numpy as np
+
+from ..dynamics.progress import Bar, duration, on_terminal
+
+# Seconds between two lines of a log.
+LOG_EVERY = 30.0
+
+
+class ProgressReport:
+    """Counts the cases of a sweep; shows cases done, failures, rate and time left on stderr.
+
+    Parameters
+    ----------
+    label : str
+    chunks : Chunks
+    done : (chunks,) bool
+        Which were done by earlier sessions.
+    failed : int
+        How many cases failed in these.
+    quiet : bool
+        Whether to show nothing.
+    """
+
+    def __init__(self, label, chunks, done, failed, quiet):
+        self.label, self.chunks = label, chunks
+        self.quiet = quiet or sys.stderr is None
+        self.total = math.prod(chunks.sizes.values())
+        self.done_before = sum(chunks.cases(i) for i in np.flatnonzero(done))
+        self.done, self.failed = self.done_before, failed
+        self.fractions: dict = {}  # chunk under way -> fraction done
+        self.start = self.logged = time.monotonic()
+        self.bar = Bar(label, self.total)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.bar.__exit__()
+
+    def part(self, i, fraction):
+        """Note which fraction of chunk i is done; called by the threads that solve it."""
+        self.fractions[i] = fraction
+
+    def finished(self, outcome):
+        """Note that a chunk is done."""
+        self.fractions.pop(outcome.chunk, None)
+        self.done += self.chunks.cases(outcome.chunk)
+        self.failed += outcome.failed
+        self.show()
+
+    def describe(self, now):
+        """Number of cases done, and a text with failures, rate and time left."""
+        done = self.done + sum(
+            fraction * self.chunks.cases(i) for i, fraction in list(self.fractions.items())
+        )
+        rate = (done - self.done_before) / max(now - self.start, 1e-9)
+        text = f"{done:,.0f} of {self.total:,} cases, {self.failed:,} failed"
+        if rate > 0.0:
+            text += f", {rate:,.3g} cases/s" if rate < 10.0 else f", {rate:,.0f} cases/s"
+            text += f", {duration((self.total - done) / rate)} left"
+        return done, text
+
+    def show(self):
+        """Update the bar, or write a line to the log when one is due."""
+        now = time.monotonic()
+        if self.quiet or not self.bar.due:
+            return
+        done, text = self.describe(now)
+        try:
+            if on_terminal():
+                self.bar.show(done, text)
+            elif now - self.logged > LOG_EVERY:
+                self.logged = now
+                sys.stderr.write(f"{self.label}: {text}\n")
+                sys.stderr.flush()
+        except OSError:  # nobody reads stderr any more; the work goes on
+            self.quiet = True

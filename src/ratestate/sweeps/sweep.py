@@ -1,0 +1,248 @@
+"""The function `sweep`: another function for any number of cases, resumed after interruptions."""
+
+import contextlib
+import dataclasses
+import functools
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..engine import backend
+from ..errors import ParameterError
+from ..machine import check_fits, cores
+from . import cluster, threads
+from .calls import SweepRequest, call_of, check_cases, check_device
+from .chunks import chunks_of
+from .connect import slurm_client
+from .create import create, remove_abandoned
+from .legacy import SWEEP_GROUP
+from .lock import exclusive_lock
+from .origin import origin
+from .probe import cases_per_chunk
+from .progress import ProgressReport
+from .resume import resume_store
+from .solve import bytes_per_case, form_of
+from .status import crashed_chunks_in, failed_cases_in
+from .store import (
+    as_store_error,
+    device_attrs,
+    is_complete,
+    mark_undone,
+    matching_group,
+    open_result,
+)
+from .task import Tasks
+
+
+def sweep(
+    verb,
+    slider,
+    *,
+    store=None,
+    client=None,
+    chunk=None,
+    progress=True,
+    device="cpu",
+    retry_crashed=False,
+    slurm=None,
+    mixed=False,
+    **arguments,
+):
+    """Call another function for all named DataArrays among its arguments, in chunks.
+
+    Each case gives the same result, bit for bit, however the sweep is divided, and on any number
+    of cores, threads or machines of one kind (processors of different kinds differ in their last
+    digits).  A case that fails spoils no other.  Files of a store that are missing or damaged are
+    computed again, with a RuntimeWarning.
+
+    Parameters
+    ----------
+    verb : callable or str
+        The function: `limit_cycle`, `simulate` or `stability`, or its name.
+    slider : SpringSlider
+        With DataArrays for parameters, or none.
+    store : str or path, optional
+        Folder of a Zarr store, such as "x.zarr", made if there is none.  A store that the same
+        sweep began is resumed: what is done is not done again.  Without a store the result is kept
+        in memory.
+    client : dask.distributed.Client, optional
+        Cluster that does the work; its workers must see the store under the same path.  Without
+        a client all cores of this machine do it.
+    chunk : int, optional
+        Cases that are solved, and stored, at a time.  By default as many as take some seconds,
+        measured on a sample.
+    progress : bool
+        Whether to show progress on stderr: a bar on a terminal, else a line now and then.
+    device : {"cpu", "cuda"}
+        "cuda": an NVIDIA GPU (of each worker, with a client).
+    retry_crashed : bool
+        Whether to compute again the cases with the status ``crashed`` in the store, for example
+        after their cause has been removed.
+    slurm : str, optional
+        SLURM jobs that do the work, instead of a client's workers, such as
+        "jobs=10,cores=16,memory=32GB,walltime=02:00:00".  For the other options, lost jobs and
+        dask-jobqueue's configuration see :doc:`Run on SLURM </howto/slurm>`.
+    mixed : bool
+        Whether the last digits of cases may depend on what computed them: whether to resume a
+        store that other versions or another kind of processor began, and to use workers of several
+        kinds.  The store records the versions and the processor of each chunk.
+    **arguments
+        The function's other arguments.
+
+    Returns
+    -------
+    xarray.Dataset
+        As the function returns it, with the variable ``message``, the reason why a case failed,
+        and ``status`` for `stability` too.  With a store this is the opened store, which reads
+        numbers when they are used; messages are read at once, up to ten million.
+
+    Raises
+    ------
+    ParameterError
+        An argument that cannot be used, for any case; nothing to sweep over.
+    StoreError
+        The store belongs to another sweep, or was begun by other versions or on another kind of
+        processor (differences are listed), is in use, or cannot be read or written; nothing in it
+        is lost.
+    SolverError
+        The cluster is lost, no SLURM job is left, or none starts.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m",
+    ...                          M=rs.logspace("M", 100, 1e5, 12))
+    >>> cycles = rs.sweep(rs.limit_cycle, slider, V_lp=rs.logspace("V_lp", 1e-3, 1e-1, 13))
+    >>> dict(cycles.sizes)["M"], int((cycles.status == 0).sum())
+    (12, 114)
+    """
+    name, call = call_of(verb, slider, arguments)
+    check_device(name, call, device, client is None and slurm is None)
+    if client is not None and slurm is not None:
+        raise ParameterError("client and slurm both say who does the work; give one of them")
+    if client is not None and not hasattr(client, "nthreads"):
+        raise ParameterError(
+            f"client = {client!r} is no dask.distributed.Client; for the address of a scheduler "
+            f"give client=Client(address)"
+        )
+    integer = isinstance(chunk, int | np.integer) and not isinstance(chunk, bool)
+    if chunk is not None and not (integer and chunk >= 1):
+        raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
+    for option, value in (("retry_crashed", retry_crashed), ("mixed", mixed)):
+        if not isinstance(value, bool):
+            raise ParameterError(f"{option} = {value!r} must be True or False")
+    if retry_crashed and store is None:
+        raise ParameterError("retry_crashed = True: only a store has cases to try again; give one")
+    with contextlib.ExitStack() as until_done:
+        if slurm is not None:
+            client = until_done.enter_context(slurm_client(slurm))
+        until_done.enter_context(backend.use(device=device))
+        plan = Plan(SweepRequest(name, call, chunk, device), client, progress, mixed)
+        if store is None:
+            return _in_memory(plan)
+        return _in_store(plan, _folder(store, client), retry_crashed)
+
+
+@dataclasses.dataclass(frozen=True)
+class Plan:
+    """What is to be computed, and by whom."""
+
+    request: SweepRequest
+    client: Any
+    progress: bool
+    mixed: bool
+
+    def run(self, function, *arguments):
+        """Call a function where the work is to be done, and return its result."""
+        if self.client is None:
+            return function(*arguments)
+        return cluster.result(self.client, self.request.device, function, *arguments)
+
+    @functools.cached_property
+    def form(self):
+        """`Form` of the result."""
+        return form_of(self.request.call)
+
+    @functools.cached_property
+    def origin(self):
+        """Versions and kind of processor that do the work: with a cluster, a worker's."""
+        return self.run(origin, self.request.device)
+
+    def divide(self):
+        """Check the arguments of every case, measure the cost of a case, and return `Chunks`."""
+        call, shared = self.request.call, self.client is None
+        workers = cores() if shared else cluster.thread_count(self.client)
+        cases = self.request.chunk or cases_per_chunk(
+            call, self.form.specs, workers, shared, self.request.device, self.run
+        )
+        chunks = chunks_of(call.batch.sizes, cases)
+        check_cases(call, chunks)
+        return chunks
+
+    def outcomes(self, chunks, done, store=None, failed=0):
+        """Solve all chunks that are not done; yield each `Outcome` when it is ready.
+
+        store : open `Store`, or None
+        failed : number of failed cases among those done
+        """
+        request = self.request
+        processor = None if self.mixed else self.origin["processor"]
+        tasks = Tasks(chunks, self.form.specs, store, request.device, processor)
+        numbers = np.flatnonzero(~done).tolist()
+        label = f"sweep of {request.name}"
+        with ProgressReport(label, chunks, done, failed, quiet=not self.progress) as report:
+            if self.client is None:
+                outcomes = threads.outcomes(tasks, request.call, numbers, report)
+            else:
+                outcomes = cluster.outcomes(self.client, tasks, request.call, numbers, report)
+            with contextlib.closing(outcomes):
+                for outcome in outcomes:
+                    report.finished(outcome)
+                    yield outcome
+
+
+def _in_memory(plan):
+    """The result, assembled from its chunks."""
+    form, call = plan.form, plan.request.call
+    cases = call.batch.n
+    own = {name: spec for name, spec in form.specs.items() if name not in form.static}
+    check_fits(cases * bytes_per_case(own), f"the results of {cases:,} cases", "give a store")
+    chunks = plan.divide()
+    variables = {name: spec.empty(chunks.sizes) for name, spec in form.specs.items()}
+    for outcome in plan.outcomes(chunks, np.zeros(chunks.number, bool)):
+        slices = chunks.slices(outcome.chunk)
+        for name in own:
+            part = outcome.variables[name]
+            where = tuple(slices.get(dim, slice(None)) for dim in part.dims)
+            variables[name].values[where] = part.values
+    attrs = device_attrs(plan.request.device)
+    return call.dataset(variables | form.static).assign_attrs(attrs)
+
+
+def _in_store(plan, path, retry_crashed):
+    """The result in a store, which is made or resumed."""
+    request = plan.request
+    remove_abandoned(path)
+    with as_store_error(path):
+        exists = path.exists()
+    if not exists:
+        create(path, request, plan.divide(), plan.form)
+    if retry_crashed or not is_complete(path, matching_group(path, request)):
+        with exclusive_lock(path / SWEEP_GROUP / "zarr.json", path):
+            # read only now, since another sweep may have held the lock before
+            store = resume_store(path, plan.form, request, plan.origin, plan.mixed)
+            if retry_crashed:
+                store = mark_undone(store, crashed_chunks_in(store))
+            for _ in plan.outcomes(store.chunks, store.done, store, failed_cases_in(store)):
+                pass
+    return open_result(path)
+
+
+def _folder(store, client):
+    """The path of a store; ParameterError if it cannot be one."""
+    if not isinstance(store, str | os.PathLike) or "://" in os.fspath(store):
+        raise ParameterError(f"store = {store!r} must be the path of a folder, such as 'x.zarr'")
+    path = Path(store).expanduser()
+    return path if client is None else path.absolute()  # workers may run in another folder
