@@ -51,7 +51,7 @@ from .as_toml import toml
 from .files import LARGEST, load, loads
 from .model import Output, Scenario, run
 from .results import from_result
-from .starts import TEMPLATES, template
+from .template_files import TEMPLATES, template
 
 __all__ = [
     "LARGEST",

@@ -1,4 +1,4 @@
-"""A scenario as the Python lines that do it."""
+"""A scenario as Python lines."""
 
 from typing import Any
 
@@ -7,14 +7,14 @@ import numpy as np
 from ...model.loading import Loading
 from ...model.loading.written import events_of, rows_of
 from ...model.units import is_array
+from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import Scenario
-from .words import along_itself, numbers, quantity, spread
 
 
 def python(scenario: Scenario) -> str:
-    """The Python lines that reproduce a scenario; they leave its Dataset in ``result``.
+    """Python lines that run a scenario and assign its Dataset to ``result``.
 
-    They stand by themselves, and give the same bits.
+    They are complete, imports included, and reproduce the result bit-for-bit.
     """
     lines = ["slider = rs.SpringSlider("]
     for symbol, value in scenario.slider.parameters.items():
@@ -52,16 +52,16 @@ def _loading(loading: Loading) -> str:
         return _call("rs.Loading.steps", [_value("V_lp", start), *pairs])
     calls = [f"rs.Loading.constant({_value('V_lp', start)})"]
     for event in events:
-        words = [quantity("t", event.t)]
-        words += [] if event.V is None else [_value("V_lp", event.V)]
-        words += [] if event.duration is None else [quantity("t", event.duration)]
-        calls.append(f".{event.kind}({', '.join(words)})")
+        arguments = [quantity("t", event.t)]
+        arguments += [] if event.V is None else [_value("V_lp", event.V)]
+        arguments += [] if event.duration is None else [quantity("t", event.duration)]
+        calls.append(f".{event.kind}({', '.join(arguments)})")
     text = "".join(calls)
     return text if len(text) < 80 else "(\n" + "".join(f"    {call}\n" for call in calls) + ")"
 
 
 def _call(name: str, arguments: list[str]) -> str:
-    """A call on one line, or with an argument a line."""
+    """A call on one line or, if it is long, with one argument on each line."""
     text = f"{name}({', '.join(arguments)})"
     if len(text) < 80 and "\n" not in text:
         return text
@@ -77,7 +77,7 @@ def _column(V: Any) -> str:
 
 
 def _setting(key: str, value: Any) -> str:
-    """An argument of a verb."""
+    """An argument of the function."""
     if key == "times" and not is_array(value):
         return _times(value)
     if key == "initial":
@@ -88,7 +88,7 @@ def _setting(key: str, value: Any) -> str:
 
 
 def _times(times: np.ndarray) -> str:
-    """Saved times, as the call that spaces them evenly where there is one."""
+    """Saved times: a call of linspace if they are evenly spaced, else a list."""
     ends = f"{float(times[0])!r}, {float(times[-1])!r}, {times.size}"
     even = np.linspace(times[0], times[-1], times.size)
     if times.size > 2 and np.array_equal(even, times):
@@ -99,13 +99,13 @@ def _times(times: np.ndarray) -> str:
 
 
 def _value(symbol: str, value: Any) -> str:
-    """A value: text, quantity, or array with names."""
+    """A value: string, quantity, or array with names."""
     if isinstance(value, str):
         return f'"{value}"'
     if not is_array(value):
         return quantity(symbol, value) if np.isfinite(value) else 'float("inf")'
-    if along_itself(symbol, value):
-        axis = spread(symbol, value.values)
+    if is_own_axis(symbol, value):
+        axis = find_axis(symbol, value.values)
         if axis is not None and axis.scale == "log":
             first, last = quantity(symbol, axis.first), quantity(symbol, axis.last)
             return f'rs.logspace("{symbol}", {first}, {last}, {axis.n})'

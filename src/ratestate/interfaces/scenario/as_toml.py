@@ -1,4 +1,4 @@
-"""A scenario as the text of a file, from which the same scenario is read."""
+"""A scenario as the text of a file."""
 
 from typing import Any
 
@@ -9,10 +9,10 @@ from ...model.loading import Loading
 from ...model.loading.written import Event, events_of, rows_of
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array
+from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import Scenario
-from .words import along_itself, numbers, quantity, spread
 
-#: verb -> the commands that do it, for one case and for many
+#: function -> the commands that call it, for one case and for many
 COMMANDS = {
     "simulate": ("run", "sweep"),
     "limit_cycle": ("cycle", "sweep"),
@@ -22,7 +22,7 @@ COMMANDS = {
 
 
 def toml(scenario: Scenario) -> str:
-    """The text of a scenario file; `load` of it gives the same scenario, to the last bit.
+    """The text of a scenario file, from which `load` makes the same scenario, bit-for-bit.
 
     Raises
     ------
@@ -31,8 +31,8 @@ def toml(scenario: Scenario) -> str:
 
     Notes
     -----
-    Values of a size that no file may have (`scenario.sizes`) are written all the same;
-    `load` then says which they are.
+    Values whose magnitude `load` refuses (`scenario.magnitudes`) are written nevertheless; `load`
+    then names them.
     """
     settings, slider = dict(scenario.settings), scenario.slider.parameters
     swept = {k: v for k, v in slider.items() if is_array(v)}
@@ -71,7 +71,7 @@ def toml(scenario: Scenario) -> str:
 
 
 def _loading(loading: Loading) -> tuple[list[str], Any]:
-    """The lines of [loading], and the last speed if that is swept."""
+    """The lines of [loading], and the last speed if it is swept, else None."""
     if loading.sine is not None:
         sine = loading.sine
         if is_array(sine.amplitude):
@@ -96,9 +96,11 @@ def _loading(loading: Loading) -> tuple[list[str], Any]:
         raise ParameterError("a scenario file can sweep none but the last speed of a loading")
     last = steps[final].V if swept else None
     lines = [] if final == 0 and swept else [f"V_lp = {quantity('V_lp', start)}"]
-    # the last speed stands in [sweep], and here any other
-    told = [_step(step, 1.0 if is_array(step.V) else step.V) for step in events]
-    return lines + (["steps = [", *(f"    {step}," for step in told), "]"] if told else []), last
+    # a swept last speed is in [sweep], and here replaced by 1 m/s
+    steps_lines = [_step(step, 1.0 if is_array(step.V) else step.V) for step in events]
+    return lines + (
+        ["steps = [", *(f"    {step}," for step in steps_lines), "]"] if steps_lines else []
+    ), last
 
 
 def _step(event: Event, V: float | None) -> str:
@@ -125,7 +127,7 @@ def _setting(key: str, value: Any) -> str:
 
 def _axis(symbol: str, value: Any) -> str:
     """The values of a swept parameter."""
-    if not along_itself(symbol, value):
+    if not is_own_axis(symbol, value):
         raise ParameterError(
             f"{symbol} lies along {', '.join(map(str, value.dims))}: a scenario file can sweep a "
             f"parameter along a dimension of its own only"
@@ -135,7 +137,7 @@ def _axis(symbol: str, value: Any) -> str:
 
 def _values(symbol: str, values: np.ndarray) -> str:
     """Many values: an axis between two ends, or a list of numbers in SI."""
-    if axis := spread(symbol, values):
+    if axis := find_axis(symbol, values):
         first, last = quantity(symbol, axis.first), quantity(symbol, axis.last)
         return f'{{ from = {first}, to = {last}, n = {axis.n}, scale = "{axis.scale}" }}'
     unit = QUANTITIES[symbol].unit

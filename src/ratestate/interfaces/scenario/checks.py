@@ -1,4 +1,4 @@
-"""What a verb will not take, though each value is good by itself."""
+"""Checks of arguments that are valid by themselves but that a function would refuse together."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,22 +17,22 @@ from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
 from .problems import Problems, expected
-from .sweeps import BRANCH
+from .sweep_table import BRANCH
 from .tables import LIKE
 
-# For checks in which the slider plays no part.
+# For checks that do not depend on the slider.
 ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
-FEW = 10**5  # cases that are looked at one by one
+FEW = 10**5  # cases that are checked one by one
 TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
 DT = "expected the time step of im2017 such as dt = '0.1 ms'"
 
 
-#: where a key stands, such as "[run] dt"
+#: key -> its table and key in messages, such as "[run] dt"
 Place = Callable[[str], str]
 
 
 def check_rtol(verb: str, rtol: float | None, place: Place, problems: Problems) -> None:
-    """Note an rtol that the verb will not take."""
+    """Note an rtol that the function would refuse."""
     if rtol is None:
         return
     with problems.at(place("rtol"), "rtol", expected("rtol")):
@@ -45,7 +45,7 @@ def check_rtol(verb: str, rtol: float | None, place: Place, problems: Problems) 
 
 
 def check_branch(slider: SpringSlider, settings: dict[str, Any], problems: Problems) -> None:
-    """Note what keeps a branch from being followed."""
+    """Note arguments with which a branch cannot be followed."""
     place = f"[sweep] {settings['parameter']}"
     with problems.at(place, expected="expected M > 0, b > a and two different ends", like=BRANCH):
         checked_family(slider, **({"V_lp": None, "rtol": 1e-8} | settings))
@@ -58,7 +58,7 @@ def check_run(
     place: Place,
     problems: Problems,
 ) -> None:
-    """Note what `simulate` will not take of these arguments, of which some may be unknown.
+    """Note arguments that `simulate` would refuse; some of them may be unknown.
 
     values : key -> value, None for one with a problem
     """
@@ -86,7 +86,7 @@ def check_run(
 def _check_method(
     slider: SpringSlider | None, values: dict[str, Any], place: Place, problems: Problems
 ) -> None:
-    """Note a method or time step that do not go together, or with the slider."""
+    """Note a method and time step that are incompatible with each other or with the slider."""
     method, dt, t_end = (values.get(key) for key in ("method", "dt", "t_end"))
     if {"method", "dt"} & {key for key, value in values.items() if value is None}:
         return
@@ -105,9 +105,9 @@ def _check_method(
 def _check_initial(
     slider: SpringSlider, values: dict[str, Any], loading: Loading | None, problems: Problems
 ) -> None:
-    """Note a start that contradicts itself, in sweeps that are not too large.
+    """Note inconsistent initial values, in sweeps that are not too large.
 
-    Nothing else than the slider, the first speed and the values given themselves has a part in it.
+    Only the slider, the first speed and the initial values themselves matter.
     """
     if loading is None and np.isinf(slider.K).any():
         return  # the slider's speed is the load point's, which is not known

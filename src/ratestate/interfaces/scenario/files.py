@@ -1,4 +1,4 @@
-"""From a file to a scenario."""
+"""Reads a scenario file."""
 
 import re
 import tomllib
@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import ParameterError
-from .assemble import Read, assembled
-from .drive import loading_table
+from .assemble import Tables, assemble
+from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
-from .problems import Problems, bare, choice, one_of, shown
-from .simple import output_table, run_table, slider_table
-from .sweeps import sweep_table
+from .problems import Problems, choice, one_of, shown, toml_key
+from .simple_tables import output_table, run_table, slider_table
+from .sweep_table import sweep_table
 from .tables import TABLES, example
 
 LARGEST = 10**7  # bytes
@@ -29,8 +29,8 @@ def load(path: str | Path, verb: str | None = None) -> Scenario:
         A TOML file with the tables [slider], [loading], [run], [sweep] and [output], of which none
         but the first must be there; see `ratestate.scenario`.
     verb : str, optional
-        A verb that is asked of the file in place of its own, which is what [sweep] or [run] says,
-        or "simulate".  What this verb does not take is read, checked, and left out.
+        Function to call in place of the file's own, which [sweep] or [run] names, or which is
+        "simulate".  Keys that it does not take are read and checked, but left out.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def loads(
     name: str = "the text",
     folder: Path | None = None,
 ) -> Scenario:
-    """Read what a scenario file would hold.
+    """Read the text of a scenario file.
 
     Parameters
     ----------
@@ -58,9 +58,9 @@ def loads(
     verb : str, optional
         As for `load`.
     name : str
-        What messages call it.
+        Name of the text in messages.
     folder : Path, optional
-        Where paths of records begin; by default the current directory.
+        Folder to which paths of records are relative; by default the current directory.
 
     Raises
     ------
@@ -70,29 +70,29 @@ def loads(
     verb = None if verb is None else choice(verb, FUNCTIONS)
     problems = Problems()
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
-    tables = _tables(_parsed(data, name), problems)
-    run = run_table(tables.get("run", {}), problems)
-    of_run = run.pop("verb", None)
-    read = Read(
-        tables=frozenset(tables),
-        slider=slider_table(tables.get("slider", {}), problems),
-        drive=loading_table(tables.get("loading", {}), folder or Path(), problems),
+    parsed = _tables(_parse(data, name), problems)
+    run = run_table(parsed.get("run", {}), problems)
+    verb_of_run = run.pop("verb", None)
+    tables = Tables(
+        names=frozenset(parsed),
+        slider=slider_table(parsed.get("slider", {}), problems),
+        loading=loading_table(parsed.get("loading", {}), folder or Path(), problems),
         run=run,
-        sweep=sweep_table(tables.get("sweep"), verb, of_run, problems),
-        output=output_table(tables.get("output", {}), problems),
+        sweep=sweep_table(parsed.get("sweep"), verb, verb_of_run, problems),
+        output=output_table(parsed.get("output", {}), problems),
     )
-    scenario = assembled(read, problems)
+    scenario = assemble(tables, problems)
     if scenario is None:
-        raise ParameterError(f"{name} cannot be used:\n{problems.told(TABLES)}")
+        raise ParameterError(f"{name} cannot be used:\n{problems.message(TABLES)}")
     return scenario
 
 
-def _parsed(text: bytes, name: str) -> dict[str, Any]:
-    """What the text says, as TOML has it."""
+def _parse(text: bytes, name: str) -> dict[str, Any]:
+    """Parse the text as TOML."""
     if len(text) > LARGEST:
         raise ParameterError(f"{name} cannot be read: {_too_large(len(text))}, {WANTED}")
     try:
-        if deep := _deep(text):
+        if deep := _line_of_deep_key(text):
             what = f"line {deep} has a key of more than {DEEPEST} parts, expected values"
         else:
             return tomllib.loads(text.decode("utf-8-sig"))
@@ -113,7 +113,7 @@ def _parsed(text: bytes, name: str) -> dict[str, Any]:
 
 
 def _bytes(path: Path) -> bytes:
-    """What the file holds, if it is one and not too large."""
+    """The content of a file that exists and is not too large."""
     try:
         size = path.stat().st_size
         if path.is_file() and size <= LARGEST:
@@ -130,13 +130,13 @@ def _bytes(path: Path) -> bytes:
 
 
 def _too_large(size: int) -> str:
-    """The complaint about a file of so many bytes."""
+    """The message about a file of so many bytes."""
     longer = "long records go into a file of their own, see [loading] file"
     return f"it has {size} bytes, more than {LARGEST} ({longer})"
 
 
-def _deep(text: bytes) -> int:
-    """The line, from 1 on, of a key of far too many parts; 0 if there is none."""
+def _line_of_deep_key(text: bytes) -> int:
+    """The number of the line, from 1 on, with a key of far too many parts; 0 if there is none."""
     for number, line in enumerate(text.split(b"\n"), 1):
         if line.count(b".") > DEEPEST and not line.lstrip().startswith(b"#"):
             for piece in re.split(rb"[,=\[\]{}#]", line):
@@ -147,11 +147,11 @@ def _deep(text: bytes) -> int:
 
 
 def _tables(parsed: dict[str, Any], problems: Problems) -> dict[str, dict[str, Any]]:
-    """The known tables that the file has, empty where they are none."""
+    """The known tables of the file; one that is not a table is replaced by an empty one."""
     tables: dict[str, dict[str, Any]] = {}
     known = [f"[{name}]" for name in TABLES]
     for name, table in list(parsed.items())[:MOST_TABLES]:
-        place = f"[{bare(name)}]"
+        place = f"[{toml_key(name)}]"
         if name in TABLES:
             tables[name] = table if isinstance(table, dict) else {}
             if not isinstance(table, dict):
@@ -159,14 +159,14 @@ def _tables(parsed: dict[str, Any], problems: Problems) -> dict[str, dict[str, A
         elif isinstance(table, dict):
             problems.add(place, f"unknown table, {one_of(known, place)}")
         else:
-            _loose(name, known, problems)
+            _note_loose_key(name, known, problems)
     if len(parsed) > MOST_TABLES:
         problems.add("the file", f"has {len(parsed)} tables and keys, {one_of(known)}")
     return tables
 
 
-def _loose(name: str, known: list[str], problems: Problems) -> None:
+def _note_loose_key(name: str, known: list[str], problems: Problems) -> None:
     """Note a key above all tables."""
     homes = [f"[{table}]" for table, keys in TABLES.items() if name in keys]
     where = f"expected in {' or '.join(homes)} such as {example(name)}" if homes else one_of(known)
-    problems.add(bare(name), f"stands above all tables, {where}")
+    problems.add(toml_key(name), f"stands above all tables, {where}")

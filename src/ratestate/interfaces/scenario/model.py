@@ -1,4 +1,4 @@
-"""A scenario: a verb, its slider, its settings, and where the result goes."""
+"""A scenario: a function to call, its slider, its settings, and where the result goes."""
 
 import dataclasses
 import inspect
@@ -12,14 +12,14 @@ from ...dynamics.simulation.simulate import simulate, simulate_call
 from ...dynamics.steady_sliding import stability, stability_call
 from ...model.slider import SpringSlider
 
-#: name -> verb
+#: name -> function
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "limit_cycle": limit_cycle,
     "simulate": simulate,
     "stability": stability,
     "continue_cycle": continue_cycle,
 }
-#: name -> what checks its arguments
+#: name -> function that checks its arguments
 CHECKS: dict[str, Callable[..., Any]] = {
     "limit_cycle": lambda **given: limit_cycle_call(**given).batch,
     "simulate": lambda **given: simulate_call(**given).batch,
@@ -46,17 +46,16 @@ class Output:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Scenario:
-    """What is to be done: ``getattr(ratestate, verb)(slider, **settings)``.
+    """A call to make: ``getattr(ratestate, verb)(slider, **settings)``.
 
     Attributes
     ----------
     verb : str
-        "simulate", "limit_cycle", "stability" or "continue_cycle".
+        The function: "simulate", "limit_cycle", "stability" or "continue_cycle".
     slider : SpringSlider
         With a DataArray for each parameter that is swept.
     settings : dict
-        Keyword arguments of the verb, in SI; DataArrays likewise.  What the verb chooses by
-        itself is left out.
+        Keyword arguments of the function, in SI; DataArrays likewise.  Defaults are left out.
     output : Output
         Where the result goes.
     """
@@ -68,7 +67,7 @@ class Scenario:
 
 
 def check(scenario: Scenario) -> None:
-    """Raise ParameterError for a scenario that its verb would refuse."""
+    """Raise ParameterError for a scenario that its function would refuse."""
     verb = FUNCTIONS[scenario.verb]
     bound = inspect.signature(verb).bind(scenario.slider, **scenario.settings)
     bound.apply_defaults()
@@ -76,5 +75,5 @@ def check(scenario: Scenario) -> None:
 
 
 def run(scenario: Scenario) -> Any:
-    """Do what a scenario asks for; the verb's Dataset.  Its ``output`` is left to the caller."""
+    """Run a scenario and return the function's Dataset; its ``output`` is left to the caller."""
     return FUNCTIONS[scenario.verb](scenario.slider, **scenario.settings)

@@ -1,4 +1,4 @@
-"""Everything that is wrong with a scenario file, told at once: one line a problem."""
+"""The problems of a scenario file, which are reported together: one line for each problem."""
 
 import difflib
 import functools
@@ -12,45 +12,47 @@ from ...model.quantities import KINDS
 from ...model.quantities import expected as _expected
 
 LONGEST_SHOWN = 60  # characters
-MOST_TOLD = 100  # problems
-NEAR = 0.7  # from 0 to 1, how alike names are of which one was perhaps meant
-#: the end of a line; brackets in it are for tables and keys, so units stand in examples only
+MOST_LINES = 100  # problems
+NEAR = 0.7  # from 0 to 1, how similar a name must be to be suggested
+#: the end of a line; since brackets mean tables and keys there, units appear in examples only
 expected = functools.partial(_expected, unit=False)
 
 
 class Problems(list[str]):
     """Lines such as ``[loading] V_lp: '3.2 mm' is a length, expected a speed such as ...``.
 
-    No more than `MOST_TOLD`; ``untold`` counts the others.
+    No more than `MOST_LINES`; ``omitted`` counts the others.
     """
 
-    untold = 0
+    omitted = 0
 
     def add(self, place: str, what: str) -> None:
-        """Note what is wrong at a place such as ``[sweep] M.from``."""
-        if len(self) < MOST_TOLD:
+        """Note a problem of a key such as ``[sweep] M.from``."""
+        if len(self) < MOST_LINES:
             self.append(f"{place}: {what}")
         else:
-            self.untold += 1
+            self.omitted += 1
 
-    def at(self, place: str, symbol: str = "", expected: str = "", like: str = "") -> "_Noted":
-        """Note a ParameterError of a block and go on.
+    def at(
+        self, place: str, symbol: str = "", expected: str = "", like: str = ""
+    ) -> "_NotingProblem":
+        """Context that notes a ParameterError as a problem of a key, and continues after it.
 
-        symbol : what its message may begin with
-        expected : the end of its line, if its message does not say what was expected
-        like : an example for it, and for what the message says to give
+        symbol : start of the message, which is removed
+        expected : the end of the line, if the message does not say what is expected
+        like : an example for the expected value
         """
-        return _Noted(self, place, symbol, expected, like)
+        return _NotingProblem(self, place, symbol, expected, like)
 
-    def told(self, tables: Iterable[str]) -> str:
-        """All lines, as one text, in the order of the tables."""
+    def message(self, tables: Iterable[str]) -> str:
+        """All lines, joined in the order of the tables."""
         order = {f"[{table}]": i for i, table in enumerate(tables)}
         lines = sorted(self, key=lambda line: order.get(line.split("]")[0] + "]", -1))
-        more = [f"and {self.untold} problems more"] if self.untold else []
+        more = [f"and {self.omitted} problems more"] if self.omitted else []
         return "\n".join([*lines, *more])
 
 
-class _Noted(NamedTuple):
+class _NotingProblem(NamedTuple):
     problems: Problems
     place: str
     symbol: str
@@ -68,12 +70,12 @@ class _Noted(NamedTuple):
     ) -> bool:
         if not isinstance(error, ParameterError):
             return False
-        what = plain(error).removeprefix(f"{self.symbol} = ").removeprefix(f"{self.symbol} ")
+        what = error_line(error).removeprefix(f"{self.symbol} = ").removeprefix(f"{self.symbol} ")
         self.problems.add(self.place, self._line(what.removeprefix("[s] ")))  # (of times)
         return True
 
     def _line(self, what: str) -> str:
-        """The message, and what was expected if it does not say so itself."""
+        """The message, and what is expected if it does not say so itself."""
         if ", expected " in what:
             return what
         wrong, own, remedy = what.rpartition("; give ")
@@ -82,10 +84,10 @@ class _Noted(NamedTuple):
         return f"{what}, {self.expected}" + (f" such as {self.like}" if self.like else "")
 
 
-def plain(error: ParameterError) -> str:
-    """The message of an error as a line has it: "..., expected ...", and no units in brackets.
+def error_line(error: ParameterError) -> str:
+    """The message of an error in the form of a line: "..., expected ...", no units in brackets.
 
-    Only what ratestate itself says is changed, and nothing that it quotes.
+    Only the words of ratestate itself are changed, and nothing that the message quotes.
     """
     what = str(error).replace("\n", " ")
     wrong, own, wanted = what.rpartition("; expected ")
@@ -100,7 +102,7 @@ def plain(error: ParameterError) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value out of a TOML file, as a message shows it: on one line, and short."""
+    """A value of a TOML file as messages show it: on one line, and short."""
     if isinstance(value, str):
         return repr(value if len(value) <= LONGEST_SHOWN else value[: LONGEST_SHOWN - 3] + "...")
     if isinstance(value, bool):
@@ -114,13 +116,13 @@ def shown(value: Any) -> str:
     return str(value)
 
 
-def bare(key: str) -> str:
+def toml_key(key: str) -> str:
     """A key as TOML writes it: in quotes if it needs them."""
     return key if re.fullmatch(r"[A-Za-z0-9_-]{1,60}", key) else shown(key)
 
 
 def nearest(given: Any, names: Iterable[str]) -> str | None:
-    """Which of these names was perhaps meant."""
+    """The most similar of these names; None if none is similar."""
     lower = {name.lower(): name for name in names}
     text = given.lower()[:60] if isinstance(given, str) else ""
     near = difflib.get_close_matches(text, lower, n=1, cutoff=NEAR)
@@ -128,7 +130,7 @@ def nearest(given: Any, names: Iterable[str]) -> str | None:
 
 
 def one_of(names: Iterable[str], given: Any = None, like: str = "") -> str:
-    """The end of a message: which names there are, and which of them was perhaps meant.
+    """The end of a message: the valid names, and the one that was perhaps meant.
 
     like : an example, such as ``a = 0.003``
     """

@@ -1,4 +1,4 @@
-"""A loading out of a file: two columns of a table of text, with a header or without."""
+"""A loading from a text file: two columns of a table, with or without a header."""
 
 import re
 from pathlib import Path
@@ -10,11 +10,11 @@ from ...errors import ParameterError
 from ...model.loading import Loading
 from ...model.quantities import QUANTITIES
 from ...model.units import to_si
-from .problems import Problems, expected, nearest, plain, shown
-from .rows import number_in, rows_of
-from .sizes import unusual
+from .magnitudes import magnitude_problem
+from .problems import Problems, error_line, expected, nearest, shown
+from .text_tables import number_in, rows_of
 
-BAD_TOLD = 5  # rows
+BAD_LISTED = 5  # rows
 COLUMNS_LIKE = '["time [s]", "V_lp [um/s]"]'
 UNITS_LIKE = '["s", "um/s"]'
 SYMBOLS = ("t", "V_lp")
@@ -31,14 +31,14 @@ class Column(NamedTuple):
 def read_record(
     table: dict[str, Any], folder: Path, problems: Problems
 ) -> tuple[Loading, float] | None:
-    """The history in a file, and its last speed [m/s]; None if there are problems.
+    """The loading in a file, and its last speed [m/s]; None if there are problems.
 
     Parameters
     ----------
     table : dict
         [loading], with ``file``, ``columns`` and maybe ``units``.
     folder : Path
-        Where the file's path begins.
+        Folder to which the file's path is relative.
     """
     before = len(problems)
     wanted = _pair("columns", table.get("columns"), (str, int), COLUMNS_LIKE, problems)
@@ -57,7 +57,7 @@ def read_record(
 
 
 def _pair(key: str, value: Any, kinds: Any, like: str, problems: Problems) -> list[Any] | None:
-    """A pair of texts, or of numbers where they may be."""
+    """A pair of strings, or of integers where `kinds` allows them."""
     place, wanted = f"[loading] {key}", f"expected a pair, of times and of speeds, such as {like}"
     if value is None:
         problems.add(place, f"is missing, {wanted}")
@@ -75,16 +75,16 @@ def _columns(
     units: list[str] | None,
     problems: Problems,
 ) -> list[Column] | None:
-    """The two columns asked for; their rows are left without the header, if there is one."""
+    """The two columns in `wanted`; a header is removed from the rows."""
     head = rows[0][1]
     # named columns need a header; of numbered ones the first cell says whether there is one
-    looked = [asked - 1 for asked in wanted if isinstance(asked, int)]
-    cells = [head[i] for i in looked if 0 <= i < len(head)] if len(looked) == 2 else head
+    numbered = [column - 1 for column in wanted if isinstance(column, int)]
+    cells = [head[i] for i in numbered if 0 <= i < len(head)] if len(numbered) == 2 else head
     titled = any(number_in(cell) is None for cell in cells)
     found = []
-    for i, (symbol, asked) in enumerate(zip(SYMBOLS, wanted, strict=True)):
+    for i, (symbol, column) in enumerate(zip(SYMBOLS, wanted, strict=True)):
         place = f"[loading] columns[{i}]"
-        index = _index(asked, head, titled, place, problems)
+        index = _index(column, head, titled, place, problems)
         if index is None:
             continue
         name = head[index] if titled else f"column {index + 1}"
@@ -98,7 +98,7 @@ def _columns(
             to_si(symbol, f"1 {unit}", bound="")
         except ParameterError as error:
             place = place if units is None else f"[loading] units[{i}]"
-            what = plain(error).removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
+            what = error_line(error).removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
             what = what.replace(f"has an unknown unit {unit!r}", "is unknown", 1)
             problems.add(place, f"the unit {shown(unit)} {what}")
             continue
@@ -109,30 +109,30 @@ def _columns(
 
 
 def _index(
-    asked: str | int, head: list[str], titled: bool, place: str, problems: Problems
+    wanted: str | int, head: list[str], titled: bool, place: str, problems: Problems
 ) -> int | None:
-    """Which column is meant, from 0 on."""
-    if isinstance(asked, int):
-        if 1 <= asked <= len(head):
-            return asked - 1
-        what = f"{shown(asked)} is no column, expected a number from 1 to {len(head)} such as 1"
+    """Index of a column that is given by number or name."""
+    if isinstance(wanted, int):
+        if 1 <= wanted <= len(head):
+            return wanted - 1
+        what = f"{shown(wanted)} is no column, expected a number from 1 to {len(head)} such as 1"
         problems.add(place, what)
         return None
     if not titled:
-        what = f"{shown(asked)} cannot be found, for the file has no header"
+        what = f"{shown(wanted)} cannot be found, for the file has no header"
         problems.add(place, f"{what}, expected the number of one such as {len(head)}")
         return None
     titles = [" ".join(cell.split()) for cell in head]
     names = [_split(title)[0] for title in titles]
-    asked = " ".join(asked.split())
+    wanted = " ".join(wanted.split())
     for list_ in (titles, names):
-        if list_.count(asked) == 1:
-            return list_.index(asked)
-    told = ", ".join(shown(title) for title in titles[:20])
-    near = nearest(asked, titles) or nearest(asked, names)
+        if list_.count(wanted) == 1:
+            return list_.index(wanted)
+    listed = ", ".join(shown(title) for title in titles[:20])
+    near = nearest(wanted, titles) or nearest(wanted, names)
     meant = f"; did you mean {shown(near)}?" if near else ""
-    how = "is the name of several columns" if names.count(asked) > 1 else "is no column"
-    problems.add(place, f"{shown(asked)} {how}, expected one of {told}{meant}")
+    how = "is the name of several columns" if names.count(wanted) > 1 else "is no column"
+    problems.add(place, f"{shown(wanted)} {how}, expected one of {listed}{meant}")
     return None
 
 
@@ -145,7 +145,7 @@ def _split(title: str) -> tuple[str, str]:
 def _history(
     rows: list[tuple[int, list[str]]], columns: list[Column], problems: Problems
 ) -> tuple[Loading, float] | None:
-    """The history, and its last speed; bad rows are noted by the numbers of their lines."""
+    """The loading and its last speed; bad rows are noted with the numbers of their lines."""
     import xarray
 
     bad = 0
@@ -157,14 +157,14 @@ def _history(
             x = number_in(cell)
             if x is None:
                 bad += 1
-                if bad <= BAD_TOLD:
+                if bad <= BAD_LISTED:
                     what = f"line {line}: {shown(cell)} in {shown(column.name)} is no number"
                     problems.add("[loading] file", f"{what}, expected one such as 0.5")
             else:
                 pair.append(x)
         values.append(pair)
-    if bad > BAD_TOLD:
-        what = f"and {bad - BAD_TOLD} cells more are no numbers, expected numbers such as 0.5"
+    if bad > BAD_LISTED:
+        what = f"and {bad - BAD_LISTED} cells more are no numbers, expected numbers such as 0.5"
         problems.add("[loading] file", what)
     if bad:
         return None
@@ -177,7 +177,7 @@ def _history(
     with problems.at("[loading] file", expected=wanted, like="0,1 and 2.5,1"):
         for symbol, array in zip(SYMBOLS, (t, V), strict=True):
             largest = float(np.abs(to_si(symbol, array, bound="")).max())
-            if complaint := unusual(symbol, max(largest, 1.0)):
+            if complaint := magnitude_problem(symbol, max(largest, 1.0)):
                 given = f"{symbol} = {largest:.6g} {QUANTITIES[symbol].unit}"
                 raise ParameterError(f"{given} {complaint}; {expected(symbol)}")
         loading = Loading.series(t, V)

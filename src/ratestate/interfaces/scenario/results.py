@@ -1,4 +1,4 @@
-"""From a result back to the scenario that made it."""
+"""The scenario that made a result, from the attributes of the result."""
 
 import dataclasses
 import inspect
@@ -17,7 +17,7 @@ from .model import FUNCTIONS, Scenario, check
 
 WANTED = "give a Dataset as a verb of ratestate returned it, or read from the file it was kept in"
 
-#: by which part of the largest speed one at the end of a segment may fall below 0
+#: how far a speed at the end of a segment may fall below 0, relative to the largest speed
 ROUNDING = 1e-9
 
 
@@ -48,7 +48,7 @@ def from_result(result: Any) -> Scenario:
     if verb not in FUNCTIONS or not title.startswith("ratestate "):
         raise ParameterError(f"the result's title is {title[:60]!r}, which is no verb's; {WANTED}")
     try:
-        scenario = Scenario(verb, _slider(result), _lean(verb, _of_verb[verb](result)))
+        scenario = Scenario(verb, _slider(result), _without_defaults(verb, _of_verb[verb](result)))
         check(scenario)
     except ParameterError:
         raise
@@ -60,7 +60,7 @@ def from_result(result: Any) -> Scenario:
 
 
 def _slider(result: Any) -> SpringSlider:
-    """The slider, with the cases that the result still holds."""
+    """The slider, with the cases that the result still has."""
     values = attributes.from_json(result, "slider", dict)
     symbols = {field.name for field in dataclasses.fields(SpringSlider)}
     if odd := symbols ^ set(values):
@@ -74,25 +74,25 @@ def _slider(result: Any) -> SpringSlider:
 
 
 def _swept(result: Any, name: str, symbol: str, recorded: Any) -> Any:
-    """A value that an attribute records; of a swept one those that the result still holds."""
+    """The value recorded in an attribute; of a swept one the cases that the result still has."""
     if not isinstance(recorded, dict):
         return attributes.parameter_value(name, symbol, recorded)
     if symbol in result.coords and symbol not in ("V_start", "t_end"):
-        return _alone(parameter(result, symbol))
+        return _without_case_labels(parameter(result, symbol))
     if isinstance(recorded.get("values"), str):  # too many for an attribute
-        return _alone(result[symbol])
+        return _without_case_labels(result[symbol])
     return _labelled(result, attributes.array(name, recorded))
 
 
-def _alone(value: Any) -> Any:
-    """A value out of a result, without the labels of cases that it does not depend on."""
+def _without_case_labels(value: Any) -> Any:
+    """A value of a result, without scalar coordinates."""
     if not is_array(value):
         return value
     return value.drop_vars([name for name, label in value.coords.items() if not label.dims])
 
 
 def _labelled(result: Any, recorded: Any) -> Any:
-    """An array in some of the result's dimensions, with its labels."""
+    """A recorded array over some of the result's dimensions, with the result's labels."""
     for dim, size in recorded.sizes.items():
         if dim != "segment" and result.sizes.get(dim) != size:
             raise ParameterError(
@@ -108,7 +108,7 @@ def _labelled(result: Any, recorded: Any) -> Any:
 
 
 def _values(result: Any, name: str, given: dict[str, Any]) -> dict[str, Any]:
-    """Values out of an attribute, of which some are swept."""
+    """The values in an attribute, some of which may be swept."""
     return {
         k: _labelled(result, attributes.array(name, v)) if isinstance(v, dict) else v
         for k, v in given.items()
@@ -206,8 +206,8 @@ _of_verb = {
 }
 
 
-def _lean(verb: str, settings: dict[str, Any]) -> dict[str, Any]:
-    """Settings without those that the verb chooses by itself."""
+def _without_defaults(verb: str, settings: dict[str, Any]) -> dict[str, Any]:
+    """Settings without those equal to the function's defaults."""
     defaults = {k: p.default for k, p in inspect.signature(FUNCTIONS[verb]).parameters.items()}
     return {
         key: value

@@ -1,4 +1,4 @@
-"""The tables of a scenario file, their keys, and which of them a verb needs."""
+"""The tables of a scenario file, their keys, and which of them each function needs."""
 
 import dataclasses
 from collections.abc import Iterable
@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 from ...model.quantities import KINDS, QUANTITIES
 from ...model.slider import SpringSlider
-from .problems import Problems, bare, expected, nearest, one_of, shown
+from .loading_shapes import SINE_LIKE, STEPS_LIKE
+from .problems import Problems, expected, nearest, one_of, shown, toml_key
 from .record import COLUMNS_LIKE, UNITS_LIKE
-from .shapes import SINE_LIKE, STEPS_LIKE
 
-#: keys of a table that are looked at, at most
+#: in a table with more keys only known ones are read
 MOST_KEYS = 1000
 
 
@@ -32,7 +32,7 @@ def _keys_of_slider() -> Keys:
 
 #: parameters of the slider
 SLIDER = _keys_of_slider()
-#: verb -> its own parameters in [sweep]
+#: value of the key verb -> the function's own parameters in [sweep]
 VERBS = {
     "limit_cycle": Keys(("V_lp",), ("rtol",)),
     "simulate": Keys(("V_lp", "t_end"), ("V_start", "times", "rtol")),
@@ -51,7 +51,7 @@ TABLES = {
 
 TIMES_LIKE = "[0, 1, 1, '5 s']"
 SPEEDS_LIKE = "['1 um/s', '1 um/s', '3 um/s', 0]"
-#: key, or key and table -> a value that it may have, where that is no quantity
+#: key, or key and table -> an example of its value, where that is no quantity
 LIKE = {
     "law": "'slip'",
     "verb": "'limit_cycle'",
@@ -70,7 +70,7 @@ LIKE = {
 
 
 def example(key: str, table: str = "") -> str:
-    """A line that gives a key of a table a value."""
+    """An example of a line that sets a key of a table."""
     value = LIKE.get(f"{key} {table}") or LIKE.get(key)
     if value is None:
         quantity = QUANTITIES[key]
@@ -78,13 +78,13 @@ def example(key: str, table: str = "") -> str:
     return f"{key} = {value}"
 
 
-def axis_elsewhere(key: str, value: Any) -> str:
-    """The complaint about many values where there can be one only."""
+def misplaced_axis(key: str, value: Any) -> str:
+    """The message about many values for a key that takes only one."""
     return f"{shown(value)} makes an axis, expected in [sweep], or one value such as {example(key)}"
 
 
-def fewer(table: str, given: dict[str, Any], problems: Problems) -> dict[str, Any]:
-    """The keys that are looked at: all, unless there are far too many."""
+def known_if_too_many(table: str, given: dict[str, Any], problems: Problems) -> dict[str, Any]:
+    """The keys of a table; only the known ones, and a noted problem, if there are far too many."""
     if len(given) > MOST_KEYS:
         known = ", ".join(TABLES[table])
         what = f"has {len(given)} keys, expected some of {known}"
@@ -93,9 +93,9 @@ def fewer(table: str, given: dict[str, Any], problems: Problems) -> dict[str, An
     return given
 
 
-def unknown(table: str, key: str, problems: Problems, what: str = "unknown key") -> None:
-    """Note a key that a table does not have: where it belongs, or what was perhaps meant."""
-    place = f"[{table}] {bare(key)}"
+def note_unknown(table: str, key: str, problems: Problems, what: str = "unknown key") -> None:
+    """Note an unknown key of a table: with the table where it belongs, or a similar key."""
+    place = f"[{table}] {toml_key(key)}"
     if homes := _homes(key, table):
         what = f"stands in the wrong table, expected in {homes}"
         problems.add(place, f"{what} such as {example(key)}")
@@ -108,12 +108,12 @@ def unknown(table: str, key: str, problems: Problems, what: str = "unknown key")
 
 
 def _homes(key: str, but: str) -> str:
-    """The tables that have a key, but for one."""
+    """The tables that have a key, except one."""
     homes = [f"[{name}]" for name, keys in TABLES.items() if key in keys and name != but]
     return " or ".join(homes)
 
 
-def missing(table: str, keys: Iterable[str], problems: Problems) -> None:
-    """Note the keys of these names as missing."""
+def note_missing(table: str, keys: Iterable[str], problems: Problems) -> None:
+    """Note that these keys are missing."""
     for key in keys:
         problems.add(f"[{table}] {key}", f"is missing, {expected(key)}")

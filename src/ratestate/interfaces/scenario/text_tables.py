@@ -1,4 +1,4 @@
-"""Rows of a table of text: cells between commas, semicolons or tabs."""
+"""Rows of a text file with cells separated by commas, semicolons or tabs."""
 
 import csv
 import io

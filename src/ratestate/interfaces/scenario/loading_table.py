@@ -5,19 +5,27 @@ from pathlib import Path
 from typing import Any
 
 from ...model.loading import Loading
+from .loading_shapes import SINE_LIKE, STEPS_LIKE, Event, events, sinusoid
 from .problems import Problems, shown
 from .record import read_record
-from .shapes import SINE_LIKE, STEPS_LIKE, Event, events, sinusoid
-from .tables import SPEEDS_LIKE, TABLES, TIMES_LIKE, axis_elsewhere, example, fewer, unknown
-from .values import array, number, read
+from .tables import (
+    SPEEDS_LIKE,
+    TABLES,
+    TIMES_LIKE,
+    example,
+    known_if_too_many,
+    misplaced_axis,
+    note_unknown,
+)
+from .values import as_array, number, read_values
 
-#: what a loading can have beside its speed, one of them
+#: keys of a loading beside its speed, of which it may have one
 SHAPES = ("steps", "sinusoid", "file", "t")
 
 
 @dataclasses.dataclass
-class Drive:
-    """The loading of a file, to be built when the sweep and the end of the run are known.
+class LoadingTable:
+    """The table [loading]; the loading is built when the sweep and the end of the run are known.
 
     Attributes
     ----------
@@ -27,11 +35,11 @@ class Drive:
     sine : dict or None
         The keys of the sinusoid, in SI.
     record : Loading or None
-        What a record came to.
+        The loading from a record.
     ends : float or None
         The last speed of a record.
     sound : bool
-        Whether all of it could be read.
+        Whether the table has no problems.
     given : set of str
         The keys that the file has.
     """
@@ -51,7 +59,7 @@ class Drive:
 
     @property
     def last(self) -> tuple[str, float | None]:
-        """Where the speed at which the loading ends is given, and this speed [m/s]."""
+        """The key of the last speed, for messages, and this speed [m/s]."""
         if self.is_record:
             return f"[loading] {'file' if 'file' in self.given else 'V_lp'}", self.ends
         if final := self.final:
@@ -67,7 +75,7 @@ class Drive:
         """The loading, or None if there are problems.
 
         V_last : speed in place of the last one (of a sinusoid, the mean), or None
-        t_end : end of the run [s], or None where it is not known
+        t_end : end of the run [s], or None if it is unknown
         """
         before = len(problems)
         built = self._built(V_last, t_end, problems)
@@ -77,7 +85,7 @@ class Drive:
         if self.is_record:
             return self.record
         first = self.V_lp if V_last is None or self.final else V_last
-        if first is None:  # which is told elsewhere; the rest can still be looked at
+        if first is None:  # noted elsewhere; the rest can still be checked
             first, self.sound = 1.0, False
         if self.sine is not None:
             if t_end is not None and self.sound:
@@ -93,25 +101,25 @@ class Drive:
         return loading
 
 
-def loading_table(table: dict[str, Any], folder: Path, problems: Problems) -> Drive:
-    """What the table [loading] asks for; files in it are relative to a folder."""
+def loading_table(table: dict[str, Any], folder: Path, problems: Problems) -> LoadingTable:
+    """Read the table [loading]; file names in it are relative to a folder."""
     before = len(problems)
-    table = fewer("loading", table, problems)
+    table = known_if_too_many("loading", table, problems)
     for key in table.keys() - {*TABLES["loading"]}:
-        unknown("loading", key, problems)
-    drive = Drive(given=frozenset(table))
+        note_unknown("loading", key, problems)
+    loading = LoadingTable(given=frozenset(table))
     shapes = [key for key in SHAPES if key in table]
     if len(shapes) > 1:
         what = f"has {' and '.join(shapes)}, expected no more than one of them"
         problems.add("[loading]", f"{what} such as {example(shapes[0], 'loading')}")
     if "t" in table:
-        _inline(table, drive, problems)
+        _inline(table, loading, problems)
     elif "V_lp" in table:
-        drive.V_lp = _speed(table["V_lp"], problems)
+        loading.V_lp = _speed(table["V_lp"], problems)
     if "file" in table:
-        found = read_record(table, folder, problems)
-        if found is not None:
-            drive.record, drive.ends = found
+        record = read_record(table, folder, problems)
+        if record is not None:
+            loading.record, loading.ends = record
         if "V_lp" in table:
             what = "is given beside file, whose speeds they are, expected one of them only"
             problems.add("[loading] V_lp", f"{what} such as {example('file', 'loading')}")
@@ -122,17 +130,17 @@ def loading_table(table: dict[str, Any], folder: Path, problems: Problems) -> Dr
             )
             problems.add(f"[loading] {key}", what)
     if "steps" in table:
-        drive.events = events(table["steps"], problems)
+        loading.events = events(table["steps"], problems)
     if "sinusoid" in table:
-        drive.sine = sinusoid(table["sinusoid"], problems)
-    drive.sound = len(problems) == before
-    return drive
+        loading.sine = sinusoid(table["sinusoid"], problems)
+    loading.sound = len(problems) == before
+    return loading
 
 
 def _speed(value: Any, problems: Problems) -> float | None:
     """The speed at the start."""
     if isinstance(value, dict):
-        problems.add("[loading] V_lp", axis_elsewhere("V_lp", value))
+        problems.add("[loading] V_lp", misplaced_axis("V_lp", value))
         return None
     if isinstance(value, list):
         what = f"{shown(value)} makes an axis, expected in [sweep], or here with as many times t"
@@ -143,7 +151,7 @@ def _speed(value: Any, problems: Problems) -> float | None:
     return None
 
 
-def _inline(table: dict[str, Any], drive: Drive, problems: Problems) -> None:
+def _inline(table: dict[str, Any], loading: LoadingTable, problems: Problems) -> None:
     """A record of times and speeds in the file itself."""
     columns = {}
     for key, bound in (("t", None), ("V_lp", ">= 0")):
@@ -154,10 +162,10 @@ def _inline(table: dict[str, Any], drive: Drive, problems: Problems) -> None:
             what = f"{shown(table[key])} is no list, expected as many values in V_lp as in t"
             problems.add(f"[loading] {key}", f"{what} such as {TIMES_LIKE} and {SPEEDS_LIKE}")
         else:
-            many = read(key, table[key], f"[loading] {key}", problems, bound)
+            many = read_values(key, table[key], f"[loading] {key}", problems, bound)
             if many is not None:
-                columns[key] = array(key, many)
+                columns[key] = as_array(key, many)
     if len(columns) == 2:
         with problems.at("[loading] t", "t", f"expected times such as {TIMES_LIKE}"):
-            drive.record = Loading.series(columns["t"], columns["V_lp"])
-            drive.ends = float(columns["V_lp"][-1])
+            loading.record = Loading.series(columns["t"], columns["V_lp"])
+            loading.ends = float(columns["V_lp"][-1])

@@ -1,4 +1,4 @@
-"""Values as text, from which the same bits come back."""
+"""Values as literals of TOML and Python that are read back bit-for-bit."""
 
 from collections.abc import Iterable
 from decimal import Decimal
@@ -8,13 +8,13 @@ import numpy as np
 
 from ...model.quantities import POWERS, PREFIXES, QUANTITIES
 from ...model.units import is_array
-from .values import Spread
+from .values import AxisRange
 
 WIDTH = 92  # characters of a line
 
 
 def quantity(symbol: str, x: float) -> str:
-    """One value, in SI, as TOML and Python both read it: a number, or a text with a unit."""
+    """A value in SI as a literal of both TOML and Python: a number, or a string with a unit."""
     unit = QUANTITIES[symbol].unit
     if unit == "1" or not np.isfinite(x):
         return repr(float(x))
@@ -31,32 +31,32 @@ def quantity(symbol: str, x: float) -> str:
 
 def numbers(values: Iterable[float], indent: str = "    ") -> str:
     """A list of numbers, over several lines if it is long."""
-    words = [repr(float(x)) for x in values]
-    if sum(map(len, words)) + 2 * len(words) <= 70:
-        return f"[{', '.join(words)}]"
+    literals = [repr(float(x)) for x in values]
+    if sum(map(len, literals)) + 2 * len(literals) <= 70:
+        return f"[{', '.join(literals)}]"
     lines, line = [], indent
-    for word in words:
-        if len(line) + len(word) > WIDTH:
+    for literal in literals:
+        if len(line) + len(literal) > WIDTH:
             lines.append(line.rstrip())
             line = indent
-        line += f"{word}, "
+        line += f"{literal}, "
     return "\n".join(["[", *lines, line.rstrip(), "]"])
 
 
-def spread(symbol: str, values: np.ndarray) -> Spread | None:
-    """The axis between two ends that has these very values, if there is one."""
+def find_axis(symbol: str, values: np.ndarray) -> AxisRange | None:
+    """The axis between two ends that has exactly these values; None if there is none."""
     if values.size < 3 or not np.isfinite(values).all():
         return None
     first, last = float(values[0]), float(values[-1])
     for scale in ("log", "linear") if first > 0 and last > 0 else ("linear",):
-        axis = Spread(first, last, values.size, scale)
+        axis = AxisRange(first, last, values.size, scale)
         if np.array_equal(axis.values(symbol), values):
             return axis
     return None
 
 
-def along_itself(symbol: str, value: Any) -> bool:
-    """Whether an array lies along a dimension named like its symbol, labelled by its values."""
+def is_own_axis(symbol: str, value: Any) -> bool:
+    """Whether an array's only dimension is named like its symbol and labelled by its values."""
     if not is_array(value) or value.dims != (symbol,):
         return False
     labels = value.coords.get(symbol)

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from .problems import Problems, bare, expected, one_of, shown
+from .problems import Problems, expected, one_of, shown, toml_key
 from .values import number
 
 MOST_STEPS = 1000
@@ -40,7 +40,7 @@ def _event(step: dict[str, Any], place: str, problems: Problems) -> Event | None
     """A step, hold or ramp."""
     before = len(problems)
     for key in step.keys() - {*STEP}:
-        problems.add(f"{place}.{bare(key)}", f"unknown key, {one_of(STEP, key, STEPS_LIKE)}")
+        problems.add(f"{place}.{toml_key(key)}", f"unknown key, {one_of(STEP, key, STEPS_LIKE)}")
     if "t" not in step:
         problems.add(f"{place}.t", f"is missing, {expected('t')}")
     if "hold" in step:
@@ -67,7 +67,7 @@ def sinusoid(table: Any, problems: Problems) -> dict[str, float]:
         return {}
     for key in table.keys() - {*SINE}:
         problems.add(
-            f"[loading] sinusoid.{bare(key)}", f"unknown key, {one_of(SINE, key, SINE_LIKE)}"
+            f"[loading] sinusoid.{toml_key(key)}", f"unknown key, {one_of(SINE, key, SINE_LIKE)}"
         )
     if "amplitude" not in table:
         problems.add("[loading] sinusoid.amplitude", f"is missing, {expected('V_lp')}")

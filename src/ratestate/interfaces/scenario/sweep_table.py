@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 from ...dynamics.continuation.family import PARAMETERS
 from ...errors import ParameterError
 from .problems import Problems, choice, one_of, shown
-from .simple import one
-from .tables import SLIDER, VERBS, example, fewer, unknown
-from .values import AXIS, Many, array, axis, ends, read
+from .simple_tables import single_value
+from .tables import SLIDER, VERBS, example, known_if_too_many, note_unknown
+from .values import AXIS, Many, as_array, as_axis, ends, read_values
 
 #: cases of a sweep, at most
 MOST_CASES = 10**9
@@ -17,10 +17,10 @@ BRANCH = 'K = { from = "700 MPa/m", to = "300 MPa/m" }'
 
 
 class Sweep(NamedTuple):
-    """What [sweep] asks for.
+    """The table [sweep].
 
-    verb : of the file, or the one that is asked of it; "" where the file's is no verb
-    own : the verb of the file
+    verb : the function to call: the requested one, or the file's own; "" if that is unknown
+    own : the file's own verb
     values : key -> float, law, DataArray of an axis, times, or None for one with a problem
     branch : the keys parameter, start and stop of `continue_cycle`
     """
@@ -32,28 +32,28 @@ class Sweep(NamedTuple):
 
 
 def sweep_table(
-    table: dict[str, Any] | None, asked: str | None, of_run: str | None, problems: Problems
+    table: dict[str, Any] | None, requested: str | None, of_run: str | None, problems: Problems
 ) -> Sweep:
-    """What the table [sweep] asks for.
+    """Read the table [sweep].
 
     Parameters
     ----------
     table : dict or None
         None if the file has none.
-    asked : str or None
-        A verb that is asked of the file in place of its own.
+    requested : str or None
+        A function to call in place of the file's own.
     of_run : str or None
-        The verb that [run] asks for.
+        The verb in [run].
     """
     if table is None:
         own = of_run or "simulate"
-        verb = asked or own
+        verb = requested or own
         if verb == "continue_cycle":
             problems.add("[sweep]", f"is missing, expected what a branch follows, such as {BRANCH}")
         return Sweep(verb, own, {}, {})
-    table = fewer("sweep", table, problems)
-    own = _verb(table, asked, of_run, problems)
-    verb = asked or own
+    table = known_if_too_many("sweep", table, problems)
+    own = _verb(table, requested, of_run, problems)
+    verb = requested or own
     kinds = [VERBS[own]] if own else list(VERBS.values())
     known = dict.fromkeys([*SLIDER.keys, *(key for kind in kinds for key in kind.keys)])
     values = {k: v for k, v in table.items() if k in known}
@@ -64,16 +64,18 @@ def sweep_table(
                 f"[sweep] {key}", f"is no parameter of {whose}, {one_of(known, key, example(key))}"
             )
         else:
-            unknown("sweep", key, problems, f"is no parameter of {whose}")
+            note_unknown("sweep", key, problems, f"is no parameter of {whose}")
     branch = _branch(values, own, problems) if verb == "continue_cycle" else {}
-    found = _values(values, own, problems, bool(branch))
+    values_read = _read_values(values, own, problems, bool(branch))
     kept = {*SLIDER.keys, *VERBS[verb].keys} if verb else {*known}
-    if own and own != verb:  # rtol does not mean the same to all verbs
+    if own and own != verb:  # the meaning of rtol differs between functions
         kept -= {"rtol"}
-    return Sweep(verb, own, {k: v for k, v in found.items() if k in kept}, branch)
+    return Sweep(verb, own, {k: v for k, v in values_read.items() if k in kept}, branch)
 
 
-def _verb(table: dict[str, Any], asked: str | None, of_run: str | None, problems: Problems) -> str:
+def _verb(
+    table: dict[str, Any], requested: str | None, of_run: str | None, problems: Problems
+) -> str:
     """The verb of the file."""
     if "verb" in table:
         with problems.at("[sweep] verb"):
@@ -83,24 +85,24 @@ def _verb(table: dict[str, Any], asked: str | None, of_run: str | None, problems
                     f"{shown(verb)} is not that of [run], expected one such as {shown(of_run)}"
                 )
             return verb
-    elif of_run or asked:
-        return of_run or asked or ""
+    elif of_run or requested:
+        return of_run or requested or ""
     else:
         problems.add("[sweep] verb", f"is missing, {one_of(VERBS)}")
     return ""
 
 
-def _values(
+def _read_values(
     given: dict[str, Any], verb: str, problems: Problems, is_branch: bool
 ) -> dict[str, Any]:
     """The values of all keys; axes only if there are not too many cases."""
     values: dict[str, Any] = {}
     for key, value in given.items():
         if key in ONE_FOR_ALL:
-            values[key] = one("sweep", key, value, problems)
+            values[key] = single_value("sweep", key, value, problems)
         else:
             bound = ">= 0" if key == "V_lp" and verb == "simulate" else None
-            values[key] = read(key, value, f"[sweep] {key}", problems, bound)
+            values[key] = read_values(key, value, f"[sweep] {key}", problems, bound)
     many = {key for key, value in given.items() if isinstance(value, dict | list)}
     if not is_branch and not many - ONE_FOR_ALL - {"times"}:
         problems.add("[sweep]", f"nothing has many values, expected an axis such as M = {AXIS}")
@@ -108,9 +110,9 @@ def _values(
         return dict.fromkeys(values)
     for key, value in values.items():
         if key == "times" and value is not None:
-            values[key] = array(key, value)
+            values[key] = as_array(key, value)
         elif isinstance(value, Many):
-            values[key] = axis(key, value)
+            values[key] = as_axis(key, value)
     return values
 
 
@@ -125,7 +127,7 @@ def _few_enough(values: dict[str, Any], problems: Problems) -> bool:
 
 
 def _branch(values: dict[str, Any], own: str, problems: Problems) -> dict[str, Any]:
-    """Take the parameter that a branch follows out of the values; its ends, or None each."""
+    """Remove the parameter that a branch follows from the values; its ends, or None each."""
     nothing: dict[str, Any] = dict.fromkeys(("parameter", "start", "stop"))
     followed = [key for key, value in values.items() if isinstance(value, dict)]
     if len(followed) != 1:
@@ -142,5 +144,5 @@ def _branch(values: dict[str, Any], own: str, problems: Problems) -> dict[str, A
                 f"{', '.join(map(shown, sorted(more)))}: a branch chooses its points itself, "
                 f"expected from and to only, such as {BRANCH}"
             )
-    found = ends(key, table, f"[sweep] {key}", problems)
-    return nothing | {"parameter": key} | dict(zip(("start", "stop"), found, strict=True))
+    start, stop = ends(key, table, f"[sweep] {key}", problems)
+    return {"parameter": key, "start": start, "stop": stop}

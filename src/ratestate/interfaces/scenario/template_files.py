@@ -1,4 +1,4 @@
-"""Commented files to start from."""
+"""Commented scenario files to start from."""
 
 from importlib import resources
 

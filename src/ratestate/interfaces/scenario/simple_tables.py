@@ -9,14 +9,14 @@ from ...files import NUMBERS, PICTURES
 from ...friction.laws import LAWS
 from ...model.initial_state import SYMBOLS
 from .model import Output
-from .problems import Problems, bare, choice, one_of, shown
-from .tables import LIKE, TABLES, VERBS, axis_elsewhere, fewer, unknown
-from .values import array, number, read
+from .problems import Problems, choice, one_of, shown, toml_key
+from .tables import LIKE, TABLES, VERBS, known_if_too_many, misplaced_axis, note_unknown
+from .values import as_array, number, read_values
 
 ENDINGS = {"file": NUMBERS, "plot": PICTURES}
 LONGEST_PATH = 255  # characters
-#: words that a key chooses from
-WORDS = {"law": tuple(LAWS), "method": tuple(METHODS), "verb": tuple(VERBS)}
+#: key -> the names that it may have as a value
+CHOICES = {"law": tuple(LAWS), "method": tuple(METHODS), "verb": tuple(VERBS)}
 #: keys that may have many values in [sweep]
 AXES = {*TABLES["sweep"]} - {"verb", "law", "rtol", "times"}
 
@@ -24,7 +24,7 @@ AXES = {*TABLES["sweep"]} - {"verb", "law", "rtol", "times"}
 def slider_table(table: dict[str, Any], problems: Problems) -> dict[str, Any]:
     """Parameters that all cases share: key -> float or law, or None for one with a problem."""
     known = _known("slider", table, problems)
-    return {key: one("slider", key, value, problems) for key, value in known}
+    return {key: single_value("slider", key, value, problems) for key, value in known}
 
 
 def run_table(table: dict[str, Any], problems: Problems) -> dict[str, Any]:
@@ -34,22 +34,22 @@ def run_table(table: dict[str, Any], problems: Problems) -> dict[str, Any]:
         if key == "initial":
             values[key] = _initial(value, problems)
         elif key == "times":
-            many = read(key, value, "[run] times", problems)
-            values[key] = None if many is None else array(key, many)
+            many = read_values(key, value, "[run] times", problems)
+            values[key] = None if many is None else as_array(key, many)
         else:
-            values[key] = one("run", key, value, problems)
+            values[key] = single_value("run", key, value, problems)
     return values
 
 
-def one(table: str, key: str, value: Any, problems: Problems) -> float | str | None:
-    """The value of a key that takes no more than one."""
+def single_value(table: str, key: str, value: Any, problems: Problems) -> float | str | None:
+    """The value of a key that takes only one."""
     place = f"[{table}] {key}"
     if isinstance(value, dict | list) and key in AXES and table != "sweep":
-        problems.add(place, axis_elsewhere(key, value))
+        problems.add(place, misplaced_axis(key, value))
         return None
     with problems.at(place, key):
-        if key in WORDS:
-            return choice(value, WORDS[key])
+        if key in CHOICES:
+            return choice(value, CHOICES[key])
         return number(key, value)
     return None
 
@@ -64,7 +64,7 @@ def output_table(table: dict[str, Any], problems: Problems) -> Output:
 
 
 def _path(key: str, value: Any) -> Path:
-    """The path of a file that can be made; ParameterError if it is none."""
+    """The path of a file that can be written; ParameterError if it cannot."""
     names = " or ".join(ENDINGS[key])
     wanted = f"expected a file that ends in {names}, such as 'out{ENDINGS[key][0]}'"
     if not isinstance(value, str):
@@ -88,7 +88,7 @@ def _initial(value: Any, problems: Problems) -> dict[str, float] | None:
     before = len(problems)
     values = {}
     for key, given in value.items():
-        place = f"[run] initial.{bare(key)}"
+        place = f"[run] initial.{toml_key(key)}"
         if key in SYMBOLS:
             with problems.at(place, key):
                 values[key] = number(key, given)
@@ -98,11 +98,11 @@ def _initial(value: Any, problems: Problems) -> dict[str, float] | None:
 
 
 def _known(name: str, table: dict[str, Any], problems: Problems) -> list[tuple[str, Any]]:
-    """The keys that a table may have, with their values; the others are noted."""
+    """The known keys of a table with their values; unknown ones are noted."""
     known = []
-    for key, value in fewer(name, table, problems).items():
+    for key, value in known_if_too_many(name, table, problems).items():
         if key in TABLES[name]:
             known.append((key, value))
         else:
-            unknown(name, key, problems)
+            note_unknown(name, key, problems)
     return known

@@ -1,12 +1,12 @@
-"""What a file may hold: values of a size that somebody may mean, though Python takes any number.
+"""Limits on the magnitude of values in a file, where the Python API takes any number.
 
-A slip of the unit or of an exponent is told at once, before it runs for minutes or overflows.
+So a wrong unit or exponent is reported before it costs minutes of computing or overflows.
 """
 
 from ...model.quantities import QUANTITIES
 
-#: symbol, or unit of all others -> smallest size but 0, and largest.  Wider than anything measured
-#: or imagined, and so narrow that no product of them leaves double precision.
+#: symbol, or unit of all others -> smallest magnitude except 0, and largest.  Wider than anything
+#: measured or imagined, and so narrow that no product of them leaves the range of doubles.
 USUAL = {
     "a": (1e-12, 100.0),
     "b": (0.0, 100.0),
@@ -22,10 +22,10 @@ USUAL = {
 }
 
 
-def unusual(symbol: str, x: float) -> str:
-    """The complaint about a value [SI] that nobody can mean; "" for others, 0 and inf among them.
+def magnitude_problem(symbol: str, x: float) -> str:
+    """The message about a value [SI] beyond all limits; "" for others, 0 and inf among them.
 
-    (Which of these a quantity may be is known to `units.to_si`.)
+    (`units.to_si` decides whether a quantity may be 0 or inf.)
     """
     unit = QUANTITIES[symbol].unit
     low, high = USUAL.get(symbol) or USUAL.get(unit, (0.0, float("inf")))
