@@ -111,7 +111,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
 
 
 def test_the_explorer_opens_with_a_files_slider(tmp_path, monkeypatch):
-    from ratestate.interfaces.explorer.entries import asked_of
+    from ratestate.interfaces.explorer.entries import state_of
 
     served = []
     monkeypatch.setattr("ratestate.interfaces.explorer.serve", lambda **how: served.append(how))
@@ -130,7 +130,7 @@ steps = [{ t = "1 s", V_lp = "3 um/s" }, { t = "2 s", V_lp = "7 um/s" }]
     rig.write_text(lines)
     result = call("explore", rig, "--no-browser")
     assert result.exit_code == 0, result.output
-    asked = asked_of(dict(parse_qsl(served[0]["fragment"])))
+    asked = state_of(dict(parse_qsl(served[0]["fragment"])))
     wanted = scenario.load(rig, "stability")
     assert asked.slider == wanted.slider
     assert (asked.V_lp, asked.V_from) == (7e-6, None)

@@ -21,8 +21,8 @@ from ratestate.interfaces.explorer import (
     charts,
     entries,
     exports,
-    lane,
     picture,
+    question_queue,
     server,
     session,
     wire,
@@ -52,14 +52,14 @@ def read(message):
 
 
 def painted(texts, seconds=10.0):
-    return picture.picture(entries.asked_of(texts), Deadline(seconds))
+    return picture.picture(entries.state_of(texts), Deadline(seconds))
 
 
 class TestEntries:
     def test_texts_make_a_slider(self):
-        asked = entries.asked_of(VIBRATION | {"V_from": "0.1 mm/s"})
-        assert asked.slider == FIG2
-        assert (asked.V_lp, asked.V_from) == (3.2e-3, 1e-4)
+        state = entries.state_of(VIBRATION | {"V_from": "0.1 mm/s"})
+        assert state.slider == FIG2
+        assert (state.V_lp, state.V_from) == (3.2e-3, 1e-4)
 
     @pytest.mark.parametrize(
         ("field", "text", "said"),
@@ -77,7 +77,7 @@ class TestEntries:
     )
     def test_what_is_wrong_is_said_of_its_field(self, field, text, said):
         with pytest.raises(entries.BadEntries) as caught:
-            entries.asked_of(VIBRATION | {field: text})
+            entries.state_of(VIBRATION | {field: text})
         assert list(caught.value.problems) == [field]
         assert said in caught.value.problems[field]
 
@@ -94,12 +94,12 @@ class TestEntries:
 
     def test_all_problems_at_once(self):
         with pytest.raises(entries.BadEntries) as caught:
-            entries.asked_of({})
+            entries.state_of({})
         assert set(caught.value.problems) == {*entries.SYMBOLS, "law"}
 
     def test_presets_are_the_papers(self):
-        assert all(entries.asked_of(preset["entries"]) for preset in presets())
-        assert entries.asked_of(STICK_SLIP).slider == FIG4
+        assert all(entries.state_of(preset["entries"]) for preset in presets())
+        assert entries.state_of(STICK_SLIP).slider == FIG4
 
 
 class TestWire:
@@ -193,12 +193,12 @@ class TestPicture:
         assert np.ptp(late) > 1e-3 * 3.16e-3
 
     def test_a_start_that_was_not_found_is_said(self, monkeypatch):
-        settled = picture._settled
+        attractor = picture._attractor
 
         def fails_before(slider, V, watch):
-            return (rs.SolverError("none"), None) if V == 1e-4 else settled(slider, V, watch)
+            return (rs.SolverError("none"), None) if V == 1e-4 else attractor(slider, V, watch)
 
-        monkeypatch.setattr(picture, "_settled", fails_before)
+        monkeypatch.setattr(picture, "_attractor", fails_before)
         header, _ = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
         assert "No cycle is known at the speed before the step" in header["notes"][0]
 
@@ -211,7 +211,7 @@ class TestPicture:
 
     def test_a_long_run_is_cut_where_time_is_up(self, monkeypatch):
         monkeypatch.setattr("ratestate.interfaces.explorer.motion.SLIP", 1e9)  # some minutes' work
-        monkeypatch.setattr(picture, "_settled", lambda *_: (rs.SolverError("none"), None))
+        monkeypatch.setattr(picture, "_attractor", lambda *_: (rs.SolverError("none"), None))
         begin = time.monotonic()
         header, arrays = painted(VIBRATION, seconds=0.2)
         assert "The run is cut at" in header["notes"][0]
@@ -226,7 +226,7 @@ class TestPicture:
             watch(0.0)
             raise Stopped
 
-        monkeypatch.setattr(picture, "_settled", lambda *_: (rs.SolverError("none"), None))
+        monkeypatch.setattr(picture, "_attractor", lambda *_: (rs.SolverError("none"), None))
         monkeypatch.setattr(SimulateCall, "move", stopped)
         header, arrays = painted(VIBRATION)
         assert len(tried) == 1
@@ -237,25 +237,25 @@ class TestPicture:
         deadline = Deadline(10.0)
         deadline.set()
         with pytest.raises(Stopped):
-            picture.picture(entries.asked_of(STICK_SLIP), deadline)
+            picture.picture(entries.state_of(STICK_SLIP), deadline)
 
     def test_a_cancelled_run_gives_nothing(self, monkeypatch):
         deadline = Deadline(60.0)
 
-        def settled(*_):
+        def attractor(*_):
             deadline.set()
             return rs.SolverError("none"), None
 
         monkeypatch.setattr("ratestate.interfaces.explorer.motion.SLIP", 1e9)
-        monkeypatch.setattr(picture, "_settled", settled)
+        monkeypatch.setattr(picture, "_attractor", attractor)
         with pytest.raises(Stopped):
-            picture.picture(entries.asked_of(VIBRATION), deadline)
+            picture.picture(entries.state_of(VIBRATION), deadline)
 
     def test_a_failure_of_the_program_is_an_answer_too(self, caplog):
         def fails(question, deadline):
             raise ZeroDivisionError("a bug")
 
-        header, _ = read(lane.answered(fails, wire.Question(3, "csv", {}), Deadline(1.0)))
+        header, _ = read(question_queue.run_job(fails, wire.Question(3, "csv", {}), Deadline(1.0)))
         assert (header["id"], header["kind"]) == (3, "problem")
         assert "the explorer failed" in header["problems"][""]
         assert "a bug" in caplog.text
@@ -263,7 +263,7 @@ class TestPicture:
         ended = Deadline(1.0)
         ended.set()
         with pytest.raises(Stopped):
-            lane.answered(fails, wire.Question(3, "csv", {}), ended)
+            question_queue.run_job(fails, wire.Question(3, "csv", {}), ended)
         assert caplog.text == ""
 
     def test_a_deadline_of_parts_has_an_end(self):
@@ -276,17 +276,17 @@ class TestPicture:
 
     def test_thinned_curves_keep_their_extremes(self):
         x = np.sin(np.arange(100_000.0)) * np.linspace(1.0, 2.0, 100_000)
-        which = picture._kept(x, -x)
+        which = picture._decimated(x, -x)
         assert len(which) <= picture.MOST_SENT
         assert {0, 99_999, int(x.argmin()), int(x.argmax())} <= set(which.tolist())
         assert (np.diff(which) > 0).all()
-        assert picture._kept(x[:10], x[:10]) == slice(None)
+        assert picture._decimated(x[:10], x[:10]) == slice(None)
 
 
 class TestExports:
     def test_the_same_run_in_all_forms(self, tmp_path):
-        asked = entries.asked_of(STICK_SLIP | {"V_from": "50 um/s"})
-        texts = {ask: exports.export(ask, asked, Deadline(20.0))["text"] for ask in exports.NAMES}
+        state = entries.state_of(STICK_SLIP | {"V_from": "50 um/s"})
+        texts = {ask: exports.export(ask, state, Deadline(20.0))["text"] for ask in exports.NAMES}
         file = tmp_path / "ratestate.toml"
         file.write_text(texts["scenario"])
         from ratestate.interfaces import scenario
@@ -302,7 +302,7 @@ class TestExports:
         assert numbers[:, 0].tolist() == loaded.time.values.tolist()
 
     def test_a_run_that_ends_early_is_written_as_far_as_it_comes(self):
-        text = exports.export("csv", entries.asked_of(RUNAWAY), Deadline(20.0))["text"]
+        text = exports.export("csv", entries.state_of(RUNAWAY), Deadline(20.0))["text"]
         numbers = np.genfromtxt(text.splitlines(), delimiter=",", names=True)
         _, arrays = painted(RUNAWAY)
         assert numbers["time_s"][-1] == arrays["run_time"][-1]
@@ -311,12 +311,12 @@ class TestExports:
     def test_long_tables_are_refused_in_words(self, monkeypatch):
         monkeypatch.setattr(exports, "MOST_ROWS", 100)
         with pytest.raises(rs.ParameterError, match="rows, more than the 100 of a download"):
-            exports.export("csv", entries.asked_of(VIBRATION), Deadline(20.0))
+            exports.export("csv", entries.state_of(VIBRATION), Deadline(20.0))
 
 
 class TestCharts:
     def test_a_chart_is_the_atlas_and_is_kept(self):
-        slider = entries.asked_of(STICK_SLIP).slider
+        slider = entries.state_of(STICK_SLIP).slider
         header, arrays = charts.chart(slider, 4, Deadline(60.0))
         assert header["key"] == ("slip", 1.6)
         assert arrays["regime"].size == 16
@@ -331,7 +331,7 @@ class TestCharts:
         assert span["eta"] == (line["line_eta"][0], line["line_eta"][-1])
 
     def test_it_is_bounded(self):
-        slider = entries.asked_of(VIBRATION).slider
+        slider = entries.state_of(VIBRATION).slider
         with pytest.raises(rs.ParameterError, match="60 x 60 points of the map take more than 0 s"):
             charts.chart(slider, 60, Deadline(0.0))
         cancelled = Deadline(60.0)
@@ -588,11 +588,11 @@ class TestServer:
 
 class TestServe:
     def test_what_is_prepared_ends_with_the_server(self, monkeypatch, caplog):
-        monkeypatch.setattr(session, "survey", lambda *_, **__: 1 / 0)
-        desk = session.Desk()
-        desk.close()
+        monkeypatch.setattr(session, "answer_chart", lambda *_, **__: 1 / 0)
+        shared = session.SharedWork()
+        shared.close()
         begin = time.monotonic()
-        session._rehearse(desk.preparing)
+        session._warm_up(shared.preparing)
         assert time.monotonic() - begin < 10.0
         assert caplog.text == ""
 

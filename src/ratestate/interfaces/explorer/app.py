@@ -8,7 +8,7 @@ from fastapi import FastAPI, WebSocket
 from starlette.staticfiles import StaticFiles
 
 from .guard import Guard
-from .session import Desk, Session
+from .session import Session, SharedWork
 
 STATIC = Path(__file__).parent / "static"
 # Pages open at the same time; of one more the connection is refused ("try again later").
@@ -20,10 +20,10 @@ def app_of(port):
 
     @contextlib.asynccontextmanager
     async def lifespan(app):
-        app.state.desk = desk = Desk()
-        warming = asyncio.create_task(desk.warm())
+        app.state.shared = shared = SharedWork()
+        warming = asyncio.create_task(shared.warm())
         yield
-        desk.close()
+        shared.close()
         warming.cancel()
 
     app = FastAPI(lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
@@ -31,12 +31,12 @@ def app_of(port):
 
     @app.websocket("/socket")
     async def socket(socket: WebSocket) -> None:
-        desk = socket.app.state.desk
+        shared = socket.app.state.shared
         await socket.accept()
-        if len(desk.sessions) >= MOST_PAGES:
+        if len(shared.sessions) >= MOST_PAGES:
             await socket.close(LATER, "too many pages are open; close one")
         else:
-            await Session(desk, socket).serve()
+            await Session(shared, socket).serve()
 
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app

@@ -1,4 +1,4 @@
-"""What one question may cost."""
+"""The time limit of a question."""
 
 import contextlib
 import threading
@@ -8,7 +8,7 @@ from ...engine import backend
 
 
 class Deadline(threading.Event):
-    """Set when it is over: some seconds after its last `start`, or at once by `set`.
+    """An event that is set some seconds after its last `start`, or at once by `set`.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class Deadline(threading.Event):
         self._end = self._last = float("inf")
 
     def start(self):
-        """Let the seconds of a part begin."""
+        """Start the time limit of a part."""
         now = time.monotonic()
         self._last = min(self._last, now + self.whole)
         self._end = min(self._last, now + self.seconds)
@@ -34,15 +34,15 @@ class Deadline(threading.Event):
 
     @property
     def cancelled(self):
-        """Whether somebody ended it, and not time."""
+        """Whether `set` ended it, and not time."""
         return super().is_set()
 
 
 @contextlib.contextmanager
 def bounded(deadline):
-    """Let kernels inside end with `backend.Stopped` once the deadline is over; on one core each.
+    """Run kernels on one core each, and end them with `backend.Stopped` after the deadline.
 
-    Gives what is to be passed as ``progress``: it watches runs that keep each step.
+    Gives a `Watch` to pass as ``progress``, for runs that keep each step.
     """
     watch = Watch(deadline)
     with backend.use(threads=1, stop=deadline):
@@ -50,9 +50,9 @@ def bounded(deadline):
 
 
 class Watch:
-    """A ``progress`` that stops the work, and knows how far it came.
+    """A ``progress`` callback that stops the work after the deadline, and has the fraction done.
 
-    Kernels look at the deadline only every few milliseconds, and many are done sooner.
+    Kernels check the deadline only every few milliseconds, and many are done sooner.
     """
 
     def __init__(self, deadline):

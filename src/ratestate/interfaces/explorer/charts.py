@@ -1,4 +1,4 @@
-"""The atlas behind the map, coarse, and kept for each law and b/a."""
+"""The atlas behind the map: coarse, and cached for each law and b/a."""
 
 import collections
 import threading
@@ -14,15 +14,15 @@ from .budget import bounded
 #: points along either axis: first a coarse chart, then a finer one
 SIZES = (24, 72)
 RTOL = 1e-4
-#: seconds that a chart may take, and how many are kept
-SECONDS, KEPT = 8.0, 40
+#: seconds that a chart may take, and how many are cached
+SECONDS, MOST_CHARTS = 8.0, 40
 
 _charts: collections.OrderedDict = collections.OrderedDict()
 _lock = threading.Lock()
 
 
 def frame():
-    """Header and arrays that any map has: its range, and K_c over K_c_qs along eta (eq. 6)."""
+    """Header and arrays common to all maps: the range, and K_c over K_c_qs along eta (eq. 6)."""
     eta = np.geomspace(*ETA, 241)
     # a = Dc = sigma = V = 1 and b = 2: K_c_qs is 1, and M is eta.
     ratio = K_c(1.0, a=1.0, b=2.0, Dc=1.0, sigma=1.0, M=eta)
@@ -30,7 +30,7 @@ def frame():
 
 
 def key_of(slider):
-    """What decides which chart is a slider's: law and b/a, to some digits; None if none is."""
+    """Law and rounded b/a, which select a slider's chart; None if there is no chart."""
     weakening = float(f"{(slider.b - slider.a) / slider.a:.3g}")
     return (slider.law, 1.0 + weakening) if 1.0 + weakening > 1.0 else None
 
@@ -41,9 +41,9 @@ def chart(slider, size, deadline):
     Raises
     ------
     backend.Stopped
-        Somebody cancelled it.
+        It was cancelled.
     ParameterError
-        There is no chart where b <= a, and none in time where the cycles are long.
+        b <= a, where there is no chart; or it takes too long, where cycles are long.
     """
     if (of := key_of(slider)) is None:
         raise ParameterError("b <= a: friction never weakens, and there are no regimes to map")
@@ -69,6 +69,6 @@ def chart(slider, size, deadline):
     arrays["jumps"] = data.type.values == "subcritical"
     with _lock:
         _charts[key] = header, arrays
-        while len(_charts) > KEPT:
+        while len(_charts) > MOST_CHARTS:
             _charts.popitem(last=False)
     return header, arrays

@@ -1,4 +1,4 @@
-"""From what is typed into the page to a slider and a speed."""
+"""From the entries typed into the page to a slider and a speed."""
 
 import re
 from typing import Any, NamedTuple
@@ -11,16 +11,16 @@ from ...model.quantities import POWERS, PREFIXES, QUANTITIES, expected
 from ...model.slider import SpringSlider
 from ...model.units import to_si
 
-#: what the page has a field for, in its order
+#: the fields of the page, in its order
 SYMBOLS = ("a", "b", "Dc", "sigma", "M", "K", "V_lp", "mu0", "V0")
 LONGEST = 64  # characters of an entry
-# Sizes [SI] beyond which nothing exists, and numbers overflow.
+# Magnitudes [SI] beyond which nothing exists, and numbers overflow.
 SMALLEST, LARGEST = 1e-20, 1e20
 _BARE = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf)")
 
 
-class Asked(NamedTuple):
-    """What the page shows: a slider, a speed, and the speed from which it stepped there."""
+class PageState(NamedTuple):
+    """The state of the page: a slider, a speed, and the speed from which it stepped there."""
 
     slider: SpringSlider
     V_lp: float
@@ -28,24 +28,24 @@ class Asked(NamedTuple):
 
     @property
     def values(self):
-        """dict of what all fields mean, in SI."""
+        """dict of the values of all fields, in SI."""
         numbers = {symbol: getattr(self.slider, symbol) for symbol in SYMBOLS if symbol != "V_lp"}
         return numbers | {"V_lp": self.V_lp, "V_from": self.V_from, "law": self.slider.law}
 
 
 class BadEntries(Exception):
-    """Entries that cannot be used: field -> what is wrong with it."""
+    """Entries that cannot be used; problems: field -> message."""
 
     def __init__(self, problems):
         super().__init__("; ".join(problems.values()))
         self.problems = problems
 
 
-def asked_of(entries: Any) -> Asked:
-    """The slider that these entries describe.
+def state_of(entries: Any) -> PageState:
+    """The `PageState` that these entries describe.
 
-    entries : dict of texts as typed, symbol -> text, a number without a unit being in SI; also
-        "law", and perhaps "V_from"
+    entries : dict of strings as typed, symbol -> string, where a number without a unit is in SI;
+        also "law", and perhaps "V_from"
 
     Raises
     ------
@@ -71,21 +71,21 @@ def asked_of(entries: Any) -> Asked:
     if problems:
         raise BadEntries(problems)
     V_lp, V_from = values.pop("V_lp"), values.pop("V_from", None)
-    return Asked(SpringSlider(law=law, **values), V_lp, V_from)
+    return PageState(SpringSlider(law=law, **values), V_lp, V_from)
 
 
 def values_of(entries):
-    """dict of what entries mean, in SI; None where they cannot be used."""
+    """dict of the values of entries, in SI; None if they cannot be used."""
     try:
-        return asked_of(entries).values
+        return state_of(entries).values
     except BadEntries:
         return None
 
 
 def fields(usual):
-    """What the page must know of each field.
+    """Name, unit and usual value of each field, for the page.
 
-    usual : dict of numbers in SI, symbol -> value about which a slider begins
+    usual : dict of numbers in SI, symbol -> value at the centre of the field's control
     """
     return [
         {
@@ -104,7 +104,7 @@ def prefixes():
 
 
 def _text(field, value):
-    """What stands in a field."""
+    """The checked string in a field."""
     if not isinstance(value, str):
         raise ParameterError(f"{field} has no text; {_such(field)}")
     if len(value) > LONGEST:
@@ -115,18 +115,18 @@ def _text(field, value):
 
 
 def _in_unit(symbol, text):
-    """The text; that of a number in SI with its unit."""
+    """The string; with the SI unit added if it is a number without a unit."""
     unit = QUANTITIES[symbol].unit
     return f"{text} {unit}" if unit != "1" and _BARE.fullmatch(text) else text
 
 
 def _sized(field, text, value):
-    """A value of a size that can be."""
+    """The value, if its magnitude is possible; else ParameterError."""
     if value == 0.0 or np.isinf(value) or SMALLEST <= abs(value) <= LARGEST:
         return value
     raise ParameterError(f"{field} = {text!r} is beyond any size; {_such(field)}")
 
 
 def _such(field):
-    """What it should be."""
+    """The end of a message: what a field should contain."""
     return expected("V_lp" if field == "V_from" else field)

@@ -1,35 +1,39 @@
-"""What the page shows, as files: scenario, Python lines, numbers."""
+"""Downloads of the run that the page shows: scenario, Python lines, numbers."""
 
 from ...errors import ParameterError
 from .budget import bounded
 from .picture import study_of
 
 NAMES = {"scenario": "ratestate.toml", "python": "ratestate_run.py", "csv": "ratestate_run.csv"}
-# Rows of a table that a browser is still given: some 30 MB.
+# Largest table to download: some 30 MB.
 MOST_ROWS = 200_000
 
 
-def export(ask, asked, deadline):
-    """Name and text of the file that is asked for: "scenario", "python" or "csv"."""
+def export(kind, state, deadline):
+    """Name and text of a file; kind: "scenario", "python" or "csv"."""
     from .. import scenario
 
     with bounded(deadline) as watch:
-        plan = study_of(asked, watch).plan
-        if ask == "csv":
+        plan = study_of(state, watch).plan
+        if kind == "csv":
             text = _table(plan, watch)
         else:
-            wanted = scenario.Scenario("simulate", plan.slider, plan.settings)
-            text = scenario.toml(wanted) if ask == "scenario" else _lines(scenario.python(wanted))
-    return {"name": NAMES[ask], "text": text}
+            exported = scenario.Scenario("simulate", plan.slider, plan.settings)
+            text = (
+                scenario.toml(exported)
+                if kind == "scenario"
+                else _program(scenario.python(exported))
+            )
+    return {"name": NAMES[kind], "text": text}
 
 
-def _lines(text):
-    """Python lines as a program: it shows what it has computed."""
+def _program(text):
+    """Python lines as a program that prints its result."""
     return f"{text}print(result)\n"
 
 
 def _table(plan, watch):
-    """The run as CSV; where it ends early, as far as it comes."""
+    """The run as CSV, up to its end or to where it fails."""
     from ...files import csv_text
 
     call = plan.call()

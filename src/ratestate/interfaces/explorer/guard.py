@@ -1,4 +1,4 @@
-"""What may reach the explorer: this machine's browser, at the explorer's own address."""
+"""Access to the explorer: only for this machine's browser, at the explorer's own address."""
 
 from starlette.responses import PlainTextResponse
 
@@ -6,7 +6,7 @@ from starlette.responses import PlainTextResponse
 NAMES = ("127.0.0.1", "localhost")
 # The port that browsers leave out of Host and Origin.
 HTTP = 80
-#: for every answer: nothing from elsewhere, in no frame, nothing kept
+#: headers of every answer: no content of other hosts, no frames, no caching
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -23,8 +23,8 @@ HEADERS = {
 class Guard:
     """ASGI middleware that refuses other hosts' names and origins.
 
-    A name of another host that resolves to this machine, and a page of another host that calls
-    here, so find nothing: Host, and of a WebSocket Origin, must be the explorer's own.
+    The header Host, and for a WebSocket Origin, must be the explorer's own.  This refuses names of
+    other hosts that resolve to this machine, and pages of other hosts that send requests here.
     """
 
     def __init__(self, app, port):
@@ -40,11 +40,11 @@ class Guard:
         headers = scope["headers"]
         hosts = [value for name, value in headers if name == b"host"]
         origins = [value for name, value in headers if name == b"origin"]
-        known = len(hosts) == 1 and hosts[0] in self.hosts
-        own = all(origin in self.origins for origin in origins)
+        own_host = len(hosts) == 1 and hosts[0] in self.hosts
+        own_origin = all(origin in self.origins for origin in origins)
         if scope["type"] == "websocket":
-            own = own and len(origins) == 1
-        if known and own:
+            own_origin = own_origin and len(origins) == 1
+        if own_host and own_origin:
             await self.app(scope, receive, self._with_headers(scope, send))
         elif scope["type"] == "websocket":
             await receive()

@@ -1,4 +1,4 @@
-"""What is drawn of a slider: run, limit cycle, steady point, verdict; in bounded time."""
+"""What is drawn for a slider: run, limit cycle, steady point, verdict; with a time limit."""
 
 from typing import NamedTuple
 
@@ -14,59 +14,59 @@ from ...errors import SolverError
 from ...friction.laws import mu_ss
 from .budget import bounded
 from .charts import key_of
-from .motion import Plan, plan_of, unsettled
+from .motion import Plan, plan_of, transient_note
 
 RTOL = 1e-8  # of the cycle
 # How often a run is shortened before it is given up.
 ATTEMPTS = 3
 #: seconds of each part of the work: a search for a cycle, a verdict, a run
 SECONDS = 1.0
-# Of a run that was cut, what is run again; points of a curve that are sent, at most.
+# A run that takes too long is repeated up to this part of what was done; most points of a curve.
 AGAIN, MOST_SENT = 0.5, 6000
 
 
 class Study(NamedTuple):
-    """What a slider does at a speed, and the run that shows it."""
+    """The attractor of a slider at a speed, and the run that shows it."""
 
-    found: Verdict
-    turn: xarray.Dataset | None
+    verdict: Verdict
+    orbit: xarray.Dataset | None
     plan: Plan
     notes: list[str]
 
 
-def study_of(asked, watch):
-    """The `Study` of what is asked; backend.Stopped if somebody cancelled it."""
-    cycle, turn = _settled(asked.slider, asked.V_lp, watch)
+def study_of(state, watch):
+    """The `Study` of a `PageState`; backend.Stopped if it was cancelled."""
+    cycle, orbit = _attractor(state.slider, state.V_lp, watch)
     watch.deadline.start()
-    found = verdict_of_cycle(asked.slider, asked.V_lp, cycle)
-    notes = [said] if (said := unsettled(found, turn)) else []
+    verdict = judge(state.slider, state.V_lp, cycle)
+    notes = [note] if (note := transient_note(verdict, orbit)) else []
     before = None
-    if asked.V_from is not None:
-        earlier, cycle_before = _settled(asked.slider, asked.V_from, watch)
-        before = asked.V_from, cycle_before
+    if state.V_from is not None:
+        earlier, cycle_before = _attractor(state.slider, state.V_from, watch)
+        before = state.V_from, cycle_before
         if isinstance(earlier, SolverError):
             notes.append(
                 "No cycle is known at the speed before the step: the run begins in steady "
                 "sliding there, stable or not."
             )
-    return Study(found, turn, plan_of(found, turn, before), notes)
+    return Study(verdict, orbit, plan_of(verdict, orbit, before), notes)
 
 
-def picture(asked, deadline):
+def picture(state, deadline):
     """Header and arrays of the answer to "picture" (wire.py)."""
     with bounded(deadline) as watch:
-        study = study_of(asked, watch)
+        study = study_of(state, watch)
         run, notes = _run(study.plan, watch)
-    found, slider = study.found, asked.slider
-    level = mu_ss(asked.V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0)
+    verdict, slider = study.verdict, state.slider
+    level = mu_ss(state.V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0)
     arrays = _curves("run", run, slider.sigma, study.plan.t_step)
-    if found.period:
-        arrays |= _curves("cycle", study.turn, slider.sigma, 0.0)
-    numbers = {name: getattr(found, name) for name in NUMBERS}
+    if verdict.period:
+        arrays |= _curves("cycle", study.orbit, slider.sigma, 0.0)
+    numbers = {name: getattr(verdict, name) for name in NUMBERS}
     header = {
-        "values": asked.values,
-        "numbers": numbers | {"f_n": found.f_n, "fade": found.fade},
-        "sentences": found.sentences,
+        "values": state.values,
+        "numbers": numbers | {"f_n": verdict.f_n, "fade": verdict.fade},
+        "sentences": verdict.sentences,
         "steady": level,
         "notes": study.notes + notes,
         "chart": key_of(slider),
@@ -74,14 +74,14 @@ def picture(asked, deadline):
     return header, arrays
 
 
-#: of a `Verdict`, what the page shows
+#: attributes of a `Verdict` that the page shows
 NUMBERS = (
     "regime stable K_c K_c_qs V_c eta period frequency amplitude V_max V_min multiplier K_fold"
 ).split()
 
 
-def _settled(slider, V, watch):
-    """Cycle, or the SolverError that says why there is none; and its orbit, or None."""
+def _attractor(slider, V, watch):
+    """The limit cycle and its orbit; or the SolverError why there is none, and None."""
     watch.deadline.start()
     try:
         return cycle_and_orbit(slider, V, rtol=RTOL, progress=watch)
@@ -97,8 +97,8 @@ def _settled(slider, V, watch):
 
 
 def _run(plan, watch):
-    """The run as a Dataset, as far as it comes; and notes on that."""
-    notes, t_end, asked = [], None, plan.settings["t_end"]
+    """The run as a Dataset, shortened if it takes too long, or None; and notes on that."""
+    notes, t_end, requested = [], None, plan.settings["t_end"]
     limit = f"{watch.deadline.seconds:g} s of computing; the Python lines have no such limit."
     for _ in range(ATTEMPTS):
         call = plan.call(t_end)
@@ -112,14 +112,14 @@ def _run(plan, watch):
             t_end = AGAIN * watch.done * call.t_end
             if not t_end > 0.0:
                 break
-            notes = [f"The run is cut at {t_end:.3g} s of {asked:.3g} s, after {limit}"]
+            notes = [f"The run is cut at {t_end:.3g} s of {requested:.3g} s, after {limit}"]
         else:
-            return call.dataset(call.variables(motion)), notes + _failed(plan.slider, motion)
-    return None, [f"No run is shown: of {asked:.3g} s too little was done in {limit}"]
+            return call.dataset(call.variables(motion)), notes + _failure_note(plan.slider, motion)
+    return None, [f"No run is shown: of {requested:.3g} s too little was done in {limit}"]
 
 
-def _failed(slider, motion):
-    """A note on a run that failed, if it did."""
+def _failure_note(slider, motion):
+    """A list with a note on a run that failed; empty if it did not."""
     if (status := motion.status[0]) == FINISHED:
         return []
     why = str(failure("The run", slider, status, motion.numbers["t"][0])).splitlines()[0]
@@ -127,7 +127,7 @@ def _failed(slider, motion):
 
 
 def _curves(name, run, sigma, t_zero):
-    """Arrays to draw a run: time from t_zero on, tau/sigma, mu, V; empty without one."""
+    """Arrays to draw a run: time relative to t_zero, tau/sigma, mu, V; empty if run is None."""
     if run is None:
         return {f"{name}_{what}": np.empty(0) for what in ("time", "stress", "mu", "V")}
     curves = {
@@ -136,12 +136,12 @@ def _curves(name, run, sigma, t_zero):
         "mu": run.mu.values,
         "V": run.V.values,
     }
-    which = _kept(curves["stress"], curves["V"])
+    which = _decimated(curves["stress"], curves["V"])
     return {f"{name}_{what}": values[which] for what, values in curves.items()}
 
 
-def _kept(*curves):
-    """Numbers of the points that are sent: all, or of each of many pieces the extremes."""
+def _decimated(*curves):
+    """Indices of the points that are sent: all, or the extremes of each of many pieces."""
     n = len(curves[0])
     if n <= MOST_SENT:
         return slice(None)

@@ -9,13 +9,13 @@ from ...model.quantities import readable
 from ...paper import parameters as paper
 from .entries import SYMBOLS
 
-# Of values that are not the paper's: all that survive a change of unit.
+# Digits of values that are not the paper's: all that survive a change of unit.
 DIGITS = 15
 FIG1_STEP = float(np.e * paper.FIG1.V0)
 
 
 def presets():
-    """dicts with ``name``, ``title`` and ``entries``, as the page has them; the first one opens."""
+    """dicts with ``name``, ``title`` and ``entries``; the page opens with the first one."""
     rows: list[tuple[str, str, Any, float, float | None]] = [
         ("Stick-slip", "Fig. 4b", paper.FIG4, paper.FIG4_EXAMPLES["stick_slip"], None),
         ("Quasi-harmonic vibration", "Fig. 4c", paper.FIG4, paper.FIG4_EXAMPLES["harmonic"], None),
@@ -33,7 +33,7 @@ def presets():
 
 
 def entries_of(slider, V_lp, V_from=None, digits=6):
-    """The texts that describe a slider and a speed."""
+    """The entries that describe a slider and a speed."""
     values = {**slider.values, "V_lp": V_lp}
     texts = {symbol: readable(symbol, values[symbol], digits) for symbol in SYMBOLS}
     texts["law"] = slider.law
@@ -41,5 +41,5 @@ def entries_of(slider, V_lp, V_from=None, digits=6):
 
 
 def fragment_of(slider, V_lp):
-    """What stands behind the # of the page's address where it opens with a slider and a speed."""
+    """The fragment (after #) of the page's address that opens it with a slider and a speed."""
     return urlencode(entries_of(slider, V_lp, digits=DIGITS))

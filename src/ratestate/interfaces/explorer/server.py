@@ -8,7 +8,7 @@ import webbrowser
 
 from ...errors import ParameterError
 
-#: the port tried first, where none is asked for
+#: the port tried first if none is given
 PORT = 8765
 # A message is at most twice what a question may have; of more the connection is closed.
 LARGEST, PATIENCE = 8192, 2
@@ -24,7 +24,7 @@ def serve(port=None, open_browser=True, fragment=""):
     open_browser : bool
         Whether to open the page in the browser.
     fragment : str
-        Behind the # of its address: with what it opens, see `presets.fragment_of`.
+        The part of its address after #, with which it opens; see `presets.fragment_of`.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def serve(port=None, open_browser=True, fragment=""):
 
 
 def server_at(listening):
-    """The server of the page, for a socket that listens."""
+    """The server of the page, for a listening socket."""
     import uvicorn
 
     from .app import app_of
@@ -52,7 +52,7 @@ def server_at(listening):
         log_level="warning",
         ws="websockets-sansio",
         ws_max_size=LARGEST,
-        ws_per_message_deflate=False,  # it would take longer than the way it shortens
+        ws_per_message_deflate=False,  # compression takes longer than it saves
         timeout_graceful_shutdown=PATIENCE,
         server_header=False,
     )
@@ -60,13 +60,13 @@ def server_at(listening):
 
 
 def listen(port=None):
-    """A socket that listens on this port of 127.0.0.1; see `serve`."""
+    """Open a socket that listens on this port of 127.0.0.1; see `serve`."""
     if port is not None and (type(port) is not int or not 0 <= port <= 65535):
         raise ParameterError(
             f"port = {port!r} must be a whole number from 0 to 65535, such as {PORT}"
         )
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    if sys.platform != "win32":  # there it would let two servers share a port
+    if sys.platform != "win32":  # on Windows it would let two servers share a port
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind(("127.0.0.1", PORT if port is None else port))

@@ -1,4 +1,4 @@
-"""One page's connection: its questions into lanes, their answers back."""
+"""One page's connection: its questions go into queues, and their answers back."""
 
 import asyncio
 import contextlib
@@ -11,23 +11,23 @@ from ...engine.backend import Stopped
 from ...errors import RateStateError
 from . import charts, picture, wire
 from .budget import Deadline
-from .entries import asked_of, fields, prefixes
+from .entries import fields, prefixes, state_of
 from .exports import export
-from .lane import Lane, answered
 from .presets import presets
+from .question_queue import QuestionQueue, run_job
 
-# Of downloads: how many may wait, and seconds for one, and for each part of its work.
-ROOM, SECONDS, PART_SECONDS = 8, 10.0, 2.0
-# Seconds that kernels may take until they are there: on some machines they are compiled.
+# Downloads: how many may wait; seconds for one, and for each part of its work.
+CAPACITY, SECONDS, PART_SECONDS = 8, 10.0, 2.0
+# Seconds that loading the kernels may take: on some machines they are compiled.
 PREPARING = 300.0
-# Messages that are no question, one after another, after which a page is shown the door.
+# After so many invalid messages in a row the connection is closed.
 NONSENSE, REFUSED = 20, 1008
-# Seconds for which a picture is still worth finishing after a newer one is wanted.
+# Seconds for which a picture is still computed after a newer one is requested.
 PATIENCE = 0.4
 
 
-class Desk:
-    """What all pages share: threads, and whether the kernels are ready."""
+class SharedWork:
+    """Shared by all pages: threads, and whether the kernels are ready."""
 
     def __init__(self):
         self.pool = ThreadPoolExecutor(2, "explorer")
@@ -38,8 +38,8 @@ class Desk:
         self.sessions: set[Session] = set()
 
     async def warm(self):
-        """Do once what pages ask for: that loads the kernels, or compiles them."""
-        await asyncio.get_running_loop().run_in_executor(self.pool, _rehearse, self.preparing)
+        """Load the kernels, or compile them, by doing once what pages ask for."""
+        await asyncio.get_running_loop().run_in_executor(self.pool, _warm_up, self.preparing)
         self.ready.set()
         for session in list(self.sessions):
             await session.send(wire.answer(None, "ready"))
@@ -56,45 +56,49 @@ class Desk:
 class Session:
     """A page's connection."""
 
-    def __init__(self, desk, socket):
-        self.desk, self.socket, self.sending = desk, socket, asyncio.Lock()
+    def __init__(self, shared, socket):
+        self.shared, self.socket, self.send_lock = shared, socket, asyncio.Lock()
         self.nonsense = 0
-        surveys = [partial(survey, size=size) for size in charts.SIZES]
-        pictures = Lane(desk.pool, [paint], seconds=picture.SECONDS, patience=PATIENCE)
-        maps = Lane(desk.chart_pool, surveys, seconds=charts.SECONDS, patience=0.0)
-        files = Lane(desk.file_pool, [write], seconds=PART_SECONDS, whole=SECONDS, room=ROOM)
-        self.lanes = {"picture": pictures, "chart": maps}
-        self.lanes |= dict.fromkeys(("scenario", "python", "csv"), files)
+        surveys = [partial(answer_chart, size=size) for size in charts.SIZES]
+        pictures = QuestionQueue(
+            shared.pool, [answer_picture], seconds=picture.SECONDS, patience=PATIENCE
+        )
+        maps = QuestionQueue(shared.chart_pool, surveys, seconds=charts.SECONDS, patience=0.0)
+        files = QuestionQueue(
+            shared.file_pool, [answer_file], seconds=PART_SECONDS, whole=SECONDS, capacity=CAPACITY
+        )
+        self.queues = {"picture": pictures, "chart": maps}
+        self.queues |= dict.fromkeys(("scenario", "python", "csv"), files)
 
     async def serve(self):
         """Answer until the page is gone."""
-        self.desk.sessions.add(self)
-        ready = self.desk.ready
-        tasks = [asyncio.create_task(x.work(ready, self.send)) for x in {*self.lanes.values()}]
+        self.shared.sessions.add(self)
+        ready = self.shared.ready
+        tasks = [asyncio.create_task(x.work(ready, self.send)) for x in {*self.queues.values()}]
         try:
             span, line = charts.frame()
             starts = presets()
-            usual = asked_of(starts[0]["entries"]).values
-            known = {
+            usual = state_of(starts[0]["entries"]).values
+            hello = {
                 "fields": fields(usual),
                 "prefixes": prefixes(),
                 "presets": starts,
                 "span": span,
             }
-            await self.send(wire.answer(None, "hello", line, ready=ready.is_set(), **known))
+            await self.send(wire.answer(None, "hello", line, ready=ready.is_set(), **hello))
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")
         except WebSocketDisconnect:
             pass
         finally:
-            self.desk.sessions.discard(self)
+            self.shared.sessions.discard(self)
             self.stop()
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
     async def take(self, text):
-        """Put a question into its lane; say at once what is none."""
+        """Put a question into its queue; answer an invalid message with its problem."""
         try:
             question = wire.question(text)
         except wire.BadQuestion as error:
@@ -105,32 +109,32 @@ class Session:
                 raise WebSocketDisconnect(REFUSED) from None
             return
         self.nonsense = 0
-        dropped = self.lanes[question.ask].take(question)
+        dropped = self.queues[question.ask].take(question)
         if dropped and dropped.ask not in ("picture", "chart"):
             problems = {"": "too many downloads were waiting; this one was dropped"}
             await self.send(wire.answer(dropped.id, "problem", problems=problems))
 
     async def send(self, message):
         """Send an answer, one at a time."""
-        async with self.sending:
+        async with self.send_lock:
             await self.socket.send_bytes(message)
 
     def stop(self):
-        """End what is being computed for this page."""
-        for lane in self.lanes.values():
-            if lane.deadline:
-                lane.deadline.set()
+        """Stop what is being computed for this page."""
+        for queue in self.queues.values():
+            if queue.deadline:
+                queue.deadline.set()
 
 
-def paint(question, deadline):
+def answer_picture(question, deadline):
     """Answer "picture"."""
-    header, arrays = picture.picture(asked_of(question.entries), deadline)
+    header, arrays = picture.picture(state_of(question.entries), deadline)
     return wire.answer(question.id, "picture", arrays, **header)
 
 
-def survey(question, deadline, size):
-    """Answer "chart", at one size."""
-    slider = asked_of(question.entries).slider
+def answer_chart(question, deadline, size):
+    """Answer "chart" at one size."""
+    slider = state_of(question.entries).slider
     try:
         header, arrays = charts.chart(slider, size, deadline)
     except RateStateError as error:
@@ -138,18 +142,18 @@ def survey(question, deadline, size):
     return wire.answer(question.id, "chart", arrays, **header)
 
 
-def write(question, deadline):
+def answer_file(question, deadline):
     """Answer a download."""
     return wire.answer(
-        question.id, "file", **export(question.ask, asked_of(question.entries), deadline)
+        question.id, "file", **export(question.ask, state_of(question.entries), deadline)
     )
 
 
-def _rehearse(deadline):
-    """Every kind of work once, unless it is cancelled."""
+def _warm_up(deadline):
+    """Do every kind of work once, unless cancelled."""
     entries = presets()[0]["entries"]
     for law in ("slip", "aging"):
-        for job in (paint, partial(survey, size=2)):
+        for job in (answer_picture, partial(answer_chart, size=2)):
             question = wire.Question(0, "picture", entries | {"law": law})
             with contextlib.suppress(Stopped):
-                answered(job, question, deadline)
+                run_job(job, question, deadline)

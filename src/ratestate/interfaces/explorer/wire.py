@@ -4,7 +4,7 @@ A question is one text message of at most `LONGEST` bytes, a JSON object::
 
     {"id": 7, "ask": "picture", "entries": {"a": "0.003", ..., "law": "slip", "V_from": null}}
 
-``ask`` is one of `ASKS`; ``id`` is a whole number that the answer repeats; entries are texts as
+``ask`` is one of `ASKS`; ``id`` is an integer that the answer repeats; entries are strings as
 typed, with units or in SI.
 
 An answer is one binary message, little-endian::
@@ -15,7 +15,7 @@ An answer is one binary message, little-endian::
     float64   the arrays, one after another
 
 All numbers are float64: a small cycle is a part in 1e8 of tau/sigma, and time may be long.
-A number that JSON cannot hold is the text "inf", "-inf" or "nan" in the header.
+A number that JSON cannot represent is the string "inf", "-inf" or "nan" in the header.
 """
 
 import json
@@ -31,7 +31,7 @@ LARGEST_ID = 2**53
 
 
 class Question(NamedTuple):
-    """What a page asks; `wire`'s own words."""
+    """A question of a page."""
 
     id: int
     ask: str
@@ -43,45 +43,45 @@ class BadQuestion(Exception):
 
 
 def question(text):
-    """The `Question` in a message; BadQuestion, in words, if there is none."""
+    """The `Question` in a message; BadQuestion, with the reason, if it is invalid."""
     if len(text) > LONGEST:
         raise BadQuestion(f"a message may have {LONGEST} bytes at most")
     try:
-        found = json.loads(text, parse_constant=_refuse)
+        message = json.loads(text, parse_constant=_refuse)
     except (ValueError, RecursionError):
         raise BadQuestion("the message is not JSON") from None
-    if not isinstance(found, dict):
+    if not isinstance(message, dict):
         raise BadQuestion("the message is not a JSON object")
-    number, ask = found.get("id"), found.get("ask")
+    number, ask = message.get("id"), message.get("ask")
     if type(number) is not int or not 0 <= number <= LARGEST_ID:
         raise BadQuestion("id must be a whole number from 0 on")
     if not isinstance(ask, str) or ask not in ASKS:
         raise BadQuestion(f"ask must be one of {', '.join(ASKS)}")
-    return Question(number, ask, found.get("entries"))
+    return Question(number, ask, message.get("entries"))
 
 
 def answer(number, kind, arrays=None, **header):
     """An answer's bytes.
 
-    number : id of the question; None for what was not asked for
+    number : id of the question; None for an unrequested message
     arrays : dict name -> 1-D array, sent as float64
     """
     parts = {name: np.ascontiguousarray(a, "<f8") for name, a in (arrays or {}).items()}
     whole = {"id": number, "kind": kind, **header}
     whole["arrays"] = [[name, a.size] for name, a in parts.items()]
-    text = json.dumps(_plain(whole), allow_nan=False).encode()
+    text = json.dumps(_json_value(whole), allow_nan=False).encode()
     text += b" " * (-(4 + len(text)) % 8)
     return b"".join([struct.pack("<I", len(text)), text, *(a.tobytes() for a in parts.values())])
 
 
-def _plain(value):
-    """A value as JSON holds it."""
+def _json_value(value):
+    """A value converted to types that JSON has."""
     if isinstance(value, dict):
-        return {key: _plain(x) for key, x in value.items()}
+        return {key: _json_value(x) for key, x in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(x) for x in value]
+        return [_json_value(x) for x in value]
     if isinstance(value, complex):
-        return [_plain(value.real), _plain(value.imag)]
+        return [_json_value(value.real), _json_value(value.imag)]
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value
