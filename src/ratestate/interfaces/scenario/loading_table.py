@@ -13,7 +13,7 @@ from .tables import (
     TABLES,
     TIMES_LIKE,
     example,
-    known_if_too_many,
+    keys_to_read,
     misplaced_axis,
     note_unknown,
 )
@@ -104,7 +104,7 @@ class LoadingTable:
 def loading_table(table: dict[str, Any], folder: Path, problems: Problems) -> LoadingTable:
     """Read the table [loading]; file names in it are relative to a folder."""
     before = len(problems)
-    table = known_if_too_many("loading", table, problems)
+    table = keys_to_read("loading", table, problems)
     for key in table.keys() - {*TABLES["loading"]}:
         note_unknown("loading", key, problems)
     loading = LoadingTable(given=frozenset(table))

@@ -48,7 +48,9 @@ def from_result(result: Any) -> Scenario:
     if verb not in FUNCTIONS or not title.startswith("ratestate "):
         raise ParameterError(f"the result's title is {title[:60]!r}, which is no verb's; {WANTED}")
     try:
-        scenario = Scenario(verb, _slider(result), _without_defaults(verb, _of_verb[verb](result)))
+        scenario = Scenario(
+            verb, _slider(result), _without_defaults(verb, _settings_of[verb](result))
+        )
         check(scenario)
     except ParameterError:
         raise
@@ -198,7 +200,7 @@ def _branch(result: Any) -> dict[str, Any]:
     return settings
 
 
-_of_verb = {
+_settings_of = {
     "simulate": _simulate,
     "limit_cycle": _limit_cycle,
     "stability": _stability,

@@ -10,7 +10,7 @@ from ...friction.laws import LAWS
 from ...model.initial_state import SYMBOLS
 from .model import Output
 from .problems import Problems, choice, one_of, shown, toml_key
-from .tables import LIKE, TABLES, VERBS, known_if_too_many, misplaced_axis, note_unknown
+from .tables import LIKE, TABLES, VERBS, keys_to_read, misplaced_axis, note_unknown
 from .values import as_array, number, read_values
 
 ENDINGS = {"file": NUMBERS, "plot": PICTURES}
@@ -100,7 +100,7 @@ def _initial(value: Any, problems: Problems) -> dict[str, float] | None:
 def _known(name: str, table: dict[str, Any], problems: Problems) -> list[tuple[str, Any]]:
     """The known keys of a table with their values; unknown ones are noted."""
     known = []
-    for key, value in known_if_too_many(name, table, problems).items():
+    for key, value in keys_to_read(name, table, problems).items():
         if key in TABLES[name]:
             known.append((key, value))
         else:

@@ -7,7 +7,7 @@ from ...dynamics.continuation.family import PARAMETERS
 from ...errors import ParameterError
 from .problems import Problems, choice, one_of, shown
 from .simple_tables import single_value
-from .tables import SLIDER, VERBS, example, known_if_too_many, note_unknown
+from .tables import SLIDER, VERBS, example, keys_to_read, note_unknown
 from .values import AXIS, Many, as_array, as_axis, ends, read_values
 
 #: cases of a sweep, at most
@@ -51,7 +51,7 @@ def sweep_table(
         if verb == "continue_cycle":
             problems.add("[sweep]", f"is missing, expected what a branch follows, such as {BRANCH}")
         return Sweep(verb, own, {}, {})
-    table = known_if_too_many("sweep", table, problems)
+    table = keys_to_read("sweep", table, problems)
     own = _verb(table, requested, of_run, problems)
     verb = requested or own
     kinds = [VERBS[own]] if own else list(VERBS.values())

@@ -83,8 +83,8 @@ def misplaced_axis(key: str, value: Any) -> str:
     return f"{shown(value)} makes an axis, expected in [sweep], or one value such as {example(key)}"
 
 
-def known_if_too_many(table: str, given: dict[str, Any], problems: Problems) -> dict[str, Any]:
-    """The keys of a table; only the known ones, and a noted problem, if there are far too many."""
+def keys_to_read(table: str, given: dict[str, Any], problems: Problems) -> dict[str, Any]:
+    """The keys to read of a table: all, or if there are far too many, only the known ones."""
     if len(given) > MOST_KEYS:
         known = ", ".join(TABLES[table])
         what = f"has {len(given)} keys, expected some of {known}"
