@@ -25,7 +25,7 @@ class VerdictText(NamedTuple):
 
 def verdict_text(scenario: "Scenario", result: "xarray.Dataset") -> VerdictText | None:
     """The verdict on a single slider, or None where there is none, as for a branch."""
-    from ...dynamics.verdict import verdict_of_cycle, verdict
+    from ...dynamics.verdict import verdict, verdict_of_cycle
 
     slider, settings = scenario.slider, scenario.settings
     match scenario.verb:

@@ -38,7 +38,7 @@ def study_of(state, watch):
     """The `Study` of a `PageState`; backend.Stopped if it was cancelled."""
     cycle, orbit = _attractor(state.slider, state.V_lp, watch)
     watch.deadline.start()
-    verdict = judge(state.slider, state.V_lp, cycle)
+    verdict = verdict_of_cycle(state.slider, state.V_lp, cycle)
     notes = [note] if (note := transient_note(verdict, orbit)) else []
     before = None
     if state.V_from is not None:
