@@ -556,7 +556,7 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
         return SlowCall(**vars(stability_call(slider, V_lp)))
 
     monkeypatch.setitem(calls.FUNCTIONS, "stability", (rs.stability, call))
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent), prepend=os.pathsep)
     monkeypatch.chdir(tmp_path)
     slurm.answer("run")
     both = tmp_path / "both"
