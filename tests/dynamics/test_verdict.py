@@ -65,7 +65,7 @@ def test_numbers_are_those_of_the_verbs():
         (
             FIG2.replace(M=0.0, K=6e8, law="aging"),
             3e-4,
-            "a swing about steady sliding hardly grows",
+            "an oscillation about steady sliding hardly grows",
         ),
         (FIG2, 3e-4, "ringing at 5.72 Hz"),
         (FIG2, 3.2e-3, "in 77.3 cycles, 1.527 s (largest Floquet multiplier 0.9706)"),
@@ -109,18 +109,18 @@ def test_a_search_without_an_answer_is_told(monkeypatch):
     found = verdict(FIG2, 3.2e-3)
     assert found.regime == "unknown"
     assert found.period is None
-    assert re.fullmatch(r"No cycle is known here: the motion .{,90}\.", found.sentences[0])
+    assert re.fullmatch(r"The attractor is not known: no limit cycle .{,90}\.", found.sentences[0])
 
 
 def test_a_search_that_was_stopped_says_by_what():
     error = rs.SolverError("the search was ended after 1 s\nSpringSlider(...)")
     assert verdict_of_cycle(FIG2, 3.2e-3, error).sentences[0] == (
-        "No cycle is known here: the search was ended after 1 s."
+        "The attractor is not known: the search was ended after 1 s."
     )
     assert (
         verdict_of_cycle(FIG2, 1e-3, error)
         .sentences[0]
-        .endswith("was not settled: the search was ended after 1 s.")
+        .endswith("is not known: the search was ended after 1 s.")
     )
 
 
@@ -205,7 +205,7 @@ def check_motion(found):
         far = far_from(slider, V, 0.999 * V, 5.0 / pace)
         assert (far > 4e-3) if grows else (far < 2e-4)
         return
-    swing = float(re.search(r"swings by ([^,]+),", said)[1])
+    swing = float(re.search(r"peak-to-peak tau/sigma ([^,]+),", said)[1])
     amplitude, lasts = last_cycle(slider, V, period * (20 + 3 * found.fade))
     assert amplitude == pytest.approx(swing, rel=2e-2)
     assert lasts == pytest.approx(period, rel=1e-2)

@@ -55,7 +55,7 @@ def motion(verdict, reason):
         )
     if verdict.regime == UNKNOWN:
         return _unknown(verdict, reason)
-    swing = f"tau/sigma swings by {verdict.amplitude:.4g}"
+    swing = f"peak-to-peak tau/sigma {verdict.amplitude:.4g}"
     if verdict.regime == HARMONIC:
         between = f"V between {_range('V', verdict.V_min, verdict.V_max)}"
         return (
@@ -121,17 +121,17 @@ def _unknown(verdict, reason):
     if verdict.stable and not verdict.on_edge:
         return (
             f"Steady sliding at {readable('V_lp', verdict.V_lp)} is stable; whether a large "
-            f"disturbance (the start from a tenth of the speed) returns to it was not "
-            f"settled{ended}."
+            f"disturbance (the start from a tenth of the speed) returns to it is not "
+            f"known{ended}."
         )
     if verdict.slider.M == 0.0 and not reason:
         grows = "hardly grows or fades" if verdict.on_edge else "grows from cycle to cycle"
         return (
-            f"No cycle is singled out: without mass (M = 0) a swing about steady sliding {grows}; "
+            f"No cycle is singled out: without mass (M = 0) an oscillation about steady sliding {grows}; "
             f"give M > 0."
         )
-    none = ": the motion settles into none of 1, 2, 4, ... 32 returns that is known to 1 %"
-    return f"No cycle is known here{ended or none}."
+    none = ": no limit cycle of 1, 2, 4, ... 32 returns was found to 1 %"
+    return f"The attractor is not known{ended or none}."
 
 
 def stability(verdict):

@@ -63,7 +63,7 @@ def draw(data):
         ax.set(xlabel="$V_{lp}/V_c$", xlim=(0.6, 2.0))
     right.legend()
     letter(left, "d", "fastest and slowest slip")
-    letter(right, "e", "what a period leaves of a disturbance")
+    letter(right, "e", "decay factor per period")
     return fig
 
 

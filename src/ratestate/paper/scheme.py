@@ -36,7 +36,7 @@ def compute(law):
         "critical velocity of the scheme",
         "smallest slip velocity in the scheme's cycle",
         "largest slip velocity in the scheme's cycle",
-        "largest less smallest tau/sigma in the scheme's cycle",
+        "peak-to-peak tau/sigma in the scheme's cycle",
     ]
     data = xarray.Dataset(
         {

@@ -41,7 +41,7 @@ def branch_page(data):
     axes["b"].legend()
     for name, text in zip(
         "abc",
-        ("amplitude", "fastest and slowest slip", "what a period leaves of a disturbance"),
+        ("amplitude", "fastest and slowest slip", "decay factor per period"),
         strict=True,
     ):
         letter(axes[name], name, text)

@@ -9,7 +9,7 @@ from .rows import DIGITS, Row, row, table, when
 if TYPE_CHECKING:
     import xarray
 
-MULTIPLIERS = "Floquet multipliers; what a period leaves of a disturbance"
+MULTIPLIERS = "Floquet multipliers; decay factors per period"
 
 
 def run(result: "xarray.Dataset") -> list[Any]:
@@ -61,7 +61,11 @@ def stability(result: "xarray.Dataset") -> list[Any]:
         row("eta", result.eta, "share by which inertia raises K_c"),
         row("f_n", result.f_n, massless),
         row("growth_rate", growth, _growth_time(growth)),
-        row("omega", omega, f"{readable('f_n', omega / (2 * math.pi), 4)}" if omega else "creeps"),
+        row(
+            "omega",
+            omega,
+            f"{readable('f_n', omega / (2 * math.pi), 4)}" if omega else "non-oscillatory",
+        ),
     ]
     if not math.isnan(float(result.omega_c)):
         rows.append(row("omega_c", result.omega_c))
@@ -81,8 +85,8 @@ def _growth_time(growth: float) -> str:
     """The e-folding time of a growth rate, as a remark."""
     if growth == 0.0 or math.isinf(growth):
         return ""
-    what = "grows e-fold" if growth > 0.0 else "shrinks e-fold"
-    return f"{what} in {when(1.0 / abs(growth))}"
+    what = "grows" if growth > 0.0 else "decays"
+    return f"{what}; e-folding time {when(1.0 / abs(growth))}"
 
 
 def cycle(result: "xarray.Dataset") -> list[Any]:
