@@ -90,7 +90,7 @@ def keys(table):
     """A writer of the keys of a table, as the reader of scenario files knows them."""
 
     def write():
-        from ratestate.interfaces.scenario.tables import SLIDER, TABLES
+        from ratestate.interfaces.scenario.known_keys import SLIDER, TABLES
 
         known = TABLES[table]
         if table == "sweep":  # whose other keys are those of [slider]
@@ -124,7 +124,7 @@ def _otherwise(table, key):
     import dataclasses
 
     from ratestate import SpringSlider
-    from ratestate.interfaces.scenario.tables import SLIDER
+    from ratestate.interfaces.scenario.known_keys import SLIDER
 
     if table != "slider":
         said = OTHERWISE.get(f"{key} {table}")

@@ -82,7 +82,7 @@ def is_key(table, key):
 
 def keys():
     """Table -> the keys that may stand in it, of all that stand in any."""
-    tables = importlib.import_module("ratestate.interfaces.scenario.tables").TABLES
+    tables = importlib.import_module("ratestate.interfaces.scenario.known_keys").TABLES
     words = sorted({key for names in tables.values() for key in names})
     return {table: [key for key in words if is_key(table, key)] for table in TABLES}
 

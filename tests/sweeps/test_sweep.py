@@ -24,7 +24,7 @@ from ratestate.dynamics.simulation.simulate import SimulateCall
 from ratestate.dynamics.steady_sliding import StabilityCall
 from ratestate.engine import backend, dispatch
 from ratestate.engine.model import CRASHED, RUNAWAY, STATUSES
-from ratestate.sweeps import probe, progress
+from ratestate.sweeps import chunk_size, progress
 from ratestate.sweeps import threads as threads_module
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.chunks import Chunks, chunks_of, halves
@@ -91,9 +91,9 @@ def test_halves_are_the_whole(sizes):
 
 @given(sizes)
 def test_a_sample_lies_all_over_the_sweep(sizes):
-    slices = probe.sample_indices(sizes, probe.SAMPLE)
+    slices = chunk_size.sample_indices(sizes, chunk_size.SAMPLE)
     assert slices.keys() == sizes.keys()
-    assert math.prod(map(len, slices.values())) <= 2 * probe.SAMPLE
+    assert math.prod(map(len, slices.values())) <= 2 * chunk_size.SAMPLE
     for dim, found in slices.items():
         assert found == sorted(set(found))
         assert found[0] == 0
@@ -123,9 +123,9 @@ KINDS = {"period": VariableSpec(("case",), np.dtype(float), {}, {})}
     ],
 )
 def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
-    monkeypatch.setattr(probe, "seconds_per_case", lambda *_: seconds)
+    monkeypatch.setattr(chunk_size, "seconds_per_case", lambda *_: seconds)
     call = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={}))
-    assert probe.cases_per_chunk(call, KINDS, workers, True, "cpu", here_and_now) == cases
+    assert chunk_size.cases_per_chunk(call, KINDS, workers, True, "cpu", here_and_now) == cases
 
 
 def test_a_probe_stops_in_time():
@@ -134,7 +134,7 @@ def test_a_probe_stops_in_time():
     call = call_of("simulate", slider, how)[1]
     solve(dataclasses.replace(call, t_end=1e-3), {})  # compile
     begin = time.perf_counter()
-    a_case = probe.seconds_per_case(call, form_of(call).specs)
+    a_case = chunk_size.seconds_per_case(call, form_of(call).specs)
     spent = time.perf_counter() - begin
     assert a_case > 1e-3
     assert spent < 30 * a_case  # there are 30 cases

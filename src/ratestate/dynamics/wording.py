@@ -127,8 +127,8 @@ def _unknown(verdict, reason):
     if verdict.slider.M == 0.0 and not reason:
         grows = "hardly grows or fades" if verdict.on_edge else "grows from cycle to cycle"
         return (
-            f"No cycle is singled out: without mass (M = 0) an oscillation about steady sliding {grows}; "
-            f"give M > 0."
+            f"No cycle is singled out: without mass (M = 0) an oscillation about steady sliding "
+            f"{grows}; give M > 0."
         )
     none = ": no limit cycle of 1, 2, 4, ... 32 returns was found to 1 %"
     return f"The attractor is not known{ended or none}."

@@ -26,6 +26,7 @@ from . import rows as R
 from .events import handle_events
 from .march import IDLE, end_segment, finish, load, save
 from .model import RUNNING
+from .step_control import control_step
 
 cuda: Any = numba_cuda  # which of its two modules it is, is known at run time
 
@@ -57,7 +58,7 @@ def march(law):
                     return
                 load(s, l, law, queue[n], cases, loads, save_times, results)
             L.try_step(s, l, law)
-            L.control_step(s, l)
+            control_step(s, l)
             L.has_event(s, l, law)
             if s[R.CALL + l] > 0.0:
                 handle_events(s, l, law)
@@ -94,7 +95,7 @@ def return_map(law):
                     return
                 M.load(s, l, law, queue[n], starts)
             M.try_step(s, l, law)
-            L.control_step(s, l)
+            control_step(s, l)
             L.has_event(s, l, law)
             if s[R.CALL + l] > 0.0:
                 M.handle_events(s, l, law)

@@ -23,6 +23,7 @@ from . import rows as R
 from .exp import exp_alone
 from .jit import inner, kernel
 from .model import IM2017_EULER, NO_ROOT
+from .step_control import step_size
 
 MAX_ITERATIONS = 200
 
@@ -81,7 +82,7 @@ def take(s, l, law, method):
     x, v, psi, w, w_lp = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l], s[R.W_LP + l]
     kappa, beta = s[R.KAPPA + l], s[R.BETA + l]
     s[R.H + l] = s[R.DT + l]
-    h = L.step_size(s[R.DT + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
+    h = step_size(s[R.DT + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     dw = h * s[R.RAMP + l]
     omega = math.sqrt(kappa / s[R.ETA0 + l])
     d_lp = h * (w_lp + 0.5 * dw)

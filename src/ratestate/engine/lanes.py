@@ -4,22 +4,18 @@ Every loop here runs over all lanes, idle ones too, so that a slider goes throug
 instructions, and gets the same bits, wherever it sits.
 """
 
-import math
-
 from ..friction.laws import AGING, SLIP
 from . import rows as R
 from .jit import inlined, lanewise
 from .model import RUNNING, state_rate
 from .rodas5p import step as rodas5p_step
+from .step_control import control_step, step_size
 
 # Rejections in a row that no step size can explain: 5**-400 is below any eta0 w.
 TOO_MANY_FAILURES = 400.0
 
 # Errors of a step, relative to x and psi, that rounding feigns: no tolerance below them is kept.
 ROUNDING = 1e-15
-
-# A factor below 1/5 or above 5 says more about the estimate than about the solution.
-SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 
 @inlined
@@ -37,37 +33,6 @@ def extremum_conditions(x, v, psi, f_x, f_psi, w, beta, eta0):
     friction = f_x if lost else m * beta * f_psi + g
     both = f_x if lost else m * (f_x + beta * f_psi) + g
     return (drive if lost else g), m * drive - g, friction, both
-
-
-@inlined
-def step_size(h, t_break, t, t_low):
-    """The step to try: never past the next breakpoint, nor just short of it."""
-    left = (t_break - t) - t_low
-    return left if h * (1.0 + 1e-9) >= left else h
-
-
-@inlined
-def control_step(s, l):
-    """Accept or reject by a PI controller; powers by square roots, which vectorise."""
-    err, h, planned = s[R.ERROR + l], s[R.H_USED + l], s[R.H + l]
-    finite = err < 1e300
-    ok = err <= 1.0
-    quarter = math.sqrt(math.sqrt(err))
-    eighth = math.sqrt(quarter)
-    sixteenth = math.sqrt(eighth)
-    factor = SAFETY * s[R.MEMORY + l] / (eighth * sixteenth)
-    rejected = SAFETY / quarter
-    factor = factor if ok else rejected
-    factor = factor if factor < GROW else GROW
-    factor = factor if factor > SHRINK else SHRINK
-    factor = factor if finite else SHRINK
-    h_next = h * factor
-    # A step cut short by a landing says nothing against the size planned before it.
-    h_next = planned if ok & (h < planned) & (h_next < planned) else h_next
-    s[R.OK + l] = 1.0 if ok else 0.0
-    s[R.BAD + l] = 0.0 if finite else 1.0
-    s[R.H_NEXT + l] = h_next
-    s[R.MEMORY_NEW + l] = sixteenth if sixteenth > 0.05 else 0.05
 
 
 @inlined

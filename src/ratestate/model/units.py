@@ -18,9 +18,9 @@ from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected
 #: names of dimensions that results need for themselves
 RESERVED = {"time", "mode", "segment"}
 _PREFIXES = dict(zip("nuµμmckMG", (-9, -6, -6, -6, -3, -2, 3, 6, 9), strict=True)) | {"": 0}
-# A number goes as far as it can, and nothing like a second one may touch it: no "1e1e1 um".
 #: units of what data sheets give for a whole machine, in N/m, kg or N
 _PER_AREA = ("Pa/m", "kg/m^2", "Pa")
+# A number goes as far as it can, and nothing like a second one may touch it: no "1e1e1 um".
 _NUMBER = re.compile(
     r"\s*((?>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf|nan)))(?![eE]?[-+]?[\d.])"
     r"\s*(.*?)\s*"

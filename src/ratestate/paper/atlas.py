@@ -4,7 +4,8 @@ import numpy as np
 
 from .. import plot
 from ..dynamics.atlas import atlas
-from ..plot.layout import LAWS, figure, letter, styled
+from ..plot.laws import LAWS
+from ..plot.layout import figure, letter, styled
 from .figures import write
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_K, FIG4_V_LP, FIG6, FIG6_SPEEDS
 

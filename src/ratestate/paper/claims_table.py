@@ -5,7 +5,7 @@ import math
 from importlib.metadata import version
 
 from ..files import replace
-from ..plot.layout import LAWS
+from ..plot.laws import LAWS
 from .claim import CLOSED_FORM
 
 STYLES = {

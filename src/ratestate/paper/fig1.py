@@ -6,7 +6,8 @@ import xarray
 from .. import plot
 from ..dynamics.simulation.simulate import simulate
 from ..model.loading import Loading
-from ..plot.layout import LAWS, figure, styled
+from ..plot.laws import LAWS
+from ..plot.layout import figure, styled
 from .layout import titled
 from .parameters import FIG1
 

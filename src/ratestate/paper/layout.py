@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..plot.layout import LAWS
+from ..plot.laws import LAWS
 
 
 def titled(data, title, law=None):

@@ -8,11 +8,9 @@ from ..dynamics.attributes import loading_record
 from ..errors import ParameterError
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
-from .labels import BLUE, GRAY, RED, prefixed
+from .labels import GRAY, prefixed
+from .laws import COLORS, DASHES
 
-#: law -> colour and dashes of its curve; the record is gray
-COLORS = {"slip": RED, "aging": BLUE}
-DASHES = {"slip": "-", "aging": (0, (5, 1.6))}
 #: samples of which all are drawn; of more, the least and the largest in as many bins
 MOST = 40_000
 #: standard deviations on either side within which 95 % of normal values are

@@ -7,8 +7,8 @@ from ..model.quantities import QUANTITIES, short
 from ..records.fitting.by_law import results_by_law, value_of
 from ..records.fitting.table import STABLE_AT_ANY_K, formatted_estimate, stiffness_ratio_text
 from ..records.fitting.unknowns import PARAMETERS
-from .curves import COLORS
 from .labels import label, prefixed
+from .laws import COLORS
 
 #: what a heading calls an estimate, where `label` does not know it
 HEADINGS = {"a_minus_b": "$a-b$"}

@@ -27,8 +27,6 @@ styled = rc_context(
     }
 )
 
-LAWS = {"slip": "slip (Ruina) law", "aging": "aging (Dieterich) law"}
-
 
 def figure(data, height, symbols, more=""):
     """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more."""

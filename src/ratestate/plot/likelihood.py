@@ -5,8 +5,8 @@ import numpy as np
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
 from ..records.fitting.unknowns import LINEAR, PARAMETERS
-from .curves import COLORS, DASHES
 from .labels import GRAY, label, prefixed
+from .laws import COLORS, DASHES
 
 #: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)
 END_95 = 0.1465

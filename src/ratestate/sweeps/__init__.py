@@ -2,7 +2,7 @@
 
 ========================================== =======================================================
 ``sweep``                                  the function `sweep`
-``calls``, ``chunks``, ``probe``           what can be swept, how it is divided, what a case costs
+``calls``, ``chunks``, ``chunk_size``      what can be swept, how it is divided, what a case costs
 ``solve``, ``task``                        all cases of a part; a chunk solved and stored
 ``threads``, ``cluster``, ``subprocesses`` where chunks are solved; the last: those that may kill
                                            their process

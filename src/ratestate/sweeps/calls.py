@@ -33,7 +33,7 @@ class SweepRequest(NamedTuple):
 
     name: str  # of the function
     call: Any  # its checked call
-    chunk: int | None  # cases of a chunk; None: chosen by `probe`
+    chunk: int | None  # cases of a chunk; None: chosen by `chunk_size`
     device: str
 
 

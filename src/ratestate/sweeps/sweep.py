@@ -14,13 +14,13 @@ from ..errors import ParameterError
 from ..machine import check_fits, cores
 from . import cluster, threads
 from .calls import SweepRequest, call_of, check_cases, check_device
+from .chunk_size import cases_per_chunk
 from .chunks import chunks_of
 from .connect import slurm_client
 from .create import create, remove_abandoned
 from .legacy import SWEEP_GROUP
 from .lock import exclusive_lock
 from .origin import origin
-from .probe import cases_per_chunk
 from .progress import ProgressReport
 from .resume import resume_store
 from .solve import bytes_per_case, form_of

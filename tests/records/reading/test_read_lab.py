@@ -16,7 +16,8 @@ from paths import LAB
 import ratestate as rs
 from ratestate import files
 from ratestate.errors import RecordWarning
-from ratestate.records.reading import names, read_lab, titles
+from ratestate.records.reading import read_lab, titles
+from ratestate.records.reading.columns import PATTERNS, choose_columns, match_rank
 from ratestate.records.reading.table import Column, Table
 
 N = 120
@@ -159,16 +160,14 @@ SPELLINGS = {
 def test_spellings(symbol):
     for title in SPELLINGS[symbol].split(";"):
         letters = titles.letters(titles.split(title)[0])
-        known = [
-            s for s, ways in names.PATTERNS.items() if names.match_rank(letters, ways) is not None
-        ]
+        known = [s for s, ways in PATTERNS.items() if match_rank(letters, ways) is not None]
         assert known == [symbol], title
 
 
 def test_what_is_no_load_point():
     for title in ["Slip (mm)", "Normal displacement [mm]", "Layer thickness", "On-board disp"]:
         letters = titles.letters(titles.split(title)[0])
-        assert names.match_rank(letters, names.PATTERNS["delta_lp"]) is None, title
+        assert match_rank(letters, PATTERNS["delta_lp"]) is None, title
 
 
 @pytest.mark.parametrize(
@@ -193,7 +192,7 @@ def test_the_surer_of_two_names_is_taken():
     row = np.arange(3.0)
     columns = "Time Displacement LP_disp Friction Normal_stress Effective_normal_stress".split()
     table = Table([Column(title, title, "", row) for title in columns], "line")
-    chosen = names.choose_columns(table, None)
+    chosen = choose_columns(table, None)
     assert chosen == {"time": 0, "delta_lp": 2, "friction": 3, "sigma": 5}
 
 

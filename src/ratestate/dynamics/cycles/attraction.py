@@ -20,7 +20,7 @@ import numpy as np
 from .shooting import distance, multipliers, newton_step, small_amplitude, tightest
 
 # Returns of a cycle.
-MAX_RETURNS = 32
+LONGEST_PERIOD = 32
 # Longest leap, and longest step of Newton's method that is trusted, relative to the distance from
 # u = 0.
 STEP_LIMIT = 0.3
@@ -115,7 +115,7 @@ def advance_search(system, returns, current, search, rtol, loosest, leap):
     search["step_limit"] = np.where(fails, nearer, search["step_limit"])
     search["ahead"] = trusted & ~fails
     doubled = _alternates(system, search, returns.image - current.u, local.first, refuted, on_orbit)
-    doubled &= ~converged & (2 * current.n_returns <= MAX_RETURNS)
+    doubled &= ~converged & (2 * current.n_returns <= LONGEST_PERIOD)
     search["step_limit"][doubled], search["reversals"][doubled] = STEP_LIMIT, 0
     go = search["ahead"] | converged
     next_u = np.where(go[:, None], local.target, search["next_u"])

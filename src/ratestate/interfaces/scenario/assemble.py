@@ -7,11 +7,11 @@ import numpy as np
 
 from ...model.slider import SpringSlider
 from .checks import check_branch, check_rtol, check_run
+from .known_keys import SLIDER, VERBS, example, note_missing
 from .loading_table import LoadingTable
 from .model import Output, Scenario
 from .problems import Problems, expected
 from .sweep_table import Sweep
-from .tables import SLIDER, VERBS, example, note_missing
 
 
 class Tables(NamedTuple):

@@ -16,9 +16,9 @@ from ...model.initial_state import initial_state, initial_values
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
+from .known_keys import LIKE
 from .problems import Problems, expected
 from .sweep_table import BRANCH
-from .tables import LIKE
 
 # For checks that do not depend on the slider.
 ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)

@@ -7,12 +7,12 @@ from typing import Any
 
 from ...errors import ParameterError
 from .assemble import Tables, assemble
+from .known_keys import TABLES, example
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
 from .problems import Problems, choice, one_of, shown, toml_key
 from .simple_tables import output_table, run_table, slider_table
 from .sweep_table import sweep_table
-from .tables import TABLES, example
 
 LARGEST = 10**7  # bytes
 DEEPEST = 50  # keys with dots between them: time and memory go with the square

@@ -5,10 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ...model.loading import Loading
-from .loading_shapes import SINE_LIKE, STEPS_LIKE, Event, events, sinusoid
-from .problems import Problems, shown
-from .record import read_record
-from .tables import (
+from .known_keys import (
     SPEEDS_LIKE,
     TABLES,
     TIMES_LIKE,
@@ -17,6 +14,9 @@ from .tables import (
     misplaced_axis,
     note_unknown,
 )
+from .loading_shapes import SINE_LIKE, STEPS_LIKE, Event, events, sinusoid
+from .problems import Problems, shown
+from .record import read_record
 from .values import as_array, number, read_values
 
 #: keys of a loading beside its speed, of which it may have one

@@ -8,9 +8,9 @@ from ...errors import ParameterError
 from ...files import NUMBERS, PICTURES
 from ...friction.laws import LAWS
 from ...model.initial_state import SYMBOLS
+from .known_keys import LIKE, TABLES, VERBS, keys_to_read, misplaced_axis, note_unknown
 from .model import Output
 from .problems import Problems, choice, one_of, shown, toml_key
-from .tables import LIKE, TABLES, VERBS, keys_to_read, misplaced_axis, note_unknown
 from .values import as_array, number, read_values
 
 ENDINGS = {"file": NUMBERS, "plot": PICTURES}

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 from ...dynamics.continuation.family import PARAMETERS
 from ...errors import ParameterError
+from .known_keys import SLIDER, VERBS, example, keys_to_read, note_unknown
 from .problems import Problems, choice, one_of, shown
 from .simple_tables import single_value
-from .tables import SLIDER, VERBS, example, keys_to_read, note_unknown
 from .values import AXIS, Many, as_array, as_axis, ends, read_values
 
 #: cases of a sweep, at most

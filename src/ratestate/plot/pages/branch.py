@@ -7,7 +7,8 @@ from ...dynamics.results import parameter
 from ...model.quantities import QUANTITIES
 from ..bifurcation import NARROW, STABLE, UNSTABLE, diagram
 from ..labels import BLUE, GRAY, RED, label, prefixed
-from ..layout import LAWS, figure, letter, styled
+from ..laws import LAWS
+from ..layout import figure, letter, styled
 
 # Ratio of speeds from which a logarithmic axis pays.
 WIDE = 10.0

@@ -8,7 +8,8 @@ from ...dynamics.steady_sliding import stability
 from ...engine.model import STEADY_SLIDING
 from ...model.slider import SpringSlider
 from ..labels import value_text
-from ..layout import LAWS, styled
+from ..laws import LAWS
+from ..layout import styled
 from .run import motion
 from .stability import stability_page
 

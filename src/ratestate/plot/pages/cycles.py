@@ -3,7 +3,8 @@
 import numpy as np
 
 from ...records.fitting.by_law import results_by_law
-from ..curves import COLORS, NORMAL_95, axis_of, curves
+from ..curves import NORMAL_95, axis_of, curves
+from ..laws import COLORS
 from ..layout import letter
 from .frame import finished, framed, legend
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from ...records.fitting.by_law import results_by_law, value_of
-from ..curves import COLORS, axis_of, change, curves, marks, residuals, segments
+from ..curves import axis_of, change, curves, marks, residuals, segments
+from ..laws import COLORS
 from ..layout import letter, styled
 from .cycles import cycles_page
 from .frame import finished, framed, legend

@@ -4,9 +4,9 @@ from matplotlib.patches import Patch
 
 from ...dynamics import attributes
 from ...records.fitting.table import law_names
-from ..curves import COLORS
 from ..estimates import ROW, estimates
 from ..labels import label
+from ..laws import COLORS
 from ..layout import figure, letter
 from ..likelihood import likelihood, non_gaussian
 

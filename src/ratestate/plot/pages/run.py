@@ -6,7 +6,8 @@ from ...dynamics.attributes import loading_record
 from ...dynamics.results import parameter
 from ...friction.laws import mu_ss
 from ..labels import BLUE, GRAY, RED, STRESS, prefixed, value_text
-from ..layout import LAWS, figure, letter, styled
+from ..laws import LAWS
+from ..layout import figure, letter, styled
 from ..runs import trace
 
 # Ratio of speeds from which a logarithmic axis pays.

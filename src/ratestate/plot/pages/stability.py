@@ -5,7 +5,8 @@ import numpy as np
 from ...dynamics.results import parameter
 from ...friction.stability import K_c, eigenvalues
 from ..labels import BLUE, GRAY, RED, label, prefixed, value_text
-from ..layout import LAWS, figure, letter, styled
+from ..laws import LAWS
+from ..layout import figure, letter, styled
 
 SYMBOLS = "a b Dc sigma M".split()
 DECADES = 1.5  # of speed shown on either side, at least

@@ -10,7 +10,8 @@ from ...dynamics.results import parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
 from ...model.quantities import QUANTITIES
 from ..labels import AMPLITUDE, BLUE, GRAY, RED, label, prefixed
-from ..layout import LAWS, figure, letter, styled
+from ..laws import LAWS
+from ..layout import figure, letter, styled
 from .axis import axis_of, fitting
 
 #: variable -> what an axis is called

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import readable
-from .names import other_column
+from .columns import other_column
 from .sizes import in_si, unit_of
 from .table import quoted
 

@@ -8,8 +8,8 @@ import numpy as np
 from ...errors import ParameterError, RecordWarning
 from ...model.quantities import attrs
 from .agreement import coarse_resolution, disagreements
+from .columns import choose_columns
 from .history_text import describe_history
-from .names import choose_columns
 from .open_table import open_table
 from .rows import Rows, check_alive, check_numbers
 from .segments import segments_from_displacement

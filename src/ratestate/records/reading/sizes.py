@@ -5,7 +5,7 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.quantities import QUANTITIES, readable
 from ...model.units import to_si
-from .names import PATTERNS
+from .columns import PATTERNS
 from .table import quoted
 from .titles import plain
 
