@@ -1,7 +1,7 @@
-"""The march: lanes filled from a queue, steps taken, breaks landed on, outcomes written.
+"""The march: lanes are filled from a queue, step to breakpoints and events, and are written out.
 
 `march` can be left and entered again: all it knows is in the lane buffer and the queue
-position.  The caller so keeps its hands on a long run (progress, interruption, output drained).
+position.  So the caller stays in control of a long run: progress, interruption, output.
 """
 
 import math

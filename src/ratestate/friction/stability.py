@@ -1,7 +1,8 @@
 """Steady sliding and its stability: closed forms (eqs 5-7, 10) and eigenvalues.
 
 The functions of parameters serve floats, NumPy arrays and named DataArrays, in SI units.
-Limits carry meaning: V_c is 0 where sliding is unstable at any speed, inf where at none.
+Limits carry meaning: V_c is 0 where sliding is unstable at any speed, and inf where it is stable at
+any speed.
 
 Sources: Rice & Ruina (1983) doi:10.1115/1.3167042, Gu et al. (1984)
 doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Elsworth (2019).

@@ -33,7 +33,7 @@ from .manifest import (
 )
 from .origin import origin
 
-# What is read where a file of numbers is absent: netCDF's fill value.  No result has this value.
+# A file of numbers that is absent is read as this, netCDF's fill value, which no result has.
 # Readers shall see it, so it is not declared as a missing value.
 NO_RESULT = 9.969209968386869e36
 # Up to so many cases all messages are read at once.

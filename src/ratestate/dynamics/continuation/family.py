@@ -23,7 +23,7 @@ PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
 # Size of U above which steps and errors along a branch are relative.  The error of psi is absolute,
 # the tolerance of a return; at large eta psi is small and matters little.
 SCALE = np.array([0.02, 1e-3])
-# Over rtol: the tolerance of a return, and its error in units of SCALE.
+# Divided by rtol: the tolerance of a return, and its error in units of SCALE.
 TOLERANCE, NOISE = 0.002, 0.1
 # So that a branch looks smooth.
 STEPS = Steps(largest=0.06)

@@ -33,10 +33,10 @@ ALTERNATES = 6
 FLIPS = -0.5
 # The loosest tolerance of a return: beyond it derivatives of the map may be wrong.
 LOOSEST = 1e-6
-# Tolerance of a return over the change that it has to resolve.
+# The tolerance of a return divided by the change that it has to resolve.
 FINER = 0.1
-# Errors of a return, over its tolerance, that Newton's method must tolerate; and at the tightest
-# tolerance.
+# The error of a return divided by its tolerance, as Newton's method may meet it: usually, and at
+# the tightest tolerance.
 NOISE, ROUNDING = 3.0, 1e4
 
 #: state of the search for a slider: the orbit, and Newton's method ahead of it
@@ -73,7 +73,7 @@ class LocalMap(NamedTuple):
 
 
 def advance_search(system, returns, current, search, rtol, loosest, leap):
-    """Move the search on by one return; the next u and tolerance, and two conditions.
+    """Advance the search by one return of the map.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def _local_map(system, returns, current, rtol):
 
 
 def _tolerance(local, part, loosest):
-    """(n,) tolerance of the next return, of which this part is to be resolved."""
+    """(n,) tolerance of the next return, which is to resolve this part of the last move."""
     with np.errstate(invalid="ignore"):
         tol = np.nan_to_num(local.tol_per_part * part, nan=LOOSEST)
     return np.clip(tol, local.finest, loosest)

@@ -17,7 +17,8 @@ from .small_cycles import curvature, small_cycle
 
 # Steps of the search, and returns of an orbit, after which a slider counts as never converging.
 MAX_STEPS, MAX_RETURNS = 400, 2000
-# Distance, relative to that from u = 0, to which a cycle closes after half its returns.
+# A cycle that closes to this distance, divided by its own from u = 0, after half its returns is one
+# of half as many.
 CLOSES = 1e-4
 # Amplitude of ln V below which a stable steady sliding is reached; and below which a cycle is
 # small enough for harmonic balance.

@@ -11,7 +11,8 @@ import numpy as np
 from .iterates import iterated_map
 from .shooting import Returns, System, change_along, effective_tolerance, gradient, newton_step
 
-# Relative change of a parameter for derivatives: the smallest, and over the tolerance of a return.
+# Relative change of a parameter in difference quotients: the smallest, and divided by the tolerance
+# of a return.
 # A canard may be all over within 1e-7, and multiplies the errors of a return by as much.
 LEAST_CHANGE, CHANGE = 1e-9, 1e3
 # Errors as equivalent relative changes of K: those of a step, over its tolerance, and rounding,
@@ -77,10 +78,11 @@ def difference(orbits, reference):
 
 
 def coarser_orbits(orbits, tol, alone=False):
-    """The same orbits with coarser steps, whose difference shows the errors that steps accumulate.
+    """Integrate the same orbits with coarser steps; the difference shows accumulated errors.
 
     tol : (n,) their tolerance, at least
-    Returns the orbits, and the ratio (n,) of the tolerances, by which errors scale: fine to coarse.
+
+    Returns the orbits, and the finer tolerance divided by the coarser one (n,), as errors scale.
     """
     fine = effective_tolerance(orbits.returns, orbits.tol)
     coarse = np.maximum(tol, COARSER * fine)
@@ -93,7 +95,7 @@ def parameter_change(tol):
 
 
 def parameter_derivatives(changed, orbits):
-    """`Difference` over that of a parameter's logarithm, u held constant, by one orbit more.
+    """`Difference` divided by the change of a parameter's logarithm at constant u; takes one orbit.
 
     changed : the sliders with the parameter larger by the factor 1 + `parameter_change`
     """

@@ -80,7 +80,7 @@ def choose_columns(table, columns):
     for symbol in PATTERNS:
         if symbol in chosen or _is_replaced(symbol, chosen):
             continue
-        # beside friction, stresses are optional
+        # stresses are optional where friction is recorded
         needed = symbol not in ("tau", "sigma") or "friction" not in chosen
         index = _column_by_name(table, symbol, taken, needed)
         if index is not None:

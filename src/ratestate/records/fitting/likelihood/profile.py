@@ -18,7 +18,7 @@ from .constrained import constrained_fit
 BEYOND = 1.03 * ROOTS[-1]
 #: root of the deviance from one point of a profile to the next; most points on one side
 STRIDE, MOST = 1.02, 24
-#: difference of the roots that is too much for a step that leads out of the interval
+#: a last step, out of the interval, is too long if the root of the deviance grows by more than this
 LEAP = 2.0
 #: shortest step, as a part of the distance from the fit, where the deviance leaps or motion ends
 LEAST = 0.02
