@@ -107,8 +107,8 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     -------
     complex array or DataArray
         Shape of the arguments, and then (in the dimension "mode") 3, least stable first; see
-        `eigenvalues.steady_modes`.  A mode faster than everything is -inf: one at M = 0, two
-        at K = inf, where V is imposed and only the state relaxes, at the rate V/Dc.
+        `ratestate.friction.eigenvalues.steady_modes`.  A mode faster than everything is -inf: one
+        at M = 0, two at K = inf, where V is imposed and only the state relaxes, at the rate V/Dc.
     """
     return _elementwise(_eigenvalues, V, a, b, Dc, sigma, K, M, dims=("mode",))
 
