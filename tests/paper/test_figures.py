@@ -29,9 +29,9 @@ def numbers():
             known[number, law] = figures.FIGURES[number].compute(law)
         return known[number, law]
 
-    # a third of the speeds that the figure has: they show all it can go wrong in
+    # a few of the speeds that the figure has: they show all it can go wrong in
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(basins, "SPEEDS", (*basins.SPEEDS[:2], 8))
+        patch.setattr(basins, "SPEEDS", (*basins.SPEEDS[:2], 4))
         yield of
 
 

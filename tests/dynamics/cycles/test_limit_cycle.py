@@ -463,7 +463,7 @@ kind = st.tuples(
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
 @given(kinds=st.lists(kind, min_size=24, max_size=24))
 @settings(
-    max_examples=6,
+    max_examples=4,
     deadline=None,
     derandomize=True,
     suppress_health_check=list(HealthCheck),
