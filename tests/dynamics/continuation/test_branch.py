@@ -32,11 +32,11 @@ ACROSS = {
 }
 
 
-#: The map of a branch knows parameters and laws apart: each law with each way that a parameter
-#: enters (speed, stiffness, mass, friction), the aging law with all parameters.
+#: The map of a branch knows parameters and laws apart: the slip law with speed, stiffness and
+#: mass, the aging law with all parameters.
 SIDES = pytest.mark.parametrize(
     ("parameter", "law"),
-    [(p, "slip") for p in ("V_lp", "K", "M", "a")] + [(p, "aging") for p in PARAMETERS],
+    [(p, "slip") for p in ("V_lp", "K", "M")] + [(p, "aging") for p in PARAMETERS],
 )
 
 
@@ -272,7 +272,7 @@ def test_fold():
     assert float(cycles.amplitude[1] / fold.amplitude) == pytest.approx(1, abs=0.02)
 
 
-@pytest.mark.parametrize("parameter", [name for name in PARAMETERS if name != "V_lp"])
+@pytest.mark.parametrize("parameter", ["K", "M", "a", "Dc"])
 def test_the_same_fold_whatever_leads_to_it(parameter):
     """A fold is a place in (K, eta, b/a): a branch in any other parameter turns there too."""
     branch, slider, V_lp = across(parameter, "aging")
