@@ -88,7 +88,8 @@ def claim(name, law, measured):
         braces.
     """
     statement = statements()[name]
-    texts = measured.pop("texts", {})
+    texts = measured.get("texts", {})
+    values = {field: value for field, value in measured.items() if field != "texts"}
     silent = statement.get("slip_only", False) and law != "slip"
     covers = [to_digits(*one) for one in statement.get("digits", [])] + statement.get("ranges", [])
     if len(covers) == 1:
@@ -101,7 +102,7 @@ def claim(name, law, measured):
         unit=statement.get("unit", ""),
         covers=() if silent else tuple(map(tuple, covers)),
         note=statement.get("note", "").format(**texts),
-        **measured,
+        **values,
     )
 
 

@@ -28,8 +28,12 @@ def console(stderr: bool = False) -> "Console":
     """A console of rich's, without colours under NO_COLOR or where there is no terminal."""
     from rich.console import Console
 
-    plain = {"color_system": None} if os.environ.get("NO_COLOR") else {}
-    made = Console(stderr=stderr, highlight=False, emoji=False, **plain)  # type: ignore[arg-type]
+    made = Console(
+        stderr=stderr,
+        highlight=False,
+        emoji=False,
+        color_system=None if os.environ.get("NO_COLOR") else "auto",
+    )
     if not made.is_terminal:
         made.width = WIDTH
     return made
