@@ -1,0 +1,35 @@
+"""Sentences kept in TOML."""
+
+import pytest
+
+from ratestate.model.sentences import Sentences
+
+
+@pytest.fixture
+def sentences(tmp_path):
+    path = tmp_path / "motion.toml"
+    path.write_text(
+        'steady = {plain = "At {V:as V}.", rounded = "At {case.V:as V_lp 2}, {x:.1f}, {name}."}\n',
+        "utf-8",
+    )
+    return Sentences(path)
+
+
+def test_values_are_shown_as_quantities(sentences):
+    assert sentences("steady.plain", V=0.0032) == "At 3.2 mm/s."
+
+
+def test_attributes_digits_and_formats_of_python(sentences):
+    case = type("Case", (), {"V": 1.2345e-6})
+    text = sentences("steady.rounded", case=case, x=2.25, name="sigma")
+    assert text == "At 1.2 um/s, 2.2, sigma."
+
+
+def test_a_name_that_is_not_there(sentences):
+    with pytest.raises(KeyError, match="fast"):
+        sentences("steady.fast")
+
+
+def test_a_value_that_is_not_given(sentences):
+    with pytest.raises(KeyError, match="V"):
+        sentences("steady.plain")
