@@ -141,7 +141,22 @@ def friction(V, theta, *, a, b, mu0, V0, Dc):
 
 
 def friction_partials(V, theta, *, a, b):
-    """Derivatives of `friction` with respect to V [s/m] and theta [1/s]."""
+    """Derivatives of `friction`: a/V with respect to V, b/theta with respect to theta.
+
+    Parameters
+    ----------
+    V, theta : float, array or DataArray
+        Slip velocity [m/s] and state [s], > 0.
+    a, b : float, array or DataArray
+        Direct and evolution effect [1].
+
+    Returns
+    -------
+    dmu_dV : float, array or DataArray
+        Derivative with respect to V [s/m], in the shape that the arguments broadcast to.
+    dmu_dtheta : float, array or DataArray
+        Derivative with respect to theta [1/s].
+    """
     return a / V, b / theta
 
 
@@ -161,6 +176,11 @@ def dtheta_dt(V, theta, *, Dc, law):
     law : {"slip", "aging"}
         Evolution law.
 
+    Returns
+    -------
+    float, array or DataArray
+        d theta/dt [1], in the shape that the arguments broadcast to.
+
     Raises
     ------
     ParameterError
@@ -172,10 +192,31 @@ def dtheta_dt(V, theta, *, Dc, law):
 
 
 def dtheta_dt_partials(V, theta, *, Dc, law):
-    """Derivatives of `dtheta_dt` with respect to V [s/m] and theta [1/s], for V > 0.
+    """Derivatives of `dtheta_dt` with respect to V and theta.
 
     d theta/dt depends on Omega = V theta/Dc alone, so both follow from one derivative; with
     V0 := V (w = 1, v = 0, psi = ln Omega) it is that of the law's rate with respect to v.
+
+    Parameters
+    ----------
+    V, theta : float, array or DataArray
+        Slip velocity [m/s] and state [s], > 0.
+    Dc : float, array or DataArray
+        Critical slip distance [m].
+    law : {"slip", "aging"}
+        Evolution law.
+
+    Returns
+    -------
+    d_dV : float, array or DataArray
+        Derivative with respect to V [s/m], in the shape that the arguments broadcast to.
+    d_dtheta : float, array or DataArray
+        Derivative with respect to theta [1/s].
+
+    Raises
+    ------
+    ParameterError
+        Unknown law.
     """
     omega = V * theta / Dc
     slope, _ = evolution_law(law).rate_partials(1.0, 0.0, np.log(omega), 1 / omega)
@@ -183,10 +224,38 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
 
 
 def theta_ss(V, *, Dc):
-    """State [s] in steady sliding at V [m/s], the same for both laws: Dc/V."""
+    """State in steady sliding at V, the same for both laws: Dc/V.
+
+    Parameters
+    ----------
+    V : float, array or DataArray
+        Slip velocity [m/s].
+    Dc : float, array or DataArray
+        Critical slip distance [m].
+
+    Returns
+    -------
+    float, array or DataArray
+        theta_ss [s], in the shape that the arguments broadcast to.
+    """
     return Dc / V
 
 
 def mu_ss(V, *, a, b, mu0, V0):
-    """Friction coefficient [1] in steady sliding at V [m/s]: mu0 + (a - b) ln(V/V0)."""
+    """Friction coefficient in steady sliding at V: mu0 + (a - b) ln(V/V0).
+
+    Parameters
+    ----------
+    V : float, array or DataArray
+        Slip velocity [m/s].
+    a, b, mu0 : float, array or DataArray
+        Direct effect, evolution effect, friction in steady sliding at V0 [1].
+    V0 : float, array or DataArray
+        Reference velocity [m/s].
+
+    Returns
+    -------
+    float, array or DataArray
+        mu_ss [1], in the shape that the arguments broadcast to.
+    """
     return mu0 + (a - b) * np.log(V / V0)

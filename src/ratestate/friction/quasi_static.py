@@ -110,7 +110,17 @@ def runaway_step(*, a, b):
     """Ratio V_lp/V from which a step in V_lp runs away at K = K_c_qs, M = 0, slip law: b/(b - a).
 
     Steady sliding at V, and then at once V_lp: x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps,
-    and all steps down, are periodic; inf where b <= a.
+    and all steps down, are periodic.
+
+    Parameters
+    ----------
+    a, b : float, array or DataArray
+        Direct and evolution effect [1].
+
+    Returns
+    -------
+    float, array or DataArray
+        V_lp/V [1], in the shape that the arguments broadcast to; inf where b <= a.
     """
     with np.errstate(divide="ignore"):
         return 1 + a / np.maximum(b - a, 0.0)
@@ -121,7 +131,17 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
 
     With r = K/K_c_qs and c = (b - a)/a the larger of 1 + r/c and exp(r^2/(r + c)): a lower bound
     of the ratio that does, which for r > 1 is no closed form; at r = 1 it is `runaway_step`.
-    1 where K < K_c_qs, inf where b <= a.
+
+    Parameters
+    ----------
+    a, b, Dc, sigma, K : float, array or DataArray
+        Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], stiffness
+        per area [Pa/m].
+
+    Returns
+    -------
+    float, array or DataArray
+        V_lp/V, in the shape that the arguments broadcast to; 1 where K < K_c_qs, inf where b <= a.
     """
     # Where s = c/(r + c), no path crosses u = (b/a) r (1 - s exp(-v)), u = x + c v, upwards
     # while v grows; a step starts at u = 0, v = -ln(V_lp/V), that is, below it if V_lp/V < 1/s.
@@ -141,7 +161,18 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
 
     b/(b - a) + ((b/(b - a)) (r - 1) exp(1 + (b/a)(r - 1)))^(a/b) with r = K/K_c_qs: an upper
     bound of the ratio that does; at r = 1 it is `runaway_step`.  However stiff the spring, then,
-    some step runs away.  1 where K < K_c_qs, inf where b <= a.
+    some step runs away.
+
+    Parameters
+    ----------
+    a, b, Dc, sigma, K : float, array or DataArray
+        Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], stiffness
+        per area [Pa/m].
+
+    Returns
+    -------
+    float, array or DataArray
+        V_lp/V, in the shape that the arguments broadcast to; 1 where K < K_c_qs, inf where b <= a.
     """
     # While v < 0 < u the quantity (1 - x - c h(v)) exp(x) falls, from exp(cL) (b/a - c exp(L)) with
     # L = ln(V_lp/V), and at v = 0 it is (1 - x) exp(x).  Beyond v = 0 no path crosses

@@ -17,17 +17,57 @@ ROUNDING = 1e-15
 
 
 def eta(V, *, a, Dc, sigma, M):
-    """Dynamic instability coefficient M V^2/(sigma a Dc) [1] for sliding at V [m/s] (eq. 7)."""
+    """Dynamic instability coefficient M V^2/(sigma a Dc) for sliding at V (eq. 7).
+
+    Parameters
+    ----------
+    V : float, array or DataArray
+        Slip velocity [m/s].
+    a, Dc, sigma, M : float, array or DataArray
+        Direct effect [1], critical slip distance [m], normal stress [Pa], mass per area [kg/m^2].
+
+    Returns
+    -------
+    float, array or DataArray
+        eta [1], in the shape that the arguments broadcast to.
+    """
     return M * V**2 / (sigma * a * Dc)
 
 
 def K_c_qs(*, a, b, Dc, sigma):
-    """Critical stiffness [Pa/m] without inertia, (b - a) sigma/Dc; negative where b < a."""
+    """Quasi-static critical stiffness (b - a) sigma/Dc, for sliding without inertia.
+
+    Parameters
+    ----------
+    a, b, Dc, sigma : float, array or DataArray
+        Direct and evolution effect [1], critical slip distance [m], normal stress [Pa].
+
+    Returns
+    -------
+    float, array or DataArray
+        K_c_qs [Pa/m], in the shape that the arguments broadcast to; negative where b < a.
+    """
     return (b - a) * sigma / Dc
 
 
 def K_c(V, *, a, b, Dc, sigma, M):
-    """Critical stiffness [Pa/m] for sliding at V [m/s] (eq. 6): unstable where K < K_c."""
+    """Critical stiffness for sliding at V (eq. 6): steady sliding is unstable where K < K_c.
+
+    K_c = K_c_qs (1 + eta)
+
+    Parameters
+    ----------
+    V : float, array or DataArray
+        Slip velocity [m/s].
+    a, b, Dc, sigma, M : float, array or DataArray
+        Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], mass
+        per area [kg/m^2].
+
+    Returns
+    -------
+    float, array or DataArray
+        K_c [Pa/m], in the shape that the arguments broadcast to.
+    """
     return K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) * (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
 
 
@@ -58,15 +98,30 @@ def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
         Speed [m/s], critical slip distance [m], mass per area [kg/m^2].
     dtau_ss_dV, dtau_dV : float, array or DataArray
         Slope of the steady-state stress, and of the stress at constant state [Pa s/m], at V.
+
+    Returns
+    -------
+    float, array or DataArray
+        K_c [Pa/m], in the shape that the arguments broadcast to.
     """
     return -V * dtau_ss_dV / Dc * (1 + M * V / (Dc * dtau_dV))
 
 
 def V_c(*, a, b, Dc, sigma, K, M):
-    """Critical velocity [m/s] (eq. 10): steady sliding at V > V_c is unstable.
+    """Critical velocity (eq. 10): steady sliding at V > V_c is unstable.
 
-    0 where sliding is unstable at any speed (K <= K_c_qs, to rounding), inf where at none (b <= a,
-    K = inf, or M = 0 with K > K_c_qs).
+    Parameters
+    ----------
+    a, b, Dc, sigma, K, M : float, array or DataArray
+        Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], stiffness
+        per area [Pa/m], mass per area [kg/m^2].
+
+    Returns
+    -------
+    float, array or DataArray
+        V_c [m/s], in the shape that the arguments broadcast to; 0 where sliding is unstable at any
+        speed (K <= K_c_qs, to rounding), inf where at none (b <= a, K = inf, or M = 0 with
+        K > K_c_qs).
     """
     return _elementwise(_V_c, a, b, Dc, sigma, K, M)
 
@@ -79,7 +134,19 @@ def _V_c(a, b, Dc, sigma, K, M):
 
 
 def f_n(*, K, M):
-    """Natural frequency sqrt(K/M)/(2 pi) [Hz]; inf, which is to say none, if M = 0 or K = inf."""
+    """Natural frequency sqrt(K/M)/(2 pi) of the slider on its spring.
+
+    Parameters
+    ----------
+    K, M : float, array or DataArray
+        Stiffness [Pa/m] and mass [kg/m^2] per area.
+
+    Returns
+    -------
+    float, array or DataArray
+        f_n [Hz], in the shape that the arguments broadcast to; inf, which is to say none,
+        if M = 0 or K = inf.
+    """
     return _elementwise(_f_n, K, M)
 
 
@@ -89,9 +156,20 @@ def _f_n(K, M):
 
 
 def omega_c(V, *, a, b, Dc):
-    """Angular frequency [rad/s] at the Hopf bifurcation, where K = K_c(V).
+    """Angular frequency at the Hopf bifurcation, where K = K_c(V): (V/Dc) sqrt((b - a)/a).
 
-    (V/Dc) sqrt((b - a)/a), whatever the mass; NaN where b <= a, for there is no bifurcation.
+    Parameters
+    ----------
+    V : float, array or DataArray
+        Slip velocity [m/s].
+    a, b, Dc : float, array or DataArray
+        Direct and evolution effect [1], critical slip distance [m].
+
+    Returns
+    -------
+    float, array or DataArray
+        omega_c [rad/s], in the shape that the arguments broadcast to, whatever the mass; NaN where
+        b <= a, for there is no bifurcation.
     """
     return _elementwise(_omega_c, V, a, b, Dc)
 
@@ -101,14 +179,23 @@ def _omega_c(V, a, b, Dc):
 
 
 def eigenvalues(V, *, a, b, Dc, sigma, K, M):
-    """Eigenvalues [1/s] of small perturbations of steady sliding at V [m/s], for both laws.
+    """Eigenvalues of small perturbations of steady sliding at V, for both laws.
+
+    Parameters
+    ----------
+    V : float, array or DataArray
+        Slip velocity [m/s].
+    a, b, Dc, sigma, K, M : float, array or DataArray
+        Direct and evolution effect [1], critical slip distance [m], normal stress [Pa], stiffness
+        per area [Pa/m], mass per area [kg/m^2].
 
     Returns
     -------
     complex array or DataArray
-        Shape of the arguments, and then (in the dimension "mode") 3, least stable first; see
-        `ratestate.friction.eigenvalues.steady_modes`.  A mode faster than everything is -inf: one
-        at M = 0, two at K = inf, where V is imposed and only the state relaxes, at the rate V/Dc.
+        Eigenvalues [1/s]. Shape of the arguments, and then (in the dimension "mode") 3, least
+        stable first; see `ratestate.friction.eigenvalues.steady_modes`.  A mode faster than
+        everything is -inf: one at M = 0, two at K = inf, where V is imposed and only the state
+        relaxes, at the rate V/Dc.
     """
     return _elementwise(_eigenvalues, V, a, b, Dc, sigma, K, M, dims=("mode",))
 
