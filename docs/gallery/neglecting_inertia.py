@@ -40,14 +40,14 @@ names = {"a": "$a$", "b": "$b$", "Dc": "$D_c$", "K": "$K$"}
 etas = np.geomspace(1e-3, 4.0, 11)
 for law, color, mark in (("slip", plot.RED, "o"), ("aging", plot.BLUE, "s")):
     truth = rig.replace(law=law)
-    found = [fits(truth.replace(M=eta * mass_of_1)) for eta in etas]
+    estimates = [fits(truth.replace(M=eta * mass_of_1)) for eta in etas]
     for name in names:
         true = getattr(truth, name)
         with_M, without = (
             np.array([one.interval.sel(parameter=name, level=0.95) for one in kind]).T / true
-            for kind in zip(*found, strict=True)
+            for kind in zip(*estimates, strict=True)
         )
-        middle = np.array([float(one[name]) / true for _, one in found])
+        middle = np.array([float(one[name]) / true for _, one in estimates])
         axes[name].fill_between(etas, *with_M, color="0.5", alpha=0.4, lw=0)
         reach = np.abs(without - middle)
         style = {"fmt": f"{mark}-", "ms": 2.5, "lw": 0.8, "color": color, "label": f"{law} law"}

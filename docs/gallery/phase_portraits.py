@@ -2,10 +2,10 @@
 Portraits of cycles
 ===================
 
-Slip velocity against stress, one turn of the limit cycle at each of six loading speeds (the
+Slip velocity against stress, one period of the limit cycle at each of six loading speeds (the
 slider of Fig. 4 of Im, Marone & Elsworth 2019). Slow loading: decades of creep, then a jump.
 Fast loading: the swing of
-an oscillator, which all but stops once a turn.
+an oscillator, which all but stops once a period.
 """
 
 import matplotlib.pyplot as plt
@@ -19,8 +19,8 @@ slider = rs.SpringSlider(
 )
 fig, ax = plt.subplots(figsize=(7.2, 4.2))
 for V, color in zip(np.geomspace(1e-5, 1, 6), plt.cm.viridis(np.linspace(0, 0.9, 6)), strict=True):
-    turn = orbit(slider, V)
-    ax.semilogy(turn.tau / slider.sigma, turn.V / V, color=color, lw=1.2, label=f"{V:g} m/s")
+    cycle = orbit(slider, V)
+    ax.semilogy(cycle.tau / slider.sigma, cycle.V / V, color=color, lw=1.2, label=f"{V:g} m/s")
 ax.set(xlabel=r"$\tau/\sigma$", ylabel="$V/V_{lp}$")
 ax.legend(title="$V_{lp}$")
 plt.show()

@@ -2,7 +2,7 @@
 From stick-slip to vibration
 ============================
 
-One slider, four loading speeds, two turns of the cycle each (the slider of Fig. 4 of Im, Marone
+One slider, four loading speeds, two periods of the cycle each (the slider of Fig. 4 of Im, Marone
 & Elsworth 2019). Faster loading first makes the drops smaller, then turns them into a vibration
 that inertia carries: spring (black) and friction (red) part.
 """
