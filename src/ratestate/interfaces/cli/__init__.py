@@ -7,14 +7,12 @@ from typing import Annotated
 
 import typer
 
-from .analyses import branch, cycle, stability
-from .atlas import atlas
+from .analyses import branch, cycle, run, stability
 from .exits import EXIT_CODES, Debug, command
 from .explore import explore
-from .figures import figures
 from .fit import fit
 from .init import init
-from .run import run
+from .paper import atlas, figures
 from .sweep import sweep
 
 COMMANDS = (init, run, stability, cycle, branch, fit, sweep, atlas, figures, explore)

@@ -1,4 +1,4 @@
-"""``ratestate stability``, ``cycle`` and ``branch``: one analysis of a scenario file's slider."""
+"""``ratestate run``, ``stability``, ``cycle`` and ``branch``: what the slider of a file does."""
 
 import dataclasses
 from pathlib import Path
@@ -6,7 +6,39 @@ from typing import Annotated, Any
 
 import typer
 
-from .options import File, Json, Out, Plot
+from .options import SCENARIO, File, Json, Out, Plot, option
+
+
+def run(
+    file: Annotated[Path | None, SCENARIO] = None,
+    source: Annotated[
+        Path | None,
+        option(
+            "RESULT.nc|.zarr", "Compute this result again, bit-for-bit the same.", True, "--from"
+        ),
+    ] = None,
+    out: Out = None,
+    plot: Plot = None,
+    json: Json = False,
+) -> None:
+    """Run a scenario file: its loading, or its sweep in memory.
+
+    Without --out and --plot, files are written as the table [output] of the file says.
+
+    Example: ratestate run lab.toml --plot lab.png
+    """
+    from .run_scenario import do, load_scenario
+
+    if source is not None and file is None:
+        from ...files import read
+        from ..scenario import from_result
+
+        scenario = from_result(read(source))
+    elif file is not None and source is None:
+        scenario = load_scenario(file)
+    else:
+        raise typer.BadParameter("give either a file or --from RESULT", param_hint="FILE.toml")
+    do(scenario, out, plot, json)
 
 
 def stability(file: File, out: Out = None, plot: Plot = None, json: Json = False) -> None:
@@ -29,23 +61,15 @@ def branch(
     file: File,
     parameter: Annotated[
         str | None,
-        typer.Option(
-            metavar="SYMBOL",
-            help="What changes: V_lp, K, M, sigma, a, b or Dc.",
-            show_default="V_lp, or as [sweep] says",
+        option(
+            "SYMBOL", "What changes: V_lp, K, M, sigma, a, b or Dc.", "V_lp, or as [sweep] says"
         ),
     ] = None,
     start: Annotated[
-        str | None,
-        typer.Option(
-            metavar="VALUE", help="Its first value, with a unit.", show_default="as [sweep] says"
-        ),
+        str | None, option("VALUE", "Its first value, with a unit.", "as [sweep] says")
     ] = None,
     stop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="VALUE", help="Its last value, with a unit.", show_default="as [sweep] says"
-        ),
+        str | None, option("VALUE", "Its last value, with a unit.", "as [sweep] says")
     ] = None,
     out: Out = None,
     plot: Plot = None,
@@ -55,19 +79,19 @@ def branch(
 
     Example: ratestate branch brake.toml --start "50 mm/s" --stop "3 cm/s"
     """
-    if start is None and stop is None and parameter is None:
+    if parameter is start is stop is None:
         _do(file, "continue_cycle", out, plot, json)
-        return
-    if start is None or stop is None:
+    elif start is None or stop is None:
         raise typer.BadParameter("both are needed", param_hint="--start and --stop")
-    changes = {"parameter": parameter or "V_lp", "start": start, "stop": stop}
-    _do(file, "limit_cycle", out, plot, json, **changes)
+    else:
+        changes = {"parameter": parameter or "V_lp", "start": start, "stop": stop}
+        _do(file, "limit_cycle", out, plot, json, **changes)
 
 
 def _do(
     file: Path, verb: str, out: Path | None, plot: Path | None, json: bool, **changes: Any
 ) -> None:
-    """Call a function with the scenario of a file, whose own verb and [output] are ignored.
+    """Call a function with a file's scenario, whose own verb and [output] are ignored.
 
     changes : settings that turn a limit cycle into a branch
     """

@@ -20,8 +20,6 @@ EXIT_CODES = (
     "Exit codes: 0 done, 1 a bug in ratestate, 2 error or wrong usage, "
     "3 some cases failed or a fit carries warnings, 130 interrupted."
 )
-#: exceptions by which typer itself ends a command
-TYPER_EXITS = (typer.Exit, typer.Abort, typer.BadParameter)
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
@@ -33,14 +31,14 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
         with exit_on_error(debug or bool(context.obj)):
             function(**arguments)
 
-    signature = inspect.signature(function)
     kind = inspect.Parameter.KEYWORD_ONLY
-    more = [
+    own = inspect.signature(function).parameters.values()
+    parameters = [
+        *(parameter.replace(kind=kind) for parameter in own),
         inspect.Parameter("debug", kind, default=False, annotation=Debug),
         inspect.Parameter("context", kind, annotation=typer.Context),
     ]
-    own = [parameter.replace(kind=kind) for parameter in signature.parameters.values()]
-    wrapped.__signature__ = inspect.Signature([*own, *more])  # type: ignore[attr-defined]
+    wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     wrapped.__doc__ = f"{inspect.getdoc(function)}\n\n{EXIT_CODES}"
     return wrapped
 
@@ -51,7 +49,7 @@ def exit_on_error(debug: bool) -> Iterator[None]:
     try:
         with _second_interrupt_exits():
             yield
-    except TYPER_EXITS:
+    except (typer.Exit, typer.Abort, typer.BadParameter):
         raise
     except KeyboardInterrupt as interrupt:
         typer.echo(f"interrupted; {str(interrupt) or 'no file is half written'}", err=True)

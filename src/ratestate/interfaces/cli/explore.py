@@ -15,7 +15,6 @@ def explore(
         typer.Argument(
             metavar="FILE.toml|-",
             help="Scenario file whose slider it opens with, at the last speed of its loading.",
-            show_default=False,
         ),
     ] = None,
     port: Annotated[
@@ -53,7 +52,7 @@ def _fragment(file: Path) -> str:
     scenario = load_scenario(file, "stability")
     if swept := swept_dims(scenario):
         raise ParameterError(
-            f"[sweep]: the file has a sweep over {', '.join(map(str, swept))}, and the explorer "
-            f"shows one slider; expected a file without [sweep], or run it: ratestate run {file}"
+            f"[sweep]: the file has a sweep over {', '.join(swept)}, and the explorer shows one "
+            f"slider; expected a file without [sweep], or run it: ratestate run {file}"
         )
     return fragment_of(scenario.slider, scenario.settings["V_lp"])

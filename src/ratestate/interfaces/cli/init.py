@@ -1,34 +1,22 @@
 """``ratestate init``: a scenario file to start from."""
 
-import enum
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from ...errors import ParameterError
-from .printing import print_line
+from .options import option
+from .output import print_line
 
-
-class Kind(enum.StrEnum):
-    """What the file describes."""
-
-    lab = "lab"
-    brake = "brake"
-    fault = "fault"
+Kind = Literal["lab", "brake", "fault"]
 
 
 def init(
-    kind: Annotated[Kind, typer.Argument(help="What the file describes.")] = Kind.lab,
+    kind: Annotated[Kind, typer.Argument(help="What the file describes.")] = "lab",
     out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="FILE.toml|-",
-            help="File to write; - prints it.",
-            show_default="KIND.toml",
-        ),
+        Path | None, option("FILE.toml|-", "File to write; - prints it.", "KIND.toml")
     ] = None,
 ) -> None:
     """Write a commented scenario file to start from.
@@ -38,8 +26,8 @@ def init(
     from ...files import checked, replace
     from ..scenario import template
 
-    text = template(kind.value)
-    path = out or Path(f"{kind.value}.toml")
+    text = template(kind)
+    path = out or Path(f"{kind}.toml")
     if path == Path("-"):
         print_line(text.rstrip("\n"))
         return

@@ -3,17 +3,22 @@
 import json
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray
 
 from ...errors import FitWarning, ParameterError, RecordWarning
+from ...files import replace, write
 from ...model.quantities import readable
-from .fit_request import FitRequest
-from .folders import make_writable, reporting_files
-
-if TYPE_CHECKING:
-    import xarray
-
-    from ...model.slider import SpringSlider
+from ...model.slider import SpringSlider
+from ...model.units import to_si
+from ...records.fitting.fit import fit
+from ...records.fitting.table import law_names
+from ...records.fitting.unknowns import checked_free
+from ...records.reading import read_lab
+from .output import make_writable, reporting_files
+from .report.markdown import HEADING, FitRequest, markdown
+from .run_scenario import print_result
 
 #: initial guesses where none are given; the least squares also scan the scales of the record
 STARTS = {"a": "0.01", "b": "0.01", "Dc": "10 um"}
@@ -25,42 +30,26 @@ REPORT, PLOT, NUMBERS = "report.md", "fit.png", "fit.nc"
 
 def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool:
     """Fit, print and write the files; return whether the answer carries warnings."""
-    from ...records.fitting.table import law_names
-    from .run_scenario import print_result
-
     if out:
         make_writable(out)
         _refuse_foreign(out / REPORT)
     with reporting_files(f"fit of {request.file.name}, {law_names(request.laws)}") as files:
-        record, slider, result = _fit(request)
+        with warnings.catch_warnings():
+            # both are printed with the result
+            warnings.simplefilter("ignore", FitWarning)
+            warnings.simplefilter("ignore", RecordWarning)
+            record = read_lab(request.file, **request.reading)
+            slider = _slider(request, record)
+            result = fit(record, slider, **request.fitting)
         if out:
             files += _write_files(request, record, slider, result, out)
     print_result(result, None, as_json)
-    return _has_warnings(result)
+    return bool((result["warnings"] != "").any())
 
 
-def _fit(request: FitRequest) -> "tuple[xarray.Dataset, SpringSlider, xarray.Dataset]":
-    """The record, the slider that the search started from, and the result."""
-    from ...records.fitting.fit import fit
-    from ...records.reading import read_lab
-
-    with warnings.catch_warnings():
-        # both are printed with the result
-        warnings.simplefilter("ignore", FitWarning)
-        warnings.simplefilter("ignore", RecordWarning)
-        record = read_lab(request.file, **request.reading)
-        slider = _slider(request, record)
-        result = fit(record, slider, **request.fitting)
-    return record, slider, result
-
-
-def _slider(request: FitRequest, record: "xarray.Dataset") -> "SpringSlider":
+def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
     """The fixed parameters, and initial guesses of the free ones; a default sigma is noted."""
-    from ...model.slider import SpringSlider
-    from ...model.units import to_si
-    from ...records.fitting.unknowns import checked_free
-
-    given: dict[str, Any] = {s: value for s, value in request.values.items() if value is not None}
+    given: dict[str, Any] = dict(request.values)
     if "sigma" not in given:
         if "sigma" not in record:
             raise ParameterError(
@@ -73,7 +62,7 @@ def _slider(request: FitRequest, record: "xarray.Dataset") -> "SpringSlider":
         record.attrs["notes"] = json.dumps(notes)
     K = STIFFNESS * to_si("sigma", given["sigma"])
     slider = SpringSlider(**{**STARTS, "K": K, **given}, law=request.laws[0])
-    free = checked_free(request.free, slider)
+    free = checked_free(request.fitting["free"], slider)
     for symbol in ("a", "b", "Dc", "K"):
         if symbol not in given and symbol not in free:
             raise ParameterError(
@@ -82,21 +71,15 @@ def _slider(request: FitRequest, record: "xarray.Dataset") -> "SpringSlider":
     return slider
 
 
-def _has_warnings(result: "xarray.Dataset") -> bool:
-    return bool((result["warnings"] != "").any())
-
-
 def _write_files(
     request: FitRequest,
-    record: "xarray.Dataset",
-    slider: "SpringSlider",
-    result: "xarray.Dataset",
+    record: xarray.Dataset,
+    slider: SpringSlider,
+    result: xarray.Dataset,
     out: Path,
 ) -> list[Path]:
     """Write numbers, plot and report, each completely or not at all; list the files."""
     from ... import plot
-    from ...files import replace, write
-    from .report.markdown import markdown
 
     text = markdown(request, record, slider, result, PLOT)
     return [
@@ -108,8 +91,6 @@ def _write_files(
 
 def _refuse_foreign(path: Path) -> None:
     """Raise ParameterError instead of replacing a file that is no report of a fit."""
-    from .report.markdown import HEADING
-
     if path.is_file() and not path.read_text("utf-8", errors="replace").startswith(HEADING):
         raise ParameterError(
             f"{path} exists and is no report of ratestate fit; it is not replaced: give another "

@@ -1,38 +1,34 @@
 """Runs a scenario: checks outputs, computes, prints the result and writes the files."""
 
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import typer
+import xarray
 
+from ...dynamics.progress import on_terminal
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
+from ...files import NUMBERS, PICTURES, checked, write
+from ...model.units import is_array
+from .. import scenario as scenarios
+from ..scenario import Output, Scenario
+from .document import document, failed
 from .exits import SOME_FAILED
-from .printing import print_line, print_rich
-from .verdict_text import no_cycle_message, verdict_text
-
-if TYPE_CHECKING:
-    import xarray
-
-    from ..scenario import Output, Scenario
-    from .verdict_text import VerdictText
-
+from .output import print_json, print_rich
+from .verdict_text import VerdictText, no_cycle_message, verdict_text
 
 #: the largest result of a sweep in memory: some 2e7 cases of limit_cycle or stability
 MOST_BYTES = 3 * 10**9
 
 
-def load_scenario(file: Path, verb: str | None = None) -> "Scenario":
+def load_scenario(file: Path, verb: str | None = None) -> Scenario:
     """The scenario of a file, or of standard input for the name "-"."""
-    from ..scenario import LARGEST, load, loads
-
     if file != Path("-"):
-        return load(file, verb)
-    text = typer.get_binary_stream("stdin").read(LARGEST + 1)
-    return loads(text, verb, name="standard input")
+        return scenarios.load(file, verb)
+    text = typer.get_binary_stream("stdin").read(scenarios.LARGEST + 1)
+    return scenarios.loads(text, verb, name="standard input")
 
 
-def do(scenario: "Scenario", out: Path | None, plot: Path | None, json: bool) -> None:
+def do(scenario: Scenario, out: Path | None, plot: Path | None, json: bool) -> None:
     """Run a scenario, print the result, and write the requested files."""
     output = output_paths(scenario, out, plot)
     problem = None
@@ -47,17 +43,12 @@ def do(scenario: "Scenario", out: Path | None, plot: Path | None, json: bool) ->
     draw_plot(result, output)
     if problem:
         typer.echo(f"error: {problem}", err=True)
-    from .document import failed
-
     if problem or failed(result):
         raise typer.Exit(SOME_FAILED)
 
 
-def output_paths(scenario: "Scenario", out: Path | None, plot: Path | None) -> "Output":
+def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Output:
     """Checked paths for the result: of the options, or else of the scenario."""
-    from ...files import NUMBERS, PICTURES, checked
-    from ..scenario import Output
-
     file, picture = out or scenario.output.file, plot or scenario.output.plot
     if picture and len(dims := swept_dims(scenario)) > 2:
         raise ParameterError(
@@ -67,27 +58,20 @@ def output_paths(scenario: "Scenario", out: Path | None, plot: Path | None) -> "
     return Output(file and checked(file, NUMBERS), picture and checked(picture, PICTURES))
 
 
-def swept_dims(scenario: "Scenario") -> list[str]:
+def swept_dims(scenario: Scenario) -> list[str]:
     """Dimensions of a scenario's sweep; empty for a single case."""
-    from ...model.units import is_array
-
-    loading = scenario.settings.get("loading")
-    values = [
-        *scenario.slider.values.values(),
-        *scenario.settings.values(),
-        getattr(loading, "V", 0.0),
-    ]
-    dims = dict.fromkeys(str(dim) for value in values if is_array(value) for dim in value.dims)
+    slider, settings = scenario.slider, scenario.settings
+    speeds = getattr(settings.get("loading"), "V", 0.0)
+    values = filter(is_array, [*slider.values.values(), *settings.values(), speeds])
+    dims = dict.fromkeys(str(dim) for value in values for dim in value.dims)
     return [dim for dim in dims if dim not in ("segment", "time")]
 
 
-def compute(scenario: "Scenario") -> "xarray.Dataset":
+def compute(scenario: Scenario) -> xarray.Dataset:
     """The result of a scenario; a sweep uses all cores, and a failed case spoils no other."""
-    from ..scenario import run
-
     if not swept_dims(scenario):
         try:
-            return run(scenario)
+            return scenarios.run(scenario)
         except (NotConverged, QuasiStaticInstability) as error:
             if scenario.verb != "limit_cycle":
                 raise
@@ -105,32 +89,27 @@ def compute(scenario: "Scenario") -> "xarray.Dataset":
             f"{MOST_BYTES / 1e9:.3g} GB are kept in memory; use ratestate sweep FILE --store "
             f"x.zarr, or fewer cases"
         )
-    progress = sys.stderr is not None and sys.stderr.isatty()
-    return sweep(scenario.verb, scenario.slider, progress=progress, **scenario.settings)
+    return sweep(scenario.verb, scenario.slider, progress=on_terminal(), **scenario.settings)
 
 
-def write_result(result: "xarray.Dataset", output: "Output") -> None:
+def write_result(result: xarray.Dataset, output: Output) -> None:
     """Write the numbers to the output file, if there is one, and name it on stderr."""
-    from ...files import write
-
     if output.file:
         write(result, output.file)
         typer.echo(f"wrote {output.file}", err=True)
 
 
-def print_result(result: "xarray.Dataset", verdict: "VerdictText | None", json: bool) -> None:
+def print_result(result: xarray.Dataset, verdict: VerdictText | None, json: bool) -> None:
     """Print the result and the verdict, as JSON or as tables."""
     if json:
-        from .document import document
-
-        print_line(document(result, verdict))
+        print_json(document(result, verdict))
     else:
         from .report import report
 
         print_rich(*report(result, verdict))
 
 
-def draw_plot(result: "xarray.Dataset", output: "Output") -> None:
+def draw_plot(result: xarray.Dataset, output: Output) -> None:
     """Draw the output plot, if there is one, and name it on stderr."""
     if output.plot:
         from ... import plot

@@ -4,8 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import StoreError
-from .document import strict_json
-from .printing import print_line
+from .output import print_json, print_line
 
 if TYPE_CHECKING:
     import xarray
@@ -22,18 +21,10 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     if json:
         failed, _ = failures(result, most=status.failed)
         names = ("at", "status", "message")
-        rows = [dict(zip(names, failure, strict=True)) for failure in failed]
-        print_line(strict_json(_json_fields(status) | {"failures": rows}))
+        _print_json(status, failures=[dict(zip(names, one, strict=True)) for one in failed])
     else:
-        print_line(summary(status))
-        for line in failed_lines(result) if status.failed else []:
-            print_line(line)
+        print_line("\n".join([_summary(status), *(failed_lines(result) if status.failed else [])]))
     return status.failed
-
-
-def _json_fields(status: "StoreStatus") -> dict[str, Any]:
-    """The status of a store, for JSON."""
-    return status._asdict() | {"path": str(status.path)}
 
 
 def print_status(store: Path, file: Path | None, json: bool, verify: bool = False) -> None:
@@ -48,17 +39,27 @@ def print_status(store: Path, file: Path | None, json: bool, verify: bool = Fals
     from ...sweeps.status import store_status
 
     status = store_status(store, verify)
-    lines = _differences(store, file) if file else []
+    differences = _differences(store, file) if file else []
     if json:
-        print_line(strict_json(_json_fields(status) | ({"differences": lines} if file else {})))
+        _print_json(status, **({"differences": differences} if file else {}))
     else:
-        _print_rows(status, file, lines)
+        rows = _rows(status)
+        if file:
+            asks = "another sweep:" if differences else "this very sweep"
+            rows["file"] = f"{file} asks for {asks}"
+        lines = [f"{label:<9} {text}" for label, text in rows.items()]
+        print_line("\n".join([*lines, *(f"  {line}" for line in differences)]))
     if status.flaws:
         raise StoreError(damage_message(store, status.flaws))
 
 
-def _print_rows(status: "StoreStatus", file: Path | None, lines: list[str]) -> None:
-    """Print the status of a store as rows."""
+def _print_json(status: "StoreStatus", **more: Any) -> None:
+    """Print the status of a store, and more, as JSON."""
+    print_json(status._asdict() | {"path": str(status.path)} | more)
+
+
+def _rows(status: "StoreStatus") -> dict[str, str]:
+    """The status of a store: label -> text."""
     rows = {
         "store": str(status.path),
         "verb": status.verb,
@@ -72,36 +73,34 @@ def _print_rows(status: "StoreStatus", file: Path | None, lines: list[str]) -> N
         "size": _size(status.size),
     }
     if status.origins:
-        rows["processor"] = _origins(status)
-    if status.flaws is not None:
-        rows["verified"] = (
-            f"damaged or missing files: {len(status.flaws)}"
-            if status.flaws
-            else "all files are as they were written"
-        )
-    if file:
-        rows["file"] = f"{file} asks for {'another sweep:' if lines else 'this very sweep'}"
-    for label, text in rows.items():
-        print_line(f"{label:<9} {text}")
-    for line in lines:
-        print_line(f"  {line}")
+        rows["processor"] = _origins(status.origins)
+    if status.flaws:
+        rows["verified"] = f"damaged or missing files: {len(status.flaws)}"
+    elif status.flaws is not None:
+        rows["verified"] = "all files are as they were written"
+    return rows
 
 
 def _versions(versions: dict[str, str]) -> str:
     return ", ".join(f"{name} {version}" for name, version in versions.items())
 
 
-def _origins(status: "StoreStatus") -> str:
-    """The kinds of processor that made the store; of several, also chunks and versions."""
+def _origins(origins: list[dict[str, Any]]) -> str:
+    """The kinds of processor that made a store; of several, also chunks and versions."""
     from ...sweeps.origin import processor_name
 
-    processors = [processor_name(one["processor"]) for one in status.origins]
-    if len(processors) == 1:
-        return processors[0]
+    if len(origins) == 1:
+        return processor_name(origins[0]["processor"])
     return "; ".join(
-        f"{processor}: {one['chunks']} chunks ({_versions(one['versions'])})"
-        for one, processor in zip(status.origins, processors, strict=True)
+        f"{processor_name(one['processor'])}: {one['chunks']} chunks ({_versions(one['versions'])})"
+        for one in origins
     )
+
+
+def _size(size: int) -> str:
+    """Bytes as kB, MB or GB."""
+    power = min(max(len(str(size)) - 1, 0) // 3, 3)
+    return f"{size / 1000**power:.3g} {['B', 'kB', 'MB', 'GB'][power]}"
 
 
 def _differences(store: Path, file: Path) -> list[str]:
@@ -112,13 +111,11 @@ def _differences(store: Path, file: Path) -> list[str]:
     from .run_scenario import load_scenario
 
     scenario = load_scenario(file)
-    _, stored = read_group(store)
-    return input_differences(
-        stored, inputs_of(*call_of(scenario.verb, scenario.slider, scenario.settings))
-    )
+    call = call_of(scenario.verb, scenario.slider, scenario.settings)
+    return input_differences(read_group(store)[1], inputs_of(*call))
 
 
-def summary(status: "StoreStatus") -> str:
+def _summary(status: "StoreStatus") -> str:
     """How many cases ended in which way, in one line."""
     answers = "cycles" if status.verb == "limit_cycle" else "finished"
     counts = {answers: status.done - status.steady - status.failed}
@@ -139,9 +136,3 @@ def interrupted_message(store: Path) -> str:
     except Exception:  # any: the interrupt may have hit the import of a module
         return f"what was done is stored in {store}; the same command resumes"
     return f"{status.done} of {status.cases} cases are stored in {store}; the same command resumes"
-
-
-def _size(size: int) -> str:
-    """Bytes as kB, MB or GB."""
-    power = min(max(len(str(size)) - 1, 0) // 3, 3)
-    return f"{size / 1000**power:.3g} {['B', 'kB', 'MB', 'GB'][power]}"

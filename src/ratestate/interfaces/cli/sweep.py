@@ -1,29 +1,17 @@
 """``ratestate sweep``: a scenario file's sweep into a store, and the status of a store."""
 
 import contextlib
-import enum
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
 from .exits import SOME_FAILED, on_interrupt
-from .options import Json, Out, Plot
-from .printing import print_line
+from .options import Json, Out, Plot, option
+from .output import print_line
 from .store_report import interrupted_message, print_outcome, print_status
 
-if TYPE_CHECKING:
-    from distributed import Client
-
-    from ..scenario import Output, Scenario
-
-
-class Device(enum.StrEnum):
-    """What computes."""
-
-    cpu = "cpu"
-    cuda = "cuda"
+Device = Literal["cpu", "cuda"]
 
 
 def sweep(
@@ -35,7 +23,6 @@ def sweep(
         typer.Argument(
             metavar="FILE.toml",
             help="Scenario file: the slider, and what is swept.  --status can do without.",
-            show_default=False,
         ),
     ] = None,
     chunk: Annotated[
@@ -61,16 +48,13 @@ def sweep(
     ] = False,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Run on the Dask cluster of this scheduler, such as tcp://node1:8786.",
-        ),
+        option("ADDRESS", "Run on the Dask cluster of this scheduler, such as tcp://node1:8786."),
     ] = None,
     slurm: Annotated[
         str | None,
-        typer.Option(
-            metavar="OPTIONS",
-            help="Run in SLURM jobs, such as jobs=10,cores=16,memory=32GB; also walltime=02:00:00, "
+        option(
+            "OPTIONS",
+            "Run in SLURM jobs, such as jobs=10,cores=16,memory=32GB; also walltime=02:00:00, "
             "queue=NAME, account=NAME, processes=N, interface=ib0; and for those that are lost, "
             "replacements=N, wait=24:00:00.",
         ),
@@ -81,7 +65,7 @@ def sweep(
     retry_crashed: Annotated[
         bool, typer.Option("--retry-crashed", help="Compute crashed cases of the store again.")
     ] = False,
-    device: Annotated[Device, typer.Option(help="What computes.")] = Device.cpu,
+    device: Annotated[Device, typer.Option(help="What computes.")] = "cpu",
     out: Out = None,
     plot: Plot = None,
     json: Json = False,
@@ -108,52 +92,29 @@ def sweep(
                 "missing; only --status can do without", param_hint="FILE.toml"
             )
         else:
-            from .run_scenario import load_scenario, output_paths
+            from ...sweeps.sweep import sweep as run
+            from .run_scenario import draw_plot, load_scenario, output_paths, write_result
 
             scenario = load_scenario(file)
             output = output_paths(scenario, out, plot)
             with _client(scheduler, slurm) as client:
-                how: dict[str, Any] = {"client": client, "chunk": chunk, "device": device.value}
-                how |= {"mixed": mixed, "retry_crashed": retry_crashed}
-                _run(scenario, output, store, json, **how)
+                how: dict[str, Any] = {"client": client, "chunk": chunk, "device": device}
+                how |= {"mixed": mixed, "retry_crashed": retry_crashed, **scenario.settings}
+                result = run(scenario.verb, scenario.slider, store=store, progress=True, **how)
+                number = print_outcome(store, result, json)
+                write_result(result, output)
+                draw_plot(result, output)
+            if number:
+                raise typer.Exit(SOME_FAILED)
 
 
-def _run(
-    scenario: "Scenario",
-    output: "Output",
-    store: Path,
-    json: bool,
-    **how: "int | str | Client | None",
-) -> None:
-    """Run the requested sweep, print its outcome, and write other output files."""
-    from ...sweeps.sweep import sweep as run
-    from .run_scenario import draw_plot, write_result
+def _client(scheduler: str | None, slurm: str | None) -> Any:
+    """A context with the requested Dask client; with None for threads of this process."""
+    if not (slurm or scheduler):
+        return contextlib.nullcontext()
+    from ...sweeps.connect import client_of, slurm_client
 
-    result = run(
-        scenario.verb, scenario.slider, store=store, progress=True, **how, **scenario.settings
-    )
-    number = print_outcome(store, result, json)
-    write_result(result, output)
-    draw_plot(result, output)
-    if number:
-        raise typer.Exit(SOME_FAILED)
-
-
-@contextlib.contextmanager
-def _client(scheduler: str | None, slurm: str | None) -> Iterator[Any]:
-    """The requested Dask client, closed at the end; None for threads of this process."""
-    if slurm:
-        from ...sweeps.connect import slurm_client
-
-        with slurm_client(slurm) as client:
-            yield client
-    elif scheduler:
-        from ...sweeps.connect import client_of
-
-        with client_of(scheduler) as client:
-            yield client
-    else:
-        yield None
+    return slurm_client(slurm) if slurm else client_of(scheduler)
 
 
 def _print_job_script(slurm: str) -> None:

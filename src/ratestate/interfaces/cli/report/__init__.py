@@ -1,17 +1,13 @@
 """Tables of a result for the terminal: what a person wants to know first, in fitting units."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .fit import fit
+import xarray
+from rich.text import Text
+
+from ..verdict_text import VerdictText
 from .single import branch, cycle, run, stability
 from .sweep import cases
-
-if TYPE_CHECKING:
-    import xarray
-
-    from ..verdict_text import VerdictText
-
-__all__ = ["report"]
 
 #: function -> the table of its result for a single slider
 SINGLE = {
@@ -19,25 +15,21 @@ SINGLE = {
     "limit_cycle": cycle,
     "stability": stability,
     "continue_cycle": branch,
-    "fit": fit,
 }
 
 
-def report(result: "xarray.Dataset", verdict: "VerdictText | None" = None) -> list[Any]:
-    """What to print, for rich.
+def report(result: xarray.Dataset, verdict: VerdictText | None) -> list[Any]:
+    """What to print, for rich: a result of any of the package's functions, `sweep` included.
 
-    Parameters
-    ----------
-    result : Dataset
-        Of one of the package's functions, `sweep` included.
-    verdict : VerdictText, optional
-        On a single slider.
+    verdict : on a single slider, where there is one
     """
-    from rich.text import Text
-
     verb = result.attrs["title"].removeprefix("ratestate ")
     if "message" in result:
         return cases(result, verb)
+    if verb == "fit":
+        from .fit import fit  # what it needs takes long to load
+
+        return fit(result)
     table = SINGLE[verb](result)
     if not verdict:
         return table

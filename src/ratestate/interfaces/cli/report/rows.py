@@ -1,11 +1,20 @@
-"""Rows of a table about one slider: symbol, value, meaning, relative error."""
+"""Tables for the terminal; rows about one slider: symbol, value, meaning, relative error."""
 
 import math
 from typing import Any, NamedTuple
 
+from rich import box
+from rich.table import Column, Table
+from rich.text import Text
+
 from ....model.quantities import QUANTITIES, long_time, readable
 
 DIGITS = 6
+
+
+def plain_table(*columns: str | Column) -> Table:
+    """A table of rich's with these columns and a line under their heads."""
+    return Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
 
 
 class Row(NamedTuple):
@@ -19,14 +28,13 @@ class Row(NamedTuple):
 
 def row(symbol: str, value: Any, remark: str = "", error: float | None = None) -> Row:
     """The row of a quantity in SI, with its long name and a remark."""
-    x = float(value)
-    time = QUANTITIES[symbol].unit == "s"
-    text = when(x) if time else readable(symbol, x, DIGITS)
+    x, quantity = float(value), QUANTITIES[symbol]
+    text = when(x) if quantity.unit == "s" else readable(symbol, x, DIGITS)
     if math.isnan(x):
         text = "-"
-    elif math.isinf(x) and not QUANTITIES[symbol].may_be_inf:
+    elif math.isinf(x) and not quantity.may_be_inf:
         text = "none"  # a limit such as V_c without mass
-    name = QUANTITIES[symbol].long_name
+    name = quantity.long_name
     return Row(symbol, text, f"{name}; {remark}" if remark else name, error)
 
 
@@ -38,18 +46,10 @@ def when(seconds: float) -> str:
 
 
 def table(title: str, rows: list[Row]) -> list[Any]:
-    """The rows as a table of rich's under a title; a column of errors only if a row has one."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
+    """The rows as a table under a title; a column of errors only if a row has one."""
     errors = any(one.error is not None for one in rows)
-    made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    made.add_column("")
-    made.add_column("value", justify="right", no_wrap=True)
-    if errors:
-        made.add_column("relative error", justify="right")
-    made.add_column("")
+    head = [Column("relative error", justify="right")] if errors else []
+    made = plain_table("", Column("value", justify="right", no_wrap=True), *head, "")
     for one in rows:
         error = [] if not errors else ["" if one.error is None else f"{one.error:.1g}"]
         made.add_row(*map(Text, (one.symbol, one.value, *error, one.meaning)))

@@ -1,14 +1,15 @@
 """Tables about a sweep: its axes, how cases ended, ranges, failed cases."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from rich.table import Column, Table
+from rich.text import Text
 
+from ....engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ....model.quantities import QUANTITIES, readable
-from .rows import DIGITS
-
-if TYPE_CHECKING:
-    import xarray
+from .rows import DIGITS, plain_table
 
 LISTED = 20  # failed cases, at most
 #: function -> variables whose range is printed
@@ -19,50 +20,36 @@ RANGES = {
 }
 
 
-def cases(result: "xarray.Dataset", verb: str) -> list[Any]:
+def cases(result: xarray.Dataset, verb: str) -> list[Any]:
     """All about a sweep."""
-    from rich.text import Text
-
-    dims = result["status"].dims
-    axes = ", ".join(_axis(result, dim) for dim in dims)
-    title = f"{result['status'].size:,} cases of {verb} over {axes}"
-    return [
-        Text(title, style="bold"),
-        Text(outcomes(result)),
-        Text(""),
-        _ranges(result, verb),
-        *map(Text, failed_lines(result)),
-    ]
+    status = result["status"]
+    axes = ", ".join(_axis(result, str(dim)) for dim in status.dims)
+    title = f"{status.size:,} cases of {verb} over {axes}"
+    lines = [Text(title, style="bold"), Text(_outcomes(status.values, verb)), Text("")]
+    return [*lines, _ranges(result, verb), *map(Text, failed_lines(result))]
 
 
-def _axis(result: "xarray.Dataset", dim: Any) -> str:
+def _axis(result: xarray.Dataset, dim: str) -> str:
     if dim not in result.coords or dim not in QUANTITIES:
         return f"{dim} ({result.sizes[dim]})"
-    low, high = (readable(str(dim), float(x)) for x in (result[dim].min(), result[dim].max()))
+    low, high = (readable(dim, float(x)) for x in (result[dim].min(), result[dim].max()))
     return f"{dim} ({result.sizes[dim]} from {low} to {high})"
 
 
-def outcomes(result: "xarray.Dataset") -> str:
+def _outcomes(status: np.ndarray, verb: str) -> str:
     """How many cases ended in which way."""
-    from ....engine.model import FINISHED, STATUSES, STEADY_SLIDING
-
-    codes, counts = np.unique(result["status"].values, return_counts=True)
+    codes, counts = np.unique(status, return_counts=True)
     number = dict(zip(codes.tolist(), counts.tolist(), strict=True))
-    verb = result.attrs["title"].removeprefix("ratestate ")
     ways = {"cycles" if verb == "limit_cycle" else "finished": number.pop(FINISHED, 0)}
     ways |= {"steady sliding": number.pop(STEADY_SLIDING, 0)}
     ways |= {f"failed ({STATUSES[code][0].replace('_', ' ')})": n for code, n in number.items()}
     return ", ".join(f"{n:,} {how}" for how, n in ways.items() if n)
 
 
-def _ranges(result: "xarray.Dataset", verb: str) -> Any:
+def _ranges(result: xarray.Dataset, verb: str) -> Table:
     """Smallest and largest values, and where they are."""
-    from rich import box
-    from rich.table import Table
-
-    made = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for name in ("", "smallest", "at", "largest", "at"):
-        made.add_column(name, justify="left" if name in ("", "at") else "right")
+    smallest, largest = (Column(name, justify="right") for name in ("smallest", "largest"))
+    made = plain_table("", smallest, "at", largest, "at")
     for name in RANGES[verb]:
         values = result[name].where(np.isfinite(result[name]))
         if verb == "limit_cycle" and name == "amplitude":
@@ -75,21 +62,21 @@ def _ranges(result: "xarray.Dataset", verb: str) -> Any:
             where = {
                 dim: one[dim].item() if dim in one.coords else int(index[dim]) for dim in index
             }
-            cells += [readable(name, float(one), DIGITS), place(where)]
+            cells += [readable(name, float(one), DIGITS), _place(where)]
         made.add_row(*cells)
     return made
 
 
-def failed_lines(result: "xarray.Dataset") -> list[str]:
+def failed_lines(result: xarray.Dataset) -> list[str]:
     """The first failed cases, a line each, and how many more there are."""
     from ....sweeps.status import failures
 
     first, number = failures(result, most=LISTED)
-    lines = [f"  {place(where)}: {name}: {message}" for where, name, message in first]
+    lines = [f"  {_place(where)}: {name}: {message}" for where, name, message in first]
     return lines + ([f"  and {number - len(first)} more"] if number > len(first) else [])
 
 
-def place(where: dict[Any, Any]) -> str:
+def _place(where: dict[Any, Any]) -> str:
     """Which case: its values along the axes, with units."""
     return ", ".join(
         f"{dim} = {readable(dim, float(x), DIGITS)}" if dim in QUANTITIES else f"{dim} = {x}"

@@ -1,0 +1,84 @@
+"""Output of commands: text and tables on stdout, folders, and messages on the files made."""
+
+import contextlib
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from ..strict_json import strict_json
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+WIDTH = 140  # of tables, where output does not go to a terminal
+
+
+def print_line(text: str) -> None:
+    """Print a line.  If nobody reads stdout any more, as after ``| head``, output is discarded.
+
+    The work goes on, since there may be files to write.
+    """
+    try:
+        typer.echo(text, color=True)  # `_console` has decided about colours
+    except BrokenPipeError:
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, sys.stdout.fileno())
+
+
+def print_json(value: Any) -> None:
+    """Print a value as one JSON document."""
+    print_line(strict_json(value))
+
+
+def print_rich(*what: Any) -> None:
+    """Print tables and styled text of rich's."""
+    from rich.text import Text
+
+    console = _console()
+    with console.capture() as text:
+        for one in what:
+            # (text that goes to a file is not wrapped)
+            console.print(one, soft_wrap=isinstance(one, Text) and not console.is_terminal)
+    print_line(text.get().rstrip("\n"))
+
+
+def _console(stderr: bool = False) -> "Console":
+    """A console of rich's, without colours under NO_COLOR or where there is no terminal."""
+    from rich.console import Console
+
+    console = Console(
+        stderr=stderr,
+        highlight=False,
+        emoji=False,
+        color_system=None if os.environ.get("NO_COLOR") else "auto",
+    )
+    if not console.is_terminal:
+        console.width = WIDTH
+    return console
+
+
+def make_writable(out: Path) -> None:
+    """Make the folder, and check that files can be written there, before minutes of work."""
+    from ...files import writing
+
+    with writing(out):
+        out.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=out).close()
+
+
+@contextlib.contextmanager
+def reporting_files(what: str) -> Iterator[list[Path]]:
+    """Report on stderr what is being made, then how long it took and the files in the list."""
+    stderr = _console(stderr=True)
+    stderr.print(f"[bold]{what}[/bold] ...")
+    begin, files = time.monotonic(), list[Path]()
+    yield files
+    stderr.print(f"  {time.monotonic() - begin:.1f} s", style="dim")
+    for path in files:
+        typer.echo(f"  {path}", err=True)

@@ -1,0 +1,97 @@
+"""``ratestate figures`` and ``atlas``: the paper's figures and claims, and the map of regimes."""
+
+from pathlib import Path
+from typing import Annotated, get_args
+
+import typer
+
+from .options import Folder, Law
+from .output import make_writable, print_json, print_rich, reporting_files
+
+#: What ``figures`` can draw: the paper's six, and others -> what they show.
+OTHERS = {
+    "scheme": "the scheme's error",
+    "branches": "branches of limit cycles",
+    "basins": "basins of steady sliding",
+}
+FIGURES = ["1", "2", "3", "4", "5", "6", *OTHERS]
+OUT = Path("figures")
+
+
+def figures(
+    which: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="1..6|scheme|branches|basins|all",
+            help="Figures of the paper; scheme: the error of its method against the time step; "
+            "branches: stable and unstable limit cycles; basins: what stable sliding survives; "
+            "all (the default): all of these and the claims table.",
+        ),
+    ] = None,
+    law: Annotated[Law, typer.Option(help="Evolution law.")] = "slip",
+    out: Folder = OUT,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document: the files and the claims.")
+    ] = False,
+) -> None:
+    """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
+
+    Each figure is written as .png, .pdf and .nc (its numbers), the claims as .md and .json.
+
+    Example: ratestate figures 2 4 --law aging --out figures
+    """
+    names = which or ["all"]
+    if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
+        raise typer.BadParameter(
+            f"{unknown[0]!r} is no figure; choose among {', '.join(FIGURES)} and all"
+        )
+    make_writable(out)
+    from ...paper import claims, claims_table
+    from ...paper.figures import make
+
+    files, rows = list[Path](), None
+    for name in FIGURES:
+        if "all" in names or name in names:
+            with reporting_files(f"{OTHERS.get(name, f'Fig. {name}')}, {law} law") as made:
+                made += make(name if name in OTHERS else int(name), law, out)
+            files += made
+    if "all" in names:
+        with reporting_files(f"claims, {law} law") as made:
+            rows = claims.claims(law)
+            made += claims_table.write(rows, law, out)
+        files += made
+    if json:
+        checked = {} if rows is None else claims_table.record(rows, law)
+        print_json({"files": [str(path) for path in files], **checked})
+    elif rows is not None:
+        print_rich(claims_table.terminal(rows, law))
+
+
+def atlas(
+    b_over_a: Annotated[float, typer.Option(help="b/a, above 1.")] = 2.0,
+    law: Annotated[
+        Law | None, typer.Option(help="Evolution law.", show_default="both, one after the other")
+    ] = None,
+    n: Annotated[int, typer.Option(help="Points along either axis.", min=2)] = 200,
+    out: Folder = OUT,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document: the files.")
+    ] = False,
+) -> None:
+    """Map the regimes of any spring-slider over its stiffness and speed.
+
+    Writes, for each law, atlas_LAW.png and .pdf (the map) and .nc (its numbers).  A machine, rig or
+    fault with this b/a is a point on the map, at K/K_c_qs and eta.
+
+    Example: ratestate atlas --b-over-a 1.6 --law aging --out figures
+    """
+    make_writable(out)
+    from ...paper.atlas import make
+
+    files = list[Path]()
+    for each in [law] if law else get_args(Law):
+        with reporting_files(f"atlas, {each} law, b/a = {b_over_a:g}") as made:
+            made += make(each, out, b_over_a=b_over_a, n=n)
+        files += made
+    if json:
+        print_json({"files": [str(path) for path in files]})
