@@ -27,9 +27,8 @@ from ratestate.interfaces.explorer import (
     session,
     wire,
 )
-from ratestate.interfaces.explorer.app import MOST_PAGES
+from ratestate.interfaces.explorer.app import MOST_PAGES, Guard
 from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.guard import Guard
 from ratestate.interfaces.explorer.presets import entries_of, presets
 from ratestate.paper.parameters import FIG2, FIG4
 
@@ -182,13 +181,15 @@ class TestPicture:
 
     def test_a_run_that_has_not_settled_says_so(self):
         near = painted(VIBRATION | {"V_lp": "3.16228 mm/s"})  # V_c is 3.162278 mm/s
-        told = [text for text in near[0]["notes"] if "has not settled" in text]
-        assert told == ["The run shown is 40 cycles long, and has not settled by then."]
+        told = [text for text in near[0]["notes"] if "has not decayed" in text]
+        assert told == [
+            "The run shown is 40 cycles long, and its transient has not decayed by then."
+        ]
         period = near[0]["numbers"]["period"]
         assert near[1]["run_time"][-1] == pytest.approx(40.0 * period, rel=1e-5)
         assert painted(STICK_SLIP)[0]["notes"] == []
         damped, arrays = painted(VIBRATION | {"V_lp": "3.16 mm/s"})
-        assert "swings long, and has not settled" in damped["notes"][0]
+        assert "oscillations long, and its transient has not decayed" in damped["notes"][0]
         late = arrays["run_V"][arrays["run_time"] > 0.95 * arrays["run_time"][-1]]
         assert np.ptp(late) > 1e-3 * 3.16e-3
 
@@ -200,7 +201,7 @@ class TestPicture:
 
         monkeypatch.setattr(picture, "_attractor", fails_before)
         header, _ = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
-        assert "No cycle is known at the speed before the step" in header["notes"][0]
+        assert "No limit cycle was found at the speed before the step" in header["notes"][0]
 
     def test_work_is_cut_and_that_is_said(self):
         header, arrays = painted(STICK_SLIP, seconds=0.0)

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from .analyses import branch, cycle, run, stability
-from .exits import EXIT_CODES, Debug, command
+from .command import Debug, commands
+from .exits import EXIT_CODES
 from .explore import explore
 from .fit import fit
 from .init import init
@@ -24,8 +25,8 @@ main = typer.Typer(
     pretty_exceptions_enable=False,  # a traceback that can be copied into a report
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for function in COMMANDS:
-    main.command()(command(function))
+for function in commands(*COMMANDS):
+    main.command()(function)
 
 
 def _version(wanted: bool) -> None:

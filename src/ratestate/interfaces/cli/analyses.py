@@ -2,24 +2,20 @@
 
 import dataclasses
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
-from .options import SCENARIO, File, Json, Out, Plot, option
+Written = Path | None  # a file to write
 
 
 def run(
-    file: Annotated[Path | None, SCENARIO] = None,
-    source: Annotated[
-        Path | None,
-        option(
-            "RESULT.nc|.zarr", "Compute this result again, bit-for-bit the same.", True, "--from"
-        ),
-    ] = None,
-    out: Out = None,
-    plot: Plot = None,
-    json: Json = False,
+    file: Path | None = None,
+    *,
+    source: Path | None = None,
+    out: Written = None,
+    plot: Written = None,
+    json: bool = False,
 ) -> None:
     """Run a scenario file: its loading, or its sweep in memory.
 
@@ -41,7 +37,7 @@ def run(
     do(scenario, out, plot, json)
 
 
-def stability(file: File, out: Out = None, plot: Plot = None, json: Json = False) -> None:
+def stability(file: Path, *, out: Written = None, plot: Written = None, json: bool = False) -> None:
     """Find whether steady sliding is stable at the load point's last speed.
 
     Example: ratestate stability lab.toml
@@ -49,7 +45,7 @@ def stability(file: File, out: Out = None, plot: Plot = None, json: Json = False
     _do(file, "stability", out, plot, json)
 
 
-def cycle(file: File, out: Out = None, plot: Plot = None, json: Json = False) -> None:
+def cycle(file: Path, *, out: Written = None, plot: Written = None, json: bool = False) -> None:
     """Find the limit cycle that the slider reaches at the load point's last speed.
 
     Example: ratestate cycle brake.toml --plot cycle.png
@@ -58,22 +54,14 @@ def cycle(file: File, out: Out = None, plot: Plot = None, json: Json = False) ->
 
 
 def branch(
-    file: File,
-    parameter: Annotated[
-        str | None,
-        option(
-            "SYMBOL", "What changes: V_lp, K, M, sigma, a, b or Dc.", "V_lp, or as [sweep] says"
-        ),
-    ] = None,
-    start: Annotated[
-        str | None, option("VALUE", "Its first value, with a unit.", "as [sweep] says")
-    ] = None,
-    stop: Annotated[
-        str | None, option("VALUE", "Its last value, with a unit.", "as [sweep] says")
-    ] = None,
-    out: Out = None,
-    plot: Plot = None,
-    json: Json = False,
+    file: Path,
+    *,
+    parameter: str | None = None,
+    start: str | None = None,
+    stop: str | None = None,
+    out: Written = None,
+    plot: Written = None,
+    json: bool = False,
 ) -> None:
     """Follow limit cycles, stable and unstable, while a parameter changes.
 
@@ -88,9 +76,7 @@ def branch(
         _do(file, "limit_cycle", out, plot, json, **changes)
 
 
-def _do(
-    file: Path, verb: str, out: Path | None, plot: Path | None, json: bool, **changes: Any
-) -> None:
+def _do(file: Path, verb: str, out: Written, plot: Written, json: bool, **changes: Any) -> None:
     """Call a function with a file's scenario, whose own verb and [output] are ignored.
 
     changes : settings that turn a limit cycle into a branch

@@ -2,14 +2,11 @@
 
 import atexit
 import contextlib
-import functools
-import inspect
 import os
 import signal
 import threading
 import traceback
 from collections.abc import Callable, Iterator
-from typing import Annotated, Any
 
 import typer
 
@@ -20,27 +17,6 @@ EXIT_CODES = (
     "Exit codes: 0 done, 1 a bug in ratestate, 2 error or wrong usage, "
     "3 some cases failed or a fit carries warnings, 130 interrupted."
 )
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
-
-
-def command(function: Callable[..., None]) -> Callable[..., None]:
-    """A function as a command: with --debug, error messages, and the exit codes in its help."""
-
-    @functools.wraps(function)
-    def wrapped(*, context: typer.Context, debug: bool, **arguments: Any) -> None:
-        with exit_on_error(debug or bool(context.obj)):
-            function(**arguments)
-
-    kind = inspect.Parameter.KEYWORD_ONLY
-    own = inspect.signature(function).parameters.values()
-    parameters = [
-        *(parameter.replace(kind=kind) for parameter in own),
-        inspect.Parameter("debug", kind, default=False, annotation=Debug),
-        inspect.Parameter("context", kind, annotation=typer.Context),
-    ]
-    wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    wrapped.__doc__ = f"{inspect.getdoc(function)}\n\n{EXIT_CODES}"
-    return wrapped
 
 
 @contextlib.contextmanager

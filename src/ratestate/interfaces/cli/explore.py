@@ -2,31 +2,13 @@
 
 import os
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from .exits import INTERRUPTED
 
 
-def explore(
-    file: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="FILE.toml|-",
-            help="Scenario file whose slider it opens with, at the last speed of its loading.",
-        ),
-    ] = None,
-    port: Annotated[
-        int | None,
-        typer.Option(
-            help="Port of 127.0.0.1.", min=0, max=65535, show_default="8765, or any that is free"
-        ),
-    ] = None,
-    no_browser: Annotated[
-        bool, typer.Option("--no-browser", help="Only serve; open the address yourself.")
-    ] = False,
-) -> None:
+def explore(file: Path | None = None, *, port: int | None = None, no_browser: bool = False) -> None:
     """Serve the explorer: sliders, live pictures and the map of regimes, in the browser.
 
     Nothing leaves this machine.  Ctrl-C ends it.

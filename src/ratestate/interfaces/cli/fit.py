@@ -1,99 +1,42 @@
 """``ratestate fit``: a laboratory record, and the friction parameters in it."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import typer
 
+from .command import Law
 from .exits import SOME_FAILED
-from .options import Json, Law, option
 
 Against = Literal["time", "displacement", "cycles"]
 Trend = Literal["slip", "time", "none"]
 Start = Literal["auto", "steady", "free"]
 Errors = Literal["auto", "covariance", "profile", "posterior"]
-FREE = "Where the search begins, or its value if it is not free."
-V0_MEANS = "Speed at which friction is mu0 if steady."
 
 
 def fit(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="Record: text with columns, HDF5 or MAT.")
-    ],
-    law: Annotated[
-        list[str] | None,
-        option("LAWS", "Evolution law: slip, aging, or slip,aging for both, side by side.", "slip"),
-    ] = None,
-    free: Annotated[
-        str, option("SYMBOLS", "What is found, of a, b, Dc, K, M and lag.")
-    ] = "a,b,Dc,K",
-    sigma: Annotated[
-        str | None, option("VALUE", "Normal stress.", "the median of the record's")
-    ] = None,
-    a: Annotated[str | None, option("VALUE", FREE, "0.01")] = None,
-    b: Annotated[str | None, option("VALUE", FREE, "0.01")] = None,
-    Dc: Annotated[str | None, option("VALUE", FREE, "10 um", "--Dc")] = None,
-    K: Annotated[str | None, option("VALUE", FREE, "sigma times 3000/m", "--K")] = None,
-    M: Annotated[str | None, option("VALUE", "Mass per area; as the others.", "0", "--M")] = None,
-    V0: Annotated[str | None, option("VALUE", V0_MEANS, "1 um/s", "--V0")] = None,
-    time: Annotated[
-        str | None,
-        option(
-            "START,END",
-            "Part of the record, such as '11640 s,11720 s'; either may be left out.",
-            "all",
-        ),
-    ] = None,
-    displacement: Annotated[
-        str | None, option("START,END", "The same, such as '8600 um,8900 um'.", "all")
-    ] = None,
-    columns: Annotated[
-        list[str] | None,
-        option(
-            "NAME=COLUMN",
-            "Title or number (from 1 on) of the column of time, delta_lp, V_load, friction, "
-            "tau or sigma; repeat it for more.",
-            "by their titles",
-        ),
-    ] = None,
-    units: Annotated[
-        list[str] | None,
-        option(
-            "NAME=UNIT",
-            "Unit of such a column, such as delta_lp=um; repeat it for more.",
-            "by their titles",
-        ),
-    ] = None,
-    against: Annotated[
-        Against, typer.Option(help="Where friction is compared; cycles: of stick-slip, vibration.")
-    ] = "time",
-    trend: Annotated[Trend, typer.Option(help="Along what friction drifts as well.")] = "slip",
-    start: Annotated[
-        Start, typer.Option(help="Whether the record begins in steady sliding.")
-    ] = "auto",
-    noise: Annotated[
-        str | None,
-        option(
-            "VALUE",
-            "Standard deviation of the noise in friction; or, with correlated noise, such as "
-            "'white=3e-4,red=2e-4,time=0.5 s'.",
-            "found from the residuals",
-        ),
-    ] = None,
-    errors: Annotated[
-        Errors,
-        typer.Option(
-            help="Where intervals come from; auto: from profiles of the likelihood where it is "
-            "not Gaussian; posterior: from samples."
-        ),
-    ] = "auto",
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help="Folder for report.md, fit.png and fit.nc (all numbers); made if missing."
-        ),
-    ] = None,
-    json: Json = False,
+    file: Path,
+    *,
+    law: list[str] | None = None,
+    free: str = "a,b,Dc,K",
+    sigma: str | None = None,
+    a: str | None = None,
+    b: str | None = None,
+    Dc: str | None = None,
+    K: str | None = None,
+    M: str | None = None,
+    V0: str | None = None,
+    time: str | None = None,
+    displacement: str | None = None,
+    columns: list[str] | None = None,
+    units: list[str] | None = None,
+    against: Against = "time",
+    trend: Trend = "slip",
+    start: Start = "auto",
+    noise: str | None = None,
+    errors: Errors = "auto",
+    out: Path | None = None,
+    json: bool = False,
 ) -> None:
     """Fit friction parameters to a laboratory record of velocity steps, holds or stick-slip.
 

@@ -2,23 +2,17 @@
 
 import os
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 import typer
 
 from ...errors import ParameterError
-from .options import option
 from .output import print_line
 
 Kind = Literal["lab", "brake", "fault"]
 
 
-def init(
-    kind: Annotated[Kind, typer.Argument(help="What the file describes.")] = "lab",
-    out: Annotated[
-        Path | None, option("FILE.toml|-", "File to write; - prints it.", "KIND.toml")
-    ] = None,
-) -> None:
+def init(kind: Kind = "lab", *, out: Path | None = None) -> None:
     """Write a commented scenario file to start from.
 
     Example: ratestate init brake

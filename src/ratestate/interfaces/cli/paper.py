@@ -1,11 +1,11 @@
 """``ratestate figures`` and ``atlas``: the paper's figures and claims, and the map of regimes."""
 
 from pathlib import Path
-from typing import Annotated, get_args
+from typing import get_args
 
 import typer
 
-from .options import Folder, Law
+from .command import Law
 from .output import make_writable, print_json, print_rich, reporting_files
 
 #: What ``figures`` can draw: the paper's six, and others -> what they show.
@@ -19,20 +19,7 @@ OUT = Path("figures")
 
 
 def figures(
-    which: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="1..6|scheme|branches|basins|all",
-            help="Figures of the paper; scheme: the error of its method against the time step; "
-            "branches: stable and unstable limit cycles; basins: what stable sliding survives; "
-            "all (the default): all of these and the claims table.",
-        ),
-    ] = None,
-    law: Annotated[Law, typer.Option(help="Evolution law.")] = "slip",
-    out: Folder = OUT,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document: the files and the claims.")
-    ] = False,
+    which: list[str] | None = None, *, law: Law = "slip", out: Path = OUT, json: bool = False
 ) -> None:
     """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
 
@@ -68,15 +55,12 @@ def figures(
 
 
 def atlas(
-    b_over_a: Annotated[float, typer.Option(help="b/a, above 1.")] = 2.0,
-    law: Annotated[
-        Law | None, typer.Option(help="Evolution law.", show_default="both, one after the other")
-    ] = None,
-    n: Annotated[int, typer.Option(help="Points along either axis.", min=2)] = 200,
-    out: Folder = OUT,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document: the files.")
-    ] = False,
+    *,
+    b_over_a: float = 2.0,
+    law: Law | None = None,
+    n: int = 200,
+    out: Path = OUT,
+    json: bool = False,
 ) -> None:
     """Map the regimes of any spring-slider over its stiffness and speed.
 

@@ -2,12 +2,11 @@
 
 import contextlib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import typer
 
 from .exits import SOME_FAILED, on_interrupt
-from .options import Json, Out, Plot, option
 from .output import print_line
 from .store_report import interrupted_message, print_outcome, print_status
 
@@ -15,60 +14,21 @@ Device = Literal["cpu", "cuda"]
 
 
 def sweep(
-    store: Annotated[
-        Path, typer.Option(help="Zarr store: made if missing, else resumed where it was left.")
-    ],
-    file: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="FILE.toml",
-            help="Scenario file: the slider, and what is swept.  --status can do without.",
-        ),
-    ] = None,
-    chunk: Annotated[
-        int | None,
-        typer.Option(help="Cases in a chunk.", show_default="measured on a sample", min=1),
-    ] = None,
-    status: Annotated[
-        bool, typer.Option("--status", help="Only print the status of the store.")
-    ] = False,
-    verify: Annotated[
-        bool,
-        typer.Option(
-            "--verify", help="With --status: read all files, and exit with 2 if any is damaged."
-        ),
-    ] = False,
-    mixed: Annotated[
-        bool,
-        typer.Option(
-            "--mixed",
-            help="Go on with what other versions or another kind of processor began, and take "
-            "workers of several kinds; last digits may differ.",
-        ),
-    ] = False,
-    scheduler: Annotated[
-        str | None,
-        option("ADDRESS", "Run on the Dask cluster of this scheduler, such as tcp://node1:8786."),
-    ] = None,
-    slurm: Annotated[
-        str | None,
-        option(
-            "OPTIONS",
-            "Run in SLURM jobs, such as jobs=10,cores=16,memory=32GB; also walltime=02:00:00, "
-            "queue=NAME, account=NAME, processes=N, interface=ib0; and for those that are lost, "
-            "replacements=N, wait=24:00:00.",
-        ),
-    ] = None,
-    job_script: Annotated[
-        bool, typer.Option("--job-script", help="Only print the job script that --slurm submits.")
-    ] = False,
-    retry_crashed: Annotated[
-        bool, typer.Option("--retry-crashed", help="Compute crashed cases of the store again.")
-    ] = False,
-    device: Annotated[Device, typer.Option(help="What computes.")] = "cpu",
-    out: Out = None,
-    plot: Plot = None,
-    json: Json = False,
+    file: Path | None = None,
+    *,
+    store: Path,
+    chunk: int | None = None,
+    status: bool = False,
+    verify: bool = False,
+    mixed: bool = False,
+    scheduler: str | None = None,
+    slurm: str | None = None,
+    job_script: bool = False,
+    retry_crashed: bool = False,
+    device: Device = "cpu",
+    out: Path | None = None,
+    plot: Path | None = None,
+    json: bool = False,
 ) -> None:
     """Run the sweep of a scenario file, or resume it.
 

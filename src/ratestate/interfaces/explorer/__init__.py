@@ -4,7 +4,6 @@
 
     server.py          port, address, browser, end
     app.py             page and WebSocket, for this machine's browser only
-    guard.py           refuses requests of other hosts and pages
     session.py         one page's questions into queues, the answers back
     question_queue.py  questions of one kind, the newest first, with a time limit each
     wire.py            questions and answers as bytes

@@ -1,18 +1,35 @@
-"""The page and its WebSocket."""
+"""The page and its WebSocket, for this machine's browser only, at the explorer's own address."""
 
 import asyncio
 import contextlib
 from pathlib import Path
 
 from fastapi import FastAPI, WebSocket
+from starlette.datastructures import MutableHeaders
+from starlette.responses import PlainTextResponse
 from starlette.staticfiles import StaticFiles
 
-from .guard import Guard
 from .session import Session, SharedWork
 
 STATIC = Path(__file__).parent / "static"
 # Pages open at the same time; of one more the connection is refused ("try again later").
 MOST_PAGES, LATER = 8, 1013
+#: names under which the page may be opened
+NAMES = ("127.0.0.1", "localhost")
+# The port that browsers leave out of Host and Origin.
+HTTP = 80
+#: headers of every answer: no content of other hosts, no frames, no caching
+HEADERS = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+        "img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-cache",
+}
 
 
 def app_of(port):
@@ -40,3 +57,43 @@ def app_of(port):
 
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
+
+
+class Guard:
+    """ASGI middleware that refuses other hosts' names and origins.
+
+    The header Host, and for a WebSocket Origin, must be the explorer's own.  This refuses names of
+    other hosts that resolve to this machine, and pages of other hosts that send requests here.
+    """
+
+    def __init__(self, app, port):
+        self.app = app
+        hosts = {f"{name}:{port}" for name in NAMES}
+        self.hosts = {host.encode() for host in (hosts | set(NAMES) if port == HTTP else hosts)}
+        self.origins = {b"http://" + host for host in self.hosts}
+
+    async def __call__(self, scope, receive, send):
+        async def send_with_headers(message):
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(HEADERS)
+            await send(message)
+
+        if scope["type"] == "lifespan" or self._is_own(scope):
+            await self.app(scope, receive, send_with_headers)
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008})
+        else:
+            refusal = PlainTextResponse("not this host's page", 403)
+            await refusal(scope, receive, send_with_headers)
+
+    def _is_own(self, scope):
+        """Whether a request is for this page, and not from another."""
+        hosts, origins = (
+            [value for name, value in scope["headers"] if name == header]
+            for header in (b"host", b"origin")
+        )
+        own_origin = all(origin in self.origins for origin in origins)
+        if scope["type"] == "websocket":
+            own_origin = own_origin and len(origins) == 1
+        return len(hosts) == 1 and hosts[0] in self.hosts and own_origin

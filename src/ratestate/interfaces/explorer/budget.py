@@ -7,8 +7,15 @@ import time
 from ...engine import backend
 
 
+class TimeUp(Exception):
+    """A part of the work took longer than its time limit."""
+
+
 class Deadline(threading.Event):
     """An event that is set some seconds after its last `start`, or at once by `set`.
+
+    It is also a ``progress`` callback, which stops the work after the deadline and has the fraction
+    done: kernels check the event only every few milliseconds, and many are done sooner.
 
     Parameters
     ----------
@@ -20,12 +27,12 @@ class Deadline(threading.Event):
 
     def __init__(self, seconds, whole=float("inf")):
         super().__init__()
-        self.seconds, self.whole = seconds, whole
+        self.seconds, self.whole, self.done = seconds, whole, 0.0
         self._end = self._last = float("inf")
 
     def start(self):
         """Start the time limit of a part."""
-        now = time.monotonic()
+        now, self.done = time.monotonic(), 0.0
         self._last = min(self._last, now + self.whole)
         self._end = min(self._last, now + self.seconds)
 
@@ -37,28 +44,22 @@ class Deadline(threading.Event):
         """Whether `set` ended it, and not time."""
         return super().is_set()
 
-
-@contextlib.contextmanager
-def bounded(deadline):
-    """Run kernels on one core each, and end them with `backend.Stopped` after the deadline.
-
-    Gives a `Watch` to pass as ``progress``, for runs that keep each step.
-    """
-    watch = Watch(deadline)
-    with backend.use(threads=1, stop=deadline):
-        yield watch
-
-
-class Watch:
-    """A ``progress`` callback that stops the work after the deadline, and has the fraction done.
-
-    Kernels check the deadline only every few milliseconds, and many are done sooner.
-    """
-
-    def __init__(self, deadline):
-        self.deadline, self.done = deadline, 0.0
-
     def __call__(self, fraction):
         self.done = fraction
-        if self.deadline.is_set():
+        if self.is_set():
             raise backend.Stopped
+
+    @contextlib.contextmanager
+    def part(self):
+        """Start a part of the work, whose kernels run on one core each.
+
+        It is ended with `TimeUp` by time, and with `backend.Stopped` by `set`.
+        """
+        self.start()
+        try:
+            with backend.use(threads=1, stop=self):
+                yield
+        except backend.Stopped:
+            if self.cancelled:
+                raise
+            raise TimeUp from None

@@ -1,24 +1,19 @@
 """The atlas behind the map: coarse, and cached for each law and b/a."""
 
-import collections
-import threading
+import functools
 
 import numpy as np
 
 from ...dynamics.atlas import ETA, STIFFNESS, atlas
-from ...engine.backend import Stopped
 from ...errors import ParameterError
 from ...friction.stability import K_c
-from .budget import bounded
+from .budget import TimeUp
 
 #: points along either axis: first a coarse chart, then a finer one
 SIZES = (24, 72)
 RTOL = 1e-4
 #: seconds that a chart may take, and how many are cached
 SECONDS, MOST_CHARTS = 8.0, 40
-
-_charts: collections.OrderedDict = collections.OrderedDict()
-_lock = threading.Lock()
 
 
 def frame():
@@ -45,30 +40,22 @@ def chart(slider, size, deadline):
     ParameterError
         b <= a, where there is no chart; or it takes too long, where cycles are long.
     """
-    if (of := key_of(slider)) is None:
+    if (key := key_of(slider)) is None:
         raise ParameterError("b <= a: friction never weakens, and there are no regimes to map")
-    key = (*of, size)
-    with _lock:
-        if key in _charts:
-            _charts.move_to_end(key)
-            return _charts[key]
-    deadline.start()
     try:
-        with bounded(deadline):
-            data = atlas(key[1], key[0], n=size, rtol=RTOL)
-    except Stopped:
-        if deadline.cancelled:
-            raise
+        with deadline.part():
+            return {"key": key, "size": size}, _arrays(*key, size)
+    except TimeUp:
         raise ParameterError(
             f"{size} x {size} points of the map take more than {deadline.seconds:g} s at "
             f"b/a = {key[1]:.4g}; atlas in Python has no such limit"
         ) from None
-    header = {"key": of, "size": size}
+
+
+@functools.lru_cache(MOST_CHARTS)
+def _arrays(law, b_over_a, size):
+    """What the map shows of the atlas of this size."""
+    data = atlas(b_over_a, law, n=size, rtol=RTOL)
     names = ("K_over_K_c_qs", "eta", "regime", "K_c_over_K_c_qs")
     arrays = {name: data[name].values.ravel() for name in names}
-    arrays["jumps"] = data.type.values == "subcritical"
-    with _lock:
-        _charts[key] = header, arrays
-        while len(_charts) > MOST_CHARTS:
-            _charts.popitem(last=False)
-    return header, arrays
+    return arrays | {"jumps": data.type.values == "subcritical"}

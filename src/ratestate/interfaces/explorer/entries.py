@@ -29,8 +29,8 @@ class PageState(NamedTuple):
     @property
     def values(self):
         """dict of the values of all fields, in SI."""
-        numbers = {symbol: getattr(self.slider, symbol) for symbol in SYMBOLS if symbol != "V_lp"}
-        return numbers | {"V_lp": self.V_lp, "V_from": self.V_from, "law": self.slider.law}
+        values = self.slider.values | {"V_lp": self.V_lp, "V_from": self.V_from}
+        return values | {"law": self.slider.law}
 
 
 class BadEntries(Exception):
@@ -56,13 +56,9 @@ def state_of(entries: Any) -> PageState:
         raise BadEntries({"": "entries must be an object of texts, such as {'a': '0.003'}"})
     values: dict[str, float] = {}
     problems: dict[str, str] = {}
-    wanted = {symbol: symbol for symbol in SYMBOLS}
-    if entries.get("V_from") is not None:
-        wanted["V_from"] = "V_lp"
-    for field, symbol in wanted.items():
+    for field in SYMBOLS if entries.get("V_from") is None else (*SYMBOLS, "V_from"):
         try:
-            text = _text(field, entries.get(field))
-            values[field] = _sized(field, text, to_si(symbol, _in_unit(symbol, text), label=field))
+            values[field] = _value(field, entries.get(field))
         except ParameterError as error:
             problems[field] = str(error)
     law = str(entries.get("law"))
@@ -103,30 +99,20 @@ def prefixes():
     return {unit: [[p, PREFIXES[p]] for p in powers] for unit, powers in POWERS.items()}
 
 
-def _text(field, value):
-    """The checked string in a field."""
-    if not isinstance(value, str):
-        raise ParameterError(f"{field} has no text; {_such(field)}")
-    if len(value) > LONGEST:
-        raise ParameterError(f"{field} is longer than {LONGEST} characters; {_such(field)}")
-    if not value.strip():
-        raise ParameterError(f"{field} is empty; {_such(field)}")
-    return value.strip()
-
-
-def _in_unit(symbol, text):
-    """The string; with the SI unit added if it is a number without a unit."""
-    unit = QUANTITIES[symbol].unit
-    return f"{text} {unit}" if unit != "1" and _BARE.fullmatch(text) else text
-
-
-def _sized(field, text, value):
-    """The value, if its magnitude is possible; else ParameterError."""
-    if value == 0.0 or np.isinf(value) or SMALLEST <= abs(value) <= LARGEST:
-        return value
-    raise ParameterError(f"{field} = {text!r} is beyond any size; {_such(field)}")
-
-
-def _such(field):
-    """The end of a message: what a field should contain."""
-    return expected("V_lp" if field == "V_from" else field)
+def _value(field, text):
+    """The value [SI] that is typed into a field; a number without a unit is in SI."""
+    symbol = "V_lp" if field == "V_from" else field
+    if not isinstance(text, str):
+        problem = "has no text"
+    elif len(text) > LONGEST:
+        problem = f"is longer than {LONGEST} characters"
+    elif not (text := text.strip()):
+        problem = "is empty"
+    else:
+        unit = QUANTITIES[symbol].unit
+        bare = unit != "1" and _BARE.fullmatch(text)
+        value = to_si(symbol, f"{text} {unit}" if bare else text, label=field)
+        if value == 0.0 or np.isinf(value) or SMALLEST <= abs(value) <= LARGEST:
+            return value
+        problem = f"= {text!r} is beyond any size"
+    raise ParameterError(f"{field} {problem}; {expected(symbol)}")

@@ -70,8 +70,8 @@ def transient_note(verdict, orbit):
     if decay <= most:
         return ""
     cycles = most * (1.0 / verdict.period if verdict.period else verdict.omega / (2.0 * np.pi))
-    what = "cycles" if verdict.period else "swings"
-    return f"The run shown is {cycles:.3g} {what} long, and has not settled by then."
+    what = "cycles" if verdict.period else "oscillations"
+    return f"The run shown is {cycles:.3g} {what} long, and its transient has not decayed by then."
 
 
 def _durations(verdict, orbit):

@@ -8,11 +8,10 @@ import xarray
 from ...dynamics.cycles.orbit import cycle_and_orbit
 from ...dynamics.simulation.cases import failure
 from ...dynamics.verdict import Verdict, verdict_of_cycle
-from ...engine.backend import Stopped
 from ...engine.model import FINISHED
 from ...errors import SolverError
 from ...friction.laws import mu_ss
-from .budget import bounded
+from .budget import TimeUp
 from .charts import key_of
 from .motion import Plan, plan_of, transient_note
 
@@ -34,19 +33,19 @@ class Study(NamedTuple):
     notes: list[str]
 
 
-def study_of(state, watch):
+def study_of(state, deadline):
     """The `Study` of a `PageState`; backend.Stopped if it was cancelled."""
-    cycle, orbit = _attractor(state.slider, state.V_lp, watch)
-    watch.deadline.start()
-    verdict = verdict_of_cycle(state.slider, state.V_lp, cycle)
+    cycle, orbit = _attractor(state.slider, state.V_lp, deadline)
+    with deadline.part():
+        verdict = verdict_of_cycle(state.slider, state.V_lp, cycle)
     notes = [note] if (note := transient_note(verdict, orbit)) else []
     before = None
     if state.V_from is not None:
-        earlier, cycle_before = _attractor(state.slider, state.V_from, watch)
+        earlier, cycle_before = _attractor(state.slider, state.V_from, deadline)
         before = state.V_from, cycle_before
         if isinstance(earlier, SolverError):
             notes.append(
-                "No cycle is known at the speed before the step: the run begins in steady "
+                "No limit cycle was found at the speed before the step: the run begins in steady "
                 "sliding there, stable or not."
             )
     return Study(verdict, orbit, plan_of(verdict, orbit, before), notes)
@@ -54,20 +53,17 @@ def study_of(state, watch):
 
 def picture(state, deadline):
     """Header and arrays of the answer to "picture" (wire.py)."""
-    with bounded(deadline) as watch:
-        study = study_of(state, watch)
-        run, notes = _run(study.plan, watch)
-    verdict, slider = study.verdict, state.slider
-    level = mu_ss(state.V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0)
+    study, slider = study_of(state, deadline), state.slider
+    run, notes = _run(study.plan, deadline)
+    verdict = study.verdict
     arrays = _curves("run", run, slider.sigma, study.plan.t_step)
     if verdict.period:
         arrays |= _curves("cycle", study.orbit, slider.sigma, 0.0)
-    numbers = {name: getattr(verdict, name) for name in NUMBERS}
     header = {
         "values": state.values,
-        "numbers": numbers | {"f_n": verdict.f_n, "fade": verdict.fade},
+        "numbers": {name: getattr(verdict, name) for name in NUMBERS},
         "sentences": verdict.sentences,
-        "steady": level,
+        "steady": mu_ss(state.V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0),
         "notes": study.notes + notes,
         "chart": key_of(slider),
     }
@@ -76,45 +72,42 @@ def picture(state, deadline):
 
 #: attributes of a `Verdict` that the page shows
 NUMBERS = (
-    "regime stable K_c K_c_qs V_c eta period frequency amplitude V_max V_min multiplier K_fold"
+    "regime stable K_c K_c_qs V_c eta period frequency amplitude V_max V_min multiplier K_fold f_n "
+    "fade"
 ).split()
 
 
-def _attractor(slider, V, watch):
+def _attractor(slider, V, deadline):
     """The limit cycle and its orbit; or the SolverError why there is none, and None."""
-    watch.deadline.start()
     try:
-        return cycle_and_orbit(slider, V, rtol=RTOL, progress=watch)
+        with deadline.part():
+            return cycle_and_orbit(slider, V, rtol=RTOL, progress=deadline)
     except SolverError as error:
         return error, None
-    except Stopped:
-        if watch.deadline.cancelled:
-            raise
+    except TimeUp:
         return SolverError(
-            f"the search was ended after {watch.deadline.seconds:g} s; limit_cycle in Python has "
-            f"no such limit"
+            f"the search was ended after {deadline.seconds:g} s; limit_cycle in Python has no such "
+            f"limit"
         ), None
 
 
-def _run(plan, watch):
+def _run(plan, deadline):
     """The run as a Dataset, shortened if it takes too long, or None; and notes on that."""
-    notes, t_end, requested = [], None, plan.settings["t_end"]
-    limit = f"{watch.deadline.seconds:g} s of computing; the Python lines have no such limit."
+    notes: list[str] = []
+    t_end, requested = None, plan.settings["t_end"]
+    limit = f"{deadline.seconds:g} s of computing; the Python lines have no such limit."
     for _ in range(ATTEMPTS):
         call = plan.call(t_end)
-        watch.deadline.start()
-        watch.done = 0.0
         try:
-            motion = call.move(watch)
-        except Stopped:
-            if watch.deadline.cancelled:
-                raise
-            t_end = AGAIN * watch.done * call.t_end
+            with deadline.part():
+                motion = call.move(deadline)
+                run = call.dataset(call.variables(motion))
+            return run, notes + _failure_note(plan.slider, motion)
+        except TimeUp:
+            t_end = AGAIN * deadline.done * call.t_end
             if not t_end > 0.0:
                 break
             notes = [f"The run is cut at {t_end:.3g} s of {requested:.3g} s, after {limit}"]
-        else:
-            return call.dataset(call.variables(motion)), notes + _failure_note(plan.slider, motion)
     return None, [f"No run is shown: of {requested:.3g} s too little was done in {limit}"]
 
 
@@ -146,9 +139,9 @@ def _decimated(*curves):
     if n <= MOST_SENT:
         return slice(None)
     pieces = np.array_split(np.arange(n), MOST_SENT // (2 * len(curves) + 1))
-    kept = {0, n - 1}
+    kept = [0, n - 1]
     for piece in pieces:
         for curve in curves:
             part = curve[piece]
-            kept |= {int(piece[0]), int(piece[part.argmin()]), int(piece[part.argmax()])}
-    return np.array(sorted(kept))
+            kept += [piece[0], piece[part.argmin()], piece[part.argmax()]]
+    return np.unique(kept)

@@ -1,13 +1,13 @@
 """A queue of questions of one kind, answered one at a time in threads."""
 
 import asyncio
-import collections
+import contextlib
 import logging
 
 from ...engine.backend import Stopped
 from ...errors import RateStateError
 from . import wire
-from .budget import Deadline
+from .budget import Deadline, TimeUp
 from .entries import BadEntries, values_of
 
 log = logging.getLogger("ratestate.interfaces.explorer")
@@ -23,7 +23,7 @@ class QuestionQueue:
         A question is answered by each in turn.
     seconds, whole : float
         Time limit of a part of a job, and of the whole job.
-    room : int
+    capacity : int
         Questions that may wait; if there are more, the oldest is dropped.
     patience : float or None
         Seconds for which a job continues after a newer question has come; None: no limit.
@@ -32,16 +32,14 @@ class QuestionQueue:
     def __init__(self, pool, jobs, *, seconds, whole=float("inf"), capacity=1, patience=None):
         self.pool, self.jobs, self.patience = pool, jobs, patience
         self.seconds, self.whole = seconds, whole
-        self.waiting: collections.deque[wire.Question] = collections.deque(maxlen=capacity)
-        self.not_empty = asyncio.Event()
-        self.deadline: Deadline | None = None
+        self.waiting: asyncio.Queue[wire.Question] = asyncio.Queue(capacity)
+        self.deadline = Deadline(seconds)
 
     def take(self, question):
         """Add a question; return the one that it displaces, or None."""
-        dropped = self.waiting[0] if len(self.waiting) == self.waiting.maxlen else None
-        self.waiting.append(question)
-        self.not_empty.set()
-        if self.deadline and self.patience is not None:
+        dropped = self.waiting.get_nowait() if self.waiting.full() else None
+        self.waiting.put_nowait(question)
+        if self.patience is not None:
             asyncio.get_running_loop().call_later(self.patience, self.deadline.set)
         return dropped
 
@@ -53,28 +51,20 @@ class QuestionQueue:
         """
         await ready.wait()
         while True:
-            await self.not_empty.wait()
-            if not self.waiting:
-                self.not_empty.clear()
-                continue
-            question = self.waiting.popleft()
-            for job in self.jobs:
-                if (reply := await self._answer(job, question)) is None:
-                    break
-                await send(reply)
+            question = await self.waiting.get()
+            with contextlib.suppress(Stopped):  # for a newer question
+                for job in self.jobs:
+                    await send(await self._answer(job, question))
 
     async def _answer(self, job, question):
-        """The answer of a job, in bytes; None if it was stopped for a newer question."""
+        """The answer of a job, in bytes; backend.Stopped if it was stopped."""
         deadline = self.deadline = Deadline(self.seconds, self.whole)
         deadline.start()
-        loop = asyncio.get_running_loop()
         try:
+            loop = asyncio.get_running_loop()
             return await loop.run_in_executor(self.pool, run_job, job, question, deadline)
-        except Stopped:
-            return None
         finally:
             deadline.set()
-            self.deadline = None
 
 
 def run_job(job, question, deadline):
@@ -85,14 +75,14 @@ def run_job(job, question, deadline):
         problems = error.problems
     except RateStateError as error:
         problems = {"": str(error)}
-    except Stopped:
-        if deadline.cancelled:
-            raise
+    except TimeUp:
         seconds = min(deadline.seconds, deadline.whole)
         message = f"{question.ask}: this takes more than {seconds:g} s; Python has no such limit"
         problems = {"": message}
     except Exception:
-        if deadline.cancelled:  # the program may be ending, and its threads with it
+        if (
+            deadline.cancelled
+        ):  # by `Stopped`; or the program may be ending, and its threads with it
             raise Stopped from None
         log.exception("a question could not be answered: %r", question)
         problems = {"": "the explorer failed on this; its terminal says more"}

@@ -12,7 +12,7 @@ from ...errors import RateStateError
 from . import charts, picture, wire
 from .budget import Deadline
 from .entries import fields, prefixes, state_of
-from .exports import export
+from .exports import NAMES, export
 from .presets import presets
 from .question_queue import QuestionQueue, run_job
 
@@ -67,8 +67,7 @@ class Session:
         files = QuestionQueue(
             shared.file_pool, [answer_file], seconds=PART_SECONDS, whole=SECONDS, capacity=CAPACITY
         )
-        self.queues = {"picture": pictures, "chart": maps}
-        self.queues |= dict.fromkeys(("scenario", "python", "csv"), files)
+        self.queues = {"picture": pictures, "chart": maps, **dict.fromkeys(NAMES, files)}
 
     async def serve(self):
         """Answer until the page is gone."""
@@ -76,16 +75,7 @@ class Session:
         ready = self.shared.ready
         tasks = [asyncio.create_task(x.work(ready, self.send)) for x in {*self.queues.values()}]
         try:
-            span, line = charts.frame()
-            starts = presets()
-            usual = state_of(starts[0]["entries"]).values
-            hello = {
-                "fields": fields(usual),
-                "prefixes": prefixes(),
-                "presets": starts,
-                "span": span,
-            }
-            await self.send(wire.answer(None, "hello", line, ready=ready.is_set(), **hello))
+            await self.send(_greeting(ready.is_set()))
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")
         except WebSocketDisconnect:
@@ -122,8 +112,15 @@ class Session:
     def stop(self):
         """Stop what is being computed for this page."""
         for queue in self.queues.values():
-            if queue.deadline:
-                queue.deadline.set()
+            queue.deadline.set()
+
+
+def _greeting(ready):
+    """The message to a page that was opened."""
+    (span, line), starts = charts.frame(), presets()
+    usual = fields(state_of(starts[0]["entries"]).values)
+    header = {"fields": usual, "prefixes": prefixes(), "presets": starts, "span": span}
+    return wire.answer(None, "hello", line, ready=ready, **header)
 
 
 def answer_picture(question, deadline):
@@ -144,9 +141,8 @@ def answer_chart(question, deadline, size):
 
 def answer_file(question, deadline):
     """Answer a download."""
-    return wire.answer(
-        question.id, "file", **export(question.ask, state_of(question.entries), deadline)
-    )
+    text = export(question.ask, state_of(question.entries), deadline)
+    return wire.answer(question.id, "file", **text)
 
 
 def _warm_up(deadline):

@@ -19,11 +19,12 @@ A number that JSON cannot represent is the string "inf", "-inf" or "nan" in the 
 """
 
 import json
-import math
 import struct
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from ..strict_json import strict_json
 
 LONGEST = 4096  # bytes of a question
 ASKS = ("picture", "chart", "scenario", "python", "csv")
@@ -69,22 +70,9 @@ def answer(number, kind, arrays=None, **header):
     parts = {name: np.ascontiguousarray(a, "<f8") for name, a in (arrays or {}).items()}
     whole = {"id": number, "kind": kind, **header}
     whole["arrays"] = [[name, a.size] for name, a in parts.items()]
-    text = json.dumps(_json_value(whole), allow_nan=False).encode()
+    text = strict_json(whole, nan="nan").encode()
     text += b" " * (-(4 + len(text)) % 8)
     return b"".join([struct.pack("<I", len(text)), text, *(a.tobytes() for a in parts.values())])
-
-
-def _json_value(value):
-    """A value converted to types that JSON has."""
-    if isinstance(value, dict):
-        return {key: _json_value(x) for key, x in value.items()}
-    if isinstance(value, list | tuple):
-        return [_json_value(x) for x in value]
-    if isinstance(value, complex):
-        return [_json_value(value.real), _json_value(value.imag)]
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    return value
 
 
 def _refuse(constant):

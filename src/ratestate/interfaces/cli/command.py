@@ -1,0 +1,58 @@
+"""From a function to a command, whose arguments and options are described in commands.toml."""
+
+import functools
+import inspect
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from .exits import EXIT_CODES, exit_on_error
+
+Law = Literal["slip", "aging"]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def commands(*functions: Callable[..., None]) -> list[Callable[..., None]]:
+    """Functions as commands: with --debug, error messages, and the exit codes in their help.
+
+    Their positional parameters are arguments, the others options.
+    """
+    tables = tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8"))
+    return [_command(one, tables["shared"] | tables.get(one.__name__, {})) for one in functions]
+
+
+def _command(function: Callable[..., None], table: dict[str, Any]) -> Callable[..., None]:
+    """A function as a command, with the descriptions of its parameters."""
+
+    @functools.wraps(function)
+    def wrapped(*, context: typer.Context, debug: bool, **arguments: Any) -> None:
+        with exit_on_error(debug or bool(context.obj)):
+            function(**arguments)
+
+    kind = inspect.Parameter.KEYWORD_ONLY
+    own = inspect.signature(function).parameters.values()
+    parameters = [
+        *(_described(parameter, **table[parameter.name]) for parameter in own),
+        inspect.Parameter("debug", kind, default=False, annotation=Debug),
+        inspect.Parameter("context", kind, annotation=typer.Context),
+    ]
+    wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    wrapped.__doc__ = f"{inspect.getdoc(function)}\n\n{EXIT_CODES}"
+    return wrapped
+
+
+def _described(
+    parameter: inspect.Parameter, name: str = "", **description: Any
+) -> inspect.Parameter:
+    """A parameter as typer takes it; `name` of an option that is not called as the parameter."""
+    if parameter.kind is inspect.Parameter.KEYWORD_ONLY:
+        option = name or f"--{parameter.name.replace('_', '-')}"
+        described: Any = typer.Option(option, **description)
+    else:
+        described = typer.Argument(**description)
+    annotated: Any = Annotated
+    annotation = annotated[parameter.annotation, described]
+    return parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=annotation)
