@@ -148,7 +148,7 @@ def test_the_verdict_is_printed(command, lab):
     text = call(command, lab).stdout.rstrip("\n")
     about = "Driven steadily at V_lp = 3.2 mm/s, from a tenth of that speed on"
     if command == "run":
-        assert f"\n\n{about}:\n{expected.text}\nThis run is not there, or not yet: its" in text
+        assert f"\n\n{about}:\n{expected.text}\nThis run has not reached this motion: the" in text
         sentences = (*expected.sentences, text.splitlines()[-1])
         expected = dataclasses.replace(expected, sentences=sentences)
     else:
@@ -187,7 +187,7 @@ def test_a_run_that_ends_elsewhere_than_the_verdict_says_so(lab):
     lab.write_text(text.replace("3.2 mm/s", "500 um/s").replace("0.2 s", "100 s"))
     lines = call("run", lab).stdout.splitlines()
     assert any(line.startswith("Stick-slip, a cycle every") for line in lines)
-    assert lines[-1].startswith("This run is not there, or not yet: ")
+    assert lines[-1].startswith("This run has not reached this motion: ")
 
 
 def test_the_last_cycle_is_called_no_limit_cycle(lab):

@@ -29,7 +29,7 @@ from ratestate.interfaces.explorer import (
 )
 from ratestate.interfaces.explorer.app import MOST_PAGES, Guard
 from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.presets import entries_of, presets
+from ratestate.interfaces.explorer.entries import entries_of, presets
 from ratestate.paper.parameters import FIG2, FIG4
 
 STICK_SLIP = presets()[0]["entries"]
@@ -598,9 +598,9 @@ class TestServe:
         assert caplog.text == ""
 
     def test_browsers_leave_port_80_out(self):
-        assert {b"127.0.0.1", b"localhost:80"} <= Guard(None, 80).hosts
-        assert b"http://localhost" in Guard(None, 80).origins
-        assert b"127.0.0.1" not in Guard(None, 8080).hosts
+        assert {"127.0.0.1", "localhost:80"} <= Guard(None, 80).hosts
+        assert "http://localhost" in Guard(None, 80).origins
+        assert "127.0.0.1" not in Guard(None, 8080).hosts
 
     def test_a_port_in_use_is_said(self, port):
         with pytest.raises(rs.ParameterError, match=f"port = {port} is in use; give another"):

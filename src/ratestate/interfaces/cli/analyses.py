@@ -77,15 +77,12 @@ def branch(
 
 
 def _do(file: Path, verb: str, out: Written, plot: Written, json: bool, **changes: Any) -> None:
-    """Call a function with a file's scenario, whose own verb and [output] are ignored.
-
-    changes : settings that turn a limit cycle into a branch
-    """
+    """Call a function with a file's scenario, whose own verb and [output] are ignored."""
     from ..scenario import Output
     from .run_scenario import do, load_scenario
 
     scenario = dataclasses.replace(load_scenario(file, verb), output=Output())
-    if changes:
+    if changes:  # from a limit cycle to a branch
         settings = scenario.settings | changes
         if changes["parameter"] == "V_lp":
             settings.pop("V_lp")

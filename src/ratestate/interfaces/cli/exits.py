@@ -40,10 +40,7 @@ def exit_on_error(debug: bool) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _second_interrupt_exits() -> Iterator[None]:
-    """Let a second Ctrl-C end the process at once, while it still cleans up after the first.
-
-    That is safe at any time, since files are written under temporary names and renamed.
-    """
+    """Let a second Ctrl-C end the process at once; unfinished files have temporary names."""
 
     def first(*_: object) -> None:
         signal.signal(signal.SIGINT, again)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import typer
 
+from ...errors import ParameterError
 from .exits import INTERRUPTED
 
 
@@ -17,24 +18,20 @@ def explore(file: Path | None = None, *, port: int | None = None, no_browser: bo
     """
     from ..explorer import serve
 
-    fragment = _fragment(file) if file else ""
+    fragment = ""
+    if file:
+        from ..explorer import fragment_of
+        from .run_scenario import load_scenario, swept_dims
+
+        scenario = load_scenario(file, "stability")
+        if swept := swept_dims(scenario):
+            raise ParameterError(
+                f"[sweep]: the file has a sweep over {', '.join(swept)}, and the explorer shows "
+                f"one slider; expected a file without [sweep], or run it: ratestate run {file}"
+            )
+        fragment = fragment_of(scenario.slider, scenario.settings["V_lp"])
     try:
         serve(port=port, open_browser=not no_browser, fragment=fragment)
     except KeyboardInterrupt:
         typer.echo("interrupted; the explorer has ended", err=True)
         os._exit(INTERRUPTED)  # at once, without waiting for threads that compute or compile
-
-
-def _fragment(file: Path) -> str:
-    """The fragment of the page's address that describes the slider in a file."""
-    from ...errors import ParameterError
-    from ..explorer import fragment_of
-    from .run_scenario import load_scenario, swept_dims
-
-    scenario = load_scenario(file, "stability")
-    if swept := swept_dims(scenario):
-        raise ParameterError(
-            f"[sweep]: the file has a sweep over {', '.join(swept)}, and the explorer shows one "
-            f"slider; expected a file without [sweep], or run it: ratestate run {file}"
-        )
-    return fragment_of(scenario.slider, scenario.settings["V_lp"])

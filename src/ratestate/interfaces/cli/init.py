@@ -33,6 +33,6 @@ def init(kind: Kind = "lab", *, out: Path | None = None) -> None:
     print_line(
         f"{path} is written: open it, read it, change it.  Then\n"
         f"  ratestate run {path} --plot {path.stem}.png    what happens\n"
-        f"  ratestate stability {path}    whether steady sliding holds\n"
-        f"  ratestate cycle {path}    what it settles into"
+        f"  ratestate stability {path}    whether steady sliding is stable\n"
+        f"  ratestate cycle {path}    the limit cycle that it reaches"
     )

@@ -20,10 +20,7 @@ WIDTH = 140  # of tables, where output does not go to a terminal
 
 
 def print_line(text: str) -> None:
-    """Print a line.  If nobody reads stdout any more, as after ``| head``, output is discarded.
-
-    The work goes on, since there may be files to write.
-    """
+    """Print a line; after its reader has gone, as with ``| head``, the work goes on."""
     try:
         typer.echo(text, color=True)  # `_console` has decided about colours
     except BrokenPipeError:

@@ -24,7 +24,7 @@ from .run_scenario import print_result
 STARTS = {"a": "0.01", "b": "0.01", "Dc": "10 um"}
 #: K over sigma [1/m], likewise
 STIFFNESS = 3e3
-#: file names
+#: file names, which the report has too
 REPORT, PLOT, NUMBERS = "report.md", "fit.png", "fit.nc"
 
 
@@ -32,7 +32,12 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     """Fit, print and write the files; return whether the answer carries warnings."""
     if out:
         make_writable(out)
-        _refuse_foreign(out / REPORT)
+        report = out / REPORT
+        if report.is_file() and not report.read_text("utf-8", errors="replace").startswith(HEADING):
+            raise ParameterError(
+                f"{report} exists and is no report of ratestate fit; it is not replaced: give "
+                f"another folder with --out"
+            )
     with reporting_files(f"fit of {request.file.name}, {law_names(request.laws)}") as files:
         with warnings.catch_warnings():
             # both are printed with the result
@@ -42,7 +47,14 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
             slider = _slider(request, record)
             result = fit(record, slider, **request.fitting)
         if out:
-            files += _write_files(request, record, slider, result, out)
+            from ... import plot
+
+            text = markdown(request, record, slider, result)
+            files += [
+                write(result, out / NUMBERS),
+                plot.save(plot.fit(result), out / PLOT),
+                replace(report, lambda partial: partial.write_text(text, "utf-8")),
+            ]
     print_result(result, None, as_json)
     return bool((result["warnings"] != "").any())
 
@@ -69,30 +81,3 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
                 f"{symbol} is neither free nor given; add --{symbol} VALUE, or name it in --free"
             )
     return slider
-
-
-def _write_files(
-    request: FitRequest,
-    record: xarray.Dataset,
-    slider: SpringSlider,
-    result: xarray.Dataset,
-    out: Path,
-) -> list[Path]:
-    """Write numbers, plot and report, each completely or not at all; list the files."""
-    from ... import plot
-
-    text = markdown(request, record, slider, result, PLOT)
-    return [
-        write(result, out / NUMBERS),
-        plot.save(plot.fit(result), out / PLOT),
-        replace(out / REPORT, lambda partial: partial.write_text(text, "utf-8")),
-    ]
-
-
-def _refuse_foreign(path: Path) -> None:
-    """Raise ParameterError instead of replacing a file that is no report of a fit."""
-    if path.is_file() and not path.read_text("utf-8", errors="replace").startswith(HEADING):
-        raise ParameterError(
-            f"{path} exists and is no report of ratestate fit; it is not replaced: give another "
-            f"folder with --out"
-        )

@@ -6,6 +6,7 @@ import typer
 import xarray
 
 from ...dynamics.progress import on_terminal
+from ...dynamics.verdict import verdict_of_cycle
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked, write
 from ...model.units import is_array
@@ -14,7 +15,7 @@ from ..scenario import Output, Scenario
 from .document import document, failed
 from .exits import SOME_FAILED
 from .output import print_json, print_rich
-from .verdict_text import VerdictText, no_cycle_message, verdict_text
+from .verdict_text import VerdictText, verdict_text
 
 #: the largest result of a sweep in memory: some 2e7 cases of limit_cycle or stability
 MOST_BYTES = 3 * 10**9
@@ -75,7 +76,9 @@ def compute(scenario: Scenario) -> xarray.Dataset:
         except (NotConverged, QuasiStaticInstability) as error:
             if scenario.verb != "limit_cycle":
                 raise
-            raise SolverError(no_cycle_message(scenario, error)) from error
+            verdict = verdict_of_cycle(scenario.slider, scenario.settings["V_lp"], error)
+            message = f"no cycle is found.\n{verdict.text}\n{scenario.slider!r}"
+            raise SolverError(message) from error
     from ...sweeps.calls import call_of
     from ...sweeps.solve import bytes_per_case, form_of
     from ...sweeps.sweep import sweep

@@ -28,13 +28,7 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
 
 
 def print_status(store: Path, file: Path | None, json: bool, verify: bool = False) -> None:
-    """Print the status of a store and, if `file` is given, whether this is the file's sweep.
-
-    Raises
-    ------
-    StoreError
-        `verify` is true, and the store is damaged.
-    """
+    """Print the status of a store, and whether a file has its sweep; StoreError of damage."""
     from ...sweeps.manifest import damage_message
     from ...sweeps.status import store_status
 

@@ -44,7 +44,10 @@ def sweep(
         raise typer.BadParameter("it needs --status", param_hint="--verify")
     with on_interrupt(lambda: interrupted_message(store)):
         if slurm and job_script:
-            _print_job_script(slurm)
+            from ...sweeps.connect import slurm_cluster
+
+            with slurm_cluster(slurm, start=False) as cluster:
+                print_line(cluster.job_script())
         elif status:
             print_status(store, file, json, verify)
         elif file is None:
@@ -75,11 +78,3 @@ def _client(scheduler: str | None, slurm: str | None) -> Any:
     from ...sweeps.connect import client_of, slurm_client
 
     return slurm_client(slurm) if slurm else client_of(scheduler)
-
-
-def _print_job_script(slurm: str) -> None:
-    """Print what --slurm submits, without submitting it."""
-    from ...sweeps.connect import slurm_cluster
-
-    with slurm_cluster(slurm, start=False) as cluster:
-        print_line(cluster.job_script())

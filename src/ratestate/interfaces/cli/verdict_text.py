@@ -7,7 +7,6 @@ import xarray
 
 from ...dynamics.verdict import Verdict, verdict, verdict_of_cycle
 from ...dynamics.wording import RUNAWAY
-from ...errors import SolverError
 from ...model.sentences import Sentences
 from ..scenario import Scenario
 
@@ -53,21 +52,12 @@ def _on_attractor(verdict: Verdict, *more: str) -> VerdictText:
 
 
 def _not_reached(verdict: Verdict, result: xarray.Dataset) -> list[str]:
-    """A note where a run did not end in the verdict's motion: another start, or too little time.
-
-    A run that came to its end did not run away.
-    """
+    """A note where a run did not end in the verdict's motion: another start, or too little time."""
     amplitude, expected = float(result.amplitude), verdict.amplitude
     if expected is None:
-        far = verdict.regime == RUNAWAY
+        far = verdict.regime == RUNAWAY  # a run that came to its end did not run away
     else:
         far = abs(amplitude - expected) > FAR * max(amplitude, expected)
     if not far:
         return []
     return [SENTENCES("run.cycle" if amplitude else "run.no_cycle", amplitude=amplitude)]
-
-
-def no_cycle_message(scenario: Scenario, error: SolverError) -> str:
-    """The message where no cycle is found: the verdict on the slider, and its parameters."""
-    verdict = verdict_of_cycle(scenario.slider, scenario.settings["V_lp"], error)
-    return f"no cycle is found.\n{verdict.text}\n{scenario.slider!r}"

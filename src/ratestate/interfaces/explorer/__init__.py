@@ -8,16 +8,15 @@
     question_queue.py  questions of one kind, the newest first, with a time limit each
     wire.py            questions and answers as bytes
     budget.py          the time limit of a question
-    entries.py         from typed entries to a slider
+    entries.py         from typed entries to a slider, and back; the paper's sliders
     motion.py          which run is shown, and for how long
     picture.py         what is drawn: run, limit cycle, steady point, verdict
     charts.py          the atlas behind the map
     exports.py         scenario file, Python lines, CSV
-    presets.py         the paper's sliders
     static/            the page
 """
 
-from .presets import fragment_of
+from .entries import fragment_of
 from .server import serve
 
 __all__ = ["fragment_of", "serve"]

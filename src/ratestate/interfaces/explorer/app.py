@@ -5,7 +5,7 @@ import contextlib
 from pathlib import Path
 
 from fastapi import FastAPI, WebSocket
-from starlette.datastructures import MutableHeaders
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
 from starlette.staticfiles import StaticFiles
 
@@ -69,8 +69,8 @@ class Guard:
     def __init__(self, app, port):
         self.app = app
         hosts = {f"{name}:{port}" for name in NAMES}
-        self.hosts = {host.encode() for host in (hosts | set(NAMES) if port == HTTP else hosts)}
-        self.origins = {b"http://" + host for host in self.hosts}
+        self.hosts = hosts | set(NAMES) if port == HTTP else hosts
+        self.origins = {f"http://{host}" for host in self.hosts}
 
     async def __call__(self, scope, receive, send):
         async def send_with_headers(message):
@@ -89,10 +89,8 @@ class Guard:
 
     def _is_own(self, scope):
         """Whether a request is for this page, and not from another."""
-        hosts, origins = (
-            [value for name, value in scope["headers"] if name == header]
-            for header in (b"host", b"origin")
-        )
+        headers = Headers(scope=scope)
+        hosts, origins = headers.getlist("host"), headers.getlist("origin")
         own_origin = all(origin in self.origins for origin in origins)
         if scope["type"] == "websocket":
             own_origin = own_origin and len(origins) == 1

@@ -14,15 +14,9 @@ class TimeUp(Exception):
 class Deadline(threading.Event):
     """An event that is set some seconds after its last `start`, or at once by `set`.
 
-    It is also a ``progress`` callback, which stops the work after the deadline and has the fraction
+    Each part of the work may take `seconds`, and all of it `whole`, from the first `start` on.  It
+    is also a ``progress`` callback, which stops the work after the deadline and has the fraction
     done: kernels check the event only every few milliseconds, and many are done sooner.
-
-    Parameters
-    ----------
-    seconds : float
-        For each part of the work.
-    whole : float
-        For all parts, from the first `start` on.
     """
 
     def __init__(self, seconds, whole=float("inf")):

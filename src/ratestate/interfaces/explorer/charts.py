@@ -33,12 +33,7 @@ def key_of(slider):
 def chart(slider, size, deadline):
     """Header and arrays of the answer to "chart" (wire.py).
 
-    Raises
-    ------
-    backend.Stopped
-        It was cancelled.
-    ParameterError
-        b <= a, where there is no chart; or it takes too long, where cycles are long.
+    ParameterError where b <= a, and where it takes too long; backend.Stopped if it was cancelled.
     """
     if (key := key_of(slider)) is None:
         raise ParameterError("b <= a: friction never weakens, and there are no regimes to map")

@@ -1,21 +1,26 @@
-"""From the entries typed into the page to a slider and a speed."""
+"""The entries of the page as a slider and a speed, and the paper's sliders as entries."""
 
 import re
 from typing import Any, NamedTuple
+from urllib.parse import urlencode
 
 import numpy as np
 
 from ...errors import ParameterError
 from ...friction.laws import LAWS
-from ...model.quantities import POWERS, PREFIXES, QUANTITIES, expected
+from ...model.quantities import POWERS, PREFIXES, QUANTITIES, expected, readable
 from ...model.slider import SpringSlider
 from ...model.units import to_si
+from ...paper import parameters as paper
 
 #: the fields of the page, in its order
 SYMBOLS = ("a", "b", "Dc", "sigma", "M", "K", "V_lp", "mu0", "V0")
 LONGEST = 64  # characters of an entry
 # Magnitudes [SI] beyond which nothing exists, and numbers overflow.
 SMALLEST, LARGEST = 1e-20, 1e20
+# Digits of values that are not the paper's: all that survive a change of unit.
+DIGITS = 15
+FIG1_STEP = float(np.e * paper.FIG1.V0)
 _BARE = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf)")
 
 
@@ -42,15 +47,10 @@ class BadEntries(Exception):
 
 
 def state_of(entries: Any) -> PageState:
-    """The `PageState` that these entries describe.
+    """The `PageState` that these entries describe; `BadEntries` with all that is wrong with them.
 
     entries : dict of strings as typed, symbol -> string, where a number without a unit is in SI;
         also "law", and perhaps "V_from"
-
-    Raises
-    ------
-    BadEntries
-        With the message of `to_si` for each field that cannot be read.
     """
     if not isinstance(entries, dict):
         raise BadEntries({"": "entries must be an object of texts, such as {'a': '0.003'}"})
@@ -79,19 +79,10 @@ def values_of(entries):
 
 
 def fields(usual):
-    """Name, unit and usual value of each field, for the page.
-
-    usual : dict of numbers in SI, symbol -> value at the centre of the field's control
-    """
-    return [
-        {
-            "symbol": symbol,
-            "name": QUANTITIES[symbol].long_name,
-            "unit": QUANTITIES[symbol].unit,
-            "usual": usual[symbol],
-        }
-        for symbol in SYMBOLS
-    ]
+    """Name, unit and usual value [SI] of each field, at the centre of its control."""
+    names = ("symbol", "name", "unit", "usual")
+    rows = [(s, QUANTITIES[s].long_name, QUANTITIES[s].unit, usual[s]) for s in SYMBOLS]
+    return [dict(zip(names, row, strict=True)) for row in rows]
 
 
 def prefixes():
@@ -116,3 +107,36 @@ def _value(field, text):
             return value
         problem = f"= {text!r} is beyond any size"
     raise ParameterError(f"{field} {problem}; {expected(symbol)}")
+
+
+def presets():
+    """dicts with ``name``, ``title`` and ``entries``; the page opens with the first one."""
+    names = ("Step to stable sliding", "Step to just below V_c", "Step to just above V_c")
+    slow, fast = paper.FIG6_SPEEDS
+    rows: list[tuple[str, str, Any, float, float | None]] = [
+        ("Stick-slip", "Fig. 4b", paper.FIG4, paper.FIG4_EXAMPLES["stick_slip"], None),
+        ("Quasi-harmonic vibration", "Fig. 4c", paper.FIG4, paper.FIG4_EXAMPLES["harmonic"], None),
+        *(
+            (name, "Fig. 2", paper.FIG2, V, paper.FIG2_START)
+            for name, V in zip(names, paper.FIG2_SPEEDS, strict=True)
+        ),
+        ("Slow stick-slip", "Fig. 6", paper.FIG6, fast, slow),
+        ("Velocity step, rigid drive", "Fig. 1", paper.FIG1, FIG1_STEP, paper.FIG1.V0),
+    ]
+    return [
+        {"name": name, "title": f"{figure}: {name}", "entries": entries_of(slider, V_lp, V_from)}
+        for name, figure, slider, V_lp, V_from in rows
+    ]
+
+
+def entries_of(slider, V_lp, V_from=None, digits=6):
+    """The entries that describe a slider and a speed."""
+    values = {**slider.values, "V_lp": V_lp}
+    texts = {symbol: readable(symbol, values[symbol], digits) for symbol in SYMBOLS}
+    texts["law"] = slider.law
+    return texts | ({} if V_from is None else {"V_from": readable("V_lp", V_from, digits)})
+
+
+def fragment_of(slider, V_lp):
+    """The fragment (after #) of the page's address that opens it with a slider and a speed."""
+    return urlencode(entries_of(slider, V_lp, digits=DIGITS))

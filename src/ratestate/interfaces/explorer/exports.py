@@ -15,22 +15,17 @@ def export(kind, state, deadline):
     plan = study_of(state, deadline).plan
     exported = scenario.Scenario("simulate", plan.slider, plan.settings)
     if kind == "csv":
-        text = _table(plan, deadline)
+        call = plan.call()
+        with deadline.part():  # up to the run's end, or to where it fails
+            motion = call.move(deadline)
+            if motion.t.size > MOST_ROWS:
+                raise ParameterError(
+                    f"the run has {motion.t.size} rows, more than the {MOST_ROWS} of a download; "
+                    f"the Python lines write it in full"
+                )
+            text = csv_text(call.dataset(call.variables(motion)))
     elif kind == "scenario":
         text = scenario.toml(exported)
     else:
         text = f"{scenario.python(exported)}print(result)\n"
     return {"name": NAMES[kind], "text": text}
-
-
-def _table(plan, deadline):
-    """The run as CSV, up to its end or to where it fails."""
-    call = plan.call()
-    with deadline.part():
-        motion = call.move(deadline)
-        if motion.t.size > MOST_ROWS:
-            raise ParameterError(
-                f"the run has {motion.t.size} rows, more than the {MOST_ROWS} of a download; the "
-                f"Python lines write it in full"
-            )
-        return csv_text(call.dataset(call.variables(motion)))

@@ -40,17 +40,10 @@ class Plan:
 
 
 def plan_of(verdict, orbit, before=None):
-    """The `Plan` of the run that shows the motion of a slider.
+    """The `Plan` of the run that shows a slider's motion: its `Verdict` and its cycle's orbit.
 
-    Parameters
-    ----------
-    verdict : Verdict
-        At the shown speed.
-    orbit : Dataset or None
-        Its limit cycle, from `orbit`.
-    before : tuple of (V_from, Dataset or None), optional
-        The speed before the step of the load point, and the limit cycle there.  Without it the run
-        begins in steady sliding at `START` of the speed, as for `limit_cycle`.
+    before : the speed before the step of the load point, and the orbit of the cycle there, or None;
+        without it the run begins in steady sliding at `START` of the speed, as for `limit_cycle`
     """
     time = _rounded(min(_durations(verdict, orbit)))
     if before is None:
@@ -89,10 +82,7 @@ def _durations(verdict, orbit):
 
 
 def _start_settings(slider, V_from, cycle, lead):
-    """Settings of `simulate` for a run that starts in steady sliding or a cycle; time of the step.
-
-    From a cycle it steps at the stress maximum.
-    """
+    """Settings of a run that starts in steady sliding or a cycle; the time of the step."""
     if cycle is None or cycle.sizes["time"] < 2:
         return {"V_start": V_from}, _rounded(lead)
     times = cycle.time.values
@@ -100,6 +90,7 @@ def _start_settings(slider, V_from, cycle, lead):
     lead = min(lead, LEAD_CYCLES * period)
     i = int(np.argmin(np.abs(times[:-1] - (-lead) % period)))
     names = ("V", "theta", "tau") if slider.M > 0.0 else ("V", "theta")
+    # the step comes at the stress maximum
     initial = {name: float(cycle[name][i]) for name in names}
     whole = np.floor(lead / period) * period
     return {"initial": initial}, _rounded(whole + (period - times[i] if i else 0.0) or period)

@@ -102,21 +102,17 @@ def _run(plan, deadline):
             with deadline.part():
                 motion = call.move(deadline)
                 run = call.dataset(call.variables(motion))
-            return run, notes + _failure_note(plan.slider, motion)
+            if (status := motion.status[0]) != FINISHED:
+                why = failure("The run", plan.slider, status, motion.numbers["t"][0])
+                first = str(why).splitlines()[0].rstrip(".")
+                notes.append(f"{first}. The CSV file has the run up to there.")
+            return run, notes
         except TimeUp:
             t_end = AGAIN * deadline.done * call.t_end
             if not t_end > 0.0:
                 break
             notes = [f"The run is cut at {t_end:.3g} s of {requested:.3g} s, after {limit}"]
     return None, [f"No run is shown: of {requested:.3g} s too little was done in {limit}"]
-
-
-def _failure_note(slider, motion):
-    """A list with a note on a run that failed; empty if it did not."""
-    if (status := motion.status[0]) == FINISHED:
-        return []
-    why = str(failure("The run", slider, status, motion.numbers["t"][0])).splitlines()[0]
-    return [f"{why.rstrip('.')}. The CSV file has the run up to there."]
 
 
 def _curves(name, run, sigma, t_zero):

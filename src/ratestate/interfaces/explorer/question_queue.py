@@ -1,7 +1,6 @@
 """A queue of questions of one kind, answered one at a time in threads."""
 
 import asyncio
-import contextlib
 import logging
 
 from ...engine.backend import Stopped
@@ -14,19 +13,11 @@ log = logging.getLogger("ratestate.interfaces.explorer")
 
 
 class QuestionQueue:
-    """A queue in which questions wait for their answers.
+    """A queue of questions, each answered by all jobs in turn: (question, deadline) -> bytes.
 
-    Parameters
-    ----------
-    pool : Executor
-    jobs : list of callables (question, deadline) -> bytes
-        A question is answered by each in turn.
-    seconds, whole : float
-        Time limit of a part of a job, and of the whole job.
-    capacity : int
-        Questions that may wait; if there are more, the oldest is dropped.
-    patience : float or None
-        Seconds for which a job continues after a newer question has come; None: no limit.
+    A part of a job may take `seconds`, and all of it `whole`.  Of more than `capacity` questions
+    the oldest is dropped.  A job goes on for `patience` [s] after a newer question has come, or,
+    if that is None, to its end.
     """
 
     def __init__(self, pool, jobs, *, seconds, whole=float("inf"), capacity=1, patience=None):
@@ -44,27 +35,21 @@ class QuestionQueue:
         return dropped
 
     async def work(self, ready, send):
-        """Answer questions until cancelled.
-
-        ready : Event to wait for first
-        send : coroutine function of bytes
-        """
+        """Answer questions until cancelled, from the event `ready` on, by the coroutine `send`."""
         await ready.wait()
+        loop = asyncio.get_running_loop()
         while True:
             question = await self.waiting.get()
-            with contextlib.suppress(Stopped):  # for a newer question
-                for job in self.jobs:
-                    await send(await self._answer(job, question))
-
-    async def _answer(self, job, question):
-        """The answer of a job, in bytes; backend.Stopped if it was stopped."""
-        deadline = self.deadline = Deadline(self.seconds, self.whole)
-        deadline.start()
-        try:
-            loop = asyncio.get_running_loop()
-            return await loop.run_in_executor(self.pool, run_job, job, question, deadline)
-        finally:
-            deadline.set()
+            for job in self.jobs:
+                deadline = self.deadline = Deadline(self.seconds, self.whole)
+                deadline.start()
+                try:
+                    reply = loop.run_in_executor(self.pool, run_job, job, question, deadline)
+                    await send(await reply)
+                except Stopped:
+                    break  # for a newer question
+                finally:
+                    deadline.set()
 
 
 def run_job(job, question, deadline):

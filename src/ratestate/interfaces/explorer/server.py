@@ -17,19 +17,8 @@ LARGEST, PATIENCE = 8192, 2
 def serve(port=None, open_browser=True, fragment=""):
     """Serve the explorer on 127.0.0.1 until Ctrl-C, whose KeyboardInterrupt is raised in the end.
 
-    Parameters
-    ----------
-    port : int, optional
-        Port to listen on; by default 8765 or, where that is in use, any that is free.
-    open_browser : bool
-        Whether to open the page in the browser.
-    fragment : str
-        The part of its address after #, with which it opens; see `presets.fragment_of`.
-
-    Raises
-    ------
-    ParameterError
-        The port is no port, is in use, or may not be used.
+    Without a port it is 8765 or, where that is in use, any that is free.  The page opens with the
+    `fragment` of its address (see `entries.fragment_of`).
     """
     listening = listen(port)
     address = f"http://127.0.0.1:{listening.getsockname()[1]}/{fragment and '#'}{fragment}"
@@ -60,7 +49,7 @@ def server_at(listening):
 
 
 def listen(port=None):
-    """Open a socket that listens on this port of 127.0.0.1; see `serve`."""
+    """Open a socket that listens on this port of 127.0.0.1; ParameterError where it cannot."""
     if port is not None and (type(port) is not int or not 0 <= port <= 65535):
         raise ParameterError(
             f"port = {port!r} must be a whole number from 0 to 65535, such as {PORT}"

@@ -11,9 +11,8 @@ from ...engine.backend import Stopped
 from ...errors import RateStateError
 from . import charts, picture, wire
 from .budget import Deadline
-from .entries import fields, prefixes, state_of
+from .entries import fields, prefixes, presets, state_of
 from .exports import NAMES, export
-from .presets import presets
 from .question_queue import QuestionQueue, run_job
 
 # Downloads: how many may wait; seconds for one, and for each part of its work.

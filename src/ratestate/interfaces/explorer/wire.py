@@ -62,11 +62,7 @@ def question(text):
 
 
 def answer(number, kind, arrays=None, **header):
-    """An answer's bytes.
-
-    number : id of the question; None for an unrequested message
-    arrays : dict name -> 1-D array, sent as float64
-    """
+    """An answer's bytes; `number` is the id of the question, None if nobody asked."""
     parts = {name: np.ascontiguousarray(a, "<f8") for name, a in (arrays or {}).items()}
     whole = {"id": number, "kind": kind, **header}
     whole["arrays"] = [[name, a.size] for name, a in parts.items()]

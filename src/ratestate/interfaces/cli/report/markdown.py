@@ -34,13 +34,9 @@ class FitRequest(NamedTuple):
 
 
 def markdown(
-    request: FitRequest,
-    record: xarray.Dataset,
-    slider: SpringSlider,
-    result: xarray.Dataset,
-    picture: str,
+    request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
 ) -> str:
-    """The whole report; `picture` is the name of the image file beside it that shows the fit."""
+    """The whole report."""
     laws, time = results_by_law(result), record["time"].values
     warnings = [f"> - {text}" for text in labelled_warnings(laws)]
     determined = [f"**{law} law.** {text}" for law, text in identifiability_by_law(laws).items()]
@@ -48,7 +44,6 @@ def markdown(
     text = SENTENCES(
         "report.whole",
         file=request.file,
-        picture=picture,
         warnings=_part("warnings", "\n".join(warnings)),
         estimates=_estimates(laws),
         kinds=_kinds(laws),

@@ -49,6 +49,10 @@ def stability(result: xarray.Dataset) -> list[Any]:
         holds = "on the edge of stability"
     limit = {0.0: "unstable at any speed", math.inf: "stable at any speed"}
     frequency = readable("f_n", omega / (2 * math.pi), 4)
+    e_folding = ""
+    if growth != 0.0 and math.isfinite(growth):
+        what = "grows" if growth > 0.0 else "decays"
+        e_folding = f"{what}; e-folding time {when(1.0 / abs(growth))}"
     rows = [
         row("K", K, f"{K / K_c:.4g} K_c" if math.isfinite(K) else "rigid"),
         row("K_c", K_c, "unstable where K < K_c"),
@@ -57,20 +61,12 @@ def stability(result: xarray.Dataset) -> list[Any]:
         row("V_c", V_c, limit.get(V_c) or f"V_lp is {V / V_c:.4g} V_c"),
         row("eta", result.eta, "share by which inertia raises K_c"),
         row("f_n", result.f_n, "M = 0" if M == 0.0 else "K = inf" if math.isinf(K) else ""),
-        row("growth_rate", growth, _growth_time(growth)),
+        row("growth_rate", growth, e_folding),
         row("omega", omega, frequency if omega else "non-oscillatory"),
     ]
     if not math.isnan(float(result.omega_c)):
         rows.append(row("omega_c", result.omega_c))
     return table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows)
-
-
-def _growth_time(growth: float) -> str:
-    """The e-folding time of a growth rate, as a remark."""
-    if growth == 0.0 or math.isinf(growth):
-        return ""
-    what = "grows" if growth > 0.0 else "decays"
-    return f"{what}; e-folding time {when(1.0 / abs(growth))}"
 
 
 def cycle(result: xarray.Dataset) -> list[Any]:
