@@ -1,11 +1,14 @@
 """The command line: what it writes, says and returns."""
 
+import inspect
 import json
 import os
 import shlex
 import subprocess
 import sys
+import tomllib
 import types
+from pathlib import Path
 from urllib.parse import parse_qsl
 
 import pytest
@@ -82,6 +85,16 @@ def test_help_has_an_example_and_the_exit_codes(command):
     ):
         assert code in text
     assert "--debug" in text
+
+
+def test_every_description_is_of_a_parameter():
+    tables = tomllib.loads((Path(cli.__file__).parent / "commands.toml").read_text())
+    shared = tables.pop("shared")
+    parameters = {one.__name__: {*inspect.signature(one).parameters} for one in cli.COMMANDS}
+    assert tables.keys() <= parameters.keys()
+    for command, described in tables.items():
+        assert described.keys() <= parameters[command]
+    assert shared.keys() <= set().union(*parameters.values())
 
 
 def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):

@@ -44,9 +44,6 @@ def fit(
 
     Example: ratestate fit examples/velocity_step.txt --out fitted
     """
-    from .report.markdown import FitRequest
-    from .run_fit import fit_and_report
-
     numbered = {k: int(v) if v.isdigit() else v for k, v in _pairs(columns, "--columns").items()}
     reading = {
         "columns": numbered,
@@ -65,6 +62,9 @@ def fit(
         "errors": errors,
         "noise": _noise(noise),
     }
+    from .report.markdown import FitRequest
+    from .run_fit import fit_and_report
+
     given = {symbol: value for symbol, value in values.items() if value is not None}
     request = FitRequest(file, {k: v for k, v in reading.items() if v}, given, laws, fitting)
     if fit_and_report(request, out, json):
