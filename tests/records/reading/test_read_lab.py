@@ -17,8 +17,9 @@ import ratestate as rs
 from ratestate import files
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab, titles
-from ratestate.records.reading.columns import PATTERNS, choose_columns, match_rank
+from ratestate.records.reading.columns import choose_columns
 from ratestate.records.reading.table import Column, Table
+from ratestate.records.reading.titles import PATTERNS, match_rank
 
 N = 120
 HEADER = "Time(s)", "Displ(microns)", "Friction", "Normal_stress(MPa)"
@@ -103,7 +104,7 @@ NAMES = st.fixed_dictionaries(
     end=st.sampled_from(["\n", "\r\n"]),
     bad=st.dictionaries(
         st.tuples(st.integers(1, N - 1), st.integers(0, 3)),
-        st.sampled_from(["NaN", "x1", "-", "inf", "1.2.3"]),
+        st.sampled_from(["NaN", "x1", "-", "inf", "1.2.3", "1_0"]),
         max_size=8,
     ),
     comments=st.sets(st.integers(2, N - 2), max_size=3),

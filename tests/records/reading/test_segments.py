@@ -8,8 +8,7 @@ from scipy.signal import lfilter
 
 from ratestate import ParameterError
 from ratestate.records.reading import find_segments, segments, splits
-from ratestate.records.reading.segments import segments_from_displacement
-from ratestate.records.reading.velocity import segments_from_velocity
+from ratestate.records.reading.segments import segments_from_displacement, segments_from_velocity
 
 NOISE = 0.3e-6
 

@@ -17,10 +17,12 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 import warnings
 from pathlib import Path
 
 from ...errors import ParameterError
+from .messages import refusal
 
 #: what a child may take for itself, and more of it for each byte of the file
 MEMORY, MEMORY_EACH = 1024**3, 20  # bytes
@@ -49,29 +51,25 @@ def read_isolated(reader, path, kind):
     """
     size = path.stat().st_size
     seconds, memory = SECONDS + SECONDS_EACH * size, MEMORY + MEMORY_EACH * size
-    late = threading.Event()
-
-    def too_late():
-        late.set()
-        process.kill()
-
+    start, ready, answer = time.monotonic(), False, None
     try:
         process = _start(reader, path, memory, seconds)
     except OSError:  # of the system, not of the file: it is read here
         return reader(path)
-    timer = threading.Timer(seconds, too_late)
+    timer = threading.Timer(seconds, process.kill)
     timer.daemon = True
-    try:
-        timer.start()
-        ready = process.stdout.read(1) == READY
-        answer = _receive(process.stdout) if ready else None
-        if answer is None:
-            process.wait()
-    finally:
-        timer.cancel()
-        process.kill()
-        process.stdout.close()
-        code = process.wait()
+    with process:
+        try:
+            timer.start()
+            ready = process.stdout.read(1) == READY
+            if ready:
+                with contextlib.suppress(Exception):  # the process died while it sent
+                    answer = pickle.load(process.stdout)
+            if answer is None:
+                process.wait()
+        finally:
+            timer.cancel()
+            process.kill()
     if answer is not None:
         result, error, failure, messages = answer
         for message, category in messages:
@@ -80,16 +78,13 @@ def read_isolated(reader, path, kind):
             raise error
         if not failure:
             return result
-    elif late.is_set():
+    elif time.monotonic() - start >= seconds:
         failure = f"it took more than {seconds:.0f} s"
     elif ready:
-        failure = f"it ended the process that read it ({_ending(code)})"
+        failure = f"it ended the process that read it ({_ending(process.returncode)})"
     else:  # no such process is to be had here: the file is not to blame
         return reader(path)
-    raise ParameterError(
-        f"{path.name} cannot be read as {kind}: {failure[:LONGEST]}; copy it again "
-        f"from where it comes from, or write it anew in another format"
-    )
+    raise refusal("file.child", name=path.name, kind=kind, failure=failure[:LONGEST])
 
 
 def _start(reader, path, memory, seconds):
@@ -105,18 +100,6 @@ def _start(reader, path, memory, seconds):
         env=os.environ | own,
         creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
     )
-
-
-def _receive(stream):
-    """The child's answer: (result, ParameterError, another failure, warnings), or None."""
-    try:
-        head, sizes = pickle.load(stream)
-        parts = [bytearray(size) for size in sizes]
-        if any(stream.readinto(part) < len(part) for part in parts):
-            return None
-        return pickle.loads(head, buffers=parts)
-    except Exception:  # the process died while it sent
-        return None
 
 
 def _ending(code):
@@ -138,30 +121,21 @@ def _serve():
     _limit(int(memory), int(seconds))
     answers.write(READY)
     answers.flush()
+    result, error, failure = None, None, ""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        result, error, failure = _outcome(reader, Path(path), int(memory))
+        try:
+            result = reader(Path(path))
+        except ParameterError as refused:
+            error = refused
+        except MemoryError:
+            failure = f"it asks for more memory than {int(memory) / 1e9:.1f} GB"
+        except Exception as other:
+            failure = f"{type(other).__name__}: {other}"
     messages = dict.fromkeys((str(one.message), one.category) for one in caught)
-    parts: list = []
-    head = pickle.dumps((result, error, failure, [*messages]), 5, buffer_callback=parts.append)
-    raw = [part.raw() for part in parts]
-    pickle.dump((head, [part.nbytes for part in raw]), answers)
-    for part in raw:
-        answers.write(part)
+    pickle.dump((result, error, failure, [*messages]), answers, 5)
     answers.flush()
     os._exit(0)  # what the file has spoilt is not cleared away
-
-
-def _outcome(reader, path, memory):
-    """(result, ParameterError, another failure) of a reader."""
-    try:
-        return reader(path), None, ""
-    except ParameterError as error:
-        return None, error, ""
-    except MemoryError:
-        return None, None, f"it asks for more memory than {memory / 1e9:.1f} GB"
-    except Exception as error:
-        return None, None, f"{type(error).__name__}: {error}"
 
 
 def _limit(memory, seconds):

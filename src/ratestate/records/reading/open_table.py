@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ...errors import ParameterError
 from .isolated import read_isolated
+from .messages import refusal
 from .stored import read_hdf5, read_mat
 from .text import read_text
 
@@ -19,29 +19,20 @@ FOREIGN = {
 
 
 def open_table(path):
-    """Path and `Table` of a record.
-
-    Raises
-    ------
-    ParameterError
-        Missing, a folder, not to be read, empty, or of a kind that is not known.
-    """
+    """Path and `Table` of a record."""
     try:
         path = Path(path).expanduser()
     except TypeError:
-        raise ParameterError(f"path = {path!r} is no path; give one such as 'p1234.txt'") from None
+        raise refusal("file.path", path=path) from None
     try:
-        if not path.exists():
-            raise ParameterError(f"{path} does not exist")
-        if path.is_dir():
-            raise ParameterError(f"{path} is a folder; give the file of a record in it")
         if not path.is_file():  # a pipe would be waited for
-            raise ParameterError(f"{path} is no file; give the file of a record")
+            kind = "folder" if path.is_dir() else "special" if path.exists() else "missing"
+            raise refusal(f"file.{kind}", path=path)
         with path.open("rb") as file:
             head = file.read(1024)
         return path, _table(path, head)
     except OSError as error:
-        raise ParameterError(f"{path} cannot be read: {error.strerror or error}") from None
+        raise refusal("file.error", path=path, error=error.strerror or error) from None
 
 
 def _table(path, head):
@@ -52,5 +43,5 @@ def _table(path, head):
         return read_isolated(read_mat, path, "a MAT file")
     for begin, what in FOREIGN.items():
         if head.startswith(begin):
-            raise ParameterError(f"{path.name} is {what}; save the record as text, such as .csv")
+            raise refusal("file.foreign", name=path.name, what=what)
     return read_text(path)

@@ -65,11 +65,6 @@ def fit_run(t, x, run):
     return run._replace(lines=tuple(lines), V=V, spread=spread)
 
 
-def join_runs(one, other, hold=False):
-    """Two runs as one, with lines of its own for each."""
-    return Run(one.lines + other.lines, hold)
-
-
 def breakpoints(t, runs):
     """Times at which each run meets the next one; midway between them if they hardly do."""
     times = []

@@ -1,15 +1,28 @@
 """The history of the load point: speeds that are constant between breaks."""
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import ParameterError
-from ...model.quantities import readable
+from .messages import refusal
 from .runs import breakpoints, noise_variances
-from .splits import MOST, Rows, cut
-from .steps import ROUNDED, WANDER, mark_holds, oddities, scatter_of, steps_and_jumps, without_ramps
+from .splits import MOST, Rows, cut, drop_weak_cuts
+from .steps import (
+    HOLD_ERRORS,
+    ROUNDED,
+    STEP,
+    mark_holds,
+    oddities,
+    scatter_of,
+    steps_and_jumps,
+    wanders,
+    without_ramps,
+)
 
+#: variance of the position of a jump by k standard deviations, from least squares: so many samples
+#: squared, over k^4 (Yao, Annals of Statistics 15, 1987, for small k)
+POSITION = 26.0
 #: rows in which noise is looked for by a second search, and by how much it must lessen the scatter
 SHORT, SUCCESS = 16, 5.0
 
@@ -67,11 +80,24 @@ def find_segments(t, delta_lp):
 
 def segments_from_displacement(t, x):
     """`find_segments` with errors and notes: `Segments`."""
-    t, x = checked_arrays(t, x)
-    rows, runs = _runs(t, x)
+    t, x = _checked(t, x, "delta_lp")
+    rows = Rows(t, x)
+    runs = steps_and_jumps(rows, _cuts(rows, t), t, x)
+    scatter, steps = scatter_of(t, x, runs)
+    if wanders(x, scatter, steps):
+        # perhaps steps in quick succession: again, with noise looked for in short spans only
+        again = Rows(t, x, longest=SHORT)
+        closer = steps_and_jumps(again, _cuts(again, t), t, x)
+        if SUCCESS * scatter_of(t, x, closer)[0] < scatter:
+            rows, runs = again, closer
     runs, notes = mark_holds(t, x, runs, rows)
     runs, ramps = without_ramps(t, x, runs)
-    _check_forward(t, runs)
+    for run in runs:
+        if run.V < 0.0:
+            first, last = f"{t[run.first]:.7g} s", f"{t[run.last - 1]:.7g} s"
+            window = f"(None, '{first}')" if run.first else f"('{last}', None)"
+            values = {"first": first, "last": last, "window": window}
+            raise refusal("segments.backwards", V=-run.V, **values)
     noise, at = noise_variances(t, x, runs), breakpoints(t, runs)
     variance = [
         (s * one.variance(tau, -1) + z * other.variance(tau, 0)) / (one.V - other.V) ** 2
@@ -87,57 +113,55 @@ def segments_from_displacement(t, x):
     )
 
 
-def _runs(t, x):
-    """Candidates and runs.
+def segments_from_velocity(t, V):
+    """`Segments` from recorded speeds [m/s]; steps lie midway between two rows."""
+    t, V = _checked(t, V, "V_load")
+    rows = Rows(t, V, degree=0)
 
-    Steps in quick succession may be taken for a load point that wanders: where there is much of
-    that, a second search looks for noise in short spans only.
-    """
-    rows = Rows(t, x)
-    runs = steps_and_jumps(rows, check_count(cut(rows), t), t, x)
-    scatter, steps = scatter_of(t, x, runs)
-    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
-        again = Rows(t, x, longest=SHORT)
-        closer = steps_and_jumps(again, check_count(cut(again), t), t, x)
-        if SUCCESS * scatter_of(t, x, closer)[0] < scatter:
-            return again, closer
-    return rows, runs
+    def levels(at):
+        means = np.array([V[i:j].mean() for i, j in itertools.pairwise(at)])
+        errors = np.sqrt(rows.noise / np.diff(at))
+        least = np.maximum(HOLD_ERRORS * errors, ROUNDED * np.abs(means).max())
+        return np.where(np.abs(means) <= least, 0.0, means), errors
+
+    def sizes(at):
+        means, _ = levels(at)
+        largest = np.maximum(np.abs(means[1:]), np.abs(means[:-1]))
+        return np.abs(np.diff(means)) / np.maximum(largest, 1e-300)
+
+    at = drop_weak_cuts(rows, _cuts(rows, t), sizes, STEP)
+    means, errors = levels(at)
+    if means.min() < 0.0:
+        i = int(np.argmin(means))
+        raise refusal("segments.negative", V=means[i], first=t[at[i]])
+    edges = np.array(at[1:-1], int)
+    before, after = t[edges - 1], t[edges]
+    relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise / np.diff(means) ** 2) ** 2)
+    return Segments(
+        np.append(t[0], 0.5 * (before + after)),
+        means,
+        np.append(0.0, (after - before) * relative),
+        np.where(means == 0.0, 0.0, errors),
+        [],
+    )
 
 
-def checked_arrays(t, x, symbol="delta_lp"):
+def _checked(t, x, symbol):
     """Times and values as arrays of numbers, or ParameterError."""
     t, x = np.asarray(t, float), np.asarray(x, float)
     if t.ndim != 1 or t.shape != x.shape or t.size < 4:
-        raise ParameterError(
-            f"t and {symbol} have shapes {t.shape} and {x.shape}; expected two columns of equal "
-            f"length, 4 rows at least"
-        )
+        raise refusal("segments.shape", t=t.shape, x=x.shape, symbol=symbol)
     if not (np.isfinite(t).all() and np.isfinite(x).all()):
-        raise ParameterError(f"t or {symbol} has values that are not finite; leave their rows out")
+        raise refusal("segments.finite", symbol=symbol)
     if not (np.diff(t) > 0.0).all():
-        row = int(np.argmin(np.diff(t) > 0.0)) + 1
-        raise ParameterError(f"t does not increase at index {row}; sort the rows by time")
+        raise refusal("segments.order", row=int(np.argmin(np.diff(t) > 0.0)) + 1)
     return t, x
 
 
-def check_count(cuts, t):
-    """The cuts; refuses as many as a history without constant speeds would make."""
+def _cuts(rows, t):
+    """The cuts of a record; refuses as many as a history without constant speeds would make."""
+    cuts = cut(rows)
     if len(cuts) > MOST:
-        raise ParameterError(
-            f"the load point has no constant speeds from {t[0]:.6g} s to {t[-1]:.6g} s: more than "
-            f"{MOST} pieces would be needed; choose a shorter window, for example "
-            f"time=('{t[0]:.6g} s', '{t[0] + (t[-1] - t[0]) / 10:.6g} s')"
-        )
+        tenth = t[0] + (t[-1] - t[0]) / 10
+        raise refusal("segments.none", first=t[0], last=t[-1], most=MOST, tenth=tenth)
     return cuts
-
-
-def _check_forward(t, runs):
-    """Refuse a load point that moves backwards."""
-    for run in runs:
-        if run.V < 0.0:
-            first, last = f"{t[run.first]:.7g} s", f"{t[run.last - 1]:.7g} s"
-            window = f"(None, '{first}')" if run.first else f"('{last}', None)"
-            raise ParameterError(
-                f"delta_lp runs backwards, at {readable('V_lp', -run.V, 3)} from {first} to "
-                f"{last}; a load point moves at V >= 0: leave that span out, such as time={window}"
-            )

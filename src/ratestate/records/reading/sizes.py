@@ -1,13 +1,15 @@
-"""Columns in SI: their units, and checks of their sizes against them."""
+"""Columns in SI: their units, and checks of what is in them."""
+
+import re
 
 import numpy as np
 
 from ...errors import ParameterError
-from ...model.quantities import QUANTITIES, readable
+from ...model.quantities import QUANTITIES
 from ...model.units import to_si
-from .columns import PATTERNS
+from .messages import refusal
 from .table import quoted
-from .titles import plain
+from .titles import PATTERNS, plain
 
 #: symbol -> least and largest typical size [SI] of what friction is measured with, by any machine
 USUAL = {
@@ -20,46 +22,37 @@ USUAL = {
 }
 #: symbol -> a unit to suggest
 LIKE = {"time": "s", "delta_lp": "um", "V_load": "um/s", "tau": "MPa", "sigma": "MPa"}
-
-
-def unit_of(column, symbol, units):
-    """The unit of a column: the one given, else the one beside it in the file.
-
-    Raises
-    ------
-    ParameterError
-        None where one is needed; one of another kind.
-    """
-    given = symbol in units
-    unit = plain(units[symbol] if given else column.unit)
-    if symbol == "friction" and not given and not unit:
-        return "1"
-    remedy = f"give units={{'{symbol}': '{LIKE.get(symbol, '1')}'}} or what it is in"
-    if not unit:
-        raise ParameterError(f"the column {quoted(column.title)} ({symbol}) has no unit; {remedy}")
-    try:
-        to_si(symbol, f"1 {unit}", bound="")
-    except ParameterError as error:
-        what = str(error).rpartition("; expected")[0] or str(error)
-        what = what.removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
-        where = f"units: {symbol} = {unit!r}" if given else f"the unit {unit!r}"
-        other = "" if "divided" in what else ", or name another column in columns"
-        raise ParameterError(
-            f"{where} of the column {quoted(column.title)} {what}; {remedy}{other}"
-        ) from None
-    return unit
+CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
 def checked_units(units):
     """Units given by the caller, or ParameterError."""
     units = {} if units is None else units
     sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
-    if not sound or not set(units) <= set(PATTERNS):
-        raise ParameterError(
-            f"units = {units!r} must give texts for some of {', '.join(PATTERNS)}, such as "
-            f"units={{'time': 's', 'delta_lp': 'um'}}"
-        )
+    if not sound or not units.keys() <= PATTERNS.keys():
+        raise refusal("units.type", units=units, symbols=", ".join(PATTERNS))
     return units
+
+
+def unit_of(column, symbol, units):
+    """The unit of a column: the one given, else the one beside it in the file."""
+    unit = plain(units.get(symbol, column.unit))
+    if not unit and symbol == "friction" and symbol not in units:
+        return "1"
+    names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE.get(symbol, "1")}
+    if not unit:
+        raise refusal("units.none", **names)
+    try:
+        to_si(symbol, f"1 {unit}", bound="")
+    except ParameterError as error:
+        what = str(error).rpartition("; expected")[0] or str(error)
+        what = what.removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
+        where = f"units: {symbol} =" if symbol in units else "the unit"
+        other = "" if "divided" in what else ", or name another column in columns"
+        raise refusal(
+            "units.kind", where=where, unit=unit, what=what, other=other, **names
+        ) from None
+    return unit
 
 
 def in_si(symbol, values, unit):
@@ -74,8 +67,30 @@ def in_si(symbol, values, unit):
     return converted
 
 
+def check_numbers(table, symbol, column, rows=slice(None)):
+    """Refuse a column without any number in these rows."""
+    numbers = column.values[rows]
+    if np.isfinite(numbers).any():
+        return
+    row = int(np.arange(column.values.size)[rows][0])
+    cell = table.cell(row, column)
+    dated = symbol == "time" and CLOCK.search(cell)
+    raise refusal(
+        "column.dates" if dated else "column.no_numbers",
+        title=quoted(column.title),
+        symbol=symbol,
+        cell=cell,
+        row=table.row_label(row),
+    )
+
+
 def check_sizes(symbol, values, column, unit):
-    """Refuse values of a size that nobody can have measured: their unit must be another."""
+    """Refuse a column that is dead, or of a size that nobody can have measured."""
+    title = quoted(column.title)
+    # sigma may be constant, and V_load in a record without a step
+    if symbol not in ("sigma", "V_load") and not np.ptp(values) > 0.0:
+        what = "tau, and so friction perhaps," if symbol == "tau" else symbol
+        raise refusal("column.dead", title=title, what=what, value=values[0], rows=values.size)
     span = symbol in ("time", "delta_lp")
     size = float(np.ptp(values) if span else np.median(np.abs(values)))
     if symbol == "friction":
@@ -83,13 +98,14 @@ def check_sizes(symbol, values, column, unit):
     low, high = USUAL[symbol]
     if size == 0.0 or low <= size <= high:
         return
-    si = "" if QUANTITIES[symbol].unit == "1" else f" {QUANTITIES[symbol].unit}"
-    what = f"spans {readable(symbol, size)}" if span else f"is typically {readable(symbol, size)}"
-    remedy = f"if {unit!r} is not its unit, give units={{'{symbol}': ...}}; else another column"
-    if symbol == "friction":
-        remedy = "if it is in per cent, give units={'friction': '%'}; if it is a stress, name it so"
-        remedy += " in columns={'tau': ...}"
-    raise ParameterError(
-        f"the column {quoted(column.title)} ({symbol}) {what}, and no record is of such a size "
-        f"({low:g} to {high:g}{si}); {remedy}"
+    raise refusal(
+        "column.friction" if symbol == "friction" else "column.size",
+        title=title,
+        symbol=symbol,
+        verb="spans" if span else "is typically",
+        size=size,
+        low=low,
+        high=high,
+        si=QUANTITIES[symbol].unit,
+        unit=unit,
     )

@@ -23,13 +23,9 @@ SIGNIFICANT = 40.0
 class Rows:
     """Sums over rows from the start on, at the rows where runs may be cut.
 
-    Parameters
-    ----------
     t, x : ndarray, shape (n,)
-    degree : {1, 0}
-        Of what is fitted to a run: a line (a displacement), or a level (a speed).
-    longest : int
-        Rows within which noise is looked for; steps that are closer would count as noise.
+    degree : 1 or 0, of what is fitted to a run: a line (a displacement), or a level (a speed)
+    longest : rows within which noise is looked for; steps that are closer would count as noise
     """
 
     def __init__(self, t, x, degree=1, longest=10**9):
@@ -107,29 +103,26 @@ def cut(rows):
         if gain > least:
             cuts.append(k)
             open_ += [(i, k), (k, j)]
+    cuts.sort()
     if len(cuts) > MOST:
-        return sorted(cuts)
-    cuts = improve_cuts(rows, sorted(cuts))
+        return cuts
+    cuts = _improved(rows, cuts)
     if rows.every > 1:
-        cuts = improve_cuts(rows, _closer(rows, cuts))
+        # all rows near the cuts as candidates, not only every second or so
+        near = np.arange(-2 * rows.every, 2 * rows.every + 1)
+        places = rows.at[cuts]
+        candidates = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
+        rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
+        cuts = _improved(rows, np.searchsorted(rows.at, places).tolist())
     while len(cuts) > 2:
-        m, fewer, gain = weakest_cut(rows, cuts)
+        m, fewer, gain = _weakest_cut(rows, cuts)
         if gain > least:
             break
-        cuts = improve_cuts(rows, fewer, near=m)
+        cuts = _improved(rows, fewer, near=m)
     return cuts
 
 
-def _closer(rows, cuts):
-    """The same cuts, with all rows near them as candidates, not only every second or so."""
-    near = np.arange(-2 * rows.every, 2 * rows.every + 1)
-    places = rows.at[cuts]
-    candidates = np.unique(np.append(rows.at, (places[:, None] + near).ravel()))
-    rows.set_candidates(candidates[(candidates >= 0) & (candidates <= places[-1])])
-    return np.searchsorted(rows.at, places).tolist()
-
-
-def weakest_cut(rows, cuts):
+def _weakest_cut(rows, cuts):
     """The cut that matters least: (its index, the cuts without it, the rise of the misfit).
 
     Or two cuts that one better placed cut may replace.
@@ -148,21 +141,29 @@ def weakest_cut(rows, cuts):
     return weakest
 
 
-def improve_cuts(rows, cuts, near=None):
+def _improved(rows, cuts, near=None):
     """The cuts, each (or those near index `near`) at its best place between its neighbours."""
     cuts = list(cuts)
-    inner = range(1, len(cuts) - 1)
     for _ in range(20):
         before = list(cuts)
-        for m in inner if near is None else (m for m in inner if abs(m - near) <= 1):
-            k, gain = rows.best_cut(cuts[m - 1], cuts[m + 1])
-            if gain > 0.0:
-                cuts[m] = k
+        for m in range(1, len(cuts) - 1):
+            if near is None or abs(m - near) <= 1:
+                k, gain = rows.best_cut(cuts[m - 1], cuts[m + 1])
+                cuts[m] = k if gain > 0.0 else cuts[m]
         if cuts == before:
             break
     return cuts
 
 
-def remove_cut(rows, cuts, m):
-    """The cuts but one, those beside it moved to their best places."""
-    return improve_cuts(rows, cuts[:m] + cuts[m + 1 :], near=m)
+def drop_weak_cuts(rows, cuts, sizes, least):
+    """Rows at the ends of runs, once the cuts of a size below the least are gone.
+
+    sizes : function of such rows, the size of the change at each but the first and last
+    """
+    while True:
+        at = rows.at[cuts].tolist()
+        changes = sizes(at)
+        if not len(changes) or min(changes) >= least:
+            return at
+        m = int(np.argmin(changes)) + 1
+        cuts = _improved(rows, cuts[:m] + cuts[m + 1 :], near=m)

@@ -5,9 +5,9 @@ import itertools
 
 import numpy as np
 
-from ...model.quantities import readable
-from .runs import Line, Run, fit_run, join_runs, jump_size, noise_variances, refine_breakpoints
-from .splits import remove_cut
+from .messages import message
+from .runs import Line, Run, fit_run, jump_size, noise_variances, refine_breakpoints
+from .splits import drop_weak_cuts
 
 #: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
 STEP = 0.05
@@ -42,18 +42,18 @@ def steps_and_jumps(rows, cuts, t, x):
         size = _size(rows, one, other, t)
         return size, size < 1.0 and jump_size(t, x, j, 0.5 * (one.V + other.V)) != 0.0
 
-    while True:
-        at = rows.at[cuts].tolist()
-        changes = [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
-        weak = [1.0 if jumps else size for size, jumps in changes]
-        if not weak or min(weak) >= 1.0:
-            break
-        cuts = remove_cut(rows, cuts, int(np.argmin(weak)) + 1)
-    runs = [run_of(*two) for two in itertools.pairwise(at)]
-    joined = runs[:1]
-    for run, (_, same) in zip(runs[1:], changes, strict=True):
+    def changes(at):
+        return [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
+
+    def sizes(at):
+        return [1.0 if jumps else size for size, jumps in changes(at)]
+
+    at = drop_weak_cuts(rows, cuts, sizes, 1.0)
+    first, *runs = [run_of(*two) for two in itertools.pairwise(at)]
+    joined = [first]
+    for run, (_, same) in zip(runs, changes(at), strict=True):
         if same:
-            joined[-1] = join_runs(joined[-1], run)
+            joined[-1] = Run(joined[-1].lines + run.lines)
         else:
             joined.append(run)
     return refine_breakpoints(t, x, joined)
@@ -76,24 +76,18 @@ def mark_holds(t, x, runs, rows):
     marked: list[Run] = []
     notes = []
     for m, (run, own) in enumerate(zip(runs, noise_variances(t, x, runs), strict=True)):
-        lasts = t[run.last - 1] - t[run.first]
+        first, last = t[run.first], t[run.last - 1]
         error = (max(rows.noise, own) / run.spread) ** 0.5
-        least = max(HOLD_ERRORS * error, HOLD_SCATTER * scatter / lasts, ROUNDED * largest)
+        least = max(HOLD_ERRORS * error, HOLD_SCATTER * scatter / (last - first), ROUNDED * largest)
         hold = abs(run.V) <= least
         beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
         if hold and least > BACK * beside > 0.0:
-            notes.append(
-                f"V = 0 from {t[run.first]:.7g} s to {t[run.last - 1]:.7g} s: so short and noisy a "
-                f"hold cannot be distinguished from a speed of up to {readable('V_lp', least, 2)}"
-            )
+            notes.append(message("notes.short_hold", first=first, last=last, V=least))
         if not hold and -BACK * beside <= run.V < 0.0:
             hold = True
-            notes.append(
-                f"delta_lp runs back by {readable('delta_lp', -run.V * lasts, 2)} in the hold at "
-                f"{t[run.first]:.7g} s; taken as V = 0"
-            )
+            notes.append(message("notes.runs_back", by=-run.V * (last - first), first=first))
         if hold and marked and marked[-1].hold:
-            marked[-1] = join_runs(marked[-1], run, hold=True)
+            marked[-1] = Run(marked[-1].lines + run.lines, hold=True)
         else:
             marked.append(run._replace(hold=bool(hold)))
     return refine_breakpoints(t, x, marked), notes
@@ -109,10 +103,7 @@ def without_ramps(t, x, runs):
             ramp = t[span[-1].first] - t[span[0].last - 1]
             around = min(t[r.last - 1] - t[r.first] for r in (span[0], span[-1]))
             if ramp < RAMP * around and ((changes > 0.0).all() or (changes < 0.0).all()):
-                notes.append(
-                    f"the load point's speed changes over some {ramp:.2g} s from "
-                    f"{t[span[0].last]:.7g} s on; taken as a step"
-                )
+                notes.append(message("notes.ramp", ramp=ramp, first=t[span[0].last]))
                 del runs[m:last]
                 break
         m += 1
@@ -125,6 +116,11 @@ def scatter_of(t, x, runs):
     return float(left.std()), float(np.median(np.abs(np.diff(left, 2)))) * 1.4826 / 6**0.5
 
 
+def wanders(x, scatter, steps):
+    """Whether such a scatter of a displacement is no noise."""
+    return scatter > max(WANDER * steps, ROUNDED * np.ptp(x))
+
+
 def oddities(t, x, runs):
     """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
     notes = []
@@ -132,14 +128,8 @@ def oddities(t, x, runs):
         for line in run.lines[1:]:
             if gap := jump_size(t, x, line.first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
-                notes.append(
-                    f"delta_lp jumps by {readable('delta_lp', gap, 3)} at {t[line.first]:.7g} s, "
-                    f"the speed the same before and after{lost}; steps are found beside it"
-                )
+                notes.append(message("notes.jump", gap=gap, t=t[line.first], lost=lost))
     scatter, steps = scatter_of(t, x, runs)
-    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
-        notes.append(
-            f"delta_lp wanders about constant speeds by {readable('delta_lp', scatter, 2)} "
-            f"(standard deviation; {readable('delta_lp', steps, 2)} from row to row)"
-        )
+    if wanders(x, scatter, steps):
+        notes.append(message("notes.wanders", scatter=scatter, steps=steps))
     return notes

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...errors import ParameterError
+from .messages import refusal
 from .table import Column, Table, quoted
 from .titles import split
 
@@ -15,32 +15,28 @@ UNPACKED = 1100
 
 
 def read_hdf5(path):
-    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it.
-
-    What it raises beside `ParameterError` is for `read_isolated`.
-    """
+    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it."""
     import h5py
 
     columns: list[Column] = []
     texts: list[str] = []
-    remaining = UNPACKED * path.stat().st_size
+    size = path.stat().st_size
+    remaining = UNPACKED * size
 
     def visit(title, item):
         nonlocal remaining
         # MATLAB keeps texts as numbers, and what cells refer to in a group of its own
         hidden = title.startswith("#") or item.attrs.get("MATLAB_class") == b"char"
-        if isinstance(item, h5py.Dataset) and not hidden:
-            if item.ndim and item.dtype.kind not in "iufV":
-                texts.append(title)
-                return
-            remaining -= item.nbytes
-            if remaining < 0:
-                raise ParameterError(
-                    f"{path.name} is damaged: {quoted(title)} would fill {item.nbytes:.3g} bytes, "
-                    f"out of a file of {path.stat().st_size}; copy it again from where it comes "
-                    f"from"
-                )
-            columns.extend(_columns(title, item[()], item.attrs))
+        if hidden or not isinstance(item, h5py.Dataset):
+            return
+        if item.ndim and item.dtype.kind not in "iufV":
+            texts.append(title)
+            return
+        remaining -= item.nbytes
+        if remaining < 0:
+            values = {"name": path.name, "title": quoted(title), "bytes": item.nbytes}
+            raise refusal("file.damaged", size=size, **values)
+        columns.extend(_columns(title, item[()], item.attrs))
 
     with h5py.File(path, "r") as file:
         file.visititems(visit)
@@ -48,10 +44,7 @@ def read_hdf5(path):
 
 
 def read_mat(path):
-    """The `Table` of all columns of numbers in a MAT file, those in structs among them.
-
-    What it raises beside `ParameterError` is for `read_isolated`.
-    """
+    """The `Table` of all columns of numbers in a MAT file, those in structs among them."""
     from scipy.io import loadmat
 
     return _table(path, list(_in_struct("", loadmat(path, simplify_cells=True))))
@@ -114,20 +107,17 @@ def _texts(value, count):
 
 def _unpacked(values, attrs):
     """Values with the scale, offset and mark for missing ones that NetCDF knows."""
-    packed = {"scale_factor", "add_offset", "_FillValue"} & set(attrs)
-    if not packed:
+    if not {"scale_factor", "add_offset", "_FillValue"} & set(attrs):
         return values
     numbers = values.astype(float)
-    if "_FillValue" in packed:
+    if "_FillValue" in attrs:
         numbers[values == attrs["_FillValue"]] = np.nan
     return numbers * attrs.get("scale_factor", 1.0) + attrs.get("add_offset", 0.0)
 
 
 def _table(path, columns, texts=()):
+    """These columns as a table, if there are any."""
     table = Table(columns, "row", unread=tuple(texts))
     if not columns:
-        raise ParameterError(
-            f"{path.name} has no columns of numbers{table.unread_text()}; expected arrays of one "
-            f"length for time, displacement and friction"
-        )
+        raise refusal("file.no_columns", name=path.name, unread=table.unread_text())
     return table

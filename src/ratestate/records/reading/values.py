@@ -19,62 +19,49 @@ PART = 100
 def drop_codes(rows):
     """Leave out rows with a code for a missing value far off from all else in its column."""
     for column in rows.columns.values():
-        values = column.values[rows.kept]
         for code in MISSING:
+            values = column.values[rows.kept]
             bad = values == code
-            if bad.any() and _is_far_below(values[~bad], code):
-                why = f"with {code:g} in {quoted(column.title)}, a code for no value"
-                rows.leave_out(bad, why, None)
-                values = column.values[rows.kept]
+            others = values[~bad]
+            if not 1 < others.size < values.size:
+                continue
+            if others.min() - code > FAR * np.abs(np.diff(others)).max():
+                rows.leave_out(bad, f"with {code:g} in {quoted(column.title)}, a code for no value")
 
 
-def _is_far_below(others, code):
-    """Whether a value is below all others by more than ten times their largest step."""
-    return others.size > 1 and others.min() - code > FAR * np.abs(np.diff(others)).max()
-
-
-def drop_impossible(rows, record):
-    """Leave out rows whose values cannot be, and the same rows of the record.
-
-    Parameters
-    ----------
-    rows : Rows
-    record : dict
-        Symbol -> values [SI] along the rows that are kept, the signs turned.
-    """
+def drop_impossible(rows):
+    """Leave out rows whose values cannot be; friction out of the stresses if need be."""
+    record = rows.record
     if "sigma" in record:
         low, high = USUAL["sigma"]
         bad = (record["sigma"] < low) | (record["sigma"] > high)
         # a dead column of sigma is no reason to reject the friction recorded beside it
         if "friction" not in record or not bad.all():
-            why = f"with normal stress outside {low:g} to {high:g} Pa"
-            record = _drop_rows(rows, record, bad, why, "sigma")
-    if "friction" not in record:
-        record["friction"] = record["tau"] / record["sigma"]
-    _, high = USUAL["friction"]
-    why = f"with friction that no rock has (more than {high:g})"
-    record = _drop_rows(rows, record, np.abs(record["friction"]) > high, why, "friction")
+            _drop(rows, "sigma", bad, f"with normal stress outside {low:g} to {high:g} Pa")
+    if "friction" not in rows.record:
+        rows.record["friction"] = rows.record["tau"] / rows.record["sigma"]
+    high = USUAL["friction"][1]
+    bad = np.abs(rows.record["friction"]) > high
+    _drop(rows, "friction", bad, f"with friction that no rock has (more than {high:g})")
     for symbol in ("friction", "delta_lp", "V_load"):
-        if symbol in record:
-            least = LEAST * float(np.median(np.abs(record[symbol]))) * (symbol == "friction")
-            why = "as single samples far off from those before and after"
-            bad = isolated_samples(record[symbol], least)
-            record = _drop_rows(rows, record, bad, why, symbol)
-    return record
+        if symbol in rows.record:
+            values = rows.record[symbol]
+            least = LEAST * float(np.median(np.abs(values))) * (symbol == "friction")
+            bad = isolated_samples(values, least)
+            _drop(rows, symbol, bad, "as single samples far off from those before and after")
+
+
+def _drop(rows, symbol, bad, why):
+    """Leave out rows, reported with their values."""
+    values = rows.record[symbol]
+    rows.leave_out(bad, why, lambda i: f"{symbol} = {readable(symbol, values[i], 4)}")
+    rows.check_enough()
 
 
 def isolated_samples(values, least=0.0):
     """Mask of samples off to one side of both neighbours, by more than all other steps.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-    least : float
-        Distance that is too little in any case.
-
-    Returns
-    -------
-    bad : ndarray of bool, shape (n,)
+    least : distance that is too little in any case
     """
     bad = np.zeros(values.size, bool)
     if values.size < PART // 10:
@@ -87,16 +74,6 @@ def isolated_samples(values, least=0.0):
     return bad
 
 
-def _drop_rows(rows, record, bad, why, symbol):
-    """The record without some rows, which are reported with their values."""
-    if not bad.any():
-        return record
-    values = dict(zip(rows.kept.tolist(), record[symbol].tolist(), strict=True))
-    rows.leave_out(bad, why, lambda row: f"{symbol} = {readable(symbol, values[row], 4)}")
-    rows.check_enough()
-    return {s: column[~bad] for s, column in record.items()}
-
-
 def flip_negative(record):
     """Flip friction and stresses that are negative throughout; notes on them."""
     notes = []
@@ -105,3 +82,17 @@ def flip_negative(record):
             record[symbol] = -record[symbol]
             notes.append(f"{symbol} is negative throughout; its sign is turned")
     return notes
+
+
+def flip_downward(record):
+    """Flip the sign of a load point that moves downwards; notes on it."""
+    if "delta_lp" in record:
+        symbol, x = "delta_lp", record["delta_lp"]
+        part = max(1, x.size // 20)
+        down = np.median(x[-part:]) < np.median(x[:part])
+    else:
+        symbol, down = "V_load", np.median(record["V_load"]) < 0.0
+    if not down:
+        return []
+    record[symbol] = -record[symbol]
+    return [f"{symbol} runs downwards; its sign is turned"]
