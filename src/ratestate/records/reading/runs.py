@@ -2,7 +2,6 @@
 
 import itertools
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -11,105 +10,90 @@ NEAR = 10  # rows beside a place where a displacement may jump
 JUMP = 4.0  # least jump, over the standard deviation of these rows
 
 
-class Line(NamedTuple):
-    """A line through rows first to last - 1, with their means."""
+class Run:
+    """Rows of a record at one speed, and the lines of this slope that fit them best.
 
-    first: int
-    last: int
-    t: float = 0.0
-    x: float = 0.0
+    t, x : ndarray, all rows of the record
+    rows : list of (first, last + 1), for each line: several if the displacement jumps in between
+    hold : whether V = 0 exactly
+    """
 
+    def __init__(self, t, x, rows, hold=False):
+        self.t, self.x, self.rows, self.hold = t, x, rows, hold
+        self.first, self.last = rows[0][0], rows[-1][1]
+        self.start, self.end = t[self.first], t[self.last - 1]
+        self.means = [(float(t[i:j].mean()), float(x[i:j].mean())) for i, j in rows]
+        self.spread, along = 0.0, 0.0  # sums of squares of t about the means; of products
+        for (i, j), (mean_t, mean_x) in zip(rows, self.means, strict=True):
+            u = t[i:j] - mean_t
+            self.spread += float(u @ u)
+            along += float(u @ (x[i:j] - mean_x))
+        self.V = along / self.spread if self.spread > 0.0 and not hold else 0.0
 
-class Run(NamedTuple):
-    """Rows at one speed: lines of one slope, several if the displacement jumps in between."""
-
-    lines: tuple[Line, ...]
-    hold: bool = False  # V = 0 exactly
-    V: float = 0.0
-    spread: float = 1.0  # sums of squares of t about the means
-
-    @property
-    def first(self):
-        return self.lines[0].first
-
-    @property
-    def last(self):
-        return self.lines[-1].last
+    def joined(self, other, hold=False):
+        """This run and another as one, with lines of its own for each."""
+        return Run(self.t, self.x, self.rows + other.rows, hold)
 
     def at(self, t, end):
         """Displacement at time t by the first line (end = 0) or the last one (end = -1)."""
-        return self.lines[end].x + self.V * (t - self.lines[end].t)
+        mean_t, mean_x = self.means[end]
+        return mean_x + self.V * (t - mean_t)
 
     def variance(self, t, end):
         """Variance of that, over the noise's."""
-        line = self.lines[end]
-        mean = 1.0 / (line.last - line.first)
-        return mean if self.hold else mean + (t - line.t) ** 2 / self.spread
+        i, j = self.rows[end]
+        mean = 1.0 / (j - i)
+        return mean if self.hold else mean + (t - self.means[end][0]) ** 2 / self.spread
 
-    def residual(self, t, x):
+    def residual(self):
         """The displacement less the lines."""
-        parts = [(slice(line.first, line.last), line) for line in self.lines]
-        return np.concatenate([x[i] - line.x - self.V * (t[i] - line.t) for i, line in parts])
+        lines = zip(self.rows, self.means, strict=True)
+        parts = [self.x[i:j] - x - self.V * (self.t[i:j] - t) for (i, j), (t, x) in lines]
+        return np.concatenate(parts)
 
 
-def fit_run(t, x, run):
-    """A run with the slope and the lines that fit its rows best; levels for a hold."""
-    lines, spread, along = [], 0.0, 0.0
-    for line in run.lines:
-        tt, xx = t[line.first : line.last], x[line.first : line.last]
-        lines.append(Line(line.first, line.last, float(tt.mean()), float(xx.mean())))
-        u = tt - lines[-1].t
-        spread += float(u @ u)
-        along += float(u @ (xx - lines[-1].x))
-    V = along / spread if spread > 0.0 and not run.hold else 0.0
-    return run._replace(lines=tuple(lines), V=V, spread=spread)
-
-
-def breakpoints(t, runs):
+def breakpoints(runs):
     """Times at which each run meets the next one; midway between them if they hardly do."""
     times = []
     for one, other in itertools.pairwise(runs):
-        middle = 0.5 * (t[one.last - 1] + t[other.first])
+        middle = 0.5 * (one.end + other.start)
         change = one.V - other.V
         meet = middle + (other.at(middle, 0) - one.at(middle, -1)) / change if change else middle
-        near = t[one.lines[-1].first] < meet < t[other.lines[0].last - 1]
+        near = one.t[one.rows[-1][0]] < meet < one.t[other.rows[0][1] - 1]
         times.append(float(meet if near else middle))
     return np.array(times)
 
 
-def refine_breakpoints(t, x, runs):
+def refine_breakpoints(runs):
     """Runs with the rows that lie between their breaks: the joint least squares.
 
     Neighbours with rows between them that belong to neither (a ramp) keep them so.
     """
-    runs = [fit_run(t, x, run) for run in runs]
+    t, x = runs[0].t, runs[0].x
     seen = set()
     for _ in range(ROUNDS):
-        changed = list(runs)
-        for m, edge in enumerate(np.searchsorted(t, breakpoints(t, runs)).tolist()):
-            one, other = changed[m], changed[m + 1]
-            *before, last = one.lines
-            first, *after = other.lines
-            if one.last == other.first and last.first + 2 <= edge <= first.last - 2:
-                changed[m] = one._replace(lines=(*before, last._replace(last=edge)))
-                changed[m + 1] = other._replace(lines=(first._replace(first=edge), *after))
-        places = tuple(run.first for run in changed)
-        if changed == runs or places in seen:
+        rows = [[*run.rows] for run in runs]
+        for m, edge in enumerate(np.searchsorted(t, breakpoints(runs)).tolist()):
+            (first, last), (start, end) = rows[m][-1], rows[m + 1][0]
+            if last == start and first + 2 <= edge <= end - 2:
+                rows[m][-1], rows[m + 1][0] = (first, edge), (edge, end)
+        places = tuple(own[0][0] for own in rows)
+        if rows == [run.rows for run in runs] or places in seen:
             break
         seen.add(places)
-        runs = [fit_run(t, x, run) for run in changed]
+        runs = [Run(t, x, own, run.hold) for own, run in zip(rows, runs, strict=True)]
     return runs
 
 
-def noise_variances(t, x, runs):
+def noise_variances(runs):
     """Variance for each run of the white noise that would cause its errors.
 
     It is the variance of its rows, times a factor for correlation in the record as a whole: the sum
     of the correlations over all lags, from neighbouring rows, or from the scatter of means over
     2, 4, 8, ... rows (up to a twentieth of the record); whichever is larger.
     """
-    residuals = [run.residual(t, x) for run in runs]
-    parameters = [len(run.lines) + (not run.hold) for run in runs]
+    residuals = [run.residual() for run in runs]
+    parameters = [len(run.rows) + (not run.hold) for run in runs]
     levels = [float(r @ r) / max(1, r.size - n) for r, n in zip(residuals, parameters, strict=True)]
     unit = np.concatenate([r / (s**0.5 or 1.0) for r, s in zip(residuals, levels, strict=True)])
     next_ = min(0.99, float(unit[1:] @ unit[:-1]) / (float(unit @ unit) or 1.0))

@@ -83,22 +83,22 @@ def segments_from_displacement(t, x):
     t, x = _checked(t, x, "delta_lp")
     rows = Rows(t, x)
     runs = steps_and_jumps(rows, _cuts(rows, t), t, x)
-    scatter, steps = scatter_of(t, x, runs)
+    scatter, steps = scatter_of(runs)
     if wanders(x, scatter, steps):
         # perhaps steps in quick succession: again, with noise looked for in short spans only
         again = Rows(t, x, longest=SHORT)
         closer = steps_and_jumps(again, _cuts(again, t), t, x)
-        if SUCCESS * scatter_of(t, x, closer)[0] < scatter:
+        if SUCCESS * scatter_of(closer)[0] < scatter:
             rows, runs = again, closer
-    runs, notes = mark_holds(t, x, runs, rows)
-    runs, ramps = without_ramps(t, x, runs)
+    runs, notes = mark_holds(runs, rows.noise)
+    runs, ramps = without_ramps(runs)
     for run in runs:
         if run.V < 0.0:
-            first, last = f"{t[run.first]:.7g} s", f"{t[run.last - 1]:.7g} s"
+            first, last = f"{run.start:.7g} s", f"{run.end:.7g} s"
             window = f"(None, '{first}')" if run.first else f"('{last}', None)"
             values = {"first": first, "last": last, "window": window}
             raise refusal("segments.backwards", V=-run.V, **values)
-    noise, at = noise_variances(t, x, runs), breakpoints(t, runs)
+    noise, at = noise_variances(runs), breakpoints(runs)
     variance = [
         (s * one.variance(tau, -1) + z * other.variance(tau, 0)) / (one.V - other.V) ** 2
         for tau, one, other, s, z in zip(at, runs, runs[1:], noise, noise[1:], strict=False)

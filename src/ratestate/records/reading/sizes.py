@@ -9,19 +9,8 @@ from ...model.quantities import QUANTITIES
 from ...model.units import to_si
 from .messages import refusal
 from .table import quoted
-from .titles import PATTERNS, plain
+from .titles import LIKE, USUAL, plain
 
-#: symbol -> least and largest typical size [SI] of what friction is measured with, by any machine
-USUAL = {
-    "time": (1e-6, 1e11),
-    "delta_lp": (1e-9, 1e3),
-    "V_load": (1e-13, 100.0),
-    "friction": (1e-4, 3.0),
-    "tau": (10.0, 1e11),
-    "sigma": (100.0, 1e11),
-}
-#: symbol -> a unit to suggest
-LIKE = {"time": "s", "delta_lp": "um", "V_load": "um/s", "tau": "MPa", "sigma": "MPa"}
 CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
@@ -29,8 +18,8 @@ def checked_units(units):
     """Units given by the caller, or ParameterError."""
     units = {} if units is None else units
     sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
-    if not sound or not units.keys() <= PATTERNS.keys():
-        raise refusal("units.type", units=units, symbols=", ".join(PATTERNS))
+    if not sound or not units.keys() <= LIKE.keys():
+        raise refusal("units.type", units=units, symbols=", ".join(LIKE))
     return units
 
 
@@ -39,7 +28,7 @@ def unit_of(column, symbol, units):
     unit = plain(units.get(symbol, column.unit))
     if not unit and symbol == "friction" and symbol not in units:
         return "1"
-    names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE.get(symbol, "1")}
+    names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE[symbol]}
     if not unit:
         raise refusal("units.none", **names)
     try:

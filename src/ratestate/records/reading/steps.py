@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 
 from .messages import message
-from .runs import Line, Run, fit_run, jump_size, noise_variances, refine_breakpoints
+from .runs import Run, jump_size, noise_variances, refine_breakpoints
 from .splits import drop_weak_cuts
 
 #: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
@@ -33,13 +33,13 @@ def steps_and_jumps(rows, cuts, t, x):
 
     @functools.cache
     def run_of(i, j):
-        return fit_run(t, x, Run((Line(i, j),)))
+        return Run(t, x, [(i, j)])
 
     @functools.cache
     def change(i, j, k):
         """Size of the change at row j between runs from i on and up to k; whether x jumps."""
         one, other = run_of(i, j), run_of(j, k)
-        size = _size(rows, one, other, t)
+        size = _size(one, other, rows.noise)
         return size, size < 1.0 and jump_size(t, x, j, 0.5 * (one.V + other.V)) != 0.0
 
     def changes(at):
@@ -53,66 +53,66 @@ def steps_and_jumps(rows, cuts, t, x):
     joined = [first]
     for run, (_, same) in zip(runs, changes(at), strict=True):
         if same:
-            joined[-1] = Run(joined[-1].lines + run.lines)
+            joined[-1] = joined[-1].joined(run)
         else:
             joined.append(run)
-    return refine_breakpoints(t, x, joined)
+    return refine_breakpoints(joined)
 
 
-def _size(rows, one, other, t):
+def _size(one, other, noise):
     """Change of speed between two runs, over the least change that is a step."""
     change = abs(one.V - other.V)
-    T = [t[run.last - 1] - t[run.first] for run in (one, other)]
-    error = (rows.noise / one.spread + rows.noise / other.spread) ** 0.5
+    T = [run.end - run.start for run in (one, other)]
+    error = (noise / one.spread + noise / other.spread) ** 0.5
     least = max(STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
-    deflection = change * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise**0.5)
+    deflection = change * T[0] * T[1] / sum(T) / (DEFLECTION * noise**0.5)
     return min(change / least if least else 0.0, deflection)
 
 
-def mark_holds(t, x, runs, rows):
+def mark_holds(runs, noise):
     """Runs with V = 0 where it cannot be distinguished from 0 (holds), and notes."""
-    scatter, _ = scatter_of(t, x, runs)
+    scatter, _ = scatter_of(runs)
     largest = max(abs(run.V) for run in runs)
     marked: list[Run] = []
     notes = []
-    for m, (run, own) in enumerate(zip(runs, noise_variances(t, x, runs), strict=True)):
-        first, last = t[run.first], t[run.last - 1]
-        error = (max(rows.noise, own) / run.spread) ** 0.5
-        least = max(HOLD_ERRORS * error, HOLD_SCATTER * scatter / (last - first), ROUNDED * largest)
+    for m, (run, own) in enumerate(zip(runs, noise_variances(runs), strict=True)):
+        lasts = run.end - run.start
+        error = (max(noise, own) / run.spread) ** 0.5
+        least = max(HOLD_ERRORS * error, HOLD_SCATTER * scatter / lasts, ROUNDED * largest)
         hold = abs(run.V) <= least
         beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
         if hold and least > BACK * beside > 0.0:
-            notes.append(message("notes.short_hold", first=first, last=last, V=least))
+            notes.append(message("notes.short_hold", first=run.start, last=run.end, V=least))
         if not hold and -BACK * beside <= run.V < 0.0:
             hold = True
-            notes.append(message("notes.runs_back", by=-run.V * (last - first), first=first))
+            notes.append(message("notes.runs_back", by=-run.V * lasts, first=run.start))
         if hold and marked and marked[-1].hold:
-            marked[-1] = Run(marked[-1].lines + run.lines, hold=True)
+            marked[-1] = marked[-1].joined(run, hold=True)
         else:
-            marked.append(run._replace(hold=bool(hold)))
-    return refine_breakpoints(t, x, marked), notes
+            marked.append(Run(run.t, run.x, run.rows, hold))
+    return refine_breakpoints(marked), notes
 
 
-def without_ramps(t, x, runs):
+def without_ramps(runs):
     """Short runs whose speeds lead from one speed to another left out: a step, with a note."""
     notes, m = [], 1
     while m < len(runs) - 1:
         for last in range(len(runs) - 1, m, -1):
             span = runs[m - 1 : last + 1]
             changes = np.diff([run.V for run in span])
-            ramp = t[span[-1].first] - t[span[0].last - 1]
-            around = min(t[r.last - 1] - t[r.first] for r in (span[0], span[-1]))
+            ramp = span[-1].start - span[0].end
+            around = min(run.end - run.start for run in (span[0], span[-1]))
             if ramp < RAMP * around and ((changes > 0.0).all() or (changes < 0.0).all()):
-                notes.append(message("notes.ramp", ramp=ramp, first=t[span[0].last]))
+                notes.append(message("notes.ramp", ramp=ramp, first=span[0].t[span[0].last]))
                 del runs[m:last]
                 break
         m += 1
-    return refine_breakpoints(t, x, runs), notes
+    return refine_breakpoints(runs), notes
 
 
-def scatter_of(t, x, runs):
+def scatter_of(runs):
     """Standard deviation of a displacement about its lines, and that from row to row."""
-    left = np.concatenate([run.residual(t, x) for run in runs])
+    left = np.concatenate([run.residual() for run in runs])
     return float(left.std()), float(np.median(np.abs(np.diff(left, 2)))) * 1.4826 / 6**0.5
 
 
@@ -125,11 +125,11 @@ def oddities(t, x, runs):
     """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
     notes = []
     for run in runs:
-        for line in run.lines[1:]:
-            if gap := jump_size(t, x, line.first, run.V):
+        for first, _ in run.rows[1:]:
+            if gap := jump_size(t, x, first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
-                notes.append(message("notes.jump", gap=gap, t=t[line.first], lost=lost))
-    scatter, steps = scatter_of(t, x, runs)
+                notes.append(message("notes.jump", gap=gap, t=t[first], lost=lost))
+    scatter, steps = scatter_of(runs)
     if wanders(x, scatter, steps):
         notes.append(message("notes.wanders", scatter=scatter, steps=steps))
     return notes

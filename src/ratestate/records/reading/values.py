@@ -3,8 +3,8 @@
 import numpy as np
 
 from ...model.quantities import readable
-from .sizes import USUAL
 from .table import quoted
+from .titles import USUAL
 
 #: what loggers write where they have no value
 MISSING = (-999.0, -999.25, -9999.0, -99999.0)
