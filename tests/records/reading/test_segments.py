@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from ratestate import ParameterError
-from ratestate.records.reading import find_segments, segments, splits
+from ratestate.records.reading import find_segments, splits
 from ratestate.records.reading.segments import segments_from_displacement, segments_from_velocity
 
 NOISE = 0.3e-6
@@ -207,7 +207,6 @@ def test_refused():
 
 def test_no_constant_speeds(monkeypatch):
     monkeypatch.setattr(splits, "MOST", 20)
-    monkeypatch.setattr(segments, "MOST", 20)
     t = np.arange(8000.0)
     x = 1e-6 * np.cumsum(1.5 + np.sign(np.sin(np.pi * t / 200 + 0.1)))
     with pytest.raises(ParameterError, match="no constant speeds from 0 s to 7999 s: more than 20"):

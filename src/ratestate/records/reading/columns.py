@@ -1,13 +1,14 @@
 """Assigns quantities to the columns of a file, by the names of these."""
 
+import contextlib
 import difflib
 import re
 
 from ...errors import ParameterError
-from ...model.units import to_si
 from .messages import refusal
+from .sizes import unit_of
 from .table import name_list, quoted
-from .titles import NOT_OTHERS, PATTERNS, letters, match_rank, plain
+from .titles import NOT_OTHERS, PATTERNS, letters, match_rank
 
 #: what a record needs -> columns one of which gives it; a message suggests the first
 NEEDS = {
@@ -37,15 +38,11 @@ def choose_columns(table, columns):
             chosen[symbol] = index
     for need, ways in NEEDS.items():
         if not chosen.keys() & set(ways):
+            values = {"need": need, "symbol": ways[0]}
+            values["columns"] = name_list(table.titles) + table.unread_text()
             column = _column_of_unit(table, ways[0], chosen.values())
-            raise refusal(
-                "columns.missing",
-                need=need,
-                columns=name_list(table.titles) + table.unread_text(),
-                such="such as" if column else "in",
-                symbol=ways[0],
-                column=column or "...",
-            )
+            such = "such as" if column else "in"
+            raise refusal("columns.missing", such=such, column=column or "...", **values)
     return chosen
 
 
@@ -87,32 +84,21 @@ def column_by_name(table, symbol, taken, needed=False):
     }
     same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
     if len(same) > 1 and needed:
-        titles = name_list([table.titles[i] for i in same])
-        raise refusal(
-            "columns.ambiguous", symbol=symbol, titles=titles, column=_reference(table, same[0])
-        )
+        titles, first = name_list([table.titles[i] for i in same]), _reference(table, same[0])
+        raise refusal("columns.ambiguous", symbol=symbol, titles=titles, column=first)
     return same[0] if len(same) == 1 else None
 
 
 def _column_of_unit(table, symbol, taken):
     """The one free column with a unit of this quantity, as a call names it; else ""."""
-    same = [
-        i
-        for i, column in enumerate(table.columns)
-        if i not in taken
-        and _fits(symbol, column.unit)
-        and (symbol != "delta_lp" or re.match(NOT_OTHERS, letters(column.name)))
-    ]
+    same = []
+    for i, column in enumerate(table.columns):
+        others = symbol == "delta_lp" and not re.match(NOT_OTHERS, letters(column.name))
+        if i not in taken and not others:
+            with contextlib.suppress(ParameterError):
+                unit_of(column, symbol, {})
+                same.append(i)
     return _reference(table, same[0]) if len(same) == 1 else ""
-
-
-def _fits(symbol, unit):
-    """Whether a unit is one of this quantity."""
-    try:
-        to_si(symbol, f"1 {plain(unit)}", bound="")
-    except ParameterError:
-        return False
-    return True
 
 
 def _reference(table, index):

@@ -34,20 +34,11 @@ LONGEST = 300  # characters of a reader's error message
 def read_isolated(reader, path, kind):
     """The result of `reader` on a file; if it crashes, only its child process does.
 
-    Parameters
-    ----------
-    reader : function of a Path
-        Of a module, from which the child imports it; what it returns can be pickled.
-    path : pathlib.Path
-        A file that can be opened.
-    kind : str
-        As what it is read, in messages: "HDF5".
+    reader : function of a path, of a module; what it returns can be pickled
+    kind : as what the file is read, in messages: "HDF5"
 
-    Raises
-    ------
-    ParameterError
-        The reader raised one; or it failed in any other way, died, or took too long or too much
-        memory.
+    A ParameterError of the reader is raised, and one for any other failure: an exception, a crash,
+    too long a time or too much memory.
     """
     size = path.stat().st_size
     seconds, memory = SECONDS + SECONDS_EACH * size, MEMORY + MEMORY_EACH * size
@@ -143,9 +134,8 @@ def _limit(memory, seconds):
     with contextlib.suppress(ImportError):  # Windows
         import resource
 
-        limits = {"RLIMIT_AS": memory, "RLIMIT_CPU": seconds, "RLIMIT_CORE": 0}
-        for limit, most in limits.items():
-            which = getattr(resource, limit)
+        for name, most in (("AS", memory), ("CPU", seconds), ("CORE", 0)):
+            which = getattr(resource, f"RLIMIT_{name}")
             hard = resource.getrlimit(which)[1]
             most = most if hard == resource.RLIM_INFINITY else min(most, hard)
             with contextlib.suppress(ValueError, OSError):  # macOS knows no limit of memory

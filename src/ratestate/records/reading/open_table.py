@@ -30,18 +30,13 @@ def open_table(path):
             raise refusal(f"file.{kind}", path=path)
         with path.open("rb") as file:
             head = file.read(1024)
-        return path, _table(path, head)
+        if head.startswith(HDF5) or HDF5 in head[512:520]:
+            return path, read_isolated(read_hdf5, path, "HDF5")
+        if head.startswith(b"MATLAB 5.0") or path.suffix.lower() == ".mat":
+            return path, read_isolated(read_mat, path, "a MAT file")
+        for begin, what in FOREIGN.items():
+            if head.startswith(begin):
+                raise refusal("file.foreign", name=path.name, what=what)
+        return path, read_text(path)
     except OSError as error:
         raise refusal("file.error", path=path, error=error.strerror or error) from None
-
-
-def _table(path, head):
-    """The `Table` of a file that begins like this."""
-    if head.startswith(HDF5) or HDF5 in head[512:520]:
-        return read_isolated(read_hdf5, path, "HDF5")
-    if head.startswith(b"MATLAB 5.0") or path.suffix.lower() == ".mat":
-        return read_isolated(read_mat, path, "a MAT file")
-    for begin, what in FOREIGN.items():
-        if head.startswith(begin):
-            raise refusal("file.foreign", name=path.name, what=what)
-    return read_text(path)

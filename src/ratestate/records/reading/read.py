@@ -12,14 +12,13 @@ from .agreement import (
     velocity_disagreement,
 )
 from .columns import choose_columns
-from .history_text import describe_history
 from .messages import message, refusal
 from .open_table import open_table
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
 from .sizes import check_numbers, check_sizes, checked_units, unit_of
 from .table import quoted
-from .values import drop_codes, drop_impossible, flip_downward, flip_negative
+from .values import drop_codes, drop_impossible, flip_signs
 
 
 def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
@@ -88,7 +87,7 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     rows.check_enough()
     for symbol, column in chosen.items():
         check_sizes(symbol, rows.record[symbol], column, unit[symbol])
-    flips = flip_negative(rows.record) + flip_downward(rows.record)
+    flips = flip_signs(rows.record)
     drop_impossible(rows)
     rows.find_gaps()
     record = rows.record
@@ -109,7 +108,7 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     data = _dataset(record, segments)
     data.attrs = {
         "title": "ratestate read_lab",
-        "found": coarse or describe_history(segments, record["time"], record.get("delta_lp")),
+        "found": coarse or segments.history(record["time"], record.get("delta_lp")),
         "source": path.name,
         "columns": json.dumps({s: {"title": c.title, "unit": unit[s]} for s, c in chosen.items()}),
         "notes": json.dumps(messages + flips + segments.notes),
@@ -142,7 +141,7 @@ def _dataset(record, segments):
 
     order = [s for s in ("friction", "delta_lp", "V_load", "tau", "sigma") if s in record]
     variables = {s: ("time", record[s], attrs(s)) for s in order}
-    labels = {"segment_t": segments.t, "segment_V": segments.V}
-    labels |= {"segment_t_error": segments.t_error, "segment_V_error": segments.V_error}
-    variables |= {s: ("segment", values, attrs(s)) for s, values in labels.items()}
+    for name in ("t", "V", "t_error", "V_error"):
+        label = f"segment_{name}"
+        variables[label] = ("segment", getattr(segments, name), attrs(label))
     return xarray.Dataset(variables, coords={"time": ("time", record["time"], attrs("time"))})

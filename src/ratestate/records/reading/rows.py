@@ -17,22 +17,9 @@ NEIGHBOURS = 10  # rows that define what is usual
 
 
 class Rows:
-    """The rows that are kept, as indices into the table, with warnings on the others.
+    """The rows of a table that are `kept`, their `record` (symbol -> values in SI), and `warnings`.
 
-    Parameters
-    ----------
-    table : Table
-    columns : dict
-        Symbol -> `Column`, of one length.
-    units : dict
-        Symbol -> unit.
-
-    Attributes
-    ----------
-    kept : ndarray of int
-    record : dict
-        Symbol -> values [SI] of the rows that are kept.
-    warnings : list of str
+    columns, units : symbol -> `Column`, all of one length; symbol -> its unit
     """
 
     def __init__(self, table, columns, units):

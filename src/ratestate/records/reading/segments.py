@@ -5,26 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...model.quantities import PREFIXES, power_of, readable
 from .messages import refusal
 from .runs import breakpoints, noise_variances
-from .splits import MOST, Rows, cut, drop_weak_cuts
-from .steps import (
-    HOLD_ERRORS,
-    ROUNDED,
-    STEP,
-    mark_holds,
-    oddities,
-    scatter_of,
-    steps_and_jumps,
-    wanders,
-    without_ramps,
-)
+from .splits import Rows, cut, drop_weak_cuts
+from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
 
 #: variance of the position of a jump by k standard deviations, from least squares: so many samples
 #: squared, over k^4 (Yao, Annals of Statistics 15, 1987, for small k)
 POSITION = 26.0
-#: rows in which noise is looked for by a second search, and by how much it must lessen the scatter
-SHORT, SUCCESS = 16, 5.0
 
 
 class Segments(NamedTuple):
@@ -35,6 +24,26 @@ class Segments(NamedTuple):
     t_error: np.ndarray
     V_error: np.ndarray
     notes: list[str]
+
+    def history(self, t, displacement=None):
+        """Steps and holds, such as "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)"."""
+        if self.V.size == 1:
+            V = self.V[0]
+            return f"no step: {'a hold' if V == 0.0 else f'steady at {_speed(V)}'} throughout"
+        ends = np.append(self.t[1:], t[-1])
+        texts = []
+        for i, (start, V) in enumerate(zip(self.t, self.V, strict=True)):
+            at = f"{start:.1f} s" if abs(start) >= 100.0 else f"{start:.4g} s"
+            moved = "" if displacement is None else _displacement(np.interp(start, t, displacement))
+            before = self.V[i - 1] if i else None
+            if V == 0.0:
+                since = f"{at}{moved if i else ''}"
+                texts.append(f"hold of {readable('t', ends[i] - start, 4)} from {since}")
+            elif before == 0.0:
+                texts.append(f"slide at {_speed(V)} from {at}")
+            elif before is not None:
+                texts.append(f"velocity step {_speeds(before, V)} at {at}{moved}")
+        return "; ".join(texts)
 
 
 def find_segments(t, delta_lp):
@@ -81,17 +90,7 @@ def find_segments(t, delta_lp):
 def segments_from_displacement(t, x):
     """`find_segments` with errors and notes: `Segments`."""
     t, x = _checked(t, x, "delta_lp")
-    rows = Rows(t, x)
-    runs = steps_and_jumps(rows, _cuts(rows, t), t, x)
-    scatter, steps = scatter_of(runs)
-    if wanders(x, scatter, steps):
-        # perhaps steps in quick succession: again, with noise looked for in short spans only
-        again = Rows(t, x, longest=SHORT)
-        closer = steps_and_jumps(again, _cuts(again, t), t, x)
-        if SUCCESS * scatter_of(closer)[0] < scatter:
-            rows, runs = again, closer
-    runs, notes = mark_holds(runs, rows.noise)
-    runs, ramps = without_ramps(runs)
+    runs, notes = find_runs(t, x)
     for run in runs:
         if run.V < 0.0:
             first, last = f"{run.start:.7g} s", f"{run.end:.7g} s"
@@ -109,7 +108,7 @@ def segments_from_displacement(t, x):
         np.array([run.V for run in runs]),
         np.append(0.0, np.sqrt(variance)),
         np.array(V_error),
-        notes + ramps + oddities(t, x, runs),
+        notes,
     )
 
 
@@ -129,7 +128,7 @@ def segments_from_velocity(t, V):
         largest = np.maximum(np.abs(means[1:]), np.abs(means[:-1]))
         return np.abs(np.diff(means)) / np.maximum(largest, 1e-300)
 
-    at = drop_weak_cuts(rows, _cuts(rows, t), sizes, STEP)
+    at = drop_weak_cuts(rows, cut(rows), sizes, STEP)
     means, errors = levels(at)
     if means.min() < 0.0:
         i = int(np.argmin(means))
@@ -158,10 +157,19 @@ def _checked(t, x, symbol):
     return t, x
 
 
-def _cuts(rows, t):
-    """The cuts of a record; refuses as many as a history without constant speeds would make."""
-    cuts = cut(rows)
-    if len(cuts) > MOST:
-        tenth = t[0] + (t[-1] - t[0]) / 10
-        raise refusal("segments.none", first=t[0], last=t[-1], most=MOST, tenth=tenth)
-    return cuts
+def _speed(V):
+    return readable("V_lp", V, 3)
+
+
+def _speeds(before, V):
+    """Two speeds, in one unit if they are not too far apart."""
+    if max(before, V) >= 100.0 * min(before, V):
+        return f"{_speed(before)} -> {_speed(V)}"
+    power = power_of("m/s", max(before, V))
+    one, other = (f"{x / 10.0**power:#.3g}".rstrip(".") for x in (before, V))
+    return f"{one} -> {other} {PREFIXES[power]}m/s"
+
+
+def _displacement(x):
+    """A displacement in brackets."""
+    return f" ({x * 1e6:.0f} um)" if abs(x) < 0.1 else f" ({x * 1e3:.3f} mm)"

@@ -38,9 +38,8 @@ def unit_of(column, symbol, units):
         what = what.removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
         where = f"units: {symbol} =" if symbol in units else "the unit"
         other = "" if "divided" in what else ", or name another column in columns"
-        raise refusal(
-            "units.kind", where=where, unit=unit, what=what, other=other, **names
-        ) from None
+        names |= {"unit": unit, "what": what}
+        raise refusal("units.kind", where=where, other=other, **names) from None
     return unit
 
 
@@ -62,39 +61,25 @@ def check_numbers(table, symbol, column, rows=slice(None)):
     if np.isfinite(numbers).any():
         return
     row = int(np.arange(column.values.size)[rows][0])
+    where = {"title": quoted(column.title), "symbol": symbol, "row": table.row_label(row)}
     cell = table.cell(row, column)
     dated = symbol == "time" and CLOCK.search(cell)
-    raise refusal(
-        "column.dates" if dated else "column.no_numbers",
-        title=quoted(column.title),
-        symbol=symbol,
-        cell=cell,
-        row=table.row_label(row),
-    )
+    raise refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
 
 
 def check_sizes(symbol, values, column, unit):
     """Refuse a column that is dead, or of a size that nobody can have measured."""
-    title = quoted(column.title)
+    names = {"title": quoted(column.title), "symbol": symbol, "unit": unit}
     # sigma may be constant, and V_load in a record without a step
     if symbol not in ("sigma", "V_load") and not np.ptp(values) > 0.0:
         what = "tau, and so friction perhaps," if symbol == "tau" else symbol
-        raise refusal("column.dead", title=title, what=what, value=values[0], rows=values.size)
+        raise refusal("column.dead", what=what, value=values[0], rows=values.size, **names)
     span = symbol in ("time", "delta_lp")
     size = float(np.ptp(values) if span else np.median(np.abs(values)))
     if symbol == "friction":
         size = max(size, float(np.quantile(np.abs(values), 0.9)))
     low, high = USUAL[symbol]
-    if size == 0.0 or low <= size <= high:
-        return
-    raise refusal(
-        "column.friction" if symbol == "friction" else "column.size",
-        title=title,
-        symbol=symbol,
-        verb="spans" if span else "is typically",
-        size=size,
-        low=low,
-        high=high,
-        si=QUANTITIES[symbol].unit,
-        unit=unit,
-    )
+    if size > 0.0 and not low <= size <= high:
+        sentence = "friction" if symbol == "friction" else "span" if span else "size"
+        si = QUANTITIES[symbol].unit
+        raise refusal(f"column.{sentence}", size=size, low=low, high=high, si=si, **names)

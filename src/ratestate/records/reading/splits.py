@@ -11,6 +11,7 @@ import functools
 import numpy as np
 
 from ...model.arrays import running_sum
+from .messages import refusal
 
 SHORTEST = 4  # rows of a run
 MOST = 500  # runs
@@ -29,7 +30,7 @@ class Rows:
     """
 
     def __init__(self, t, x, degree=1, longest=10**9):
-        self.degree = degree
+        self.t, self.degree = t, degree
         u = t - t.mean()
         # what all runs share only costs digits
         y = x - (np.polyval(np.polyfit(u, x, 1), u) if degree else x.mean())
@@ -93,7 +94,7 @@ def cut(rows):
 
     Each run is cut where that gains most, as long as the gain is significant; then cuts are moved
     between their neighbours until none gains, and those that gain nothing any more are undone.
-    A list of more than `MOST` ends early.
+    More than `MOST` are refused: a history without constant speeds would make as many.
     """
     least = SIGNIFICANT * rows.noise
     cuts, open_ = [0, rows.at.size - 1], [(0, rows.at.size - 1)]
@@ -103,10 +104,10 @@ def cut(rows):
         if gain > least:
             cuts.append(k)
             open_ += [(i, k), (k, j)]
-    cuts.sort()
     if len(cuts) > MOST:
-        return cuts
-    cuts = _improved(rows, cuts)
+        t, T = rows.t[0], rows.t[-1]
+        raise refusal("segments.none", first=t, last=T, most=MOST, tenth=t + (T - t) / 10)
+    cuts = _improved(rows, sorted(cuts))
     if rows.every > 1:
         # all rows near the cuts as candidates, not only every second or so
         near = np.arange(-2 * rows.every, 2 * rows.every + 1)

@@ -7,7 +7,7 @@ import numpy as np
 
 from .messages import message
 from .runs import Run, jump_size, noise_variances, refine_breakpoints
-from .splits import drop_weak_cuts
+from .splits import Rows, cut, drop_weak_cuts
 
 #: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
 STEP = 0.05
@@ -23,10 +23,29 @@ RAMP = 0.05
 ROUNDED = 1e-9
 #: scatter about the lines, over that from row to row, from which on it is no noise
 WANDER = 10.0
+#: rows in which noise is looked for by a second search, and by how much it must lessen the scatter
+SHORT, SUCCESS = 16, 5.0
 
 
-def steps_and_jumps(rows, cuts, t, x):
-    """Runs between those cuts at which the speed changes by as much as a step.
+def find_runs(t, x):
+    """Runs of the load point from break to break, and notes on them.
+
+    Steps in quick succession may be taken for a load point that wanders: where there is much of
+    that, a second search looks for noise in short spans only.
+    """
+    noise, runs = _steps_and_jumps(Rows(t, x), t, x)
+    scatter, steps = _scatter_of(runs)
+    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
+        again, closer = _steps_and_jumps(Rows(t, x, longest=SHORT), t, x)
+        if SUCCESS * _scatter_of(closer)[0] < scatter:
+            noise, runs = again, closer
+    runs, holds = _mark_holds(runs, noise)
+    runs, ramps = _without_ramps(runs)
+    return runs, holds + ramps + _oddities(t, x, runs)
+
+
+def _steps_and_jumps(rows, t, x):
+    """The noise, and runs between cuts at which the speed changes by as much as a step.
 
     Of the other cuts those are kept where the displacement jumps: they part lines of one run.
     """
@@ -37,41 +56,34 @@ def steps_and_jumps(rows, cuts, t, x):
 
     @functools.cache
     def change(i, j, k):
-        """Size of the change at row j between runs from i on and up to k; whether x jumps."""
+        """Of the speed at row j, over the least that is a step; inf where x jumps at one speed."""
         one, other = run_of(i, j), run_of(j, k)
-        size = _size(one, other, rows.noise)
-        return size, size < 1.0 and jump_size(t, x, j, 0.5 * (one.V + other.V)) != 0.0
+        dV = abs(one.V - other.V)
+        T = [run.end - run.start for run in (one, other)]
+        error = (rows.noise / one.spread + rows.noise / other.spread) ** 0.5
+        least = max(STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
+        deflection = dV * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise**0.5)
+        size = min(dV / least if least else 0.0, deflection)
+        jumps = size < 1.0 and jump_size(t, x, j, 0.5 * (one.V + other.V)) != 0.0
+        return np.inf if jumps else size
 
     def changes(at):
         return [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
 
-    def sizes(at):
-        return [1.0 if jumps else size for size, jumps in changes(at)]
-
-    at = drop_weak_cuts(rows, cuts, sizes, 1.0)
+    at = drop_weak_cuts(rows, cut(rows), changes, 1.0)
     first, *runs = [run_of(*two) for two in itertools.pairwise(at)]
     joined = [first]
-    for run, (_, same) in zip(runs, changes(at), strict=True):
-        if same:
+    for run, size in zip(runs, changes(at), strict=True):
+        if size == np.inf:
             joined[-1] = joined[-1].joined(run)
         else:
             joined.append(run)
-    return refine_breakpoints(joined)
+    return rows.noise, refine_breakpoints(joined)
 
 
-def _size(one, other, noise):
-    """Change of speed between two runs, over the least change that is a step."""
-    change = abs(one.V - other.V)
-    T = [run.end - run.start for run in (one, other)]
-    error = (noise / one.spread + noise / other.spread) ** 0.5
-    least = max(STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
-    deflection = change * T[0] * T[1] / sum(T) / (DEFLECTION * noise**0.5)
-    return min(change / least if least else 0.0, deflection)
-
-
-def mark_holds(runs, noise):
+def _mark_holds(runs, noise):
     """Runs with V = 0 where it cannot be distinguished from 0 (holds), and notes."""
-    scatter, _ = scatter_of(runs)
+    scatter, _ = _scatter_of(runs)
     largest = max(abs(run.V) for run in runs)
     marked: list[Run] = []
     notes = []
@@ -93,7 +105,7 @@ def mark_holds(runs, noise):
     return refine_breakpoints(marked), notes
 
 
-def without_ramps(runs):
+def _without_ramps(runs):
     """Short runs whose speeds lead from one speed to another left out: a step, with a note."""
     notes, m = [], 1
     while m < len(runs) - 1:
@@ -110,18 +122,13 @@ def without_ramps(runs):
     return refine_breakpoints(runs), notes
 
 
-def scatter_of(runs):
+def _scatter_of(runs):
     """Standard deviation of a displacement about its lines, and that from row to row."""
     left = np.concatenate([run.residual() for run in runs])
     return float(left.std()), float(np.median(np.abs(np.diff(left, 2)))) * 1.4826 / 6**0.5
 
 
-def wanders(x, scatter, steps):
-    """Whether such a scatter of a displacement is no noise."""
-    return scatter > max(WANDER * steps, ROUNDED * np.ptp(x))
-
-
-def oddities(t, x, runs):
+def _oddities(t, x, runs):
     """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
     notes = []
     for run in runs:
@@ -129,7 +136,7 @@ def oddities(t, x, runs):
             if gap := jump_size(t, x, first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
                 notes.append(message("notes.jump", gap=gap, t=t[first], lost=lost))
-    scatter, steps = scatter_of(runs)
-    if wanders(x, scatter, steps):
+    scatter, steps = _scatter_of(runs)
+    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
         notes.append(message("notes.wanders", scatter=scatter, steps=steps))
     return notes

@@ -68,28 +68,27 @@ def _columns(title, values, attrs):
     """The columns that an array is: one, the fields of a table, or those of a matrix."""
     if not isinstance(values, np.ndarray) or values.size < SMALLEST:
         return
-    units = next((attrs[key] for key in UNITS if key in attrs), "")
+    parts = []  # titles, names and values
     if values.dtype.names:
         names = [name for name in values.dtype.names if values.dtype[name].kind in "iuf"]
-        for name, unit in zip(names, _texts(units, len(names)), strict=True):
-            yield _column(f"{title}/{name}", name, unit, values[name].ravel())
+        parts = [(f"{title}/{name}", name, values[name].ravel()) for name in names]
     elif values.dtype.kind in "iuf":
         values = _unpacked(np.squeeze(values), attrs)
         if values.ndim == 1:
-            yield _column(title, title.rpartition("/")[2], _texts(units, 1)[0], values)
+            parts = [(title, title.rpartition("/")[2], values)]
         elif values.ndim == 2:
             rows = values if values.shape[0] > values.shape[1] else values.T
-            count = rows.shape[1]
-            names = _texts(next((attrs[key] for key in NAMES if key in attrs), ""), count)
-            for i, unit in enumerate(_texts(units, count)):
-                own = f"{title}/{names[i]}" if names[i] else f"{title}[{i + 1}]"
-                yield _column(own, names[i], unit, rows[:, i])
+            for i, name in enumerate(_texts(_first(attrs, NAMES), rows.shape[1])):
+                parts.append((f"{title}/{name}" if name else f"{title}[{i + 1}]", name, rows[:, i]))
+    units = _texts(_first(attrs, UNITS), len(parts))
+    for (own_title, name, column), unit in zip(parts, units, strict=True):
+        name, own_unit = split(name)
+        yield Column(own_title, name, unit or own_unit, column.astype(float))
 
 
-def _column(title, name, unit, values):
-    """A column of a file of arrays, whose titles may begin with groups."""
-    name, own = split(name)
-    return Column(title, name, unit or own, values.astype(float))
+def _first(attrs, keys):
+    """The first of some attributes that is there."""
+    return next((attrs[key] for key in keys if key in attrs), "")
 
 
 def _texts(value, count):

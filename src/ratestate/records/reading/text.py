@@ -1,5 +1,6 @@
 """Tables of text: tabs, commas, semicolons or spaces between the cells, with or without header."""
 
+import contextlib
 import csv
 import itertools
 import math
@@ -51,16 +52,12 @@ def _text(path):
     if (size := path.stat().st_size) > LARGEST:
         raise refusal("text.large", name=path.name, size=size / 1e9, most=LARGEST / 1e9)
     data = path.read_bytes()
-    encodings = ["utf-8-sig", "cp1252", "latin-1"]
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        encodings = ["utf-16"]
-    elif b"\0" in data:
+    utf_16 = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if b"\0" in data and not utf_16:
         raise refusal("text.binary", name=path.name)
-    for encoding in encodings:
-        try:
+    for encoding in ["utf-16"] if utf_16 else ["utf-8-sig", "cp1252", "latin-1"]:
+        with contextlib.suppress(UnicodeDecodeError):
             return data.decode(encoding)
-        except UnicodeDecodeError:
-            pass
     raise refusal("text.encoding", name=path.name)
 
 

@@ -74,25 +74,23 @@ def isolated_samples(values, least=0.0):
     return bad
 
 
-def flip_negative(record):
-    """Flip friction and stresses that are negative throughout; notes on them."""
-    notes = []
-    for symbol in ("friction", "tau", "sigma"):
-        if symbol in record and np.quantile(record[symbol], 0.9) < 0.0:
-            record[symbol] = -record[symbol]
-            notes.append(f"{symbol} is negative throughout; its sign is turned")
-    return notes
+def flip_signs(record):
+    """Turn friction and stresses that are negative throughout, and a load point that moves down.
 
-
-def flip_downward(record):
-    """Flip the sign of a load point that moves downwards; notes on it."""
-    if "delta_lp" in record:
-        symbol, x = "delta_lp", record["delta_lp"]
-        part = max(1, x.size // 20)
-        down = np.median(x[-part:]) < np.median(x[:part])
-    else:
-        symbol, down = "V_load", np.median(record["V_load"]) < 0.0
-    if not down:
-        return []
-    record[symbol] = -record[symbol]
-    return [f"{symbol} runs downwards; its sign is turned"]
+    Notes on them.
+    """
+    stresses = [s for s in ("friction", "tau", "sigma") if s in record]
+    notes = {
+        s: f"{s} is negative throughout; its sign is turned"
+        for s in stresses
+        if np.quantile(record[s], 0.9) < 0.0
+    }
+    symbol = "delta_lp" if "delta_lp" in record else "V_load"
+    x = record[symbol]
+    part = max(1, x.size // 20)
+    start, end = (x[:part], x[-part:]) if symbol == "delta_lp" else (0.0, x)
+    if np.median(end) < np.median(start):
+        notes[symbol] = f"{symbol} runs downwards; its sign is turned"
+    for flipped in notes:
+        record[flipped] = -record[flipped]
+    return [*notes.values()]
