@@ -243,4 +243,4 @@ def test_the_noise_of_a_record_is_its_variance(degree):
     t = np.arange(40_000.0)
     white = 2e-6 * np.random.default_rng(9).standard_normal(t.size)
     line = 3e-6 * t if degree else np.zeros(t.size)
-    assert 0.95 < splits.Rows(t, line + white, degree).noise / 4e-12 < 1.15
+    assert 0.95 < splits.RowSums(t, line + white, degree).noise / 4e-12 < 1.15

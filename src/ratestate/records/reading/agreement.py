@@ -20,7 +20,18 @@ REPEATED, DIGITS = 5, 1.5
 CONSTANT, CHANCE, NOISY = 20, 1e-6, 0.25
 
 
-def friction_disagreement(record):
+def disagreements(rows, coarse):
+    """Notes on columns that contradict each other, and on a displacement that is too coarse."""
+    notes = [
+        _friction_disagreement(rows.record),
+        _constant_friction(rows.record),
+        message("notes.remedy", text=coarse) if coarse else "",
+        _velocity_disagreement(rows),
+    ]
+    return [note for note in notes if note]
+
+
+def _friction_disagreement(record):
     """A note if friction is not tau/sigma, else ""."""
     if not record.keys() >= {"friction", "tau", "sigma"}:
         return ""
@@ -32,7 +43,7 @@ def friction_disagreement(record):
     return message("notes.ratio", ratio=ratio) if abs(ratio - 1.0) > AGREE else ""
 
 
-def constant_friction(record):
+def _constant_friction(record):
     """A note on the longest stretch of one value, if noise would not have left it, else "".
 
     Rounded values repeat: with a probability p from row to row, n rows have a stretch of m repeats
@@ -72,7 +83,7 @@ def coarse_resolution(record, segments):
     return ""
 
 
-def velocity_disagreement(rows):
+def _velocity_disagreement(rows):
     """A note if a velocity beside the displacement leads elsewhere, else ""."""
     columns, record = rows.table.columns, rows.record
     own = {id(column) for column in rows.columns.values()}

@@ -5,14 +5,9 @@ import warnings
 
 from ...errors import ParameterError, RecordWarning
 from ...model.quantities import attrs
-from .agreement import (
-    coarse_resolution,
-    constant_friction,
-    friction_disagreement,
-    velocity_disagreement,
-)
+from .agreement import coarse_resolution, disagreements
 from .columns import choose_columns
-from .messages import message, refusal
+from .messages import refusal
 from .open_table import open_table
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
@@ -96,13 +91,7 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     else:
         segments = segments_from_velocity(record["time"], record["V_load"])
     coarse = coarse_resolution(record, segments)
-    disagreements = [
-        friction_disagreement(record),
-        constant_friction(record),
-        message("notes.remedy", text=coarse) if coarse else "",
-        velocity_disagreement(rows),
-    ]
-    messages = rows.warnings + notes + [text for text in disagreements if text]
+    messages = rows.warnings + notes + disagreements(rows, coarse)
     for text in messages:
         warnings.warn(f"{path.name}: {text}", RecordWarning, stacklevel=2)
     data = _dataset(record, segments)

@@ -8,7 +8,7 @@ import numpy as np
 from ...model.quantities import PREFIXES, power_of, readable
 from .messages import refusal
 from .runs import breakpoints, noise_variances
-from .splits import Rows, cut, drop_weak_cuts
+from .splits import RowSums, cut, drop_weak_cuts
 from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
 
 #: variance of the position of a jump by k standard deviations, from least squares: so many samples
@@ -115,7 +115,7 @@ def segments_from_displacement(t, x):
 def segments_from_velocity(t, V):
     """`Segments` from recorded speeds [m/s]; steps lie midway between two rows."""
     t, V = _checked(t, V, "V_load")
-    rows = Rows(t, V, degree=0)
+    rows = RowSums(t, V, degree=0)
 
     def levels(at):
         means = np.array([V[i:j].mean() for i, j in itertools.pairwise(at)])

@@ -21,7 +21,7 @@ CANDIDATES = 20_000  # rows at which a run may be cut, before breaks are placed 
 SIGNIFICANT = 40.0
 
 
-class Rows:
+class RowSums:
     """Sums over rows from the start on, at the rows where runs may be cut.
 
     t, x : ndarray, shape (n,)
@@ -157,7 +157,7 @@ def _improved(rows, cuts, near=None):
 
 
 def drop_weak_cuts(rows, cuts, sizes, least):
-    """Rows at the ends of runs, once the cuts of a size below the least are gone.
+    """RowSums at the ends of runs, once the cuts of a size below the least are gone.
 
     sizes : function of such rows, the size of the change at each but the first and last
     """

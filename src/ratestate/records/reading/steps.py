@@ -7,7 +7,7 @@ import numpy as np
 
 from .messages import message
 from .runs import Run, jump_size, noise_variances, refine_breakpoints
-from .splits import Rows, cut, drop_weak_cuts
+from .splits import RowSums, cut, drop_weak_cuts
 
 #: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
 STEP = 0.05
@@ -33,10 +33,10 @@ def find_runs(t, x):
     Steps in quick succession may be taken for a load point that wanders: where there is much of
     that, a second search looks for noise in short spans only.
     """
-    noise, runs = _steps_and_jumps(Rows(t, x), t, x)
+    noise, runs = _steps_and_jumps(RowSums(t, x), t, x)
     scatter, steps = _scatter_of(runs)
     if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
-        again, closer = _steps_and_jumps(Rows(t, x, longest=SHORT), t, x)
+        again, closer = _steps_and_jumps(RowSums(t, x, longest=SHORT), t, x)
         if SUCCESS * _scatter_of(closer)[0] < scatter:
             noise, runs = again, closer
     runs, holds = _mark_holds(runs, noise)
