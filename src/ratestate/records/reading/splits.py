@@ -157,7 +157,7 @@ def _improved(rows, cuts, near=None):
 
 
 def drop_weak_cuts(rows, cuts, sizes, least):
-    """RowSums at the ends of runs, once the cuts of a size below the least are gone.
+    """Rows at the ends of runs, once the cuts of a size below the least are gone.
 
     sizes : function of such rows, the size of the change at each but the first and last
     """
