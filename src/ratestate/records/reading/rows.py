@@ -23,10 +23,14 @@ class Rows:
     """
 
     def __init__(self, table, columns, units):
-        self.table, self.columns = table, columns
-        self.record = {s: in_si(s, column.values, units[s]) for s, column in columns.items()}
-        self.kept = np.arange(self.record["time"].size)
+        self.table, self.columns, self.units = table, columns, units
+        self.kept = np.arange(columns["time"].values.size)
+        self.record: dict[str, np.ndarray] = {}
         self.warnings: list[str] = []
+
+    def in_si(self, symbol):
+        """A column in the rows that are kept, in SI."""
+        return in_si(symbol, self.columns[symbol].values[self.kept], self.units[symbol])
 
     def keep(self, which):
         """Keep only these of the rows: a mask or slice along `kept`."""
@@ -50,17 +54,18 @@ class Rows:
         return ", ".join(texts) + more
 
     def cut(self, windows):
-        """Keep only the rows in the windows, from the first one inside to the last."""
+        """Keep only the rows in the windows, from the first one inside to the last: the record."""
         for symbol, (name, low, high) in windows.items():
-            if symbol not in self.record:
+            if symbol not in self.columns:
                 raise refusal("window.no_displacement")
-            values = self.record[symbol]
+            values = self.in_si(symbol)
             inside = np.flatnonzero((values >= low) & (values <= high))
             if not inside.size:
                 ends = {"low": np.nanmin(values), "high": np.nanmax(values)}
                 raise refusal("window.no_row", name=name, symbol=symbol, **ends)
             self.keep(slice(inside[0], inside[-1] + 1))
         self.check_enough(" in the window" if windows else "")
+        self.record = {symbol: self.in_si(symbol) for symbol in self.columns}
 
     def drop_unreadable(self):
         """Leave out rows without a number in a column that is needed."""
