@@ -79,12 +79,10 @@ def flip_signs(record):
 
     Notes on them.
     """
-    stresses = [s for s in ("friction", "tau", "sigma") if s in record]
-    notes = {
-        s: f"{s} is negative throughout; its sign is turned"
-        for s in stresses
-        if np.quantile(record[s], 0.9) < 0.0
-    }
+    notes = {}
+    for symbol in ("friction", "tau", "sigma"):
+        if symbol in record and np.quantile(record[symbol], 0.9) < 0.0:
+            notes[symbol] = f"{symbol} is negative throughout; its sign is turned"
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     x = record[symbol]
     part = max(1, x.size // 20)
