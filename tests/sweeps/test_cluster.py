@@ -263,14 +263,14 @@ def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
     class Work:
         """The one chunk kills its worker so many times, however it is done."""
 
-        def __init__(self, client):
+        def __init__(self, *_):
             self.sent, self.deaths, self.under_way = [], deaths, {}
 
         def thread_count(self):
             return 1
 
-        def send(self, i, function, how, *arguments):
-            self.sent.append(type(how))
+        def send(self, i, function, *arguments):
+            self.sent.append(type(function.__self__))
             self.under_way = {"task": i}
 
         @property
@@ -293,8 +293,8 @@ def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
     monkeypatch.setattr(cluster, "_Work", Work)
     _, call = calls.call_of("limit_cycle", SLIDER, ARGUMENTS["limit_cycle"])
     chunks = chunks_of(call.batch.sizes, 48)
-    tasks, report = Tasks(chunks, {}, None, "cpu"), types.SimpleNamespace(show=lambda: None)
-    outcomes = cluster.outcomes(None, tasks, call, [0], report)
+    tasks, report = Tasks(chunks, {}, None, "cpu"), types.SimpleNamespace(refresh=lambda: None)
+    outcomes = cluster.outcomes(None, None, tasks, call, [0], report)
     if enough:
         assert list(outcomes) == [[Tasks] + 4 * [SubprocessTasks]]
     else:

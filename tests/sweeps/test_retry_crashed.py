@@ -11,7 +11,7 @@ import ratestate as rs
 from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
 from ratestate.engine.model import CRASHED
 from ratestate.interfaces.cli import main
-from ratestate.sweeps import calls, store, subprocesses
+from ratestate.sweeps import calls, store, subprocesses, task
 from ratestate.sweeps.chunks import Chunks
 from ratestate.sweeps.solve import form_of, solve
 from ratestate.sweeps.status import store_status
@@ -91,7 +91,7 @@ def test_only_chunks_with_crashed_cases_are_done_again(path):
 def test_an_interrupted_retry_is_gone_on_with(path, monkeypatch):
     with broken():
         sweep(path)
-    write = store._write
+    write = task.write
 
     def interrupted(store, i, variables):
         if i == 1:
@@ -99,7 +99,7 @@ def test_an_interrupted_retry_is_gone_on_with(path, monkeypatch):
         write(store, i, variables)
 
     with monkeypatch.context() as patch:
-        patch.setattr(store, "_write", interrupted)
+        patch.setattr(task, "write", interrupted)
         patch.setattr("ratestate.sweeps.threads.cores", lambda: 1)
         with pytest.raises(KeyboardInterrupt):
             sweep(path, retry_crashed=True)

@@ -724,7 +724,7 @@ def test_a_flipped_bit_is_an_error_and_no_number(path, name):
 def test_a_flipped_bit_in_the_parameters(begun):
     for _ in flipped(begun / "sweep/inputs/M/c/0"):
         try:
-            _, inputs = store_module.read_group(begun)
+            _, inputs = store_module.read_record(begun)
         except StoreError:
             continue
         np.testing.assert_array_equal(inputs.M, AXES["M"])

@@ -124,8 +124,9 @@ KINDS = {"period": VariableSpec(("case",), np.dtype(float), {}, {})}
 )
 def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
     monkeypatch.setattr(chunk_size, "seconds_per_case", lambda *_: seconds)
-    call = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={}))
-    assert chunk_size.cases_per_chunk(call, KINDS, workers, True, "cpu", here_and_now) == cases
+    call, form = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={})), SimpleNamespace(specs=KINDS)
+    request = SimpleNamespace(call=call, form=form, device="cpu")
+    assert chunk_size.cases_per_chunk(request, workers, True, here_and_now) == cases
 
 
 def test_a_probe_stops_in_time():
@@ -406,7 +407,7 @@ def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
         def part(self, i, fraction):
             pass
 
-        show = staticmethod(lambda: None)
+        refresh = staticmethod(lambda: None)
 
     call = call_of("limit_cycle", SLIDER, {"V_lp": 1e-3})[1]
     found = list(threads_module.outcomes(Tasks(), call, numbers, Report()))
@@ -465,7 +466,7 @@ def test_what_a_report_says(monkeypatch, capsys):
     done = np.array([True, False, False, False])
     with progress.ProgressReport("sweep", Chunks({"M": 40}, (10,)), done, 3, quiet=False) as report:
         clock[0] += 0.5
-        report.show()
+        report.refresh()
         assert capsys.readouterr().err == ""
         clock[0] += 30.0
         report.part(1, 0.5)
@@ -476,7 +477,7 @@ def test_what_a_report_says(monkeypatch, capsys):
         report.finished(Outcome(1, 0, None))
         assert capsys.readouterr().err == ""  # not so soon again
         clock[0] += 31.0
-        report.show()
+        report.refresh()
         assert "30 of 40 cases, 7 failed" in capsys.readouterr().err
 
 

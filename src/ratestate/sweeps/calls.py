@@ -5,10 +5,12 @@ variables of all cases, ``blank()`` the same without answers, ``dataset(variable
 `arrays.cut` selects a part of it.
 """
 
+import dataclasses
+import functools
 import inspect
 import re
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
 from ..dynamics.simulation.simulate import simulate, simulate_call
@@ -16,6 +18,7 @@ from ..dynamics.steady_sliding import stability, stability_call
 from ..errors import ParameterError
 from ..model.arrays import cut
 from ..model.initial_state import initial_state
+from .solve import form_of
 
 #: name -> the function, and the one that checks its arguments and returns a call
 FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
@@ -28,31 +31,24 @@ RESERVED = ("message", "status", "sweep")
 DEVICES = ("cpu", "cuda")
 
 
-class SweepRequest(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class SweepRequest:
     """What a sweep is to compute, and how."""
 
     name: str  # of the function
     call: Any  # its checked call
     chunk: int | None  # cases of a chunk; None: chosen by `chunk_size`
     device: str
+    mixed: bool  # whether what computes the rest of a store may be of another kind
+
+    @functools.cached_property
+    def form(self):
+        """`Form` of the result."""
+        return form_of(self.call)
 
 
 def call_of(verb, slider, arguments):
-    """Name of the function, and its checked call.
-
-    Parameters
-    ----------
-    verb : callable or str
-        A function that can be swept, or its name.
-    slider : SpringSlider
-    arguments : dict
-        The function's other arguments, by name.
-
-    Raises
-    ------
-    ParameterError
-        An argument that the function would refuse, for any case; nothing to sweep over.
-    """
+    """Name of a function that can be swept, given as such or by name, and its checked call."""
     name = next(
         (name for name, (function, _) in FUNCTIONS.items() if verb in (name, function)), None
     )

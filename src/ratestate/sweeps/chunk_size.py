@@ -59,30 +59,27 @@ def sample_indices(sizes, most):
     return indices
 
 
-def cases_per_chunk(call, specs, workers, shared, device, call_where):
+def cases_per_chunk(request, workers, shared, call_where):
     """How many cases a chunk should have; in a long sweep each worker gets several chunks.
 
-    specs : dict, variable -> `VariableSpec`
     workers : number of workers, each with one core
     shared : whether all workers can share one chunk, which keeps their lanes full in a small sweep
     call_where : calls a function with its arguments where the work is to be done
     """
-    n = call.batch.n
-    fits = max(1, MOST_BYTES // bytes_per_case(specs))
-    if device == "cuda":
+    batch, specs = request.call.batch, request.form.specs
+    n, fits = batch.n, max(1, MOST_BYTES // bytes_per_case(specs))
+    if request.device == "cuda":
         return min(n, CASES_ON_GPU, fits)
-    sample = cut(call, sample_indices(call.batch.sizes, min(SAMPLE, fits)))
+    sample = cut(request.call, sample_indices(batch.sizes, min(SAMPLE, fits)))
     try:
-        a_case = call_where(seconds_per_case, sample, specs)
+        a_case = max(call_where(seconds_per_case, sample, specs), 1e-9)
     except RateStateError:
         raise
     except Exception:  # a case of the sample killed its worker, so the cost is unknown
         a_case = LONGEST
-    a_case = max(a_case, 1e-9)
     full = float(np.clip(LONGEST / a_case, LANES, FULL))
-    total = n * a_case
     if shared and n < 2 * workers * full:
         return min(n, fits, math.ceil(LONGEST * workers / a_case))
-    seconds = float(np.clip(total / (SHARE * workers), *SECONDS))
-    number = workers * math.ceil(total / (seconds * workers))
+    seconds = float(np.clip(n * a_case / (SHARE * workers), *SECONDS))
+    number = workers * math.ceil(n * a_case / (seconds * workers))
     return min(n, fits, math.ceil(max(n / number, full)))

@@ -39,17 +39,18 @@ class Chunks:
         """Number of cases in chunk i."""
         return math.prod(part.stop - part.start for part in self.slices(i).values())
 
-    def file_keys(self, i, variables):
+    def file_keys(self, i, dims):
         """Variable -> path within a store of its file for chunk i, if this chunk writes one.
 
-        A variable that does not depend on some dimensions is written by the first chunk along them.
+        dims : variable -> its dimensions.  If it lacks some of the sweep's, the first chunk along
+        these writes it.
         """
         index = dict(zip(self.sizes, self.index(i), strict=True))
         paths = {}
-        for name, variable in variables.items():
-            own = index.keys() & {*variable.dims}
-            if own and not any(index[dim] for dim in index.keys() - own):
-                paths[name] = "/".join([name, "c", *(str(index.get(d, 0)) for d in variable.dims)])
+        for name, own in dims.items():
+            shared = index.keys() & {*own}
+            if shared and not any(index[dim] for dim in index.keys() - shared):
+                paths[name] = "/".join([name, "c", *(str(index.get(dim, 0)) for dim in own)])
         return paths
 
     def __iter__(self):

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import itertools
+import json
 import pickle
 import queue
 import time
@@ -10,12 +11,11 @@ from collections import Counter
 from typing import Any, NamedTuple
 
 from ..dynamics.results import versions
-from ..engine import backend
 from ..errors import RateStateError, SolverError
 from ..model.arrays import cut
 from .jobs import RESUME, Jobs, to_stderr
 from .subprocesses import SubprocessTasks
-from .task import do_on_worker
+from .task import call_on_worker
 
 # Chunks under way for each thread of the cluster, so that no thread waits for its next one.
 AHEAD = 2
@@ -26,27 +26,31 @@ MOST_DEATHS = 4
 TICK, LOOK, PATIENCE = 0.05, 1.0, 3.0
 
 
-def outcomes(client, tasks, call, numbers, report):
+def outcomes(client, processor, tasks, call, numbers, report):
     """Solve the chunks with these numbers; yield each `Outcome` when it is ready.
 
-    A chunk whose worker died is solved again by `SubprocessTasks`, where it cannot kill the worker;
-    one whose worker ended with its SLURM job is simply solved again.
+    All workers must have this kind of processor, if it is not None.  A chunk whose worker died is
+    solved again by `SubprocessTasks`, where it cannot kill the worker; one whose worker ended with
+    its SLURM job is simply solved again.
     """
-    from distributed import CancelledError, KilledWorker
+    from distributed import KilledWorker
 
     waiting, deaths = iter(numbers), Counter[int]()
 
     def send(i):
         how = SubprocessTasks(*tasks) if deaths[i] else tasks
-        work.send(i, do_on_worker, how, i, cut(call, tasks.chunks.slices(i)), versions())
+        work.send(i, how.do, i, cut(call, tasks.chunks.slices(i)))
 
     def retry_in_subprocess(i):
         deaths[i] += 1
         if deaths[i] > MOST_DEATHS:
-            raise SolverError(_WORKERS_DIE)
+            raise SolverError(
+                f"workers die, one after the other, and not of single cases; give them more "
+                f"memory, or the sweep a smaller chunk; {RESUME}"
+            )
         send(i)
 
-    with _connected(), contextlib.closing(_Work(client)) as work:
+    with _working(client, tasks.device, processor) as work:
         while True:
             free = AHEAD * max(1, work.thread_count()) - len(work.under_way)
             for i in itertools.islice(waiting, max(0, free)):
@@ -57,29 +61,36 @@ def outcomes(client, tasks, call, numbers, report):
                 send(i) if job_ended else retry_in_subprocess(i)
             for i, answer in work.finished():
                 try:
-                    outcome = answer.result()
+                    outcome = _result_of(answer)
                 except KilledWorker:  # it killed several before their deaths were noted here
                     retry_in_subprocess(i)
-                except (RateStateError, CancelledError):
-                    raise
-                except Exception as error:
-                    raise _worker_error(error) from error
                 else:
                     yield outcome
-            report.show()
+            report.refresh()
 
 
-def _worker_error(error):
-    return SolverError(
-        f"a worker cannot do its work ({type(error).__name__}: {error}); it needs the same "
-        f"programs as this process; its log may say more"
-    )
+def result(client, device, function, *arguments):
+    """Have a worker call a function, with kernels on one thread, and return its result."""
+    with _working(client, device) as work:
+        work.send(0, function, *arguments)
+        while not (ended := work.finished()):
+            work.thread_count()
+        return _result_of(ended[0][1])
 
 
-_WORKERS_DIE = (
-    f"workers die, one after the other, and not of single cases; give them more memory, or the "
-    f"sweep a smaller chunk; {RESUME}"
-)
+def _result_of(answer):
+    """The result of a task that has ended; what it raised but should not becomes a SolverError."""
+    from distributed import CancelledError, KilledWorker
+
+    try:
+        return answer.result()
+    except (RateStateError, CancelledError, KilledWorker):
+        raise
+    except Exception as error:
+        raise SolverError(
+            f"a worker cannot do its work ({type(error).__name__}: {error}); it needs the same "
+            f"programs as this process; its log may say more"
+        ) from error
 
 
 def thread_count(client):
@@ -92,42 +103,6 @@ def _jobs(client):
     """The `Jobs` of a client's cluster; None if it has none."""
     jobs = getattr(client.cluster, "jobs", None)
     return jobs if isinstance(jobs, Jobs) else None
-
-
-def result(client, device, function, *arguments):
-    """Have a worker call a function, with kernels on one thread, and return its result."""
-    from distributed import CancelledError, KilledWorker
-
-    with _connected(), contextlib.closing(_Work(client)) as work:
-        work.send(0, do_on_worker, _Call(device, function, arguments), None, None, versions())
-        while not (ended := work.finished()):
-            work.thread_count()
-        try:
-            returned, raised = ended[0][1].result()
-        except (RateStateError, CancelledError, KilledWorker):
-            raise
-        except Exception as error:
-            raise _worker_error(error) from error
-    if raised:
-        raise raised
-    return returned
-
-
-class _Call(NamedTuple):
-    """A function and its arguments; takes the part of `Tasks` in `do_on_worker`."""
-
-    device: str
-    function: Any
-    arguments: tuple
-    processor: Any = None  # any kind of processor will do
-
-    def do(self, *_):
-        """What the function returns, and None; or None, and the error it raises."""
-        try:
-            with backend.use(threads=1, device=self.device):
-                return self.function(*self.arguments), None
-        except Exception as error:
-            return None, error
 
 
 class _CallWhenUnpickled(NamedTuple):
@@ -145,23 +120,23 @@ class _CallWhenUnpickled(NamedTuple):
 
 
 class _Work:
-    """Numbered tasks under way on a cluster."""
+    """Numbered tasks under way on a cluster, for a device, and workers of one kind unless None."""
 
-    def __init__(self, client):
-        self.client = client
+    def __init__(self, client, device, processor):
+        self.client, self.device = client, device
+        self.expected = {"versions": json.loads(versions()), "processor": processor}
         self.under_way: dict = {}  # number of a task -> its future, and that of its answer here
         self.jobs = _jobs(client)
-        self.lost: Any = (
-            queue.SimpleQueue()
-        )  # (key of a task, address of its worker, time of death)
+        # (key of a task, address of its worker, time of death)
+        self.lost: Any = queue.SimpleQueue()
         self.given_up: dict = {}  # number of such a task -> (address, time of death)
         self.available, self.last_seen, self.last_look = 0, time.monotonic(), -LOOK
         client.subscribe_topic("all", self._note_death)
 
-    def send(self, i, function, *arguments):
-        """Have a worker call a function."""
-        call = pickle.dumps(_CallWhenUnpickled(function, arguments))
-        future = self.client.submit(pickle.loads, call, pure=False)
+    def send(self, i, *call):
+        """Have a worker call a function with arguments."""
+        task = _CallWhenUnpickled(call_on_worker, (self.expected, self.device, *call))
+        future = self.client.submit(pickle.loads, pickle.dumps(task), pure=False)
         # An answer may be lost with its worker, and then takes long to be computed again.  Waiting
         # for it with `future.result()` would hide other answers, and that there are no workers.
         fetched = self.client.gather(future, asynchronous=True)
@@ -236,13 +211,14 @@ class _Work:
 
 
 @contextlib.contextmanager
-def _connected():
-    """Turn the loss of the cluster into a `SolverError`."""
+def _working(client, device, processor=None):
+    """A `_Work`, closed in the end; the loss of the cluster is a `SolverError`."""
     from distributed import CancelledError
     from distributed.client import ClosedClientError
 
     try:
-        yield
+        with contextlib.closing(_Work(client, device, processor)) as work:
+            yield work
     except RateStateError:
         raise
     except (CancelledError, ClosedClientError, OSError) as error:

@@ -1,6 +1,7 @@
 """Dask clusters: an existing scheduler, or a new cluster of SLURM jobs."""
 
 import contextlib
+import datetime
 import re
 import shutil
 import subprocess
@@ -11,6 +12,9 @@ from ..errors import ParameterError
 #: options of `slurm_cluster` for `Jobs`, and those passed to dask-jobqueue under the same name
 JOBS = ["jobs", "replacements", "wait"]
 SLURM = "cores memory walltime queue account processes interface".split()
+#: least values of those that are integers; the form of the time that is read here
+LEAST = {"jobs": 1, "replacements": 0, "cores": 1, "processes": 1}
+WAIT_FORM = r"((?P<days>\d+)-)?(?P<hours>\d+):(?P<minutes>\d+):(?P<seconds>\d+)"
 # Default replacements for each job; default time to wait for any worker.
 REPLACEMENTS, WAIT = 10, "1-00:00:00"
 # Bytes of memory for each process: Python and the kernels alone take 0.3 GB.
@@ -29,29 +33,9 @@ def slurm_client(text):
 def slurm_cluster(text, start=True):
     """A Dask cluster of SLURM jobs, from options such as "jobs=10,cores=16,memory=32GB".
 
-    Options that are not given, and whatever else jobs need, such as ``job-extra-directives``,
-    ``job-script-prologue`` and ``worker-extra-args``, are read from dask-jobqueue's own
-    configuration: ~/.config/dask/jobqueue.yaml, or environment variables such as
-    ``DASK_JOBQUEUE__SLURM__QUEUE``.
-
-    Parameters
-    ----------
-    text : str
-        key=value, separated by commas.  For each job: ``cores`` and ``memory``, which must be given
-        here or in the configuration, ``walltime`` (default 30 min), ``queue``, ``account``,
-        ``processes`` (default one for each core) and ``interface`` of the network, such as ib0.
-        For all jobs: ``jobs`` (default 1), how many run at a time; ``replacements`` (default 10 for
-        each job), how many are submitted in all to replace lost ones; and ``wait``
-        (hours:minutes:seconds or days-hours:minutes:seconds, default a day), after which to give up
-        if there is no worker.
-    start : bool
-        Whether to submit the jobs; else ``job_script()`` of the cluster shows what they would run.
-
-    Raises
-    ------
-    ParameterError
-        An option is unknown, malformed or missing; SLURM refuses the job or is not installed;
-        dask-jobqueue is not installed.
+    Options that are not given, and whatever else jobs need, are read from dask-jobqueue's own
+    configuration.  Without `start` no job is submitted, and ``job_script()`` of the cluster shows
+    what they would run.
     """
     _import_extra("dask_jobqueue")  # this also loads its configuration
     import dask
@@ -77,40 +61,45 @@ def slurm_cluster(text, start=True):
 
 def _options(text, site):
     """The options in a string, name -> checked value; `site`: dask-jobqueue's configuration."""
-    options = _split(text)
-    for key in {"cores", "memory", "processes"} - options.keys():
-        if site.get(key) is not None:
-            options[key] = site[key]
-    options = {"jobs": 1, "wait": WAIT} | options
-    for key in {"jobs", "replacements", "cores", "processes"} & options.keys():
-        least = 0 if key == "replacements" else 1
-        if not (str(options[key]).isdecimal() and int(options[key]) >= least):
+    site = {key: site[key] for key in ("cores", "memory", "processes") if site.get(key) is not None}
+    options = {"jobs": 1, "wait": WAIT} | site | _split(text)
+    for key in LEAST.keys() & options.keys():
+        if not (str(options[key]).isdecimal() and int(options[key]) >= LEAST[key]):
             raise ParameterError(
-                f"slurm: {key} = {options[key]} must be an integer >= {least}; {EXAMPLE}"
+                f"slurm: {key} = {options[key]} must be an integer >= {LEAST[key]}; {EXAMPLE}"
             )
         options[key] = int(options[key])
     if missing := [key for key in ("cores", "memory") if key not in options]:
         raise ParameterError(f"slurm: {' and '.join(missing)} of a job must be given; {EXAMPLE}")
-    options.setdefault("replacements", REPLACEMENTS * options["jobs"])
     # One process for each core: a case that kills its process then kills no others.
-    options.setdefault("processes", options["cores"])
-    if options["cores"] % options["processes"]:
+    default = {"replacements": REPLACEMENTS * options["jobs"], "processes": options["cores"]}
+    options = default | options
+    processes = options["processes"]
+    if options["cores"] % processes:
         raise ParameterError(
-            f"slurm: processes = {options['processes']} must divide cores = {options['cores']}"
+            f"slurm: processes = {processes} must divide cores = {options['cores']}"
         )
-    share = _bytes(options["memory"]) / options["processes"]
+    share = _bytes(options["memory"]) / processes
     if share < MIN_BYTES:
         raise ParameterError(
-            f"slurm: memory = {options['memory']} gives each of {options['processes']} processes "
+            f"slurm: memory = {options['memory']} gives each of {processes} processes "
             f"{share / 1e6:.0f} MB; each needs {MIN_BYTES / 1e6:.0f}: ask for more, or fewer "
             f"processes"
         )
-    if not re.fullmatch(r"(\d+-)?\d+(:\d+){0,2}", options.get("walltime", "1")):
-        raise ParameterError(
-            f"slurm: walltime = {options['walltime']} is not hours:minutes:seconds or "
-            f"days-hours:minutes:seconds, such as 02:00:00"
-        )
-    return options | {"wait": _seconds(options["wait"])}
+    if not re.fullmatch(r"(\d+-)?\d+(:\d+){0,2}", options.get("walltime", "0")):
+        raise _malformed_time("walltime", options)
+    wait = re.fullmatch(WAIT_FORM, options["wait"])
+    if not wait:
+        raise _malformed_time("wait", options)
+    seconds = datetime.timedelta(**{unit: int(n) for unit, n in wait.groupdict("0").items()})
+    return options | {"wait": seconds.total_seconds()}
+
+
+def _malformed_time(key, options):
+    return ParameterError(
+        f"slurm: {key} = {options[key]} is not hours:minutes:seconds or "
+        f"days-hours:minutes:seconds, such as 02:00:00"
+    )
 
 
 def _split(text):
@@ -127,18 +116,6 @@ def _split(text):
             )
         options[key] = value
     return options
-
-
-def _seconds(text):
-    """A time such as 1-02:00:00 in seconds."""
-    found = re.fullmatch(r"(?:(\d+)-)?(\d+):(\d+):(\d+)", text)
-    if not found:
-        raise ParameterError(
-            f"slurm: wait = {text} is not hours:minutes:seconds or days-hours:minutes:seconds, "
-            f"such as 02:00:00"
-        )
-    days, hours, minutes, seconds = (int(part or 0) for part in found.groups())
-    return 86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds
 
 
 def _bytes(text):
@@ -168,13 +145,7 @@ def _check_with_slurm(script):
 
 
 def client_of(address):
-    """A client of the Dask scheduler at this address, such as "tcp://10.0.0.1:8786".
-
-    Raises
-    ------
-    ParameterError
-        dask.distributed is not installed, or nothing answers at the address.
-    """
+    """A client of the Dask scheduler at this address, such as "tcp://10.0.0.1:8786"."""
     distributed = _import_extra("distributed")
     try:
         return distributed.Client(address, timeout="10s")

@@ -50,17 +50,10 @@ def squeue(ids):
 
 
 class Jobs:
-    """Keeps a `ratestate.sweeps.slurm.SweepCluster` at its number of jobs.
+    """Keeps a `SweepCluster` at its number of jobs.
 
-    Parameters
-    ----------
-    cluster : SweepCluster
-    number : int
-        Of jobs at a time.
-    replacements : int
-        How many jobs may be submitted in all to replace lost ones.
-    wait : float
-        Seconds without any worker after which to give up.
+    replacements : how many jobs may be submitted in all to replace lost ones
+    wait : seconds without any worker after which to give up
     """
 
     def __init__(self, cluster, number, replacements, wait):
@@ -96,10 +89,7 @@ class Jobs:
     def maintain(self):
         """Replace lost jobs; called every second while there is work.
 
-        Raises
-        ------
-        SolverError
-            There is no worker, and none will start.
+        SolverError if there is no worker, and none will start.
         """
         now = time.monotonic()
         self._note_workers(now)

@@ -7,7 +7,6 @@ and consolidated at the top.
 
 import json
 import re
-from types import SimpleNamespace
 
 import zarr
 
@@ -18,28 +17,24 @@ DAMAGE = (OSError, KeyError, TypeError, ValueError, RuntimeError)
 
 
 def files(path, chunks, done):
-    """(key, chunk or None) of each file that a store must have.
-
-    done : numbers of the chunks that are done but have no entry in a manifest
-    """
+    """(key, chunk or None) of each file that a store must have; done: chunks without an entry."""
     nodes, attributes = _nodes(path)
     # (the time of a run is a coordinate, but also a result)
     coordinates = {*chunks.sizes, *attributes["coordinates"].split()} - {"t"}
-    arrays = {
-        name: SimpleNamespace(dims=tuple(node.get("dimension_names") or ()))
+    dims = {
+        name: tuple(node.get("dimension_names") or ())
         for name, node in nodes.items()
         if node["node_type"] == "array" and "/" not in name
     }
     swept = {
-        name: array
-        for name, array in arrays.items()
-        if name not in coordinates and chunks.sizes.keys() & array.dims
+        name: own
+        for name, own in dims.items()
+        if name not in coordinates and chunks.sizes.keys() & own
     }
     pairs = [(f"{name}/{METADATA}", None) for name in nodes]
-    for name in arrays.keys() - swept.keys():
-        blocks = (path / name).rglob("*")
-        keys = [one.relative_to(path).as_posix() for one in blocks if one.is_file()]
-        pairs += [(key, None) for key in keys if not key.endswith(METADATA)]
+    for name in dims.keys() - swept.keys():
+        blocks = [one for one in (path / name).rglob("*") if one.is_file() and one.name != METADATA]
+        pairs += [(one.relative_to(path).as_posix(), None) for one in blocks]
     return pairs + [(key, i) for i in done for key in chunks.file_keys(i, swept).values()]
 
 

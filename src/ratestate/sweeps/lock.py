@@ -13,10 +13,7 @@ from ..errors import StoreError
 def exclusive_lock(path, store):
     """Lock this file of a store; the system releases the lock when the process ends or is killed.
 
-    Raises
-    ------
-    StoreError
-        Another sweep has the lock; the file is missing, or may not be written to.
+    StoreError if another sweep has it, or the file is missing or may not be written to.
     """
     try:
         handle = os.open(path, os.O_RDWR)
@@ -27,7 +24,7 @@ def exclusive_lock(path, store):
         ) from error
     try:
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _lock(handle)
         except BlockingIOError:
             raise StoreError(
                 f"another sweep is writing to {store}; wait until it has ended, or give this one "
@@ -55,28 +52,29 @@ def lock_folder(folder):
     except FileNotFoundError:
         return None
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _lock(handle)
+        removed = not folder.exists()
     except BlockingIOError:
-        os.close(handle)
-        return None
+        removed = True
     except OSError:  # some network file systems have no locks; nothing is removed there
+        removed = False
+    if not removed:
         return handle
-    if not folder.exists():
-        os.close(handle)
-        return None
-    return handle
+    os.close(handle)
+    return None
 
 
 def remove_if_abandoned(folder):
     """Remove a folder if the process that marked it is gone."""
-    try:
+    with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
-    except OSError:
-        return
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        shutil.rmtree(folder, ignore_errors=True)  # under the lock, so that nobody starts using it
-    except OSError:
-        pass
-    finally:
-        os.close(handle)
+        try:
+            _lock(handle)
+            shutil.rmtree(folder, ignore_errors=True)  # under the lock: nobody starts using it
+        finally:
+            os.close(handle)
+
+
+def _lock(handle):
+    """Lock an open file or folder; BlockingIOError if another process has the lock."""
+    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

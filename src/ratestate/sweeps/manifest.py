@@ -1,4 +1,4 @@
-"""The manifest of a store: checksum and origin of each of its files.
+"""What a store must hold, by its group ``sweep``, and which files of it are missing or damaged.
 
 ``sweep/manifest`` is an array of strings, one for each chunk, and a last one for the files that
 were made with the store.  Each is JSON: the number of the chunk, the SHA-256 of each of its files
@@ -6,12 +6,13 @@ by its path within the store, and the versions and the processor that made them.
 reaches the disk before its flag does.  Stores of older versions have no manifest (see `legacy`).
 """
 
+import functools
 import hashlib
 import json
-from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import zarr
 from zarr.storage import LocalStore
 
 from ..errors import StoreError
@@ -39,6 +40,12 @@ class File(NamedTuple):
         chunk = block if self.chunk is None else self.chunk
         return f"variable {variable}, chunk {chunk} ({self.key})"
 
+    def flaw(self, content):
+        """What is wrong with this content: "missing" (None), "damaged", or "" for nothing."""
+        if content is None:
+            return "missing"
+        return "damaged" if self.digest not in (None, sha256(content)) else ""
+
 
 class Flaw(NamedTuple):
     """A file that is missing or damaged."""
@@ -50,105 +57,112 @@ class Flaw(NamedTuple):
         return f"{self.file} is {self.how}"
 
 
-class StoreContents(NamedTuple):
-    """The files that a store must have, according to its flags and manifest."""
+class Record:
+    """What the store at a path says of itself; each part is read once, when it is first used.
 
-    path: Path
-    done: np.ndarray  # (chunks,) bool
-    entries: dict  # chunk, or None for what was made with the store -> its entry in the manifest
-    files: dict  # key -> `File`, for all that the store must have
-    flaws: list  # of flags and entries themselves
-
-
-def sha256(content):
-    """SHA-256 of bytes, as text."""
-    return hashlib.sha256(content).hexdigest()
-
-
-def manifest_entry(path, keys, chunk, origin):
-    """The entry for some files, as JSON: their checksums and origin.
-
-    path : of the store
-    keys : of existing files
-    chunk : int, or None for what is made with the store
-    origin : dict, see `ratestate.sweeps.origin`
+    Damaged metadata of the group, or of its arrays, raise StoreError, or an error of zarr's.
     """
-    digests = {key: sha256((path / key).read_bytes()) for key in sorted(keys)}
-    return json.dumps({"chunk": chunk, "sha256": digests, **origin}, sort_keys=True)
 
+    def __init__(self, path):
+        self.path = path
+        self.group: Any = zarr.open_group(path / SWEEP_GROUP, mode="r", use_consolidated=False)
+        self.attrs: dict = self.group.attrs.asdict()
 
-def flawed_metadata(path, sweep_group):
-    """`Flaw`s of the metadata of flags and manifest."""
-    digests = sweep_group.attrs.get(RECORDS, {})
-    return list(_flaws_in([File(key, digest=digest) for key, digest in digests.items()], path))
+    @functools.cached_property
+    def chunks(self):
+        """`Chunks` of the sweep."""
+        return Chunks(self.attrs["sizes"], tuple(self.attrs["chunk"]))
 
+    @functools.cached_property
+    def flags(self):
+        """Whether each chunk is done; None where that is damaged."""
+        return self._values("done")
 
-def read_contents(path, sweep_group):
-    """`StoreContents` of a store, of which `sweep_group` is the group ``sweep``.
+    @property
+    def done(self):
+        """Which chunks are done; (chunks,) bool."""
+        return np.array([bool(flag) for flag in self.flags])
 
-    Raises
-    ------
-    StoreError
-        The metadata of flags and manifest, or of the group, are damaged.
-    """
-    if damaged := flawed_metadata(path, sweep_group):
-        raise StoreError(damage_message(path, damaged))
-    chunks = Chunks(sweep_group.attrs["sizes"], tuple(sweep_group.attrs["chunk"]))
-    flags = _values(sweep_group["done"])
-    flaws = [
-        Flaw(File(f"{SWEEP_GROUP}/done/c/{i}", i), "damaged")
-        for i, flag in enumerate(flags)
-        if flag is None
-    ]
-    done = np.array([bool(flag) for flag in flags])
-    entries, lost = _entries(sweep_group, [*np.flatnonzero(done).tolist(), None], chunks.number)
-    files = [
-        File(key, i, digest)
-        for i, made in entries.items()
-        for key, digest in made["sha256"].items()
-    ]
-    if RECORDS not in sweep_group.attrs:
-        unrecorded = set(np.flatnonzero(done).tolist()) - entries.keys()
-        files += [File(*pair) for pair in legacy.files(path, chunks, unrecorded)]
-    if damaged := list(_flaws_in([file for file in files if file.key == RECORD], path)):
-        raise StoreError(inputs_damaged_message(path, damaged[0]))
-    return StoreContents(path, done, entries, {file.key: file for file in files}, flaws + lost)
+    @property
+    def entries(self):
+        """Entries of the manifest: chunk, or None for what was made with the store -> dict."""
+        return self._entries_and_flaws[0]
 
+    @functools.cached_property
+    def _entries_and_flaws(self):
+        """The entries of chunks that are done, and `Flaw`s of those that should be there."""
+        number = self.chunks.number
+        texts = self._values("manifest") if "manifest" in self.group else [""] * (number + 1)
+        entries, flaws = {}, []
+        for i in [*np.flatnonzero(self.done).tolist(), None]:
+            index = number if i is None else i
+            entry = json.loads(texts[index] or "{}")
+            if entry.get("chunk", -1) == i:  # and not that of another chunk
+                entries[i] = entry
+            elif RECORDS in self.attrs:  # older stores lack it, all or in part
+                how = "missing" if texts[index] == "" else "damaged"
+                flaws.append(Flaw(File(f"{MANIFEST}/c/{index}", i), how))
+        return entries, flaws
 
-def inputs_damaged_message(path, why):
-    """The message about a store whose record of the sweep's inputs is damaged."""
-    return (
-        f"{path}: its record of the parameters is damaged ({why}); put it back from a copy, or "
-        f"give another path; xarray.open_zarr still reads the results"
-    )
+    @functools.cached_property
+    def files(self):
+        """Key -> `File`, for all files that the store must have."""
+        files = [
+            File(key, i, digest)
+            for i, entry in self.entries.items()
+            for key, digest in entry["sha256"].items()
+        ]
+        if RECORDS not in self.attrs:
+            unrecorded = {*np.flatnonzero(self.done).tolist()} - self.entries.keys()
+            files += [File(*pair) for pair in legacy.files(self.path, self.chunks, unrecorded)]
+        if damaged := self._flaws_in([file for file in files if file.key == RECORD]):
+            raise StoreError(inputs_damaged_message(self.path, damaged[0]))
+        return {file.key: file for file in files}
 
+    @functools.cached_property
+    def flawed_metadata(self):
+        """`Flaw`s of the metadata of flags and manifest, without which these cannot be read."""
+        digests = self.attrs.get(RECORDS, {})
+        return self._flaws_in([File(key, digest=digest) for key, digest in digests.items()])
 
-def _entries(sweep_group, wanted, number):
-    """Chunk -> its entry, for those wanted that have one, and `Flaw`s of the others.
+    @functools.cached_property
+    def flaws(self):
+        """All `Flaw`s of the store that can be seen; reads every file."""
+        if self.flawed_metadata:
+            return self.flawed_metadata
+        damaged = [i for i, flag in enumerate(self.flags) if flag is None]
+        flags = [Flaw(File(f"{SWEEP_GROUP}/done/c/{i}", i), "damaged") for i in damaged]
+        return [*flags, *self._entries_and_flaws[1], *self._flaws_in(self.files.values())]
 
-    wanted : chunks, and None for what was made with the store
-    number : of all chunks
-    """
-    texts = _values(sweep_group["manifest"]) if "manifest" in sweep_group else [""] * (number + 1)
-    entries, flaws = {}, []
-    for i in wanted:
-        index = number if i is None else i
-        text = texts[index]
-        made = json.loads(text or "{}")
-        if made.get("chunk", -1) == i:  # and not that of another chunk
-            entries[i] = made
-        elif RECORDS in sweep_group.attrs:  # older stores lack it, all or in part
-            how = "missing" if text == "" else "damaged"
-            flaws.append(Flaw(File(f"{MANIFEST}/c/{index}", i), how))
-    return entries, flaws
+    def intact(self, flaws):
+        """Which chunks are done and have none of these `Flaw`s; (chunks,) bool."""
+        done = self.done
+        done[[flaw.file.chunk for flaw in flaws if flaw.file.chunk is not None]] = False
+        return done
 
+    def _values(self, name):
+        """Values of an array with a file for each value; None for those that are damaged."""
+        if self.flawed_metadata:
+            raise StoreError(damage_message(self.path, self.flawed_metadata))
+        array = self.group[name]
+        try:
+            return array[:].tolist()
+        except DAMAGE:
+            return [_value(array, i) for i in range(array.size)]
 
-def _values(array):
-    """Values of a 1-D array with a file for each value; None for those that are damaged."""
-    try:
-        return array[:].tolist()
-    except DAMAGE:
-        return [_value(array, i) for i in range(array.size)]
+    def _flaws_in(self, files):
+        """`Flaw`s of these files."""
+        flaws = []
+        for file in files:
+            try:
+                how = file.flaw((self.path / file.key).read_bytes())
+            except FileNotFoundError:
+                how = "missing"
+            if not how and file.digest is None and not legacy.is_whole(self.path, file.key):
+                how = "damaged"
+            if how:
+                flaws.append(Flaw(file, how))
+        return flaws
 
 
 def _value(array, i):
@@ -158,36 +172,23 @@ def _value(array, i):
         return None
 
 
-def find_flaws(contents):
-    """All `Flaw`s of a store with these `StoreContents`; reads every file."""
-    return contents.flaws + list(_flaws_in(contents.files.values(), contents.path))
+def sha256(content):
+    """SHA-256 of bytes, as text."""
+    return hashlib.sha256(content).hexdigest()
 
 
-def intact_chunks(contents, flaws):
-    """Which chunks are done and have none of these `Flaw`s; (chunks,) bool."""
-    done = contents.done.copy()
-    done[[flaw.file.chunk for flaw in flaws if flaw.file.chunk is not None]] = False
-    return done
+def manifest_entry(path, keys, chunk, origin):
+    """The entry for the files with these keys in the store at a path; chunk None: made with it."""
+    digests = {key: sha256((path / key).read_bytes()) for key in sorted(keys)}
+    return json.dumps({"chunk": chunk, "sha256": digests, **origin}, sort_keys=True)
 
 
-def _flaws_in(files, path):
-    for file in files:
-        try:
-            content = (path / file.key).read_bytes()
-        except FileNotFoundError:
-            content = None
-        how = flaw_in(file, content)
-        if not how and file.digest is None and not legacy.is_whole(path, file.key):
-            how = "damaged"
-        if how:
-            yield Flaw(file, how)
-
-
-def flaw_in(file, content):
-    """The flaw of a `File` with this content: "missing" (None), "damaged", or "" for none."""
-    if content is None:
-        return "missing"
-    return "damaged" if file.digest not in (None, sha256(content)) else ""
+def inputs_damaged_message(path, why):
+    """The message about a store whose record of the sweep's inputs is damaged."""
+    return (
+        f"{path}: its record of the parameters is damaged ({why}); put it back from a copy, or "
+        f"give another path; xarray.open_zarr still reads the results"
+    )
 
 
 def damage_message(path, flaws):
@@ -205,20 +206,14 @@ def as_lines(lines, most=20):
 
 
 class Checked(LocalStore):
-    """A store that checks each file when zarr reads it.
+    """A store that checks each file when zarr reads it; files: key -> `File`."""
 
-    Parameters
-    ----------
-    root : Path
-    contents : StoreContents
-    """
-
-    def __init__(self, root, *, read_only=True, contents=None):
+    def __init__(self, root, *, read_only=True, files=None):
         super().__init__(root, read_only=read_only)
-        self.contents = contents
+        self.files = files
 
     def with_read_only(self, read_only=False):
-        return type(self)(self.root, read_only=read_only, contents=self.contents)
+        return type(self)(self.root, read_only=read_only, files=self.files)
 
     async def get(self, key, prototype=None, byte_range=None):
         content = await super().get(key, prototype, byte_range)
@@ -230,7 +225,7 @@ class Checked(LocalStore):
 
     def _checked(self, key, content):
         """Return the content of a file if it is as recorded; else raise StoreError."""
-        file = self.contents.files.get(key)
-        if file is not None and (how := flaw_in(file, content and content.to_bytes())):
+        file = self.files.get(key)
+        if file is not None and (how := file.flaw(content and content.to_bytes())):
             raise StoreError(damage_message(self.root, [Flaw(file, how)]))
         return content

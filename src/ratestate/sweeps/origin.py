@@ -1,4 +1,8 @@
-"""The origin of results: versions of programs and kind of processor, which decide last digits."""
+"""The origin of results: versions of programs and kind of processor, which decide last digits.
+
+A kind of processor is that for which numba compiles: ``target`` and ``cpu``, LLVM's names for it,
+the ``features`` that code may use and, for the device "cuda", ``gpu``.
+"""
 
 import json
 
@@ -13,14 +17,7 @@ def origin(device):
 
 
 def processor(device):
-    """Kind of processor for which numba compiles kernels in this process.
-
-    Returns
-    -------
-    dict of str
-        ``target`` and ``cpu``, LLVM's names for them, and ``features`` that code may use; for the
-        device "cuda" also ``gpu``.
-    """
+    """The kind of processor that this process computes on."""
     target, cpu, features = cpu_target.target_context.codegen().magic_tuple()
     used = [name.removeprefix("+") for name in features.split(",") if name.startswith("+")]
     kind = {"target": target, "cpu": cpu, "features": " ".join(used)}
@@ -43,33 +40,29 @@ def processor_name(processor):
     return "; ".join(filter(None, (processor["cpu"], processor.get("gpu"))))
 
 
-def origin_differences(old_versions, processor, now):
-    """Differences of a recorded origin from the present one that may change last digits, as lines.
+def origin_differences(old, now):
+    """Differences of two origins that may change last digits, as lines.
 
-    Another version of ratestate alone does not count: its kernels have a digest of their own.
-
-    old_versions : dict of the recorded versions
-    processor : the recorded kind; None: not recorded, which does not count as a difference
-    now : the present `origin`
+    Another version of ratestate alone does not count: its kernels have a digest of their own.  Nor
+    does an old processor that was not recorded.
     """
-    new = now["versions"]
-    changed = [
-        name for name in sorted({*old_versions, *new}) if old_versions.get(name) != new.get(name)
-    ]
+    there, here = old["versions"], now["versions"]
+    changed = [name for name in sorted({*there, *here}) if there.get(name) != here.get(name)]
     lines = [
-        f"version of {name}: {old_versions.get(name)} made the store, {new.get(name)} is here"
+        f"version of {name}: {there.get(name)} made the store, {here.get(name)} is here"
         for name in changed
         if changed != ["ratestate"]
     ]
-    if processor not in (None, now["processor"]):
-        lines.append(f"processor: {_processor_difference(processor, now['processor'])}")
+    stored, own = old.get("processor"), now["processor"]
+    if stored not in (None, own):
+        pair = f"{processor_name(stored)} made the store, {processor_name(own)} is here"
+        lines.append(f"processor: {pair}{_feature_differences(stored, own)}")
     return lines
 
 
-def _processor_difference(stored, now):
-    """How two kinds of processor differ."""
-    there, here = ({*processor["features"].split()} for processor in (stored, now))
+def _feature_differences(stored, own):
+    """The features that only one of two kinds of processor has, in parentheses."""
+    there, here = ({*processor["features"].split()} for processor in (stored, own))
     sides = {"there": sorted(there - here), "here": sorted(here - there)}
     only = [f"only {where}: {', '.join(names)}" for where, names in sides.items() if names]
-    more = f" ({'; '.join(only)})" if only else ""
-    return f"{processor_name(stored)} made the store, {processor_name(now)} is here{more}"
+    return f" ({'; '.join(only)})" if only else ""

@@ -12,7 +12,7 @@ from ..dynamics.progress import Bar, duration, on_terminal
 LOG_EVERY = 30.0
 
 
-class ProgressReport:
+class ProgressReport(Bar):
     """Counts the cases of a sweep; shows cases done, failures, rate and time left on stderr.
 
     Parameters
@@ -28,20 +28,12 @@ class ProgressReport:
     """
 
     def __init__(self, label, chunks, done, failed, quiet):
-        self.label, self.chunks = label, chunks
+        super().__init__(label, math.prod(chunks.sizes.values()))
+        self.chunks, self.failed = chunks, failed
         self.quiet = quiet or sys.stderr is None
-        self.total = math.prod(chunks.sizes.values())
-        self.done_before = sum(chunks.cases(i) for i in np.flatnonzero(done))
-        self.done, self.failed = self.done_before, failed
+        self.done = self.done_before = sum(chunks.cases(i) for i in np.flatnonzero(done))
         self.fractions: dict = {}  # chunk under way -> fraction done
-        self.start = self.logged = time.monotonic()
-        self.bar = Bar(label, self.total)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.bar.__exit__()
+        self.logged = self.begin
 
     def part(self, i, fraction):
         """Note which fraction of chunk i is done; called by the threads that solve it."""
@@ -52,29 +44,23 @@ class ProgressReport:
         self.fractions.pop(outcome.chunk, None)
         self.done += self.chunks.cases(outcome.chunk)
         self.failed += outcome.failed
-        self.show()
+        self.refresh()
 
-    def describe(self, now):
-        """Number of cases done, and a text with failures, rate and time left."""
-        done = self.done + sum(
-            fraction * self.chunks.cases(i) for i, fraction in list(self.fractions.items())
-        )
-        rate = (done - self.done_before) / max(now - self.start, 1e-9)
+    def refresh(self):
+        """Update the bar, or write a line to the log when one is due."""
+        now = time.monotonic()
+        if self.quiet or not self.due:
+            return
+        parts = [fraction * self.chunks.cases(i) for i, fraction in list(self.fractions.items())]
+        done = self.done + sum(parts)
+        rate = (done - self.done_before) / max(now - self.begin, 1e-9)
         text = f"{done:,.0f} of {self.total:,} cases, {self.failed:,} failed"
         if rate > 0.0:
             text += f", {rate:,.3g} cases/s" if rate < 10.0 else f", {rate:,.0f} cases/s"
             text += f", {duration((self.total - done) / rate)} left"
-        return done, text
-
-    def show(self):
-        """Update the bar, or write a line to the log when one is due."""
-        now = time.monotonic()
-        if self.quiet or not self.bar.due:
-            return
-        done, text = self.describe(now)
         try:
             if on_terminal():
-                self.bar.show(done, text)
+                self.show(done, text)
             elif now - self.logged > LOG_EVERY:
                 self.logged = now
                 sys.stderr.write(f"{self.label}: {text}\n")

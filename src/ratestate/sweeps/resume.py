@@ -1,8 +1,6 @@
 """Resuming a store: checks what began it, and finds and restores damaged files."""
 
 import json
-import os
-import shutil
 import warnings
 from typing import Any
 
@@ -12,108 +10,72 @@ from ..dynamics.results import versions
 from ..errors import StoreError
 from .create import add_record, make, temporary_sibling
 from .legacy import METADATA, SWEEP_GROUP
-from .manifest import (
-    MANIFEST,
-    RECORDS,
-    as_lines,
-    find_flaws,
-    flawed_metadata,
-    intact_chunks,
-    read_contents,
-    sha256,
-)
+from .manifest import MANIFEST, RECORDS, Record, as_lines
 from .origin import origin_differences
-from .store import Store, as_store_error, matching_group, remove_partials, stored_chunks, to_disk
+from .store import Store, as_store_error, matching_record, to_disk, zarr_3_warnings_ignored
 
 
-def resume_store(path, form, request, origin, mixed):
+def resume_store(path, request, origin):
     """Restore damaged files of the store at a path, and open it; the process must hold its lock.
 
-    Parameters
-    ----------
-    path : Path
-    form : Form
-        Of the result.
-    request : SweepRequest
-    origin : dict
-        `ratestate.sweeps.origin.origin` of what is to compute the rest.
-    mixed : bool
-        Whether to resume what other programs or another kind of processor began.
-
-    Returns
-    -------
-    Store
-
-    Raises
-    ------
-    StoreError
-        It belongs to another sweep; it has another origin, and differences are listed; a damaged
-        file cannot be restored.
+    origin : of what is to compute the rest
     """
-    sweep_group = matching_group(path, request)
+    record = matching_record(path, request)
     with as_store_error(path):
-        flaws = flawed_metadata(path, sweep_group)
-        if flaws:
-            _restore(path, sweep_group, flaws, form, request)
-        contents = read_contents(path, sweep_group)
-        more = find_flaws(contents)
-        flaws += more
-        done = intact_chunks(contents, flaws)
-        while of_no_chunk := [flaw for flaw in more if flaw.file.chunk is None]:
-            _restore(path, sweep_group, of_no_chunk, form, request)
-            more = find_flaws(read_contents(path, sweep_group))
-        names = _variables(path, form, request.call, mixed)
-        _check_origins(path, sweep_group, contents, done, origin, mixed)
-        if "manifest" not in sweep_group:  # an older version's
-            add_record(
-                zarr.open_group(path / SWEEP_GROUP, mode="r+"), "manifest", str, len(done) + 1
-            )
+        flaws = dict.fromkeys(record.flaws)
+        while lost := [flaw for flaw in record.flaws if flaw.file.chunk is None]:
+            _restore(record, lost, request)
+            record = Record(path)
+            flaws |= dict.fromkeys(record.flaws)
+        names = _variables(record, request)
+        done = record.intact(flaws)
+        _check_origins(record, done, origin, request.mixed)
+        if "manifest" not in record.group:  # an older version's
+            with zarr_3_warnings_ignored():
+                sweep_group = zarr.open_group(path / SWEEP_GROUP, mode="r+")
+                add_record(sweep_group, "manifest", str, len(done) + 1)
             to_disk([path / MANIFEST / METADATA], path)
-        remove_partials(path)
+        for partial in path.rglob("*.partial"):  # of writers that were killed
+            partial.unlink(missing_ok=True)
     if flaws:
-        _warn(f"{path} was damaged; these are made again, and the rest is whole:{as_lines(flaws)}")
-    return Store(path, stored_chunks(sweep_group), done, sweep_group.attrs["checksum"], names)
+        _warn(
+            f"{path} was damaged; these are made again, and the rest is whole:{as_lines([*flaws])}"
+        )
+    return Store(path, record.chunks, done, record.attrs["checksum"], names)
 
 
-def _restore(path, sweep_group, flaws, form, request):
-    """Replace the flawed files among those that were made with the store."""
-    if RECORDS not in sweep_group.attrs or sweep_group.attrs["versions"] != json.loads(versions()):
+def _restore(record, flaws, request):
+    """Replace the flawed files, of those that were made with the store."""
+    path = record.path
+    if RECORDS not in record.attrs or record.attrs["versions"] != json.loads(versions()):
         raise StoreError(
             f"{path} is damaged, and the version that made it is not here to mend it; put back "
             f"from a copy:{as_lines(flaws)}"
         )
-    temporary, handle = temporary_sibling(path)
-    try:
-        make(temporary, request, stored_chunks(sweep_group), form)
-        other = [flaw for flaw in flaws if not _is_original(temporary, flaw.file)]
-        if other:
+    with temporary_sibling(path) as temporary:
+        make(temporary, request, record.chunks)
+        files = [flaw.file for flaw in flaws]
+        same = [
+            (temporary / file.key).exists() and not file.flaw((temporary / file.key).read_bytes())
+            for file in files
+        ]
+        if other := [flaw for flaw, whole in zip(flaws, same, strict=True) if not whole]:
             raise StoreError(
                 f"{path} is damaged, and cannot be mended; put back from a copy:{as_lines(other)}"
             )
-        for key in (flaw.file.key for flaw in flaws):
+        for key in (file.key for file in files):
             (path / key).parent.mkdir(parents=True, exist_ok=True)
             (temporary / key).replace(path / key)
             to_disk([path / key], path)
-    finally:
-        os.close(handle)
-        shutil.rmtree(temporary, ignore_errors=True)
 
 
-def _is_original(folder, file):
-    """Whether a `File` made again in a folder has its recorded checksum."""
-    made = folder / file.key
-    return made.exists() and file.digest in (None, sha256(made.read_bytes()))
-
-
-def _check_origins(path, sweep_group, contents, done, origin, mixed):
+def _check_origins(record, done, origin, mixed):
     """Refuse, unless `mixed`, to resume what another origin has begun."""
-    made = [contents.entries.get(i, sweep_group.attrs) for i in done.nonzero()[0].tolist()]
+    made = [record.entries.get(i, record.attrs) for i in done.nonzero()[0].tolist()]
     lines = dict.fromkeys(
-        line
-        for one in [sweep_group.attrs, *made]
-        for line in origin_differences(one["versions"], one.get("processor"), origin)
+        line for one in [record.attrs, *made] for line in origin_differences(one, origin)
     )
-    what = f"{path} was begun by other programs, or on another kind of processor"
+    what = f"{record.path} was begun by other programs, or on another kind of processor"
     if lines and not mixed:
         raise StoreError(
             f"{what}: the last digits of its cases would be of two kinds.  Nothing of it is lost: "
@@ -124,35 +86,38 @@ def _check_origins(path, sweep_group, contents, done, origin, mixed):
         _warn(f"{what}; the store says what made which chunk:{as_lines([*lines])}")
     elif any("processor" not in one for one in made):
         _warn(
-            f"{path} does not say on what kind of processor it was begun; if on another one than "
-            f"this, the last digits of its cases are of two kinds"
+            f"{record.path} does not say on what kind of processor it was begun; if on another one "
+            f"than this, the last digits of its cases are of two kinds"
         )
 
 
-def _variables(path, form, call, mixed):
+def _variables(record, request):
     """Names of the variables that the store has and this version computes.
 
-    They must be the same; if `mixed`, this version may compute more.
+    They must be the same; in a mixed sweep, this version may compute more.
     """
+    path, form = record.path, request.form
     group: Any = zarr.open_group(path, mode="r", use_consolidated=False)
-    coordinates = call.dataset(form.static).coords.keys() - form.specs.keys()
-    stored = {name: _layout(array) for name, array in group.arrays() if name not in coordinates}
-    computed = {
-        name: (tuple(spec.dims), "text" if spec.dtype == object else str(spec.dtype))
-        for name, spec in form.specs.items()
+    coordinates = request.call.dataset(form.static).coords.keys() - form.specs.keys()
+    stored = {
+        name: _layout(array.metadata.dimension_names or (), array.dtype)
+        for name, array in group.arrays()
+        if name not in coordinates
     }
+    computed = {name: _layout(spec.dims, spec.dtype) for name, spec in form.specs.items()}
     if stored == computed:
         return frozenset(computed)
+    pairs = {name: (stored.get(name), computed.get(name)) for name in sorted({*stored, *computed})}
     lines = [
-        f"variable {name}: {_shown(old)} in the store, {_shown(new)} now"
-        for name in sorted({*stored, *computed})
-        if (old := stored.get(name)) != (new := computed.get(name))
+        f"variable {name}: {old or 'none'} in the store, {new or 'none'} now"
+        for name, (old, new) in pairs.items()
+        if old != new
     ]
-    if not mixed or not stored.items() <= computed.items():
+    if not request.mixed or not stored.items() <= computed.items():
         raise StoreError(
             f"{path} was begun by another version, with other variables; nothing of it is lost: go "
             f"on with that version, or give this sweep a store of its own"
-            + ("" if mixed else ", or mixed=True (--mixed), if all that it has are here")
+            + ("" if request.mixed else ", or mixed=True (--mixed), if all that it has are here")
             + f":{as_lines(lines)}"
         )
     _warn(
@@ -161,14 +126,9 @@ def _variables(path, form, call, mixed):
     return frozenset(stored)
 
 
-def _layout(array):
-    """Dimensions and type of an array in a store."""
-    text = array.dtype.kind in "OTU"
-    return tuple(array.metadata.dimension_names or ()), "text" if text else str(array.dtype)
-
-
-def _shown(layout):
-    return f"{layout[1]} over ({', '.join(layout[0])})" if layout else "none"
+def _layout(dims, dtype):
+    """Dimensions and type of a variable, as text."""
+    return f"{'text' if dtype.kind in 'OTU' else dtype} over ({', '.join(dims)})"
 
 
 def _warn(message):

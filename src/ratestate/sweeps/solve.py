@@ -67,14 +67,10 @@ def form_of(call):
 def solve(call, specs, progress=None):
     """Variables of all cases of a call, with ``status`` and ``message`` among them.
 
-    Parameters
-    ----------
-    call : checked call, see `ratestate.sweeps.calls`
-    kinds : dict
-        Variable -> `VariableSpec`.  Needed if a case raises an error: this case is found by
-        halving, and gets the status ``crashed``.
-    progress : callable, optional
-        Called with the fraction of the cases done.
+    A case that raises an error is found by halving, and gets the status ``crashed``.
+
+    specs : variable -> `VariableSpec`
+    progress : is called with the fraction of the cases done, if given
     """
     try:
         return with_messages(call.run(progress), call.batch)

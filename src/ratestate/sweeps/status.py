@@ -10,9 +10,9 @@ import numpy as np
 import zarr
 
 from ..engine.model import CRASHED, STATUSES, STEADY_SLIDING
-from .manifest import Checked, find_flaws, intact_chunks, read_contents
+from .manifest import Checked
 from .solve import ANSWERED
-from .store import as_store_error, read_group, stored_chunks
+from .store import as_store_error, read_record
 
 
 class StoreStatus(NamedTuple):
@@ -34,50 +34,37 @@ class StoreStatus(NamedTuple):
 
 
 def store_status(path, verify=False):
-    """`StoreStatus` of the store at a path.
-
-    Parameters
-    ----------
-    path : str or Path
-    verify : bool
-        Whether to read all files and compare them with the store's manifest.
-
-    Raises
-    ------
-    StoreError
-        It is no store of a sweep, or cannot be read.
-    """
+    """`StoreStatus` of the store at a path; `verify`: read all files, and compare checksums."""
     path = Path(path)
-    sweep_group, _ = read_group(path)
-    chunks = stored_chunks(sweep_group)
+    record, _ = read_record(path)
+    chunks, attrs = record.chunks, record.attrs
     with as_store_error(path):
-        contents = read_contents(path, sweep_group)
-        flaws = find_flaws(contents) if verify else []
-        done = intact_chunks(contents, flaws)
-        counts = _count_statuses(Checked(path, contents=contents), chunks, done)
+        flaws = record.flaws if verify else []
+        done = record.intact(flaws)
+        statuses = _statuses(Checked(path, files=record.files), chunks, done)
+    counts = sum(statuses.values(), Counter[int]())
     return StoreStatus(
-        path,
-        sweep_group.attrs["verb"],
-        chunks.sizes,
-        math.prod(chunks.sizes.values()),
-        counts.total(),
-        _count_failed(counts),
-        counts[STEADY_SLIDING],
-        chunks.number,
-        int(done.sum()),
-        sweep_group.attrs["versions"],
-        sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
-        _origins(sweep_group, contents, done),
-        list(map(str, flaws)) if verify else None,
+        path=path,
+        verb=attrs["verb"],
+        dims=chunks.sizes,
+        cases=math.prod(chunks.sizes.values()),
+        done=counts.total(),
+        failed=_failed(counts),
+        steady=counts[STEADY_SLIDING],
+        chunks=chunks.number,
+        chunks_done=len(statuses),
+        versions=attrs["versions"],
+        size=sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
+        origins=_origins([record.entries.get(i, attrs) for i in statuses]),
+        flaws=list(map(str, flaws)) if verify else None,
     )
 
 
-def _origins(sweep_group, contents, done):
-    """The origins of the chunks that are done, each with the number of its chunks."""
+def _origins(entries):
+    """The origins in entries of chunks, each with the number of its chunks."""
     counts = Counter[str]()
-    for i in np.flatnonzero(done).tolist():
-        made = contents.entries.get(i, sweep_group.attrs)
-        origin = {"versions": made["versions"], "processor": made.get("processor")}
+    for entry in entries:
+        origin = {"versions": entry["versions"], "processor": entry.get("processor")}
         counts[json.dumps(origin, sort_keys=True)] += 1
     return [json.loads(origin) | {"chunks": n} for origin, n in counts.items()]
 
@@ -85,51 +72,35 @@ def _origins(sweep_group, contents, done):
 def failed_cases_in(store):
     """Number of failed cases among those that an open `Store` has."""
     with as_store_error(store.path):
-        return _count_failed(_count_statuses(store.path, store.chunks, store.done))
+        return sum(map(_failed, _statuses(store.path, store.chunks, store.done).values()))
 
 
 def crashed_chunks_in(store):
     """Numbers of the chunks with cases that crashed, among those that an open `Store` has."""
     with as_store_error(store.path):
-        parts = _statuses(store.path, store.chunks, store.done)
-        return [i for i, status in parts if (status == CRASHED).any()]
+        statuses = _statuses(store.path, store.chunks, store.done)
+    return [i for i, counts in statuses.items() if counts[CRASHED]]
 
 
-def _count_statuses(path, chunks, done):
-    """Status -> number of cases, of the chunks that are done."""
-    counts = Counter[int]()
-    for _, status in _statuses(path, chunks, done):
-        codes, numbers = np.unique(status, return_counts=True)
-        counts.update(dict(zip(codes.tolist(), numbers.tolist(), strict=True)))
-    return counts
-
-
-def _statuses(path, chunks, done):
-    """Yield (number, status of its cases) for each chunk that is done."""
-    status: Any = zarr.open_group(path, mode="r", use_consolidated=False)["status"]
+def _statuses(source, chunks, done):
+    """Chunk -> `Counter` of the statuses of its cases, for those that are done."""
+    status: Any = zarr.open_group(source, mode="r", use_consolidated=False)["status"]
+    statuses: dict[int, Counter[int]] = {}
     for i in np.flatnonzero(done).tolist():
-        yield i, status[tuple(chunks.slices(i).values())]
+        found = np.unique(status[tuple(chunks.slices(i).values())], return_counts=True)
+        statuses[i] = Counter(dict(zip(*(part.tolist() for part in found), strict=True)))
+    return statuses
 
 
-def _count_failed(counts):
+def _failed(counts):
     return sum(count for code, count in counts.items() if code not in ANSWERED)
 
 
 def failures(data, most=20):
-    """The first failed cases of a sweep's result.
+    """The first failed cases of a sweep's result, and the number of all.
 
-    Parameters
-    ----------
-    data : Dataset
-        With ``status`` and ``message``.
-    most : int
-
-    Returns
-    -------
-    list of (labels, name, message)
-        Labels: dimension -> label, or index where there is no label.  Name of the status.
-    int
-        Number of all failed cases.
+    Each is (labels, name of the status, message); labels: dimension -> label, or index where there
+    is no label.
     """
     status = data["status"].values
     where = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))

@@ -73,10 +73,9 @@ class _Process:
         return answer
 
     def _start(self):
-        code = f"from {__name__} import _serve; _serve()"
         path = os.pathsep.join(filter(None, sys.path))  # it can import what this process can
         self.process = subprocess.Popen(
-            [sys.executable, "-c", code],
+            [sys.executable, "-c", f"from {__name__} import _serve; _serve()"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env=os.environ | {"PYTHONPATH": path},

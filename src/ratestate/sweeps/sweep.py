@@ -23,16 +23,9 @@ from .lock import exclusive_lock
 from .origin import origin
 from .progress import ProgressReport
 from .resume import resume_store
-from .solve import bytes_per_case, form_of
+from .solve import bytes_per_case
 from .status import crashed_chunks_in, failed_cases_in
-from .store import (
-    as_store_error,
-    device_attrs,
-    is_complete,
-    mark_undone,
-    matching_group,
-    open_result,
-)
+from .store import as_store_error, device_attrs, mark_undone, matching_record, open_result
 from .task import Tasks
 
 
@@ -139,7 +132,7 @@ def sweep(
         if slurm is not None:
             client = until_done.enter_context(slurm_client(slurm))
         until_done.enter_context(backend.use(device=device))
-        plan = Plan(SweepRequest(name, call, chunk, device), client, progress, mixed)
+        plan = Plan(SweepRequest(name, call, chunk, device, mixed), client, progress)
         if store is None:
             return _in_memory(plan)
         return _in_store(plan, _folder(store, client), retry_crashed)
@@ -152,7 +145,6 @@ class Plan:
     request: SweepRequest
     client: Any
     progress: bool
-    mixed: bool
 
     def run(self, function, *arguments):
         """Call a function where the work is to be done, and return its result."""
@@ -161,24 +153,17 @@ class Plan:
         return cluster.result(self.client, self.request.device, function, *arguments)
 
     @functools.cached_property
-    def form(self):
-        """`Form` of the result."""
-        return form_of(self.request.call)
-
-    @functools.cached_property
     def origin(self):
         """Versions and kind of processor that do the work: with a cluster, a worker's."""
         return self.run(origin, self.request.device)
 
     def divide(self):
         """Check the arguments of every case, measure the cost of a case, and return `Chunks`."""
-        call, shared = self.request.call, self.client is None
+        request, shared = self.request, self.client is None
         workers = cores() if shared else cluster.thread_count(self.client)
-        cases = self.request.chunk or cases_per_chunk(
-            call, self.form.specs, workers, shared, self.request.device, self.run
-        )
-        chunks = chunks_of(call.batch.sizes, cases)
-        check_cases(call, chunks)
+        cases = request.chunk or cases_per_chunk(request, workers, shared, self.run)
+        chunks = chunks_of(request.call.batch.sizes, cases)
+        check_cases(request.call, chunks)
         return chunks
 
     def outcomes(self, chunks, done, store=None, failed=0):
@@ -188,15 +173,16 @@ class Plan:
         failed : number of failed cases among those done
         """
         request = self.request
-        processor = None if self.mixed else self.origin["processor"]
-        tasks = Tasks(chunks, self.form.specs, store, request.device, processor)
+        tasks = Tasks(chunks, request.form.specs, store, request.device)
         numbers = np.flatnonzero(~done).tolist()
         label = f"sweep of {request.name}"
         with ProgressReport(label, chunks, done, failed, quiet=not self.progress) as report:
+            work = tasks, request.call, numbers, report
             if self.client is None:
-                outcomes = threads.outcomes(tasks, request.call, numbers, report)
+                outcomes = threads.outcomes(*work)
             else:
-                outcomes = cluster.outcomes(self.client, tasks, request.call, numbers, report)
+                processor = None if request.mixed else self.origin["processor"]
+                outcomes = cluster.outcomes(self.client, processor, *work)
             with contextlib.closing(outcomes):
                 for outcome in outcomes:
                     report.finished(outcome)
@@ -205,20 +191,20 @@ class Plan:
 
 def _in_memory(plan):
     """The result, assembled from its chunks."""
-    form, call = plan.form, plan.request.call
-    cases = call.batch.n
-    own = {name: spec for name, spec in form.specs.items() if name not in form.static}
+    request = plan.request
+    cases, (specs, static) = request.call.batch.n, request.form
+    own = {name: spec for name, spec in specs.items() if name not in static}
     check_fits(cases * bytes_per_case(own), f"the results of {cases:,} cases", "give a store")
     chunks = plan.divide()
-    variables = {name: spec.empty(chunks.sizes) for name, spec in form.specs.items()}
+    variables = {name: spec.empty(chunks.sizes) for name, spec in specs.items()}
     for outcome in plan.outcomes(chunks, np.zeros(chunks.number, bool)):
         slices = chunks.slices(outcome.chunk)
         for name in own:
             part = outcome.variables[name]
             where = tuple(slices.get(dim, slice(None)) for dim in part.dims)
             variables[name].values[where] = part.values
-    attrs = device_attrs(plan.request.device)
-    return call.dataset(variables | form.static).assign_attrs(attrs)
+    attrs = device_attrs(request.device)
+    return request.call.dataset(variables | static).assign_attrs(attrs)
 
 
 def _in_store(plan, path, retry_crashed):
@@ -228,11 +214,14 @@ def _in_store(plan, path, retry_crashed):
     with as_store_error(path):
         exists = path.exists()
     if not exists:
-        create(path, request, plan.divide(), plan.form)
-    if retry_crashed or not is_complete(path, matching_group(path, request)):
+        create(path, request, plan.divide())
+    record = matching_record(path, request)
+    with as_store_error(path):
+        complete = not record.flaws and record.done.all()
+    if retry_crashed or not complete:
         with exclusive_lock(path / SWEEP_GROUP / "zarr.json", path):
-            # read only now, since another sweep may have held the lock before
-            store = resume_store(path, plan.form, request, plan.origin, plan.mixed)
+            # read again, since another sweep may have held the lock before
+            store = resume_store(path, request, plan.origin)
             if retry_crashed:
                 store = mark_undone(store, crashed_chunks_in(store))
             for _ in plan.outcomes(store.chunks, store.done, store, failed_cases_in(store)):

@@ -1,15 +1,14 @@
 """One chunk of a sweep: solved, and stored if there is a store."""
 
-import json
 from typing import Any, NamedTuple
 
-from ..dynamics.results import versions
 from ..engine import backend
 from ..errors import StoreError
 from .chunks import Chunks
 from .manifest import as_lines
 from .origin import origin, origin_differences
 from .solve import count_failed, solve
+from .store import write
 
 
 class Outcome(NamedTuple):
@@ -27,15 +26,12 @@ class Tasks(NamedTuple):
     specs: dict  # variable -> `VariableSpec`
     store: Any  # `Store`, or None
     device: str
-    processor: dict | None = None  # kind that all workers must have; None: any
 
     def outcome(self, i, variables):
         """Store the variables of chunk i, if there is a store; return its `Outcome`."""
         number = count_failed(variables)
         if self.store is None:
             return Outcome(i, number, variables)
-        from .store import write
-
         write(self.store, i, variables)
         return Outcome(i, number, None)
 
@@ -45,16 +41,21 @@ class Tasks(NamedTuple):
             return self.outcome(i, solve(part, self.specs, progress))
 
 
-def do_on_worker(tasks, i, part, expected):
-    """`Tasks.do` in a worker process, which must have the expected versions and processor."""
-    if versions() != expected:
+def call_on_worker(expected, device, function, *arguments):
+    """Call a function in a worker process, which must have the expected `origin`.
+
+    With ``processor`` None, any kind of processor will do.
+    """
+    now = origin(device)
+    if now["versions"] != expected["versions"]:
         raise StoreError(
-            f"a worker has other versions, {json.loads(versions())}, than those expected, "
-            f"{json.loads(expected)}: results would differ in their last digits; install the same"
+            f"a worker has other versions, {now['versions']}, than those expected, "
+            f"{expected['versions']}: results would differ in their last digits; install the same"
         )
-    if lines := origin_differences(json.loads(expected), tasks.processor, origin(tasks.device)):
+    if lines := origin_differences(expected, now):
         raise StoreError(
             f"a worker differs from those before it, and results would in their last digits; use "
             f"workers of one kind, or take them all with mixed=True (--mixed):{as_lines(lines)}"
         )
-    return tasks.do(i, part)
+    with backend.use(threads=1, device=device):
+        return function(*arguments)

@@ -9,10 +9,7 @@ from ..model.arrays import cut
 
 
 def outcomes(tasks, call, numbers, report):
-    """Solve the chunks with these numbers; yield each `Outcome` when it is ready.
-
-    report : `ProgressReport`, updated also while a chunk is being solved
-    """
+    """Solve the chunks with these numbers; yield each `Outcome` when it is ready."""
     workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
     threads = -(-cores() // workers)
     stop, queue = threading.Event(), iter(numbers)
@@ -27,7 +24,7 @@ def outcomes(tasks, call, numbers, report):
         while pending:
             finished, pending = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
             pending |= {pool.submit(work, i) for i in itertools.islice(queue, len(finished))}
-            report.show()
+            report.refresh()
             for future in finished:
                 yield future.result()
     finally:

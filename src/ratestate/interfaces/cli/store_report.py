@@ -101,12 +101,12 @@ def _differences(store: Path, file: Path) -> list[str]:
     """Differences of a file's sweep from a store's, as lines."""
     from ...sweeps.calls import call_of
     from ...sweeps.inputs import input_differences, inputs_of
-    from ...sweeps.store import read_group
+    from ...sweeps.store import read_record
     from .run_scenario import load_scenario
 
     scenario = load_scenario(file)
     call = call_of(scenario.verb, scenario.slider, scenario.settings)
-    return input_differences(read_group(store)[1], inputs_of(*call))
+    return input_differences(read_record(store)[1], inputs_of(*call))
 
 
 def _summary(status: "StoreStatus") -> str:
