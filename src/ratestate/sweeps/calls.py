@@ -18,6 +18,7 @@ from ..dynamics.steady_sliding import stability, stability_call
 from ..errors import ParameterError
 from ..model.arrays import cut
 from ..model.initial_state import initial_state
+from . import sentence
 from .solve import form_of
 
 #: name -> the function, and the one that checks its arguments and returns a call
@@ -53,9 +54,7 @@ def call_of(verb, slider, arguments):
         (name for name, (function, _) in FUNCTIONS.items() if verb in (name, function)), None
     )
     if name is None:
-        raise ParameterError(
-            f"verb = {verb!r} cannot be swept; choose one of {', '.join(FUNCTIONS)}"
-        )
+        raise ParameterError(sentence("call.unknown", verb=verb, names=", ".join(FUNCTIONS)))
     function, checked_call = FUNCTIONS[name]
     try:
         bound = inspect.signature(function).bind(slider, **arguments)
@@ -64,10 +63,7 @@ def call_of(verb, slider, arguments):
     bound.apply_defaults()
     call = checked_call(*bound.args, **bound.kwargs)
     if call.batch.alone:
-        raise ParameterError(
-            f"nothing to sweep over: give a parameter as a named DataArray, for example "
-            f"M=ratestate.logspace('M', 100, 1e5, 12); for a single case call {name} itself"
-        )
+        raise ParameterError(sentence("call.nothing", name=name))
     _check_names(call)
     if call.batch.n == 0:
         raise ParameterError(f"no cases: dimensions {dict(call.batch.sizes)}; give each a value")
@@ -79,18 +75,11 @@ def _check_names(call):
     coords = call.dataset({}).coords
     for name in {*call.batch.dims, *coords}:
         if name in RESERVED or not re.fullmatch(r"[^\s/.][^\s/]*", str(name)):
-            raise ParameterError(
-                f"a dimension or coordinate called {name!r} clashes with what a sweep needs;"
-                f" rename it: a word without spaces, slashes and a leading dot, and none of "
-                f"{', '.join(RESERVED)}"
-            )
+            raise ParameterError(sentence("call.name", name=name, reserved=", ".join(RESERVED)))
     for name, labels in coords.items():
         plain = labels.dtype.kind != "O" or all(isinstance(x, str) for x in labels.values.flat)
         if not plain or (name in coords.indexes and coords.indexes[name].nlevels > 1):
-            raise ParameterError(
-                f"the coordinate {name!r} has labels that cannot be stored; use numbers, dates or "
-                f"text, and .reset_index({name!r}) for a MultiIndex"
-            )
+            raise ParameterError(sentence("call.labels", name=name))
 
 
 def check_cases(call, chunks):

@@ -5,7 +5,6 @@ import contextlib
 import itertools
 import json
 import pickle
-import queue
 import time
 from collections import Counter
 from typing import Any, NamedTuple
@@ -13,7 +12,8 @@ from typing import Any, NamedTuple
 from ..dynamics.results import versions
 from ..errors import RateStateError, SolverError
 from ..model.arrays import cut
-from .jobs import RESUME, Jobs, to_stderr
+from . import sentence
+from .jobs import Jobs, to_stderr
 from .subprocesses import SubprocessTasks
 from .task import call_on_worker
 
@@ -44,10 +44,7 @@ def outcomes(client, processor, tasks, call, numbers, report):
     def retry_in_subprocess(i):
         deaths[i] += 1
         if deaths[i] > MOST_DEATHS:
-            raise SolverError(
-                f"workers die, one after the other, and not of single cases; give them more "
-                f"memory, or the sweep a smaller chunk; {RESUME}"
-            )
+            raise SolverError(sentence("cluster.workers_die"))
         send(i)
 
     with _working(client, tasks.device, processor) as work:
@@ -87,10 +84,8 @@ def _result_of(answer):
     except (RateStateError, CancelledError, KilledWorker):
         raise
     except Exception as error:
-        raise SolverError(
-            f"a worker cannot do its work ({type(error).__name__}: {error}); it needs the same "
-            f"programs as this process; its log may say more"
-        ) from error
+        what = f"{type(error).__name__}: {error}"
+        raise SolverError(sentence("cluster.worker", error=what)) from error
 
 
 def thread_count(client):
@@ -127,9 +122,8 @@ class _Work:
         self.expected = {"versions": json.loads(versions()), "processor": processor}
         self.under_way: dict = {}  # number of a task -> its future, and that of its answer here
         self.jobs = _jobs(client)
-        # (key of a task, address of its worker, time of death)
-        self.lost: Any = queue.SimpleQueue()
-        self.given_up: dict = {}  # number of such a task -> (address, time of death)
+        self.deaths: dict = {}  # key of a task -> address of its worker, and time of its death
+        self.given_up: dict = {}  # number of such a task -> the same
         self.available, self.last_seen, self.last_look = 0, time.monotonic(), -LOOK
         client.subscribe_topic("all", self._note_death)
 
@@ -145,19 +139,17 @@ class _Work:
 
     def finished(self):
         """[(number, answer)] of the tasks that have ended; waits a little if there are none."""
-        ended = [(i, answer) for i, (_, answer) in self.under_way.items() if answer.done()]
+        ended = [i for i, (_, answer) in self.under_way.items() if answer.done()]
         if not ended:
             time.sleep(TICK)
-        for i, _ in ended:
-            del self.under_way[i]
-        return ended
+        return [(i, self.under_way.pop(i)[1]) for i in ended]
 
     def _note_death(self, event):
         """Note the tasks of a worker that died; called by the client's thread."""
         _, message = event
         if isinstance(message, dict) and message.get("action") == "remove-worker":
             for key in () if message.get("expected") else message["processing-tasks"]:
-                self.lost.put((key, message["worker"], time.monotonic()))
+                self.deaths[key] = message["worker"], time.monotonic()
 
     @property
     def unfinished(self):
@@ -169,22 +161,15 @@ class _Work:
 
         With `Jobs` a task is listed once SLURM has answered; without, no job has ended.
         """
-        deaths = {}
-        for _ in range(self.lost.qsize()):
-            key, *death = self.lost.get()
-            deaths[key] = death
-        dead = {i: future for i, (future, _) in self.under_way.items() if future.key in deaths}
-        for i, future in dead.items():
-            del self.under_way[i]
-            self.given_up[i] = deaths[future.key]
-        if dead:
-            self.client.cancel(list(dead.values()))
+        for i, (future, _) in list(self.under_way.items()):
+            if future.key in self.deaths:
+                del self.under_way[i]
+                self.client.cancel(future)
+                self.given_up[i] = self.deaths.pop(future.key)
         has_ended = self.jobs.has_ended if self.jobs else lambda *_: False
-        ended = {i: has_ended(*death) for i, death in self.given_up.items()}
-        answered = [(i, job_ended) for i, job_ended in ended.items() if job_ended is not None]
-        for i, _ in answered:
-            del self.given_up[i]
-        return answered
+        answers = {i: has_ended(*death) for i, death in self.given_up.items()}
+        self.given_up = {i: death for i, death in self.given_up.items() if answers[i] is None}
+        return [(i, ended) for i, ended in answers.items() if ended is not None]
 
     def thread_count(self):
         """Number of threads of the cluster; a message says if there are none for a while."""
@@ -222,7 +207,5 @@ def _working(client, device, processor=None):
     except RateStateError:
         raise
     except (CancelledError, ClosedClientError, OSError) as error:
-        raise SolverError(
-            f"the cluster is lost ({getattr(error, 'reason', error)}); {RESUME}, with another "
-            f"cluster or without"
-        ) from error
+        reason = getattr(error, "reason", error)
+        raise SolverError(sentence("cluster.lost", error=reason)) from error

@@ -13,6 +13,7 @@ import zarr
 from zarr.codecs import ZstdCodec
 
 from ..errors import StoreError
+from . import sentence
 from .inputs import checksum, inputs_of
 from .legacy import METADATA, SWEEP_GROUP
 from .lock import lock_folder, remove_if_abandoned
@@ -44,10 +45,7 @@ def create(path, request, chunks):
     except OSError as error:
         if path.exists():  # another sweep has made it meanwhile
             return
-        raise StoreError(
-            f"{path} cannot be made ({error.strerror}); give a store that does not exist yet, in "
-            f"a folder that does, where you may write and there is room"
-        ) from error
+        raise StoreError(sentence("store.unmade", path=path, error=error.strerror)) from error
 
 
 @contextlib.contextmanager

@@ -11,18 +11,16 @@ import time
 from typing import NamedTuple
 
 from ..errors import SolverError
+from . import sentence
 
 #: states of a job that has ended, as squeue(1) calls them; in all others it may still work
-ENDED = (
-    *("BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "FAILED", "NODE_FAIL", "OUT_OF_MEMORY"),
-    *("PREEMPTED", "REVOKED", "TIMEOUT"),
-)
+ENDED = """BOOT_FAIL CANCELLED COMPLETED DEADLINE FAILED NODE_FAIL OUT_OF_MEMORY PREEMPTED
+    REVOKED TIMEOUT""".split()
 # Seconds between two queries of SLURM; the same where a chunk waits for the answer; how long it
 # waits at most; until squeue is assumed to hang.
 POLL, SOON, LONGEST, HANGS = 15.0, 1.0, 60.0, 20.0
 # After so many jobs in a row that end before a worker starts no more are submitted.
 FRUITLESS = 3
-RESUME = "what is stored is whole: run the same sweep again to go on"
 
 
 class State(NamedTuple):
@@ -70,10 +68,6 @@ class Jobs:
         """Number of threads of all jobs together."""
         return self.number * self.cluster.new_spec["options"]["cores"]
 
-    def submit(self):
-        """Submit the jobs."""
-        self.cluster.scale(jobs=self.number)
-
     def has_ended(self, address, died):
         """Whether the job of a worker that died at this time has ended; None: not yet known."""
         job = self.job_of.get(address)
@@ -102,10 +96,8 @@ class Jobs:
         if not self.cluster.worker_spec:
             raise SolverError(self._none_left())
         if now - self.last_worker > self.wait:
-            raise SolverError(
-                f"no worker for {self.wait:.0f} s: {self._waiting()}; ask for less in a job, or "
-                f"another queue, or wait longer (wait=1-00:00:00 is a day); {RESUME}"
-            )
+            what = {"seconds": self.wait, "jobs": self._waiting()}
+            raise SolverError(sentence("jobs.no_worker", **what))
 
     def _note_workers(self, now):
         """Note the job of each worker."""
@@ -151,23 +143,15 @@ class Jobs:
         self.cluster.scale(jobs=len(self.cluster.worker_spec) + more)
         losses = [f"job {job} ({why})" if job else f"one refused ({why})" for job, why in lost]
         self.last_loss = losses[-1] if losses else self.last_loss
-        why = f"SLURM jobs lost: {', '.join(losses)}" if lost else "SLURM jobs bring workers again"
-        to_stderr(f"{why}; {more} submitted instead; at most {self.replacements_left} more will be")
+        what = {"losses": ", ".join(losses), "more": more, "left": self.replacements_left}
+        to_stderr(sentence("jobs.lost" if lost else "jobs.hope", **what))
 
     def _none_left(self):
         """The message that no job is left: why, and what to do."""
         if self.fruitless_jobs >= FRUITLESS:
-            address = self.cluster.scheduler_address
-            return (
-                f"{self.fruitless_jobs} SLURM jobs in a row were lost before a worker came, at "
-                f"last {self.last_loss}; its log (slurm-ID.out, or in jobqueue.yaml's "
-                f"log-directory) may say why: nodes need the same programs under the same paths, "
-                f"and must reach {address} (interface=ib0 chooses another network); {RESUME}"
-            )
-        return (
-            f"no SLURM job is left, the last was {self.last_loss}, and all {self.replacements} "
-            f"replacements are used up; {RESUME}, with a longer walltime or more replacements=N"
-        )
+            what = {"number": self.fruitless_jobs, "address": self.cluster.scheduler_address}
+            return sentence("jobs.fruitless", last=self.last_loss, **what)
+        return sentence("jobs.used_up", last=self.last_loss, replacements=self.replacements)
 
     def _waiting(self):
         """The submitted jobs and their states, for a message."""

@@ -7,6 +7,7 @@ import shutil
 import warnings
 
 from ..errors import StoreError
+from . import sentence
 
 
 @contextlib.contextmanager
@@ -18,25 +19,16 @@ def exclusive_lock(path, store):
     try:
         handle = os.open(path, os.O_RDWR)
     except OSError as error:
-        raise StoreError(
-            f"{store} cannot be written to ({error.strerror}); mend its permissions, or copy it "
-            f"to where you may write, and run the sweep there; what it holds is whole"
-        ) from error
+        message = sentence("store.unwritable", path=store, error=error.strerror)
+        raise StoreError(message) from error
     try:
         try:
             _lock(handle)
         except BlockingIOError:
-            raise StoreError(
-                f"another sweep is writing to {store}; wait until it has ended, or give this one "
-                f"a store of its own"
-            ) from None
+            raise StoreError(sentence("store.in_use", path=store)) from None
         except OSError as error:  # some network file systems have no locks
-            warnings.warn(
-                f"{store} cannot be locked ({error.strerror}): see to it that no other sweep "
-                f"writes to it",
-                RuntimeWarning,
-                stacklevel=4,
-            )
+            message = sentence("store.no_lock", path=store, error=error.strerror)
+            warnings.warn(message, RuntimeWarning, stacklevel=4)
         yield
     finally:
         os.close(handle)

@@ -16,7 +16,7 @@ import zarr
 from zarr.storage import LocalStore
 
 from ..errors import StoreError
-from . import legacy
+from . import legacy, sentence
 from .chunks import Chunks
 from .legacy import DAMAGE, SWEEP_GROUP
 
@@ -116,7 +116,7 @@ class Record:
             unrecorded = {*np.flatnonzero(self.done).tolist()} - self.entries.keys()
             files += [File(*pair) for pair in legacy.files(self.path, self.chunks, unrecorded)]
         if damaged := self._flaws_in([file for file in files if file.key == RECORD]):
-            raise StoreError(inputs_damaged_message(self.path, damaged[0]))
+            raise StoreError(sentence("damage.inputs", path=self.path, why=damaged[0]))
         return {file.key: file for file in files}
 
     @functools.cached_property
@@ -183,20 +183,9 @@ def manifest_entry(path, keys, chunk, origin):
     return json.dumps({"chunk": chunk, "sha256": digests, **origin}, sort_keys=True)
 
 
-def inputs_damaged_message(path, why):
-    """The message about a store whose record of the sweep's inputs is damaged."""
-    return (
-        f"{path}: its record of the parameters is damaged ({why}); put it back from a copy, or "
-        f"give another path; xarray.open_zarr still reads the results"
-    )
-
-
 def damage_message(path, flaws):
     """The message about `Flaw`s of a store."""
-    return (
-        f"{path} is damaged; run the same sweep again, which makes anew what is damaged or "
-        f"missing, and keeps the rest:{as_lines(flaws)}"
-    )
+    return sentence("damage.files", path=path, lines=as_lines(flaws))
 
 
 def as_lines(lines, most=20):

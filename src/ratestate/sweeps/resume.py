@@ -8,6 +8,7 @@ import zarr
 
 from ..dynamics.results import versions
 from ..errors import StoreError
+from . import sentence
 from .create import add_record, make, temporary_sibling
 from .legacy import METADATA, SWEEP_GROUP
 from .manifest import MANIFEST, RECORDS, Record, as_lines
@@ -38,9 +39,7 @@ def resume_store(path, request, origin):
         for partial in path.rglob("*.partial"):  # of writers that were killed
             partial.unlink(missing_ok=True)
     if flaws:
-        _warn(
-            f"{path} was damaged; these are made again, and the rest is whole:{as_lines([*flaws])}"
-        )
+        _warn("damage.mended", path, [*flaws])
     return Store(path, record.chunks, done, record.attrs["checksum"], names)
 
 
@@ -48,10 +47,7 @@ def _restore(record, flaws, request):
     """Replace the flawed files, of those that were made with the store."""
     path = record.path
     if RECORDS not in record.attrs or record.attrs["versions"] != json.loads(versions()):
-        raise StoreError(
-            f"{path} is damaged, and the version that made it is not here to mend it; put back "
-            f"from a copy:{as_lines(flaws)}"
-        )
+        raise StoreError(sentence("damage.other_version", path=path, lines=as_lines(flaws)))
     with temporary_sibling(path) as temporary:
         make(temporary, request, record.chunks)
         files = [flaw.file for flaw in flaws]
@@ -60,9 +56,7 @@ def _restore(record, flaws, request):
             for file in files
         ]
         if other := [flaw for flaw, whole in zip(flaws, same, strict=True) if not whole]:
-            raise StoreError(
-                f"{path} is damaged, and cannot be mended; put back from a copy:{as_lines(other)}"
-            )
+            raise StoreError(sentence("damage.hopeless", path=path, lines=as_lines(other)))
         for key in (file.key for file in files):
             (path / key).parent.mkdir(parents=True, exist_ok=True)
             (temporary / key).replace(path / key)
@@ -75,20 +69,13 @@ def _check_origins(record, done, origin, mixed):
     lines = dict.fromkeys(
         line for one in [record.attrs, *made] for line in origin_differences(one, origin)
     )
-    what = f"{record.path} was begun by other programs, or on another kind of processor"
     if lines and not mixed:
-        raise StoreError(
-            f"{what}: the last digits of its cases would be of two kinds.  Nothing of it is lost: "
-            f"go on where it was begun, give this sweep a store of its own, or go on all the same "
-            f"with mixed=True (--mixed); the store says what made which chunk:{as_lines([*lines])}"
-        )
+        text = as_lines([*lines])
+        raise StoreError(sentence("origin.refused", path=record.path, lines=text))
     if lines:
-        _warn(f"{what}; the store says what made which chunk:{as_lines([*lines])}")
+        _warn("origin.mixed", record.path, [*lines])
     elif any("processor" not in one for one in made):
-        _warn(
-            f"{record.path} does not say on what kind of processor it was begun; if on another one "
-            f"than this, the last digits of its cases are of two kinds"
-        )
+        _warn("origin.not_recorded", record.path)
 
 
 def _variables(record, request):
@@ -114,15 +101,10 @@ def _variables(record, request):
         if old != new
     ]
     if not request.mixed or not stored.items() <= computed.items():
-        raise StoreError(
-            f"{path} was begun by another version, with other variables; nothing of it is lost: go "
-            f"on with that version, or give this sweep a store of its own"
-            + ("" if request.mixed else ", or mixed=True (--mixed), if all that it has are here")
-            + f":{as_lines(lines)}"
-        )
-    _warn(
-        f"{path} was begun by another version, and has no room for all variables:{as_lines(lines)}"
-    )
+        remedy = "" if request.mixed else ", or mixed=True (--mixed), if all that it has are here"
+        text = as_lines(lines)
+        raise StoreError(sentence("origin.variables", path=path, remedy=remedy, lines=text))
+    _warn("origin.fewer_variables", path, lines)
     return frozenset(stored)
 
 
@@ -131,5 +113,6 @@ def _layout(dims, dtype):
     return f"{'text' if dtype.kind in 'OTU' else dtype} over ({', '.join(dims)})"
 
 
-def _warn(message):
+def _warn(name, path, lines=()):
+    message = sentence(name, path=path, lines=as_lines(lines))
     warnings.warn(message, RuntimeWarning, stacklevel=5)

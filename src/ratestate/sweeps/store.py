@@ -18,6 +18,7 @@ import xarray
 import zarr
 
 from ..errors import StoreError
+from . import sentence
 from .chunks import Chunks, chunks_of
 from .inputs import checksum, input_differences, inputs_of
 from .legacy import DAMAGE, SWEEP_GROUP
@@ -27,7 +28,6 @@ from .manifest import (
     Record,
     as_lines,
     damage_message,
-    inputs_damaged_message,
     manifest_entry,
 )
 from .origin import origin
@@ -59,7 +59,7 @@ def as_store_error(path):
     except StoreError:
         raise
     except PermissionError as error:
-        raise StoreError(f"{path} cannot be read ({error.strerror})") from error
+        raise StoreError(sentence("store.unreadable", path=path, error=error.strerror)) from error
     except DAMAGE as error:
         if message := _damage(path, error):
             raise StoreError(message) from error
@@ -69,21 +69,20 @@ def as_store_error(path):
 def _damage(path, error):
     """The message about an error from reading a store; "" if no file of it is to blame."""
     if not path.exists():
-        return (
-            f"there is nothing at {path}: no sweep has stored a chunk yet, or it was another path"
-        )
+        return sentence("store.nothing", path=path)
     if not (path / SWEEP_GROUP).is_dir():
-        return f"{path} is no store of a sweep ({error}); give another path"
+        return sentence("store.none", path=path, error=error)
     try:
         flaws = Record(path).flaws
     except DAMAGE:
-        return inputs_damaged_message(path, f"{SWEEP_GROUP}: {error}")
+        return sentence("damage.inputs", path=path, why=f"{SWEEP_GROUP}: {error}")
     inputs = f"{SWEEP_GROUP}/inputs/"
     if lost := [flaw for flaw in flaws if flaw.file.key.startswith(inputs)]:
-        return inputs_damaged_message(path, lost[0])
+        return sentence("damage.inputs", path=path, why=lost[0])
     if flaws:
         return damage_message(path, flaws)
-    return f"{path} cannot be read ({error})" if isinstance(error, OSError) else ""
+    of_system = isinstance(error, OSError)
+    return sentence("store.unreadable", path=path, error=error) if of_system else ""
 
 
 def read_record(path):
@@ -96,7 +95,7 @@ def read_record(path):
             inputs = data.load()
     needed = {"verb", "sizes", "chunk", "device", "checksum", "versions"}
     if not needed <= {*record.attrs} or checksum(inputs) != record.attrs["checksum"]:
-        raise StoreError(inputs_damaged_message(path, "its checksum is another"))
+        raise StoreError(sentence("damage.inputs", path=path, why="its checksum is another"))
     return record, inputs
 
 
@@ -110,10 +109,7 @@ def matching_record(path, request):
     if chunk is not None and chunks_of(chunks.sizes, chunk).shape != chunks.shape:
         lines.append(f"chunk: blocks of {chunks.shape} cases in the store, chunk={chunk} now")
     if lines:
-        raise StoreError(
-            f"{path} holds another sweep; give this one a store of its own, or make it the "
-            f"same:{as_lines(lines)}"
-        )
+        raise StoreError(sentence("store.other_sweep", path=path, lines=as_lines(lines)))
     return record
 
 
@@ -130,10 +126,7 @@ def _as_write_error(path):
     except StoreError:
         raise
     except (OSError, KeyError) as error:
-        raise StoreError(
-            f"{path} cannot be written to ({error}); what it holds is whole: make room, or "
-            f"mend what is wrong, and run the same sweep again"
-        ) from error
+        raise StoreError(sentence("store.full", path=path, error=error)) from error
 
 
 def write(store, i, variables):
@@ -148,7 +141,7 @@ def write(store, i, variables):
         group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=False)
         attrs = group[SWEEP_GROUP].attrs
         if attrs["checksum"] != store.checksum:  # a worker may not have noticed
-            raise StoreError(f"{path} has been replaced by the store of another sweep")
+            raise StoreError(sentence("store.replaced", path=path))
         for name in keys:
             where = tuple(slices.get(dim, slice(None)) for dim in dims[name])
             # (zarr omits files that hold only fill values; here a missing file must mean a loss)

@@ -12,6 +12,7 @@ from typing import Any
 from ..engine import backend
 from ..errors import RateStateError, SolverError
 from ..model.arrays import cut
+from . import sentence
 from .chunks import halves
 from .solve import concatenate, crashed_variables, solve
 from .task import Tasks
@@ -84,9 +85,7 @@ class _Process:
             _send(self.setup, self.process.stdin)
             pickle.load(self.process.stdout)  # it is ready
         except (EOFError, BrokenPipeError) as error:
-            raise SolverError(
-                f"a worker cannot start a process (exit code {self.close()}); see the worker's log"
-            ) from error
+            raise SolverError(sentence("cluster.subprocess", code=self.close())) from error
 
     def close(self):
         """End the process and return its exit code."""

@@ -12,7 +12,7 @@ import numpy as np
 from ..engine import backend
 from ..errors import ParameterError
 from ..machine import check_fits, cores
-from . import cluster, threads
+from . import cluster, sentence, threads
 from .calls import SweepRequest, call_of, check_cases, check_device
 from .chunk_size import cases_per_chunk
 from .chunks import chunks_of
@@ -116,18 +116,15 @@ def sweep(
     if client is not None and slurm is not None:
         raise ParameterError("client and slurm both say who does the work; give one of them")
     if client is not None and not hasattr(client, "nthreads"):
-        raise ParameterError(
-            f"client = {client!r} is no dask.distributed.Client; for the address of a scheduler "
-            f"give client=Client(address)"
-        )
+        raise ParameterError(sentence("call.client", client=client))
     integer = isinstance(chunk, int | np.integer) and not isinstance(chunk, bool)
     if chunk is not None and not (integer and chunk >= 1):
-        raise ParameterError(f"chunk = {chunk!r} must be a number of cases >= 1, such as 10000")
+        raise ParameterError(sentence("call.chunk", chunk=chunk))
     for option, value in (("retry_crashed", retry_crashed), ("mixed", mixed)):
         if not isinstance(value, bool):
             raise ParameterError(f"{option} = {value!r} must be True or False")
     if retry_crashed and store is None:
-        raise ParameterError("retry_crashed = True: only a store has cases to try again; give one")
+        raise ParameterError(sentence("call.retry"))
     with contextlib.ExitStack() as until_done:
         if slurm is not None:
             client = until_done.enter_context(slurm_client(slurm))
@@ -232,6 +229,6 @@ def _in_store(plan, path, retry_crashed):
 def _folder(store, client):
     """The path of a store; ParameterError if it cannot be one."""
     if not isinstance(store, str | os.PathLike) or "://" in os.fspath(store):
-        raise ParameterError(f"store = {store!r} must be the path of a folder, such as 'x.zarr'")
+        raise ParameterError(sentence("call.path", store=store))
     path = Path(store).expanduser()
     return path if client is None else path.absolute()  # workers may run in another folder

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 from ..engine import backend
 from ..errors import StoreError
+from . import sentence
 from .chunks import Chunks
 from .manifest import as_lines
 from .origin import origin, origin_differences
@@ -48,14 +49,9 @@ def call_on_worker(expected, device, function, *arguments):
     """
     now = origin(device)
     if now["versions"] != expected["versions"]:
-        raise StoreError(
-            f"a worker has other versions, {now['versions']}, than those expected, "
-            f"{expected['versions']}: results would differ in their last digits; install the same"
-        )
+        versions = {"now": now["versions"], "expected": expected["versions"]}
+        raise StoreError(sentence("origin.worker_version", **versions))
     if lines := origin_differences(expected, now):
-        raise StoreError(
-            f"a worker differs from those before it, and results would in their last digits; use "
-            f"workers of one kind, or take them all with mixed=True (--mixed):{as_lines(lines)}"
-        )
+        raise StoreError(sentence("origin.worker", lines=as_lines(lines)))
     with backend.use(threads=1, device=device):
         return function(*arguments)
