@@ -5,13 +5,7 @@ from .parts import split
 
 
 def read_netcdf(path):
-    """The Dataset in a NetCDF file.
-
-    Raises
-    ------
-    ParameterError
-        There is none.
-    """
+    """The Dataset in a NetCDF file; ParameterError if there is none."""
     import xarray
 
     variables, attrs = read_isolated(raw_netcdf, path, "a result")

@@ -14,27 +14,14 @@ NUMBERS, PICTURES = (".nc", ".csv", ".zarr"), (".png", ".pdf")
 
 
 def checked(path, endings):
-    """The path, if a file of one of these kinds can be put there, as far as can be told before.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-    endings : tuple of str
-        `NUMBERS` or `PICTURES`.
-
-    Raises
-    ------
-    ParameterError
-        Another ending; a folder in its place; none to put it in.
-    OSError
-        Its folder takes no files.
-    """
+    """The path, if a file with one of these endings can be put there, as far as is known before."""
     path = Path(path).expanduser()
-    if path.suffix.lower() not in endings:
+    ending = path.suffix.lower()
+    if ending not in endings:
         listed = f"{', '.join(endings[:-1])} or {endings[-1]}"
         raise ParameterError(f"{str(path)!r}: expected a name that ends in {listed}")
-    if path.is_dir() and not (path.suffix.lower() == ".zarr" and _is_result(path)):
-        what = "a folder that holds no result" if path.suffix.lower() == ".zarr" else "a folder"
+    if path.is_dir() and not (ending == ".zarr" and _is_result(path)):
+        what = "a folder that holds no result" if ending == ".zarr" else "a folder"
         raise ParameterError(f"{path} is {what} and is not replaced; give another name")
     if not path.parent.is_dir():
         raise ParameterError(f"{path}: there is no folder {path.parent}; make it first")
@@ -44,10 +31,7 @@ def checked(path, endings):
 
 
 def replace(path, write):
-    """Write beside `path` and rename, so that nobody ever finds half a file.
-
-    write : function of a path, which makes a file or folder there
-    """
+    """Have `write` make a file or folder beside `path`, and rename it: nobody finds half a file."""
     partial = path.with_name(f".{path.stem}.{uuid.uuid4().hex}.partial{path.suffix}")
     with writing(path):
         try:
@@ -80,9 +64,6 @@ def writing(path):
 
 def _is_result(path):
     """Whether a folder is a Zarr group of arrays alone: no sweep that can be gone on with."""
-    inside = [one for one in path.iterdir() if one.is_dir()]
-    return (path / "zarr.json").is_file() and not any(
-        '"node_type":"group"' in "".join((one / "zarr.json").read_text().split())
-        for one in inside
-        if (one / "zarr.json").is_file()
-    )
+    inside = [one.read_text() for one in path.glob("*/zarr.json")]
+    groups = ['"node_type":"group"' in "".join(text.split()) for text in inside]
+    return (path / "zarr.json").is_file() and not any(groups)

@@ -12,27 +12,21 @@ from ..model.units import is_array
 
 
 def inputs_of(name, call):
-    """Dataset of all arguments of a call: arrays and numbers as variables, the rest as attributes.
-
-    name : of the function
-    """
+    """Arguments of a call of function `name`, as Dataset: other than numbers as attributes."""
     variables, texts = {}, {"verb": name}
     for name, value in _leaves(call):
         if is_array(value):
             variables[name] = _variable(name, value.dims, value.values)
-        elif isinstance(value, np.ndarray):
-            variables[name] = _variable(name, range(value.ndim), value)
-        elif isinstance(value, float | int):
-            variables[name] = xarray.Variable((), float(value))
+        elif isinstance(value, np.ndarray | float | int):
+            variables[name] = _variable(name, range(np.ndim(value)), np.asarray(value, float))
         elif value is not None:
             texts[name] = value
-    coordinates = call.dataset({}).coords
-    for name, value in coordinates.items():
+    for dim, value in call.dataset({}).coords.items():
+        name = f"coordinate {dim}"
         if value.dtype.kind in "biuf":
-            label = f"coordinate {name}"
-            variables[label] = _variable(label, value.dims, value.values)
+            variables[name] = _variable(name, value.dims, value.values)
         else:  # texts, dates
-            texts[f"coordinate {name}"] = _label_summary(value)
+            texts[name] = _label_summary(value)
     return xarray.Dataset(variables, attrs=texts)
 
 
@@ -82,7 +76,7 @@ def input_differences(stored, requested):
     changed = {}
     for name in sorted({*stored.variables, *requested.variables}):
         old, new = stored.variables.get(name), requested.variables.get(name)
-        if old is None or new is None or not old.equals(new):
+        if old is None or not old.equals(new):
             changed[name] = f"{name}: {_difference(name, old, new)}"
     # (the coordinate of an axis differs whenever the axis does)
     repeated = {f"coordinate {name}" for name in changed}
@@ -91,35 +85,33 @@ def input_differences(stored, requested):
 
 def _difference(name, stored, requested):
     """How two variables differ, of which one may be None."""
-    if (
-        stored is None
-        or requested is None
-        or stored.shape != requested.shape
-        or stored.dims != requested.dims
-    ):
-        return f"{_shown(name, stored)} in the store, {_shown(name, requested)} now"
+    sizes = [list(one.sizes.items()) for one in (stored, requested) if one is not None]
+    if len(sizes) < 2 or sizes[0] != sizes[1]:
+        return f"{_summary(name, stored)} in the store, {_summary(name, requested)} now"
     old, new = stored.values, requested.values
-    differing = np.argwhere(~((old == new) | (np.isnan(old) & np.isnan(new))))
+    differing = np.argwhere((old != new) & ~(np.isnan(old) & np.isnan(new)))
     first = tuple(differing[0])
-    unit = _unit(name)
-    pair = f"{old[first].item()!r}{unit} in the store, {new[first].item()!r}{unit} now"
-    if not stored.dims:
+    pair = f"{_number(name, old[first])} in the store, {_number(name, new[first])} now"
+    if not first:
         return pair
     dims = [dim.removeprefix(f"{name}, ") for dim in stored.dims]
     index = ", ".join(f"{dim}[{i}]" for dim, i in zip(dims, first, strict=True))
     return f"{len(differing)} of {old.size} values differ, first at {index}: {pair}"
 
 
-def _shown(name, variable):
+def _summary(name, variable):
+    """A variable, or None, in short."""
     if variable is None:
         return "not given"
     if not variable.dims:
-        return f"{variable.values.item()!r}{_unit(name)}"
-    sizes = ", ".join(
-        f"{dim.removeprefix(f'{name}, ')}: {size}" for dim, size in variable.sizes.items()
-    )
+        return _number(name, variable.values)
+    sizes = [f"{dim.removeprefix(f'{name}, ')}: {n}" for dim, n in variable.sizes.items()]
     low, high = np.min(variable.values), np.max(variable.values)
-    return f"<{sizes}; {low:.6g} to {high:.6g}{_unit(name)}>"
+    return f"<{', '.join(sizes)}; {low:.6g} to {high:.6g}{_unit(name)}>"
+
+
+def _number(name, value):
+    return f"{value.item()!r}{_unit(name)}"
 
 
 def _unit(name):

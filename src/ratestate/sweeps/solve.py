@@ -38,16 +38,6 @@ class VariableSpec(NamedTuple):
         return xarray.Variable(self.dims, np.full(shape, self.missing, self.dtype), self.attrs)
 
 
-def specs_of(variables, dims):
-    """Name -> `VariableSpec`, for variables of a sweep over these dimensions."""
-    return {
-        name: VariableSpec(
-            v.dims, v.dtype, v.attrs, {d: n for d, n in v.sizes.items() if d not in dims}
-        )
-        for name, v in variables.items()
-    }
-
-
 class Form(NamedTuple):
     """The variables of a sweep's result, before it is computed."""
 
@@ -59,9 +49,13 @@ def form_of(call):
     """`Form` of a call's result."""
     dims = call.batch.dims
     first = cut(call, {dim: slice(0, 1) for dim in dims})
-    blank = with_messages(first.blank(), first.batch)
-    static = {name: v for name, v in blank.items() if not set(v.dims) & set(dims)}
-    return Form(specs_of(blank, dims), static)
+    specs, static = {}, {}
+    for name, v in with_messages(first.blank(), first.batch).items():
+        own = {dim: n for dim, n in v.sizes.items() if dim not in dims}
+        specs[name] = VariableSpec(v.dims, v.dtype, v.attrs, own)
+        if len(own) == v.ndim:
+            static[name] = v
+    return Form(specs, static)
 
 
 def solve(call, specs, progress=None):
@@ -106,19 +100,16 @@ def crashed_variables(call, specs, message):
 
 def concatenate(parts, dim):
     """Variables of two parts of a sweep that are adjacent along a dimension."""
-    return {
-        name: xarray.Variable.concat([part[name] for part in parts], dim)
-        if dim in variable.dims
-        else _either(variable, parts[1][name])
-        for name, variable in parts[0].items()
-    }
-
-
-def _either(one, other):
-    """A variable common to two parts, taken from the one that has an answer."""
-    if one.dtype.kind not in "fc":
-        return one
-    return one.copy(data=np.where(np.isnan(one.values), other.values, one.values))
+    whole = {}
+    for name, one in parts[0].items():
+        other = parts[1][name]
+        if dim in one.dims:
+            whole[name] = xarray.Variable.concat([one, other], dim)
+        elif one.dtype.kind in "fc":  # common to both: from the part that has an answer
+            whole[name] = one.copy(data=np.where(np.isnan(one.values), other.values, one.values))
+        else:
+            whole[name] = one
+    return whole
 
 
 def count_failed(variables):
