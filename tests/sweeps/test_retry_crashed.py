@@ -100,7 +100,7 @@ def test_an_interrupted_retry_is_gone_on_with(path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(task, "write", interrupted)
-        patch.setattr("ratestate.sweeps.threads.cores", lambda: 1)
+        patch.setattr("ratestate.sweeps.task.cores", lambda: 1)
         with pytest.raises(KeyboardInterrupt):
             sweep(path, retry_crashed=True)
     assert store_status(path).chunks_done == 1

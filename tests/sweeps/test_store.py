@@ -165,7 +165,7 @@ def test_a_chunk_is_on_disk_before_it_is_called_done(path, monkeypatch):
     monkeypatch.setattr(os, "open", remember_open)
     monkeypatch.setattr(os, "fsync", remember_fsync)
     monkeypatch.setattr(Path, "replace", remember_replace)
-    monkeypatch.setattr("ratestate.sweeps.threads.cores", lambda: 1)
+    monkeypatch.setattr("ratestate.sweeps.task.cores", lambda: 1)
     sweep(path)
     written = {target for target, _ in seen if path in target.parents}
     # the first time that each was written

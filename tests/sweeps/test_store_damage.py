@@ -14,7 +14,8 @@ from test_store import CHUNKS, assert_same, files, interrupted, solved, sweep
 from ratestate.errors import StoreError
 from ratestate.files import read
 from ratestate.interfaces.cli.store_report import print_status
-from ratestate.sweeps import calls, origin, resume, task
+from ratestate.sweeps import origin, resume, task
+from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.manifest import RECORDS
 from ratestate.sweeps.status import store_status
 from ratestate.sweeps.store import NO_RESULT
@@ -238,6 +239,34 @@ def test_status_says_what_is_damaged(path, capsys):
     assert len(json.loads("{" + document)["flaws"]) == 1
 
 
+@pytest.mark.parametrize(
+    ("error", "seen", "message"),
+    [
+        (TypeError("spanner"), TypeError, "^spanner$"),
+        (KeyError("spanner"), KeyError, "spanner"),
+        (OSError(5, "Input/output error"), StoreError, r"x\.zarr cannot be read .*Input/output"),
+    ],
+)
+@pytest.mark.parametrize("legacy", [False, True])
+def test_an_error_of_the_program_is_no_damage(begun, monkeypatch, error, seen, message, legacy):
+    """Where all files are as they were written, nothing is said of damage."""
+
+    def broken(*_):
+        raise error
+
+    if legacy:
+        as_of_old(begun)
+    before = files(begun)
+    with monkeypatch.context() as patch:
+        patch.setattr(resume, "_variables", broken)
+        with pytest.raises(seen, match=message):
+            sweep(begun)
+        assert files(begun) == before
+        lose(begun / "f_n/c/0")  # now there is damage, and it may be to blame
+        with pytest.raises(StoreError, match=r"is damaged.*\n.*f_n/c/0"):
+            sweep(begun)
+
+
 # Made by others -----------------------------------------------------------------------------------
 
 
@@ -297,7 +326,7 @@ def test_another_version_with_the_same_kernels_goes_on(begun, expected, other_or
 
 def test_what_another_version_finds(begun, expected, monkeypatch):
     """Another version that knows one variable more, or less, or has it of another type."""
-    plain = calls.form_of
+    plain = sweep_module.form_of
 
     def other(change):
         def form(call):
@@ -328,12 +357,12 @@ def test_what_another_version_finds(begun, expected, monkeypatch):
         narrower: r"omega: float64 over \(M, V_lp\) in the store, float32 over \(M, V_lp\) now$",
     }
     for change, mixed in [(less, False), (less, True), (more, False), (narrower, True)]:
-        monkeypatch.setattr(calls, "form_of", other(change))
+        monkeypatch.setattr(sweep_module, "form_of", other(change))
         with pytest.raises(StoreError, match=lines[change]):
             sweep(begun, mixed=mixed)
         assert files(begun) == before
     with monkeypatch.context() as patch:
-        patch.setattr(calls, "form_of", other(more))
+        patch.setattr(sweep_module, "form_of", other(more))
         patch.setattr(task, "solve", with_returns)
         with pytest.warns(RuntimeWarning, match=lines[more]):
             assert_same(sweep(begun, mixed=True), expected)

@@ -24,8 +24,7 @@ from ratestate.dynamics.simulation.simulate import SimulateCall
 from ratestate.dynamics.steady_sliding import StabilityCall
 from ratestate.engine import backend, dispatch
 from ratestate.engine.model import CRASHED, RUNAWAY, STATUSES
-from ratestate.sweeps import chunk_size, progress
-from ratestate.sweeps import threads as threads_module
+from ratestate.sweeps import chunk_size, progress, task
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.chunks import Chunks, chunks_of, halves
 from ratestate.sweeps.solve import VariableSpec, form_of, solve
@@ -125,8 +124,8 @@ KINDS = {"period": VariableSpec(("case",), np.dtype(float), {}, {})}
 def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
     monkeypatch.setattr(chunk_size, "seconds_per_case", lambda *_: seconds)
     call, form = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={})), SimpleNamespace(specs=KINDS)
-    request = SimpleNamespace(call=call, form=form, device="cpu")
-    assert chunk_size.cases_per_chunk(request, workers, True, here_and_now) == cases
+    request = SimpleNamespace(call=call, form=form, device="cpu", run=here_and_now)
+    assert chunk_size.cases_per_chunk(request, workers, True) == cases
 
 
 def test_a_probe_stops_in_time():
@@ -392,7 +391,7 @@ def test_kernels_stop_when_told(monkeypatch, cores):
     [("cpu", [0, 1, 2], 2), ("cpu", [1], 6), ("cuda", [0, 1, 2], 6)],  # a GPU has one at a time
 )
 def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
-    monkeypatch.setattr(threads_module, "cores", lambda: 6)
+    monkeypatch.setattr(task, "cores", lambda: 6)
     seen = []
 
     class Tasks:
@@ -410,7 +409,7 @@ def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
         refresh = staticmethod(lambda: None)
 
     call = call_of("limit_cycle", SLIDER, {"V_lp": 1e-3})[1]
-    found = list(threads_module.outcomes(Tasks(), call, numbers, Report()))
+    found = list(task.on_threads(Tasks(), call, numbers, Report()))
     assert sorted(outcome.chunk for outcome in found) == numbers
     assert sorted(seen) == [(i, 1, threads) for i in numbers]
 

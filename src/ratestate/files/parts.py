@@ -4,8 +4,8 @@ import numpy as np
 
 from ..errors import ParameterError
 
-# Suffix -> what of a complex array it is.
-PARTS = {"real": np.real, "imag": np.imag}
+#: suffix -> what of a complex array it is
+PARTS = {"real": ("real part", np.real), "imag": ("imaginary part", np.imag)}
 
 
 def split(data):
@@ -13,10 +13,11 @@ def split(data):
     for name, variable in data.variables.items():
         if variable.dtype.kind != "c":
             continue
-        parts = {
-            f"{name}_{part}": (variable.dims, of(variable.values), _part_attrs(variable, part))
-            for part, of in PARTS.items()
-        }
+        parts = {}
+        for part, (words, of) in PARTS.items():
+            attrs = {"long_name": f"{variable.attrs['long_name']}, {words}", "part": part}
+            values = of(variable.values)
+            parts[f"{name}_{part}"] = variable.dims, values, variable.attrs | attrs
         data = data.drop_vars(name).assign(parts)
     return data
 
@@ -37,8 +38,3 @@ def joined(data):
         attrs["long_name"] = attrs["long_name"].removesuffix(", real part")
         data = data.drop_vars([name, f"{whole}_imag"]).assign({whole: (real.dims, values, attrs)})
     return data
-
-
-def _part_attrs(variable, part):
-    name = {"real": "real part", "imag": "imaginary part"}[part]
-    return variable.attrs | {"long_name": f"{variable.attrs['long_name']}, {name}", "part": part}

@@ -1,10 +1,6 @@
 """Results as CSV."""
 
-import csv
-import io
 import itertools
-
-import numpy as np
 
 from .parts import PARTS
 
@@ -12,6 +8,7 @@ from .parts import PARTS
 ACROSS = ("mode", "multiplier")
 #: dimension of the loading's own record, which is no part of a table of results
 RECORD = "segment"
+FORMAT = {"index": False, "lineterminator": "\n"}
 
 
 def csv_text(data):
@@ -21,20 +18,19 @@ def csv_text(data):
     rows they are the one row.  Numbers are exact, what is missing is empty, yes and no are 1 and
     0, a complex number takes two columns, ``NAME.real`` and ``NAME.imag``.
     """
-    text = io.StringIO()
-    _write(data, text)
-    return text.getvalue()
+    return _frame(data).to_csv(**FORMAT)
 
 
 def write_csv(data, path):
-    with path.open("w", newline="", encoding="utf-8") as file:
-        _write(data, file)
+    _frame(data).to_csv(path, **FORMAT)
 
 
-def _write(data, file):
-    """Write the table into an open file."""
+def _frame(data):
+    """The table as a pandas DataFrame."""
+    import pandas
+
     rows = [dim for dim in data.sizes if dim not in (*ACROSS, RECORD)]
-    shape = tuple(data.sizes[dim] for dim in rows)
+    sizes = {dim: data.sizes[dim] for dim in rows}
     first = {dim: data[dim].variable for dim in rows if dim in data.variables}
     others = {k: v for k, v in data.variables.items() if k not in first}
     columns: dict = {}
@@ -42,11 +38,9 @@ def _write(data, file):
         if RECORD in variable.dims or (rows and not set(rows) & set(variable.dims)):
             continue
         for label, part in _columns(name, variable):
-            full = part.set_dims({**dict(zip(rows, shape, strict=True)), **part.sizes})
-            columns[label] = _cells(full.transpose(*rows).values.ravel())
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*columns.values(), strict=True))
+            values = part.set_dims({**sizes, **part.sizes}).transpose(*rows).values.ravel()
+            columns[label] = (values + 0 if values.dtype.kind == "b" else values).tolist()
+    return pandas.DataFrame(columns)
 
 
 def _columns(name, variable):
@@ -58,16 +52,7 @@ def _columns(name, variable):
         one = variable.isel(dict(zip(across, index, strict=True)))
         label = name + "".join(f"[{i}]" for i in index)
         if one.dtype.kind == "c":
-            for part, of in PARTS.items():
+            for part, (_, of) in PARTS.items():
                 yield f"{label}.{part}{unit}", one.copy(data=of(one.values))
         else:
             yield label + unit, one
-
-
-def _cells(values):
-    """Values as they stand in the table."""
-    if values.dtype.kind == "b":
-        return values.astype(int).tolist()
-    if values.dtype.kind == "f" and np.isnan(values).any():
-        return ["" if x != x else x for x in values.tolist()]
-    return values.tolist()

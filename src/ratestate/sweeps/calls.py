@@ -5,12 +5,9 @@ variables of all cases, ``blank()`` the same without answers, ``dataset(variable
 `arrays.cut` selects a part of it.
 """
 
-import dataclasses
-import functools
 import inspect
 import re
 from collections.abc import Callable
-from typing import Any
 
 from ..dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
 from ..dynamics.simulation.simulate import simulate, simulate_call
@@ -19,7 +16,6 @@ from ..errors import ParameterError
 from ..model.arrays import cut
 from ..model.initial_state import initial_state
 from . import sentence
-from .solve import form_of
 
 #: name -> the function, and the one that checks its arguments and returns a call
 FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
@@ -30,22 +26,6 @@ FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
 #: names of variables and groups that a sweep's result needs itself
 RESERVED = ("message", "status", "sweep")
 DEVICES = ("cpu", "cuda")
-
-
-@dataclasses.dataclass(frozen=True)
-class SweepRequest:
-    """What a sweep is to compute, and how."""
-
-    name: str  # of the function
-    call: Any  # its checked call
-    chunk: int | None  # cases of a chunk; None: chosen by `chunk_size`
-    device: str
-    mixed: bool  # whether what computes the rest of a store may be of another kind
-
-    @functools.cached_property
-    def form(self):
-        """`Form` of the result."""
-        return form_of(self.call)
 
 
 def call_of(verb, slider, arguments):

@@ -59,12 +59,11 @@ def sample_indices(sizes, most):
     return indices
 
 
-def cases_per_chunk(request, workers, shared, call_where):
+def cases_per_chunk(request, workers, shared):
     """How many cases a chunk should have; in a long sweep each worker gets several chunks.
 
     workers : number of workers, each with one core
     shared : whether all workers can share one chunk, which keeps their lanes full in a small sweep
-    call_where : calls a function with its arguments where the work is to be done
     """
     batch, specs = request.call.batch, request.form.specs
     n, fits = batch.n, max(1, MOST_BYTES // bytes_per_case(specs))
@@ -72,7 +71,7 @@ def cases_per_chunk(request, workers, shared, call_where):
         return min(n, CASES_ON_GPU, fits)
     sample = cut(request.call, sample_indices(batch.sizes, min(SAMPLE, fits)))
     try:
-        a_case = max(call_where(seconds_per_case, sample, specs), 1e-9)
+        a_case = max(request.run(seconds_per_case, sample, specs), 1e-9)
     except RateStateError:
         raise
     except Exception:  # a case of the sample killed its worker, so the cost is unknown

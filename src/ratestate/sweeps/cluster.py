@@ -13,7 +13,7 @@ from ..dynamics.results import versions
 from ..errors import RateStateError, SolverError
 from ..model.arrays import cut
 from . import sentence
-from .jobs import Jobs, to_stderr
+from .progress import to_stderr
 from .subprocesses import SubprocessTasks
 from .task import call_on_worker
 
@@ -95,9 +95,9 @@ def thread_count(client):
 
 
 def _jobs(client):
-    """The `Jobs` of a client's cluster; None if it has none."""
+    """The `ratestate.sweeps.jobs.Jobs` of a client's cluster; None if it has none."""
     jobs = getattr(client.cluster, "jobs", None)
-    return jobs if isinstance(jobs, Jobs) else None
+    return jobs if hasattr(jobs, "maintain") else None
 
 
 class _CallWhenUnpickled(NamedTuple):
@@ -183,7 +183,7 @@ class _Work:
             self.last_seen = now
         elif now - self.last_seen > PATIENCE:
             self.last_seen = float("inf")  # one message is enough
-            to_stderr("the cluster has no workers; waiting for some ...")
+            to_stderr("ratestate: the cluster has no workers; waiting for some ...")
         if self.jobs:
             self.jobs.maintain()
         return self.available

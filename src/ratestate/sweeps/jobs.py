@@ -6,12 +6,16 @@ at once; and it cancels some that still wait.  So the state of jobs is taken fro
 """
 
 import subprocess
-import sys
 import time
 from typing import NamedTuple
 
+from dask_jobqueue.slurm import SLURMCluster, SLURMJob
+from distributed.core import Status
+from distributed.deploy.spec import SpecCluster
+
 from ..errors import SolverError
 from . import sentence
+from .progress import to_stderr
 
 #: states of a job that has ended, as squeue(1) calls them; in all others it may still work
 ENDED = """BOOT_FAIL CANCELLED COMPLETED DEADLINE FAILED NODE_FAIL OUT_OF_MEMORY PREEMPTED
@@ -144,7 +148,7 @@ class Jobs:
         losses = [f"job {job} ({why})" if job else f"one refused ({why})" for job, why in lost]
         self.last_loss = losses[-1] if losses else self.last_loss
         what = {"losses": ", ".join(losses), "more": more, "left": self.replacements_left}
-        to_stderr(sentence("jobs.lost" if lost else "jobs.hope", **what))
+        to_stderr("ratestate: " + sentence("jobs.lost" if lost else "jobs.hope", **what))
 
     def _none_left(self):
         """The message that no job is left: why, and what to do."""
@@ -160,8 +164,31 @@ class Jobs:
         return ", ".join(jobs) or "no job is submitted yet"
 
 
-def to_stderr(text):
-    """Write a line to stderr, if the process has one."""
-    if sys.stderr:
-        sys.stderr.write(f"ratestate: {text}\n")
-        sys.stderr.flush()
+class Job(SLURMJob):
+    """A job that knows why SLURM refused it; Dask would only log that."""
+
+    refused = ""
+
+    async def start(self):
+        """Submit it."""
+        try:
+            await super().start()
+        except (RuntimeError, ValueError, OSError) as error:
+            # dask-jobqueue quotes the whole call; the message of sbatch comes last
+            self.refused = "; ".join(str(error).rpartition("stderr:")[-1].strip().splitlines())
+            self.status = Status.running  # as Dask expects
+
+
+class SweepCluster(SLURMCluster):
+    """SLURM jobs with Dask workers; kept at their number by `Jobs`."""
+
+    job_cls = Job
+
+    def __init__(self, jobs, replacements, wait, **settings):
+        # Dask's log of workers that die is silenced: `Jobs` has better messages.
+        super().__init__(**settings, silence_logs="critical")
+        self.jobs = Jobs(self, jobs, replacements, wait)
+
+    def _update_worker_status(self, op, msg):
+        # `SpecCluster` would cancel a job whose only worker died and did not return within 15 s.
+        super(SpecCluster, self)._update_worker_status(op, msg)

@@ -15,16 +15,7 @@ LOG_EVERY = 30.0
 class ProgressReport(Bar):
     """Counts the cases of a sweep; shows cases done, failures, rate and time left on stderr.
 
-    Parameters
-    ----------
-    label : str
-    chunks : Chunks
-    done : (chunks,) bool
-        Which were done by earlier sessions.
-    failed : int
-        How many cases failed in these.
-    quiet : bool
-        Whether to show nothing.
+    done : which chunks earlier sessions did, (chunks,) bool; failed: how many cases of these failed
     """
 
     def __init__(self, label, chunks, done, failed, quiet):
@@ -63,7 +54,13 @@ class ProgressReport(Bar):
                 self.show(done, text)
             elif now - self.logged > LOG_EVERY:
                 self.logged = now
-                sys.stderr.write(f"{self.label}: {text}\n")
-                sys.stderr.flush()
+                to_stderr(f"{self.label}: {text}")
         except OSError:  # nobody reads stderr any more; the work goes on
             self.quiet = True
+
+
+def to_stderr(text):
+    """Write a line to stderr, if the process has one."""
+    if sys.stderr:
+        sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()

@@ -16,11 +16,8 @@ from .origin import origin_differences
 from .store import Store, as_store_error, matching_record, to_disk, zarr_3_warnings_ignored
 
 
-def resume_store(path, request, origin):
-    """Restore damaged files of the store at a path, and open it; the process must hold its lock.
-
-    origin : of what is to compute the rest
-    """
+def resume_store(path, request):
+    """Restore damaged files of the store at a path, and open it; the process must hold its lock."""
     record = matching_record(path, request)
     with as_store_error(path):
         flaws = dict.fromkeys(record.flaws)
@@ -30,7 +27,7 @@ def resume_store(path, request, origin):
             flaws |= dict.fromkeys(record.flaws)
         names = _variables(record, request)
         done = record.intact(flaws)
-        _check_origins(record, done, origin, request.mixed)
+        _check_origins(record, done, request)
         if "manifest" not in record.group:  # an older version's
             with zarr_3_warnings_ignored():
                 sweep_group = zarr.open_group(path / SWEEP_GROUP, mode="r+")
@@ -63,13 +60,13 @@ def _restore(record, flaws, request):
             to_disk([path / key], path)
 
 
-def _check_origins(record, done, origin, mixed):
-    """Refuse, unless `mixed`, to resume what another origin has begun."""
+def _check_origins(record, done, request):
+    """Refuse, in a sweep that is not mixed, to resume what another origin has begun."""
     made = [record.entries.get(i, record.attrs) for i in done.nonzero()[0].tolist()]
     lines = dict.fromkeys(
-        line for one in [record.attrs, *made] for line in origin_differences(one, origin)
+        line for one in [record.attrs, *made] for line in origin_differences(one, request.origin)
     )
-    if lines and not mixed:
+    if lines and not request.mixed:
         text = as_lines([*lines])
         raise StoreError(sentence("origin.refused", path=record.path, lines=text))
     if lines:

@@ -12,8 +12,8 @@ import numpy as np
 from ..engine import backend
 from ..errors import ParameterError
 from ..machine import check_fits, cores
-from . import cluster, sentence, threads
-from .calls import SweepRequest, call_of, check_cases, check_device
+from . import cluster, sentence
+from .calls import call_of, check_cases, check_device
 from .chunk_size import cases_per_chunk
 from .chunks import chunks_of
 from .connect import slurm_client
@@ -23,10 +23,10 @@ from .lock import exclusive_lock
 from .origin import origin
 from .progress import ProgressReport
 from .resume import resume_store
-from .solve import bytes_per_case
+from .solve import bytes_per_case, form_of
 from .status import crashed_chunks_in, failed_cases_in
 from .store import as_store_error, device_attrs, mark_undone, matching_record, open_result
-from .task import Tasks
+from .task import Tasks, on_threads
 
 
 def sweep(
@@ -129,38 +129,47 @@ def sweep(
         if slurm is not None:
             client = until_done.enter_context(slurm_client(slurm))
         until_done.enter_context(backend.use(device=device))
-        plan = Plan(SweepRequest(name, call, chunk, device, mixed), client, progress)
+        request = SweepRequest(name, call, chunk, device, mixed, client, progress)
         if store is None:
-            return _in_memory(plan)
-        return _in_store(plan, _folder(store, client), retry_crashed)
+            return _in_memory(request)
+        return _in_store(request, _folder(store, client), retry_crashed)
 
 
 @dataclasses.dataclass(frozen=True)
-class Plan:
-    """What is to be computed, and by whom."""
+class SweepRequest:
+    """What a sweep is to compute, and by whom."""
 
-    request: SweepRequest
+    name: str  # of the function
+    call: Any  # its checked call
+    chunk: int | None  # cases of a chunk; None: chosen by `chunk_size`
+    device: str
+    mixed: bool
     client: Any
     progress: bool
+
+    @functools.cached_property
+    def form(self):
+        """`Form` of the result."""
+        return form_of(self.call)
+
+    @functools.cached_property
+    def origin(self):
+        """Versions and kind of processor that do the work: with a cluster, a worker's."""
+        return self.run(origin, self.device)
 
     def run(self, function, *arguments):
         """Call a function where the work is to be done, and return its result."""
         if self.client is None:
             return function(*arguments)
-        return cluster.result(self.client, self.request.device, function, *arguments)
-
-    @functools.cached_property
-    def origin(self):
-        """Versions and kind of processor that do the work: with a cluster, a worker's."""
-        return self.run(origin, self.request.device)
+        return cluster.result(self.client, self.device, function, *arguments)
 
     def divide(self):
         """Check the arguments of every case, measure the cost of a case, and return `Chunks`."""
-        request, shared = self.request, self.client is None
+        shared = self.client is None
         workers = cores() if shared else cluster.thread_count(self.client)
-        cases = request.chunk or cases_per_chunk(request, workers, shared, self.run)
-        chunks = chunks_of(request.call.batch.sizes, cases)
-        check_cases(request.call, chunks)
+        cases = self.chunk or cases_per_chunk(self, workers, shared)
+        chunks = chunks_of(self.call.batch.sizes, cases)
+        check_cases(self.call, chunks)
         return chunks
 
     def outcomes(self, chunks, done, store=None, failed=0):
@@ -169,16 +178,15 @@ class Plan:
         store : open `Store`, or None
         failed : number of failed cases among those done
         """
-        request = self.request
-        tasks = Tasks(chunks, request.form.specs, store, request.device)
+        tasks = Tasks(chunks, self.form.specs, store, self.device)
         numbers = np.flatnonzero(~done).tolist()
-        label = f"sweep of {request.name}"
+        label = f"sweep of {self.name}"
         with ProgressReport(label, chunks, done, failed, quiet=not self.progress) as report:
-            work = tasks, request.call, numbers, report
+            work = tasks, self.call, numbers, report
             if self.client is None:
-                outcomes = threads.outcomes(*work)
+                outcomes = on_threads(*work)
             else:
-                processor = None if request.mixed else self.origin["processor"]
+                processor = None if self.mixed else self.origin["processor"]
                 outcomes = cluster.outcomes(self.client, processor, *work)
             with contextlib.closing(outcomes):
                 for outcome in outcomes:
@@ -186,42 +194,39 @@ class Plan:
                     yield outcome
 
 
-def _in_memory(plan):
+def _in_memory(request):
     """The result, assembled from its chunks."""
-    request = plan.request
     cases, (specs, static) = request.call.batch.n, request.form
     own = {name: spec for name, spec in specs.items() if name not in static}
     check_fits(cases * bytes_per_case(own), f"the results of {cases:,} cases", "give a store")
-    chunks = plan.divide()
-    variables = {name: spec.empty(chunks.sizes) for name, spec in specs.items()}
-    for outcome in plan.outcomes(chunks, np.zeros(chunks.number, bool)):
+    chunks = request.divide()
+    variables = {name: spec.empty(chunks.sizes) for name, spec in specs.items()} | static
+    for outcome in request.outcomes(chunks, np.zeros(chunks.number, bool)):
         slices = chunks.slices(outcome.chunk)
         for name in own:
             part = outcome.variables[name]
             where = tuple(slices.get(dim, slice(None)) for dim in part.dims)
             variables[name].values[where] = part.values
-    attrs = device_attrs(request.device)
-    return request.call.dataset(variables | static).assign_attrs(attrs)
+    return request.call.dataset(variables).assign_attrs(device_attrs(request.device))
 
 
-def _in_store(plan, path, retry_crashed):
+def _in_store(request, path, retry_crashed):
     """The result in a store, which is made or resumed."""
-    request = plan.request
     remove_abandoned(path)
     with as_store_error(path):
         exists = path.exists()
     if not exists:
-        create(path, request, plan.divide())
+        create(path, request, request.divide())
     record = matching_record(path, request)
     with as_store_error(path):
         complete = not record.flaws and record.done.all()
     if retry_crashed or not complete:
         with exclusive_lock(path / SWEEP_GROUP / "zarr.json", path):
             # read again, since another sweep may have held the lock before
-            store = resume_store(path, request, plan.origin)
+            store = resume_store(path, request)
             if retry_crashed:
                 store = mark_undone(store, crashed_chunks_in(store))
-            for _ in plan.outcomes(store.chunks, store.done, store, failed_cases_in(store)):
+            for _ in request.outcomes(store.chunks, store.done, store, failed_cases_in(store)):
                 pass
     return open_result(path)
 

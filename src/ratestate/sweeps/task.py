@@ -1,9 +1,14 @@
-"""One chunk of a sweep: solved, and stored if there is a store."""
+"""Chunks of a sweep solved, and stored if there is a store: on threads, or by a worker."""
 
+import itertools
+import threading
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from typing import Any, NamedTuple
 
 from ..engine import backend
 from ..errors import StoreError
+from ..machine import cores
+from ..model.arrays import cut
 from . import sentence
 from .chunks import Chunks
 from .manifest import as_lines
@@ -40,6 +45,30 @@ class Tasks(NamedTuple):
         """Solve chunk i, whose cases are those of the call `part`; return its `Outcome`."""
         with backend.use(threads=threads, stop=stop, device=self.device):
             return self.outcome(i, solve(part, self.specs, progress))
+
+
+def on_threads(tasks, call, numbers, report):
+    """Solve these chunks on threads of this process; yield each `Outcome` when it is ready."""
+    workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
+    threads = -(-cores() // workers)
+    stop, queue = threading.Event(), iter(numbers)
+
+    def work(i):
+        part = cut(call, tasks.chunks.slices(i))
+        return tasks.do(i, part, lambda fraction: report.part(i, fraction), threads, stop)
+
+    pool = ThreadPoolExecutor(workers)
+    try:
+        pending = {pool.submit(work, i) for i in itertools.islice(queue, workers)}
+        while pending:
+            finished, pending = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
+            pending |= {pool.submit(work, i) for i in itertools.islice(queue, len(finished))}
+            report.refresh()
+            for future in finished:
+                yield future.result()
+    finally:
+        stop.set()
+        pool.shutdown(cancel_futures=True)
 
 
 def call_on_worker(expected, device, function, *arguments):
