@@ -32,29 +32,21 @@ class File(NamedTuple):
     key: str  # its path within the store
     chunk: int | None = None  # None: made with the store
     digest: str | None = None  # SHA-256; None: not recorded
+    flaw: str = ""  # "missing" or "damaged"
 
     def __str__(self):
         variable, block = legacy.array_and_block(self.key)
         if block is None:
-            return f"metadata ({self.key})"
+            return f"metadata ({self.key}) is {self.flaw}"
         chunk = block if self.chunk is None else self.chunk
-        return f"variable {variable}, chunk {chunk} ({self.key})"
+        return f"variable {variable}, chunk {chunk} ({self.key}) is {self.flaw}"
 
-    def flaw(self, content):
-        """What is wrong with this content: "missing" (None), "damaged", or "" for nothing."""
+    def holding(self, content):
+        """The same with the flaw that it has with this content; None: there is no such file."""
         if content is None:
-            return "missing"
-        return "damaged" if self.digest not in (None, sha256(content)) else ""
-
-
-class Flaw(NamedTuple):
-    """A file that is missing or damaged."""
-
-    file: File
-    how: str
-
-    def __str__(self):
-        return f"{self.file} is {self.how}"
+            return self._replace(flaw="missing")
+        right = self.digest in (None, sha256(content))
+        return self._replace(flaw="" if right else "damaged")
 
 
 class Record:
@@ -67,6 +59,7 @@ class Record:
         self.path = path
         self.group: Any = zarr.open_group(path / SWEEP_GROUP, mode="r", use_consolidated=False)
         self.attrs: dict = self.group.attrs.asdict()
+        self.flawed: list[File] = []  # flags and entries that turned out to be damaged
 
     @functools.cached_property
     def chunks(self):
@@ -74,26 +67,19 @@ class Record:
         return Chunks(self.attrs["sizes"], tuple(self.attrs["chunk"]))
 
     @functools.cached_property
-    def flags(self):
-        """Whether each chunk is done; None where that is damaged."""
-        return self._values("done")
-
-    @property
     def done(self):
         """Which chunks are done; (chunks,) bool."""
-        return np.array([bool(flag) for flag in self.flags])
-
-    @property
-    def entries(self):
-        """Entries of the manifest: chunk, or None for what was made with the store -> dict."""
-        return self._entries_and_flaws[0]
+        flags = self._values("done")
+        damaged = [i for i, flag in enumerate(flags) if flag is None]
+        self.flawed += [File(f"{SWEEP_GROUP}/done/c/{i}", i, None, "damaged") for i in damaged]
+        return np.array(flags, bool)
 
     @functools.cached_property
-    def _entries_and_flaws(self):
-        """The entries of chunks that are done, and `Flaw`s of those that should be there."""
+    def entries(self):
+        """Entries of the manifest: chunk, or None for what was made with the store -> dict."""
         number = self.chunks.number
         texts = self._values("manifest") if "manifest" in self.group else [""] * (number + 1)
-        entries, flaws = {}, []
+        entries = {}
         for i in [*np.flatnonzero(self.done).tolist(), None]:
             index = number if i is None else i
             entry = json.loads(texts[index] or "{}")
@@ -101,8 +87,8 @@ class Record:
                 entries[i] = entry
             elif RECORDS in self.attrs:  # older stores lack it, all or in part
                 how = "missing" if texts[index] == "" else "damaged"
-                flaws.append(Flaw(File(f"{MANIFEST}/c/{index}", i), how))
-        return entries, flaws
+                self.flawed.append(File(f"{MANIFEST}/c/{index}", i, None, how))
+        return entries
 
     @functools.cached_property
     def files(self):
@@ -115,29 +101,28 @@ class Record:
         if RECORDS not in self.attrs:
             unrecorded = {*np.flatnonzero(self.done).tolist()} - self.entries.keys()
             files += [File(*pair) for pair in legacy.files(self.path, self.chunks, unrecorded)]
-        if damaged := self._flaws_in([file for file in files if file.key == RECORD]):
+        if damaged := self._flawed_of([file for file in files if file.key == RECORD]):
             raise StoreError(sentence("damage.inputs", path=self.path, why=damaged[0]))
         return {file.key: file for file in files}
 
     @functools.cached_property
     def flawed_metadata(self):
-        """`Flaw`s of the metadata of flags and manifest, without which these cannot be read."""
+        """Files of metadata that have a flaw, and without which flags and manifest are lost."""
         digests = self.attrs.get(RECORDS, {})
-        return self._flaws_in([File(key, digest=digest) for key, digest in digests.items()])
+        return self._flawed_of([File(key, digest=digest) for key, digest in digests.items()])
 
     @functools.cached_property
     def flaws(self):
-        """All `Flaw`s of the store that can be seen; reads every file."""
+        """All files in which flaws can be seen; reads every file."""
         if self.flawed_metadata:
             return self.flawed_metadata
-        damaged = [i for i, flag in enumerate(self.flags) if flag is None]
-        flags = [Flaw(File(f"{SWEEP_GROUP}/done/c/{i}", i), "damaged") for i in damaged]
-        return [*flags, *self._entries_and_flaws[1], *self._flaws_in(self.files.values())]
+        in_files = self._flawed_of(self.files.values())
+        return self.flawed + in_files
 
     def intact(self, flaws):
-        """Which chunks are done and have none of these `Flaw`s; (chunks,) bool."""
-        done = self.done
-        done[[flaw.file.chunk for flaw in flaws if flaw.file.chunk is not None]] = False
+        """Which chunks are done and have no file among these; (chunks,) bool."""
+        done = self.done.copy()
+        done[[file.chunk for file in flaws if file.chunk is not None]] = False
         return done
 
     def _values(self, name):
@@ -150,25 +135,30 @@ class Record:
         except DAMAGE:
             return [_value(array, i) for i in range(array.size)]
 
-    def _flaws_in(self, files):
-        """`Flaw`s of these files."""
-        flaws = []
+    def _flawed_of(self, files):
+        """Those of these files that have a flaw."""
+        flawed = []
         for file in files:
-            try:
-                how = file.flaw((self.path / file.key).read_bytes())
-            except FileNotFoundError:
-                how = "missing"
-            if not how and file.digest is None and not legacy.is_whole(self.path, file.key):
-                how = "damaged"
-            if how:
-                flaws.append(Flaw(file, how))
-        return flaws
+            found = file.holding(content_of(self.path / file.key))
+            if not found.flaw and file.digest is None and not legacy.is_whole(self.path, file.key):
+                found = file._replace(flaw="damaged")
+            if found.flaw:
+                flawed.append(found)
+        return flawed
 
 
 def _value(array, i):
     try:
         return array[i].item()
     except DAMAGE:
+        return None
+
+
+def content_of(path):
+    """The bytes in a file; None if there is none."""
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
         return None
 
 
@@ -184,7 +174,7 @@ def manifest_entry(path, keys, chunk, origin):
 
 
 def damage_message(path, flaws):
-    """The message about `Flaw`s of a store."""
+    """The message about flawed files of a store."""
     return sentence("damage.files", path=path, lines=as_lines(flaws))
 
 
@@ -215,6 +205,6 @@ class Checked(LocalStore):
     def _checked(self, key, content):
         """Return the content of a file if it is as recorded; else raise StoreError."""
         file = self.files.get(key)
-        if file is not None and (how := file.flaw(content and content.to_bytes())):
-            raise StoreError(damage_message(self.root, [Flaw(file, how)]))
+        if file and (flawed := file.holding(content and content.to_bytes())).flaw:
+            raise StoreError(damage_message(self.root, [flawed]))
         return content

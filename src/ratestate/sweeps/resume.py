@@ -11,7 +11,7 @@ from ..errors import StoreError
 from . import sentence
 from .create import add_record, make, temporary_sibling
 from .legacy import METADATA, SWEEP_GROUP
-from .manifest import MANIFEST, RECORDS, Record, as_lines
+from .manifest import MANIFEST, RECORDS, Record, as_lines, content_of
 from .origin import origin_differences
 from .store import Store, as_store_error, matching_record, to_disk, zarr_3_warnings_ignored
 
@@ -21,7 +21,7 @@ def resume_store(path, request):
     record = matching_record(path, request)
     with as_store_error(path):
         flaws = dict.fromkeys(record.flaws)
-        while lost := [flaw for flaw in record.flaws if flaw.file.chunk is None]:
+        while lost := [file for file in record.flaws if file.chunk is None]:
             _restore(record, lost, request)
             record = Record(path)
             flaws |= dict.fromkeys(record.flaws)
@@ -47,14 +47,9 @@ def _restore(record, flaws, request):
         raise StoreError(sentence("damage.other_version", path=path, lines=as_lines(flaws)))
     with temporary_sibling(path) as temporary:
         make(temporary, request, record.chunks)
-        files = [flaw.file for flaw in flaws]
-        same = [
-            (temporary / file.key).exists() and not file.flaw((temporary / file.key).read_bytes())
-            for file in files
-        ]
-        if other := [flaw for flaw, whole in zip(flaws, same, strict=True) if not whole]:
+        if other := [file for file in flaws if file.holding(content_of(temporary / file.key)).flaw]:
             raise StoreError(sentence("damage.hopeless", path=path, lines=as_lines(other)))
-        for key in (file.key for file in files):
+        for key in (file.key for file in flaws):
             (path / key).parent.mkdir(parents=True, exist_ok=True)
             (temporary / key).replace(path / key)
             to_disk([path / key], path)

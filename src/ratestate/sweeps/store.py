@@ -77,7 +77,7 @@ def _damage(path, error):
     except DAMAGE:
         return sentence("damage.inputs", path=path, why=f"{SWEEP_GROUP}: {error}")
     inputs = f"{SWEEP_GROUP}/inputs/"
-    if lost := [flaw for flaw in flaws if flaw.file.key.startswith(inputs)]:
+    if lost := [file for file in flaws if file.key.startswith(inputs)]:
         return sentence("damage.inputs", path=path, why=lost[0])
     if flaws:
         return damage_message(path, flaws)
