@@ -1,7 +1,7 @@
 """Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all."""
 
 from .formats import read, write
-from .parts import joined, split
+from .netcdf import joined, split
 from .place import NUMBERS, PICTURES, checked, replace, writing
 from .table import csv_text
 

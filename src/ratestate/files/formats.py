@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from ..errors import ParameterError, RateStateError
-from .netcdf import read_netcdf, write_netcdf
-from .parts import joined
+from .netcdf import joined, read_netcdf, write_netcdf
 from .place import NUMBERS, checked, replace
 from .table import write_csv
 

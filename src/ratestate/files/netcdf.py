@@ -1,7 +1,12 @@
-"""NetCDF 4 files, read and written."""
+"""NetCDF 4 files, read and written; complex variables, which they lack, as two real ones."""
 
+import numpy as np
+
+from ..errors import ParameterError
 from ..records.reading.isolated import read_isolated
-from .parts import split
+
+#: suffix -> what of a complex array it is
+PARTS = {"real": ("real part", np.real), "imag": ("imaginary part", np.imag)}
 
 
 def read_netcdf(path):
@@ -38,3 +43,35 @@ def write_netcdf(data, path):
     packed = {"zlib": True, "complevel": 4, "shuffle": True}
     encoding = {name: packed for name, variable in data.variables.items() if variable.ndim}
     data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+
+
+def split(data):
+    """The same with each complex variable as two real ones, NAME_real and NAME_imag."""
+    for name, variable in data.variables.items():
+        if variable.dtype.kind != "c":
+            continue
+        parts = {}
+        for part, (words, of) in PARTS.items():
+            attrs = {"long_name": f"{variable.attrs['long_name']}, {words}", "part": part}
+            values = of(variable.values)
+            parts[f"{name}_{part}"] = variable.dims, values, variable.attrs | attrs
+        data = data.drop_vars(name).assign(parts)
+    return data
+
+
+def joined(data):
+    """The same with what `split` took apart put together."""
+    for name in [name for name, v in data.variables.items() if v.attrs.get("part") == "real"]:
+        whole = name.removesuffix("_real")
+        real, imag = data[name], data[f"{whole}_imag"]
+        if real.dims != imag.dims:
+            raise ParameterError(
+                f"{name} lies along {real.dims}, but {whole}_imag along {imag.dims}: they are not "
+                f"the parts of one variable"
+            )
+        values = np.empty(real.shape, complex)
+        values.real, values.imag = real.values, imag.values  # infinite parts stay what they are
+        attrs = {key: text for key, text in real.attrs.items() if key != "part"}
+        attrs["long_name"] = attrs["long_name"].removesuffix(", real part")
+        data = data.drop_vars([name, f"{whole}_imag"]).assign({whole: (real.dims, values, attrs)})
+    return data

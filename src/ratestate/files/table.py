@@ -2,7 +2,7 @@
 
 import itertools
 
-from .parts import PARTS
+from .netcdf import PARTS
 
 #: dimensions of a few numbers each, which make columns of a table, not rows
 ACROSS = ("mode", "multiplier")

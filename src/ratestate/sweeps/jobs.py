@@ -98,10 +98,11 @@ class Jobs:
             self.cluster.sync(self.cluster.scale_down, list(lost))
         self._replace(list(lost.values()))
         if not self.cluster.worker_spec:
-            raise SolverError(self._none_left())
+            what = vars(self) | {"address": self.cluster.scheduler_address}
+            name = "used_up" if self.fruitless_jobs < FRUITLESS else "fruitless"
+            raise SolverError(sentence(f"jobs.{name}", **what))
         if now - self.last_worker > self.wait:
-            what = {"seconds": self.wait, "jobs": self._waiting()}
-            raise SolverError(sentence("jobs.no_worker", **what))
+            raise SolverError(sentence("jobs.no_worker", wait=self.wait, jobs=self._waiting()))
 
     def _note_workers(self, now):
         """Note the job of each worker."""
@@ -128,11 +129,10 @@ class Jobs:
         # SLURM forgets a job some minutes after its end.
         gone = {job: State("COMPLETED", "forgotten") for job in self.states.keys() - states.keys()}
         self.states = gone | states
-        for name, job in ids.items():
-            state = self.states.get(job)
-            if state and state.name in ENDED:
-                lost[name] = job, str(state)
-        return lost
+        known = {name: (job, self.states[job]) for name, job in ids.items() if job in self.states}
+        return lost | {
+            name: (job, str(state)) for name, (job, state) in known.items() if state.name in ENDED
+        }
 
     def _replace(self, lost):
         """Submit replacements for jobs lost now or before, while that makes sense."""
@@ -149,13 +149,6 @@ class Jobs:
         self.last_loss = losses[-1] if losses else self.last_loss
         what = {"losses": ", ".join(losses), "more": more, "left": self.replacements_left}
         to_stderr("ratestate: " + sentence("jobs.lost" if lost else "jobs.hope", **what))
-
-    def _none_left(self):
-        """The message that no job is left: why, and what to do."""
-        if self.fruitless_jobs >= FRUITLESS:
-            what = {"number": self.fruitless_jobs, "address": self.cluster.scheduler_address}
-            return sentence("jobs.fruitless", last=self.last_loss, **what)
-        return sentence("jobs.used_up", last=self.last_loss, replacements=self.replacements)
 
     def _waiting(self):
         """The submitted jobs and their states, for a message."""
