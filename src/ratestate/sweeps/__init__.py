@@ -3,16 +3,15 @@
 =========================================== ======================================================
 ``sweep``                                   the function `sweep`
 ``calls``, ``chunks``, ``chunk_size``       what can be swept, how it is divided, what a case costs
-``solve``, ``task``                         all cases of a part; a chunk solved and stored
-``threads``, ``cluster``, ``subprocesses``  where chunks are solved; the last: those that may kill
-                                            their process
+``solve``, ``task``                         all cases of a part; chunks, solved and stored
+``cluster``, ``subprocesses``               chunks on a cluster; those that may kill it
 ``connect``, ``slurm``, ``jobs``            Dask clusters, those made of SLURM jobs, and the jobs
 ``create``, ``store``, ``inputs``, ``lock`` a store: made, read and written, for one sweep at a time
 ``manifest``, ``origin``, ``legacy``        what its files must hold, what made them, and stores of
                                             older versions, which do not record this
 ``resume``, ``status``                      going on with a store; what a store or a result holds
 ``progress``                                the progress bar
-``messages.toml``                           the sentences that users read, filled in by `sentence`
+``messages.toml``                           sentences on what goes wrong, filled in by `sentence`
 =========================================== ======================================================
 """
 

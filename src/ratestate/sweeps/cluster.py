@@ -13,6 +13,7 @@ from ..dynamics.results import versions
 from ..errors import RateStateError, SolverError
 from ..model.arrays import cut
 from . import sentence
+from .jobs import Jobs
 from .progress import to_stderr
 from .subprocesses import SubprocessTasks
 from .task import call_on_worker
@@ -95,9 +96,9 @@ def thread_count(client):
 
 
 def _jobs(client):
-    """The `ratestate.sweeps.jobs.Jobs` of a client's cluster; None if it has none."""
+    """The `Jobs` of a client's cluster; None if it has none."""
     jobs = getattr(client.cluster, "jobs", None)
-    return jobs if hasattr(jobs, "maintain") else None
+    return jobs if isinstance(jobs, Jobs) else None
 
 
 class _CallWhenUnpickled(NamedTuple):

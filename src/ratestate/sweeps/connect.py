@@ -40,7 +40,7 @@ def slurm_cluster(text, start=True):
     _import_extra("dask_jobqueue")  # this also loads its configuration
     import dask
 
-    from .jobs import SweepCluster
+    from .slurm import SweepCluster
 
     options = _options(text, dask.config.get("jobqueue.slurm"))
     # Another sweep may have the usual port.
