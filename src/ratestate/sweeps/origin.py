@@ -21,16 +21,14 @@ def processor(device):
     target, cpu, features = cpu_target.target_context.codegen().magic_tuple()
     used = [name.removeprefix("+") for name in features.split(",") if name.startswith("+")]
     kind = {"target": target, "cpu": cpu, "features": " ".join(used)}
-    return kind if device == "cpu" else kind | {"gpu": _gpu()}
-
-
-def _gpu():
-    """Name and compute capability of the GPU that numba uses."""
+    if device == "cpu":
+        return kind
     from numba import cuda
 
-    device = cuda.get_current_device()
-    name = device.name.decode() if isinstance(device.name, bytes) else device.name
-    return f"{name}, compute capability {'.'.join(map(str, device.compute_capability))}"
+    gpu = cuda.get_current_device()
+    name = gpu.name.decode() if isinstance(gpu.name, bytes) else gpu.name
+    capability = ".".join(map(str, gpu.compute_capability))
+    return kind | {"gpu": f"{name}, compute capability {capability}"}
 
 
 def processor_name(processor):

@@ -219,8 +219,8 @@ def _in_store(request, path, retry_crashed):
         create(path, request, request.divide())
     record = matching_record(path, request)
     with as_store_error(path):
-        complete = not record.flaws and record.done.all()
-    if retry_crashed or not complete:
+        whole = not record.flawed_metadata and record.done.all() and not record.flaws
+    if retry_crashed or not whole:
         with exclusive_lock(path / SWEEP_GROUP / "zarr.json", path):
             # read again, since another sweep may have held the lock before
             store = resume_store(path, request)
