@@ -5,53 +5,33 @@ import functools
 import tomllib
 from pathlib import Path
 
+import numpy as np
+
+from .scheme_map import time_step
+
 TIGHT, LOOSE = 1e-10, 1e-8  # rtol of the converged values, and of those they are compared with
 CLOSED_FORM = "closed form; rounding only"
-TWO_RUNS = f"difference between rtol {TIGHT:g} and {LOOSE:g}"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Claim:
-    """A claim of the paper as a quantity, with the values that it covers.
-
-    Attributes
-    ----------
-    id : str
-    where : str
-        Section and figure of the paper.
-    claim : str
-        In other words than the paper's.
-    paper : str
-        The paper's value; empty where it gives none for this law.
-    unit : str
-        Of all values below; "" for pure numbers.
-    converged : tuple of float
-        This package's answer; the claim says what several values are.
-    error : float
-        Estimate of its numerical error, the largest of them.
-    error_from : str
-        How the error was estimated.
-    scheme : dict
-        Time step of the paper's scheme, (omega dt, dt [s], ...) -> its values, a tuple of float;
-        of several dt, one for each value, or the smallest and the largest.
-    covers : tuple of (low, high)
-        For each value, the range that the claim covers: a number of the paper to half a unit of
-        its last digit, or what a phrase means at its widest.  Empty: the paper gives no value.
-    note : str
-        The cause of a difference, or what a reader should know of the value.
-    """
+    """A claim of the paper as a quantity, with the values that it covers."""
 
     id: str
-    where: str
-    claim: str
-    paper: str
-    unit: str
-    converged: tuple
-    error: float
-    error_from: str
+    where: str  # section and figure of the paper
+    claim: str  # in other words than the paper's
+    paper: str  # its value; empty where it gives none for this law
+    unit: str  # of all values below; "" for pure numbers
+    converged: tuple  # this package's answer; the claim says what several values are
+    error: float  # estimate of its numerical error, the largest of them
+    error_from: str  # how the error was estimated
+    #: Time step of the paper's scheme, (omega dt, dt [s], ...) -> its values, a tuple of float; of
+    #: several dt, one for each value, or the smallest and the largest.
     scheme: dict = dataclasses.field(default_factory=dict)
+    #: For each value, the range (low, high) that the claim covers: a number of the paper to half a
+    #: unit of its last digit, or what a phrase means at its widest.  Empty: the paper gives none.
     covers: tuple = ()
-    note: str = ""
+    note: str = ""  # the cause of a difference, or what a reader should know of the value
 
     def holds(self, values):
         """Whether the claim covers these values."""
@@ -79,17 +59,11 @@ def statements():
 def claim(name, law, measured):
     """The `Claim` of this id.
 
-    Parameters
-    ----------
-    name : str
-    law : {"slip", "aging"}
-    measured : dict
-        Fields of `Claim` that a measurement gives, and ``texts``: what stands in the statement's
-        braces.
+    measured : dict of what a measurement gives of `Claim`, and ``texts``, which stand in the
+        statement's braces
     """
-    statement = statements()[name]
-    texts = measured.get("texts", {})
-    values = {field: value for field, value in measured.items() if field != "texts"}
+    statement, measured = statements()[name], dict(measured)
+    texts = measured.pop("texts", {})
     silent = statement.get("slip_only", False) and law != "slip"
     covers = [to_digits(*one) for one in statement.get("digits", [])] + statement.get("ranges", [])
     if len(covers) == 1:
@@ -102,20 +76,27 @@ def claim(name, law, measured):
         unit=statement.get("unit", ""),
         covers=() if silent else tuple(map(tuple, covers)),
         note=statement.get("note", "").format(**texts),
-        **values,
+        **measured,
     )
 
 
-def pair(measure, *args):
-    """A measure at the tight tolerance, and by how much the loose one moves it.
+def to_digits(value, last):
+    """The range of values that print as `value` to a last digit of size `last`."""
+    return (value - last / 2, value + last / 2)
 
-    measure : function of (*args, rtol=...) that gives a tuple of float
-    """
-    best, other = measure(*args, rtol=TIGHT), measure(*args, rtol=LOOSE)
+
+def floats(values):
+    """A number, or several, as a tuple of float."""
+    return tuple(np.atleast_1d(values).astype(float).tolist())
+
+
+def pair(measure, tight=TIGHT, loose=LOOSE):
+    """What measure(rtol) gives at the tight tolerance, and by how much the loose one moves it."""
+    best, other = floats(measure(tight)), floats(measure(loose))
     return {
         "converged": best,
         "error": max(abs(x - y) for x, y in zip(best, other, strict=True)),
-        "error_from": TWO_RUNS,
+        "error_from": f"difference between rtol {tight:g} and {loose:g}",
     }
 
 
@@ -125,6 +106,7 @@ def exact(*values):
     return {"converged": values, "error": error, "error_from": CLOSED_FORM}
 
 
-def to_digits(value, last):
-    """The range of values that print as `value` to a last digit of size `last`."""
-    return (value - last / 2, value + last / 2)
+def by_scheme(measure, slider, *omega_dts):
+    """What measure(omega dt) gives by the paper's scheme with these time steps."""
+    steps = {od: (od, time_step(slider, od)) for od in omega_dts}
+    return {"scheme": {step: floats(measure(od)) for od, step in steps.items()}}

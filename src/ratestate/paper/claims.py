@@ -16,26 +16,11 @@ MEASUREMENTS = [
 
 
 def claims(law="slip", measurements=MEASUREMENTS):
-    """Check the claims of the paper.
+    """Check the claims of the paper, in its order: list of `Claim`, for all or some measurements.
 
-    Parameters
-    ----------
-    law : {"slip", "aging"}
-        The paper's text, and all of its numbers, are about the slip law; what it says in words
-        is put to the aging law too, with which its supplement repeats runs.
-    measurements : list of functions, optional
-        For some of the claims.
-
-    Returns
-    -------
-    list of ratestate.paper.claim.Claim
-        In the order of the paper.
-
-    Raises
-    ------
-    ParameterError
-        An unknown law.
+    The paper's text, and all of its numbers, are about the slip law; what it says in words is put
+    to the aging law too, with which its supplement repeats runs.
     """
-    evolution_law(law)
+    evolution_law(law)  # an unknown one is refused
     measured = {name: row for measure in measurements for name, row in measure(law).items()}
     return [claim(name, law, measured[name]) for name in statements() if name in measured]

@@ -6,9 +6,9 @@ from ..dynamics.cycles.limit_cycle import limit_cycle
 from ..dynamics.simulation.simulate import simulate
 from ..dynamics.steady_sliding import stability
 from ..model.loading import Loading
-from .claim import exact, pair
+from .claim import by_scheme, exact, pair
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES
-from .scheme_map import LARGEST, METHOD, step_response, time_step
+from .scheme_map import LARGEST, step_response
 
 CYCLES = 40  # after which the examples of Fig. 4 have settled
 SHARE = 0.01  # of the amplitude, beyond which inertia counts as acting
@@ -16,26 +16,25 @@ SHARE = 0.01  # of the amplitude, beyond which inertia counts as acting
 
 def on_regimes(law):
     """The claims of Figs 4b and 4c, and of section 5."""
-    return _inertia(law) | _conclusions(law)
-
-
-def _inertia(law):
     slider = FIG4.replace(law=law)
-    claims = {}
-    for name, V_lp in FIG4_EXAMPLES.items():
-        period = float(limit_cycle(slider, V_lp).period)
+    inertia = {f"inertia_in_{name}": _inertia(slider, V) for name, V in FIG4_EXAMPLES.items()}
+    return inertia | _conclusions(FIG2.replace(law=law))
 
-        def share(rtol, V_lp=V_lp, period=period):
-            t_end = CYCLES * period
-            run = simulate(slider, Loading.constant(V_lp), t_end, V_start=0.1 * V_lp, rtol=rtol)
-            return (_share(run.sel(time=slice(t_end - period, None)), slider),)
 
-        run = step_response(slider, 0.1 * V_lp, V_lp, CYCLES * period, LARGEST, METHOD[law], period)
-        claims[f"inertia_in_{name}"] = pair(share) | {
-            "scheme": {(LARGEST, time_step(slider, LARGEST)): (_share(run, slider),)},
-            "texts": {"share": 100 * SHARE, "V_lp": V_lp},
-        }
-    return claims
+def _inertia(slider, V_lp):
+    """In which part of a cycle inertia acts."""
+    period = float(limit_cycle(slider, V_lp).period)
+    t_end, start = CYCLES * period, 0.1 * V_lp
+
+    def share(rtol):
+        run = simulate(slider, Loading.constant(V_lp), t_end, V_start=start, rtol=rtol)
+        return _share(run.sel(time=slice(t_end - period, None)), slider)
+
+    def share_by_scheme(omega_dt):
+        return _share(step_response(slider, start, V_lp, t_end, omega_dt, last=period), slider)
+
+    texts = {"share": 100 * SHARE, "V_lp": V_lp}
+    return pair(share) | by_scheme(share_by_scheme, slider, LARGEST) | {"texts": texts}
 
 
 def _share(run, slider):
@@ -49,24 +48,28 @@ def _share(run, slider):
     return float((part * dt).sum() / dt.sum())
 
 
-def _conclusions(law):
-    slider = FIG2.replace(law=law)
-    rates = [
-        float(stability(s, FIG2_SPEEDS[-1]).growth_rate) for s in (slider.replace(M=0.0), slider)
-    ]
+def _conclusions(slider):
+    """The claims of section 5."""
+
+    def growth(slider, V_lp):
+        return float(stability(slider, V_lp).growth_rate)
+
     stiff = [slider.replace(K=factor * slider.K_c_qs) for factor in (2.0, 10.0, 100.0)]
-    growth = [float(stability(s, 1.01 * s.V_c).growth_rate) / s.V_c * s.Dc for s in stiff]
     strengthening = slider.replace(b=0.9 * slider.a, K=1e-3 * slider.K_c_qs)
-    fading = max(float(stability(strengthening, V).growth_rate) for V in np.geomspace(1e-9, 10, 41))
     light = slider.replace(M=0.1 * slider.M)
 
-    def frequencies(rtol):
-        return [float(limit_cycle(s, 1.1 * s.V_c, rtol=rtol).frequency) for s in (light, slider)]
+    def frequency(slider, rtol):
+        return float(limit_cycle(slider, 1.1 * slider.V_c, rtol=rtol).frequency)
 
-    mass = pair(lambda rtol: (light.V_c / slider.V_c, np.divide(*frequencies(rtol)).item()))
     return {
-        "inertia_destabilises": exact(*rates),
-        "any_stiffness": exact(*growth),
-        "weakening_needed": exact(fading),
-        "less_mass": mass,
+        "inertia_destabilises": exact(
+            *(growth(one, FIG2_SPEEDS[-1]) for one in (slider.replace(M=0.0), slider))
+        ),
+        "any_stiffness": exact(*(growth(s, 1.01 * s.V_c) / s.V_c * s.Dc for s in stiff)),
+        "weakening_needed": exact(
+            max(growth(strengthening, V) for V in np.geomspace(1e-9, 10, 41))
+        ),
+        "less_mass": pair(
+            lambda rtol: (light.V_c / slider.V_c, frequency(light, rtol) / frequency(slider, rtol))
+        ),
     }

@@ -7,6 +7,7 @@ from importlib.metadata import version
 from ..files import replace
 from ..plot.laws import LAWS
 from .claim import CLOSED_FORM
+from .scheme_map import METHOD
 
 STYLES = {
     "agrees": "green",
@@ -15,6 +16,8 @@ STYLES = {
     "no value given": "dim",
 }
 HEADINGS = ("Claim", "Paper", "Paper's scheme", "Converged", "Verdict")
+#: what JSON has of each row
+FIELDS = "id where claim paper covers unit scheme converged error error_from verdict note".split()
 INTRODUCTION = """\
 Each claim of Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026, beside what this
 package finds: by the paper's own scheme (eqs 8, 9; `{method}`) at the time steps stated, where
@@ -37,11 +40,6 @@ def quantity(values, unit):
     return f"{', '.join(map(number, values))} {unit}".rstrip()
 
 
-def paper(row):
-    """What the paper says, and the ranges that count as the same."""
-    return [row.paper, f"taken as {', '.join(map(_between, row.covers))}"] if row.covers else ["-"]
-
-
 def _between(bounds):
     low, high = bounds
     if low == high:
@@ -51,23 +49,16 @@ def _between(bounds):
     return f"{number(low)}..{number(high)}"
 
 
-def converged(row):
-    """The converged values and their error as text."""
+def cells(row):
+    """What the paper says, the scheme's values and the converged ones: lines of text each."""
+    paper = [row.paper, f"taken as {', '.join(map(_between, row.covers))}"] if row.covers else ["-"]
+    scheme = []
+    for (omega_dt, *dt), values in row.scheme.items():
+        times = ", ".join(f"{1e6 * x:.3g}" for x in dt)
+        scheme.append(f"{quantity(values, row.unit)} at omega dt = {omega_dt:g}, dt = {times} us")
     error = f"+- {row.error:.0e}" if row.error else "+- 0"
     error = "closed form" if row.error_from == CLOSED_FORM else error
-    return f"{quantity(row.converged, row.unit)} ({error})"
-
-
-def by_scheme(row):
-    """The scheme's values as text, one line for each time step."""
-    return [
-        f"{quantity(values, row.unit)} at omega dt = {omega_dt:g}, dt = {_times(dt)}"
-        for (omega_dt, *dt), values in row.scheme.items()
-    ]
-
-
-def _times(dt):
-    return ", ".join(f"{1e6 * x:.3g}" for x in dt) + " us"
+    return paper, scheme or ["-"], [f"{quantity(row.converged, row.unit)} ({error})"]
 
 
 def tally(rows):
@@ -90,20 +81,13 @@ def terminal(rows, law):
         about = Text(f"{row.claim} ").append(f"[{row.where}]", "dim")
         if row.note:
             about.append(f"\n{row.note}", "italic")
-        table.add_row(
-            about,
-            Text("\n".join(paper(row))),
-            Text("\n".join(by_scheme(row)) or "-"),
-            Text(converged(row)),
-            Text(row.verdict, STYLES[row.verdict]),
-        )
+        middle = [Text("\n".join(lines)) for lines in cells(row)]
+        table.add_row(about, *middle, Text(row.verdict, STYLES[row.verdict]))
     return table
 
 
 def markdown(rows, law):
     """The table as Markdown text: one table, then the notes and how errors were estimated."""
-    from .scheme_map import METHOD
-
     lines = [
         f"# Claims, {LAWS[law]}",
         "",
@@ -114,15 +98,9 @@ def markdown(rows, law):
         "|-|-|-|-|-|-|",
     ]
     for i, row in enumerate(rows, start=1):
-        cells = (
-            str(i),
-            f"{row.claim} ({row.where})",
-            "<br>".join(paper(row)),
-            "<br>".join(by_scheme(row)) or "-",
-            converged(row),
-            f"**{row.verdict}**",
-        )
-        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        middle = ["<br>".join(lines) for lines in cells(row)]
+        line = (str(i), f"{row.claim} ({row.where})", *middle, f"**{row.verdict}**")
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |")
     lines += ["", "## Notes, and where the errors come from", ""]
     for i, row in enumerate(rows, start=1):
         lines.append(f"{i}. `{row.id}`: {row.note} Error: {row.error_from}.".replace(":  ", ": "))
@@ -131,36 +109,27 @@ def markdown(rows, law):
 
 def record(rows, law):
     """The table as a dict that JSON can hold; an open end of a range is null."""
-    from .scheme_map import METHOD
-
-    def plain(bound):
-        return bound if math.isfinite(bound) else None
-
     return {
         "paper": "doi:10.1016/j.jmps.2018.08.026",
         "law": law,
         "scheme": METHOD[law],
         "versions": {name: version(name) for name in ("ratestate", "numba", "numpy")},
-        "claims": [
-            {
-                "id": row.id,
-                "where": row.where,
-                "claim": row.claim,
-                "paper": row.paper or None,
-                "covers": [[plain(low), plain(high)] for low, high in row.covers] or None,
-                "unit": row.unit or "1",
-                "scheme": [
-                    {"omega_dt": omega_dt, "dt": dt, "values": list(values)}
-                    for (omega_dt, *dt), values in row.scheme.items()
-                ],
-                "converged": list(row.converged),
-                "error": row.error,
-                "error_from": row.error_from,
-                "verdict": row.verdict,
-                "note": row.note or None,
-            }
-            for row in rows
+        "claims": [_plain(row) for row in rows],
+    }
+
+
+def _plain(row):
+    """A row as a dict: null for what the paper does not give, and for an open end of a range."""
+    values = {name: getattr(row, name) for name in FIELDS}
+    return values | {
+        "paper": row.paper or None,
+        "covers": [[x if math.isfinite(x) else None for x in ends] for ends in row.covers] or None,
+        "unit": row.unit or "1",
+        "scheme": [
+            {"omega_dt": omega_dt, "dt": dt, "values": by_scheme}
+            for (omega_dt, *dt), by_scheme in row.scheme.items()
         ],
+        "note": row.note or None,
     }
 
 

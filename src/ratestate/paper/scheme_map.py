@@ -55,11 +55,12 @@ def multiplier(slider, V_lp, omega_dt, method):
     return float(np.abs(np.linalg.eigvals(jacobian)).max())
 
 
-def critical_velocity(slider, omega_dt, method):
+def critical_velocity(slider, omega_dt, method=None):
     """The V_lp [m/s] at which the scheme's steady sliding turns unstable; compare eq. 10.
 
     Bisection; the scheme is anti-damped, so its V_c lies below the true one.
     """
+    method = method or METHOD[slider.law]
     low, high = 0.2 * slider.V_c, 1.05 * slider.V_c
     while high - low > 1e-7 * slider.V_c:
         middle = 0.5 * (low + high)
@@ -70,17 +71,10 @@ def critical_velocity(slider, omega_dt, method):
     return 0.5 * (low + high)
 
 
-def step_response(slider, V_start, V_lp, duration, omega_dt, method, last=0.0):
+def step_response(slider, V_start, V_lp, duration, omega_dt, method=None, last=0.0):
     """The Dataset of a velocity step at t = 0 by the scheme, saved at its steps in `last` [s]."""
     dt = time_step(slider, omega_dt)
     n = math.ceil(duration / dt)
-    steps = np.arange(n - math.ceil(last / dt), n + 1)
-    return simulate(
-        slider,
-        Loading.constant(V_lp),
-        n * dt,
-        V_start=V_start,
-        times=steps * dt,
-        method=method,
-        dt=dt,
-    )
+    times = np.arange(n - math.ceil(last / dt), n + 1) * dt
+    steps = {"times": times, "method": method or METHOD[slider.law], "dt": dt}
+    return simulate(slider, Loading.constant(V_lp), n * dt, V_start=V_start, **steps)
