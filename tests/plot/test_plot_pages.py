@@ -103,7 +103,7 @@ def test_a_branch(looks_as_before):
     V, ratio = lines(speeds, r"$V_{\max}$")
     assert np.nanmax(ratio) == pytest.approx(float((branch.V_max / branch.V_lp).max()))
     assert np.nanmin(V) == pytest.approx(1e3 * SLIDER.V_c)
-    assert len(multiplier.lines) == 3  # stable, unstable, and 1
+    assert len(multiplier.lines) == 2  # stable, up to the Hopf point, and 1
 
 
 @pytest.mark.parametrize("verb", ["limit_cycle", "stability"])

@@ -4,8 +4,8 @@ import numpy as np
 
 from .. import plot
 from ..dynamics.atlas import atlas
-from ..plot.laws import LAWS
-from ..plot.layout import figure, letter, styled
+from ..plot.labels import LAWS
+from ..plot.layout import figure, letters, styled
 from .figures import write
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_K, FIG4_V_LP, FIG6, FIG6_SPEEDS
 
@@ -18,13 +18,7 @@ MAPS = {
 
 
 def make(law, out, *, b_over_a=2.0, n=200):
-    """Compute and draw the atlas for one law, and write it; see `ratestate.atlas.atlas`.
-
-    Returns
-    -------
-    list of pathlib.Path
-        The .png, the .pdf and the .nc file with the numbers, each replaced at once.
-    """
+    """Compute and draw the atlas for one law, and `write` it; see `ratestate.atlas.atlas`."""
     data = atlas(b_over_a, law, n=n)
     return write(data, draw(data), out, f"atlas_{law}")
 
@@ -37,11 +31,10 @@ def draw(data):
         f"$b/a$ = {float(data.b_over_a):g}.  A machine, rig or fault is a point; "
         "ten times its speed is two decades up."
     )
-    fig = figure(data.assign_attrs(title=title), 8.2, "", more)
-    grid = fig.add_gridspec(2, 3, height_ratios=(1.75, 1))
-    main = fig.add_subplot(grid[0, :])
+    fig = figure(data, 8.2, "", more, title)
+    axes = fig.subplot_mosaic([["main"] * 3, [*MAPS]], height_ratios=(1.75, 1))
+    main = axes.pop("main")
     artists = plot.atlas(data, main)
-    letter(main, "a", "regimes, and contours of $V_{max}/V_{lp}$")
     speed = main.secondary_yaxis("right", functions=(np.sqrt, np.square))
     speed.set_ylabel(r"$V_{lp}$ over that at which $\eta = 1$")
     for x, y, text in (
@@ -53,16 +46,14 @@ def draw(data):
     near = main.inset_axes((0.555, 0.11, 0.43, 0.42))
     artists += plot.transition(data, near)
     near.set(ylim=(1e-9, 1e2))
-    letter(near, "b", "close to $K_c$")
+    letters([main, near], "regimes, and contours of $V_{max}/V_{lp}$", "close to $K_c$")
     legend = {artist.get_label(): artist for artist in [*artists, sliders]}
     box = {"frameon": True, "framealpha": 1.0, "edgecolor": "0.7"}
     main.legend(handles=[*legend.values()], loc="lower left", fontsize=6.5, **box)
-    for i, (name, (text, levels)) in enumerate(MAPS.items()):
-        ax = fig.add_subplot(grid[1, i])
-        plot.contours(data, name, ax, levels)
-        letter(ax, "cde"[i], text)
-        if i == 0:
-            ax.set_ylabel(r"$\eta$")
+    for name, ax in axes.items():
+        plot.contours(data, name, ax, MAPS[name][1])
+    letters(axes.values(), *(text for text, _ in MAPS.values()), first="c")
+    axes["amplitude_over_a"].set_ylabel(r"$\eta$")
     return fig
 
 

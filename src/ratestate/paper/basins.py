@@ -11,7 +11,7 @@ from ..friction.quasi_static import runaway_step, runaway_step_lower_bound, runa
 from ..model.arrays import logspace
 from ..model.loading import Loading
 from ..model.quantities import attrs
-from ..plot.layout import figure, letter, styled
+from ..plot.layout import figure, letters, styled
 from .layout import titled
 from .parameters import FIG2
 
@@ -33,15 +33,11 @@ def compute(law):
     branch = continue_cycle(aging, "V_lp", 3.0 * V_c, 1e-2 * V_c)
     V_lp = xarray.DataArray(V_c * np.linspace(*SPEEDS), dims="V_lp", attrs=attrs("V_lp"))
     edge = escape(aging, V_lp.assign_coords(V_lp=V_lp))
-    at = escape(aging, EXAMPLE * V_c)
-    side = xarray.DataArray([1.0 - ASIDE, 1.0 + ASIDE], dims="side")
-    before = EXAMPLE * V_c / (1.0 + (float(at.step_up) - 1.0) * side)
-    period = float(at.unstable_period)
-    times = np.linspace(-2.0, CYCLES, 12000) * period
-    loading = Loading.steps(before, (2.0 * period, EXAMPLE * V_c))
-    runs = simulate(aging, loading, times[-1] + 2.0 * period, times=times + 2.0 * period)
+    runs, before = _two_runs(aging, EXAMPLE * V_c)
     slip = FIG2.replace(M=0.0, K=FIG2.K_c_qs * logspace("K", *STIFFNESS).rename("ratio"))
-    threshold = escape(slip, SLOW)
+    K = slip.K.values
+    known = {symbol: getattr(FIG2, symbol) for symbol in ("a", "b", "Dc", "sigma")}
+    step = attrs("step_up")
     data = xarray.Dataset(
         {
             "branch_V_lp": ("point", branch.V_lp.values, attrs("V_lp")),
@@ -52,58 +48,51 @@ def compute(law):
             "kick_up": edge.kick_up,
             "run_tau": runs.tau,
             "run_V_before": before.assign_attrs(attrs("V_start")),
-        }
+            "threshold": ("ratio", escape(slip, SLOW).step_up.values, step),
+            "threshold_lower": ("ratio", runaway_step_lower_bound(K=K, **known), step),
+            "threshold_upper": ("ratio", runaway_step_upper_bound(K=K, **known), step),
+            "threshold_at_K_c_qs": ((), runaway_step(a=FIG2.a, b=FIG2.b), step),
+        },
+        {
+            "V_c": ((), V_c, attrs("V_c")),
+            "ratio": ("ratio", K / FIG2.K_c_qs, {"units": "1", "long_name": "K/K_c_qs"}),
+        },
+        # "parameter" names a variable of the branch, which has another name here.
+        {name: value for name, value in branch.attrs.items() if name != "parameter"},
     )
-    since = (runs.time - 2.0 * period).assign_attrs(attrs("time"))
-    data = data.assign_coords(time=since, V_c=((), V_c, attrs("V_c")))
-    data["threshold"] = ("ratio", threshold.step_up.values, attrs("step_up"))
-    one = {"units": "1", "long_name": "K/K_c_qs"}
-    data = data.assign_coords(ratio=("ratio", slip.K.values / FIG2.K_c_qs, one))
-    known = {symbol: getattr(FIG2, symbol) for symbol in ("a", "b", "Dc", "sigma")}
-    bounds = {"lower": runaway_step_lower_bound, "upper": runaway_step_upper_bound}
-    for name, bound in bounds.items():
-        data[f"threshold_{name}"] = ("ratio", bound(K=slip.K.values, **known), attrs("step_up"))
-    data["threshold_at_K_c_qs"] = ((), runaway_step(a=FIG2.a, b=FIG2.b), attrs("step_up"))
-    # "parameter" names a variable of the branch, which has another name here.
-    data.attrs = {name: value for name, value in branch.attrs.items() if name != "parameter"}
     return titled(data, "How hard stable sliding may be pushed")
+
+
+def _two_runs(slider, V_lp):
+    """Steps to V_lp on either side of the edge of its basin, at time 0; the speeds before."""
+    edge = escape(slider, V_lp)
+    side = xarray.DataArray([1.0 - ASIDE, 1.0 + ASIDE], dims="side")
+    before = V_lp / (1.0 + (float(edge.step_up) - 1.0) * side)
+    period = float(edge.unstable_period)
+    start, times = 2.0 * period, np.linspace(-2.0, CYCLES, 12000) * period
+    loading = Loading.steps(before, (start, V_lp))
+    runs = simulate(slider, loading, times[-1] + start, times=times + start)
+    since = (runs.time - start).assign_attrs(attrs("time"))
+    return runs.assign_coords(time=since), before
 
 
 @styled
 def draw(data):
     """Coexistence, two steps on either side of the edge, the edge; and the edge without mass."""
     fig = figure(data, 5.6, "a b Dc sigma M")
-    (top_left, top_right), (low_left, low_right) = fig.subplots(2, 2)
+    axes = fig.subplots(2, 2).ravel()
     V_c = float(data.V_c)
-    _coexistence(data, top_left, V_c)
-    _two_steps(data, top_right, V_c)
-    relative = data.V_lp / V_c
-    low_left.plot(relative, data.step_up, "k", lw=1.2, label=r"step, $V_{lp}/V$")
-    kick = data.kick_up / (plot.parameter(data, "a") * plot.parameter(data, "sigma"))
-    low_left.plot(
-        relative, kick, color=plot.RED, ls="--", lw=1.2, label=r"kick, $\Delta\tau/a\sigma$"
+    _coexistence(data, axes[0], V_c)
+    _two_steps(data, axes[1], V_c)
+    _edge(data, axes[2], V_c)
+    _threshold(data, axes[3])
+    letters(
+        axes,
+        rf"aging law, $K = {RATIO:g}\,K_{{c,qs}}$",
+        rf"aging law, steps to {EXAMPLE:g} $V_c$",
+        "aging law, edge of the basin",
+        "slip law without mass ($M = 0$)",
     )
-    low_left.set(
-        xlabel=r"$V_{lp}/V_c$", ylabel="Smallest that does not come back", ylim=(0.0, None)
-    )
-    low_left.legend()
-    low_right.fill_between(
-        data.ratio,
-        data.threshold_lower,
-        data.threshold_upper,
-        color="0.88",
-        label="closed-form bounds",
-    )
-    low_right.plot(data.ratio, data.threshold, "k", lw=1.2, label="runs away beyond")
-    low_right.plot(
-        1.0, data.threshold_at_K_c_qs, "o", color=plot.RED, ms=4, label="$b/(b-a)$, exact"
-    )
-    low_right.set(xscale="log", yscale="log", xlabel="$K/K_{c,qs}$", ylabel=r"Step $V_{lp}/V$")
-    low_right.legend(loc="upper left")
-    letter(top_left, "a", rf"aging law, $K = {RATIO:g}\,K_{{c,qs}}$")
-    letter(top_right, "b", rf"aging law, steps to {EXAMPLE:g} $V_c$")
-    letter(low_left, "c", "aging law, edge of the basin")
-    letter(low_right, "d", "slip law without mass ($M = 0$)")
     return fig
 
 
@@ -126,13 +115,29 @@ def _two_steps(data, ax, V_c):
     sigma = plot.parameter(data, "sigma")
     for side, color, text in ((1, "0.75", "does not come back"), (0, plot.BLUE, "comes back")):
         ratio = EXAMPLE * V_c / float(data.run_V_before[side])
-        ax.plot(
-            data.time,
-            data.run_tau[side] / sigma,
-            color=color,
-            lw=0.6,
-            label=f"step by {ratio:.2f} {text}",
-        )
+        stress, name = data.run_tau[side] / sigma, f"step by {ratio:.2f} {text}"
+        ax.plot(data.time, stress, color=color, lw=0.6, label=name)
     ax.set(xlabel="Time after the step [s]", ylabel=plot.STRESS)
     ax.set_ylim(0.5495, 0.5765)
+    ax.legend(loc="upper left")
+
+
+def _edge(data, ax, V_c):
+    """The smallest step and kick that leave the basin."""
+    kick = data.kick_up / (plot.parameter(data, "a") * plot.parameter(data, "sigma"))
+    look = {"color": plot.RED, "ls": "--", "lw": 1.2}
+    ax.plot(data.V_lp / V_c, data.step_up, "k", lw=1.2, label=r"step, $V_{lp}/V$")
+    ax.plot(data.V_lp / V_c, kick, label=r"kick, $\Delta\tau/a\sigma$", **look)
+    ax.set(xlabel=r"$V_{lp}/V_c$", ylabel="Smallest that does not come back", ylim=(0.0, None))
+    ax.legend()
+
+
+def _threshold(data, ax):
+    """The step beyond which sliding without mass runs away, between its bounds."""
+    bounds = {"color": "0.88", "label": "closed-form bounds"}
+    exact = {"color": plot.RED, "ms": 4, "label": "$b/(b-a)$, exact"}
+    ax.fill_between(data.ratio, data.threshold_lower, data.threshold_upper, **bounds)
+    ax.plot(data.ratio, data.threshold, "k", lw=1.2, label="runs away beyond")
+    ax.plot(1.0, data.threshold_at_K_c_qs, "o", **exact)
+    ax.set(xscale="log", yscale="log", xlabel="$K/K_{c,qs}$", ylabel=r"Step $V_{lp}/V$")
     ax.legend(loc="upper left")

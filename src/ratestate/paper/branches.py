@@ -6,7 +6,7 @@ import xarray
 from .. import plot
 from ..dynamics.continuation.branch import continue_cycle
 from ..model.quantities import attrs
-from ..plot.layout import figure, letter, styled
+from ..plot.layout import figure, letters, styled
 from .layout import titled
 from .parameters import FIG2
 
@@ -25,8 +25,7 @@ def compute(law):
     K = xarray.DataArray([ratio * FIG2.K_c_qs for ratio in RATIOS], dims="K", attrs=attrs("K"))
     data = xarray.concat(branches, K, join="outer", combine_attrs="override")
     data = data.drop_vars("point")
-    known = data.special.notnull()
-    data["special"] = data.special.where(known, "").astype(str).assign_attrs(attrs("special"))
+    data["special"] = data.special.fillna("").astype(str).assign_attrs(attrs("special"))
     data["V_c"] = FIG2.replace(K=data.K).V_c
     return titled(data, "Limit cycles of the slider of Fig. 2, stable and unstable", law)
 
@@ -35,35 +34,30 @@ def compute(law):
 def draw(data):
     """Each spring's bifurcation diagram; speeds and Floquet multiplier along all branches."""
     fig = figure(data, 5.4, "a b Dc sigma M")
-    grid = fig.add_gridspec(2, 6, height_ratios=(1.1, 1))
-    tops = [fig.add_subplot(grid[0, 2 * i : 2 * i + 2]) for i in range(3)]
-    left, right = (fig.add_subplot(grid[1, 3 * i : 3 * i + 3]) for i in range(2))
-    for i, (ratio, color) in enumerate(zip(RATIOS, COLORS, strict=True)):
+    *tops, left, right = fig.subplot_mosaic("aabbcc;dddeee", height_ratios=(1.1, 1)).values()
+    names = [rf"$K = {ratio:g}\,K_{{c,qs}}$" for ratio in RATIOS]
+    for i, (ax, color, name) in enumerate(zip(tops, COLORS, names, strict=True)):
         branch = data.isel(K=i).dropna("point", subset=["V_lp"])
         V_c = float(data.V_c[i])
-        plot.branch(branch.assign_coords(V_lp=branch.V_lp), tops[i], color=color)
-        tops[i].get_legend().remove()
-        tops[i].plot([0.6 * V_c, float(branch.V_lp.min())], [0.0, 0.0], "k", lw=1.6)
-        tops[i].set(xscale="linear", xlim=(0.6 * V_c, 1.6 * V_c), ylim=(-0.0005, 0.021))
-        tops[i].ticklabel_format(axis="x", style="sci", scilimits=(-3, -3))
-        tops[i].set_xlabel("$V_{lp}$ [m/s]")
-        tops[i].axvline(V_c, color=plot.GRAY, lw=0.6, ls=":", zorder=0)
-        letter(tops[i], "abc"[i], rf"$K = {ratio:g}\,K_{{c,qs}}$")
-        _along(branch, V_c, left, right, color, rf"$K = {ratio:g}\,K_{{c,qs}}$")
+        plot.branch(branch.assign_coords(V_lp=branch.V_lp), ax, color=color)
+        ax.get_legend().remove()
+        ax.plot([0.6 * V_c, float(branch.V_lp.min())], [0.0, 0.0], "k", lw=1.6)
+        ax.set(xscale="linear", xlim=(0.6 * V_c, 1.6 * V_c), ylim=(-0.0005, 0.021))
+        ax.ticklabel_format(axis="x", style="sci", scilimits=(-3, -3))
+        ax.set_xlabel("$V_{lp}$ [m/s]")
+        ax.axvline(V_c, color=plot.GRAY, lw=0.6, ls=":", zorder=0)
+        _along(branch, V_c, left, right, color, name)
     for ax in tops[1:]:
         ax.set(ylabel="", yticklabels=[])
-    handles, names = tops[0].get_legend_handles_labels()
-    known = dict(zip(names, handles, strict=True))
-    known.pop("start")
-    tops[2].legend(known.values(), known.keys(), loc="upper left", fontsize=6.5)
+    handles = [h for h in tops[0].get_legend_handles_labels()[0] if h.get_label() != "start"]
+    tops[2].legend(handles=handles, loc="upper left", fontsize=6.5)
     left.set(yscale="log", ylabel=r"$V_{max}$, $V_{min}$ over $V_{lp}$", ylim=(5e-3, 50))
     right.set(ylabel="Larger Floquet multiplier", ylim=(None, 1.04))
     for ax in (left, right):
         ax.axhline(1.0, color=plot.GRAY, lw=0.7, zorder=0)
         ax.set(xlabel="$V_{lp}/V_c$", xlim=(0.6, 2.0))
     right.legend()
-    letter(left, "d", "fastest and slowest slip")
-    letter(right, "e", "decay factor per period")
+    letters([*tops, left, right], *names, "fastest and slowest slip", "decay factor per period")
     return fig
 
 

@@ -5,7 +5,7 @@ import math
 from importlib.metadata import version
 
 from ..files import replace
-from ..plot.laws import LAWS
+from ..plot.labels import LAWS
 from .claim import CLOSED_FORM
 from .scheme_map import METHOD
 

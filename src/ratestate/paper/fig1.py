@@ -6,7 +6,7 @@ import xarray
 from .. import plot
 from ..dynamics.simulation.simulate import simulate
 from ..model.loading import Loading
-from ..plot.laws import LAWS
+from ..plot.labels import LAWS
 from ..plot.layout import figure, styled
 from .layout import titled
 from .parameters import FIG1
@@ -27,9 +27,7 @@ def compute(law=None):
     after = t_step + np.linspace(0.0, AFTER, 401) * FIG1.Dc / V
     times = np.concatenate([[0.0, np.nextafter(t_step, 0.0)], after])
     loading = Loading.steps(FIG1.V0, (t_step, V))
-    runs = [
-        simulate(FIG1.replace(law=law), loading, t_end=times[-1], times=times) for law in STYLES
-    ]
+    runs = [simulate(FIG1.replace(law=law), loading, times[-1], times=times) for law in STYLES]
     data = xarray.concat(runs, xarray.Variable("law", list(STYLES)), combine_attrs="override")
     data = data[["V", "V_load", "theta", "delta", "tau", "mu"]]
     slip = data.delta - data.delta.sel(time=t_step)
@@ -51,13 +49,9 @@ def draw(data):
     end, Dc_um = mu0 + a - b, 1e6 * Dc
     after_Dc = end + b * np.exp(-1.0)  # the slip law's; the aging law is slower in steps this large
     bottom = end - 0.45 * a
-    for xs, ys in (
-        ([low, high], [mu0, mu0]),
-        ([low, high], [mu0 + a, mu0 + a]),
-        ([0, 0], [bottom, mu0]),
-        ([Dc_um, Dc_um], [bottom, after_Dc]),
-    ):
-        ax.plot(xs, ys, color=plot.GRAY, lw=0.6, ls=":", zorder=0)
+    dotted = {"color": plot.GRAY, "lw": 0.6, "ls": ":", "zorder": 0}
+    ax.hlines([mu0, mu0 + a], low, high, **dotted)
+    ax.vlines([0.0, Dc_um], bottom, [mu0, after_Dc], **dotted)
     _arrow(ax, (-5.0, mu0), (-5.0, mu0 + a), f"$a$ = {a:g}")
     _arrow(ax, (70.0, mu0 + a), (70.0, end), f"$b$ = {b:g}")
     _arrow(ax, (62.0, mu0), (62.0, end), f"$a - b = {a - b:g}$")

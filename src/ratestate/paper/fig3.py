@@ -44,21 +44,13 @@ def draw(data):
     start = plot.value_text("V", float(data.V_start), unit_of=1e-3)
     fig = figure(data, 4.7, "a b Dc sigma K", f", stepped from {start}")
     ax = fig.subplots()
-    M, V_lp = (axis.ravel() for axis in np.meshgrid(data.M, data.V_lp, indexing="ij"))
-    amplitude = data.amplitude.transpose("M", "V_lp").values.ravel()
-    filled = data.unstable.transpose("M", "V_lp").values.ravel().astype(bool)
-    ax.scatter(M[~filled], V_lp[~filled], s=18, fc="w", ec="k", lw=0.7, label="stable")
-    dots = ax.scatter(
-        M[filled],
-        V_lp[filled],
-        s=18 + 180 * np.sqrt(amplitude[filled]),
-        c=amplitude[filled],
-        norm=LogNorm(1e-3, 1.0),
-        cmap="viridis_r",
-        ec="k",
-        lw=0.5,
-        label="unstable",
-    )
+    cases = data[["amplitude", "unstable"]].stack(case=["M", "V_lp"])
+    unstable = cases.unstable.values.astype(bool)
+    empty, filled = cases.isel(case=~unstable), cases.isel(case=unstable)
+    ax.scatter(empty.M, empty.V_lp, s=18, fc="w", ec="k", lw=0.7, label="stable")
+    size = 18 + 180 * np.sqrt(filled.amplitude)
+    look = {"norm": LogNorm(1e-3, 1.0), "cmap": "viridis_r", "ec": "k", "lw": 0.5}
+    dots = ax.scatter(filled.M, filled.V_lp, size, filled.amplitude, label="unstable", **look)
     line = data.V_c.sortby("M")
     ax.plot(line.M, line, "--", color=plot.RED, lw=1.3, zorder=0, label="$V_c(M)$, eq. 10")
     ax.set(xscale="log", yscale="log", xlabel=r"Mass per area $M$ [kg/m$^2$]")

@@ -10,12 +10,13 @@ from ..dynamics.steady_sliding import stability
 from ..model.arrays import logspace
 from ..model.loading import Loading
 from ..model.quantities import attrs
-from ..plot.layout import figure, letter, styled
+from ..plot.layout import figure, letters, styled
 from .layout import steepest, titled
 from .parameters import FIG4, FIG4_EXAMPLES, FIG4_K, FIG4_V_LP
 
 PER_DECADE = 40
 SHOWN = 2.5  # cycles of an example
+NAMES = {"stick_slip": "stick-slip", "harmonic": "quasi-harmonic oscillation"}
 
 
 def compute(law):
@@ -59,21 +60,21 @@ def draw(data):
     axes["a"].set_ylim(0, 0.24)
     axes["a"].legend(loc="upper left", bbox_to_anchor=(0.2, 1.0))
     _coefficient(axes["a"].twinx(), data)
-    letter(axes["a"], "a")
-    names = {"stick_slip": "stick-slip", "harmonic": "quasi-harmonic oscillation"}
-    for panel, name in zip("bc", names, strict=True):
+    texts = [""]
+    for panel, (name, text) in zip("bc", NAMES.items(), strict=True):
         run = data[[f"tau_{name}", f"mu_{name}"]]
         run = run.rename({f"{symbol}_{name}": symbol for symbol in ("tau", "mu", "time")})
         plot.trace(run, axes[panel])
         V_lp = float(data[f"V_lp_{name}"])
         speed = plot.value_text("V_lp", V_lp, unit_of=10 * V_lp)  # 0.1 mm/s, not 100 um/s
-        letter(axes[panel], panel, f"{names[name]}, {speed}")
+        texts.append(f"{text}, {speed}")
         at = data.isel(K=0).sel(V_lp=V_lp, method="nearest")
         axes["a"].plot(at.V_lp, at.amplitude, "ko", ms=4)
         note = {"textcoords": "offset points", "xytext": (0, -12), "ha": "center"}
         axes["a"].annotate(panel, (float(at.V_lp), float(at.amplitude)), fontweight="bold", **note)
         if name == "stick_slip":
             _slip_phase(axes[panel], run, 2.0 / float(data.f_n[0]))
+    letters(axes.values(), *texts)
     axes["c"].legend(loc="upper right", ncols=2)
     low, high = axes["c"].get_ylim()
     axes["c"].set_ylim(low, high + 0.15 * (high - low))

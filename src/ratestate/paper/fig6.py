@@ -5,7 +5,7 @@ from ..dynamics.cycles.limit_cycle import limit_cycle
 from ..dynamics.simulation.simulate import simulate
 from ..dynamics.steady_sliding import stability
 from ..model.loading import Loading
-from ..plot.layout import figure, letter, styled
+from ..plot.layout import figure, letters, styled
 from .layout import steepest, titled
 from .parameters import FIG6, FIG6_SPEEDS, FIG6_STEP
 
@@ -51,9 +51,9 @@ def draw(data):
     right.set_ylabel("")
     right.set_xlim(1e3 * settled.delta_lp.min(), 1e3 * settled.delta_lp.max())
     at_step = f"$K = {K / float(data.K_c):.4f}\\,K_c$, $\\eta = {float(data.eta):.3g}$"
-    letter(left, "a", f"step from {slow} to {fast}, where {at_step}")
     left.text(0.98, 0.5, "gray band: range of (b)", transform=left.transAxes, ha="right")
-    letter(right, "b", f"limit cycle, at {float(data.time[-1]):.0f} s")
+    end = f"limit cycle, at {float(data.time[-1]):.0f} s"
+    letters([left, right], f"step from {slow} to {fast}, where {at_step}", end)
     _drop(left.inset_axes((0.3, 0.12, 0.3, 0.29)), first, 0.012, "first drop")
     _drop(right.inset_axes((0.28, 0.12, 0.66, 0.29)), settled, 0.1, "one of its drops")
     return fig

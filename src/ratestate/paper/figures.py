@@ -19,30 +19,17 @@ def stem(number, law):
 
 
 def make(number, law, out):
-    """Compute and draw a figure, and write it.
-
-    Parameters
-    ----------
-    number : int or str
-        1 to 6; "scheme", the error of the paper's method against its time step; "branches",
-        limit cycles along V_lp; "basins", how hard stable sliding may be pushed.
-    law : {"slip", "aging"}
-        The paper shows the slip law, its supplement the aging law.
-    out : str or pathlib.Path
-        Folder, made if it is missing.  Files of the same names are replaced, each at once.
-
-    Returns
-    -------
-    list of pathlib.Path
-        The .png (300 dpi), the .pdf and the .nc file with the numbers.
-    """
+    """Compute and draw a figure of `FIGURES`, and `write` it; the supplement has the aging law."""
     module = FIGURES[number]
     data = module.compute(law)
     return write(data, module.draw(data), out, stem(number, law))
 
 
 def write(data, fig, out, name):
-    """Write a figure and its numbers as NAME.png, .pdf and .nc into a folder, made if missing."""
+    """Write a figure and its numbers as NAME.png, .pdf and .nc into a folder, made if missing.
+
+    Files of these names are replaced, each at once; the list of their paths.
+    """
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
     pictures = [plot.save(fig, out / f"{name}{end}") for end in (".png", ".pdf")]

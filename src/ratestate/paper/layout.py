@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..plot.laws import LAWS
+from ..plot.labels import LAWS
 
 
 def titled(data, title, law=None):

@@ -5,7 +5,7 @@ import xarray
 
 from .. import plot
 from ..dynamics.cycles.limit_cycle import limit_cycle
-from ..plot.layout import figure, letter, styled
+from ..plot.layout import figure, letters, styled
 from .layout import titled
 from .parameters import FIG2, FIG2_SPEEDS, FIG2_START
 from .scheme_map import critical_velocity, step_response, time_step
@@ -17,6 +17,23 @@ LAST = 0.1  # s at the end in which V is looked at: two cycles or more
 METHODS = {"slip": ["im2017"], "aging": ["im2017", "im2017_euler"]}
 NAMES = {"im2017": "state advanced exactly", "im2017_euler": "state by backward Euler"}
 STYLES = {"im2017": ("k", "o"), "im2017_euler": (plot.BLUE, "s")}
+#: what is measured of the scheme -> unit, meaning
+MEASURED = {
+    "V_c_scheme": ("m/s", "critical velocity of the scheme"),
+    "V_min": ("m/s", "smallest slip velocity in the scheme's cycle"),
+    "V_max": ("m/s", "largest slip velocity in the scheme's cycle"),
+    "amplitude": ("1", "peak-to-peak tau/sigma in the scheme's cycle"),
+}
+#: title, what is shown, and its axis
+PANELS = (
+    ("Critical velocity", ["V_c_scheme"], "$V_c$ [mm/s]"),
+    (
+        f"Limit cycle at {1e3 * V_LP:g} mm/s",
+        ["V_min", "V_max"],
+        "Smallest and largest $V$ [mm/s]",
+    ),
+    ("Its amplitude", ["amplitude"], rf"{plot.STRESS}, max - min [$10^{{-3}}$]"),
+)
 # Read off the paper's text (sec. 3.1), for the slip law.
 PAPER_RANGE = (2.6e-3, 4.0e-3)  # m/s
 
@@ -29,19 +46,12 @@ def compute(law):
     """
     slider = FIG2.replace(law=law)
     cycle = limit_cycle(slider, V_LP, rtol=1e-10)
-    names = ["V_c_scheme", "V_min", "V_max", "amplitude"]
     found = np.array([[_measure(slider, od, m) for od in OMEGA_DT] for m in METHODS[law]])
-    units = ["m/s", "m/s", "m/s", "1"]
-    long_names = [
-        "critical velocity of the scheme",
-        "smallest slip velocity in the scheme's cycle",
-        "largest slip velocity in the scheme's cycle",
-        "peak-to-peak tau/sigma in the scheme's cycle",
-    ]
+    dims = ("scheme", "omega_dt")
     data = xarray.Dataset(
         {
-            name: (("scheme", "omega_dt"), found[..., i], {"units": unit, "long_name": text})
-            for i, (name, unit, text) in enumerate(zip(names, units, long_names, strict=True))
+            name: (dims, found[..., i], {"units": unit, "long_name": text})
+            for i, (name, (unit, text)) in enumerate(MEASURED.items())
         },
         {
             "scheme": ("scheme", METHODS[law], {"units": "1", "long_name": "the scheme's variant"}),
@@ -71,40 +81,25 @@ def draw(data):
     step = rf"$\omega\,\Delta t$ = {OMEGA_DT[0]:g} is {dt:.0f} {plot.PREFIXES[-6]}s"
     fig = figure(data, 3.6, "a b Dc sigma M K", f"; {step}")
     axes = fig.subplots(1, 3)
-    for method in data.scheme.values:
-        color, marker = STYLES[method]
-        run = data.sel(scheme=method)
-        style = {"color": color, "marker": marker, "ms": 3, "lw": 1.0}
-        axes[0].plot(data.omega_dt, 1e3 * run.V_c_scheme, label=NAMES[method], **style)
-        axes[1].plot(data.omega_dt, 1e3 * run.V_min, **style)
-        axes[1].plot(data.omega_dt, 1e3 * run.V_max, **style)
-        axes[2].plot(data.omega_dt, 1e3 * run.amplitude, **style)
-    true = {"color": plot.RED, "ls": "--", "lw": 1.0}
-    axes[0].axhline(1e3 * data.V_c, label="true: eq. 10, converged", **true)
-    axes[1].axhline(1e3 * data.cycle_V_min, **true)
-    axes[1].axhline(1e3 * data.cycle_V_max, **true)
-    axes[2].axhline(1e3 * data.cycle_amplitude, **true)
-    axes[0].axhline(1e3 * FIG2_SPEEDS[1], color=plot.GRAY, lw=0.8, ls=":")
-    note = {"ha": "right", "va": "bottom", "color": "0.4", "fontsize": 7}
-    axes[0].text(0.1, 1e3 * FIG2_SPEEDS[1], "3.1 mm/s", **note)
+    for ax, (_, names, ylabel) in zip(axes, PANELS, strict=True):
+        for method in data.scheme.values:
+            color, marker = STYLES[method]
+            style = {"color": color, "marker": marker, "ms": 3, "lw": 1.0, "label": NAMES[method]}
+            for name in names:
+                ax.plot(data.omega_dt, 1e3 * data[name].sel(scheme=method), **style)
+        for name in names:
+            true = data.V_c if name == "V_c_scheme" else data[f"cycle_{name}"]
+            style = {"color": plot.RED, "ls": "--", "lw": 1.0, "label": "true: eq. 10, converged"}
+            ax.axhline(1e3 * true, **style)
+        ax.set(xlim=(0, 0.103), xlabel=r"Time step $\omega\,\Delta t$", ylabel=ylabel)
+    letters(axes, *(title for title, *_ in PANELS))
+    axes[2].set_ylim(bottom=0)
     # The curve of panel (c) leaves room for the legend of all three.
     axes[2].legend(*axes[0].get_legend_handles_labels(), loc="lower right")
+    lines = [(axes[0], FIG2_SPEEDS[1], "3.1 mm/s")]
     if "im2017_euler" not in data.scheme:
-        for V in PAPER_RANGE:
-            axes[1].axhline(1e3 * V, color=plot.GRAY, lw=0.8, ls=":")
-            axes[1].text(0.1, 1e3 * V, f"paper: about {1e3 * V:g}", **note)
-    _titles(axes)
+        lines += [(axes[1], V, f"paper: about {1e3 * V:g}") for V in PAPER_RANGE]
+    for ax, V, text in lines:
+        ax.axhline(1e3 * V, color=plot.GRAY, lw=0.8, ls=":")
+        ax.text(0.1, 1e3 * V, text, ha="right", va="bottom", color="0.4", fontsize=7)
     return fig
-
-
-def _titles(axes):
-    """Letters, axes and labels."""
-    labels = [
-        ("Critical velocity", "$V_c$ [mm/s]"),
-        (f"Limit cycle at {1e3 * V_LP:g} mm/s", "Smallest and largest $V$ [mm/s]"),
-        ("Its amplitude", rf"{plot.STRESS}, max - min [$10^{{-3}}$]"),
-    ]
-    for ax, text, (title, ylabel) in zip(axes, "abc", labels, strict=True):
-        ax.set(xlim=(0, 0.103), xlabel=r"Time step $\omega\,\Delta t$", ylabel=ylabel)
-        letter(ax, text, title)
-    axes[2].set_ylim(bottom=0)

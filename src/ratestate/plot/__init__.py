@@ -13,33 +13,19 @@ that every result carries.
 from ..dynamics.results import parameter
 from .bifurcation import branch
 from .chart import atlas, contours, transition
-from .fits import fit
-from .labels import (
-    AMPLITUDE,
-    BLUE,
-    GRAY,
-    LETTERS,
-    PREFIXES,
-    RED,
-    STRESS,
-    UNITS,
-    label,
-    prefixed,
-    value_text,
-)
+from .labels import AMPLITUDE, BLUE, GRAY, PREFIXES, RED, STRESS, label, prefixed, value_text
 from .layout import save
 from .pages import page
+from .pages.fit import fit
 from .runs import amplitudes, phase, trace
 
 __all__ = [
     "AMPLITUDE",
     "BLUE",
     "GRAY",
-    "LETTERS",
     "PREFIXES",
     "RED",
     "STRESS",
-    "UNITS",
     "amplitudes",
     "atlas",
     "branch",

@@ -1,4 +1,4 @@
-"""The bifurcation diagram of a branch of limit cycles."""
+"""The bifurcation diagram of a branch of limit cycles, and its page."""
 
 import numpy as np
 
@@ -7,10 +7,11 @@ from ..dynamics.results import parameter
 from ..errors import ParameterError
 from ..friction.stability import K_c
 from ..model.quantities import QUANTITIES
-from .labels import AMPLITUDE, BLUE, GRAY, RED
+from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, in_unit, name_and_symbol, prefixed
 from .labels import label as symbol_text
+from .layout import WIDE, figure, letters, styled
 
-STABLE, UNSTABLE = {"ls": "-", "lw": 1.6}, {"ls": (0, (4, 2)), "lw": 1.1}
+STABLE, UNSTABLE = {"ls": "-", "lw": 1.6}, {"ls": DASHED, "lw": 1.1}
 # Ratio of the parameter's ends up to which a logarithmic axis would have no room for its ticks.
 NARROW = 3.0
 #: special point -> name, marker, face colour
@@ -48,40 +49,81 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
         from matplotlib import pyplot
 
         ax = pyplot.subplots()[1]
-    return diagram(data, ax, 1.0, QUANTITIES[branch_parameter(data)].unit, color, label)
+    unit = QUANTITIES[branch_parameter(data)].unit
+    return _diagram(data, ax, 1.0, "" if unit == "1" else unit, color, label)
 
 
-def diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
+@styled
+def branch_page(data):
+    """Page of a branch of limit cycles."""
+    symbol = branch_parameter(data)
+    title = f"Limit cycles along {symbol_text(symbol)}, {LAWS[parameter(data, 'law')]}"
+    fig = figure(data, 5.2, title=title)
+    axes = fig.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=[1.25, 1])
+    factor, unit = prefixed(QUANTITIES[symbol].unit, float(data[symbol].max()))
+    _diagram(data, axes["a"], factor, unit)
+    x, V_lp = factor * data[symbol].values, parameter(data, "V_lp")
+    stable = _stable_pieces(data)
+    for name, color in (("V_max", RED), ("V_min", BLUE)):
+        _pieces(axes["b"], x, (data[name] / V_lp).values, stable, color, 2 * [symbol_text(name)])
+    _pieces(axes["c"], x, np.abs(data.multipliers.values[:, 0]), stable, "k")
+    axes["b"].set(ylabel=f"Speed over {symbol_text('V_lp')}")
+    if float((data.V_max / data.V_min).max()) > WIDE:
+        axes["b"].set_yscale("log")
+    axes["c"].set(ylabel="Larger Floquet multiplier (size)")
+    for ax in (axes["b"], axes["c"]):
+        ax.axhline(1.0, color=GRAY, lw=0.7, zorder=0)
+        _abscissa(ax, x, symbol_text(symbol), unit)
+    axes["b"].legend()
+    letters(axes.values(), "amplitude", "fastest and slowest slip", "decay factor per period")
+    return fig
+
+
+def _diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
     """Draw a `branch` over the parameter times a factor, which is in this unit."""
     symbol = branch_parameter(data)
     x, amplitude, special = (data[name].values for name in (symbol, "amplitude", "special"))
     at = np.geomspace(x.min() / 1.05, x.max() * 1.05, 2001)
-    stable = _steady_is_stable(data, symbol, at)
+    stable = _steady_is_stable(data, symbol, at)[:-1]
     x, at = factor * x, factor * at
-    _pieces(ax, at, np.zeros_like(at), stable[:-1], color="k", label="steady sliding")
-    # Where a multiplier is on the unit circle, rounding would tell stable from unstable.
-    turning = np.isin(special, ["hopf", "fold", "period_doubling", "torus"])
-    firm = data.stable.values.astype(bool) | turning
-    _pieces(ax, x, amplitude, firm[:-1] & firm[1:], color=color, label=label)
+    _pieces(ax, at, np.zeros_like(at), stable, "k", _by_stability("steady sliding"))
+    _pieces(ax, x, amplitude, _stable_pieces(data), color, _by_stability(label))
     for kind, (name, marker, face) in MARKS.items():
         if (here := special == kind).any():
             style = {"mfc": face, "mec": "k", "mew": 0.8, "ms": 4.5, "zorder": 5}
             ax.plot(x[here], amplitude[here], marker, ls="", label=_once(ax, name), **style)
-    name = f"{QUANTITIES[symbol].long_name.capitalize()} {symbol_text(symbol)}"
-    ax.set(xlabel=name + ("" if unit in ("", "1") else f" [{unit}]"), ylabel=AMPLITUDE)
-    if x.max() > NARROW * x.min():
-        ax.set_xscale("log")
+    _abscissa(ax, x, name_and_symbol(symbol), unit)
+    ax.set_ylabel(AMPLITUDE)
     ax.legend()
     return ax
 
 
-def _pieces(ax, x, y, stable, *, color, label):
+def _abscissa(ax, x, text, unit):
+    """Label the parameter's axis, which is logarithmic if that pays."""
+    ax.set_xlabel(in_unit(text, unit))
+    if x.max() > NARROW * x.min():
+        ax.set_xscale("log")
+
+
+def _stable_pieces(data):
+    """Whether the cycles are stable, for each piece of a branch between two of its points."""
+    # Where a multiplier is on the unit circle, rounding would tell stable from unstable.
+    turning = np.isin(data.special.values, ["hopf", "fold", "period_doubling", "torus"])
+    firm = data.stable.values.astype(bool) | turning
+    return firm[:-1] & firm[1:]
+
+
+def _by_stability(name):
+    """What a legend says of the unstable and of the stable pieces of a line."""
+    return f"{name}, unstable", f"{name}, stable"
+
+
+def _pieces(ax, x, y, stable, color, names=("", "")):
     """Draw a line of n points, solid in those of its n - 1 pieces that are stable, else dashed."""
     cuts = np.flatnonzero(np.diff(stable.astype(int))) + 1
     for first, last in zip([0, *cuts], [*cuts, len(stable)], strict=True):
-        firm = bool(stable[first])
-        name = _once(ax, f"{label}, {'stable' if firm else 'unstable'}")
-        look = STABLE if firm else UNSTABLE
+        look = STABLE if stable[first] else UNSTABLE
+        name = _once(ax, names[int(stable[first])])
         ax.plot(x[first : last + 1], y[first : last + 1], color=color, label=name, **look)
 
 

@@ -7,8 +7,7 @@ from ..model.quantities import QUANTITIES, short
 from ..records.fitting.by_law import results_by_law, value_of
 from ..records.fitting.table import STABLE_AT_ANY_K, formatted_estimate, stiffness_ratio_text
 from ..records.fitting.unknowns import PARAMETERS
-from .labels import label, prefixed
-from .laws import COLORS
+from .labels import COLORS, in_unit, label, prefixed
 
 #: what a heading calls an estimate, where `label` does not know it
 HEADINGS = {"a_minus_b": "$a-b$"}
@@ -23,14 +22,9 @@ GAP, BOLD = 8.0, 1.12
 
 
 def estimates(result, ax):
-    """Write the estimates of a fit with their standard errors: a column each, a row for each law.
+    """Write the estimates with their standard errors into axes, which are left without a frame.
 
-    Parameters
-    ----------
-    result : xarray.Dataset
-        From `fit`.
-    ax : matplotlib.axes.Axes
-        Filled by the table, and left without axes.
+    A column for each, and a row for each law.
     """
     laws = results_by_law(result)
     symbols = [str(symbol) for symbol in result["parameter"].values if symbol in LISTED]
@@ -77,10 +71,8 @@ def _column(laws, symbol):
         factor, unit = 1e3, r"$10^{-3}$"
     else:
         factor, unit = prefixed(QUANTITIES[symbol].unit, max(map(abs, values)))
-    heading = HEADINGS.get(symbol, label(symbol)) + (f" [{unit}]" if unit else "")
-    return heading, [
-        _printed(formatted_estimate(part, symbol, factor).value) for part in laws.values()
-    ]
+    cells = [formatted_estimate(part, symbol, factor).value for part in laws.values()]
+    return in_unit(HEADINGS.get(symbol, label(symbol)), unit), list(map(_printed, cells))
 
 
 def _printed(text):

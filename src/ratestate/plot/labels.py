@@ -1,4 +1,4 @@
-"""How pictures write quantities: symbols as mathematics, values with units that fit them."""
+"""How pictures write quantities and laws: symbols as mathematics, values with units that fit."""
 
 from ..model import quantities
 from ..model.quantities import QUANTITIES
@@ -6,6 +6,14 @@ from ..model.quantities import QUANTITIES
 STRESS = r"$\tau/\sigma$"
 AMPLITUDE = f"Amplitude of {STRESS} (max $-$ min)"
 RED, BLUE, GRAY = "#d62728", "#1f4fd8", "0.55"
+#: dashes of a line
+DASHED = (0, (4, 2))
+
+#: law -> its name
+LAWS = {"slip": "slip (Ruina) law", "aging": "aging (Dieterich) law"}
+#: law -> colour and dashes of its fitted curve; the record is gray
+COLORS = {"slip": RED, "aging": BLUE}
+DASHES = {"slip": "-", "aging": (0, (5, 1.6))}
 
 #: power of ten -> prefix
 PREFIXES = quantities.PREFIXES | {-6: "\N{GREEK SMALL LETTER MU}"}
@@ -44,6 +52,16 @@ def prefixed(unit, value):
 def label(symbol):
     """A symbol as mathematics, for example ``$V_{lp}$``."""
     return f"${LETTERS.get(symbol, symbol)}$"
+
+
+def name_and_symbol(symbol):
+    """A quantity by its name, for an axis."""
+    return f"{QUANTITIES[symbol].long_name.capitalize()} {label(symbol)}"
+
+
+def in_unit(text, unit):
+    """A text followed by a unit, if there is one."""
+    return f"{text} [{unit}]" if unit else text
 
 
 def value_text(symbol, value, unit_of=None):

@@ -1,5 +1,6 @@
 """What all pictures have in common: type, captions, panel letters, how they become files."""
 
+from itertools import repeat
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -12,6 +13,12 @@ from ..model.units import is_array
 from .labels import value_text
 
 DPI = 300
+#: parameters in a caption
+SLIDER = "a b Dc sigma M K"
+#: a legend above the right end of its axes
+ABOVE = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
+#: ratio of smallest to largest value from which a logarithmic scale pays
+WIDE = 10.0
 
 #: decorator of the functions that draw
 styled = rc_context(
@@ -28,19 +35,21 @@ styled = rc_context(
 )
 
 
-def figure(data, height, symbols, more=""):
+def figure(data, height, symbols=SLIDER, more="", title=None):
     """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more."""
     fig = Figure(figsize=(7.2, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
-    known = {symbol: parameter(data, symbol) for symbol in symbols.split()}
-    listed = [value_text(symbol, x) for symbol, x in known.items() if not is_array(x)]
+    values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
+    listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]
     second = ", ".join(listed) + more
-    fig.suptitle(f"{data.attrs['title']}\n{second}", x=0.01, ha="left", fontsize=8)
+    fig.suptitle(f"{title or data.attrs['title']}\n{second}", x=0.01, ha="left", fontsize=8)
     return fig
 
 
-def letter(ax, letter, text=""):
-    """Mark a panel with its letter in bold, and what it shows, above its upper left corner."""
-    ax.set_title(rf"$\mathbf{{({letter})}}$ {text}", loc="left", fontsize=8, pad=4)
+def letters(axes, *texts, first="a"):
+    """Mark panels with their letters in bold, and what each shows, above its upper left corner."""
+    for i, (ax, text) in enumerate(zip(axes, texts or repeat(""), strict=False)):
+        mark = chr(ord(first) + i)
+        ax.set_title(rf"$\mathbf{{({mark})}}$ {text}", loc="left", fontsize=8, pad=4)
 
 
 def save(fig, path):

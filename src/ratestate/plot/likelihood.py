@@ -5,8 +5,7 @@ import numpy as np
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
 from ..records.fitting.unknowns import LINEAR, PARAMETERS
-from .labels import GRAY, label, prefixed
-from .laws import COLORS, DASHES
+from .labels import COLORS, DASHES, GRAY, in_unit, label, prefixed
 
 #: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)
 END_95 = 0.1465
@@ -29,13 +28,6 @@ def likelihood(result, symbol, ax):
     """Draw the relative likelihood of a parameter as a line, or a posterior, filled.
 
     The line is the profile where there is one, else the Gaussian of the standard error.
-
-    Parameters
-    ----------
-    result : xarray.Dataset
-        From `fit`, with errors from profiles or a posterior.
-    symbol : str
-    ax : matplotlib.axes.Axes
     """
     laws = results_by_law(result)
     largest = max(abs(float(part[symbol])) for part in laws.values())
@@ -51,7 +43,7 @@ def likelihood(result, symbol, ax):
         ax.plot(factor * values, np.exp(-0.5 * deviance), **look)
         ax.axvline(factor * float(part[symbol]), color=color, lw=0.7, ls=":")
     ax.axhline(END_95, color=GRAY, lw=0.7)
-    ax.set(ylim=(0.0, 1.08), xlabel=label(symbol) + (f" [{unit}]" if unit else ""))
+    ax.set(ylim=(0.0, 1.08), xlabel=in_unit(label(symbol), unit))
 
 
 def _profile(part, symbol):

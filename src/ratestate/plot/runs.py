@@ -4,7 +4,7 @@ import numpy as np
 
 from ..dynamics.results import parameter
 from ..model.quantities import QUANTITIES
-from .labels import AMPLITUDE, RED, STRESS, prefixed
+from .labels import AMPLITUDE, DASHED, RED, STRESS, prefixed
 
 
 def trace(run, ax, *, x="time", tau=None, mu=None):
@@ -28,7 +28,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     abscissa = run[x]
     factor, unit = prefixed(QUANTITIES[x].unit, float(abs(abscissa).max()))
     stress = {"color": "k", "lw": 1.0, "label": f"{STRESS}, spring"} | (tau or {})
-    friction = {"color": RED, "lw": 1.0, "ls": (0, (4, 2)), "label": r"$\mu$, friction"}
+    friction = {"color": RED, "lw": 1.0, "ls": DASHED, "label": r"$\mu$, friction"}
     (black,) = ax.plot(factor * abscissa, run.tau / parameter(run, "sigma"), **stress)
     (red,) = ax.plot(factor * abscissa, run.mu, **friction | (mu or {}))
     name = "Time" if x == "time" else "Load-point displacement"

@@ -3,14 +3,13 @@
 import xarray
 
 from ...errors import ParameterError
-from .branch import branch_page
-from .cycle import cycle_page
+from ..bifurcation import branch_page
 from .fit import fit_page
-from .run import run_page
+from .run import cycle_page, run_page
 from .stability import stability_page
 from .sweep import sweep_page
 
-#: verb -> page of a single slider's result
+#: function -> page of a single slider's result
 SINGLE = {
     "simulate": run_page,
     "limit_cycle": cycle_page,
@@ -42,19 +41,13 @@ def page(result):
         No such result, or one that has lost its attributes; more than two axes.
     """
     title = str(result.attrs.get("title", "")) if isinstance(result, xarray.Dataset) else ""
-    verb = title.removeprefix("ratestate ")
-    if verb not in SINGLE:
+    function = title.removeprefix("ratestate ")
+    if function not in SINGLE:
         raise ParameterError("page wants a Dataset as a verb gives it, with its attributes")
-    dims = [] if verb == "fit" else axes_of(result)
-    return sweep_page(result, verb, dims) if dims else SINGLE[verb](result)
-
-
-def axes_of(result):
-    """Dimensions of the sweep that a result is of: none, one or two."""
-    dims = [dim for dim in result.sizes if dim not in OWN]
-    if len(dims) > 2:
+    axes = [] if function == "fit" else [dim for dim in result.sizes if dim not in OWN]
+    if len(axes) > 2:
         raise ParameterError(
-            f"a page shows a sweep over one or two axes, and this one has {len(dims)} "
-            f"({', '.join(map(str, dims))}); pick values of the others with .sel"
+            f"a page shows a sweep over one or two axes, and this one has {len(axes)} "
+            f"({', '.join(map(str, axes))}); pick values of the others with .sel"
         )
-    return dims
+    return sweep_page(result, function, axes) if axes else SINGLE[function](result)

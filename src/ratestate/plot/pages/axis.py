@@ -5,19 +5,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...model.quantities import QUANTITIES
-from ..labels import label, prefixed
-
-# Ratio of smallest to largest value from which a logarithmic scale pays.
-WIDE = 10.0
+from ..labels import in_unit, label, name_and_symbol, prefixed
+from ..layout import WIDE
 
 
 class Axis(NamedTuple):
     """Abscissae of the cases along a dimension, and what stands at them."""
 
     values: np.ndarray
-    text: str
-    logarithmic: bool
-    names: Any  # what is written at each case, where values are no numbers in order; else None
+    name: str
+    unit: str = ""
+    logarithmic: bool = False
+    names: Any = None  # what is written at each case, where values are no numbers in order
 
     @property
     def edges(self):
@@ -30,13 +29,12 @@ class Axis(NamedTuple):
 
     def each(self, dim):
         """What a legend says of each value."""
-        unit = self.text.rpartition(" [")[2].rstrip("]") if "[" in self.text else ""
         values = self.names or [f"{value:.4g}" for value in self.values]
-        return [f"{label(dim)} = {value} {unit}".rstrip() for value in values]
+        return [f"{label(dim)} = {value} {self.unit}".rstrip() for value in values]
 
     def dress(self, axis):
         """Give a matplotlib axis its label and scale, or its names."""
-        axis.set_label_text(self.text)
+        axis.set_label_text(in_unit(self.name, self.unit))
         if self.logarithmic:
             axis.axes.set(**{f"{axis.axis_name}scale": "log"})
         if self.names:
@@ -47,24 +45,29 @@ def axis_of(result, dim):
     """`Axis` of a dimension of a result."""
     size = result.sizes[dim]
     values = result[dim].values if dim in result.coords else np.arange(size)
-    quantity = QUANTITIES.get(dim)
-    name = f"{quantity.long_name.capitalize()} {label(dim)}" if quantity else str(dim)
+    name, unit = (
+        (name_and_symbol(dim), QUANTITIES[dim].unit) if dim in QUANTITIES else (str(dim), "1")
+    )
     if values.dtype.kind not in "iuf":
-        return Axis(np.arange(size), name, False, [str(value) for value in values])
+        return Axis(np.arange(size), name, names=[str(value) for value in values])
+    fitted, unit = fitting(values, unit)
     steps = np.diff(values) if np.isfinite(values).all() else np.array([np.nan])
-    fitted, unit, _ = fitting(values, quantity.unit if quantity else "1")
     if not ((steps > 0).all() or (steps < 0).all()):
-        return Axis(np.arange(size), name + unit, False, [f"{value:.4g}" for value in fitted])
+        return Axis(np.arange(size), name, unit, names=[f"{value:.4g}" for value in fitted])
     even = size > 2 and values.min() > 0.0 and _uneven(np.log(values)) < _uneven(values)
-    return Axis(fitted, name + unit, bool(even), None)
+    return Axis(fitted, name, unit, bool(even))
 
 
 def fitting(values, unit):
-    """Values in a unit that fits the largest; that unit, for a label; whether to use logarithms."""
-    known = values[np.isfinite(values)]
-    factor, text = prefixed(unit, float(np.abs(known).max(initial=0.0)))
-    wide = known.size and known.min() > 0.0 and known.max() > WIDE * known.min()
-    return factor * values, f" [{text}]" if text else "", bool(wide)
+    """Values in a unit that fits the largest, and that unit."""
+    factor, unit = prefixed(unit, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
+    return factor * values, unit
+
+
+def is_wide(values):
+    """Whether a logarithmic scale pays for values, as far as they are finite."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
 
 
 def _uneven(values):

@@ -3,9 +3,9 @@
 import numpy as np
 
 from ...records.fitting.by_law import results_by_law
-from ..curves import NORMAL_95, axis_of, curves
-from ..laws import COLORS
-from ..layout import letter
+from ..curves import axis_of, curves, normal_95
+from ..labels import COLORS
+from ..layout import letters
 from .frame import finished, framed, legend
 
 #: cycles seen from close by
@@ -23,12 +23,11 @@ def cycles_page(result):
     legend(axes["a"], laws, band=False)
     period = max(float(part["fitted"].sel(feature="period")[-1]) for part in laws.values())
     first = int(np.searchsorted(axis.t, axis.t[-1] - LAST * period))
-    curves(result, axes["b"], axis, slice(first, None), close=True)
+    curves(result, axes["b"], axis, slice(first, None))
     _features(axes["c"], laws)
     texts = ("the cycles fitted", f"the last {LAST}", "fitted less measured features")
-    for name, text in zip("abc", texts, strict=True):
-        letter(axes[name], name, text)
-    finished(result, below, "defghij")
+    letters(axes.values(), *texts)
+    finished(result, below, "d")
     return fig
 
 
@@ -36,8 +35,7 @@ def _features(ax, laws):
     """By how many standard errors the features of the fitted cycle are off."""
     names = next(iter(laws.values()))["feature"].values.tolist()
     at = np.arange(len(names))
-    for height, look in ((0.0, "-"), (NORMAL_95, (0, (4, 3))), (-NORMAL_95, (0, (4, 3)))):
-        ax.axhline(height, color="k", lw=0.6, ls=look)
+    normal_95(ax)
     for i, (law, part) in enumerate(laws.items()):
         off = ((part["fitted"] - part["measured"]) / part["measured_error"]).where(part["used"])
         shift = 0.2 * (i - 0.5 * (len(laws) - 1))

@@ -1,11 +1,11 @@
-"""The page of a fit: record and curves, residuals, the steps from close by, the estimates."""
+"""A fit: record and curves; as a page with residuals, the steps from close by, the estimates."""
 
 import numpy as np
 
-from ...records.fitting.by_law import results_by_law, value_of
-from ..curves import axis_of, change, curves, marks, residuals, segments
-from ..laws import COLORS
-from ..layout import letter, styled
+from ...records.fitting.by_law import checked_by_law, results_by_law, value_of
+from ..curves import WHOLE, axis_of, changes, curves, marks, residuals
+from ..labels import COLORS
+from ..layout import letters, styled
 from .cycles import cycles_page
 from .frame import finished, framed, legend
 
@@ -16,14 +16,50 @@ AFTER, LOADING = 6.0, 2.0
 #: speed of slip after a hold over that of the load point, for want of a better one
 QUIET = 1e-4
 #: part of the record from which on a close-up shows nothing new
-WHOLE = 0.7
+NEARLY_ALL = 0.7
 #: heights [inches] of a record and of residuals
 RECORD, RESIDUAL = 2.0, 0.62
 
 
 @styled
+def fit(result, ax=None, *, x=None):
+    """Draw a fit: the record, the fitted curves with their 95 % bands, what they leave of it.
+
+    Without axes a whole figure, with the residuals, close-ups of the first steps, and a table of
+    the estimates; into axes only the record and the curves.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `fit`, under one law or several.
+    ax : matplotlib.axes.Axes, optional
+    x : {"delta_lp", "time"}, optional
+        Abscissa: load-point displacement [m] or time [s] from the record's first sample on; by
+        default displacement, but time where the load point rests.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A new one, or that of the axes.
+
+    Raises
+    ------
+    ParameterError
+        Another result than that of `fit`, or one that has lost its attributes.
+    """
+    checked_by_law(result, "plot.fit")
+    if ax is None:
+        return fit_page(result, x)
+    axis = axis_of(result, x)
+    curves(result, ax, axis)
+    marks(result, ax, axis)
+    ax.legend()
+    return ax.figure
+
+
+@styled
 def fit_page(result, x=None):
-    """Page of a fit; x, of one against time or displacement, as `plot.fit` has it."""
+    """Page of a fit; x, of one against time or displacement, as `fit` has it."""
     if result.attrs.get("against") == "cycles":
         return cycles_page(result)
     axis, laws = axis_of(result, x), results_by_law(result)
@@ -32,18 +68,23 @@ def fit_page(result, x=None):
     fig, (top, *below) = framed(result, laws, sum(heights))
     ratios = [1.25, 1.0] if len(close) == 1 else None
     axes = top.subplot_mosaic(rows, height_ratios=heights, width_ratios=ratios)
-    views = {"record": slice(None)} | close
+    views = {"record": WHOLE} | close
     for name, samples in views.items():
-        curves(result, axes[name], axis, samples, close=name != "record")
+        curves(result, axes[name], axis, samples)
         marks(result, axes[name], axis, named=name == "record")
-    legend(axes["record"], laws)
-    for law, part in laws.items():
-        for name, samples in views.items():
+        column = [axes[name]]
+        for law, part in laws.items():
             if (panel := axes.get(f"{law} {name}")) is not None:
-                residuals(part, panel, axis, law, samples, close=name != "record")
+                residuals(part, panel, axis, law, samples)
                 marks(result, panel, axis)
-    _dress(axes, laws, views)
-    finished(result, below, "abcdefghij"[len(views) :])
+                column.append(panel)
+        _share(column, named=name == "record" or len(column) == 1)
+    legend(axes["record"], laws)
+    for law in laws:
+        _name_law(axes[f"{law} record"], law)
+    texts = ["", *(name.rpartition(" (")[0] for name in close)]
+    letters([axes[name] for name in views], *texts)
+    finished(result, below, "abcde"[len(views)])
     return fig
 
 
@@ -61,44 +102,40 @@ def _rows(laws, close):
 
 def _close_ups(result, axis, laws):
     """Change of speed in words -> samples about it, of the first steps and slides after holds."""
-    found = segments(result)
-    starts = [t for t, _ in found] + [axis.t[-1]]
     views = {}
-    for i in range(1, len(found)):
-        (_, before), (start, V), end = found[i - 1], found[i], starts[i + 1]
-        if V == 0.0:
+    for i, change in enumerate(changes(result), start=1):
+        if change.V == 0.0:
             continue
-        reach = max(_reach(part, before or QUIET * V, V) for part in laws.values())
-        here, high = axis.at(start), axis.at(min(end, start + reach / V))
-        low = max(axis.at(starts[i - 1]), here - BEFORE * (high - here))
+        reach = max(_reach(part, change) for part in laws.values())
+        here = axis.at(change.start)
+        high = axis.at(min(change.end, change.start + reach / change.V))
+        low = max(axis.at(change.previous), here - BEFORE * (high - here))
         rows = slice(*np.searchsorted(axis.values, (low, high)))
-        if rows.stop - rows.start >= FEWEST and high - low < WHOLE * axis.values[-1]:
-            views[f"{change(result, i, whole=True)} ({i})"] = rows
+        if rows.stop - rows.start >= FEWEST and high - low < NEARLY_ALL * axis.values[-1]:
+            views[f"{change.text(whole=True)} ({i})"] = rows
     return dict(list(views.items())[:MOST])
 
 
-def _reach(part, before, V):
+def _reach(part, change):
     """Displacement [m] in which a step is over: the spring loads, and the state evolves."""
     a, Dc, K, sigma = (value_of(part, symbol) for symbol in ("a", "Dc", "K", "sigma"))
-    return AFTER * Dc + LOADING * a * sigma / K * abs(np.log(V / before))
+    before = change.V_before or QUIET * change.V
+    return AFTER * Dc + LOADING * a * sigma / K * abs(np.log(change.V / before))
 
 
-def _dress(axes, laws, views):
-    """Share the axes that lie under each other, and say what each is."""
-    for name in views:
-        below = [axes[f"{law} {name}"] for law in laws if f"{law} {name}" in axes]
-        for panel in [axes[name], *below][:-1]:
-            panel.sharex(below[-1])
-            panel.tick_params(labelbottom=False)
-            panel.set_xlabel("")
-        if name != "record" and below:
-            for panel in (axes[name], *below):
-                panel.set_ylabel("")
-    for law in laws:
-        panel = axes[f"{law} record"]
-        at = {"transform": panel.transAxes, "va": "top", "fontsize": 7, "color": COLORS[law]}
-        box = {"fc": "w", "ec": "none", "pad": 0.5, "alpha": 0.8}
-        panel.text(0.01, 0.93, f"{law} law", fontweight="bold", bbox=box, **at)
-    for mark, name in zip("abcd", views, strict=False):
-        text = "" if name == "record" else name.rpartition(" (")[0]
-        letter(axes[name], mark, text)
+def _share(column, *, named):
+    """Share the abscissa of panels under each other; the ordinates are named, or those beside."""
+    for panel in column[:-1]:
+        panel.sharex(column[-1])
+        panel.tick_params(labelbottom=False)
+        panel.set_xlabel("")
+    if not named:
+        for panel in column:
+            panel.set_ylabel("")
+
+
+def _name_law(ax, law):
+    """Write the law's name into the panel of its residuals."""
+    at = {"transform": ax.transAxes, "va": "top", "fontsize": 7, "color": COLORS[law]}
+    box = {"fc": "w", "ec": "none", "pad": 0.5, "alpha": 0.8}
+    ax.text(0.01, 0.93, f"{law} law", fontweight="bold", bbox=box, **at)

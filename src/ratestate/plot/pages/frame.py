@@ -5,9 +5,8 @@ from matplotlib.patches import Patch
 from ...dynamics import attributes
 from ...records.fitting.table import law_names
 from ..estimates import ROW, estimates
-from ..labels import label
-from ..laws import COLORS
-from ..layout import figure, letter
+from ..labels import COLORS, label
+from ..layout import ABOVE, figure, letters
 from ..likelihood import likelihood, non_gaussian
 
 #: heights [inches]: of a likelihood, of axes' labels, of the title and the space under the table
@@ -18,26 +17,23 @@ def framed(result, laws, height):
     """An empty figure with its title, and its parts: panels, likelihoods if any, estimates."""
     middle = [LIKELIHOOD] if non_gaussian(result) else []
     heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
-    symbols = ["sigma", "M", *(s for s in ("a", "b", "Dc", "K") if s not in result), "V0"]
-    symbols = [symbol for symbol in symbols if symbol not in result]
+    symbols = " ".join(s for s in "sigma M a b Dc K V0".split() if s not in result)
     source = attributes.text(result, "source", "")
     title = (
         f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "
         f"under the {law_names(laws)}"
     )
-    total = sum(heights) + TITLE
-    fig = figure(result.assign_attrs(title=title), total, " ".join(symbols))
-    parts = fig.subfigures(len(heights), 1, height_ratios=heights)
-    return fig, list(parts)
+    fig = figure(result, sum(heights) + TITLE, symbols, title=title)
+    return fig, list(fig.subfigures(len(heights), 1, height_ratios=heights))
 
 
-def finished(result, parts, letters):
+def finished(result, parts, first):
     """Fill the lower parts of a figure: likelihoods, if any, and the table of estimates."""
     if symbols := non_gaussian(result):
         panels = parts[0].subplots(1, len(symbols), sharey=True, squeeze=False)[0]
-        for mark, symbol, ax in zip(letters, symbols, panels, strict=False):
+        for symbol, ax in zip(symbols, panels, strict=True):
             likelihood(result, symbol, ax)
-            letter(ax, mark, f"likelihood of {label(symbol)}")
+        letters(panels, *(f"likelihood of {label(s)}" for s in symbols), first=first)
         panels[0].set_ylabel("relative likelihood")
     estimates(result, parts[-1].subplots())
 
@@ -49,6 +45,5 @@ def legend(ax, laws, *, band=True):
         color = COLORS[next(iter(laws))] if len(laws) == 1 else "0.5"
         handles.append(Patch(color=color, alpha=0.3, lw=0.0))
         names.append("95 % of samples")
-    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
     look = {"fontsize": 7, "handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 0.7}
-    ax.legend(handles, names, ncols=len(names), **look, **place)
+    ax.legend(handles, names, ncols=len(names), **look, **ABOVE)

@@ -1,33 +1,51 @@
-"""The page of a run: stress, friction and speed against time, and the phase plane."""
+"""The pages of a run and of a limit cycle: stress, speed against time, and the phase plane."""
 
 import numpy as np
 
-from ...dynamics.attributes import loading_record
+from ...dynamics.attributes import loading_record, number
+from ...dynamics.cycles.orbit import orbit
+from ...dynamics.cycles.regimes import classify
 from ...dynamics.results import parameter
+from ...dynamics.steady_sliding import stability
+from ...engine.model import STEADY_SLIDING
 from ...friction.laws import mu_ss
-from ..labels import BLUE, GRAY, RED, STRESS, prefixed, value_text
-from ..laws import LAWS
-from ..layout import figure, letter, styled
+from ...model.slider import SpringSlider
+from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text
+from ..layout import ABOVE, WIDE, figure, letters, styled
 from ..runs import trace
+from .stability import stability_page
 
-# Ratio of speeds from which a logarithmic axis pays.
-WIDE = 10.0
 # Cycles of a run from which lines run together, and how many are shown on their own.
 MANY, FEW = 25, 5
-SLIDER = "a b Dc sigma M K"
+SYMBOLS = "a b Dc sigma K M mu0 V0 law".split()
 
 
 @styled
 def run_page(run):
     """Page of one slider's run."""
-    law = LAWS[parameter(run, "law")]
     end = value_text("t", float(run.time[-1])).rpartition("= ")[2]
-    return motion(run, f"Run of {end}, {law}")
+    return _motion(run, f"Run of {end}, {LAWS[parameter(run, 'law')]}")
 
 
-def motion(run, title, more=""):
-    """The three panels of a run, under a title and a line of parameters, and more."""
-    fig = figure(run.assign_attrs(title=title), 4.4, SLIDER, more)
+@styled
+def cycle_page(cycle):
+    """Page of one slider's cycle: a period of it; where it slides steadily, that of `stability`."""
+    slider = SpringSlider(**{symbol: parameter(cycle, symbol) for symbol in SYMBOLS})
+    V_lp = float(cycle.V_lp)
+    if int(cycle.status) == STEADY_SLIDING:
+        return stability_page(stability(slider, V_lp))
+    kind = str(classify(cycle).regime.values)
+    title = (
+        f"Limit cycle ({kind}) at {value_text('V_lp', V_lp)}, {LAWS[slider.law]}: "
+        f"{value_text('period', float(cycle.period))}, "
+        f"amplitude {float(cycle.amplitude):.4g}"
+    )
+    return _motion(orbit(slider, V_lp, rtol=number(cycle, "rtol")), title)
+
+
+def _motion(run, title):
+    """The three panels of a run, and its last cycles where there are many."""
+    fig = figure(run, 4.4, title=title)
     cycles = int(run.cycles)
     panels = [["a", "c"], ["b", "d"]] if cycles > MANY else [["a", "c"], ["b", "c"]]
     axes = fig.subplot_mosaic(panels, width_ratios=[1.5, 1])
@@ -35,29 +53,36 @@ def motion(run, title, more=""):
     trace(run, axes["a"])
     axes["a"].set(xlabel="")
     axes["a"].tick_params(labelbottom=False)
-    axes["a"].legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1)
+    axes["a"].legend(ncols=2, **ABOVE)
     _speed(run, axes["b"])
     _plane(run, axes["c"])
-    texts = {"a": "stress", "b": "speed", "c": "phase plane"}
+    texts = ["stress", "speed", "phase plane"]
     if cycles > MANY:
         last = run.time.values[-1] - FEW / float(run.frequency)
         trace(run.isel(time=run.time.values >= last), axes["d"])
-        texts["d"] = f"the last {FEW} of {cycles} cycles"
-    for name, text in texts.items():
-        letter(axes[name], name, text)
+        texts.append(f"the last {FEW} of {cycles} cycles")
+    letters([axes[name] for name in sorted(axes)], *texts)
     return fig
 
 
 def _speed(run, ax):
-    """Slip velocity and load-point velocity against time, on a logarithmic axis if it pays."""
+    """Slip velocity and load-point velocity against time."""
     factor, unit = prefixed("s", float(run.time.max()))
-    scale, speed = prefixed("m/s", float(run.V.max()))
+    scale = _speed_axis(run, ax)
     t, load = _load(run)
     ax.plot(factor * t, scale * load, color=GRAY, lw=1.0, ls="--", label="load point")
     ax.plot(factor * run.time, scale * run.V, color=BLUE, lw=1.0, label="slider")
-    _logarithmic(ax, run.V)
-    ax.set(xlabel=f"Time [{unit}]", ylabel=f"$V$ [{speed}]")
-    ax.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1)
+    ax.set(xlabel=f"Time [{unit}]")
+    ax.legend(ncols=2, **ABOVE)
+
+
+def _speed_axis(run, ax):
+    """An axis for the speed, logarithmic if that pays; the factor from SI to its unit."""
+    factor, unit = prefixed("m/s", float(run.V.max()))
+    ax.set_ylabel(f"$V$ [{unit}]")
+    if float(run.V.max()) > WIDE * float(run.V.min()):
+        ax.set_yscale("log")
+    return factor
 
 
 def _load(run):
@@ -76,33 +101,17 @@ def _load(run):
 
 def _plane(run, ax):
     """Speed against stress, with all steady states and the one at the last load-point velocity."""
-    scale, speed = prefixed("m/s", float(run.V.max()))
-    a, b, mu0, V0, sigma = (parameter(run, symbol) for symbol in ("a", "b", "mu0", "V0", "sigma"))
-    ax.plot(run.tau / sigma, scale * run.V, color=BLUE, lw=0.8)
+    scale = _speed_axis(run, ax)
+    laws = {symbol: parameter(run, symbol) for symbol in ("a", "b", "mu0", "V0")}
+    ax.plot(run.tau / parameter(run, "sigma"), scale * run.V, color=BLUE, lw=0.8)
     low, high = ax.get_xlim()
     V = np.geomspace(float(run.V.min()), float(run.V.max()), 50)
-    steady = mu_ss(V, a=a, b=b, mu0=mu0, V0=V0)
-    ax.plot(steady, scale * V, color=GRAY, lw=0.9, ls="--", label="steady states")
+    ax.plot(mu_ss(V, **laws), scale * V, color=GRAY, lw=0.9, ls="--", label="steady states")
     if (last := float(run.V_load[-1])) > 0.0:
-        point = float(mu_ss(last, a=a, b=b, mu0=mu0, V0=V0))
-        ax.plot(
-            point,
-            scale * last,
-            "x",
-            color=RED,
-            ms=6,
-            mew=1.3,
-            zorder=5,
-            label="steady at the last $V_{lp}$",
-        )
+        point = float(mu_ss(last, **laws))
+        cross = {"color": RED, "ms": 6, "mew": 1.3, "zorder": 5}
+        ax.plot(point, scale * last, "x", label="steady at the last $V_{lp}$", **cross)
         low, high = min(low, point), max(high, point)
     margin = 0.05 * (high - low)
-    ax.set(xlim=(low - margin, high + margin), xlabel=STRESS, ylabel=f"$V$ [{speed}]")
-    _logarithmic(ax, run.V)
-    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
-    ax.legend(**place, ncols=1, handlelength=1.3, handletextpad=0.4, borderpad=0.1)
-
-
-def _logarithmic(ax, V):
-    if float(V.max()) > WIDE * float(V.min()):
-        ax.set_yscale("log")
+    ax.set(xlim=(low - margin, high + margin), xlabel=STRESS)
+    ax.legend(**ABOVE, ncols=1, handlelength=1.3, handletextpad=0.4, borderpad=0.1)

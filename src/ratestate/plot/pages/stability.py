@@ -4,41 +4,41 @@ import numpy as np
 
 from ...dynamics.results import parameter
 from ...friction.stability import K_c, eigenvalues
-from ..labels import BLUE, GRAY, RED, label, prefixed, value_text
-from ..laws import LAWS
-from ..layout import figure, letter, styled
+from ..labels import BLUE, GRAY, LAWS, RED, label, prefixed, value_text
+from ..layout import figure, letters, styled
 
-SYMBOLS = "a b Dc sigma M".split()
 DECADES = 1.5  # of speed shown on either side, at least
 
 
 @styled
 def stability_page(result):
     """Page of one slider's steady sliding."""
-    values = {symbol: float(parameter(result, symbol)) for symbol in SYMBOLS}
+    values = {symbol: float(parameter(result, symbol)) for symbol in "a b Dc sigma M".split()}
     K, V_lp, V_c = float(parameter(result, "K")), float(result.V_lp), float(result.V_c)
     stable = "stable" if result.stable else "unstable"
     law = LAWS[parameter(result, "law")]
     title = f"Steady sliding at {value_text('V_lp', V_lp)} is {stable}; {law}"
-    fig = figure(result.assign_attrs(title=title), 3.4, "a b Dc sigma M K")
+    fig = figure(result, 3.4, title=title)
     near = [V_lp, V_c] if 1e-6 * V_lp < V_c < 1e6 * V_lp else [V_lp]
     V = np.geomspace(min(near) / 10**DECADES, max(near) * 10**DECADES, 401)
-    left, right = fig.subplots(1, 2)
-    _map(left, V, K, V_lp, V_c, values)
-    _mode(right, V, K, V_lp, values)
-    letter(left, "a", "stiffness beside the critical one")
-    letter(right, "b", "least stable mode")
+    factor, speed = prefixed("m/s", V_lp)
+    left, right = axes = fig.subplots(1, 2)
+    for ax in axes:
+        limits = factor * V[[0, -1]]
+        ax.set(xscale="log", xlim=limits, xlabel=f"{label('V_lp')} [{speed}]")
+    _map(left, V, factor, K, V_lp, V_c, values)
+    _mode(right, V, factor, K, V_lp, values)
+    letters(axes, "stiffness beside the critical one", "least stable mode")
     return fig
 
 
-def _map(ax, V, K, V_lp, V_c, values):
+def _map(ax, V, factor, K, V_lp, V_c, values):
     """The plane of speed and stiffness."""
-    factor, speed = prefixed("m/s", V_lp)
     critical = K_c(V, **values)
     scale, unit = prefixed("Pa/m", K if np.isfinite(K) else abs(critical[0]))
     shown = [x for x in (K, *critical[[0, -1]]) if 0.0 < x < np.inf] or [1.0]
     low, high = min(shown) / 10.0, min(max(shown) * 30.0, 1e4 * min(shown))
-    ax.set(xscale="log", yscale="log", xlim=factor * V[[0, -1]], ylim=(scale * low, scale * high))
+    ax.set(yscale="log", ylim=(scale * low, scale * high), ylabel=f"$K$ [{unit}]")
     if critical[-1] > 0.0:
         ax.plot(factor * V, scale * critical, color="k", lw=1.4, label=label("K_c"))
         region = {"color": "0.9", "lw": 0, "zorder": 0, "label": "unstable"}
@@ -52,20 +52,17 @@ def _map(ax, V, K, V_lp, V_c, values):
         ax.plot(factor * V_lp, scale * K, "o", color=RED, ms=5, zorder=5, label="this slider")
     else:
         ax.text(0.97, 0.05, "rigid: stable at any speed", transform=ax.transAxes, ha="right")
-    ax.set(xlabel=f"{label('V_lp')} [{speed}]", ylabel=f"$K$ [{unit}]")
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="upper left")
 
 
-def _mode(ax, V, K, V_lp, values):
+def _mode(ax, V, factor, K, V_lp, values):
     """Growth and angular frequency per slip of Dc against speed."""
-    factor, speed = prefixed("m/s", V_lp)
     first = eigenvalues(V, K=K, **values)[:, 0] * values["Dc"] / V
     ax.axhline(0.0, color=GRAY, lw=0.7)
     ax.axvline(factor * V_lp, color=RED, lw=0.8, label="this slider")
     ax.plot(factor * V, first.real, color="k", lw=1.4, label="growth rate")
     turns = np.where(first.imag != 0.0, np.abs(first.imag), np.nan)
     ax.plot(factor * V, turns, color=BLUE, lw=1.2, label="angular frequency")
-    ax.set(xscale="log", xlim=factor * V[[0, -1]])
-    ax.set(xlabel=f"{label('V_lp')} [{speed}]", ylabel=rf"times $D_c$/{label('V_lp')}")
+    ax.set(ylabel=rf"times $D_c$/{label('V_lp')}")
     ax.legend(loc="best")

@@ -1,7 +1,5 @@
 """The page of a sweep: lines over one axis, maps over two, or a line for each of a few values."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import LogNorm, Normalize, SymLogNorm
@@ -9,10 +7,9 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from ...dynamics.results import parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
 from ...model.quantities import QUANTITIES
-from ..labels import AMPLITUDE, BLUE, GRAY, RED, label, prefixed
-from ..laws import LAWS
-from ..layout import figure, letter, styled
-from .axis import axis_of, fitting
+from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label, prefixed
+from ..layout import figure, letters, styled
+from .axis import axis_of, fitting, is_wide
 
 #: variable -> what an axis is called
 WORDS = {
@@ -23,44 +20,39 @@ WORDS = {
     "growth_rate": f"Growth rate {label('growth_rate')}",
     "omega": f"Angular frequency {label('omega')}",
 }
-#: verb -> variables shown
+#: function -> what its sweep is called, and the variables shown
 SHOWN = {
-    "limit_cycle": ("amplitude", "frequency", "V_max"),
-    "simulate": ("amplitude", "frequency", "V_max"),
-    "stability": ("K_c", "growth_rate", "omega"),
+    "limit_cycle": ("Limit cycles", ("amplitude", "frequency", "V_max")),
+    "simulate": ("Runs", ("amplitude", "frequency", "V_max")),
+    "stability": ("Steady sliding", ("K_c", "growth_rate", "omega")),
 }
-NAMES = {"limit_cycle": "Limit cycles", "simulate": "Runs", "stability": "Steady sliding"}
-NONE = "no cycle in any case"
 COLORS = colormaps["viridis"]
 # Values of an axis up to which each has a line of its own: a map would fill what is between them.
 FEW = 5
-AT = {"color": GRAY, "lw": 0.9, "ls": "--", "label": f"{label('K')} of the slider"}
 
 
 @styled
-def sweep_page(result, verb, dims):
+def sweep_page(result, function, dims):
     """Page of a sweep over one or two dimensions."""
-    law = LAWS[parameter(result, "law")]
+    cases, shown = SHOWN[function]
+    names = [name for name in shown if set(dims) & set(result[name].dims)] or shown
     over = " and ".join(label(str(dim)) for dim in dims)
-    title = f"{NAMES[verb]} over {over}, {law}"
-    names = [name for name in SHOWN[verb] if set(dims) & set(result[name].dims)] or SHOWN[verb]
+    title = f"{cases} over {over}, {LAWS[parameter(result, 'law')]}"
     along = max(dims, key=lambda dim: result.sizes[dim])
     across = next((dim for dim in dims if dim != along), None)
-    as_lines = across is None or result.sizes[across] <= FEW
-    height = 2.0 + 1.5 * len(names) if as_lines else 3.2
-    fig = figure(result.assign_attrs(title=title), height, "a b Dc sigma M K")
-    if as_lines:
-        axes = np.atleast_1d(fig.subplots(len(names), 1, sharex=True))
+    if across is None or result.sizes[across] <= FEW:
+        fig = figure(result, 2.0 + 1.5 * len(names), title=title)
+        axes = fig.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
         for ax, name in zip(axes, names, strict=True):
             _lines(ax, result, name, along, across)
         axis_of(result, along).dress(axes[-1].xaxis)
     else:
-        axes = np.atleast_1d(fig.subplots(1, len(names), sharex=True, sharey=True))
+        fig = figure(result, 3.2, title=title)
+        axes = fig.subplots(1, len(names), sharex=True, sharey=True, squeeze=False).ravel()
         for ax, name in zip(axes, names, strict=True):
             _map(fig, ax, result, name, dims)
         axis_of(result, dims[0]).dress(axes[0].yaxis)
-    for i, ax in enumerate(axes):
-        letter(ax, "abc"[i])
+    letters(axes)
     return fig
 
 
@@ -72,6 +64,21 @@ def _values(result, name, dims):
     return np.where(known, values, np.nan)
 
 
+def _failed(result, dims):
+    """Cases without an answer, in these dimensions."""
+    if "status" not in result:
+        return np.zeros([result.sizes[dim] for dim in dims], bool)
+    return ~np.isin(result["status"].transpose(*dims).values, (FINISHED, STEADY_SLIDING))
+
+
+def _has_none(ax, values):
+    """Whether there is nothing to show, which is then written."""
+    if none := not np.isfinite(values).any():
+        at = {"transform": ax.transAxes, "ha": "center", "va": "center"}
+        ax.text(0.5, 0.5, "no cycle in any case", **at)
+    return none
+
+
 def _lines(ax, result, name, along, across):
     """A variable against an axis, dots at its cases; V_min, dashed, beside V_max.
 
@@ -80,13 +87,12 @@ def _lines(ax, result, name, along, across):
     x = axis_of(result, along).values
     dims = [along] if across is None else [across, along]
     pair = [name, "V_min"] if name == "V_max" else [name]
-    found = [np.atleast_2d(_values(result, one, dims)) for one in pair]
-    scale, unit, wide = fitting(np.array(found), QUANTITIES[name].unit)
-    if not np.isfinite(scale).any():
-        ax.text(0.5, 0.5, NONE, transform=ax.transAxes, ha="center", va="center")
+    found = np.array([np.atleast_2d(_values(result, one, dims)) for one in pair])
+    scaled, unit = fitting(found, QUANTITIES[name].unit)
+    _has_none(ax, scaled)
     names = [None] if across is None else axis_of(result, across).each(across)
     colors = ["k"] if across is None else COLORS(np.linspace(0.0, 0.85, len(names)))
-    for one, rows, look in zip(pair, scale, ("o-", "o--"), strict=False):
+    for one, rows, look in zip(pair, scaled, ("o-", "o--"), strict=False):
         for values, text, color in zip(rows, names, colors, strict=True):
             if text is None:
                 color, text = ("k", BLUE)[one == "V_min"], label(one)
@@ -96,16 +102,17 @@ def _lines(ax, result, name, along, across):
     if across is not None and len(pair) > 1:
         ax.plot([], [], "--", color=GRAY, lw=1.0, label=label("V_min"))
     if name == "K_c" and np.ndim(K := parameter(result, "K")) == 0:
-        ax.axhline(K * prefixed(QUANTITIES[name].unit, float(np.nanmax(found)))[0], **AT)
+        of_slider = {"color": GRAY, "lw": 0.9, "ls": "--", "label": f"{label('K')} of the slider"}
+        ax.axhline(K * prefixed("Pa/m", float(np.nanmax(found)))[0], **of_slider)
     if len(ax.lines) > 1:
         ax.legend()
-    if wide:
+    if is_wide(found):
         ax.set_yscale("log")
-    elif (np.nan_to_num(scale) >= 0.0).all():
+    elif (np.nan_to_num(scaled) >= 0.0).all():
         ax.set_ylim(0.0, None)
     else:
         ax.axhline(0.0, color=GRAY, lw=0.7, zorder=0)
-    ax.set_ylabel(WORDS[name].replace(" of ", " of\n") + unit)
+    ax.set_ylabel(in_unit(WORDS[name].replace(" of ", " of\n"), unit))
     failed = np.atleast_2d(_failed(result, dims))
     for column in np.flatnonzero(failed.all(axis=0)):
         ax.axvline(x[column], color=RED, lw=0.8, alpha=0.5, zorder=0)
@@ -114,36 +121,29 @@ def _lines(ax, result, name, along, across):
         ax.plot(x[column], 0.02 * (row + 1), "x", color=colors[row], ms=3.5, mew=0.9, **at)
 
 
-def _failed(result, dims):
-    """Cases without an answer, in these dimensions."""
-    if "status" not in result:
-        return np.zeros([result.sizes[dim] for dim in dims], bool)
-    return ~np.isin(result["status"].transpose(*dims).values, (FINISHED, STEADY_SLIDING))
-
-
 def _map(fig, ax, result, name, dims):
     """A variable in colours; gray where a case has no answer, white where it has no cycle."""
     along, across = (axis_of(result, dim) for dim in reversed(dims))
-    values, unit, wide = fitting(_values(result, name, dims), QUANTITIES[name].unit)
+    values, unit = fitting(_values(result, name, dims), QUANTITIES[name].unit)
     along.dress(ax.xaxis)
-    style: dict[str, Any] = {"rasterized": True}
-    ticks = None
-    if np.isfinite(values).any():
-        mixed = np.nanmin(values) < 0.0
-        most = float(np.nanmax(np.abs(values)))
-        if mixed:
-            ten = 10.0 ** np.floor(np.log10(most))
-            ticks = [-ten, -0.01 * ten, 0.0, 0.01 * ten, ten]
-            style |= {"cmap": "RdBu_r", "norm": SymLogNorm(1e-3 * ten, vmin=-most, vmax=most)}
-        else:
-            ends = np.nanmin(values), np.nanmax(values)
-            style |= {"cmap": "viridis", "norm": (LogNorm if wide else Normalize)(*ends)}
-        colored = ax.pcolormesh(along.edges, across.edges, values, **style)
-        text = label(name) if name == "V_max" else WORDS[name]
-        fig.colorbar(colored, ax=ax, location="top", label=text + unit, ticks=ticks)
-    else:
-        ax.text(0.5, 0.5, NONE, transform=ax.transAxes, ha="center", va="center")
+    if not _has_none(ax, values):
+        style, ticks = _colors(values)
+        colored = ax.pcolormesh(along.edges, across.edges, values, rasterized=True, **style)
+        text = in_unit(label(name) if name == "V_max" else WORDS[name], unit)
+        fig.colorbar(colored, ax=ax, location="top", label=text, ticks=ticks)
     if (failed := _failed(result, dims)).any():
         gray = np.where(failed, 1.0, np.nan)
         style = {"cmap": "gray", "vmin": 0.0, "vmax": 2.0, "rasterized": True}
         ax.pcolormesh(along.edges, across.edges, gray, **style)
+
+
+def _colors(values):
+    """Colour map and scale of values, and the ticks of a scale of both signs."""
+    low, high = np.nanmin(values), np.nanmax(values)
+    if low >= 0.0:
+        scale = LogNorm if is_wide(values) else Normalize
+        return {"cmap": "viridis", "norm": scale(low, high)}, None
+    most = max(high, -low)
+    ten = 10.0 ** np.floor(np.log10(most))
+    norm = SymLogNorm(1e-3 * ten, vmin=-most, vmax=most)
+    return {"cmap": "RdBu_r", "norm": norm}, [-ten, -0.01 * ten, 0.0, 0.01 * ten, ten]
