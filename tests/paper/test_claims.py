@@ -11,8 +11,7 @@ from numpy.polynomial.chebyshev import Chebyshev, chebpts1
 from ratestate import ParameterError, limit_cycle, stability
 from ratestate.paper import (
     claims_friction,
-    claims_map,
-    claims_slow,
+    claims_regimes,
     claims_steps,
     claims_table,
     scheme,
@@ -139,7 +138,7 @@ def test_the_scheme_is_the_cause_where_the_table_says_so(rows):
 
 def test_aging_law():
     """Where the laws share an answer they agree; the paper's slip-law numbers are not judged."""
-    parts = [claims_friction.on_friction, claims_steps.on_steps, claims_slow.on_slow_slip]
+    parts = [claims_friction.on_friction, claims_steps.on_steps, claims_regimes.on_slow_slip]
     rows = {row.id: row for row in claims("aging", parts)}
     verdicts = {name: row.verdict for name, row in rows.items() if row.verdict != "agrees"}
     assert verdicts == {
@@ -226,9 +225,9 @@ def _truth(data):
 
 def test_every_case_is_counted_by_the_scheme(monkeypatch):
     """A case on the wrong side is found: with all speeds called stable, the unstable ones are."""
-    monkeypatch.setattr(claims_map, "FIG3_M", (1e4, 1e5, 2))
-    monkeypatch.setattr(claims_map, "FIG3_V_LP", (1e-3, 1e-1, 3))
-    row = claims("slip", [claims_map.on_map])[0]
+    monkeypatch.setattr(claims_steps, "FIG3_M", (1e4, 1e5, 2))
+    monkeypatch.setattr(claims_steps, "FIG3_V_LP", (1e-3, 1e-1, 3))
+    row = claims("slip", [claims_steps.on_map])[0]
     assert row.converged == (6.0,)
     assert row.verdict == "differs"  # 6 of what should be 156
     assert all(values == (6.0,) for values in row.scheme.values())

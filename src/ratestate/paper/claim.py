@@ -1,16 +1,16 @@
 """A row of the claims table: what the paper says (claims.toml), and what comes out."""
 
 import dataclasses
-import functools
-import tomllib
 from pathlib import Path
 
 import numpy as np
 
+from ..model.sentences import Sentences
 from .scheme_map import time_step
 
 TIGHT, LOOSE = 1e-10, 1e-8  # rtol of the converged values, and of those they are compared with
 CLOSED_FORM = "closed form; rounding only"
+SENTENCES = Sentences(Path(__file__).with_name("claims.toml"))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -50,10 +50,9 @@ class Claim:
         return "differs"
 
 
-@functools.cache
 def statements():
     """id -> what the paper says, in the order of the paper."""
-    return tomllib.loads(Path(__file__).with_name("claims.toml").read_text("utf-8"))
+    return SENTENCES.tables["claims"]
 
 
 def claim(name, law, measured):
@@ -75,7 +74,7 @@ def claim(name, law, measured):
         paper="" if silent else statement["paper"],
         unit=statement.get("unit", ""),
         covers=() if silent else tuple(map(tuple, covers)),
-        note=statement.get("note", "").format(**texts),
+        note=statement.get(f"note_{law}", statement.get("note", "")).format(**texts),
         **measured,
     )
 

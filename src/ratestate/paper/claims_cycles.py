@@ -11,7 +11,7 @@ from ..dynamics.cycles.orbit import orbit
 from ..dynamics.simulation.simulate import simulate
 from ..model.arrays import logspace
 from ..model.loading import Loading
-from .claim import LOOSE, TIGHT, exact, floats, pair
+from .claim import LOOSE, SENTENCES, TIGHT, exact, floats, pair
 from .parameters import FIG4, FIG4_K
 from .scheme_map import LARGEST, METHOD, time_step
 
@@ -21,7 +21,6 @@ FAST = logspace("V_lp", 10**-0.5, 10.0, 4)  # up to ten times the rates of Fig. 
 SWEEP = xarray.concat([SLOW, MIDDLE, FAST], "V_lp")
 GROWN = 1.0  # m/s, where Fig. 4 ends
 HALF_AS_DENSE = "difference from a sweep half as dense"
-BRANCHES = "K = 0.96 and 0.60 GPa/m"
 
 
 def on_cycles(law):
@@ -52,7 +51,6 @@ def on_cycles(law):
         return both(lambda *case: factor * value(*case), branches) | error
 
     texts = {
-        "branches": BRANCHES,
         "grown": GROWN,
         "worst": 100 * _worst(best, by_scheme),
         "fastest": " ".join(map(_fastest, sliders)),
@@ -86,12 +84,15 @@ def _fastest(slider):
     V_lp = float(SWEEP[-1])
     turn = orbit(slider, V_lp)
     stress, slowest = turn.tau / slider.sigma, turn.isel(time=turn.V.argmin("time"))
-    side = "outside" if turn.outside_domain else "inside"
-    return (
-        f"At {V_lp:g} m/s and K = {slider.K / 1e9:.2f} GPa/m the spring pulls back (tau/sigma down "
-        f"to {float(stress.min()):.2f}), and V falls to {float(slowest.V) / V_lp:.0e} V_lp, at "
-        f"rest in all but name, where mu = {float(slowest.mu):.2f}; this is {side} the domain of "
-        f"the friction law (tau/sigma + mu >= {float(turn.reversal_margin):.2f})."
+    return SENTENCES(
+        "text.fastest",
+        V_lp=V_lp,
+        K=slider.K / 1e9,
+        stress=float(stress.min()),
+        V=float(slowest.V) / V_lp,
+        mu=float(slowest.mu),
+        side="outside" if turn.outside_domain else "inside",
+        margin=float(turn.reversal_margin),
     )
 
 

@@ -11,11 +11,6 @@ from .parameters import FIG1
 
 STIFFNESS = 1e5  # 1/m, the paper's K/sigma
 POINTS = 4001
-NO_MASS = "The paper's scheme needs a mass, and has no part in this figure."
-AGING = (
-    "Exact for the slip law and, in small steps, for the aging law. In an e-fold step the aging "
-    "law leaves b ln(1 + (e - 1) exp(-x/Dc)), which is 1/e of the fall at x = 1.35 Dc."
-)
 
 
 def on_friction(law):
@@ -35,13 +30,12 @@ def on_friction(law):
         "net_change": (mu[-1] - mu0, a - b),
     }
     peak = _friction(slider.replace(K=STIFFNESS * slider.sigma), 10 * Dc).max() - mu0
-    texts = {"peak": peak, "no_mass": NO_MASS, "distance": AGING if law == "aging" else NO_MASS}
     return {
         name: {
             "converged": (float(value),),
             "error": abs(float(value) - truth),
             "error_from": "against the closed form of a rigid drive",
-            "texts": texts,
+            "texts": {"peak": peak},
         }
         for name, (value, truth) in values.items()
     }

@@ -1,4 +1,4 @@
-"""Claims on where inertia acts (Figs 4b, 4c), and on what makes slip unstable (section 5)."""
+"""Claims on where inertia acts (Figs 4b, 4c, 6), and on what makes slip unstable (section 5)."""
 
 import numpy as np
 
@@ -7,11 +7,13 @@ from ..dynamics.simulation.simulate import simulate
 from ..dynamics.steady_sliding import stability
 from ..model.loading import Loading
 from .claim import by_scheme, exact, pair
-from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES
-from .scheme_map import LARGEST, step_response
+from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES, FIG6, FIG6_SPEEDS
+from .scheme_map import FINER, LARGEST, step_response
 
 CYCLES = 40  # after which the examples of Fig. 4 have settled
 SHARE = 0.01  # of the amplitude, beyond which inertia counts as acting
+SETTLED = 300.0  # s in which Fig. 6 settles by the scheme
+FIRST = 1.0  # s after the step of Fig. 6 that hold its first drop
 
 
 def on_regimes(law):
@@ -73,3 +75,44 @@ def _conclusions(slider):
             lambda rtol: (light.V_c / slider.V_c, frequency(light, rtol) / frequency(slider, rtol))
         ),
     }
+
+
+def on_slow_slip(law):
+    """The claims of Fig. 6."""
+    slider = FIG6.replace(law=law)
+    slow, fast = FIG6_SPEEDS
+    fastest = float(limit_cycle(FIG4.replace(law=law), FIG4_EXAMPLES["stick_slip"]).V_max)
+
+    def first_drop(rtol):
+        run = simulate(slider, Loading.constant(fast), FIRST, V_start=slow, rtol=rtol)
+        return _relative_inertia(run, slider)
+
+    def first_drop_by_scheme(omega_dt):
+        run = step_response(slider, slow, fast, FIRST, omega_dt, last=FIRST)
+        return _relative_inertia(run, slider)
+
+    settled = step_response(slider, slow, fast, SETTLED, LARGEST, last=FIRST)
+    #: claim -> variable of the limit cycle; over what; the same by the scheme
+    of_the_cycle = {
+        "slow_cycle": ("amplitude", 1.0, settled.amplitude),
+        "slow_slip": ("V_max", fastest, settled.V.max()),
+        "slow_inertia": ("inertia", 1.0, _relative_inertia(settled, slider)),
+    }
+
+    def cycle(name, over, scheme):
+        measured = pair(lambda rtol: limit_cycle(slider, fast, rtol=rtol)[name] / over)
+        return measured | by_scheme(lambda omega_dt: scheme / over, slider, LARGEST)
+
+    return {
+        "eta_fig6": exact(slider.eta(fast)),
+        "K_over_K_c_fig6": exact(slider.K / slider.K_c(fast)),
+        **{name: cycle(*row) for name, row in of_the_cycle.items()},
+        "first_drop_inertia": pair(first_drop)
+        | by_scheme(first_drop_by_scheme, slider, LARGEST, FINER),
+    }
+
+
+def _relative_inertia(run, slider):
+    """Largest |tau/sigma - mu| over max - min of tau/sigma."""
+    stress = run.tau / slider.sigma
+    return float(abs(stress - run.mu).max() / (stress.max() - stress.min()))

@@ -1,4 +1,6 @@
-"""Claims on steps across the critical velocity: Fig. 2, section 3.1."""
+"""Claims on steps across the critical velocity: Figs 2 and 3, section 3.1."""
+
+import functools
 
 import numpy as np
 import xarray
@@ -6,17 +8,15 @@ import xarray
 from ..dynamics.cycles.limit_cycle import limit_cycle
 from ..dynamics.simulation.simulate import simulate
 from ..dynamics.steady_sliding import stability
+from ..model.arrays import logspace
 from ..model.loading import Loading
 from .claim import by_scheme, exact, pair
-from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
-from .scheme_map import FINER, LARGEST, critical_velocity, step_response
+from .fig3 import UNSTABLE
+from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START, FIG3_M, FIG3_V_LP
+from .scheme_map import FINER, LARGEST, critical_velocity, step_response, time_step
 
-# Of the slip law alone, with which the paper's runs were made.
-STABLE_IN_THE_PAPER = (
-    ": the paper's runs find it stable, so by this form of the scheme took smaller steps."
-)
-FINER_STEPS = " Steps near omega dt = 0.01 give the paper's range and its stable 3.1 mm/s."
 LAST = 0.1  # s at the end of a run in which its oscillation is measured
+RTOL = 1e-8, 1e-6  # of the map; the second shows that the first is enough
 
 
 def on_steps(law):
@@ -40,12 +40,7 @@ def on_steps(law):
         **{f"step_to_{1e3 * V:g}": _fate(slider, V) for V in FIG2_SPEEDS},
         "cycle_range": _cycle(slider, FIG2_SPEEDS[-1]),
     }
-    texts = {
-        "largest": LARGEST,
-        "slip_stable": STABLE_IN_THE_PAPER if law == "slip" else ".",
-        "slip_range": FINER_STEPS if law == "slip" else "",
-    }
-    return {name: row | {"texts": texts} for name, row in measured.items()}
+    return {name: row | {"texts": {"largest": LARGEST}} for name, row in measured.items()}
 
 
 def _swing(slider, rtol):
@@ -90,3 +85,56 @@ def _cycle(slider, V_lp):
     return pair(measure) | _by_scheme(
         lambda run: (1e3 * run.V.min(), 1e3 * run.V.max()), slider, V_lp
     )
+
+
+def on_map(law):
+    """The claims of Fig. 3."""
+    slider = FIG2.replace(law=law, M=logspace("M", *FIG3_M))
+    V_lp = logspace("V_lp", *FIG3_V_LP)
+    above = V_lp > slider.V_c
+
+    @functools.cache
+    def amplitude(rtol):
+        """Amplitude of the last oscillation, 10 s after the step."""
+        loading = Loading.constant(V_lp)
+        run = simulate(slider, loading, FIG2_DURATION, V_start=FIG2_START, rtol=rtol)
+        return run.amplitude
+
+    scheme, repeated = _cases_by_scheme(law, V_lp)
+    last = amplitude(RTOL[0])
+    texts = {
+        "unstable": UNSTABLE,
+        "below": float(last.where(~above).max()),
+        "least": float(last.where(above).min()),
+        "repeated": repeated,
+    }
+    cases = pair(lambda rtol: ((amplitude(rtol) > UNSTABLE) == above).sum(), *RTOL)
+    return {
+        "cases_at_10_s": cases | {"scheme": scheme, "texts": texts},
+        "cases_converged": pair(
+            lambda rtol: ((limit_cycle(slider, V_lp, rtol=rtol).status == 0) == above).sum()
+        ),
+    }
+
+
+def _cases_by_scheme(law, V_lp):
+    """Cases on the right side by the scheme, and how many its large step puts on the wrong one.
+
+    dt goes with sqrt(M): the table states those of the smallest and the largest mass.
+    """
+    sliders = [FIG2.replace(law=law, M=float(M)) for M in logspace("M", *FIG3_M)]
+    wrong = []
+    for slider in sliders:
+        run = step_response(slider, FIG2_START, V_lp, FIG2_DURATION, LARGEST)
+        misplaced = (run.amplitude > UNSTABLE) != (V_lp > slider.V_c)
+        wrong += [(slider, float(V)) for V in V_lp[misplaced.values]]
+    still = 0
+    for slider, V in wrong:
+        run = step_response(slider, FIG2_START, V, FIG2_DURATION, FINER, last=LAST)
+        still += (last_amplitude(run) > UNSTABLE) != (slider.V_c < V)
+    cases = len(sliders) * V_lp.size
+    counts = {LARGEST: cases - len(wrong), FINER: cases - still}
+    ends = sliders[0], sliders[-1]
+    return {
+        (od, *(time_step(slider, od) for slider in ends)): (float(n),) for od, n in counts.items()
+    }, len(wrong)

@@ -6,7 +6,7 @@ from importlib.metadata import version
 
 from ..files import replace
 from ..plot.labels import LAWS
-from .claim import CLOSED_FORM
+from .claim import CLOSED_FORM, SENTENCES
 from .scheme_map import METHOD
 
 STYLES = {
@@ -18,16 +18,6 @@ STYLES = {
 HEADINGS = ("Claim", "Paper", "Paper's scheme", "Converged", "Verdict")
 #: what JSON has of each row
 FIELDS = "id where claim paper covers unit scheme converged error error_from verdict note".split()
-INTRODUCTION = """\
-Each claim of Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026, beside what this
-package finds: by the paper's own scheme (eqs 8, 9; `{method}`) at the time steps stated, where
-omega = sqrt(K/M) and omega dt = 0.1 is the largest that its author's script accepts without a
-warning; and converged, by an error-controlled method, with an estimate of the numerical error.
-Verdicts compare the converged value with the range that the paper's statement is taken to mean: a
-number to half a unit of its last digit, words as stated.  The paper's numbers are for the slip law
-and are judged for it alone; its words are put to both laws.  "Agrees with the scheme only": the
-scheme, at a step stated, gives the paper's value, so that its time step can explain the difference.
-"""
 
 
 def number(value):
@@ -91,7 +81,7 @@ def markdown(rows, law):
     lines = [
         f"# Claims, {LAWS[law]}",
         "",
-        INTRODUCTION.format(method=METHOD[law]),
+        SENTENCES("text.introduction", method=METHOD[law]),
         f"{tally(rows)}.",
         "",
         "| | " + " | ".join(HEADINGS) + " |",
