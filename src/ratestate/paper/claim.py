@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..dynamics.simulation.simulate import simulate
+from ..model.loading import Loading
 from ..model.sentences import Sentences
-from .scheme_map import time_step
+from .scheme_map import step_response, time_step
 
 TIGHT, LOOSE = 1e-10, 1e-8  # rtol of the converged values, and of those they are compared with
 CLOSED_FORM = "closed form; rounding only"
@@ -109,3 +111,18 @@ def by_scheme(measure, slider, *omega_dts):
     """What measure(omega dt) gives by the paper's scheme with these time steps."""
     steps = {od: (od, time_step(slider, od)) for od in omega_dts}
     return {"scheme": {step: floats(measure(od)) for od, step in steps.items()}}
+
+
+def after_step(measure, slider, V_start, V_lp, duration, last, omega_dts, times=None):
+    """What measure(run, slider) gives of the last seconds after a step, and by the scheme."""
+
+    def converged(rtol):
+        settings = {"V_start": V_start, "times": times, "rtol": rtol}
+        run = simulate(slider, Loading.constant(V_lp), duration, **settings)
+        return measure(run.sel(time=slice(duration - last, None)), slider)
+
+    def of_scheme(omega_dt):
+        run = step_response(slider, V_start, V_lp, duration, omega_dt, last=last)
+        return measure(run, slider)
+
+    return pair(converged) | by_scheme(of_scheme, slider, *omega_dts)

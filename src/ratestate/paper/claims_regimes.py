@@ -3,10 +3,8 @@
 import numpy as np
 
 from ..dynamics.cycles.limit_cycle import limit_cycle
-from ..dynamics.simulation.simulate import simulate
 from ..dynamics.steady_sliding import stability
-from ..model.loading import Loading
-from .claim import by_scheme, exact, pair
+from .claim import after_step, by_scheme, exact, pair
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES, FIG6, FIG6_SPEEDS
 from .scheme_map import FINER, LARGEST, step_response
 
@@ -26,17 +24,9 @@ def on_regimes(law):
 def _inertia(slider, V_lp):
     """In which part of a cycle inertia acts."""
     period = float(limit_cycle(slider, V_lp).period)
-    t_end, start = CYCLES * period, 0.1 * V_lp
-
-    def share(rtol):
-        run = simulate(slider, Loading.constant(V_lp), t_end, V_start=start, rtol=rtol)
-        return _share(run.sel(time=slice(t_end - period, None)), slider)
-
-    def share_by_scheme(omega_dt):
-        return _share(step_response(slider, start, V_lp, t_end, omega_dt, last=period), slider)
-
+    step = 0.1 * V_lp, V_lp, CYCLES * period, period
     texts = {"share": 100 * SHARE, "V_lp": V_lp}
-    return pair(share) | by_scheme(share_by_scheme, slider, LARGEST) | {"texts": texts}
+    return after_step(_share, slider, *step, [LARGEST]) | {"texts": texts}
 
 
 def _share(run, slider):
@@ -53,12 +43,12 @@ def _share(run, slider):
 def _conclusions(slider):
     """The claims of section 5."""
 
-    def growth(slider, V_lp):
-        return float(stability(slider, V_lp).growth_rate)
-
     stiff = [slider.replace(K=factor * slider.K_c_qs) for factor in (2.0, 10.0, 100.0)]
     strengthening = slider.replace(b=0.9 * slider.a, K=1e-3 * slider.K_c_qs)
     light = slider.replace(M=0.1 * slider.M)
+
+    def growth(slider, V_lp):
+        return float(stability(slider, V_lp).growth_rate)
 
     def frequency(slider, rtol):
         return float(limit_cycle(slider, 1.1 * slider.V_c, rtol=rtol).frequency)
@@ -83,14 +73,6 @@ def on_slow_slip(law):
     slow, fast = FIG6_SPEEDS
     fastest = float(limit_cycle(FIG4.replace(law=law), FIG4_EXAMPLES["stick_slip"]).V_max)
 
-    def first_drop(rtol):
-        run = simulate(slider, Loading.constant(fast), FIRST, V_start=slow, rtol=rtol)
-        return _relative_inertia(run, slider)
-
-    def first_drop_by_scheme(omega_dt):
-        run = step_response(slider, slow, fast, FIRST, omega_dt, last=FIRST)
-        return _relative_inertia(run, slider)
-
     settled = step_response(slider, slow, fast, SETTLED, LARGEST, last=FIRST)
     #: claim -> variable of the limit cycle; over what; the same by the scheme
     of_the_cycle = {
@@ -107,8 +89,9 @@ def on_slow_slip(law):
         "eta_fig6": exact(slider.eta(fast)),
         "K_over_K_c_fig6": exact(slider.K / slider.K_c(fast)),
         **{name: cycle(*row) for name, row in of_the_cycle.items()},
-        "first_drop_inertia": pair(first_drop)
-        | by_scheme(first_drop_by_scheme, slider, LARGEST, FINER),
+        "first_drop_inertia": after_step(
+            _relative_inertia, slider, slow, fast, FIRST, FIRST, [LARGEST, FINER]
+        ),
     }
 
 

@@ -10,7 +10,7 @@ from ..dynamics.simulation.simulate import simulate
 from ..dynamics.steady_sliding import stability
 from ..model.arrays import logspace
 from ..model.loading import Loading
-from .claim import by_scheme, exact, pair
+from .claim import after_step, by_scheme, exact, pair
 from .fig3 import UNSTABLE
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START, FIG3_M, FIG3_V_LP
 from .scheme_map import FINER, LARGEST, critical_velocity, step_response, time_step
@@ -50,29 +50,16 @@ def _swing(slider, rtol):
     return run.V_max.values / V_lp.values
 
 
-def _by_scheme(measure, slider, V_lp):
-    """What measure(run) gives of the end of the step to V_lp, by the scheme."""
-
-    def of_step(omega_dt):
-        return measure(step_response(slider, FIG2_START, V_lp, FIG2_DURATION, omega_dt, last=LAST))
-
-    return by_scheme(of_step, slider, LARGEST, FINER)
-
-
 def _fate(slider, V_lp):
     """Whether the oscillation after the step to V_lp has died out."""
-    loading, times = Loading.constant(V_lp), FIG2_DURATION + np.linspace(-LAST, 0.0, 2001)
-
-    def end_of_step(rtol):
-        end = {"V_start": FIG2_START, "times": times, "rtol": rtol}
-        return last_amplitude(simulate(slider, loading, FIG2_DURATION, **end))
-
-    return pair(end_of_step) | _by_scheme(last_amplitude, slider, V_lp)
+    times = FIG2_DURATION + np.linspace(-LAST, 0.0, 2001)
+    step = FIG2_START, V_lp, FIG2_DURATION, LAST
+    return after_step(_amplitude, slider, *step, [LARGEST, FINER], times)
 
 
-def last_amplitude(run):
+def _amplitude(run, slider):
     """Max - min of tau/sigma over what was saved."""
-    return float(run.tau.max() - run.tau.min()) / FIG2.sigma
+    return float(run.tau.max() - run.tau.min()) / slider.sigma
 
 
 def _cycle(slider, V_lp):
@@ -82,9 +69,11 @@ def _cycle(slider, V_lp):
         cycle = limit_cycle(slider, V_lp, rtol=rtol)
         return 1e3 * cycle.V_min, 1e3 * cycle.V_max
 
-    return pair(measure) | _by_scheme(
-        lambda run: (1e3 * run.V.min(), 1e3 * run.V.max()), slider, V_lp
-    )
+    def of_scheme(omega_dt):
+        run = step_response(slider, FIG2_START, V_lp, FIG2_DURATION, omega_dt, last=LAST)
+        return 1e3 * run.V.min(), 1e3 * run.V.max()
+
+    return pair(measure) | by_scheme(of_scheme, slider, LARGEST, FINER)
 
 
 def on_map(law):
@@ -131,7 +120,7 @@ def _cases_by_scheme(law, V_lp):
     still = 0
     for slider, V in wrong:
         run = step_response(slider, FIG2_START, V, FIG2_DURATION, FINER, last=LAST)
-        still += (last_amplitude(run) > UNSTABLE) != (slider.V_c < V)
+        still += (_amplitude(run, slider) > UNSTABLE) != (slider.V_c < V)
     cases = len(sliders) * V_lp.size
     counts = {LARGEST: cases - len(wrong), FINER: cases - still}
     ends = sliders[0], sliders[-1]

@@ -16,7 +16,9 @@ def compute(law):
 @styled
 def draw(data):
     """Amplitude against frequency with f_n in red; the inset adds the larger loading rates."""
-    fig = figure(data, 4.2, "a b Dc sigma M", ", " + _speeds(data))
+    first, last = plot.value_text("V_lp", float(data.V_lp[0])), float(data.V_lp[-1])
+    speeds = f", {first} to {FIG4_V_LP[1]:g} m/s, inset to {last:g} m/s"
+    fig = figure(data, 4.2, "a b Dc sigma M", speeds)
     ax = fig.subplots()
     inset = ax.inset_axes((0.3, 0.47, 0.42, 0.5))
     slow = data.sel(V_lp=slice(None, FIG4_V_LP[1] * (1 + 1e-9)))
@@ -38,9 +40,3 @@ def draw(data):
     ax.legend(loc="lower left")
     inset.set(xscale="linear", yscale="log", xlim=(250, 530), ylim=(0.012, 2))
     return fig
-
-
-def _speeds(data):
-    """The load-point velocities shown, as text."""
-    first = plot.value_text("V_lp", float(data.V_lp[0]))
-    return f"{first} to {FIG4_V_LP[1]:g} m/s, inset to {float(data.V_lp[-1]):g} m/s"

@@ -30,14 +30,10 @@ def atlas(data, ax):
     list of matplotlib.artist.Artist
         For a legend: the regimes that occur, and the curve by type of the bifurcation.
     """
-    _axes(data, ax)
+    x, eta, _ = _contours(data, "V_max_over_V_lp", ax, 10.0 ** np.arange(1, 12), "0.35")
     ax.set_ylabel(ETA)
-    x, eta = data.K_over_K_c_qs, data.eta
-    _paint(ax, x, eta, data.regime)
-    fastest = data.V_max_over_V_lp.where(data.regime != STEADY)
-    _lines(ax, x, eta, fastest, 10.0 ** np.arange(1, 12), colors="0.35")
-    curve = _hopf_curve(ax, data.K_c_over_K_c_qs.values, data)
-    return [*_patches(data.regime), *curve]
+    patches = _paint(ax, x, eta, data.regime)
+    return [*patches, *_hopf_curve(ax, data.K_c_over_K_c_qs.values, data)]
 
 
 def transition(data, ax):
@@ -49,36 +45,31 @@ def transition(data, ax):
     ax.set(yscale="log", xlim=(float(data.K_over_K_c[0]) - 1.0, 0.1))
     ax.set_xticks([-0.1, -1e-3, 0.0, 1e-3, 1e-2])
     ax.set(xlabel=f"$K$/{label('K_c')} $-$ 1", ylabel=label("eta"))
-    _paint(ax, data.K_over_K_c - 1.0, data.eta, data.regime_close)
+    patches = _paint(ax, data.K_over_K_c - 1.0, data.eta, data.regime_close)
     width = (data.K_fold_over_K_c_qs / data.K_c_over_K_c_qs - 1.0).values
     both = Patch(fc="w", ec=RED, hatch="////", lw=0.0, label="cycle and steady sliding both stable")
     strip = {"fc": both.get_facecolor(), "ec": both.get_edgecolor(), "hatch": both.get_hatch()}
     ax.fill_betweenx(data.eta, 0.0, width, where=width > 0, lw=0.0, **strip)
     curve = _hopf_curve(ax, np.zeros(data.sizes["eta"]), data)
-    return [*_patches(data.regime_close), *([both] if (width > 0).any() else []), *curve]
+    return [*patches, *([both] if (width > 0).any() else []), *curve]
 
 
 def contours(data, name, ax, levels):
     """Draw a variable of the atlas in colours on a logarithmic scale, with contours."""
-    _axes(data, ax)
-    values = data[name].where(data.regime != STEADY)
-    x, eta = data.K_over_K_c_qs, data.eta
-    style = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
+    x, eta, values = _contours(data, name, ax, levels, "w")
+    style = {"cmap": "viridis", "shading": "nearest", "rasterized": True, "zorder": 0}
     ax.pcolormesh(x, eta, values, norm=LogNorm(levels[0], levels[-1]), **style)
-    _lines(ax, x, eta, values, levels, colors="w")
     ax.plot(data.K_c_over_K_c_qs, eta, "k", lw=1.0)
 
 
-def _axes(data, ax):
-    """Logarithmic axes over the whole of the atlas; labels of contours need them beforehand."""
+def _contours(data, name, ax, levels, color):
+    """Draw labelled contours of a variable over the whole of the atlas; x, eta, and its values."""
+    x, eta, values = data.K_over_K_c_qs, data.eta, data[name].where(data.regime != STEADY)
     ax.set(xscale="log", yscale="log", xlabel=RATIO)
-    ax.set(xlim=data.K_over_K_c_qs.values[[0, -1]], ylim=data.eta.values[[0, -1]])
-
-
-def _lines(ax, x, eta, values, levels, colors):
-    """Labelled contours."""
-    lines = ax.contour(x, eta, values, levels=levels, colors=colors, linewidths=0.5)
+    ax.set(xlim=x.values[[0, -1]], ylim=eta.values[[0, -1]])  # labels need them beforehand
+    lines = ax.contour(x, eta, values, levels=levels, colors=color, linewidths=0.5)
     ax.clabel(lines, fmt=_round, fontsize=6.5, inline_spacing=2)
+    return x, eta, values
 
 
 def _round(value):
@@ -88,14 +79,10 @@ def _round(value):
 
 
 def _paint(ax, x, eta, regimes):
-    """Colour a map of regimes."""
+    """Colour a map of regimes; for a legend, those that occur."""
     norm = BoundaryNorm(np.arange(-0.5, len(REGIMES)), len(REGIMES))
     style = {"shading": "nearest", "rasterized": True, "zorder": 0}
     ax.pcolormesh(x, eta, regimes, cmap=ListedColormap(COLORS), norm=norm, **style)
-
-
-def _patches(regimes):
-    """For a legend: the regimes that occur."""
     codes = np.setdiff1d(regimes, STEADY)
     return [Patch(fc=COLORS[code], ec="0.5", lw=0.5, label=REGIMES[code]) for code in codes]
 
