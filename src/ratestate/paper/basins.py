@@ -3,13 +3,9 @@
 import numpy as np
 import xarray
 
-from .. import plot
+from .. import Loading, continue_cycle, logspace, plot, simulate
 from ..dynamics.continuation.basin import escape
-from ..dynamics.continuation.branch import continue_cycle
-from ..dynamics.simulation.simulate import simulate
 from ..friction.quasi_static import runaway_step, runaway_step_lower_bound, runaway_step_upper_bound
-from ..model.arrays import logspace
-from ..model.loading import Loading
 from ..model.quantities import attrs
 from ..plot.layout import figure, letters, styled
 from .layout import titled

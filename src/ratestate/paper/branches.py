@@ -3,8 +3,7 @@
 import numpy as np
 import xarray
 
-from .. import plot
-from ..dynamics.continuation.branch import continue_cycle
+from .. import continue_cycle, plot
 from ..model.quantities import attrs
 from ..plot.layout import figure, letters, styled
 from .layout import titled

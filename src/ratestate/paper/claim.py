@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..dynamics.simulation.simulate import simulate
-from ..model.loading import Loading
+from .. import Loading, simulate
 from ..model.sentences import Sentences
 from .scheme_map import step_response, time_step
 

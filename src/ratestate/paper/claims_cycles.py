@@ -6,11 +6,8 @@ import numpy as np
 import xarray
 from scipy.interpolate import make_interp_spline
 
-from ..dynamics.cycles.limit_cycle import limit_cycle
+from .. import Loading, limit_cycle, logspace, simulate
 from ..dynamics.cycles.orbit import orbit
-from ..dynamics.simulation.simulate import simulate
-from ..model.arrays import logspace
-from ..model.loading import Loading
 from .claim import LOOSE, SENTENCES, TIGHT, exact, floats, pair
 from .parameters import FIG4, FIG4_K
 from .scheme_map import LARGEST, METHOD, time_step

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from ..dynamics.simulation.simulate import simulate
-from ..model.loading import Loading
+from .. import Loading, simulate
 from .claim import TIGHT
 from .parameters import FIG1
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from ..dynamics.cycles.limit_cycle import limit_cycle
-from ..dynamics.steady_sliding import stability
+from .. import limit_cycle, stability
 from .claim import after_step, by_scheme, exact, pair
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES, FIG6, FIG6_SPEEDS
 from .scheme_map import FINER, LARGEST, step_response

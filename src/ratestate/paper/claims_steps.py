@@ -5,11 +5,7 @@ import functools
 import numpy as np
 import xarray
 
-from ..dynamics.cycles.limit_cycle import limit_cycle
-from ..dynamics.simulation.simulate import simulate
-from ..dynamics.steady_sliding import stability
-from ..model.arrays import logspace
-from ..model.loading import Loading
+from .. import Loading, limit_cycle, logspace, simulate, stability
 from .claim import after_step, by_scheme, exact, pair
 from .fig3 import UNSTABLE
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START, FIG3_M, FIG3_V_LP

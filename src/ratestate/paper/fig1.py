@@ -3,9 +3,7 @@
 import numpy as np
 import xarray
 
-from .. import plot
-from ..dynamics.simulation.simulate import simulate
-from ..model.loading import Loading
+from .. import Loading, plot, simulate
 from ..plot.labels import LAWS
 from ..plot.layout import figure, styled
 from .layout import titled

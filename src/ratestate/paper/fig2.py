@@ -3,10 +3,7 @@
 import numpy as np
 import xarray
 
-from .. import plot
-from ..dynamics.simulation.simulate import simulate
-from ..dynamics.steady_sliding import stability
-from ..model.loading import Loading
+from .. import Loading, plot, simulate, stability
 from ..model.quantities import attrs
 from ..plot.layout import figure, letters, styled
 from .layout import titled

@@ -3,12 +3,7 @@
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from .. import plot
-from ..dynamics.cycles.limit_cycle import limit_cycle
-from ..dynamics.simulation.simulate import simulate
-from ..dynamics.steady_sliding import stability
-from ..model.arrays import logspace
-from ..model.loading import Loading
+from .. import Loading, limit_cycle, logspace, plot, simulate, stability
 from ..model.quantities import attrs
 from ..plot.layout import figure, styled
 from .layout import titled

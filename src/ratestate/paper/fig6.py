@@ -1,10 +1,6 @@
 """Fig. 6: slow stick-slip where the stiffness is all but critical."""
 
-from .. import plot
-from ..dynamics.cycles.limit_cycle import limit_cycle
-from ..dynamics.simulation.simulate import simulate
-from ..dynamics.steady_sliding import stability
-from ..model.loading import Loading
+from .. import Loading, limit_cycle, plot, simulate, stability
 from ..plot.layout import figure, letters, styled
 from .layout import steepest, titled
 from .parameters import FIG6, FIG6_SPEEDS, FIG6_STEP

@@ -3,8 +3,7 @@
 import numpy as np
 import xarray
 
-from .. import plot
-from ..dynamics.cycles.limit_cycle import limit_cycle
+from .. import limit_cycle, plot
 from ..plot.layout import figure, letters, styled
 from .layout import titled
 from .parameters import FIG2, FIG2_SPEEDS, FIG2_START

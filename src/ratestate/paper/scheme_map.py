@@ -8,13 +8,11 @@ import math
 
 import numpy as np
 
-from ..dynamics.simulation.simulate import simulate
+from .. import Loading, SolverError, simulate
 from ..engine.im2017 import solve
 from ..engine.model import METHODS
-from ..errors import SolverError
 from ..friction.laws import evolution_law
 from ..friction.stability import eta
-from ..model.loading import Loading
 
 LARGEST, FINER = 0.1, 0.01  # omega dt
 #: The scheme as its author published it: the aging law's state by backward Euler.
