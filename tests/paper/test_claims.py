@@ -10,7 +10,6 @@ from numpy.polynomial.chebyshev import Chebyshev, chebpts1
 
 from ratestate import ParameterError, limit_cycle, stability
 from ratestate.paper import (
-    claims_friction,
     claims_regimes,
     claims_steps,
     claims_table,
@@ -138,7 +137,7 @@ def test_the_scheme_is_the_cause_where_the_table_says_so(rows):
 
 def test_aging_law():
     """Where the laws share an answer they agree; the paper's slip-law numbers are not judged."""
-    parts = [claims_friction.on_friction, claims_steps.on_steps, claims_regimes.on_slow_slip]
+    parts = [claims_steps.on_friction, claims_steps.on_steps, claims_regimes.on_slow_slip]
     rows = {row.id: row for row in claims("aging", parts)}
     verdicts = {name: row.verdict for name, row in rows.items() if row.verdict != "agrees"}
     assert verdicts == {

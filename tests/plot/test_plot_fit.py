@@ -13,7 +13,7 @@ from synthetic_records import SLIDER, STEP, record
 import ratestate as rs
 from ratestate import ParameterError, plot
 from ratestate.model.quantities import with_error
-from ratestate.plot.curves import MOST, _envelope, changes
+from ratestate.plot.curves import MOST, _envelope, record_of
 from ratestate.plot.estimates import SIZE, write
 from ratestate.plot.likelihood import likelihood, non_gaussian
 from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical, warnings_of
@@ -126,7 +126,7 @@ def test_a_hold_at_the_end_lasts_until_the_last_sample():
     data = record(SLIDER, loading, np.linspace(0.0, 130.0, 401), noise=3e-4)
     data = data.assign_coords(time=data.time + 1000.0)
     result = rs.fit(data, SLIDER, ("b",), errors="covariance")
-    (change,) = changes(result)
+    (change,) = record_of(result).changes
     assert change.text() == "hold 100 s"
 
 

@@ -1,12 +1,12 @@
 """The claims table: where each claim of the paper stands, by its own scheme and converged."""
 
 from ..friction.laws import evolution_law
-from . import claims_cycles, claims_friction, claims_regimes, claims_steps
+from . import claims_cycles, claims_regimes, claims_steps
 from .claim import claim, statements
 
 #: what measures the claims: functions of a law that give id -> what `claim` takes
 MEASUREMENTS = [
-    claims_friction.on_friction,
+    claims_steps.on_friction,
     claims_steps.on_steps,
     claims_steps.on_map,
     claims_cycles.on_cycles,

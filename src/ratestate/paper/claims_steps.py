@@ -1,18 +1,57 @@
-"""Claims on steps across the critical velocity: Figs 2 and 3, section 3.1."""
+"""Claims on steps in velocity: friction itself (Fig. 1), and across the critical one (2, 3)."""
 
 import functools
+import math
 
 import numpy as np
 import xarray
 
 from .. import Loading, limit_cycle, logspace, simulate, stability
-from .claim import after_step, by_scheme, exact, pair
+from .claim import TIGHT, after_step, by_scheme, exact, pair
 from .fig3 import UNSTABLE
-from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START, FIG3_M, FIG3_V_LP
+from .parameters import FIG1, FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START, FIG3_M, FIG3_V_LP
 from .scheme_map import FINER, LARGEST, critical_velocity, step_response, time_step
 
 LAST = 0.1  # s at the end of a run in which its oscillation is measured
 RTOL = 1e-8, 1e-6  # of the map; the second shows that the first is enough
+STIFFNESS = 1e5  # 1/m, the paper's K/sigma in Fig. 1
+POINTS = 4001  # of a response in Fig. 1
+
+
+def on_friction(law):
+    """The claims of Fig. 1: friction of a rigidly driven slider after an e-fold step."""
+    slider = FIG1.replace(law=law)
+    a, b, Dc, mu0 = slider.a, slider.b, slider.Dc, slider.mu0
+    reach = 30 * Dc  # exp(-30) of the fall is rounding
+    mu, slip = _friction(slider, reach), np.linspace(0.0, reach, POINTS)
+    left = (mu - mu[-1]) / (mu[0] - mu[-1])
+    begin = slip < 2 * Dc
+    distance = np.interp(1.0, -np.log(left[begin]), slip[begin])
+    truth = Dc if law == "slip" else Dc * math.log((math.e - 1) / math.expm1(1 / math.e))
+    values = {
+        "direct_effect": (mu[0] - mu0, a),
+        "evolution_effect": (mu[0] - mu[-1], b),
+        "evolution_distance": (1e6 * distance, 1e6 * truth),
+        "net_change": (mu[-1] - mu0, a - b),
+    }
+    peak = _friction(slider.replace(K=STIFFNESS * slider.sigma), 10 * Dc).max() - mu0
+    return {
+        name: {
+            "converged": (float(value),),
+            "error": abs(float(value) - closed_form),
+            "error_from": "against the closed form of a rigid drive",
+            "texts": {"peak": peak},
+        }
+        for name, (value, closed_form) in values.items()
+    }
+
+
+def _friction(slider, reach):
+    """mu after an e-fold step from V0, at even slips of the load point up to `reach` [m]."""
+    V = math.e * slider.V0
+    times = np.linspace(0.0, reach / V, POINTS)
+    step = {"V_start": slider.V0, "times": times, "rtol": TIGHT}
+    return simulate(slider, Loading.constant(V), times[-1], **step).mu.values
 
 
 def on_steps(law):

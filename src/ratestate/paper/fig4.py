@@ -65,8 +65,8 @@ def draw(data):
         texts.append(f"{text}, {speed}")
         at = data.isel(K=0).sel(V_lp=V_lp, method="nearest")
         axes["a"].plot(at.V_lp, at.amplitude, "ko", ms=4)
-        note = {"textcoords": "offset points", "xytext": (0, -12), "ha": "center"}
-        axes["a"].annotate(panel, (float(at.V_lp), float(at.amplitude)), fontweight="bold", **note)
+        note = {"textcoords": "offset points", "ha": "center", "fontweight": "bold"}
+        axes["a"].annotate(panel, (float(at.V_lp), float(at.amplitude)), (0, -12), **note)
         if name == "stick_slip":
             _slip_phase(axes[panel], run, 2.0 / float(data.f_n[0]))
     letters(axes.values(), *texts)
@@ -82,9 +82,8 @@ def _coefficient(ax, data):
     one = float(np.exp(np.interp(0.0, np.log(data.eta), np.log(data.V_lp))))
     ax.plot(one, 1.0, "o", color=plot.BLUE, mfc="w", ms=5)
     ax.axvline(one, color=plot.BLUE, lw=0.7, ls=":")
-    text = rf"$\eta = 1$ at {1e3 * one:.1f} mm/s"
-    note = {"textcoords": "offset points", "xytext": (-6, 4), "ha": "right"}
-    ax.annotate(text, (one, 1.0), color=plot.BLUE, **note)
+    note = {"textcoords": "offset points", "ha": "right", "color": plot.BLUE}
+    ax.annotate(rf"$\eta = 1$ at {1e3 * one:.1f} mm/s", (one, 1.0), (-6, 4), **note)
     ax.set(ylim=(1e-9, 1e6))
     ax.set_ylabel(r"Dynamic instability coefficient $\eta$", color=plot.BLUE)
     ax.tick_params(axis="y", colors=plot.BLUE)
@@ -96,8 +95,7 @@ def _slip_phase(ax, run, half):
     ticks = [tick for tick in ax.get_yticks() if low < tick < high]
     ax.set(ylim=(low, high + 0.95 * (high - low)), yticks=ticks[:: 1 + len(ticks) // 6])
     inset = ax.inset_axes((0.16, 0.66, 0.81, 0.31))
-    drop = steepest(run)
-    plot.trace(drop.sel(time=slice(-half, half)), inset)
+    plot.trace(steepest(run).sel(time=slice(-half, half)), inset)
     inset.set(ylabel="", xlabel="")
-    text = "slip phase,\ntime in ms"
-    inset.text(0.97, 0.9, text, transform=inset.transAxes, ha="right", va="top", fontsize=7.5)
+    at = {"transform": inset.transAxes, "ha": "right", "va": "top", "fontsize": 7.5}
+    inset.text(0.97, 0.9, "slip phase,\ntime in ms", **at)

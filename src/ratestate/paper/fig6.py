@@ -1,6 +1,7 @@
 """Fig. 6: slow stick-slip where the stiffness is all but critical."""
 
 from .. import Loading, limit_cycle, plot, simulate, stability
+from ..plot.labels import with_unit
 from ..plot.layout import figure, letters, styled
 from .layout import steepest, titled
 from .parameters import FIG6, FIG6_SPEEDS, FIG6_STEP
@@ -36,7 +37,7 @@ def draw(data):
     fig = figure(data, 4.4, "a b Dc sigma M K", more)
     left, right = fig.subplots(1, 2, width_ratios=[2.3, 1], sharey=True)
     first, settled = data.isel(time=~data.settled), data.isel(time=data.settled)
-    slow, fast = (plot.value_text("V_lp", float(data.V_load[i])).split("= ")[1] for i in (0, -1))
+    slow, fast = (with_unit("V_lp", float(data.V_load[i])) for i in (0, -1))
     sigma = plot.parameter(data, "sigma")
     for ax, run in ((left, first), (right, settled)):
         plot.trace(run, ax, x="delta_lp")

@@ -16,23 +16,19 @@ LAST = 0.1  # s at the end in which V is looked at: two cycles or more
 METHODS = {"slip": ["im2017"], "aging": ["im2017", "im2017_euler"]}
 NAMES = {"im2017": "state advanced exactly", "im2017_euler": "state by backward Euler"}
 STYLES = {"im2017": ("k", "o"), "im2017_euler": (plot.BLUE, "s")}
-#: what is measured of the scheme -> unit, meaning
-MEASURED = {
-    "V_c_scheme": ("m/s", "critical velocity of the scheme"),
-    "V_min": ("m/s", "smallest slip velocity in the scheme's cycle"),
-    "V_max": ("m/s", "largest slip velocity in the scheme's cycle"),
-    "amplitude": ("1", "peak-to-peak tau/sigma in the scheme's cycle"),
+#: title and axis of each panel -> what is measured of the scheme: unit, meaning
+PANELS = {
+    ("Critical velocity", "$V_c$ [mm/s]"): {
+        "V_c_scheme": ("m/s", "critical velocity of the scheme"),
+    },
+    (f"Limit cycle at {1e3 * V_LP:g} mm/s", "Smallest and largest $V$ [mm/s]"): {
+        "V_min": ("m/s", "smallest slip velocity in the scheme's cycle"),
+        "V_max": ("m/s", "largest slip velocity in the scheme's cycle"),
+    },
+    ("Its amplitude", rf"{plot.STRESS}, max - min [$10^{{-3}}$]"): {
+        "amplitude": ("1", "peak-to-peak tau/sigma in the scheme's cycle"),
+    },
 }
-#: title, what is shown, and its axis
-PANELS = (
-    ("Critical velocity", ["V_c_scheme"], "$V_c$ [mm/s]"),
-    (
-        f"Limit cycle at {1e3 * V_LP:g} mm/s",
-        ["V_min", "V_max"],
-        "Smallest and largest $V$ [mm/s]",
-    ),
-    ("Its amplitude", ["amplitude"], rf"{plot.STRESS}, max - min [$10^{{-3}}$]"),
-)
 # Read off the paper's text (sec. 3.1), for the slip law.
 PAPER_RANGE = (2.6e-3, 4.0e-3)  # m/s
 
@@ -47,10 +43,11 @@ def compute(law):
     cycle = limit_cycle(slider, V_LP, rtol=1e-10)
     found = np.array([[_measure(slider, od, m) for od in OMEGA_DT] for m in METHODS[law]])
     dims = ("scheme", "omega_dt")
+    measured = (row for panel in PANELS.values() for row in panel.items())
     data = xarray.Dataset(
         {
             name: (dims, found[..., i], {"units": unit, "long_name": text})
-            for i, (name, (unit, text)) in enumerate(MEASURED.items())
+            for i, (name, (unit, text)) in enumerate(measured)
         },
         {
             "scheme": ("scheme", METHODS[law], {"units": "1", "long_name": "the scheme's variant"}),
@@ -80,7 +77,7 @@ def draw(data):
     step = rf"$\omega\,\Delta t$ = {OMEGA_DT[0]:g} is {dt:.0f} {plot.PREFIXES[-6]}s"
     fig = figure(data, 3.6, "a b Dc sigma M K", f"; {step}")
     axes = fig.subplots(1, 3)
-    for ax, (_, names, ylabel) in zip(axes, PANELS, strict=True):
+    for ax, ((_, ylabel), names) in zip(axes, PANELS.items(), strict=True):
         for method in data.scheme.values:
             color, marker = STYLES[method]
             style = {"color": color, "marker": marker, "ms": 3, "lw": 1.0, "label": NAMES[method]}

@@ -47,9 +47,9 @@ def transition(data, ax):
     ax.set(xlabel=f"$K$/{label('K_c')} $-$ 1", ylabel=label("eta"))
     patches = _paint(ax, data.K_over_K_c - 1.0, data.eta, data.regime_close)
     width = (data.K_fold_over_K_c_qs / data.K_c_over_K_c_qs - 1.0).values
-    both = Patch(fc="w", ec=RED, hatch="////", lw=0.0, label="cycle and steady sliding both stable")
-    strip = {"fc": both.get_facecolor(), "ec": both.get_edgecolor(), "hatch": both.get_hatch()}
-    ax.fill_betweenx(data.eta, 0.0, width, where=width > 0, lw=0.0, **strip)
+    strip = {"fc": "w", "ec": RED, "hatch": "////", "lw": 0.0, "where": width > 0}
+    name = "cycle and steady sliding both stable"
+    both = ax.fill_betweenx(data.eta, 0.0, width, label=name, **strip)
     curve = _hopf_curve(ax, np.zeros(data.sizes["eta"]), data)
     return [*patches, *([both] if (width > 0).any() else []), *curve]
 

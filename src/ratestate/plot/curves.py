@@ -9,49 +9,18 @@ from ..dynamics.attributes import loading_record
 from ..errors import ParameterError
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
-from .labels import COLORS, DASHES, GRAY, prefixed
+from .labels import ABSCISSAE, COLORS, DASHES, GRAY, prefixed, with_unit
 
 #: samples of which all are drawn; of more, the least and the largest in as many bins
 MOST = 40_000
 #: standard deviations on either side within which 95 % of normal values are
 NORMAL_95 = 1.96
-NAMES = {"delta_lp": "Load-point displacement", "time": "Time"}
 #: Loadings of more segments than these are no steps that could be marked.
 MARKED = 40
 #: parts of the height and width that names of speeds, and a letter of them, take
 ROOM, LETTER = 0.14, 0.011
 #: the samples of a record that is drawn whole; of others single samples are to be seen
 WHOLE = slice(None)
-
-
-class Axis(NamedTuple):
-    """The abscissa of a fit, from the record's first sample on, in a unit that fits it."""
-
-    name: str  # "delta_lp" or "time"
-    values: np.ndarray  # (m,) in that unit
-    unit: str
-    t: np.ndarray  # (m,) [s], from the first sample on
-
-    def at(self, t):
-        """Where a time [s] since the first sample lies."""
-        return np.interp(t, self.t, self.values)
-
-    def dress(self, ax, rows):
-        """Give these samples' panel its label and limits."""
-        since = " since the record's start" if rows == WHOLE else ""
-        ax.set(xlabel=f"{NAMES[self.name]}{since} [{self.unit}]", xlim=self.values[rows][[0, -1]])
-
-
-def axis_of(result, x=None):
-    """`Axis` of a result of `fit`: "delta_lp", "time", or by default what suits its loading."""
-    if x is not None and x not in NAMES:
-        raise ParameterError(f"x = {x!r} is unknown; choose 'delta_lp' or 'time'")
-    x = x or ("time" if any(V == 0.0 for _, V in _segments(result)) else "delta_lp")
-    t = result["time"].values - result["time"].values[0]
-    values = t if x == "time" else result["delta_lp"].values
-    values = values.reshape(-1, t.size)[0]  # (all laws have the same)
-    factor, unit = prefixed(QUANTITIES[x].unit, float(np.abs(values).max()))
-    return Axis(x, factor * values, unit, t)
 
 
 class Change(NamedTuple):
@@ -66,22 +35,52 @@ class Change(NamedTuple):
     def text(self, *, whole=False):
         """What the load point does; the whole tells of holds."""
         if self.V == 0.0:
-            return f"hold {_duration(self.end - self.start)}"
+            return f"hold {with_unit('t', self.end - self.start)}"
         factor, unit = prefixed("m/s", max(self.V_before, self.V))
         new = f"\N{RIGHTWARDS ARROW} {factor * self.V:.3g} {unit}"
         if self.V_before:
             return f"{factor * self.V_before:.3g} {new}"
-        return f"hold {_duration(self.start - self.previous)} {new}" if whole else new
+        return f"hold {with_unit('t', self.start - self.previous)} {new}" if whole else new
 
 
-def changes(result):
-    """List of the `Change`s of a record."""
-    segments, time = _segments(result), result["time"].values
-    ends = [start for start, _ in segments[2:]] + [time[-1] - time[0]]
-    return [
+class Record(NamedTuple):
+    """A fitted record against time or displacement, in a unit that fits it."""
+
+    x: str  # "delta_lp" or "time"
+    values: np.ndarray  # (m,) of it, from the first sample on, in that unit
+    unit: str
+    t: np.ndarray  # (m,) [s], from the first sample on
+    friction: np.ndarray  # (m,)
+    changes: list[Change]
+    laws: dict  # law -> its part of the result
+
+    def at(self, t):
+        """Where a time [s] since the first sample lies."""
+        return np.interp(t, self.t, self.values)
+
+    def dress(self, ax, rows):
+        """Give these samples' panel its label and limits."""
+        since = " since the record's start" if rows == WHOLE else ""
+        ax.set(xlabel=f"{ABSCISSAE[self.x]}{since} [{self.unit}]")
+        ax.set(xlim=self.values[rows][[0, -1]])
+
+
+def record_of(result, x=None):
+    """`Record` of a result of `fit` against x, by default what suits its loading."""
+    if x is not None and x not in ABSCISSAE:
+        raise ParameterError(f"x = {x!r} is unknown; choose 'delta_lp' or 'time'")
+    segments, laws = _segments(result), results_by_law(result)
+    x = x or ("time" if any(V == 0.0 for _, V in segments) else "delta_lp")
+    part = next(iter(laws.values()))  # (all have the same record)
+    t = part["time"].values - part["time"].values[0]
+    values = t if x == "time" else part["delta_lp"].values
+    factor, unit = prefixed(QUANTITIES[x].unit, float(np.abs(values).max()))
+    ends = [start for start, _ in segments[2:]] + [t[-1]]
+    changes = [
         Change(previous, start, end, V_before, V)
         for ((previous, V_before), (start, V)), end in zip(pairwise(segments), ends, strict=False)
     ]
+    return Record(x, factor * values, unit, t, part["friction"].values, changes, laws)
 
 
 def _segments(result):
@@ -92,19 +91,12 @@ def _segments(result):
     return list(zip(loading.get("t", ()), loading.get("V", ()), strict=True))
 
 
-def _duration(t):
-    """A time [s] as text."""
-    factor, unit = prefixed("s", t)
-    return f"{factor * t:.4g} {unit}"
-
-
-def curves(result, ax, axis, rows=WHOLE):
+def curves(record, ax, rows=WHOLE):
     """Draw the record, the fitted curve of each law, and where 95 % of samples are predicted."""
-    shown = axis.values[rows]
-    friction = result["friction"].values.reshape(-1, axis.t.size)[0, rows]
+    shown, friction = record.values[rows], record.friction[rows]
     _scatter(ax, shown, friction, rows, "0.55", "recorded")
     ends = [friction.min(), friction.max()]
-    for law, part in results_by_law(result).items():
+    for law, part in record.laws.items():
         if "band" in part:
             low, high = part["band"].transpose("side", "time").values[:, rows]
             ax.fill_between(shown, low, high, color=COLORS[law], alpha=0.14, lw=0.0, zorder=2)
@@ -115,18 +107,19 @@ def curves(result, ax, axis, rows=WHOLE):
     margin = 0.05 * (max(ends) - min(ends))
     # a band may be wider than all there is to see
     ax.set(ylim=(min(ends) - margin, max(ends) + margin), ylabel=r"Friction $\tau/\sigma$")
-    axis.dress(ax, rows)
+    record.dress(ax, rows)
 
 
-def residuals(part, ax, axis, law, rows=WHOLE):
+def residuals(record, law, ax, rows=WHOLE):
     """Draw recorded less fitted friction, and the 95 % of the noise's level."""
+    part = record.laws[law]
     level = float(np.hypot(part["noise_white"], part["noise_red"]))
     left = 1e3 * part["residual"].values
-    _scatter(ax, axis.values[rows], left[rows], rows, COLORS[law], None)
+    _scatter(ax, record.values[rows], left[rows], rows, COLORS[law], None)
     normal_95(ax, 1e3 * level, zorder=3)
     most = 1.08 * float(np.abs(left).max())
     ax.set(ylim=(-most, most), ylabel="Residual\n" + r"[$10^{-3}$]")
-    axis.dress(ax, rows)
+    record.dress(ax, rows)
 
 
 def normal_95(ax, level=1.0, **style):
@@ -135,19 +128,18 @@ def normal_95(ax, level=1.0, **style):
         ax.axhline(height * level, color="k", lw=0.6, ls=look, **style)
 
 
-def marks(result, ax, axis, *, named=False):
+def marks(record, ax, *, named=False):
     """Mark where the load point changes its speed; with the speeds, where there is room."""
-    found = changes(result)
-    for change in found:
-        ax.axvline(axis.at(change.start), color=GRAY, lw=0.7, ls=":", zorder=0)
-    if not (named and found):
+    for change in record.changes:
+        ax.axvline(record.at(change.start), color=GRAY, lw=0.7, ls=":", zorder=0)
+    if not (named and record.changes):
         return
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + ROOM * (high - low))
     at = {"xycoords": ax.get_xaxis_transform(), "textcoords": "offset points", "va": "top"}
-    for change in found:
-        text, left = change.text(), axis.at(change.start)
-        if axis.at(change.end) - left > LETTER * len(text) * axis.values[-1]:
+    for change in record.changes:
+        text, left = change.text(), record.at(change.start)
+        if record.at(change.end) - left > LETTER * len(text) * record.values[-1]:
             ax.annotate(text, (left, 0.97), (3, 0), fontsize=7, color="0.3", **at)
 
 

@@ -9,8 +9,6 @@ from ..records.fitting.table import STABLE_AT_ANY_K, formatted_estimate, stiffne
 from ..records.fitting.unknowns import PARAMETERS
 from .labels import COLORS, in_unit, label, prefixed
 
-#: what a heading calls an estimate, where `label` does not know it
-HEADINGS = {"a_minus_b": "$a-b$"}
 #: what the table lists; a trend is the record's alone
 LISTED = (*PARAMETERS, "lag", "mu0", "a_minus_b")
 #: those that are given in thousandths
@@ -72,7 +70,7 @@ def _column(laws, symbol):
     else:
         factor, unit = prefixed(QUANTITIES[symbol].unit, max(map(abs, values)))
     cells = [formatted_estimate(part, symbol, factor).value for part in laws.values()]
-    return in_unit(HEADINGS.get(symbol, label(symbol)), unit), list(map(_printed, cells))
+    return in_unit(label(symbol), unit), list(map(_printed, cells))
 
 
 def _printed(text):

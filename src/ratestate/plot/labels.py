@@ -8,6 +8,8 @@ AMPLITUDE = f"Amplitude of {STRESS} (max $-$ min)"
 RED, BLUE, GRAY = "#d62728", "#1f4fd8", "0.55"
 #: dashes of a line
 DASHED = (0, (4, 2))
+#: abscissae of runs and records
+ABSCISSAE = {"time": "Time", "delta_lp": "Load-point displacement"}
 
 #: law -> its name
 LAWS = {"slip": "slip (Ruina) law", "aging": "aging (Dieterich) law"}
@@ -34,6 +36,7 @@ LETTERS = {
     "growth_rate": r"\mathrm{Re}\,\lambda",
     "K_c_qs": "K_{c,qs}",
     "eta": r"\eta",
+    "a_minus_b": "a-b",
 }
 
 
@@ -66,7 +69,12 @@ def in_unit(text, unit):
 
 def value_text(symbol, value, unit_of=None):
     """A quantity as text: symbol, value and a unit that fits it, or fits `unit_of`."""
+    return f"{label(symbol)} = {with_unit(symbol, value, unit_of)}"
+
+
+def with_unit(symbol, value, unit_of=None):
+    """A quantity's value and a unit that fits it, or fits `unit_of`, as text."""
     if value == float("inf"):
-        return rf"{label(symbol)} = $\infty$"
+        return r"$\infty$"
     factor, unit = prefixed(QUANTITIES[symbol].unit, value if unit_of is None else unit_of)
-    return f"{label(symbol)} = {value * factor:.4g} {unit}".rstrip()
+    return f"{value * factor:.4g} {unit}".rstrip()

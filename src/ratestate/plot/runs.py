@@ -4,7 +4,7 @@ import numpy as np
 
 from ..dynamics.results import parameter
 from ..model.quantities import QUANTITIES
-from .labels import AMPLITUDE, DASHED, RED, STRESS, prefixed
+from .labels import ABSCISSAE, AMPLITUDE, DASHED, RED, STRESS, prefixed
 
 
 def trace(run, ax, *, x="time", tau=None, mu=None):
@@ -31,8 +31,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     friction = {"color": RED, "lw": 1.0, "ls": DASHED, "label": r"$\mu$, friction"}
     (black,) = ax.plot(factor * abscissa, run.tau / parameter(run, "sigma"), **stress)
     (red,) = ax.plot(factor * abscissa, run.mu, **friction | (mu or {}))
-    name = "Time" if x == "time" else "Load-point displacement"
-    ax.set(xlabel=f"{name} [{unit}]", ylabel=rf"{STRESS} and $\mu$")
+    ax.set(xlabel=f"{ABSCISSAE[x]} [{unit}]", ylabel=rf"{STRESS} and $\mu$")
     return black, red
 
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from ...records.fitting.by_law import results_by_law
-from ..curves import axis_of, curves, normal_95
+from ..curves import curves, normal_95, record_of
 from ..labels import COLORS
 from ..layout import letters
 from .frame import finished, framed, legend
@@ -16,14 +15,15 @@ HEIGHTS = [1.5, 1.9]  # inches
 
 def cycles_page(result):
     """Page of a fit against cycles."""
-    axis, laws = axis_of(result, "time"), results_by_law(result)
+    record = record_of(result, "time")
+    laws, t = record.laws, record.t
     fig, (top, *below) = framed(result, laws, sum(HEIGHTS))
     axes = top.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=HEIGHTS)
-    curves(result, axes["a"], axis)
+    curves(record, axes["a"])
     legend(axes["a"], laws, band=False)
     period = max(float(part["fitted"].sel(feature="period")[-1]) for part in laws.values())
-    first = int(np.searchsorted(axis.t, axis.t[-1] - LAST * period))
-    curves(result, axes["b"], axis, slice(first, None))
+    first = int(np.searchsorted(t, t[-1] - LAST * period))
+    curves(record, axes["b"], slice(first, None))
     _features(axes["c"], laws)
     texts = ("the cycles fitted", f"the last {LAST}", "fitted less measured features")
     letters(axes.values(), *texts)

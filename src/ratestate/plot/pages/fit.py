@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ...records.fitting.by_law import checked_by_law, results_by_law, value_of
-from ..curves import WHOLE, axis_of, changes, curves, marks, residuals
+from ...records.fitting.by_law import checked_by_law, value_of
+from ..curves import WHOLE, curves, marks, record_of, residuals
 from ..labels import COLORS
 from ..layout import letters, styled
 from .cycles import cycles_page
@@ -50,9 +50,9 @@ def fit(result, ax=None, *, x=None):
     checked_by_law(result, "plot.fit")
     if ax is None:
         return fit_page(result, x)
-    axis = axis_of(result, x)
-    curves(result, ax, axis)
-    marks(result, ax, axis)
+    record = record_of(result, x)
+    curves(record, ax)
+    marks(record, ax)
     ax.legend()
     return ax.figure
 
@@ -62,21 +62,21 @@ def fit_page(result, x=None):
     """Page of a fit; x, of one against time or displacement, as `fit` has it."""
     if result.attrs.get("against") == "cycles":
         return cycles_page(result)
-    axis, laws = axis_of(result, x), results_by_law(result)
-    close = _close_ups(result, axis, laws)
+    record = record_of(result, x)
+    laws, close = [*record.laws], _close_ups(record)
     rows, heights = _rows(laws, [*close])
     fig, (top, *below) = framed(result, laws, sum(heights))
     ratios = [1.25, 1.0] if len(close) == 1 else None
     axes = top.subplot_mosaic(rows, height_ratios=heights, width_ratios=ratios)
     views = {"record": WHOLE} | close
     for name, samples in views.items():
-        curves(result, axes[name], axis, samples)
-        marks(result, axes[name], axis, named=name == "record")
+        curves(record, axes[name], samples)
+        marks(record, axes[name], named=name == "record")
         column = [axes[name]]
-        for law, part in laws.items():
+        for law in laws:
             if (panel := axes.get(f"{law} {name}")) is not None:
-                residuals(part, panel, axis, law, samples)
-                marks(result, panel, axis)
+                residuals(record, law, panel, samples)
+                marks(record, panel)
                 column.append(panel)
         _share(column, named=name == "record" or len(column) == 1)
     legend(axes["record"], laws)
@@ -100,18 +100,18 @@ def _rows(laws, close):
     return rows, heights
 
 
-def _close_ups(result, axis, laws):
+def _close_ups(record):
     """Change of speed in words -> samples about it, of the first steps and slides after holds."""
     views = {}
-    for i, change in enumerate(changes(result), start=1):
+    for i, change in enumerate(record.changes, start=1):
         if change.V == 0.0:
             continue
-        reach = max(_reach(part, change) for part in laws.values())
-        here = axis.at(change.start)
-        high = axis.at(min(change.end, change.start + reach / change.V))
-        low = max(axis.at(change.previous), here - BEFORE * (high - here))
-        rows = slice(*np.searchsorted(axis.values, (low, high)))
-        if rows.stop - rows.start >= FEWEST and high - low < NEARLY_ALL * axis.values[-1]:
+        reach = max(_reach(part, change) for part in record.laws.values())
+        here = record.at(change.start)
+        high = record.at(min(change.end, change.start + reach / change.V))
+        low = max(record.at(change.previous), here - BEFORE * (high - here))
+        rows = slice(*np.searchsorted(record.values, (low, high)))
+        if rows.stop - rows.start >= FEWEST and high - low < NEARLY_ALL * record.values[-1]:
             views[f"{change.text(whole=True)} ({i})"] = rows
     return dict(list(views.items())[:MOST])
 

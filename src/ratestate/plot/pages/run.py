@@ -10,7 +10,7 @@ from ...dynamics.steady_sliding import stability
 from ...engine.model import STEADY_SLIDING
 from ...friction.laws import mu_ss
 from ...model.slider import SpringSlider
-from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text
+from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text, with_unit
 from ..layout import ABOVE, WIDE, figure, letters, styled
 from ..runs import trace
 from .stability import stability_page
@@ -23,8 +23,8 @@ SYMBOLS = "a b Dc sigma K M mu0 V0 law".split()
 @styled
 def run_page(run):
     """Page of one slider's run."""
-    end = value_text("t", float(run.time[-1])).rpartition("= ")[2]
-    return _motion(run, f"Run of {end}, {LAWS[parameter(run, 'law')]}")
+    end, law = with_unit("t", float(run.time[-1])), LAWS[parameter(run, "law")]
+    return _motion(run, f"Run of {end}, {law}")
 
 
 @styled
@@ -51,8 +51,7 @@ def _motion(run, title):
     axes = fig.subplot_mosaic(panels, width_ratios=[1.5, 1])
     axes["a"].sharex(axes["b"])
     trace(run, axes["a"])
-    axes["a"].set(xlabel="")
-    axes["a"].tick_params(labelbottom=False)
+    axes["a"].label_outer()
     axes["a"].legend(ncols=2, **ABOVE)
     _speed(run, axes["b"])
     _plane(run, axes["c"])
