@@ -105,7 +105,7 @@ def keys(table):
 
 def _key(table, key):
     """A row: what the key stands for, and what is expected."""
-    from ratestate.interfaces.scenario.simple_tables import CHOICES, ENDINGS
+    from ratestate.interfaces.scenario.known_keys import CHOICES, ENDINGS
     from ratestate.model.quantities import QUANTITIES, expected
 
     said = WORDS.get(f"{key} {table}", WORDS.get(key))

@@ -616,6 +616,9 @@ def test_a_verb_for_one_case(read, told):
     ]
     (line,) = told(text.replace("1e-9", "1"))
     assert line.startswith("[run] rtol: 1.0 is out of range, expected one number from 1e-12 to")
+    sweep = "[sweep]\nverb = 'limit_cycle'\nrtol = 1\nM = [1, 2]"
+    (line,) = told(text + sweep)  # whose rtol comes before that of [run]
+    assert line.startswith("[sweep] rtol: 1.0 is out of range, expected one number from 1e-12 to")
 
 
 def test_an_unknown_verb_leaves_nothing_else_missing(told):
@@ -664,6 +667,7 @@ def test_a_branch(read, told):
         ("V_lp = {from=1}", "[sweep] V_lp.to: is missing, expected a speed such as"),
         ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = stop = 1.0: nothing to follow"),
         ("mu0 = {from=1, to=2}\nV_lp = 1", "[sweep] mu0: cannot be followed, expected one of V_lp"),
+        ("law = {from=1, to=2}\nV_lp = 1", "[sweep] law: cannot be followed, expected one of V_lp"),
         ("K = {from=1, to=2}", "[sweep] V_lp: is missing, expected a speed"),
         ("V_lp = {from=1, to=2}\nrtol = 1", "[sweep] rtol: 1.0 is out of range, expected one"),
     ]:
@@ -713,6 +717,10 @@ def test_no_more_than_a_hundred_problems_are_told(folder):
     lines = str(caught.value).splitlines()
     assert len(lines) == 102
     assert lines[-1] == "and 407 problems more"  # of 500 keys, and 7 that are missing
+    with path.open("a") as file:  # what is noted after the hundredth is no less a problem
+        file.write("\n[loading]\nV_lp = 1\nsteps = [{ V_lp = 2 }]\n[run]\nt_end = 3\n")
+    with pytest.raises(ParameterError, match="and 406 problems more"):
+        load(path)
 
 
 def test_run_does_it(read, folder):

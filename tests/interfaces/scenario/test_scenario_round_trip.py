@@ -12,7 +12,7 @@ import ratestate as rs
 from ratestate import Loading, ParameterError, SpringSlider, files
 from ratestate.interfaces.scenario import Output, Scenario, from_result, load, python, run, toml
 from ratestate.interfaces.scenario.literals import quantity
-from ratestate.interfaces.scenario.magnitudes import USUAL
+from ratestate.interfaces.scenario.values import USUAL
 from ratestate.model.loading.written import events_of, rows_of
 from ratestate.model.quantities import QUANTITIES
 from ratestate.model.units import is_array, to_si

@@ -16,8 +16,8 @@ from ...model.initial_state import initial_state, initial_values
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from .known_keys import LIKE
-from .problems import Problems, expected
+from .known_keys import INITIAL
+from .problems import Place, expected
 from .sweep_table import BRANCH
 
 # For checks that do not depend on the slider.
@@ -25,87 +25,79 @@ ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
 FEW = 10**5  # cases that are checked one by one
 TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
 DT = "expected the time step of im2017 such as dt = '0.1 ms'"
+#: function -> raises ParameterError for an rtol that it would refuse
+RTOL: dict[str, Callable[[float], Any]] = {
+    "simulate": lambda rtol: solver_settings(rtol, "rodas5p", None, ANY),
+    "limit_cycle": lambda rtol: limit_cycle_call(ANY, 1.0, rtol=rtol),
+    "continue_cycle": check_rtol_of_branch,
+}
 
 
-#: key -> its table and key in messages, such as "[run] dt"
-Place = Callable[[str], str]
-
-
-def check_rtol(verb: str, rtol: float | None, place: Place, problems: Problems) -> None:
+def check_rtol(verb: str, rtol: float | None, place: Place) -> None:
     """Note an rtol that the function would refuse."""
-    if rtol is None:
-        return
-    with problems.at(place("rtol"), "rtol", expected("rtol")):
-        if verb == "simulate":
-            solver_settings(rtol, "rodas5p", None, ANY)
-        elif verb == "limit_cycle":
-            limit_cycle_call(ANY, 1.0, rtol=rtol)
-        elif verb == "continue_cycle":
-            check_rtol_of_branch(rtol)
+    if rtol is not None:
+        place.noting(lambda: RTOL[verb](rtol), "rtol", expected("rtol"))
 
 
-def check_branch(slider: SpringSlider, settings: dict[str, Any], problems: Problems) -> None:
+def check_branch(slider: SpringSlider, settings: dict[str, Any], place: Place) -> None:
     """Note arguments with which a branch cannot be followed."""
-    place = f"[sweep] {settings['parameter']}"
-    with problems.at(place, expected="expected M > 0, b > a and two different ends", like=BRANCH):
-        checked_family(slider, **({"V_lp": None, "rtol": 1e-8} | settings))
+    arguments = {"V_lp": None, "rtol": 1e-8} | settings
+    wanted = "expected M > 0, b > a and two different ends"
+    place.noting(lambda: checked_family(slider, **arguments), wanted=wanted, like=BRANCH)
 
 
 def check_run(
     slider: SpringSlider | None,
     values: dict[str, Any],
     loading: Loading | None,
-    place: Place,
-    problems: Problems,
+    place: Callable[[str], Place],
 ) -> None:
     """Note arguments that `simulate` would refuse; some of them may be unknown.
 
     values : key -> value, None for one with a problem
+    place : of each key, for messages
     """
-    t_end, times = values.get("t_end"), values.get("times")
-    check_rtol("simulate", values.get("rtol"), place, problems)
-    _check_method(slider, values, place, problems)
+    t_end, times, dt = (values.get(key) for key in ("t_end", "times", "dt"))
+    check_rtol("simulate", values.get("rtol"), place("rtol"))
+    if all(values.get(key, "") is not None for key in ("method", "dt")):
+        _check_method(slider, values.get("method", "rodas5p"), dt, place)
+        if dt and t_end is not None and (steps := float(np.max(t_end)) / dt) > MAX_STEPS:
+            what = f"{dt:.6g} s makes {steps:.3g} steps up to t_end, more than {MAX_STEPS:.0e}"
+            place("dt").add(f"{what}, {expected('dt')}")
     if loading is not None and t_end is not None:
-        with problems.at(place("t_end"), "t_end", expected("t_end")):
-            loading.covers(t_end)
+        place("t_end").noting(lambda: loading.covers(t_end), "t_end", expected("t_end"))
     if times is not None and t_end is not None:
-        with problems.at(place("times"), "times", TIMES):
-            saved_times(times, t_end)
+        place("times").noting(lambda: saved_times(times, t_end), "times", TIMES)
     if slider is not None and values.get("initial"):
-        _check_initial(slider, values, loading, problems)
+        place("initial").noting(
+            lambda: _check_initial(slider, values, loading),
+            wanted="expected one or two of V, theta and tau",
+            like=INITIAL.like,
+        )
     if loading is None or slider is None or t_end is None:
         return
     if "V_start" not in values and not np.all(np.greater(loading.V_first, 0.0)):
-        what = f"is missing; at V_lp = 0 nothing slides, {expected('V_start')}"
-        problems.add(place("V_start"), what)
+        place("V_start").add(f"is missing; at V_lp = 0 nothing slides, {expected('V_start')}")
     if np.isinf(slider.K).any() and rests(loading, float(np.max(t_end))):
         what = "inf moves the slider with the load point, which comes to rest, where eq. 1 gives no"
-        problems.add("[slider] K", f"{what} friction, expected a finite one such as '900 MPa/m'")
+        wanted = "expected a finite one such as '900 MPa/m'"
+        Place("[slider] K", place("K").problems).add(f"{what} friction, {wanted}")
 
 
 def _check_method(
-    slider: SpringSlider | None, values: dict[str, Any], place: Place, problems: Problems
+    slider: SpringSlider | None, method: str, dt: float | None, place: Callable[[str], Place]
 ) -> None:
     """Note a method and time step that are incompatible with each other or with the slider."""
-    method, dt, t_end = (values.get(key) for key in ("method", "dt", "t_end"))
-    if {"method", "dt"} & {key for key, value in values.items() if value is None}:
-        return
     try:
-        solver_settings(1e-6, method or "rodas5p", dt, slider or ANY)
+        solver_settings(1e-6, method, dt, slider or ANY)
     except ParameterError as error:
         about_dt = str(error).startswith("dt") or "needs a time step" in str(error)
         key, wanted = ("dt", DT) if about_dt else ("method", "expected one such as 'rodas5p'")
-        with problems.at(place(key), key, wanted):
-            raise
-    if dt is not None and t_end is not None and (steps := float(np.max(t_end)) / dt) > MAX_STEPS:
-        what = f"{dt:.6g} s makes {steps:.3g} steps up to t_end, more than {MAX_STEPS:.0e}"
-        problems.add(place("dt"), f"{what}, {expected('dt')}")
+        place(key).note(error, key, wanted)
 
 
-def _check_initial(
-    slider: SpringSlider, values: dict[str, Any], loading: Loading | None, problems: Problems
-) -> None:
-    """Note inconsistent initial values, in sweeps that are not too large.
+def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loading | None) -> None:
+    """Raise ParameterError for inconsistent initial values, in sweeps that are not too large.
 
     Only the slider, the first speed and the initial values themselves matter.
     """
@@ -115,16 +107,13 @@ def _check_initial(
     if first is None:
         first = 1.0  # (which of V, theta and tau agree does not depend on it)
     speeds = Loading.constant(1.0) if loading is None else loading
-    with problems.at(
-        "[run] initial", expected="expected one or two of V, theta and tau", like=LIKE["initial"]
-    ):
-        given = initial_values(values["initial"])
-        own = {"V_lp": speeds.V} if is_array(speeds.V) else {}
-        batch = Batch({**slider.values, "V_start": first, **given}, own)
-        if batch.n <= FEW:
-            table, rows = batch.rows(speeds.V)
-            with np.errstate(divide="ignore"):
-                initial_state(batch, table[rows, 0])
+    own = {"V_lp": speeds.V} if is_array(speeds.V) else {}
+    given = {**slider.values, "V_start": first, **initial_values(values["initial"])}
+    batch = Batch(given, own)
+    if batch.n <= FEW:
+        table, rows = batch.rows(speeds.V)
+        with np.errstate(divide="ignore"):
+            initial_state(batch, table[rows, 0])
 
 
 def rests(loading: Loading, t_end: float) -> bool:

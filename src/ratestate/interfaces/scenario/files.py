@@ -7,11 +7,11 @@ from typing import Any
 
 from ...errors import ParameterError
 from .assemble import Tables, assemble
-from .known_keys import TABLES, example
+from .known_keys import TABLES, example, tables_with
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
-from .problems import Problems, choice, one_of, shown, toml_key
-from .simple_tables import output_table, run_table, slider_table
+from .plain_tables import plain_table
+from .problems import choice, one_of, report, shown, toml_key
 from .sweep_table import sweep_table
 
 LARGEST = 10**7  # bytes
@@ -68,22 +68,23 @@ def loads(
         As for `load`.
     """
     verb = None if verb is None else choice(verb, FUNCTIONS)
-    problems = Problems()
+    problems: list[str] = []
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     parsed = _tables(_parse(data, name), problems)
-    run = run_table(parsed.get("run", {}), problems)
+    run = plain_table("run", parsed.get("run", {}), problems)
     verb_of_run = run.pop("verb", None)
     tables = Tables(
+        problems=problems,
         names=frozenset(parsed),
-        slider=slider_table(parsed.get("slider", {}), problems),
+        slider=plain_table("slider", parsed.get("slider", {}), problems),
         loading=loading_table(parsed.get("loading", {}), folder or Path(), problems),
         run=run,
         sweep=sweep_table(parsed.get("sweep"), verb, verb_of_run, problems),
-        output=output_table(parsed.get("output", {}), problems),
+        output=plain_table("output", parsed.get("output", {}), problems),
     )
-    scenario = assemble(tables, problems)
+    scenario = assemble(tables)
     if scenario is None:
-        raise ParameterError(f"{name} cannot be used:\n{problems.message(TABLES)}")
+        raise ParameterError(f"{name} cannot be used:\n{report(problems, TABLES)}")
     return scenario
 
 
@@ -146,7 +147,7 @@ def _line_of_deep_key(text: bytes) -> int:
     return 0
 
 
-def _tables(parsed: dict[str, Any], problems: Problems) -> dict[str, dict[str, Any]]:
+def _tables(parsed: dict[str, Any], problems: list[str]) -> dict[str, dict[str, Any]]:
     """The known tables of the file; one that is not a table is replaced by an empty one."""
     tables: dict[str, dict[str, Any]] = {}
     known = [f"[{name}]" for name in TABLES]
@@ -155,18 +156,13 @@ def _tables(parsed: dict[str, Any], problems: Problems) -> dict[str, dict[str, A
         if name in TABLES:
             tables[name] = table if isinstance(table, dict) else {}
             if not isinstance(table, dict):
-                problems.add(place, f"{shown(table)} is no table, {one_of(known)}")
+                problems.append(f"{place}: {shown(table)} is no table, {one_of(known)}")
         elif isinstance(table, dict):
-            problems.add(place, f"unknown table, {one_of(known, place)}")
-        else:
-            _note_loose_key(name, known, problems)
+            problems.append(f"{place}: unknown table, {one_of(known, place)}")
+        else:  # a key
+            homes = tables_with(name)
+            where = f"expected in {homes} such as {example(name)}" if homes else one_of(known)
+            problems.append(f"{toml_key(name)}: stands above all tables, {where}")
     if len(parsed) > MOST_TABLES:
-        problems.add("the file", f"has {len(parsed)} tables and keys, {one_of(known)}")
+        problems.append(f"the file: has {len(parsed)} tables and keys, {one_of(known)}")
     return tables
-
-
-def _note_loose_key(name: str, known: list[str], problems: Problems) -> None:
-    """Note a key above all tables."""
-    homes = [f"[{table}]" for table, keys in TABLES.items() if name in keys]
-    where = f"expected in {' or '.join(homes)} such as {example(name)}" if homes else one_of(known)
-    problems.add(toml_key(name), f"stands above all tables, {where}")

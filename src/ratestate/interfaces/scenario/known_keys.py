@@ -1,14 +1,17 @@
 """The tables of a scenario file, their keys, and which of them each function needs."""
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from ...engine.model import METHODS
+from ...files import NUMBERS, PICTURES
+from ...friction.laws import LAWS
+from ...model.initial_state import SYMBOLS
 from ...model.quantities import KINDS, QUANTITIES
 from ...model.slider import SpringSlider
-from .loading_shapes import SINE_LIKE, STEPS_LIKE
-from .problems import Problems, expected, nearest, one_of, shown, toml_key
-from .record import COLUMNS_LIKE, UNITS_LIKE
+from .problems import Place, nearest, one_of, shown
+from .values import InlineTable
 
 #: in a table with more keys only known ones are read
 MOST_KEYS = 1000
@@ -47,23 +50,35 @@ TABLES = {
     "sweep": ("verb", "V_lp", "t_end", "V_start", "times", "rtol", *SLIDER.keys),
     "output": ("file", "plot"),
 }
-
-
-TIMES_LIKE = "[0, 1, 1, '5 s']"
+#: key -> the names that it may have as a value
+CHOICES = {"law": tuple(LAWS), "method": tuple(METHODS), "verb": tuple(VERBS)}
+#: key -> the endings that its file may have
+ENDINGS = {"file": NUMBERS, "plot": PICTURES}
+#: keys that may have many values in [sweep]
+AXES = {*TABLES["sweep"]} - {"verb", "law", "rtol", "times"}
+STEP = InlineTable(
+    {"t": ("t", "> 0"), "V_lp": ("V_lp", ">= 0"), "hold": ("t", "> 0"), "ramp": ("t", "> 0")},
+    '[ { t = "1 s", V_lp = "3.2 mm/s" }, { t = "2 s", hold = "100 s" } ]',
+)
+SINUSOID = InlineTable(
+    {"amplitude": ("V_lp", ">= 0"), "period": ("period", "> 0"), "frequency": ("frequency", "> 0")},
+    '{ amplitude = "0.05 mm/s", period = "2 s" }',
+)
+INITIAL = InlineTable({symbol: (symbol, None) for symbol in SYMBOLS}, "{ theta = '10 s' }")
 SPEEDS_LIKE = "['1 um/s', '1 um/s', '3 um/s', 0]"
 #: key, or key and table -> an example of its value, where that is no quantity
 LIKE = {
     "law": "'slip'",
     "verb": "'limit_cycle'",
     "method": "'rodas5p'",
-    "initial": "{ theta = '10 s' }",
+    "initial": INITIAL.like,
     "times": "[0.5, '1 s']",
-    "steps": STEPS_LIKE,
-    "sinusoid": SINE_LIKE,
+    "steps": STEP.like,
+    "sinusoid": SINUSOID.like,
     "file loading": "'record.csv'",
-    "columns": COLUMNS_LIKE,
-    "units": UNITS_LIKE,
-    "t": TIMES_LIKE,
+    "columns": '["time [s]", "V_lp [um/s]"]',
+    "units": '["s", "um/s"]',
+    "t": "[0, 1, 1, '5 s']",
     "file": "'out.nc'",
     "plot": "'out.png'",
 }
@@ -83,37 +98,37 @@ def misplaced_axis(key: str, value: Any) -> str:
     return f"{shown(value)} makes an axis, expected in [sweep], or one value such as {example(key)}"
 
 
-def keys_to_read(table: str, given: dict[str, Any], problems: Problems) -> dict[str, Any]:
-    """The keys to read of a table: all, or if there are far too many, only the known ones."""
-    if len(given) > MOST_KEYS:
-        known = ", ".join(TABLES[table])
-        what = f"has {len(given)} keys, expected some of {known}"
-        problems.add(f"[{table}]", f"{what} such as {example(TABLES[table][0], table)}")
-        return {key: value for key, value in given.items() if key in TABLES[table]}
-    return given
+def known_items(
+    table: str, given: dict[str, Any], place: Place, what: str = "unknown key"
+) -> Iterator[tuple[str, Any]]:
+    """The known keys of a table with their values; others are noted, unless there are too many.
+
+    what : what is noted of the others
+    """
+    keys = TABLES[table]
+    many = len(given) > MOST_KEYS
+    if many:
+        some = f"has {len(given)} keys, expected some of {', '.join(keys)}"
+        place.add(f"{some} such as {example(keys[0], table)}")
+    for key, value in given.items():
+        if key in keys:
+            yield key, value
+        elif not many:
+            place.at(key).add(_unknown(table, key, what))
 
 
-def note_unknown(table: str, key: str, problems: Problems, what: str = "unknown key") -> None:
-    """Note an unknown key of a table: with the table where it belongs, or a similar key."""
-    place = f"[{table}] {toml_key(key)}"
-    if homes := _homes(key, table):
-        what = f"stands in the wrong table, expected in {homes}"
-        problems.add(place, f"{what} such as {example(key)}")
-        return
+def _unknown(table: str, key: str, what: str) -> str:
+    """The message about an unknown key: with the table where it belongs, or a similar key."""
+    if homes := tables_with(key, table):
+        return f"stands in the wrong table, expected in {homes} such as {example(key)}"
     keys = TABLES[table]
     own = nearest(key, keys)
     near = None if own else nearest(key, {k for t in TABLES.values() for k in t})
-    meant = f"; did you mean {near} in {_homes(near, table)}?" if near else ""
-    problems.add(place, f"{what}, {one_of(keys, key, example(own or keys[0], table))}{meant}")
+    meant = f"; did you mean {near} in {tables_with(near, table)}?" if near else ""
+    return f"{what}, {one_of(keys, key, example(own or keys[0], table))}{meant}"
 
 
-def _homes(key: str, but: str) -> str:
-    """The tables that have a key, except one."""
+def tables_with(key: str, but: str = "") -> str:
+    """The tables that have a key, except one; "" if there are none."""
     homes = [f"[{name}]" for name, keys in TABLES.items() if key in keys and name != but]
     return " or ".join(homes)
-
-
-def note_missing(table: str, keys: Iterable[str], problems: Problems) -> None:
-    """Note that these keys are missing."""
-    for key in keys:
-        problems.add(f"[{table}] {key}", f"is missing, {expected(key)}")

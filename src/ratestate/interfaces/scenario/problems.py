@@ -3,9 +3,8 @@
 import difflib
 import functools
 import re
-from collections.abc import Iterable
-from types import TracebackType
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple, TypeVar
 
 from ...errors import ParameterError
 from ...model.quantities import KINDS
@@ -16,72 +15,64 @@ MOST_LINES = 100  # problems
 NEAR = 0.7  # from 0 to 1, how similar a name must be to be suggested
 #: the end of a line; since brackets mean tables and keys there, units appear in examples only
 expected = functools.partial(_expected, unit=False)
+T = TypeVar("T")
 
 
-class Problems(list[str]):
-    """Lines such as ``[loading] V_lp: '3.2 mm' is a length, expected a speed such as ...``.
+class Place(NamedTuple):
+    """A table or key of the file, such as ``[sweep] M.from``; the problems of all of the file."""
 
-    No more than `MOST_LINES`; ``omitted`` counts the others.
-    """
+    name: str
+    problems: list[str]
 
-    omitted = 0
+    def at(self, part: str | int) -> "Place":
+        """A key of this table, or an element of this list."""
+        joint = "." if " " in self.name else " "
+        inner = f"[{part}]" if isinstance(part, int) else joint + toml_key(part)
+        return self._replace(name=self.name + inner)
 
-    def add(self, place: str, what: str) -> None:
-        """Note a problem of a key such as ``[sweep] M.from``."""
-        if len(self) < MOST_LINES:
-            self.append(f"{place}: {what}")
-        else:
-            self.omitted += 1
+    def add(self, what: str) -> None:
+        """Note a problem: "'3.2 mm' is a length, expected a speed such as ..."."""
+        self.problems.append(f"{self.name}: {what}")
 
-    def at(
-        self, place: str, symbol: str = "", expected: str = "", like: str = ""
-    ) -> "_NotingProblem":
-        """Context that notes a ParameterError as a problem of a key, and continues after it.
+    def missing(self, key: str, wanted: str = "") -> None:
+        """Note that a key of this table is missing, and what is expected if not its quantity."""
+        self.at(key).add(f"is missing, {wanted or expected(key)}")
+
+    def noting(
+        self, make: Callable[[], T], symbol: str = "", wanted: str = "", like: str = ""
+    ) -> T | None:
+        """What `make` returns; None where it raises a ParameterError, which is noted."""
+        try:
+            return make()
+        except ParameterError as error:
+            self.note(error, symbol, wanted, like)
+            return None
+
+    def note(
+        self, error: ParameterError, symbol: str = "", wanted: str = "", like: str = ""
+    ) -> None:
+        """Note an error.
 
         symbol : start of the message, which is removed
-        expected : the end of the line, if the message does not say what is expected
+        wanted : the end of the line, if the message does not say what is expected
         like : an example for the expected value
         """
-        return _NotingProblem(self, place, symbol, expected, like)
+        what = error_line(error).removeprefix(f"{symbol} = ").removeprefix(f"{symbol} ")
+        what = what.removeprefix("[s] ")  # (of times)
+        if ", expected " not in what:
+            wrong, own, remedy = what.rpartition("; give ")
+            if own and like:
+                what, wanted = wrong, f"expected {remedy}"
+            what = f"{what}, {wanted}" + (f" such as {like}" if like else "")
+        self.add(what)
 
-    def message(self, tables: Iterable[str]) -> str:
-        """All lines, joined in the order of the tables."""
-        order = {f"[{table}]": i for i, table in enumerate(tables)}
-        lines = sorted(self, key=lambda line: order.get(line.split("]")[0] + "]", -1))
-        more = [f"and {self.omitted} problems more"] if self.omitted else []
-        return "\n".join([*lines, *more])
 
-
-class _NotingProblem(NamedTuple):
-    problems: Problems
-    place: str
-    symbol: str
-    expected: str
-    like: str
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> bool:
-        if not isinstance(error, ParameterError):
-            return False
-        what = error_line(error).removeprefix(f"{self.symbol} = ").removeprefix(f"{self.symbol} ")
-        self.problems.add(self.place, self._line(what.removeprefix("[s] ")))  # (of times)
-        return True
-
-    def _line(self, what: str) -> str:
-        """The message, and what is expected if it does not say so itself."""
-        if ", expected " in what:
-            return what
-        wrong, own, remedy = what.rpartition("; give ")
-        if own and self.like:
-            return f"{wrong}, expected {remedy} such as {self.like}"
-        return f"{what}, {self.expected}" + (f" such as {self.like}" if self.like else "")
+def report(problems: list[str], tables: Iterable[str]) -> str:
+    """The lines of the first problems, in the order of the tables."""
+    order = {f"[{table}]": i for i, table in enumerate(tables)}
+    lines = sorted(problems[:MOST_LINES], key=lambda line: order.get(line.split("]")[0] + "]", -1))
+    omitted = len(problems) - MOST_LINES
+    return "\n".join([*lines, f"and {omitted} problems more"] if omitted > 0 else lines)
 
 
 def error_line(error: ParameterError) -> str:

@@ -4,15 +4,14 @@ import math
 from typing import Any, NamedTuple
 
 from ...dynamics.continuation.family import PARAMETERS
-from ...errors import ParameterError
-from .known_keys import SLIDER, VERBS, example, keys_to_read, note_unknown
-from .problems import Problems, choice, one_of, shown
-from .simple_tables import single_value
-from .values import AXIS, Many, as_array, as_axis, ends, read_values
+from .known_keys import SLIDER, TABLES, VERBS, example, known_items
+from .plain_tables import read_value
+from .problems import Place, choice, one_of, shown
+from .values import AXIS, Many, as_axis, read_ends, read_values
 
 #: cases of a sweep, at most
 MOST_CASES = 10**9
-ONE_FOR_ALL = {"law", "rtol"}  # keys with one value for all cases
+ONE_FOR_ALL = {"law", "rtol", "times"}  # keys with one value for all cases
 BRANCH = 'K = { from = "700 MPa/m", to = "300 MPa/m" }'
 
 
@@ -32,7 +31,7 @@ class Sweep(NamedTuple):
 
 
 def sweep_table(
-    table: dict[str, Any] | None, requested: str | None, of_run: str | None, problems: Problems
+    table: dict[str, Any] | None, requested: str | None, of_run: str | None, problems: list[str]
 ) -> Sweep:
     """Read the table [sweep].
 
@@ -45,104 +44,84 @@ def sweep_table(
     of_run : str or None
         The verb in [run].
     """
+    place = Place("[sweep]", problems)
     if table is None:
         own = of_run or "simulate"
         verb = requested or own
         if verb == "continue_cycle":
-            problems.add("[sweep]", f"is missing, expected what a branch follows, such as {BRANCH}")
+            place.add(f"is missing, expected what a branch follows, such as {BRANCH}")
         return Sweep(verb, own, {}, {})
-    table = keys_to_read("sweep", table, problems)
-    own = _verb(table, requested, of_run, problems)
+    own = _verb(table, requested, of_run, place)
     verb = requested or own
-    kinds = [VERBS[own]] if own else list(VERBS.values())
-    known = dict.fromkeys([*SLIDER.keys, *(key for kind in kinds for key in kind.keys)])
-    values = {k: v for k, v in table.items() if k in known}
-    for key in table.keys() - known.keys() - {"verb"}:
-        whose = f"the slider or of {own}" if own else "the slider or of any verb"
-        if any(key in kind.keys for kind in VERBS.values()):
-            problems.add(
-                f"[sweep] {key}", f"is no parameter of {whose}, {one_of(known, key, example(key))}"
-            )
-        else:
-            note_unknown("sweep", key, problems, f"is no parameter of {whose}")
-    branch = _branch(values, own, problems) if verb == "continue_cycle" else {}
-    values_read = _read_values(values, own, problems, bool(branch))
-    kept = {*SLIDER.keys, *VERBS[verb].keys} if verb else {*known}
+    of_verb = {name: [*SLIDER.keys, *keys.keys] for name, keys in VERBS.items()}
+    known = of_verb.get(own) or [key for key in TABLES["sweep"] if key != "verb"]
+    what = f"is no parameter of the slider or of {own or 'any verb'}"
+    given = {}
+    for key, value in known_items("sweep", table, place, what):
+        if key in known:
+            given[key] = value
+        elif key != "verb":
+            place.at(key).add(f"{what}, {one_of(known, key, example(key))}")
+    branch = _branch(given, own, place) if verb == "continue_cycle" else {}
+    values = _read(given, own, place, bool(branch))
+    kept = {*of_verb.get(verb, known)}
     if own and own != verb:  # the meaning of rtol differs between functions
         kept -= {"rtol"}
-    return Sweep(verb, own, {k: v for k, v in values_read.items() if k in kept}, branch)
+    return Sweep(verb, own, {k: v for k, v in values.items() if k in kept}, branch)
 
 
-def _verb(
-    table: dict[str, Any], requested: str | None, of_run: str | None, problems: Problems
-) -> str:
+def _verb(table: dict[str, Any], requested: str | None, of_run: str | None, place: Place) -> str:
     """The verb of the file."""
-    if "verb" in table:
-        with problems.at("[sweep] verb"):
-            verb = choice(table["verb"], VERBS)
-            if of_run and of_run != verb:
-                raise ParameterError(
-                    f"{shown(verb)} is not that of [run], expected one such as {shown(of_run)}"
-                )
-            return verb
-    elif of_run or requested:
+    if "verb" not in table:
+        if not (of_run or requested):
+            place.missing("verb", one_of(VERBS))
         return of_run or requested or ""
-    else:
-        problems.add("[sweep] verb", f"is missing, {one_of(VERBS)}")
-    return ""
+    verb = place.at("verb").noting(lambda: choice(table["verb"], VERBS))
+    if verb and of_run not in (None, verb):
+        wanted = f"expected one such as {shown(of_run)}"
+        place.at("verb").add(f"{shown(verb)} is not that of [run], {wanted}")
+        return ""
+    return verb or ""
 
 
-def _read_values(
-    given: dict[str, Any], verb: str, problems: Problems, is_branch: bool
-) -> dict[str, Any]:
+def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> dict[str, Any]:
     """The values of all keys; axes only if there are not too many cases."""
     values: dict[str, Any] = {}
     for key, value in given.items():
         if key in ONE_FOR_ALL:
-            values[key] = single_value("sweep", key, value, problems)
+            values[key] = read_value(key, value, place.at(key))
         else:
             bound = ">= 0" if key == "V_lp" and verb == "simulate" else None
-            values[key] = read_values(key, value, f"[sweep] {key}", problems, bound)
+            values[key] = read_values(key, value, place.at(key), bound)
     many = {key for key, value in given.items() if isinstance(value, dict | list)}
-    if not is_branch and not many - ONE_FOR_ALL - {"times"}:
-        problems.add("[sweep]", f"nothing has many values, expected an axis such as M = {AXIS}")
-    if not _few_enough(values, problems):
+    if not is_branch and not many - ONE_FOR_ALL:
+        place.add(f"nothing has many values, expected an axis such as M = {AXIS}")
+    axes = {k: v for k, v in values.items() if isinstance(v, Many) and k not in ONE_FOR_ALL}
+    if (cases := math.prod(map(len, axes.values()))) > MOST_CASES:
+        product = " x ".join(f"{len(axis)} {key}" for key, axis in axes.items())
+        wanted = f"expected {MOST_CASES} at most, of axes such as {AXIS}"
+        place.add(f"{product} are {cases} cases, {wanted}")
         return dict.fromkeys(values)
-    for key, value in values.items():
-        if key == "times" and value is not None:
-            values[key] = as_array(key, value)
-        elif isinstance(value, Many):
-            values[key] = as_axis(key, value)
-    return values
+    return values | {key: as_axis(key, axis) for key, axis in axes.items()}
 
 
-def _few_enough(values: dict[str, Any], problems: Problems) -> bool:
-    sizes = {k: len(v) for k, v in values.items() if isinstance(v, Many) and k != "times"}
-    if (cases := math.prod(sizes.values())) <= MOST_CASES:
-        return True
-    product = " x ".join(f"{size} {key}" for key, size in sizes.items())
-    what = f"{product} are {cases} cases, expected {MOST_CASES} at most, of axes such as {AXIS}"
-    problems.add("[sweep]", what)
-    return False
-
-
-def _branch(values: dict[str, Any], own: str, problems: Problems) -> dict[str, Any]:
+def _branch(values: dict[str, Any], own: str, place: Place) -> dict[str, Any]:
     """Remove the parameter that a branch follows from the values; its ends, or None each."""
     nothing: dict[str, Any] = dict.fromkeys(("parameter", "start", "stop"))
     followed = [key for key, value in values.items() if isinstance(value, dict)]
     if len(followed) != 1:
         names = " and ".join(followed) or "nothing"
-        problems.add("[sweep]", f"{names} between two ends, expected one such as {BRANCH}")
+        place.add(f"{names} between two ends, expected one such as {BRANCH}")
         return nothing
-    key = followed[0]
+    (key,) = followed
     table = values.pop(key)
-    with problems.at(f"[sweep] {key}"):
-        if key not in PARAMETERS:
-            raise ParameterError(f"cannot be followed, {one_of(PARAMETERS, like=BRANCH)}")
-        if own == "continue_cycle" and (more := table.keys() - {"from", "to"}):
-            raise ParameterError(
-                f"{', '.join(map(shown, sorted(more)))}: a branch chooses its points itself, "
-                f"expected from and to only, such as {BRANCH}"
-            )
-    start, stop = ends(key, table, f"[sweep] {key}", problems)
+    if key not in PARAMETERS:
+        place.at(key).add(f"cannot be followed, {one_of(PARAMETERS, like=BRANCH)}")
+        return nothing
+    if own == "continue_cycle" and (more := table.keys() - {"from", "to"}):
+        place.at(key).add(
+            f"{', '.join(map(shown, sorted(more)))}: a branch chooses its points itself, "
+            f"expected from and to only, such as {BRANCH}"
+        )
+    start, stop = read_ends(key, table, place.at(key))
     return {"parameter": key, "start": start, "stop": stop}

@@ -62,10 +62,10 @@ def rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:
     return rows
 
 
-def number_in(cell: str) -> float | None:
-    """A finite number, or None."""
+def number_in(cell: str) -> float:
+    """A finite number, or NaN."""
     try:
         x = float(cell)
     except ValueError:
-        return None
-    return x if math.isfinite(x) else None
+        return math.nan
+    return x if math.isfinite(x) else math.nan

@@ -1,27 +1,43 @@
 """Values of a scenario file: a number, a string with a unit, a list, or an axis between two ends.
 
 All are bit-for-bit the floats of the Python API.  An axis is kept as two ends and a number until
-the number of cases has been checked.
+the number of cases has been checked.  Values of an unusual magnitude are refused, where the Python
+API takes any: so a wrong unit or exponent is reported before it costs minutes or overflows.
 """
 
 import dataclasses
+from collections.abc import Iterable
 from decimal import Decimal
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...errors import ParameterError
 from ...model.arrays import logspace
-from ...model.quantities import attrs
+from ...model.quantities import QUANTITIES, attrs
 from ...model.units import to_si
-from .magnitudes import magnitude_problem
-from .problems import Problems, choice, expected, one_of, shown, toml_key
+from .problems import Place, choice, expected, one_of, shown
 
 #: largest number of values along one axis, and of saved times
 LONGEST = 10**6
 LONGEST_TEXT = 100  # characters of a number with its unit
 AXIS = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
-KEYS = ("from", "to", "n", "scale")
+AXIS_KEYS = ("from", "to", "n", "scale")
+#: symbol, or unit of all others -> smallest magnitude except 0, and largest.  Wider than anything
+#: measured or imagined, and so narrow that no product of them leaves the range of doubles.
+USUAL = {
+    "a": (1e-12, 100.0),
+    "b": (0.0, 100.0),
+    "mu0": (0.0, 1e3),
+    "theta": (1e-20, 1e40),
+    "m": (1e-15, 1e9),
+    "s": (1e-20, 1e18),
+    "Hz": (1e-18, 1e20),
+    "m/s": (1e-50, 1e5),
+    "Pa": (1e-9, 1e15),
+    "Pa/m": (1e-20, 1e25),
+    "kg/m^2": (1e-20, 1e20),
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,95 +78,114 @@ def as_axis(symbol: str, many: Many) -> Any:
     return xarray.DataArray(values, {symbol: (symbol, values, attrs(symbol))}, (symbol,), symbol)
 
 
+def unusual(symbol: str, x: float) -> str:
+    """The message about a value [SI] beyond all limits; "" for others, 0 and inf among them.
+
+    (`units.to_si` decides whether a quantity may be 0 or inf.)
+    """
+    unit = QUANTITIES[symbol].unit
+    low, high = USUAL.get(symbol) or USUAL.get(unit, (0.0, np.inf))
+    if x == 0.0 or np.isinf(x) or low <= abs(x) <= high:
+        return ""
+    sizes = f"{low:g} to {high:g}" if low else f"up to {high:g}"
+    return f"is beyond any usual size, {sizes}" + ("" if unit == "1" else f" {unit}")
+
+
 def number(symbol: str, value: Any, bound: str | None = None) -> float:
     """One value in SI; ParameterError if it is no number or has an unusual magnitude."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ParameterError(f"{shown(value)} is not one number; {expected(symbol)}")
-    if isinstance(value, str) and len(value) > LONGEST_TEXT:
-        raise ParameterError(f"{shown(value)} is too long; {expected(symbol)}")
-    try:  # (an integer may have more digits than Python writes into a message)
-        x = to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
-    except ArithmeticError:
-        raise ParameterError(f"{shown(value)} is beyond what can be; {expected(symbol)}") from None
-    if complaint := magnitude_problem(symbol, x):
-        raise ParameterError(f"{shown(value)} {complaint}; {expected(symbol)}")
-    return x
+        what = "is not one number"
+    elif isinstance(value, str) and len(value) > LONGEST_TEXT:
+        what = "is too long"
+    else:
+        try:  # (an integer may have more digits than Python writes into a message)
+            x = to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
+            if not (what := unusual(symbol, x)):
+                return x
+        except ArithmeticError:
+            what = "is beyond what can be"
+    raise ParameterError(f"{shown(value)} {what}, {expected(symbol)}")
+
+
+def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> float | None:
+    """One value in SI; None if it has a problem, which is noted."""
+    return place.noting(lambda: number(symbol, value, bound), symbol)
 
 
 def read_values(
-    symbol: str, value: Any, place: str, problems: Problems, bound: str | None = None
+    symbol: str, value: Any, place: Place, bound: str | None = None
 ) -> float | Many | None:
     """One value or many, in SI; None if there are problems, which are noted."""
     if isinstance(value, dict):
-        return _spread(symbol, value, place, problems, bound)
-    if isinstance(value, list):
-        return _list(symbol, value, place, problems, bound)
-    with problems.at(place, symbol):
-        return number(symbol, value, bound)
-    return None
-
-
-def _list(
-    symbol: str, values: list[Any], place: str, problems: Problems, bound: str | None
-) -> np.ndarray | None:
-    """The values of a list; the first one with a problem is noted."""
-    if not 1 <= len(values) <= LONGEST:
-        what = f"is a list of {len(values)}, expected 1 to {LONGEST} values"
-        problems.add(place, f'{what}, such as ["100 kg/m^2", 3000]')
+        return _axis(symbol, value, place, bound)
+    if not isinstance(value, list):
+        return read_number(symbol, value, place, bound)
+    if not 1 <= len(value) <= LONGEST:
+        what = f"is a list of {len(value)}, expected 1 to {LONGEST} values"
+        place.add(f'{what}, such as ["100 kg/m^2", 3000]')
         return None
     numbers = []
-    for i, value in enumerate(values):
-        with problems.at(f"{place}[{i}]", symbol):
-            numbers.append(number(symbol, value, bound))
-        if len(numbers) <= i:
+    for i, element in enumerate(value):
+        x = read_number(symbol, element, place.at(i), bound)
+        if x is None:  # one bad element is enough
             return None
+        numbers.append(x)
     return np.array(numbers)
 
 
-def _spread(
-    symbol: str, table: dict[str, Any], place: str, problems: Problems, bound: str | None
-) -> AxisRange | None:
+def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -> AxisRange | None:
     """An axis between two ends."""
-    before = len(problems)
-    for key in table.keys() - set(KEYS):
-        problems.add(f"{place}.{toml_key(key)}", f"unknown key, {one_of(KEYS, key, AXIS)}")
-    scale, n = "", 0
-    with problems.at(f"{place}.scale"):
-        scale = choice(table.get("scale", "linear"), ("linear", "log"))
-    first, last = ends(symbol, table, place, problems, "> 0" if scale == "log" else bound)
-    with problems.at(f"{place}.n"):
-        n = _n(table)
-    if first is None or last is None or len(problems) > before:
-        return None
-    return AxisRange(first, last, n, scale)
-
-
-def ends(
-    symbol: str, table: dict[str, Any], place: str, problems: Problems, bound: str | None = None
-) -> tuple[float | None, float | None]:
-    """The first and the last value, None for one with a problem."""
-    first = last = None
-    with problems.at(f"{place}.from", symbol):
-        first = _end(symbol, table, "from", bound)
-    with problems.at(f"{place}.to", symbol):
-        last = _end(symbol, table, "to", bound)
-    return first, last
-
-
-def _end(symbol: str, table: dict[str, Any], key: str, bound: str | None) -> float:
-    """The first or last value of an axis."""
-    if key not in table:
-        raise ParameterError(f"is missing; {expected(symbol)}")
-    x = number(symbol, table[key], bound)
-    if np.isinf(x):
-        raise ParameterError(f"{x} is no end of an axis, which must be finite; {expected(symbol)}")
-    return x
-
-
-def _n(table: dict[str, Any]) -> int:
-    """The number of values of an axis."""
+    before = len(place.problems)
+    note_unknown_keys(table, AXIS_KEYS, AXIS, place)
+    scales = ("linear", "log")
+    scale = place.at("scale").noting(lambda: choice(table.get("scale", "linear"), scales))
+    first, last = read_ends(symbol, table, place, "> 0" if scale == "log" else bound)
     n = table.get("n")
-    if isinstance(n, int) and not isinstance(n, bool) and 2 <= n <= LONGEST:
-        return n
-    what = "is missing" if n is None else f"{shown(n)} cannot be the number of values"
-    raise ParameterError(f"{what}, expected an integer from 2 to {LONGEST}, such as 12")
+    if isinstance(n, bool) or not isinstance(n, int) or not 2 <= n <= LONGEST:
+        what = "is missing" if n is None else f"{shown(n)} cannot be the number of values"
+        place.at("n").add(f"{what}, expected an integer from 2 to {LONGEST}, such as 12")
+    elif first is not None and last is not None and scale and len(place.problems) == before:
+        return AxisRange(first, last, n, scale)
+    return None
+
+
+def read_ends(
+    symbol: str, table: dict[str, Any], place: Place, bound: str | None = None
+) -> list[float | None]:
+    """The first and the last value of an axis, None for one with a problem."""
+    ends = []
+    for key in ("from", "to"):
+        x = read_number(symbol, table[key], place.at(key), bound) if key in table else None
+        if key not in table:
+            place.missing(key, expected(symbol))
+        elif x is not None and np.isinf(x):
+            what = f"{x} is no end of an axis, which must be finite"
+            place.at(key).add(f"{what}, {expected(symbol)}")
+            x = None
+        ends.append(x)
+    return ends
+
+
+class InlineTable(NamedTuple):
+    """A table of numbers: key -> symbol and range, or None for the symbol's own; an example."""
+
+    keys: dict[str, tuple[str, str | None]]
+    like: str
+
+    def read(self, table: Any, place: Place, such: str = "such as") -> dict[str, Any] | None:
+        """The values in SI, None for one with a problem and for what is no table."""
+        if not isinstance(table, dict):
+            place.add(f"{shown(table)} is no table, expected {such} {self.like}")
+            return None
+        note_unknown_keys(table, self.keys, self.like, place)
+        return {
+            key: read_number(symbol, table[key], place.at(key), bound)
+            for key, (symbol, bound) in self.keys.items()
+            if key in table
+        }
+
+
+def note_unknown_keys(table: dict[str, Any], keys: Iterable[str], like: str, place: Place) -> None:
+    """Note the keys of an inline table that are none of these."""
+    for key in table.keys() - set(keys):
+        place.at(key).add(f"unknown key, {one_of(keys, key, like)}")
