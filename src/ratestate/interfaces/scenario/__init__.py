@@ -48,10 +48,9 @@
 
 from .as_python import python
 from .as_toml import toml
-from .files import LARGEST, load, loads
+from .files import LARGEST, TEMPLATES, load, loads, template
 from .model import Output, Scenario, run
 from .results import from_result
-from .template_files import TEMPLATES, template
 
 __all__ = [
     "LARGEST",

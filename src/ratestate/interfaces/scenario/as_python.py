@@ -16,24 +16,27 @@ def python(scenario: Scenario) -> str:
 
     They are complete, imports included, and reproduce the result bit-for-bit.
     """
-    lines = ["slider = rs.SpringSlider("]
-    for symbol, value in scenario.slider.parameters.items():
-        lines.append(f"    {symbol}={_value(symbol, value)},")
-    lines.append(")")
     settings = dict(scenario.settings)
+    parameters = scenario.slider.parameters.items()
+    lines = ["slider = " + _call("rs.SpringSlider", [f"{k}={_value(k, v)}" for k, v in parameters])]
     arguments = ["slider"]
     if "loading" in settings:
         lines += ["loading = " + _loading(settings.pop("loading"))]
         arguments.append("loading")
     arguments += [f"{key}={_setting(key, value)}" for key, value in settings.items()]
-    call = ", ".join(arguments)
-    if len(call) > 70 or "\n" in call:
-        call = "\n" + "".join(f"    {argument},\n" for argument in arguments)
-    lines.append(f"result = rs.{scenario.verb}({call})")
+    lines.append("result = " + _call(f"rs.{scenario.verb}", arguments, 70))
     text = "\n".join(lines)
     needed = [("numpy as np", "np."), ("xarray", "xarray."), ("ratestate as rs", "rs.")]
     imports = [f"import {name}" for name, used in needed if used in text]
     return "\n".join([*imports, "", text]) + "\n"
+
+
+def _call(name: str, arguments: list[str], longest: int = 0) -> str:
+    """A call with an argument on each line, or on one line if they are no longer than this."""
+    text = ", ".join(arguments)
+    if len(text) <= longest and "\n" not in text:
+        return f"{name}({text})"
+    return f"{name}(\n" + "".join(f"    {argument},\n" for argument in arguments) + ")"
 
 
 def _loading(loading: Loading) -> str:
@@ -44,28 +47,19 @@ def _loading(loading: Loading) -> str:
         return f"rs.Loading.sinusoid({V_lp}, {amplitude}, period={period}, t_end={t_end})"
     if np.isfinite(loading.t_last):
         t, V = rows_of(loading)
-        columns = f"t={numbers(t)},\n    V_lp={_column(V)},"
-        return f"rs.Loading.series(\n    {columns}\n)"
+        return _call("rs.Loading.series", [f"t={numbers(t)}", f"V_lp={_column(V)}"])
     start, events = events_of(loading)
-    if events and all(event.kind == "step" for event in events):
-        pairs = [f"({quantity('t', e.t)}, {_value('V_lp', e.V)})" for e in events]
-        return _call("rs.Loading.steps", [_value("V_lp", start), *pairs])
-    calls = [f"rs.Loading.constant({_value('V_lp', start)})"]
+    calls = []
     for event in events:
-        arguments = [quantity("t", event.t)]
-        arguments += [] if event.V is None else [_value("V_lp", event.V)]
-        arguments += [] if event.duration is None else [quantity("t", event.duration)]
-        calls.append(f".{event.kind}({', '.join(arguments)})")
+        values = (("t", event.t), ("V_lp", event.V), ("t", event.duration))
+        arguments = ", ".join(_value(symbol, x) for symbol, x in values if x is not None)
+        calls.append(f".{event.kind}({arguments})")
+    if events and all(event.kind == "step" for event in events):
+        pairs = [call.removeprefix(".step") for call in calls]
+        return _call("rs.Loading.steps", [_value("V_lp", start), *pairs], 61)
+    calls.insert(0, f"rs.Loading.constant({_value('V_lp', start)})")
     text = "".join(calls)
     return text if len(text) < 80 else "(\n" + "".join(f"    {call}\n" for call in calls) + ")"
-
-
-def _call(name: str, arguments: list[str]) -> str:
-    """A call on one line or, if it is long, with one argument on each line."""
-    text = f"{name}({', '.join(arguments)})"
-    if len(text) < 80 and "\n" not in text:
-        return text
-    return f"{name}(\n" + "".join(f"    {argument},\n" for argument in arguments) + ")"
 
 
 def _column(V: Any) -> str:
@@ -78,24 +72,18 @@ def _column(V: Any) -> str:
 
 def _setting(key: str, value: Any) -> str:
     """An argument of the function."""
-    if key == "times" and not is_array(value):
-        return _times(value)
     if key == "initial":
         return "{" + ", ".join(f'"{k}": {_value(k, v)}' for k, v in value.items()) + "}"
     if key in ("start", "stop"):
         return repr(value)  # in SI; which unit that is says the parameter
-    return _value(key, value)
-
-
-def _times(times: np.ndarray) -> str:
-    """Saved times: a call of linspace if they are evenly spaced, else a list."""
-    ends = f"{float(times[0])!r}, {float(times[-1])!r}, {times.size}"
-    even = np.linspace(times[0], times[-1], times.size)
-    if times.size > 2 and np.array_equal(even, times):
-        return f"np.linspace({ends})"
-    if times.size > 2 and np.array_equal(even.round(12), times):
-        return f"np.linspace({ends}).round(12)"
-    return numbers(times, " " * 8)
+    if not isinstance(value, np.ndarray):
+        return _value(key, value)
+    # saved times: a call of linspace if they are evenly spaced, else a list
+    even = np.linspace(value[0], value[-1], value.size)
+    for suffix, times in (("", even), (".round(12)", even.round(12))):
+        if value.size > 2 and np.array_equal(times, value):
+            return f"np.linspace({float(value[0])!r}, {float(value[-1])!r}, {value.size}){suffix}"
+    return numbers(value, " " * 8)
 
 
 def _value(symbol: str, value: Any) -> str:

@@ -1,5 +1,6 @@
 """A scenario as the text of a file."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,98 +32,73 @@ def toml(scenario: Scenario) -> str:
 
     Notes
     -----
-    Values whose magnitude `load` refuses (`scenario.magnitudes`) are written nevertheless; `load`
+    Values whose magnitude `load` refuses (`scenario.values`) are written nevertheless; `load`
     then names them.
     """
-    settings, slider = dict(scenario.settings), scenario.slider.parameters
-    swept = {k: v for k, v in slider.items() if is_array(v)}
-    swept |= {k: v for k, v in settings.items() if is_array(v)}
-    tables: dict[str, list[str]] = {}
-    tables["slider"] = [
-        f"{symbol} = " + (f'"{value}"' if symbol == "law" else quantity(symbol, value))
-        for symbol, value in slider.items()
-        if symbol not in swept
-    ]
-    loading = settings.pop("loading", None)
-    if loading is not None:
-        tables["loading"], last = _loading(loading)
-        swept |= {} if last is None else {"V_lp": last}
+    verb, slider, settings = scenario.verb, scenario.slider.parameters, dict(scenario.settings)
+    loading: dict[str, str] = {}
+    swept = {k: v for k, v in {**slider, **settings}.items() if is_array(v)}
+    if "loading" in settings:
+        loading, last = _loading(settings.pop("loading"))
+        swept |= {"V_lp": last} if is_array(last) else {}
     elif "V_lp" in settings and "V_lp" not in swept:
-        tables["loading"] = [f"V_lp = {quantity('V_lp', settings['V_lp'])}"]
-    branch = scenario.verb == "continue_cycle"
-    many = bool(swept) or branch
-    verb = [f'verb = "{scenario.verb}"']
-    tables["run"] = [] if many or scenario.verb == "simulate" else verb
-    tables["run"] += [
-        f"{key} = {_setting(key, value)}"
-        for key, value in settings.items()
-        if key not in {"V_lp", "parameter", "start", "stop", *swept}
-    ]
-    tables["sweep"] = verb * many + [f"{k} = {_axis(k, v)}" for k, v in swept.items()]
-    if branch:
-        tables["sweep"].append(_branch(settings))
-    given = {"file": scenario.output.file, "plot": scenario.output.plot}
-    tables["output"] = [f"{key} = {_text(str(path))}" for key, path in given.items() if path]
-    command = COMMANDS[scenario.verb][bool(swept)]
-    lines = [f"# To do this: ratestate {command} FILE.toml"]
-    for name, content in tables.items():
-        lines += ["", f"[{name}]", *content] if content else []
+        loading = {"V_lp": quantity("V_lp", settings["V_lp"])}
+    axes = {key: _axis(key, value) for key, value in swept.items()}
+    if verb == "continue_cycle":
+        symbol = settings["parameter"]
+        ends = {"from": settings["start"], "to": settings["stop"]}
+        axes[symbol] = _inline({key: quantity(symbol, end) for key, end in ends.items()})
+    elsewhere = {"V_lp", "parameter", "start", "stop", *swept}
+    run = {k: _literal(k, v) for k, v in settings.items() if k not in elsewhere}
+    output = {"file": scenario.output.file, "plot": scenario.output.plot}
+    named = {"verb": f'"{verb}"'}
+    tables = {
+        "slider": {k: _literal(k, v) for k, v in slider.items() if k not in swept},
+        "loading": loading,
+        "run": run if axes or verb == "simulate" else named | run,
+        "sweep": named | axes if axes else {},
+        "output": {key: _literal(key, path) for key, path in output.items() if path},
+    }
+    lines = [f"# To do this: ratestate {COMMANDS[verb][bool(swept)]} FILE.toml"]
+    for name, table in tables.items():
+        if table:
+            lines += ["", f"[{name}]", *(f"{key} = {value}" for key, value in table.items())]
     return "\n".join(lines) + "\n"
 
 
-def _loading(loading: Loading) -> tuple[list[str], Any]:
-    """The lines of [loading], and the last speed if it is swept, else None."""
-    if loading.sine is not None:
-        sine = loading.sine
-        if is_array(sine.amplitude):
-            raise ParameterError("the amplitude of a sinusoid cannot be swept in a scenario file")
-        amplitude, period = quantity("V_lp", sine.amplitude), quantity("t", sine.period)
-        line = f"sinusoid = {{ amplitude = {amplitude}, period = {period} }}"
-        return (
-            ([line], sine.V_lp)
-            if is_array(sine.V_lp)
-            else ([f"V_lp = {quantity('V_lp', sine.V_lp)}", line], None)
-        )
-    if np.isfinite(loading.t_last):
+def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
+    """The keys of [loading], and its last speed."""
+    if (sine := loading.sine) is not None:
+        _refuse_arrays("the amplitude of a sinusoid", sine.amplitude)
+        wave = {"amplitude": ("V_lp", sine.amplitude), "period": ("t", sine.period)}
+        first, last = sine.V_lp, sine.V_lp
+        shape = {"sinusoid": _inline({key: quantity(*value) for key, value in wave.items()})}
+    elif np.isfinite(loading.t_last):
         t, V = rows_of(loading)
-        if is_array(V):
-            raise ParameterError("the speeds of a record cannot be swept in a scenario file")
-        return [f"t = {numbers(t)}  # s", f"V_lp = {numbers(V)}  # m/s"], None
-    start, events = events_of(loading)
-    steps = [Event("step", 0.0, start), *events]
-    final = max(i for i, step in enumerate(steps) if step.V is not None)
-    swept = [i for i, step in enumerate(steps) if is_array(step.V)]
-    if not set(swept) <= {final}:
-        raise ParameterError("a scenario file can sweep none but the last speed of a loading")
-    last = steps[final].V if swept else None
-    lines = [] if final == 0 and swept else [f"V_lp = {quantity('V_lp', start)}"]
-    # a swept last speed is in [sweep], and here replaced by 1 m/s
-    steps_lines = [_step(step, 1.0 if is_array(step.V) else step.V) for step in events]
-    return lines + (
-        ["steps = [", *(f"    {step}," for step in steps_lines), "]"] if steps_lines else []
-    ), last
+        _refuse_arrays("the speeds of a record", V)
+        return {"t": f"{numbers(t)}  # s", "V_lp": f"{numbers(V)}  # m/s"}, V[-1]
+    else:
+        first, events = events_of(loading)
+        *before, last = [first, *(event.V for event in events if event.V is not None)]
+        if any(map(is_array, before)):
+            raise ParameterError("a scenario file can sweep none but the last speed of a loading")
+        steps = "".join(f"    {_step(event)},\n" for event in events)
+        shape = {"steps": f"[\n{steps}]"} if events else {}
+    return ({} if is_array(first) else {"V_lp": quantity("V_lp", first)}) | shape, last
 
 
-def _step(event: Event, V: float | None) -> str:
+def _refuse_arrays(what: str, *values: Any) -> None:
+    """Raise ParameterError for values that are swept."""
+    if any(map(is_array, values)):
+        raise ParameterError(f"{what} cannot be swept in a scenario file")
+
+
+def _step(event: Event) -> str:
     """A step, hold or ramp as an inline table."""
-    keys = [f"t = {quantity('t', event.t)}"]
-    keys += [] if V is None else [f"V_lp = {quantity('V_lp', V)}"]
-    if event.duration is not None:
-        keys.append(f"{event.kind} = {quantity('t', event.duration)}")
-    return f"{{ {', '.join(keys)} }}"
-
-
-def _setting(key: str, value: Any) -> str:
-    """The value of a key of [run]."""
-    if key == "times":
-        if is_array(value):
-            raise ParameterError("times of each case cannot stand in a scenario file")
-        return _values(key, value)
-    if key == "initial":
-        if any(map(is_array, value.values())):
-            raise ParameterError("initial values cannot be swept in a scenario file")
-        return f"{{ {', '.join(f'{k} = {quantity(k, v)}' for k, v in value.items())} }}"
-    return f'"{value}"' if isinstance(value, str) else quantity(key, value)
+    V = 1.0 if is_array(event.V) else event.V  # a swept last speed is in [sweep]
+    values = {"t": ("t", event.t), "V_lp": ("V_lp", V), event.kind: ("t", event.duration)}
+    given = {key: (symbol, x) for key, (symbol, x) in values.items() if x is not None}
+    return _inline({key: quantity(*value) for key, value in given.items()})
 
 
 def _axis(symbol: str, value: Any) -> str:
@@ -132,26 +108,26 @@ def _axis(symbol: str, value: Any) -> str:
             f"{symbol} lies along {', '.join(map(str, value.dims))}: a scenario file can sweep a "
             f"parameter along a dimension of its own only"
         )
-    return _values(symbol, value.values)
+    return _literal(symbol, value.values)
 
 
-def _values(symbol: str, values: np.ndarray) -> str:
-    """Many values: an axis between two ends, or a list of numbers in SI."""
-    if axis := find_axis(symbol, values):
-        first, last = quantity(symbol, axis.first), quantity(symbol, axis.last)
-        return f'{{ from = {first}, to = {last}, n = {axis.n}, scale = "{axis.scale}" }}'
-    unit = QUANTITIES[symbol].unit
-    return numbers(values) + ("" if unit == "1" else f"  # {unit}")
+def _literal(key: str, value: Any) -> str:
+    """A value: text, a table of initial values, an axis between two ends, a list, or a quantity."""
+    if isinstance(value, str | Path):  # without control characters
+        escaped = str(value).replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{escaped}"'
+    if isinstance(value, dict):
+        _refuse_arrays("initial values", *value.values())
+        return _inline({symbol: quantity(symbol, x) for symbol, x in value.items()})
+    if not isinstance(value, np.ndarray):
+        return quantity(key, value)
+    if axis := find_axis(key, value):
+        ends = {"from": quantity(key, axis.first), "to": quantity(key, axis.last)}
+        return _inline({**ends, "n": f"{axis.n}", "scale": f'"{axis.scale}"'})
+    unit = QUANTITIES[key].unit
+    return numbers(value) + ("" if unit == "1" else f"  # {unit}")
 
 
-def _branch(settings: dict[str, Any]) -> str:
-    """The parameter that a branch follows, between its ends."""
-    symbol = settings["parameter"]
-    first, last = quantity(symbol, settings["start"]), quantity(symbol, settings["stop"])
-    return f"{symbol} = {{ from = {first}, to = {last} }}"
-
-
-def _text(text: str) -> str:
-    """A text as TOML has it; paths hold no control characters."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+def _inline(literals: dict[str, str]) -> str:
+    """An inline table."""
+    return f"{{ {', '.join(f'{key} = {literal}' for key, literal in literals.items())} }}"

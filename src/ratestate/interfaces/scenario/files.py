@@ -1,7 +1,8 @@
-"""Reads a scenario file."""
+"""Scenario files: read, and written to start from."""
 
 import re
 import tomllib
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from .sweep_table import sweep_table
 LARGEST = 10**7  # bytes
 DEEPEST = 50  # keys with dots between them: time and memory go with the square
 MOST_TABLES = 100
+TEMPLATES = ("brake", "lab", "fault")
 WANTED = "expected a scenario file such as `ratestate init lab` writes"
 
 
@@ -86,6 +88,22 @@ def loads(
     if scenario is None:
         raise ParameterError(f"{name} cannot be used:\n{report(problems, TABLES)}")
     return scenario
+
+
+def template(name: str) -> str:
+    """The text of a commented scenario file to start from.
+
+    Parameters
+    ----------
+    name : {"brake", "lab", "fault"}
+
+    Raises
+    ------
+    ParameterError
+        Any other name.
+    """
+    file = resources.files(__package__) / "templates" / f"{choice(name, TEMPLATES)}.toml"
+    return file.read_text("utf-8")
 
 
 def _parse(text: bytes, name: str) -> dict[str, Any]:

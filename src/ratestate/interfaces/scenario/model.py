@@ -1,31 +1,17 @@
 """A scenario: a function to call, its slider, its settings, and where the result goes."""
 
 import dataclasses
-import inspect
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ...dynamics.continuation.branch import checked_family, continue_cycle
-from ...dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
-from ...dynamics.simulation.simulate import simulate, simulate_call
-from ...dynamics.steady_sliding import stability, stability_call
 from ...model.slider import SpringSlider
+from ...sweeps.calls import FUNCTIONS as SWEPT
 
 #: name -> function
-FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "limit_cycle": limit_cycle,
-    "simulate": simulate,
-    "stability": stability,
-    "continue_cycle": continue_cycle,
-}
+FUNCTIONS = {name: pair[0] for name, pair in SWEPT.items()} | {"continue_cycle": continue_cycle}
 #: name -> function that checks its arguments
-CHECKS: dict[str, Callable[..., Any]] = {
-    "limit_cycle": lambda **given: limit_cycle_call(**given).batch,
-    "simulate": lambda **given: simulate_call(**given).batch,
-    "stability": lambda **given: stability_call(**given).batch,
-    "continue_cycle": checked_family,
-}
+CHECKS = {name: pair[1] for name, pair in SWEPT.items()} | {"continue_cycle": checked_family}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,14 +50,6 @@ class Scenario:
     slider: SpringSlider
     settings: dict[str, Any]
     output: Output = Output()
-
-
-def check(scenario: Scenario) -> None:
-    """Raise ParameterError for a scenario that its function would refuse."""
-    verb = FUNCTIONS[scenario.verb]
-    bound = inspect.signature(verb).bind(scenario.slider, **scenario.settings)
-    bound.apply_defaults()
-    CHECKS[scenario.verb](**bound.arguments)
 
 
 def run(scenario: Scenario) -> Any:

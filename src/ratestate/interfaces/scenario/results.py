@@ -13,7 +13,7 @@ from ...errors import ParameterError
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from .model import FUNCTIONS, Scenario, check
+from .model import CHECKS, FUNCTIONS, Scenario
 
 WANTED = "give a Dataset as a verb of ratestate returned it, or read from the file it was kept in"
 
@@ -48,10 +48,8 @@ def from_result(result: Any) -> Scenario:
     if verb not in FUNCTIONS or not title.startswith("ratestate "):
         raise ParameterError(f"the result's title is {title[:60]!r}, which is no verb's; {WANTED}")
     try:
-        scenario = Scenario(
-            verb, _slider(result), _without_defaults(verb, _settings_of[verb](result))
-        )
-        check(scenario)
+        scenario = Scenario(verb, _slider(result), _settings(verb, result))
+        _check(scenario)
     except ParameterError:
         raise
     except Exception as error:  # variables too may be gone, or others than they were
@@ -59,6 +57,13 @@ def from_result(result: Any) -> Scenario:
             f"what made this {verb} is not all there ({type(error).__name__}: {error}); {WANTED}"
         ) from None
     return scenario
+
+
+def _check(scenario: Scenario) -> None:
+    """Raise ParameterError for a scenario that its function would refuse."""
+    bound = inspect.signature(FUNCTIONS[scenario.verb]).bind(scenario.slider, **scenario.settings)
+    bound.apply_defaults()
+    getattr(CHECKS[scenario.verb](**bound.arguments), "batch", None)  # refuses arrays that clash
 
 
 def _slider(result: Any) -> SpringSlider:
@@ -117,22 +122,41 @@ def _values(result: Any, name: str, given: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _simulate(result: Any) -> dict[str, Any]:
-    """The arguments of `simulate`."""
-    attrs = result.attrs
-    settings: dict[str, Any] = {"loading": _loading(result)}
-    for key in ("t_end", "V_start"):
-        settings[key] = _swept(result, key, key, attributes.from_json(result, key))
-    if _same(settings["loading"].V_first, settings["V_start"]):
-        del settings["V_start"]
-    settings["initial"] = _values(result, "initial", attributes.from_json(result, "initial", dict))
-    if "times" in attrs:
-        own = "t" in result.coords and "time" in result.coords["t"].dims
-        settings["times"] = result.coords["t"].drop_vars("t") if own else result["time"].values
-    settings["rtol"] = attributes.number(result, "rtol")
-    settings["method"] = attributes.text(result, "method")
-    settings["dt"] = attributes.number(result, "dt") if "dt" in attrs else None
+def _settings(verb: str, result: Any) -> dict[str, Any]:
+    """The function's arguments but for the slider, and without those equal to its defaults."""
+    settings = {}
+    for key, argument in list(inspect.signature(FUNCTIONS[verb]).parameters.items())[1:]:
+        value = _setting(result, key)
+        many = is_array(value) or isinstance(value, np.ndarray)
+        if many or not (value is None or value == {} or value == argument.default):
+            settings[key] = value
+    if "V_start" in settings:
+        first, start = map(xarray.DataArray, (settings["loading"].V_first, settings["V_start"]))
+        if first.equals(start):
+            del settings["V_start"]
     return settings
+
+
+def _setting(result: Any, key: str) -> Any:
+    """The value of an argument; None for one that was not given."""
+    attrs = result.attrs
+    if key == "loading":
+        return _loading(result)
+    if key == "initial":
+        return _values(result, key, attributes.from_json(result, key, dict))
+    if key == "parameter":
+        return attributes.branch_parameter(result)
+    if key == "method":
+        return attributes.text(result, key)
+    if key == "times":
+        if key not in attrs:
+            return None
+        own = "t" in result.coords and "time" in result.coords["t"].dims
+        return result.coords["t"].drop_vars("t") if own else result["time"].values
+    if key in ("V_lp", "V_start", "t_end"):
+        follows = attrs.get("parameter") == key  # what a branch follows is between two ends
+        return None if follows else _swept(result, key, key, attributes.from_json(result, key))
+    return attributes.number(result, key) if key != "dt" or key in attrs else None
 
 
 def _loading(result: Any) -> Loading:
@@ -171,50 +195,3 @@ def _is_history(t: Any, V: Any, rate: Any, t_last: float) -> bool:
         and (V >= 0.0).all()
         and (ends >= -ROUNDING * V.max()).all()
     )
-
-
-def _same(x: Any, y: Any) -> bool:
-    """Whether two values, floats or DataArrays, are equal."""
-    if is_array(x) or is_array(y):
-        return is_array(x) and is_array(y) and bool(x.equals(y))
-    return bool(x == y)
-
-
-def _stability(result: Any) -> dict[str, Any]:
-    """The arguments of `stability`."""
-    return {"V_lp": _swept(result, "V_lp", "V_lp", attributes.from_json(result, "V_lp"))}
-
-
-def _limit_cycle(result: Any) -> dict[str, Any]:
-    """The arguments of `limit_cycle`."""
-    return _stability(result) | {"rtol": attributes.number(result, "rtol")}
-
-
-def _branch(result: Any) -> dict[str, Any]:
-    """The arguments of `continue_cycle`."""
-    settings: dict[str, Any] = {"parameter": attributes.branch_parameter(result), "V_lp": None}
-    settings |= {key: attributes.number(result, key) for key in ("start", "stop", "rtol")}
-    if settings["parameter"] != "V_lp":
-        recorded = attributes.from_json(result, "V_lp")
-        settings["V_lp"] = attributes.parameter_value("V_lp", "V_lp", recorded)
-    return settings
-
-
-_settings_of = {
-    "simulate": _simulate,
-    "limit_cycle": _limit_cycle,
-    "stability": _stability,
-    "continue_cycle": _branch,
-}
-
-
-def _without_defaults(verb: str, settings: dict[str, Any]) -> dict[str, Any]:
-    """Settings without those equal to the function's defaults."""
-    defaults = {k: p.default for k, p in inspect.signature(FUNCTIONS[verb]).parameters.items()}
-    return {
-        key: value
-        for key, value in settings.items()
-        if is_array(value)
-        or isinstance(value, np.ndarray)
-        or not (value is None or value == {} or value == defaults[key])
-    }
