@@ -94,7 +94,7 @@ def keys(table):
 
         known = TABLES[table]
         if table == "sweep":  # whose other keys are those of [slider]
-            known = [key for key in known if key not in SLIDER.keys]
+            known = [key for key in known if key not in SLIDER]
         rows = [_key(table, key) for key in known]
         if table == "sweep":
             rows.append("| any key of `[slider]` | | one value or many |")
@@ -121,16 +121,12 @@ def _key(table, key):
 
 def _otherwise(table, key):
     """What is taken for a parameter of the slider that is not given."""
-    import dataclasses
-
-    from ratestate import SpringSlider
-    from ratestate.interfaces.scenario.known_keys import SLIDER
+    from ratestate.interfaces.scenario.known_keys import NEEDED, SLIDER
 
     if table != "slider":
         said = OTHERWISE.get(f"{key} {table}")
         return f"; {said}" if said else ""
-    defaults = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
-    return "; needed" if key in SLIDER.required else f"; by default `{defaults[key]!r}`"
+    return "; needed" if key in NEEDED else f"; by default `{SLIDER[key]!r}`"
 
 
 def mistakes():

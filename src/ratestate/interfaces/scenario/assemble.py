@@ -7,7 +7,7 @@ import numpy as np
 
 from ...model.slider import SpringSlider
 from .checks import check_branch, check_rtol, check_run
-from .known_keys import SLIDER, VERBS, example
+from .known_keys import NEEDED, SLIDER, VERBS, example
 from .loading_table import LoadingTable
 from .model import Output, Scenario
 from .problems import Place, expected
@@ -40,16 +40,15 @@ def assemble(tables: Tables) -> Scenario | None:
     slider = _slider(tables)
     verb, own, swept, branch = tables.sweep
     if swept.get("V_lp") is not None and tables.loading.is_record:
-        what = "cannot stand for the speeds of a record, expected a loading without file and t"
-        tables.place("V_lp").add(f"{what} such as {example('V_lp')}")
+        tables.place("V_lp").add("loading.of_record", like=example("V_lp"))
     _note_missing_speed(tables)
-    settings = tables.run | {k: v for k, v in swept.items() if k not in SLIDER.keys}
+    settings = tables.run | {k: v for k, v in swept.items() if k not in SLIDER}
     if own != verb and "rtol" not in swept:  # the meaning of rtol differs between functions
         settings.pop("rtol", None)
     if verb == "simulate":
         settings = _run(tables, slider, settings)
     elif verb:
-        settings = {k: v for k, v in settings.items() if k in VERBS[verb].keys}
+        settings = {k: v for k, v in settings.items() if k in VERBS[verb]}
         if branch.get("parameter") != "V_lp":
             settings = {"V_lp": _last_speed(tables)} | settings
         if "rtol" in settings:
@@ -64,12 +63,12 @@ def assemble(tables: Tables) -> Scenario | None:
 
 def _slider(tables: Tables) -> SpringSlider | None:
     """The slider, or None if it cannot be made."""
-    values = tables.slider | {k: v for k, v in tables.sweep.values.items() if k in SLIDER.keys}
+    values = tables.slider | {k: v for k, v in tables.sweep.values.items() if k in SLIDER}
     followed = tables.sweep.branch
-    if followed.get("parameter") in SLIDER.required:  # the branch begins there
+    if followed.get("parameter") in NEEDED:  # the branch begins there
         values = {followed["parameter"]: followed["start"]} | values
     place = tables.table("slider")
-    absent = [key for key in SLIDER.required if key not in values]
+    absent = [key for key in NEEDED if key not in values]
     for key in absent:
         place.missing(key)
     if absent or any(value is None for value in values.values()):
@@ -82,7 +81,7 @@ def _note_missing_speed(tables: Tables) -> None:
     """Note a missing load-point speed, or a missing one before its first step."""
     loading = tables.loading
     swept = "V_lp" in tables.sweep.values or tables.sweep.branch.get("parameter") == "V_lp"
-    if not (loading.is_record or "V_lp" in loading.given or (swept and loading.final is None)):
+    if not (loading.is_record or "V_lp" in loading.given or (swept and loading.final == 0)):
         only_sweep = "sweep" in tables.names and "loading" not in tables.names
         tables.table("sweep" if only_sweep else "loading").missing("V_lp")
 
@@ -91,7 +90,7 @@ def _run(tables: Tables, slider: SpringSlider | None, settings: dict[str, Any]) 
     """The settings of `simulate`."""
     V_last = settings.pop("V_lp", None)
     if "t_end" not in settings:
-        tables.place("t_end").add(f"is missing, {expected('t_end')}")
+        tables.place("t_end").add("key.missing", wanted=expected("t_end"))
     loading = tables.loading.build(V_last, settings.get("t_end"))
     check_run(slider, settings, loading, tables.place)
     return {"loading": loading, **settings}
@@ -104,6 +103,5 @@ def _last_speed(tables: Tables) -> Any:
     if "V_lp" in swept:
         place, last = tables.place("V_lp"), swept["V_lp"]
     if last is not None and not np.all(np.greater(last, 0.0)):
-        what = f"0 m/s, a loading that ends at rest, has no {tables.sweep.verb}"
-        place.add(f"{what}, {expected('V_lp')}")
+        place.add("loading.at_rest", verb=tables.sweep.verb, wanted=expected("V_lp"))
     return last

@@ -17,14 +17,12 @@ from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
 from .known_keys import INITIAL
-from .problems import Place, expected
+from .problems import Place, expected, message
 from .sweep_table import BRANCH
 
 # For checks that do not depend on the slider.
 ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
 FEW = 10**5  # cases that are checked one by one
-TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
-DT = "expected the time step of im2017 such as dt = '0.1 ms'"
 #: function -> raises ParameterError for an rtol that it would refuse
 RTOL: dict[str, Callable[[float], Any]] = {
     "simulate": lambda rtol: solver_settings(rtol, "rodas5p", None, ANY),
@@ -42,7 +40,7 @@ def check_rtol(verb: str, rtol: float | None, place: Place) -> None:
 def check_branch(slider: SpringSlider, settings: dict[str, Any], place: Place) -> None:
     """Note arguments with which a branch cannot be followed."""
     arguments = {"V_lp": None, "rtol": 1e-8} | settings
-    wanted = "expected M > 0, b > a and two different ends"
+    wanted = message("branch.wanted")
     place.noting(lambda: checked_family(slider, **arguments), wanted=wanted, like=BRANCH)
 
 
@@ -62,26 +60,26 @@ def check_run(
     if all(values.get(key, "") is not None for key in ("method", "dt")):
         _check_method(slider, values.get("method", "rodas5p"), dt, place)
         if dt and t_end is not None and (steps := float(np.max(t_end)) / dt) > MAX_STEPS:
-            what = f"{dt:.6g} s makes {steps:.3g} steps up to t_end, more than {MAX_STEPS:.0e}"
-            place("dt").add(f"{what}, {expected('dt')}")
+            sizes = {"dt": dt, "steps": steps, "most": MAX_STEPS}
+            place("dt").add("run.too_many_steps", **sizes, wanted=expected("dt"))
     if loading is not None and t_end is not None:
         place("t_end").noting(lambda: loading.covers(t_end), "t_end", expected("t_end"))
     if times is not None and t_end is not None:
-        place("times").noting(lambda: saved_times(times, t_end), "times", TIMES)
+        place("times").noting(
+            lambda: saved_times(times, t_end), "times", message("run.times_wanted")
+        )
     if slider is not None and values.get("initial"):
         place("initial").noting(
             lambda: _check_initial(slider, values, loading),
-            wanted="expected one or two of V, theta and tau",
+            wanted=message("run.initial_wanted"),
             like=INITIAL.like,
         )
     if loading is None or slider is None or t_end is None:
         return
     if "V_start" not in values and not np.all(np.greater(loading.V_first, 0.0)):
-        place("V_start").add(f"is missing; at V_lp = 0 nothing slides, {expected('V_start')}")
+        place("V_start").add("run.no_start", wanted=expected("V_start"))
     if np.isinf(slider.K).any() and rests(loading, float(np.max(t_end))):
-        what = "inf moves the slider with the load point, which comes to rest, where eq. 1 gives no"
-        wanted = "expected a finite one such as '900 MPa/m'"
-        Place("[slider] K", place("K").problems).add(f"{what} friction, {wanted}")
+        Place("[slider] K", place("K").problems).add("run.rigid_rest")
 
 
 def _check_method(
@@ -92,8 +90,10 @@ def _check_method(
         solver_settings(1e-6, method, dt, slider or ANY)
     except ParameterError as error:
         about_dt = str(error).startswith("dt") or "needs a time step" in str(error)
-        key, wanted = ("dt", DT) if about_dt else ("method", "expected one such as 'rodas5p'")
-        place(key).note(error, key, wanted)
+        if about_dt:
+            place("dt").note(error, "dt", message("run.dt_wanted"))
+        else:
+            place("method").note(error, "method", "expected one such as 'rodas5p'")
 
 
 def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loading | None) -> None:

@@ -6,20 +6,18 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ...errors import ParameterError
 from .assemble import Tables, assemble
 from .known_keys import TABLES, example, tables_with
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
 from .plain_tables import plain_table
-from .problems import choice, one_of, report, shown, toml_key
+from .problems import Place, choice, message, one_of, refusal, report, toml_key
 from .sweep_table import sweep_table
 
 LARGEST = 10**7  # bytes
 DEEPEST = 50  # keys with dots between them: time and memory go with the square
 MOST_TABLES = 100
 TEMPLATES = ("brake", "lab", "fault")
-WANTED = "expected a scenario file such as `ratestate init lab` writes"
 
 
 def load(path: str | Path, verb: str | None = None) -> Scenario:
@@ -86,7 +84,7 @@ def loads(
     )
     scenario = assemble(tables)
     if scenario is None:
-        raise ParameterError(f"{name} cannot be used:\n{report(problems, TABLES)}")
+        raise refusal("file.unusable", name=name, lines=report(problems, TABLES))
     return scenario
 
 
@@ -109,49 +107,42 @@ def template(name: str) -> str:
 def _parse(text: bytes, name: str) -> dict[str, Any]:
     """Parse the text as TOML."""
     if len(text) > LARGEST:
-        raise ParameterError(f"{name} cannot be read: {_too_large(len(text))}, {WANTED}")
+        what = message("file.too_large", size=len(text), most=LARGEST)
+        raise refusal("file.unreadable", name=name, what=what)
     try:
-        if deep := _line_of_deep_key(text):
-            what = f"line {deep} has a key of more than {DEEPEST} parts, expected values"
-        else:
+        if not (deep := _line_of_deep_key(text)):
             return tomllib.loads(text.decode("utf-8-sig"))
+        what = message("file.deep_key", line=deep, most=DEEPEST)
     except UnicodeDecodeError as error:
-        k = text[: error.start].count(b"\n") + 1
-        what = f"line {k} is not UTF-8, expected text"
+        what = message("file.not_utf8", line=text[: error.start].count(b"\n") + 1)
     except RecursionError:
-        what = "too many brackets inside each other, expected values"
+        what = message("file.deep_brackets")
     except tomllib.TOMLDecodeError as error:
-        message, _, where = str(error).partition(" (at ")
+        reason, _, where = str(error).partition(" (at ")
         number = re.match(r"line (\d+)", where)
         lines = (text if number else text.rstrip()).decode().split("\n")
         k = int(number[1]) if number else len(lines)  # else it is the end of the document
-        what = f"line {k}, {shown(lines[k - 1].strip())}: {message}, expected TOML"
+        what = message("file.broken", lines[k - 1].strip(), line=k, what=reason)
     except ValueError:
-        what = "an integer of thousands of digits, expected values"
-    raise ParameterError(f'{name} is broken: {what} such as a = 0.003 or Dc = "10 um"')
+        what = message("file.huge_integer")
+    raise refusal("file.no_toml", name=name, what=what)
 
 
 def _bytes(path: Path) -> bytes:
     """The content of a file that exists and is not too large."""
     try:
         size = path.stat().st_size
-        if path.is_file() and size <= LARGEST:
+        if not path.is_file():
+            what = "Is a directory" if path.is_dir() else "it is no file"
+        elif size > LARGEST:
+            what = message("file.too_large", size=size, most=LARGEST)
+        else:
             return path.read_bytes()
-        what = "Is a directory" if path.is_dir() else "it is no file"
     except OSError as error:
         what = str(error.strerror)
     except ValueError:  # a null character in the path
         what = "no such name"
-    else:
-        if path.is_file():
-            what = _too_large(size)
-    raise ParameterError(f"{str(path)!r}"[1:-1] + f" cannot be read: {what}, {WANTED}")
-
-
-def _too_large(size: int) -> str:
-    """The message about a file of so many bytes."""
-    longer = "long records go into a file of their own, see [loading] file"
-    return f"it has {size} bytes, more than {LARGEST} ({longer})"
+    raise refusal("file.unreadable", name=repr(str(path))[1:-1], what=what)
 
 
 def _line_of_deep_key(text: bytes) -> int:
@@ -170,17 +161,17 @@ def _tables(parsed: dict[str, Any], problems: list[str]) -> dict[str, dict[str, 
     tables: dict[str, dict[str, Any]] = {}
     known = [f"[{name}]" for name in TABLES]
     for name, table in list(parsed.items())[:MOST_TABLES]:
-        place = f"[{toml_key(name)}]"
+        place = Place(f"[{toml_key(name)}]", problems)
         if name in TABLES:
             tables[name] = table if isinstance(table, dict) else {}
             if not isinstance(table, dict):
-                problems.append(f"{place}: {shown(table)} is no table, {one_of(known)}")
+                place.add("table.none", table, wanted=one_of(known))
         elif isinstance(table, dict):
-            problems.append(f"{place}: unknown table, {one_of(known, place)}")
+            place.add("table.unknown", wanted=one_of(known, place.name))
         else:  # a key
             homes = tables_with(name)
-            where = f"expected in {homes} such as {example(name)}" if homes else one_of(known)
-            problems.append(f"{toml_key(name)}: stands above all tables, {where}")
+            wanted = f"expected in {homes} such as {example(name)}" if homes else one_of(known)
+            Place(toml_key(name), problems).add("table.loose_key", wanted=wanted)
     if len(parsed) > MOST_TABLES:
-        problems.append(f"the file: has {len(parsed)} tables and keys, {one_of(known)}")
+        Place("the file", problems).add("table.too_many", n=len(parsed), wanted=one_of(known))
     return tables

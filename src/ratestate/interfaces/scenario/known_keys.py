@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 from ...engine.model import METHODS
 from ...files import NUMBERS, PICTURES
@@ -10,44 +10,30 @@ from ...friction.laws import LAWS
 from ...model.initial_state import SYMBOLS
 from ...model.quantities import KINDS, QUANTITIES
 from ...model.slider import SpringSlider
-from .problems import Place, nearest, one_of, shown
+from .problems import Place, nearest, one_of
 from .values import InlineTable
 
 #: in a table with more keys only known ones are read
 MOST_KEYS = 1000
 
 
-class Keys(NamedTuple):
-    """Keys that must be given, and those that may be."""
-
-    required: tuple[str, ...]
-    optional: tuple[str, ...] = ()
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        return self.required + self.optional
-
-
-def _keys_of_slider() -> Keys:
-    must = {f.name: f.default is dataclasses.MISSING for f in dataclasses.fields(SpringSlider)}
-    return Keys(tuple(k for k in must if must[k]), tuple(k for k in must if not must[k]))
-
-
-#: parameters of the slider
-SLIDER = _keys_of_slider()
+#: parameters of the slider -> defaults
+SLIDER = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
+#: those that must be given
+NEEDED = [key for key, default in SLIDER.items() if default is dataclasses.MISSING]
 #: value of the key verb -> the function's own parameters in [sweep]
 VERBS = {
-    "limit_cycle": Keys(("V_lp",), ("rtol",)),
-    "simulate": Keys(("V_lp", "t_end"), ("V_start", "times", "rtol")),
-    "stability": Keys(("V_lp",)),
-    "continue_cycle": Keys(("V_lp",), ("rtol",)),
+    "limit_cycle": ("V_lp", "rtol"),
+    "simulate": ("V_lp", "t_end", "V_start", "times", "rtol"),
+    "stability": ("V_lp",),
+    "continue_cycle": ("V_lp", "rtol"),
 }
 #: table -> its keys
 TABLES = {
-    "slider": SLIDER.keys,
+    "slider": tuple(SLIDER),
     "loading": ("V_lp", "steps", "sinusoid", "file", "columns", "units", "t"),
     "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt"),
-    "sweep": ("verb", "V_lp", "t_end", "V_start", "times", "rtol", *SLIDER.keys),
+    "sweep": ("verb", "V_lp", "t_end", "V_start", "times", "rtol", *SLIDER),
     "output": ("file", "plot"),
 }
 #: key -> the names that it may have as a value
@@ -93,39 +79,32 @@ def example(key: str, table: str = "") -> str:
     return f"{key} = {value}"
 
 
-def misplaced_axis(key: str, value: Any) -> str:
-    """The message about many values for a key that takes only one."""
-    return f"{shown(value)} makes an axis, expected in [sweep], or one value such as {example(key)}"
-
-
 def known_items(
-    table: str, given: dict[str, Any], place: Place, what: str = "unknown key"
+    table: str, given: dict[str, Any], place: Place, verb: str = ""
 ) -> Iterator[tuple[str, Any]]:
-    """The known keys of a table with their values; others are noted, unless there are too many.
-
-    what : what is noted of the others
-    """
+    """The known keys of a table with their values; others are noted, unless there are too many."""
     keys = TABLES[table]
-    many = len(given) > MOST_KEYS
-    if many:
-        some = f"has {len(given)} keys, expected some of {', '.join(keys)}"
-        place.add(f"{some} such as {example(keys[0], table)}")
+    if len(given) > MOST_KEYS:
+        like = example(keys[0], table)
+        place.add("table.too_long", n=len(given), keys=", ".join(keys), like=like)
     for key, value in given.items():
         if key in keys:
             yield key, value
-        elif not many:
-            place.at(key).add(_unknown(table, key, what))
+        elif len(given) <= MOST_KEYS:
+            _note_unknown(table, key, place.at(key), verb)
 
 
-def _unknown(table: str, key: str, what: str) -> str:
-    """The message about an unknown key: with the table where it belongs, or a similar key."""
+def _note_unknown(table: str, key: str, place: Place, verb: str) -> None:
+    """Note an unknown key: with the table where it belongs, or a similar key."""
     if homes := tables_with(key, table):
-        return f"stands in the wrong table, expected in {homes} such as {example(key)}"
+        place.add("key.misplaced", tables=homes, like=example(key))
+        return
     keys = TABLES[table]
     own = nearest(key, keys)
     near = None if own else nearest(key, {k for t in TABLES.values() for k in t})
     meant = f"; did you mean {near} in {tables_with(near, table)}?" if near else ""
-    return f"{what}, {one_of(keys, key, example(own or keys[0], table))}{meant}"
+    wanted = one_of(keys, key, example(own or keys[0], table)) + meant
+    place.add("key.no_parameter" if verb else "key.unknown", verb=verb, wanted=wanted)
 
 
 def tables_with(key: str, but: str = "") -> str:

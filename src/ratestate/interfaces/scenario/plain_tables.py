@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from ...errors import ParameterError
-from .known_keys import AXES, CHOICES, ENDINGS, INITIAL, known_items, misplaced_axis
-from .problems import Place, choice, shown
+from .known_keys import AXES, CHOICES, ENDINGS, INITIAL, example, known_items
+from .problems import Place, choice, message, refusal
 from .values import as_array, read_number, read_values
 
 LONGEST_PATH = 255  # characters
@@ -22,13 +21,13 @@ def read_value(key: str, value: Any, place: Place) -> Any:
     """The value of a key that has no axis here."""
     if key == "initial":
         before = len(place.problems)
-        values = INITIAL.read(value, place, "one such as")
+        values = INITIAL.read(value, place, "one ")
         return values if len(place.problems) == before else None
     if key == "times":
         many = read_values(key, value, place)
         return None if many is None else as_array(key, many)
     if isinstance(value, dict | list) and key in AXES:
-        place.add(misplaced_axis(key, value))
+        place.add("key.no_axis", value, like=example(key))
         return None
     if key in CHOICES:
         return place.noting(lambda: choice(value, CHOICES[key]))
@@ -39,15 +38,15 @@ def read_value(key: str, value: Any, place: Place) -> Any:
 
 def _path(key: str, value: Any) -> Path:
     """The path of a file that can be written; ParameterError if it cannot."""
-    names = " or ".join(ENDINGS[key])
-    wanted = f"expected a file that ends in {names}, such as 'out{ENDINGS[key][0]}'"
+    endings = ENDINGS[key]
+    wanted = message("output.wanted", names=" or ".join(endings), ending=endings[0])
     if not isinstance(value, str):
-        raise ParameterError(f"{shown(value)} is no text, {wanted}")
+        raise refusal("output.no_text", value, wanted=wanted)
     if len(value) > LONGEST_PATH or not value.isprintable():
-        raise ParameterError(f"{shown(value)} cannot be a file's name, {wanted}")
+        raise refusal("output.no_name", value, wanted=wanted)
     path = Path(value)
-    if path.suffix.lower() not in ENDINGS[key]:
-        raise ParameterError(f"{shown(value)} ends otherwise, {wanted}")
+    if path.suffix.lower() not in endings:
+        raise refusal("output.ending", value, wanted=wanted)
     if not path.parent.is_dir():
-        raise ParameterError(f"{shown(value)}: there is no such folder, {wanted} here")
+        raise refusal("output.no_folder", value, wanted=wanted)
     return path

@@ -4,11 +4,13 @@ import difflib
 import functools
 import re
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ...errors import ParameterError
 from ...model.quantities import KINDS
 from ...model.quantities import expected as _expected
+from ...model.sentences import Sentences
 
 LONGEST_SHOWN = 60  # characters
 MOST_LINES = 100  # problems
@@ -16,6 +18,17 @@ NEAR = 0.7  # from 0 to 1, how similar a name must be to be suggested
 #: the end of a line; since brackets mean tables and keys there, units appear in examples only
 expected = functools.partial(_expected, unit=False)
 T = TypeVar("T")
+_messages = Sentences(Path(__file__).with_name("messages.toml"))
+
+
+def message(name: str, given: Any = None, /, **values: Any) -> str:
+    """The message of this name in messages.toml, about a value that is given."""
+    return _messages(name, given=shown(given), **values)
+
+
+def refusal(name: str, given: Any = None, /, **values: Any) -> ParameterError:
+    """The error with the message of this name."""
+    return ParameterError(message(name, given, **values))
 
 
 class Place(NamedTuple):
@@ -30,13 +43,13 @@ class Place(NamedTuple):
         inner = f"[{part}]" if isinstance(part, int) else joint + toml_key(part)
         return self._replace(name=self.name + inner)
 
-    def add(self, what: str) -> None:
-        """Note a problem: "'3.2 mm' is a length, expected a speed such as ..."."""
-        self.problems.append(f"{self.name}: {what}")
+    def add(self, name: str, given: Any = None, /, **values: Any) -> None:
+        """Note a problem, by the name of its message."""
+        self.problems.append(f"{self.name}: {message(name, given, **values)}")
 
     def missing(self, key: str, wanted: str = "") -> None:
         """Note that a key of this table is missing, and what is expected if not its quantity."""
-        self.at(key).add(f"is missing, {wanted or expected(key)}")
+        self.at(key).add("key.missing", wanted=wanted or expected(key))
 
     def noting(
         self, make: Callable[[], T], symbol: str = "", wanted: str = "", like: str = ""
@@ -51,12 +64,7 @@ class Place(NamedTuple):
     def note(
         self, error: ParameterError, symbol: str = "", wanted: str = "", like: str = ""
     ) -> None:
-        """Note an error.
-
-        symbol : start of the message, which is removed
-        wanted : the end of the line, if the message does not say what is expected
-        like : an example for the expected value
-        """
+        """Note an error, without its start `symbol`; `wanted` and `like` say what is expected."""
         what = error_line(error).removeprefix(f"{symbol} = ").removeprefix(f"{symbol} ")
         what = what.removeprefix("[s] ")  # (of times)
         if ", expected " not in what:
@@ -64,7 +72,7 @@ class Place(NamedTuple):
             if own and like:
                 what, wanted = wrong, f"expected {remedy}"
             what = f"{what}, {wanted}" + (f" such as {like}" if like else "")
-        self.add(what)
+        self.problems.append(f"{self.name}: {what}")
 
 
 def report(problems: list[str], tables: Iterable[str]) -> str:
@@ -137,4 +145,4 @@ def choice(given: Any, names: Iterable[str]) -> str:
     names = list(names)
     if isinstance(given, str) and given in names:
         return given
-    raise ParameterError(f"{shown(given)} is unknown, {one_of(names, given)}")
+    raise refusal("value.unknown", given, wanted=one_of(names, given))

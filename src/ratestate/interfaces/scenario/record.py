@@ -13,14 +13,20 @@ from ...model.loading import Loading
 from ...model.quantities import QUANTITIES
 from ...model.units import to_si
 from .known_keys import LIKE
-from .problems import Place, error_line, expected, nearest, shown
+from .problems import Place, error_line, expected, message, nearest, refusal, shown
 from .text_tables import number_in, rows_of
 from .values import unusual
 
 BAD_LISTED = 5  # cells
 SYMBOLS = ("t", "V_lp")
 Row = tuple[int, list[str]]
-Record = tuple[Loading | None, float | None]
+
+
+class Record(NamedTuple):
+    """A loading and its last speed [m/s]; None each if there are problems."""
+
+    loading: Loading | None = None
+    last: float | None = None
 
 
 class Column(NamedTuple):
@@ -32,23 +38,13 @@ class Column(NamedTuple):
 
 
 def read_record(table: dict[str, Any], folder: Path, place: Place) -> Record:
-    """The loading in a file, and its last speed [m/s]; None each if there are problems.
-
-    Parameters
-    ----------
-    table : dict
-        [loading], with ``file``, ``columns`` and maybe ``units``.
-    folder : Path
-        Folder to which the file's path is relative.
-    place : Place
-        [loading]
-    """
+    """The loading in a file, whose name is relative to a folder, as the table [loading] says."""
     before = len(place.problems)
     wanted = _pair("columns", table, str | int, place)
     units = _pair("units", table, str, place) if "units" in table else None
     rows = place.at("file").noting(lambda: rows_of(table["file"], folder))
     if rows is None or wanted is None:
-        return None, None
+        return Record()
     head = rows[0][1]
     # named columns need a header; of numbered ones the first cell says whether there is one
     numbered = [column - 1 for column in wanted if isinstance(column, int)]
@@ -59,23 +55,23 @@ def read_record(table: dict[str, Any], folder: Path, place: Place) -> Record:
     ]
     columns = [column for column in found if column]
     if len(place.problems) > before:
-        return None, None
+        return Record()
     read = functools.partial(_history, rows[titled:], columns, place.at("file"))
-    wanted_rows = "expected (counting rows from 0 on, without the header) times and speeds"
-    history = place.at("file").noting(read, wanted=wanted_rows, like="0,1 and 2.5,1")
-    return history or (None, None)
+    rows_wanted = message("record.history_wanted")
+    record = place.at("file").noting(read, wanted=rows_wanted, like="0,1 and 2.5,1")
+    return record or Record()
 
 
 def _pair(key: str, table: dict[str, Any], kinds: Any, place: Place) -> list[Any] | None:
     """A pair of strings, or of integers where `kinds` allows them."""
-    wanted = f"expected a pair, of times and of speeds, such as {LIKE[key]}"
+    wanted = message("columns.pair_wanted", like=LIKE[key])
     value = table.get(key)
     if value is None:
         place.missing(key, wanted)
         return None
     sound = isinstance(value, list) and len(value) == 2
     if not sound or not all(isinstance(x, kinds) and not isinstance(x, bool) for x in value):
-        place.at(key).add(f"{shown(value)} is no pair, {wanted}")
+        place.at(key).add("columns.no_pair", value, wanted=wanted)
         return None
     return list(value)
 
@@ -93,8 +89,7 @@ def _column(
     if unit is None:
         unit = _split(name)[1]
     if not unit:
-        what = f"{shown(name)} has no unit"
-        place.add(f"{what}, expected units such as units = ['s', 'um/s']")
+        place.add("columns.no_unit", name)
         return None
     at_unit.noting(lambda: _check_unit(SYMBOLS[i], unit))
     return Column(index, name, unit)
@@ -105,11 +100,9 @@ def _index(wanted: str | int, head: list[str], titled: bool) -> int:
     if isinstance(wanted, int):
         if 1 <= wanted <= len(head):
             return wanted - 1
-        numbers = f"expected a number from 1 to {len(head)} such as 1"
-        raise ParameterError(f"{shown(wanted)} is no column, {numbers}")
+        raise refusal("columns.no_number", wanted, n=len(head))
     if not titled:
-        what = f"{shown(wanted)} cannot be found, for the file has no header"
-        raise ParameterError(f"{what}, expected the number of one such as {len(head)}")
+        raise refusal("columns.no_header", wanted, n=len(head))
     titles = [" ".join(cell.split()) for cell in head]
     names = [_split(title)[0] for title in titles]
     wanted = " ".join(wanted.split())
@@ -119,8 +112,8 @@ def _index(wanted: str | int, head: list[str], titled: bool) -> int:
     listed = ", ".join(map(shown, titles[:20]))
     near = nearest(wanted, titles) or nearest(wanted, names)
     meant = f"; did you mean {shown(near)}?" if near else ""
-    how = "is the name of several columns" if names.count(wanted) > 1 else "is no column"
-    raise ParameterError(f"{shown(wanted)} {how}, expected one of {listed}{meant}")
+    name = "columns.several" if names.count(wanted) > 1 else "columns.no_name"
+    raise refusal(name, wanted, listed=listed, meant=meant)
 
 
 def _split(title: str) -> tuple[str, str]:
@@ -136,7 +129,7 @@ def _check_unit(symbol: str, unit: str) -> None:
     except ParameterError as error:
         what = error_line(error).removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
         what = what.replace(f"has an unknown unit {unit!r}", "is unknown", 1)
-        raise ParameterError(f"the unit {shown(unit)} {what}") from None
+        raise refusal("columns.bad_unit", unit, what=what) from None
 
 
 def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
@@ -147,20 +140,19 @@ def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
     table = np.array([[number_in(cell) for cell in pair] for pair in cells]).reshape(-1, 2)
     bad = np.argwhere(np.isnan(table))
     for i, j in bad[:BAD_LISTED]:
-        what = f"line {rows[i][0]}: {shown(cells[i][j])} in {shown(columns[j].name)} is no number"
-        place.add(f"{what}, expected one such as 0.5")
+        column = shown(columns[j].name)
+        place.add("record.no_number", cells[i][j], line=rows[i][0], column=column)
     if len(bad) > BAD_LISTED:
-        what = f"and {len(bad) - BAD_LISTED} cells more are no numbers"
-        place.add(f"{what}, expected numbers such as 0.5")
+        place.add("record.more_no_numbers", n=len(bad) - BAD_LISTED)
     if len(bad):
-        return None, None
+        return Record()
     t, V = (
         xarray.DataArray(table[:, i], dims="row", attrs={"units": column.unit})
         for i, column in enumerate(columns)
     )
     for symbol, array in zip(SYMBOLS, (t, V), strict=True):
         largest = float(np.abs(to_si(symbol, array, bound="")).max())
-        if complaint := unusual(symbol, max(largest, 1.0)):
-            given = f"{symbol} = {largest:.6g} {QUANTITIES[symbol].unit}"
-            raise ParameterError(f"{given} {complaint}, {expected(symbol)}")
-    return Loading.series(t, V), float(to_si("V_lp", V[-1:], bound=">= 0")[0])
+        if sizes := unusual(symbol, max(largest, 1.0)):
+            x = f"{symbol} = {largest:.6g} {QUANTITIES[symbol].unit}"
+            raise refusal("value.unusual", x=x, sizes=sizes, wanted=expected(symbol))
+    return Record(Loading.series(t, V), float(to_si("V_lp", V[-1:], bound=">= 0")[0]))

@@ -165,17 +165,14 @@ def _loading(result: Any) -> Loading:
     t_last = np.inf if record["t_last"] is None else float(record["t_last"])
     if "sinusoid" in record:
         return Loading.sinusoid(**_values(result, "loading", record["sinusoid"]), t_end=t_last)
-    columns = []
+    columns: list[Any] = []
     for name in ("t", "V", "rate"):
         value: Any = record[name] if name in record else result[f"loading_{name}"].variable
         if isinstance(value, dict):
-            columns.append(_labelled(result, attributes.array("loading", value)))
-        elif isinstance(value, list):
-            columns.append(np.array(value, float))
-        elif value.ndim == 1:
-            columns.append(value.values.astype(float))
-        else:
-            columns.append(_labelled(result, xarray.DataArray(value.astype(float))))
+            value = attributes.array("loading", value)
+        many = np.ndim(value) > 1
+        array = xarray.DataArray(value).astype(float) if many else np.array(value, float)
+        columns.append(_labelled(result, array) if many else array)
     t, V, rate = columns
     if not _is_history(t, np.asarray(V), np.asarray(rate), t_last):
         raise ParameterError(f"the loading that the Dataset records is no history; {WANTED}")

@@ -16,52 +16,36 @@ BRANCH = 'K = { from = "700 MPa/m", to = "300 MPa/m" }'
 
 
 class Sweep(NamedTuple):
-    """The table [sweep].
+    """The table [sweep]."""
 
-    verb : the function to call: the requested one, or the file's own; "" if that is unknown
-    own : the file's own verb
-    values : key -> float, law, DataArray of an axis, times, or None for one with a problem
-    branch : the keys parameter, start and stop of `continue_cycle`
-    """
-
-    verb: str
-    own: str
-    values: dict[str, Any]
-    branch: dict[str, Any]
+    verb: str  # the function to call: the requested one, or the file's own; "" if that is unknown
+    own: str  # the file's own verb
+    values: dict[str, Any]  # floats, DataArrays of axes, times, law; None for one with a problem
+    branch: dict[str, Any]  # the keys parameter, start and stop of `continue_cycle`
 
 
 def sweep_table(
     table: dict[str, Any] | None, requested: str | None, of_run: str | None, problems: list[str]
 ) -> Sweep:
-    """Read the table [sweep].
-
-    Parameters
-    ----------
-    table : dict or None
-        None if the file has none.
-    requested : str or None
-        A function to call in place of the file's own.
-    of_run : str or None
-        The verb in [run].
-    """
+    """Read the table [sweep], if any; `requested` replaces its verb, which may be that of [run]."""
     place = Place("[sweep]", problems)
     if table is None:
         own = of_run or "simulate"
         verb = requested or own
         if verb == "continue_cycle":
-            place.add(f"is missing, expected what a branch follows, such as {BRANCH}")
+            place.add("branch.missing", like=BRANCH)
         return Sweep(verb, own, {}, {})
     own = _verb(table, requested, of_run, place)
     verb = requested or own
-    of_verb = {name: [*SLIDER.keys, *keys.keys] for name, keys in VERBS.items()}
+    of_verb = {name: [*SLIDER, *keys] for name, keys in VERBS.items()}
     known = of_verb.get(own) or [key for key in TABLES["sweep"] if key != "verb"]
-    what = f"is no parameter of the slider or of {own or 'any verb'}"
     given = {}
-    for key, value in known_items("sweep", table, place, what):
+    for key, value in known_items("sweep", table, place, own or "any verb"):
         if key in known:
             given[key] = value
         elif key != "verb":
-            place.at(key).add(f"{what}, {one_of(known, key, example(key))}")
+            wanted = one_of(known, key, example(key))
+            place.at(key).add("key.no_parameter", verb=own, wanted=wanted)
     branch = _branch(given, own, place) if verb == "continue_cycle" else {}
     values = _read(given, own, place, bool(branch))
     kept = {*of_verb.get(verb, known)}
@@ -78,8 +62,7 @@ def _verb(table: dict[str, Any], requested: str | None, of_run: str | None, plac
         return of_run or requested or ""
     verb = place.at("verb").noting(lambda: choice(table["verb"], VERBS))
     if verb and of_run not in (None, verb):
-        wanted = f"expected one such as {shown(of_run)}"
-        place.at("verb").add(f"{shown(verb)} is not that of [run], {wanted}")
+        place.at("verb").add("table.two_verbs", verb, own=shown(of_run))
         return ""
     return verb or ""
 
@@ -95,12 +78,11 @@ def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> di
             values[key] = read_values(key, value, place.at(key), bound)
     many = {key for key, value in given.items() if isinstance(value, dict | list)}
     if not is_branch and not many - ONE_FOR_ALL:
-        place.add(f"nothing has many values, expected an axis such as M = {AXIS}")
+        place.add("sweep.no_axis", like=AXIS)
     axes = {k: v for k, v in values.items() if isinstance(v, Many) and k not in ONE_FOR_ALL}
     if (cases := math.prod(map(len, axes.values()))) > MOST_CASES:
         product = " x ".join(f"{len(axis)} {key}" for key, axis in axes.items())
-        wanted = f"expected {MOST_CASES} at most, of axes such as {AXIS}"
-        place.add(f"{product} are {cases} cases, {wanted}")
+        place.add("sweep.too_many", product=product, cases=cases, most=MOST_CASES, like=AXIS)
         return dict.fromkeys(values)
     return values | {key: as_axis(key, axis) for key, axis in axes.items()}
 
@@ -111,17 +93,15 @@ def _branch(values: dict[str, Any], own: str, place: Place) -> dict[str, Any]:
     followed = [key for key, value in values.items() if isinstance(value, dict)]
     if len(followed) != 1:
         names = " and ".join(followed) or "nothing"
-        place.add(f"{names} between two ends, expected one such as {BRANCH}")
+        place.add("branch.not_one", names=names, like=BRANCH)
         return nothing
     (key,) = followed
     table = values.pop(key)
     if key not in PARAMETERS:
-        place.at(key).add(f"cannot be followed, {one_of(PARAMETERS, like=BRANCH)}")
+        place.at(key).add("branch.cannot_follow", wanted=one_of(PARAMETERS, like=BRANCH))
         return nothing
     if own == "continue_cycle" and (more := table.keys() - {"from", "to"}):
-        place.at(key).add(
-            f"{', '.join(map(shown, sorted(more)))}: a branch chooses its points itself, "
-            f"expected from and to only, such as {BRANCH}"
-        )
+        keys = ", ".join(map(shown, sorted(more)))
+        place.at(key).add("branch.own_points", keys=keys, like=BRANCH)
     start, stop = read_ends(key, table, place.at(key))
     return {"parameter": key, "start": start, "stop": stop}

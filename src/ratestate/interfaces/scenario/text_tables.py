@@ -6,8 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ...errors import ParameterError
-from .problems import shown
+from .problems import message, refusal
 
 ENDINGS = (".csv", ".tsv", ".txt")
 LARGEST = 100 * 10**6  # bytes
@@ -16,28 +15,23 @@ LONGEST = 10**6  # rows
 
 def rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:
     """The rows of a file that are not empty, each with the number of its line."""
-    wanted = f"expected a table of text with the ending {', '.join(ENDINGS)}, such as 'record.csv'"
+    wanted = message("record.wanted", endings=", ".join(ENDINGS))
     if not isinstance(file, str) or not file.isprintable() or len(file) > 1000:
-        raise ParameterError(f"{shown(file)} is no file's name, {wanted}")
+        raise refusal("record.no_name", file, wanted=wanted)
     path = folder / file
     if path.suffix.lower() not in ENDINGS:
-        raise ParameterError(f"{shown(file)} ends otherwise, {wanted}")
+        raise refusal("record.ending", file, wanted=wanted)
     try:
         if not path.is_file():
-            raise ParameterError(f"{shown(str(path))} does not exist, {wanted}")
+            raise refusal("record.missing", str(path), wanted=wanted)
         if (size := path.stat().st_size) > LARGEST:
-            raise ParameterError(
-                f"{shown(file)} has {size} bytes, expected {LARGEST} at most, "
-                f"such as every tenth row has"
-            )
+            raise refusal("record.too_large", file, size=size, most=LARGEST)
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
-        raise ParameterError(f"{shown(file)} cannot be read: {error.strerror}, {wanted}") from None
+        raise refusal("record.unreadable", file, what=error.strerror, wanted=wanted) from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise ParameterError(
-            f"{shown(file)}, line {line} is not UTF-8, expected text so saved such as 0.5,100"
-        ) from None
+        raise refusal("record.not_utf8", file, line=line) from None
     first = text[:10000].lstrip().split("\n", 1)[0]
     delimiter = next((mark for mark in "\t;" if mark in first), ",")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
@@ -47,18 +41,11 @@ def rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:
             if any(cell.strip() for cell in row):
                 rows.append((reader.line_num, [cell.strip() for cell in row]))
             if len(rows) > LONGEST + 1:
-                raise ParameterError(
-                    f"{shown(file)} has too many rows, expected {LONGEST} at most, "
-                    f"such as every tenth"
-                )
+                raise refusal("record.too_many_rows", file, most=LONGEST)
     except csv.Error as error:
-        raise ParameterError(
-            f"{shown(file)}, line {reader.line_num}: {error}, expected cells such as 0.5,100"
-        ) from None
+        raise refusal("record.bad_row", file, line=reader.line_num, what=error) from None
     if not rows:
-        raise ParameterError(
-            f"{shown(file)} is empty, expected rows of times and speeds such as 0.5,100"
-        )
+        raise refusal("record.empty", file)
     return rows
 
 

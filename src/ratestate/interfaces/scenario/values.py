@@ -12,11 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...errors import ParameterError
 from ...model.arrays import logspace
 from ...model.quantities import QUANTITIES, attrs
 from ...model.units import to_si
-from .problems import Place, choice, expected, one_of, shown
+from .problems import Place, choice, expected, one_of, refusal, shown
 
 #: largest number of values along one axis, and of saved times
 LONGEST = 10**6
@@ -79,7 +78,7 @@ def as_axis(symbol: str, many: Many) -> Any:
 
 
 def unusual(symbol: str, x: float) -> str:
-    """The message about a value [SI] beyond all limits; "" for others, 0 and inf among them.
+    """The limits that a value [SI] is beyond, as text; "" for others, 0 and inf among them.
 
     (`units.to_si` decides whether a quantity may be 0 or inf.)
     """
@@ -88,23 +87,23 @@ def unusual(symbol: str, x: float) -> str:
     if x == 0.0 or np.isinf(x) or low <= abs(x) <= high:
         return ""
     sizes = f"{low:g} to {high:g}" if low else f"up to {high:g}"
-    return f"is beyond any usual size, {sizes}" + ("" if unit == "1" else f" {unit}")
+    return sizes if unit == "1" else f"{sizes} {unit}"
 
 
 def number(symbol: str, value: Any, bound: str | None = None) -> float:
     """One value in SI; ParameterError if it is no number or has an unusual magnitude."""
+    wanted = expected(symbol)
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        what = "is not one number"
-    elif isinstance(value, str) and len(value) > LONGEST_TEXT:
-        what = "is too long"
-    else:
-        try:  # (an integer may have more digits than Python writes into a message)
-            x = to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
-            if not (what := unusual(symbol, x)):
-                return x
-        except ArithmeticError:
-            what = "is beyond what can be"
-    raise ParameterError(f"{shown(value)} {what}, {expected(symbol)}")
+        raise refusal("value.no_number", value, wanted=wanted)
+    if isinstance(value, str) and len(value) > LONGEST_TEXT:
+        raise refusal("value.too_long", value, wanted=wanted)
+    try:  # (an integer may have more digits than Python writes into a message)
+        x = to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
+    except ArithmeticError:
+        raise refusal("value.overflow", value, wanted=wanted) from None
+    if sizes := unusual(symbol, x):
+        raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=wanted)
+    return x
 
 
 def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> float | None:
@@ -121,8 +120,7 @@ def read_values(
     if not isinstance(value, list):
         return read_number(symbol, value, place, bound)
     if not 1 <= len(value) <= LONGEST:
-        what = f"is a list of {len(value)}, expected 1 to {LONGEST} values"
-        place.add(f'{what}, such as ["100 kg/m^2", 3000]')
+        place.add("axis.length", n=len(value), most=LONGEST)
         return None
     numbers = []
     for i, element in enumerate(value):
@@ -142,8 +140,7 @@ def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -
     first, last = read_ends(symbol, table, place, "> 0" if scale == "log" else bound)
     n = table.get("n")
     if isinstance(n, bool) or not isinstance(n, int) or not 2 <= n <= LONGEST:
-        what = "is missing" if n is None else f"{shown(n)} cannot be the number of values"
-        place.at("n").add(f"{what}, expected an integer from 2 to {LONGEST}, such as 12")
+        place.at("n").add("axis.no_n" if n is None else "axis.bad_n", n, most=LONGEST)
     elif first is not None and last is not None and scale and len(place.problems) == before:
         return AxisRange(first, last, n, scale)
     return None
@@ -159,8 +156,7 @@ def read_ends(
         if key not in table:
             place.missing(key, expected(symbol))
         elif x is not None and np.isinf(x):
-            what = f"{x} is no end of an axis, which must be finite"
-            place.at(key).add(f"{what}, {expected(symbol)}")
+            place.at(key).add("axis.infinite_end", x, wanted=expected(symbol))
             x = None
         ends.append(x)
     return ends
@@ -172,10 +168,10 @@ class InlineTable(NamedTuple):
     keys: dict[str, tuple[str, str | None]]
     like: str
 
-    def read(self, table: Any, place: Place, such: str = "such as") -> dict[str, Any] | None:
+    def read(self, table: Any, place: Place, one: str = "") -> dict[str, Any] | None:
         """The values in SI, None for one with a problem and for what is no table."""
         if not isinstance(table, dict):
-            place.add(f"{shown(table)} is no table, expected {such} {self.like}")
+            place.add("table.none", table, wanted=f"expected {one}such as {self.like}")
             return None
         note_unknown_keys(table, self.keys, self.like, place)
         return {
@@ -188,4 +184,4 @@ class InlineTable(NamedTuple):
 def note_unknown_keys(table: dict[str, Any], keys: Iterable[str], like: str, place: Place) -> None:
     """Note the keys of an inline table that are none of these."""
     for key in table.keys() - set(keys):
-        place.at(key).add(f"unknown key, {one_of(keys, key, like)}")
+        place.at(key).add("key.unknown", wanted=one_of(keys, key, like))
