@@ -5,13 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...dynamics.continuation.branch import checked_family
 from ...model.slider import SpringSlider
-from .checks import check_branch, check_rtol, check_run
+from .checks import check_rtol, check_run
 from .known_keys import NEEDED, SLIDER, VERBS, example
 from .loading_table import LoadingTable
 from .model import Output, Scenario
-from .problems import Place, expected
-from .sweep_table import Sweep
+from .problems import Place, expected, message
+from .tables import BRANCH, Sweep
 
 
 class Tables(NamedTuple):
@@ -46,7 +47,12 @@ def assemble(tables: Tables) -> Scenario | None:
     if own != verb and "rtol" not in swept:  # the meaning of rtol differs between functions
         settings.pop("rtol", None)
     if verb == "simulate":
-        settings = _run(tables, slider, settings)
+        V_last = settings.pop("V_lp", None)
+        if "t_end" not in settings:
+            tables.place("t_end").add("key.missing", wanted=expected("t_end"))
+        loading = tables.loading.build(V_last, settings.get("t_end"))
+        check_run(slider, settings, loading, tables.place)
+        settings = {"loading": loading} | settings
     elif verb:
         settings = {k: v for k, v in settings.items() if k in VERBS[verb]}
         if branch.get("parameter") != "V_lp":
@@ -55,7 +61,10 @@ def assemble(tables: Tables) -> Scenario | None:
             check_rtol(verb, settings["rtol"], tables.place("rtol"))
         settings = branch | settings
     if verb == "continue_cycle" and slider is not None and branch and not tables.problems:
-        check_branch(slider, settings, tables.table("sweep").at(branch["parameter"]))
+        arguments = {"V_lp": None, "rtol": 1e-8} | settings
+        check = functools.partial(checked_family, slider, **arguments)
+        place = tables.table("sweep").at(branch["parameter"])
+        place.noting(check, wanted=message("branch.wanted"), like=BRANCH)
     if tables.problems or slider is None:
         return None
     return Scenario(verb, slider, settings, Output(**tables.output))
@@ -84,16 +93,6 @@ def _note_missing_speed(tables: Tables) -> None:
     if not (loading.is_record or "V_lp" in loading.given or (swept and loading.final == 0)):
         only_sweep = "sweep" in tables.names and "loading" not in tables.names
         tables.table("sweep" if only_sweep else "loading").missing("V_lp")
-
-
-def _run(tables: Tables, slider: SpringSlider | None, settings: dict[str, Any]) -> dict[str, Any]:
-    """The settings of `simulate`."""
-    V_last = settings.pop("V_lp", None)
-    if "t_end" not in settings:
-        tables.place("t_end").add("key.missing", wanted=expected("t_end"))
-    loading = tables.loading.build(V_last, settings.get("t_end"))
-    check_run(slider, settings, loading, tables.place)
-    return {"loading": loading, **settings}
 
 
 def _last_speed(tables: Tables) -> Any:

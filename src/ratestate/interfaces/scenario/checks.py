@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from ...dynamics.continuation.branch import check_rtol as check_rtol_of_branch
-from ...dynamics.continuation.branch import checked_family
 from ...dynamics.cycles.limit_cycle import limit_cycle_call
 from ...dynamics.simulation.cases import MAX_STEPS
 from ...dynamics.simulation.simulate import saved_times, solver_settings
@@ -18,7 +17,6 @@ from ...model.slider import SpringSlider
 from ...model.units import is_array
 from .known_keys import INITIAL
 from .problems import Place, expected, message
-from .sweep_table import BRANCH
 
 # For checks that do not depend on the slider.
 ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
@@ -37,24 +35,13 @@ def check_rtol(verb: str, rtol: float | None, place: Place) -> None:
         place.noting(lambda: RTOL[verb](rtol), "rtol", expected("rtol"))
 
 
-def check_branch(slider: SpringSlider, settings: dict[str, Any], place: Place) -> None:
-    """Note arguments with which a branch cannot be followed."""
-    arguments = {"V_lp": None, "rtol": 1e-8} | settings
-    wanted = message("branch.wanted")
-    place.noting(lambda: checked_family(slider, **arguments), wanted=wanted, like=BRANCH)
-
-
 def check_run(
     slider: SpringSlider | None,
     values: dict[str, Any],
     loading: Loading | None,
     place: Callable[[str], Place],
 ) -> None:
-    """Note arguments that `simulate` would refuse; some of them may be unknown.
-
-    values : key -> value, None for one with a problem
-    place : of each key, for messages
-    """
+    """Note arguments that `simulate` would refuse, of which some may be unknown or None."""
     t_end, times, dt = (values.get(key) for key in ("t_end", "times", "dt"))
     check_rtol("simulate", values.get("rtol"), place("rtol"))
     if all(values.get(key, "") is not None for key in ("method", "dt")):
@@ -90,17 +77,12 @@ def _check_method(
         solver_settings(1e-6, method, dt, slider or ANY)
     except ParameterError as error:
         about_dt = str(error).startswith("dt") or "needs a time step" in str(error)
-        if about_dt:
-            place("dt").note(error, "dt", message("run.dt_wanted"))
-        else:
-            place("method").note(error, "method", "expected one such as 'rodas5p'")
+        key = "dt" if about_dt else "method"
+        place(key).note(error, key, message(f"run.{key}_wanted"))
 
 
 def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loading | None) -> None:
-    """Raise ParameterError for inconsistent initial values, in sweeps that are not too large.
-
-    Only the slider, the first speed and the initial values themselves matter.
-    """
+    """Raise ParameterError for inconsistent initial values, in sweeps that are not too large."""
     if loading is None and np.isinf(slider.K).any():
         return  # the slider's speed is the load point's, which is not known
     first = values.get("V_start")

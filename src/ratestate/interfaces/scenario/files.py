@@ -10,9 +10,8 @@ from .assemble import Tables, assemble
 from .known_keys import TABLES, example, tables_with
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
-from .plain_tables import plain_table
 from .problems import Place, choice, message, one_of, refusal, report, toml_key
-from .sweep_table import sweep_table
+from .tables import plain_table, sweep_table
 
 LARGEST = 10**7  # bytes
 DEEPEST = 50  # keys with dots between them: time and memory go with the square

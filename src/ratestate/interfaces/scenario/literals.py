@@ -1,5 +1,6 @@
 """Values as literals of TOML and Python that are read back bit-for-bit."""
 
+import textwrap
 from collections.abc import Iterable
 from decimal import Decimal
 from typing import Any
@@ -10,7 +11,7 @@ from ...model.quantities import POWERS, PREFIXES, QUANTITIES
 from ...model.units import is_array
 from .values import AxisRange
 
-WIDTH = 92  # characters of a line
+WIDTH = 93  # characters of a line
 
 
 def quantity(symbol: str, x: float) -> str:
@@ -34,13 +35,11 @@ def numbers(values: Iterable[float], indent: str = "    ") -> str:
     literals = [repr(float(x)) for x in values]
     if sum(map(len, literals)) + 2 * len(literals) <= 70:
         return f"[{', '.join(literals)}]"
-    lines, line = [], indent
-    for literal in literals:
-        if len(line) + len(literal) > WIDTH:
-            lines.append(line.rstrip())
-            line = indent
-        line += f"{literal}, "
-    return "\n".join(["[", *lines, line.rstrip(), "]"])
+    line = "".join(f"{literal}, " for literal in literals)
+    lines = textwrap.wrap(
+        line, WIDTH, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False
+    )
+    return "\n".join(["[", *lines, "]"])
 
 
 def find_axis(symbol: str, values: np.ndarray) -> AxisRange | None:

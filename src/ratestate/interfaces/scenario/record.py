@@ -1,6 +1,11 @@
-"""A loading from a text file: two columns of a table, with or without a header."""
+"""A loading from a text file: two columns of a table, with or without a header.
 
+Cells are separated by commas, semicolons or tabs.
+"""
+
+import csv
 import functools
+import io
 import math
 import re
 from pathlib import Path
@@ -14,9 +19,11 @@ from ...model.quantities import QUANTITIES
 from ...model.units import to_si
 from .known_keys import LIKE
 from .problems import Place, error_line, expected, message, nearest, refusal, shown
-from .text_tables import number_in, rows_of
 from .values import unusual
 
+ENDINGS = (".csv", ".tsv", ".txt")
+LARGEST = 100 * 10**6  # bytes
+LONGEST = 10**6  # rows
 BAD_LISTED = 5  # cells
 SYMBOLS = ("t", "V_lp")
 Row = tuple[int, list[str]]
@@ -42,14 +49,14 @@ def read_record(table: dict[str, Any], folder: Path, place: Place) -> Record:
     before = len(place.problems)
     wanted = _pair("columns", table, str | int, place)
     units = _pair("units", table, str, place) if "units" in table else None
-    rows = place.at("file").noting(lambda: rows_of(table["file"], folder))
+    rows = place.at("file").noting(lambda: _rows_of(table["file"], folder))
     if rows is None or wanted is None:
         return Record()
     head = rows[0][1]
     # named columns need a header; of numbered ones the first cell says whether there is one
     numbered = [column - 1 for column in wanted if isinstance(column, int)]
     cells = [head[i] for i in numbered if 0 <= i < len(head)] if len(numbered) == 2 else head
-    titled = any(math.isnan(number_in(cell)) for cell in cells)
+    titled = any(math.isnan(_number_in(cell)) for cell in cells)
     found = [
         _column(i, wanted[i], units[i] if units else None, head, titled, place) for i in (0, 1)
     ]
@@ -91,7 +98,12 @@ def _column(
     if not unit:
         place.add("columns.no_unit", name)
         return None
-    at_unit.noting(lambda: _check_unit(SYMBOLS[i], unit))
+    try:
+        to_si(SYMBOLS[i], f"1 {unit}", bound="")
+    except ParameterError as error:
+        what = error_line(error).removeprefix(f"{SYMBOLS[i]} = {f'1 {unit}'!r} ")
+        what = what.replace(f"has an unknown unit {unit!r}", "is unknown", 1)
+        at_unit.add("columns.bad_unit", unit, what=what)
     return Column(index, name, unit)
 
 
@@ -122,22 +134,12 @@ def _split(title: str) -> tuple[str, str]:
     return (match[1].strip(), match[2].strip()) if match else (title, "")
 
 
-def _check_unit(symbol: str, unit: str) -> None:
-    """Raise ParameterError for what is no unit of a quantity."""
-    try:
-        to_si(symbol, f"1 {unit}", bound="")
-    except ParameterError as error:
-        what = error_line(error).removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
-        what = what.replace(f"has an unknown unit {unit!r}", "is unknown", 1)
-        raise refusal("columns.bad_unit", unit, what=what) from None
-
-
 def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
     """The loading and its last speed; bad cells are noted with the numbers of their lines."""
     import xarray
 
     cells = [[row[c.at] if c.at < len(row) else "" for c in columns] for _, row in rows]
-    table = np.array([[number_in(cell) for cell in pair] for pair in cells]).reshape(-1, 2)
+    table = np.array([[_number_in(cell) for cell in pair] for pair in cells]).reshape(-1, 2)
     bad = np.argwhere(np.isnan(table))
     for i, j in bad[:BAD_LISTED]:
         column = shown(columns[j].name)
@@ -156,3 +158,48 @@ def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
             x = f"{symbol} = {largest:.6g} {QUANTITIES[symbol].unit}"
             raise refusal("value.unusual", x=x, sizes=sizes, wanted=expected(symbol))
     return Record(Loading.series(t, V), float(to_si("V_lp", V[-1:], bound=">= 0")[0]))
+
+
+def _rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:
+    """The rows of a file that are not empty, each with the number of its line."""
+    wanted = message("record.wanted", endings=", ".join(ENDINGS))
+    if not isinstance(file, str) or not file.isprintable() or len(file) > 1000:
+        raise refusal("record.no_name", file, wanted=wanted)
+    path = folder / file
+    if path.suffix.lower() not in ENDINGS:
+        raise refusal("record.ending", file, wanted=wanted)
+    try:
+        if not path.is_file():
+            raise refusal("record.missing", str(path), wanted=wanted)
+        if (size := path.stat().st_size) > LARGEST:
+            raise refusal("record.too_large", file, size=size, most=LARGEST)
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise refusal("record.unreadable", file, what=error.strerror, wanted=wanted) from None
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise refusal("record.not_utf8", file, line=line) from None
+    first = text[:10000].lstrip().split("\n", 1)[0]
+    delimiter = next((mark for mark in "\t;" if mark in first), ",")
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    rows = []
+    try:
+        for row in reader:
+            if any(cell.strip() for cell in row):
+                rows.append((reader.line_num, [cell.strip() for cell in row]))
+            if len(rows) > LONGEST + 1:
+                raise refusal("record.too_many_rows", file, most=LONGEST)
+    except csv.Error as error:
+        raise refusal("record.bad_row", file, line=reader.line_num, what=error) from None
+    if not rows:
+        raise refusal("record.empty", file)
+    return rows
+
+
+def _number_in(cell: str) -> float:
+    """A finite number, or NaN."""
+    try:
+        x = float(cell)
+    except ValueError:
+        return math.nan
+    return x if math.isfinite(x) else math.nan

@@ -1,6 +1,5 @@
 """The scenario that made a result, from the attributes of the result."""
 
-import dataclasses
 import inspect
 from typing import Any
 
@@ -13,6 +12,7 @@ from ...errors import ParameterError
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
+from .known_keys import SLIDER
 from .model import CHECKS, FUNCTIONS, Scenario
 
 WANTED = "give a Dataset as a verb of ratestate returned it, or read from the file it was kept in"
@@ -69,8 +69,7 @@ def _check(scenario: Scenario) -> None:
 def _slider(result: Any) -> SpringSlider:
     """The slider, with the cases that the result still has."""
     values = attributes.from_json(result, "slider", dict)
-    symbols = {field.name for field in dataclasses.fields(SpringSlider)}
-    if odd := symbols ^ set(values):
+    if odd := SLIDER.keys() ^ values.keys():
         raise ParameterError(
             f"the attribute 'slider' of the Dataset lacks, or has beside what it should, "
             f"{', '.join(sorted(odd))[:100]}; {WANTED}"

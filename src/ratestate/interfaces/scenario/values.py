@@ -78,10 +78,7 @@ def as_axis(symbol: str, many: Many) -> Any:
 
 
 def unusual(symbol: str, x: float) -> str:
-    """The limits that a value [SI] is beyond, as text; "" for others, 0 and inf among them.
-
-    (`units.to_si` decides whether a quantity may be 0 or inf.)
-    """
+    """The limits that a value [SI] is beyond, as text; "" for others, 0 and inf among them."""
     unit = QUANTITIES[symbol].unit
     low, high = USUAL.get(symbol) or USUAL.get(unit, (0.0, np.inf))
     if x == 0.0 or np.isinf(x) or low <= abs(x) <= high:

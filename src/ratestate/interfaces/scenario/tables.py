@@ -1,18 +1,70 @@
-"""The table [sweep]: the verb, and the parameters that have many values."""
+"""The tables whose keys have a value each, [slider], [run] and [output], and [sweep]."""
 
 import math
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...dynamics.continuation.family import PARAMETERS
-from .known_keys import SLIDER, TABLES, VERBS, example, known_items
-from .plain_tables import read_value
-from .problems import Place, choice, one_of, shown
-from .values import AXIS, Many, as_axis, read_ends, read_values
+from .known_keys import (
+    AXES,
+    CHOICES,
+    ENDINGS,
+    INITIAL,
+    SLIDER,
+    TABLES,
+    VERBS,
+    example,
+    known_items,
+)
+from .problems import Place, choice, message, one_of, refusal, shown
+from .values import AXIS, Many, as_array, as_axis, read_ends, read_number, read_values
 
+LONGEST_PATH = 255  # characters
 #: cases of a sweep, at most
 MOST_CASES = 10**9
-ONE_FOR_ALL = {"law", "rtol", "times"}  # keys with one value for all cases
 BRANCH = 'K = { from = "700 MPa/m", to = "300 MPa/m" }'
+
+
+def plain_table(name: str, table: dict[str, Any], problems: list[str]) -> dict[str, Any]:
+    """The values of such a table: key -> value, or None for one with a problem."""
+    place = Place(f"[{name}]", problems)
+    items = known_items(name, table, place)
+    return {key: read_value(key, value, place.at(key)) for key, value in items}
+
+
+def read_value(key: str, value: Any, place: Place) -> Any:
+    """The value of a key that has no axis here."""
+    if key == "initial":
+        before = len(place.problems)
+        values = INITIAL.read(value, place, "one ")
+        return values if len(place.problems) == before else None
+    if key == "times":
+        many = read_values(key, value, place)
+        return None if many is None else as_array(key, many)
+    if isinstance(value, dict | list) and key in AXES:
+        place.add("key.no_axis", value, like=example(key))
+        return None
+    if key in CHOICES:
+        return place.noting(lambda: choice(value, CHOICES[key]))
+    if key in ENDINGS:
+        return place.noting(lambda: _path(key, value))
+    return read_number(key, value, place)
+
+
+def _path(key: str, value: Any) -> Path:
+    """The path of a file that can be written; ParameterError if it cannot."""
+    endings = ENDINGS[key]
+    wanted = message("output.wanted", names=" or ".join(endings), ending=endings[0])
+    if not isinstance(value, str):
+        raise refusal("output.no_text", value, wanted=wanted)
+    if len(value) > LONGEST_PATH or not value.isprintable():
+        raise refusal("output.no_name", value, wanted=wanted)
+    path = Path(value)
+    if path.suffix.lower() not in endings:
+        raise refusal("output.ending", value, wanted=wanted)
+    if not path.parent.is_dir():
+        raise refusal("output.no_folder", value, wanted=wanted)
+    return path
 
 
 class Sweep(NamedTuple):
@@ -71,15 +123,15 @@ def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> di
     """The values of all keys; axes only if there are not too many cases."""
     values: dict[str, Any] = {}
     for key, value in given.items():
-        if key in ONE_FOR_ALL:
-            values[key] = read_value(key, value, place.at(key))
-        else:
+        if key in AXES:
             bound = ">= 0" if key == "V_lp" and verb == "simulate" else None
             values[key] = read_values(key, value, place.at(key), bound)
+        else:
+            values[key] = read_value(key, value, place.at(key))
     many = {key for key, value in given.items() if isinstance(value, dict | list)}
-    if not is_branch and not many - ONE_FOR_ALL:
+    if not is_branch and not many & AXES:
         place.add("sweep.no_axis", like=AXIS)
-    axes = {k: v for k, v in values.items() if isinstance(v, Many) and k not in ONE_FOR_ALL}
+    axes = {k: v for k, v in values.items() if isinstance(v, Many) and k in AXES}
     if (cases := math.prod(map(len, axes.values()))) > MOST_CASES:
         product = " x ".join(f"{len(axis)} {key}" for key, axis in axes.items())
         place.add("sweep.too_many", product=product, cases=cases, most=MOST_CASES, like=AXIS)
