@@ -96,7 +96,7 @@ def _value(symbol: str, value: Any) -> str:
         axis = find_axis(symbol, value.values)
         if axis is not None and axis.scale == "log":
             first, last = quantity(symbol, axis.first), quantity(symbol, axis.last)
-            return f'rs.logspace("{symbol}", {first}, {last}, {axis.n})'
+            return f'rs.logspace("{symbol}", {first}, {last}, {axis.size})'
         return f'xarray.DataArray({numbers(value.values, " " * 8)}, dims="{symbol}")'
     coords = {
         name: (c.dims, c.values.tolist())

@@ -123,7 +123,7 @@ def _literal(key: str, value: Any) -> str:
         return quantity(key, value)
     if axis := find_axis(key, value):
         ends = {"from": quantity(key, axis.first), "to": quantity(key, axis.last)}
-        return _inline({**ends, "n": f"{axis.n}", "scale": f'"{axis.scale}"'})
+        return _inline({**ends, "n": f"{axis.size}", "scale": f'"{axis.scale}"'})
     unit = QUANTITIES[key].unit
     return numbers(value) + ("" if unit == "1" else f"  # {unit}")
 

@@ -41,7 +41,7 @@ class Place(NamedTuple):
         """A key of this table, or an element of this list."""
         joint = "." if " " in self.name else " "
         inner = f"[{part}]" if isinstance(part, int) else joint + toml_key(part)
-        return self._replace(name=self.name + inner)
+        return Place(self.name + inner, self.problems)
 
     def add(self, name: str, given: Any = None, /, **values: Any) -> None:
         """Note a problem, by the name of its message."""

@@ -138,18 +138,18 @@ def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
     """The loading and its last speed; bad cells are noted with the numbers of their lines."""
     import xarray
 
-    cells = [[row[c.at] if c.at < len(row) else "" for c in columns] for _, row in rows]
-    table = np.array([[_number_in(cell) for cell in pair] for pair in cells]).reshape(-1, 2)
+    table = np.array([[_number_in(_cell(row, c)) for c in columns] for _, row in rows])
     bad = np.argwhere(np.isnan(table))
     for i, j in bad[:BAD_LISTED]:
-        column = shown(columns[j].name)
-        place.add("record.no_number", cells[i][j], line=rows[i][0], column=column)
+        (line, row), column = rows[i], columns[j]
+        name = shown(column.name)
+        place.add("record.no_number", _cell(row, column), line=line, column=name)
     if len(bad) > BAD_LISTED:
         place.add("record.more_no_numbers", n=len(bad) - BAD_LISTED)
     if len(bad):
         return Record()
     t, V = (
-        xarray.DataArray(table[:, i], dims="row", attrs={"units": column.unit})
+        xarray.DataArray(table.reshape(-1, 2)[:, i], dims="row", attrs={"units": column.unit})
         for i, column in enumerate(columns)
     )
     for symbol, array in zip(SYMBOLS, (t, V), strict=True):
@@ -158,6 +158,11 @@ def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
             x = f"{symbol} = {largest:.6g} {QUANTITIES[symbol].unit}"
             raise refusal("value.unusual", x=x, sizes=sizes, wanted=expected(symbol))
     return Record(Loading.series(t, V), float(to_si("V_lp", V[-1:], bound=">= 0")[0]))
+
+
+def _cell(row: list[str], column: Column) -> str:
+    """A row's cell in a column; "" if the row is too short."""
+    return row[column.at] if column.at < len(row) else ""
 
 
 def _rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:

@@ -132,8 +132,8 @@ def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> di
     if not is_branch and not many & AXES:
         place.add("sweep.no_axis", like=AXIS)
     axes = {k: v for k, v in values.items() if isinstance(v, Many) and k in AXES}
-    if (cases := math.prod(map(len, axes.values()))) > MOST_CASES:
-        product = " x ".join(f"{len(axis)} {key}" for key, axis in axes.items())
+    if (cases := math.prod(axis.size for axis in axes.values())) > MOST_CASES:
+        product = " x ".join(f"{axis.size} {key}" for key, axis in axes.items())
         place.add("sweep.too_many", product=product, cases=cases, most=MOST_CASES, like=AXIS)
         return dict.fromkeys(values)
     return values | {key: as_axis(key, axis) for key, axis in axes.items()}

@@ -6,6 +6,7 @@ API takes any: so a wrong unit or exponent is reported before it costs minutes o
 """
 
 import dataclasses
+import math
 from collections.abc import Iterable
 from decimal import Decimal
 from typing import Any, NamedTuple
@@ -41,22 +42,19 @@ USUAL = {
 
 @dataclasses.dataclass(frozen=True)
 class AxisRange:
-    """n values in SI between two ends, which are exact."""
+    """Values in SI between two ends, which are exact."""
 
     first: float
     last: float
-    n: int
+    size: int
     scale: str
 
-    def __len__(self) -> int:
-        return self.n
-
     def values(self, symbol: str) -> np.ndarray:
-        """The values, shape (n,), rounded to 15 digits like those of `ratestate.logspace`."""
+        """The values, shape (size,), rounded to 15 digits like those of `ratestate.logspace`."""
         if self.scale == "log":
-            return logspace(symbol, self.first, self.last, self.n).values
+            return logspace(symbol, self.first, self.last, self.size).values
         # Exact until rounded, so that an axis through 0 contains 0.
-        first, last, m = Decimal(repr(self.first)), Decimal(repr(self.last)), self.n - 1
+        first, last, m = Decimal(repr(self.first)), Decimal(repr(self.last)), self.size - 1
         between = ((first * (m - i) + last * i) / m for i in range(1, m))
         return np.array([self.first, *(float(f"{x:.15g}") for x in between), self.last])
 
@@ -80,8 +78,8 @@ def as_axis(symbol: str, many: Many) -> Any:
 def unusual(symbol: str, x: float) -> str:
     """The limits that a value [SI] is beyond, as text; "" for others, 0 and inf among them."""
     unit = QUANTITIES[symbol].unit
-    low, high = USUAL.get(symbol) or USUAL.get(unit, (0.0, np.inf))
-    if x == 0.0 or np.isinf(x) or low <= abs(x) <= high:
+    low, high = USUAL.get(symbol) or USUAL.get(unit, (0.0, math.inf))
+    if x == 0.0 or math.isinf(x) or low <= abs(x) <= high:
         return ""
     sizes = f"{low:g} to {high:g}" if low else f"up to {high:g}"
     return sizes if unit == "1" else f"{sizes} {unit}"
@@ -89,17 +87,16 @@ def unusual(symbol: str, x: float) -> str:
 
 def number(symbol: str, value: Any, bound: str | None = None) -> float:
     """One value in SI; ParameterError if it is no number or has an unusual magnitude."""
-    wanted = expected(symbol)
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise refusal("value.no_number", value, wanted=wanted)
+        raise refusal("value.no_number", value, wanted=expected(symbol))
     if isinstance(value, str) and len(value) > LONGEST_TEXT:
-        raise refusal("value.too_long", value, wanted=wanted)
+        raise refusal("value.too_long", value, wanted=expected(symbol))
     try:  # (an integer may have more digits than Python writes into a message)
         x = to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
     except ArithmeticError:
-        raise refusal("value.overflow", value, wanted=wanted) from None
+        raise refusal("value.overflow", value, wanted=expected(symbol)) from None
     if sizes := unusual(symbol, x):
-        raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=wanted)
+        raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=expected(symbol))
     return x
 
 
@@ -152,7 +149,7 @@ def read_ends(
         x = read_number(symbol, table[key], place.at(key), bound) if key in table else None
         if key not in table:
             place.missing(key, expected(symbol))
-        elif x is not None and np.isinf(x):
+        elif x is not None and math.isinf(x):
             place.at(key).add("axis.infinite_end", x, wanted=expected(symbol))
             x = None
         ends.append(x)
