@@ -4,11 +4,13 @@ import contextlib
 import random
 import re
 import shutil
+import tomllib
+from pathlib import Path
 
 import pytest
 from paths import EXAMPLES
 
-from ratestate import ParameterError
+from ratestate import ParameterError, interfaces
 from ratestate.interfaces.scenario import TEMPLATES, load, template, toml
 
 FILES = {path.stem: path.read_text() for path in sorted(EXAMPLES.glob("*.toml"))}
@@ -237,3 +239,13 @@ def test_undamaged_files_are_sound(name, tmp_path):
     path = tmp_path / "sound.toml"
     path.write_text(FILES[name])
     assert not refused(path)
+
+
+def test_the_table_of_messages_holds_those_that_are_used():
+    folder = Path(interfaces.__file__).with_name("scenario")
+    tables = tomllib.loads((folder / "messages.toml").read_text("utf-8"))
+    held = {f"{table}.{name}" for table, messages in tables.items() for name in messages}
+    source = "".join(p.read_text("utf-8") for p in folder.glob("*.py") if p.stem != "__init__")
+    used = set(re.findall(rf'"((?:{"|".join(tables)})\.[a-z]\w*)"', source))
+    composed = {"run.dt_wanted", "run.method_wanted"}
+    assert used | composed == held
