@@ -2,7 +2,6 @@
 
 import builtins
 import re
-import types
 
 import numpy as np
 import pytest
@@ -19,6 +18,7 @@ from ratestate.records.fitting.diagnostics.tradeoffs import (
 )
 from ratestate.records.fitting.estimates import ROOTS, estimates_from
 from ratestate.records.fitting.likelihood import posterior as sampling
+from ratestate.records.fitting.likelihood import uncertainty
 from ratestate.records.fitting.likelihood.constrained import ConstrainedProblem
 from ratestate.records.fitting.likelihood.posterior import Marginal, sample_posterior
 from ratestate.records.fitting.likelihood.profile import BetterPoint, Profile, compute_profile
@@ -27,7 +27,7 @@ from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.record import Record, record_of
-from ratestate.records.fitting.solve import Solution, solve
+from ratestate.records.fitting.solve import solve
 from ratestate.records.fitting.starts import unknowns_of
 from ratestate.records.fitting.unknowns import Unknowns
 
@@ -182,6 +182,23 @@ def test_a_better_point_is_taken(good, solution):
     assert not again.still_improving
 
 
+@pytest.mark.parametrize(("better", "improving"), [(3, False), (4, True)])
+def test_a_fit_still_improves_only_where_a_better_point_is_known(
+    solution, monkeypatch, better, improving
+):
+    """The third better point is taken, and only profiles about it can find a fourth."""
+    points = [solution.point] * better
+
+    def profiles(*_):
+        if points:
+            raise BetterPoint(points.pop())
+        return {}
+
+    monkeypatch.setattr(uncertainty, "compute_profiles", profiles)
+    assert infer(solution, SLIDER, None, "auto").still_improving == improving
+    assert not points
+
+
 def test_ends_of_a_profile_that_is_no_parabola():
     values = np.linspace(-3.0, 4.0, 29)
     wave = np.where(values < 0.0, values**2, np.minimum(values, 1.5) ** 2)
@@ -200,7 +217,7 @@ def test_ends_of_a_profile_that_is_no_parabola():
 def test_level_and_trend_are_integrated_out(solution):
     """Against quadrature of the likelihood over both."""
     moving = [i for i, name in enumerate(solution.unknowns.names) if name in FREE]
-    marginal = Marginal(solution._replace(noise=Noise(3e-4, 2e-4, 2.0)), moving)
+    marginal = Marginal(solution._replace(noise=Noise(3e-4, 2e-4, 2.0)))
     coordinates = solution.point[moving] + [0.02, 1e-4, -0.03, 0.01]
     value, blob = marginal(coordinates)
     t, friction = solution.problem.record.t, solution.problem.record.friction
@@ -430,8 +447,13 @@ def test_tradeoffs_are_named():
     scale = np.diag([1.0, 0.01])  # b = 0.01 is no logarithm
     covariance = np.block([[scale @ pair @ scale, np.zeros((2, 2))], [np.zeros((2, 2)), block]])
     coordinates = np.array([np.log(0.01), 0.01, np.log(1e-5), np.log(1e10)])
-    difference = ("a_minus_b", 0.0, np.array([0.01, -1.0, 0.0, 0.0]))
-    table = estimates_from(FREE, coordinates, covariance, [difference])
+    gradients = np.vstack([np.eye(4), [0.01, -1.0, 0.0, 0.0]])
+    table = estimates_from(
+        (*FREE, "a_minus_b"),
+        np.append(coordinates, 0.0),
+        gradients @ covariance @ gradients.T,
+        np.array([True, False, True, True, False]),
+    )
     assert correlated_groups(table, FREE) == [("Dc", "K"), ("a", "b")]
     text, loose = tradeoff_text(table, ("Dc", "K"))
     assert loose
@@ -491,7 +513,6 @@ def test_which_bound_an_estimate_has_run_to():
     """Within a thousandth of the way between both, and not where there is but one."""
     names = ("below", "above", "low", "high", "open")
     low, high = np.array([0.0, 0.0, 0.0, 0.0, 0.0]), np.array([10.0, 10.0, 10.0, 10.0, np.inf])
-    problem = types.SimpleNamespace(unknowns=Unknowns(names, low, high))
     point = np.array([0.011, 9.989, 0.009, 9.991, 0.0])
-    found = Solution(problem, None, point, *[None] * (len(Solution._fields) - 3))
-    assert [found.at_bound(name) for name in names] == [0, 0, -1, 1, 0]
+    sides = dict(zip(names, [0, 0, -1, 1, 0], strict=True))
+    assert Unknowns(names, low, high).sides(point) == sides

@@ -1,12 +1,14 @@
 """A result of `fit` law by law: its estimates with their errors, and the slider they make."""
 
+import dataclasses
+
 import numpy as np
 import xarray
 
 from ...dynamics.results import parameter
-from ...errors import ParameterError
 from ...friction.stability import K_c_qs
 from ...model.slider import SpringSlider
+from .refusals import refusal
 
 #: variables that every result of `fit` has
 NEEDED = ("law", "parameter", "standard_error", "interval", "friction", "time")
@@ -24,9 +26,7 @@ def checked_by_law(result, caller):
     """`results_by_law`, or a ParameterError in the name of `caller` if `fit` did not give this."""
     title = result.attrs.get("title") if isinstance(result, xarray.Dataset) else None
     if str(title) != "ratestate fit" or any(name not in result.variables for name in NEEDED):
-        raise ParameterError(
-            f"{caller} wants the Dataset that fit gives, whole, with its attributes"
-        )
+        raise refusal("result.not_of_fit", caller=caller)
     return results_by_law(result)
 
 
@@ -45,7 +45,7 @@ def value_of(part, symbol):
     """A parameter [SI] of one law's part: its estimate, or the value that was given."""
     value = part[symbol] if symbol in part.data_vars else parameter(part, symbol)
     if np.ndim(value):
-        raise ParameterError(f"{symbol} has several values in the Dataset, where a fit has one")
+        raise refusal("result.several_values", symbol=symbol)
     return float(value)
 
 
@@ -70,16 +70,13 @@ def stiffness_over_critical(part):
 
     The relative errors of the parameters (`error_of`) are propagated with their correlation.
     """
-    a, b, Dc, sigma, K = (value_of(part, symbol) for symbol in "a b Dc sigma K".split())
-    critical = K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma)
+    at = {symbol: value_of(part, symbol) for symbol in ("a", "b", "Dc", "sigma")}
+    K, critical = value_of(part, "K"), K_c_qs(**at)
     if not (critical > 0.0 and np.isfinite(K)):
         return None
-    weights = {"K": 1.0 / K, "Dc": 1.0 / Dc}
-    if "a_minus_b" in part["parameter"].values:
-        weights["a_minus_b"] = 1.0 / (b - a)
-    else:
-        weights |= {"a": 1.0 / (b - a), "b": -1.0 / (b - a)}
-    names = [name for name in weights if name in part["parameter"].values]
+    weakening, free = at["b"] - at["a"], part["parameter"].values
+    weights = {"K": 1.0 / K, "Dc": 1.0 / at["Dc"], "a_minus_b": 1.0 / weakening}
+    names = [name for name in weights if name in free]
     if not names:
         return K / critical, 0.0
     relative = np.array([weights[name] * error_of(part, name) for name in names])
@@ -114,7 +111,7 @@ def slider_of(result, law=None):
         (law,) = laws
     if law not in laws:
         choices = " or ".join(f"law={name!r}" for name in laws)
-        what = "the fit is under several laws" if law is None else f"no fit is under law = {law!r}"
-        raise ParameterError(f"{what}; give {choices}")
-    symbols = ("a", "b", "Dc", "sigma", "K", "M", "mu0", "V0")
+        sentence = "several_laws" if law is None else "other_law"
+        raise refusal(f"result.{sentence}", law=law, choices=choices)
+    symbols = [field.name for field in dataclasses.fields(SpringSlider) if field.name != "law"]
     return SpringSlider(**{symbol: value_of(laws[law], symbol) for symbol in symbols}, law=law)

@@ -5,8 +5,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtri
 
-from .unknowns import LINEAR, slope, to_value
-
 LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
 #: distance of these intervals' ends from the estimate, in standard errors of a Gaussian
@@ -17,6 +15,20 @@ ENDLESS = np.log(1e6)
 UNSEEN = 1e6
 
 
+class Estimate(NamedTuple):
+    """One of `Estimates`."""
+
+    value: float
+    error: float
+    interval: np.ndarray  # (levels, sides)
+    kind: str
+
+    @property
+    def relative_error(self):
+        """Standard error of the logarithm, from the covariance; of b, over its size."""
+        return float(self.error / max(abs(self.value), 1e-300))
+
+
 class Estimates(NamedTuple):
     """p estimates [SI] with errors, intervals and correlation."""
 
@@ -24,54 +36,57 @@ class Estimates(NamedTuple):
     values: np.ndarray  # (p,)
     errors: np.ndarray  # (p,) standard errors
     intervals: np.ndarray  # (p, levels, sides)
-    correlation: np.ndarray  # (p, p), of the coordinates
+    correlation: np.ndarray  # (p, p), of the quantities or, where they are positive, logarithms
     kinds: tuple  # source of each interval: "covariance", "profile" or "posterior"
 
-    def only(self, names):
-        """The estimates of these names."""
-        i = [self.names.index(name) for name in names]
-        kinds = tuple(self.kinds[k] for k in i)
-        values, errors, intervals = self.values[i], self.errors[i], self.intervals[i]
-        correlation = self.correlation[np.ix_(i, i)]
-        return Estimates(tuple(names), values, errors, intervals, correlation, kinds)
+    def of(self, name):
+        """The `Estimate` of this name."""
+        i = self.names.index(name)
+        return Estimate(float(self.values[i]), self.errors[i], self.intervals[i], self.kinds[i])
+
+    def correlation_of(self, names):
+        """(n, n) correlation of these."""
+        which = [self.names.index(name) for name in names]
+        return self.correlation[np.ix_(which, which)]
 
     def with_intervals(self, intervals, kind):
         """The estimates with some intervals replaced: name -> (levels, sides) [SI]."""
-        ends = np.array(
-            [intervals.get(name, old) for name, old in zip(self.names, self.intervals, strict=True)]
-        )
-        kinds = tuple(
-            kind if name in intervals else old
-            for name, old in zip(self.names, self.kinds, strict=True)
-        )
+        named = list(zip(self.names, self.intervals, self.kinds, strict=True))
+        ends = np.array([intervals.get(name, old) for name, old, _ in named])
+        kinds = tuple(kind if name in intervals else old for name, _, old in named)
         return self._replace(intervals=ends, kinds=kinds)
 
 
-def estimates_from(names, coordinates, covariance, derived=()):
-    """`Estimates` from coordinates (unknowns.py) and their covariance.
+def estimates_from(names, centres, covariance, is_log, values=None):
+    """`Estimates` from the covariance of quantities, or of the logarithms of some.
 
     Parameters
     ----------
-    names : tuple of str, of the k coordinates
-    coordinates : (k,)
-    covariance : (k, k)
-    derived : sequence of (symbol, value, (k,) gradient), linear functions of the coordinates
+    names : tuple of str
+    centres : (p,) the quantities, or their logarithms
+    covariance : (p, p) of these
+    is_log : (p,) bool
+    values : (p,), optional, the quantities themselves, if they are known more precisely
     """
-    count = len(names)
-    gradients = np.vstack([np.eye(count), *(gradient for _, _, gradient in derived)])
-    joint = gradients @ covariance @ gradients.T
-    errors = np.sqrt(np.diag(joint))
-    centres = np.concatenate([coordinates, [value for _, value, _ in derived]])
+    errors = np.sqrt(np.diag(covariance))
     reach = ROOTS[:, None] * np.array([-1.0, 1.0])
     ends = centres[:, None, None] + errors[:, None, None] * reach
-    values, scales = centres.copy(), np.ones(centres.size)
-    for i, name in enumerate(names):
-        values[i] = to_value(name, centres[i])
-        if name not in LINEAR:  # a logarithm as uncertain as this is open
-            ends[i] = np.where(np.abs(ends[i] - centres[i]) > ENDLESS, np.inf * reach, ends[i])
-        scales[i] = slope(name, values[i])
-        ends[i] = to_value(name, ends[i])
-    names = (*names, *(symbol for symbol, _, _ in derived))
-    correlation = joint / np.outer(errors, errors)
-    in_si = np.where(errors < UNSEEN, scales * errors, np.inf)
-    return Estimates(names, values, in_si, ends, correlation, ("covariance",) * len(names))
+    logs = is_log[:, None, None]
+    # a logarithm as uncertain as this is open
+    ends = np.where(logs & (np.abs(ends - centres[:, None, None]) > ENDLESS), np.inf * reach, ends)
+    values = _from_logs(centres, is_log) if values is None else values
+    scaled = np.where(is_log, values, 1.0) * errors
+    return Estimates(
+        names,
+        values,
+        np.where(errors < UNSEEN, scaled, np.inf),
+        _from_logs(ends, logs),
+        covariance / np.outer(errors, errors),
+        ("covariance",) * len(names),
+    )
+
+
+def _from_logs(values, is_log):
+    """Values, of which some are logarithms, in SI."""
+    with np.errstate(over="ignore"):  # an open end of an interval
+        return np.where(is_log, np.exp(values), values)

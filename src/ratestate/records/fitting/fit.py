@@ -1,20 +1,24 @@
 """The function `fit`: a slider's parameters and their errors from a record."""
 
+import functools
+import inspect
 import json
 import warnings
 
+from threadpoolctl import ThreadpoolController
+
 from ...dynamics.results import provenance
-from ...errors import FitWarning, ParameterError
+from ...errors import FitWarning
 from ...friction.laws import evolution_law
 from ...model.slider import checked
 from ...model.units import is_array
-from .blas import single_blas
 from .by_law import warnings_of
 from .cycles.fit import fit_cycles
 from .cycles.result import cycles_dataset
 from .likelihood.uncertainty import ERRORS, infer, with_posteriors
 from .noise import given_noise
 from .record import record_of
+from .refusals import refusal
 from .result import add_comparison, dataset_of, side_by_side
 from .solve import solve
 from .unknowns import checked_free
@@ -132,7 +136,7 @@ def fit(
     settings = {"against": against, "trend": str(trend), "start": start, "errors": errors}
     with single_blas():
         if against == "cycles":
-            _check_for_cycles(**settings, noise=noise)
+            _check_for_cycles(trend=trend, start=start, errors=errors, noise=noise)
             results = _against_cycles(data, slider, free, laws, loading)
         else:
             record = record_of(data, slider, loading=loading, trend=trend, against=against)
@@ -151,21 +155,28 @@ def fit(
     return results[laws[0]] if law is None or isinstance(law, str) else side_by_side(results)
 
 
+_thread_pools = functools.cache(ThreadpoolController)
+
+
+def single_blas():
+    """A context in which BLAS uses one thread: more spin longer than they work."""
+    return _thread_pools().limit(limits=1, user_api="blas")
+
+
 def _check_slider(slider):
+    """Refuse what is no slider, or several."""
     checked(slider)
     for symbol, value in slider.values.items():
         if is_array(value):
-            raise ParameterError(
-                f"{symbol} of the slider is a DataArray; a fit starts from one slider: give one "
-                f"value"
-            )
+            raise refusal("settings.slider_array", symbol=symbol)
 
 
 def _check_choices(**given):
+    """Refuse settings that are not among `CHOICES`."""
     for name, value in given.items():
         if not (value is None or isinstance(value, str)) or value not in CHOICES[name]:
             choices = ", ".join(map(repr, CHOICES[name]))
-            raise ParameterError(f"{name} = {value!r} is unknown; choose one of {choices}")
+            raise refusal("settings.unknown", name=name, value=value, choices=choices)
 
 
 def _checked_laws(law, slider):
@@ -174,24 +185,16 @@ def _checked_laws(law, slider):
     for name in laws:
         evolution_law(name)
     if not laws or len(set(laws)) < len(laws):
-        raise ParameterError(f"law = {law!r} must name one law, or several that differ")
+        raise refusal("settings.laws", law=law)
     return laws
 
 
-def _check_for_cycles(*, against, trend, start, errors, noise):
+def _check_for_cycles(**given):
     """Refuse settings that only a fit against time or displacement has."""
-    given = {
-        "trend": trend != "slip",
-        "start": start != "auto",
-        "errors": errors != "auto",
-        "noise": noise is not None,
-    }
-    if any(given.values()):
-        names = ", ".join(name for name, changed in given.items() if changed)
-        raise ParameterError(
-            f"{names}: a fit against={against!r} has no such choice: it removes the trend from "
-            f"cycle to cycle and estimates the noise from how cycles differ; leave it out"
-        )
+    defaults = inspect.signature(fit).parameters
+    changed = [name for name, value in given.items() if value != defaults[name].default]
+    if changed:
+        raise refusal("settings.not_for_cycles", names=", ".join(changed))
 
 
 def _against_cycles(data, slider, free, laws, loading):

@@ -11,7 +11,7 @@ import numpy as np
 from ...dynamics.simulation.cases import V_LIMIT
 from ...engine import dispatch
 from ...engine.model import FINISHED, RODAS5P, Cases, Loads
-from .unknowns import PLAIN, START
+from .unknowns import PARAMETERS, PLAIN, START
 
 RTOL = 1e-8
 #: step of a difference in a logarithm
@@ -35,7 +35,7 @@ class Forward:
 
     def __init__(self, record, slider, law, names):
         self.record, self.law, self.names = record, law, names
-        self.fixed = {symbol: getattr(slider, symbol) for symbol in ("a", "b", "Dc", "K", "M")}
+        self.fixed = {symbol: getattr(slider, symbol) for symbol in PARAMETERS}
         if np.isinf(slider.K) and "K" not in names:
             self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
@@ -102,19 +102,15 @@ class Forward:
 
     def _common(self, n):
         """Values that are not free and columns of `Cases`, shared by all calls for n sliders."""
-        if n not in self.common:
-            self.common[n] = self._common_of(n)
-        return self.common[n]
-
-    def _common_of(self, n):
-        record = self.record
-        zero = {"level": 0.0, "trend": 0.0, "lag": 0.0, **dict.fromkeys(START, 0.0)}
+        if n in self.common:
+            return self.common[n]
+        zero = dict.fromkeys(("level", "trend", "lag", *START), 0.0)
         values = {k: np.full(n, float(v)) for k, v in {**self.fixed, **zero}.items()}
         # without inertia V may run away; with a free mass it cannot
         limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
         columns = {
             "V0": np.full(n, self.V0),
-            "t_end": np.full(n, record.t[-1]),
+            "t_end": np.full(n, self.record.t[-1]),
             "dt": np.zeros(n),
             "loading": np.zeros(n, np.int64),
             "times": np.zeros(n, np.int64),
@@ -123,11 +119,12 @@ class Forward:
             "v_limit": np.full(n, limit),
             "max_steps": np.full(n, MAX_STEPS),
         }
+        self.common[n] = values, columns
         return values, columns
 
     def _motion(self, values):
         """(n, m, 3) x, v, psi at the samples."""
-        a, b, Dc, K, M = (values[symbol] for symbol in ("a", "b", "Dc", "K", "M"))
+        a, b, Dc, K, M = (values[symbol] for symbol in PARAMETERS)
         v, psi = (values[name] for name in START)
         n = a.size
         columns, times = self._common(n)[1], self.record.t[None]

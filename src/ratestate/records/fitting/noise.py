@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ...engine.noise import whiten
-from ...errors import ParameterError
 from ...model.units import to_si
+from .refusals import refusal
 
 #: least rise of ln(likelihood) for correlated noise, which has two more parameters
 RISE = 3.0
@@ -56,19 +56,15 @@ def given_noise(noise):
     if not isinstance(noise, dict):
         return Noise(to_si("noise", noise))
     if not set(noise) <= {"white", "red", "time"} or not noise:
-        raise ParameterError(
-            f"noise = {noise!r} must be a standard deviation of friction, or a dict with any of "
-            f"white, red (standard deviations) and time (correlation time), for example "
-            f"{{'white': 3e-4, 'red': 2e-4, 'time': '0.5 s'}}"
-        )
+        raise refusal("noise.form", noise=noise)
     if "red" in noise and "time" not in noise:
-        raise ParameterError("noise has red but no time; give its correlation time, such as '1 s'")
+        raise refusal("noise.no_time")
     white, red = (
         to_si("noise", noise.get(k, 0.0), label=f"noise {k}", bound=">= 0")
         for k in ("white", "red")
     )
     if not white + red > 0.0:
-        raise ParameterError("noise: white and red are both 0; at least one must be > 0")
+        raise refusal("noise.zero")
     return Noise(white, red, to_si("t", noise.get("time", 1.0), label="noise time", bound="> 0"))
 
 

@@ -17,10 +17,13 @@ class Problem:
         self.record, self.unknowns = record, unknowns
         self.forward = Forward(record, slider, law, unknowns.names)
 
+    def difference(self, point):
+        """(m,) model less record; NaN where there is no motion."""
+        return self.forward.friction(point[None])[0] - self.record.friction
+
     def residual(self, point, noise):
-        """(m,) whitened: model less record; NaN where there is no motion."""
-        residual = self.forward.friction(point[None])[0] - self.record.friction
-        return noise.whiten(self.record.t, residual)[0][:, 0]
+        """(m,) `difference`, whitened."""
+        return noise.whiten(self.record.t, self.difference(point))[0][:, 0]
 
     def jacobian(self, point, noise):
         """(m, k) derivative of `residual`; 0 where it does not exist."""
@@ -30,7 +33,8 @@ class Problem:
     def with_best_level(self, points):
         """Points with the level and trend that fit the record best, and their misfits."""
         points = points.copy()
-        linear = [self.unknowns.index_of(n) for n in ("level", "trend") if n in self.unknowns.names]
+        names = self.unknowns.names
+        linear = [names.index(name) for name in ("level", "trend") if name in names]
         points[:, linear] = 0.0
         columns = np.ones((self.record.t.size, len(linear)))
         columns[:, 1:] = self.record.trend_variable[:, None]
@@ -45,8 +49,7 @@ class Problem:
 
     def white_noise(self, point):
         """White noise of the size of the residuals at a point."""
-        residual = self.forward.friction(point[None])[0] - self.record.friction
-        return Noise(max(float(np.sqrt(np.mean(residual**2))), 1e-15))
+        return Noise(max(float(np.sqrt(np.mean(self.difference(point) ** 2))), 1e-15))
 
 
 def search(problem, start, noise, most=MOST):

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ...errors import ParameterError
 from ...model.loading import Loading
-from .channels import check_increasing, check_sizes, column, friction_of
+from .channels import check_sizes, friction_of, times_of
 from .load_point import check_steps, displacement_of, loading_of, times_at
+from .refusals import refusal
 
 #: most samples: a march keeps each of them for a dozen sliders at once
 MOST = 200_000
@@ -58,33 +58,19 @@ def record_of(data, slider, *, loading, trend, against):
         It is no Dataset of one record, lacks what is needed, or holds nothing to fit.
     """
     if not isinstance(data, xarray.Dataset):
-        raise ParameterError(
-            f"data is of type {type(data).__name__}; expected the Dataset of read_lab, or one with "
-            f"time, friction and delta_lp"
-        )
-    time = column(data, "time")
+        raise refusal("record.type", type=type(data).__name__)
+    time = times_of(data)
     kind, friction = friction_of(data, slider)
-    check_increasing(time)
-    if time.size < FEWEST:
-        raise ParameterError(
-            f"the record has {time.size} samples, too few to fit; expected {FEWEST} or more: widen "
-            f"the window"
-        )
-    if time.size > MOST:
-        every = -(-time.size // MOST)
-        raise ParameterError(
-            f"the record has {time.size:,} samples, more than {MOST:,}, which a fit needs at most; "
-            f"choose a window about the steps, or average: "
-            f"data.coarsen(time={every}, boundary='trim').mean()"
-        )
+    samples = time.size
+    if samples < FEWEST:
+        raise refusal("record.few", samples=samples, fewest=FEWEST)
+    if samples > MOST:
+        raise refusal("record.many", samples=samples, most=MOST, every=-(-samples // MOST))
     if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
-        raise ParameterError(
-            f"friction is constant, {friction[0]:.6g} in all {time.size} samples: nothing to fit; "
-            f"look at the column that was read"
-        )
+        raise refusal("record.constant", friction=friction[0], samples=samples)
     check_sizes(friction, data)
     t = time - time[0]
-    order = np.arange(t.size)
+    order = np.arange(samples)
     displacement = displacement_of(data, t)
     loading = loading_of(data, displacement, time, loading)
     if against == "displacement":

@@ -7,7 +7,8 @@ from .diagnostics.checks import diagnose
 from .diagnostics.model_comparison import compare_laws
 from .likelihood.posterior import prior_text
 from .variables import (
-    curves,
+    band_variables,
+    curve_variables,
     estimate_variables,
     posterior_variables,
     profile_variables,
@@ -19,19 +20,21 @@ from .variables import (
 def dataset_of(inference, data, slider):
     """The Dataset of an `Inference`, with notes and warnings on it."""
     solution, quantities = inference.solution, inference.quantities
+    record = solution.problem.record
     result = xarray.merge(
         [
             estimate_variables(inference.estimates),
             profile_variables(inference.profiles, quantities),
             posterior_variables(inference.posterior, quantities),
-            curves(solution),
+            curve_variables(record.time, record.friction, solution.fitted_friction),
+            band_variables(solution),
             statistics(solution),
         ]
     )
     result = result.assign(text_variables(*diagnose(inference, data, slider)))
     if inference.posterior is not None:
         result.attrs["prior"] = prior_text(inference.posterior.prior)
-    record_loading(result, solution.problem.record.loading)
+    record_loading(result, record.loading)
     return result
 
 

@@ -16,9 +16,7 @@ def gain_of(solution, added):
 
     added : (m, p) derivatives of friction by them
     """
-    record = solution.problem.record
-    residual = record.friction - solution.fitted_friction
-    columns = np.column_stack([residual, added, solution.jacobian])
+    columns = np.column_stack([solution.residual, added, solution.jacobian])
     rest = _projected(solution, columns, 1 + added.shape[1])
     moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
     return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved

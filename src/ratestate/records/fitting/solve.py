@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import ParameterError
 from .forward import Forward
 from .noise import Noise, estimated_noise
 from .problem import Problem, search
+from .refusals import refusal
 from .score import FALL, gain_of
 from .starts import SAMPLES, starting_points, unknowns_of
-from .unknowns import NEAR, START, Unknowns
+from .unknowns import START, Unknowns
 
 #: most starts of the least squares, and most rounds of noise and fit
 STARTS, ROUNDS = 12, 4
@@ -26,12 +26,6 @@ AGREE = 1e-3
 SEARCH_EVALUATIONS = 25
 #: largest move of an estimate, in its standard errors, that counts as converged
 CONVERGED = 0.02
-
-NO_MOTION = (
-    "no slider of any size near these moves through the whole record without instability; without "
-    "inertia (M = 0) sliding at K < K_c_qs ends: fix fewer parameters, give other ones to start "
-    "from, or give the slider its mass M"
-)
 
 
 class Solution(NamedTuple):
@@ -52,14 +46,10 @@ class Solution(NamedTuple):
     def unknowns(self) -> Unknowns:
         return self.problem.unknowns
 
-    def at_bound(self, name):
-        """-1 or 1 if a coordinate is at its lower or upper bound, else 0."""
-        i = self.unknowns.index_of(name)
-        low, high = self.unknowns.low[i], self.unknowns.high[i]
-        if not np.isfinite(high - low):
-            return 0
-        part = (self.point[i] - low) / (high - low)
-        return -1 if part < NEAR else 1 if part > 1.0 - NEAR else 0
+    @property
+    def residual(self):
+        """(m,) recorded less fitted friction."""
+        return self.problem.record.friction - self.fitted_friction
 
 
 def solve(record, slider, law, free, noise, start):
@@ -94,10 +84,8 @@ def _best_start(problem, slider, law):
     """The best point that a search on a thinned record reaches from several starts."""
     thin = problem.record.thinned(max(problem.record.t.size // SAMPLES, 1))
     thin_problem = Problem(thin, slider, law, problem.unknowns)
-    points = starting_points(thin_problem, slider)[:STARTS]
-    if not points:
-        raise ParameterError(NO_MOTION)
-    noise = thin_problem.white_noise(points[0])
+    points = starting_points(thin_problem, slider, STARTS)
+    noise = thin_problem.white_noise(points[0]) if len(points) else None
     searches: list = []
     for point in points:
         if result := search(thin_problem, point, noise, SEARCH_EVALUATIONS):
@@ -106,16 +94,15 @@ def _best_start(problem, slider, law):
         if len(searches) > 1 and searches[1].cost <= searches[0].cost * (1.0 + AGREE):
             break
     if not searches:
-        raise ParameterError(NO_MOTION)
+        raise refusal("search.no_motion")
     return searches[0].x
 
 
 def _checked_search(problem, point, noise):
     """`search` from this point, or a ParameterError if nothing moves there."""
-    result = search(problem, point, noise)
-    if not result:
-        raise ParameterError(NO_MOTION)
-    return result
+    if result := search(problem, point, noise):
+        return result
+    raise refusal("search.no_motion")
 
 
 def solution_from(problem, point, noise):
@@ -169,8 +156,7 @@ def _covariance(jacobian):
 def _with_more_coordinates(solution, unknowns):
     """The solution's point with more coordinates, the new ones at 0."""
     point = np.zeros(len(unknowns.names))
-    for i, name in enumerate(solution.unknowns.names):
-        point[unknowns.index_of(name)] = solution.point[i]
+    point[[unknowns.names.index(name) for name in solution.unknowns.names]] = solution.point
     return point
 
 
@@ -190,6 +176,5 @@ def _early_log_likelihood(solution):
     """
     record = solution.problem.record
     early = record.t < record.loading.t[1]
-    residual = (record.friction - solution.fitted_friction)[early]
-    white, log_determinant = solution.noise.whiten(record.t[early], residual)
+    white, log_determinant = solution.noise.whiten(record.t[early], solution.residual[early])
     return -0.5 * (float(np.sum(white**2)) + log_determinant)

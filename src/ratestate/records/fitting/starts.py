@@ -5,9 +5,11 @@ Within those a seeded cloud of sliders is marched at once; the least squares sta
 them and the user's own.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from .unknowns import START, Unknowns, to_coordinate
+from .unknowns import START, Unknowns, distinct, to_coordinate
 
 #: sliders in the cloud, and the samples of the record that they are compared with
 CLOUD, SAMPLES = 96, 500
@@ -16,62 +18,55 @@ SEED = 20190101
 HOLD = 5.0
 #: least distance of two starts in some coordinate, ln 2
 DISTANCE = 0.7
-#: how far the cloud reaches from the sizes of `_sizes`, in powers of ten
-DECADES = {"a": (-0.5, 0.5), "Dc": (-1.5, 0.7), "K": (-0.5, 1.5), "M": (-3.0, 1.0)}
+
+
+class Reach(NamedTuple):
+    """How far from the size of a parameter, as a factor of it, its search and starts reach."""
+
+    low: float
+    high: float
+    starts: tuple[float, float]  # in powers of ten; b, which may be negative, in its size itself
+
+
+REACH = {
+    "a": Reach(1e-3, 1e2, (-0.5, 0.5)),
+    "b": Reach(-1e2, 1e2, (-1.0, 3.0)),
+    "Dc": Reach(1e-3, 1e3, (-1.5, 0.7)),
+    "K": Reach(1e-4, 1e6, (-0.5, 1.5)),
+    "M": Reach(1e-8, 1e4, (-3.0, 1.0)),
+}
 
 
 def unknowns_of(record, free, *, start, sigma):
     """`Unknowns` of a record: free parameters, the start if that is free, level, trend."""
     sizes = _sizes(record, sigma)
-    edges = {
-        "a": (1e-3, 1e2),
-        "b": (-1e2, 1e2),
-        "Dc": (1e-3, 1e3),
-        "K": (1e-4, 1e6),
-        "M": (1e-8, 1e4),
-    }
+    late = 0.1 * record.t[-1]
+    bounds = {"lag": (-late, late), **dict.fromkeys(START, (-20.0, 20.0))}
+    for name, (low, high, _) in REACH.items():
+        bounds[name] = tuple(to_coordinate(name, end * sizes[name]) for end in (low, high))
     names = (*free, *(START if start else ()), "level", *(("trend",) if record.trend else ()))
-    low, high = [], []
-    for name in names:
-        if name in edges:
-            ends = [edge * sizes[name] for edge in edges[name]]
-            ends = ends if name == "b" else list(np.log(ends))
-        elif name in START:
-            ends = [-20.0, 20.0]
-        elif name == "lag":
-            ends = [-0.1 * record.t[-1], 0.1 * record.t[-1]]
-        else:
-            ends = [-np.inf, np.inf]
-        low.append(ends[0])
-        high.append(ends[1])
-    return Unknowns(names, np.array(low), np.array(high))
+    low, high = np.array([bounds.get(name, (-np.inf, np.inf)) for name in names]).T
+    return Unknowns(names, low, high)
 
 
-def starting_points(problem, slider):
+def starting_points(problem, slider, most):
     """Points (k,) to start from, all distinct, the best fit to a thinned record first."""
     unknowns, record = problem.unknowns, problem.record
     sizes = _sizes(record, slider.sigma)
     rng = np.random.default_rng(SEED)
     cloud = np.zeros((CLOUD + 1, len(unknowns.names)))
-    for i, name in enumerate(unknowns.names):
-        if name == "b":
-            cloud[:, i] = sizes["b"] * rng.uniform(-1.0, 3.0, CLOUD + 1)
-        elif name in sizes:
-            exponent = rng.uniform(*DECADES[name], CLOUD + 1)
-            cloud[:, i] = np.log(sizes[name] * 10.0**exponent)
-        if name in sizes:
-            cloud[0, i] = to_coordinate(name, getattr(slider, name))
-    cloud = np.clip(cloud, unknowns.low, unknowns.high)
     sized = [i for i, name in enumerate(unknowns.names) if name in sizes]
+    for i in sized:
+        name = unknowns.names[i]
+        drawn = rng.uniform(*REACH[name].starts, size=CLOUD + 1)
+        cloud[:, i] = sizes[name] * drawn if name == "b" else np.log(sizes[name] * 10.0**drawn)
+        cloud[0, i] = to_coordinate(name, getattr(slider, name))
+    cloud = np.clip(cloud, unknowns.low, unknowns.high)
     cloud, misfit = problem.with_best_level(cloud if sized else cloud[:1])
-    order = np.argsort(misfit, kind="stable")
+    points = cloud[np.argsort(misfit, kind="stable")[: int(np.isfinite(misfit).sum())]]
     # distances in b, the only one that is no logarithm, are over its size
-    scale = np.array([sizes["b"] if name == "b" else 1.0 for name in unknowns.names])
-    points: list = []
-    for point in cloud[order[: int(np.isfinite(misfit).sum())]]:
-        if all((np.abs(point - other) / scale)[sized].max() > DISTANCE for other in points):
-            points.append(point)
-    return points
+    distance = [DISTANCE * (sizes["b"] if unknowns.names[i] == "b" else 1.0) for i in sized]
+    return points[distinct(points[:, sized], distance, most)]
 
 
 def _sizes(record, sigma):

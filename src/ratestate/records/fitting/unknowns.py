@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import ParameterError
+from .refusals import refusal
 
 #: parameters of the slider that may be free
 PARAMETERS = ("a", "b", "Dc", "K", "M")
@@ -31,14 +31,32 @@ class Unknowns(NamedTuple):
     low: np.ndarray  # (k,)
     high: np.ndarray  # (k,)
 
-    def index_of(self, name):
-        """Index of a coordinate."""
-        return self.names.index(name)
-
     @property
     def reported(self):
         """Names that the result reports: all but those that only describe the record."""
         return tuple(n for n in self.names if n not in (*START, "level", "trend"))
+
+    def sides(self, point):
+        """name -> -1 or 1 where a point (k,) is at the lower or upper bound, else 0."""
+        width = self.high - self.low
+        bounded = np.isfinite(width)
+        part = np.full(len(self.names), 0.5)
+        part[bounded] = (point[bounded] - self.low[bounded]) / width[bounded]
+        sides = np.where(part < NEAR, -1, np.where(part > 1.0 - NEAR, 1, 0))
+        return dict(zip(self.names, sides.tolist(), strict=True))
+
+
+def distinct(points, distance, most=None):
+    """Indices of points (n, k) that are not within a distance of one before in all coordinates.
+
+    distance : float or (k,)
+    most : int, optional, how many at most
+    """
+    kept: list[int] = []
+    for i, point in enumerate(points):
+        if len(kept) != most and all(np.any(np.abs(point - points[j]) > distance) for j in kept):
+            kept.append(i)
+    return kept
 
 
 def checked_free(free, slider):
@@ -49,33 +67,25 @@ def checked_free(free, slider):
     ParameterError
         An unknown or repeated name, none at all, or one whose value leaves nothing to start from.
     """
-    allowed = (*PARAMETERS, "lag", "mu0")
+    allowed = ", ".join((*PARAMETERS, "lag", "mu0"))
     try:
         names = (free,) if isinstance(free, str) else tuple(free)
     except TypeError:
-        raise ParameterError(
-            f"free = {free!r} is no sequence of names; give some of {', '.join(allowed)}"
-        ) from None
+        raise refusal("free.no_sequence", free=free, allowed=allowed) from None
     if not names:
-        raise ParameterError("free is empty; give at least one of " + ", ".join(allowed))
+        raise refusal("free.empty", allowed=allowed)
     for name in names:
-        if name not in allowed:
-            raise ParameterError(f"free has {name!r}, which is none of {', '.join(allowed)}")
+        if name not in (*PARAMETERS, "lag", "mu0"):
+            raise refusal("free.unknown", name=name, allowed=allowed)
     if len(set(names)) < len(names):
-        raise ParameterError(f"free = {names!r} names a parameter twice")
+        raise refusal("free.twice", names=names)
     if "K" in names and math.isinf(slider.K):
-        raise ParameterError(
-            "K is free but starts at K = inf, a rigid machine, whose stiffness has no "
-            "effect on friction; give the slider a finite K to start from, or leave K out of free"
-        )
+        raise refusal("free.rigid")
     if "M" in names and slider.M == 0.0:
-        raise ParameterError(
-            "M is free but starts at M = 0 kg/m^2, of which no logarithm exists; give the slider "
-            "an M > 0 to start from, or leave M out of free"
-        )
+        raise refusal("free.massless")
     chosen = tuple(n for n in (*PARAMETERS, "lag") if n in names)
     if not chosen:
-        raise ParameterError("free has only mu0, which every fit finds; add one of a, b, Dc, K, M")
+        raise refusal("free.only_mu0")
     return chosen
 
 
@@ -90,8 +100,3 @@ def to_value(name, coordinate):
         return coordinate
     with np.errstate(over="ignore"):  # an open end of an interval
         return np.exp(coordinate)
-
-
-def slope(name, value):
-    """d value/d coordinate."""
-    return 1.0 if name in LINEAR else value

@@ -8,26 +8,23 @@ from .estimates import LEVELS, ROOTS, SIDES
 from .unknowns import START
 
 
+def labelled(dims, **values):
+    """name -> variable along these dimensions (or one), with its unit and meaning."""
+    return {name: (dims, value, attrs(name)) for name, value in values.items()}
+
+
 def estimate_variables(estimates):
     """The variables of `Estimates`: a scalar for each, and tables along ``parameter``."""
-    variables: dict[str, tuple] = {
-        name: ((), float(value), attrs(name))
-        for name, value in zip(estimates.names, estimates.values, strict=True)
-    }
-    tables: dict[str, tuple] = {
-        "standard_error": (("parameter",), estimates.errors),
-        "interval": (("parameter", "level", "side"), estimates.intervals),
-        "correlation": (("parameter", "other"), estimates.correlation),
-        "interval_kind": (("parameter",), list(estimates.kinds)),
-    }
     names = list(estimates.names)
-    coords = {
-        "parameter": names,
-        "other": names,
-        "level": list(LEVELS),
-        "side": list(SIDES),
+    values = zip(names, estimates.values.tolist(), strict=True)
+    variables = {
+        **labelled((), **dict(values)),
+        **labelled("parameter", standard_error=estimates.errors),
+        **labelled(("parameter", "level", "side"), interval=estimates.intervals),
+        **labelled(("parameter", "other"), correlation=estimates.correlation),
+        **labelled("parameter", interval_kind=list(estimates.kinds)),
     }
-    variables |= {name: (dims, values, attrs(name)) for name, (dims, values) in tables.items()}
+    coords = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
     return xarray.Dataset(variables, coords)
 
 
@@ -38,62 +35,55 @@ def profile_variables(profiles, quantities):
     size = max(profile.values.size for profile in profiles.values())
     table = np.full((2, len(quantities), size), np.nan)
     for i, quantity in enumerate(quantities):
-        if quantity.name in profiles:
-            profile = profiles[quantity.name]
+        if profile := profiles.get(quantity.name):
             columns = quantity.si(profile.values), profile.deviance
             table[:, i, : profile.values.size] = columns
+    value, deviance = table
     dims = ("parameter", "profile_point")
-    names = ("profile_value", "profile_deviance")
-    variables = {n: (dims, part, attrs(n)) for n, part in zip(names, table, strict=True)}
     coords = {"parameter": [q.name for q in quantities], "profile_point": np.arange(size)}
-    return xarray.Dataset(variables, coords)
+    return xarray.Dataset(labelled(dims, profile_value=value, profile_deviance=deviance), coords)
 
 
 def posterior_variables(posterior, quantities):
     """Samples of equal weight, and the sampler's diagnostics."""
     if posterior is None:
         return xarray.Dataset()
-    samples = np.stack([q.si(posterior.samples_of(q)) for q in quantities], axis=1)
-    values = {
-        "log_evidence": posterior.log_evidence,
-        "log_evidence_error": posterior.log_evidence_error,
-        "posterior_evaluations": posterior.evaluations,
-        "effective_samples": posterior.effective,
-        "posterior_efficiency": posterior.efficiency,
-    }
-    variables: dict[str, tuple] = {n: ((), value, attrs(n)) for n, value in values.items()}
-    variables["posterior"] = (("sample", "parameter"), samples, attrs("posterior"))
-    return xarray.Dataset(variables, {"parameter": [q.name for q in quantities]})
-
-
-def curves(solution):
-    """The variables along time: recorded and fitted friction, residual, error and 95 % band."""
-    record = solution.problem.record
-    error = np.sqrt(
-        np.maximum(
-            np.einsum("mi,ij,mj->m", solution.jacobian, solution.covariance, solution.jacobian), 0.0
-        )
+    scalars = labelled(
+        (),
+        log_evidence=posterior.log_evidence,
+        log_evidence_error=posterior.log_evidence_error,
+        posterior_evaluations=posterior.evaluations,
+        effective_samples=posterior.effective,
+        posterior_efficiency=posterior.efficiency,
     )
-    reach = ROOTS[-1] * np.hypot(error, solution.noise.level)
-    values = {
-        "friction": record.friction,
-        "friction_fit": solution.fitted_friction,
-        "fit_error": error,
-    }
-    variables: dict[str, tuple] = {n: ("time", value, attrs(n)) for n, value in values.items()}
+    samples = np.stack([q.si(posterior.samples_of(q)) for q in quantities], axis=1)
+    coords = {"parameter": [q.name for q in quantities]}
+    return xarray.Dataset(scalars | labelled(("sample", "parameter"), posterior=samples), coords)
+
+
+def curve_variables(time, friction, fitted):
+    """Recorded and fitted friction along time, and their difference."""
+    variables = labelled("time", friction=friction, friction_fit=fitted)
     labels = {"units": "1", "long_name": "recorded less fitted friction"}
-    variables["residual"] = ("time", record.friction - solution.fitted_friction, labels)
+    variables["residual"] = ("time", friction - fitted, labels)
+    return xarray.Dataset(variables, labelled("time", time=time))
+
+
+def band_variables(solution):
+    """The error of the fitted friction, the band of 95 % of samples, and the load point's way."""
+    record, jacobian = solution.problem.record, solution.jacobian
+    variance = np.einsum("mi,ij,mj->m", jacobian, solution.covariance, jacobian)
+    error = np.sqrt(np.maximum(variance, 0.0))
+    reach = ROOTS[-1] * np.hypot(error, solution.noise.level)
     band = solution.fitted_friction[:, None] + reach[:, None] * np.array([-1.0, 1.0])
-    variables["band"] = (("time", "side"), band, attrs("band"))
-    variables["delta_lp"] = ("time", record.loading.delta_lp(record.t), attrs("delta_lp"))
-    coords = {"time": ("time", record.time, attrs("time")), "side": list(SIDES)}
-    return xarray.Dataset(variables, coords)
+    delta_lp = record.loading.delta_lp(record.t)
+    variables = labelled("time", fit_error=error, delta_lp=delta_lp)
+    return xarray.Dataset(variables | labelled(("time", "side"), band=band), {"side": list(SIDES)})
 
 
 def statistics(solution):
     """The misfit, the noise and the information criteria; the start, if that was free."""
-    residual = solution.problem.record.friction - solution.fitted_friction
-    noise = solution.noise
+    residual, noise = solution.residual, solution.noise
     k = len(solution.point) + (3 if noise.red else 1)
     successive = np.var(np.diff(residual)) / 2.0
     values = {
@@ -114,10 +104,9 @@ def statistics(solution):
         v, psi = (at[name] for name in START)
         values["V_start"] = forward.V0 * np.exp(v)
         values["theta_start"] = at["Dc"] / forward.V0 * np.exp(psi)
-    return xarray.Dataset({name: ((), value, attrs(name)) for name, value in values.items()})
+    return xarray.Dataset(labelled((), **values))
 
 
 def text_variables(identifiability, warnings):
     """The notes on a fit: what is determined; and the warnings, one on each line."""
-    texts = {"identifiability": identifiability, "warnings": "\n".join(warnings)}
-    return {name: ((), text, attrs(name)) for name, text in texts.items()}
+    return labelled((), identifiability=identifiability, warnings="\n".join(warnings))

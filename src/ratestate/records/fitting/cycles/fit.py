@@ -5,21 +5,20 @@ from typing import NamedTuple
 import numpy as np
 
 from ....errors import ParameterError
+from ....model.quantities import readable
+from ..estimates import Estimates, estimates_from
 from ..likelihood.profile import BetterPoint
-from .diagnostics import fit_warnings, identifiability
-from .features import LEVEL
-from .measured import corrected
+from ..refusals import refusal
+from .features import FEATURES, LEVEL
+from .measured import TEXTS, corrected, measure
 from .model import GRID, CycleModel
-from .profile import Profiles
-from .search import Problem, starts
-from .segments import check_feature_count, measured_of, segments_of
+from .profile import Options, profiled_intervals
+from .search import Problem, distinct_runs, starts
+from .segments import segments_of
 from .space import Space
 
 # Probability of a misfit by errors of the features alone, below which the errors are enlarged.
 CHANCE = 0.01
-# Runs with a chi-squared within the first of the best one's fit equally well; runs are distinct if
-# they end more standard errors apart than the second.
-EQUAL, DISTINCT = 4.0, 4.0
 # Runs are continued, once the shift by noise is known, if their chi-squared is within the first of
 # the best one's; their largest number.
 FOLLOWED, MOST = 30.0, 3
@@ -31,32 +30,22 @@ BETTER, REFITS = 0.1, 2
 class CyclesFit(NamedTuple):
     """Parameters of a slider from a record's cycles."""
 
-    names: tuple  # free parameters, mu0, and a - b ("a_minus_b") where a or b is free
-    values: dict  # symbol -> value [SI] of a, b, Dc, K, M, free or not, and of mu0
-    covariance: np.ndarray  # (p, p) of the logarithms of the free, of mu0 and a - b themselves
-    ends: np.ndarray  # (p, levels, sides) of the intervals, in the same scale; inf where open
-    kinds: tuple  # source of each interval: "covariance" or "profile"
     law: str
+    free: tuple
+    estimates: Estimates  # of the free, of mu0, and of a - b ("a_minus_b") where a or b is free
+    covariance: np.ndarray  # (p, p) of the logarithms of the free, of mu0 and a - b themselves
     measured: tuple  # `Measured`, one a segment
     fitted_features: np.ndarray  # (s, 6), as `Measured.values`
     waves: np.ndarray  # (s, q) tau/sigma at the phases `GRID` of the model's cycle
     runs: tuple  # `Run`, one a start, the best first
-    run_values: tuple  # dict symbol -> value [SI], of each run's end
-    chi2: float
+    run_values: tuple  # dict symbol -> value [SI] of a, b, Dc, K, M, free or not, at each run's end
     dof: int  # features less free parameters
     enlarged: float  # factor by which errors are enlarged, for a misfit beyond them
-    warnings: list
-    identifiability: str
+    left_out: list  # warnings on segments that have no cycles
 
     @property
-    def free(self):
-        return self.names[: self.names.index("mu0")]
-
-    @property
-    def estimates(self):
-        """symbol -> value [SI] of all names."""
-        difference = {"a_minus_b": self.values["a"] - self.values["b"]}
-        return {name: {**self.values, **difference}[name] for name in self.names}
+    def chi2(self):
+        return self.runs[0].chi2
 
 
 def fit_cycles(record, slider, free, law, loading=None):
@@ -84,24 +73,21 @@ def fit_cycles(record, slider, free, law, loading=None):
     """
     segments = segments_of(record, slider, loading)
     space = Space(slider, free, min(segment.V_lp for segment in segments))
-    measured, warnings = measured_of(segments)
-    check_feature_count(space, measured)
+    measured, left_out = _measured(segments)
+    _check_feature_count(space, measured)
     V_lp = np.array([one.segment.V_lp for one in measured])
     model = CycleModel(law, V_lp, [m.bins for m in measured], slider.sigma, slider.V0)
     problem = Problem(space, model, measured)
-    runs = _ranked(problem.search(q) for q in starts(space, model, measured, slider.sigma))
+    runs = _ranked(problem.search(q) for q in starts(space, model, measured))
     if not runs:
-        raise ParameterError(
-            f"no limit cycle was found near the record's with {', '.join(space.names)} free under "
-            f"the {law} law; free more parameters, or start from a slider nearer to the machine"
-        )
+        raise refusal("cycles.no_cycle", names=", ".join(space.names), law=law)
     # The shift by noise is found about the model's cycle, which has none.
     waves, features = _waves_and_features(problem, runs[0])
     measured = tuple(map(corrected, measured, map(wave_at, waves), features))
-    check_feature_count(space, measured)
+    _check_feature_count(space, measured)
     problem = Problem(space, model, measured)
     # The shift moves a minimum by about an error: only the better ones are continued.
-    distinct = _distinct(runs, runs[0].covariance)
+    distinct = distinct_runs(runs, runs[0].covariance)
     followed = [i for i in distinct[:MOST] if runs[i].chi2 < runs[0].chi2 + FOLLOWED]
     runs = _ranked(
         problem.search(run.end)._replace(start=run.start)
@@ -109,7 +95,35 @@ def fit_cycles(record, slider, free, law, loading=None):
         else problem.run(run.start, run.end, run.status)
         for i, run in enumerate(runs)
     )
-    return _cycles_fit(problem, runs, warnings)
+    return _cycles_fit(problem, runs, left_out)
+
+
+def _measured(segments):
+    """`Measured` of the segments that have cycles, and warnings on the others."""
+    measured, refused = [], []
+    for segment in segments:
+        try:
+            measured.append(measure(segment))
+        except ParameterError as error:
+            refused.append((segment.V_lp, error))
+    if not measured:
+        raise refused[0][1]
+    warnings = [TEXTS("measured.left_out", V_lp=V_lp, error=error) for V_lp, error in refused]
+    return tuple(measured), warnings
+
+
+def _check_feature_count(space, measured):
+    """Refuse more unknowns than features."""
+    features = sum(int(one.used.sum()) for one in measured)
+    if len(space.names) < features:
+        return
+    listed = "; ".join(
+        f"at {readable('V_lp', one.segment.V_lp)} "
+        + ", ".join(name for name, used in zip(FEATURES, one.used, strict=True) if used)
+        for one in measured
+    )
+    count, names = len(space.names), ", ".join(space.names)
+    raise refusal("cycles.few_features", count=count, names=names, features=features, listed=listed)
 
 
 def _ranked(runs):
@@ -130,52 +144,48 @@ def wave_at(wave):
     return lambda phase: np.interp(phase % 1.0, GRID, wave)
 
 
-def _cycles_fit(problem, runs, warnings, refits=REFITS):
+def _cycles_fit(problem, runs, left_out, refits=REFITS):
     """`CyclesFit` of the best run."""
     from scipy.special import chdtrc
 
     space, best = problem.space, runs[0]
-    dof = problem.levels.size - space.size - 1
+    dof = problem.levels.size - len(space.names) - 1
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
     by_coordinates = enlarged**2 * best.covariance
-    names = (*space.names, "mu0", *space.reported[space.size :])
-    gradients = np.array([_gradient(space, name, best.end) for name in names])
+    gradients = np.array([_gradient(space, name, best.end) for name in space.reported])
     covariance = gradients @ by_coordinates @ gradients.T
-    errors = np.sqrt(np.diag(covariance))
-    better = BETTER if refits else np.inf
-    profiles = Profiles(problem, best, names, by_coordinates, errors, enlarged, better)
+    errors = dict(zip(space.reported, np.sqrt(np.diag(covariance)), strict=True))
+    options = Options(by_coordinates, enlarged, BETTER if refits else np.inf)
     try:
-        ends, kinds = profiles.intervals()
+        intervals = profiled_intervals(problem, best, errors, options)
     except BetterPoint as improvement:
         runs = [problem.search(improvement.point), *runs]
-        return _cycles_fit(problem, runs, warnings, refits - 1)
+        return _cycles_fit(problem, runs, left_out, refits - 1)
     waves, features = _waves_and_features(problem, best)
     ends_of_runs = [space.values(run.end[None]) for run in runs]
     run_values = tuple({s: float(v[0]) for s, v in end.items()} for end in ends_of_runs)
-    values = {**run_values[0], "mu0": best.mu0}
-    alike = [i for i in _distinct(runs, by_coordinates)[1:] if runs[i].chi2 - best.chi2 < EQUAL]
-    free = slice(space.size)
-    note, vague = identifiability(space.names, covariance[free, free], problem.measured)
-    fit = CyclesFit(
-        names,
-        values,
-        covariance,
-        ends,
-        kinds,
+    at = run_values[0]
+    at = {**at, "mu0": best.mu0, "a_minus_b": at["a"] - at["b"]}
+    centres = np.array([problem.value(name, best.end) for name in space.reported])
+    is_log = np.array([name in space.names for name in space.reported])
+    values = np.array([at[name] for name in space.reported])
+    estimates = estimates_from(space.reported, centres, covariance, is_log, values)
+    ends = {name: np.exp(x) if name in space.names else x for name, x in intervals.items()}
+    return CyclesFit(
         problem.model.law,
+        space.names,
+        estimates.with_intervals(ends, "profile"),
+        covariance,
         problem.measured,
         features,
         waves,
         tuple(runs),
         run_values,
-        best.chi2,
         dof,
         enlarged,
-        [],
-        note,
+        left_out,
     )
-    return fit._replace(warnings=[*warnings, *fit_warnings(fit, alike), *vague])
 
 
 def _gradient(space, name, q):
@@ -183,15 +193,3 @@ def _gradient(space, name, q):
     if name == "mu0":
         return np.append(np.zeros(q.size), 1.0)
     return np.append(space.gradient(name, q), 0.0)
-
-
-def _distinct(runs, covariance):
-    """Indices of the best run and of those that end away from it and from each other."""
-    # (coordinate by coordinate: along a curved valley the covariance at one end misleads)
-    errors = np.sqrt(np.diag(covariance)[:-1])
-    kept = [0]
-    for i, run in enumerate(runs):
-        distances = [np.abs(run.end - runs[j].end) for j in kept]
-        if all(np.any(d > DISTINCT * errors) for d in distances):
-            kept.append(i)
-    return kept

@@ -4,8 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....errors import ParameterError
-from ....model.quantities import readable
+from ..refusals import refusal
 
 # Fewest cycles, and samples in a cycle, that can be used.
 FEWEST_CYCLES, FEWEST_SAMPLES = 3, 6
@@ -71,21 +70,11 @@ def main_period(t, y):
     period = span / (best + 1)
     # white noise: each line of the spectrum is exponential, and a window makes of 2 about 3
     if power[best] < 1.5 * np.log(power.size / CHANCE) * power.mean():
-        raise ParameterError(
-            f"no oscillation stands out of the noise of friction in the {readable('t', span)} of "
-            f"the record; fit it against time, or give a record of stick-slip or vibration"
-        )
+        raise refusal("cycles.no_oscillation", span=span)
     if best + 1 < FEWEST_CYCLES:
-        raise ParameterError(
-            f"the record has fewer than {FEWEST_CYCLES} cycles (its slowest oscillation takes "
-            f"{readable('t', period)} of {readable('t', span)}); give a longer one, or "
-            f"fit against time"
-        )
+        raise refusal("cycles.few", fewest=FEWEST_CYCLES, period=period, span=span)
     if period < FEWEST_SAMPLES * float(np.median(np.diff(t))):
-        raise ParameterError(
-            f"a cycle of {readable('t', period)} has fewer than {FEWEST_SAMPLES} samples; give a "
-            f"record sampled more often"
-        )
+        raise refusal("cycles.sparse", period=period, fewest=FEWEST_SAMPLES)
     return period
 
 

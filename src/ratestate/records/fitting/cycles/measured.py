@@ -6,16 +6,16 @@ record is, plus noise of the record's size and correlation, is measured many tim
 differ from each other by more than such noise explains, the errors are enlarged to their scatter.
 """
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ....errors import ParameterError
-from ....model.quantities import readable
-from .features import AMPLITUDE, DROP, FEATURES, LEVEL, PERIOD, profile_features
+from ....model.sentences import Sentences
+from ..refusals import refusal
+from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
 from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, periodic, thinned
-from .noise import Noise, residual_noise
-from .regular import Segment, regular_cuts
+from .segments import Segment, regular_cuts
 
 # Bins of the profile: their least and largest number; noise in one over the amplitude, as a target.
 BINS, BIN_NOISE = (24, 128), 0.01
@@ -29,6 +29,24 @@ CHANCE = 0.005
 RESOLVED, VAGUE = 1.5, 0.3
 # A trend over the cycles below this part of the amplitude is not mentioned.
 DRIFT = 0.1
+TEXTS = Sentences(Path(__file__).with_name("diagnostics.toml"))
+
+
+class Noise(NamedTuple):
+    """Noise of first-order correlation from sample to sample."""
+
+    sd: float
+    correlation: float
+
+    def draw(self, n, rng):
+        """(n,) values."""
+        white = rng.standard_normal(n) * self.sd
+        if self.correlation == 0.0:
+            return white
+        from scipy.signal import lfilter
+
+        white[1:] *= np.sqrt(1.0 - self.correlation**2)
+        return lfilter([1.0], [1.0, -self.correlation], white)
 
 
 class Measured(NamedTuple):
@@ -68,7 +86,7 @@ def measure(segment):
     rough = fold(segment.t, segment.y, cuts, BINS[0])
     bins = _bins(segment, rough)
     cycles = fold(segment.t, segment.y, cuts, bins)
-    noise = residual_noise(segment, cycles)
+    noise = _residual_noise(segment, cycles)
     raw = _features(cycles)
     measured = Measured(
         segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), left_out, (), ()
@@ -95,10 +113,8 @@ def corrected(measured, wave, features):
         if cuts.size > FEWEST_CYCLES:
             copies.append(fold(segment.t, y, cuts, measured.bins))
     if len(copies) < COPIES // 2:
-        raise ParameterError(
-            f"the oscillation of friction, {np.exp(measured.raw[AMPLITUDE]):.3g} peak to peak, "
-            f"is lost in noise of {measured.noise.sd:.3g}; give a longer or quieter record"
-        )
+        amplitude = np.exp(measured.raw[AMPLITUDE])
+        raise refusal("cycles.lost_in_noise", amplitude=amplitude, noise=measured.noise.sd)
     drawn = np.array([_features(copy) for copy in copies])
     true = np.array(features)
     true[PERIOD] = np.log(cycles.period)
@@ -111,7 +127,8 @@ def corrected(measured, wave, features):
     error = np.sqrt(np.diag(covariance))
     parts = np.exp(measured.raw - measured.raw[PERIOD]) * measured.bins
     used = np.isfinite(measured.raw) & (error < VAGUE)
-    used[[2, 3, 4]] &= parts[[2, 3, 4]] > RESOLVED
+    within = [RISE, HIGH, DROP]
+    used[within] &= parts[within] > RESOLVED
     used[LEVEL] = True
     values = np.where(np.isfinite(measured.raw), measured.raw - np.nan_to_num(shift), np.nan)
     removed, warnings = _notes(measured, excess, used)
@@ -122,30 +139,23 @@ def corrected(measured, wave, features):
 
 def _notes(measured, excess, used):
     """Notes on trend and resolution, and warnings about scatter."""
-    cycles, speed = measured.cycles, f"at {readable('V_lp', measured.segment.V_lp)}"
-    notes: tuple = ()
-    warnings: tuple = ()
+    cycles, V_lp = measured.cycles, measured.segment.V_lp
+    notes, warnings = [], []
     drift = cycles.slope * (cycles.cuts[-1] - cycles.cuts[0])
     if abs(drift) > DRIFT * float(np.ptp(cycles.profile)):
-        notes += (f"a trend of friction {speed}, by {drift:.2g} over the cycles, is removed",)
+        notes.append(TEXTS("measured.trend", V_lp=V_lp, drift=drift))
     if not used[DROP]:
-        notes += (
-            f"the drop {speed} is too short for the sampling, or too noisy, and is not fitted; "
-            f"sample it more often to learn of mass and stiffness",
-        )
+        notes.append(TEXTS("measured.short_drop", V_lp=V_lp))
     if excess.any():
         names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
-        warnings += (
-            f"cycles differ by more than the noise within them ({names}) {speed}; errors are "
-            f"enlarged to their scatter",
-        )
-    return notes, warnings
+        warnings.append(TEXTS("measured.scatter", names=names, V_lp=V_lp))
+    return tuple(notes), tuple(warnings)
 
 
 def _bins(segment, rough):
     """Number of bins such that noise is small beside the amplitude and all bins have samples."""
     inside = int(np.sum((rough.phase >= 0.0) & (rough.phase < rough.n)))
-    noise = residual_noise(segment, rough).sd
+    noise = _residual_noise(segment, rough).sd
     amplitude = float(np.ptp(rough.profile))
     quiet = inside * (BIN_NOISE * amplitude / noise) ** 2 if noise > 0.0 else np.inf
     filled = min(inside / 4, inside / rough.n)
@@ -177,3 +187,20 @@ def _excess(scatter, typical, n):
     with np.errstate(invalid="ignore"):
         real = scatter > limit * typical
     return np.where(real, scatter - typical, 0.0)
+
+
+def _residual_noise(segment, cycles):
+    """`Noise` of a record about its folded cycle; robust against a few outliers."""
+    inside = (cycles.phase >= 0.0) & (cycles.phase < cycles.n)
+    t, phase = segment.t[inside], cycles.phase[inside]
+    residual = segment.y[inside] - cycles.at(t)
+    middles = np.arange(cycles.n) + 0.5
+    residual -= np.interp(phase, middles, cycles.means)
+    sd = 1.4826 * float(np.median(np.abs(residual)))
+    sd *= np.sqrt(residual.size / max(residual.size - cycles.profile.size, 0.25 * residual.size))
+    residual = np.clip(residual, -3.0 * sd, 3.0 * sd)
+    power = float(residual @ residual)
+    correlation = float(residual[1:] @ residual[:-1]) / power if power > 0.0 else 0.0
+    # white noise has 0 within 3 standard errors
+    correlation = 0.0 if abs(correlation) < 3.0 / np.sqrt(residual.size) else correlation
+    return Noise(sd, float(np.clip(correlation, 0.0, 0.99)))

@@ -7,11 +7,13 @@ holds the quantity near that value; with a strict constraint least squares would
 along the curve.  Where a search ends, chi-squared is the least for the quantity's value there.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..estimates import ROOTS
 from ..likelihood.profile import BetterPoint
-from .search import FLOOR, FTOL, NO_CYCLE
+from .search import FLOOR, FTOL, NO_CYCLE, Problem, Run
 
 # Error of a logarithm below which the parabola is good enough.
 SMALL = 0.08
@@ -26,71 +28,62 @@ SHORTER, LONGER, LEAST, LEAP = 0.3, 3.0, 0.1, 2.5
 FAR, NEAR = np.log(1e3), 0.5
 
 
-class Profiles:
-    """Profiles about the best run of a problem.
+def profiled_intervals(problem, run, errors, options):
+    """name -> (levels, sides) ends in the quantity's own scale, inf where open.
+
+    A parameter needs a profile where its error is `SMALL` or more; mu0 and a - b where that of any
+    parameter is.
 
     Parameters
     ----------
     problem : Problem
-    run : Run
-    names : (p,) tuple of str, the free parameters first
-    covariance : (k + 1, k + 1) of the coordinates and mu0
-    errors : (p,) of the logarithms of the parameters, of mu0 and a - b
-    enlarged : factor by which errors are enlarged
-    better : fall of chi-squared by which a point is better than the run
+    run : Run, the best
+    errors : dict, name -> error of the logarithm of a parameter, of mu0 and a - b
+    options : Options
 
-    Methods raise `BetterPoint` with the first such point.
+    Raises
+    ------
+    BetterPoint
+        A point of a profile fits better than the run.
     """
+    free = problem.space.names
+    worst = max(errors[name] for name in free)
+    intervals = {}
+    for name, error in errors.items():
+        if (error if name in free else worst) >= SMALL:
+            estimate = problem.value(name, run.end)
+            profile = _Profile(problem, run, name, estimate, error, options)
+            intervals[name] = np.stack([profile.side(-1.0), profile.side(1.0)], axis=1)
+    return intervals
 
-    def __init__(self, problem, run, names, covariance, errors, enlarged, better):
-        self.problem, self.run, self.names = problem, run, names
-        self.covariance, self.errors, self.enlarged = covariance, errors, enlarged
-        self.better = better
 
-    def intervals(self):
-        """(p, levels, sides) ends in the quantities' own scale, inf where open; their kinds.
+class Options(NamedTuple):
+    """How profiles are made."""
 
-        A parameter needs a profile where its error is `SMALL` or more; mu0 and a - b where that
-        of any parameter is.
-        """
-        size = self.problem.space.size
-        worst = self.errors[:size].max()
-        ends, kinds = [], []
-        for i, error in enumerate(self.errors):
-            estimate = self._value(i, self.run.end)
-            plain = (error if i < size else worst) < SMALL
-            kinds.append("covariance" if plain else "profile")
-            ends.append(
-                estimate + error * ROOTS[:, None] * np.array([-1.0, 1.0])
-                if plain
-                else np.stack([self._side(i, estimate, sign) for sign in (-1.0, 1.0)], axis=1)
-            )
-        return np.array(ends), tuple(kinds)
+    covariance: np.ndarray  # (k + 1, k + 1) of the coordinates and mu0
+    enlarged: float  # factor by which errors are enlarged
+    better: float  # fall of chi-squared by which a point is better than the run
 
-    def _is_mu0(self, i):
-        return self.names[i] == "mu0"
 
-    def _value(self, i, q):
-        """Quantity i at coordinates q (k,): a logarithm, mu0 or a - b."""
-        if self._is_mu0(i):
-            return self.problem.best_mu0(q)
-        return float(self.problem.space.value(self.names[i], q[None])[0])
+class _Profile(NamedTuple):
+    """The profile of a quantity about a run."""
 
-    def _gradient(self, i, q):
-        """(k,) derivative of `_value`."""
-        if self._is_mu0(i):
-            return self.problem.best_mu0_gradient(q)
-        return self.problem.space.gradient(self.names[i], q)
+    problem: Problem
+    run: Run
+    name: str
+    estimate: float
+    error: float
+    options: Options
 
-    def _side(self, i, estimate, sign):
+    def side(self, sign):
         """(levels,) ends on one side."""
-        values, roots = [estimate], [0.0]
-        q, gradient = self.run.end, self._gradient(i, self.run.end)
-        lead = self.covariance[:-1, :-1] @ gradient
+        q, values, roots = self.run.end, [self.estimate], [0.0]
+        gradient = self.problem.gradient(self.name, q)
+        lead = self.options.covariance[:-1, :-1] @ gradient
         lead = lead / max(float(gradient @ lead), 1e-300)
-        step = min(self.errors[i], FIRST / np.abs(lead).max())
+        step = min(self.error, FIRST / np.abs(lead).max())
         for _ in range(STEPS):
-            fit = self._penalized_fit(i, values[-1] + sign * step, q + sign * step * lead, step)
+            fit = self._penalized_fit(values[-1] + sign * step, q + sign * step * lead, step)
             moved = 0.0 if fit is None else sign * (fit[0] - values[-1])
             if moved < LEAST * step or fit[2] > roots[-1] + LEAP:
                 step *= SHORTER
@@ -108,23 +101,28 @@ class Profiles:
         roots = np.minimum.accumulate(roots[::-1])[::-1] + 1e-9 * np.arange(len(roots))
         return np.where(roots[-1] < ROOTS, sign * np.inf, np.interp(ROOTS, roots, values))
 
-    def _penalized_fit(self, i, value, start, step):
-        """Fit with quantity i near a value: value, coordinates, root of the rise of chi-squared.
+    def _penalized_fit(self, value, start, step):
+        """Fit with the quantity near a value: value, coordinates, root of the rise of chi-squared.
 
         None where there is no cycle.
         """
         from scipy.optimize import least_squares
 
-        problem, weight = self.problem, WEIGHT * self.enlarged / step
-        if not np.isfinite(problem.linearized(start)[0]).all():
+        problem, name, (_, enlarged, better) = self.problem, self.name, self.options
+        if not problem.has_cycle(start):
             return None
+        weight = WEIGHT * enlarged / step
         no_cycle = np.full(problem.levels.size + 2, NO_CYCLE)
 
         def penalty(q):
             """Residual of the penalty, its derivatives by q, and by mu0."""
-            if self._is_mu0(i):
+            if name == "mu0":
                 return -weight * value, np.zeros(q.size), weight
-            return weight * (self._value(i, q) - value), weight * self._gradient(i, q), 0.0
+            return (
+                weight * (problem.value(name, q) - value),
+                weight * problem.gradient(name, q),
+                0.0,
+            )
 
         def residual(q):
             far = np.abs(q - self.run.end).max() > FAR + NEAR
@@ -136,15 +134,11 @@ class Profiles:
         result = least_squares(
             residual, start, jacobian, x_scale="jac", ftol=FTOL, xtol=1e-6, max_nfev=EVALUATIONS
         )
-        reached = (
-            problem.best_mu0(result.x, penalty(result.x))
-            if self._is_mu0(i)
-            else self._value(i, result.x)
-        )
+        q = result.x
+        reached = problem.best_mu0(q, penalty(q)) if name == "mu0" else problem.value(name, q)
         chi2 = 2.0 * result.cost - FLOOR**2 - (weight * (reached - value)) ** 2
         if not chi2 < 1e12:
             return None
-        if chi2 < self.run.chi2 - self.better:
-            raise BetterPoint(result.x)
-        rise = np.sqrt(max(chi2 - self.run.chi2, 0.0)) / self.enlarged
-        return reached, result.x, float(rise)
+        if chi2 < self.run.chi2 - better:
+            raise BetterPoint(q)
+        return reached, q, float(np.sqrt(max(chi2 - self.run.chi2, 0.0)) / enlarged)

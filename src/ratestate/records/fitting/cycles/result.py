@@ -3,9 +3,8 @@
 import numpy as np
 import xarray
 
-from ....model.quantities import attrs
-from ..estimates import Estimates
-from ..variables import estimate_variables, text_variables
+from ..variables import curve_variables, estimate_variables, labelled, text_variables
+from .diagnostics import diagnose
 from .features import FEATURES, LEVEL
 from .fit import wave_at
 
@@ -28,49 +27,30 @@ def cycles_dataset(fit):
         ``identifiability`` and ``warnings``.
     """
     result = xarray.merge(
-        [estimate_variables(_estimates(fit)), _features(fit), _starts(fit), _curves(fit)]
+        [estimate_variables(fit.estimates), _features(fit), _starts(fit), _curves(fit)]
     )
     result["chi2"] = ((), fit.chi2, {"units": "1", "long_name": "chi-squared of the features"})
-    return result.assign(text_variables(fit.identifiability, fit.warnings))
-
-
-def _estimates(fit):
-    """`Estimates` in SI."""
-    errors = np.sqrt(np.diag(fit.covariance))
-    values = np.array([fit.estimates[name] for name in fit.names])
-    is_linear = np.array([name not in fit.free for name in fit.names])
-    with np.errstate(over="ignore"):
-        ends = np.where(is_linear[:, None, None], fit.ends, np.exp(fit.ends))
-    correlation = fit.covariance / np.outer(errors, errors)
-    scale = np.where(is_linear, 1.0, values)
-    return Estimates(fit.names, values, scale * errors, ends, correlation, fit.kinds)
+    return result.assign(text_variables(*diagnose(fit)))
 
 
 def _features(fit):
     """Features measured and fitted, in SI."""
-    is_linear = np.arange(len(FEATURES)) == LEVEL
-    used = np.array([m.used for m in fit.measured])
-    values = np.array([m.values for m in fit.measured])
+    is_level = np.arange(len(FEATURES)) == LEVEL
     errors = np.sqrt([np.diag(m.covariance) for m in fit.measured])
-    measured = np.where(is_linear, values, np.exp(values))
+    logs = np.array([m.values for m in fit.measured]), fit.fitted_features
+    measured, fitted = (np.where(is_level, values, np.exp(values)) for values in logs)
     columns = {
         "measured": (measured, "feature measured, freed of noise's shift"),
-        "measured_error": (np.where(is_linear, errors, measured * errors), "its standard error"),
-        "fitted": (
-            np.where(is_linear, fit.fitted_features, np.exp(fit.fitted_features)),
-            "feature of the fit",
-        ),
-        "used": (used, "whether the record resolves the feature"),
+        "measured_error": (np.where(is_level, errors, measured * errors), "its standard error"),
+        "fitted": (fitted, "feature of the fit"),
+        "used": ([m.used for m in fit.measured], "whether the record resolves the feature"),
     }
     tables = {
         name: (("segment", "feature"), v, {"units": "", "long_name": text})
         for name, (v, text) in columns.items()
     }
-    by_segment = {
-        "segment_V": [m.segment.V_lp for m in fit.measured],
-        "cycles": [m.cycles.n for m in fit.measured],
-    }
-    lists = {name: ("segment", v, attrs(name)) for name, v in by_segment.items()}
+    speeds, cycles = zip(*((m.segment.V_lp, m.cycles.n) for m in fit.measured), strict=True)
+    lists = labelled("segment", segment_V=list(speeds), cycles=list(cycles))
     return xarray.Dataset(tables | lists, {"feature": list(FEATURES)})
 
 
@@ -103,13 +83,4 @@ def _curves(fit):
         times.append(t)
         friction.append(y)
         fitted.append(curves[best])
-    y, model = np.concatenate(friction), np.concatenate(fitted)
-    labels = {"units": "1", "long_name": "recorded less fitted friction"}
-    return xarray.Dataset(
-        {
-            "friction": ("time", y, attrs("friction")),
-            "friction_fit": ("time", model, attrs("friction_fit")),
-            "residual": ("time", y - model, labels),
-        },
-        {"time": ("time", np.concatenate(times), attrs("time"))},
-    )
+    return curve_variables(*map(np.concatenate, (times, friction, fitted)))

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..unknowns import distinct
 from .features import LEVEL
 from .space import FAR
 
@@ -22,6 +23,8 @@ FLOOR, FTOL = 3.0, 1e-3
 
 # Error of a coordinate, or of a combination, that no feature depends on.
 WIDEST = 50.0
+# Runs are distinct if they end more standard errors apart.
+DISTINCT = 4.0
 # No penalty: a residual of 0, its derivatives by the coordinates, and by mu0.
 NO_PENALTY = (0.0, 0.0, 0.0)
 
@@ -43,12 +46,21 @@ class Run(NamedTuple):
         return (axes.T / np.maximum(size, 1.0 / WIDEST) ** 2) @ axes
 
 
+def distinct_runs(runs, covariance):
+    """Indices of the best run and of those that end away from it and from each other.
+
+    covariance : (k + 1, k + 1) of the coordinates, by which distances are measured, and mu0
+    """
+    # (coordinate by coordinate: along a curved valley the covariance at one end misleads)
+    errors = np.sqrt(np.diag(covariance)[:-1])
+    return distinct([run.end for run in runs], DISTINCT * errors)
+
+
 class Problem:
     """Whitened residuals of the features that a record resolves, and their derivatives."""
 
     def __init__(self, space, model, measured):
         self.space, self.model, self.measured = space, model, measured
-        self.used = np.array([one.used for one in measured])
         self.whiten = [
             np.linalg.inv(np.linalg.cholesky(one.covariance[np.ix_(one.used, one.used)]))
             for one in measured
@@ -94,16 +106,28 @@ class Problem:
             self._last = (q.copy(), (centre, (change / np.maximum(width, STEP)).T))
         return self._last[1]
 
+    def has_cycle(self, q):
+        """Whether there are cycles at coordinates q (k,)."""
+        return np.isfinite(self.linearized(q)[0]).all()
+
     def best_mu0(self, q, penalty=NO_PENALTY):
         """The mu0 that fits best at coordinates q (k,)."""
         levels = np.append(self.levels, penalty[2])
-        return -float(
-            np.append(np.nan_to_num(self.linearized(q)[0]), penalty[0]) @ levels / (levels @ levels)
-        )
+        residual = np.append(np.nan_to_num(self.linearized(q)[0]), penalty[0])
+        return -float(residual @ levels / (levels @ levels))
 
-    def best_mu0_gradient(self, q):
-        """(k,) derivative of `best_mu0` without a penalty."""
-        return -self.levels @ np.nan_to_num(self.linearized(q)[1]) / (self.levels @ self.levels)
+    def value(self, name, q):
+        """A reported quantity at coordinates q (k,): a logarithm, the best mu0, or a - b."""
+        if name == "mu0":
+            return self.best_mu0(q)
+        return float(self.space.value(name, q[None])[0])
+
+    def gradient(self, name, q):
+        """(k,) derivative of `value` by the coordinates."""
+        if name == "mu0":
+            columns = np.nan_to_num(self.linearized(q)[1])
+            return -self.levels @ columns / (self.levels @ self.levels)
+        return self.space.gradient(name, q)
 
     def _without_level(self, vectors, penalty):
         """Residuals, or columns of them (features + 1, k), with the best mu0 taken out."""
@@ -125,9 +149,8 @@ class Problem:
 
     def jacobian(self, q, penalty=NO_PENALTY):
         """(features + 2, k) of `residual`."""
-        columns = np.vstack(
-            [np.nan_to_num(self.linearized(q)[1]), np.broadcast_to(penalty[1], q.size)]
-        )
+        columns = np.nan_to_num(self.linearized(q)[1])
+        columns = np.vstack([columns, np.broadcast_to(penalty[1], q.size)])
         return np.vstack([self._without_level(columns, penalty), np.zeros(q.size)])
 
     def search(self, start):
@@ -135,7 +158,7 @@ class Problem:
         from scipy.optimize import least_squares
 
         self.near = None
-        if not np.isfinite(self.linearized(start)[0]).all():
+        if not self.has_cycle(start):
             return self.run(start, start, "no cycle")
         result = least_squares(
             self.residual,
@@ -162,11 +185,11 @@ class Problem:
         return Run(start, end, self.best_mu0(end), chi2, status, full)
 
 
-def starts(space, model, measured, sigma):
+def starts(space, model, measured):
     """(m, k) coordinates to search from: the best of a cloud, all distinct."""
     first = measured[0]
     amplitude, period = np.exp(first.values[:2])
-    q = space.cloud(CLOUD, amplitude, period, first.segment.V_lp, sigma, SEED)
+    q = space.cloud(CLOUD, amplitude, period, first.segment.V_lp, SEED)
     features, _ = model.features(space.values(q))
     misfit = np.zeros(len(q))
     for j, one in enumerate(measured):
@@ -174,11 +197,5 @@ def starts(space, model, measured, sigma):
         shape[LEVEL] = False  # mu0 can still adjust it
         error = np.diag(one.covariance)[shape] + ROUGH**2
         misfit += np.sum((features[:, j, shape] - one.values[shape]) ** 2 / error, axis=1)
-    order = np.argsort(misfit, kind="stable")
-    chosen: list = []
-    for i in order[: np.isfinite(misfit).sum()]:
-        if all(np.abs(q[i] - q[j]).max() > DISTANCE for j in chosen):
-            chosen.append(i)
-        if len(chosen) == STARTS:
-            break
-    return q[chosen]
+    best = q[np.argsort(misfit, kind="stable")[: np.isfinite(misfit).sum()]]
+    return best[distinct(best, DISTANCE, STARTS)]

@@ -1,72 +1,82 @@
-"""The segments of a record at one load-point speed, and the features of their cycles."""
+"""The segments of a record at one load-point speed, and the cycles in them that repeat."""
+
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from ....errors import ParameterError
-from ....model.quantities import readable
-from ..channels import check_increasing, column, friction_of
+from ....model.sentences import Sentences
+from ..channels import friction_of, times_of
 from ..load_point import displacement_of, loading_of
-from .features import FEATURES
-from .measured import measure
-from .regular import Segment
+from ..refusals import refusal
+from .folding import FEWEST_CYCLES, cut_cycles
 
 # Fewest samples of a segment that is used.
 FEWEST = 20
+# Scatter of the periods beyond which cycles do not repeat.  An amplitude counts as a transient's if
+# it is off by so many standard deviations and by this part of the typical one.
+IRREGULAR, TRANSIENT, DEVIATION = 0.2, 6.0, 0.05
+TEXTS = Sentences(Path(__file__).with_name("diagnostics.toml"))
+
+
+class Segment(NamedTuple):
+    """A part of a record at one load-point speed."""
+
+    t: np.ndarray  # (samples,) [s]
+    y: np.ndarray  # (samples,) tau/sigma
+    V_lp: float  # [m/s]
 
 
 def segments_of(record, slider, loading):
     """`Segment`s of a record, in each of which the load point moves at one speed."""
-    time = column(record, "time")
-    check_increasing(time)
+    time = times_of(record)
     kind, friction = friction_of(record, slider)
     if kind != "tau":
-        raise ParameterError(
-            "the record has mu, the friction of the interface; cycles are fitted by the spring's: "
-            "give friction (tau/sigma) or tau"
-        )
+        raise refusal("cycles.of_mu")
     t = time - time[0]
     loading = loading_of(record, displacement_of(record, t), time, loading)
-    ends = np.append(loading.t[1:], np.inf)
     segments = []
-    for start, end, V_lp in zip(loading.t, ends, loading.V, strict=True):
+    for start, end, V_lp in zip(loading.t, [*loading.t[1:], np.inf], loading.V, strict=True):
         rows = (t >= start) & (t < end)
         if V_lp > 0.0 and rows.sum() >= FEWEST:
             segments.append(Segment(time[rows], friction[rows], float(V_lp)))
     if not segments:
-        raise ParameterError(
-            f"the record has no stretch of {FEWEST} samples at one load-point speed > 0; give a "
-            f"longer one"
-        )
+        raise refusal("cycles.no_stretch", fewest=FEWEST)
     return segments
 
 
-def measured_of(segments):
-    """`Measured` of the segments that have cycles, and warnings on the others."""
-    measured, refused = [], []
-    for segment in segments:
-        try:
-            measured.append(measure(segment))
-        except ParameterError as error:
-            refused.append((segment.V_lp, error))
-    if not measured:
-        raise refused[0][1]
-    return tuple(measured), [
-        f"the record at {readable('V_lp', V_lp)} is left out: {error}" for V_lp, error in refused
-    ]
+def regular_cuts(segment, period):
+    """Times to cut a segment into cycles that repeat, and notes on cycles left out (tuple).
+
+    Raises
+    ------
+    ParameterError
+        Fewer than three cycles, or periods that scatter by more than 20 %.
+    """
+    t, y, V_lp = segment
+    cuts = cut_cycles(t, y, period)
+    if cuts.size <= FEWEST_CYCLES:
+        raise refusal("cycles.few_whole", V_lp=V_lp, fewest=FEWEST_CYCLES)
+    amplitude = np.array(
+        [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in pairwise(cuts)]
+    )
+    left_out: tuple = ()
+    first = _transient(amplitude)
+    if first and cuts.size - first > FEWEST_CYCLES:
+        which = "first cycle" if first == 1 else f"first {first} cycles"
+        left_out = (TEXTS("measured.transient", cycles=which, V_lp=V_lp),)
+        cuts = cuts[first:]
+    periods = np.diff(cuts)
+    if (scatter := float(periods.std() / periods.mean())) > IRREGULAR:
+        raise refusal("cycles.irregular", V_lp=V_lp, scatter=100 * scatter, most=100 * IRREGULAR)
+    return cuts, left_out
 
 
-def check_feature_count(space, measured):
-    """Refuse more unknowns than features."""
-    count = sum(int(one.used.sum()) for one in measured)
-    if space.size + 1 <= count:
-        return
-    listed = "; ".join(
-        f"at {readable('V_lp', one.segment.V_lp)} "
-        + ", ".join(name for name, used in zip(FEATURES, one.used, strict=True) if used)
-        for one in measured
-    )
-    raise ParameterError(
-        f"{space.size} free parameters ({', '.join(space.names)}) and mu0, but the record has only "
-        f"{count} features of cycles: {listed}; leave known parameters out of free, or give a "
-        f"record with another speed"
-    )
+def _transient(amplitude):
+    """Number of first cycles whose amplitude (n,) is unlike that of the later ones."""
+    late = amplitude[amplitude.size // 2 :]
+    typical = float(np.median(late))
+    spread = 1.4826 * max(float(np.median(np.abs(x - np.median(x)))) for x in (late, amplitude))
+    is_unlike = np.abs(amplitude - typical) > max(TRANSIENT * spread, DEVIATION * typical)
+    return int(np.argmin(is_unlike))

@@ -11,8 +11,8 @@ the cycle, and least squares need not follow a curved valley.
 
 import numpy as np
 
-from ....errors import ParameterError
 from ....friction.stability import K_c, a_of_K_c, b_of_K_c
+from ..refusals import refusal
 from ..unknowns import PARAMETERS, checked_free
 
 # Largest distance of a coordinate from its start: a run that gets there does not converge.
@@ -48,42 +48,25 @@ class Space:
     def __init__(self, slider, free, V_lp):
         self.names = checked_free(free, slider)
         if "lag" in self.names:
-            raise ParameterError(
-                "free has 'lag': a delay of a load point that moves steadily has no effect; leave "
-                "it out"
-            )
+            raise refusal("cycles.lag")
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in PARAMETERS}
         if self.fixed["M"] == 0.0:
-            raise ParameterError(
-                "M = 0 kg/m^2: a slider without mass has no limit cycle; give M > 0, at least a "
-                "guess, and free it where it is not known"
-            )
+            raise refusal("cycles.massless")
         if np.isinf(self.fixed["K"]):
-            raise ParameterError(
-                "K = inf: a rigid machine does not oscillate; give a finite K [Pa/m], at least a "
-                "guess, and free it where it is not known"
-            )
+            raise refusal("cycles.rigid")
         if not {"a", "b"} & set(self.names) and self.fixed["b"] <= self.fixed["a"]:
-            raise ParameterError(
-                f"b = {self.fixed['b']:g} <= a = {self.fixed['a']:g}: such a slider has no cycle; "
-                f"free b, or give one that is larger than a"
-            )
+            raise refusal("cycles.strengthening", a=self.fixed["a"], b=self.fixed["b"])
         self.V_lp, self.sigma = V_lp, float(slider.sigma)
         # the parameter in place of which the distance from steady sliding is a coordinate
         self.replaced = "b" if "b" in self.names else "a" if "a" in self.names else None
-
-    @property
-    def size(self):
-        return len(self.names)
 
     def values(self, q):
         """Symbol -> (n,) of all of `PARAMETERS` at coordinates q (n, k)."""
         n = len(q)
         values = {symbol: np.full(n, value) for symbol, value in self.fixed.items()}
-        free = dict(zip(self.names, np.exp(np.clip(q.T, -700.0, 700.0)), strict=True))
-        values |= free
+        values |= zip(self.names, np.exp(np.clip(q.T, -700.0, 700.0)), strict=True)
         if self.replaced:
-            excess = free[self.replaced]  # K_c/K - STRIP
+            excess = values[self.replaced]  # K_c/K - STRIP
             rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.replaced}
             solve = b_of_K_c if self.replaced == "b" else a_of_K_c
             critical = (excess + STRIP) * values["K"]
@@ -101,17 +84,17 @@ class Space:
 
     @property
     def reported(self):
-        """Names that are reported: the free parameters, and a - b if a or b is free."""
-        return (*self.names, "a_minus_b") if self.replaced else self.names
+        """Names that are reported: the free parameters, mu0, and a - b if a or b is free."""
+        return (*self.names, "mu0", *(("a_minus_b",) if self.replaced else ()))
 
     def value(self, name, q):
-        """(n,) one of `reported` at coordinates q (n, k): a logarithm, or a - b."""
+        """(n,) a free parameter's logarithm, or a - b, at coordinates q (n, k)."""
         values = self.values(q)
         return values["a"] - values["b"] if name == "a_minus_b" else np.log(values[name])
 
     def gradient(self, name, q):
         """(k,) derivative of `value` by the coordinates (k,)."""
-        step = STEP * np.eye(self.size)
+        step = STEP * np.eye(len(self.names))
         up, down = np.split(self.value(name, np.concatenate([q + step, q - step])), 2)
         return (up - down) / (2.0 * STEP)
 
@@ -119,22 +102,23 @@ class Space:
         """(1, k) coordinates of the slider's own values, moved to where cycles exist."""
         return self.coordinates({symbol: np.array([v]) for symbol, v in self.fixed.items()})
 
-    def cloud(self, n, amplitude, period, V_lp, sigma, seed):
+    def cloud(self, n, amplitude, period, V_lp, seed):
         """(n, k) points to start from: one half from the record's features, one about the slider.
 
         n : a power of 2
         """
         from scipy.stats import qmc
 
-        points = qmc.Sobol(2 * self.size, rng=seed).random(n // 2)
-        about = self.own() + NEAR * (2.0 * points[:, : self.size] - 1.0)
-        parts = dict(zip(self.names, points[:, self.size :].T, strict=True))
+        k = len(self.names)
+        points = qmc.Sobol(2 * k, rng=seed).random(n // 2)
+        about = self.own() + NEAR * (2.0 * points[:, :k] - 1.0)
+        parts = dict(zip(self.names, points[:, k:].T, strict=True))
         values = {symbol: np.full(n // 2, value) for symbol, value in self.fixed.items()}
 
         def within(symbol, low, high):
             return low * (high / low) ** parts[symbol]
 
-        stiffness = amplitude * sigma / (V_lp * period)
+        stiffness = amplitude * self.sigma / (V_lp * period)
         a = self.fixed["a"]
         if "Dc" in parts:
             values["Dc"] = V_lp * period / within("Dc", *SLIPS[::-1])

@@ -11,12 +11,8 @@ SMALL = 0.1
 
 
 def correlated_groups(estimates, names):
-    """Groups (tuples) of these parameters, linked by strong correlations.
-
-    estimates : Estimates
-    """
-    which = [estimates.names.index(name) for name in names]
-    linked = np.abs(estimates.correlation[np.ix_(which, which)]) > CORRELATED
+    """Groups (tuples) of these parameters of `Estimates`, linked by strong correlations."""
+    linked = np.abs(estimates.correlation_of(names)) > CORRELATED
     reach = np.linalg.matrix_power(linked.astype(int), max(len(names), 1)) > 0
     groups = {tuple(n for n, on in zip(names, row, strict=True) if on) for row in reach}
     return sorted(group for group in groups if len(group) > 1)
@@ -27,17 +23,17 @@ def tradeoff_text(estimates, which):
 
     Combinations are the axes of the covariance of the logarithms.
     """
-    index = [estimates.names.index(name) for name in which]
-    errors = np.array([relative_error(estimates, name) for name in which])
+    group = [estimates.of(name) for name in which]
+    errors = np.array([one.relative_error for one in group])
     # b < 0 has no logarithm but that of -b, which correlates the other way
-    signs = np.sign(estimates.values[index])
-    correlation = estimates.correlation[np.ix_(index, index)] * np.outer(signs, signs)
+    signs = np.sign([one.value for one in group])
+    correlation = estimates.correlation_of(which) * np.outer(signs, signs)
     variance, axes = np.linalg.eigh(correlation * np.outer(errors, errors))
     best, worst = np.sqrt(np.maximum(variance[[0, -1]], 0.0))
     best_text = f"{product(which, axes[:, 0])} to {percent(best)}"
     if "a" in which and "b" in which:
-        i = estimates.names.index("a_minus_b")
-        best_text += f", and a - b = {with_error(estimates.values[i], estimates.errors[i])}"
+        difference = estimates.of("a_minus_b")
+        best_text += f", and a - b = {with_error(difference.value, difference.error)}"
     if worst < LOOSE:
         return best_text, False
     pairs = correlation[np.triu_indices(len(which), 1)]
@@ -46,12 +42,6 @@ def tradeoff_text(estimates, which):
         f"{', '.join(which[:-1])} and {which[-1]} trade off (correlation {strongest:.3f}): the "
         f"record fixes {best_text}, but {product(which, axes[:, -1])} only to {percent(worst)}"
     ), True
-
-
-def relative_error(estimates, name):
-    """Standard error of a parameter's logarithm, from the covariance; of b, over its size."""
-    i = estimates.names.index(name)
-    return float(estimates.errors[i] / max(abs(estimates.values[i]), 1e-300))
 
 
 def percent(error):

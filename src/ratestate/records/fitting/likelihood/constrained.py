@@ -18,18 +18,15 @@ class ConstrainedProblem:
 
     def point(self, rest):
         """The point (k,) with these values (k - 1,) of the other coordinates."""
-        point = np.zeros(len(self.rest) + 1)
-        point[self.rest] = rest
+        point = np.insert(rest, self.quantity.eliminated, 0.0)
         return self.quantity.constrained(point, self.value)
 
     def residual(self, rest, noise):
         return self.problem.residual(self.point(rest), noise)
 
     def jacobian(self, rest, noise):
-        point = self.point(rest)
-        columns = self.problem.jacobian(point, noise)
-        gradient = self.quantity.gradient(point)
-        eliminated = self.quantity.eliminated
+        point, eliminated = self.point(rest), self.quantity.eliminated
+        columns, gradient = self.problem.jacobian(point, noise), self.quantity.gradient(point)
         by_rest = -gradient[self.rest] / gradient[eliminated]
         return columns[:, self.rest] + np.outer(columns[:, eliminated], by_rest)
 
@@ -40,10 +37,10 @@ def constrained_fit(solution, quantity, value, starts):
     None where no start moves through the whole record.
     """
     problem = ConstrainedProblem(solution.problem, quantity, value)
-    best = None
+    fits = []
     for start in starts:
         rest = np.clip(start[problem.rest], problem.unknowns.low, problem.unknowns.high)
-        fit = search(problem, rest, solution.noise, SEARCH_EVALUATIONS)
-        if fit and (best is None or fit.cost < best.cost):
-            best = fit
+        if fit := search(problem, rest, solution.noise, SEARCH_EVALUATIONS):
+            fits.append(fit)
+    best = min(fits, key=lambda fit: fit.cost, default=None)
     return best and (problem.point(best.x), 2.0 * float(best.cost) - solution.chi2)

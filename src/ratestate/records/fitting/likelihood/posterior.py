@@ -11,11 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ....dynamics.progress import bar
-from ....errors import ParameterError
 from ....model.quantities import readable
 from ..estimates import LEVELS
+from ..refusals import refusal
 from ..unknowns import PLAIN
 
+#: coordinates in which the friction is linear
+INTEGRATED_OUT = ("level", "trend")
 LIVE, SEED = 400, 20190101
 #: gain of ln(evidence) still possible when sampling ends; most evaluations
 GAIN, MOST = 0.05, 300_000
@@ -58,34 +60,27 @@ class Posterior(NamedTuple):
         if not quantity.is_coordinate:
             return 0
         low, high = self.prior[quantity.name]
-        sample = (self.samples_of(quantity) - low) / (high - low)
-        if np.mean(sample < 0.05) > 0.01:
-            return -1
-        return 1 if np.mean(sample > 0.95) > 0.01 else 0
+        part = (self.samples_of(quantity) - low) / (high - low)
+        return -1 if np.mean(part < 0.05) > 0.01 else 1 if np.mean(part > 0.95) > 0.01 else 0
 
 
-def common_prior(solutions, reaches):
-    """name -> (low, high): one box for all laws, so that their evidences can be compared.
-
-    Parameters
-    ----------
-    solutions : sequence of Solution
-    reaches : sequence of dict, name -> (lower, upper) end of the 95 % interval of a coordinate
-    """
+def common_prior(inferences):
+    """name -> (low, high): one box for all laws, so that their evidences can be compared."""
     box: dict[str, tuple[float, float]] = {}
-    for solution, reach in zip(solutions, reaches, strict=True):
-        unknowns = solution.unknowns
+    for solution, _, _, profiles, *_ in inferences:
         errors = 1.96 * np.sqrt(np.diag(solution.covariance))
-        for i, name in enumerate(unknowns.names):
-            if name in ("level", "trend"):
+        for name, low, high, estimate, error in zip(
+            *solution.unknowns, solution.point.tolist(), errors.tolist(), strict=True
+        ):
+            if name in INTEGRATED_OUT:
                 continue
-            estimate = float(solution.point[i])
-            lower, upper = reach.get(name, (estimate - errors[i], estimate + errors[i]))
-            lower, upper = float(lower), float(upper)
-            low, high = _prior_ends(estimate, lower, upper, name in PLAIN)
-            low, high = max(low, unknowns.low[i]), min(high, unknowns.high[i])
-            others = box.get(name, (low, high))
-            box[name] = (min(low, others[0]), max(high, others[1]))
+            ends = estimate - error, estimate + error
+            if name in profiles:
+                ends = profiles[name].interval()[-1].tolist()
+            lower, upper = _prior_ends(estimate, *ends, name in PLAIN)
+            lower, upper = max(lower, low), min(upper, high)
+            others = box.get(name, (lower, upper))
+            box[name] = (min(lower, others[0]), max(upper, others[1]))
     return box
 
 
@@ -106,13 +101,14 @@ def _prior_ends(estimate, lower, upper, plain):
 def prior_text(prior):
     """A sentence that describes the prior."""
     sides = []
-    for name, (low, high) in prior.items():
+    for name, ends in prior.items():
         if name in PLAIN:
+            low, high = ends
             unit = " s" if name == "lag" else ""
             sides.append(f"in {name} from {low:.4g} to {high:.4g}{unit}")
         else:
-            ends = (readable(name, math.exp(end)) for end in (low, high))
-            sides.append(f"in ln {name} from {' to '.join(ends)}")
+            low, high = (readable(name, math.exp(end)) for end in ends)
+            sides.append(f"in ln {name} from {low} to {high}")
     return (
         f"flat {', '.join(sides)}; flat without bounds in level and trend; the noise is held at "
         f"its estimate; the same for all laws"
@@ -127,15 +123,17 @@ def sample_posterior(solution, prior, label):
     ParameterError
         dynesty is missing.
     """
-    dynesty = _import_dynesty()
-    moving = [i for i, name in enumerate(solution.unknowns.names) if name in prior]
-    names = [solution.unknowns.names[i] for i in moving]
-    low, high = np.array([prior[name] for name in names]).T
-    marginal = Marginal(solution, moving)
+    try:
+        import dynesty
+    except ImportError:
+        raise refusal("search.no_dynesty") from None
+    prior = {name: prior[name] for name in solution.unknowns.names if name in prior}
+    low, high = np.array(list(prior.values())).T
+    marginal = Marginal(solution)
     sampler = dynesty.NestedSampler(
         marginal,
         lambda cube: low + (high - low) * cube,
-        len(names),
+        len(prior),
         nlive=LIVE,
         bound="multi",
         sample="unif",
@@ -157,12 +155,12 @@ def sample_posterior(solution, prior, label):
     ladder = (np.arange(KEPT) + rng.random()) / KEPT
     chosen = rng.permutation(np.searchsorted(np.cumsum(weights) / weights.sum(), ladder))
     points = np.zeros((KEPT, len(solution.point)))
-    points[:, moving] = results.samples[chosen]
+    points[:, marginal.moving] = results.samples[chosen]
     points[:, marginal.linear] = marginal.draw_linear(results.blob[chosen], rng)
     return Posterior(
         solution.unknowns.names,
         points,
-        {name: prior[name] for name in names},
+        prior,
         float(results.logz[-1]),
         math.sqrt(max(float(results.information[-1]), 0.0) / LIVE),
         marginal.evaluations,
@@ -173,20 +171,20 @@ def sample_posterior(solution, prior, label):
 
 
 class Marginal:
-    """ln(likelihood) of the coordinates `moving`, with level and trend integrated out."""
+    """ln(likelihood) of all other coordinates, with level and trend integrated out."""
 
-    def __init__(self, solution, moving):
+    def __init__(self, solution):
         self.problem, self.noise = solution.problem, solution.noise
         names = solution.unknowns.names
-        self.size, self.moving = len(names), moving
-        self.linear = [i for i in range(self.size) if i not in moving]
+        self.moving = [i for i, name in enumerate(names) if name not in INTEGRATED_OUT]
+        self.linear = [i for i, name in enumerate(names) if name in INTEGRATED_OUT]
         self.evaluations = 0
 
     def __call__(self, coordinates):
         """ln(likelihood), and means and root of the covariance of level, trend."""
         self.evaluations += 1
         record, count = self.problem.record, len(self.linear)
-        point = np.zeros((1, self.size))
+        point = np.zeros((1, len(self.problem.unknowns.names)))
         point[0, self.moving] = coordinates
         friction, along = self.problem.forward.parts(point)
         if not np.isfinite(friction).all():
@@ -210,14 +208,3 @@ class Marginal:
         count = len(self.linear)
         mean, root = blobs[:, :count], blobs[:, count:].reshape(-1, count, count)
         return mean + np.einsum("nij,nj->ni", root, rng.standard_normal(mean.shape))
-
-
-def _import_dynesty():
-    try:
-        import dynesty
-    except ImportError:
-        raise ParameterError(
-            "errors='posterior' needs dynesty, which is not installed; install "
-            "'ratestate[posterior]', or use errors='profile'"
-        ) from None
-    return dynesty

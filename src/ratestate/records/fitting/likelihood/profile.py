@@ -11,7 +11,6 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from ..estimates import ROOTS
-from ..unknowns import NEAR
 from .constrained import constrained_fit
 
 #: root of the deviance where a profile may end
@@ -48,14 +47,10 @@ class Profile(NamedTuple):
     ends: tuple  # lower, upper: "closed", "open" or "edge" (no motion beyond)
 
     @property
-    def best(self):
-        return int(np.argmin(self.deviance))
-
-    @property
     def root(self):
         """(n,) roots of the deviance, negative below the fit."""
-        side = np.where(np.arange(self.values.size) < self.best, -1.0, 1.0)
-        return side * np.sqrt(self.deviance)
+        above = np.arange(self.values.size) >= np.argmin(self.deviance)
+        return np.where(above, 1.0, -1.0) * np.sqrt(self.deviance)
 
     def interval(self):
         """(levels, sides) where the root passes `ROOTS` for the last time; inf where it never does.
@@ -64,15 +59,14 @@ class Profile(NamedTuple):
         """
         interval = np.empty((len(ROOTS), 2))
         curve = PchipInterpolator(self.values, self.root) if self.values.size > 1 else None
-        for side, sign in enumerate((-1, 1)):
-            last = self.values[0 if side == 0 else -1]
-            reached = self.deviance[0 if side == 0 else -1]
+        for side, (sign, last) in enumerate(((-1, 0), (1, -1))):
             for level, target in enumerate(ROOTS):
-                if curve is not None and reached >= target**2:
+                if curve is not None and self.deviance[last] >= target**2:
                     crossings = curve.solve(sign * target, extrapolate=False)
                     interval[level, side] = crossings.max() if side else crossings.min()
                 else:
-                    interval[level, side] = sign * np.inf if self.ends[side] == "open" else last
+                    is_open = self.ends[side] == "open"
+                    interval[level, side] = sign * np.inf if is_open else self.values[last]
         return interval
 
 
@@ -90,11 +84,18 @@ def compute_profile(solution, quantity, fits=()):
     BetterPoint
         A point of the profile fits better than the solution.
     """
-    low, high = (_Side(solution, quantity, sign, fits).walk() for sign in (-1.0, 1.0))
-    values, deviance, points = (
-        np.array([*below[:0:-1], *above]) for below, above in zip(low[:3], high[:3], strict=True)
+    low, high = (_Side(solution, quantity, sign, fits) for sign in (-1.0, 1.0))
+    ends = low.walk(), high.walk()
+
+    def joined(below, above):
+        return np.array([*below[:0:-1], *above])
+
+    return Profile(
+        joined(low.values, high.values),
+        joined(low.deviance, high.deviance),
+        joined(low.points, high.points),
+        ends,
     )
-    return Profile(values, deviance, points, (low[3], high[3]))
 
 
 class _Side:
@@ -125,11 +126,7 @@ class _Side:
         self.far = sign * max((sign * value for value in likely), default=-np.inf)
 
     def walk(self):
-        """Values, deviances, points and how the side ends."""
-        end = self._walk_to_end()
-        return self.values, self.deviance, self.points, end
-
-    def _walk_to_end(self):
+        """Add the points of this side; how it ends."""
         for _ in range(MOST):
             last = self.values[-1]
             if np.isfinite(self.limit) and abs(self.limit - last) <= 1e-9 * max(abs(last), 1e-9):
@@ -138,8 +135,7 @@ class _Side:
                 self.sign * (last + self.sign * self.step), self.sign * self.limit
             )
             moved = abs(value - last)
-            starts = self._starts(value, moved)
-            fit = constrained_fit(self.solution, self.quantity, value, starts)
+            fit = constrained_fit(self.solution, self.quantity, value, self._starts(value, moved))
             root = np.sqrt(max(fit[1], 0.0)) if fit else np.inf
             if root > BEYOND and root - np.sqrt(self.deviance[-1]) > LEAP:
                 self.step = 0.5 * moved
@@ -153,12 +149,9 @@ class _Side:
 
     def _at_a_bound(self, point):
         """Whether another coordinate is at a bound: then the search ends, not the motion."""
-        names, low, high = self.solution.unknowns
-        near = np.where(np.isfinite(high - low), NEAR * (high - low), 0.0)
-        sides = set(zip(names, np.where(point <= low + near, -1.0, 0.0), strict=True))
-        sides |= set(zip(names, np.where(point >= high - near, 1.0, 0.0), strict=True))
+        sides = self.solution.unknowns.sides(point)
         own = self.quantity.names[self.quantity.eliminated]
-        return any(side and name != own and (name, side) not in ENDLESS for name, side in sides)
+        return any(s and name != own and (name, s) not in ENDLESS for name, s in sides.items())
 
     def _starts(self, value, moved):
         """Points to start from: ahead of the last point, and the nearest other fit."""

@@ -17,8 +17,7 @@ def are_gaussian(solution, quantities):
     the quantity, the deviance is compared with 4.  The fall that moving the others could still
     achieve is subtracted to second order.  All points are one batch of lanes.
     """
-    point, spread, noise = solution.point, solution.covariance, solution.noise
-    problem, t = solution.problem, solution.problem.record.t
+    point, spread, problem = solution.point, solution.covariance, solution.problem
     along = [spread @ quantity.gradient(point) for quantity in quantities]
     errors = [quantity.standard_error(point, spread) for quantity in quantities]
     steps = [2.0 * u / error for u, error in zip(along, errors, strict=True)]
@@ -28,7 +27,8 @@ def are_gaussian(solution, quantities):
     residuals = problem.forward.friction(points) - problem.record.friction
     sound &= np.isfinite(residuals).all(axis=1)
     residuals[~sound] = 0.0
-    white, _ = noise.whiten(t, np.column_stack([residuals.T, solution.jacobian]))
+    columns = np.column_stack([residuals.T, solution.jacobian])
+    white, _ = solution.noise.whiten(problem.record.t, columns)
     whitened, jacobian = white[:, : len(points)], white[:, len(points) :]
     slopes = jacobian.T @ whitened
     gain = np.einsum("ip,ij,jp->p", slopes, spread, slopes)
@@ -55,17 +55,13 @@ def compute_profiles(solution, quantities, everything):
     BetterPoint
         A point of a profile fits better than the solution.
     """
-    if everything:
-        todo = list(quantities)
-    else:
-        gaussian = are_gaussian(solution, quantities)
-        todo = [q for q, is_gaussian in zip(quantities, gaussian, strict=True) if not is_gaussian]
+    left_out = [False] * len(quantities) if everything else are_gaussian(solution, quantities)
+    todo = [q for q, is_left_out in zip(quantities, left_out, strict=True) if not is_left_out]
     profiles: dict[str, Profile] = {}
     fits: list[tuple] = []  # (point, deviance) of all profiles
     for _ in range(ROUNDS):
         for quantity in todo:
-            profile = compute_profile(solution, quantity, fits)
-            profiles[quantity.name] = profile
+            profile = profiles[quantity.name] = compute_profile(solution, quantity, fits)
             fits += zip(profile.points, profile.deviance, strict=True)
         todo = [q for q in quantities if _contradicted(solution, q, profiles.get(q.name), fits)]
         if not todo:

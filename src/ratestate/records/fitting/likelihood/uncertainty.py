@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ..estimates import Estimates, estimates_from
 from ..score import responds
 from ..solve import Solution, solution_from
@@ -43,29 +45,30 @@ def infer(solution, slider, noise, errors):
     quantities = reported_quantities(solution.problem, slider)
     # profiles of a fit to mere noise would lead anywhere
     wanted = errors != "covariance" and (errors != "auto" or responds(solution))
-    for attempt in range(REFITS if wanted else 0):
+    for attempt in range(REFITS + 1 if wanted else 0):
         try:
             profiles = compute_profiles(solution, quantities, errors == "profile")
             break
         except BetterPoint as better:
-            solution = solution_from(solution.problem, better.point, noise)
-            still_improving = attempt == REFITS - 1
+            still_improving = attempt == REFITS
+            if not still_improving:
+                solution = solution_from(solution.problem, better.point, noise)
+    point = solution.point
+    gradients = np.array([q.gradient(point) for q in quantities])
+    estimates = estimates_from(
+        tuple(q.name for q in quantities),
+        np.array([q.value(point) for q in quantities]),
+        gradients @ solution.covariance @ gradients.T,
+        np.array([q.is_log for q in quantities]),
+    )
     ends = {q.name: q.si(profiles[q.name].interval()) for q in quantities if q.name in profiles}
-    estimates = _covariance_estimates(solution, quantities).with_intervals(ends, "profile")
+    estimates = estimates.with_intervals(ends, "profile")
     return Inference(solution, quantities, estimates, profiles, None, still_improving)
 
 
 def with_posteriors(inferences, laws):
     """Each `Inference` with its posterior, all under one prior."""
-    reaches = [
-        {
-            q.name: inference.profiles[q.name].interval()[-1]
-            for q in inference.quantities
-            if q.name in inference.profiles and q.is_coordinate
-        }
-        for inference in inferences
-    ]
-    prior = common_prior([inference.solution for inference in inferences], reaches)
+    prior = common_prior(inferences)
     completed = []
     for inference, law in zip(inferences, laws, strict=True):
         posterior = sample_posterior(inference.solution, prior, f"posterior of the {law} law")
@@ -75,15 +78,3 @@ def with_posteriors(inferences, laws):
             estimates = estimates.with_intervals(ends, "posterior")
         completed.append(inference._replace(estimates=estimates, posterior=posterior))
     return completed
-
-
-def _covariance_estimates(solution, quantities):
-    """`Estimates` of the quantities, from the covariance."""
-    derived = [
-        (q.name, q.value(solution.point), q.gradient(solution.point))
-        for q in quantities
-        if not q.is_coordinate
-    ]
-    names = solution.unknowns.names
-    estimates = estimates_from(names, solution.point, solution.covariance, derived)
-    return estimates.only([q.name for q in quantities])
