@@ -58,14 +58,9 @@ class Estimates(NamedTuple):
 
 
 def estimates_from(names, centres, covariance, is_log, values=None):
-    """`Estimates` from the covariance of quantities, or of the logarithms of some.
+    """`Estimates` from the covariance (p, p) of quantities or, where `is_log`, of their logarithms.
 
-    Parameters
-    ----------
-    names : tuple of str
-    centres : (p,) the quantities, or their logarithms
-    covariance : (p, p) of these
-    is_log : (p,) bool
+    centres : (p,) the quantities or logarithms
     values : (p,), optional, the quantities themselves, if they are known more precisely
     """
     errors = np.sqrt(np.diag(covariance))

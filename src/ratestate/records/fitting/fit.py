@@ -1,7 +1,6 @@
 """The function `fit`: a slider's parameters and their errors from a record."""
 
 import functools
-import inspect
 import json
 import warnings
 
@@ -10,25 +9,15 @@ from threadpoolctl import ThreadpoolController
 from ...dynamics.results import provenance
 from ...errors import FitWarning
 from ...friction.laws import evolution_law
-from ...model.slider import checked
-from ...model.units import is_array
 from .by_law import warnings_of
 from .cycles.fit import fit_cycles
 from .cycles.result import cycles_dataset
-from .likelihood.uncertainty import ERRORS, infer, with_posteriors
-from .noise import given_noise
+from .likelihood.uncertainty import infer, with_posteriors
 from .record import record_of
-from .refusals import refusal
 from .result import add_comparison, dataset_of, side_by_side
+from .settings import checked_settings
 from .solve import solve
-from .unknowns import checked_free
 
-CHOICES = {
-    "against": ("time", "displacement", "cycles"),
-    "trend": ("slip", "time", None),
-    "start": ("auto", "steady", "free"),
-    "errors": ERRORS,
-}
 #: attributes of a record that its fit keeps
 RECORD_ATTRIBUTES = ("source", "columns", "found", "notes")
 
@@ -128,31 +117,30 @@ def fit(
     >>> round(float(result.Dc), 7)
     1e-05
     """
-    _check_slider(slider)
-    free = checked_free(free, slider)
-    _check_choices(against=against, trend=trend, start=start, errors=errors)
-    noise = given_noise(noise)
-    laws = _checked_laws(law, slider)
-    settings = {"against": against, "trend": str(trend), "start": start, "errors": errors}
+    settings = checked_settings(
+        slider,
+        free=free,
+        law=law,
+        noise=noise,
+        against=against,
+        trend=trend,
+        start=start,
+        errors=errors,
+    )
     with single_blas():
-        if against == "cycles":
-            _check_for_cycles(trend=trend, start=start, errors=errors, noise=noise)
-            results = _against_cycles(data, slider, free, laws, loading)
-        else:
-            record = record_of(data, slider, loading=loading, trend=trend, against=against)
-            solutions = [
-                solve(record, slider, evolution_law(name).code, free, noise, start) for name in laws
-            ]
-            results = _against_samples(data, slider, solutions, laws, noise, errors)
+        fits = _fits_of_cycles if against == "cycles" else _fits_of_samples
+        results = fits(data, slider, settings, loading)
     kept = {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}
+    names = json.dumps(settings.free)
     for name, result in results.items():
-        origin = provenance("fit", slider, law=name, free=json.dumps(free), **settings)
+        origin = provenance("fit", slider, law=name, free=names, **settings.recorded)
         result.coords["law"] = name
         result.attrs = origin | result.attrs | kept
-        prefix = f"{name} law: " if len(laws) > 1 else ""
+        prefix = f"{name} law: " if len(results) > 1 else ""
         for text in warnings_of(result):
             warnings.warn(prefix + text, FitWarning, stacklevel=2)
-    return results[laws[0]] if law is None or isinstance(law, str) else side_by_side(results)
+    alone = law is None or isinstance(law, str)
+    return results[settings.laws[0]] if alone else side_by_side(results)
 
 
 _thread_pools = functools.cache(ThreadpoolController)
@@ -163,61 +151,29 @@ def single_blas():
     return _thread_pools().limit(limits=1, user_api="blas")
 
 
-def _check_slider(slider):
-    """Refuse what is no slider, or several."""
-    checked(slider)
-    for symbol, value in slider.values.items():
-        if is_array(value):
-            raise refusal("settings.slider_array", symbol=symbol)
-
-
-def _check_choices(**given):
-    """Refuse settings that are not among `CHOICES`."""
-    for name, value in given.items():
-        if not (value is None or isinstance(value, str)) or value not in CHOICES[name]:
-            choices = ", ".join(map(repr, CHOICES[name]))
-            raise refusal("settings.unknown", name=name, value=value, choices=choices)
-
-
-def _checked_laws(law, slider):
-    """The laws as a list, each of them once."""
-    laws = [slider.law] if law is None else [law] if isinstance(law, str) else list(law)
-    for name in laws:
-        evolution_law(name)
-    if not laws or len(set(laws)) < len(laws):
-        raise refusal("settings.laws", law=law)
-    return laws
-
-
-def _check_for_cycles(**given):
-    """Refuse settings that only a fit against time or displacement has."""
-    defaults = inspect.signature(fit).parameters
-    changed = [name for name, value in given.items() if value != defaults[name].default]
-    if changed:
-        raise refusal("settings.not_for_cycles", names=", ".join(changed))
-
-
-def _against_cycles(data, slider, free, laws, loading):
+def _fits_of_cycles(data, slider, settings, loading):
     """law -> Dataset of a fit of cycles."""
-    fits = {law: fit_cycles(data, slider, free, law, loading) for law in laws}
+    fits = {law: fit_cycles(data, slider, settings.free, law, loading) for law in settings.laws}
     results = {law: cycles_dataset(fit) for law, fit in fits.items()}
-    if len(laws) > 1:
+    if len(results) > 1:
         # errors that were enlarged for a misfit are so in the comparison as well
         scale = min(fit.enlarged for fit in fits.values()) ** 2
         add_comparison(results, {law: fit.chi2 / scale for law, fit in fits.items()})
     return results
 
 
-def _against_samples(data, slider, solutions, laws, noise, errors):
-    """law -> Dataset of a fit of friction, from its `Solution`."""
+def _fits_of_samples(data, slider, settings, loading):
+    """law -> Dataset of a fit of friction, sample by sample."""
+    free, laws, noise, against, trend, start, errors = settings
+    record = record_of(data, slider, loading=loading, trend=trend, against=against)
+    codes = [evolution_law(law).code for law in laws]
+    solutions = [solve(record, slider, code, free, noise, start) for code in codes]
     inferences = [infer(solution, slider, noise, errors) for solution in solutions]
     if errors == "posterior":
         inferences = with_posteriors(inferences, laws)
-    results = {
-        law: dataset_of(inference, data, slider)
-        for law, inference in zip(laws, inferences, strict=True)
-    }
-    if len(laws) > 1:
+    datasets = [dataset_of(inference, data, slider) for inference in inferences]
+    results = dict(zip(laws, datasets, strict=True))
+    if len(results) > 1:
         colored = any(inference.solution.noise.red for inference in inferences)
         aic = {law: float(result["aic"]) for law, result in results.items()}
         add_comparison(results, aic, colored=colored)

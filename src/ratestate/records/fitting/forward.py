@@ -25,12 +25,7 @@ MAX_STEPS = 1e5
 class Forward:
     """Friction of a slider under the loading of a record, for many sliders at once.
 
-    Parameters
-    ----------
-    record : Record
-    slider : SpringSlider, which gives the parameters that are not free
-    law : int, code
-    names : tuple of str, the coordinates (see unknowns.py)
+    slider : gives the parameters that are not among the names of the coordinates (unknowns.py)
     """
 
     def __init__(self, record, slider, law, names):

@@ -69,13 +69,7 @@ def given_noise(noise):
 
 
 def estimated_noise(t, residual, jacobian):
-    """`Noise` by restricted maximum likelihood.
-
-    Parameters
-    ----------
-    t : (n,) [s]
-    residual : (n,) of a fit with this (n, k) jacobian
-    """
+    """`Noise` by restricted maximum likelihood: of residuals (n,) with a fit's jacobian (n, k)."""
     columns = np.column_stack([residual, jacobian / np.abs(jacobian).max(axis=0)])
     degrees = residual.size - jacobian.shape[1]
     lags = np.median(np.diff(t)), t[-1] - t[0]

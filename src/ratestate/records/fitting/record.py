@@ -50,13 +50,7 @@ class Record(NamedTuple):
 
 
 def record_of(data, slider, *, loading, trend, against):
-    """The `Record` in a Dataset of `read_lab`, or of `simulate`; checked.
-
-    Raises
-    ------
-    ParameterError
-        It is no Dataset of one record, lacks what is needed, or holds nothing to fit.
-    """
+    """The `Record` in a Dataset of `read_lab`, or of `simulate`; refuses what cannot be fitted."""
     if not isinstance(data, xarray.Dataset):
         raise refusal("record.type", type=type(data).__name__)
     time = times_of(data)

@@ -1,20 +1,15 @@
 """The Dataset of a fit: one law's, and several laws' side by side."""
 
+import numpy as np
 import xarray
 
 from ...dynamics.results import record_loading
+from ...model.quantities import attrs
 from .diagnostics.checks import diagnose
 from .diagnostics.model_comparison import compare_laws
+from .estimates import LEVELS, ROOTS, SIDES
 from .likelihood.posterior import prior_text
-from .variables import (
-    band_variables,
-    curve_variables,
-    estimate_variables,
-    posterior_variables,
-    profile_variables,
-    statistics,
-    text_variables,
-)
+from .unknowns import START
 
 
 def dataset_of(inference, data, slider):
@@ -24,11 +19,11 @@ def dataset_of(inference, data, slider):
     result = xarray.merge(
         [
             estimate_variables(inference.estimates),
-            profile_variables(inference.profiles, quantities),
-            posterior_variables(inference.posterior, quantities),
+            _profile_variables(inference.profiles, quantities),
+            _posterior_variables(inference.posterior, quantities),
             curve_variables(record.time, record.friction, solution.fitted_friction),
-            band_variables(solution),
-            statistics(solution),
+            _band_variables(solution),
+            _statistics(solution),
         ]
     )
     result = result.assign(text_variables(*diagnose(inference, data, slider)))
@@ -41,12 +36,8 @@ def dataset_of(inference, data, slider):
 def add_comparison(results, aic, *, colored=False):
     """Add the comparison of the laws to each of their results.
 
-    Parameters
-    ----------
-    results : dict, law -> Dataset
-    aic : dict, law -> Akaike information criterion, or chi-square if all laws have as many
-        parameters
-    colored : bool, whether residuals are correlated
+    aic : law -> Akaike information criterion, or chi-square of laws with as many parameters
+    colored : whether residuals are correlated
     """
     table, text = compare_laws(results, aic, colored)
     for law, result in results.items():
@@ -72,3 +63,107 @@ def side_by_side(results):
         if variable.dtype == object:  # text, padded where a law has less of it
             joined[name] = variable.fillna("").astype(str)
     return joined
+
+
+def labelled(dims, **values):
+    """name -> variable along these dimensions (or one), with its unit and meaning."""
+    return {name: (dims, value, attrs(name)) for name, value in values.items()}
+
+
+def estimate_variables(estimates):
+    """The variables of `Estimates`: a scalar for each, and tables along ``parameter``."""
+    names = list(estimates.names)
+    values = zip(names, estimates.values.tolist(), strict=True)
+    variables = {
+        **labelled((), **dict(values)),
+        **labelled("parameter", standard_error=estimates.errors),
+        **labelled(("parameter", "level", "side"), interval=estimates.intervals),
+        **labelled(("parameter", "other"), correlation=estimates.correlation),
+        **labelled("parameter", interval_kind=list(estimates.kinds)),
+    }
+    coords = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
+    return xarray.Dataset(variables, coords)
+
+
+def _profile_variables(profiles, quantities):
+    """Points of the profiles: ``profile_value`` [SI] and ``profile_deviance``, padded with NaN."""
+    if not profiles:
+        return xarray.Dataset()
+    size = max(profile.values.size for profile in profiles.values())
+    table = np.full((2, len(quantities), size), np.nan)
+    for i, quantity in enumerate(quantities):
+        if profile := profiles.get(quantity.name):
+            columns = quantity.si(profile.values), profile.deviance
+            table[:, i, : profile.values.size] = columns
+    value, deviance = table
+    dims = ("parameter", "profile_point")
+    coords = {"parameter": [q.name for q in quantities], "profile_point": np.arange(size)}
+    return xarray.Dataset(labelled(dims, profile_value=value, profile_deviance=deviance), coords)
+
+
+def _posterior_variables(posterior, quantities):
+    """Samples of equal weight, and the sampler's diagnostics."""
+    if posterior is None:
+        return xarray.Dataset()
+    scalars = labelled(
+        (),
+        log_evidence=posterior.log_evidence,
+        log_evidence_error=posterior.log_evidence_error,
+        posterior_evaluations=posterior.evaluations,
+        effective_samples=posterior.effective,
+        posterior_efficiency=posterior.efficiency,
+    )
+    samples = np.stack([q.si(posterior.samples_of(q)) for q in quantities], axis=1)
+    coords = {"parameter": [q.name for q in quantities]}
+    return xarray.Dataset(scalars | labelled(("sample", "parameter"), posterior=samples), coords)
+
+
+def curve_variables(time, friction, fitted):
+    """Recorded and fitted friction along time, and their difference."""
+    variables = labelled("time", friction=friction, friction_fit=fitted)
+    labels = {"units": "1", "long_name": "recorded less fitted friction"}
+    variables["residual"] = ("time", friction - fitted, labels)
+    return xarray.Dataset(variables, labelled("time", time=time))
+
+
+def _band_variables(solution):
+    """The error of the fitted friction, the band of 95 % of samples, and the load point's way."""
+    record, jacobian = solution.problem.record, solution.jacobian
+    variance = np.einsum("mi,ij,mj->m", jacobian, solution.covariance, jacobian)
+    error = np.sqrt(np.maximum(variance, 0.0))
+    reach = ROOTS[-1] * np.hypot(error, solution.noise.level)
+    band = solution.fitted_friction[:, None] + reach[:, None] * np.array([-1.0, 1.0])
+    delta_lp = record.loading.delta_lp(record.t)
+    variables = labelled("time", fit_error=error, delta_lp=delta_lp)
+    return xarray.Dataset(variables | labelled(("time", "side"), band=band), {"side": list(SIDES)})
+
+
+def _statistics(solution):
+    """The misfit, the noise and the information criteria; the start, if that was free."""
+    residual, noise = solution.residual, solution.noise
+    k = len(solution.point) + (3 if noise.red else 1)
+    successive = np.var(np.diff(residual)) / 2.0
+    values = {
+        "rms": np.sqrt(np.mean(residual**2)),
+        "noise_white": noise.white,
+        "noise_red": noise.red,
+        "noise_time": noise.time if noise.red else 0.0,
+        "chi2_white": np.mean(residual**2) / successive,
+        "log_likelihood": solution.log_likelihood,
+        "aic": 2.0 * k - 2.0 * solution.log_likelihood,
+        "bic": k * np.log(residual.size) - 2.0 * solution.log_likelihood,
+        "samples": residual.size,
+        "evaluations": solution.evaluations,
+    }
+    if START[0] in solution.unknowns.names:
+        forward = solution.problem.forward
+        at = {name: float(value[0]) for name, value in forward.values(solution.point[None]).items()}
+        v, psi = (at[name] for name in START)
+        values["V_start"] = forward.V0 * np.exp(v)
+        values["theta_start"] = at["Dc"] / forward.V0 * np.exp(psi)
+    return xarray.Dataset(labelled((), **values))
+
+
+def text_variables(identifiability, warnings):
+    """The notes on a fit: what is determined; and the warnings, one on each line."""
+    return labelled((), identifiability=identifiability, warnings="\n".join(warnings))

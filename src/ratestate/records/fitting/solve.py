@@ -53,17 +53,7 @@ class Solution(NamedTuple):
 
 
 def solve(record, slider, law, free, noise, start):
-    """The `Solution` of a record under one law.
-
-    Parameters
-    ----------
-    record : Record
-    slider : SpringSlider, starting values and what is not free
-    law : int, code
-    free : tuple of str
-    noise : Noise, or None to estimate it
-    start : {"steady", "free", "auto"}
-    """
+    """The `Solution` of a record under a law (code); the noise is estimated if it is None."""
     unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
     solution = solution_from(problem, _best_start(problem, slider, law), noise)

@@ -7,6 +7,7 @@ from ...dynamics import attributes
 from ...model.quantities import readable
 from .by_law import checked_by_law, value_of, warnings_of
 from .table import estimate_rows, law_names, quality_text
+from .unknowns import PARAMETERS
 
 #: columns of the text
 WIDTH = 96
@@ -65,7 +66,7 @@ def remarks(result, laws):
 def fixed_parameters(laws):
     """The parameters that were given, with their values."""
     part = next(iter(laws.values()))
-    symbols = [s for s in ("a", "b", "Dc", "K", "M", "sigma", "V0") if s not in part.data_vars]
+    symbols = [s for s in (*PARAMETERS, "sigma", "V0") if s not in part.data_vars]
     return f"Given: {', '.join(f'{s} = {readable(s, value_of(part, s))}' for s in symbols)}."
 
 

@@ -47,11 +47,7 @@ class Unknowns(NamedTuple):
 
 
 def distinct(points, distance, most=None):
-    """Indices of points (n, k) that are not within a distance of one before in all coordinates.
-
-    distance : float or (k,)
-    most : int, optional, how many at most
-    """
+    """Indices of points (n, k), each farther than `distance` from all before in some coordinate."""
     kept: list[int] = []
     for i, point in enumerate(points):
         if len(kept) != most and all(np.any(np.abs(point - points[j]) > distance) for j in kept):
@@ -60,13 +56,7 @@ def distinct(points, distance, most=None):
 
 
 def checked_free(free, slider):
-    """The free parameters as a tuple, in the order of `PARAMETERS`.
-
-    Raises
-    ------
-    ParameterError
-        An unknown or repeated name, none at all, or one whose value leaves nothing to start from.
-    """
+    """The free parameters as a tuple, in the order of `PARAMETERS`; refuses what cannot be free."""
     allowed = ", ".join((*PARAMETERS, "lag", "mu0"))
     try:
         names = (free,) if isinstance(free, str) else tuple(free)

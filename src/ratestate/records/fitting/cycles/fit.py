@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtrc
 
 from ....errors import ParameterError
 from ....model.quantities import readable
@@ -49,28 +50,7 @@ class CyclesFit(NamedTuple):
 
 
 def fit_cycles(record, slider, free, law, loading=None):
-    """Parameters of a slider from the features of its limit cycles.
-
-    Parameters
-    ----------
-    record : xarray.Dataset
-        As for `fit`.  Each segment at one load-point speed that oscillates is fitted.
-    slider : SpringSlider
-        What is not free, and the first of the starts.
-    free : sequence of str
-        Any of a, b, Dc, K, M; mu0 is always free.
-    law : {"slip", "aging"}
-    loading : Loading, optional
-
-    Returns
-    -------
-    CyclesFit
-
-    Raises
-    ------
-    ParameterError
-        No cycles that repeat; a slider that has none (M = 0); more free parameters than features.
-    """
+    """`CyclesFit` of a record; each segment at one load-point speed that oscillates is fitted."""
     segments = segments_of(record, slider, loading)
     space = Space(slider, free, min(segment.V_lp for segment in segments))
     measured, left_out = _measured(segments)
@@ -146,8 +126,6 @@ def wave_at(wave):
 
 def _cycles_fit(problem, runs, left_out, refits=REFITS):
     """`CyclesFit` of the best run."""
-    from scipy.special import chdtrc
-
     space, best = problem.space, runs[0]
     dof = problem.levels.size - len(space.names) - 1
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE

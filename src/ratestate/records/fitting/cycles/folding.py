@@ -33,6 +33,11 @@ class Cycles(NamedTuple):
         return self.cuts.size - 1
 
     @property
+    def inside(self):
+        """(samples,) whether a sample is between the first and the last cut."""
+        return (self.phase >= 0.0) & (self.phase < self.n)
+
+    @property
     def middle(self):
         return 0.5 * (self.cuts[0] + self.cuts[-1])
 
@@ -56,13 +61,7 @@ def periodic(profile, phase):
 
 
 def main_period(t, y):
-    """Period [s] of the strongest oscillation about the line through a record.
-
-    Raises
-    ------
-    ParameterError
-        No oscillation that stands out of the noise, or fewer cycles or samples than it takes.
-    """
+    """Period [s] of the strongest oscillation about a record's trend; refuses mere noise."""
     grid, even = _even(t, y)
     power = np.abs(np.fft.rfft(even * np.hanning(even.size))[1:-1]) ** 2
     best = int(np.argmax(power))

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtri
 
 from ....model.sentences import Sentences
 from ..refusals import refusal
@@ -56,16 +57,13 @@ class Measured(NamedTuple):
     cycles: Cycles
     noise: Noise
     raw: np.ndarray  # (6,) as measured, shifted by noise
-    values: np.ndarray  # (6,) corrected for the shift
-    covariance: np.ndarray  # (6, 6)
-    used: np.ndarray  # (6,) whether the record resolves the feature
     left_out: tuple  # notes on cycles left out
-    removed: tuple  # notes on the trend and on features that are not resolved
-    warnings: tuple  # on scatter
-
-    @property
-    def notes(self):
-        return (*self.left_out, *self.removed)
+    # by `corrected`
+    values: np.ndarray = np.full(len(FEATURES), np.nan)  # (6,) corrected for the shift
+    covariance: np.ndarray = np.eye(len(FEATURES))
+    used: np.ndarray = np.zeros(len(FEATURES), bool)  # whether the record resolves the feature
+    notes: tuple = ()  # on cycles left out, on the trend, on features that are not resolved
+    warnings: tuple = ()  # on scatter
 
     @property
     def bins(self):
@@ -73,24 +71,14 @@ class Measured(NamedTuple):
 
 
 def measure(segment):
-    """`Measured` features of a segment.
-
-    Raises
-    ------
-    ParameterError
-        No oscillation, too few cycles or samples, or periods that scatter by more than 20 %.
-    """
+    """`Measured` features of a segment; refuses one whose cycles do not repeat."""
     period = main_period(segment.t, segment.y)
     segment = thinned(segment, period)
     cuts, left_out = regular_cuts(segment, period)
-    rough = fold(segment.t, segment.y, cuts, BINS[0])
-    bins = _bins(segment, rough)
+    bins = _bins(segment, fold(segment.t, segment.y, cuts, BINS[0]))
     cycles = fold(segment.t, segment.y, cuts, bins)
-    noise = _residual_noise(segment, cycles)
     raw = _features(cycles)
-    measured = Measured(
-        segment, cycles, noise, raw, raw, np.eye(6), np.ones(6, bool), left_out, (), ()
-    )
+    measured = Measured(segment, cycles, _residual_noise(segment, cycles), raw, left_out)
     return corrected(measured, lambda phase: periodic(cycles.profile, phase), raw)
 
 
@@ -131,16 +119,16 @@ def corrected(measured, wave, features):
     used[within] &= parts[within] > RESOLVED
     used[LEVEL] = True
     values = np.where(np.isfinite(measured.raw), measured.raw - np.nan_to_num(shift), np.nan)
-    removed, warnings = _notes(measured, excess, used)
+    notes, warnings = _notes(measured, excess, used)
     return measured._replace(
-        values=values, covariance=covariance, used=used, removed=removed, warnings=warnings
+        values=values, covariance=covariance, used=used, notes=notes, warnings=warnings
     )
 
 
 def _notes(measured, excess, used):
     """Notes on trend and resolution, and warnings about scatter."""
     cycles, V_lp = measured.cycles, measured.segment.V_lp
-    notes, warnings = [], []
+    notes, warnings = [*measured.left_out], []
     drift = cycles.slope * (cycles.cuts[-1] - cycles.cuts[0])
     if abs(drift) > DRIFT * float(np.ptp(cycles.profile)):
         notes.append(TEXTS("measured.trend", V_lp=V_lp, drift=drift))
@@ -154,7 +142,7 @@ def _notes(measured, excess, used):
 
 def _bins(segment, rough):
     """Number of bins such that noise is small beside the amplitude and all bins have samples."""
-    inside = int(np.sum((rough.phase >= 0.0) & (rough.phase < rough.n)))
+    inside = int(np.sum(rough.inside))
     noise = _residual_noise(segment, rough).sd
     amplitude = float(np.ptp(rough.profile))
     quiet = inside * (BIN_NOISE * amplitude / noise) ** 2 if noise > 0.0 else np.inf
@@ -181,8 +169,6 @@ def _scatter(cycles):
 
 def _excess(scatter, typical, n):
     """(6,) variances beyond those of noise; 0 where chance explains the difference."""
-    from scipy.special import chdtri
-
     limit = chdtri(n - 1, CHANCE) / (n - 1)
     with np.errstate(invalid="ignore"):
         real = scatter > limit * typical
@@ -191,11 +177,9 @@ def _excess(scatter, typical, n):
 
 def _residual_noise(segment, cycles):
     """`Noise` of a record about its folded cycle; robust against a few outliers."""
-    inside = (cycles.phase >= 0.0) & (cycles.phase < cycles.n)
-    t, phase = segment.t[inside], cycles.phase[inside]
-    residual = segment.y[inside] - cycles.at(t)
-    middles = np.arange(cycles.n) + 0.5
-    residual -= np.interp(phase, middles, cycles.means)
+    inside = cycles.inside
+    residual = segment.y[inside] - cycles.at(segment.t[inside])
+    residual -= np.interp(cycles.phase[inside], np.arange(cycles.n) + 0.5, cycles.means)
     sd = 1.4826 * float(np.median(np.abs(residual)))
     sd *= np.sqrt(residual.size / max(residual.size - cycles.profile.size, 0.25 * residual.size))
     residual = np.clip(residual, -3.0 * sd, 3.0 * sd)

@@ -36,15 +36,9 @@ class Waves(NamedTuple):
 
 
 def limit_waves(law, values, V_lp, near=None):
-    """`Waves` of n sliders.
+    """`Waves` of n sliders: symbol -> (n,) of a, b > a, Dc, sigma, K, M > 0, at speeds V_lp (n,).
 
-    Parameters
-    ----------
-    values : dict, symbol -> (n,) of a, b > a, Dc, sigma, K, M > 0 [SI]
-    V_lp : (n,) [m/s]
-    near : (n, 2), optional
-        Points to start from, such as those of a nearly equal slider; else steady sliding at
-        V_lp/10.
+    near : (n, 2) points to start from, of nearly equal sliders; else steady sliding at V_lp/10
     """
     system = system_of(law, **values, V_lp=V_lp)
     n = V_lp.size
@@ -117,15 +111,7 @@ def _saved(system, u, period, phases):
 
 
 class CycleModel:
-    """Features of a slider's cycles at the speeds of a record, for many sliders at once.
-
-    Parameters
-    ----------
-    law : str
-    V_lp : (s,) speeds [m/s]
-    bins : (s,) number of bins of the profile at each
-    sigma, V0 : normal stress [Pa], speed at which friction is mu0 [m/s]
-    """
+    """Features of cycles, of many sliders, at speeds V_lp (s,), folded into so many bins (s,)."""
 
     def __init__(self, law, V_lp, bins, sigma, V0):
         self.law, self.V_lp, self.bins, self.sigma, self.V0 = law, V_lp, bins, sigma, V0

@@ -10,6 +10,7 @@ along the curve.  Where a search ends, chi-squared is the least for the quantity
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from ..estimates import ROOTS
 from ..likelihood.profile import BetterPoint
@@ -32,19 +33,7 @@ def profiled_intervals(problem, run, errors, options):
     """name -> (levels, sides) ends in the quantity's own scale, inf where open.
 
     A parameter needs a profile where its error is `SMALL` or more; mu0 and a - b where that of any
-    parameter is.
-
-    Parameters
-    ----------
-    problem : Problem
-    run : Run, the best
-    errors : dict, name -> error of the logarithm of a parameter, of mu0 and a - b
-    options : Options
-
-    Raises
-    ------
-    BetterPoint
-        A point of a profile fits better than the run.
+    parameter is.  Raises `BetterPoint` where a point of a profile fits better than the run.
     """
     free = problem.space.names
     worst = max(errors[name] for name in free)
@@ -106,8 +95,6 @@ class _Profile(NamedTuple):
 
         None where there is no cycle.
         """
-        from scipy.optimize import least_squares
-
         problem, name, (_, enlarged, better) = self.problem, self.name, self.options
         if not problem.has_cycle(start):
             return None

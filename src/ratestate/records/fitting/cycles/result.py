@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from ..variables import curve_variables, estimate_variables, labelled, text_variables
+from ..result import curve_variables, estimate_variables, labelled, text_variables
 from .diagnostics import diagnose
 from .features import FEATURES, LEVEL
 from .fit import wave_at
@@ -13,19 +13,7 @@ SHIFTS = np.linspace(-0.05, 0.05, 101)
 
 
 def cycles_dataset(fit):
-    """The result of `fit` for cycles, of a `CyclesFit`.
-
-    Returns
-    -------
-    xarray.Dataset
-        A scalar for each free parameter, ``mu0`` and ``a_minus_b`` [SI]; ``standard_error``,
-        ``interval`` and ``correlation``; along ``segment`` and ``feature``: ``measured``,
-        ``measured_error``, ``fitted`` [SI], ``used``; along ``segment``: ``segment_V``,
-        ``cycles``; along ``start``:
-        ``start_chi2``, ``start_status``, ``start_end`` (with ``free``; SI); along ``time``:
-        ``friction``, ``friction_fit``, ``residual`` of the cycles that were fitted.  ``chi2``,
-        ``identifiability`` and ``warnings``.
-    """
+    """The Dataset of a `CyclesFit`: estimates, features of the segments, starts, curves, texts."""
     result = xarray.merge(
         [estimate_variables(fit.estimates), _features(fit), _starts(fit), _curves(fit)]
     )
@@ -73,14 +61,12 @@ def _curves(fit):
     """The record's cycles, and the model's aligned with them."""
     times, friction, fitted = [], [], []
     for measured, wave in zip(fit.measured, fit.waves, strict=True):
-        cycles = measured.cycles
-        inside = (cycles.phase >= 0.0) & (cycles.phase < cycles.n)
-        t, y, phase = measured.segment.t[inside], measured.segment.y[inside], cycles.phase[inside]
-        model = wave_at(wave)
+        cycles, model = measured.cycles, wave_at(wave)
+        samples = measured.segment.t, measured.segment.y, cycles.phase
+        t, y, phase = (column[cycles.inside] for column in samples)
         trend = cycles.slope * (t - cycles.middle)
         curves = [model(phase + shift) + trend for shift in SHIFTS]
-        best = int(np.argmin([np.sum((y - curve) ** 2) for curve in curves]))
         times.append(t)
         friction.append(y)
-        fitted.append(curves[best])
+        fitted.append(min(curves, key=lambda curve: np.sum((y - curve) ** 2)))
     return curve_variables(*map(np.concatenate, (times, friction, fitted)))

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from ..unknowns import distinct
 from .features import LEVEL
@@ -61,18 +62,12 @@ class Problem:
 
     def __init__(self, space, model, measured):
         self.space, self.model, self.measured = space, model, measured
-        self.whiten = [
-            np.linalg.inv(np.linalg.cholesky(one.covariance[np.ix_(one.used, one.used)]))
-            for one in measured
-        ]
-        self.levels = np.concatenate(
-            [w @ (np.flatnonzero(one.used) == LEVEL) for w, one in self._whitened()]
-        )
+        covariances = [one.covariance[np.ix_(one.used, one.used)] for one in measured]
+        self.whiten = [np.linalg.inv(np.linalg.cholesky(one)) for one in covariances]
+        levels = [np.flatnonzero(one.used) == LEVEL for one in measured]
+        self.levels = np.concatenate([w @ x for w, x in zip(self.whiten, levels, strict=True)])
         self._last: tuple = (np.array([]), None)  # coordinates, and what `linearized` gives there
         self.near = None
-
-    def _whitened(self):
-        return zip(self.whiten, self.measured, strict=True)
 
     def residuals(self, q):
         """(n, features) fitted less measured over error, with mu0 = 0; NaN without a cycle.
@@ -88,7 +83,7 @@ class Problem:
             self.near = points[0]
         parts = [
             (features[:, j, one.used] - one.values[one.used]) @ w.T
-            for j, (w, one) in enumerate(self._whitened())
+            for j, (w, one) in enumerate(zip(self.whiten, self.measured, strict=True))
         ]
         return np.concatenate(parts, axis=1)
 
@@ -155,8 +150,6 @@ class Problem:
 
     def search(self, start):
         """`Run` of least squares from coordinates start (k,)."""
-        from scipy.optimize import least_squares
-
         self.near = None
         if not self.has_cycle(start):
             return self.run(start, start, "no cycle")

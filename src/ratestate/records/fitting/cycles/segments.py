@@ -47,13 +47,7 @@ def segments_of(record, slider, loading):
 
 
 def regular_cuts(segment, period):
-    """Times to cut a segment into cycles that repeat, and notes on cycles left out (tuple).
-
-    Raises
-    ------
-    ParameterError
-        Fewer than three cycles, or periods that scatter by more than 20 %.
-    """
+    """Times to cut a segment into cycles that repeat, and notes (tuple) on cycles left out."""
     t, y, V_lp = segment
     cuts = cut_cycles(t, y, period)
     if cuts.size <= FEWEST_CYCLES:

@@ -31,19 +31,7 @@ NEAR = 1.1  # half width of the range about the slider's own values, as a logari
 
 
 class Space:
-    """The free parameters of a slider as coordinates (n, k), and back.
-
-    Parameters
-    ----------
-    slider : SpringSlider
-    free : sequence of str
-    V_lp : float, the lowest speed [m/s]
-
-    Raises
-    ------
-    ParameterError
-        As `checked_free`, or lag; M = 0 or K = inf; b <= a where both are fixed.
-    """
+    """The free parameters of a slider as coordinates (n, k), and back; V_lp is the lowest speed."""
 
     def __init__(self, slider, free, V_lp):
         self.names = checked_free(free, slider)

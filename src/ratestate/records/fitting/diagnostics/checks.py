@@ -35,14 +35,7 @@ TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def diagnose(inference, data, slider):
-    """A note on what a record determines (str), and warnings (list of str).
-
-    Parameters
-    ----------
-    inference : Inference
-    data : xarray.Dataset, the record
-    slider : SpringSlider
-    """
+    """A note on what a record determines (str), and warnings (list of str)."""
     solution = inference.solution
     if not responds(solution):
         warning = _no_response(solution, slider)

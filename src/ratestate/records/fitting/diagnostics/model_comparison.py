@@ -15,14 +15,7 @@ TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def compare_laws(results, aic, colored):
-    """Dataset of differences along ``law``, and a text on them.
-
-    Parameters
-    ----------
-    results : dict, law -> Dataset; `bic` and `log_evidence` are used where all have them
-    aic : dict, law -> Akaike information criterion
-    colored : bool, whether residuals are correlated
-    """
+    """Dataset of differences along ``law``, and a text on them; see `result.add_comparison`."""
     laws = list(results)
 
     def column(name):

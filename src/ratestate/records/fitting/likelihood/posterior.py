@@ -32,7 +32,6 @@ NONE = -1e300
 class Posterior(NamedTuple):
     """Samples of equal weight, and measures of how reliable they are."""
 
-    names: tuple  # of the coordinates
     points: np.ndarray  # (KEPT, k), whole points: level and trend drawn as well
     prior: dict  # name -> (low, high) of the coordinate
     log_evidence: float
@@ -40,7 +39,10 @@ class Posterior(NamedTuple):
     evaluations: int
     effective: float  # number of independent samples that would be worth as much
     efficiency: float  # samples over evaluations
-    complete: bool
+
+    @property
+    def complete(self):
+        return self.evaluations < MOST
 
     @property
     def reliable(self):
@@ -116,13 +118,7 @@ def prior_text(prior):
 
 
 def sample_posterior(solution, prior, label):
-    """The `Posterior` of a solution, by nested sampling.
-
-    Raises
-    ------
-    ParameterError
-        dynesty is missing.
-    """
+    """The `Posterior` of a solution, by nested sampling."""
     try:
         import dynesty
     except ImportError:
@@ -158,7 +154,6 @@ def sample_posterior(solution, prior, label):
     points[:, marginal.moving] = results.samples[chosen]
     points[:, marginal.linear] = marginal.draw_linear(results.blob[chosen], rng)
     return Posterior(
-        solution.unknowns.names,
         points,
         prior,
         float(results.logz[-1]),
@@ -166,7 +161,6 @@ def sample_posterior(solution, prior, label):
         marginal.evaluations,
         float(weights.sum() ** 2 / (weights @ weights)),
         len(weights) / marginal.evaluations,
-        marginal.evaluations < MOST,
     )
 
 

@@ -73,16 +73,9 @@ class Profile(NamedTuple):
 def compute_profile(solution, quantity, fits=()):
     """The `Profile` of a `ReportedQuantity` about a solution.
 
-    Parameters
-    ----------
-    solution : Solution
-    quantity : ReportedQuantity
-    fits : sequence of (point, deviance), other fits to start from as well
+    fits : (point, deviance) of other fits to start from as well
 
-    Raises
-    ------
-    BetterPoint
-        A point of the profile fits better than the solution.
+    Raises `BetterPoint` where a point of the profile fits better than the solution.
     """
     low, high = (_Side(solution, quantity, sign, fits) for sign in (-1.0, 1.0))
     ends = low.walk(), high.walk()

@@ -49,11 +49,6 @@ def compute_profiles(solution, quantities, everything):
 
     Where one quantity goes far, the others follow it: so each profile also starts from the fits
     of the others, and is computed again where those fit better than its own.
-
-    Raises
-    ------
-    BetterPoint
-        A point of a profile fits better than the solution.
     """
     left_out = [False] * len(quantities) if everything else are_gaussian(solution, quantities)
     todo = [q for q, is_left_out in zip(quantities, left_out, strict=True) if not is_left_out]

@@ -30,16 +30,9 @@ class Inference(NamedTuple):
 
 
 def infer(solution, slider, noise, errors):
-    """The `Inference` of a solution, without a posterior.
+    """The `Inference` of a solution, without a posterior; `errors` is one of `ERRORS`.
 
     A point of a profile that fits better than the solution becomes the solution.
-
-    Parameters
-    ----------
-    solution : Solution
-    slider : SpringSlider
-    noise : Noise, or None where it is estimated
-    errors : str, one of `ERRORS`
     """
     profiles, still_improving = {}, False
     quantities = reported_quantities(solution.problem, slider)
