@@ -354,6 +354,12 @@ def test_a_transient_is_left_out_and_noted():
     assert float(error[1]) == pytest.approx(float(error[0]), rel=1e-6)
 
 
+def test_what_is_no_record_is_refused():
+    data = record(segment(BRAKE, 3.2e-3))
+    with pytest.raises(rs.ParameterError, match="data is of type DataArray"):
+        rs.fit(data.friction, BRAKE, against="cycles")
+
+
 @pytest.mark.parametrize(("small", "words"), [(1, "first cycle at"), (2, "first 2 cycles at")])
 def test_cycles_left_out_are_counted(small, words):
     t = np.arange(900) / 100.0

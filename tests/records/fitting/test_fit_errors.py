@@ -26,9 +26,9 @@ from ratestate.records.fitting.likelihood.profiles import are_gaussian, compute_
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
+from ratestate.records.fitting.problem import unknowns_of
 from ratestate.records.fitting.record import Record, record_of
 from ratestate.records.fitting.solve import solve
-from ratestate.records.fitting.starts import unknowns_of
 from ratestate.records.fitting.unknowns import Unknowns
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0

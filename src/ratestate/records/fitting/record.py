@@ -3,11 +3,17 @@
 from typing import NamedTuple
 
 import numpy as np
-import xarray
 
 from ...model.loading import Loading
-from .channels import check_sizes, friction_of, times_of
-from .load_point import check_steps, displacement_of, loading_of, times_at
+from .channels import (
+    check_sizes,
+    check_steps,
+    displacement_of,
+    friction_of,
+    loading_of,
+    times_at,
+    times_of,
+)
 from .refusals import refusal
 
 #: most samples: a march keeps each of them for a dozen sliders at once
@@ -51,8 +57,6 @@ class Record(NamedTuple):
 
 def record_of(data, slider, *, loading, trend, against):
     """The `Record` in a Dataset of `read_lab`, or of `simulate`; refuses what cannot be fitted."""
-    if not isinstance(data, xarray.Dataset):
-        raise refusal("record.type", type=type(data).__name__)
     time = times_of(data)
     kind, friction = friction_of(data, slider)
     samples = time.size

@@ -10,10 +10,9 @@ import numpy as np
 
 from .forward import Forward
 from .noise import Noise, estimated_noise
-from .problem import Problem, search
+from .problem import SAMPLES, Problem, search, starting_points, unknowns_of
 from .refusals import refusal
 from .score import FALL, gain_of
-from .starts import SAMPLES, starting_points, unknowns_of
 from .unknowns import START, Unknowns
 
 #: most starts of the least squares, and most rounds of noise and fit

@@ -113,10 +113,9 @@ def _ranked(runs):
 
 def _waves_and_features(problem, run):
     """Waves (s, q) of tau/sigma and features (s, 6) at a run's end."""
-    values = problem.space.values(run.end[None])
-    features = problem.model.features(values)[0][0]
+    (features,), _, (waves,) = problem.model.features(problem.space.values(run.end[None]))
     features[:, LEVEL] += run.mu0
-    return problem.model.waves(values)[1][0] + run.mu0, features
+    return waves + run.mu0, features
 
 
 def wave_at(wave):

@@ -116,8 +116,10 @@ class CycleModel:
     def __init__(self, law, V_lp, bins, sigma, V0):
         self.law, self.V_lp, self.bins, self.sigma, self.V0 = law, V_lp, bins, sigma, V0
 
-    def waves(self, values, near=None):
-        """Periods (n, s) [s], waves (n, s, q) of tau/sigma less mu0, points (n, s, 2) of `Waves`.
+    def features(self, values, near=None):
+        """Features (n, s, 6) with mu0 = 0, points (n, s, 2) and waves (n, s, q) of tau/sigma.
+
+        Features are those of `profile_features`, and NaN without a cycle.
 
         values : symbol -> (n,) of a, b, Dc, K, M [SI]
         near : (s, 2) points to start from
@@ -128,16 +130,12 @@ class CycleModel:
         V_lp = np.tile(self.V_lp, n)
         cycles = limit_waves(self.law, each, V_lp, None if near is None else np.tile(near, (n, 1)))
         steady = mu_ss(V_lp, a=each["a"], b=each["b"], mu0=0.0, V0=self.V0)
-        wave = steady[:, None] + each["a"][:, None] * cycles.x
-        return cycles.period.reshape(n, s), wave.reshape(n, s, -1), cycles.u.reshape(n, s, 2)
-
-    def features(self, values, near=None):
-        """(n, s, 6) as `profile_features` with mu0 = 0, NaN without a cycle; points (n, s, 2)."""
-        period, waves, points = self.waves(values, near)
-        features = np.full((*period.shape, len(FEATURES)), np.nan)
+        waves = (steady[:, None] + each["a"][:, None] * cycles.x).reshape(n, s, -1)
+        period = cycles.period.reshape(n, s)
+        features = np.full((n, s, len(FEATURES)), np.nan)
         for j, bins in enumerate(self.bins):
             ok = np.isfinite(waves[:, j]).all(axis=1)
             profiles, extremes = wave_profiles(GRID, waves[ok, j], bins)
             features[ok, j] = profile_features(profiles, period[ok, j], extremes)
         features[~np.isfinite(features).all(axis=2)] = np.nan
-        return features, points
+        return features, cycles.u.reshape(n, s, 2), waves

@@ -76,9 +76,9 @@ class Problem:
         steady sliding, it so stays on the cycle.
         """
         values = self.space.values(q)
-        features, points = self.model.features(values, self.near)
+        features, points, _ = self.model.features(values, self.near)
         if self.near is not None and not np.isfinite(features[0]).all():
-            features, points = self.model.features(values)
+            features, points, _ = self.model.features(values)
         if np.isfinite(features[0]).all():
             self.near = points[0]
         parts = [
@@ -183,7 +183,7 @@ def starts(space, model, measured):
     first = measured[0]
     amplitude, period = np.exp(first.values[:2])
     q = space.cloud(CLOUD, amplitude, period, first.segment.V_lp, SEED)
-    features, _ = model.features(space.values(q))
+    features = model.features(space.values(q))[0]
     misfit = np.zeros(len(q))
     for j, one in enumerate(measured):
         shape = one.used.copy()

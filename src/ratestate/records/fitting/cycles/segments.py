@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....model.sentences import Sentences
-from ..channels import friction_of, times_of
-from ..load_point import displacement_of, loading_of
+from ..channels import displacement_of, friction_of, loading_of, times_of
 from ..refusals import refusal
 from .folding import FEWEST_CYCLES, cut_cycles
 
