@@ -6,12 +6,13 @@ without bounds; the noise stays at its estimate.  Speagle (2020) doi:10.1093/mnr
 
 import math
 import warnings
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ....dynamics.progress import bar
-from ....model.quantities import readable
+from ....model.sentences import Sentences
 from ..estimates import LEVELS
 from ..refusals import refusal
 from ..unknowns import PLAIN
@@ -27,6 +28,7 @@ KEPT, FEWEST = 2000, 200
 REACH, FARTHEST = 4.0, math.log(100.0)
 #: ln(likelihood) where a slider does not move through the record
 NONE = -1e300
+TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 class Posterior(NamedTuple):
@@ -79,8 +81,7 @@ def common_prior(inferences):
             ends = estimate - error, estimate + error
             if name in profiles:
                 ends = profiles[name].interval()[-1].tolist()
-            lower, upper = _prior_ends(estimate, *ends, name in PLAIN)
-            lower, upper = max(lower, low), min(upper, high)
+            lower, upper = np.clip(_prior_ends(estimate, *ends, name in PLAIN), low, high).tolist()
             others = box.get(name, (lower, upper))
             box[name] = (min(lower, others[0]), max(upper, others[1]))
     return box
@@ -103,18 +104,13 @@ def _prior_ends(estimate, lower, upper, plain):
 def prior_text(prior):
     """A sentence that describes the prior."""
     sides = []
-    for name, ends in prior.items():
+    for name, (low, high) in prior.items():
         if name in PLAIN:
-            low, high = ends
             unit = " s" if name == "lag" else ""
-            sides.append(f"in {name} from {low:.4g} to {high:.4g}{unit}")
+            sides.append(TEXTS("prior.plain", name=name, low=low, high=high, unit=unit))
         else:
-            low, high = (readable(name, math.exp(end)) for end in ends)
-            sides.append(f"in ln {name} from {low} to {high}")
-    return (
-        f"flat {', '.join(sides)}; flat without bounds in level and trend; the noise is held at "
-        f"its estimate; the same for all laws"
-    )
+            sides.append(TEXTS("prior.log", name=name, low=math.exp(low), high=math.exp(high)))
+    return TEXTS("prior.all", sides=", ".join(sides))
 
 
 def sample_posterior(solution, prior, label):
