@@ -13,7 +13,7 @@ from ..refusals import refusal
 from .features import FEATURES, LEVEL
 from .measured import TEXTS, corrected, measure
 from .model import GRID, CycleModel
-from .profile import Options, profiled_intervals
+from .profile import profiled_intervals
 from .search import Problem, distinct_runs, starts
 from .segments import segments_of
 from .space import Space
@@ -129,13 +129,12 @@ def _cycles_fit(problem, runs, left_out, refits=REFITS):
     dof = problem.levels.size - len(space.names) - 1
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
-    by_coordinates = enlarged**2 * best.covariance
     gradients = np.array([_gradient(space, name, best.end) for name in space.reported])
-    covariance = gradients @ by_coordinates @ gradients.T
+    covariance = gradients @ (enlarged**2 * best.covariance) @ gradients.T
     errors = dict(zip(space.reported, np.sqrt(np.diag(covariance)), strict=True))
-    options = Options(by_coordinates, enlarged, BETTER if refits else np.inf)
+    better = BETTER if refits else np.inf
     try:
-        intervals = profiled_intervals(problem, best, errors, options)
+        intervals = profiled_intervals(problem, best, errors, enlarged, better)
     except BetterPoint as improvement:
         runs = [problem.search(improvement.point), *runs]
         return _cycles_fit(problem, runs, left_out, refits - 1)

@@ -29,11 +29,15 @@ SHORTER, LONGER, LEAST, LEAP = 0.3, 3.0, 0.1, 2.5
 FAR, NEAR = np.log(1e3), 0.5
 
 
-def profiled_intervals(problem, run, errors, options):
+def profiled_intervals(problem, run, errors, enlarged, better):
     """name -> (levels, sides) ends in the quantity's own scale, inf where open.
 
     A parameter needs a profile where its error is `SMALL` or more; mu0 and a - b where that of any
     parameter is.  Raises `BetterPoint` where a point of a profile fits better than the run.
+
+    errors : dict, name -> error of the logarithm of a parameter, of mu0 and a - b
+    enlarged : factor by which errors are enlarged
+    better : fall of chi-squared by which a point is better
     """
     free = problem.space.names
     worst = max(errors[name] for name in free)
@@ -41,17 +45,9 @@ def profiled_intervals(problem, run, errors, options):
     for name, error in errors.items():
         if (error if name in free else worst) >= SMALL:
             estimate = problem.value(name, run.end)
-            profile = _Profile(problem, run, name, estimate, error, options)
+            profile = _Profile(problem, run, name, estimate, error, enlarged, better)
             intervals[name] = np.stack([profile.side(-1.0), profile.side(1.0)], axis=1)
     return intervals
-
-
-class Options(NamedTuple):
-    """How profiles are made."""
-
-    covariance: np.ndarray  # (k + 1, k + 1) of the coordinates and mu0
-    enlarged: float  # factor by which errors are enlarged
-    better: float  # fall of chi-squared by which a point is better than the run
 
 
 class _Profile(NamedTuple):
@@ -62,13 +58,14 @@ class _Profile(NamedTuple):
     name: str
     estimate: float
     error: float
-    options: Options
+    enlarged: float
+    better: float
 
     def side(self, sign):
         """(levels,) ends on one side."""
         q, values, roots = self.run.end, [self.estimate], [0.0]
         gradient = self.problem.gradient(self.name, q)
-        lead = self.options.covariance[:-1, :-1] @ gradient
+        lead = (self.enlarged**2 * self.run.covariance)[:-1, :-1] @ gradient
         lead = lead / max(float(gradient @ lead), 1e-300)
         step = min(self.error, FIRST / np.abs(lead).max())
         for _ in range(STEPS):
@@ -95,10 +92,10 @@ class _Profile(NamedTuple):
 
         None where there is no cycle.
         """
-        problem, name, (_, enlarged, better) = self.problem, self.name, self.options
+        problem, name = self.problem, self.name
         if not problem.has_cycle(start):
             return None
-        weight = WEIGHT * enlarged / step
+        weight = WEIGHT * self.enlarged / step
         no_cycle = np.full(problem.levels.size + 2, NO_CYCLE)
 
         def penalty(q):
@@ -126,6 +123,6 @@ class _Profile(NamedTuple):
         chi2 = 2.0 * result.cost - FLOOR**2 - (weight * (reached - value)) ** 2
         if not chi2 < 1e12:
             return None
-        if chi2 < self.run.chi2 - better:
+        if chi2 < self.run.chi2 - self.better:
             raise BetterPoint(q)
-        return reached, q, float(np.sqrt(max(chi2 - self.run.chi2, 0.0)) / enlarged)
+        return reached, q, float(np.sqrt(max(chi2 - self.run.chi2, 0.0)) / self.enlarged)
