@@ -9,11 +9,26 @@ from .table import write_csv
 
 
 def write(data, path):
-    """Write a result into a file, all of it or nothing; a file of that name is replaced.
+    """Write a result into a file, all of it or nothing.
 
-    Its name ends in .nc (NetCDF 4; complex variables as two, NAME_real and NAME_imag), .csv (see
-    `csv_text`) or .zarr (a folder; one that holds anything but a result is not replaced).  The path
-    is returned.  ParameterError: another ending, or another folder in its place.
+    Parameters
+    ----------
+    data : xarray.Dataset
+        A result of any function.
+    path : str or Path
+        File, whose name ends in .nc (NetCDF 4; complex variables as two, NAME_real and NAME_imag),
+        .csv (see `csv_text`) or .zarr (a folder).  A file of that name is replaced, and so is a
+        folder that holds a result.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ParameterError
+        Another ending, or another folder in its place.
     """
     path = checked(path, NUMBERS)
     writers = {".nc": write_netcdf, ".csv": write_csv, ".zarr": _write_zarr}
@@ -21,9 +36,24 @@ def write(data, path):
 
 
 def read(path):
-    """A result from a .nc or .zarr file, in memory, as it was before `write`.
+    """A result from a .nc or .zarr file, as it was before `write`.
 
-    ParameterError if it is missing, of another kind, or damaged; StoreError for a sweep's store.
+    Parameters
+    ----------
+    path : str or Path
+        File that `write` made, or store of a finished sweep.
+
+    Returns
+    -------
+    xarray.Dataset
+        The result, in memory.
+
+    Raises
+    ------
+    ParameterError
+        The file is missing, of another kind, or damaged.
+    StoreError
+        The store of a sweep is not finished, or damaged.
     """
     path = Path(path)
     ending = path.suffix.lower()

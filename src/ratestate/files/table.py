@@ -17,6 +17,16 @@ def csv_text(data):
     Single numbers of a result that has rows, such as ``status`` of a run, are left out; without
     rows they are the one row.  Numbers are exact, what is missing is empty, yes and no are 1 and
     0, a complex number takes two columns, ``NAME.real`` and ``NAME.imag``.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        A result of any function.
+
+    Returns
+    -------
+    str
+        The table, a line for each row.
     """
     return _frame(data).to_csv(**FORMAT)
 

@@ -5,6 +5,7 @@ import string
 import tomllib
 from pathlib import Path
 
+from ..errors import ParameterError
 from .quantities import readable
 
 
@@ -32,6 +33,10 @@ class Sentences(string.Formatter):
         """The sentence of this name, ``table.sentence``, with these values."""
         table, sentence = name.split(".")
         return self.vformat(self.tables[table][sentence], (), values)
+
+    def refusal(self, name, /, **values):
+        """The `ParameterError` of the sentence of this name, with these values."""
+        return ParameterError(self(name, **values))
 
     def format_field(self, value, spec):
         """A value in this format."""

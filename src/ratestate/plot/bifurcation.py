@@ -42,6 +42,7 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
     Returns
     -------
     matplotlib.axes.Axes
+        The axes with the diagram.
     """
     if not {"parameter", "rtol"} <= set(getattr(data, "attrs", ())):
         raise ParameterError("branch wants the Dataset that continue_cycle gives")

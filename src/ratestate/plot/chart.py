@@ -24,6 +24,7 @@ def atlas(data, ax):
     data : xarray.Dataset
         From `ratestate.atlas.atlas`.
     ax : matplotlib.axes.Axes
+        Axes to draw into.
 
     Returns
     -------
@@ -39,7 +40,17 @@ def atlas(data, ax):
 def transition(data, ax):
     """Draw the regimes close to K_c over K/K_c - 1, and where a cycle coexists with steady sliding.
 
-    Parameters and return value as for `atlas`.
+    Parameters
+    ----------
+    data : xarray.Dataset
+        From `ratestate.atlas.atlas`.
+    ax : matplotlib.axes.Axes
+        Axes to draw into.
+
+    Returns
+    -------
+    list of matplotlib artists
+        One of each kind drawn, with its label, for a legend.
     """
     ax.set_xscale("symlog", linthresh=LINEAR, linscale=0.4)
     ax.set(yscale="log", xlim=(float(data.K_over_K_c[0]) - 1.0, 0.1))
@@ -55,7 +66,19 @@ def transition(data, ax):
 
 
 def contours(data, name, ax, levels):
-    """Draw a variable of the atlas in colours on a logarithmic scale, with contours."""
+    """Draw a variable of the atlas in colours on a logarithmic scale, with contours.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        From `ratestate.atlas.atlas`.
+    name : str
+        The variable, such as "period"; left out where sliding is steady.
+    ax : matplotlib.axes.Axes
+        Axes to draw into.
+    levels : sequence of float
+        Values of the contours, increasing; the first and the last bound the colours.
+    """
     x, eta, values = _contours(data, name, ax, levels, "w")
     style = {"cmap": "viridis", "shading": "nearest", "rasterized": True, "zorder": 0}
     ax.pcolormesh(x, eta, values, norm=LogNorm(levels[0], levels[-1]), **style)

@@ -43,6 +43,22 @@ LETTERS = {
 def prefixed(unit, value):
     """Factor from SI, and the unit's text, that bring a value to 1 or more; long times in years.
 
+    Parameters
+    ----------
+    unit : str
+        SI unit of the value.
+    value : float
+        Value in SI.
+
+    Returns
+    -------
+    factor : float
+        What a value in SI is multiplied by.
+    text : str
+        The unit with its prefix, as a label writes it.
+
+    Examples
+    --------
     >>> prefixed("m/s", 0.0032)
     (1000.0, 'mm/s')
     """
@@ -53,7 +69,18 @@ def prefixed(unit, value):
 
 
 def label(symbol):
-    """A symbol as mathematics, for example ``$V_{lp}$``."""
+    """A symbol as mathematics, for example ``$V_{lp}$``.
+
+    Parameters
+    ----------
+    symbol : str
+        Symbol of a quantity, such as "V_lp".
+
+    Returns
+    -------
+    str
+        Text that matplotlib sets as mathematics.
+    """
     return f"${LETTERS.get(symbol, symbol)}$"
 
 
@@ -68,7 +95,22 @@ def in_unit(text, unit):
 
 
 def value_text(symbol, value, unit_of=None):
-    """A quantity as text: symbol, value and a unit that fits it, or fits `unit_of`."""
+    """A quantity as text: symbol, value and a unit that fits it, or fits `unit_of`.
+
+    Parameters
+    ----------
+    symbol : str
+        Symbol of the quantity.
+    value : float
+        Value in SI.
+    unit_of : float, optional
+        Value in SI whose unit is taken instead.
+
+    Returns
+    -------
+    str
+        Such as ``$V_{lp}$ = 3.2 mm/s``.
+    """
     return f"{label(symbol)} = {with_unit(symbol, value, unit_of)}"
 
 

@@ -53,9 +53,19 @@ def letters(axes, *texts, first="a"):
 
 
 def save(fig, path):
-    """Write a figure, by the ending of the name: .png (300 dpi) or .pdf, the same bytes each time.
+    """Write a figure to a file, whole or not at all, with the same bytes each time.
 
-    Whole or not at all; a file of that name is replaced.
+    Parameters
+    ----------
+    fig : matplotlib.figure.Figure
+        Figure to write.
+    path : str or Path
+        File, whose name ends in .png (300 dpi) or .pdf; one of that name is replaced.
+
+    Returns
+    -------
+    Path
+        The file.
     """
     path = Path(path)
     form = {"dpi": DPI} if path.suffix.lower() == ".png" else {"metadata": {"CreationDate": None}}

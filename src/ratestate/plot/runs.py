@@ -15,6 +15,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     run : xarray.Dataset
         One slider's, from `simulate`: dimension ``time`` only.
     ax : matplotlib.axes.Axes
+        Axes to draw into.
     x : {"time", "delta_lp"}
         Abscissa: time [s] or load-point displacement [m].
     tau, mu : dict, optional
@@ -43,6 +44,7 @@ def phase(run, ax, *, unit_of=None, **style):
     run : xarray.Dataset
         One slider's, from `simulate`: dimension ``time`` only.
     ax : matplotlib.axes.Axes
+        Axes to draw into.
     unit_of : float, optional
         Speed [m/s] that sets the unit; by default the largest.
     **style
@@ -51,6 +53,7 @@ def phase(run, ax, *, unit_of=None, **style):
     Returns
     -------
     matplotlib.lines.Line2D
+        The line of the motion.
     """
     V = float(run.V_load[-1])
     factor, unit = prefixed("m/s", unit_of or float(run.V.max()))
@@ -70,6 +73,7 @@ def amplitudes(cycles, ax, x="V_lp", **style):
     cycles : xarray.Dataset
         From `limit_cycle`, along one dimension ``V_lp``.
     ax : matplotlib.axes.Axes
+        Axes to draw into.
     x : str
         "V_lp" [m/s], "frequency" [Hz] or "period" [s], on a logarithmic axis.
     **style
@@ -78,6 +82,7 @@ def amplitudes(cycles, ax, x="V_lp", **style):
     Returns
     -------
     matplotlib.lines.Line2D
+        The line of amplitudes.
     """
     (line,) = ax.plot(cycles[x], cycles.amplitude, **{"color": "k", "lw": 1.3} | style)
     names = {"V_lp": "Loading velocity", "frequency": "Frequency", "period": "Period"}

@@ -15,6 +15,16 @@ def python(scenario: Scenario) -> str:
     """Python lines that run a scenario and assign its Dataset to ``result``.
 
     They are complete, imports included, and reproduce the result bit-for-bit.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        From `load`, `loads` or `from_result`.
+
+    Returns
+    -------
+    str
+        Lines of Python.
     """
     settings = dict(scenario.settings)
     parameters = scenario.slider.parameters.items()

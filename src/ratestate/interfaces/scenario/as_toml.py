@@ -25,6 +25,16 @@ COMMANDS = {
 def toml(scenario: Scenario) -> str:
     """The text of a scenario file, from which `load` makes the same scenario, bit-for-bit.
 
+    Parameters
+    ----------
+    scenario : Scenario
+        From `load`, `loads` or `from_result`.
+
+    Returns
+    -------
+    str
+        TOML, in UTF-8 if written to a file.
+
     Raises
     ------
     ParameterError

@@ -31,6 +31,11 @@ def load(path: str | Path, verb: str | None = None) -> Scenario:
         Function to call in place of the file's own, which [sweep] or [run] names, or which is
         "simulate".  Keys that it does not take are read and checked, but left out.
 
+    Returns
+    -------
+    Scenario
+        The checked scenario.
+
     Raises
     ------
     ParameterError
@@ -60,6 +65,11 @@ def loads(
         Name of the text in messages.
     folder : Path, optional
         Folder to which paths of records are relative; by default the current directory.
+
+    Returns
+    -------
+    Scenario
+        The checked scenario.
 
     Raises
     ------
@@ -93,6 +103,12 @@ def template(name: str) -> str:
     Parameters
     ----------
     name : {"brake", "lab", "fault"}
+        What the file describes.
+
+    Returns
+    -------
+    str
+        TOML.
 
     Raises
     ------

@@ -53,5 +53,16 @@ class Scenario:
 
 
 def run(scenario: Scenario) -> Any:
-    """Run a scenario and return the function's Dataset; its ``output`` is left to the caller."""
+    """Run a scenario; its ``output`` is left to the caller.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        From `load`, `loads` or `from_result`.
+
+    Returns
+    -------
+    xarray.Dataset
+        What the function returns.
+    """
     return FUNCTIONS[scenario.verb](scenario.slider, **scenario.settings)

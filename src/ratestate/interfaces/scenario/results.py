@@ -30,6 +30,11 @@ def from_result(result: Any) -> Scenario:
         Of `simulate`, `limit_cycle`, `stability` or `continue_cycle`, or of a sweep of one, as it
         was returned or as it is read from a file.
 
+    Returns
+    -------
+    Scenario
+        The scenario, without output.
+
     Raises
     ------
     ParameterError

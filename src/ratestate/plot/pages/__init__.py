@@ -34,6 +34,7 @@ def page(result):
     Returns
     -------
     matplotlib.figure.Figure
+        The page, as `save` writes it.
 
     Raises
     ------

@@ -33,6 +33,7 @@ def fit(result, ax=None, *, x=None):
     result : xarray.Dataset
         From `fit`, under one law or several.
     ax : matplotlib.axes.Axes, optional
+        Axes to draw into.
     x : {"delta_lp", "time"}, optional
         Abscissa: load-point displacement [m] or time [s] from the record's first sample on; by
         default displacement, but time where the load point rests.

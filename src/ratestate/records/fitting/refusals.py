@@ -2,12 +2,7 @@
 
 from pathlib import Path
 
-from ...errors import ParameterError
 from ...model.sentences import Sentences
 
-_SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
-
-
-def refusal(sentence, /, **values):
-    """The `ParameterError` of a sentence, ``table.sentence``, with these values."""
-    return ParameterError(_SENTENCES(sentence, **values))
+#: the name of a sentence, ``table.sentence``, and values -> the `ParameterError` that says so
+refusal = Sentences(Path(__file__).with_suffix(".toml")).refusal

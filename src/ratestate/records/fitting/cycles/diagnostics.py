@@ -16,7 +16,7 @@ VAGUE = 0.3
 SMALL = 0.15
 # Runs with a chi-squared this near to the best one's fit equally well.
 EQUAL = 4.0
-TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
+SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def diagnose(fit):
@@ -33,10 +33,10 @@ def diagnose(fit):
         which = [n for n, w in zip(names, weight, strict=True) if w > SMALL * weight.max()]
         values = {"which": " and ".join(which), "product": products[i], "error": percent(errors[i])}
         sentence = "note.several" if len(which) > 1 else "note.one"
-        vague.append(TEXTS(sentence, **values, remedy=remedy))
+        vague.append(SENTENCES(sentence, **values, remedy=remedy))
     notes = [*vague, *(text for measured in fit.measured for text in measured.notes)]
     sentences = [f"{text[0].upper()}{text[1:]}." for text in notes]
-    note = TEXTS("note.combinations", combinations="; ".join(combinations))
+    note = SENTENCES("note.combinations", combinations="; ".join(combinations))
     return " ".join([note, *sentences]), [*fit.left_out, *_fit_warnings(fit), *vague]
 
 
@@ -46,10 +46,10 @@ def _fit_warnings(fit):
         yield from measured.warnings
     best = fit.runs[0]
     if best.status != "converged":
-        yield TEXTS("warning.ended", status=best.status)
+        yield SENTENCES("warning.ended", status=best.status)
     if fit.enlarged > 1.0:
         off = ", ".join(_differences(fit))
-        yield TEXTS(
+        yield SENTENCES(
             "warning.misfit",
             law=fit.law,
             chi2=best.chi2,
@@ -60,7 +60,7 @@ def _fit_warnings(fit):
     for i in distinct_runs(fit.runs, fit.enlarged**2 * best.covariance)[1:]:
         if fit.runs[i].chi2 - best.chi2 < EQUAL:
             values = (f"{s} = {readable(s, fit.run_values[i][s])}" for s in fit.free)
-            yield TEXTS("warning.alike", values=", ".join(values))
+            yield SENTENCES("warning.alike", values=", ".join(values))
 
 
 def _differences(fit):

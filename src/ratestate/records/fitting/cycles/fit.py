@@ -11,7 +11,7 @@ from ..estimates import Estimates, estimates_from
 from ..likelihood.profile import BetterPoint
 from ..refusals import refusal
 from .features import FEATURES, LEVEL
-from .measured import TEXTS, corrected, measure
+from .measured import SENTENCES, corrected, measure
 from .model import GRID, CycleModel
 from .profile import profiled_intervals
 from .search import Problem, distinct_runs, starts
@@ -88,7 +88,7 @@ def _measured(segments):
             refused.append((segment.V_lp, error))
     if not measured:
         raise refused[0][1]
-    warnings = [TEXTS("measured.left_out", V_lp=V_lp, error=error) for V_lp, error in refused]
+    warnings = [SENTENCES("measured.left_out", V_lp=V_lp, error=error) for V_lp, error in refused]
     return tuple(measured), warnings
 
 

@@ -30,7 +30,7 @@ CHANCE = 0.005
 RESOLVED, VAGUE = 1.5, 0.3
 # A trend over the cycles below this part of the amplitude is not mentioned.
 DRIFT = 0.1
-TEXTS = Sentences(Path(__file__).with_name("diagnostics.toml"))
+SENTENCES = Sentences(Path(__file__).with_name("diagnostics.toml"))
 
 
 class Noise(NamedTuple):
@@ -131,12 +131,12 @@ def _notes(measured, excess, used):
     notes, warnings = [*measured.left_out], []
     drift = cycles.slope * (cycles.cuts[-1] - cycles.cuts[0])
     if abs(drift) > DRIFT * float(np.ptp(cycles.profile)):
-        notes.append(TEXTS("measured.trend", V_lp=V_lp, drift=drift))
+        notes.append(SENTENCES("measured.trend", V_lp=V_lp, drift=drift))
     if not used[DROP]:
-        notes.append(TEXTS("measured.short_drop", V_lp=V_lp))
+        notes.append(SENTENCES("measured.short_drop", V_lp=V_lp))
     if excess.any():
         names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
-        warnings.append(TEXTS("measured.scatter", names=names, V_lp=V_lp))
+        warnings.append(SENTENCES("measured.scatter", names=names, V_lp=V_lp))
     return tuple(notes), tuple(warnings)
 
 

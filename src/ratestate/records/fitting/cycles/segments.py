@@ -16,7 +16,7 @@ FEWEST = 20
 # Scatter of the periods beyond which cycles do not repeat.  An amplitude counts as a transient's if
 # it is off by so many standard deviations and by this part of the typical one.
 IRREGULAR, TRANSIENT, DEVIATION = 0.2, 6.0, 0.05
-TEXTS = Sentences(Path(__file__).with_name("diagnostics.toml"))
+SENTENCES = Sentences(Path(__file__).with_name("diagnostics.toml"))
 
 
 class Segment(NamedTuple):
@@ -58,7 +58,7 @@ def regular_cuts(segment, period):
     first = _transient(amplitude)
     if first and cuts.size - first > FEWEST_CYCLES:
         which = "first cycle" if first == 1 else f"first {first} cycles"
-        left_out = (TEXTS("measured.transient", cycles=which, V_lp=V_lp),)
+        left_out = (SENTENCES("measured.transient", cycles=which, V_lp=V_lp),)
         cuts = cuts[first:]
     periods = np.diff(cuts)
     if (scatter := float(periods.std() / periods.mean())) > IRREGULAR:

@@ -31,7 +31,7 @@ FEWEST = 30
 CONTRADICTED = 1.5
 #: residuals, over friction's range, too small to be a misfit
 FINE = 1e-4
-TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
+SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def diagnose(inference, data, slider):
@@ -60,10 +60,10 @@ def _no_response(solution, slider):
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
     given = [symbol for symbol in PARAMETERS if symbol not in solution.unknowns.names]
     given = [s for s in given if s != "M" or slider.M > 0.0]
-    return TEXTS(
+    return SENTENCES(
         f"response.{'unsuited' if given else 'noise'}",
         trend="" if solution.problem.record.trend is None else " and a trend",
-        alone=TEXTS(f"response.{alone}", gain=gain, free=free),
+        alone=SENTENCES(f"response.{alone}", gain=gain, free=free),
         given=", ".join(f"{s} = {readable(s, float(getattr(slider, s)))}" for s in given),
     )
 
@@ -84,16 +84,16 @@ def _ends_early(record, Dc, high):
         return
     if slip >= STEADY * Dc:
         most = f"as large as {readable('Dc', high, 2)}" if np.isfinite(high) else "of any size"
-        yield TEXTS("end.uncertain", slip=slip, most=most)
+        yield SENTENCES("end.uncertain", slip=slip, most=most)
     else:
-        yield TEXTS("end.early", slip=slip, over_Dc=slip / Dc, wanted=STEADY * Dc)
+        yield SENTENCES("end.early", slip=slip, over_Dc=slip / Dc, wanted=STEADY * Dc)
 
 
 def _noise_too_small(solution):
     """A warning if residuals are much larger than the noise that was given."""
     ratio = np.sqrt(solution.chi2 / solution.fitted_friction.size)
     if ratio >= CONTRADICTED:
-        yield TEXTS("residuals.above_noise", ratio=ratio)
+        yield SENTENCES("residuals.above_noise", ratio=ratio)
 
 
 def _misfit(solution, Dc):
@@ -114,12 +114,12 @@ def _misfit(solution, Dc):
     if square > MISFIT and fdtrc(count, others, square) < CHANCE:
         massless = solution.problem.forward.fixed["M"] == 0.0
         mass = "the machine's mass (M is 0), " if massless else ""
-        yield TEXTS("residuals.after_steps", ratio=np.sqrt(square), mass=mass)
+        yield SENTENCES("residuals.after_steps", ratio=np.sqrt(square), mass=mass)
         return
     colored = float(np.mean(residual**2)) / (np.var(np.diff(residual)) / 2.0)
     duration = float(durations.min())
     if noise.red and colored > COLORED and noise.time > LONG * duration:
-        yield TEXTS("residuals.correlated", red=noise.red, time=noise.time, duration=duration)
+        yield SENTENCES("residuals.correlated", red=noise.red, time=noise.time, duration=duration)
 
 
 def _normal_stress(record, data, slider):
@@ -132,9 +132,9 @@ def _normal_stress(record, data, slider):
         return
     mean = float(recorded.mean())
     if abs(mean / slider.sigma - 1.0) > OFF:
-        yield TEXTS("normal_stress.other", mean=mean, sigma=slider.sigma)
+        yield SENTENCES("normal_stress.other", mean=mean, sigma=slider.sigma)
     if recorded.std() > VARIABLE * mean:
-        yield TEXTS("normal_stress.variable", spread=100 * recorded.std() / mean, mean=mean)
+        yield SENTENCES("normal_stress.variable", spread=100 * recorded.std() / mean, mean=mean)
 
 
 def _later_or_earlier(solution, slider):
@@ -148,7 +148,7 @@ def _later_or_earlier(solution, slider):
     above, below = forward.friction(points)
     gain, (lag,) = gain_of(solution, np.nan_to_num((above - below) / (2.0 * step))[:, None])
     if gain > FALL:
-        yield TEXTS("more.lag", lag=abs(lag), side="later" if lag > 0.0 else "earlier", gain=gain)
+        yield SENTENCES("more.lag", lag=abs(lag), side="later" if lag > 0.0 else "earlier", gain=gain)
 
 
 def _inert(solution, slider):
@@ -165,4 +165,4 @@ def _inert(solution, slider):
     by_eta = np.nan_to_num((friction - solution.fitted_friction) / LIGHT)
     gain, (eta,) = gain_of(solution, by_eta[:, None])
     if gain > FALL and eta > LIGHT:
-        yield TEXTS("more.inertia", gain=gain, unit=unit)
+        yield SENTENCES("more.inertia", gain=gain, unit=unit)

@@ -12,7 +12,7 @@ from .tradeoffs import correlated_groups, percent, tradeoff_text
 
 #: standard error of a logarithm above which a parameter counts as hardly determined
 VAGUE = 0.5
-TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
+SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def identifiability(inference):
@@ -27,7 +27,7 @@ def identifiability(inference):
         interval = f"95 %: {' to '.join(readable(name, end, 3) for end in estimate.interval[-1])}"
         bounds = bounds_of(inference, quantity)
         if not np.isfinite(estimate.error):
-            warnings.append(TEXTS("warning.unseen", name=name))
+            warnings.append(SENTENCES("warning.unseen", name=name))
             undetermined.append(name)
             continue
         if None in bounds:
@@ -36,7 +36,7 @@ def identifiability(inference):
             undetermined.append(f"{name}{bound}")
         elif error > VAGUE:
             size = f"{error:.2g} times its value" if name == "b" else percent(error)
-            warnings.append(TEXTS("warning.vague", name=name, size=size, interval=interval))
+            warnings.append(SENTENCES("warning.vague", name=name, size=size, interval=interval))
             undetermined.append(f"{name} ({interval})")
         else:
             size = readable("lag", estimate.error, 2) if name == "lag" else percent(error)
@@ -48,15 +48,15 @@ def identifiability(inference):
     law = next(name for name, row in LAWS.items() if row.code == code)
     which = "all" if not undetermined else "some" if determined else "none"
     lists = {"determined": ", ".join(determined), "undetermined": ", ".join(undetermined)}
-    sentences = [TEXTS(f"note.{which}", law=law, **lists)]
+    sentences = [SENTENCES(f"note.{which}", law=law, **lists)]
     for group in correlated_groups(estimates, with_covariance):
         text, loose = tradeoff_text(estimates, group)
         if loose:
-            warnings.append(TEXTS("warning.tradeoff", tradeoff=text))
-        sentences.append(TEXTS(f"note.{'loose' if loose else 'tight'}", tradeoff=text))
+            warnings.append(SENTENCES("warning.tradeoff", tradeoff=text))
+        sentences.append(SENTENCES(f"note.{'loose' if loose else 'tight'}", tradeoff=text))
     sentences += _edges(inference)
     if START[0] in inference.solution.unknowns.names:
-        sentences.append(TEXTS("note.start"))
+        sentences.append(SENTENCES("note.start"))
     return " ".join(sentences), warnings
 
 
@@ -87,12 +87,12 @@ def _one_sided(name, bounds):
     """The warning of an interval with an open side, and the bound on the other, if there is one."""
     low, high = bounds
     if low is None and high is None:
-        return TEXTS("warning.undetermined", name=name), ""
+        return SENTENCES("warning.undetermined", name=name), ""
     bound = f"> {readable(name, low, 3)}" if high is None else f"< {readable(name, high, 3)}"
     # beyond such a side the parameter ceases to matter
     endless = (name == "K" and high is None) or (name == "M" and low is None)
-    why = TEXTS(f"why.{name}") if endless else ""
-    return TEXTS("warning.one_sided", name=name, bound=bound, why=why), f" ({bound})"
+    why = SENTENCES(f"why.{name}") if endless else ""
+    return SENTENCES("warning.one_sided", name=name, bound=bound, why=why), f" ({bound})"
 
 
 def _edges(inference):
@@ -104,6 +104,6 @@ def _edges(inference):
         for side, end in enumerate(profile.ends):
             if end == "edge":
                 value = float(quantity.si(profile.values[-side]))
-                yield TEXTS(
+                yield SENTENCES(
                     "note.edge", name=quantity.name, value=value, side=("below", "above")[side]
                 )

@@ -11,7 +11,7 @@ from ....model.sentences import Sentences
 #: a difference of ln(likelihood) or ln(evidence) below the first decides nothing, above the second
 #: it is clear
 UNDECIDED, CLEAR = 1.5, 5.0
-TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
+SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def compare_laws(results, aic, colored):
@@ -38,7 +38,7 @@ def compare_laws(results, aic, colored):
         values |= {"log_bayes_factor": factor, "log_bayes_factor_error": error}
         sentences.append(_by_evidence(factor, error, laws))
     if colored:
-        sentences.append(TEXTS("likelihood.correlated"))
+        sentences.append(SENTENCES("likelihood.correlated"))
     variables = {name: ("law", value, attrs(name)) for name, value in values.items()}
     return xarray.Dataset(variables, {"law": laws}), " ".join(sentences)
 
@@ -56,7 +56,7 @@ def _by_likelihood(aic, weight, laws):
     half = 0.5 * ranked["difference"]
     which = "undecided" if half < UNDECIDED else "clearly" if half > CLEAR else "somewhat"
     weights = " and ".join(f"{_share(w)} ({law})" for law, w in zip(laws, weight, strict=True))
-    return TEXTS(f"likelihood.{which}", **ranked, half=half, weights=weights)
+    return SENTENCES(f"likelihood.{which}", **ranked, half=half, weights=weights)
 
 
 def _share(weight):
@@ -68,4 +68,4 @@ def _by_evidence(factor, error, laws):
     """The sentence on the evidence."""
     ranked, second = _ranked(-factor, laws), error[np.argsort(-factor)[1]]
     which = "undecided" if ranked["difference"] < UNDECIDED + second else "decided"
-    return TEXTS(f"evidence.{which}", **ranked, error=second)
+    return SENTENCES(f"evidence.{which}", **ranked, error=second)

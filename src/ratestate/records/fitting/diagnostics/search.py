@@ -7,7 +7,7 @@ from ....model.sentences import Sentences
 from ..unknowns import START, to_value
 from .identifiability import bounds_of
 
-TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
+SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 #: side -> its name
 SIDES = {-1: "lower", 1: "upper"}
 
@@ -16,9 +16,9 @@ def search_warnings(inference):
     """Warnings on a search that has not converged, or has better fits; on the posterior."""
     solution = inference.solution
     if not solution.converged:
-        yield TEXTS("search.not_converged", evaluations=solution.evaluations)
+        yield SENTENCES("search.not_converged", evaluations=solution.evaluations)
     if inference.still_improving:
-        yield TEXTS("search.still_improving")
+        yield SENTENCES("search.still_improving")
     if inference.posterior is not None:
         yield from _posterior_warnings(inference.posterior, inference.quantities)
     coordinates = [q for q in inference.quantities if q.is_coordinate]
@@ -28,16 +28,16 @@ def search_warnings(inference):
         if side and name not in is_open:
             value = to_value(name, point)
             shown = f"{value:.4g}" if name in START else readable(name, value, 3)
-            yield TEXTS("search.at_bound", name=name, value=shown, side=SIDES[side])
+            yield SENTENCES("search.at_bound", name=name, value=shown, side=SIDES[side])
 
 
 def _posterior_warnings(posterior, quantities):
     """Warnings on samples that are too few, or cut off by the prior."""
     if not posterior.complete:
-        yield TEXTS("posterior.incomplete", evaluations=posterior.evaluations)
+        yield SENTENCES("posterior.incomplete", evaluations=posterior.evaluations)
     if not posterior.reliable:
-        yield TEXTS("posterior.unreliable", effective=posterior.effective)
+        yield SENTENCES("posterior.unreliable", effective=posterior.effective)
     for quantity in quantities:
         if side := posterior.truncated_side(quantity):
             end = float(quantity.si(posterior.prior[quantity.name][side > 0]))
-            yield TEXTS("posterior.truncated", name=quantity.name, side=SIDES[side], end=end)
+            yield SENTENCES("posterior.truncated", name=quantity.name, side=SIDES[side], end=end)

@@ -28,7 +28,7 @@ KEPT, FEWEST = 2000, 200
 REACH, FARTHEST = 4.0, math.log(100.0)
 #: ln(likelihood) where a slider does not move through the record
 NONE = -1e300
-TEXTS = Sentences(Path(__file__).with_suffix(".toml"))
+SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 class Posterior(NamedTuple):
@@ -107,10 +107,10 @@ def prior_text(prior):
     for name, (low, high) in prior.items():
         if name in PLAIN:
             unit = " s" if name == "lag" else ""
-            sides.append(TEXTS("prior.plain", name=name, low=low, high=high, unit=unit))
+            sides.append(SENTENCES("prior.plain", name=name, low=low, high=high, unit=unit))
         else:
-            sides.append(TEXTS("prior.log", name=name, low=math.exp(low), high=math.exp(high)))
-    return TEXTS("prior.all", sides=", ".join(sides))
+            sides.append(SENTENCES("prior.log", name=name, low=math.exp(low), high=math.exp(high)))
+    return SENTENCES("prior.all", sides=", ".join(sides))
 
 
 def sample_posterior(solution, prior, label):
