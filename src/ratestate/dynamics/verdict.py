@@ -17,7 +17,7 @@ from .steady_sliding import stability
 from .wording import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
 
 # K/K_c up to which a fold is sought; the aging law's branches fold below 1.016, for any b/a.
-STRIP = 1.02
+FOLDS_BELOW = 1.02
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -89,7 +89,12 @@ class Verdict:
     @property
     def fade(self):
         """Cycles in which a small disturbance of the cycle falls to a tenth; None without one."""
-        return None if self.multiplier is None else _tenth(abs(self.multiplier))
+        if self.multiplier is None:
+            return None
+        size = abs(self.multiplier)
+        if size >= 1.0:
+            return np.inf
+        return float(np.log(0.1) / np.log(size)) if size > 0.0 else 0.0
 
     @property
     def on_edge(self):
@@ -99,7 +104,7 @@ class Verdict:
     @property
     def of_steady_sliding(self):
         """Sentences on steady sliding alone, which hold for any motion."""
-        return tuple(of_steady_sliding(self))
+        return of_steady_sliding(self)
 
     @property
     def text(self):
@@ -146,40 +151,32 @@ def verdict(slider, V_lp):
 
 
 def verdict_of_cycle(slider, V_lp, cycle):
-    """`Verdict`, given the result of `limit_cycle` or the SolverError that it raised."""
+    """`Verdict` of a slider whose cycle has been searched for already, as of `verdict`.
+
+    cycle : the result of `limit_cycle`, also one of steady sliding, or the SolverError it raised
+    """
     steady = stability(slider, V_lp)
-    names = ("K_c", "K_c_qs", "V_c", "eta", "f_n", "growth_rate", "omega")
+    names: tuple[str, ...] = ("K_c", "K_c_qs", "V_c", "eta", "f_n", "growth_rate", "omega")
     values: dict[str, Any] = {name: float(steady[name]) for name in names}
     values["stable"] = bool(steady.stable)
-    values["regime"] = UNKNOWN
-    if not isinstance(cycle, SolverError):
+    reason = ""
+    if isinstance(cycle, QuasiStaticInstability):
+        small = values["stable"] and not on_edge(slider.K, values["K_c"])
+        values["regime"] = CONDITIONAL if small else RUNAWAY
+    elif isinstance(cycle, SolverError):
+        values["regime"] = UNKNOWN
+        reason = "" if isinstance(cycle, NotConverged) else str(cycle).partition("\n")[0]
+    else:
         values["regime"] = str(classify(cycle).regime.values)
-        values["amplitude"] = float(cycle.amplitude)
-        for name in ("V_max", "V_min", "mu_min", "reversal_margin"):
-            values[name] = float(cycle[name])
+        names = ("amplitude", "V_max", "V_min", "mu_min", "reversal_margin")
         if int(cycle.status) != STEADY_SLIDING:
-            values["period"], values["frequency"] = float(cycle.period), float(cycle.frequency)
+            names += ("period", "frequency")
             values["multiplier"] = complex(cycle.multipliers[0])
             values["returns"] = int(cycle.returns)
-    if values["stable"] and 0.0 < slider.K < STRIP * values["K_c"]:
-        values["K_fold"] = _fold(slider, values["eta"])
+        values |= {name: float(cycle[name]) for name in names}
+    if values["stable"] and 0.0 < slider.K < FOLDS_BELOW * values["K_c"]:
+        kappa = float(folds(slider.law, slider.b / slider.a, [values["eta"]]).kappa[0])
+        if np.isfinite(kappa):
+            values["K_fold"] = kappa * slider.a * slider.sigma / slider.Dc
     answer = Verdict(slider=slider, V_lp=V_lp, **values)
-    if isinstance(cycle, QuasiStaticInstability):
-        small = answer.stable and not answer.on_edge
-        answer = dataclasses.replace(answer, regime=CONDITIONAL if small else RUNAWAY)
-    failed = isinstance(cycle, SolverError) and not isinstance(cycle, NotConverged)
-    reason = str(cycle).partition("\n")[0] if failed else ""
-    return dataclasses.replace(answer, sentences=tuple(sentences(answer, reason)))
-
-
-def _fold(slider, eta):
-    """Stiffness [Pa/m] at which the branch of cycles folds back; None if it does not."""
-    kappa = float(folds(slider.law, slider.b / slider.a, [eta]).kappa[0])
-    return kappa * slider.a * slider.sigma / slider.Dc if np.isfinite(kappa) else None
-
-
-def _tenth(multiplier):
-    """Cycles in which this multiplier takes a disturbance to a tenth."""
-    if multiplier >= 1.0:
-        return np.inf
-    return float(np.log(0.1) / np.log(multiplier)) if multiplier > 0.0 else 0.0
+    return dataclasses.replace(answer, sentences=sentences(answer, reason))
