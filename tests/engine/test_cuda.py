@@ -104,7 +104,7 @@ def turns(law):
     psi = np.array([-0.3, 0.3, 1.0, -3.0, -0.1, 0.5, 0.3])
     u = np.stack([psi, np.linspace(0.1, 0.4, 7)], axis=1)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shooting, "MAX_STEPS", 700.0)
+        patch.setattr(shooting, "MAX_STEPS_OF_RETURN", 700.0)
         found = shooting.return_map(
             system,
             shooting.state(system, u),

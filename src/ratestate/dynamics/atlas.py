@@ -17,7 +17,7 @@ from .continuation.folds import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import REGIMES, classify
 from .hopf import bautin, hopf
-from .results import provenance
+from .results import flags, provenance
 
 #: first and last value of the axes: faults at the bottom left, brakes at the top
 ETA, STIFFNESS = (1e-16, 1e4), (1e-2, 1e3)
@@ -97,12 +97,8 @@ def _cycles_and_regimes(slider, rtol):
         "agree": regimes.agree,
     }
     codes = np.vectorize(REGIMES.index, otypes=[np.int8])(regimes.regime)
-    flags = {
-        "flag_values": np.arange(len(REGIMES), dtype=np.int8),
-        "flag_meanings": " ".join(name.replace(" ", "_") for name in REGIMES),
-    }
     data = xarray.Dataset({name: value.assign_attrs(attrs(name)) for name, value in values.items()})
-    data["regime"] = (regimes.regime.dims, codes, attrs("regime") | flags)
+    data["regime"] = (regimes.regime.dims, codes, attrs("regime") | flags(dict(enumerate(REGIMES))))
     data["status"] = cycle.status
     return data.drop_vars(["K", "M", "V_lp"])
 

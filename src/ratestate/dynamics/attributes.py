@@ -3,7 +3,9 @@
 Whatever the attributes contain, these functions return a valid value or raise a `ParameterError`.
 """
 
+import itertools
 import json
+import numbers
 
 import numpy as np
 
@@ -56,15 +58,9 @@ def from_json(result, name, kind=object):
 
 
 def parameter_value(name, symbol, value):
-    """A value out of JSON, in SI and checked: a float, a DataArray, or str for the law.
+    """The parameter that `results.plain` put into JSON, checked: a float, a DataArray, or the law.
 
-    Parameters
-    ----------
-    name : str
-        Of the attribute.
-    symbol : str
-        Of the quantity, or "law".
-    value : as `results.plain` made it
+    name, symbol : of the attribute, and of the quantity, or "law"
     """
     if symbol == "law":
         evolution_law(value)
@@ -106,27 +102,21 @@ def loading_record(result):
     """
     record = from_json(result, "loading", dict)
     columns = [record[name] for name in ("t", "V", "rate") if isinstance(record.get(name), list)]
-    for column in columns:
-        for x in column:
-            _plain("loading", x)
-        if len(column) != len(columns[0]):
-            raise _altered("loading", record, "expected as many times as speeds and rates")
+    for x in itertools.chain(*columns):
+        _plain("loading", x)
+    if len(set(map(len, columns))) > 1:
+        raise _altered("loading", record, "expected as many times as speeds and rates")
     return record
 
 
 def _plain(name, value):
     """A number as a float, which may be infinite."""
-    if isinstance(value, bool | np.bool_) or not isinstance(
-        value, int | float | np.integer | np.floating
-    ):
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or value != value:
         raise _altered(name, value, "expected a number")
     try:
-        value = float(value)
+        return float(value)
     except OverflowError:
         raise _altered(name, value, "expected a number below 1e308") from None
-    if np.isnan(value):
-        raise _altered(name, value, "expected a number")
-    return value
 
 
 def _altered(name, value, expected):

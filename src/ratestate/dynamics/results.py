@@ -1,9 +1,10 @@
-"""Status flags and provenance of results."""
+"""What results have in common: columns and flags of their cases, provenance, and parameters."""
 
 import dataclasses
 import functools
 import json
 from importlib.metadata import version
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -14,12 +15,44 @@ from ..model.units import is_array
 from . import attributes
 
 
+def columns(batch):
+    """All values of a batch by name: (n,) arrays ``.a``, ``.b``, ``.Dc`` and so on."""
+    return SimpleNamespace(**batch.columns)
+
+
+def flags(meanings):
+    """CF attributes of a variable of flags, from their meanings by number."""
+    words = (meaning.replace(" ", "_") for meaning in meanings.values())
+    return {"flag_values": np.array(list(meanings), np.int8), "flag_meanings": " ".join(words)}
+
+
 def status_variable(batch, status):
     """The status of each case, int8 with CF flags."""
     variable = batch.variable(np.asarray(status, np.int8), "status")
-    variable.attrs["flag_values"] = np.array(list(STATUSES), np.int8)
-    variable.attrs["flag_meanings"] = " ".join(name for name, _ in STATUSES.values())
+    variable.attrs |= flags({code: name for code, (name, _) in STATUSES.items()})
     return variable
+
+
+#: flag of `domain_variables` -> its meaning
+OUTSIDE_DOMAIN = {-1: "unknown", 0: "inside", 1: "mu_negative", 2: "spring_reverses", 3: "both"}
+
+
+def domain_variables(batch, mu_min, reversal_margin):
+    """The variables that show whether the motion leaves the law's domain, name -> Variable.
+
+    Eq. 1 is for forward slip, V > 0, against which friction acts.  It allows mu to fall below 0,
+    where friction would have to push; and it does not reverse the slip where the spring pulls the
+    slider back harder than friction can hold, tau < -sigma mu.  The computed motion goes on, but no
+    real slider moves like that.
+
+    mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN where there is no motion
+    """
+    outside = (mu_min < 0.0) + 2 * (reversal_margin < 0.0)
+    code = np.where(np.isnan(mu_min), -1, outside).astype(np.int8)
+    values = {"mu_min": mu_min, "reversal_margin": reversal_margin, "outside_domain": code}
+    variables = {name: batch.variable(value, name) for name, value in values.items()}
+    variables["outside_domain"].attrs |= flags(OUTSIDE_DOMAIN)
+    return variables
 
 
 def provenance(function, slider, **settings):

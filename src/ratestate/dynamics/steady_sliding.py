@@ -14,7 +14,7 @@ from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
 from .results import plain, provenance
 
-TAKEN = "K_c K_c_qs eta V_c f_n eigenvalues growth_rate omega omega_c stable".split()
+VARIABLES = "K_c K_c_qs eta V_c f_n eigenvalues growth_rate omega omega_c stable".split()
 
 
 def stability(slider, V_lp):
@@ -43,7 +43,8 @@ def stability(slider, V_lp):
         V_lp is not a speed > 0, or its coordinates clash with those of the slider.
     """
     call = stability_call(slider, V_lp)
-    call.batch.check_fits(len(TAKEN), "sweep into a store: sweep(stability, ..., store='x.zarr')")
+    into_store = "sweep into a store: sweep(stability, ..., store='x.zarr')"
+    call.batch.check_fits(len(VARIABLES), into_store)
     return call.dataset(call.run())
 
 
@@ -62,7 +63,7 @@ class StabilityCall:
     @functools.cached_property
     def batch(self):
         """All that has a value for each case."""
-        return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=TAKEN)
+        return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=VARIABLES)
 
     def blank(self):
         """The variables of `run`, which cost nothing."""
@@ -98,4 +99,4 @@ class StabilityCall:
     def dataset(self, variables):
         """Variables of all cases as the result: with coordinates and provenance."""
         attributes = provenance("stability", self.slider, V_lp=json.dumps(plain(self.V_lp)))
-        return xarray.Dataset(variables, self.batch.coordinates(TAKEN), attributes)
+        return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attributes)

@@ -53,7 +53,7 @@ class Verdict:
         Stress maxima in a period; None without a cycle.
     mu_min, reversal_margin : float or None
         Smallest mu and tau/sigma + mu of the motion reached: below 0 it leaves the domain of the
-        friction law (see `ratestate.dynamics.simulation.domain`).
+        friction law (see `ratestate.dynamics.results.domain_variables`).
     multiplier : complex or None
         Largest Floquet multiplier beside 1: the factor by which a disturbance changes in a cycle.
     K_fold : float or None

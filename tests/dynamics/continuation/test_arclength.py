@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ratestate.dynamics.continuation.arclength import Steps, follow
+from ratestate.dynamics.continuation import arclength
+from ratestate.dynamics.continuation.arclength import Steps
 from ratestate.dynamics.continuation.bifurcations import locate, without_noise
 from ratestate.dynamics.continuation.newton import Problem, solve
+
+
+def follow(evaluate, u0, p0, *, stop, scale, tol=1e-8, noise=1e-10, **options):
+    problem = Problem(evaluate, np.asarray(scale), tol, noise)
+    return arclength.follow(problem, np.asarray(u0), p0, stop, **options)
 
 
 class Orbit(NamedTuple):

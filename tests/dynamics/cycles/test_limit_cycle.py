@@ -471,7 +471,7 @@ kind = st.tuples(
 )
 def test_answers_or_names_why_not(monkeypatch, law, rtol, kinds):
     # The few that never settle would take all the time; the next test has late ones.
-    monkeypatch.setattr(attractor, "MAX_STEPS", 50)
+    monkeypatch.setattr(attractor, "MAX_SEARCH_STEPS", 50)
     beta, eta, ratio, towards = np.array(kinds).T
     ratio = np.where(beta > 1, ratio, 10.0) * (1 + towards * eta)
     slider = sliders(ratio * np.sign(beta - 1), beta, eta, law)

@@ -20,16 +20,19 @@ from ...model.batch import Batch
 from ...model.slider import checked
 from ...model.units import to_si
 from ..cycles.attractor import find_attractors
-from ..cycles.shooting import system_of
+from ..cycles.measure import refine
+from ..cycles.shooting import state, system_of
 from ..progress import bar
-from ..results import plain, provenance
-from .unstable import CYCLES, cycles_around
+from ..results import columns, plain, provenance
+from .family import Family
 
 #: disturbances, in the order of `_disturbed`
 KINDS = ("step_up", "step_down", "kick_up", "kick_down")
-TAKEN = [*KINDS, "outcome", *CYCLES]
+#: measures of the limit cycle beyond, and of the unstable one between
+CYCLES = ("amplitude", "period", "unstable_amplitude", "unstable_period", "unstable_multiplier")
+VARIABLES = [*KINDS, "outcome", *CYCLES]
 # Sizes tried, as |ln(V_lp/V)| and as |change of tau|/(a sigma): smallest, largest, number.
-LADDER = np.geomspace(1e-4, 27.6, 96)
+SIZES = np.geomspace(1e-4, 27.6, 96)
 #: status of an orbit that does not come back -> its name
 OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles"}
 # Then the interval between two sizes is divided into so many parts, until it is this narrow.
@@ -37,6 +40,9 @@ PARTS, ACCURACY = 16, 1e-6
 # Accuracy of the cycle that is reached, enough to know that it is one; and tolerance of a step of
 # the orbit, over the size of the disturbance.
 RTOL, ORBIT_RTOL = 1e-5, 2e-9
+# That of the cycles whose measures are returned; and the stiffness, as a multiple of the slider's,
+# by which the two must have met.
+CYCLE_RTOL, FARTHEST_FOLD = 1e-8, 100.0
 
 
 def escape(slider, V_lp):
@@ -84,31 +90,28 @@ def escape(slider, V_lp):
     """
     checked(slider)
     V_lp = to_si("V_lp", V_lp)
-    batch = Batch({**slider.values, "V_lp": V_lp}, taken=TAKEN)
-    batch.check_fits(len(TAKEN), "ask for fewer at a time")
+    batch = Batch({**slider.values, "V_lp": V_lp}, taken=VARIABLES)
+    batch.check_fits(len(VARIABLES), "ask for fewer at a time")
     system = system_of(slider.law, **batch.columns)
     with bar("escape") as progress:
         sizes, outcome, u = _thresholds(system, progress)
     if batch.shape == () and outcome[0] == "unknown":
         raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
-    cycles = cycles_around(system, np.flatnonzero(outcome == "cycle"), u)
-    stress = batch.flat("a") * batch.flat("sigma")
-    time = batch.flat("Dc") / batch.flat("V_lp")
+    cycles = _cycles_around(system, np.flatnonzero(outcome == "cycle"), u)
+    p = columns(batch)
+    units = {"amplitude": p.a, "period": p.Dc / p.V_lp, "multiplier": 1.0}
     with np.errstate(over="ignore"):
         values = {
             "step_up": np.exp(sizes[0]),
             "step_down": np.exp(-sizes[1]),
-            "kick_up": stress * sizes[2],
-            "kick_down": 0.0 - stress * sizes[3],
-            "amplitude": batch.flat("a") * cycles["amplitude"],
-            "period": time * cycles["period"],
-            "unstable_amplitude": batch.flat("a") * cycles["unstable_amplitude"],
-            "unstable_period": time * cycles["unstable_period"],
-            "unstable_multiplier": cycles["unstable_multiplier"],
+            "kick_up": p.a * p.sigma * sizes[2],
+            "kick_down": 0.0 - p.a * p.sigma * sizes[3],
         }
+        for name, value in cycles.items():
+            values[name] = units[name.removeprefix("unstable_")] * value
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     variables["outcome"] = batch.variable(outcome, "outcome")
-    result = xarray.Dataset(variables, batch.coordinates(TAKEN))
+    result = xarray.Dataset(variables, batch.coordinates(VARIABLES))
     result.attrs = provenance("escape", slider, V_lp=json.dumps(plain(V_lp)))
     return result
 
@@ -137,7 +140,7 @@ def _edges(system, kind, largest, progress):
     n = len(kind)
     low, high = np.zeros(n), np.full(n, np.inf)
     edge = Edge(high, np.full(n, STEADY_SLIDING), np.full((n, 2), np.nan))
-    trial, which = np.minimum(LADDER, largest[:, None]), np.arange(n)
+    trial, which = np.minimum(SIZES, largest[:, None]), np.arange(n)
     while len(which):
         m = trial.shape[1]
         part = system.at(np.repeat(which, m))
@@ -169,7 +172,7 @@ def _thresholds(system, progress):
     # Without inertia every orbit of the aging law comes back (Ranjith & Rice 1999).
     if system.law == "slip":
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
-            step_up, *kicks = runaway_edge(system.kappa[i], system.beta[i], LADDER[-1])
+            step_up, *kicks = runaway_edge(system.kappa[i], system.beta[i], SIZES[-1])
             sizes[:, i] = step_up, np.inf, *kicks
             outcome[i] = "runaway" if np.isfinite(sizes[:, i]).any() else "none"
     may_leave = np.flatnonzero(may_leave & (system.eta > 0.0))
@@ -177,7 +180,7 @@ def _thresholds(system, progress):
     part = system.at(slider)
     with np.errstate(divide="ignore"):  # a step down is from a speed below V_c (eq. 10)
         down = 0.5 * np.log((part.kappa / (part.beta - 1.0) - 1.0) / part.eta)
-    largest = np.where(kind == 1, np.minimum(down, LADDER[-1]), LADDER[-1])
+    largest = np.where(kind == 1, np.minimum(down, SIZES[-1]), SIZES[-1])
     edge = _edges(part, kind, largest, progress)
     sizes[:, may_leave] = edge.size.reshape(4, -1)
     for i, status, point in zip(slider, edge.status, edge.u, strict=True):
@@ -186,3 +189,31 @@ def _thresholds(system, progress):
         if status == FINISHED:
             u[i] = point
     return sizes, outcome, u
+
+
+def _cycles_around(system, which, u):
+    """Measures of the stable cycles of these sliders and of unstable ones inside, name -> (n,).
+
+    As the stiffness increases the two meet in a fold: the branch from the stable cycle comes back
+    to the slider's own stiffness as the unstable one.  u : (n, 2) near the stable cycles
+    """
+    result = {name: np.full(len(u), np.nan) for name in CYCLES}
+    part = system.at(which)
+    attractors = find_attractors(part, state(part, u[which]), CYCLE_RTOL, False, None)
+    stable = refine(part, attractors, CYCLE_RTOL, False)
+    result["amplitude"][which], result["period"][which] = stable["amplitude"], stable["period"]
+    single = attractors.n_returns == 1  # as many as of the unstable cycle that meets it
+    for i, u_i in zip(which[single], attractors.u[single], strict=True):
+        kappa, beta, eta = (float(values[i]) for values in (system.kappa, system.beta, system.eta))
+        # With V_lp = Dc = sigma = a = 1 the slider is its own dimensionless form.
+        values = {"a": 1.0, "b": beta, "Dc": 1.0, "sigma": 1.0, "K": kappa, "M": eta, "V_lp": 1.0}
+        family, p = Family(system.law, values, "K", CYCLE_RTOL), np.log(kappa)
+        branch = family.follow(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST_FOLD))
+        # Close to the Hopf point p hardly changes along the branch, and noise hides the solution at
+        # exactly the first p.
+        if len(branch.points) > 2 and abs(branch.points[-1].p - p) <= CYCLE_RTOL:
+            measures = family.measures(branch.points[-1:], {"start": kappa})
+            result["unstable_amplitude"][i] = measures["amplitude"][0]
+            result["unstable_period"][i] = measures["period"][0]
+            result["unstable_multiplier"][i] = measures["multipliers"][0, 0].real
+    return result

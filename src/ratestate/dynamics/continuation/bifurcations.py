@@ -50,25 +50,10 @@ def change(a, b):
 
 
 def bifurcation_points(problem, a, b, weights):
-    """The bifurcation points between two neighbouring points of a branch, in their order along it.
+    """The bifurcation points between neighbouring points of a branch, in their order along it.
 
-    Parameters
-    ----------
-    problem : Problem
-    a, b : Point
-        Tangents make an acute angle.
-    weights : (n + 1,) ndarray
-        Units of distances.
-
-    Returns
-    -------
-    list of Point
-        Each on the branch, as near to the bifurcation as rounding and noise allow.
-
-    Raises
-    ------
-    Lost
-        One that must exist was not found.
+    Each on the branch, as near to the bifurcation as rounding and noise allow.  The tangents at a
+    and b make an acute angle.  Raises Lost where one that must exist is not found.
     """
     points = []
     for name, test in TESTS.items():

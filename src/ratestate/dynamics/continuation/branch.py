@@ -11,9 +11,9 @@ from ...model.batch import Batch
 from ...model.quantities import QUANTITIES, attrs
 from ...model.slider import checked
 from ...model.units import is_array, to_si
-from ..cycles.limit_cycle import TAKEN, cycle_variables
+from ..cycles.limit_cycle import VARIABLES, cycle_variables
 from ..progress import bar
-from ..results import provenance, status_variable
+from ..results import provenance
 from .branch_ends import beginning, hopf_measures, hopf_near
 from .family import PARAMETERS, Family
 
@@ -138,13 +138,12 @@ def _dataset(family, branch, hopf, ends):
     values = family.values | {
         family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
     }
-    batch = Batch(values, taken=TAKEN)
+    batch = Batch(values, taken=VARIABLES)
     status = np.full(len(along), FINISHED)
     stable = np.abs(measures["multipliers"][:, 0]) < 1.0
     variables = cycle_variables(batch, status, measures, stable)
-    variables["status"] = status_variable(batch, status)
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
-    result = xarray.Dataset(variables, batch.coordinates([*TAKEN, "special"]))
+    result = xarray.Dataset(variables, batch.coordinates([*VARIABLES, "special"]))
     result["inertia"][result.special == "hopf"] = 0.5 - 0.5 / (
         1.0 + family.sliders(along[result.special == "hopf"]).eta
     )

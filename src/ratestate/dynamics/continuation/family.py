@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...engine.model import FINISHED
 from ...engine.return_map import SLAVED
 from ...friction.laws import evolution_law
-from ..cycles.attractor import CycleEstimates
+from ..cycles.attractor import single_returns
 from ..cycles.measure import measure
 from ..cycles.shooting import TIGHTEST, return_map, small_amplitude, state, system_of, tightest
 from .arclength import Steps, follow
+from .newton import Problem
 from .polish import polished
 
 #: parameters along which a family may be followed
@@ -110,23 +110,14 @@ class Family(NamedTuple):
         return MapValues(image, jacobian, usable & returns.came_back, measures)
 
     def follow(self, U, p, *, stop, **options):
-        """`arclength.follow` from U (2,) at p to stop, with the scale and noise of these maps."""
+        """`arclength.follow` from U (2,) at p to stop, with these `Options`."""
         # At large eta the stress is large, and its rounding too: in stick-slip tau/(a sigma) varies
         # by some sqrt(kappa eta).
         system = self.system(np.array([p, stop]))
         amplitude = np.sqrt(np.max(np.maximum(1.0, system.kappa * system.eta)))
         noise = max(NOISE * self.rtol, TIGHTEST * amplitude / SCALE[0])
-        return follow(
-            self.return_map,
-            U,
-            p,
-            stop=stop,
-            scale=SCALE,
-            tol=self.rtol,
-            noise=noise,
-            steps=STEPS,
-            **options,
-        )
+        problem = Problem(self.return_map, SCALE, self.rtol, noise)
+        return follow(problem, U, p, stop, steps=STEPS, **options)
 
     def measures(self, points, exact):
         """The measures of the points of a branch, as by `measure`: name -> (n,) or (n, 2).
@@ -136,11 +127,9 @@ class Family(NamedTuple):
         exact : special of a point -> the exact value of its parameter
         """
         points = polished(self, points, exact)
-        n = len(points.parameter)
         # An error > 0 keeps `measure` from correcting the cycle at constant p.
         error = points.errors[:, :2].max(axis=1) + 1e-16
-        status, once = np.full(n, FINISHED), np.ones(n, np.int64)
-        cycles = CycleEstimates(status, points.u, points.tol, points.period, error, once)
+        cycles = single_returns(points.u, points.tol, points.period, error)
         values = measure(self.sliders(points.parameter), cycles, False)
         for name, of_speed in zip(("v_max_error", "v_min_error"), points.errors.T[2:], strict=True):
             values[name] = np.maximum(values[name], of_speed)

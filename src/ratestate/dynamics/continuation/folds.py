@@ -62,25 +62,11 @@ class Cycles(NamedTuple):
 
 
 def folds(law, beta, eta):
-    """The largest stiffness at which a limit cycle coexists with stable steady sliding.
+    """`Folds` at the largest stiffness at which a limit cycle coexists with stable steady sliding.
 
-    Parameters
-    ----------
-    law : {"slip", "aging"}
-        Evolution law.
-    beta, eta : array, (n,)
-        b/a > 1 and M V_lp^2/(a sigma Dc) > 0 [1].
-
-    Returns
-    -------
-    Folds
-        K_fold/K_c - 1 to a relative error of 1e-4.  NaN where no cycle of the branch from the
-        Hopf point has K > K_c (1 + 1e-7), as with the slip law, and at eta < 1e-6.
-
-    Raises
-    ------
-    ParameterError
-        Unknown law.
+    Of sliders with these b/a > 1 and M V_lp^2/(a sigma Dc) > 0 (n,).  K_fold/K_c - 1 to a relative
+    error of 1e-4; NaN where no cycle of the branch from the Hopf point has K > K_c (1 + 1e-7), as
+    with the slip law, and at eta < 1e-6.
     """
     beta, eta = np.broadcast_arrays(np.asarray(beta, float), np.asarray(eta, float))
     curvatures = law_curvatures(law)

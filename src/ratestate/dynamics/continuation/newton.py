@@ -39,12 +39,14 @@ class Point(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """The map, and the accuracy of its fixed points; see `arclength.follow`."""
+    """The map, and the accuracy of its fixed points."""
 
+    #: of u (m, n) and p (m,), giving an object with `image` (m, n), P(u, p); `jacobian` (m, n, n),
+    #: dP/du; `ok` (m,), False where there is no image; `measures`, name -> (m,), to store
     evaluate: Callable[[np.ndarray, np.ndarray], Any]
-    scale: np.ndarray
-    tol: float
-    noise: float
+    scale: np.ndarray  # (n,) > 0, size of u from which on changes count as relative
+    tol: float  # largest last Newton correction, in units of scale + |u| and of p
+    noise: float  # bound of the errors of P, in units of scale + |u|
 
     def weights(self, u):
         """Units (n + 1,) in which distances from (u, p) are measured."""
@@ -52,7 +54,7 @@ class Problem(NamedTuple):
 
 
 class Lost(Exception):
-    """No fixed point was found; the only argument is NO_RETURN, NO_CONVERGENCE or an end's name."""
+    """No fixed point was found; its argument is NO_RETURN, NO_CONVERGENCE or an end's name."""
 
 
 def unit(vector):
@@ -63,25 +65,9 @@ def unit(vector):
 def solve(problem, guess, normal, along, weights, tol):
     """The fixed point on the plane through `guess` that `normal` is perpendicular to.
 
-    Solves P(u, p) - u = 0 and normal . (z - z_guess) = 0 by Newton's method.
-
-    Parameters
-    ----------
-    problem : Problem
-    guess : (n + 1,) ndarray
-        First approximation (u, p).
-    normal, along : (n + 1,) ndarray
-        In the coordinates z: normal of the plane, and a direction with which the tangent makes
-        an acute angle.  The last unit vector as `normal` keeps p exactly as it is.
-    weights : (n + 1,) ndarray
-        y/z.
-    tol : float
-        Largest last correction in z; 0: as small as noise allows.
-
-    Raises
-    ------
-    Lost
-        The map has no image at an iterate, or the iteration does not converge.
+    Solves P(u, p) - u = 0 and normal . (z - z_guess) = 0 by Newton's method.  `normal` and `along`,
+    with which the tangent makes an acute angle, are in the coordinates z = y/weights; the last unit
+    vector as `normal` keeps p exactly as it is.  tol = 0: as small as noise allows.
     """
     y, last = np.array(guess), np.inf
     for iteration in range(1, MAX_ITERATIONS + 1):

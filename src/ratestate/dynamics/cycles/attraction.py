@@ -37,7 +37,7 @@ LOOSEST = 1e-6
 FINER = 0.1
 # The error of a return divided by its tolerance, as Newton's method may meet it: usually, and at
 # the tightest tolerance.
-NOISE, ROUNDING = 3.0, 1e4
+NOISE, NOISE_AT_TIGHTEST = 3.0, 1e4
 
 #: state of the search for a slider: the orbit, and Newton's method ahead of it
 SEARCH = np.dtype(
@@ -45,16 +45,11 @@ SEARCH = np.dtype(
         ("step_limit", float),  # longest first step that Newton's method is allowed
         ("ahead", bool),  # whether Newton's method is at work
         # where it left the orbit: u, the image, the larger multiplier and the first step's length
-        ("u", float, 2),
-        ("image", float, 2),
-        ("multiplier", complex),
-        ("step", float),
+        *[("u", float, 2), ("image", float, 2), ("multiplier", complex), ("step", float)],
         # where the orbit goes on if Newton's method fails
-        ("next_u", float, 2),
-        ("next_tol", float),
+        *[("next_u", float, 2), ("next_tol", float)],
         # the orbit's last move, and how many times in a row it has reversed its direction
-        ("move", float, 2),
-        ("reversals", int),
+        *[("move", float, 2), ("reversals", int)],
     ]
 )
 
@@ -73,22 +68,14 @@ class LocalMap(NamedTuple):
 
 
 def advance_search(system, returns, current, search, rtol, loosest, leap):
-    """Advance the search by one return of the map.
+    """Advance the search by the `Returns` of n sliders from `CycleEstimates` current.
 
-    Parameters
-    ----------
-    system : n sliders
-    returns : `Returns` from current.u
-    current, search : `CycleEstimates` and SEARCH of these sliders; the latter is updated in place
-    rtol : relative accuracy of the cycle
+    search : SEARCH of these sliders, updated in place
     loosest : (n,) largest tolerance of a return
     leap : whether the orbit may leap
 
-    Returns
-    -------
-    next_u, next_tol : (n, 2), (n,)
-    converged : (n,) whether next_u is on the cycle that the orbit goes to
-    doubled : (n,) whether the orbit is to be followed by twice as many returns from here on
+    Gives the next u (n, 2) and tolerance (n,), whether (n,) that is on the cycle that the orbit
+    goes to, and whether the orbit is to be followed by twice as many returns from here on.
     """
     local = _local_map(system, returns, current, rtol)
     on_orbit = ~search["ahead"]
@@ -98,22 +85,11 @@ def advance_search(system, returns, current, search, rtol, loosest, leap):
     search["next_u"][on_orbit] = leapt[on_orbit]
     search["next_tol"][on_orbit] = _tolerance(local, 0.1, loosest)[on_orbit]
     departs = trusted & on_orbit
-    for name, value in (
-        ("u", current.u),
-        ("image", returns.image),
-        ("multiplier", local.first),
-        ("step", local.step),
-    ):
+    point = {"u": current.u, "image": returns.image, "multiplier": local.first, "step": local.step}
+    for name, value in point.items():
         search[name][departs] = value[departs]
-    arrives = trusted & local.resolved
-    excess = _nonlinearity(system, returns, search, local) / NONLINEAR
-    converged = arrives & (excess <= 1.0)
-    refuted = arrives & ~converged
-    fails = (search["ahead"] & ~trusted) | refuted
-    with np.errstate(invalid="ignore", divide="ignore"):
-        nearer = search["step"] * np.where(arrives, np.clip(0.5 / excess, 1e-3, 0.5), 0.3)
-    search["step_limit"] = np.where(fails, nearer, search["step_limit"])
-    search["ahead"] = trusted & ~fails
+    converged, refuted = _arrivals(system, returns, search, local, trusted)
+    search["ahead"] = trusted & ~refuted
     doubled = _alternates(system, search, returns.image - current.u, local.first, refuted, on_orbit)
     doubled &= ~converged & (2 * current.n_returns <= LONGEST_PERIOD)
     search["step_limit"][doubled], search["reversals"][doubled] = STEP_LIMIT, 0
@@ -121,6 +97,22 @@ def advance_search(system, returns, current, search, rtol, loosest, leap):
     next_u = np.where(go[:, None], local.target, search["next_u"])
     next_tol = np.where(go, _tolerance(local, local.step, loosest), search["next_tol"])
     return next_u, next_tol, converged, doubled
+
+
+def _arrivals(system, returns, search, local, trusted):
+    """Whether Newton's method has found where the orbit goes, or a fixed point that is refuted.
+
+    Where it fails its next first step from the orbit is to be shorter.
+    """
+    arrives = trusted & local.resolved
+    excess = _nonlinearity(system, returns, search, local) / NONLINEAR
+    converged = arrives & (excess <= 1.0)
+    refuted = arrives & ~converged
+    with np.errstate(invalid="ignore", divide="ignore"):
+        nearer = search["step"] * np.where(arrives, np.clip(0.5 / excess, 1e-3, 0.5), 0.3)
+    fails = (search["ahead"] & ~trusted) | refuted
+    search["step_limit"] = np.where(fails, nearer, search["step_limit"])
+    return converged, refuted
 
 
 def _local_map(system, returns, current, rtol):
@@ -134,7 +126,7 @@ def _local_map(system, returns, current, rtol):
     attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)
     floor = tightest(system, u)
     finest = np.maximum(rtol * scale * attraction, floor)
-    noise = np.where(current.tol > floor, NOISE, ROUNDING)
+    noise = np.where(current.tol > floor, NOISE, NOISE_AT_TIGHTEST)
     with np.errstate(divide="ignore"):  # a multiplier of exactly 1 resolves nothing
         resolution = np.maximum(rtol, noise * current.tol / (scale * attraction))
     return LocalMap(

@@ -12,11 +12,11 @@ import numpy as np
 from ...engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
 from .attraction import LOOSEST, SEARCH, STEP_LIMIT, advance_search
 from .iterates import iterated_map
-from .shooting import distance, return_map, small_amplitude, tightest
+from .shooting import distance, return_map, select, small_amplitude, tightest
 from .small_cycles import curvature, small_cycle
 
 # Steps of the search, and returns of an orbit, after which a slider counts as never converging.
-MAX_STEPS, MAX_RETURNS = 400, 2000
+MAX_SEARCH_STEPS, MAX_RETURNS = 400, 2000
 # A cycle that closes to this distance, divided by its own from u = 0, after half its returns is one
 # of half as many.
 CLOSES = 1e-4
@@ -42,7 +42,14 @@ class CycleEstimates(NamedTuple):
 
     def at(self, which):
         """The sliders with these numbers, or where this is true."""
-        return CycleEstimates(*(values[which] for values in self))
+        return select(self, which)
+
+
+def single_returns(u, tol, period, error=0.0, status=FINISHED):
+    """`CycleEstimates` of cycles that close after one return."""
+    n = len(u)
+    values = np.full(n, status), u, tol, period, np.full(n, error), np.ones(n, np.int64)
+    return CycleEstimates(*values)
 
 
 def steady_start(system):
@@ -54,50 +61,47 @@ def steady_start(system):
 def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
     """Follow n sliders from the states start (n, 3) to their attractors; `CycleEstimates`.
 
+    Each step of the search is one return of all orbits that have not arrived, or as many as make
+    the period that the orbit seems to have.  An orbit has arrived where Newton's method has found
+    the cycle that attracts it (FINISHED), near stable steady sliding (STEADY_SLIDING), or where it
+    does not come back to the section; it is given up after MAX_RETURNS (NO_CONVERGENCE).
+
     rtol : relative accuracy of the cycle
     alone : whether this is the one case of a call
     progress : callable or None, given the fraction of sliders that have reached an attractor
     loosest : (n,) largest tolerance of a return; the orbit itself is followed at least this closely
     """
     n = len(start)
-    loosest = np.broadcast_to(loosest, n)
-    rtol = min(rtol, LOOSEST_ANSWER)
+    rtol, loosest = min(rtol, LOOSEST_ANSWER), np.broadcast_to(loosest, n)
     stable = system.margin >= 0.0
     steady_tol = np.where(stable, 1e-6, 0.0)
     first = return_map(system, start, loosest, alone=alone, steady_tol=steady_tol)
-    estimates = CycleEstimates(
-        np.where(first.came_back, RUNNING, first.status),
-        first.image.copy(),
-        loosest.astype(float),
-        first.numbers["period"],
-        np.zeros(n),
-        np.ones(n, np.int64),
-    )
+    status = np.where(first.came_back, RUNNING, first.status)
+    period = first.numbers["period"]
+    estimates = single_returns(first.image.copy(), loosest.astype(float), period, status=status)
     search, followed = np.zeros(n, SEARCH), np.ones(n, np.int64)
     balance_untried = ~stable
     search["step_limit"] = STEP_LIMIT
-    for number in range(MAX_STEPS):
+    for number in range(MAX_SEARCH_STEPS):
         active = np.flatnonzero((estimates.status == RUNNING) & (followed < MAX_RETURNS))
         if progress:
             progress(1.0 - len(active) / n)
         if not len(active):
             break
-        part, current = system.at(active), estimates.at(active)
-        u, tol, n_returns = current.u, current.tol, current.n_returns
-        at_rest = steady_tol[active]
-        returns = iterated_map(part, u, tol, n_returns, alone=alone, steady_tol=at_rest)
-        followed[active] += n_returns
+        part, current, searching = system.at(active), estimates.at(active), search[active]
+        options = {"alone": alone, "steady_tol": steady_tol[active]}
+        returns = iterated_map(part, current.u, current.tol, current.n_returns, **options)
+        followed[active] += current.n_returns
+        on_orbit = returns.came_back & ~searching["ahead"]
+        r = np.where(on_orbit, small_amplitude(part, current.u), np.inf)
         estimates.status[active] = np.where(returns.came_back, RUNNING, returns.status)
         estimates.period[active] = returns.numbers["period"]
-        active_search = search[active]
-        on_orbit = ~active_search["ahead"]
         estimates.u[active], estimates.tol[active], converged, doubled = advance_search(
-            part, returns, current, active_search, rtol, loosest[active], leap=number > 0
+            part, returns, current, searching, rtol, loosest[active], leap=number > 0
         )
-        estimates.n_returns[active] = np.where(doubled, 2 * n_returns, n_returns)
-        search[active] = active_search
+        estimates.n_returns[active[doubled]] *= 2
+        search[active] = searching
         estimates.status[active[converged]] = FINISHED
-        r = np.where(returns.came_back & on_orbit, small_amplitude(part, u), np.inf)
         _finish_at_rest(system, estimates, active, np.where(stable[active], r, np.inf))
         small = active[balance_untried[active] & (r < SMALL)]
         _finish_on_small_cycles(system, estimates, small)
@@ -139,7 +143,7 @@ def _finish_on_small_cycles(system, estimates, which):
     part = system.at(which)
     cycles = small_cycle(part.law, part.kappa, part.beta, part.eta)
     near = cycles.valid & (cycles.r < 2.0 * SMALL)
-    which, cycles = which[near], type(cycles)(*(values[near] for values in cycles))
+    which, cycles = which[near], select(cycles, near)
     estimates.status[which] = FINISHED
     estimates.u[which] = np.stack([cycles.psi, cycles.G], axis=1)
     estimates.period[which] = 2.0 * np.pi / cycles.omega

@@ -102,7 +102,16 @@ def dynamic_stiffness(k, g, omega, s, case):
 def residual(balance, s, case):
     """Even part/r^2 and odd part/r^3 of the equation at the nodes, (n, nodes) each.
 
-    Names end in o and e for odd parts/r and even parts/r^2, and begin with d for d/d phase.
+    Names end in o and e for odd parts/r and even parts/r^2, and begin with d for d/d phase:
+
+    q, p        harmonics 2, 4, ... and 3, 5, ... of w: Q and P at the nodes
+    Wo          w = 1 + r Wo + r^2 q, where Wo = cos + s p
+    Jo, Je      1/w = 1 + r Jo + r^2 Je
+    B, Ve       v = ln w = r (cos + s B) + r^2 Ve
+    Zo, Ze      z = r Zo + r^2 Ze, where Zo = Z0 + s Y, and Z0 belongs to cos alone
+    Ho, He      h(z) = r Ho + r^2 He
+    No, Ne      h(z) + z = r^3 No + r^2 Ne
+    mu_Q, mu_P  harmonics of kappa (w - 1) + eta omega^2 w'', int_Q and int_P their integrals
     """
     b1, beta, _, series = case
     Q, P, X0, _, d, g = balance
@@ -111,19 +120,18 @@ def residual(balance, s, case):
     mu_P = dynamic_stiffness(ODD, g, omega, s, case) * P
     q, dq, even, int_Q = at_nodes(EVEN_WAVES, Q, 1j * EVEN * Q, mu_Q, mu_Q / (1j * EVEN))
     p, dp, odd, int_P = at_nodes(ODD_WAVES, P, 1j * ODD * P, mu_P, mu_P / (1j * ODD))
-    Wo, dWo = C + s * p, s * dp - S  # w = 1 + r Wo + r^2 q
+    Wo, dWo = C + s * p, s * dp - S
     w = 1 + s * q
     D = w**2 - s * Wo**2
-    Jo, Je = -Wo / D, (Wo**2 - q * w) / D  # 1/w = 1 + r Jo + r^2 Je
+    Jo, Je = -Wo / D, (Wo**2 - q * w) / D
     B, Ve = logarithm(q, p, s)
-    # z = r Zo + r^2 Ze, and Zo = Z0 + s Y, where Z0 belongs to cos
     root = np.sqrt(b1)
     detuning = root * d / (1 + omega / root)  # (omega - root)/s
     Z0 = (b1 * C - root * S) / beta
     Y = (b1 * B + detuning * root / omega * S - (g * S + int_P) / omega) / beta
     Zo, Ze = Z0 + s * Y, X0 + (b1 * Ve - int_Q / omega) / beta
     No, Ne = beyond_linear(Zo, Ze, s, series)
-    Ho, He = s * No - Zo, Ne - Ze  # h = r Ho + r^2 He
+    Ho, He = s * No - Zo, Ne - Ze
     even += omega * (dq * (1 + s * Je) + dWo * Jo)
     even += beta * (He + Wo * Ho + s * q * He)
     odd += g * C - detuning * S + omega * (dp + dWo * Je + dq * Jo)

@@ -11,7 +11,7 @@ from .shooting import gradient, return_map, state
 SUMS = ("period", "trace", "slow", "mean", "square", "steps")
 
 
-def iterated_map(system, u, rtol, count, *, alone, steady_tol=0.0, period=None):
+def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
     """`return_map` from the section's points u (n, 2), count (n,) times over; `Returns`.
 
     The numbers are those of all returns together: sums, extremes, Fourier integrals of a phase
@@ -20,24 +20,24 @@ def iterated_map(system, u, rtol, count, *, alone, steady_tol=0.0, period=None):
 
     period : (n,) of all returns together
     """
-    each = np.ones(len(u)) if period is None else period / count
+    n = len(u)
+    atol, steady_tol = np.broadcast_to(atol, n), np.broadcast_to(steady_tol, n)
+    each = np.ones(n) if period is None else period / count
 
-    def single(part, y, rtol, steady_tol, each):
-        assumed = None if period is None else each
-        return return_map(part, y, rtol, alone=alone, steady_tol=steady_tol, period=assumed)
+    def once(which, u):
+        """One return of the sliders with these numbers."""
+        part = system.at(which)
+        y, assumed = state(part, u), None if period is None else each[which]
+        options = {"alone": alone, "steady_tol": steady_tol[which], "period": assumed}
+        returns = return_map(part, y, atol[which], **options)
+        # d x/d u at a stress maximum is (beta, eta)
+        returns.numbers.update(x_high=y[:, 0], x_high_a=part.beta, x_high_b=part.eta)
+        return returns
 
-    returns = single(system, state(system, u), rtol, steady_tol, each)
-    high = np.stack([system.beta, system.eta], axis=1)  # d x/d u at a stress maximum
-    returns.numbers["x_high"] = state(system, u)[:, 0]
-    returns.numbers["x_high_a"], returns.numbers["x_high_b"] = high.T.copy()
-    steady_tol, rtol = np.broadcast_to(steady_tol, len(u)), np.broadcast_to(rtol, len(u))
+    returns = once(np.arange(n), u)
     for number in range(1, int(count.max(initial=1))):
         which = np.flatnonzero((count > number) & returns.came_back)
-        part, begin = system.at(which), state(system.at(which), returns.image[which])
-        more = single(part, begin, rtol[which], steady_tol[which], each[which])
-        more.numbers["x_high"] = begin[:, 0]
-        more.numbers["x_high_a"], more.numbers["x_high_b"] = high[which].T
-        _append(returns, which, more, 2.0 * np.pi / each[which])
+        _append(returns, which, once(which, returns.image[which]), 2.0 * np.pi / each[which])
     return returns
 
 

@@ -16,14 +16,13 @@ from ...model.batch import Batch
 from ...model.slider import SpringSlider, checked
 from ...model.units import is_array, to_si
 from ..progress import bar
-from ..results import plain, provenance, status_variable
+from ..results import columns, domain_variables, plain, provenance, status_variable
 from ..simulation.cases import failure, speed
-from ..simulation.domain import domain_variables
 from .attractor import find_attractors, steady_start
 from .measure import refine
 from .shooting import system_of
 
-TAKEN = (
+VARIABLES = (
     "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
     " multiplier stable residual error V_max_error V_min_error returns mu_min reversal_margin"
     " outside_domain status"
@@ -103,7 +102,8 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     0.9706
     """
     call = limit_cycle_call(slider, V_lp, rtol=rtol)
-    call.batch.check_fits(len(TAKEN), "sweep into a store: sweep(limit_cycle, ..., store='x.zarr')")
+    into_store = "sweep into a store: sweep(limit_cycle, ..., store='x.zarr')"
+    call.batch.check_fits(len(VARIABLES), into_store)
     with bar("limit_cycle") as progress:
         result = call.dataset(call.run(progress))
     call.refuse_failure(result)
@@ -131,67 +131,61 @@ class LimitCycleCall:
     @functools.cached_property
     def batch(self):
         """All that has a value for each case."""
-        return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=TAKEN)
+        return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=VARIABLES)
 
     def blank(self):
         """The variables of `run`, with no case solved."""
-        nothing = np.full(self.batch.n, NO_CONVERGENCE)
-        variables = cycle_variables(self.batch, nothing, {}, stable=False)
-        return variables | {"status": status_variable(self.batch, nothing)}
+        return cycle_variables(self.batch, np.full(self.batch.n, NO_CONVERGENCE), {}, stable=False)
 
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep."""
         return self.variables(*self.solve(progress))
 
-    def solve(self, progress=None):
-        """Status (n,) of all cases, and the measures of their cycles, as by `refine`."""
-        return _cycles(self.batch, self.slider.law, self.rtol, progress)
-
     def variables(self, status, measures):
         """The variables of `run`, from the results of `solve`."""
         # An attractor is stable, though the multipliers of the smallest cycles round to 1.
-        variables = cycle_variables(self.batch, status, measures, stable=status == FINISHED)
-        return variables | {"status": status_variable(self.batch, status)}
+        return cycle_variables(self.batch, status, measures, stable=status == FINISHED)
+
+    def solve(self, progress=None):
+        """Status (n,) of all cases, and the measures of their cycles, as by `refine`."""
+        n, alone = self.batch.n, self.batch.alone
+        system = system_of(self.slider.law, **self.batch.columns)
+        status = np.full(n, STEADY_SLIDING)
+        may_cycle = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
+        measures: dict = {}
+        for first in range(0, len(may_cycle), CHUNK):
+            which = may_cycle[first : first + CHUNK]
+            part = system.at(which)
+            before, share = first / len(may_cycle), len(which) / len(may_cycle)
+            advance = progress and (lambda done, b=before, s=share: progress(b + s * done))
+            attractors = find_attractors(part, steady_start(part), self.rtol, alone, advance)
+            status[which] = attractors.status
+            cycle = attractors.status == FINISHED
+            cycle |= alone & (attractors.status == NO_CONVERGENCE)
+            values = refine(part.at(cycle), attractors.at(cycle), self.rtol, alone)
+            for name, value in values.items():
+                empty = np.full((n, *value.shape[1:]), np.nan, value.dtype)
+                measures.setdefault(name, empty)[which[cycle]] = value
+        if measures:
+            # A cycle that proves to be unstable is not the attractor.
+            good = (measures["error"] <= WORST) & (np.abs(measures["multipliers"][:, 0]) < 1.0)
+            doubtful = (status == FINISHED) & ~good
+            status[doubtful] = NO_CONVERGENCE
+            for value in () if alone else measures.values():
+                value[doubtful] = np.nan
+        return status, measures
 
     def dataset(self, variables):
         """Variables of all cases as the result: with coordinates and provenance."""
         settings = {"rtol": self.rtol, "V_lp": json.dumps(plain(self.V_lp))}
         attrs = provenance("limit_cycle", self.slider, **settings)
-        return xarray.Dataset(variables, self.batch.coordinates(TAKEN), attrs)
+        return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attrs)
 
     def refuse_failure(self, result):
         """Raise the exception for a single case without an answer."""
         if self.batch.alone and (status := int(result.status)) > STEADY_SLIDING:
             best = result if status == NO_CONVERGENCE else None
             raise failure("limit_cycle", self.slider, status, best=best)
-
-
-def _cycles(batch, law, rtol, progress):
-    """Status (n,) of all cases, and the measures of their cycles, as by `refine`."""
-    system = system_of(law, **batch.columns)
-    status = np.full(batch.n, STEADY_SLIDING)
-    may_cycle = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
-    measures: dict = {}
-    alone = batch.alone
-    for first in range(0, len(may_cycle), CHUNK):
-        which = may_cycle[first : first + CHUNK]
-        part = system.at(which)
-        before, share = first / len(may_cycle), len(which) / len(may_cycle)
-        advance = progress and (lambda done, b=before, s=share: progress(b + s * done))
-        attractors = find_attractors(part, steady_start(part), rtol, alone, advance)
-        status[which] = attractors.status
-        cycle = attractors.status == FINISHED
-        cycle |= alone & (attractors.status == NO_CONVERGENCE)
-        for name, value in refine(part.at(cycle), attractors.at(cycle), rtol, alone).items():
-            empty = np.full((batch.n, *value.shape[1:]), np.nan, value.dtype)
-            measures.setdefault(name, empty)[which[cycle]] = value
-    doubtful = (status == FINISHED) & ~(measures.get("error", np.zeros(batch.n)) <= WORST)
-    if measures:  # a cycle that proves to be unstable is not the attractor
-        doubtful |= (status == FINISHED) & ~(np.abs(measures["multipliers"][:, 0]) < 1.0)
-    status[doubtful] = NO_CONVERGENCE
-    for value in () if alone else measures.values():
-        value[doubtful] = np.nan
-    return status, measures
 
 
 def cycle_variables(batch, status, measures, stable):
@@ -201,36 +195,35 @@ def cycle_variables(batch, status, measures, stable):
     measures : as of `measure`, name -> (n,) or (n, 2), NaN where there is no cycle; or empty
     stable : (n,) whether the cycles are
     """
-    a, b, Dc, sigma, K, M, V = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V_lp"))
-    steady = status == STEADY_SLIDING
+    p, V, steady = columns(batch), batch.flat("V_lp"), status == STEADY_SLIDING
     nothing = np.full(batch.n, np.nan)
 
     def measured(name, if_steady=np.nan):
         return np.where(steady, if_steady, measures.get(name, nothing))
 
-    period, amplitude = measured("period") * Dc / V, measured("amplitude", 0.0)
-    multipliers = measures.get("multipliers", np.full((batch.n, 2), np.nan, complex))
+    period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
+    critical = K_c(V, a=p.a, b=p.b, Dc=p.Dc, sigma=p.sigma, M=p.M)
     with np.errstate(divide="ignore", invalid="ignore"):
         values = {
             "period": period,
             "frequency": 1.0 / period,
-            "amplitude": a * amplitude,
+            "amplitude": p.a * amplitude,
             "V_max": speed(measured("v_max", 0.0), V),
             "V_min": speed(measured("v_min", 0.0), V),
             "inertia": np.where(steady, 0.0, measured("g_max") / amplitude),
             "slow_fraction": measured("slow_fraction", 0.0),
             "fundamental": measured("fundamental"),
-            "stable": np.where(steady, K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M) < K, stable),
+            "stable": np.where(steady, critical < p.K, stable),
             "residual": measured("residual", 0.0),
             "error": measured("error", 0.0),
             "V_max_error": measured("v_max_error", 0.0),
             "V_min_error": measured("v_min_error", 0.0),
+            "returns": np.nan_to_num(measured("returns", 0.0)).astype(np.int16),
         }
-    returns = np.nan_to_num(measured("returns", 0.0)).astype(np.int16)
     variables = {name: batch.variable(value, name) for name, value in values.items()}
-    variables["returns"] = batch.variable(returns, "returns")
-    steady_mu = mu_ss(V, a=a, b=b, mu0=batch.flat("mu0"), V0=batch.flat("V0"))
-    lowest = (steady_mu + a * measured("f_min", 0.0), 2.0 * steady_mu + a * measured("xf_min", 0.0))
+    mu = mu_ss(V, a=p.a, b=p.b, mu0=p.mu0, V0=p.V0)
+    lowest = mu + p.a * measured("f_min", 0.0), 2.0 * mu + p.a * measured("xf_min", 0.0)
     variables |= domain_variables(batch, *lowest)
+    multipliers = measures.get("multipliers", np.full((batch.n, 2), np.nan, complex))
     variables["multipliers"] = batch.variable(multipliers, "multipliers", "multiplier")
-    return variables
+    return variables | {"status": status_variable(batch, status)}

@@ -24,7 +24,7 @@ from .shooting import (
 )
 
 # Of the error estimate: its safety factor, and the error of a return due to rounding.
-SAFETY, ROUNDING = 3.0, 60.0 * 2.0**-52
+SAFETY, ROUNDING_OF_RETURN = 3.0, 60.0 * 2.0**-52
 # Measurements, each with finer returns than the last, of a cycle that is not accurate enough yet.
 MAX_REFINEMENTS = 8
 
@@ -74,36 +74,26 @@ def measure(system, cycles, alone):
     orbits = follow_period(system, cycles, tol, alone)
     returns, numbers = orbits.returns, orbits.returns.numbers
     step = np.where(fixed[:, None], 0.0, newton_step(returns, u))
-    floquet = multipliers(returns)
+    corrected = ("x_high", "x_low", "period", "v_max", "v_min")
+    gradients = np.stack([gradient(numbers, name) for name in corrected], axis=1)
+    values = {name: numbers[name] for name in ("g_max", "f_min", "xf_min")}
+    values |= {"multipliers": multipliers(returns), "u": u + step}
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        corrected = ("x_high", "x_low", "period", "v_max", "v_min")
-        gradients = np.stack([gradient(numbers, name) for name in corrected], axis=1)
         high, low, longer, v_max, v_min = change_along(gradients, step).T
         larger = high - low
-        amplitude = numbers["x_high"] - numbers["x_low"] + larger
-        period = numbers["period"] + longer
+        values["amplitude"] = numbers["x_high"] - numbers["x_low"] + larger
+        values["period"] = numbers["period"] + longer
+        values |= {"v_max": numbers["v_max"] + v_max, "v_min": numbers["v_min"] + v_min}
+        values["slow_fraction"] = numbers["slow"] / numbers["period"]
+        values["fundamental"] = _fundamental_share(numbers)
+        values["residual"] = distance(system, returns.image - u) / distance(system, u)
+        values["returns"] = cycles.n_returns.astype(float)
         # A cycle whose amplitude or period the correction removes was none.
-        whole = np.where((amplitude > 0.0) & (period > 0.0), [amplitude, period], 0.0)
+        whole = np.array([values["amplitude"], values["period"]])
+        whole = np.where((whole > 0.0).all(axis=0), whole, 0.0)
         changes = np.stack([*np.abs([larger, longer]) / whole, *np.abs([v_max, v_min])], axis=1)
-        error, v_max_error, v_min_error = _errors(orbits, floquet, changes, alone)
-        values = {
-            "period": period,
-            "amplitude": amplitude,
-            "v_max": numbers["v_max"] + v_max,
-            "v_min": numbers["v_min"] + v_min,
-            "g_max": numbers["g_max"],
-            "f_min": numbers["f_min"],
-            "xf_min": numbers["xf_min"],
-            "slow_fraction": numbers["slow"] / numbers["period"],
-            "fundamental": _fundamental_share(numbers),
-            "multipliers": floquet,
-            "u": u + step,
-            "residual": distance(system, returns.image - u) / distance(system, u),
-            "returns": cycles.n_returns.astype(float),
-            "error": error,
-            "v_max_error": v_max_error,
-            "v_min_error": v_min_error,
-        }
+        errors = _errors(orbits, values["multipliers"], changes, alone)
+    values |= dict(zip(("error", "v_max_error", "v_min_error"), errors, strict=True))
     closed = returns.status == FINISHED
     return {
         name: np.where(closed[:, None] if value.ndim == 2 else closed, value, np.nan)
@@ -136,8 +126,8 @@ def _errors(orbits, floquet, changes, alone):
     attraction = np.where(fixed, 1.0, np.minimum(1.0, np.abs(1.0 - floquet[:, 0])))
     scale = np.minimum(1.0, np.abs(small_amplitude(system, cycles.u)))
     # Where the stress is large and the cycle hardly attracts, rounding can feign a cycle.
-    feigned = ROUNDING * distance(system, cycles.u) > 1e-4 * attraction
-    least = tol / scale + np.where(feigned & ~fixed, np.inf, ROUNDING / attraction)
+    feigned = ROUNDING_OF_RETURN * distance(system, cycles.u) > 1e-4 * attraction
+    least = tol / scale + np.where(feigned & ~fixed, np.inf, ROUNDING_OF_RETURN / attraction)
     accumulated = np.where(fixed[:, None], 0.0, _accumulated_errors(orbits, alone))
     by_stiffness = backward_error(system, tol)[:, None] * stiffness_sensitivity(orbits)
     by_stiffness = np.where(fixed[:, None], 0.0, by_stiffness)
@@ -162,7 +152,7 @@ def _accumulated_errors(orbits, alone):
     coarse, finer = coarser_orbits(orbits, orbits.cycles.tol, alone)
     u, finer = orbits.cycles.u, finer[:, None]
     step = newton_step(coarse.returns, u) - newton_step(orbits.returns, u)
-    at_u, gradients = difference(coarse, orbits).values, orbits.measures.by_u
+    at_u, gradients = difference(coarse, orbits).measures, orbits.by_u
     together = np.abs(at_u + change_along(gradients, step))[:, :2]
     apart = (np.abs(at_u) + change_along(np.abs(gradients), np.abs(step)))[:, 2:]
     return np.concatenate([finer * together, np.sqrt(finer) * apart], axis=1)

@@ -6,7 +6,7 @@ from ...engine.model import STEADY_SLIDING
 from ...errors import ParameterError
 from ...friction.laws import mu_ss, theta_ss
 from ...model.loading import Loading
-from ..simulation.simulate import simulate, simulate_call
+from ..simulation.simulate import SimulateCall, simulate
 from .limit_cycle import limit_cycle_call
 from .shooting import state, system_of
 
@@ -65,36 +65,20 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
     cycle = call.dataset(call.variables(status, measures))
     call.refuse_failure(cycle)
     if status[0] == STEADY_SLIDING:
-        return cycle, _steady_sliding(slider, call.V_lp)
+        loading = Loading.constant(call.V_lp)
+        return cycle, simulate(slider, loading, slider.Dc / call.V_lp, times=[0.0])
     return cycle, _period(slider, call, measures, rtol, progress)
-
-
-def _steady_sliding(slider, V_lp):
-    """Steady sliding at V_lp as a run of one point."""
-    loading = Loading.constant(V_lp)
-    return simulate(slider, loading, slider.Dc / V_lp, times=[0.0])
 
 
 def _period(slider, call, measures, rtol, progress):
     """One period from the section on, as a run."""
     system, u, V_lp = system_of(slider.law, **call.batch.columns), measures["u"], call.V_lp
     x, _, psi = state(system, u)[0]
-    initial = {"V": V_lp, "theta": theta_ss(V_lp, Dc=slider.Dc) * np.exp(psi)}
+    initial = {"V_initial": V_lp, "theta_initial": theta_ss(V_lp, Dc=slider.Dc) * np.exp(psi)}
     if slider.M > 0.0:  # else the stress follows from these two
         steady = mu_ss(V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0)
-        initial["tau"] = slider.sigma * (steady + slider.a * x)
+        initial["tau_initial"] = slider.sigma * (steady + slider.a * x)
     period = measures["period"][0] * slider.Dc / V_lp
-    scale = min(1.0, measures["amplitude"][0])
-    tol = np.clip(FINER * rtol * scale, TIGHTEST, LOOSEST)
-    call = simulate_call(
-        slider,
-        Loading.constant(V_lp),
-        period,
-        V_start=None,
-        initial=initial,
-        times=None,
-        rtol=tol,
-        method="rodas5p",
-        dt=None,
-    )
-    return call.result(progress)
+    tol = np.clip(FINER * rtol * min(1.0, measures["amplitude"][0]), TIGHTEST, LOOSEST)
+    run = SimulateCall(slider, Loading.constant(V_lp), period, initial=initial, rtol=float(tol))
+    return run.result(progress)

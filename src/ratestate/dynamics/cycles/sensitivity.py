@@ -17,17 +17,10 @@ from .shooting import Returns, System, change_along, effective_tolerance, gradie
 LEAST_CHANGE, CHANGE = 1e-9, 1e3
 # Errors as equivalent relative changes of K: those of a step, over its tolerance, and rounding,
 # of the parameters and in a return.
-TRUNCATION, ROUNDING = 0.3, 5.0 * 2.0**-52
+STEP_ERROR, ROUNDING_ERROR = 0.3, 5.0 * 2.0**-52
 # Ratio of the tolerances of two orbits whose difference shows the errors that their steps
 # accumulate.
 COARSER = 2.0
-
-
-class LogMeasures(NamedTuple):
-    """Logarithms of amplitude (of x), period, V_max and V_min, in this order, of n orbits."""
-
-    values: np.ndarray  # (n, 4)
-    by_u: np.ndarray  # (n, 4, 2) their derivatives with respect to (psi, G) at the beginning
 
 
 class Orbits(NamedTuple):
@@ -37,77 +30,65 @@ class Orbits(NamedTuple):
     cycles: Any  # `attractor.CycleEstimates`, whose u the orbits begin at
     tol: np.ndarray  # (n,)
     returns: Returns
-    measures: LogMeasures
+    measures: np.ndarray  # (n, 4) logarithms of amplitude (of x), period, V_max and V_min
+    by_u: np.ndarray  # (n, 4, 2) their derivatives with respect to (psi, G) at the beginning
 
 
 class Difference(NamedTuple):
     """By how much orbits that begin at the same u differ, or that over the cause's size."""
 
     image: np.ndarray  # (n, 2) of the next u
-    values: np.ndarray  # (n, 4) of the values of `LogMeasures`
+    measures: np.ndarray  # (n, 4)
 
 
 def follow_period(system, cycles, tol, alone=False):
     """`Orbits` of one period from the `attractor.CycleEstimates` cycles, at the tolerance tol."""
     count, period = cycles.n_returns, cycles.period
     returns = iterated_map(system, cycles.u, tol, count, alone=alone, period=period)
-    return Orbits(system, cycles, tol, returns, _log_measures(returns.numbers))
-
-
-def _log_measures(numbers):
-    """`LogMeasures` of what `iterated_map` recorded."""
-    high, low, period = numbers["x_high"], numbers["x_low"], numbers["period"]
+    numbers = returns.numbers
     with np.errstate(divide="ignore", invalid="ignore"):
-        amplitude = high - low
-        values = [np.log(amplitude), np.log(period), numbers["v_max"], numbers["v_min"]]
+        amplitude, period = numbers["x_high"] - numbers["x_low"], numbers["period"]
         by_u = [
             (gradient(numbers, "x_high") - gradient(numbers, "x_low")) / amplitude[:, None],
             gradient(numbers, "period") / period[:, None],
             gradient(numbers, "v_max"),
             gradient(numbers, "v_min"),
         ]
-    return LogMeasures(np.stack(values, axis=1), np.stack(by_u, axis=1))
+        values = [np.log(amplitude), np.log(period), numbers["v_max"], numbers["v_min"]]
+    return Orbits(system, cycles, tol, returns, np.stack(values, axis=1), np.stack(by_u, axis=1))
 
 
 def difference(orbits, reference):
     """`Difference` of orbits from those of reference."""
-    return Difference(
-        orbits.returns.image - reference.returns.image,
-        orbits.measures.values - reference.measures.values,
-    )
+    images = orbits.returns.image - reference.returns.image
+    return Difference(images, orbits.measures - reference.measures)
 
 
 def coarser_orbits(orbits, tol, alone=False):
-    """Integrate the same orbits with coarser steps; the difference shows accumulated errors.
+    """The same orbits by steps that are larger, at least of the tolerance tol (n,).
 
-    tol : (n,) their tolerance, at least
-
-    Returns the orbits, and the finer tolerance divided by the coarser one (n,), as errors scale.
+    Also by which factor (n,) the errors that the first ones accumulate are smaller than how much
+    the two differ.
     """
     fine = effective_tolerance(orbits.returns, orbits.tol)
     coarse = np.maximum(tol, COARSER * fine)
     return follow_period(orbits.system, orbits.cycles, coarse, alone), fine / coarse
 
 
-def parameter_change(tol):
-    """(n,) relative change of a parameter by which `parameter_derivatives` takes differences."""
-    return np.maximum(LEAST_CHANGE, CHANGE * tol)
+def parameter_derivatives(orbits, changed):
+    """`Difference` over the change of a parameter's logarithm at constant u, which takes one orbit.
 
-
-def parameter_derivatives(changed, orbits):
-    """`Difference` divided by the change of a parameter's logarithm at constant u; takes one orbit.
-
-    changed : the sliders with the parameter larger by the factor 1 + `parameter_change`
+    changed : of a factor (n,), giving the sliders with the parameter larger by it
     """
-    h = parameter_change(orbits.tol)[:, None]
-    image, values = difference(follow_period(changed, orbits.cycles, orbits.tol), orbits)
-    return Difference(image / h, values / h)
+    h = np.maximum(LEAST_CHANGE, CHANGE * orbits.tol)
+    others = follow_period(changed(1.0 + h), orbits.cycles, orbits.tol)
+    return Difference(*(values / h[:, None] for values in difference(others, orbits)))
 
 
 def stiffness_derivatives(orbits):
     """`parameter_derivatives` with respect to ln K."""
-    kappa = orbits.system.kappa * (1.0 + parameter_change(orbits.tol))
-    return parameter_derivatives(orbits.system._replace(kappa=kappa), orbits)
+    system = orbits.system
+    return parameter_derivatives(orbits, lambda by: system._replace(kappa=system.kappa * by))
 
 
 def backward_error(system, tol):
@@ -115,7 +96,7 @@ def backward_error(system, tol):
 
     The rounding of b/a counts the more, the smaller b - a is than b.
     """
-    return TRUNCATION * tol + ROUNDING * system.beta / (system.beta - 1.0)
+    return STEP_ERROR * tol + ROUNDING_ERROR * system.beta / (system.beta - 1.0)
 
 
 def stiffness_sensitivity(orbits):
@@ -123,4 +104,4 @@ def stiffness_sensitivity(orbits):
     u, by_K = orbits.cycles.u, stiffness_derivatives(orbits)
     du = newton_step(orbits.returns._replace(image=u + by_K.image), u)
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.abs(change_along(orbits.measures.by_u, du) + by_K.values)
+        return np.abs(change_along(orbits.by_u, du) + by_K.measures)

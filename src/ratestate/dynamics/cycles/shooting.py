@@ -23,8 +23,8 @@ from ...friction.laws import evolution_law
 from ...friction.stability import eta
 from ..simulation.cases import V_LIMIT
 
-# Of one return: a hundred times what a stick-slip cycle over 20 decades of V takes.
-MAX_STEPS = 2e5
+# A hundred times what a stick-slip cycle over 20 decades of V takes.
+MAX_STEPS_OF_RETURN = 2e5
 # Tolerance of a step in x, v and psi that rounding of numbers of order 1 allows.
 TIGHTEST = 2e-14
 
@@ -40,12 +40,17 @@ class System(NamedTuple):
 
     def at(self, which):
         """The sliders with these numbers, or where this is true."""
-        return System(self.law, *(values[which] for values in self[1:]))
+        return select(self, which)
 
     @property
     def margin(self):
         """(K - K_c) Dc/(a sigma): negative where steady sliding is unstable (eq. 6)."""
         return self.kappa - (self.beta - 1.0) * (1.0 + self.eta)
+
+
+def select(cases, which):
+    """A tuple of arrays, at these numbers or where this is true; what is no array stays."""
+    return type(cases)(*(x[which] if isinstance(x, np.ndarray) else x for x in cases))
 
 
 def system_of(law, *, a, b, Dc, sigma, K, M, V_lp, **_):
@@ -95,10 +100,10 @@ def tightest(system, u):
     return TIGHTEST * np.maximum(1.0, distance(system, u))
 
 
-def return_map(system, y, rtol, *, alone, steady_tol=0.0, period=None):
+def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
     """`Returns` of sliders from y (n, 3) to their next stress maximum.
 
-    rtol : (n,) tolerance of a step in x, v and psi
+    atol : (n,) tolerance of a step in x, v and psi
     alone : whether this is the one case of a call, which may take the scalar path
     steady_tol : (n,) distance from steady sliding at which to stop
     period : (n,) periods assumed for the waveform; if given, extremes and waveform are recorded
@@ -113,28 +118,31 @@ def return_map(system, y, rtol, *, alone, steady_tol=0.0, period=None):
         system.eta,
         np.ascontiguousarray(y),
         directions,
-        np.broadcast_to(rtol, n).astype(float),
+        np.broadcast_to(atol, n).astype(float),
         np.broadcast_to(steady_tol, n).astype(float),
         observe=np.full(n, float(period is not None)),
         period=np.ones(n) if period is None else np.ascontiguousarray(period),
         v_limit=system.v_limit,
-        max_steps=np.full(n, MAX_STEPS),
+        max_steps=np.full(n, MAX_STEPS_OF_RETURN),
     )
-    law = evolution_law(system.law)
-    results = dispatch.run_returns(law.code, starts, alone)
+    results = dispatch.run_returns(evolution_law(system.law).code, starts, alone)
     numbers = dict(zip(RETURN_NUMBERS, results.numbers.T, strict=True))
     image = np.stack([numbers["psi"], numbers["G"]], axis=1)
     image[results.status != FINISHED] = np.nan
-    slaved = system.eta < SLAVED
-    eta = np.where(slaved, 1.0, system.eta)
-    psi = numbers["psi"]
+    return Returns(results.status, image, _jacobian(system, numbers), numbers)
+
+
+def _jacobian(system, numbers):
+    """(n, 2, 2) derivatives of the next u; of G by psi's rate where inertia is lost in rounding."""
+    slaved, psi = system.eta < SLAVED, numbers["psi"]
     with np.errstate(over="ignore", invalid="ignore"):
-        slope = -system.beta * law.rate_partials(1.0, 0.0, psi, np.exp(-psi))[1]
+        partials = evolution_law(system.law).rate_partials(1.0, 0.0, psi, np.exp(-psi))
+        slope = -system.beta * partials[1]
     d_psi = gradient(numbers, "psi")
-    d_G = (gradient(numbers, "x") - system.beta[:, None] * d_psi) / eta[:, None]
+    d_G = gradient(numbers, "x") - system.beta[:, None] * d_psi
+    d_G = d_G / np.where(slaved, 1.0, system.eta)[:, None]
     d_G = np.where(slaved[:, None], slope[:, None] * d_psi, d_G)
-    jacobian = np.stack([d_psi, d_G], axis=1)
-    return Returns(results.status, image, jacobian, numbers)
+    return np.stack([d_psi, d_G], axis=1)
 
 
 def gradient(numbers, name):

@@ -15,7 +15,6 @@ from .harmonic_balance import (
     ODD,
     ODD_WAVES,
     SERIES,
-    Balance,
     Case,
     at_nodes,
     dynamic_stiffness,
@@ -25,6 +24,7 @@ from .harmonic_balance import (
     next_balance,
     project,
 )
+from .shooting import select
 
 R_MAX = 0.3  # beyond, 15 harmonics are too few and the iteration converges too slowly
 ERROR_MAX = 1e-3
@@ -51,25 +51,14 @@ class SmallCycles(NamedTuple):
 
 
 def small_cycle(law, kappa, beta, eta, margin=None):
-    """The cycle that bifurcates at the Hopf point kappa_c = (beta - 1) (1 + eta), while small.
+    """`SmallCycles` that bifurcate at the Hopf point kappa_c = (beta - 1) (1 + eta), while small.
 
-    It may be stable or not.  `valid` is False on the side of kappa_c where there is no cycle, and
-    where r exceeds 0.3, the estimated error exceeds 1e-3 or the iteration does not converge, as
-    near a fold of cycles.  Rounding alone is an error of 1e-16 sqrt((beta - 1) beta)/curvature,
-    which for both laws grows like 1/eta at small eta.
-
-    Parameters
-    ----------
-    law : {"slip", "aging"}
-        Evolution law.
-    kappa, beta, eta : array, (n,)
-        K Dc/(a sigma) > 0, b/a > 1 and M V_lp^2/(a sigma Dc) > 0 [1].
-    margin : array, (n,), optional
-        kappa - kappa_c, if known more accurately than by subtraction; r ~ sqrt(margin).
-
-    Returns
-    -------
-    SmallCycles
+    Of sliders (n,) with beta > 1, eta > 0 and this margin kappa - kappa_c, if it is known more
+    accurately than by subtraction; r ~ sqrt(margin).  The cycles may be stable or not.  `valid` is
+    False on the side of kappa_c where there is none, and where r exceeds 0.3, the estimated error
+    exceeds 1e-3 or the iteration does not converge, as near a fold of cycles.  Rounding alone is an
+    error of 1e-16 sqrt((beta - 1) beta)/curvature, which for both laws grows like 1/eta at small
+    eta.
     """
     with np.errstate(all="ignore"):
         if margin is None:
@@ -116,9 +105,8 @@ def _solve(margin, case):
     residual = np.full_like(s, np.nan)
     rows = np.flatnonzero(s > 0)  # cases that have not converged
     for _ in range(MAX_ITERATIONS):
-        active = Case(case.b1[rows], case.beta[rows], case.eta[rows], case.series)
-        old, s_old = Balance(*(value[rows] for value in balance)), s[rows]
-        new = next_balance(old, s_old, active)
+        old, s_old = select(balance, rows), s[rows]
+        new = next_balance(old, s_old, select(case, rows))
         target = margin[rows] / new.m
         drift, off = np.abs(new.m - old.m), np.abs(new.m - margin[rows] / s_old)
         for values, new_values in zip(balance, new, strict=True):

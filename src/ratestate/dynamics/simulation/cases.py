@@ -6,6 +6,7 @@ from ...engine import dispatch
 from ...engine.exp import LIMIT
 from ...engine.model import METHODS, NO_CONVERGENCE, RIGID_REST, RUNAWAY, STATUSES, Cases
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
+from ..results import columns
 
 # [m/s] Beyond this a quasi-static run that does not slow down (`laws`) has met its instability.
 V_LIMIT = 3e8
@@ -16,24 +17,20 @@ MAX_STEPS = 1e8
 def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0):
     """`Cases` of a batch that holds the slider's parameters.
 
-    Parameters
-    ----------
-    y0 : (n, 3) x, v, psi at t = 0
-    t_end : (n,) [s]
+    y0 : (n, 3) x, v, psi at t = 0; t_end : (n,) [s]
     loading, times : (n,) rows of the tables of load histories and of saved times
-    dt, rtol : float
     """
-    a, b, Dc, sigma, K, M, V0 = map(batch.flat, ("a", "b", "Dc", "sigma", "K", "M", "V0"))
+    p = columns(batch)
     settings = {"observe": observe, "max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol}
     with np.errstate(over="ignore"):  # overflow ends as not finite
-        eta0 = M * V0**2 / (a * sigma * Dc)
-        v_limit = np.where(M == 0.0, np.log(V_LIMIT / V0), np.inf)
+        eta0 = p.M * p.V0**2 / (p.a * p.sigma * p.Dc)
+        v_limit = np.where(p.M == 0.0, np.log(V_LIMIT / p.V0), np.inf)
     return Cases(
-        kappa=K * Dc / (a * sigma),
-        beta=b / a,
+        kappa=p.K * p.Dc / (p.a * p.sigma),
+        beta=p.b / p.a,
         eta0=eta0,
-        scale=V0 / Dc,
-        V0=V0,
+        scale=p.V0 / p.Dc,
+        V0=p.V0,
         y=np.ascontiguousarray(y0),
         t_end=np.asarray(t_end, float),
         loading=loading,

@@ -1,16 +1,18 @@
 """A batch of runs: converted for the engine, run, and converted back to units."""
 
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from ...engine.exp import LIMIT
 from ...engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, Loads
+from ...friction.laws import evolution_law
 from ...model.initial_state import initial_state
 from ...model.units import is_array
+from ..results import columns, domain_variables
 from . import rigid
 from .cases import engine_cases, run_cases, run_path, speed
-from .domain import domain_variables
 
 # A double below this has lost digits.
 SMALLEST = np.finfo(float).tiny
@@ -25,46 +27,55 @@ class Motion(NamedTuple):
     status: np.ndarray  # (n,)
 
 
-def move(batch, law, loading, times, method, dt, rtol, progress):
-    """Run all cases of a batch that holds the slider, V_start, t_end and any initial values.
+def move(call, progress):
+    """The `Motion` of all cases of a `simulate.SimulateCall`.
 
-    times : None (own steps of a single case, final state of several), (m,) or DataArray
+    Saved at its times, or, where it has none, the own steps of a single case, else the final state.
     """
+    batch, loading, times = call.batch, call.loading, call.times
+    law = evolution_law(call.slider.law).code
     table, rows = batch.rows(loading.V)
     rates, _ = batch.rows(loading.rate)
     y0 = initial_state(batch, table[rows, 0])
     t_end = batch.flat("t_end")
     save_times, time_rows = batch.rows(np.empty(0) if times is None else times)
-    cases = engine_cases(batch, y0, t_end=t_end, loading=rows, times=time_rows, dt=dt, rtol=rtol)
+    settings = {"loading": rows, "times": time_rows, "dt": call.dt, "rtol": call.rtol}
+    cases = engine_cases(batch, y0, t_end=t_end, **settings)
     loads = Loads(loading.t, table, rates)
     is_rigid = np.isinf(batch.flat("K"))
-    if own_steps := batch.alone and times is None:
-        if is_rigid[0]:
+    own_steps = batch.alone and times is None
+    if own_steps and not is_rigid[0]:
+        t, states, results = run_path(call.method, law, cases, loads, progress)
+    else:
+        which = np.flatnonzero(~is_rigid)
+        alone = batch.alone
+        results = run_cases(call.method, law, cases, loads, save_times, which, alone, progress)
+        if own_steps:
             t = rigid.grid(loading.t, table[0], t_end[0], batch.flat("Dc")[0])
             states = np.full((1, t.size, 3), np.nan)
         else:
-            t, states, results = run_path(method, law, cases, loads, progress)
-    else:
-        t = saved_at(batch, times)
-    if not own_steps or is_rigid[0]:
-        which = np.flatnonzero(~is_rigid)
-        results = run_cases(method, law, cases, loads, save_times, which, batch.alone, progress)
-        if not own_steps:
+            t = saved_at(batch, times)
             states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
     numbers["energy_residual"] = energy_residual(batch, loading, cases, y0, results)
-    scales = {symbol: batch.flat(symbol) for symbol in ("a", "b", "Dc", "sigma", "M", "V0")}
+    motion = Motion(t, states, numbers, results.status)
     for i in np.flatnonzero(is_rigid):
         segments = (loading.t, table[rows[i]], rates[rows[i]])
-        at = t if t.ndim == 1 else t[i]
-        own = {symbol: values[i] for symbol, values in scales.items()}
-        motion = rigid.follow(law, y0[i, 2], at, t_end[i], segments, **own)
-        results.status[i] = RIGID_REST if motion is None else FINISHED
-        if motion is not None:
-            states[i], rigid_numbers = motion
-            for name, value in rigid_numbers.items():
-                numbers[name][i] = value
-    return Motion(t, states, numbers, results.status)
+        _follow_rigid(motion, i, batch, law, y0[i, 2], segments)
+    return motion
+
+
+def _follow_rigid(motion, i, batch, law, psi0, segments):
+    """Put the motion of the case of number i, of K = inf, into that of all."""
+    own = SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
+    followed = rigid.follow(
+        law, psi0, motion.t if motion.t.ndim == 1 else motion.t[i], segments, own
+    )
+    motion.status[i] = RIGID_REST if followed is None else FINISHED
+    if followed is not None:
+        motion.states[i], numbers = followed
+        for name, value in numbers.items():
+            motion.numbers[name][i] = value
 
 
 def saved_at(batch, times):
@@ -115,16 +126,14 @@ def energy_residual(batch, loading, cases, y0, results):
 
 def series(batch, loading, motion):
     """The variables along time, as name -> Variable in the sweep's dimensions and ``time``."""
-    a, b, mu0, sigma, V0, Dc, K = (
-        batch.flat(symbol)[:, None] for symbol in ("a", "b", "mu0", "sigma", "V0", "Dc", "K")
-    )
+    p = SimpleNamespace(**{symbol: values[:, None] for symbol, values in batch.columns.items()})
     x, v, psi = np.moveaxis(motion.states, -1, 0)
     t = np.broadcast_to(motion.t, x.shape)
-    tau = sigma * (mu0 + a * x)
+    tau = p.sigma * (p.mu0 + p.a * x)
     delta_lp = batch.of(loading.delta_lp, t)
-    V = speed(v, V0)
+    V = speed(v, p.V0)
     with np.errstate(over="ignore"):
-        theta = Dc / V0 * np.exp(psi)
+        theta = p.Dc / p.V0 * np.exp(psi)
     # Beyond double precision V and theta differ from those that friction was computed from.
     in_range = (
         (v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V) & (theta >= SMALLEST) & (theta < np.inf)
@@ -132,11 +141,11 @@ def series(batch, loading, motion):
     values = {
         "V": V,
         "theta": theta,
-        "delta": delta_lp - tau / K,
+        "delta": delta_lp - tau / p.K,
         "delta_lp": delta_lp,
         "V_load": batch.of(loading.V_load, t),
         "tau": tau,
-        "mu": np.where(in_range, mu0 + a * (v + b / a * psi), np.nan),
+        "mu": np.where(in_range, p.mu0 + p.a * (v + p.b / p.a * psi), np.nan),
     }
     variables = {name: batch.variable(value, name, "time") for name, value in values.items()}
     variables["mu"].attrs["comment"] = "NaN where V or theta is beyond double precision"
@@ -145,21 +154,20 @@ def series(batch, loading, motion):
 
 def observables(batch, motion, rtol):
     """The variables that have one value a case, as name -> Variable."""
-    a, mu0, V0 = batch.flat("a"), batch.flat("mu0"), batch.flat("V0")
-    numbers = motion.numbers
+    p, numbers = columns(batch), motion.numbers
     # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.
     counts = (numbers["amplitude"] > 10.0 * rtol) & (numbers["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        frequency = V0 / batch.flat("Dc") / numbers["period"]
+        frequency = p.V0 / p.Dc / numbers["period"]
     values = {
         "cycles": np.where(counts, numbers["cycles"], 0.0),
-        "amplitude": np.where(counts, a * numbers["amplitude"], 0.0),
+        "amplitude": np.where(counts, p.a * numbers["amplitude"], 0.0),
         "frequency": np.where(counts, frequency, 0.0),
-        "V_max": speed(numbers["v_max"], V0),
-        "V_min": speed(numbers["v_min"], V0),
-        "inertial_force": a * numbers["g_max"],
-        "mu_min": mu0 + a * numbers["f_min"],
-        "reversal_margin": 2.0 * mu0 + a * numbers["xf_min"],
+        "V_max": speed(numbers["v_max"], p.V0),
+        "V_min": speed(numbers["v_min"], p.V0),
+        "inertial_force": p.a * numbers["g_max"],
+        "mu_min": p.mu0 + p.a * numbers["f_min"],
+        "reversal_margin": 2.0 * p.mu0 + p.a * numbers["xf_min"],
     }
     failed = motion.status != FINISHED
     values = {name: np.where(failed, np.nan, value) for name, value in values.items()}

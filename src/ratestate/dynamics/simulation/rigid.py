@@ -10,63 +10,61 @@ from ...engine.rigid import states
 from ...friction.laws import SLIP, aging_rate, slip_rate
 
 
-def follow(law, psi0, t, t_end, segments, *, a, b, Dc, sigma, M, V0):
+def follow(law, psi0, t, segments, p):
     """States (m, 3) x, v, psi at times t, and the numbers of a run as the engine reports them.
 
     Returns None where the load point rests.  tau includes the force M dV_lp/dt that a ramp takes;
     the impulse of a jump is not shown.
+
+    segments : (k,) starts [s], speeds and rates of the loading
+    p : the slider's parameters and t_end by name
     """
     starts, V, rate = segments
     k = np.searchsorted(starts, t, side="right") - 1
-    ends = np.minimum(np.append(starts[1:], np.inf), t_end)
-    used = starts < t_end
+    ends = np.minimum(np.append(starts[1:], np.inf), p.t_end)
+    used = starts < p.t_end
     reached = np.concatenate([V[used], (V + rate * (ends - starts))[used]])
     if not (reached > 0.0).all():
         return None
-    psi = np.empty(len(t))
-    dispatch.call(states, law, psi0, t, starts, V, rate, Dc, V0, psi)
-    v = np.log((V[k] + rate[k] * (t - starts[k])) / V0)
-    inertia = M * rate / (a * sigma)
-    numbers = {
-        "t": t_end,
-        "steps": 0.0,
-        "energy_residual": 0.0,  # the load point's work is friction's, by V = V_lp
-        "amplitude": 0.0,
-        "cycles": 0.0,
-        "returns": 0.0,
-        "v_max": np.log(reached.max() / V0),
-        "v_min": np.log(reached.min() / V0),
+    psi = _state(law, psi0, t, segments, p)
+    v, beta = np.log((V[k] + rate[k] * (t - starts[k])) / p.V0), p.b / p.a
+    inertia = p.M * rate / (p.a * p.sigma)
+    lowest = _lowest_friction(law, psi0, [x[used] for x in segments], ends[used], p)
+    # The load point's work is friction's, by V = V_lp: no energy_residual.
+    numbers = dict.fromkeys("steps energy_residual amplitude cycles returns".split(), 0.0) | {
+        "t": p.t_end,
+        "v_max": np.log(reached.max() / p.V0),
+        "v_min": np.log(reached.min() / p.V0),
         "g_max": np.abs(inertia[used]).max(),
+        "f_min": lowest.min(),
+        "xf_min": (2.0 * lowest + inertia[used]).min(),
     }
-    begin = starts[used]
-    lowest = _lowest_friction(law, psi0, begin, ends[used], (V, rate), Dc, V0, b / a)
-    numbers["f_min"] = lowest.min()
-    numbers["xf_min"] = (2.0 * lowest + inertia[used]).min()
-    return np.stack([v + b / a * psi + inertia[k], v, psi], axis=-1), numbers
+    return np.stack([v + beta * psi + inertia[k], v, psi], axis=-1), numbers
 
 
-def _lowest_friction(law, psi0, begin, end, segments, Dc, V0, beta):
-    """(n,) smallest v + beta psi in each segment of the loading, which is from begin to end.
+def _state(law, psi0, t, segments, p):
+    """psi at times t, from psi0 at time 0 on."""
+    psi = np.empty(len(t))
+    dispatch.call(states, law, psi0, t, *segments, p.Dc, p.V0, psi)
+    return psi
+
+
+def _lowest_friction(law, psi0, segments, end, p):
+    """(n,) smallest v + beta psi in each segment of the loading.
 
     At one of its ends, or where it has a minimum between them.
     """
-    V, rate = (values[: begin.size] for values in segments)
-    state_rate = slip_rate if law == SLIP else aging_rate
-
-    def state(psi, t, starts, V, rate):
-        """psi at times t, from psi at the first segment's start on."""
-        out = np.empty(len(t))
-        dispatch.call(states, law, psi, t, starts, V, rate, Dc, V0, out)
-        return out
+    begin, V, rate = segments
+    beta, state_rate = p.b / p.a, slip_rate if law == SLIP else aging_rate
 
     def slope(speed, psi, rate):
-        w = speed / V0
-        return rate / speed + beta * V0 / Dc * state_rate(w, np.log(w), psi, np.exp(-psi))
+        w = speed / p.V0
+        return rate / speed + beta * p.V0 / p.Dc * state_rate(w, np.log(w), psi, np.exp(-psi))
 
     def friction(speed, psi):
-        return np.log(speed / V0) + beta * psi
+        return np.log(speed / p.V0) + beta * psi
 
-    psi = state(psi0, np.append(begin, end[-1]), begin, V, rate)
+    psi = _state(law, psi0, np.append(begin, end[-1]), segments, p)
     last = V + rate * (end - begin)
     lowest = np.minimum(friction(V, psi[:-1]), friction(last, psi[1:]))
     dips = (slope(V, psi[:-1], rate) < 0.0) & (slope(last, psi[1:], rate) > 0.0)
@@ -74,11 +72,11 @@ def _lowest_friction(law, psi0, begin, end, segments, Dc, V0, beta):
         segment = (np.zeros(1), V[k : k + 1], rate[k : k + 1])
 
         def at(t, k=k, segment=segment):
-            return V[k] + rate[k] * t, state(psi[k], np.array([t]), *segment)[0]
+            return V[k] + rate[k] * t, _state(law, psi[k], np.array([t]), segment, p)[0]
 
         def rise(t, k=k, at=at):
-            speed, now = at(t)
-            return slope(speed, now, rate[k])
+            speed, psi_at_t = at(t)
+            return slope(speed, psi_at_t, rate[k])
 
         lowest[k] = friction(*at(brentq(rise, 0.0, end[k] - begin[k])))
     return lowest

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ...engine.model import FINISHED, METHODS
+from ...engine.model import FINISHED
 from ...errors import ParameterError
-from ...friction.laws import AGING, evolution_law
 from ...machine import check_fits
-from ...model.arrays import column
 from ...model.batch import Batch
 from ...model.initial_state import initial_values
 from ...model.loading import Loading
@@ -23,9 +21,10 @@ from ..progress import bar
 from ..results import plain, provenance, record_loading, status_variable
 from .cases import failure
 from .motion import blank_motion, move, observables, series
+from .settings import saved_times, solver_settings
 
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
-TAKEN = (
+VARIABLES = (
     "V theta delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
     " returns V_max V_min inertial_force mu_min reversal_margin outside_domain t"
 ).split()
@@ -112,17 +111,9 @@ def simulate(
     >>> run.sizes["time"] > 1000 and int(run.status) == 0
     True
     """
-    call = simulate_call(
-        slider,
-        loading,
-        t_end,
-        V_start=V_start,
-        initial=initial,
-        times=times,
-        rtol=rtol,
-        method=method,
-        dt=dt,
-    )
+    settings = {"rtol": rtol, "method": method, "dt": dt}
+    start = {"V_start": V_start, "initial": initial}
+    call = simulate_call(slider, loading, t_end, times=times, **start, **settings)
     with bar("simulate") as progress:
         return call.result(progress)
 
@@ -150,21 +141,26 @@ class SimulateCall:
     slider: SpringSlider
     loading: Loading
     t_end: Any
-    V_start: Any  # None: the loading's first speed
-    initial: dict
-    times: Any
-    rtol: float
-    method: str
-    dt: float | None
+    V_start: Any = None  # the loading's first speed
+    initial: dict = dataclasses.field(default_factory=dict)  # as from `initial_values`
+    times: Any = None
+    rtol: float = 1e-6
+    method: str = "rodas5p"
+    dt: float | None = None
 
     @functools.cached_property
     def batch(self):
         """All that has a value for each case."""
-        start = first_speed(self.loading) if self.V_start is None else self.V_start
+        start = self.loading.V_first if self.V_start is None else self.V_start
+        if not np.all(np.greater(start, 0.0)):
+            raise ParameterError(
+                "V_lp = 0 m/s at t = 0: there is no steady sliding at rest; give V_start, for "
+                "example V_start='1 um/s'"
+            )
         values = {**self.slider.values, "t_end": self.t_end, "V_start": start, **self.initial}
         extra = {"V_lp": self.loading.V} if is_array(self.loading.V) else {}
         extra |= {"time": self.times} if is_array(self.times) else {}
-        return Batch(values, extra, taken=TAKEN)
+        return Batch(values, extra, taken=VARIABLES)
 
     def result(self, progress=None):
         """The Dataset; the exception for a single case that failed."""
@@ -189,10 +185,7 @@ class SimulateCall:
 
     def move(self, progress):
         """The `Motion` of all cases."""
-        law = evolution_law(self.slider.law).code
-        return move(
-            self.batch, law, self.loading, self.times, self.method, self.dt, self.rtol, progress
-        )
+        return move(self, progress)
 
     def variables(self, motion):
         """The variables of `run`, from this motion."""
@@ -207,99 +200,16 @@ class SimulateCall:
 
     def dataset(self, variables):
         """Variables of all cases as the result: with coordinates and provenance."""
-        coords = self.batch.coordinates(TAKEN)
+        coords = self.batch.coordinates(VARIABLES)
         if self.V_start is None:
             coords.pop("V_start", None)
         initial = {name.removesuffix("_initial"): plain(v) for name, v in self.initial.items()}
         values = {symbol: plain(self.batch.values[symbol]) for symbol in ("V_start", "t_end")}
-        texts = {name: json.dumps(value) for name, value in values.items()}
+        texts = {name: json.dumps(v) for name, v in {"initial": initial, **values}.items()}
         if self.times is not None:
             texts["times"] = "as saved"  # else the solver's own steps, or the end
-        attributes = provenance(
-            "simulate",
-            self.slider,
-            method=self.method,
-            rtol=self.rtol,
-            dt=self.dt,
-            initial=json.dumps(initial),
-            **texts,
-        )
-        result = xarray.Dataset(variables, coords, attributes)
-        result = result.set_coords({"t"} & set(variables))
+        settings = {"method": self.method, "rtol": self.rtol, "dt": self.dt}
+        attributes = provenance("simulate", self.slider, **settings, **texts)
+        result = xarray.Dataset(variables, coords, attributes).set_coords({"t"} & set(variables))
         record_loading(result, self.loading)
         return result
-
-
-def solver_settings(rtol, method, dt, slider):
-    """rtol and dt as floats, checked against the method."""
-    rtol = to_si("rtol", rtol)
-    if is_array(rtol) or not 1e-13 <= rtol <= 0.1:
-        raise ParameterError(
-            f"rtol = {rtol!r} is out of range; expected one number from 1e-13 to 0.1 such as 1e-6"
-        )
-    if not isinstance(method, str) or method not in METHODS:
-        raise ParameterError(f"method = {method!r} is unknown; choose one of {', '.join(METHODS)}")
-    if method == "rodas5p":
-        if dt is not None:
-            raise ParameterError(f"dt = {dt!r}: rodas5p chooses its steps itself; leave dt out")
-        return rtol, None
-    if dt is None:
-        raise ParameterError(
-            f"{method} needs a time step: give dt [s], for example dt=0.05/(2*pi*slider.f_n)"
-        )
-    dt = to_si("dt", dt)
-    if is_array(dt):
-        raise ParameterError("dt must be one number, common to all cases")
-    if np.any(np.equal(slider.M, 0.0)) or np.any(np.isinf(slider.K)):
-        raise ParameterError(
-            f"{method} needs mass and spring: M > 0 and K < inf (it steps by sqrt(K/M)); "
-            f"use method='rodas5p' for M = 0 or K = inf"
-        )
-    if (angle := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
-        raise ParameterError(
-            f"dt = {dt:g} s is {angle:.3g}/omega, omega = sqrt(K/M): more than half a natural "
-            f"period; take dt of 0.1/omega or less"
-        )
-    if method == "im2017_euler" and evolution_law(slider.law).code != AGING:
-        raise ParameterError(
-            "im2017_euler is for law='aging'; use method='im2017' for the slip law"
-        )
-    return rtol, dt
-
-
-def first_speed(loading):
-    """The loading's first speed, as the start [m/s]."""
-    V = loading.V_first
-    if not np.all(np.greater(V, 0.0)):
-        raise ParameterError(
-            "V_lp = 0 m/s at t = 0: there is no steady sliding at rest; give V_start, for example "
-            "V_start='1 um/s'"
-        )
-    return V
-
-
-def saved_times(times, t_end):
-    """Saved times [s]: None, an array (m,), or a DataArray with ``time`` last; checked."""
-    if times is None:
-        return None
-    if np.size(times) == 0:
-        raise ParameterError("times is empty; leave it out to get the solver's own steps")
-    if not is_array(times) or times.ndim == 1:
-        times = column("times", times)
-        if is_array(times):
-            raise ParameterError("times is a list of DataArrays; give one with a dimension 'time'")
-    else:
-        times = to_si("times", times)
-        if "time" not in times.dims:
-            raise ParameterError(f"times has dimensions {times.dims}; one must be 'time'")
-        times = times.drop_vars("time", errors="ignore").transpose(..., "time")
-    values = np.asarray(times)
-    if not (np.diff(values, axis=-1) > 0).all():
-        raise ParameterError("times [s] must increase; sort them and drop repeated ones")
-    latest = times.max("time") if is_array(times) else values.max()
-    if np.any(latest > t_end * (1.0 + 1e-12)):
-        raise ParameterError(
-            f"times reach {float(np.max(latest)):.9g} s, beyond t_end = {float(np.max(t_end)):.9g}"
-            f" s; extend t_end or drop the later times"
-        )
-    return np.minimum(times, t_end if is_array(times) else float(np.min(t_end)))  # rounding

@@ -8,7 +8,7 @@ import numpy as np
 from ...dynamics.continuation.branch import check_rtol as check_rtol_of_branch
 from ...dynamics.cycles.limit_cycle import limit_cycle_call
 from ...dynamics.simulation.cases import MAX_STEPS
-from ...dynamics.simulation.simulate import saved_times, solver_settings
+from ...dynamics.simulation.settings import saved_times, solver_settings
 from ...errors import ParameterError
 from ...model.batch import Batch
 from ...model.initial_state import initial_state, initial_values
