@@ -11,9 +11,10 @@ from ...model.batch import Batch
 from ...model.quantities import QUANTITIES, attrs
 from ...model.slider import checked
 from ...model.units import is_array, to_si
-from ..cycles.limit_cycle import VARIABLES, cycle_variables
+from ..cycles.variables import VARIABLES, cycle_variables
 from ..progress import bar
 from ..results import provenance
+from ..simulation.settings import checked_rtol
 from .branch_ends import beginning, hopf_measures, hopf_near
 from .family import PARAMETERS, Family
 
@@ -98,14 +99,9 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
             progress=progress and advance,
         )
     result = _dataset(family, branch, begin.hopf, ends)
-    result.attrs = provenance(
-        "continue_cycle",
-        slider,
-        parameter=parameter,
-        **ends,
-        V_lp=None if parameter == "V_lp" else json.dumps(family.values["V_lp"]),
-        rtol=rtol,
-    )
+    speed = None if parameter == "V_lp" else json.dumps(family.values["V_lp"])
+    settings = {"parameter": parameter, **ends, "V_lp": speed, "rtol": rtol}
+    result.attrs = provenance("continue_cycle", slider, **settings)
     if branch.end in ENDS:
         last = np.exp(branch.points[-1].p if branch.points else begin.p)
         raise NotConverged(
@@ -144,18 +140,14 @@ def _dataset(family, branch, hopf, ends):
     variables = cycle_variables(batch, status, measures, stable)
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*VARIABLES, "special"]))
-    result["inertia"][result.special == "hopf"] = 0.5 - 0.5 / (
-        1.0 + family.sliders(along[result.special == "hopf"]).eta
-    )
+    at_hopf = result.special == "hopf"
+    result["inertia"][at_hopf] = 0.5 - 0.5 / (1.0 + family.sliders(along[at_hopf]).eta)
     return result
 
 
 def check_rtol(rtol):
     """Raise ParameterError for an rtol out of the range of `continue_cycle`."""
-    if not 1e-10 <= rtol <= 1e-4:
-        raise ParameterError(
-            f"rtol = {rtol!r} is out of range; expected one number from 1e-10 to 1e-4 such as 1e-8"
-        )
+    checked_rtol(rtol, "1e-10", "1e-4", "1e-8")
 
 
 def checked_family(slider, parameter, start, stop, V_lp, rtol):
@@ -171,10 +163,8 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
             else f"V_lp is missing: give the load-point velocity at which {parameter} changes"
         )
     rtol = to_si("rtol", rtol)
-    ends = {
-        "start": to_si(parameter, start, label="start"),
-        "stop": to_si(parameter, stop, label="stop"),
-    }
+    ends = {"start": start, "stop": stop}
+    ends = {name: to_si(parameter, value, label=name) for name, value in ends.items()}
     values = {**slider.values, **ends}
     if V_lp is not None:
         values["V_lp"] = to_si("V_lp", V_lp)

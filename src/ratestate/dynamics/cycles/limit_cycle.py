@@ -9,24 +9,18 @@ import numpy as np
 import xarray
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
-from ...errors import ParameterError
-from ...friction.laws import mu_ss
-from ...friction.stability import K_c
 from ...model.batch import Batch
 from ...model.slider import SpringSlider, checked
-from ...model.units import is_array, to_si
+from ...model.units import to_si
 from ..progress import bar
-from ..results import columns, domain_variables, plain, provenance, status_variable
-from ..simulation.cases import failure, speed
+from ..results import plain, provenance
+from ..simulation.cases import failure
+from ..simulation.settings import checked_rtol
 from .attractor import find_attractors, steady_start
 from .measure import refine
 from .shooting import system_of
+from .variables import VARIABLES, cycle_variables
 
-VARIABLES = (
-    "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
-    " multiplier stable residual error V_max_error V_min_error returns mu_min reversal_margin"
-    " outside_domain status"
-).split()
 # Relative error beyond which an answer is refused.
 WORST = 1e-2
 # Sliders at a time: enough to fill every lane, few enough to hold in memory.
@@ -112,11 +106,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
 
 def limit_cycle_call(slider, V_lp, *, rtol):
     """`LimitCycleCall` with these arguments of `limit_cycle`, checked."""
-    rtol = to_si("rtol", rtol)
-    if is_array(rtol) or not 1e-12 <= rtol <= 1e-2:
-        raise ParameterError(
-            f"rtol = {rtol!r} is out of range; expected one number from 1e-12 to 1e-2 such as 1e-8"
-        )
+    rtol = checked_rtol(rtol, "1e-12", "1e-2", "1e-8")
     return LimitCycleCall(checked(slider), to_si("V_lp", V_lp), rtol)
 
 
@@ -186,44 +176,3 @@ class LimitCycleCall:
         if self.batch.alone and (status := int(result.status)) > STEADY_SLIDING:
             best = result if status == NO_CONVERGENCE else None
             raise failure("limit_cycle", self.slider, status, best=best)
-
-
-def cycle_variables(batch, status, measures, stable):
-    """The result's variables, name -> Variable, from the measures of cycles; NaN without one.
-
-    batch : holds the slider and V_lp
-    measures : as of `measure`, name -> (n,) or (n, 2), NaN where there is no cycle; or empty
-    stable : (n,) whether the cycles are
-    """
-    p, V, steady = columns(batch), batch.flat("V_lp"), status == STEADY_SLIDING
-    nothing = np.full(batch.n, np.nan)
-
-    def measured(name, if_steady=np.nan):
-        return np.where(steady, if_steady, measures.get(name, nothing))
-
-    period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
-    critical = K_c(V, a=p.a, b=p.b, Dc=p.Dc, sigma=p.sigma, M=p.M)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        values = {
-            "period": period,
-            "frequency": 1.0 / period,
-            "amplitude": p.a * amplitude,
-            "V_max": speed(measured("v_max", 0.0), V),
-            "V_min": speed(measured("v_min", 0.0), V),
-            "inertia": np.where(steady, 0.0, measured("g_max") / amplitude),
-            "slow_fraction": measured("slow_fraction", 0.0),
-            "fundamental": measured("fundamental"),
-            "stable": np.where(steady, critical < p.K, stable),
-            "residual": measured("residual", 0.0),
-            "error": measured("error", 0.0),
-            "V_max_error": measured("v_max_error", 0.0),
-            "V_min_error": measured("v_min_error", 0.0),
-            "returns": np.nan_to_num(measured("returns", 0.0)).astype(np.int16),
-        }
-    variables = {name: batch.variable(value, name) for name, value in values.items()}
-    mu = mu_ss(V, a=p.a, b=p.b, mu0=p.mu0, V0=p.V0)
-    lowest = mu + p.a * measured("f_min", 0.0), 2.0 * mu + p.a * measured("xf_min", 0.0)
-    variables |= domain_variables(batch, *lowest)
-    multipliers = measures.get("multipliers", np.full((batch.n, 2), np.nan, complex))
-    variables["multipliers"] = batch.variable(multipliers, "multipliers", "multiplier")
-    return variables | {"status": status_variable(batch, status)}

@@ -9,13 +9,20 @@ from ...model.arrays import column
 from ...model.units import is_array, to_si
 
 
+def checked_rtol(rtol, least, most, example):
+    """A relative tolerance as a float; ParameterError beyond these bounds, which are texts."""
+    rtol = to_si("rtol", rtol)
+    if is_array(rtol) or not float(least) <= rtol <= float(most):
+        raise ParameterError(
+            f"rtol = {rtol!r} is out of range; expected one number from {least} to {most} such as "
+            f"{example}"
+        )
+    return rtol
+
+
 def solver_settings(rtol, method, dt, slider):
     """rtol and dt as floats, checked against the method."""
-    rtol = to_si("rtol", rtol)
-    if is_array(rtol) or not 1e-13 <= rtol <= 0.1:
-        raise ParameterError(
-            f"rtol = {rtol!r} is out of range; expected one number from 1e-13 to 0.1 such as 1e-6"
-        )
+    rtol = checked_rtol(rtol, "1e-13", "0.1", "1e-6")
     if not isinstance(method, str) or method not in METHODS:
         raise ParameterError(f"method = {method!r} is unknown; choose one of {', '.join(METHODS)}")
     if method == "rodas5p":
