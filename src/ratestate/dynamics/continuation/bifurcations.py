@@ -97,14 +97,13 @@ def without_noise(points):
 def locate(problem, a, b, test, weights):
     """The point between a and b on the branch where the function `test` of a point is 0.
 
-    Its sign at a and at b must differ.  False position with halved weights (the Illinois method,
-    Dowell & Jarratt 1971, doi:10.1007/BF01934364) in the distance along the chord; each trial
-    is on the branch.  Raises Lost where a trial is not found.
+    Its sign at a and at b must differ.  False position by the `illinois` method in the distance
+    along the chord; each trial is on the branch.  Raises Lost where a trial is not found.
     """
     chord = (b.y - a.y) / weights
     length, normal = np.linalg.norm(chord), unit(chord)
     low, high, f_low, f_high = 0.0, length, test(a), test(b)
-    last, last_side = np.inf, None
+    last, side = np.inf, 0
     for _ in range(MAX_SECANTS):
         s = (low * f_high - high * f_low) / (f_high - f_low)
         guess = _hermite(a, b, normal, length, weights, s / length)
@@ -112,15 +111,22 @@ def locate(problem, a, b, test, weights):
         f = test(point)
         if f == 0 or abs(s - last) <= point.error:
             return point
-        side = (f > 0) == (f_high > 0)
-        if side:
-            high, f_high = s, f
-            f_low *= 0.5 if last_side is True else 1.0
-        else:
-            low, f_low = s, f
-            f_high *= 0.5 if last_side is False else 1.0
-        last, last_side = s, side
+        f_low, f_high, side = illinois(f_low, f_high, f, side)
+        low, high = (low, s) if side > 0 else (s, high)
+        last = s
     raise Lost(NO_CONVERGENCE)
+
+
+def illinois(low, high, new, side):
+    """Values at the ends of brackets after a trial, and which of the ends it replaced: -1, 1.
+
+    The end whose sign it has; the other one counts half if it stays a second time (the Illinois
+    method, Dowell & Jarratt 1971, doi:10.1007/BF01934364).  side : that of the trial before, or 0
+    """
+    is_high = (new > 0) == (high > 0)
+    kept_low, kept_high = np.where(side > 0, 0.5 * low, low), np.where(side < 0, 0.5 * high, high)
+    sides = np.where(is_high, 1, -1)
+    return np.where(is_high, kept_low, new), np.where(is_high, new, kept_high), sides
 
 
 def _hermite(a, b, normal, length, weights, x):

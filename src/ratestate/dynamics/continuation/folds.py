@@ -17,6 +17,7 @@ import numpy as np
 
 from ...friction.normal_form import growth_slopes, law_curvatures, lyapunov_1
 from ..cycles.shooting import TIGHTEST, System, return_map, state
+from .bifurcations import illinois
 
 # Amplitude of ln V of the first cycle tried, and ratio of the sizes of neighbours.
 SMALLEST, RATIO = 0.02, 1.3
@@ -109,13 +110,13 @@ def _bracket_maximum(law, beta, eta, curvature):
 def _maximum(law, beta, eta, left, right):
     """The cycles with the stiffest springs between those on the left and on the right.
 
-    Regula falsi for the slope of the stiffness, in the Illinois variant.  Where eta is small the
-    slope is steeper by decades on the right: with its arc tangent the search halves the interval.
+    By the `illinois` method for the slope of the stiffness.  Where eta is small that is steeper by
+    decades on the right: with its arc tangent the search halves the interval.
     """
     scale = np.maximum(np.abs(left.excess), eta * 1e-6)
     left, right = (_closed(law, beta, eta, side, FINE) for side in (left, right))
     low, high = (np.arctan(side.excess_slope / scale) for side in (left, right))
-    rose = fell = np.zeros(len(eta), bool)
+    side = np.zeros(len(eta))
     for _ in range(MAX_SEARCH_STEPS):
         width = np.log(right.psi / left.psi)
         searching = left.excess_slope * width > FINE * np.abs(left.excess)
@@ -125,12 +126,9 @@ def _maximum(law, beta, eta, left, right):
         psi = np.where(searching, left.psi * np.exp(part * width), np.nan)
         guess = left.of_size(psi).where(part < 0.5, right.of_size(psi))
         new = _closed(law, beta, eta, guess, FINE)
-        angle = np.arctan(new.excess_slope / scale)
-        rises, falls = searching & (angle > 0.0), searching & ~(angle > 0.0)
-        low = np.where(rises, angle, np.where(falls & fell, 0.5 * low, low))
-        high = np.where(falls, angle, np.where(rises & rose, 0.5 * high, high))
-        left, right = new.where(rises, left), new.where(falls, right)
-        rose, fell = rises, falls
+        low, high, side = illinois(low, high, np.arctan(new.excess_slope / scale), side)
+        left = new.where(searching & (side < 0), left)
+        right = new.where(searching & (side > 0), right)
     return left
 
 
