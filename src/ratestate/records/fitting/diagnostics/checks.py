@@ -148,7 +148,9 @@ def _later_or_earlier(solution, slider):
     above, below = forward.friction(points)
     gain, (lag,) = gain_of(solution, np.nan_to_num((above - below) / (2.0 * step))[:, None])
     if gain > FALL:
-        yield SENTENCES("more.lag", lag=abs(lag), side="later" if lag > 0.0 else "earlier", gain=gain)
+        yield SENTENCES(
+            "more.lag", lag=abs(lag), side="later" if lag > 0.0 else "earlier", gain=gain
+        )
 
 
 def _inert(solution, slider):
