@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -15,6 +16,7 @@ from synthetic_records import SLIDER, STEP, record
 import ratestate as rs
 from ratestate.dynamics.continuation.basin import escape
 from ratestate.engine import dispatch, lanes
+from ratestate.engine import return_map as returns
 from ratestate.engine import rows as R
 from ratestate.engine.march import march
 from ratestate.engine.return_map import return_map
@@ -202,3 +204,28 @@ def test_without_the_compiler(case, plain):
     for one, other in zip(script["runs"](*case)[0], plain[case][0], strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9)
     assert script["runs"](*case)[1] == plain[case][1]
+
+
+@njit
+def march_lanes(s, law, n):
+    lanes.advance(s, law, n)
+    lanes.commit(s, n)
+
+
+@njit
+def return_map_lanes(s, law, n):
+    returns.advance(s, law, n)
+    returns.commit(s, law, n)
+
+
+@pytest.mark.skipif(not hasattr(march_lanes, "inspect_llvm"), reason="the compiler is off")
+@pytest.mark.parametrize(
+    ("loops", "size"), [(march_lanes, R.SIZE), (return_map_lanes, R.RETURN_SIZE)]
+)
+def test_loops_over_lanes_are_vectorised(loops, size):
+    """For each product of numbers of a single lane, left for the remainder, one of vectors."""
+    loops(np.ones(size), 0, 1)
+    code = loops.inspect_llvm(loops.signatures[0])
+    alone = len(re.findall(r"= fmul (?:contract )?double", code))
+    vectors = len(re.findall(r"= fmul (?:contract )?<\d+ x double>", code))
+    assert vectors > 0.9 * alone > 900

@@ -105,11 +105,10 @@ def try_step(s, l, law):
     h = step_size(s[R.H + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
     p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
-    y_new, w_new, e_new, error, k1, k2, k3, load, friction = rodas5p_step(
+    new, error, dense, s[R.D_LOAD + l], s[R.D_FRICTION + l] = rodas5p_step(
         y, s[R.W + l], s[R.E + l], s[R.W_LP + l], s[R.RAMP + l], h, p
     )
-    s[R.D_LOAD + l], s[R.D_FRICTION + l] = load, friction
-    record(s, l, h, (y_new, w_new, e_new), error, (k1, k2, k3))
+    record(s, l, h, new, error, dense)
 
 
 @inlined

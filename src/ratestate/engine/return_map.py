@@ -74,13 +74,12 @@ def try_step(s, l, law):
     a = (s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l])
     b = (s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l])
     p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
-    y_new, w_new, e_new, a_new, b_new, error, k1, k2, k3, trace = tangent_step(
+    new, a_new, b_new, error, dense, s[R.D_TRACE + l] = tangent_step(
         y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p
     )
     s[R.X_A_NEW + l], s[R.V_A_NEW + l], s[R.PSI_A_NEW + l] = a_new
     s[R.X_B_NEW + l], s[R.V_B_NEW + l], s[R.PSI_B_NEW + l] = b_new
-    s[R.D_TRACE + l] = trace
-    L.record(s, l, h, (y_new, w_new, e_new), error, (k1, k2, k3))
+    L.record(s, l, h, new, error, dense)
 
 
 @lanewise
@@ -226,8 +225,8 @@ def perturbed(s, l, law, h):
     a = (s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l])
     b = (s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l])
     p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
-    stepped = tangent_step(y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p)
-    return stepped[3][1], stepped[4][1]
+    _, a, b, _, _, _ = tangent_step(y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p)
+    return a[1], b[1]
 
 
 @inner
