@@ -70,5 +70,5 @@ def runaway_edge(kappa, beta, largest):
             f"b/a = {beta:.6g}: {path.message}"
         )
     steps, kicks = path.t_events
-    found = (-steps, kicks[(kicks > 0.0) & (kicks <= largest)], -kicks[kicks < 0.0])
+    found = -steps, kicks[(kicks > 0.0) & (kicks <= largest)], -kicks[kicks < 0.0]
     return Thresholds(*(float(at[0]) if at.size else np.inf for at in found))

@@ -59,22 +59,10 @@ def logspace(name, start, stop, n):
 
 
 def check_aligned(values):
-    """Check that named arrays agree wherever they share a dimension.
-
-    Parameters
-    ----------
-    values : dict
-        symbol -> value; anything that is not a DataArray is passed over.
-
-    Raises
-    ------
-    ParameterError
-        Two arrays have different sizes or coordinates along a dimension of the same name.
-    """
+    """Raise ParameterError where arrays among these values, by symbol, differ along a dimension."""
     seen: dict = {}
-    for symbol, value in values.items():
-        if not is_array(value):
-            continue
+    arrays = ((symbol, value) for symbol, value in values.items() if is_array(value))
+    for symbol, value in arrays:
         for dim, size in value.sizes.items():
             index = value.indexes.get(dim)
             other, other_size, other_index = seen.get(dim, (symbol, size, index))
@@ -83,8 +71,8 @@ def check_aligned(values):
             elif index is not None and other_index is not None and not index.equals(other_index):
                 clash = "have different coordinates"
             else:
-                known = other_index is not None
-                seen[dim] = (other, size, other_index) if known else (symbol, size, index)
+                if dim not in seen or other_index is None:
+                    seen[dim] = (symbol, size, index)
                 continue
             raise ParameterError(
                 f"{other} and {symbol} {clash} along the dimension {dim!r}; give both the same "
@@ -93,14 +81,7 @@ def check_aligned(values):
 
 
 def cut(value, places):
-    """A value at some places of a sweep.
-
-    Parameters
-    ----------
-    value : DataArray, or dataclass or dict that may hold some; anything else stays as it is
-    places : dict
-        Sweep dimension -> slice or list of indices.  Dimensions stay, however few the places.
-    """
+    """DataArrays, also in a dataclass or dict, at some places of a sweep: dimension -> indices."""
     if is_array(value):
         return value.isel(places, missing_dims="ignore")
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
@@ -112,16 +93,7 @@ def cut(value, places):
 def column(symbol, values):
     """Column of a record [SI], each value >= 0: ndarray, or DataArray with ``segment`` last.
 
-    Parameters
-    ----------
-    symbol : str
-        A key of `QUANTITIES`.
     values : array of numbers, 1-D DataArray or pint quantity, or sequence of what `to_si` takes
-
-    Raises
-    ------
-    ParameterError
-        A value that `to_si` refuses, with its row counted from 0; more than one dimension.
     """
     import xarray
 

@@ -13,19 +13,12 @@ from .units import RESERVED, is_array
 class Batch:
     """Named values broadcast against each other and laid out flat, one value a case.
 
-    Parameters
-    ----------
-    values : dict
-        symbol -> float or DataArray; DataArrays broadcast by dimension name.
-    own : dict, optional
-        symbol -> DataArray with a last dimension of its own, kept apart from the sweep.
-    taken : iterable of str
-        Names of result variables, which no sweep dimension may have.
+    values : dict, symbol -> float or DataArray; DataArrays broadcast by dimension name
+    own : dict, symbol -> DataArray with a last dimension of its own, kept apart from the sweep
+    taken : names of result variables, which no sweep dimension may have
 
-    Attributes
-    ----------
-    dims, shape, n : the sweep's dimensions, their sizes, the number of cases
-    alone : whether it is no sweep but a single case, which may take the engine's scalar path
+    Attributes: dims, shape and n, the sweep's dimensions, their sizes, the number of cases; alone,
+    whether it is no sweep but a single case, which may take the engine's scalar path.
     """
 
     def __init__(self, values, own=None, taken=()):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..errors import ParameterError
+from .slider import PARAMETERS
 from .units import to_si
 
 SYMBOLS = ("V", "theta", "tau")
@@ -26,15 +27,10 @@ def initial_values(initial):
 def initial_state(batch, V_load):
     """(n, 3) x, v, psi at t = 0.
 
-    Parameters
-    ----------
-    batch : Batch
-        With the slider's parameters, V_start, and what `initial_values` found.
+    batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
     """
-    a, b, mu0, sigma, V0, Dc, M, K = map(
-        batch.flat, ("a", "b", "mu0", "sigma", "V0", "Dc", "M", "K")
-    )
+    a, b, Dc, sigma, K, M, mu0, V0 = map(batch.flat, PARAMETERS)
     given = {s: batch.flat(f"{s}_initial") for s in SYMBOLS if f"{s}_initial" in batch.values}
     beta, v = b / a, np.log(batch.flat("V_start") / V0)
     x, psi = (1 - beta) * v, -v

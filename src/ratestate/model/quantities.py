@@ -1,10 +1,11 @@
-"""The table of quantities: symbol, SI unit, name, allowed range.
+"""The quantities of quantities.toml, and their values as text.
 
-Symbols are the paper's.  A new quantity is one row; everything that reads values, labels
-variables or writes messages looks here.
+Everything that reads values, labels variables or writes messages looks here.
 """
 
 import math
+import tomllib
+from pathlib import Path
 from typing import NamedTuple
 
 #: unit -> what such a value is called in a message, and an example of one
@@ -23,8 +24,6 @@ KINDS = {
     "1/m": ("a rate per length", "'1 1/m'"),
     "rad/s": ("an angular frequency", "'1 rad/s'"),
 }
-
-
 #: power of ten -> prefix
 PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
 #: unit -> the powers of ten with which values are shown, where there are any
@@ -50,136 +49,10 @@ class Quantity(NamedTuple):
     may_be_inf: bool = False
 
 
-#: symbol -> `Quantity`.  b may be negative: published fits of some clays and gouges are.
+#: symbol -> `Quantity`
 QUANTITIES = {
-    "a": Quantity("1", "direct effect", "> 0"),
-    "b": Quantity("1", "evolution effect", "", "0.006"),
-    "Dc": Quantity("m", "critical slip distance", "> 0"),
-    "sigma": Quantity("Pa", "normal stress", "> 0"),
-    "K": Quantity("Pa/m", "stiffness per area", "> 0", may_be_inf=True),
-    "M": Quantity("kg/m^2", "mass per area", ">= 0"),
-    "mu0": Quantity("1", "friction coefficient at V0", ">= 0", "0.6"),
-    "V0": Quantity("m/s", "reference velocity", "> 0", "'1 um/s'"),
-    "V": Quantity("m/s", "slip velocity", "> 0"),
-    "V_lp": Quantity("m/s", "load-point velocity", "> 0"),
-    "V_load": Quantity("m/s", "load-point velocity", ">= 0"),
-    "V_start": Quantity("m/s", "slip velocity of the steady start", "> 0"),
-    "V_c": Quantity("m/s", "critical velocity"),
-    "V_max": Quantity("m/s", "largest slip velocity"),
-    "V_min": Quantity("m/s", "smallest slip velocity"),
-    "theta": Quantity("s", "state", "> 0"),
-    "delta": Quantity("m", "slip"),
-    "delta_lp": Quantity("m", "load-point displacement"),
-    "slip": Quantity("m", "slip"),
-    "tau": Quantity("Pa", "shear stress of the spring"),
-    "mu": Quantity("1", "friction coefficient"),
-    "eta": Quantity("1", "dynamic instability coefficient"),
-    "K_c": Quantity("Pa/m", "critical stiffness"),
-    "K_c_qs": Quantity("Pa/m", "quasi-static critical stiffness"),
-    "f_n": Quantity("Hz", "natural frequency"),
-    "eigenvalues": Quantity("1/s", "eigenvalues at steady sliding"),
-    "growth_rate": Quantity("1/s", "growth rate of the least stable mode"),
-    "omega": Quantity("rad/s", "angular frequency of the least stable mode"),
-    "omega_c": Quantity("rad/s", "angular frequency at the Hopf bifurcation"),
-    "stable": Quantity("1", "small perturbations decay"),
-    "period": Quantity("s", "period of the limit cycle"),
-    "frequency": Quantity("Hz", "frequency of the limit cycle"),
-    "amplitude": Quantity("1", "peak-to-peak tau/sigma"),
-    "inertia": Quantity("1", "largest |tau/sigma - mu| over amplitude"),
-    "slow_fraction": Quantity("1", "part of the period slower than V_lp/10"),
-    "fundamental": Quantity("1", "share of the fundamental in the variance of tau"),
-    "multipliers": Quantity("1", "Floquet multipliers"),
-    "residual": Quantity("1", "relative distance by which a cycle does not close"),
-    "error": Quantity("1", "estimated relative error of amplitude and period"),
-    "V_max_error": Quantity("1", "estimated relative error of V_max"),
-    "V_min_error": Quantity("1", "estimated relative error of V_min"),
-    "special": Quantity("1", "special point of a branch"),
-    "step_up": Quantity("1", "smallest V_lp/V of a step up that leaves steady sliding"),
-    "step_down": Quantity("1", "largest V_lp/V of a step down that leaves steady sliding"),
-    "kick_up": Quantity("Pa", "smallest rise of tau that leaves steady sliding"),
-    "kick_down": Quantity("Pa", "smallest fall of tau that leaves steady sliding"),
-    "outcome": Quantity("1", "what the smallest such disturbance leads to"),
-    "unstable_amplitude": Quantity("1", "amplitude of the unstable cycle"),
-    "unstable_period": Quantity("s", "period of the unstable cycle"),
-    "unstable_multiplier": Quantity("1", "larger Floquet multiplier of the unstable cycle"),
-    "t": Quantity("s", "time", ">= 0"),
-    "time": Quantity("s", "time", ">= 0"),
-    "t_end": Quantity("s", "end of the run", "> 0"),
-    "times": Quantity("s", "saved times", ">= 0"),
-    "dt": Quantity("s", "time step", "> 0", "'0.1 ms'"),
-    "rtol": Quantity("1", "relative tolerance", "> 0", "1e-6"),
-    "status": Quantity("1", "how the case ended"),
-    "message": Quantity("1", "why the case has no answer"),
-    "steps": Quantity("1", "accepted steps"),
-    "rejected": Quantity("1", "rejected steps"),
-    "energy_residual": Quantity("1", "relative energy-balance error"),
-    "cycles": Quantity("1", "cycles completed"),
-    "returns": Quantity("1", "returns to V = V_lp that make the period"),
-    "inertial_force": Quantity("1", "largest |tau/sigma - mu|"),
-    "mu_min": Quantity("1", "smallest friction coefficient"),
-    "reversal_margin": Quantity("1", "smallest tau/sigma + mu"),
-    "outside_domain": Quantity("1", "where the friction law is outside of its domain"),
-    "eigenvalue_3": Quantity("1/s", "third eigenvalue at the Hopf bifurcation"),
-    "lyapunov_1": Quantity("1/s", "first Lyapunov coefficient"),
-    "type": Quantity("1", "type of the Hopf bifurcation"),
-    "amplitude_coefficient": Quantity("1", "growth of amplitude from the Hopf bifurcation"),
-    "b_over_a": Quantity("1", "evolution effect over direct effect", "", "2"),
-    "regime": Quantity("1", "regime by the measured cycle"),
-    "regime_by_eta": Quantity("1", "regime by eta: stick-slip below 1, quasi-harmonic from 1 on"),
-    "agree": Quantity("1", "whether both tell the same regime"),
-    "amplitude_over_a": Quantity("1", "amplitude over a"),
-    "slip_per_cycle": Quantity("1", "slip per cycle over Dc, V_lp period/Dc"),
-    "frequency_over_f_n": Quantity("1", "frequency of the limit cycle over the natural frequency"),
-    "V_max_over_V_lp": Quantity("1", "largest slip velocity over load-point velocity"),
-    "K_over_K_c_qs": Quantity("1", "stiffness over the quasi-static critical one", "> 0"),
-    "K_over_K_c": Quantity("1", "stiffness over the critical one", "> 0"),
-    "K_c_over_K_c_qs": Quantity("1", "critical stiffness over the quasi-static one"),
-    "K_fold_over_K_c_qs": Quantity("1", "stiffness up to which a cycle and stable sliding coexist"),
-    "eta_bautin": Quantity("1", "eta at which the Hopf bifurcation changes its type"),
-    "lag": Quantity("s", "delay of the load point behind its record"),
-    "trend_slip": Quantity("1/m", "trend of friction with slip"),
-    "trend_time": Quantity("1/s", "trend of friction with time"),
-    "theta_start": Quantity("s", "state at the record's start"),
-    "a_minus_b": Quantity("1", "rate dependence in steady sliding, a - b"),
-    "standard_error": Quantity("1", "standard error, in the parameter's SI unit"),
-    "interval": Quantity("1", "confidence interval, in the parameter's SI unit"),
-    "correlation": Quantity("1", "correlation of the estimates"),
-    "interval_kind": Quantity("1", "what the intervals are from"),
-    "profile_value": Quantity("1", "value kept in a fit, in the parameter's SI unit"),
-    "profile_deviance": Quantity("1", "chi-square of that fit over the least"),
-    "posterior": Quantity("1", "samples of the posterior, in the parameter's SI unit"),
-    "log_evidence": Quantity("1", "ln of the evidence"),
-    "log_evidence_error": Quantity("1", "standard error of ln of the evidence"),
-    "posterior_evaluations": Quantity("1", "likelihoods computed for the posterior"),
-    "effective_samples": Quantity("1", "independent samples of the same worth"),
-    "posterior_efficiency": Quantity("1", "samples per likelihood computed"),
-    "aic_difference": Quantity("1", "Akaike information criterion over the least"),
-    "bic_difference": Quantity("1", "Bayesian information criterion over the least"),
-    "akaike_weight": Quantity("1", "Akaike weight of the law"),
-    "log_bayes_factor": Quantity("1", "ln of the evidence over the largest"),
-    "log_bayes_factor_error": Quantity("1", "standard error of that"),
-    "friction": Quantity("1", "recorded friction"),
-    "friction_fit": Quantity("1", "fitted friction"),
-    "fit_error": Quantity("1", "standard error of the fitted friction"),
-    "band": Quantity("1", "where 95 % of samples are predicted"),
-    "rms": Quantity("1", "root mean square of the residuals"),
-    "noise_white": Quantity("1", "standard deviation of the white noise"),
-    "noise_red": Quantity("1", "standard deviation of the correlated noise"),
-    "noise_time": Quantity("s", "correlation time of the noise"),
-    "chi2_white": Quantity("1", "variance of the residuals over that of white noise"),
-    "log_likelihood": Quantity("1", "ln of the likelihood at its maximum"),
-    "aic": Quantity("1", "Akaike information criterion"),
-    "bic": Quantity("1", "Bayesian information criterion"),
-    "identifiability": Quantity("1", "what the record tells of each parameter"),
-    "warnings": Quantity("1", "what must be known before the numbers are used, a line each"),
-    "samples": Quantity("1", "samples fitted"),
-    "evaluations": Quantity("1", "motions computed"),
-    "noise": Quantity("1", "standard deviation of the noise in friction", "> 0", "3e-4"),
-    "segment_t": Quantity("s", "start of a constant load-point velocity"),
-    "segment_V": Quantity("m/s", "load-point velocity from there on"),
-    "segment_t_error": Quantity("s", "standard error of the start"),
-    "segment_V_error": Quantity("m/s", "standard error of the velocity"),
-    "number": Quantity("1", "number"),  # an axis that is none of the above
+    symbol: Quantity(**row)
+    for symbol, row in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
 }
 
 

@@ -1,4 +1,4 @@
-"""The noun: a rigid slider of one state variable on a spring."""
+"""The slider: rigid, of one state variable, on a spring."""
 
 import dataclasses
 from typing import Any
@@ -64,9 +64,8 @@ class SpringSlider:
 
     def __post_init__(self):
         evolution_law(self.law)
-        for symbol, value in self.parameters.items():
-            if symbol != "law":
-                object.__setattr__(self, symbol, to_si(symbol, value))
+        for symbol, value in self.values.items():
+            object.__setattr__(self, symbol, to_si(symbol, value))
         check_aligned(self.parameters)
 
     @property
@@ -81,7 +80,7 @@ class SpringSlider:
     @property
     def values(self):
         """dict of the parameters that are quantities: `parameters` but for the law."""
-        return {symbol: v for symbol, v in self.parameters.items() if symbol != "law"}
+        return {symbol: getattr(self, symbol) for symbol in PARAMETERS}
 
     @property
     def K_c_qs(self):
@@ -116,19 +115,25 @@ class SpringSlider:
 
     def __repr__(self):
         """The call that builds the slider; of an array, its sizes and range."""
-        return (
-            f"SpringSlider({', '.join(f'{s}={_show(s, v)}' for s, v in self.parameters.items())})"
-        )
+        shown = (f"{symbol}={_show(symbol, v)}" for symbol, v in self.parameters.items())
+        return f"SpringSlider({', '.join(shown)})"
 
     def __eq__(self, other):
         """Whether all values, and the coordinates of arrays, are equal."""
         if not isinstance(other, SpringSlider):
             return NotImplemented
         pairs = zip(self.parameters.values(), other.parameters.values(), strict=True)
-        return all(x.equals(y) if is_array(x) and is_array(y) else _same(x, y) for x, y in pairs)
+        return all(
+            is_array(x) == is_array(y) and (x.equals(y) if is_array(x) else x == y)
+            for x, y in pairs
+        )
 
     def __hash__(self):
         return hash(tuple(v.shape if is_array(v) else v for v in self.parameters.values()))
+
+
+#: symbols of the parameters that are quantities: a, b, Dc, sigma, K, M, mu0, V0
+PARAMETERS = tuple(f.name for f in dataclasses.fields(SpringSlider) if f.name != "law")
 
 
 def checked(slider):
@@ -136,10 +141,6 @@ def checked(slider):
     if not isinstance(slider, SpringSlider):
         raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
     return slider
-
-
-def _same(x, y):
-    return not is_array(x) and not is_array(y) and x == y
 
 
 def _show(symbol, value):

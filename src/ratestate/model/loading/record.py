@@ -8,22 +8,7 @@ from ..units import is_array
 
 
 def segments(t, V_lp):
-    """What a record, piecewise linear between its rows, is made of.
-
-    Parameters
-    ----------
-    t, V_lp : as for `Loading.series`
-
-    Returns
-    -------
-    t, V, rate, t_last
-        The fields of a `Loading`.
-
-    Raises
-    ------
-    ParameterError
-        A wrong unit or range, times that decrease or come thrice; names the row, from 0 on.
-    """
+    """t, V, rate and t_last of the `Loading.series` of these rows."""
     times, V = column("t", t), column("V_lp", V_lp)
     if is_array(times) or times.size < 2 or V.shape[-1] != times.size:
         raise ParameterError(

@@ -27,10 +27,7 @@ class Event(NamedTuple):
 def events_of(loading):
     """The speed at t = 0, and the list of `Event`s, of a history that goes on for ever.
 
-    Raises
-    ------
-    ParameterError
-        It begins ramps at other speeds than it has; no method of `Loading` makes that.
+    ParameterError for ramps from other speeds than it has: no method of `Loading` makes them.
     """
     V, rate = np.asarray(loading.V), np.asarray(loading.rate)
     ends, t = _ends(loading), loading.t.tolist()
@@ -64,14 +61,11 @@ def rows_of(loading):
     V, ends = np.asarray(loading.V), _ends(loading)
     starts = np.append(loading.t, loading.t_last)
     jump = (ends[..., :-1] != V[..., 1:]).any(axis=tuple(range(V.ndim - 1)))
-    times, speeds = [starts[:1]], [V[..., :1]]
     # each segment's end, and where the next begins at another speed, that too
     at = np.repeat(np.arange(V.shape[-1]), np.append(np.where(jump, 2, 1), 1))
     first = np.append(True, np.diff(at) > 0)
     columns = np.where(first, ends[..., at], V[..., np.minimum(at + 1, V.shape[-1] - 1)])
-    times.append(starts[1:][at])
-    speeds.append(columns)
-    t, values = np.concatenate(times), np.concatenate(speeds, axis=-1)
+    t, values = np.append(starts[0], starts[1:][at]), np.append(V[..., :1], columns, axis=-1)
     if not is_array(loading.V):
         return t, values
     import xarray
