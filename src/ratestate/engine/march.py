@@ -14,9 +14,53 @@ from .events import components, handle_events, last_period, polynomial
 from .exp import exp_alone
 from .im2017 import take as take_im2017
 from .jit import inner, kernel
-from .model import FINISHED, NOT_FINITE, RODAS5P, RUNNING, STEP_LIMIT, STEP_UNDERFLOW, state_rate
+from .model import (
+    FINISHED,
+    NOT_FINITE,
+    RODAS5P,
+    RUNNING,
+    STEP_LIMIT,
+    STEP_UNDERFLOW,
+    Numbers,
+    state_rate,
+)
 
 IDLE = -1.0
+
+
+@inner
+def fill(s, l, i, size, cases, eta0):
+    """Put parameters and initial state of case i into lane l; all else there is 0."""
+    for row in range(0, size, R.LANES):
+        s[row + l] = 0.0
+    s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
+    s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l] = cases.kappa[i], cases.beta[i], eta0
+    s[R.X + l], s[R.V + l], s[R.PSI + l] = cases.y[i]
+    s[R.W + l], s[R.E + l] = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
+    s[R.RTOL + l], s[R.OBSERVE + l] = cases.rtol[i], cases.observe[i]
+    s[R.V_LIMIT + l], s[R.MAX_STEPS + l] = cases.v_limit[i], cases.max_steps[i]
+    s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
+    s[R.F_LOW + l] = s[R.V + l] + s[R.BETA + l] * s[R.PSI + l]
+    s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
+
+
+@inner
+def choose_first_step(s, l, law):
+    """A step from here that is small beside what it takes the state, or the load, to change."""
+    w, w_lp = s[R.W + l], s[R.W_LP + l]
+    f_x = s[R.KAPPA + l] * (w_lp - w)
+    f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], s[R.E + l])
+    h = 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / (abs(f_x) + abs(f_psi) + w + w_lp)
+    s[R.H + l], s[R.MEMORY + l] = min(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
+
+
+@inner
+def next_case(s, l, queue, position):
+    """The case of the queue that the lane, if idle, is to take; -1 for none."""
+    if s[R.CASE + l] != IDLE or position[0] == queue.size:
+        return -1
+    position[0] += 1
+    return queue[position[0] - 1]
 
 
 @inner
@@ -41,12 +85,7 @@ def enter_segment(s, l, law, k, scale, V0, loads, row):
         t_break = min(t_break, loads.t[k + 1] * scale)
     s[R.BREAKPOINT + l] = t_break
     if jump:
-        w = s[R.W + l]
-        f_x = s[R.KAPPA + l] * (w_lp - w)
-        f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], s[R.E + l])
-        pace = abs(f_x) + abs(f_psi) + w + w_lp
-        s[R.H + l] = min(t_break - s[R.T + l], 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace)
-        s[R.MEMORY + l] = 1.0
+        choose_first_step(s, l, law)
         s[R.CROSS_LOW + l] = math.inf
         s[R.CYCLES + l] = 0.0
 
@@ -54,23 +93,11 @@ def enter_segment(s, l, law, k, scale, V0, loads, row):
 @inner
 def load(s, l, law, i, cases, loads, save_times, results):
     """Put case i into lane l at t = 0."""
-    for row in range(0, R.SIZE, R.LANES):
-        s[row + l] = 0.0
-    s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
-    s[R.KAPPA + l] = cases.kappa[i]
-    s[R.BETA + l], s[R.ETA0 + l] = cases.beta[i], cases.eta0[i]
-    s[R.X + l], s[R.V + l], s[R.PSI + l] = cases.y[i]
-    s[R.W + l], s[R.E + l] = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
+    fill(s, l, i, R.SIZE, cases, cases.eta0[i])
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
     s[R.DT + l] = cases.dt[i] * scale
-    s[R.RTOL + l] = cases.rtol[i]
-    s[R.V_LIMIT + l], s[R.MAX_STEPS + l] = cases.v_limit[i], cases.max_steps[i]
-    s[R.OBSERVE + l] = cases.observe[i]
-    s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
-    s[R.F_LOW + l] = s[R.V + l] + s[R.BETA + l] * s[R.PSI + l]
     s[R.G_HIGH + l] = abs(s[R.X + l] - s[R.F_LOW + l])
-    s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
     enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i])
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
@@ -113,19 +140,30 @@ def finish(s, l, cases, results):
     i = int(s[R.CASE + l])
     status = int(s[R.STATUS + l])
     results.status[i] = status
-    out = results.numbers[i]
-    out[0] = (s[R.T + l] + s[R.T_LOW + l]) / cases.scale[i]
-    out[1], out[2] = s[R.STEPS + l], s[R.REJECTED + l]
     if status == FINISHED:
         results.final[i, 0], results.final[i, 1] = s[R.X + l], s[R.V + l]
         results.final[i, 2] = s[R.PSI + l]
     else:
         results.saved[i] = np.nan
-    out[3], out[4] = s[R.LOAD_WORK + l], s[R.DISSIPATION + l]
-    out[5], out[6], out[11] = last_period(s, l)
-    out[7] = s[R.CYCLES + l]
-    out[8], out[9], out[10] = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
-    out[12], out[13] = s[R.F_LOW + l], s[R.XF_LOW + l]
+    amplitude, period, returns = last_period(s, l)
+    numbers = Numbers(
+        t=(s[R.T + l] + s[R.T_LOW + l]) / cases.scale[i],
+        steps=s[R.STEPS + l],
+        rejected=s[R.REJECTED + l],
+        load_work=s[R.LOAD_WORK + l],
+        dissipation=s[R.DISSIPATION + l],
+        amplitude=amplitude,
+        period=period,
+        cycles=s[R.CYCLES + l],
+        v_max=s[R.V_HIGH + l],
+        v_min=s[R.V_LOW + l],
+        g_max=s[R.G_HIGH + l],
+        returns=float(returns),
+        f_min=s[R.F_LOW + l],
+        xf_min=s[R.XF_LOW + l],
+    )
+    for k in range(len(numbers)):
+        results.numbers[i, k] = numbers[k]
     s[R.CASE + l] = IDLE
 
 
@@ -176,9 +214,9 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
         if vacant:
             active = 0
             for l in range(width):
-                if s[R.CASE + l] == IDLE and position[0] < queue.size:
-                    load(s, l, law, queue[position[0]], cases, loads, save_times, results)
-                    position[0] += 1
+                i = next_case(s, l, queue, position)
+                if i >= 0:
+                    load(s, l, law, i, cases, loads, save_times, results)
                     s[R.EVERY_STEP + l] = 1.0 if path.size > 0 else 0.0
                 active += s[R.CASE + l] != IDLE
             if active == 0:

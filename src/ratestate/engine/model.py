@@ -10,6 +10,8 @@ which is eqs 1-4 of Im, Marone & Elsworth (2019).  f = v + beta psi is the frict
 and g = x - f the inertial force, (tau/sigma - mu)/a.
 """
 
+import tomllib
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -30,53 +32,9 @@ RIGID_REST = 8
 CRASHED = 9
 RUNNING = -1
 
+_TABLE = tomllib.loads(Path(__file__).with_name("statuses.toml").read_text("utf-8"))
 #: status code -> (name, what happened and what helps)
-STATUSES = {
-    FINISHED: ("finished", "finished"),
-    STEADY_SLIDING: ("steady_sliding", "steady sliding: no cycle exists or is reached"),
-    NOT_FINITE: (
-        "not_finite",
-        "a step gave values that are not finite, or a speed beyond double precision; check that the"
-        " parameters are of a physical size",
-    ),
-    STEP_UNDERFLOW: (
-        "step_underflow",
-        "the step size shrank without end; loosen rtol, or check that the parameters are of a"
-        " physical size",
-    ),
-    STEP_LIMIT: (
-        "step_limit",
-        "the step limit was reached; loosen rtol; in simulate also shorten t_end, or give times if"
-        " the solver's own steps were to be kept",
-    ),
-    RUNAWAY: (
-        "quasi_static_instability",
-        "V grows without bound: no quasi-static motion (M = 0) exists beyond this time; M > 0"
-        " removes the singularity",
-    ),
-    NO_ROOT: (
-        "no_root",
-        "friction and velocity could not be solved together at the end of a step; reduce dt",
-    ),
-    NO_CONVERGENCE: (
-        "no_convergence",
-        "the motion settles into no cycle of 1, 2, 4, ... 32 returns (period doubling): it repeats"
-        " after another number of them or never (chaos), and simulate follows it; or double"
-        " precision does not fix the cycle to 1 %, as very near a stability boundary or almost"
-        " without inertia; and without any (M = 0) at K_c_qs, no cycle is singled out",
-    ),
-    RIGID_REST: (
-        "rigid_rest",
-        "V_lp = 0 m/s with K = inf: eq. 1 gives no friction at rest; give a finite K, or a small"
-        " V_lp for the hold",
-    ),
-    CRASHED: (
-        "crashed",
-        "the case ended in an error of the program or took its process down, each time; please"
-        " report it, with its parameters; sweep tries such cases again with retry_crashed=True"
-        " (--retry-crashed)",
-    ),
-}
+STATUSES = {row["code"]: (name, row["message"]) for name, row in _TABLE.items()}
 
 RODAS5P, IM2017, IM2017_EULER = 0, 1, 2
 #: name of a method -> its code
@@ -119,31 +77,33 @@ class Results(NamedTuple):
     status: np.ndarray  # (n,) int8
 
 
-NUMBERS = (
-    "t",
-    "steps",
-    "rejected",
-    "load_work",
-    "dissipation",
-    "amplitude",
-    "period",
-    "cycles",
-    "v_max",
-    "v_min",
-    "g_max",
-    "returns",
-    "f_min",
-    "xf_min",
-)
+class Numbers(NamedTuple):
+    """A row of `Results.numbers`."""
 
-slip_runs_away = inlined(laws.slip_runs_away)
-aging_runs_away = inlined(laws.aging_runs_away)
-slip_rate = inlined(laws.slip_rate)
+    t: float
+    steps: float
+    rejected: float
+    load_work: float
+    dissipation: float
+    amplitude: float
+    period: float
+    cycles: float
+    v_max: float
+    v_min: float
+    g_max: float
+    returns: float
+    f_min: float
+    xf_min: float
+
+
+NUMBERS = Numbers._fields
+
+slip_rate, aging_rate = inlined(laws.slip_rate), inlined(laws.aging_rate)
 slip_rate_partials = inlined(laws.slip_rate_partials)
-aging_rate = inlined(laws.aging_rate)
-slip_rate_partials_2 = inlined(laws.slip_rate_partials_2)
 aging_rate_partials = inlined(laws.aging_rate_partials)
+slip_rate_partials_2 = inlined(laws.slip_rate_partials_2)
 aging_rate_partials_2 = inlined(laws.aging_rate_partials_2)
+slip_runs_away, aging_runs_away = inlined(laws.slip_runs_away), inlined(laws.aging_runs_away)
 
 
 @inlined

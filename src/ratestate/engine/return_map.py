@@ -7,6 +7,7 @@ accurate as the steps are.
 """
 
 import math
+from collections import namedtuple
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from .events import components, crossing, observe, outrun, polynomial
 from .exp import exp_alone
 from .jit import inlined, inner, kernel, lanewise
 from .lanes import steadies
-from .march import IDLE, stuck
+from .march import IDLE, choose_first_step, fill, next_case, stuck
 from .model import FINISHED, RUNAWAY, RUNNING, STEADY_SLIDING, state_rate
 from .tangent import step as tangent_step
 
@@ -57,13 +58,12 @@ class Returns(NamedTuple):
 
 
 #: _a and _b: derivatives along the two perturbations
-RETURN_NUMBERS = (
-    *("period", "x", "psi", "G", "x_low"),
-    *("period_a", "x_a", "psi_a", "x_low_a", "period_b", "x_b", "psi_b", "x_low_b"),
-    *("trace", "v_max", "v_min", "g_max", "slow", "mean", "square", "cosine", "sine", "steps"),
-    *("v_max_a", "v_max_b", "v_min_a", "v_min_b"),
-    *("f_min", "xf_min"),
+Numbers = namedtuple(
+    "Numbers",
+    "period x psi G x_low period_a x_a psi_a x_low_a period_b x_b psi_b x_low_b trace v_max v_min "
+    "g_max slow mean square cosine sine steps v_max_a v_max_b v_min_a v_min_b f_min xf_min",
 )
+RETURN_NUMBERS = Numbers._fields
 
 
 @inlined
@@ -144,31 +144,17 @@ def commit(s, law, n):
 @inner
 def load(s, l, law, i, starts):
     """Put case i into lane l."""
-    for row in range(0, R.RETURN_SIZE, R.LANES):
-        s[row + l] = 0.0
-    s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
-    s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l] = starts.kappa[i], starts.beta[i], starts.eta[i]
-    s[R.X + l], s[R.V + l], s[R.PSI + l] = starts.y[i]
+    fill(s, l, i, R.RETURN_SIZE, starts, starts.eta[i])
     s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l] = starts.along[i, 0]
     s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l] = starts.along[i, 1]
-    w, e = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
-    s[R.W + l], s[R.E + l] = w, e
     s[R.W_LP + l] = 1.0
     s[R.T_END + l] = s[R.BREAKPOINT + l] = s[R.SAVE_AT + l] = math.inf
-    s[R.RTOL + l], s[R.STEADY + l] = starts.rtol[i], starts.steady_tol[i]
-    s[R.MAX_STEPS + l], s[R.V_LIMIT + l] = starts.max_steps[i], starts.v_limit[i]
-    s[R.OBSERVE + l] = s[R.EVERY_STEP + l] = starts.observe[i]
-    s[R.GUESS + l] = starts.period[i]
-    s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
-    s[R.F_LOW + l] = s[R.V + l] + s[R.BETA + l] * s[R.PSI + l]
-    s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
+    s[R.STEADY + l], s[R.GUESS + l] = starts.steady_tol[i], starts.period[i]
+    s[R.EVERY_STEP + l] = starts.observe[i]
     s[R.X_LOW + l] = s[R.X_A_LOW + l] = s[R.X_B_LOW + l] = math.nan
     # A start on the section is a crossing already made: the step from it leads to no other.
     s[R.SINCE + l] = 0.0 if s[R.V + l] == 0.0 else 1.0
-    s[R.MEMORY + l] = 1.0
-    f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], e)
-    pace = s[R.KAPPA + l] * abs(1.0 - w) + abs(f_psi) + w + 1.0
-    s[R.H + l] = 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / pace
+    choose_first_step(s, l, law)
 
 
 @inner
@@ -290,28 +276,44 @@ def finish(s, l, law, returns):
     i = int(s[R.CASE + l])
     status = int(s[R.STATUS + l])
     returns.status[i] = status if status != RUNNING else stuck(s, l)
-    out = returns.numbers[i]
     eta, beta = s[R.ETA0 + l], s[R.BETA + l]
     x, psi, w = s[R.X + l], s[R.PSI + l], s[R.W + l]
     f_psi = state_rate(law, w, s[R.V + l], psi, s[R.E + l])
     slope = -beta * f_psi if eta < SLAVED else (x - beta * psi) / eta
-    out[0] = s[R.T + l] + s[R.T_LOW + l]
-    out[1], out[2], out[3], out[4] = x, psi, slope, s[R.X_LOW + l]
     earlier_a, earlier_b = s[R.V_A + l] / slope, s[R.V_B + l] / slope
-    out[5] = -earlier_a - s[R.EARLY_A + l]
-    out[6], out[7] = s[R.X_A + l], s[R.PSI_A + l] - f_psi * earlier_a
-    out[8] = s[R.X_A_LOW + l]
-    out[9] = -earlier_b - s[R.EARLY_B + l]
-    out[10], out[11] = s[R.X_B + l], s[R.PSI_B + l] - f_psi * earlier_b
-    out[12] = s[R.X_B_LOW + l]
-    out[13] = s[R.TRACE + l]
-    out[14], out[15], out[16] = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
-    out[17], out[18], out[19] = s[R.SLOW + l], s[R.MEAN + l], s[R.SQUARE + l]
-    out[20], out[21] = s[R.COSINE + l], s[R.SINE + l]
-    out[22] = s[R.STEPS + l] + s[R.REJECTED + l]
-    out[23], out[24] = s[R.V_A_HIGH + l], s[R.V_B_HIGH + l]
-    out[25], out[26] = s[R.V_A_LOW + l], s[R.V_B_LOW + l]
-    out[27], out[28] = s[R.F_LOW + l], s[R.XF_LOW + l]
+    numbers = Numbers(
+        period=s[R.T + l] + s[R.T_LOW + l],
+        x=x,
+        psi=psi,
+        G=slope,
+        x_low=s[R.X_LOW + l],
+        period_a=-earlier_a - s[R.EARLY_A + l],
+        x_a=s[R.X_A + l],
+        psi_a=s[R.PSI_A + l] - f_psi * earlier_a,
+        x_low_a=s[R.X_A_LOW + l],
+        period_b=-earlier_b - s[R.EARLY_B + l],
+        x_b=s[R.X_B + l],
+        psi_b=s[R.PSI_B + l] - f_psi * earlier_b,
+        x_low_b=s[R.X_B_LOW + l],
+        trace=s[R.TRACE + l],
+        v_max=s[R.V_HIGH + l],
+        v_min=s[R.V_LOW + l],
+        g_max=s[R.G_HIGH + l],
+        slow=s[R.SLOW + l],
+        mean=s[R.MEAN + l],
+        square=s[R.SQUARE + l],
+        cosine=s[R.COSINE + l],
+        sine=s[R.SINE + l],
+        steps=s[R.STEPS + l] + s[R.REJECTED + l],
+        v_max_a=s[R.V_A_HIGH + l],
+        v_max_b=s[R.V_B_HIGH + l],
+        v_min_a=s[R.V_A_LOW + l],
+        v_min_b=s[R.V_B_LOW + l],
+        f_min=s[R.F_LOW + l],
+        xf_min=s[R.XF_LOW + l],
+    )
+    for k in range(len(numbers)):
+        returns.numbers[i, k] = numbers[k]
     s[R.CASE + l] = IDLE
 
 
@@ -338,9 +340,9 @@ def return_map(law, alone, s, queue, position, starts, returns, budget):
         if vacant:
             active = 0
             for l in range(width):
-                if s[R.CASE + l] == IDLE and position[0] < queue.size:
-                    load(s, l, law, queue[position[0]], starts)
-                    position[0] += 1
+                i = next_case(s, l, queue, position)
+                if i >= 0:
+                    load(s, l, law, i, starts)
                 active += s[R.CASE + l] != IDLE
             if active == 0:
                 return True
