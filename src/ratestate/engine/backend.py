@@ -14,8 +14,7 @@ class Backend(NamedTuple):
     device: str = "cpu"
 
 
-DEFAULT = Backend()
-_current = contextvars.ContextVar("backend", default=DEFAULT)
+_current = contextvars.ContextVar("backend", default=Backend())  # noqa: B039  (nothing mutable)
 
 
 class Stopped(Exception):

@@ -15,8 +15,8 @@ from ..errors import ParameterError, SolverError
 from . import rows as R
 from .backend import Stopped
 from .march import IDLE
-from .model import RUNNING, empty_results
-from .return_map import RETURN_NUMBERS, Returns
+from .model import empty_results
+from .return_map import empty_returns
 
 config: Any = numba_config  # numba sets its attributes at run time
 
@@ -80,16 +80,12 @@ def run_march(law, cases, loads, save_times, order, progress=None, stop=None):
 
 
 def run_returns(law, starts, stop=None):
-    """Take all cases to their next upward crossing of the section; `Returns` (return_map.py).
-
-    law, stop : as for `run_march`
-    starts : Starts (return_map.py)
-    """
+    """`Returns` of all cases; parameters as for `dispatch.run_returns`, and stop."""
     check()
     from . import cuda_kernels
 
     n = len(starts.beta)
-    returns = Returns(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
+    returns = empty_returns(n)
     kernel = cuda_kernels.return_map(law)
     _work(kernel, R.RETURN_SIZE, np.arange(n), (starts,), returns, None, stop)
     return returns

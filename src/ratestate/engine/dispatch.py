@@ -12,8 +12,8 @@ from ..machine import cores
 from . import backend
 from . import rows as R
 from .march import IDLE, march
-from .model import NUMBERS, RUNNING, STEP_LIMIT, empty_results
-from .return_map import RETURN_NUMBERS, Returns, return_map
+from .model import NUMBERS, STEP_LIMIT, empty_results
+from .return_map import empty_returns, return_map
 
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
@@ -22,20 +22,13 @@ MAX_ROWS = 10_000_000  # of a path: 320 MB
 
 
 def run_march(method, law, cases, loads, save_times, order, alone, progress=None):
-    """March all cases, on as many threads as there are cores and full sets of lanes.
+    """`Results` of all cases, on as many threads as there are cores and full sets of lanes.
 
-    Parameters
-    ----------
-    method, law : int, codes
-    cases, loads : Cases, Loads (model.py)
+    cases, loads : Cases, Loads (model.py); method, law : their codes
     save_times : (rows, n_times) [s]
     order : (n,) case numbers, most costly first
     alone : bool, whether this is the only case of the call (which may take the scalar path)
     progress : callable, optional, given the fraction done about ten times a second
-
-    Returns
-    -------
-    Results
     """
     where = backend.current()
     if where.device == "cuda":
@@ -53,18 +46,14 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
 
 
 def run_returns(law, starts, alone):
-    """Take all cases to their next upward crossing of the section; `Returns` (return_map.py).
-
-    law, alone : as for `run_march`
-    starts : Starts (return_map.py)
-    """
+    """`Returns` of all cases, from `Starts` to the next upward crossing of the section."""
     where = backend.current()
     if where.device == "cuda":
         from . import cuda
 
         return cuda.run_returns(law, starts, where.stop)
     n = len(starts.beta)
-    returns = Returns(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
+    returns = empty_returns(n)
 
     def worker(queue):
         return _Worker(return_map, R.RETURN_SIZE, (law, alone), queue, (starts, returns))
@@ -74,10 +63,7 @@ def run_returns(law, starts, alone):
 
 
 def _share(order, worker, progress=None):
-    """Let as many workers as there are cores and full sets of lanes take all cases.
-
-    worker : callable, queue -> `_Worker`
-    """
+    """Let as many workers (callable, queue -> `_Worker`) as there are cores take all cases."""
     n = len(order)
     if n == 0:  # nothing for which to load, or even compile, the kernels
         return

@@ -192,10 +192,8 @@ def end_segment(s, l, law, cases, loads):
 
 @kernel
 def march(method, law, alone, s, queue, position, cases, loads, save_times, results, path, budget):
-    """March the cases of a queue until it is empty, `path` is full or the budget is spent.
+    """March cases until the queue is empty (True), `path` is full or the budget is spent (False).
 
-    Parameters
-    ----------
     method, law : int, codes (model.py, laws.py)
     alone : bool, whether to march in lane 0 only, by the scalar path
     s : (SIZE,) the lanes; CASE = IDLE in those that are free
@@ -203,10 +201,6 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
     position : (3,) int64: next in queue; cases done; rows of `path` filled
     path : (m, 4) T, x, v, psi after each step of lane 0; empty if not wanted
     budget : int, sweeps over the lanes
-
-    Returns
-    -------
-    bool : whether every case is done
     """
     width = 1 if alone else R.LANES
     vacant = True

@@ -66,17 +66,26 @@ Numbers = namedtuple(
 RETURN_NUMBERS = Numbers._fields
 
 
+def empty_returns(n):
+    """`Returns` of n cases that are to run."""
+    return Returns(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
+
+
 @inlined
-def try_step(s, l, law):
-    """Try one step of the lane, perturbations included, and record its outcome."""
-    h = s[R.H + l]
+def step_of_lane(s, l, law, h):
+    """What `tangent.step` gives for a step of size h from where the lane is."""
     y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
     a = (s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l])
     b = (s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l])
     p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
-    new, a_new, b_new, error, dense, s[R.D_TRACE + l] = tangent_step(
-        y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p
-    )
+    return tangent_step(y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p)
+
+
+@inlined
+def try_step(s, l, law):
+    """Try one step of the lane, perturbations included, and record its outcome."""
+    h = s[R.H + l]
+    new, a_new, b_new, error, dense, s[R.D_TRACE + l] = step_of_lane(s, l, law, h)
     s[R.X_A_NEW + l], s[R.V_A_NEW + l], s[R.PSI_A_NEW + l] = a_new
     s[R.X_B_NEW + l], s[R.V_B_NEW + l], s[R.PSI_B_NEW + l] = b_new
     L.record(s, l, h, new, error, dense)
@@ -207,11 +216,7 @@ def observe_step(s, l, law, cx, cv, cpsi):
 @inner
 def perturbed(s, l, law, h):
     """Perturbations of v a time h after the start of the lane's step."""
-    y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
-    a = (s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l])
-    b = (s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l])
-    p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
-    _, a, b, _, _, _ = tangent_step(y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p)
+    _, a, b, _, _, _ = step_of_lane(s, l, law, h)
     return a[1], b[1]
 
 
@@ -319,20 +324,9 @@ def finish(s, l, law, returns):
 
 @kernel
 def return_map(law, alone, s, queue, position, starts, returns, budget):
-    """Take the cases of a queue to their next upward crossing of the section.
+    """Take the cases of a queue to their next upward crossing of the section; whether all are done.
 
-    Parameters
-    ----------
-    law : int, code (laws.py)
-    alone : bool, whether to march in lane 0 only, by the scalar path
-    s : (RETURN_SIZE,) the lanes; CASE = IDLE in those that are free
-    queue : (n,) case numbers, in the order in which to start them
-    position : (3,) int64: next in queue; cases done; unused
-    budget : int, sweeps over the lanes
-
-    Returns
-    -------
-    bool : whether every case is done
+    Parameters as for `march.march`; s : (RETURN_SIZE,)
     """
     width = 1 if alone else R.LANES
     vacant = True

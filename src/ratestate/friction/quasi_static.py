@@ -30,7 +30,7 @@ are derived in the comments beside them.
 import numpy as np
 
 from .laws import AGING, evolution_law
-from .stability import K_c_qs, _elementwise
+from .stability import K_c_qs, elementwise
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
 POINTS = 512
@@ -74,6 +74,7 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
         return -x - np.log1p(-np.minimum(x + kappa * _h(v), 1.0))
 
 
+@elementwise()
 def period(E, *, V_lp, a, b, Dc):
     """Period [s] of sliding without inertia at K = K_c_qs, the same for both laws.
 
@@ -91,10 +92,6 @@ def period(E, *, V_lp, a, b, Dc):
     float, array or DataArray
         Period [s]; inf where E is, NaN where b <= a (there is no K_c_qs).
     """
-    return _elementwise(_period, E, V_lp, a, b, Dc)
-
-
-def _period(E, V_lp, a, b, Dc):
     c = np.where(b > a, b / a - 1, np.nan)[..., None]
     # On c h(p) + h(q) = E, run through by sqrt(c h(p)) = sqrt(E) cos(phi) and so on:
     # dq/dT = c (exp(-p) - 1) gives dT/dphi, smooth and periodic.  Below 1e-10 E plays no part.
@@ -126,6 +123,7 @@ def runaway_step(*, a, b):
         return 1 + a / np.maximum(b - a, 0.0)
 
 
+@elementwise()
 def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
     """Ratio V_lp/V below which no step in V_lp runs away at M = 0 with the slip law [1].
 
@@ -146,16 +144,13 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
     # Where s = c/(r + c), no path crosses u = (b/a) r (1 - s exp(-v)), u = x + c v, upwards
     # while v grows; a step starts at u = 0, v = -ln(V_lp/V), that is, below it if V_lp/V < 1/s.
     # Also du/dv < b/a while v < 0, so that u < (b/a) ln(V_lp/V) at v = 0.
-    return _elementwise(_lower_bound, a, b, Dc, sigma, K)
-
-
-def _lower_bound(a, b, Dc, sigma, K):
     r, c = _stiffness_ratio(a, b, Dc, sigma, K)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         ratio = np.maximum(1 + r / c, np.exp(r / (1 + c / r)))
     return np.where(b > a, np.where(r < 1, 1.0, ratio), np.inf)
 
 
+@elementwise()
 def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
     """Ratio V_lp/V from which every step in V_lp runs away at M = 0 with the slip law [1].
 
@@ -178,10 +173,6 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
     # L = ln(V_lp/V), and at v = 0 it is (1 - x) exp(x).  Beyond v = 0 no path crosses
     # u = (b/a) r - c exp(-v) downwards, where V runs away.  So it does if, with P = (b/a) r - c,
     # exp(cL) (c exp(L) - b/a) >= (P - 1) exp(P), to which this ratio is a simpler sufficient one.
-    return _elementwise(_upper_bound, a, b, Dc, sigma, K)
-
-
-def _upper_bound(a, b, Dc, sigma, K):
     r, c = _stiffness_ratio(a, b, Dc, sigma, K)
     beta, excess = b / a, np.maximum(r - 1, 0.0)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):

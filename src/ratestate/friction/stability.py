@@ -8,12 +8,40 @@ Sources: Rice & Ruina (1983) doi:10.1115/1.3167042, Gu et al. (1984)
 doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Elsworth (2019).
 """
 
+import functools
+import inspect
+
 import numpy as np
 
 from .eigenvalues import steady_modes
 
 # Of K/K_c_qs: a K this little above K_c_qs is not known to be.
 ROUNDING = 1e-15
+
+
+def elementwise(*dims):
+    """Let a function of NumPy arrays take floats, arrays or DataArrays; `dims` come at the end."""
+
+    def extended(function):
+        signature = inspect.signature(function)
+
+        @functools.wraps(function)
+        def of_any(*args, **kwargs):
+            given = signature.bind(*args, **kwargs).arguments
+
+            def of_arrays(*arrays):
+                full = np.broadcast_arrays(*arrays)
+                return function(**dict(zip(given, full, strict=True)))
+
+            if any(hasattr(value, "dims") for value in given.values()):
+                import xarray
+
+                return xarray.apply_ufunc(of_arrays, *given.values(), output_core_dims=[dims])
+            return of_arrays(*(np.asarray(value, float) for value in given.values()))[()]
+
+        return of_any
+
+    return extended
 
 
 def eta(V, *, a, Dc, sigma, M):
@@ -107,6 +135,7 @@ def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
     return -V * dtau_ss_dV / Dc * (1 + M * V / (Dc * dtau_dV))
 
 
+@elementwise()
 def V_c(*, a, b, Dc, sigma, K, M):
     """Critical velocity (eq. 10): steady sliding at V > V_c is unstable.
 
@@ -123,16 +152,13 @@ def V_c(*, a, b, Dc, sigma, K, M):
         speed (K <= K_c_qs, to rounding), inf where at none (b <= a, K = inf, or M = 0 with
         K > K_c_qs).
     """
-    return _elementwise(_V_c, a, b, Dc, sigma, K, M)
-
-
-def _V_c(a, b, Dc, sigma, K, M):
     with np.errstate(divide="ignore", invalid="ignore"):
         excess = K * Dc / ((b - a) * sigma) - 1
         critical = np.where(excess > ROUNDING, np.sqrt(sigma * a * Dc / M * np.abs(excess)), 0.0)
     return np.where(b > a, critical, np.inf)
 
 
+@elementwise()
 def f_n(*, K, M):
     """Natural frequency sqrt(K/M)/(2 pi) of the slider on its spring.
 
@@ -147,14 +173,11 @@ def f_n(*, K, M):
         f_n [Hz], in the shape that the arguments broadcast to; inf, which is to say none,
         if M = 0 or K = inf.
     """
-    return _elementwise(_f_n, K, M)
-
-
-def _f_n(K, M):
     with np.errstate(divide="ignore"):
         return np.sqrt(K / M) / (2 * np.pi)
 
 
+@elementwise()
 def omega_c(V, *, a, b, Dc):
     """Angular frequency at the Hopf bifurcation, where K = K_c(V): (V/Dc) sqrt((b - a)/a).
 
@@ -171,13 +194,10 @@ def omega_c(V, *, a, b, Dc):
         omega_c [rad/s], in the shape that the arguments broadcast to, whatever the mass; NaN where
         b <= a, for there is no bifurcation.
     """
-    return _elementwise(_omega_c, V, a, b, Dc)
-
-
-def _omega_c(V, a, b, Dc):
     return V / Dc * np.sqrt(np.where(b > a, (b - a) / a, np.nan))
 
 
+@elementwise("mode")
 def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     """Eigenvalues of small perturbations of steady sliding at V, for both laws.
 
@@ -197,10 +217,6 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
         everything is -inf: one at M = 0, two at K = inf, where V is imposed and only the state
         relaxes, at the rate V/Dc.
     """
-    return _elementwise(_eigenvalues, V, a, b, Dc, sigma, K, M, dims=("mode",))
-
-
-def _eigenvalues(V, a, b, Dc, sigma, K, M):
     rigid = np.isinf(K)
     K = np.where(rigid, 1.0, K)
     inertia, kappa = eta(V, a=a, Dc=Dc, sigma=sigma, M=M), K * Dc / (a * sigma)
@@ -210,15 +226,3 @@ def _eigenvalues(V, a, b, Dc, sigma, K, M):
     rate = (V / Dc)[..., None]
     modes.real, modes.imag = modes.real * rate, modes.imag * rate  # -inf times a complex is nan
     return modes
-
-
-def _elementwise(function, *values, dims=()):
-    """Function of NumPy arrays on floats, arrays or DataArrays; `dims` are added at the end."""
-    if any(hasattr(value, "dims") for value in values):
-        import xarray
-
-        def of_arrays(*arrays):
-            return function(*np.broadcast_arrays(*arrays))
-
-        return xarray.apply_ufunc(of_arrays, *values, output_core_dims=[dims])
-    return function(*np.broadcast_arrays(*(np.asarray(value, float) for value in values)))[()]
