@@ -14,7 +14,7 @@ class Backend(NamedTuple):
     device: str = "cpu"
 
 
-_current = contextvars.ContextVar("backend", default=Backend())  # noqa: B039  (nothing mutable)
+_current: contextvars.ContextVar[Backend] = contextvars.ContextVar("backend")
 
 
 class Stopped(Exception):
@@ -23,7 +23,7 @@ class Stopped(Exception):
 
 def current():
     """The `Backend` of kernels that this thread starts."""
-    return _current.get()
+    return _current.get(Backend())
 
 
 @contextlib.contextmanager

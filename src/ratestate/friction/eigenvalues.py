@@ -10,24 +10,17 @@ def steady_modes(eta, kappa, beta, margin):
 
         eta L^3 + (1 + eta) L^2 + (1 - beta + kappa) L + kappa = 0
 
-    Parameters
-    ----------
-    eta : ndarray
-        M V^2/(sigma a Dc) (eq. 7), >= 0.
-    kappa : ndarray
-        K Dc/(a sigma), > 0.
-    beta : ndarray
-        b/a.
-    margin : ndarray
-        (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta); given by the caller, because all
-        digits that it loses are lost by the growth rate.
+    Three along the last axis, by descending real part, a conjugate pair with its positive imaginary
+    part first.  Each is good to a few units in the last place of its modulus unless it is nearly a
+    double one; at eta = 0 the last is -inf.
 
-    Returns
-    -------
-    complex ndarray
-        Shape of the arguments and then 3, by descending real part, a conjugate pair with its
-        positive imaginary part first.  Each is good to a few units in the last place of its
-        modulus unless it is nearly a double one; at eta = 0 the last is -inf.
+    ======  =======================================================================
+    eta     M V^2/(sigma a Dc) (eq. 7), >= 0
+    kappa   K Dc/(a sigma), > 0
+    beta    b/a
+    margin  (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta); given by the caller, because all
+            digits that it loses are lost by the growth rate
+    ======  =======================================================================
     """
     rho = _isolated_root(eta, kappa, beta)
     # With L = -rho/eta known, the other two solve L^2 + p L + q = 0.  In this form of p nothing

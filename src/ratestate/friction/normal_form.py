@@ -55,12 +55,7 @@ def third_order(b1, h2, h3):
 def lyapunov_1(eta, b1, h2, h3):
     """First Lyapunov coefficient [V/Dc] at the Hopf bifurcation, and its rounding error.
 
-    Parameters
-    ----------
-    eta, b1 : float or array
-        M V^2/(sigma a Dc) (eq. 7), >= 0, and b/a - 1, > 0.
-    h2, h3 : float
-        The law's, see `law_curvatures`.
+    eta, b1 : M V^2/(sigma a Dc) (eq. 7), >= 0, and b/a - 1, > 0; h2, h3 : see `law_curvatures`
     """
     powers = 1.0, eta, eta**2, eta**2 * eta
     terms = [c * power for c, power in zip(third_order(b1, h2, h3), powers, strict=True)]

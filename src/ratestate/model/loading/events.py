@@ -10,7 +10,7 @@ from ..units import is_array, to_si
 def step(loading, t, V):
     """The fields of a `Loading` that change by a step at t [s] to V [m/s]."""
     t = _time(loading, t)
-    return _changed(loading, t, {t: (_speed(t, V), 0.0)}, returns=None)
+    return _changed(loading, t, {t: (speed_from(t, V), 0.0)}, returns=None)
 
 
 def hold(loading, t, duration):
@@ -23,7 +23,7 @@ def hold(loading, t, duration):
 
 def ramp(loading, t, V, duration):
     """The fields of a `Loading` that change by a ramp from t [s] on, to V within a duration [s]."""
-    t, V = _time(loading, t), _speed(t, V)
+    t, V = _time(loading, t), speed_from(t, V)
     end = _end(t, duration, "ramp")
     before = loading.V[..., -1]
     check_aligned({"V_lp before": before, f"V_lp from t = {end!r} s on": V})
@@ -41,9 +41,7 @@ def _time(loading, t):
             f"the history ends at t = {loading.t_last!r} s, and nothing can follow; "
             f"give steps to a constant speed, or put them into the rows of the series"
         )
-    t = to_si("t", t, bound="> 0")
-    if is_array(t):
-        raise ParameterError("the time of a step is one number, common to all cases")
+    t = one_time(t, "the time of a step")
     last = float(loading.t[-1])
     if loading.returns and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
         return last
@@ -55,15 +53,22 @@ def _time(loading, t):
     return t
 
 
-def _speed(t, V):
+def one_time(t, what, label=None):
+    """A time [s], > 0, that is no array."""
+    t = to_si("t", t, label=label, bound="> 0")
+    if is_array(t):
+        raise ParameterError(f"{what} is one number, common to all cases")
+    return t
+
+
+def speed_from(t, V):
+    """The speed [m/s], >= 0, from t [s] on."""
     return to_si("V_lp", V, label=f"V_lp from t = {t!r} s on", bound=">= 0")
 
 
 def _end(t, duration, label):
     """When an event is over [s]."""
-    lasting = to_si("t", duration, label=label, bound="> 0")
-    if is_array(lasting):
-        raise ParameterError(f"the duration of a {label} is one number, common to all cases")
+    lasting = one_time(duration, f"the duration of a {label}", label)
     if not t < t + lasting < np.inf:
         raise ParameterError(f"{label} = {duration!r} is too short or too long after t = {t!r} s")
     return t + lasting

@@ -65,16 +65,13 @@ class Loading(Segments):
         for step in steps:
             if not isinstance(step, tuple | list) or len(step) != 2:
                 raise ParameterError(f"step {step!r} is not a pair (t, V) such as (1.0, 3.2e-3)")
-            t = to_si("t", step[0], label=f"t of step {len(times)}", bound="> 0")
-            if is_array(t):
-                raise ParameterError("the time of a step is one number, common to all cases")
+            t = events.one_time(step[0], "the time of a step", f"t of step {len(times)}")
             if t <= times[-1]:
                 raise ParameterError(
                     f"t = {t!r} s of step {len(times)} must come after t = {times[-1]!r} s; "
                     f"give the steps in order of time"
                 )
-            label = f"V_lp from t = {t!r} s on"
-            speeds[label] = to_si("V_lp", step[1], label=label, bound=">= 0")
+            speeds[f"V_lp from t = {t!r} s on"] = events.speed_from(t, step[1])
             times.append(t)
         V = stack(speeds)
         return cls(np.array(times), V, 0.0 * V)

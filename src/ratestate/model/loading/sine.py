@@ -60,8 +60,7 @@ def checked_sine(V_lp, amplitude, period, frequency):
 
 def lines(sine, t_end):
     """The lines from 0 to t_end [s]: t, V, rate, t_last, the fields of a `Loading`."""
-    t_end = to_si("t_end", t_end)
-    t_end = float(np.max(t_end))
+    t_end = float(np.max(to_si("t_end", t_end)))
     needed = t_end / sine.period * LINES
     cases = np.size(sine.V_lp + sine.amplitude)
     if not (needed <= MOST_LINES and needed * cases <= MOST_SPEEDS):
