@@ -110,6 +110,13 @@ def commit_lane(s, l, law):
     A perturbation along the orbit is a shift in time.  It grows and shrinks with the speed of the
     state, by twenty orders of magnitude in a stick-slip cycle, and would take all digits of the
     rest: it is taken out after each step.
+
+    ================  ===================================================
+    f_x, f_v, f_psi   speed of the state, d/dT
+    pace              the largest of these; r_x, r_v, r_psi: their parts of it
+    a_x, ...; b_x     the two perturbations after the step
+    along_a, along_b  what they have along the orbit, over pace
+    ================  ===================================================
     """
     ok = s[R.OK + l] > 0.0
     beta, w = s[R.BETA + l], s[R.W + l]

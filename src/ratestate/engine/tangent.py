@@ -53,7 +53,13 @@ def tangent(du, at, k, rest, curvature, r, p, start):
 
     As V falls, v's perturbation grows like 1/w and h shrinks like w: m/h comes before it.
 
-    at : what `slopes` gave there; curvature : what `second_derivatives` gave; r : 1/h
+    =========  ==============================================================
+    at         what `slopes` gave there: ratio w_start/w, g, kappa w, and the law's derivatives
+    curvature  what `second_derivatives` gave, row by column of J
+    dg         change of g = x - v - beta psi by du
+    r_x, ...   right-hand side of each row
+    r          1/h
+    =========  ==============================================================
     """
     beta = p[2]
     ratio, g, kappa_w, f_v, f_psi = at
