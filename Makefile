@@ -24,13 +24,14 @@ explore: .venv/.ready ## open the explorer in the browser; ARGS="--port 8000 --n
 test: .venv/.ready ## run the tests on 2 processes
 	$(BIN)/pytest -n 2 $(ARGS)
 
-check: .venv/.ready ## lint, formatting, types, direction of imports, names
+check: .venv/.docs ## lint, formatting, types, direction of imports, names, docstrings
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tools/check_imports.py
 	$(BIN)/python tools/check_words.py
+	$(BIN)/python tools/check_docstrings.py
 
 docs: .venv/.docs ## build the documentation, its code executed and its links checked, into build/docs
 	$(BIN)/sphinx-build --quiet --nitpicky --fail-on-warning --keep-going docs build/docs/html

@@ -88,6 +88,13 @@ def plain(value):
 def parameter(result, symbol):
     """A parameter of the slider that a result was made with, or its V_lp.
 
+    Parameters
+    ----------
+    result : xarray.Dataset
+        A result of any function.
+    symbol : str
+        The parameter's symbol, such as "K", or "law" or "V_lp".
+
     Returns
     -------
     float, DataArray or str

@@ -70,16 +70,32 @@ class SpringSlider:
 
     @property
     def parameters(self):
-        """dict of all parameters, symbol -> value, with which to build the slider again."""
+        """All parameters, symbol -> value, with which to build the slider again."""
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     def replace(self, **changes):
-        """A slider with some parameters changed, and checked like any other."""
+        """A slider with some parameters changed, and checked like any other.
+
+        Parameters
+        ----------
+        **changes
+            New values of parameters, as for `SpringSlider`.
+
+        Returns
+        -------
+        SpringSlider
+            The new slider; this one stays as it is.
+
+        Raises
+        ------
+        ParameterError
+            A value of a wrong unit or range.
+        """
         return dataclasses.replace(self, **changes)
 
     @property
     def values(self):
-        """dict of the parameters that are quantities: `parameters` but for the law."""
+        """The parameters that are quantities: `parameters` but for the law."""
         return {symbol: getattr(self, symbol) for symbol in PARAMETERS}
 
     @property
@@ -98,11 +114,33 @@ class SpringSlider:
         return named("f_n", f_n(**self._pick("K M")))
 
     def K_c(self, V):
-        """Critical stiffness [Pa/m] for sliding at V [m/s] (eq. 6): unstable where K < K_c."""
+        """Critical stiffness for sliding at V (eq. 6): unstable where K < K_c.
+
+        Parameters
+        ----------
+        V : float, str, pint.Quantity or DataArray
+            Slip velocity [m/s], > 0.
+
+        Returns
+        -------
+        float or DataArray
+            K_c [Pa/m].
+        """
         return named("K_c", K_c(self._speed(V), **self._pick("a b Dc sigma M")))
 
     def eta(self, V):
-        """Dynamic instability coefficient [1] for sliding at V [m/s] (eq. 7)."""
+        """Dynamic instability coefficient for sliding at V (eq. 7).
+
+        Parameters
+        ----------
+        V : float, str, pint.Quantity or DataArray
+            Slip velocity [m/s], > 0.
+
+        Returns
+        -------
+        float or DataArray
+            Coefficient eta [1].
+        """
         return named("eta", eta(self._speed(V), **self._pick("a Dc sigma M")))
 
     def _pick(self, symbols):

@@ -26,8 +26,11 @@ def serve(port=None, open_browser=True, fragment=""):
     sys.stdout.flush()
     if open_browser:
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    server = server_at(listening)
     with listening:
-        server_at(listening).run(sockets=[listening])
+        server.run(sockets=[listening])
+    if server.started:  # nothing else ends it; the interrupt came where Python drops exceptions
+        raise KeyboardInterrupt
 
 
 def server_at(listening):

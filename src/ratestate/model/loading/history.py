@@ -40,7 +40,18 @@ class Loading(Segments):
 
     @classmethod
     def constant(cls, V):
-        """One speed V [m/s], >= 0, for ever."""
+        """One speed for ever.
+
+        Parameters
+        ----------
+        V : float, str, pint.Quantity or DataArray
+            Speed [m/s], >= 0.
+
+        Returns
+        -------
+        Loading
+            The history.
+        """
         V = stack({"V": to_si("V_lp", V, label="V", bound=">= 0")})
         return cls(np.zeros(1), V, 0.0 * V)
 
@@ -129,6 +140,12 @@ class Loading(Segments):
         t : float, str or pint.Quantity
             Later than what happens last in the history, or where a hold or ramp ends.
         V : float, str, pint.Quantity or DataArray
+            Speed from then on [m/s], >= 0.
+
+        Returns
+        -------
+        Loading
+            The longer history; this one stays as it is.
 
         Raises
         ------
@@ -143,16 +160,48 @@ class Loading(Segments):
         return dataclasses.replace(self, **events.step(self, t, V))
 
     def hold(self, t, duration):
-        """The same history up to time t [s], then rest for a while [s], then the speed before it.
+        """The same history up to time t, then rest for a while, then the speed before it.
 
-        Parameters and errors as for `step`.
+        Parameters
+        ----------
+        t : float, str or pint.Quantity
+            Its start [s], from the end of what happens last in the history on.
+        duration : float, str or pint.Quantity
+            Length of the rest [s], > 0.
+
+        Returns
+        -------
+        Loading
+            The longer history; this one stays as it is.
+
+        Raises
+        ------
+        ParameterError
+            A wrong unit or range; a history with an end, such as a series.
         """
         return dataclasses.replace(self, **events.hold(self, t, duration))
 
     def ramp(self, t, V, duration):
-        """The same history up to t [s], then a steady change of speed for a while [s] to V [m/s].
+        """The same history up to time t, then a steady change of speed to V.
 
-        Parameters and errors as for `step`.
+        Parameters
+        ----------
+        t : float, str or pint.Quantity
+            Its start [s], from the end of what happens last in the history on.
+        V : float, str, pint.Quantity or DataArray
+            Speed in the end [m/s], >= 0.
+        duration : float, str or pint.Quantity
+            Length of the change [s], > 0.
+
+        Returns
+        -------
+        Loading
+            The longer history; this one stays as it is.
+
+        Raises
+        ------
+        ParameterError
+            A wrong unit or range; a history with an end, such as a series.
         """
         return dataclasses.replace(self, **events.ramp(self, t, V, duration))
 
