@@ -23,4 +23,5 @@ def claims(law="slip", measurements=MEASUREMENTS):
     """
     evolution_law(law)  # an unknown one is refused
     measured = {name: row for measure in measurements for name, row in measure(law).items()}
-    return [claim(name, law, measured[name]) for name in statements() if name in measured]
+    order = list(statements())
+    return [claim(name, law, measured[name]) for name in sorted(measured, key=order.index)]
