@@ -16,9 +16,8 @@ import ratestate as rs
 from ratestate.paper.parameters import FIG2
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.problem import Problem as Search
-from ratestate.records.fitting.problem import search
+from ratestate.records.fitting.problem import search, unknowns_of
 from ratestate.records.fitting.record import record_of
-from ratestate.records.fitting.starts import unknowns_of
 from ratestate.records.fitting.unknowns import to_coordinate, to_value
 
 SAMPLES, SEED = 3000, 6
