@@ -19,7 +19,7 @@ from precise import FINER, TOL, NoCycle, Real, Slider, Solver
 
 import ratestate as rs
 from ratestate.dynamics.continuation import family
-from ratestate.dynamics.continuation.folds import folds
+from ratestate.dynamics.continuation.coexistence import folds
 from ratestate.dynamics.cycles.limit_cycle import limit_cycle_call
 from ratestate.engine.exp import LIMIT
 

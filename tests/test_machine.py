@@ -8,7 +8,7 @@ import pytest
 
 import ratestate as rs
 from ratestate import machine
-from ratestate.dynamics.continuation import basin
+from ratestate.dynamics import basin
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import xarray
 
 import ratestate as rs
 from ratestate import plot
-from ratestate.dynamics.continuation import basin
+from ratestate.dynamics import basin
 
 slider = rs.SpringSlider(
     a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="606 MPa/m", law="aging"

@@ -80,7 +80,7 @@ _HOMES = {
 #: module as it is documented, and was when all modules lay side by side -> where it is now
 _MODULES = {
     "atlas": "dynamics.atlas",
-    "basin": "dynamics.continuation.basin",
+    "basin": "dynamics.basin",
     "fitting": "records.fitting",
     "hopf": "dynamics.hopf",
     "lab": "records.reading",

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 import ratestate as rs
 from ratestate import ParameterError, SpringSlider, limit_cycle, plot
 from ratestate.dynamics.atlas import atlas
-from ratestate.dynamics.continuation.folds import folds
+from ratestate.dynamics.continuation.coexistence import folds
 from ratestate.dynamics.cycles.attractor import find_attractors
 from ratestate.dynamics.cycles.regimes import REGIMES, classify
 from ratestate.dynamics.cycles.shooting import (

@@ -14,7 +14,7 @@ from numba import njit
 from synthetic_records import SLIDER, STEP, record
 
 import ratestate as rs
-from ratestate.dynamics.continuation.basin import escape
+from ratestate.dynamics.basin import escape
 from ratestate.engine import dispatch, lanes
 from ratestate.engine import return_map as returns
 from ratestate.engine import rows as R

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import ratestate as rs
-from ratestate.dynamics.continuation.basin import escape
+from ratestate.dynamics.basin import escape
 from ratestate.engine.model import STEADY_SLIDING
 from ratestate.friction.laws import aging_runs_away, slip_runs_away
 from ratestate.friction.quasi_static import runaway_step_lower_bound, runaway_step_upper_bound

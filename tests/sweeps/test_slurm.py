@@ -15,9 +15,8 @@ from distributed import Client, Worker
 
 import ratestate as rs
 from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
-from ratestate.sweeps import calls, cluster, connect
-from ratestate.sweeps import jobs as slurm_jobs
-from ratestate.sweeps.jobs import Jobs, State, squeue
+from ratestate.sweeps import calls, cluster, connect, slurm_jobs
+from ratestate.sweeps.slurm_jobs import Jobs, State, squeue
 
 SLIDER = rs.SpringSlider(
     a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=rs.logspace("M", 1e2, 1e5, 90)

@@ -13,7 +13,7 @@ from ..model.arrays import logspace
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider
 from ..model.units import is_array, to_si
-from .continuation.folds import folds
+from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import REGIMES, classify
 from .hopf import bautin, hopf

@@ -34,8 +34,9 @@ def stability(slider, V_lp):
         ``K_c_qs`` [Pa/m], ``eta`` (eq. 7), ``V_c`` (eq. 10) [m/s], ``f_n`` [Hz], ``eigenvalues``
         [1/s] (last dimension ``mode``, least stable first), ``growth_rate`` [1/s] and ``omega``
         [rad/s] (real and imaginary part of the first mode; omega is 0 if it does not
-        oscillate), ``omega_c`` [rad/s] and ``stable`` (K > K_c).  For limits such as M = 0,
-        K = inf or b <= a see the functions of the same names in `ratestate.stability`.
+        oscillate), ``omega_c`` [rad/s] and ``stable`` (K > K_c).  Where K = inf, sliding
+        is stable, V_c and f_n are inf, and the eigenvalues are -V/Dc and twice -inf; for other
+        limits see the functions of these names in the module `ratestate.stability`.
 
     Raises
     ------

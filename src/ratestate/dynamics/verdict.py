@@ -10,11 +10,11 @@ from ..engine.model import STEADY_SLIDING
 from ..errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
-from .continuation.folds import folds
+from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import UNKNOWN, classify
 from .steady_sliding import stability
-from .wording import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
+from .verdict_sentences import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
 
 # K/K_c up to which a fold is sought; the aging law's branches fold below 1.016, for any b/a.
 FOLDS_BELOW = 1.02
@@ -53,7 +53,7 @@ class Verdict:
         Stress maxima in a period; None without a cycle.
     mu_min, reversal_margin : float or None
         Smallest mu and tau/sigma + mu of the motion reached: below 0 it leaves the domain of the
-        friction law (see `ratestate.dynamics.results.domain_variables`).
+        friction law (see `ratestate.dynamics.domain.domain_variables`).
     multiplier : complex or None
         Largest Floquet multiplier beside 1: the factor by which a disturbance changes in a cycle.
     K_fold : float or None

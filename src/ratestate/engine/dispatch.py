@@ -22,7 +22,9 @@ MAX_ROWS = 10_000_000  # of a path: 320 MB
 
 
 def run_march(method, law, cases, loads, save_times, order, alone, progress=None):
-    """`Results` of all cases, on as many threads as there are cores and full sets of lanes.
+    """`Results` of all cases, on one thread a core, but no more than full sets of lanes.
+
+    At most `backend.Backend.threads`, or on its device; `backend.Stopped` where that stops it.
 
     cases, loads : Cases, Loads (model.py); method, law : their codes
     save_times : (rows, n_times) [s]
@@ -63,7 +65,7 @@ def run_returns(law, starts, alone):
 
 
 def _share(order, worker, progress=None):
-    """Let as many workers (callable, queue -> `_Worker`) as there are cores take all cases."""
+    """Let workers (callable, queue -> `_Worker`) take all cases: one a core, with full lanes."""
     n = len(order)
     if n == 0:  # nothing for which to load, or even compile, the kernels
         return

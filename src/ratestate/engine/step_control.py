@@ -18,7 +18,7 @@ def step_size(h, t_break, t, t_low):
 
 @inlined
 def control_step(s, l):
-    """Accept or reject a step and choose the next size, by a PI controller.
+    """Accept or reject a step of lane l (OK, BAD) and choose the next size, by a PI controller.
 
     Powers are taken by square roots, which vectorise.
     """

@@ -1,4 +1,4 @@
-"""One step of Rodas5P together with its derivative in two directions.
+"""One step of Rodas5P together with its derivative in two directions (variational equation).
 
 A Rosenbrock method applied to y' = f(y), z' = J(y) z, with the exact Jacobian of both, is the
 derivative of the same method's step at fixed step size.  So the matrix is the one of `rodas5p`,

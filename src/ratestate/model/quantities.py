@@ -26,7 +26,7 @@ KINDS = {
 }
 #: power of ten -> prefix
 PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
-#: unit -> the powers of ten with which values are shown, where there are any
+#: unit -> the powers of ten with which values are shown, if any: 0.0032 m/s as 3.2 mm/s
 POWERS = {
     "m": (0, -3, -6, -9),
     "s": (0, -3, -6),

@@ -1,8 +1,9 @@
-"""The one door by which values come in.
+"""The one door by which values come in; quantities.py shows them as text.
 
 Inside ratestate every value is in SI.  `to_si` turns what a user writes (a number, ``"10 um"``,
 a pint quantity, a named DataArray) into a float or a DataArray in SI, or raises a
 `ParameterError` that names symbol, value, unit and remedy.
+All units of pint are read; those that it lacks are defined in `_registry`.
 """
 
 import functools

@@ -2,5 +2,6 @@
 
 `parameters` holds the paper's values; ``fig1`` to ``fig6`` each compute the numbers of a figure
 and draw them, `scheme` does so for the error of the paper's scheme; `figures` writes the files.
-`claims` checks what the paper says, and `claims_table` writes it down.
+claims.toml has what the paper says, ``claims_steps``, ``claims_cycles`` and ``claims_regimes``
+measure it, `claims` compares the two, and `claims_table` writes that down.
 """

@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 
 from .. import Loading, continue_cycle, logspace, plot, simulate
-from ..dynamics.continuation.basin import escape
+from ..dynamics.basin import escape
 from ..friction.quasi_static import runaway_step, runaway_step_lower_bound, runaway_step_upper_bound
 from ..model.quantities import attrs
 from ..plot.layout import figure, letters, styled

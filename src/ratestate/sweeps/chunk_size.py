@@ -19,12 +19,12 @@ BUDGET = 0.02
 # A chunk: how many seconds it takes, at least (below, overhead shows) and at most (what a power
 # failure costs); how many chunks each worker gets in a long sweep; the largest size in bytes.
 SECONDS = (1.0, 10.0)
-SHARE = 16
+CHUNKS_PER_WORKER = 16
 MOST_BYTES = 1 << 27
 # Towards the end of a chunk lanes idle: a tenth of the time if it has 8 times as many cases as
 # there are lanes.  A chunk has so many, or fewer where they take longer than LONGEST [s], but
 # never fewer cases than lanes.
-FULL = 8 * LANES
+CASES_TO_FILL_LANES = 8 * LANES
 LONGEST = 600.0
 # A GPU works on this many cases in parallel.
 CASES_ON_GPU = 1 << 17
@@ -60,7 +60,9 @@ def sample_indices(sizes, most):
 
 
 def cases_per_chunk(request, workers, shared):
-    """How many cases a chunk should have; in a long sweep each worker gets several chunks.
+    """How many cases a chunk should have, where `sweep` was not given a number.
+
+    In a long sweep each worker gets several chunks.
 
     workers : number of workers, each with one core
     shared : whether all workers can share one chunk, which keeps their lanes full in a small sweep
@@ -71,14 +73,14 @@ def cases_per_chunk(request, workers, shared):
         return min(n, CASES_ON_GPU, fits)
     sample = cut(request.call, sample_indices(batch.sizes, min(SAMPLE, fits)))
     try:
-        a_case = max(request.run(seconds_per_case, sample, specs), 1e-9)
+        case_seconds = max(request.run(seconds_per_case, sample, specs), 1e-9)
     except RateStateError:
         raise
     except Exception:  # a case of the sample killed its worker, so the cost is unknown
-        a_case = LONGEST
-    full = float(np.clip(LONGEST / a_case, LANES, FULL))
+        case_seconds = LONGEST
+    full = float(np.clip(LONGEST / case_seconds, LANES, CASES_TO_FILL_LANES))
     if shared and n < 2 * workers * full:
-        return min(n, fits, math.ceil(LONGEST * workers / a_case))
-    seconds = float(np.clip(n * a_case / (SHARE * workers), *SECONDS))
-    number = workers * math.ceil(n * a_case / (seconds * workers))
+        return min(n, fits, math.ceil(LONGEST * workers / case_seconds))
+    seconds = float(np.clip(n * case_seconds / (CHUNKS_PER_WORKER * workers), *SECONDS))
+    number = workers * math.ceil(n * case_seconds / (seconds * workers))
     return min(n, fits, math.ceil(max(n / number, full)))

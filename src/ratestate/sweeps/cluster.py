@@ -13,8 +13,8 @@ from ..dynamics.results import versions
 from ..errors import RateStateError, SolverError
 from ..model.arrays import cut
 from . import sentence
-from .jobs import Jobs
 from .progress import to_stderr
+from .slurm_jobs import Jobs
 from .subprocesses import SubprocessTasks
 from .task import call_on_worker
 

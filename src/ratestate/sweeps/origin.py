@@ -1,5 +1,7 @@
 """The origin of results: versions of programs and kind of processor, which decide last digits.
 
+resume.py refuses a store of another origin, task.py a worker of another.
+
 A kind of processor is that for which numba compiles: ``target`` and ``cpu``, LLVM's names for it,
 the ``features`` that code may use and, for the device "cuda", ``gpu``.
 """

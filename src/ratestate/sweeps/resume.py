@@ -17,7 +17,11 @@ from .store import Store, as_store_error, matching_record, to_disk, zarr_3_warni
 
 
 def resume_store(path, request):
-    """Restore damaged files of the store at a path, and open it; the process must hold its lock."""
+    """Restore damaged files of the store at a path, and open it as a `Store`.
+
+    The process must hold its lock.  StoreError: the store of another sweep or origin, or damage
+    that cannot be mended; a RuntimeWarning names what was mended.
+    """
     record = matching_record(path, request)
     with as_store_error(path):
         flaws = dict.fromkeys(record.flaws)

@@ -7,7 +7,7 @@ from dask_jobqueue.slurm import SLURMCluster, SLURMJob
 from distributed.core import Status
 from distributed.deploy.spec import SpecCluster
 
-from .jobs import Jobs
+from .slurm_jobs import Jobs
 
 
 class Job(SLURMJob):

@@ -49,7 +49,8 @@ class Options(NamedTuple):
 class Branch(NamedTuple):
     """Fixed points in their order along a branch, and why it ends.
 
-    `end` is "stop" or "start" (the last point has exactly this p, and this as `special`), "hopf"
+    `end` is "stop" or "start" (the last point has exactly this p, and this as `special`, unless the
+    branch led away beyond "start" at once), "hopf"
     (at the last point `amplitude` is 0, or it is below and falling at the first), "no return"
     (the map has no image beyond), "no convergence" or "max_points".  Points of special "fold",
     "period_doubling" and "torus" lie where tests of multipliers vanish, to within noise.

@@ -63,11 +63,13 @@ def unit(vector):
 
 
 def solve(problem, guess, normal, along, weights, tol):
-    """The fixed point on the plane through `guess` that `normal` is perpendicular to.
+    """The fixed point, a `Point`, on the plane through `guess` that `normal` is perpendicular to.
 
-    Solves P(u, p) - u = 0 and normal . (z - z_guess) = 0 by Newton's method.  `normal` and `along`,
-    with which the tangent makes an acute angle, are in the coordinates z = y/weights; the last unit
-    vector as `normal` keeps p exactly as it is.  tol = 0: as small as noise allows.
+    Solves P(u, p) - u = 0 and normal . (z - z_guess) = 0 by Newton's method.  The tangent
+    points to the side of `along`, which like `normal` is in the coordinates z = y/weights; the last
+    unit vector as `normal` keeps p exactly as it is.  tol = 0: as small as noise allows.
+
+    Raises `Lost` where the map has no image, or Newton's method does not converge.
     """
     y, last = np.array(guess), np.inf
     for iteration in range(1, MAX_ITERATIONS + 1):

@@ -23,7 +23,7 @@ from .shooting import distance, multipliers, newton_step, small_amplitude, tight
 LONGEST_PERIOD = 32
 # Longest leap, and longest step of Newton's method that is trusted, relative to the distance from
 # u = 0.
-STEP_LIMIT = 0.3
+LARGEST_LEAP = 0.3
 # Share of the linear contraction by which the map may be nonlinear on the way to a fixed point.
 NONLINEAR = 0.5
 # Reversals in a row after which an orbit counts as alternating.
@@ -79,7 +79,7 @@ def advance_search(system, returns, current, search, rtol, loosest, leap):
     """
     local = _local_map(system, returns, current, rtol)
     on_orbit = ~search["ahead"]
-    limit = np.where(on_orbit, search["step_limit"], STEP_LIMIT)
+    limit = np.where(on_orbit, search["step_limit"], LARGEST_LEAP)
     trusted = local.attracts & (local.step <= limit)
     leapt = _leap(system, returns, current.u, local, leap & on_orbit)
     search["next_u"][on_orbit] = leapt[on_orbit]
@@ -92,7 +92,7 @@ def advance_search(system, returns, current, search, rtol, loosest, leap):
     search["ahead"] = trusted & ~refuted
     doubled = _alternates(system, search, returns.image - current.u, local.first, refuted, on_orbit)
     doubled &= ~converged & (2 * current.n_returns <= LONGEST_PERIOD)
-    search["step_limit"][doubled], search["reversals"][doubled] = STEP_LIMIT, 0
+    search["step_limit"][doubled], search["reversals"][doubled] = LARGEST_LEAP, 0
     go = search["ahead"] | converged
     next_u = np.where(go[:, None], local.target, search["next_u"])
     next_tol = np.where(go, _tolerance(local, local.step, loosest), search["next_tol"])
@@ -160,7 +160,7 @@ def _leap(system, returns, u, local, may):
         slow = (matrix @ move[:, :, None])[:, :, 0] / (first - second).real[:, None]
         along = distance(system, slow)
         until = 0.5 * along / np.abs(1.0 - first)
-        more = np.minimum(STEP_LIMIT * size, until) / along - 1.0
+        more = np.minimum(LARGEST_LEAP * size, until) / along - 1.0
         # Without inertia orbits are all but neutral at K_c_qs: a leap there would be a random walk.
         may = may & (first.imag == 0.0) & (first.real > 0.0) & (system.eta > 0.0)
         leapt = returns.image + np.where(may, more, 0.0)[:, None] * slow

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
-from .attraction import LOOSEST, SEARCH, STEP_LIMIT, advance_search
+from .attraction import LARGEST_LEAP, LOOSEST, SEARCH, advance_search
 from .iterates import iterated_map
 from .shooting import distance, return_map, select, small_amplitude, tightest
 from .small_cycles import curvature, small_cycle
@@ -23,7 +23,7 @@ CLOSES = 1e-4
 # Amplitude of ln V below which a stable steady sliding is reached; and below which a cycle is
 # small enough for harmonic balance.
 STEADY, SMALL = 1e-2, 2e-2
-# A looser answer would not be cheaper.
+# Loosest relative accuracy of a cycle: a looser one would not be cheaper.
 LOOSEST_ANSWER = 1e-5
 
 
@@ -62,13 +62,15 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
     """Follow n sliders from the states start (n, 3) to their attractors; `CycleEstimates`.
 
     Each step of the search is one return of all orbits that have not arrived, or as many as make
-    the period that the orbit seems to have.  An orbit has arrived where Newton's method has found
-    the cycle that attracts it (FINISHED), near stable steady sliding (STEADY_SLIDING), or where it
-    does not come back to the section; it is given up after MAX_RETURNS (NO_CONVERGENCE).
+    the period that the orbit seems to have.  An orbit has arrived where Newton's method, or near
+    the Hopf point harmonic balance, has found the cycle that attracts it (FINISHED), and near
+    stable steady sliding (STEADY_SLIDING).  One that does not come back to the section keeps the
+    status of that return; one still under way after MAX_RETURNS returns or MAX_SEARCH_STEPS steps
+    of the search is given up (NO_CONVERGENCE).
 
     rtol : relative accuracy of the cycle
     alone : whether this is the one case of a call
-    progress : callable or None, given the fraction of sliders that have reached an attractor
+    progress : callable or None, given the fraction of sliders whose search is over
     loosest : (n,) largest tolerance of a return; the orbit itself is followed at least this closely
     """
     n = len(start)
@@ -81,7 +83,7 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
     estimates = single_returns(first.image.copy(), loosest.astype(float), period, status=status)
     search, followed = np.zeros(n, SEARCH), np.ones(n, np.int64)
     balance_untried = ~stable
-    search["step_limit"] = STEP_LIMIT
+    search["step_limit"] = LARGEST_LEAP
     for number in range(MAX_SEARCH_STEPS):
         active = np.flatnonzero((estimates.status == RUNNING) & (followed < MAX_RETURNS))
         if progress:

@@ -16,7 +16,9 @@ def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
 
     The numbers are those of all returns together: sums, extremes, Fourier integrals of a phase
     that runs on, and derivatives of times by the first u.  They also have x_high, the largest
-    stress maximum from u on, without that at the end (on a cycle it is the first again).
+    stress maximum from u on, without that at the end (on a cycle it is the first again).  Extremes
+    and Fourier integrals are there only with a `period`.  A slider that does not come back keeps
+    the status of that return, and its image is NaN.
 
     period : (n,) of all returns together
     """

@@ -5,7 +5,8 @@ import numpy as np
 from ...engine.model import STEADY_SLIDING
 from ...friction.laws import mu_ss
 from ...friction.stability import K_c
-from ..results import columns, domain_variables, status_variable
+from ..domain import domain_variables
+from ..results import columns, status_variable
 from ..simulation.cases import speed
 
 #: their names, which a dimension or coordinate of the sweep cannot have

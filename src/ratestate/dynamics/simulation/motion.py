@@ -10,7 +10,8 @@ from ...engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, Loads
 from ...friction.laws import evolution_law
 from ...model.initial_state import initial_state
 from ...model.units import is_array
-from ..results import columns, domain_variables
+from ..domain import domain_variables
+from ..results import columns
 from . import rigid
 from .cases import engine_cases, run_cases, run_path, speed
 

@@ -101,7 +101,8 @@ def simulate(
     QuasiStaticInstability
         M = 0, and no quasi-static motion exists beyond some time before t_end.
     SolverError
-        Any other run without an answer.  In a sweep such cases are NaN, with their status.
+        Any other run without an answer.  In a sweep the motion of such cases is NaN, with their
+        status.
 
     Examples
     --------

@@ -1,4 +1,7 @@
-"""How commands exit: statuses, messages, and a traceback with --debug."""
+"""How commands exit: statuses, messages, and a traceback with --debug.
+
+Status 3, some cases failed, is that of `fit`, `sweep` and the commands of run_scenario.
+"""
 
 import atexit
 import contextlib

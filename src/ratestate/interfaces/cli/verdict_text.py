@@ -6,7 +6,7 @@ from typing import NamedTuple
 import xarray
 
 from ...dynamics.verdict import Verdict, verdict, verdict_of_cycle
-from ...dynamics.wording import RUNAWAY
+from ...dynamics.verdict_sentences import RUNAWAY
 from ...model.sentences import Sentences
 from ..scenario import Scenario
 

@@ -5,7 +5,7 @@
     server.py          port, address, browser, end
     app.py             page and WebSocket, for this machine's browser only
     session.py         one page's questions into queues, the answers back
-    question_queue.py  questions of one kind, the newest first, with a time limit each
+    question_queue.py  questions of one kind in order, with a time limit each; the oldest drop out
     wire.py            questions and answers as bytes
     budget.py          the time limit of a question
     entries.py         from typed entries to a slider, and back; the paper's sliders

@@ -89,9 +89,10 @@ def fit(
         ``log_likelihood``, ``aic``, ``bic``.  Profiles: ``profile_value`` [SI] and
         ``profile_deviance`` along ``profile_point``.  Posterior: ``posterior`` along ``sample``,
         all of the same weight, ``log_evidence`` and the sampler's diagnostics; the attribute
-        ``prior``.  Several laws lie along ``law``, with ``aic_difference``, ``akaike_weight``,
-        ``log_bayes_factor`` and the attribute ``comparison``.  The texts are ``warnings`` (a
-        line each; "" if there are none) and ``identifiability``, a note on what is determined.
+        ``prior``.  With several laws all this is in one Dataset along ``law``, with
+        ``aic_difference``, ``akaike_weight``, ``log_bayes_factor`` and the attribute
+        ``comparison``; what only some laws have is NaN or "" for the others.  The texts are
+        ``warnings`` (a line each; "" if there are none) and ``identifiability``, a note on what is determined.
 
     Raises
     ------

@@ -52,7 +52,10 @@ class Solution(NamedTuple):
 
 
 def solve(record, slider, law, free, noise, start):
-    """The `Solution` of a record under a law (code); the noise is estimated if it is None."""
+    """The `Solution` of a record under a law (code); the noise is estimated if it is None.
+
+    start : {"steady", "free", "auto"}; "auto" frees the state at the start if that fits far better
+    """
     unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
     solution = solution_from(problem, _best_start(problem, slider, law), noise)

@@ -41,8 +41,9 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     xarray.Dataset
         Along ``time`` [s]: ``friction`` (tau/sigma where only these were recorded), ``delta_lp``
         [m] or ``V_load`` [m/s], and ``tau`` and ``sigma`` [Pa] if they were recorded.  Along
-        ``segment``: ``segment_t`` [s], ``segment_V`` [m/s] (0 in a hold) and their standard errors
-        ``segment_t_error`` and ``segment_V_error``: the load point's constant speeds.  The
+        ``segment`` the load point's constant speeds: ``segment_t`` [s], when each begins (the first
+        with the record, the others at steps), ``segment_V`` [m/s] (0 in a hold), and their standard
+        errors ``segment_t_error`` and ``segment_V_error``.  The
         attribute ``found`` is a text on steps and holds, ``notes`` (a JSON list) has what was left
         out or looks odd, by row, and ``columns`` (JSON) the source of each variable.
 

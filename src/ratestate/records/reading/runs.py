@@ -65,9 +65,10 @@ def breakpoints(runs):
 
 
 def refine_breakpoints(runs):
-    """Runs with the rows that lie between their breaks: the joint least squares.
+    """The runs with each row on its own side of the breaks, which is the joint least squares.
 
-    Neighbours with rows between them that belong to neither (a ramp) keep them so.
+    Rows change sides until none does, or this was seen before, or ROUNDS have passed.  Neighbours
+    with rows between them that belong to neither (a ramp) keep them so.
     """
     t, x = runs[0].t, runs[0].x
     seen = set()

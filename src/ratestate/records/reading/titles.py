@@ -4,7 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
-_TABLE = tomllib.loads(Path(__file__).with_name("channels.toml").read_text("utf-8"))
+_TABLE = tomllib.loads(Path(__file__).with_name("column_names.toml").read_text("utf-8"))
 #: symbol -> least and largest typical size [SI], and a unit to suggest
 USUAL = {symbol: tuple(of["usual"]) for symbol, of in _TABLE["quantities"].items()}
 LIKE = {symbol: of["unit"] for symbol, of in _TABLE["quantities"].items()}

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from ....dynamics.attributes import branch_parameter
 from ....dynamics.results import parameter
-from ....dynamics.wording import on_edge
+from ....dynamics.verdict_sentences import on_edge
 from ....engine.model import STEADY_SLIDING
 from ....model.quantities import readable, readable_multiplier
 from .rows import DIGITS, Row, plain_table, row, table, when

@@ -1,4 +1,4 @@
-"""The sentences of a verdict: which of those in wording.toml hold, and their numbers."""
+"""The sentences of a verdict: which of those in verdict_sentences.toml hold, and their numbers."""
 
 from pathlib import Path
 

@@ -13,18 +13,18 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
-from ...errors import SolverError
-from ...friction.separatrix import runaway_edge
-from ...model.batch import Batch
-from ...model.slider import checked
-from ...model.units import to_si
-from ..cycles.attractor import find_attractors
-from ..cycles.measure import refine
-from ..cycles.shooting import state, system_of
-from ..progress import bar
-from ..results import columns, plain, provenance
-from .family import Family
+from ..engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
+from ..errors import SolverError
+from ..friction.separatrix import runaway_edge
+from ..model.batch import Batch
+from ..model.slider import checked
+from ..model.units import to_si
+from .continuation.family import Family
+from .cycles.attractor import find_attractors
+from .cycles.measure import refine
+from .cycles.shooting import state, system_of
+from .progress import bar
+from .results import columns, plain, provenance
 
 #: disturbances, in the order of `_disturbed`
 KINDS = ("step_up", "step_down", "kick_up", "kick_down")
@@ -62,12 +62,13 @@ def escape(slider, V_lp):
     -------
     xarray.Dataset
         ``step_up`` and ``step_down`` [1]: ratio of V_lp to the speed before, > 1 and < 1;
-        ``kick_up`` and ``kick_down`` [Pa]: change of tau.  They are inf (step_down: 0) where no
-        disturbance of up to 12 decades of V, or 27 a sigma, leaves the basin, and 1 and 0 where
-        steady sliding is unstable (K <= K_c).  ``outcome``: the motion beyond, "cycle", "irregular
-        cycles" (they do not repeat), "runaway" (M = 0), "none", or "no steady sliding" where that
-        is unstable.  Of the limit cycle beyond ``amplitude`` and ``period`` [s], and of the
-        unstable cycle between, ``unstable_amplitude`` (max - min of tau/sigma),
+        ``kick_up`` > 0 and ``kick_down`` < 0 [Pa]: change of tau.  Where no disturbance of up to
+        12 decades of V, or 27 a sigma, leaves the basin, step_up = kick_up = inf, step_down = 0
+        and kick_down = -inf; where steady sliding is unstable (K <= K_c), steps are 1, kicks 0.
+        ``outcome``: the motion beyond, "cycle", "irregular cycles" (they do not repeat), "runaway"
+        (M = 0), "none", "no steady sliding" where that is unstable, or "unknown" in a sweep where
+        an orbit could not be followed.  Of the limit cycle beyond ``amplitude`` and ``period`` [s],
+        and of the unstable cycle between, ``unstable_amplitude`` (max - min of tau/sigma),
         ``unstable_period`` [s] and ``unstable_multiplier`` (by which a distance from it grows in a
         period); NaN where there is none.
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate import Loading, ParameterError, continue_cycle, limit_cycle, simulate
-from ratestate.dynamics.continuation.basin import escape
+from ratestate.dynamics.basin import escape
 from ratestate.friction.quasi_static import (
     runaway_step,
     runaway_step_lower_bound,

@@ -1,4 +1,4 @@
-"""How far beyond K_c a limit cycle coexists with stable steady sliding.
+"""How far beyond K_c a limit cycle coexists with stable steady sliding: K_fold.
 
 Where the Hopf bifurcation is subcritical, the branch of cycles that begins there leads to larger
 stiffness, turns back in a fold, and goes on as the stable cycles of softer springs.  Between K_c
