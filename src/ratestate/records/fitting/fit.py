@@ -92,7 +92,8 @@ def fit(
         ``prior``.  With several laws all this is in one Dataset along ``law``, with
         ``aic_difference``, ``akaike_weight``, ``log_bayes_factor`` and the attribute
         ``comparison``; what only some laws have is NaN or "" for the others.  The texts are
-        ``warnings`` (a line each; "" if there are none) and ``identifiability``, a note on what is determined.
+        ``warnings`` (a line each; "" if there are none) and ``identifiability``, a note on what is
+        determined.
 
     Raises
     ------
