@@ -84,6 +84,12 @@ def test_csv_of_a_run(results):
         np.testing.assert_array_equal([float(row[column]) for row in rows], run[name])
 
 
+def test_csv_of_whole_numbers_beside_a_missing_one():
+    days = np.array(["2020-01-01", "NaT"], "datetime64[ns]")
+    text = files.csv_text(xr.Dataset({"day": ("case", days), "x": ("case", [1.5, 2.5])}))
+    assert text == "day,x\n1577836800000000000,1.5\n,2.5\n"
+
+
 def test_csv_of_single_numbers(results):
     (row,) = rows_of(results["cycle"])
     cycle = results["cycle"]

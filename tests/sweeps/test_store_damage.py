@@ -11,14 +11,14 @@ import xarray as xr
 import zarr
 from test_store import CHUNKS, assert_same, files, interrupted, solved, sweep
 
-from ratestate.errors import StoreError
+from ratestate.errors import SolverError, StoreError
 from ratestate.files import read
 from ratestate.interfaces.cli.store_report import print_status
 from ratestate.sweeps import origin, resume, task
 from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.manifest import RECORDS
 from ratestate.sweeps.status import store_status
-from ratestate.sweeps.store import NO_RESULT
+from ratestate.sweeps.store import NO_RESULT, open_result
 
 
 @pytest.fixture(autouse=True)
@@ -265,6 +265,25 @@ def test_an_error_of_the_program_is_no_damage(begun, monkeypatch, error, seen, m
         lose(begun / "f_n/c/0")  # now there is damage, and it may be to blame
         with pytest.raises(StoreError, match=r"is damaged.*\n.*f_n/c/0"):
             sweep(begun)
+
+
+def test_an_error_of_the_package_is_itself_even_beside_damage(begun, monkeypatch):
+    """A lost cluster is not called a damaged store, whatever else the store lacks."""
+
+    def lost(*_):
+        raise SolverError("the cluster is lost")
+
+    lose(begun / "f_n/c/0")
+    monkeypatch.setattr(resume, "_check_origins", lost)
+    with pytest.raises(SolverError, match=r"^the cluster is lost$"):
+        sweep(begun)
+
+
+def test_a_file_without_a_byte_is_damage(begun):
+    path = next(one for one in (begun / "growth_rate/c").rglob("*") if one.is_file())
+    path.write_bytes(b"")
+    with pytest.raises(StoreError, match=r"growth_rate/c.* is damaged"):
+        open_result(begun).load()
 
 
 # Made by others -----------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ def _frame(data):
         for label, part in _columns(name, variable):
             values = part.set_dims({**sizes, **part.sizes}).transpose(*rows).values.ravel()
             columns[label] = (values + 0 if values.dtype.kind == "b" else values).tolist()
-    return pandas.DataFrame(columns)
+    return pandas.DataFrame(columns, dtype=object)  # with None, whole numbers would turn float
 
 
 def _columns(name, variable):

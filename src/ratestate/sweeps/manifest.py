@@ -205,6 +205,6 @@ class Checked(LocalStore):
     def _checked(self, key, content):
         """Return the content of a file if it is as recorded; else raise StoreError."""
         file = self.files.get(key)
-        if file and (flawed := file.holding(content and content.to_bytes())).flaw:
+        if file and (flawed := file.holding(None if content is None else content.to_bytes())).flaw:
             raise StoreError(damage_message(self.root, [flawed]))
         return content

@@ -94,9 +94,10 @@ class Jobs:
             self.cluster.sync(self.cluster.scale_down, list(lost))
         self._replace(list(lost.values()))
         if not self.cluster.worker_spec:
-            what = vars(self) | {"address": self.cluster.scheduler_address}
+            values = {"last_loss": self.last_loss, "replacements": self.replacements}
+            values |= {"jobs": self.fruitless_jobs, "address": self.cluster.scheduler_address}
             name = "used_up" if self.fruitless_jobs < FRUITLESS else "fruitless"
-            raise SolverError(sentence(f"jobs.{name}", **what))
+            raise SolverError(sentence(f"jobs.{name}", **values))
         if now - self.last_worker > self.wait:
             raise SolverError(sentence("jobs.no_worker", wait=self.wait, jobs=self._waiting()))
 

@@ -17,7 +17,7 @@ import numpy as np
 import xarray
 import zarr
 
-from ..errors import StoreError
+from ..errors import RateStateError, StoreError
 from . import sentence
 from .chunks import Chunks, chunks_of
 from .inputs import checksum, input_differences, inputs_of
@@ -53,10 +53,14 @@ class Store(NamedTuple):
 
 @contextlib.contextmanager
 def as_store_error(path):
-    """Turn any error from reading a damaged store, or something that is none, into a StoreError."""
+    """Turn an error from reading a damaged store, or something that is none, into a StoreError.
+
+    Other errors go on as they are: those of this package, and those of stores whose files are all
+    as they were written.
+    """
     try:
         yield
-    except StoreError:
+    except RateStateError:
         raise
     except PermissionError as error:
         raise StoreError(sentence("store.unreadable", path=path, error=error.strerror)) from error

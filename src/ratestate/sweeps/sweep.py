@@ -219,8 +219,9 @@ def _in_store(request, path, retry_crashed):
         create(path, request, request.divide())
     record = matching_record(path, request)
     with as_store_error(path):
-        whole = not record.flawed_metadata and record.done.all() and not record.flaws
-    if retry_crashed or not whole:
+        incomplete = retry_crashed or record.flawed_metadata or not record.done.all()
+        resumes = incomplete or record.flaws  # last, since these take reading the whole store
+    if resumes:
         with exclusive_lock(path / SWEEP_GROUP / "zarr.json", path):
             # read again, since another sweep may have held the lock before
             store = resume_store(path, request)

@@ -500,6 +500,12 @@ def test_answers_or_names_why_not(monkeypatch, law, rtol, kinds):
     assert not (unstable & (status == 1)).any()
 
 
+def test_a_waveform_that_is_not_resolved_is_no_answer():
+    """176 e-folds of speed in a cycle: the fundamental seemed to have 4.8 times the variance."""
+    slider = sliders([1.0], [8.137994458761113], [9.017628378517905e-20], "slip")
+    assert not limit_cycle(slider, 1e-3, rtol=1e-10).fundamental > 1.01
+
+
 @pytest.mark.parametrize(
     ("law", "beta"), [("slip", 1.0954239936519985), ("aging", 6.011872336272722)]
 )

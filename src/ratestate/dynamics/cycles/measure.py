@@ -27,6 +27,8 @@ from .shooting import (
 SAFETY, ROUNDING_OF_RETURN = 3.0, 60.0 * 2.0**-52
 # Measurements, each with finer returns than the last, of a cycle that is not accurate enough yet.
 MAX_REFINEMENTS = 8
+# A share of the fundamental may exceed 1 by this much, by the errors of integrals.
+UNRESOLVED = 1e-2
 
 
 def refine(system, cycles, rtol, alone):
@@ -93,6 +95,10 @@ def measure(system, cycles, alone):
         whole = np.where((whole > 0.0).all(axis=0), whole, 0.0)
         changes = np.stack([*np.abs([larger, longer]) / whole, *np.abs([v_max, v_min])], axis=1)
         errors = _errors(orbits, values["multipliers"], changes, alone)
+        # By Parseval's theorem the share is at most 1.  Where it is not, steps were too long for
+        # the waveform, whose speeds differ by seventy decades and more, and nothing is known of it.
+        excess = values["fundamental"] - 1.0
+        errors = np.maximum(errors, np.where(excess > UNRESOLVED, excess, 0.0))
     values |= dict(zip(("error", "v_max_error", "v_min_error"), errors, strict=True))
     closed = returns.status == FINISHED
     return {

@@ -65,9 +65,8 @@ def run_job(job, question, deadline):
         message = f"{question.ask}: this takes more than {seconds:g} s; Python has no such limit"
         problems = {"": message}
     except Exception:
-        if (
-            deadline.cancelled
-        ):  # by `Stopped`; or the program may be ending, and its threads with it
+        # by `Stopped`; or the program may be ending, and its threads with it
+        if deadline.cancelled:
             raise Stopped from None
         log.exception("a question could not be answered: %r", question)
         problems = {"": "the explorer failed on this; its terminal says more"}
