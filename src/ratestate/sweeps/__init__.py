@@ -5,7 +5,7 @@
 ``calls``, ``chunks``, ``chunk_size``       what can be swept, how it is divided, what a case costs
 ``solve``, ``task``                         all cases of a part; chunks, solved and stored
 ``cluster``, ``subprocesses``               chunks on a cluster; those that may kill it
-``connect``, ``slurm``, ``jobs``            Dask clusters, those made of SLURM jobs, and the jobs
+``connect``, ``slurm``, ``slurm_jobs``      Dask clusters, those made of SLURM jobs, and the jobs
 ``create``, ``store``, ``inputs``, ``lock`` a store: made, read and written, for one sweep at a time
 ``manifest``, ``origin``, ``legacy``        what its files must hold, what made them, and stores of
                                             older versions, which do not record this

@@ -19,8 +19,8 @@ class Table(NamedTuple):
 
     columns: list[Column]
     row_name: str  # "line" of a text, or "row"
+    odd: dict[tuple[int, str], str]  # (row from 0, title) -> cell that is no number
     numbers: np.ndarray | None = None  # of the rows, as an editor counts them; None if 1, 2, ...
-    odd: dict[tuple[int, str], str] = {}  # noqa: RUF012 (row from 0, title) -> cell, no number
     unread: tuple[str, ...] = ()  # titles of arrays that hold no real numbers
 
     @property

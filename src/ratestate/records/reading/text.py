@@ -44,7 +44,7 @@ def read_text(path):
     for title, unit, column in zip(titles, units, values.T, strict=True):
         name, own = split(title)
         columns.append(Column(title, name, unit or own, column))
-    return Table(columns, "line", np.array(rows) + 1, odd)
+    return Table(columns, "line", odd, np.array(rows) + 1)
 
 
 def _text(path):
