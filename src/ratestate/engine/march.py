@@ -64,9 +64,9 @@ def next_case(s, l, queue, position):
 
 
 @inner
-def enter_segment(s, l, law, k, scale, V0, loads, row):
+def enter_segment(s, l, law, scale, V0, loads, row):
     """Put the lane at the start of the segment that holds its time (zero-length ones pass)."""
-    last = loads.t.size - 1
+    k, last = int(s[R.SEGMENT + l]), loads.t.size - 1
     while k < last and loads.t[k + 1] * scale <= s[R.T + l]:
         k += 1
     s[R.SEGMENT + l] = k
@@ -98,7 +98,7 @@ def load(s, l, law, i, cases, loads, save_times, results):
     s[R.T_END + l] = cases.t_end[i] * scale
     s[R.DT + l] = cases.dt[i] * scale
     s[R.G_HIGH + l] = abs(s[R.X + l] - s[R.F_LOW + l])
-    enter_segment(s, l, law, 0, scale, cases.V0[i], loads, cases.loading[i])
+    enter_segment(s, l, law, scale, cases.V0[i], loads, cases.loading[i])
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
         for component in range(3):
@@ -186,8 +186,8 @@ def end_segment(s, l, law, cases, loads):
         s[R.STATUS + l] = FINISHED
     else:
         s[R.T + l], s[R.T_LOW + l] = s[R.BREAKPOINT + l], 0.0
-        i, k = int(s[R.CASE + l]), int(s[R.SEGMENT + l])
-        enter_segment(s, l, law, k, cases.scale[i], cases.V0[i], loads, cases.loading[i])
+        i = int(s[R.CASE + l])
+        enter_segment(s, l, law, cases.scale[i], cases.V0[i], loads, cases.loading[i])
 
 
 @kernel

@@ -223,7 +223,10 @@ def observe_step(s, l, law, cx, cv, cpsi):
 @inner
 def perturbed(s, l, law, h):
     """Perturbations of v a time h after the start of the lane's step."""
-    _, a, b, _, _, _ = step_of_lane(s, l, law, h)
+    if law == SLIP:
+        _, a, b, _, _, _ = step_of_lane(s, l, SLIP, h)
+    else:
+        _, a, b, _, _, _ = step_of_lane(s, l, AGING, h)
     return a[1], b[1]
 
 

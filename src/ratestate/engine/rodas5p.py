@@ -111,13 +111,14 @@ def on_manifold(y_new, v_start, m_end, beta, h):
 
 
 @inlined
-def stage(u, w, w_inverse, e, w_lp, rest, p, start):
+def increment(u, at, w_lp, rest, p, start):
     """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
 
-    p = (law, kappa, beta, eta0); start is what `prepare` gave.
+    at : w, 1/w and e at u; p = (law, kappa, beta, eta0); start : what `prepare` gave
     """
     law, kappa, beta, _ = p
     x, v, psi = u
+    w, w_inverse, e = at
     r_x = kappa * (w_lp - w) + rest[0]
     r_v = (x - v - beta * psi) * (start[0] * w_inverse) + start[1] * rest[1]
     r_psi = state_rate(law, w, v, psi, e) + rest[2]
@@ -125,40 +126,32 @@ def stage(u, w, w_inverse, e, w_lp, rest, p, start):
 
 
 @inlined
-def first_stage(y, w, e, w_lp, drift, p, start):
-    """The first increment, and the first point, as `next_stage` takes and gives them."""
-    point = y, w, 1.0 / w, e, w_lp
-    rest = D[0] * drift, 0.0, 0.0
-    return (stage(*point, rest, p, start),), (point,)
+def next_point(y, k, r, drift):
+    """Where the stage after those of the increments k is taken: its u, and rest.
 
-
-@inlined
-def next_stage(k, points, y, w_lp, dw, drift, h, p, start):
-    """One increment more than the k given, and one point (u, w, 1/w, e, w_lp) more of a stage.
-
-    w_lp, dw : speed of the load point at the start of the step, its change; None: it is constant
-    drift : h kappa d w_lp/dT
+    r : 1/h; drift : h kappa d w_lp/dT
     """
     i = len(k)
-    r = 1.0 / h
-    u = plus_sum(y, A[i], k)
-    w, w_inverse, e = exponentials(u, p[0])
-    w_l = w_lp
-    if dw is None:
-        rest = times(r * C[1][0], k[0]) if i == 1 else times(r, sum_of(C[i], k))
-    else:
-        w_l = w_lp + NODES[i] * dw
-        rest = sum_of(C[i], k)
-        rest = times(r, rest) if D[i] == 0.0 else plus((D[i] * drift, 0.0, 0.0), r, rest)
-    k_new = stage(u, w, w_inverse, e, w_l, rest, p, start)
-    return (*k, k_new), (*points, (u, w, w_inverse, e, w_l))
+    rest = sum_of(C[i], k)
+    rest = times(r, rest) if D[i] == 0.0 else plus((D[i] * drift, 0.0, 0.0), r, rest)
+    return plus_sum(y, A[i], k), rest
 
 
 @inlined
-def end_of_step(y, k, points, h, p):
-    """The state (y, w, e) at the end; whether v is held; the estimated error; K_1, K_2, K_3."""
+def stage(point, w_lp, p, start):
+    """A stage at what `next_point` gave: its increment, `works` there, and w."""
+    u, rest = point
+    at = exponentials(u, p[0])
+    return increment(u, at, w_lp, rest, p, start), works(u, at[0], w_lp, p[2]), at[0]
+
+
+@inlined
+def end_of_step(y, k, w, h, p):
+    """The state (y, w, e) at the end; whether v is held; the estimated error; K_1, K_2, K_3.
+
+    k : the eight increments; w : of the last stage
+    """
     free = plus_sum(y, A[8], k)
-    w = points[7][1]
     y_new, held = on_manifold(free, y[1], p[3] * w, p[2], h)
     error = (k[7][0], k[7][1] + (y_new[1] - free[1]), k[7][2])
     w_new, _, e_new = exponentials(y_new, p[0])
@@ -166,21 +159,16 @@ def end_of_step(y, k, points, h, p):
 
 
 @inlined
-def works(point, beta):
+def works(u, w, w_lp, beta):
     """Powers per a sigma V0 beyond their mu0 part: of the load point, x w_lp; of friction."""
-    u, w, _, _, w_lp = point
     return u[0] * w_lp, (u[1] + beta * u[2]) * w
 
 
 @inlined
-def sum_of_works(c, points, beta):
-    """sum_i c_i `works` for four points."""
-    p1, q1 = works(points[0], beta)
-    p2, q2 = works(points[1], beta)
-    p3, q3 = works(points[2], beta)
-    p4, q4 = works(points[3], beta)
-    load = c[0] * p1 + c[1] * p2 + c[2] * p3 + c[3] * p4
-    return load, c[0] * q1 + c[1] * q2 + c[2] * q3 + c[3] * q4
+def sum_of_4(c, s):
+    """sum_i c_i s_i for four pairs."""
+    first = c[0] * s[0][0] + c[1] * s[1][0] + c[2] * s[2][0] + c[3] * s[3][0]
+    return first, c[0] * s[0][1] + c[1] * s[1][1] + c[2] * s[2][1] + c[3] * s[3][1]
 
 
 @inlined
@@ -202,24 +190,31 @@ def step(y, w, e, w_lp, ramp, h, p):
     """
     _, kappa, beta, _ = p
     start = prepare(y, w, e, h, p)
-    drift = h * kappa * ramp
-    dw = h * ramp
-    k, points = first_stage(y, w, e, w_lp, drift, p, start)
-    # (no loop: a tuple that grows changes its type)
-    k, points = next_stage(k, points, y, w_lp, dw, drift, h, p, start)
-    k, points = next_stage(k, points, y, w_lp, dw, drift, h, p, start)
-    k, points = next_stage(k, points, y, w_lp, dw, drift, h, p, start)
-    k, points = next_stage(k, points, y, w_lp, dw, drift, h, p, start)
-    k, points = next_stage(k, points, y, w_lp, dw, drift, h, p, start)
-    k, points = next_stage(k, points, y, w_lp, dw, drift, h, p, start)
-    k, points = next_stage(k, points, y, w_lp, dw, drift, h, p, start)
-    new, _, error, dense = end_of_step(y, k, points, h, p)
+    r, dw, drift = 1.0 / h, h * ramp, h * kappa * ramp
 
-    # The two quadratures: s_i = works(u_i) + gradient k_i + h d_i d/dT, weighted by B.
+    k1 = increment(y, (w, 1.0 / w, e), w_lp, (D[0] * drift, 0.0, 0.0), p, start)
+    k = (k1,)
+    k2, s2, _ = stage(next_point(y, k, r, drift), w_lp + NODES[1] * dw, p, start)
+    k = k1, k2
+    k3, s3, _ = stage(next_point(y, k, r, drift), w_lp + NODES[2] * dw, p, start)
+    k = k1, k2, k3
+    k4, s4, _ = stage(next_point(y, k, r, drift), w_lp + NODES[3] * dw, p, start)
+    k = k1, k2, k3, k4
+    k5, s5, _ = stage(next_point(y, k, r, drift), w_lp + NODES[4] * dw, p, start)
+    k = k1, k2, k3, k4, k5
+    k6, s6, _ = stage(next_point(y, k, r, drift), w_lp + NODES[5] * dw, p, start)
+    k = k1, k2, k3, k4, k5, k6
+    k7, s7, _ = stage(next_point(y, k, r, drift), w_lp + NODES[6] * dw, p, start)
+    k = k1, k2, k3, k4, k5, k6, k7
+    k8, s8, w8 = stage(next_point(y, k, r, drift), w_lp + NODES[7] * dw, p, start)
+    k = k1, k2, k3, k4, k5, k6, k7, k8
+    new, _, error, dense = end_of_step(y, k, w8, h, p)
+
+    # The two quadratures: s_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
     dy = sum_of(B, k)
     friction = y[1] + beta * y[2]
-    load_1, friction_1 = sum_of_works(B[:4], points[:4], beta)
-    load_2, friction_2 = sum_of_works(B[4:], points[4:], beta)
+    load_1, friction_1 = sum_of_4(B[:4], (works(y, w, w_lp, beta), s2, s3, s4))
+    load_2, friction_2 = sum_of_4(B[4:], (s5, s6, s7, s8))
     load_work = w_lp * dy[0] + DRIFT * dw * y[0] + load_1 + load_2
     dissipation = w * ((1.0 + friction) * dy[1] + beta * dy[2]) + friction_1 + friction_2
     return new, error, dense, h * load_work, h * dissipation

@@ -15,7 +15,17 @@ the logarithm of a volume of states grows.
 from .exp import LIMIT
 from .jit import inlined
 from .model import state_rate_partials, state_rate_partials_2
-from .rodas5p import ZERO, end_of_step, first_stage, next_stage, plus_sum, prepare, solve, sum_of
+from .rodas5p import (
+    ZERO,
+    end_of_step,
+    exponentials,
+    increment,
+    plus_sum,
+    prepare,
+    solve,
+    sum_of,
+    times,
+)
 from .tableau import A, B, C
 
 
@@ -37,9 +47,12 @@ def second_derivatives(y, w, e, z, p):
 
 
 @inlined
-def slopes(point, p, start):
-    """What `tangent` needs of J at a stage's point, and the trace of J there."""
-    u, w, w_inverse, e, _ = point
+def slopes(u, at, p, start):
+    """What `tangent` needs of J at a stage's point, and the trace of J there.
+
+    at : w, 1/w and e at u
+    """
+    w, w_inverse, e = at
     law, kappa, beta, eta0 = p
     f_v, f_psi = state_rate_partials(law, w, u[1], u[2], e)
     g = u[0] - u[1] - beta * u[2] if u[1] > -LIMIT else 0.0
@@ -73,18 +86,36 @@ def tangent(du, at, k, rest, curvature, r, p, start):
 
 
 @inlined
-def next_tangents(k, points, a, b, traces, y, z1, z2, w_lp, h, p, start):
-    """One more stage: its increment and point, those of perturbations z1 and z2, the trace of J.
+def next_points(y, k, y1, a, y2, b, r):
+    """`rodas5p.next_point` of the state, whose load is steady, and of two perturbations.
 
-    z1, z2 : perturbations at the start of the step, with their `second_derivatives`
+    k, a, b : increments so far of the state y, and of its perturbations y1 and y2
     """
-    i = len(a)
-    k, points = next_stage(k, points, y, w_lp, None, 0.0, h, p, start)
-    r = 1.0 / h
-    at, trace = slopes(points[i], p, start)
-    a_new = tangent(plus_sum(z1[0], A[i], a), at, k[i], sum_of(C[i], a), z1[1], r, p, start)
-    b_new = tangent(plus_sum(z2[0], A[i], b), at, k[i], sum_of(C[i], b), z2[1], r, p, start)
-    return k, points, (*a, a_new), (*b, b_new), (*traces, trace)
+    i = len(k)
+    rest = times(r * C[1][0], k[0]) if i == 1 else times(r, sum_of(C[i], k))
+    u = plus_sum(y, A[i], k), rest
+    u1 = plus_sum(y1, A[i], a), sum_of(C[i], a)
+    return u, u1, (plus_sum(y2, A[i], b), sum_of(C[i], b))
+
+
+@inlined
+def stage(points, at, w_lp, c1, c2, r, p, start):
+    """Increments of the state and of both perturbations, and the trace of J.
+
+    at : w, 1/w and e at the state's point; c1, c2 : `second_derivatives` along the perturbations
+    """
+    (u, rest), (u1, rest1), (u2, rest2) = points
+    k = increment(u, at, w_lp, rest, p, start)
+    slope, trace = slopes(u, at, p, start)
+    a = tangent(u1, slope, k, rest1, c1, r, p, start)
+    return k, a, tangent(u2, slope, k, rest2, c2, r, p, start), trace
+
+
+@inlined
+def next_stage(points, w_lp, c1, c2, r, p, start):
+    """`stage`, and w there."""
+    at = exponentials(points[0][0], p[0])
+    return stage(points, at, w_lp, c1, c2, r, p, start), at[0]
 
 
 @inlined
@@ -115,21 +146,34 @@ def step(y, w, e, y1, y2, w_lp, h, p):
     """
     law, _, beta, eta0 = p
     start = prepare(y, w, e, h, p)
-    z1, z2 = (y1, second_derivatives(y, w, e, y1, p)), (y2, second_derivatives(y, w, e, y2, p))
-    k, points = first_stage(y, w, e, w_lp, 0.0, p, start)
-    at, trace = slopes(points[0], p, start)
-    a1 = tangent(y1, at, k[0], ZERO, z1[1], 1.0 / h, p, start)
-    b1 = tangent(y2, at, k[0], ZERO, z2[1], 1.0 / h, p, start)
+    r = 1.0 / h
+    c1, c2 = second_derivatives(y, w, e, y1, p), second_derivatives(y, w, e, y2, p)
     # The stages of all three go side by side: their numbers stay in the processor's registers.
-    a, b, t = (a1,), (b1,), (trace,)
-    k, points, a, b, t = next_tangents(k, points, a, b, t, y, z1, z2, w_lp, h, p, start)
-    k, points, a, b, t = next_tangents(k, points, a, b, t, y, z1, z2, w_lp, h, p, start)
-    k, points, a, b, t = next_tangents(k, points, a, b, t, y, z1, z2, w_lp, h, p, start)
-    k, points, a, b, t = next_tangents(k, points, a, b, t, y, z1, z2, w_lp, h, p, start)
-    k, points, a, b, t = next_tangents(k, points, a, b, t, y, z1, z2, w_lp, h, p, start)
-    k, points, a, b, t = next_tangents(k, points, a, b, t, y, z1, z2, w_lp, h, p, start)
-    k, points, a, b, t = next_tangents(k, points, a, b, t, y, z1, z2, w_lp, h, p, start)
-    new, held, error, dense = end_of_step(y, k, points, h, p)
+    at = w, 1.0 / w, e
+    first = stage(((y, ZERO), (y1, ZERO), (y2, ZERO)), at, w_lp, c1, c2, r, p, start)
+    k, a, b, t = (first[0],), (first[1],), (first[2],), (first[3],)
+    points = next_points(y, k, y1, a, y2, b, r)
+    (k2, a2, b2, t2), _ = next_stage(points, w_lp, c1, c2, r, p, start)
+    k, a, b, t = (*k, k2), (*a, a2), (*b, b2), (*t, t2)
+    points = next_points(y, k, y1, a, y2, b, r)
+    (k3, a3, b3, t3), _ = next_stage(points, w_lp, c1, c2, r, p, start)
+    k, a, b, t = (*k, k3), (*a, a3), (*b, b3), (*t, t3)
+    points = next_points(y, k, y1, a, y2, b, r)
+    (k4, a4, b4, t4), _ = next_stage(points, w_lp, c1, c2, r, p, start)
+    k, a, b, t = (*k, k4), (*a, a4), (*b, b4), (*t, t4)
+    points = next_points(y, k, y1, a, y2, b, r)
+    (k5, a5, b5, t5), _ = next_stage(points, w_lp, c1, c2, r, p, start)
+    k, a, b, t = (*k, k5), (*a, a5), (*b, b5), (*t, t5)
+    points = next_points(y, k, y1, a, y2, b, r)
+    (k6, a6, b6, t6), _ = next_stage(points, w_lp, c1, c2, r, p, start)
+    k, a, b, t = (*k, k6), (*a, a6), (*b, b6), (*t, t6)
+    points = next_points(y, k, y1, a, y2, b, r)
+    (k7, a7, b7, t7), _ = next_stage(points, w_lp, c1, c2, r, p, start)
+    k, a, b, t = (*k, k7), (*a, a7), (*b, b7), (*t, t7)
+    points = next_points(y, k, y1, a, y2, b, r)
+    (k8, a8, b8, t8), w8 = next_stage(points, w_lp, c1, c2, r, p, start)
+    k, a, b, t = (*k, k8), (*a, a8), (*b, b8), (*t, t8)
+    new, held, error, dense = end_of_step(y, k, w8, h, p)
 
     # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.
     dy = sum_of(B, k)
