@@ -126,22 +126,23 @@ def increment(u, at, w_lp, rest, p, start):
 
 
 @inlined
-def next_point(y, k, r, drift):
-    """Where the stage after those of the increments k is taken: its u, and rest.
-
-    r : 1/h; drift : h kappa d w_lp/dT
-    """
+def next_point(y, k):
+    """Where the stage after those of the increments k is taken: its u, and sum_j C_ij k_j."""
     i = len(k)
-    rest = sum_of(C[i], k)
-    rest = times(r, rest) if D[i] == 0.0 else plus((D[i] * drift, 0.0, 0.0), r, rest)
-    return plus_sum(y, A[i], k), rest
+    return plus_sum(y, A[i], k), sum_of(C[i], k)
 
 
 @inlined
-def stage(point, w_lp, p, start):
-    """A stage at what `next_point` gave: its increment, `works` there, and w."""
-    u, rest = point
+def stage(point, w_lp, r, drift, p, start):
+    """A stage at what `next_point` gave: its increment, `works` there, and w.
+
+    r : 1/h; drift : h d_i df/dT, of x; None for 0
+    """
+    u, c = point
     at = exponentials(u, p[0])
+    # (only now: before the branches of `exponentials` no product could be fused with what it is
+    # added to, and a slider alone would have other bits than in a lane)
+    rest = times(r, c) if drift is None else plus((drift, 0.0, 0.0), r, c)
     return increment(u, at, w_lp, rest, p, start), works(u, at[0], w_lp, p[2]), at[0]
 
 
@@ -194,19 +195,19 @@ def step(y, w, e, w_lp, ramp, h, p):
 
     k1 = increment(y, (w, 1.0 / w, e), w_lp, (D[0] * drift, 0.0, 0.0), p, start)
     k = (k1,)
-    k2, s2, _ = stage(next_point(y, k, r, drift), w_lp + NODES[1] * dw, p, start)
+    k2, s2, _ = stage(next_point(y, k), w_lp + NODES[1] * dw, r, D[1] * drift, p, start)
     k = k1, k2
-    k3, s3, _ = stage(next_point(y, k, r, drift), w_lp + NODES[2] * dw, p, start)
+    k3, s3, _ = stage(next_point(y, k), w_lp + NODES[2] * dw, r, D[2] * drift, p, start)
     k = k1, k2, k3
-    k4, s4, _ = stage(next_point(y, k, r, drift), w_lp + NODES[3] * dw, p, start)
+    k4, s4, _ = stage(next_point(y, k), w_lp + NODES[3] * dw, r, D[3] * drift, p, start)
     k = k1, k2, k3, k4
-    k5, s5, _ = stage(next_point(y, k, r, drift), w_lp + NODES[4] * dw, p, start)
+    k5, s5, _ = stage(next_point(y, k), w_lp + NODES[4] * dw, r, D[4] * drift, p, start)
     k = k1, k2, k3, k4, k5
-    k6, s6, _ = stage(next_point(y, k, r, drift), w_lp + NODES[5] * dw, p, start)
+    k6, s6, _ = stage(next_point(y, k), w_lp + dw, r, None, p, start)
     k = k1, k2, k3, k4, k5, k6
-    k7, s7, _ = stage(next_point(y, k, r, drift), w_lp + NODES[6] * dw, p, start)
+    k7, s7, _ = stage(next_point(y, k), w_lp + dw, r, None, p, start)
     k = k1, k2, k3, k4, k5, k6, k7
-    k8, s8, w8 = stage(next_point(y, k, r, drift), w_lp + NODES[7] * dw, p, start)
+    k8, s8, w8 = stage(next_point(y, k), w_lp + dw, r, None, p, start)
     k = k1, k2, k3, k4, k5, k6, k7, k8
     new, _, error, dense = end_of_step(y, k, w8, h, p)
 

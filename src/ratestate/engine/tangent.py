@@ -92,8 +92,8 @@ def next_points(y, k, y1, a, y2, b, r):
     k, a, b : increments so far of the state y, and of its perturbations y1 and y2
     """
     i = len(k)
-    rest = times(r * C[1][0], k[0]) if i == 1 else times(r, sum_of(C[i], k))
-    u = plus_sum(y, A[i], k), rest
+    c = (r * C[1][0], k[0]) if i == 1 else (r, sum_of(C[i], k))
+    u = plus_sum(y, A[i], k), c
     u1 = plus_sum(y1, A[i], a), sum_of(C[i], a)
     return u, u1, (plus_sum(y2, A[i], b), sum_of(C[i], b))
 
@@ -104,8 +104,8 @@ def stage(points, at, w_lp, c1, c2, r, p, start):
 
     at : w, 1/w and e at the state's point; c1, c2 : `second_derivatives` along the perturbations
     """
-    (u, rest), (u1, rest1), (u2, rest2) = points
-    k = increment(u, at, w_lp, rest, p, start)
+    (u, c), (u1, rest1), (u2, rest2) = points
+    k = increment(u, at, w_lp, times(c[0], c[1]), p, start)
     slope, trace = slopes(u, at, p, start)
     a = tangent(u1, slope, k, rest1, c1, r, p, start)
     return k, a, tangent(u2, slope, k, rest2, c2, r, p, start), trace
@@ -150,7 +150,7 @@ def step(y, w, e, y1, y2, w_lp, h, p):
     c1, c2 = second_derivatives(y, w, e, y1, p), second_derivatives(y, w, e, y2, p)
     # The stages of all three go side by side: their numbers stay in the processor's registers.
     at = w, 1.0 / w, e
-    first = stage(((y, ZERO), (y1, ZERO), (y2, ZERO)), at, w_lp, c1, c2, r, p, start)
+    first = stage(((y, (r, ZERO)), (y1, ZERO), (y2, ZERO)), at, w_lp, c1, c2, r, p, start)
     k, a, b, t = (first[0],), (first[1],), (first[2],), (first[3],)
     points = next_points(y, k, y1, a, y2, b, r)
     (k2, a2, b2, t2), _ = next_stage(points, w_lp, c1, c2, r, p, start)
