@@ -531,11 +531,11 @@ def test_no_single_cycle_at_start():
 
 @pytest.mark.parametrize("rtol", [1e-10, 1e-6, 1e-4])
 def test_accuracy_asked_for(rtol):
-    branch = continue_cycle(STRIP, "V_lp", 2e-3, 1e-4, rtol=rtol)
+    branch = continue_cycle(STRIP, "V_lp", 5e-4, 1e-4, rtol=rtol)
     assert specials(branch) == ["start", "fold", "hopf"]
     fold = special(branch, "fold")
     assert float(fold.V_lp) == pytest.approx(FOLD, rel=max(10 * rtol, 3e-9))
-    start = limit_cycle(STRIP, 2e-3, rtol=1e-11)
+    start = limit_cycle(STRIP, 5e-4, rtol=1e-11)
     for name in ("amplitude", "period"):
         off = float(branch[name][0] / start[name]) - 1
         assert abs(off) < 3 * rtol + 1e-10, name
