@@ -185,6 +185,7 @@ def test_what_messages_suggest(tmp_path, header, time, match):
     [
         ("Time\tDispl\tFriction\n(s)\t(mm)\t()", 1e3),
         ("TIME [S]\tDISPLACEMENT [UM]\tFRICTION", 1),
+        ("TIME [MSEC]\tDISPLACEMENT [UM]\tFRICTION", 1e3),
         ("time\tLP_Disp\tmu\nsec\tmic\t.", 1),
     ],
 )

@@ -1,4 +1,4 @@
-"""The command line, ``ratestate``: a command is a function in a file of its name or subject.
+"""The command line, ``ratestate``: a command is a function and its table in commands.toml.
 
 Nothing heavy is imported before a command needs it, so help and version come at once.
 """
@@ -7,16 +7,10 @@ from typing import Annotated
 
 import typer
 
-from .analyses import branch, cycle, run, stability
-from .command import Debug, commands
+from .command import Debug, as_command, functions
 from .exits import EXIT_CODES
-from .explore import explore
-from .fit import fit
-from .init import init
-from .paper import atlas, figures
-from .sweep import sweep
 
-COMMANDS = (init, run, stability, cycle, branch, fit, sweep, atlas, figures, explore)
+COMMANDS = functions()
 
 main = typer.Typer(
     name="ratestate",
@@ -25,8 +19,8 @@ main = typer.Typer(
     pretty_exceptions_enable=False,  # a traceback that can be copied into a report
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for function in commands(*COMMANDS):
-    main.command()(function)
+for function in COMMANDS:
+    main.command()(as_command(function))
 
 
 def _version(wanted: bool) -> None:

@@ -1,6 +1,7 @@
 """From a function to a command, whose arguments and options are described in commands.toml."""
 
 import functools
+import importlib
 import inspect
 import tomllib
 from collections.abc import Callable
@@ -13,19 +14,25 @@ from .exits import EXIT_CODES, exit_on_error
 
 Law = Literal["slip", "aging"]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+_TABLES = tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8"))
+_SHARED = _TABLES.pop("shared")
+_MODULES = {name: table.pop("module", name) for name, table in _TABLES.items()}
 
 
-def commands(*functions: Callable[..., None]) -> list[Callable[..., None]]:
-    """Functions as commands: with --debug, error messages, and the exit codes in their help.
+def functions() -> list[Callable[..., None]]:
+    """The functions of the commands, in the order of the help."""
+    return [
+        getattr(importlib.import_module(f".{module}", __package__), name)
+        for name, module in _MODULES.items()
+    ]
 
-    Their positional parameters are arguments, the others options.
+
+def as_command(function: Callable[..., None]) -> Callable[..., None]:
+    """A function as a command: with --debug, error messages, and the exit codes in its help.
+
+    Its positional parameters are arguments, the others options.
     """
-    tables = tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8"))
-    return [_command(one, tables["shared"] | tables.get(one.__name__, {})) for one in functions]
-
-
-def _command(function: Callable[..., None], table: dict[str, Any]) -> Callable[..., None]:
-    """A function as a command, with the descriptions of its parameters."""
+    table = _SHARED | _TABLES[function.__name__]
 
     @functools.wraps(function)
     def wrapped(*, context: typer.Context, debug: bool, **arguments: Any) -> None:

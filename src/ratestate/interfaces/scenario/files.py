@@ -137,7 +137,7 @@ def _parse(text: bytes, name: str) -> dict[str, Any]:
         number = re.match(r"line (\d+)", where)
         lines = (text if number else text.rstrip()).decode().split("\n")
         k = int(number[1]) if number else len(lines)  # else it is the end of the document
-        what = message("file.broken", lines[k - 1].strip(), line=k, what=reason)
+        what = message("file.broken", given=lines[k - 1].strip(), line=k, what=reason)
     except ValueError:
         what = message("file.huge_integer")
     raise refusal("file.no_toml", name=name, what=what)
@@ -180,7 +180,7 @@ def _tables(parsed: dict[str, Any], problems: list[str]) -> dict[str, dict[str, 
         if name in TABLES:
             tables[name] = table if isinstance(table, dict) else {}
             if not isinstance(table, dict):
-                place.add("table.none", table, wanted=one_of(known))
+                place.add("table.none", given=table, wanted=one_of(known))
         elif isinstance(table, dict):
             place.add("table.unknown", wanted=one_of(known, place.name))
         else:  # a key

@@ -110,9 +110,9 @@ def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> L
 def _speed(value: Any, place: Place) -> float | None:
     """The speed at the start."""
     if isinstance(value, dict):
-        place.add("key.no_axis", value, like=example("V_lp"))
+        place.add("key.no_axis", given=value, like=example("V_lp"))
     elif isinstance(value, list):
-        place.add("loading.no_axis", value, like=LIKE["t"])
+        place.add("loading.no_axis", given=value, like=LIKE["t"])
     else:
         return read_number("V_lp", value, place, ">= 0")
     return None
@@ -125,7 +125,7 @@ def _rows(given: dict[str, Any], place: Place) -> Record:
         if key not in given:
             place.missing(key, message("loading.speeds_wanted", like=SPEEDS_LIKE))
         elif not isinstance(given[key], list):
-            place.at(key).add("loading.no_list", given[key], t=LIKE["t"], V_lp=SPEEDS_LIKE)
+            place.at(key).add("loading.no_list", given=given[key], t=LIKE["t"], V_lp=SPEEDS_LIKE)
         elif (many := read_values(key, given[key], place.at(key), bound)) is not None:
             columns[key] = as_array(key, many)
     if len(columns) < 2:
@@ -138,7 +138,7 @@ def _rows(given: dict[str, Any], place: Place) -> Record:
 def _events(steps: Any, place: Place) -> list[tuple[Place, Event]]:
     """Steps, holds and ramps; those with a problem are left out."""
     if not isinstance(steps, list) or not 1 <= len(steps) <= MOST_STEPS:
-        place.add("steps.no_list", steps, most=MOST_STEPS, like=STEP.like)
+        place.add("steps.no_list", given=steps, most=MOST_STEPS, like=STEP.like)
         return []
     events = [(place.at(i), _event(step, place.at(i))) for i, step in enumerate(steps)]
     return [(where, event) for where, event in events if event]

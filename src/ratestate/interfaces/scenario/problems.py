@@ -18,17 +18,17 @@ NEAR = 0.7  # from 0 to 1, how similar a name must be to be suggested
 #: the end of a line; since brackets mean tables and keys there, units appear in examples only
 expected = functools.partial(_expected, unit=False)
 T = TypeVar("T")
-_messages = Sentences(Path(__file__).with_name("messages.toml"))
 
 
-def message(name: str, given: Any = None, /, **values: Any) -> str:
-    """The message of this name in messages.toml, about a value that is given."""
-    return _messages(name, given=shown(given), **values)
+class _Messages(Sentences):
+    """Sentences in which ``{given:toml}`` shows a value as `shown` does."""
+
+    def format_field(self, value: Any, spec: str) -> str:
+        return shown(value) if spec == "toml" else super().format_field(value, spec)
 
 
-def refusal(name: str, given: Any = None, /, **values: Any) -> ParameterError:
-    """The error with the message of this name."""
-    return ParameterError(message(name, given, **values))
+message = _Messages(Path(__file__).with_name("messages.toml"))
+refusal = message.refusal
 
 
 class Place(NamedTuple):
@@ -43,9 +43,9 @@ class Place(NamedTuple):
         inner = f"[{part}]" if isinstance(part, int) else joint + toml_key(part)
         return Place(self.name + inner, self.problems)
 
-    def add(self, name: str, given: Any = None, /, **values: Any) -> None:
+    def add(self, name: str, /, **values: Any) -> None:
         """Note a problem, by the name of its message."""
-        self.problems.append(f"{self.name}: {message(name, given, **values)}")
+        self.problems.append(f"{self.name}: {message(name, **values)}")
 
     def missing(self, key: str, wanted: str = "") -> None:
         """Note that a key of this table is missing, and what is expected if not its quantity."""
@@ -145,4 +145,4 @@ def choice(given: Any, names: Iterable[str]) -> str:
     names = list(names)
     if isinstance(given, str) and given in names:
         return given
-    raise refusal("value.unknown", given, wanted=one_of(names, given))
+    raise refusal("value.unknown", given=given, wanted=one_of(names, given))

@@ -78,7 +78,7 @@ def _pair(key: str, table: dict[str, Any], kinds: Any, place: Place) -> list[Any
         return None
     sound = isinstance(value, list) and len(value) == 2
     if not sound or not all(isinstance(x, kinds) and not isinstance(x, bool) for x in value):
-        place.at(key).add("columns.no_pair", value, wanted=wanted)
+        place.at(key).add("columns.no_pair", given=value, wanted=wanted)
         return None
     return list(value)
 
@@ -96,14 +96,14 @@ def _column(
     if unit is None:
         unit = _split(name)[1]
     if not unit:
-        place.add("columns.no_unit", name)
+        place.add("columns.no_unit", given=name)
         return None
     try:
         to_si(SYMBOLS[i], f"1 {unit}", bound="")
     except ParameterError as error:
         what = error_line(error).removeprefix(f"{SYMBOLS[i]} = {f'1 {unit}'!r} ")
         what = what.replace(f"has an unknown unit {unit!r}", "is unknown", 1)
-        at_unit.add("columns.bad_unit", unit, what=what)
+        at_unit.add("columns.bad_unit", given=unit, what=what)
     return Column(index, name, unit)
 
 
@@ -112,9 +112,9 @@ def _index(wanted: str | int, head: list[str], titled: bool) -> int:
     if isinstance(wanted, int):
         if 1 <= wanted <= len(head):
             return wanted - 1
-        raise refusal("columns.no_number", wanted, n=len(head))
+        raise refusal("columns.no_number", given=wanted, n=len(head))
     if not titled:
-        raise refusal("columns.no_header", wanted, n=len(head))
+        raise refusal("columns.no_header", given=wanted, n=len(head))
     titles = [" ".join(cell.split()) for cell in head]
     names = [_split(title)[0] for title in titles]
     wanted = " ".join(wanted.split())
@@ -125,7 +125,7 @@ def _index(wanted: str | int, head: list[str], titled: bool) -> int:
     near = nearest(wanted, titles) or nearest(wanted, names)
     meant = f"; did you mean {shown(near)}?" if near else ""
     name = "columns.several" if names.count(wanted) > 1 else "columns.no_name"
-    raise refusal(name, wanted, listed=listed, meant=meant)
+    raise refusal(name, given=wanted, listed=listed, meant=meant)
 
 
 def _split(title: str) -> tuple[str, str]:
@@ -142,8 +142,8 @@ def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
     bad = np.argwhere(np.isnan(table))
     for i, j in bad[:BAD_LISTED]:
         (line, row), column = rows[i], columns[j]
-        name = shown(column.name)
-        place.add("record.no_number", _cell(row, column), line=line, column=name)
+        cell = _cell(row, column)
+        place.add("record.no_number", given=cell, line=line, column=column.name)
     if len(bad) > BAD_LISTED:
         place.add("record.more_no_numbers", n=len(bad) - BAD_LISTED)
     if len(bad):
@@ -169,21 +169,21 @@ def _rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:
     """The rows of a file that are not empty, each with the number of its line."""
     wanted = message("record.wanted", endings=", ".join(ENDINGS))
     if not isinstance(file, str) or not file.isprintable() or len(file) > 1000:
-        raise refusal("record.no_name", file, wanted=wanted)
+        raise refusal("record.no_name", given=file, wanted=wanted)
     path = folder / file
     if path.suffix.lower() not in ENDINGS:
-        raise refusal("record.ending", file, wanted=wanted)
+        raise refusal("record.ending", given=file, wanted=wanted)
     try:
         if not path.is_file():
-            raise refusal("record.missing", str(path), wanted=wanted)
+            raise refusal("record.missing", given=str(path), wanted=wanted)
         if (size := path.stat().st_size) > LARGEST:
-            raise refusal("record.too_large", file, size=size, most=LARGEST)
+            raise refusal("record.too_large", given=file, size=size, most=LARGEST)
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
-        raise refusal("record.unreadable", file, what=error.strerror, wanted=wanted) from None
+        raise refusal("record.unreadable", given=file, what=error.strerror, wanted=wanted) from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise refusal("record.not_utf8", file, line=line) from None
+        raise refusal("record.not_utf8", given=file, line=line) from None
     first = text[:10000].lstrip().split("\n", 1)[0]
     delimiter = next((mark for mark in "\t;" if mark in first), ",")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
@@ -193,11 +193,11 @@ def _rows_of(file: Any, folder: Path) -> list[tuple[int, list[str]]]:
             if any(cell.strip() for cell in row):
                 rows.append((reader.line_num, [cell.strip() for cell in row]))
             if len(rows) > LONGEST + 1:
-                raise refusal("record.too_many_rows", file, most=LONGEST)
+                raise refusal("record.too_many_rows", given=file, most=LONGEST)
     except csv.Error as error:
-        raise refusal("record.bad_row", file, line=reader.line_num, what=error) from None
+        raise refusal("record.bad_row", given=file, line=reader.line_num, what=error) from None
     if not rows:
-        raise refusal("record.empty", file)
+        raise refusal("record.empty", given=file)
     return rows
 
 

@@ -42,7 +42,7 @@ def read_value(key: str, value: Any, place: Place) -> Any:
         many = read_values(key, value, place)
         return None if many is None else as_array(key, many)
     if isinstance(value, dict | list) and key in AXES:
-        place.add("key.no_axis", value, like=example(key))
+        place.add("key.no_axis", given=value, like=example(key))
         return None
     if key in CHOICES:
         return place.noting(lambda: choice(value, CHOICES[key]))
@@ -56,14 +56,14 @@ def _path(key: str, value: Any) -> Path:
     endings = ENDINGS[key]
     wanted = message("output.wanted", names=" or ".join(endings), ending=endings[0])
     if not isinstance(value, str):
-        raise refusal("output.no_text", value, wanted=wanted)
+        raise refusal("output.no_text", given=value, wanted=wanted)
     if len(value) > LONGEST_PATH or not value.isprintable():
-        raise refusal("output.no_name", value, wanted=wanted)
+        raise refusal("output.no_name", given=value, wanted=wanted)
     path = Path(value)
     if path.suffix.lower() not in endings:
-        raise refusal("output.ending", value, wanted=wanted)
+        raise refusal("output.ending", given=value, wanted=wanted)
     if not path.parent.is_dir():
-        raise refusal("output.no_folder", value, wanted=wanted)
+        raise refusal("output.no_folder", given=value, wanted=wanted)
     return path
 
 
@@ -114,7 +114,7 @@ def _verb(table: dict[str, Any], requested: str | None, of_run: str | None, plac
         return of_run or requested or ""
     verb = place.at("verb").noting(lambda: choice(table["verb"], VERBS))
     if verb and of_run not in (None, verb):
-        place.at("verb").add("table.two_verbs", verb, own=shown(of_run))
+        place.at("verb").add("table.two_verbs", given=verb, own=of_run)
         return ""
     return verb or ""
 

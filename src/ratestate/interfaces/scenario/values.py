@@ -88,13 +88,13 @@ def unusual(symbol: str, x: float) -> str:
 def number(symbol: str, value: Any, bound: str | None = None) -> float:
     """One value in SI; ParameterError if it is no number or has an unusual magnitude."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise refusal("value.no_number", value, wanted=expected(symbol))
+        raise refusal("value.no_number", given=value, wanted=expected(symbol))
     if isinstance(value, str) and len(value) > LONGEST_TEXT:
-        raise refusal("value.too_long", value, wanted=expected(symbol))
+        raise refusal("value.too_long", given=value, wanted=expected(symbol))
     try:  # (an integer may have more digits than Python writes into a message)
         x = to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
     except ArithmeticError:
-        raise refusal("value.overflow", value, wanted=expected(symbol)) from None
+        raise refusal("value.overflow", given=value, wanted=expected(symbol)) from None
     if sizes := unusual(symbol, x):
         raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=expected(symbol))
     return x
@@ -134,7 +134,7 @@ def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -
     first, last = read_ends(symbol, table, place, "> 0" if scale == "log" else bound)
     n = table.get("n")
     if isinstance(n, bool) or not isinstance(n, int) or not 2 <= n <= LONGEST:
-        place.at("n").add("axis.no_n" if n is None else "axis.bad_n", n, most=LONGEST)
+        place.at("n").add("axis.no_n" if n is None else "axis.bad_n", given=n, most=LONGEST)
     elif first is not None and last is not None and scale and len(place.problems) == before:
         return AxisRange(first, last, n, scale)
     return None
@@ -150,7 +150,7 @@ def read_ends(
         if key not in table:
             place.missing(key, expected(symbol))
         elif x is not None and math.isinf(x):
-            place.at(key).add("axis.infinite_end", x, wanted=expected(symbol))
+            place.at(key).add("axis.infinite_end", given=x, wanted=expected(symbol))
             x = None
         ends.append(x)
     return ends
@@ -165,7 +165,7 @@ class InlineTable(NamedTuple):
     def read(self, table: Any, place: Place, one: str = "") -> dict[str, Any] | None:
         """The values in SI, None for one with a problem and for what is no table."""
         if not isinstance(table, dict):
-            place.add("table.none", table, wanted=f"expected {one}such as {self.like}")
+            place.add("table.none", given=table, wanted=f"expected {one}such as {self.like}")
             return None
         note_unknown_keys(table, self.keys, self.like, place)
         return {

@@ -11,7 +11,8 @@ LIKE = {symbol: of["unit"] for symbol, of in _TABLE["quantities"].items()}
 #: displacements that are the load point's
 NOT_OTHERS = _TABLE["parts"]["OTHERS"]
 _UNITS = {name: of.split() for name, of in _TABLE["units"].items()}
-_CAPITALS: dict[str, str] = {unit.upper(): unit for unit in _UNITS["capitals"]}
+_NAMES = {unit.lower() for unit in _UNITS["names"]}
+_CAPITALS = {unit.upper(): unit for unit in _UNITS["names"]}
 _WORDS = {word: unit for unit in ("um", "s") for word in _UNITS[unit]}
 _BRACKETS = re.compile(r"(.*?)[\s_,:]*[\[({<]\s*([^\[\](){}<>]*)\s*[\])}>]\s*(.*)", re.DOTALL)
 #: name, what parts it from the unit, unit: "disp_um" before "t/s", for "speed um/s" is the former
@@ -45,7 +46,7 @@ def split(title):
 
 def is_unit(text):
     """Whether a text can only be a unit (or "-" for none)."""
-    return plain(text).lower() in _UNITS["spellings"]
+    return plain(text).lower() in _NAMES
 
 
 def plain(unit):
