@@ -350,7 +350,8 @@ def test_what_cannot_be_done_is_found_before_the_work(arguments, message, lab, m
         lab.with_name(folder).mkdir()
     before = sorted(lab.parent.rglob("*"))
     for verb in model.FUNCTIONS:
-        monkeypatch.setitem(model.FUNCTIONS, verb, never)
+        row = model.FUNCTIONS[verb]._replace(call=never)
+        monkeypatch.setitem(model.FUNCTIONS, verb, row)
     result = call(*arguments)
     assert result.exit_code == 2, result.output
     assert message in " ".join(result.stderr.split())

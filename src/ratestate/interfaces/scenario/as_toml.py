@@ -11,15 +11,7 @@ from ...model.loading.written import Event, events_of, rows_of
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array
 from .literals import find_axis, is_own_axis, numbers, quantity
-from .model import Scenario
-
-#: function -> the commands that call it, for one case and for many
-COMMANDS = {
-    "simulate": ("run", "sweep"),
-    "limit_cycle": ("cycle", "sweep"),
-    "stability": ("stability", "sweep"),
-    "continue_cycle": ("branch", "branch"),
-}
+from .model import FUNCTIONS, Scenario
 
 
 def toml(scenario: Scenario) -> str:
@@ -69,7 +61,7 @@ def toml(scenario: Scenario) -> str:
         "sweep": named | axes if axes else {},
         "output": {key: _literal(key, path) for key, path in output.items() if path},
     }
-    lines = [f"# To do this: ratestate {COMMANDS[verb][bool(swept)]} FILE.toml"]
+    lines = [f"# To do this: ratestate {FUNCTIONS[verb].commands[bool(swept)]} FILE.toml"]
     for name, table in tables.items():
         if table:
             lines += ["", f"[{name}]", *(f"{key} = {value}" for key, value in table.items())]

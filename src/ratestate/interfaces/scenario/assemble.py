@@ -8,9 +8,9 @@ import numpy as np
 from ...dynamics.continuation.branch import checked_family
 from ...model.slider import SpringSlider
 from .checks import check_rtol, check_run
-from .known_keys import NEEDED, SLIDER, VERBS, example
+from .known_keys import NEEDED, SLIDER, example
 from .loading_table import LoadingTable
-from .model import Output, Scenario
+from .model import FUNCTIONS, Output, Scenario
 from .problems import Place, expected, message
 from .tables import BRANCH, Sweep
 
@@ -54,7 +54,7 @@ def assemble(tables: Tables) -> Scenario | None:
         check_run(slider, settings, loading, tables.place)
         settings = {"loading": loading} | settings
     elif verb:
-        settings = {k: v for k, v in settings.items() if k in VERBS[verb]}
+        settings = {k: v for k, v in settings.items() if k in FUNCTIONS[verb].keys}
         if branch.get("parameter") != "V_lp":
             settings = {"V_lp": _last_speed(tables)} | settings
         if "rtol" in settings:

@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics.continuation.branch import check_rtol as check_rtol_of_branch
-from ...dynamics.cycles.limit_cycle import limit_cycle_call
 from ...dynamics.simulation.cases import MAX_STEPS
 from ...dynamics.simulation.settings import saved_times, solver_settings
 from ...errors import ParameterError
@@ -16,23 +14,17 @@ from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
 from .known_keys import INITIAL
+from .model import ANY, FUNCTIONS
 from .problems import Place, expected, message
 
-# For checks that do not depend on the slider.
-ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
 FEW = 10**5  # cases that are checked one by one
-#: function -> raises ParameterError for an rtol that it would refuse
-RTOL: dict[str, Callable[[float], Any]] = {
-    "simulate": lambda rtol: solver_settings(rtol, "rodas5p", None, ANY),
-    "limit_cycle": lambda rtol: limit_cycle_call(ANY, 1.0, rtol=rtol),
-    "continue_cycle": check_rtol_of_branch,
-}
 
 
 def check_rtol(verb: str, rtol: float | None, place: Place) -> None:
     """Note an rtol that the function would refuse."""
-    if rtol is not None:
-        place.noting(lambda: RTOL[verb](rtol), "rtol", expected("rtol"))
+    check = FUNCTIONS[verb].check_rtol
+    if check and rtol is not None:
+        place.noting(lambda: check(rtol), "rtol", expected("rtol"))
 
 
 def check_run(

@@ -10,6 +10,7 @@ from ...friction.laws import LAWS
 from ...model.initial_state import SYMBOLS
 from ...model.quantities import KINDS, QUANTITIES
 from ...model.slider import SpringSlider
+from .model import FUNCTIONS
 from .problems import Place, nearest, one_of
 from .values import InlineTable
 
@@ -21,13 +22,6 @@ MOST_KEYS = 1000
 SLIDER = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
 #: those that must be given
 NEEDED = [key for key, default in SLIDER.items() if default is dataclasses.MISSING]
-#: value of the key verb -> the function's own parameters in [sweep]
-VERBS = {
-    "limit_cycle": ("V_lp", "rtol"),
-    "simulate": ("V_lp", "t_end", "V_start", "times", "rtol"),
-    "stability": ("V_lp",),
-    "continue_cycle": ("V_lp", "rtol"),
-}
 #: table -> its keys
 TABLES = {
     "slider": tuple(SLIDER),
@@ -37,7 +31,7 @@ TABLES = {
     "output": ("file", "plot"),
 }
 #: key -> the names that it may have as a value
-CHOICES = {"law": tuple(LAWS), "method": tuple(METHODS), "verb": tuple(VERBS)}
+CHOICES = {"law": tuple(LAWS), "method": tuple(METHODS), "verb": tuple(FUNCTIONS)}
 #: key -> the endings that its file may have
 ENDINGS = {"file": NUMBERS, "plot": PICTURES}
 #: keys that may have many values in [sweep]

@@ -1,17 +1,53 @@
 """A scenario: a function to call, its slider, its settings, and where the result goes."""
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from ...dynamics.continuation.branch import checked_family, continue_cycle
+from ...dynamics.continuation.branch import check_rtol, checked_family, continue_cycle
+from ...dynamics.cycles.limit_cycle import limit_cycle_call
+from ...dynamics.simulation.settings import solver_settings
 from ...model.slider import SpringSlider
 from ...sweeps.calls import FUNCTIONS as SWEPT
 
-#: name -> function
-FUNCTIONS = {name: pair[0] for name, pair in SWEPT.items()} | {"continue_cycle": continue_cycle}
-#: name -> function that checks its arguments
-CHECKS = {name: pair[1] for name, pair in SWEPT.items()} | {"continue_cycle": checked_family}
+#: for checks that do not depend on the slider
+ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)
+
+
+class Function(NamedTuple):
+    """A function that a scenario calls."""
+
+    call: Callable[..., Any]
+    checked: Callable[..., Any]  # raises ParameterError for arguments that it would refuse
+    keys: tuple[str, ...]  # its parameters in [sweep], beside those of the slider
+    commands: tuple[str, str]  # the commands that call it, for one case and for many
+    check_rtol: Callable[[float], Any] | None = None  # raises ParameterError
+
+
+#: value of the key verb -> its function
+FUNCTIONS = {
+    "limit_cycle": Function(
+        *SWEPT["limit_cycle"],
+        keys=("V_lp", "rtol"),
+        commands=("cycle", "sweep"),
+        check_rtol=lambda rtol: limit_cycle_call(ANY, 1.0, rtol=rtol),
+    ),
+    "simulate": Function(
+        *SWEPT["simulate"],
+        keys=("V_lp", "t_end", "V_start", "times", "rtol"),
+        commands=("run", "sweep"),
+        check_rtol=lambda rtol: solver_settings(rtol, "rodas5p", None, ANY),
+    ),
+    "stability": Function(*SWEPT["stability"], keys=("V_lp",), commands=("stability", "sweep")),
+    "continue_cycle": Function(
+        continue_cycle,
+        checked_family,
+        keys=("V_lp", "rtol"),
+        commands=("branch", "branch"),
+        check_rtol=check_rtol,
+    ),
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,4 +101,4 @@ def run(scenario: Scenario) -> Any:
     xarray.Dataset
         What the function returns.
     """
-    return FUNCTIONS[scenario.verb](scenario.slider, **scenario.settings)
+    return FUNCTIONS[scenario.verb].call(scenario.slider, **scenario.settings)

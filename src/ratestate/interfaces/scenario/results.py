@@ -13,7 +13,7 @@ from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
 from .known_keys import SLIDER
-from .model import CHECKS, FUNCTIONS, Scenario
+from .model import FUNCTIONS, Scenario
 
 WANTED = "give a Dataset as a verb of ratestate returned it, or read from the file it was kept in"
 
@@ -66,9 +66,10 @@ def from_result(result: Any) -> Scenario:
 
 def _check(scenario: Scenario) -> None:
     """Raise ParameterError for a scenario that its function would refuse."""
-    bound = inspect.signature(FUNCTIONS[scenario.verb]).bind(scenario.slider, **scenario.settings)
+    function = FUNCTIONS[scenario.verb]
+    bound = inspect.signature(function.call).bind(scenario.slider, **scenario.settings)
     bound.apply_defaults()
-    getattr(CHECKS[scenario.verb](**bound.arguments), "batch", None)  # refuses arrays that clash
+    getattr(function.checked(**bound.arguments), "batch", None)  # refuses arrays that clash
 
 
 def _slider(result: Any) -> SpringSlider:
@@ -129,7 +130,7 @@ def _values(result: Any, name: str, given: dict[str, Any]) -> dict[str, Any]:
 def _settings(verb: str, result: Any) -> dict[str, Any]:
     """The function's arguments but for the slider, and without those equal to its defaults."""
     settings = {}
-    for key, argument in list(inspect.signature(FUNCTIONS[verb]).parameters.items())[1:]:
+    for key, argument in list(inspect.signature(FUNCTIONS[verb].call).parameters.items())[1:]:
         value = _setting(result, key)
         many = is_array(value) or isinstance(value, np.ndarray)
         if many or not (value is None or value == {} or value == argument.default):

@@ -12,10 +12,10 @@ from .known_keys import (
     INITIAL,
     SLIDER,
     TABLES,
-    VERBS,
     example,
     known_items,
 )
+from .model import FUNCTIONS
 from .problems import Place, choice, message, one_of, refusal, shown
 from .values import AXIS, Many, as_array, as_axis, read_ends, read_number, read_values
 
@@ -89,7 +89,7 @@ def sweep_table(
         return Sweep(verb, own, {}, {})
     own = _verb(table, requested, of_run, place)
     verb = requested or own
-    of_verb = {name: [*SLIDER, *keys] for name, keys in VERBS.items()}
+    of_verb = {name: [*SLIDER, *function.keys] for name, function in FUNCTIONS.items()}
     known = of_verb.get(own) or [key for key in TABLES["sweep"] if key != "verb"]
     given = {}
     for key, value in known_items("sweep", table, place, own or "any verb"):
@@ -110,9 +110,9 @@ def _verb(table: dict[str, Any], requested: str | None, of_run: str | None, plac
     """The verb of the file."""
     if "verb" not in table:
         if not (of_run or requested):
-            place.missing("verb", one_of(VERBS))
+            place.missing("verb", one_of(FUNCTIONS))
         return of_run or requested or ""
-    verb = place.at("verb").noting(lambda: choice(table["verb"], VERBS))
+    verb = place.at("verb").noting(lambda: choice(table["verb"], FUNCTIONS))
     if verb and of_run not in (None, verb):
         place.at("verb").add("table.two_verbs", given=verb, own=of_run)
         return ""

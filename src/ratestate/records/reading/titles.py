@@ -12,7 +12,7 @@ LIKE = {symbol: of["unit"] for symbol, of in _TABLE["quantities"].items()}
 NOT_OTHERS = _TABLE["parts"]["OTHERS"]
 _UNITS = {name: of.split() for name, of in _TABLE["units"].items()}
 _NAMES = {unit.lower() for unit in _UNITS["names"]}
-_CAPITALS = {unit.upper(): unit for unit in _UNITS["names"]}
+_CAPITALS: dict[str, str] = {unit.upper(): unit for unit in _UNITS["names"]}
 _WORDS = {word: unit for unit in ("um", "s") for word in _UNITS[unit]}
 _BRACKETS = re.compile(r"(.*?)[\s_,:]*[\[({<]\s*([^\[\](){}<>]*)\s*[\])}>]\s*(.*)", re.DOTALL)
 #: name, what parts it from the unit, unit: "disp_um" before "t/s", for "speed um/s" is the former
