@@ -18,8 +18,10 @@ export class Connection {
     const socket = new WebSocket(`ws://${location.host}/socket`);
     this.socket = socket;
     socket.binaryType = "arraybuffer";
-    socket.onopen = () => (this.wait = FIRST_WAIT);
-    socket.onmessage = (event) => this.on.answer(decode(event.data));
+    socket.onmessage = (event) => {
+      this.wait = FIRST_WAIT; // not when it opens: of too many pages one is let in and closed
+      this.on.answer(decode(event.data));
+    };
     socket.onclose = (event) => {
       this.on.lost(this.wait / 1000, event.reason);
       setTimeout(() => this.connect(), this.wait);

@@ -12,12 +12,18 @@ export class Controls {
    * entries: Entries; ask: function (event's time stamp), called when they have changed;
    * whenRead: function (act) that acts once the server has read all that was typed
    */
-  constructor(specs, presets, entries, ask, whenRead) {
+  constructor(specs, laws, presets, entries, ask, whenRead) {
     Object.assign(this, { presets, entries, ask, whenRead, fields: {} });
     for (const spec of specs) {
       const field = new Field(spec, (name, text, stamp) => this.change({ [name]: text }, stamp));
       this.fields[spec.symbol] = field;
       $(REFERENCE.includes(spec.symbol) ? "reference" : "fields").append(field.element);
+    }
+    for (const law of laws) {
+      const radio = Object.assign(document.createElement("input"), { type: "radio", name: "law", value: law });
+      const label = document.createElement("label");
+      label.append(radio, ` ${law}`);
+      $("law-problem").before(label, " ");
     }
     presets.forEach(({ title }, i) => $("presets").add(new Option(title, i)));
     this.listen();

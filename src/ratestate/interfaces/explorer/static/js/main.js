@@ -26,8 +26,8 @@ let chartTimer = 0;
 let chartKey = ""; // of the atlas behind the map, as the server names it
 let chartWanted = false;
 let read = 0; // id of the newest picture asked for that was answered
-const files = new Set(); // ids of the downloads asked for
 let waiting = []; // what is done once that is the newest
+const files = new Set(); // ids of the downloads asked for
 
 const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"));
 const phase = new Phase($("phase-canvas"));
@@ -98,11 +98,11 @@ function answer(found) {
   ({ hello, ready: () => say(""), picture: arrived, chart, file, problem })[found.kind](found);
 }
 
-function hello({ fields, prefixes, presets, ready, span, arrays }) {
+function hello({ fields, laws, prefixes, presets, ready, span, arrays }) {
   learnPrefixes(prefixes);
   map.open(span, arrays);
   const names = [...fields.map((field) => field.symbol), "law", "V_from"];
-  controls ??= new Controls(fields, presets, new Entries(names, presets[0].entries), ask, whenRead);
+  controls ??= new Controls(fields, laws, presets, new Entries(names, presets[0].entries), ask, whenRead);
   waiting = [];
   say(ready ? "" : "Preparing the solver for this machine, up to a minute, once \u2026");
   chartKey = "";

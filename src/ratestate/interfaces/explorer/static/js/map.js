@@ -5,6 +5,7 @@ import { Legend, REGIMES } from "./legend.js";
 import { plain } from "./numbers.js";
 import { Plane } from "./plane.js";
 import { FONT, color, onTheme } from "./theme.js";
+import { parts } from "./words.js";
 
 const ARROW = 0.02; // decades of K, and twice that of eta; with Shift ten times as far
 
@@ -16,7 +17,7 @@ export class StabilityMap {
    * target is where the dot was sent before it is drawn there; the page clears it.
    */
   constructor(canvas, dot, key, move, whenRead) {
-    this.plane = new Plane(canvas, { log: true, label: [["i", "K"], ["", " / "], ["i", "K"], ["sub", "c,qs"]] }, { log: true, label: [["i", "\u03b7"]] });
+    this.plane = new Plane(canvas, { log: true, label: ["K", " / ", "K_c_qs"].flatMap(parts) }, { log: true, label: parts("eta") });
     Object.assign(this, { canvas, dot, move, whenRead });
     this.legend = new Legend(key);
     this.listen();
@@ -75,7 +76,7 @@ export class StabilityMap {
       plane.curve(this.line.line_ratio, this.line.line_eta, color("text"), 1.8);
       this.jumps();
       c.fillStyle = color("on-map");
-      writeLabel(c, [["i", "K"], ["sub", "c"]], plane.X(1.6), plane.Y(1e-14));
+      writeLabel(c, parts("K_c"), plane.X(1.6), plane.Y(1e-14));
     });
     this.put(at);
   }

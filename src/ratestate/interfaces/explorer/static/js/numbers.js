@@ -1,7 +1,5 @@
 // Numbers as text.
 
-const SUPERSCRIPTS = { "-": "\u207b", 0: "\u2070", 1: "\u00b9", 2: "\u00b2", 3: "\u00b3", 4: "\u2074", 5: "\u2075", 6: "\u2076", 7: "\u2077", 8: "\u2078", 9: "\u2079" };
-
 /** 0.00123 to so many digits, without zeros at the end. */
 export function round(value, digits = 4) {
   if (value === 0) return "0";
@@ -42,9 +40,14 @@ export function micro(text) {
   return text.replace(/(^| )u(?=m|s|Hz)/, "$1\u00b5");
 }
 
+/** Digits, and perhaps a minus before them, as an exponent. */
+export function superscript(text) {
+  return [...text].map((c) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[c] ?? "\u207b").join("");
+}
+
 /** 10 to a whole power, as "10\u207b\u2076". */
 export function powerOfTen(power) {
-  return power === 0 ? "1" : power === 1 ? "10" : `10${[...String(power)].map((c) => SUPERSCRIPTS[c]).join("")}`;
+  return power === 0 ? "1" : power === 1 ? "10" : `10${superscript(String(power))}`;
 }
 
 /** A number for a table: plain where it is readable, else as a product with a power of ten. */

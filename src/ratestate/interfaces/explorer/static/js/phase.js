@@ -3,6 +3,7 @@
 import { Plane } from "./plane.js";
 import { color } from "./theme.js";
 import { counted, speeds } from "./ticks.js";
+import { parts } from "./words.js";
 
 const PADDING = 0.07;
 const SMALLEST = 1e-12; // of tau/sigma: room about a point
@@ -51,7 +52,7 @@ export class Phase {
     const range = { low: Math.exp(Math.max(slow - room, -700)), high: Math.exp(fast + room) };
     const [, unit] = speeds(range.low, range.high, 5);
     const ticks = (wanted) => speeds(range.low, range.high, wanted)[0];
-    Object.assign(this.plane.y, range, { ticks, label: [["i", "V"], ["", unit]] });
+    Object.assign(this.plane.y, range, { ticks, label: ["V", unit].flatMap(parts) });
   }
 }
 

@@ -32,7 +32,7 @@ function rows({ numbers, values }) {
 
 function row([names, text]) {
   const term = document.createElement("dt");
-  for (const name of names) term.append(...(/^[A-Za-z_/]+$/.test(name) && name !== "slowest" && name !== "/" ? symbol(name) : [name]));
+  term.append(...names.flatMap(symbol));
   const value = document.createElement("dd");
   value.textContent = text;
   value.title = text;

@@ -1,5 +1,7 @@
 // The server's plain text with symbols as mathematics; also the symbols of fields and tables.
 
+import { superscript } from "./numbers.js";
+
 const SYMBOLS = {
   "tau/sigma": [["i", "\u03c4"], ["", "/"], ["i", "\u03c3"]],
   K_c_qs: [["i", "K"], ["sub", "c,qs"]],
@@ -24,9 +26,14 @@ const SYMBOLS = {
 const NAMES = Object.keys(SYMBOLS).filter((name) => !["a", "f"].includes(name));
 const PATTERN = new RegExp(`(?<![\\w/'"])(${NAMES.join("|")})(?![\\w/'"^])`);
 
-/** A symbol of a quantity, as nodes. */
+/** A symbol as [[tag, text], ...]; of what is no known symbol, its own letters. */
+export function parts(name) {
+  return Object.hasOwn(SYMBOLS, name) ? SYMBOLS[name] : [["", name]];
+}
+
+/** The same as nodes. */
 export function symbol(name) {
-  return SYMBOLS[name].map(([tag, text]) => {
+  return parts(name).map(([tag, text]) => {
     if (!tag) return document.createTextNode(text);
     const node = document.createElement(tag);
     node.textContent = text;
@@ -36,21 +43,17 @@ export function symbol(name) {
 
 /** Put a sentence into an element. */
 export function write(element, text) {
-  const parts = text.split(PATTERN).flatMap((part) => (part in SYMBOLS ? symbol(part) : [units(part)]));
-  element.replaceChildren(...parts);
+  // between the texts of a split stand what its pattern holds
+  element.replaceChildren(...text.split(PATTERN).flatMap((part, i) => (i % 2 ? symbol(part) : [units(part)])));
 }
 
 function units(text) {
-  const told = text
+  const shown = text
     .replace(/(\d) u(m|s|Hz)/g, "$1 \u00b5$2")
     .replaceAll("kg/m^2", "kg/m\u00b2")
     .replaceAll("<=", "\u2264")
     .replaceAll("+-", "\u00b1")
     .replace(/(\d)e([+-]?)0*(\d+)/g, (_, digit, sign, power) => `${digit}\u00b710${superscript((sign === "-" ? "-" : "") + power)}`)
     .replace(/(\d) (?=\S)/g, "$1\u00a0");
-  return document.createTextNode(told);
-}
-
-function superscript(text) {
-  return [...text].map((c) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[c] ?? "\u207b").join("");
+  return document.createTextNode(shown);
 }
