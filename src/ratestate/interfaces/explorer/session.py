@@ -41,8 +41,8 @@ class SharedWork:
         """Load the kernels, or compile them, by doing once what pages ask for."""
         await asyncio.get_running_loop().run_in_executor(self.pool, _warm_up, self.preparing)
         self.ready.set()
-        for session in list(self.sessions):
-            await session.send(wire.answer(None, "ready"))
+        greetings = (session.send(wire.answer(None, "ready")) for session in self.sessions)
+        await asyncio.gather(*greetings, return_exceptions=True)  # a page may be gone by then
 
     def close(self):
         """End all work."""

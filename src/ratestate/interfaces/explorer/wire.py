@@ -25,9 +25,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..strict_json import strict_json
+from .exports import NAMES
 
 LONGEST = 4096  # bytes of a question
-ASKS = ("picture", "chart", "scenario", "python", "csv")
+ASKS = ("picture", "chart", *NAMES)
 LARGEST_ID = 2**53
 
 

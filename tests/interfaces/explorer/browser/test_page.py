@@ -467,6 +467,16 @@ def test_every_named_control_has_a_name(show):
     assert shown.page.evaluate(f"({names})('sigma')") == ["normal stress sigma"] * 2
 
 
+def test_a_symbol_that_is_not_known_is_its_letters(server, browser):
+    page = browser.new_page()
+    page.goto(f"{server.address}js/words.js")
+    shown = "async (name) => (await import('/js/words.js')).symbol(name).map((x) => x.textContent)"
+    assert page.evaluate(shown, "K_c") == ["K", "c"]
+    for name in ("D_RS", "toString"):
+        assert page.evaluate(shown, name) == [name]
+    page.close()
+
+
 def test_ticks_of_late_digits_count_from_a_value(server, browser):
     page = browser.new_page()
     page.goto(f"{server.address}js/ticks.js")

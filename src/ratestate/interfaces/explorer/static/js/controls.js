@@ -1,10 +1,10 @@
 // Everything that is set by hand: fields, law, preset, velocity step; and what is wrong with it.
 
+import { $, element } from "./dom.js";
 import { Field } from "./fields.js";
 import { entry, shown } from "./numbers.js";
 import { number } from "./wire.js";
 
-const $ = (id) => document.getElementById(id);
 const REFERENCE = ["mu0", "V0"];
 
 export class Controls {
@@ -20,10 +20,8 @@ export class Controls {
       $(REFERENCE.includes(spec.symbol) ? "reference" : "fields").append(field.element);
     }
     for (const law of laws) {
-      const radio = Object.assign(document.createElement("input"), { type: "radio", name: "law", value: law });
-      const label = document.createElement("label");
-      label.append(radio, ` ${law}`);
-      $("law-problem").before(label, " ");
+      const radio = element("input", { type: "radio", name: "law", value: law });
+      $("law-problem").before(element("label", {}, radio, ` ${law}`), " ");
     }
     presets.forEach(({ title }, i) => $("presets").add(new Option(title, i)));
     this.listen();

@@ -1,5 +1,6 @@
 // The parameters: an entry with a unit, and a slider over the decades about it.
 
+import { element } from "./dom.js";
 import { entry } from "./numbers.js";
 import { symbol } from "./words.js";
 
@@ -19,22 +20,17 @@ export class Field {
 
   build() {
     const { symbol: name } = this.spec;
-    const make = (tag, properties, ...children) => {
-      const node = Object.assign(document.createElement(tag), properties);
-      node.append(...children);
-      return node;
-    };
-    const label = make("label", { className: "symbol", htmlFor: `entry-${name}` }, ...symbol(name));
-    const long = make("span", { className: "name", textContent: this.spec.name });
-    this.input = make("input", { type: "text", id: `entry-${name}`, spellcheck: false });
-    this.slider = make("input", { type: "range", id: `slider-${name}`, step: STEP });
-    this.message = make("p", { className: "problem", id: `problem-${name}`, hidden: true });
+    const label = element("label", { className: "symbol", htmlFor: `entry-${name}` }, ...symbol(name));
+    const long = element("span", { className: "name", textContent: this.spec.name });
+    this.input = element("input", { type: "text", id: `entry-${name}`, spellcheck: false });
+    this.slider = element("input", { type: "range", id: `slider-${name}`, step: STEP });
+    this.message = element("p", { className: "problem", id: `problem-${name}`, hidden: true });
     this.message.setAttribute("role", "alert");
     this.input.setAttribute("aria-describedby", `problem-${name}`);
     for (const control of [this.input, this.slider]) control.setAttribute("aria-label", `${this.spec.name} ${name}`);
     this.reach(Math.log10(this.spec.usual));
     this.listen();
-    return make("div", { className: "field" }, label, long, this.input, this.slider, this.message);
+    return element("div", { className: "field" }, label, long, this.input, this.slider, this.message);
   }
 
   listen() {

@@ -1,5 +1,7 @@
 // What the map's colours and marks mean: of those that occur.
 
+import { element } from "./dom.js";
+
 /** regimes in the order of their codes: name, colour role */
 export const REGIMES = [
   ["steady sliding", "steady"],
@@ -20,11 +22,7 @@ export class Legend {
   }
 
   entry(mark, text) {
-    const item = document.createElement("li");
-    const sign = document.createElement("span");
-    sign.className = mark;
-    item.append(sign, text);
-    item.hidden = true;
+    const item = element("li", { hidden: true }, element("span", { className: mark }), text);
     this.list.append(item);
     return item;
   }

@@ -2,6 +2,7 @@
 
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
+import { $ } from "./dom.js";
 import { savePicture, saveText } from "./downloads.js";
 import { Entries } from "./entries.js";
 import { StabilityMap } from "./map.js";
@@ -15,7 +16,6 @@ import { tell } from "./verdict.js";
 import { number } from "./wire.js";
 import { write } from "./words.js";
 
-const $ = (id) => document.getElementById(id);
 const CHART_WAIT = 300; // ms for which law and b/a must rest before their atlas is asked for
 
 let controls = null; // Controls, once the server has said what there is to control
@@ -38,8 +38,8 @@ new ResizeObserver(redraw).observe($("map-canvas"));
 listen();
 
 function listen() {
-  for (const name of ["scenario", "python", "csv"]) {
-    $(name).addEventListener("click", () => take(() => files.add(connection.ask(name, controls.entries.texts))));
+  for (const button of document.querySelectorAll("[data-file]")) {
+    button.addEventListener("click", () => take(() => files.add(connection.ask(button.id, controls.entries.texts))));
   }
   $("link").addEventListener("click", () => take(copyLink));
   $("png").addEventListener("click", () => take(png));

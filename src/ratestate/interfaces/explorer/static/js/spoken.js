@@ -1,9 +1,9 @@
 // What is said to those who do not see the page.
 
+import { $ } from "./dom.js";
 import { plain } from "./numbers.js";
 import { number } from "./wire.js";
 
-const $ = (id) => document.getElementById(id);
 const QUIET = 1000; // ms for which a picture must rest before it is announced
 
 let announcing = 0;

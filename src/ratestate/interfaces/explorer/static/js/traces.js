@@ -1,6 +1,7 @@
 // The motion against time: tau/sigma with mu, and V on a logarithmic axis.
 
 import uPlot from "../vendor/uPlot.js";
+import { element } from "./dom.js";
 import { round, shown, timeUnit } from "./numbers.js";
 import { FONT, color, onTheme } from "./theme.js";
 import { counted, linear, speeds } from "./ticks.js";
@@ -109,13 +110,7 @@ export class Traces {
       ["stress", "\u03c4/\u03c3", d && d.stress[index].toPrecision(6)],
       ["friction", "\u03bc", d && d.mu[index].toPrecision(6)],
       ["speed", "V", d && shown(d.V[index], "m/s")],
-    ].map(([role, name, value]) => {
-      const item = document.createElement("span");
-      const swatch = document.createElement("span");
-      swatch.className = `line ${role}`;
-      item.append(swatch, value ? `${name} = ${value}` : name);
-      return item;
-    });
+    ].map(([role, name, value]) => element("span", {}, element("span", { className: `line ${role}` }), value ? `${name} = ${value}` : name));
     if (d) parts.push(`t = ${round(d.t[index], 5)} ${this.unit[1]}`);
     this.readout.replaceChildren(...parts);
   }

@@ -1,5 +1,6 @@
 // What the slider does, in words and numbers.
 
+import { element } from "./dom.js";
 import { number } from "./wire.js";
 import { plain, shown } from "./numbers.js";
 import { symbol, write } from "./words.js";
@@ -31,12 +32,6 @@ function rows({ numbers, values }) {
 }
 
 function row([names, text]) {
-  const term = document.createElement("dt");
-  term.append(...names.flatMap(symbol));
-  const value = document.createElement("dd");
-  value.textContent = text;
-  value.title = text;
-  const group = document.createElement("div");
-  group.append(term, value);
-  return group;
+  const term = element("dt", {}, ...names.flatMap(symbol));
+  return element("div", {}, term, element("dd", { textContent: text, title: text }));
 }

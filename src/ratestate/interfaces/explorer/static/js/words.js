@@ -1,5 +1,6 @@
 // The server's plain text with symbols as mathematics; also the symbols of fields and tables.
 
+import { element } from "./dom.js";
 import { superscript } from "./numbers.js";
 
 const SYMBOLS = {
@@ -33,12 +34,7 @@ export function parts(name) {
 
 /** The same as nodes. */
 export function symbol(name) {
-  return parts(name).map(([tag, text]) => {
-    if (!tag) return document.createTextNode(text);
-    const node = document.createElement(tag);
-    node.textContent = text;
-    return node;
-  });
+  return parts(name).map(([tag, text]) => (tag ? element(tag, {}, text) : document.createTextNode(text)));
 }
 
 /** Put a sentence into an element. */
