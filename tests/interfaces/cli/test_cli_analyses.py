@@ -550,6 +550,17 @@ def test_a_reader_that_leaves_ends_it_quietly(lab):
     assert last.startswith("0.2,")
 
 
+def test_messages_may_be_closed_with_the_output(lab):
+    command = [sys.executable, "-c", "from ratestate.interfaces.cli import main; main()"]
+    arguments = ["stability", lab, "--out", "x.csv", "--plot", "x.pdf"]
+    with subprocess.Popen(
+        [*command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    ) as process:
+        process.stdout.close()  # as of `2>&1 | head`
+    assert process.returncode == 0
+    assert lab.with_name("x.pdf").stat().st_size > 1000
+
+
 def test_colours_are_for_terminals(lab, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     assert "\x1b[" in call("stability", lab).stdout

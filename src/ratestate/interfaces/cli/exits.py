@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 import typer
 
 from ...errors import RateStateError
+from .output import print_line
 
 BUG, FAILED, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
 EXIT_CODES = (
@@ -31,13 +32,13 @@ def exit_on_error(debug: bool) -> Iterator[None]:
     except (typer.Exit, typer.Abort, typer.BadParameter):
         raise
     except KeyboardInterrupt as interrupt:
-        typer.echo(f"interrupted; {str(interrupt) or 'no file is half written'}", err=True)
+        print_line(f"interrupted; {str(interrupt) or 'no file is half written'}", err=True)
         raise typer.Exit(INTERRUPTED) from interrupt
     except Exception as error:
         if debug:
-            typer.echo(traceback.format_exc(), err=True, nl=False)
+            print_line(traceback.format_exc().rstrip("\n"), err=True)
         message, code = _message_and_status(error)
-        typer.echo(message, err=True)
+        print_line(message, err=True)
         raise typer.Exit(code) from error
 
 

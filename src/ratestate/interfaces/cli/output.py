@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 WIDTH = 140  # of tables, where output does not go to a terminal
 
 
-def print_line(text: str) -> None:
+def print_line(text: str, err: bool = False) -> None:
     """Print a line; after its reader has gone, as with ``| head``, the work goes on."""
     try:
-        typer.echo(text, color=True)  # `_console` has decided about colours
+        typer.echo(text, err=err, color=True)  # `_console` has decided about colours
     except BrokenPipeError:
         null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, sys.stdout.fileno())
+        os.dup2(null, (sys.stderr if err else sys.stdout).fileno())
 
 
 def print_json(value: Any) -> None:
@@ -78,4 +78,4 @@ def reporting_files(what: str) -> Iterator[list[Path]]:
     yield files
     stderr.print(f"  {time.monotonic() - begin:.1f} s", style="dim")
     for path in files:
-        typer.echo(f"  {path}", err=True)
+        print_line(f"  {path}", err=True)

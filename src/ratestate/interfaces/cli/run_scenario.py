@@ -14,7 +14,7 @@ from .. import scenario as scenarios
 from ..scenario import Output, Scenario
 from .document import document, failed
 from .exits import SOME_FAILED
-from .output import print_json, print_rich
+from .output import print_json, print_line, print_rich
 from .verdict_text import VerdictText, verdict_text
 
 #: the largest result of a sweep in memory: some 2e7 cases of limit_cycle or stability
@@ -43,7 +43,7 @@ def do(scenario: Scenario, out: Path | None, plot: Path | None, json: bool) -> N
     print_result(result, None if swept_dims(scenario) else verdict_text(scenario, result), json)
     draw_plot(result, output)
     if problem:
-        typer.echo(f"error: {problem}", err=True)
+        print_line(f"error: {problem}", err=True)
     if problem or failed(result):
         raise typer.Exit(SOME_FAILED)
 
@@ -99,7 +99,7 @@ def write_result(result: xarray.Dataset, output: Output) -> None:
     """Write the numbers to the output file, if there is one, and name it on stderr."""
     if output.file:
         write(result, output.file)
-        typer.echo(f"wrote {output.file}", err=True)
+        print_line(f"wrote {output.file}", err=True)
 
 
 def print_result(result: xarray.Dataset, verdict: VerdictText | None, json: bool) -> None:
@@ -118,4 +118,4 @@ def draw_plot(result: xarray.Dataset, output: Output) -> None:
         from ... import plot
 
         plot.save(plot.page(result), output.plot)
-        typer.echo(f"wrote {output.plot}", err=True)
+        print_line(f"wrote {output.plot}", err=True)
