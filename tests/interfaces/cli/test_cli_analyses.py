@@ -360,6 +360,13 @@ def test_what_cannot_be_done_is_found_before_the_work(arguments, message, lab, m
     assert sorted(lab.parent.rglob("*")) == before
 
 
+def test_a_branch_of_many_sliders(lab):
+    lab.write_text(lab.read_text() + '\n[sweep]\nverb = "limit_cycle"\nM = [100, 200]\n')
+    result = call("branch", lab, *BRANCH)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "error: M: many values, and a branch follows the cycles of one slider" in result.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -70,7 +70,13 @@ def swept_dims(scenario: Scenario) -> list[str]:
 
 def compute(scenario: Scenario) -> xarray.Dataset:
     """The result of a scenario; a sweep uses all cores, and a failed case spoils no other."""
-    if not swept_dims(scenario):
+    dims = swept_dims(scenario)
+    if dims and scenario.verb == "continue_cycle":
+        raise ParameterError(
+            f"{' and '.join(dims)}: many values, and a branch follows the cycles of one slider; "
+            f"give one value of each"
+        )
+    if not dims:
         try:
             return scenarios.run(scenario)
         except (NotConverged, QuasiStaticInstability) as error:

@@ -16,8 +16,6 @@ from .values import InlineTable
 
 #: in a table with more keys only known ones are read
 MOST_KEYS = 1000
-
-
 #: parameters of the slider -> defaults
 SLIDER = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
 #: those that must be given

@@ -5,7 +5,6 @@ the number of cases has been checked.  Values of an unusual magnitude are refuse
 API takes any: so a wrong unit or exponent is reported before it costs minutes or overflows.
 """
 
-import dataclasses
 import math
 from collections.abc import Iterable
 from decimal import Decimal
@@ -40,8 +39,7 @@ USUAL = {
 }
 
 
-@dataclasses.dataclass(frozen=True)
-class AxisRange:
+class AxisRange(NamedTuple):
     """Values in SI between two ends, which are exact."""
 
     first: float
