@@ -6,11 +6,11 @@ from matplotlib.textpath import TextPath
 from ..model.quantities import QUANTITIES, short
 from ..records.fitting.by_law import results_by_law, value_of
 from ..records.fitting.table import STABLE_AT_ANY_K, formatted_estimate, stiffness_ratio_text
-from ..records.fitting.unknowns import PARAMETERS
+from ..records.fitting.unknowns import FREE
 from .labels import COLORS, in_unit, label, prefixed
 
 #: what the table lists; a trend is the record's alone
-LISTED = (*PARAMETERS, "lag", "mu0", "a_minus_b")
+LISTED = (*FREE, "mu0", "a_minus_b")
 #: those that are given in thousandths
 SMALL = ("a", "b", "a_minus_b")
 #: height of a row [inches], size of letters [points], width that the panels' margins take [inches]

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
-from ..records.fitting.unknowns import LINEAR, PARAMETERS
+from ..records.fitting.unknowns import FREE, PARAMETERS
 from .labels import COLORS, DASHES, GRAY, in_unit, label, prefixed
 
 #: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)
@@ -16,7 +16,7 @@ TAIL = 0.002
 
 def non_gaussian(result):
     """The free parameters with a likelihood to draw; none if all are Gaussian under all laws."""
-    free = [s for s in result["parameter"].values.tolist() if s in (*PARAMETERS, "lag")]
+    free = [s for s in result["parameter"].values.tolist() if s in FREE]
     parts = results_by_law(result).values()
     if not any(_profile(p, s) or _samples(p, s) is not None for s in free for p in parts):
         return []
@@ -66,10 +66,11 @@ def _profile(part, symbol):
 
 
 def _gaussian(part, symbol):
-    """The same as `_profile`, of a Gaussian in the logarithm, or in b and lag themselves."""
+    """The same as `_profile`, of a Gaussian in the logarithm, or in what moves as itself."""
     value, z = float(part[symbol]), np.linspace(-3.0, 3.0, 200)
     error = float(part["standard_error"].sel(parameter=symbol))
-    return (value + error * z if symbol in LINEAR else value * np.exp(error / value * z)), z**2
+    is_log = PARAMETERS[symbol].is_log
+    return (value * np.exp(error / value * z) if is_log else value + error * z), z**2
 
 
 def _samples(part, symbol):

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
-from ratestate.records.fitting.problem import unknowns_of
 from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.unknowns import unknowns_of
 
 T = np.concatenate([np.linspace(60.0, 99.0, 150), np.linspace(99.1, 130.0, 450)]) - 60.0
 EARLY_STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))

@@ -229,6 +229,21 @@ def test_vibration_gives_back_its_slider():
     assert result.warnings.item().splitlines() == diagnose(found)[1]
 
 
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (13.8, "the cycles fix b only to a factor of 9.8e+05"),
+        (13.9, "the cycles do not constrain b"),
+    ],
+)
+def test_what_cycles_do_not_constrain_is_named_in_words(error, text):
+    data = record(segment(VIBRATION, 3.2e-3, cycles=20, samples=50))
+    found = fit_cycles(data, VIBRATION, ("b",), "slip")
+    note, warnings = diagnose(found._replace(covariance=np.array([[error**2]])))
+    assert any(warning.startswith(f"{text}; fix one") for warning in warnings)
+    assert f"{text[0].upper()}{text[1:]}" in note
+
+
 def test_stick_slip_at_two_speeds_gives_back_its_slider():
     data = record(segment(STICK_SLIP, 1e-5), segment(STICK_SLIP, 1e-4, seed=1))
     found = fit_cycles(data, STICK_SLIP.replace(a=0.004, b=0.009), ("a", "b"), "slip")

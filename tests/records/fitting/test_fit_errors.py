@@ -10,9 +10,11 @@ from scipy.stats import norm
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
+from ratestate.records.fitting.diagnostics.identifiability import identifiability
 from ratestate.records.fitting.diagnostics.model_comparison import compare_laws
 from ratestate.records.fitting.diagnostics.tradeoffs import (
     correlated_groups,
+    percent,
     product,
     tradeoff_text,
 )
@@ -26,10 +28,9 @@ from ratestate.records.fitting.likelihood.profiles import are_gaussian, compute_
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
-from ratestate.records.fitting.problem import unknowns_of
 from ratestate.records.fitting.record import Record, record_of
 from ratestate.records.fitting.solve import solve
-from ratestate.records.fitting.unknowns import Unknowns
+from ratestate.records.fitting.unknowns import Unknowns, unknowns_of
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
@@ -464,6 +465,53 @@ def test_tradeoffs_are_named():
     assert re.fullmatch(r"(a/b|b/a) to 0.1 %, and a - b = 0\.0+ \+- 0\.000014", text)
     assert product(("Dc", "K"), np.array([0.7, 0.69])) == "Dc K"
     assert product(("a", "b"), np.array([-0.6, 0.8])) == "b/a^0.75"
+
+
+@pytest.mark.parametrize(("error", "is_constrained"), [(7.0, True), (7.1, False), (4e5, False)])
+def test_a_parameter_without_a_constraint_is_named_in_words(solution, error, is_constrained):
+    """1.96 errors of ln K are ln 1e6, beyond which its interval is open, where K has 7.05."""
+    inference = infer(solution, SLIDER, None, "covariance")
+    quantities = inference.quantities
+    spread = np.diag([0.01, 1e-4, 0.01, error, 1e-4, 1e-4, 1.0]) ** 2
+    values = np.array([q.value(solution.point) for q in quantities])
+    names, is_log = inference.estimates.names, np.array([q.is_log for q in quantities])
+    estimates = estimates_from(names, values, spread, is_log)
+    note, warnings = identifiability(inference._replace(estimates=estimates))
+    (warning,) = warnings
+    assert (
+        "K is hardly determined: its standard error is a factor of" in warning
+    ) == is_constrained
+    assert ("the record does not constrain K: its standard error is" in warning) != is_constrained
+    assert re.search(r"Not determined: K( \(95 %: .*\))?\.", note)
+    assert ("its standard error is more than a factor of 1e+06" in warning) == (error > 14)
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (0.49, "49 %"),
+        (0.51, "a factor of 1.7"),
+        (13.8, "a factor of 9.8e+05"),
+        (13.9, "more than a factor of 1e+06"),
+        (200.0, "more than a factor of 1e+06"),
+    ],
+)
+def test_errors_as_text(error, text):
+    assert percent(error) == text
+
+
+@pytest.mark.parametrize(
+    ("worst", "text"),
+    [(13.8, "but (Dc/K|K/Dc) only to a factor of 9.8e.05"), (13.9, "but does not constrain Dc/K")],
+)
+def test_a_combination_without_a_constraint_is_named_in_words(worst, text):
+    best = 0.01
+    block = 0.5 * np.array(
+        [[best**2 + worst**2, best**2 - worst**2], [best**2 - worst**2, best**2 + worst**2]]
+    )
+    coordinates = np.log([1e-5, 1e10])
+    table = estimates_from(("Dc", "K"), coordinates, block, np.array([True, True]))
+    assert re.search(text, tradeoff_text(table, ("Dc", "K"))[0])
 
 
 def test_cycles_refuse_what_only_samples_have(good):

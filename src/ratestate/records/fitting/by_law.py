@@ -50,19 +50,20 @@ def value_of(part, symbol):
 
 
 def error_of(part, symbol):
-    """Standard error of a parameter [SI]; 0 if its value was given.
+    """Standard error of a parameter [SI]; 0 if its value was given, inf if an interval is open.
 
-    Where the interval is from a profile or a posterior: half the width of the 68 % interval, or inf
-    if either interval is open.
+    Where the interval is from a profile or a posterior: half the width of the 68 % interval.
     """
     if symbol not in part["parameter"].values:
         return 0.0
     row = part.sel(parameter=symbol)
-    if "interval_kind" not in row or row["interval_kind"] == "covariance":
-        return float(row["standard_error"])
     ends = row["interval"].transpose("level", "side").values
     is_open = ~np.isfinite(ends) | (ends == 0.0)  # (0: of a logarithm)
-    return np.inf if is_open.any() else float(ends[0, 1] - ends[0, 0]) / 2.0
+    if is_open.any():
+        return np.inf
+    if "interval_kind" not in row or row["interval_kind"] == "covariance":
+        return float(row["standard_error"])
+    return float(ends[0, 1] - ends[0, 0]) / 2.0
 
 
 def stiffness_over_critical(part):

@@ -11,11 +11,9 @@ import numpy as np
 from ...dynamics.simulation.cases import V_LIMIT
 from ...engine import dispatch
 from ...engine.model import FINISHED, RODAS5P, Cases, Loads
-from .unknowns import PARAMETERS, PLAIN, START
+from .unknowns import LINEAR, OF_SLIDER, PARAMETERS, START
 
 RTOL = 1e-8
-#: step of a difference in a logarithm
-STEP = 3e-5
 #: K Dc/(a sigma) of a machine that counts as rigid: friction follows within 1e-8 Dc of slip
 RIGID = 1e8
 #: of the march, 100 times what a well-fitting slider takes: one that vibrates is no candidate
@@ -30,7 +28,7 @@ class Forward:
 
     def __init__(self, record, slider, law, names):
         self.record, self.law, self.names = record, law, names
-        self.fixed = {symbol: getattr(slider, symbol) for symbol in PARAMETERS}
+        self.fixed = {symbol: getattr(slider, symbol) for symbol in OF_SLIDER}
         if np.isinf(slider.K) and "K" not in names:
             self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
@@ -43,9 +41,8 @@ class Forward:
         )
         self.evaluations = 0
         self.common: dict = {}  # number of sliders -> values of `_common`
-        own = {"b": STEP * record.scale, "lag": 0.1 * record.spacing}
         #: step of a central difference in each coordinate that the motion depends on
-        self.steps = {n: own.get(n, STEP) for n in names if n not in ("level", "trend")}
+        self.steps = {n: PARAMETERS[n].step(record) for n in names if n not in LINEAR}
 
     def friction(self, points):
         """(n, m) friction at the record's samples for coordinates (n, k); NaN without a motion.
@@ -62,34 +59,39 @@ class Forward:
         for j, (i, step) in enumerate(moving):
             points[2 * j + 1, i] += step
             points[2 * j + 2, i] -= step
-        friction, along = self.parts(points)
+        friction, regressors = self.parts(points)
         centre = friction[0]
-        columns = np.ones((len(self.names), centre.size))  # the level's stays 1
+        columns = np.zeros((len(self.names), centre.size))
         for j, (i, step) in enumerate(moving):
             columns[i] = _difference(friction[2 * j + 1], centre, friction[2 * j + 2], step)
-        if "trend" in self.names:
-            columns[self.names.index("trend")] = along[0]
+        for name, regressor in regressors.items():
+            if name in self.names:
+                columns[self.names.index(name)] = regressor[0]
         return centre, columns.T
 
     def parts(self, points):
-        """`friction`, and (n, m) the trend's factor: slip or time since the start."""
+        """`friction`, and name -> (n, m) its derivative by each linear parameter of the record."""
         values = self.values(points)
         saved = self._motion(values)
         a, b, K = (values[symbol][:, None] for symbol in ("a", "b", "K"))
         x, v, psi = saved[..., 0], saved[..., 1], saved[..., 2]
-        along = np.broadcast_to(self.record.trend_variable, x.shape)
+        friction = a * x if self.record.kind == "tau" else a * v + b * psi
+        regressors = {n: np.broadcast_to(r, x.shape) for n, r in self.record.regressors.items()}
         if self.record.trend == "slip":
-            along = along - (a * self.sigma / K) * (x - x[:, :1])
-        change = a * x if self.record.kind == "tau" else a * v + b * psi
-        self.evaluations += len(change)
-        return values["level"][:, None] + change + values["trend"][:, None] * along, along
+            behind = (a * self.sigma / K) * (x - x[:, :1])  # the slider, its load point
+            regressors["trend"] = regressors["trend"] - behind
+        for name, regressor in regressors.items():
+            friction = friction + values[name][:, None] * regressor
+        self.evaluations += len(friction)
+        return friction, regressors
 
     def values(self, points):
         """name -> (n,) values of everything that `parts` needs."""
         values = dict(self._common(len(points))[0])
         with np.errstate(over="ignore"):
             for i, name in enumerate(self.names):
-                values[name] = points[:, i] if name in PLAIN else np.exp(points[:, i])
+                moved = points[:, i]
+                values[name] = np.exp(moved) if PARAMETERS[name].is_log else moved
         if np.isinf(self.fixed["K"]) and "K" not in self.names:
             # the march has no rigid machine, but one that is practically rigid
             values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]
@@ -99,8 +101,8 @@ class Forward:
         """Values that are not free and columns of `Cases`, shared by all calls for n sliders."""
         if n in self.common:
             return self.common[n]
-        zero = dict.fromkeys(("level", "trend", "lag", *START), 0.0)
-        values = {k: np.full(n, float(v)) for k, v in {**self.fixed, **zero}.items()}
+        fixed = dict.fromkeys(PARAMETERS, 0.0) | self.fixed
+        values = {name: np.full(n, float(value)) for name, value in fixed.items()}
         # without inertia V may run away; with a free mass it cannot
         limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
         columns = {
@@ -119,7 +121,7 @@ class Forward:
 
     def _motion(self, values):
         """(n, m, 3) x, v, psi at the samples."""
-        a, b, Dc, K, M = (values[symbol] for symbol in PARAMETERS)
+        a, b, Dc, K, M = (values[symbol] for symbol in ("a", "b", "Dc", "K", "M"))
         v, psi = (values[name] for name in START)
         n = a.size
         columns, times = self._common(n)[1], self.record.t[None]

@@ -5,41 +5,20 @@ Within those a seeded cloud of sliders is marched at once; the least squares sta
 them and the user's own.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.optimize import least_squares
 
 from .forward import Forward
 from .noise import Noise
-from .unknowns import START, Unknowns, distinct, to_coordinate
+from .unknowns import PARAMETERS, distinct, sizes_of, to_coordinate
 
 #: most evaluations of one least-squares fit
 MOST = 200
 #: sliders in the cloud, and the samples of the record that they are compared with
 CLOUD, SAMPLES = 96, 500
 SEED = 20190101
-#: ln of the ratio of speeds that a hold counts as
-HOLD = 5.0
 #: least distance of two starts in some coordinate, ln 2
 DISTANCE = 0.7
-
-
-class Reach(NamedTuple):
-    """How far from the size of a parameter, as a factor of it, its search and starts reach."""
-
-    low: float
-    high: float
-    starts: tuple[float, float]  # in powers of ten; b, which may be negative, in its size itself
-
-
-REACH = {
-    "a": Reach(1e-3, 1e2, (-0.5, 0.5)),
-    "b": Reach(-1e2, 1e2, (-1.0, 3.0)),
-    "Dc": Reach(1e-3, 1e3, (-1.5, 0.7)),
-    "K": Reach(1e-4, 1e6, (-0.5, 1.5)),
-    "M": Reach(1e-8, 1e4, (-3.0, 1.0)),
-}
 
 
 class Problem:
@@ -88,45 +67,31 @@ def search(problem, start, noise, most=MOST):
     )
 
 
-def unknowns_of(record, free, *, start, sigma):
-    """`Unknowns` of a record: free parameters, the start if that is free, level, trend."""
-    sizes = _sizes(record, sigma)
-    late = 0.1 * record.t[-1]
-    bounds = {"lag": (-late, late), **dict.fromkeys(START, (-20.0, 20.0))}
-    for name, (low, high, _) in REACH.items():
-        bounds[name] = tuple(to_coordinate(name, end * sizes[name]) for end in (low, high))
-    names = (*free, *(START if start else ()), "level", *(("trend",) if record.trend else ()))
-    low, high = np.array([bounds.get(name, (-np.inf, np.inf)) for name in names]).T
-    return Unknowns(names, low, high)
-
-
 def starting_points(problem, slider, most):
     """Points (k,) to start from, all distinct, the best fit to a thinned record first."""
-    unknowns, record = problem.unknowns, problem.record
-    sizes = _sizes(record, slider.sigma)
+    unknowns, sizes = problem.unknowns, sizes_of(problem.record, slider.sigma)
     rng = np.random.default_rng(SEED)
     cloud = np.zeros((CLOUD + 1, len(unknowns.names)))
-    sized = [i for i, name in enumerate(unknowns.names) if name in sizes]
-    for i in sized:
-        name = unknowns.names[i]
-        drawn = rng.uniform(*REACH[name].starts, size=CLOUD + 1)
-        cloud[:, i] = sizes[name] * drawn if name == "b" else np.log(sizes[name] * 10.0**drawn)
-        cloud[0, i] = to_coordinate(name, getattr(slider, name))
+    distance = {}  # coordinate -> least distance of two starts
+    for i, name in enumerate(unknowns.names):
+        row, size = PARAMETERS[name], sizes[name]
+        if row.starts:
+            drawn = rng.uniform(*row.starts, size=CLOUD + 1)
+            cloud[:, i] = np.log(size * 10.0**drawn) if row.is_log else size * drawn
+            cloud[0, i] = to_coordinate(name, getattr(slider, name))
+            distance[i] = DISTANCE * (1.0 if row.is_log else size)
     cloud = np.clip(cloud, unknowns.low, unknowns.high)
-    cloud, misfit = _with_best_level(problem, cloud if sized else cloud[:1])
+    cloud, misfit = _with_best_level(problem, cloud if distance else cloud[:1])
     points = cloud[np.argsort(misfit, kind="stable")[: int(np.isfinite(misfit).sum())]]
-    # distances in b, the only one that is no logarithm, are over its size
-    distance = [DISTANCE * (sizes["b"] if unknowns.names[i] == "b" else 1.0) for i in sized]
-    return points[distinct(points[:, sized], distance, most)]
+    return points[distinct(points[:, [*distance]], [*distance.values()], most)]
 
 
 def _with_best_level(problem, points):
     """Points with the level and trend that fit the record best, and their misfits."""
     points, record, names = points.copy(), problem.record, problem.unknowns.names
-    linear = [names.index(name) for name in ("level", "trend") if name in names]
+    linear = [names.index(name) for name in record.regressors]
     points[:, linear] = 0.0
-    columns = np.ones((record.t.size, len(linear)))
-    columns[:, 1:] = record.trend_variable[:, None]
+    columns = np.array([*record.regressors.values()]).T.copy()
     scale = np.abs(columns).max(axis=0)
     residuals = (record.friction - problem.forward.friction(points)).T
     sound = np.isfinite(residuals).all(axis=0)
@@ -135,17 +100,3 @@ def _with_best_level(problem, points):
     misfits = np.full(len(points), np.inf)
     misfits[sound] = ((residuals[:, sound] - columns / scale @ best) ** 2).sum(axis=0)
     return points, misfits
-
-
-def _sizes(record, sigma):
-    """symbol -> order of magnitude that the record suggests [SI]."""
-    speeds = record.loading.V[record.loading.V > 0.0]
-    ratio = max(float(np.abs(np.log(speeds / record.loading.V[0])).max()), 1.0)
-    if speeds.size < record.loading.V.size:  # in a hold the slider slows by orders of magnitude
-        ratio = max(ratio, HOLD)
-    scale = record.scale / ratio
-    t, slow = record.t, float(speeds.min())
-    distance = float(record.loading.delta_lp(t[-1:])[0] - record.loading.delta_lp(t[:1])[0])
-    distance = max(distance, 10.0 * slow * record.spacing)
-    K = 10.0 * sigma * record.scale / distance
-    return {"a": scale, "b": scale, "Dc": 0.05 * distance, "K": K, "M": K * (t[-1] / 50.0) ** 2}

@@ -35,6 +35,12 @@ class Record(NamedTuple):
     order: np.ndarray  # (m,) rows of the Dataset
 
     @property
+    def regressors(self):
+        """name -> (m,) what friction changes by with each parameter that it is linear in."""
+        level = {"level": np.ones(self.t.size)}
+        return level | {"trend": self.trend_variable} if self.trend else level
+
+    @property
     def scale(self):
         """The range of friction."""
         return float(np.ptp(self.friction))

@@ -25,8 +25,8 @@ def gain_of(solution, added):
 def response(solution):
     """Fall of chi-square from level and trend alone to the solution, and parameters it takes."""
     record = solution.problem.record
-    lines = [np.ones(record.t.size), record.trend_variable / np.abs(record.trend_variable).max()]
-    columns = np.column_stack([record.friction, *lines[: 2 if record.trend else 1]])
+    lines = [values / np.abs(values).max() for values in record.regressors.values()]
+    columns = np.column_stack([record.friction, *lines])
     rest = _projected(solution, columns, 1)[:, 0]
     return float(rest @ rest) - solution.chi2, len(solution.point) - columns.shape[1] + 1
 

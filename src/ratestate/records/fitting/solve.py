@@ -10,10 +10,10 @@ import numpy as np
 
 from .forward import Forward
 from .noise import Noise, estimated_noise
-from .problem import SAMPLES, Problem, search, starting_points, unknowns_of
+from .problem import SAMPLES, Problem, search, starting_points
 from .refusals import refusal
 from .score import FALL, gain_of
-from .unknowns import START, Unknowns
+from .unknowns import START, Unknowns, unknowns_of
 
 #: most starts of the least squares, and most rounds of noise and fit
 STARTS, ROUNDS = 12, 4

@@ -15,7 +15,7 @@ NAMES = {"a_minus_b": "a - b"}
 #: white noise below this part of the correlated noise is not mentioned
 NEGLIGIBLE = 0.05
 #: relative error that sets the digits of K/K_c_qs where its own error is not finite
-VAGUE = 0.1
+ERROR_FOR_DIGITS = 0.1
 #: text in place of K/K_c_qs where K_c_qs is not positive
 STABLE_AT_ANY_K = "a > b: stable at any K"
 
@@ -60,7 +60,7 @@ def stiffness_ratio_text(part: "xarray.Dataset") -> str:
     if (ratio_and_error := stiffness_over_critical(part)) is None:
         return ""
     ratio, error = ratio_and_error
-    return _plus_minus(ratio, error, error if np.isfinite(error) else VAGUE * ratio)
+    return _plus_minus(ratio, error, error if np.isfinite(error) else ERROR_FOR_DIGITS * ratio)
 
 
 def _plus_minus(value: float, error: float, digits: float) -> str:

@@ -7,7 +7,7 @@ from ...dynamics import attributes
 from ...model.quantities import readable
 from .by_law import checked_by_law, value_of, warnings_of
 from .table import estimate_rows, law_names, quality_text
-from .unknowns import PARAMETERS
+from .unknowns import OF_SLIDER
 
 #: columns of the text
 WIDTH = 96
@@ -28,9 +28,9 @@ def summary(result):
     str
         What was fitted; a table with a row for each quantity: its unit, and under each law its
         value +- standard error and its 95 % interval; what was given; noise and misfit; how the
-        laws compare; what the record determines; notes on the record; warnings.  Where an
-        interval is not from the covariance, the error is half the 68 % interval, and is left out
-        if that is open.
+        laws compare; what the record determines; notes on the record; warnings.  An error is
+        left out if an interval is open; if that is not from the covariance, the error is half the
+        68 % interval.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def remarks(result, laws):
 def fixed_parameters(laws):
     """The parameters that were given, with their values."""
     part = next(iter(laws.values()))
-    symbols = [s for s in (*PARAMETERS, "sigma", "V0") if s not in part.data_vars]
+    symbols = [s for s in (*OF_SLIDER, "sigma", "V0") if s not in part.data_vars]
     return f"Given: {', '.join(f'{s} = {readable(s, value_of(part, s))}' for s in symbols)}."
 
 

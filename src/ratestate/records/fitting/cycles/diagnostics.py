@@ -7,11 +7,12 @@ import numpy as np
 from ....model.quantities import readable
 from ....model.sentences import Sentences
 from ..diagnostics.tradeoffs import percent, product
+from ..estimates import ENDLESS
 from .features import FEATURES, LEVEL
 from .search import distinct_runs
 
 # Relative error of a combination of parameters beyond which it counts as not determined.
-VAGUE = 0.3
+UNDETERMINED = 0.3
 # Weight in a combination below which a parameter is not mentioned.
 SMALL = 0.15
 # Runs with a chi-squared this near to the best one's fit equally well.
@@ -28,12 +29,13 @@ def diagnose(fit):
     combinations = [f"{p} to {percent(e)}" for p, e in zip(products, errors, strict=True)]
     remedy = "" if len(fit.measured) > 1 else ", or add a record at another speed"
     vague = []
-    for i in np.flatnonzero(errors > VAGUE):
+    for i in np.flatnonzero(errors > UNDETERMINED):
         weight = np.abs(axes[:, i])
         which = [n for n, w in zip(names, weight, strict=True) if w > SMALL * weight.max()]
         values = {"which": " and ".join(which), "product": products[i], "error": percent(errors[i])}
-        sentence = "note.several" if len(which) > 1 else "note.one"
-        vague.append(SENTENCES(sentence, **values, remedy=remedy))
+        sentence = "several" if len(which) > 1 else "one"
+        sentence = "unconstrained" if errors[i] > ENDLESS else sentence
+        vague.append(SENTENCES(f"note.{sentence}", **values, remedy=remedy))
     notes = [*vague, *(text for measured in fit.measured for text in measured.notes)]
     sentences = [f"{text[0].upper()}{text[1:]}." for text in notes]
     note = SENTENCES("note.combinations", combinations="; ".join(combinations))

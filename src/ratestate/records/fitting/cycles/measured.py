@@ -27,7 +27,7 @@ MACHINE_ERROR = 1e-3
 # Probability of calling equal cycles different.
 CHANCE = 0.005
 # A part of the period this short, in bins, is not resolved; nor one this uncertain (of 1).
-RESOLVED, VAGUE = 1.5, 0.3
+RESOLVED, UNCERTAIN = 1.5, 0.3
 # A trend over the cycles below this part of the amplitude is not mentioned.
 DRIFT = 0.1
 SENTENCES = Sentences(Path(__file__).with_name("diagnostics.toml"))
@@ -114,7 +114,7 @@ def corrected(measured, wave, features):
     covariance += np.diag(excess + np.where(np.arange(excess.size) == LEVEL, 0.0, MACHINE_ERROR**2))
     error = np.sqrt(np.diag(covariance))
     parts = np.exp(measured.raw - measured.raw[PERIOD]) * measured.bins
-    used = np.isfinite(measured.raw) & (error < VAGUE)
+    used = np.isfinite(measured.raw) & (error < UNCERTAIN)
     within = [RISE, HIGH, DROP]
     used[within] &= parts[within] > RESOLVED
     used[LEVEL] = True

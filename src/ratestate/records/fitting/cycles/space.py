@@ -13,7 +13,7 @@ import numpy as np
 
 from ....friction.stability import K_c, a_of_K_c, b_of_K_c
 from ..refusals import refusal
-from ..unknowns import PARAMETERS, checked_free
+from ..unknowns import OF_SLIDER, PARAMETERS, checked_free
 
 # Largest distance of a coordinate from its start: a run that gets there does not converge.
 FAR = 12.0
@@ -35,9 +35,10 @@ class Space:
 
     def __init__(self, slider, free, V_lp):
         self.names = checked_free(free, slider)
-        if "lag" in self.names:
-            raise refusal("cycles.lag")
-        self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in PARAMETERS}
+        for name in self.names:
+            if what := PARAMETERS[name].no_part_in_cycles:
+                raise refusal("cycles.no_part", name=name, what=what)
+        self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in OF_SLIDER}
         if self.fixed["M"] == 0.0:
             raise refusal("cycles.massless")
         if np.isinf(self.fixed["K"]):
@@ -49,7 +50,7 @@ class Space:
         self.replaced = "b" if "b" in self.names else "a" if "a" in self.names else None
 
     def values(self, q):
-        """Symbol -> (n,) of all of `PARAMETERS` at coordinates q (n, k)."""
+        """Symbol -> (n,) of all of `OF_SLIDER` at coordinates q (n, k)."""
         n = len(q)
         values = {symbol: np.full(n, value) for symbol, value in self.fixed.items()}
         values |= zip(self.names, np.exp(np.clip(q.T, -700.0, 700.0)), strict=True)
@@ -65,9 +66,9 @@ class Space:
         """(n, k) of values, symbol -> (n,), where b > a."""
         columns = {s: np.log(values[s]) for s in self.names if s != self.replaced}
         if self.replaced:
-            a, b, Dc, K, M = (values[symbol] for symbol in PARAMETERS)
-            stiffness = K_c(self.V_lp, a=a, b=b, Dc=Dc, sigma=self.sigma, M=M)
-            columns[self.replaced] = np.log(np.maximum(stiffness / K - STRIP, WEAKER[0]))
+            of_K_c = {s: values[s] for s in ("a", "b", "Dc", "M")}
+            ratio = K_c(self.V_lp, sigma=self.sigma, **of_K_c) / values["K"]
+            columns[self.replaced] = np.log(np.maximum(ratio - STRIP, WEAKER[0]))
         return np.stack([columns[symbol] for symbol in self.names], axis=1)
 
     @property

@@ -9,7 +9,7 @@ from ....model.quantities import readable
 from ....model.sentences import Sentences
 from ..forward import Forward
 from ..score import CHANCE, FALL, gain_of, responds, response
-from ..unknowns import PARAMETERS
+from ..unknowns import OF_SLIDER
 from .identifiability import identifiability
 from .search import search_warnings
 
@@ -58,7 +58,7 @@ def _no_response(solution, slider):
     """The warning that level and trend alone fit as well."""
     gain, free = response(solution)
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
-    given = [symbol for symbol in PARAMETERS if symbol not in solution.unknowns.names]
+    given = [symbol for symbol in OF_SLIDER if symbol not in solution.unknowns.names]
     given = [s for s in given if s != "M" or slider.M > 0.0]
     return SENTENCES(
         f"response.{'unsuited' if given else 'noise'}",

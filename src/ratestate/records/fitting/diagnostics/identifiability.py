@@ -7,50 +7,23 @@ import numpy as np
 from ....friction.laws import LAWS
 from ....model.quantities import readable
 from ....model.sentences import Sentences
-from ..unknowns import START
+from ..unknowns import OF_SLIDER, PARAMETERS, START
 from .tradeoffs import correlated_groups, percent, tradeoff_text
 
 #: standard error of a logarithm above which a parameter counts as hardly determined
-VAGUE = 0.5
+HARDLY_DETERMINED = 0.5
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def identifiability(inference):
     """A note on what an `Inference` determines (str), and warnings (list of str)."""
-    estimates, warnings = inference.estimates, []
-    determined, undetermined, with_covariance = [], [], []
-    for quantity in inference.quantities:
-        if not quantity.is_coordinate:
-            continue
-        name, estimate = quantity.name, estimates.of(quantity.name)
-        error = _relative_error(name, estimate)
-        interval = f"95 %: {' to '.join(readable(name, end, 3) for end in estimate.interval[-1])}"
-        bounds = bounds_of(inference, quantity)
-        if not np.isfinite(estimate.error):
-            warnings.append(SENTENCES("warning.unseen", name=name))
-            undetermined.append(name)
-            continue
-        if None in bounds:
-            warning, bound = _one_sided(name, bounds)
-            warnings.append(warning)
-            undetermined.append(f"{name}{bound}")
-        elif error > VAGUE:
-            size = f"{error:.2g} times its value" if name == "b" else percent(error)
-            warnings.append(SENTENCES("warning.vague", name=name, size=size, interval=interval))
-            undetermined.append(f"{name} ({interval})")
-        else:
-            size = readable("lag", estimate.error, 2) if name == "lag" else percent(error)
-            determined.append(f"{name} to {size}")
-        # an error that is about that from the covariance
-        if name != "lag" and 0.5 < error / estimate.relative_error < 2.0:
-            with_covariance.append(name)
-    code = inference.solution.problem.forward.law
-    law = next(name for name, row in LAWS.items() if row.code == code)
-    which = "all" if not undetermined else "some" if determined else "none"
-    lists = {"determined": ", ".join(determined), "undetermined": ", ".join(undetermined)}
-    sentences = [SENTENCES(f"note.{which}", law=law, **lists)]
-    for group in correlated_groups(estimates, with_covariance):
-        text, loose = tradeoff_text(estimates, group)
+    quantities = [quantity for quantity in inference.quantities if quantity.is_coordinate]
+    each = [_determination(inference, quantity) for quantity in quantities]
+    warnings = [warning for _, warning in each if warning]
+    determined = [text for text, warning in each if not warning]
+    undetermined = [text for text, warning in each if warning]
+    sentences = [_determined_or_not(inference, determined, undetermined)]
+    for text, loose in _tradeoffs(inference.estimates):
         if loose:
             warnings.append(SENTENCES("warning.tradeoff", tradeoff=text))
         sentences.append(SENTENCES(f"note.{'loose' if loose else 'tight'}", tradeoff=text))
@@ -58,6 +31,46 @@ def identifiability(inference):
     if START[0] in inference.solution.unknowns.names:
         sentences.append(SENTENCES("note.start"))
     return " ".join(sentences), warnings
+
+
+def _determination(inference, quantity):
+    """A parameter with its error, bound or interval, for the note; its warning, "" without one."""
+    name, estimate = quantity.name, inference.estimates.of(quantity.name)
+    if not np.isfinite(estimate.error):
+        return name, SENTENCES("warning.unseen", name=name)
+    bounds = bounds_of(inference, quantity)
+    if None in bounds:
+        return _one_sided(name, bounds)
+    if name not in OF_SLIDER:
+        return f"{name} to {readable(name, estimate.error, 2)}", ""
+    error, is_log = _relative_error(name, estimate), PARAMETERS[name].is_log
+    size = percent(error) if is_log else f"{error:.2g} times its value"
+    if is_log and np.isinf(estimate.interval[-1, 1]):
+        return name, SENTENCES("warning.unconstrained", name=name, size=size)
+    if error > HARDLY_DETERMINED:
+        interval = f"95 %: {' to '.join(readable(name, end, 3) for end in estimate.interval[-1])}"
+        warning = SENTENCES("warning.vague", name=name, size=size, interval=interval)
+        return f"{name} ({interval})", warning
+    return f"{name} to {percent(error)}", ""
+
+
+def _determined_or_not(inference, determined, undetermined):
+    """The sentence that lists what is determined under the law, and what is not."""
+    code = inference.solution.problem.forward.law
+    law = next(name for name, row in LAWS.items() if row.code == code)
+    which = "all" if not undetermined else "some" if determined else "none"
+    lists = {"determined": ", ".join(determined), "undetermined": ", ".join(undetermined)}
+    return SENTENCES(f"note.{which}", law=law, **lists)
+
+
+def _tradeoffs(estimates):
+    """`tradeoff_text` of parameters whose error is about that from the covariance."""
+    names = []
+    for name in (name for name in OF_SLIDER if name in estimates.names):
+        estimate = estimates.of(name)
+        if 0.5 < _relative_error(name, estimate) / estimate.relative_error < 2.0:
+            names.append(name)
+    return [tradeoff_text(estimates, group) for group in correlated_groups(estimates, names)]
 
 
 def bounds_of(inference, quantity):
@@ -69,30 +82,28 @@ def bounds_of(inference, quantity):
 
 
 def _relative_error(name, estimate):
-    """Standard error of a parameter's logarithm; of b over its value; 0 of a lag.
+    """Standard error of a parameter's logarithm; of b over its value.
 
     Where the interval is not from the covariance: half the width of the 95 % interval over 1.96.
     """
-    if name == "lag":
-        return 0.0
     if estimate.kind == "covariance":
         return estimate.relative_error
     low, high = estimate.interval[-1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        width = (high - low) / abs(estimate.value) if name == "b" else np.log(high / low)
+        is_log = PARAMETERS[name].is_log
+        width = np.log(high / low) if is_log else (high - low) / abs(estimate.value)
     return float(width / 3.92)
 
 
 def _one_sided(name, bounds):
-    """The warning of an interval with an open side, and the bound on the other, if there is one."""
+    """A parameter with the bound on its closed side, if there is one, and its warning."""
     low, high = bounds
     if low is None and high is None:
-        return SENTENCES("warning.undetermined", name=name), ""
+        return name, SENTENCES("warning.undetermined", name=name)
     bound = f"> {readable(name, low, 3)}" if high is None else f"< {readable(name, high, 3)}"
-    # beyond such a side the parameter ceases to matter
-    endless = (name == "K" and high is None) or (name == "M" and low is None)
-    why = SENTENCES(f"why.{name}") if endless else ""
-    return SENTENCES("warning.one_sided", name=name, bound=bound, why=why), f" ({bound})"
+    is_irrelevant = PARAMETERS[name].irrelevant == (1 if high is None else -1)
+    why = SENTENCES(f"why.{name}") if is_irrelevant else ""
+    return f"{name} ({bound})", SENTENCES("warning.one_sided", name=name, bound=bound, why=why)
 
 
 def _edges(inference):

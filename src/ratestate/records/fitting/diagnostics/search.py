@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from ....model.quantities import readable
 from ....model.sentences import Sentences
 from ..unknowns import START, to_value
@@ -26,8 +28,10 @@ def search_warnings(inference):
     sides = solution.unknowns.sides(solution.point)
     for point, (name, side) in zip(solution.point, sides.items(), strict=True):
         if side and name not in is_open:
-            value = to_value(name, point)
-            shown = f"{value:.4g}" if name in START else readable(name, value, 3)
+            if name in START:  # a logarithm of a ratio
+                shown = f"{np.exp(point):.4g}"
+            else:
+                shown = readable(name, to_value(name, point), 3)
             yield SENTENCES("search.at_bound", name=name, value=shown, side=SIDES[side])
 
 

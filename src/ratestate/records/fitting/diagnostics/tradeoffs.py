@@ -3,6 +3,7 @@
 import numpy as np
 
 from ....model.quantities import with_error
+from ..estimates import ENDLESS
 
 #: correlation from which parameters trade off, and error of a combination worth a warning
 CORRELATED, LOOSE = 0.95, 0.2
@@ -38,19 +39,24 @@ def tradeoff_text(estimates, which):
         return best_text, False
     pairs = correlation[np.triu_indices(len(which), 1)]
     strongest = pairs[np.argmax(np.abs(pairs))]
+    worst_text = f"{product(which, axes[:, -1])} only to {percent(worst)}"
+    if worst > ENDLESS:
+        worst_text = f"does not constrain {product(which, axes[:, -1])}"
     return (
         f"{', '.join(which[:-1])} and {which[-1]} trade off (correlation {strongest:.3f}): the "
-        f"record fixes {best_text}, but {product(which, axes[:, -1])} only to {percent(worst)}"
+        f"record fixes {best_text}, but {worst_text}"
     ), True
 
 
 def percent(error):
-    """A relative error as text; a large one as a factor.
+    """A relative error as text; a large one as a factor, beyond `ENDLESS` without a number.
 
-    >>> percent(0.0213), percent(1.5)
-    ('2.1 %', 'a factor of 4.5')
+    >>> percent(0.0213), percent(1.5), percent(200.0)
+    ('2.1 %', 'a factor of 4.5', 'more than a factor of 1e+06')
     """
-    return f"{100.0 * error:.2g} %" if error < 0.5 else f"a factor of {np.exp(min(error, 99)):.2g}"
+    if error > ENDLESS:
+        return f"more than a factor of {np.exp(ENDLESS):.1g}"
+    return f"{100.0 * error:.2g} %" if error < 0.5 else f"a factor of {np.exp(error):.2g}"
 
 
 def product(names, axis):

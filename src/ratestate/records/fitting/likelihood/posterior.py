@@ -12,13 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ....dynamics.progress import bar
+from ....model.quantities import QUANTITIES
 from ....model.sentences import Sentences
 from ..estimates import LEVELS
 from ..refusals import refusal
-from ..unknowns import PLAIN
+from ..unknowns import FREE, LINEAR, PARAMETERS
 
-#: coordinates in which the friction is linear
-INTEGRATED_OUT = ("level", "trend")
 LIVE, SEED = 400, 20190101
 #: gain of ln(evidence) still possible when sampling ends; most evaluations
 GAIN, MOST = 0.05, 300_000
@@ -76,27 +75,28 @@ def common_prior(inferences):
         for name, low, high, estimate, error in zip(
             *solution.unknowns, solution.point.tolist(), errors.tolist(), strict=True
         ):
-            if name in INTEGRATED_OUT:
+            if name in LINEAR:
                 continue
             ends = estimate - error, estimate + error
             if name in profiles:
                 ends = profiles[name].interval()[-1].tolist()
-            lower, upper = np.clip(_prior_ends(estimate, *ends, name in PLAIN), low, high).tolist()
+            lower, upper = np.clip(_prior_ends(name, estimate, *ends), low, high).tolist()
             others = box.get(name, (lower, upper))
             box[name] = (min(lower, others[0]), max(upper, others[1]))
     return box
 
 
-def _prior_ends(estimate, lower, upper, plain):
+def _prior_ends(name, estimate, lower, upper):
     """Ends of the prior of a coordinate, from its estimate and the ends of its 95 % interval.
 
     On an open side the estimate means nothing: a logarithm's prior then reaches from the other end.
     """
-    far = math.inf if plain else FARTHEST
+    is_log = PARAMETERS[name].is_log
+    far = FARTHEST if is_log else math.inf
     below, above = REACH * (estimate - lower), REACH * (upper - estimate)
-    if not plain and math.isinf(above) and math.isfinite(below):
+    if is_log and math.isinf(above) and math.isfinite(below):
         return lower - min(below, 1.0), lower + far
-    if not plain and math.isinf(below) and math.isfinite(above):
+    if is_log and math.isinf(below) and math.isfinite(above):
         return upper - far, upper + min(above, 1.0)
     return estimate - min(below, far), estimate + min(above, far)
 
@@ -105,11 +105,12 @@ def prior_text(prior):
     """A sentence that describes the prior."""
     sides = []
     for name, (low, high) in prior.items():
-        if name in PLAIN:
-            unit = " s" if name == "lag" else ""
-            sides.append(SENTENCES("prior.plain", name=name, low=low, high=high, unit=unit))
-        else:
+        if PARAMETERS[name].is_log:
             sides.append(SENTENCES("prior.log", name=name, low=math.exp(low), high=math.exp(high)))
+        else:
+            unit = QUANTITIES[name].unit if name in FREE else "1"
+            unit = "" if unit == "1" else f" {unit}"
+            sides.append(SENTENCES("prior.plain", name=name, low=low, high=high, unit=unit))
     return SENTENCES("prior.all", sides=", ".join(sides))
 
 
@@ -166,8 +167,8 @@ class Marginal:
     def __init__(self, solution):
         self.problem, self.noise = solution.problem, solution.noise
         names = solution.unknowns.names
-        self.moving = [i for i, name in enumerate(names) if name not in INTEGRATED_OUT]
-        self.linear = [i for i, name in enumerate(names) if name in INTEGRATED_OUT]
+        self.moving = [i for i, name in enumerate(names) if name not in LINEAR]
+        self.linear = [i for i, name in enumerate(names) if name in LINEAR]
         self.evaluations = 0
 
     def __call__(self, coordinates):
@@ -176,12 +177,11 @@ class Marginal:
         record, count = self.problem.record, len(self.linear)
         point = np.zeros((1, len(self.problem.unknowns.names)))
         point[0, self.moving] = coordinates
-        friction, along = self.problem.forward.parts(point)
+        friction, regressors = self.problem.forward.parts(point)
         if not np.isfinite(friction).all():
             return NONE, np.zeros(count + count * count)
-        columns = np.column_stack(
-            [record.friction - friction[0], np.ones(record.t.size), along[0]][: count + 1]
-        )
+        lines = [regressor[0] for regressor in regressors.values()]
+        columns = np.column_stack([record.friction - friction[0], *lines])
         white, log_determinant = self.noise.whiten(record.t, columns)
         products = white.T @ white
         # covariance of level and trend given the rest, as root @ root.T

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from ..estimates import ROOTS
+from ..unknowns import PARAMETERS
 from .constrained import constrained_fit
 
 #: root of the deviance where a profile may end
@@ -23,9 +24,9 @@ LEAP = 2.0
 LEAST = 0.02
 #: fall of chi-square by which a point of the profile is better than the fit
 BETTER = 0.05
-#: sides on which a parameter ceases to matter: an interval is open there if a value so far from
+#: on the side on which a parameter ceases to matter an interval is open if a value so far from
 #: the estimate (as a logarithm) is still likely
-ENDLESS, FARTHEST = (("K", 1.0), ("M", -1.0)), np.log(1000.0)
+FARTHEST = np.log(1000.0)
 #: longest first step, as a part of the distance between the bounds
 LONGEST = 0.03
 
@@ -107,7 +108,7 @@ class _Side:
         if quantity.is_coordinate:
             low, high = (float(end[quantity.eliminated]) for end in solution.unknowns[1:])
             self.limit = high if sign > 0 else low
-            if (quantity.name, sign) in ENDLESS:
+            if PARAMETERS[quantity.name].irrelevant == sign:
                 far = self.values[0] + sign * FARTHEST
                 self.limit = sign * min(sign * self.limit, sign * far)
             if np.isfinite(high - low):
@@ -144,7 +145,7 @@ class _Side:
         """Whether another coordinate is at a bound: then the search ends, not the motion."""
         sides = self.solution.unknowns.sides(point)
         own = self.quantity.names[self.quantity.eliminated]
-        return any(s and name != own and (name, s) not in ENDLESS for name, s in sides.items())
+        return any(s and n != own and PARAMETERS[n].irrelevant != s for n, s in sides.items())
 
     def _starts(self, value, moved):
         """Points to start from: ahead of the last point, and the nearest other fit."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..unknowns import LINEAR, to_value
+from ..unknowns import FREE, PARAMETERS, to_value
 
 
 class ReportedQuantity(NamedTuple):
@@ -27,7 +27,7 @@ class ReportedQuantity(NamedTuple):
     @property
     def is_log(self):
         """Whether `value` is a logarithm."""
-        return self.is_coordinate and self.name not in LINEAR
+        return self.is_coordinate and PARAMETERS[self.name].is_log
 
     def value(self, point):
         """The quantity at a point (k,): a coordinate, or SI."""
@@ -49,7 +49,7 @@ class ReportedQuantity(NamedTuple):
         """A copy of the point (k,), its eliminated coordinate set so that this is the value."""
         point, i = point.copy(), self.eliminated
         lacking = value - self.value(point)
-        if self.is_coordinate or self.names[i] in LINEAR:
+        if self.is_coordinate or not PARAMETERS[self.names[i]].is_log:
             point[i] += lacking / self.gradient(point)[i]
         else:  # a - b with a alone free
             with np.errstate(invalid="ignore", divide="ignore"):
@@ -74,11 +74,12 @@ def reported_quantities(problem, slider):
     sums = {"mu0": ("level", {"a": -height, "b": height, "level": 1.0})}
     if free := [name for name in ("b", "a") if name in names]:
         sums["a_minus_b"] = free[0], {"a": 1.0, "b": -1.0}
-    if "trend" in names:
-        sums[f"trend_{problem.record.trend}"] = "trend", {"trend": 1.0}
+    for name in names:
+        if symbol := PARAMETERS[name].reported_as.format(along=problem.record.trend):
+            sums[symbol] = name, {name: 1.0}
     given = {"a": float(slider.a), "b": float(slider.b)}
     return (
-        *(ReportedQuantity(n, names, names.index(n), {}, {}) for n in problem.unknowns.reported),
+        *(ReportedQuantity(n, names, i, {}, {}) for i, n in enumerate(names) if n in FREE),
         *(
             ReportedQuantity(name, names, names.index(replaced), weights, given)
             for name, (replaced, weights) in sums.items()
