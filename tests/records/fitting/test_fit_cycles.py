@@ -8,6 +8,7 @@ import xarray
 from naive import FIG2, Naive, one_cycle
 
 import ratestate as rs
+from ratestate.records.fitting.cycles import folding
 from ratestate.records.fitting.cycles.diagnostics import diagnose
 from ratestate.records.fitting.cycles.features import FEATURES
 from ratestate.records.fitting.cycles.fit import fit_cycles, wave_at
@@ -16,7 +17,7 @@ from ratestate.records.fitting.cycles.measured import Noise, corrected, measure
 from ratestate.records.fitting.cycles.model import GRID, CycleModel, limit_waves
 from ratestate.records.fitting.cycles.result import cycles_dataset
 from ratestate.records.fitting.cycles.search import Problem
-from ratestate.records.fitting.cycles.segments import Segment, regular_cuts
+from ratestate.records.fitting.cycles.segments import Segment, regular_cuts, segments_of
 from ratestate.records.fitting.cycles.space import Space
 
 VIBRATION = rs.SpringSlider(**FIG2)  # the paper's Fig. 2, 1 % below K_c
@@ -373,6 +374,37 @@ def test_what_is_no_record_is_refused():
     data = record(segment(BRAKE, 3.2e-3))
     with pytest.raises(rs.ParameterError, match="data is of type DataArray"):
         rs.fit(data.friction, BRAKE, against="cycles")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"friction": 100.0}, "in per cent"),
+        ({"friction": -1.0}, "turn its sign"),
+        ({"delta_lp": 1e6}, "if it is in um, divide it by 1e6"),
+    ],
+)
+def test_sizes_that_no_laboratory_has_are_refused_by_fits_of_cycles(change, words):
+    data = record(segment(BRAKE, 3.2e-3))
+    data = data.assign(delta_lp=3.2e-3 * (data.time - data.time[0]))
+    assert len(segments_of(data, BRAKE, None)) == 1
+    data = data.assign({name: factor * data[name] for name, factor in change.items()})
+    with pytest.raises(rs.ParameterError, match=words):
+        rs.fit(data, BRAKE, ("a", "b"), against="cycles")
+
+
+def test_more_samples_than_can_be_used_are_refused_by_fits_of_cycles(monkeypatch):
+    part = segment(BRAKE, 3.2e-3)
+    monkeypatch.setattr(folding, "MOST", part.t.size)
+    assert measure(part).segment.t.size == part.t.size
+    monkeypatch.setattr(folding, "MOST", part.t.size - 1)
+    words = "720 samples, more than 719, .* a window of fewer cycles, or average: .*time=2,"
+    with pytest.raises(rs.ParameterError, match=words):
+        rs.fit(record(part), BRAKE, ("a", "b"), against="cycles")
+    # samples so dense that neighbours are averaged count as their averages
+    dense = segment(BRAKE, 3.2e-3, samples=4000)
+    monkeypatch.setattr(folding, "MOST", dense.t.size // 2)
+    assert measure(dense).segment.t.size == dense.t.size // 2
 
 
 @pytest.mark.parametrize(("small", "words"), [(1, "first cycle at"), (2, "first 2 cycles at")])

@@ -19,6 +19,7 @@ from ratestate.records.fitting.diagnostics.tradeoffs import (
     tradeoff_text,
 )
 from ratestate.records.fitting.estimates import ROOTS, estimates_from
+from ratestate.records.fitting.least_squares import least_squares_fit
 from ratestate.records.fitting.likelihood import posterior as sampling
 from ratestate.records.fitting.likelihood import uncertainty
 from ratestate.records.fitting.likelihood.constrained import ConstrainedProblem
@@ -29,7 +30,6 @@ from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.record import Record, record_of
-from ratestate.records.fitting.solve import solve
 from ratestate.records.fitting.unknowns import Unknowns, unknowns_of
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
@@ -40,7 +40,7 @@ STIFF = SLIDER.replace(K=5e12)
 
 def solution_of(data, slider, free=FREE, noise=None):
     checked = record_of(data, slider, loading=None, trend="slip", against="time")
-    return solve(checked, slider, 0, free, noise, "steady")
+    return least_squares_fit(checked, slider, 0, free, noise, "steady")
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +107,7 @@ def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
     one = compute_profile(solution, number)
     for value, deviance in zip(one.values[[0, -1]], one.deviance[[0, -1]], strict=True):
         slider = SLIDER.replace(K=float(np.exp(value)))
-        other = solve(
+        other = least_squares_fit(
             solution.problem.record, slider, 0, ("a", "b", "Dc"), solution.noise, "steady"
         )
         assert other.chi2 - solution.chi2 == pytest.approx(deviance, abs=2e-3)

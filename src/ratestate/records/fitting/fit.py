@@ -12,11 +12,11 @@ from ...friction.laws import evolution_law
 from .by_law import warnings_of
 from .cycles.fit import fit_cycles
 from .cycles.result import cycles_dataset
+from .least_squares import least_squares_fit
 from .likelihood.uncertainty import infer, with_posteriors
 from .record import record_of
 from .result import add_comparison, dataset_of, side_by_side
 from .settings import checked_settings
-from .solve import solve
 
 #: attributes of a record that its fit keeps
 RECORD_ATTRIBUTES = ("source", "columns", "found", "notes")
@@ -169,7 +169,7 @@ def _fits_of_samples(data, slider, settings, loading):
     free, laws, noise, against, trend, start, errors = settings
     record = record_of(data, slider, loading=loading, trend=trend, against=against)
     codes = [evolution_law(law).code for law in laws]
-    solutions = [solve(record, slider, code, free, noise, start) for code in codes]
+    solutions = [least_squares_fit(record, slider, code, free, noise, start) for code in codes]
     inferences = [infer(solution, slider, noise, errors) for solution in solutions]
     if errors == "posterior":
         inferences = with_posteriors(inferences, laws)

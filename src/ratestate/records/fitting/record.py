@@ -1,25 +1,17 @@
-"""A laboratory record as a fit uses it: samples from t = 0 on, and the load point's history."""
+"""A laboratory record as a fit moves sliders through it: samples from t = 0 on, and a loading."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from ...model.loading import Loading
-from .channels import (
-    check_sizes,
-    check_steps,
-    displacement_of,
-    friction_of,
-    loading_of,
-    times_at,
-    times_of,
-)
+from .raw_record import check_count, loading_of, raw_record
 from .refusals import refusal
 
 #: most samples: a march keeps each of them for a dozen sliders at once
 MOST = 200_000
-#: least samples of a window
-FEWEST = 30
+#: least samples of a window, and beside its first and last step
+FEWEST, BESIDE = 30, 8
 
 
 class Record(NamedTuple):
@@ -63,23 +55,44 @@ class Record(NamedTuple):
 
 def record_of(data, slider, *, loading, trend, against):
     """The `Record` in a Dataset of `read_lab`, or of `simulate`; refuses what cannot be fitted."""
-    time = times_of(data)
-    kind, friction = friction_of(data, slider)
-    samples = time.size
-    if samples < FEWEST:
-        raise refusal("record.few", samples=samples, fewest=FEWEST)
-    if samples > MOST:
-        raise refusal("record.many", samples=samples, most=MOST, every=-(-samples // MOST))
+    raw = raw_record(data, slider)
+    friction, time, t = raw.friction, raw.time, raw.t
+    if t.size < FEWEST:
+        raise refusal("record.few", samples=t.size, fewest=FEWEST)
+    check_count(t.size, MOST, "about the steps")
     if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
-        raise refusal("record.constant", friction=friction[0], samples=samples)
-    check_sizes(friction, data)
-    t = time - time[0]
-    order = np.arange(samples)
-    displacement = displacement_of(data, t)
-    loading = loading_of(data, displacement, time, loading)
+        raise refusal("record.constant", friction=friction[0], samples=t.size)
+    loading = loading_of(raw, loading)
+    order = np.arange(t.size)
     if against == "displacement":
-        t, order = times_at(displacement, loading, t)
+        t, order = _times_at(raw.displacement, loading, t)
         friction, time = friction[order], time[order]
-    check_steps(loading, t)
+    _check_steps(loading, t)
     trend_variable = t if trend == "time" else np.asarray(loading.delta_lp(t))
-    return Record(t, friction, trend_variable, trend, loading, kind, time, order)
+    return Record(t, friction, trend_variable, trend, loading, raw.kind, time, order)
+
+
+def _check_steps(loading, t):
+    """Refuse a record at one speed, and steps too near to its ends."""
+    if loading.t.size < 2 and not np.any(loading.rate):
+        raise refusal("load_point.no_step", V=float(loading.V[0]))
+    before = int(np.searchsorted(t, loading.t[1]))
+    after = t.size - int(np.searchsorted(t, loading.t[-1]))
+    if min(before, after) < BESIDE:
+        side = "before the first" if before < after else "after the last"
+        samples = min(before, after)
+        raise refusal("load_point.few_beside", samples=samples, side=side, fewest=BESIDE)
+
+
+def _times_at(displacement, loading, t):
+    """Times in order at which the load point passed these displacements, and their rows."""
+    if displacement is None:
+        raise refusal("load_point.no_displacement")
+    if not np.all(loading.V > 0.0) or np.any(loading.rate):
+        raise refusal("load_point.holds")
+    advance = displacement - np.median(displacement - loading.delta_lp(t))
+    breaks = loading.delta_lp(loading.t)
+    segment = np.clip(np.searchsorted(breaks, advance, side="right") - 1, 0, None)
+    times = loading.t[segment] + (advance - breaks[segment]) / loading.V[segment]
+    order = np.argsort(times, kind="stable")
+    return np.maximum(times[order], 0.0), order

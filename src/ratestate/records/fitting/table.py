@@ -53,6 +53,18 @@ def estimate_rows(laws: "dict[str, xarray.Dataset]") -> list[Row]:
     return rows
 
 
+def estimate_cells(laws: "dict[str, xarray.Dataset]", meaning: bool) -> list[list[str]]:
+    """The rows as cells: label, value and 95 % interval under each law, the meaning if wanted."""
+    return [
+        [
+            row.label,
+            *(text for e in row.estimates for text in (e.value, (e.intervals or ("",))[-1])),
+            *([row.meaning] if meaning else []),
+        ]
+        for row in estimate_rows(laws)
+    ]
+
+
 def stiffness_ratio_text(part: "xarray.Dataset") -> str:
     """K/K_c_qs of one law's part with its error, or why it has none; "" for a rigid machine."""
     if value_of(part, "a") > value_of(part, "b"):

@@ -6,7 +6,7 @@ import textwrap
 from ...dynamics import attributes
 from ...model.quantities import readable
 from .by_law import checked_by_law, value_of, warnings_of
-from .table import estimate_rows, law_names, quality_text
+from .table import estimate_cells, law_names, quality_text
 from .unknowns import OF_SLIDER
 
 #: columns of the text
@@ -84,10 +84,7 @@ def labelled_warnings(laws):
 def _table(laws):
     """The lines of the table (list of str); under one law with what each quantity means."""
     head = ["", *(text for law in laws for text in (f"{law} law", "95 %"))]
-    rows = [head]
-    for row in estimate_rows(laws):
-        cells = [text for e in row.estimates for text in (e.value, (e.intervals or ("",))[-1])]
-        rows.append([row.label, *cells, *([row.meaning] if len(laws) == 1 else [])])
+    rows = [head, *estimate_cells(laws, len(laws) == 1)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
     lines = []
     for label, *cells in rows:

@@ -7,7 +7,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from ....records.fitting.by_law import results_by_law
-from ....records.fitting.table import estimate_rows
+from ....records.fitting.table import estimate_cells
 from ....records.fitting.text import heading, labelled_warnings, remarks
 from .rows import plain_table
 
@@ -46,7 +46,6 @@ def _table(laws: dict[str, xarray.Dataset], meaning: bool) -> Table:
         *(Column(head, justify="right", no_wrap=True) for head in numbers),
         *([Column(no_wrap=True)] if meaning else []),
     )
-    for row in estimate_rows(laws):
-        cells = [text for e in row.estimates for text in (e.value, (e.intervals or ("",))[-1])]
-        made.add_row(*map(Text, (row.label, *cells, *([row.meaning] if meaning else []))))
+    for cells in estimate_cells(laws, meaning):
+        made.add_row(*map(Text, cells))
     return made

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..raw_record import check_count
 from ..refusals import refusal
 
 # Fewest cycles, and samples in a cycle, that can be used.
@@ -15,7 +16,9 @@ EXCURSION = 0.2
 # Probability that the spectrum of mere noise passes for an oscillation.
 CHANCE = 1e-4
 # Samples, in all and in a cycle, beyond which neighbours are averaged.
-MOST, PLENTY = 20_000, 256
+MANY, PLENTY = 20_000, 256
+# Most samples, so averaged: the bootstrap folds all of them many times.
+MOST = 200_000
 
 
 class Cycles(NamedTuple):
@@ -81,12 +84,13 @@ def thinned(segment, period):
     """A segment with neighbouring samples averaged, if it has more than are needed."""
     n = segment.t.size
     dense = period / float(np.median(np.diff(segment.t)))
-    every = int(min(n / MOST, dense / PLENTY))
-    if every < 2:
-        return segment
-    rows = n // every * every
-    t, y = (column[:rows].reshape(-1, every).mean(axis=1) for column in segment[:2])
-    return segment._replace(t=t, y=y)
+    every = int(min(n / MANY, dense / PLENTY))
+    if every > 1:
+        rows = n // every * every
+        t, y = (column[:rows].reshape(-1, every).mean(axis=1) for column in segment[:2])
+        segment = segment._replace(t=t, y=y)
+    check_count(segment.t.size, MOST, "of fewer cycles")
+    return segment
 
 
 def cut_cycles(t, y, period):

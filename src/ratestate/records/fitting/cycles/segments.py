@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....model.sentences import Sentences
-from ..channels import displacement_of, friction_of, loading_of, times_of
+from ..raw_record import loading_of, raw_record
 from ..refusals import refusal
 from .folding import FEWEST_CYCLES, cut_cycles
 
@@ -29,17 +29,15 @@ class Segment(NamedTuple):
 
 def segments_of(record, slider, loading):
     """`Segment`s of a record, in each of which the load point moves at one speed."""
-    time = times_of(record)
-    kind, friction = friction_of(record, slider)
-    if kind != "tau":
+    raw = raw_record(record, slider)
+    if raw.kind != "tau":
         raise refusal("cycles.of_mu")
-    t = time - time[0]
-    loading = loading_of(record, displacement_of(record, t), time, loading)
+    loading, t = loading_of(raw, loading), raw.t
     segments = []
     for start, end, V_lp in zip(loading.t, [*loading.t[1:], np.inf], loading.V, strict=True):
         rows = (t >= start) & (t < end)
         if V_lp > 0.0 and rows.sum() >= FEWEST:
-            segments.append(Segment(time[rows], friction[rows], float(V_lp)))
+            segments.append(Segment(raw.time[rows], raw.friction[rows], float(V_lp)))
     if not segments:
         raise refusal("cycles.no_stretch", fewest=FEWEST)
     return segments

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ..least_squares import SEARCH_EVALUATIONS
 from ..problem import search
-from ..solve import SEARCH_EVALUATIONS
 from ..unknowns import Unknowns
 
 

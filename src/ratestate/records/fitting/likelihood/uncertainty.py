@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..estimates import Estimates, estimates_from
+from ..least_squares import Solution, solution_from
 from ..score import responds
-from ..solve import Solution, solution_from
 from .posterior import Posterior, common_prior, sample_posterior
 from .profile import BetterPoint
 from .profiles import compute_profiles

@@ -51,7 +51,7 @@ class Solution(NamedTuple):
         return self.problem.record.friction - self.fitted_friction
 
 
-def solve(record, slider, law, free, noise, start):
+def least_squares_fit(record, slider, law, free, noise, start):
     """The `Solution` of a record under a law (code); the noise is estimated if it is None.
 
     start : {"steady", "free", "auto"}; "auto" frees the state at the start if that fits far better

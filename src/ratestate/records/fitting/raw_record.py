@@ -1,0 +1,143 @@
+"""A record as it is given to `fit`: the columns of its Dataset, each checked.
+
+What a fit makes of it is a `record.Record`, or the segments of a fit of cycles.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+
+from ...model.loading import Loading
+from ..reading.segments import find_segments
+from .refusals import refusal
+
+#: bounds of friction, which may be a change from some level; farthest that a load point moves [m]
+LOW, HIGH, FARTHEST = -0.1, 3.0, 10.0
+#: largest difference of a given loading from the recorded displacement, over the distance moved
+DIFFERENCE = 0.1
+
+
+class RawRecord(NamedTuple):
+    """The columns of a record with m samples."""
+
+    data: xarray.Dataset
+    time: np.ndarray  # (m,) [s], increasing
+    kind: str  # "tau": friction is that of the spring; "mu": of the interface
+    friction: np.ndarray  # (m,)
+    displacement: np.ndarray | None  # (m,) of the load point [m]
+
+    @property
+    def t(self):
+        """(m,) times since the first sample [s]."""
+        return self.time - self.time[0]
+
+
+def raw_record(data, slider):
+    """The `RawRecord` in a Dataset of `read_lab`, or of `simulate`; refuses wrong units."""
+    if not isinstance(data, xarray.Dataset):
+        raise refusal("record.type", type=type(data).__name__)
+    time = _column(data, "time")
+    if not (np.diff(time) > 0.0).all():
+        row = int(np.argmin(np.diff(time) > 0.0)) + 1
+        raise refusal("columns.not_increasing", before=time[row - 1], after=time[row], row=row)
+    kind, friction = _friction(data, slider)
+    typical = float(np.median(friction))
+    if not LOW < typical < HIGH:
+        hint = "turn its sign" if -HIGH < typical < 0.0 else "is it a stress, or in per cent?"
+        raise refusal("columns.size", typical=typical, high=HIGH, advice=hint)
+    return RawRecord(data, time, kind, friction, _displacement(data, time))
+
+
+def check_count(samples, most, window):
+    """Refuse more samples than a fit can use; `window` says which one to choose instead."""
+    if samples > most:
+        every = -(-samples // most)
+        raise refusal("record.many", samples=samples, most=most, every=every, window=window)
+
+
+def _column(data, name):
+    """(m,) values of a variable along time [SI]; refuses values that are not finite, by row."""
+    if name not in data.variables:
+        raise refusal("columns.absent", name=name, variables=_variable_names(data))
+    variable = data[name]
+    if variable.dims != ("time",):
+        raise refusal("columns.dimensions", name=name, dims=variable.dims)
+    values = np.ascontiguousarray(variable.values, float)
+    if not np.isfinite(values).all():
+        row = int(np.argmin(np.isfinite(values)))
+        raise refusal("columns.not_finite", name=name, value=values[row], row=row)
+    return values
+
+
+def _variable_names(data):
+    """The names of all variables, as a message lists them."""
+    return ", ".join(map(str, data.variables)) or "no variable at all"
+
+
+def _friction(data, slider):
+    """The friction that was recorded: of "tau", the spring, or "mu", the interface; its values."""
+    if "friction" in data.variables:
+        return "tau", _column(data, "friction")
+    names = [name for name in ("tau", "mu") if name in data.variables]
+    if len(names) == 2:
+        raise refusal("columns.tau_and_mu")
+    if not names:
+        raise refusal("columns.no_friction", variables=_variable_names(data))
+    (kind,) = names
+    values = _column(data, kind)
+    if kind == "mu":
+        return kind, values
+    sigma = data["sigma"] if "sigma" in data.variables else slider.sigma
+    return kind, values / np.asarray(sigma, float)
+
+
+def _displacement(data, time):
+    """(m,) load-point displacement [m], from the speed where only that was recorded; or None."""
+    if "delta_lp" in data.variables:
+        displacement = _column(data, "delta_lp")
+        if (far := float(np.ptp(displacement))) > FARTHEST:
+            raise refusal("columns.far", far=far, farthest=FARTHEST)
+        return displacement
+    if "V_load" in data.variables:
+        V, t = _column(data, "V_load"), time - time[0]
+        return np.concatenate([[0.0], np.cumsum(0.5 * (V[1:] + V[:-1]) * np.diff(t))])
+    return None
+
+
+def loading_of(raw, loading=None):
+    """The `Loading` from the record's first sample on: the one given, or as recorded."""
+    if loading is not None:
+        _check_given(loading, raw)
+        return loading
+    data, time = raw.data, raw.time
+    if raw.displacement is None:
+        raise refusal("load_point.unknown", variables=_variable_names(data))
+    if "segment_t" in data.variables:
+        starts = np.asarray(data["segment_t"].values, float)
+        speeds = np.asarray(data["segment_V"].values, float)
+    else:
+        starts, speeds = find_segments(time, raw.displacement)
+    # a window may have cut off segments at both ends
+    inside = starts < time[-1]
+    first = max(int(np.searchsorted(starts, time[0], side="right")) - 1, 0)
+    starts, speeds = starts[inside][first:], speeds[inside][first:]
+    if not speeds[0] > 0.0:
+        raise refusal("load_point.rests", start=time[0])
+    pairs = zip(starts[1:] - time[0], speeds[1:], strict=True)
+    return Loading.steps(float(speeds[0]), *((float(t), float(V)) for t, V in pairs))
+
+
+def _check_given(loading, raw):
+    """Refuse a loading that does not suit a fit, or differs from the record in units or times."""
+    if not isinstance(loading, Loading) or np.ndim(loading.V) != 1:
+        raise refusal("load_point.no_loading")
+    loading.covers(raw.time[-1] - raw.time[0])
+    if not loading.V[0] > 0.0:
+        raise refusal("load_point.begins_at_rest")
+    if raw.displacement is None:
+        return
+    given = np.asarray(loading.delta_lp(raw.t))
+    worst, far = float(np.ptp(raw.displacement - given)), float(np.ptp(raw.displacement))
+    if worst > DIFFERENCE * far:
+        raise refusal("load_point.differs", given=float(given[-1]), far=far, worst=worst)
