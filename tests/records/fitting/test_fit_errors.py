@@ -68,7 +68,7 @@ def sampled(good):
 
 def test_reported_numbers_have_their_gradient_and_can_be_kept(solution):
     rng = np.random.default_rng(5)
-    numbers = reported_quantities(solution.problem, SLIDER)
+    numbers = reported_quantities(solution.problem)
     assert [number.name for number in numbers] == [*FREE, "mu0", "a_minus_b", "trend_slip"]
     for number in numbers:
         point = solution.point + 0.01 * rng.normal(size=solution.point.size)
@@ -83,13 +83,13 @@ def test_reported_numbers_have_their_gradient_and_can_be_kept(solution):
 
 def test_a_minus_b_is_kept_by_a_alone(good):
     found = solution_of(good, SLIDER, ("a", "Dc"))
-    number = reported_quantities(found.problem, SLIDER)[-2]
+    number = reported_quantities(found.problem)[-2]
     kept = number.constrained(found.point, -0.003)
     assert np.exp(kept[0]) == pytest.approx(SLIDER.b - 0.003, rel=1e-12)
 
 
 def test_the_profile_of_a_gaussian_likelihood_is_the_covariance(solution):
-    numbers = reported_quantities(solution.problem, SLIDER)
+    numbers = reported_quantities(solution.problem)
     assert all(are_gaussian(solution, numbers))
     assert compute_profiles(solution, numbers, False) == {}
     for number in (numbers[2], numbers[5], numbers[6]):
@@ -103,7 +103,7 @@ def test_the_profile_of_a_gaussian_likelihood_is_the_covariance(solution):
 
 def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
     """Held K: the same as a fit of the others to a slider that has it."""
-    number = reported_quantities(solution.problem, SLIDER)[3]
+    number = reported_quantities(solution.problem)[3]
     one = compute_profile(solution, number)
     for value, deviance in zip(one.values[[0, -1]], one.deviance[[0, -1]], strict=True):
         slider = SLIDER.replace(K=float(np.exp(value)))
@@ -146,7 +146,7 @@ def test_one_profile_follows_where_another_leads():
     """a moves with K: its own search stops at a ridge that the profile of K knows a way round."""
     slider = SLIDER.replace(K=1e12)
     found = solution_of(record(slider, STEP, T, noise=4e-4, seed=6), slider)
-    numbers = {number.name: number for number in reported_quantities(found.problem, slider)}
+    numbers = {number.name: number for number in reported_quantities(found.problem)}
     gaussian = dict(zip(numbers, are_gaussian(found, tuple(numbers.values())), strict=True))
     assert [name for name, is_gaussian in gaussian.items() if not is_gaussian] == ["K"]
     alone = compute_profile(found, numbers["a"])
@@ -161,7 +161,7 @@ def test_one_profile_follows_where_another_leads():
 def test_the_jacobian_of_constrained_fits(solution):
     """Against central differences: a coordinate given up for a - b, or mu0, carries others."""
     noise, rng = solution.noise, np.random.default_rng(2)
-    for number in reported_quantities(solution.problem, SLIDER):
+    for number in reported_quantities(solution.problem):
         constrained = ConstrainedProblem(solution.problem, number, number.value(solution.point))
         direction = solution.point[constrained.rest] * 1e-3 * rng.normal(size=len(constrained.rest))
         rest = solution.point[constrained.rest]
@@ -176,8 +176,8 @@ def test_a_better_point_is_taken(good, solution):
     point[2] += 0.01
     worse = solution._replace(point=point, chi2=solution.chi2 + 5.0)
     with pytest.raises(BetterPoint):
-        compute_profile(worse, reported_quantities(solution.problem, SLIDER)[0])
-    again = infer(worse, SLIDER, None, "profile")
+        compute_profile(worse, reported_quantities(solution.problem)[0])
+    again = infer(worse, None, "profile")
     assert again.solution.chi2 == pytest.approx(solution.chi2, rel=1e-3)
     np.testing.assert_allclose(again.solution.point, solution.point, rtol=1e-3)
     assert not again.still_improving
@@ -196,7 +196,7 @@ def test_a_fit_still_improves_only_where_a_better_point_is_known(
         return {}
 
     monkeypatch.setattr(uncertainty, "compute_profiles", profiles)
-    assert infer(solution, SLIDER, None, "auto").still_improving == improving
+    assert infer(solution, None, "auto").still_improving == improving
     assert not points
 
 
@@ -292,7 +292,7 @@ def test_a_known_posterior_is_found(good, monkeypatch):
     found = sample_posterior(solution, box, "test")
     inside = student.cdf(20.0, 4) - student.cdf(-20.0, 4)
     assert abs(found.log_evidence - 2.0 * np.log(inside / 40.0)) < 3.5 * found.log_evidence_error
-    number = reported_quantities(solution.problem, SLIDER)[1]
+    number = reported_quantities(solution.problem)[1]
     expected = student.ppf(norm.cdf(ROOTS), 4)
     np.testing.assert_allclose(found.interval(number)[:, 1], expected, rtol=0.25)
     np.testing.assert_allclose(found.interval(number)[:, 0], -expected, rtol=0.25)
@@ -470,7 +470,7 @@ def test_tradeoffs_are_named():
 @pytest.mark.parametrize(("error", "is_constrained"), [(7.0, True), (7.1, False), (4e5, False)])
 def test_a_parameter_without_a_constraint_is_named_in_words(solution, error, is_constrained):
     """1.96 errors of ln K are ln 1e6, beyond which its interval is open, where K has 7.05."""
-    inference = infer(solution, SLIDER, None, "covariance")
+    inference = infer(solution, None, "covariance")
     quantities = inference.quantities
     spread = np.diag([0.01, 1e-4, 0.01, error, 1e-4, 1e-4, 1.0]) ** 2
     values = np.array([q.value(solution.point) for q in quantities])

@@ -170,10 +170,10 @@ def _fits_of_samples(data, slider, settings, loading):
     record = record_of(data, slider, loading=loading, trend=trend, against=against)
     codes = [evolution_law(law).code for law in laws]
     solutions = [least_squares_fit(record, slider, code, free, noise, start) for code in codes]
-    inferences = [infer(solution, slider, noise, errors) for solution in solutions]
+    inferences = [infer(solution, noise, errors) for solution in solutions]
     if errors == "posterior":
         inferences = with_posteriors(inferences, laws)
-    datasets = [dataset_of(inference, data, slider) for inference in inferences]
+    datasets = [dataset_of(inference, data) for inference in inferences]
     results = dict(zip(laws, datasets, strict=True))
     if len(results) > 1:
         colored = any(inference.solution.noise.red for inference in inferences)

@@ -40,7 +40,8 @@ class Forward:
             np.ascontiguousarray(loading.rate, float)[None],
         )
         self.evaluations = 0
-        self.common: dict = {}  # number of sliders -> values of `_common`
+        # without inertia V may run away; with a free mass it cannot
+        self.v_limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
         #: step of a central difference in each coordinate that the motion depends on
         self.steps = {n: PARAMETERS[n].step(record) for n in names if n not in LINEAR}
 
@@ -76,10 +77,10 @@ class Forward:
         a, b, K = (values[symbol][:, None] for symbol in ("a", "b", "K"))
         x, v, psi = saved[..., 0], saved[..., 1], saved[..., 2]
         friction = a * x if self.record.kind == "tau" else a * v + b * psi
-        regressors = {n: np.broadcast_to(r, x.shape) for n, r in self.record.regressors.items()}
+        along = np.broadcast_to(self.record.trend_variable, x.shape)
         if self.record.trend == "slip":
-            behind = (a * self.sigma / K) * (x - x[:, :1])  # the slider, its load point
-            regressors["trend"] = regressors["trend"] - behind
+            along = along - (a * self.sigma / K) * (x - x[:, :1])
+        regressors = self.record.regressors(along)
         for name, regressor in regressors.items():
             friction = friction + values[name][:, None] * regressor
         self.evaluations += len(friction)
@@ -87,7 +88,8 @@ class Forward:
 
     def values(self, points):
         """name -> (n,) values of everything that `parts` needs."""
-        values = dict(self._common(len(points))[0])
+        fixed = dict.fromkeys(PARAMETERS, 0.0) | self.fixed
+        values = {name: np.full(len(points), float(value)) for name, value in fixed.items()}
         with np.errstate(over="ignore"):
             for i, name in enumerate(self.names):
                 moved = points[:, i]
@@ -97,56 +99,47 @@ class Forward:
             values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]
         return values
 
-    def _common(self, n):
-        """Values that are not free and columns of `Cases`, shared by all calls for n sliders."""
-        if n in self.common:
-            return self.common[n]
-        fixed = dict.fromkeys(PARAMETERS, 0.0) | self.fixed
-        values = {name: np.full(n, float(value)) for name, value in fixed.items()}
-        # without inertia V may run away; with a free mass it cannot
-        limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
-        columns = {
-            "V0": np.full(n, self.V0),
-            "t_end": np.full(n, self.record.t[-1]),
-            "dt": np.zeros(n),
-            "loading": np.zeros(n, np.int64),
-            "times": np.zeros(n, np.int64),
-            "rtol": np.full(n, RTOL),
-            "observe": np.zeros(n),
-            "v_limit": np.full(n, limit),
-            "max_steps": np.full(n, MAX_STEPS),
-        }
-        self.common[n] = values, columns
-        return values, columns
-
     def _motion(self, values):
         """(n, m, 3) x, v, psi at the samples."""
         a, b, Dc, K, M = (values[symbol] for symbol in ("a", "b", "Dc", "K", "M"))
         v, psi = (values[name] for name in START)
-        n = a.size
-        columns, times = self._common(n)[1], self.record.t[None]
+        times, which, end = self.record.t[None], np.zeros(a.size, np.int64), self.record.t[-1]
         if "lag" in self.names:
             # samples from before the start take the value at the start
-            times = self.record.t - values["lag"][:, None]
-            ends = np.maximum(times[:, -1], 1e-9 * self.record.t[-1])
-            columns = columns | {"times": np.arange(n), "t_end": ends}
+            times, which = self.record.t - values["lag"][:, None], np.arange(a.size)
+            end = np.maximum(times[:, -1], 1e-9 * end)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             per_stress = 1.0 / (a * self.sigma)
             beta = b / a
-            cases = Cases(
+            cases = cases_of(
                 kappa=K * Dc * per_stress,
                 beta=beta,
                 eta0=M * self.V0**2 * per_stress / Dc,
                 scale=self.V0 / Dc,
+                V0=self.V0,
                 y=np.stack([v + beta * psi, v, psi], axis=1),
-                **columns,
+                t_end=end,
+                times=which,
+                rtol=RTOL,
+                v_limit=self.v_limit,
+                max_steps=MAX_STEPS,
             )
-        results = dispatch.run_march(
-            RODAS5P, self.law, cases, self.loads, times, np.arange(n), n == 1
-        )
-        saved = results.saved
-        saved[results.status != FINISHED] = np.nan
-        return saved
+        return marched(self.law, cases, self.loads, times, alone=a.size == 1)
+
+
+def cases_of(*, kappa, **columns):
+    """`Cases` of n sliders under one loading; a column may be one value for all of them."""
+    columns = {"dt": 0.0, "loading": 0, "observe": 0.0, "kappa": kappa} | columns
+    each = {k: np.full(kappa.size, v) if np.ndim(v) == 0 else v for k, v in columns.items()}
+    return Cases(**each)
+
+
+def marched(law, cases, loads, times, *, alone=False):
+    """(n, m, 3) x, v, psi of the cases at these times; NaN where a run fails."""
+    which = np.arange(cases.kappa.size)
+    results = dispatch.run_march(RODAS5P, law, cases, loads, times, which, alone)
+    results.saved[results.status != FINISHED] = np.nan
+    return results.saved
 
 
 def _difference(above, centre, below, step):

@@ -58,13 +58,13 @@ def least_squares_fit(record, slider, law, free, noise, start):
     """
     unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
-    solution = solution_from(problem, _best_start(problem, slider, law), noise)
-    if start != "auto" or not _may_start_unsteady(solution, slider, law):
+    solution = solution_from(problem, _best_start(problem), noise)
+    if start != "auto" or not _may_start_unsteady(solution):
         return solution
     # Noise may have been estimated as correlated because of the start: so search anew.
     unknowns = unknowns_of(record, free, start=True, sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
-    starts = (_with_more_coordinates(solution, unknowns), _best_start(problem, slider, law))
+    starts = (_with_more_coordinates(solution, unknowns), _best_start(problem))
     solutions = [solution_from(problem, start, noise) for start in starts]
     best = max(solutions, key=lambda one: one.log_likelihood)
     gain = best.log_likelihood - solution.log_likelihood
@@ -72,11 +72,11 @@ def least_squares_fit(record, slider, law, free, noise, start):
     return best if min(gain, early_gain) > 0.5 * FALL else solution
 
 
-def _best_start(problem, slider, law):
+def _best_start(problem):
     """The best point that a search on a thinned record reaches from several starts."""
     thin = problem.record.thinned(max(problem.record.t.size // SAMPLES, 1))
-    thin_problem = Problem(thin, slider, law, problem.unknowns)
-    points = starting_points(thin_problem, slider, STARTS)
+    thin_problem = Problem(thin, problem.slider, problem.law, problem.unknowns)
+    points = starting_points(thin_problem, STARTS)
     noise = thin_problem.white_noise(points[0]) if len(points) else None
     searches: list = []
     for point in points:
@@ -152,11 +152,13 @@ def _with_more_coordinates(solution, unknowns):
     return point
 
 
-def _may_start_unsteady(solution, slider, law):
+def _may_start_unsteady(solution):
     """Whether an unsteady start may fit better: if noise is correlated, or by a score test."""
     if solution.noise.red:
         return True
-    forward = Forward(solution.problem.record, slider, law, (*START, *solution.unknowns.names))
+    problem = solution.problem
+    names = (*START, *problem.unknowns.names)
+    forward = Forward(problem.record, problem.slider, problem.law, names)
     jacobian = np.nan_to_num(forward.jacobian(np.append([0.0, 0.0], solution.point))[1])
     return gain_of(solution, jacobian[:, : len(START)])[0] > FALL
 

@@ -25,7 +25,7 @@ class Problem:
     """Residuals of a record under a law as functions of the unknowns, and their derivatives."""
 
     def __init__(self, record, slider, law, unknowns):
-        self.record, self.unknowns = record, unknowns
+        self.record, self.slider, self.law, self.unknowns = record, slider, law, unknowns
         self.forward = Forward(record, slider, law, unknowns.names)
 
     def difference(self, point):
@@ -67,9 +67,9 @@ def search(problem, start, noise, most=MOST):
     )
 
 
-def starting_points(problem, slider, most):
+def starting_points(problem, most):
     """Points (k,) to start from, all distinct, the best fit to a thinned record first."""
-    unknowns, sizes = problem.unknowns, sizes_of(problem.record, slider.sigma)
+    unknowns, sizes = problem.unknowns, sizes_of(problem.record, problem.slider.sigma)
     rng = np.random.default_rng(SEED)
     cloud = np.zeros((CLOUD + 1, len(unknowns.names)))
     distance = {}  # coordinate -> least distance of two starts
@@ -78,7 +78,7 @@ def starting_points(problem, slider, most):
         if row.starts:
             drawn = rng.uniform(*row.starts, size=CLOUD + 1)
             cloud[:, i] = np.log(size * 10.0**drawn) if row.is_log else size * drawn
-            cloud[0, i] = to_coordinate(name, getattr(slider, name))
+            cloud[0, i] = to_coordinate(name, getattr(problem.slider, name))
             distance[i] = DISTANCE * (1.0 if row.is_log else size)
     cloud = np.clip(cloud, unknowns.low, unknowns.high)
     cloud, misfit = _with_best_level(problem, cloud if distance else cloud[:1])
@@ -89,9 +89,9 @@ def starting_points(problem, slider, most):
 def _with_best_level(problem, points):
     """Points with the level and trend that fit the record best, and their misfits."""
     points, record, names = points.copy(), problem.record, problem.unknowns.names
-    linear = [names.index(name) for name in record.regressors]
+    linear = [names.index(name) for name in record.regressors()]
     points[:, linear] = 0.0
-    columns = np.array([*record.regressors.values()]).T.copy()
+    columns = np.array([*record.regressors().values()]).T.copy()
     scale = np.abs(columns).max(axis=0)
     residuals = (record.friction - problem.forward.friction(points)).T
     sound = np.isfinite(residuals).all(axis=0)

@@ -26,11 +26,14 @@ class Record(NamedTuple):
     time: np.ndarray  # (m,) as recorded [s]
     order: np.ndarray  # (m,) rows of the Dataset
 
-    @property
-    def regressors(self):
-        """name -> (m,) what friction changes by with each parameter that it is linear in."""
-        level = {"level": np.ones(self.t.size)}
-        return level | {"trend": self.trend_variable} if self.trend else level
+    def regressors(self, along=None):
+        """name -> derivative of friction by each parameter that it is linear in.
+
+        along : (..., m) slip or time, by default `trend_variable`
+        """
+        along = self.trend_variable if along is None else along
+        level = {"level": np.ones_like(along)}
+        return level | {"trend": along} if self.trend else level
 
     @property
     def scale(self):

@@ -12,7 +12,7 @@ from .likelihood.posterior import prior_text
 from .unknowns import START
 
 
-def dataset_of(inference, data, slider):
+def dataset_of(inference, data):
     """The Dataset of an `Inference`, with notes and warnings on it."""
     solution, quantities = inference.solution, inference.quantities
     record = solution.problem.record
@@ -26,7 +26,7 @@ def dataset_of(inference, data, slider):
             _statistics(solution),
         ]
     )
-    result = result.assign(text_variables(*diagnose(inference, data, slider)))
+    result = result.assign(text_variables(*diagnose(inference, data)))
     if inference.posterior is not None:
         result.attrs["prior"] = prior_text(inference.posterior.prior)
     record_loading(result, record.loading)

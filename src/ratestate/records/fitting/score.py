@@ -25,7 +25,7 @@ def gain_of(solution, added):
 def response(solution):
     """Fall of chi-square from level and trend alone to the solution, and parameters it takes."""
     record = solution.problem.record
-    lines = [values / np.abs(values).max() for values in record.regressors.values()]
+    lines = [values / np.abs(values).max() for values in record.regressors().values()]
     columns = np.column_stack([record.friction, *lines])
     rest = _projected(solution, columns, 1)[:, 0]
     return float(rest @ rest) - solution.chi2, len(solution.point) - columns.shape[1] + 1

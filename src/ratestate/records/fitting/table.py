@@ -1,15 +1,15 @@
 """The table of estimates as text: values, errors and intervals under each law, in one unit."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import xarray
 
 from ...model.quantities import PREFIXES, QUANTITIES, power_of, readable, rounded
 from .by_law import error_of, stiffness_over_critical, value_of
 
-if TYPE_CHECKING:
-    import xarray
-
+#: law -> its part of a result, as from `results_by_law`
+Laws = dict[str, xarray.Dataset]
 #: short names of quantities with a longer symbol
 NAMES = {"a_minus_b": "a - b"}
 #: white noise below this part of the correlated noise is not mentioned
@@ -40,8 +40,8 @@ class Row(NamedTuple):
         return f"{self.symbol} [{self.unit}]" if self.unit else self.symbol
 
 
-def estimate_rows(laws: "dict[str, xarray.Dataset]") -> list[Row]:
-    """Rows of all estimates, K/sigma and K/K_c_qs; laws as from `results_by_law`."""
+def estimate_rows(laws: Laws) -> list[Row]:
+    """Rows of all estimates, K/sigma and K/K_c_qs."""
     first = next(iter(laws.values()))
     symbols = [str(symbol) for symbol in first["parameter"].values]
     rows = [_row(laws, symbol) for symbol in symbols]
@@ -53,7 +53,7 @@ def estimate_rows(laws: "dict[str, xarray.Dataset]") -> list[Row]:
     return rows
 
 
-def estimate_cells(laws: "dict[str, xarray.Dataset]", meaning: bool) -> list[list[str]]:
+def estimate_cells(laws: Laws, meaning: bool) -> list[list[str]]:
     """The rows as cells: label, value and 95 % interval under each law, the meaning if wanted."""
     return [
         [
@@ -65,7 +65,7 @@ def estimate_cells(laws: "dict[str, xarray.Dataset]", meaning: bool) -> list[lis
     ]
 
 
-def stiffness_ratio_text(part: "xarray.Dataset") -> str:
+def stiffness_ratio_text(part: xarray.Dataset) -> str:
     """K/K_c_qs of one law's part with its error, or why it has none; "" for a rigid machine."""
     if value_of(part, "a") > value_of(part, "b"):
         return STABLE_AT_ANY_K
@@ -83,7 +83,7 @@ def _plus_minus(value: float, error: float, digits: float) -> str:
     return f"{shown} +- {rounded(error, digits)}" if 0.0 < error < np.inf else shown
 
 
-def noise_text(part: "xarray.Dataset") -> str:
+def noise_text(part: xarray.Dataset) -> str:
     """Size and correlation time of a record's noise."""
     white, red = float(part["noise_white"]), float(part["noise_red"])
     if not red > 0.0:
@@ -92,7 +92,7 @@ def noise_text(part: "xarray.Dataset") -> str:
     return correlated if white < NEGLIGIBLE * red else f"{white:.2g}, white, and {correlated}"
 
 
-def quality_text(part: "xarray.Dataset") -> str:
+def quality_text(part: xarray.Dataset) -> str:
     """How well a law fits."""
     if "chi2" in part:
         features = int(part["used"].sum())
@@ -100,7 +100,7 @@ def quality_text(part: "xarray.Dataset") -> str:
     return f"r.m.s. residual {float(part['rms']):.3g}; noise {noise_text(part)}"
 
 
-def law_names(laws: "dict[str, xarray.Dataset] | tuple[str, ...]") -> str:
+def law_names(laws: Laws | tuple[str, ...]) -> str:
     """The laws by name.
 
     >>> law_names(("slip",)), law_names(("slip", "aging"))
@@ -109,7 +109,7 @@ def law_names(laws: "dict[str, xarray.Dataset] | tuple[str, ...]") -> str:
     return f"{' and '.join(laws)} {'law' if len(laws) == 1 else 'laws'}"
 
 
-def _row(laws: "dict[str, xarray.Dataset]", symbol: str) -> Row:
+def _row(laws: Laws, symbol: str) -> Row:
     """The row of a parameter."""
     quantity = QUANTITIES[symbol]
     power = power_of(quantity.unit, max(abs(value_of(part, symbol)) for part in laws.values()))
@@ -122,7 +122,7 @@ def _row(laws: "dict[str, xarray.Dataset]", symbol: str) -> Row:
     )
 
 
-def _stiffness_over_sigma(laws: "dict[str, xarray.Dataset]") -> Row:
+def _stiffness_over_sigma(laws: Laws) -> Row:
     """The stiffness per normal stress, as other programs have it."""
     cells = [
         formatted_estimate(part, "K", 1e-6 / value_of(part, "sigma")) for part in laws.values()
@@ -130,7 +130,7 @@ def _stiffness_over_sigma(laws: "dict[str, xarray.Dataset]") -> Row:
     return Row("K/sigma", "1/um", "stiffness, in friction per displacement", tuple(cells))
 
 
-def formatted_estimate(part: "xarray.Dataset", symbol: str, factor: float) -> FormattedEstimate:
+def formatted_estimate(part: xarray.Dataset, symbol: str, factor: float) -> FormattedEstimate:
     """A parameter of one law's part, multiplied by `factor` to leave SI."""
     value, error = factor * value_of(part, symbol), factor * error_of(part, symbol)
     ends = factor * part["interval"].sel(parameter=symbol).transpose("level", "side").values

@@ -105,7 +105,7 @@ class Unknowns(NamedTuple):
 
 def unknowns_of(record, free, *, start, sigma):
     """`Unknowns` of a record: free parameters, the start if that is free, level, trend."""
-    names = (*free, *(START if start else ()), *record.regressors)
+    names = (*free, *(START if start else ()), *record.regressors())
     sizes = sizes_of(record, sigma)
     bounds = [
         [to_coordinate(name, end * sizes[name]) for end in PARAMETERS[name].bounds]

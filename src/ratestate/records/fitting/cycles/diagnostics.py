@@ -1,15 +1,13 @@
 """Notes and warnings on a fit of cycles."""
 
-from pathlib import Path
-
 import numpy as np
 
 from ....model.quantities import readable
-from ....model.sentences import Sentences
 from ..diagnostics.tradeoffs import percent, product
 from ..estimates import ENDLESS
 from .features import FEATURES, LEVEL
 from .search import distinct_runs
+from .segments import SENTENCES
 
 # Relative error of a combination of parameters beyond which it counts as not determined.
 UNDETERMINED = 0.3
@@ -17,7 +15,6 @@ UNDETERMINED = 0.3
 SMALL = 0.15
 # Runs with a chi-squared this near to the best one's fit equally well.
 EQUAL = 4.0
-SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def diagnose(fit):

@@ -11,11 +11,11 @@ from ..estimates import Estimates, estimates_from
 from ..likelihood.profile import BetterPoint
 from ..refusals import refusal
 from .features import FEATURES, LEVEL
-from .measured import SENTENCES, corrected, measure
+from .measured import corrected, measure
 from .model import GRID, CycleModel
 from .profile import profiled_intervals
 from .search import Problem, distinct_runs, starts
-from .segments import segments_of
+from .segments import SENTENCES, segments_of
 from .space import Space
 
 # Probability of a misfit by errors of the features alone, below which the errors are enlarged.

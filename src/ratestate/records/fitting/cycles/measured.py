@@ -6,17 +6,15 @@ record is, plus noise of the record's size and correlation, is measured many tim
 differ from each other by more than such noise explains, the errors are enlarged to their scatter.
 """
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import chdtri
 
-from ....model.sentences import Sentences
 from ..refusals import refusal
 from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
 from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, periodic, thinned
-from .segments import Segment, regular_cuts
+from .segments import SENTENCES, Segment, regular_cuts
 
 # Bins of the profile: their least and largest number; noise in one over the amplitude, as a target.
 BINS, BIN_NOISE = (24, 128), 0.01
@@ -30,7 +28,6 @@ CHANCE = 0.005
 RESOLVED, UNCERTAIN = 1.5, 0.3
 # A trend over the cycles below this part of the amplitude is not mentioned.
 DRIFT = 0.1
-SENTENCES = Sentences(Path(__file__).with_name("diagnostics.toml"))
 
 
 class Noise(NamedTuple):

@@ -9,9 +9,9 @@ from ....dynamics.cycles.limit_cycle import WORST
 from ....dynamics.cycles.measure import refine
 from ....dynamics.cycles.shooting import state, system_of
 from ....dynamics.simulation.cases import MAX_STEPS
-from ....engine import dispatch
-from ....engine.model import FINISHED, RODAS5P, Cases, Loads
+from ....engine.model import FINISHED, Loads
 from ....friction.laws import evolution_law, mu_ss
+from ..forward import cases_of, marched
 from .features import FEATURES, profile_features, wave_profiles
 
 # Phases of a wave, from where it falls through its middle: even, and geometric sequences on both
@@ -83,31 +83,22 @@ def _from_fall(system, u, period):
 
 def _saved(system, u, period, phases):
     """(n, m) x at phases (n, m) in increasing order; NaN where a run fails."""
-    n = period.size
-    one, zero = np.ones(n), np.zeros(n)
-    cases = Cases(
+    cases = cases_of(
         kappa=system.kappa,
         beta=system.beta,
         eta0=system.eta,
-        scale=one,
-        V0=one,
+        scale=1.0,
+        V0=1.0,
         y=np.ascontiguousarray(state(system, u)),
         t_end=period,
-        dt=zero,
-        loading=np.zeros(n, np.int64),
-        times=np.arange(n),
-        rtol=np.full(n, PERIOD_RTOL),
-        observe=zero,
+        times=np.arange(period.size),
+        rtol=PERIOD_RTOL,
         v_limit=system.v_limit,
-        max_steps=np.full(n, MAX_STEPS),
+        max_steps=MAX_STEPS,
     )
     loads = Loads(np.zeros(1), np.ones((1, 1)), np.zeros((1, 1)))
     times = np.ascontiguousarray(np.minimum(period[:, None] * phases, period[:, None]))
-    code = evolution_law(system.law).code
-    results = dispatch.run_march(RODAS5P, code, cases, loads, times, np.arange(n), False)
-    saved = results.saved[..., 0]
-    saved[results.status != FINISHED] = np.nan
-    return saved
+    return marched(evolution_law(system.law).code, cases, loads, times)[..., 0]
 
 
 class CycleModel:

@@ -34,29 +34,30 @@ FINE = 1e-4
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
-def diagnose(inference, data, slider):
+def diagnose(inference, data):
     """A note on what a record determines (str), and warnings (list of str)."""
     solution = inference.solution
     if not responds(solution):
-        warning = _no_response(solution, slider)
+        warning = _no_response(solution)
         return f"Nothing is determined: {warning}.", [warning]
     note, warnings = identifiability(inference)
-    Dc, high = _Dc_and_upper_end(inference.estimates, slider)
+    Dc, high = _Dc_and_upper_end(inference.estimates, solution.problem.slider)
     return note, [
         *search_warnings(inference),
         *warnings,
         *_ends_early(solution.problem.record, Dc, high),
         *_noise_too_small(solution),
         *_misfit(solution, Dc),
-        *_normal_stress(solution.problem.record, data, slider),
-        *_later_or_earlier(solution, slider),
-        *_inert(solution, slider),
+        *_normal_stress(solution.problem, data),
+        *_later_or_earlier(solution),
+        *_inert(solution),
     ]
 
 
-def _no_response(solution, slider):
+def _no_response(solution):
     """The warning that level and trend alone fit as well."""
     gain, free = response(solution)
+    slider = solution.problem.slider
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
     given = [symbol for symbol in OF_SLIDER if symbol not in solution.unknowns.names]
     given = [s for s in given if s != "M" or slider.M > 0.0]
@@ -122,27 +123,27 @@ def _misfit(solution, Dc):
         yield SENTENCES("residuals.correlated", red=noise.red, time=noise.time, duration=duration)
 
 
-def _normal_stress(record, data, slider):
+def _normal_stress(problem, data):
     """Warnings if the recorded normal stress is not the slider's, or not constant."""
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return
-    recorded = np.asarray(data["sigma"].values, float)[record.order]
+    recorded = np.asarray(data["sigma"].values, float)[problem.record.order]
     recorded = recorded[np.isfinite(recorded)]
     if not recorded.size:
         return
     mean = float(recorded.mean())
-    if abs(mean / slider.sigma - 1.0) > OFF:
-        yield SENTENCES("normal_stress.other", mean=mean, sigma=slider.sigma)
+    if abs(mean / problem.slider.sigma - 1.0) > OFF:
+        yield SENTENCES("normal_stress.other", mean=mean, sigma=problem.slider.sigma)
     if recorded.std() > VARIABLE * mean:
         yield SENTENCES("normal_stress.variable", spread=100 * recorded.std() / mean, mean=mean)
 
 
-def _later_or_earlier(solution, slider):
+def _later_or_earlier(solution):
     """A warning if a lag would lower chi-square by more than chance does."""
     problem, names = solution.problem, solution.unknowns.names
     if "lag" in names:
         return
-    forward = Forward(problem.record, slider, problem.forward.law, (*names, "lag"))
+    forward = Forward(problem.record, problem.slider, problem.law, (*names, "lag"))
     step = forward.steps["lag"]
     points = np.array([np.append(solution.point, lag) for lag in (step, -step)])
     above, below = forward.friction(points)
@@ -153,16 +154,15 @@ def _later_or_earlier(solution, slider):
         )
 
 
-def _inert(solution, slider):
+def _inert(solution):
     """A warning if inertia, which was left out, would lower chi-square by more than chance does."""
+    problem, slider = solution.problem, solution.problem.slider
     if slider.M != 0.0 or not np.isfinite(slider.K):
         return
-    record, problem = solution.problem.record, solution.problem
     at = problem.forward.values(solution.point[None])
-    unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / record.loading.V.max() ** 2
-    heavy = Forward(
-        record, slider.replace(M=LIGHT * unit), problem.forward.law, solution.unknowns.names
-    )
+    unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / problem.record.loading.V.max() ** 2
+    massive = slider.replace(M=LIGHT * unit)
+    heavy = Forward(problem.record, massive, problem.law, solution.unknowns.names)
     friction = heavy.friction(solution.point[None])[0]
     by_eta = np.nan_to_num((friction - solution.fitted_friction) / LIGHT)
     gain, (eta,) = gain_of(solution, by_eta[:, None])

@@ -56,7 +56,7 @@ def _determination(inference, quantity):
 
 def _determined_or_not(inference, determined, undetermined):
     """The sentence that lists what is determined under the law, and what is not."""
-    code = inference.solution.problem.forward.law
+    code = inference.solution.problem.law
     law = next(name for name, row in LAWS.items() if row.code == code)
     which = "all" if not undetermined else "some" if determined else "none"
     lists = {"determined": ", ".join(determined), "undetermined": ", ".join(undetermined)}

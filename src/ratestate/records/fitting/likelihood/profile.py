@@ -81,15 +81,9 @@ def compute_profile(solution, quantity, fits=()):
     low, high = (_Side(solution, quantity, sign, fits) for sign in (-1.0, 1.0))
     ends = low.walk(), high.walk()
 
-    def joined(below, above):
-        return np.array([*below[:0:-1], *above])
-
-    return Profile(
-        joined(low.values, high.values),
-        joined(low.deviance, high.deviance),
-        joined(low.points, high.points),
-        ends,
-    )
+    both = ((low.values, high.values), (low.deviance, high.deviance), (low.points, high.points))
+    values, deviance, points = (np.array([*below[:0:-1], *above]) for below, above in both)
+    return Profile(values, deviance, points, ends)
 
 
 class _Side:

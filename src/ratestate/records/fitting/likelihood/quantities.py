@@ -66,9 +66,9 @@ class ReportedQuantity(NamedTuple):
         return float(np.sqrt(gradient @ covariance @ gradient))
 
 
-def reported_quantities(problem, slider):
+def reported_quantities(problem):
     """tuple of `ReportedQuantity`: free parameters, mu0, a - b if a or b is free, the trend."""
-    names = problem.unknowns.names
+    names, slider = problem.unknowns.names, problem.slider
     height = float(np.log(problem.forward.V0 / slider.V0))
     # name -> the coordinate that it can replace, and weights
     sums = {"mu0": ("level", {"a": -height, "b": height, "level": 1.0})}

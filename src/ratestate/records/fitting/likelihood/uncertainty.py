@@ -29,13 +29,13 @@ class Inference(NamedTuple):
     still_improving: bool  # even after `REFITS` a profile has a better point
 
 
-def infer(solution, slider, noise, errors):
+def infer(solution, noise, errors):
     """The `Inference` of a solution, without a posterior; `errors` is one of `ERRORS`.
 
     A point of a profile that fits better than the solution becomes the solution.
     """
     profiles, still_improving = {}, False
-    quantities = reported_quantities(solution.problem, slider)
+    quantities = reported_quantities(solution.problem)
     # profiles of a fit to mere noise would lead anywhere
     wanted = errors != "covariance" and (errors != "auto" or responds(solution))
     for attempt in range(REFITS + 1 if wanted else 0):
