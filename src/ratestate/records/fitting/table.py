@@ -46,7 +46,10 @@ def estimate_rows(laws: Laws) -> list[Row]:
     symbols = [str(symbol) for symbol in first["parameter"].values]
     rows = [_row(laws, symbol) for symbol in symbols]
     if "K" in symbols:
-        rows.append(_stiffness_over_sigma(laws))
+        # the stiffness per normal stress, as other programs have it
+        factors = {law: 1e-6 / value_of(part, "sigma") for law, part in laws.items()}
+        cells = tuple(formatted_estimate(part, "K", factors[law]) for law, part in laws.items())
+        rows.append(Row("K/sigma", "1/um", "stiffness, in friction per displacement", cells))
     if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
         cells = tuple(FormattedEstimate(text or "-", ()) for text in ratios)
         rows.append(Row("K/K_c_qs", "", "above 1: steady sliding is stable", cells))
@@ -120,14 +123,6 @@ def _row(laws: Laws, symbol: str) -> Row:
         quantity.long_name.removesuffix(", a - b"),
         tuple(formatted_estimate(part, symbol, 10.0**-power) for part in laws.values()),
     )
-
-
-def _stiffness_over_sigma(laws: Laws) -> Row:
-    """The stiffness per normal stress, as other programs have it."""
-    cells = [
-        formatted_estimate(part, "K", 1e-6 / value_of(part, "sigma")) for part in laws.values()
-    ]
-    return Row("K/sigma", "1/um", "stiffness, in friction per displacement", tuple(cells))
 
 
 def formatted_estimate(part: xarray.Dataset, symbol: str, factor: float) -> FormattedEstimate:

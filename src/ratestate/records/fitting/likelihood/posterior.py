@@ -111,7 +111,7 @@ def prior_text(prior):
             unit = QUANTITIES[name].unit if name in FREE else "1"
             unit = "" if unit == "1" else f" {unit}"
             sides.append(SENTENCES("prior.plain", name=name, low=low, high=high, unit=unit))
-    return SENTENCES("prior.all", sides=", ".join(sides))
+    return SENTENCES("prior.all", sides=", ".join(sides), linear=" and ".join(LINEAR))
 
 
 def sample_posterior(solution, prior, label):
