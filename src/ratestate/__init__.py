@@ -84,7 +84,7 @@ _MODULES = {
     "fitting": "records.fitting",
     "hopf": "dynamics.hopf",
     "lab": "records.reading",
-    "laws": "friction.laws",
+    "laws": "friction.rate_and_state",
     "orbit": "dynamics.cycles.orbit",
     "quasi_static": "friction.quasi_static",
     "regimes": "dynamics.cycles.regimes",

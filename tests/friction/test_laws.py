@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from ratestate import ParameterError
 from ratestate.friction import laws
+from ratestate.friction import rate_and_state as rsf
 
 LAWS = list(laws.LAWS)
 FRICTION = {"a": 0.003, "b": 0.006, "mu0": 0.6, "V0": 1e-9, "Dc": 1e-5}
@@ -23,20 +24,20 @@ spread = st.floats(-8, 8)
 
 
 def test_friction_is_mu0_in_steady_sliding_at_V0_and_e_fold_steps_read_a_and_b():
-    at_V0 = laws.friction(1e-9, 1e-5 / 1e-9, **FRICTION)
+    at_V0 = rsf.friction(1e-9, 1e-5 / 1e-9, **FRICTION)
     assert at_V0 == pytest.approx(0.6, abs=1e-15)
-    assert laws.friction(1e-9 * math.e, 1e4, **FRICTION) - at_V0 == pytest.approx(0.003, abs=1e-15)
-    assert laws.friction(1e-9, 1e4 * math.e, **FRICTION) - at_V0 == pytest.approx(0.006, abs=1e-15)
+    assert rsf.friction(1e-9 * math.e, 1e4, **FRICTION) - at_V0 == pytest.approx(0.003, abs=1e-15)
+    assert rsf.friction(1e-9, 1e4 * math.e, **FRICTION) - at_V0 == pytest.approx(0.006, abs=1e-15)
 
 
 @given(logs)
 def test_steady_state_is_steady_for_both_laws(log_V):
     V = 10**log_V
-    theta = laws.theta_ss(V, Dc=1e-5)
+    theta = rsf.theta_ss(V, Dc=1e-5)
     for law in LAWS:
-        assert abs(laws.dtheta_dt(V, theta, Dc=1e-5, law=law)) < 1e-15
-    steady = laws.mu_ss(V, a=0.003, b=0.006, mu0=0.6, V0=1e-9)
-    assert laws.friction(V, theta, **FRICTION) == pytest.approx(steady, abs=1e-15)
+        assert abs(rsf.dtheta_dt(V, theta, Dc=1e-5, law=law)) < 1e-15
+    steady = rsf.mu_ss(V, a=0.003, b=0.006, mu0=0.6, V0=1e-9)
+    assert rsf.friction(V, theta, **FRICTION) == pytest.approx(steady, abs=1e-15)
     assert steady == pytest.approx(0.6 - 0.003 * math.log(V / 1e-9), abs=1e-15)
 
 
@@ -47,7 +48,7 @@ def test_evolution_is_that_of_the_textbook(law, log_V, log_omega):
     theta = Dc / V * 10**log_omega
     expected = TEXTBOOK[law](V, theta, Dc)
     scale = max(1, 10**log_omega)  # 1 - Omega and ln(Omega) cancel near Omega = 1
-    assert abs(laws.dtheta_dt(V, theta, Dc=Dc, law=law) - expected) < 1e-14 * scale
+    assert abs(rsf.dtheta_dt(V, theta, Dc=Dc, law=law) - expected) < 1e-14 * scale
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -58,13 +59,13 @@ def test_log_form_and_textbook_form_are_one(law, log_V, log_omega, log_V0):
     theta = Dc / V * 10**log_omega
     psi = math.log(V0 * theta / Dc)
     rate = laws.LAWS[law].rate(V / V0, math.log(V / V0), psi, math.exp(-psi))
-    expected = laws.dtheta_dt(V, theta, Dc=Dc, law=law)
+    expected = rsf.dtheta_dt(V, theta, Dc=Dc, law=law)
     assert theta * V0 / Dc * rate == pytest.approx(expected, rel=1e-11, abs=1e-12)
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_holds_heal_by_the_aging_law_only(law):
-    assert laws.dtheta_dt(0.0, 5.0, Dc=1e-5, law=law) == {"aging": 1, "slip": 0}[law]
+    assert rsf.dtheta_dt(0.0, 5.0, Dc=1e-5, law=law) == {"aging": 1, "slip": 0}[law]
 
 
 def complex_step(function, x):
@@ -76,7 +77,7 @@ def complex_step(function, x):
 def test_partials_of_evolution(law, log_V, log_omega):
     V, Dc = 10**log_V, 1e-5
     theta = Dc / V * 10**log_omega
-    by_V, by_theta = laws.dtheta_dt_partials(V, theta, Dc=Dc, law=law)
+    by_V, by_theta = rsf.dtheta_dt_partials(V, theta, Dc=Dc, law=law)
     book = TEXTBOOK[law]
     # absolute part: the slip law's slope, 1 + ln(Omega), has a zero
     assert by_V == pytest.approx(
@@ -105,8 +106,8 @@ def test_partials_of_the_log_form(law, v, psi):
 def test_partials_of_friction(log_V, log_omega):
     V = 10**log_V
     theta = 1e-5 / V * 10**log_omega
-    by_V, by_theta = laws.friction_partials(V, theta, a=0.003, b=0.006)
-    mu = laws.friction
+    by_V, by_theta = rsf.friction_partials(V, theta, a=0.003, b=0.006)
+    mu = rsf.friction
     assert by_V == pytest.approx(
         complex_step(lambda x: mu(x, theta, **FRICTION), V), rel=1e-13, abs=0
     )
@@ -119,14 +120,14 @@ def test_arrays_and_named_arrays_broadcast():
     V = xr.DataArray([1e-6, 1e-3], dims="V_lp")
     Dc = xr.DataArray([1e-6, 1e-5, 1e-4], dims="Dc")
     for law in LAWS:
-        rate = laws.dtheta_dt(V, 0.1, Dc=Dc, law=law)
+        rate = rsf.dtheta_dt(V, 0.1, Dc=Dc, law=law)
         assert dict(rate.sizes) == {"V_lp": 2, "Dc": 3}
-        assert float(rate[1, 2]) == laws.dtheta_dt(1e-3, 0.1, Dc=1e-4, law=law)
-        np.testing.assert_array_equal(laws.dtheta_dt(V.values, 0.1, Dc=1e-5, law=law), rate[:, 1])
-    assert laws.friction(V, laws.theta_ss(V, Dc=Dc), **{**FRICTION, "Dc": Dc}).sizes["Dc"] == 3
+        assert float(rate[1, 2]) == rsf.dtheta_dt(1e-3, 0.1, Dc=1e-4, law=law)
+        np.testing.assert_array_equal(rsf.dtheta_dt(V.values, 0.1, Dc=1e-5, law=law), rate[:, 1])
+    assert rsf.friction(V, rsf.theta_ss(V, Dc=Dc), **{**FRICTION, "Dc": Dc}).sizes["Dc"] == 3
 
 
 @pytest.mark.parametrize("law", ["ruina", "Slip", None, 0])
 def test_unknown_law(law):
     with pytest.raises(ParameterError, match=r"is unknown; choose 'slip' or 'aging'"):
-        laws.dtheta_dt(1e-6, 1.0, Dc=1e-5, law=law)
+        rsf.dtheta_dt(1e-6, 1.0, Dc=1e-5, law=law)

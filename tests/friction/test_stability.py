@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import ratestate as rs
 from ratestate import stability
-from ratestate.friction import laws
+from ratestate.friction import rate_and_state as rsf
 from ratestate.friction.eigenvalues import steady_modes
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
@@ -57,9 +57,9 @@ def test_numbers_of_fig_6():
 def test_eq_5_with_the_slopes_of_this_law_is_eq_6(log_V, log_M, log_a, ratio):
     V, M, a = 10**log_V, 10**log_M, 10**log_a
     p = {"a": a, "b": ratio * a, "Dc": 1e-5, "sigma": 2e6}
-    slope = p["sigma"] * laws.friction_partials(V, laws.theta_ss(V, Dc=1e-5), a=a, b=p["b"])[0]
+    slope = p["sigma"] * rsf.friction_partials(V, rsf.theta_ss(V, Dc=1e-5), a=a, b=p["b"])[0]
     h = 1e-30  # complex step through the steady-state friction
-    ss = p["sigma"] * laws.mu_ss(V * (1 + 1j * h), a=a, b=p["b"], mu0=0.6, V0=1e-6).imag / (V * h)
+    ss = p["sigma"] * rsf.mu_ss(V * (1 + 1j * h), a=a, b=p["b"], mu0=0.6, V0=1e-6).imag / (V * h)
     general = theory.K_c_of_any_law(V, Dc=1e-5, M=M, dtau_ss_dV=ss, dtau_dV=slope)
     assert general == pytest.approx(theory.K_c(V, **p, M=M), rel=1e-13, abs=0)
 

@@ -1,4 +1,7 @@
-"""The three eigenvalues of steady sliding, in dimensionless form and to full precision."""
+"""The three eigenvalues of steady sliding, in dimensionless form and to full precision.
+
+Equation numbers are those of Im, Marone & Elsworth (2019).
+"""
 
 import numpy as np
 

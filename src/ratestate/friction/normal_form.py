@@ -7,9 +7,9 @@ With V0 := V_lp and time T = t V_lp/Dc, sliding near the bifurcation is
 where the growth rate is 0 at kappa_c = (beta - 1) (1 + eta), so that small cycles have
 r^2 = -growth/lyapunov_1; they attract (supercritical) where lyapunov_1 < 0.
 
-The law's rate is taken to be d psi/dT = w h(v + psi), as in `laws.dtheta_dt`, with its scales
-chosen such that h(0) = 0 and h'(0) = -1; h2 and h3 are the second and third derivatives of h at 0,
-which are the law's own with respect to psi in steady sliding.  Kuznetsov (2004),
+The law's rate is taken to be d psi/dT = w h(v + psi), as in `rate_and_state.dtheta_dt`, with its
+scales chosen such that h(0) = 0 and h'(0) = -1; h2 and h3 are the second and third derivatives of h
+at 0, which are the law's own with respect to psi in steady sliding.  Kuznetsov (2004),
 doi:10.1007/978-1-4757-3978-7, section 5.4, gives the first Lyapunov coefficient of any system,
 
     Re[<p, C(q,q,q')> - 2 <p, B(q, A^-1 B(q,q'))> + <p, B(q', (2 i omega - A)^-1 B(q,q))>]/8,

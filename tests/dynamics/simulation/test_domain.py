@@ -10,7 +10,7 @@ import xarray as xr
 import ratestate as rs
 from ratestate.dynamics.cycles.orbit import orbit
 from ratestate.dynamics.verdict import verdict
-from ratestate.friction.laws import friction
+from ratestate.friction.rate_and_state import friction
 from ratestate.paper.parameters import FIG4, FIG4_K
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])

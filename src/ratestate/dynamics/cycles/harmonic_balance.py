@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 #: law -> c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ..., to double precision for |z| < 0.5.
-#: A new law adds its row; its rate must be w h(v + psi), as dtheta_dt in laws.py has it too.
+#: A new law adds its row; its rate must be w h(v + psi), as dtheta_dt in friction has it too.
 SERIES = {
     "slip": (0.0,),  # h = -z
     "aging": tuple(np.cumprod(-1 / np.arange(1.0, 15.0))[1:]),  # h = exp(-z) - 1

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...engine.model import STEADY_SLIDING
 from ...errors import ParameterError
-from ...friction.laws import mu_ss, theta_ss
+from ...friction.rate_and_state import mu_ss, theta_ss
 from ...model.loading import Loading
 from ..simulation.simulate import SimulateCall, simulate
 from .limit_cycle import limit_cycle_call

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...engine.model import STEADY_SLIDING
-from ...friction.laws import mu_ss
+from ...friction.rate_and_state import mu_ss
 from ...friction.stability import K_c
 from ..domain import domain_variables
 from ..results import columns, status_variable

@@ -10,7 +10,7 @@ from ...dynamics.simulation.cases import failure
 from ...dynamics.verdict import Verdict, verdict_of_cycle
 from ...engine.model import FINISHED
 from ...errors import SolverError
-from ...friction.laws import mu_ss
+from ...friction.rate_and_state import mu_ss
 from .budget import TimeUp
 from .charts import key_of
 from .motion import Plan, plan_of, transient_note

@@ -8,7 +8,7 @@ from ...dynamics.cycles.regimes import classify
 from ...dynamics.results import parameter
 from ...dynamics.steady_sliding import stability
 from ...engine.model import STEADY_SLIDING
-from ...friction.laws import mu_ss
+from ...friction.rate_and_state import mu_ss
 from ...model.slider import SpringSlider
 from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text, with_unit
 from ..layout import ABOVE, WIDE, figure, letters, styled

@@ -10,7 +10,8 @@ from ....dynamics.cycles.measure import refine
 from ....dynamics.cycles.shooting import state, system_of
 from ....dynamics.simulation.cases import MAX_STEPS
 from ....engine.model import FINISHED, Loads
-from ....friction.laws import evolution_law, mu_ss
+from ....friction.laws import evolution_law
+from ....friction.rate_and_state import mu_ss
 from ..forward import cases_of, marched
 from .features import FEATURES, profile_features, wave_profiles
 
