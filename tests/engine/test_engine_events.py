@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from numba import njit
 
-from ratestate.engine import events
+from ratestate.engine import dense_output
 
 
 @njit
 def extreme(c):
-    return events.extreme(c)
+    return dense_output.extreme(c)
 
 
 def from_derivative(*roots):
@@ -40,7 +40,7 @@ def test_where_a_step_has_its_extreme(roots, at, sign):
 
 @njit
 def crossing(c, w_lp, dw, log_w_lp):
-    return events.crossing(c, w_lp, dw, log_w_lp)
+    return dense_output.crossing(c, w_lp, dw, log_w_lp)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import threading
 from fractions import Fraction
 
 import numpy as np
@@ -15,11 +16,11 @@ from synthetic_records import SLIDER, STEP, record
 
 import ratestate as rs
 from ratestate.dynamics.basin import escape
-from ratestate.engine import dispatch, lanes
-from ratestate.engine import return_map as returns
+from ratestate.dynamics.simulation.simulate import SimulateCall
+from ratestate.engine import backend, dispatch, lanes, return_lanes
 from ratestate.engine import rows as R
 from ratestate.engine.march import march
-from ratestate.engine.return_map import return_map
+from ratestate.engine.return_map import march_to_section
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 NAMES = ["V", "theta", "tau", "delta", "mu", "status", "steps", "energy_residual", "V_max", "V_min"]
@@ -72,7 +73,7 @@ def test_a_million_steps_lose_no_time():
 def test_where_nothing_marches_no_kernel_is_loaded(monkeypatch):
     """Motion with K = inf is known in closed form."""
     monkeypatch.setattr(dispatch, "march", None)
-    monkeypatch.setattr(dispatch, "return_map", None)
+    monkeypatch.setattr(dispatch, "march_to_section", None)
     rigid = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=np.inf)
     assert float(rs.simulate(rigid, rs.Loading.constant(1e-3), 0.2).status) == 0
     assert float(rs.limit_cycle(rigid, 1e-3).status) == 1
@@ -114,6 +115,23 @@ def test_threads(reference, law, cores, monkeypatch):
 def test_one_after_another(law):
     """A run leaves nothing behind for the next."""
     same(run(*cases(40), law), run(*cases(40), law))
+
+
+@pytest.mark.parametrize("times", [None, [1e7]])
+def test_a_single_run_is_stopped_between_two_budgets(times):
+    """Whether each step is kept or not; to its end this one would take an hour."""
+    stop, fractions = threading.Event(), []
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4.8e8)
+    times = None if times is None else np.array(times)
+    call = SimulateCall(slider, rs.Loading.constant(1e-4), 1e7, V_start=1e-5, times=times)
+
+    def progress(fraction):
+        fractions.append(fraction)
+        stop.set()
+
+    with backend.use(stop=stop), pytest.raises(backend.Stopped):
+        call.move(progress)
+    assert len(fractions) == 1
 
 
 @LAWS
@@ -160,7 +178,7 @@ def test_a_kernel_is_compiled_once():
         escape(one, 3.6e-4)
     t = np.linspace(0.0, 140.0, 400)
     rs.fit(record(SLIDER, STEP, t, noise=1e-4), SLIDER, errors="covariance")
-    assert len(return_map.signatures) == len(march.signatures) == 1
+    assert len(march_to_section.signatures) == len(march.signatures) == 1
 
 
 SCRIPT = """
@@ -214,8 +232,8 @@ def march_lanes(s, law, n):
 
 @njit
 def return_map_lanes(s, law, n):
-    returns.advance(s, law, n)
-    returns.commit(s, law, n)
+    return_lanes.advance(s, law, n)
+    return_lanes.commit(s, law, n)
 
 
 @pytest.mark.skipif(not hasattr(march_lanes, "inspect_llvm"), reason="the compiler is off")

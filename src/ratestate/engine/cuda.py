@@ -14,9 +14,9 @@ from numba import config as numba_config
 from ..errors import ParameterError, SolverError
 from . import rows as R
 from .backend import Stopped
-from .march import IDLE
+from .lane_case import IDLE
 from .model import empty_results
-from .return_map import empty_returns
+from .return_map import empty_return_results
 
 config: Any = numba_config  # numba sets its attributes at run time
 
@@ -74,21 +74,21 @@ def run_march(law, cases, loads, save_times, order, progress=None, stop=None):
     if n_times == 0:  # for arrays without elements numba would compile anew: a time never reached
         save_times = np.full((len(save_times), 1), np.inf)
     results = empty_results(n, save_times.shape[1])
-    kernel = cuda_kernels.march(law)
+    kernel = cuda_kernels.march_kernel(law)
     _work(kernel, R.SIZE, order, (cases, loads, save_times), results, progress, stop)
     return results._replace(saved=results.saved[:, :n_times])
 
 
 def run_returns(law, starts, stop=None):
-    """`Returns` of all cases; parameters as for `dispatch.run_returns`, and stop."""
+    """`ReturnResults` of all cases; parameters as for `dispatch.run_returns`, and stop."""
     check()
     from . import cuda_kernels
 
     n = len(starts.beta)
-    returns = empty_returns(n)
-    kernel = cuda_kernels.return_map(law)
-    _work(kernel, R.RETURN_SIZE, np.arange(n), (starts,), returns, None, stop)
-    return returns
+    results = empty_return_results(n)
+    kernel = cuda_kernels.return_kernel(law)
+    _work(kernel, R.RETURN_SIZE, np.arange(n), (starts,), results, None, stop)
+    return results
 
 
 def _work(kernel, size, order, given, results, progress, stop):

@@ -1,10 +1,10 @@
 """The CUDA kernels: the engine's own functions of (lane buffer, lane), one slider a thread.
 
 numba-cuda compiles the functions that numba compiled for the CPU, from the same source, so that
-not one formula stands here: only what `march.march` and `return_map.return_map` do with a lane,
-in their order.  Thread t works in lane t % LANES of row t // LANES of `buffers`.  A row of the lane
-buffer is then 16 neighbouring doubles, and what a warp reads or writes of it, two whole lines of
-128 bytes.
+not one formula stands here: only what `march.march` and `return_map.march_to_section` do with a
+lane, in their order.  Thread t works in lane t % LANES of row t // LANES of `buffers`.  A row of
+the lane buffer is then 16 neighbouring doubles, and what a warp reads or writes of it, two whole
+lines of 128 bytes.
 
 A thread whose case is done takes the next of the queue, as a lane does on the CPU: cases differ
 in cost by orders of magnitude, and a warp is as slow as its slowest thread.  A launch ends after
@@ -21,10 +21,11 @@ from typing import Any
 from numba import cuda as numba_cuda
 
 from . import lanes as L
-from . import return_map as M
+from . import return_events, return_lanes, return_map
 from . import rows as R
 from .events import handle_events
-from .march import IDLE, end_segment, finish, load, save
+from .lane_case import IDLE
+from .march import end_segment, finish, load, save
 from .model import RUNNING
 from .step_control import control_step
 
@@ -32,7 +33,7 @@ cuda: Any = numba_cuda  # which of its two modules it is, is known at run time
 
 
 @functools.cache
-def march(law):
+def march_kernel(law):
     """The kernel of `march.march` by Rodas5P for the law with this code."""
 
     @cuda.jit
@@ -77,14 +78,14 @@ def march(law):
 
 
 @functools.cache
-def return_map(law):
-    """The kernel of `return_map.return_map` for the law with this code."""
+def return_kernel(law):
+    """The kernel of `return_map.march_to_section` for the law with this code."""
 
     @cuda.jit
-    def return_map_on_gpu(buffers, queue, position, under_way, starts, returns, budget):
+    def return_map_on_gpu(buffers, queue, position, under_way, starts, results, budget):
         """Take the cases of a queue to their next upward crossing of the section.
 
-        Parameters as for `march`'s; how far an unfinished case has come is not known.
+        Parameters as for `march_on_gpu`; how far an unfinished case has come is not known.
         """
         t = cuda.grid(1)
         s, l = buffers[t // R.LANES], t % R.LANES
@@ -93,16 +94,16 @@ def return_map(law):
                 n = cuda.atomic.add(position, 0, 1)
                 if n >= queue.size:
                     return
-                M.load(s, l, law, queue[n], starts)
-            M.try_step(s, l, law)
+                return_map.load(s, l, law, queue[n], starts)
+            return_lanes.try_step(s, l, law)
             control_step(s, l)
             L.has_event(s, l, law)
             if s[R.CALL + l] > 0.0:
-                M.handle_events(s, l, law)
+                return_events.handle_events(s, l, law)
             L.commit_lane(s, l)
-            M.commit_lane(s, l, law)
+            return_lanes.commit_lane(s, l, law)
             if s[R.BREAK + l] > 0.0:
-                M.finish(s, l, law, returns)
+                return_map.finish(s, l, law, results)
                 cuda.atomic.add(position, 1, 1)
 
     return return_map_on_gpu

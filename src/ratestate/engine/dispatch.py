@@ -13,9 +13,10 @@ from ..errors import CompilationError
 from ..machine import cores
 from . import backend
 from . import rows as R
-from .march import IDLE, march
+from .lane_case import IDLE
+from .march import march
 from .model import NUMBERS, STEP_LIMIT, empty_results
-from .return_map import empty_returns, return_map
+from .return_map import empty_return_results, march_to_section
 
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
@@ -50,20 +51,20 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
 
 
 def run_returns(law, starts, alone):
-    """`Returns` of all cases, from `Starts` to the next upward crossing of the section."""
+    """`ReturnResults` of all cases, from `Starts` to the next upward crossing of the section."""
     where = backend.current()
     if where.device == "cuda":
         from . import cuda
 
         return cuda.run_returns(law, starts, where.stop)
     n = len(starts.beta)
-    returns = empty_returns(n)
+    results = empty_return_results(n)
 
     def worker(queue):
-        return _Worker(return_map, R.RETURN_SIZE, (law, alone), queue, (starts, returns))
+        return _Worker(march_to_section, R.RETURN_SIZE, (law, alone), queue, (starts, results))
 
     _share(np.arange(n), worker)
-    return returns
+    return results
 
 
 def _share(order, worker, progress=None):
@@ -71,19 +72,11 @@ def _share(order, worker, progress=None):
     n = len(order)
     if n == 0:  # nothing for which to load, or even compile, the kernels
         return
-    where = backend.current()
-    threads = max(1, min(where.threads or cores(), n // R.LANES))
+    threads = max(1, min(backend.current().threads or cores(), n // R.LANES))
     workers = [worker(np.ascontiguousarray(order[i::threads])) for i in range(threads)]
-
-    def look():
-        if where.stop and where.stop.is_set():
-            raise backend.Stopped
-        if progress:
-            progress(_fraction(workers, n))
-
     if threads == 1:
         while not workers[0].go():
-            look()
+            _report(workers, n, progress)
         return
     stop = threading.Event()
 
@@ -95,15 +88,27 @@ def _share(order, worker, progress=None):
         futures = [pool.submit(work, worker) for worker in workers]
         try:
             while wait(futures, timeout=0.05).not_done:
-                look()
+                _report(workers, n, progress)
         finally:
             stop.set()
         for future in futures:
             future.result()
 
 
+def _report(workers, n, progress):
+    """Give progress what is done of n cases; `backend.Stopped` where the backend stops them."""
+    stop = backend.current().stop
+    if stop and stop.is_set():
+        raise backend.Stopped
+    if progress:
+        progress(_fraction(workers, n))
+
+
 def run_path(method, law, cases, loads, progress=None):
-    """March the one case and keep every step: (m, 4) T, x, v, psi from t = 0 on, and Results."""
+    """March the one case and keep every step: (m, 4) T, x, v, psi from t = 0 on, and Results.
+
+    `backend.Stopped` where that stops it.
+    """
     results = empty_results(1, 0)
     buffer = np.empty((PATH_ROWS, 4))
     fixed = (cases, loads, np.empty((1, 0)), results, buffer)
@@ -116,8 +121,7 @@ def run_path(method, law, cases, loads, progress=None):
         rows += worker.position[2]
         pieces.append(buffer[: worker.position[2]].copy())
         worker.position[2] = 0
-        if progress:
-            progress(_fraction([worker], 1))
+        _report([worker], 1, progress)
     if not done:
         results.status[0] = STEP_LIMIT
         results.numbers[0, NUMBERS.index("t")] = pieces[-1][-1, 0] / cases.scale[0]

@@ -43,7 +43,7 @@ def advance_state(law, method, psi, v, w, h):
 
 
 @kernel
-def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
+def solve_force_balance(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
     """v, psi and x at the end of the step, and whether they could be solved for.
 
     Newton in v, kept inside a bracket: the mismatch of eq. 9 runs from -inf to inf with v, so a
@@ -77,7 +77,7 @@ def solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
 
 
 @inner
-def take(s, l, law, method):
+def take_step(s, l, law, method):
     """Take one step of the lane; record its outcome as `lanes.try_step` and `control_step` do."""
     x, v, psi, w, w_lp = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l], s[R.W_LP + l]
     kappa, beta = s[R.KAPPA + l], s[R.BETA + l]
@@ -86,7 +86,9 @@ def take(s, l, law, method):
     dw = h * s[R.RAMP + l]
     omega = math.sqrt(kappa / s[R.ETA0 + l])
     d_lp = h * (w_lp + 0.5 * dw)
-    v_new, psi_new, x_new, solved = solve(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega)
+    v_new, psi_new, x_new, solved = solve_force_balance(
+        law, method, kappa, beta, x, v, psi, w, d_lp, h, omega
+    )
     solved = solved and np.isfinite(x_new) and np.isfinite(psi_new)
     w_new = exp_alone(v_new)
     s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = x_new, v_new, psi_new

@@ -96,7 +96,7 @@ def record(s, l, h, new, error, dense):
     s[R.H_USED + l] = h
     err = max(max(abs(error[0]), abs(error[1])), abs(error[2]))
     size = max(abs(new[0][0]), abs(new[0][2]))  # v is far larger at rest, and means nothing there
-    s[R.ERROR + l] = err / max(s[R.RTOL + l], ROUNDING * size)
+    s[R.ERROR + l] = err / max(s[R.TOLERANCE + l], ROUNDING * size)
 
 
 @inlined

@@ -10,57 +10,13 @@ import numpy as np
 
 from . import lanes as L
 from . import rows as R
-from .events import components, handle_events, last_period, polynomial
-from .exp import exp_alone
-from .im2017 import take as take_im2017
+from .dense_output import components, polynomial
+from .events import handle_events
+from .im2017 import take_step as take_im2017_step
 from .jit import inner, kernel
-from .model import (
-    FINISHED,
-    NOT_FINITE,
-    RODAS5P,
-    RUNNING,
-    STEP_LIMIT,
-    STEP_UNDERFLOW,
-    Numbers,
-    state_rate,
-)
-
-IDLE = -1.0
-
-
-@inner
-def fill(s, l, i, size, cases, eta0):
-    """Put parameters and initial state of case i into lane l; all else there is 0."""
-    for row in range(0, size, R.LANES):
-        s[row + l] = 0.0
-    s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
-    s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l] = cases.kappa[i], cases.beta[i], eta0
-    s[R.X + l], s[R.V + l], s[R.PSI + l] = cases.y[i]
-    s[R.W + l], s[R.E + l] = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
-    s[R.RTOL + l], s[R.OBSERVE + l] = cases.rtol[i], cases.observe[i]
-    s[R.V_LIMIT + l], s[R.MAX_STEPS + l] = cases.v_limit[i], cases.max_steps[i]
-    s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
-    s[R.F_LOW + l] = s[R.V + l] + s[R.BETA + l] * s[R.PSI + l]
-    s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
-
-
-@inner
-def choose_first_step(s, l, law):
-    """A step from here that is small beside what it takes the state, or the load, to change."""
-    w, w_lp = s[R.W + l], s[R.W_LP + l]
-    f_x = s[R.KAPPA + l] * (w_lp - w)
-    f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], s[R.E + l])
-    h = 0.1 * math.sqrt(math.sqrt(s[R.RTOL + l])) / (abs(f_x) + abs(f_psi) + w + w_lp)
-    s[R.H + l], s[R.MEMORY + l] = min(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
-
-
-@inner
-def next_case(s, l, queue, position):
-    """The case of the queue that the lane, if idle, is to take; -1 for none."""
-    if s[R.CASE + l] != IDLE or position[0] == queue.size:
-        return -1
-    position[0] += 1
-    return queue[position[0] - 1]
+from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
+from .model import FINISHED, RODAS5P, RUNNING, Numbers
+from .periodicity import last_period
 
 
 @inner
@@ -93,7 +49,8 @@ def enter_segment(s, l, law, scale, V0, loads, row):
 @inner
 def load(s, l, law, i, cases, loads, save_times, results):
     """Put case i into lane l at t = 0."""
-    fill(s, l, i, R.SIZE, cases, cases.eta0[i])
+    fill(s, l, i, R.SIZE, cases)
+    s[R.ETA0 + l], s[R.TOLERANCE + l] = cases.eta0[i], cases.rtol[i]
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
     s[R.DT + l] = cases.dt[i] * scale
@@ -168,14 +125,6 @@ def finish(s, l, cases, results):
 
 
 @inner
-def stuck(s, l):
-    """Why a lane cannot go on."""
-    if s[R.FAILURES + l] > L.TOO_MANY_FAILURES:
-        return NOT_FINITE if s[R.BAD + l] > 0.0 else STEP_UNDERFLOW
-    return STEP_LIMIT
-
-
-@inner
 def end_segment(s, l, law, cases, loads):
     """At a landing: enter the next segment or finish.  Elsewhere: give up, saying why."""
     if s[R.STATUS + l] != RUNNING:
@@ -219,7 +168,7 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
         if method != RODAS5P:
             for l in range(width):
                 if s[R.CASE + l] != IDLE:
-                    take_im2017(s, l, law, method)
+                    take_im2017_step(s, l, law, method)
         else:
             L.advance(s, law, width)
         for l in range(width):

@@ -32,13 +32,32 @@ RIGID_REST = 8
 CRASHED = 9
 RUNNING = -1
 
+# Below this eta, G = dv/dT on the section is better known as -beta dpsi/dT, which it is to within
+# eta of itself, than from x - beta psi, whose rounding is divided by eta.
+SLAVED = 1e-7
+
 _TABLE = tomllib.loads(Path(__file__).with_name("statuses.toml").read_text("utf-8"))
 #: status code -> (name, what happened and what helps)
 STATUSES = {row["code"]: (name, row["message"]) for name, row in _TABLE.items()}
 
 RODAS5P, IM2017, IM2017_EULER = 0, 1, 2
-#: name of a method -> its code
-METHODS = {"rodas5p": RODAS5P, "im2017": IM2017, "im2017_euler": IM2017_EULER}
+
+
+class Method(NamedTuple):
+    """A row of `METHODS`: its code inside the engine, and what a run by it needs."""
+
+    code: int
+    needs_dt: bool = False  # it does not choose its steps itself
+    needs_mass: bool = False  # and a spring: it steps by sqrt(K/M)
+    laws: tuple[str, ...] = tuple(laws.LAWS)
+
+
+#: name of a method -> what it is
+METHODS = {
+    "rodas5p": Method(RODAS5P),
+    "im2017": Method(IM2017, needs_dt=True, needs_mass=True),
+    "im2017_euler": Method(IM2017_EULER, needs_dt=True, needs_mass=True, laws=("aging",)),
+}
 
 
 class Cases(NamedTuple):

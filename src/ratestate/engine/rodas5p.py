@@ -14,6 +14,8 @@ Beside the state, a step integrates the load-point work and the frictional dissi
 weights `B` that the method implies for a pure quadrature.
 """
 
+from typing import Any
+
 from ..friction.laws import SLIP
 from .exp import LIMIT, exp, exp_and_inverse
 from .jit import inlined
@@ -90,7 +92,7 @@ def prepare(y, w, e, h, p):
 
 
 @inlined
-def solve(r_x, r_v, r_psi, beta, start):
+def solve_arrow(r_x, r_v, r_psi, beta, start):
     """Solve the arrow matrix of `prepare` for this right-hand side."""
     _, _, gamma_h, kappa_w, s_v, a_psi, pivot = start
     k_v = pivot * (r_v + gamma_h * r_x - (beta * a_psi) * r_psi)
@@ -122,7 +124,7 @@ def increment(u, at, w_lp, rest, p, start):
     r_x = kappa * (w_lp - w) + rest[0]
     r_v = (x - v - beta * psi) * (start[0] * w_inverse) + start[1] * rest[1]
     r_psi = state_rate(law, w, v, psi, e) + rest[2]
-    return solve(r_x, r_v, r_psi, beta, start)
+    return solve_arrow(r_x, r_v, r_psi, beta, start)
 
 
 @inlined
@@ -194,7 +196,7 @@ def step(y, w, e, w_lp, ramp, h, p):
     r, dw, drift = 1.0 / h, h * ramp, h * kappa * ramp
 
     k1 = increment(y, (w, 1.0 / w, e), w_lp, (D[0] * drift, 0.0, 0.0), p, start)
-    k = (k1,)
+    k: Any = (k1,)
     k2, s2, _ = stage(next_point(y, k), w_lp + NODES[1] * dw, r, D[1] * drift, p, start)
     k = k1, k2
     k3, s3, _ = stage(next_point(y, k), w_lp + NODES[2] * dw, r, D[2] * drift, p, start)

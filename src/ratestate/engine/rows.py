@@ -17,7 +17,7 @@ RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
     KAPPA, BETA, ETA0,                      # parameters (model.py)
     W_LP, RAMP, LOG_W_LP,                   # load point: speed, its rate, ln of a constant speed
     T, T_LOW, BREAKPOINT, H,                # time in two parts, next breakpoint, next step size
-    RTOL, MEMORY,                           # tolerance, err**(1/16) of the last accepted step
+    TOLERANCE, MEMORY,                      # of x, v and psi; err**(1/16) of the last good step
     SAVE_AT, V_LIMIT, STEADY,               # next saved time, runaway ln w, steady-state tolerance
     OBSERVE, EVERY_STEP,                    # 1 where extremes are wanted; where each step is
     X_NEW, V_NEW, PSI_NEW, W_NEW, E_NEW,    # the step's outcome
@@ -40,14 +40,14 @@ RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
 # Rows of a march: of each return, in turn, its stress maximum, the minimum before, how long it took
 HIGHS, LOWS, SPANS = range(STATE_SIZE, SIZE, RING * LANES)
 
-# Rows of a return map (return_map.py)
+# Rows of a return map (return_lanes.py)
 (
     X_A, V_A, PSI_A, X_B, V_B, PSI_B,       # two perturbations of the state
     X_A_NEW, V_A_NEW, PSI_A_NEW,            # the step's outcome for them
     X_B_NEW, V_B_NEW, PSI_B_NEW,
     EARLY_A, EARLY_B,                       # how much earlier they are: shifts along the orbit
     TRACE, D_TRACE,                         # integral of the trace of J; the step's part
-    SINCE, LAST_STEP, H_PLANNED,              # steps since a crossing; the step that ends at one
+    SINCE, LAST_STEP, H_PLANNED,            # steps since a crossing; the step that ends at one
     X_A_LOW, X_B_LOW,                       # perturbations of the stress minimum
     V_A_HIGH, V_B_HIGH, V_A_LOW, V_B_LOW,   # and of the extremes of v
     GUESS, SLOW, MEAN, SQUARE, COSINE, SINE,  # waveform: period assumed; integrals

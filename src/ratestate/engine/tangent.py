@@ -12,6 +12,8 @@ Beside them the step integrates the trace of J, which by Liouville's formula is 
 the logarithm of a volume of states grows.
 """
 
+from typing import Any
+
 from .exp import LIMIT
 from .jit import inlined
 from .model import state_rate_partials, state_rate_partials_2
@@ -22,7 +24,7 @@ from .rodas5p import (
     increment,
     plus_sum,
     prepare,
-    solve,
+    solve_arrow,
     sum_of,
     times,
 )
@@ -82,7 +84,7 @@ def tangent(du, at, k, rest, curvature, r, p, start):
     r_v = (dg - g * du[1]) * ratio + (start[1] * r) * rest[1]
     r_v += v_v * k[1] + v_psi * k[2] - v_x * k[0]
     r_psi = f_v * du[1] + f_psi * du[2] + r * rest[2] + s_v * k[1] + s_psi * k[2]
-    return solve(r_x, r_v, r_psi, beta, start)
+    return solve_arrow(r_x, r_v, r_psi, beta, start)
 
 
 @inlined
@@ -151,7 +153,10 @@ def step(y, w, e, y1, y2, w_lp, h, p):
     # The stages of all three go side by side: their numbers stay in the processor's registers.
     at = w, 1.0 / w, e
     first = stage(((y, (r, ZERO)), (y1, ZERO), (y2, ZERO)), at, w_lp, c1, c2, r, p, start)
-    k, a, b, t = (first[0],), (first[1],), (first[2],), (first[3],)
+    k: Any = (first[0],)
+    a: Any = (first[1],)
+    b: Any = (first[2],)
+    t: Any = (first[3],)
     points = next_points(y, k, y1, a, y2, b, r)
     (k2, a2, b2, t2), _ = next_stage(points, w_lp, c1, c2, r, p, start)
     k, a, b, t = (*k, k2), (*a, a2), (*b, b2), (*t, t2)

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from .. import Loading, SolverError, simulate
-from ..engine.im2017 import solve
+from ..engine.im2017 import solve_force_balance
 from ..engine.model import METHODS
 from ..friction.laws import evolution_law
 from ..friction.stability import eta
@@ -31,7 +31,7 @@ def multiplier(slider, V_lp, omega_dt, method):
 
     The spring's stress there is not the friction: it is what makes eq. 8 repeat itself.
     """
-    law, code = evolution_law(slider.law).code, METHODS[method]
+    law, code = evolution_law(slider.law).code, METHODS[method].code
     kappa, beta = slider.K * slider.Dc / (slider.a * slider.sigma), slider.b / slider.a
     omega = math.sqrt(kappa / eta(V_lp, a=slider.a, Dc=slider.Dc, sigma=slider.sigma, M=slider.M))
     h = omega_dt / omega  # V0 is V_lp here, so that w, V0 theta/Dc and the load's speed are 1
@@ -40,7 +40,7 @@ def multiplier(slider, V_lp, omega_dt, method):
 
     def step(y):
         x, v, psi = y
-        v_new, psi_new, x_new, found = solve(
+        v_new, psi_new, x_new, found = solve_force_balance(
             law, code, kappa, beta, x, v, psi, math.exp(v), h, h, omega
         )
         if not found:

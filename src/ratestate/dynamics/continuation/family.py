@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...engine.return_map import SLAVED
+from ...engine.model import SLAVED
 from ...friction.laws import evolution_law
 from ..cycles.attractor import single_returns
 from ..cycles.measure import measure

@@ -17,8 +17,8 @@ import numpy as np
 
 from ...engine import dispatch
 from ...engine.lanes import ROUNDING
-from ...engine.model import FINISHED
-from ...engine.return_map import RETURN_NUMBERS, SLAVED, Starts
+from ...engine.model import FINISHED, SLAVED
+from ...engine.return_map import RETURN_NUMBERS, Starts
 from ...friction.laws import evolution_law
 from ...friction.stability import eta
 from ..simulation.cases import V_LIMIT

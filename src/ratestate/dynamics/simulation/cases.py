@@ -43,13 +43,13 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0
 def run_cases(method, law, cases, loads, save_times, which, alone, progress=None):
     """March the cases with these numbers; `Results` over all."""
     order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
-    code = METHODS[method]
+    code = METHODS[method].code
     return dispatch.run_march(code, law, cases, loads, save_times, order, alone, progress)
 
 
 def run_path(method, law, cases, loads, progress=None):
     """March the one case, keeping each step: times [s], states (1, m, 3), `Results`."""
-    path, results = dispatch.run_path(METHODS[method], law, cases, loads, progress)
+    path, results = dispatch.run_path(METHODS[method].code, law, cases, loads, progress)
     t = path[:, 0] / cases.scale[0]
     # Scaling to seconds rounds; a step to a breakpoint, or to the end, gets its exact time.
     for breaks in (loads.t, cases.t_end):

@@ -4,7 +4,6 @@ import numpy as np
 
 from ...engine.model import METHODS
 from ...errors import ParameterError
-from ...friction.laws import AGING, evolution_law
 from ...model.arrays import column
 from ...model.units import is_array, to_si
 
@@ -25,32 +24,44 @@ def solver_settings(rtol, method, dt, slider):
     rtol = checked_rtol(rtol, "1e-13", "0.1", "1e-6")
     if not isinstance(method, str) or method not in METHODS:
         raise ParameterError(f"method = {method!r} is unknown; choose one of {', '.join(METHODS)}")
-    if method == "rodas5p":
-        if dt is not None:
-            raise ParameterError(f"dt = {dt!r}: rodas5p chooses its steps itself; leave dt out")
-        return rtol, None
-    if dt is None:
-        raise ParameterError(
-            f"{method} needs a time step: give dt [s], for example dt=0.05/(2*pi*slider.f_n)"
+    needs = METHODS[method]
+    if not needs.needs_dt and dt is not None:
+        raise ParameterError(f"dt = {dt!r}: {method} chooses its steps itself; leave dt out")
+    if needs.needs_dt:
+        if dt is None:
+            raise ParameterError(
+                f"{method} needs a time step: give dt [s], for example dt=0.05/(2*pi*slider.f_n)"
+            )
+        dt = to_si("dt", dt)
+        if is_array(dt):
+            raise ParameterError("dt must be one number, common to all cases")
+    if needs.needs_mass:
+        _check_oscillation(method, dt, slider)
+    if slider.law not in needs.laws:
+        other = next(
+            name
+            for name, row in METHODS.items()
+            if slider.law in row.laws and row.needs_dt == needs.needs_dt
         )
-    dt = to_si("dt", dt)
-    if is_array(dt):
-        raise ParameterError("dt must be one number, common to all cases")
+        raise ParameterError(
+            f"{method} is for law={' or '.join(map(repr, needs.laws))}; use method={other!r} for "
+            f"the {slider.law} law"
+        )
+    return rtol, dt
+
+
+def _check_oscillation(method, dt, slider):
+    """Raise ParameterError for a slider without a natural period, or one too short for dt."""
     if np.any(np.equal(slider.M, 0.0)) or np.any(np.isinf(slider.K)):
         raise ParameterError(
             f"{method} needs mass and spring: M > 0 and K < inf (it steps by sqrt(K/M)); "
             f"use method='rodas5p' for M = 0 or K = inf"
         )
-    if (angle := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
+    if dt and (angle := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
         raise ParameterError(
             f"dt = {dt:g} s is {angle:.3g}/omega, omega = sqrt(K/M): more than half a natural "
             f"period; take dt of 0.1/omega or less"
         )
-    if method == "im2017_euler" and evolution_law(slider.law).code != AGING:
-        raise ParameterError(
-            "im2017_euler is for law='aging'; use method='im2017' for the slip law"
-        )
-    return rtol, dt
 
 
 def saved_times(times, t_end):

@@ -1,0 +1,55 @@
+"""The case in a lane: taken from a queue, its state and first step, and why it cannot go on."""
+
+import math
+
+from . import rows as R
+from .exp import exp_alone
+from .jit import inner
+from .lanes import TOO_MANY_FAILURES
+from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW, state_rate
+
+# The case of a lane that is free.
+IDLE = -1.0
+
+
+@inner
+def next_case(s, l, queue, position):
+    """The case of the queue that the lane, if idle, is to take; -1 for none."""
+    if s[R.CASE + l] != IDLE or position[0] == queue.size:
+        return -1
+    position[0] += 1
+    return queue[position[0] - 1]
+
+
+@inner
+def fill(s, l, i, size, cases):
+    """Put what each case i has into lane l; all else there is 0."""
+    for row in range(0, size, R.LANES):
+        s[row + l] = 0.0
+    s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
+    s[R.KAPPA + l], s[R.BETA + l] = cases.kappa[i], cases.beta[i]
+    s[R.X + l], s[R.V + l], s[R.PSI + l] = cases.y[i]
+    s[R.W + l], s[R.E + l] = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
+    s[R.OBSERVE + l], s[R.V_LIMIT + l] = cases.observe[i], cases.v_limit[i]
+    s[R.MAX_STEPS + l] = cases.max_steps[i]
+    s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
+    s[R.F_LOW + l] = s[R.V + l] + s[R.BETA + l] * s[R.PSI + l]
+    s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
+
+
+@inner
+def choose_first_step(s, l, law):
+    """A step from here that is small beside what it takes the state, or the load, to change."""
+    w, w_lp = s[R.W + l], s[R.W_LP + l]
+    f_x = s[R.KAPPA + l] * (w_lp - w)
+    f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], s[R.E + l])
+    h = 0.1 * math.sqrt(math.sqrt(s[R.TOLERANCE + l])) / (abs(f_x) + abs(f_psi) + w + w_lp)
+    s[R.H + l], s[R.MEMORY + l] = min(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
+
+
+@inner
+def stuck(s, l):
+    """Why a lane cannot go on."""
+    if s[R.FAILURES + l] > TOO_MANY_FAILURES:
+        return NOT_FINITE if s[R.BAD + l] > 0.0 else STEP_UNDERFLOW
+    return STEP_LIMIT

@@ -1,0 +1,86 @@
+"""What period a motion has: stress maxima and minima of its last cycles, compared.
+
+A cycle ends where V rises through V_lp, at a maximum of the stress.
+"""
+
+import math
+
+from . import rows as R
+from .jit import inner
+
+# Change of stress maxima or minima from one return to the next, over the amplitude, that is seen;
+# part of it that may be left after a whole period.
+VISIBLE, REPEATS = 1e-3, 0.1
+# How often stress maxima turn back, among those that are known, where a motion is irregular; and
+# what part of their earlier changes the later ones then are, for it may be on its way to a period.
+REVERSALS, LASTING = 3, 0.5
+
+
+@inner
+def close_cycle(s, l, here, x_high):
+    """Book the cycle that ends at this upward crossing; `here` is the time since s[T]."""
+    if s[R.CROSS_LOW + l] < math.inf:
+        at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + l
+        s[R.HIGHS + at], s[R.LOWS + at] = x_high, s[R.X_LOW + l]
+        s[R.SPANS + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
+        s[R.CYCLES + l] += 1.0
+    s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
+
+
+@inner
+def change(s, l, cycles, p):
+    """The largest change of a stress maximum or minimum, from the p returns before to the last."""
+    most = 0.0
+    for k in range(cycles - p, cycles):
+        now, before = (k % R.RING) * R.LANES + l, ((k - p) % R.RING) * R.LANES + l
+        most = max(most, abs(s[R.HIGHS + now] - s[R.HIGHS + before]))
+        most = max(most, abs(s[R.LOWS + now] - s[R.LOWS + before]))
+    return most
+
+
+@inner
+def last_period(s, l):
+    """Amplitude and duration of the last period, and how many returns it has.
+
+    More than one where the motion repeats after these, and hardly after fewer.  Where it is
+    irregular there is no period: 0 returns, the amplitude of the later half of those that are
+    known, and how long one of them takes.
+    """
+    cycles = int(s[R.CYCLES + l])
+    if cycles == 0:
+        return 0.0, math.inf, 0
+    known = min(cycles, R.RING)
+    last = ((cycles - 1) % R.RING) * R.LANES + l
+    visible = VISIBLE * (s[R.HIGHS + last] - s[R.LOWS + last])
+    returns, left = 1, change(s, l, cycles, 1) if cycles > 1 else 0.0
+    for p in range(2, known // 2 + 1):
+        if left > visible:
+            by_p = change(s, l, cycles, p)
+            if by_p < REPEATS * left:
+                returns, left = p, by_p
+    irregular = left > visible and is_irregular(s, l, cycles, visible)
+    over = known // 2 if irregular else returns
+    high, low, span = -math.inf, math.inf, 0.0
+    for k in range(cycles - over, cycles):
+        at = (k % R.RING) * R.LANES + l
+        high, low = max(high, s[R.HIGHS + at]), min(low, s[R.LOWS + at])
+        span += s[R.SPANS + at]
+    return high - low, span / over if irregular else span, 0 if irregular else returns
+
+
+@inner
+def is_irregular(s, l, cycles, visible):
+    """Whether stress maxima go up and down visibly, and lately not much less than before."""
+    count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
+    known = min(cycles, R.RING)
+    for k in range(cycles - known + 1, cycles):
+        now, last = (k % R.RING) * R.LANES + l, ((k - 1) % R.RING) * R.LANES + l
+        rise = s[R.HIGHS + now] - s[R.HIGHS + last]
+        if abs(rise) > visible:
+            count += rise * rise_before < 0.0
+            rise_before = rise
+        if k < cycles - known // 2:
+            earlier = max(earlier, abs(rise))
+        else:
+            later = max(later, abs(rise))
+    return count >= REVERSALS and later > LASTING * earlier

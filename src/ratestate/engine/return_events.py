@@ -1,0 +1,136 @@
+"""What happens inside an accepted step of a return map, read off its dense output.
+
+A step that holds a crossing of the section is rejected, and cut to end there: so the map is as
+accurate as the steps are.
+"""
+
+import math
+
+from ..friction.laws import AGING, SLIP
+from . import rows as R
+from .dense_output import components, crossing, polynomial
+from .events import observe, outrun
+from .exp import exp_alone
+from .jit import inner
+from .lanes import steadies
+from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING, state_rate
+from .return_lanes import step_of_lane
+
+# ln(V/V_lp) below which the slider counts as sticking.
+STICKING = -2.302585092994046
+# A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
+NEAREST = 1e-6
+# Gauss-Legendre nodes on 0..1 are 0.5 and 0.5 -+ ASIDE, of weights CENTRE and (1 - CENTRE)/2.
+ASIDE, CENTRE = 0.3872983346207417, 0.4444444444444444
+
+
+@inner
+def rates(s, l, law):
+    """dx/dT, dv/dT and dpsi/dT at the end of the lane's step."""
+    beta, eta = s[R.BETA + l], s[R.ETA0 + l]
+    x, v, psi, w = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.W_NEW + l]
+    f_x = s[R.KAPPA + l] * (1.0 - w)
+    f_psi = state_rate(law, w, v, psi, s[R.E_NEW + l])
+    f_v = f_x - beta * f_psi if eta < SLAVED else (x - v - beta * psi) / (eta * w)
+    return f_x, f_v, f_psi
+
+
+@inner
+def end_at_crossing(s, l, law):
+    """Move the end of a step that was cut at a crossing onto the section, and book it."""
+    f_x, f_v, f_psi = rates(s, l, law)
+    dt = -s[R.V_NEW + l] / f_v
+    s[R.X_NEW + l] += 0.5 * f_x * dt  # dx/dT vanishes at the section
+    s[R.PSI_NEW + l] += f_psi * dt
+    s[R.V_NEW + l], s[R.W_NEW + l] = 0.0, 1.0
+    s[R.E_NEW + l] = exp_alone(-s[R.PSI_NEW + l])
+    s[R.H_USED + l] += dt
+    s[R.H_NEXT + l] = s[R.H_PLANNED + l]
+    s[R.LAST_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
+    s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
+    if f_v > 0.0:
+        s[R.STATUS + l] = FINISHED
+    else:
+        s[R.X_LOW + l] = s[R.X_NEW + l]
+        s[R.X_A_LOW + l], s[R.X_B_LOW + l] = s[R.X_A_NEW + l], s[R.X_B_NEW + l]
+
+
+@inner
+def observe_step(s, l, law, cx, cv, cpsi):
+    """`observe`, with the derivatives of what it finds of V, and the waveform.
+
+    They are those of V at that time: where it is extreme, a shift along the orbit does not count.
+    Where V stops falling at once, as at a sudden arrest, they are good to some ten per cent.
+    """
+    high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
+    at = observe(s, l, law, cx, cv, cpsi)
+    if s[R.V_HIGH + l] > high:
+        s[R.V_A_HIGH + l], s[R.V_B_HIGH + l] = perturbed(s, l, law, at * s[R.H_USED + l])
+    elif s[R.V_LOW + l] < low:
+        s[R.V_A_LOW + l], s[R.V_B_LOW + l] = perturbed(s, l, law, at * s[R.H_USED + l])
+    record_waveform(s, l, cx, cv)
+
+
+@inner
+def perturbed(s, l, law, h):
+    """Perturbations of v a time h after the start of the lane's step."""
+    if law == SLIP:
+        _, a, b, _, _, _ = step_of_lane(s, l, SLIP, h)
+    else:
+        _, a, b, _, _, _ = step_of_lane(s, l, AGING, h)
+    return a[1], b[1]
+
+
+@inner
+def record_waveform(s, l, cx, cv):
+    """Add the step to the time spent sticking and to the Fourier integrals of the stress."""
+    h = s[R.H_USED + l]
+    sticks, stuck_before = s[R.V_NEW + l] < STICKING, s[R.V + l] < STICKING
+    part = 1.0 if sticks else 0.0
+    if sticks != stuck_before:
+        at = crossing(cv, 0.1, 0.0, STICKING)
+        part = 1.0 - at if sticks else at
+    s[R.SLOW + l] += part * h
+    pace = 2.0 * math.pi / s[R.GUESS + l]
+    phase = pace * (s[R.T + l] + (s[R.T_LOW + l] + 0.5 * h))
+    c, sin = math.cos(phase), math.sin(phase)
+    c_aside, s_aside = math.cos(pace * ASIDE * h), math.sin(pace * ASIDE * h)
+    middle = CENTRE * polynomial(cx, 0.5)
+    early, late = polynomial(cx, 0.5 - ASIDE), polynomial(cx, 0.5 + ASIDE)
+    weight = 0.5 - 0.5 * CENTRE
+    total, skew = weight * (late + early), weight * (late - early)
+    s[R.MEAN + l] += h * (middle + total)
+    s[R.SQUARE + l] += h * (middle * middle / CENTRE + weight * (early * early + late * late))
+    s[R.COSINE + l] += h * (c * (middle + total * c_aside) - sin * skew * s_aside)
+    s[R.SINE + l] += h * (sin * (middle + total * c_aside) + c * skew * s_aside)
+
+
+@inner
+def handle_events(s, l, law):
+    """Everything of interest in the lane's accepted step, before it is committed."""
+    cx, cv, cpsi = components(s, l)
+    last_step = s[R.LAST_STEP + l]
+    if last_step > 0.0 and s[R.H_USED + l] >= last_step:
+        if s[R.OBSERVE + l] > 0.0:
+            observe_step(s, l, law, cx, cv, cpsi)
+        end_at_crossing(s, l, law)
+        return
+    s[R.LAST_STEP + l] = 0.0
+    rises = s[R.W_NEW + l] >= 1.0
+    if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
+        at = max(crossing(cv, 1.0, 0.0, 0.0), NEAREST)
+        s[R.H_PLANNED + l] = s[R.H_NEXT + l]
+        s[R.H_NEXT + l] = s[R.LAST_STEP + l] = at * s[R.H_USED + l]
+        s[R.EVERY_STEP + l], s[R.OK + l] = 1.0, 0.0
+        return
+    s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
+    if s[R.OBSERVE + l] > 0.0:
+        observe_step(s, l, law, cx, cv, cpsi)
+    if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
+        # Where steady sliding is unstable what turns back once more runs away at last.
+        if s[R.KAPPA + l] < s[R.BETA + l] - 1.0:
+            s[R.STATUS + l] = RUNAWAY
+        else:
+            outrun(s, l, law)
+    elif steadies(s, l):
+        s[R.STATUS + l] = STEADY_SLIDING
