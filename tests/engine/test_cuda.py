@@ -273,7 +273,7 @@ def test_without_a_gpu(monkeypatch, error, words):
 def test_no_case_is_no_launch(cases, launches, monkeypatch):
     seen = []
     monkeypatch.setattr(cuda, "_launch", lambda kernel, size, order, *_: seen.append(len(order)))
-    cuda._work(None, 1, np.arange(cases), (), (), None, None)
+    cuda._work(None, 1, np.arange(cases), (), (), None)
     assert seen == launches
 
 

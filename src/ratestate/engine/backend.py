@@ -26,6 +26,13 @@ def current():
     return _current.get(Backend())
 
 
+def check_stopped():
+    """Raise `Stopped` where this thread's `Backend.stop` is set."""
+    stop = current().stop
+    if stop and stop.is_set():
+        raise Stopped
+
+
 @contextlib.contextmanager
 def use(**settings):
     """Let kernels that this thread starts inside run on `Backend(**settings)`."""

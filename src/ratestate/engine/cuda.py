@@ -13,7 +13,7 @@ from numba import config as numba_config
 
 from ..errors import ParameterError, SolverError
 from . import rows as R
-from .backend import Stopped
+from .backend import check_stopped
 from .lane_case import IDLE
 from .model import empty_results
 from .return_map import empty_return_results
@@ -62,11 +62,8 @@ def _numba_cuda() -> Any:
     return cuda
 
 
-def run_march(law, cases, loads, save_times, order, progress=None, stop=None):
-    """March all cases by Rodas5P; parameters and `Results` as for `dispatch.run_march`.
-
-    stop : threading.Event, optional; `backend.Stopped` is raised soon after it is set
-    """
+def run_march(law, cases, loads, save_times, order, progress=None):
+    """March all cases by Rodas5P; parameters and `Results` as for `dispatch.run_march`."""
     check()
     from . import cuda_kernels
 
@@ -75,28 +72,28 @@ def run_march(law, cases, loads, save_times, order, progress=None, stop=None):
         save_times = np.full((len(save_times), 1), np.inf)
     results = empty_results(n, save_times.shape[1])
     kernel = cuda_kernels.march_kernel(law)
-    _work(kernel, R.SIZE, order, (cases, loads, save_times), results, progress, stop)
+    _work(kernel, R.SIZE, order, (cases, loads, save_times), results, progress)
     return results._replace(saved=results.saved[:, :n_times])
 
 
-def run_returns(law, starts, stop=None):
-    """`ReturnResults` of all cases; parameters as for `dispatch.run_returns`, and stop."""
+def run_returns(law, starts):
+    """`ReturnResults` of all cases; parameters as for `dispatch.run_returns`."""
     check()
     from . import cuda_kernels
 
     n = len(starts.beta)
     results = empty_return_results(n)
     kernel = cuda_kernels.return_kernel(law)
-    _work(kernel, R.RETURN_SIZE, np.arange(n), (starts,), results, None, stop)
+    _work(kernel, R.RETURN_SIZE, np.arange(n), (starts,), results, None)
     return results
 
 
-def _work(kernel, size, order, given, results, progress, stop):
+def _work(kernel, size, order, given, results, progress):
     """Launch the kernel until all cases are done; its results are copied into `results`."""
     if len(order) == 0:
         return
     try:
-        _launch(kernel, size, order, given, results, progress, stop)
+        _launch(kernel, size, order, given, results, progress)
     except Exception as error:
         if not _of_cuda(error):
             raise
@@ -106,7 +103,7 @@ def _work(kernel, size, order, given, results, progress, stop):
         ) from error
 
 
-def _launch(kernel, size, order, given, results, progress, stop):
+def _launch(kernel, size, order, given, results, progress):
     """`_work`, whatever goes wrong."""
     n = len(order)
     cuda = _numba_cuda()
@@ -122,8 +119,7 @@ def _launch(kernel, size, order, given, results, progress, stop):
     rest = (*map(_to_device, given), there)
     budget = LEAST_BUDGET
     while position[1] < n:
-        if stop and stop.is_set():
-            raise Stopped
+        check_stopped()
         under_way = cuda.to_device(np.zeros(1))
         start = time.perf_counter()
         launch(buffers, queue, counts, under_way, *rest, budget)

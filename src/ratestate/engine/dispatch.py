@@ -35,11 +35,10 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
     alone : bool, whether this is the only case of the call (which may take the scalar path)
     progress : callable, optional, given the fraction done about ten times a second
     """
-    where = backend.current()
-    if where.device == "cuda":
+    if backend.current().device == "cuda":
         from . import cuda
 
-        return cuda.run_march(law, cases, loads, save_times, order, progress, where.stop)
+        return cuda.run_march(law, cases, loads, save_times, order, progress)
     results = empty_results(len(cases.beta), save_times.shape[1])
     fixed = (cases, loads, save_times, results, np.empty((0, 4)))
 
@@ -52,11 +51,10 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
 
 def run_returns(law, starts, alone):
     """`ReturnResults` of all cases, from `Starts` to the next upward crossing of the section."""
-    where = backend.current()
-    if where.device == "cuda":
+    if backend.current().device == "cuda":
         from . import cuda
 
-        return cuda.run_returns(law, starts, where.stop)
+        return cuda.run_returns(law, starts)
     n = len(starts.beta)
     results = empty_return_results(n)
 
@@ -97,9 +95,7 @@ def _share(order, worker, progress=None):
 
 def _report(workers, n, progress):
     """Give progress what is done of n cases; `backend.Stopped` where the backend stops them."""
-    stop = backend.current().stop
-    if stop and stop.is_set():
-        raise backend.Stopped
+    backend.check_stopped()
     if progress:
         progress(_fraction(workers, n))
 

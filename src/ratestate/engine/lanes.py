@@ -55,7 +55,7 @@ def extrema(s, l, law):
 def saves(s, l):
     """Whether the next saved time lies in the step.
 
-    In the words of `step_size`, so that a saved time that is a landing lies in the step to it.
+    Written as in `step_size`, so that a saved time at a breakpoint lies in the step to it.
     """
     return s[R.H_USED + l] >= (s[R.SAVE_AT + l] - s[R.T + l]) - s[R.T_LOW + l]
 
@@ -165,7 +165,7 @@ def commit_lane(s, l):
 
 @inlined
 def assess(s, law, n):
-    """Judge the steps of the first n lanes, and look whether they hold events."""
+    """Accept or reject the steps of the first n lanes, and see whether they hold events."""
     for l in range(n):
         control_step(s, l)
     for l in range(n):

@@ -126,7 +126,7 @@ def finish(s, l, cases, results):
 
 @inner
 def end_segment(s, l, law, cases, loads):
-    """At a landing: enter the next segment or finish.  Elsewhere: give up, saying why."""
+    """At a breakpoint: enter the next segment or finish.  Elsewhere: give up, saying why."""
     if s[R.STATUS + l] != RUNNING:
         return
     if s[R.OK + l] == 0.0 or s[R.STEPS + l] + s[R.REJECTED + l] >= s[R.MAX_STEPS + l]:

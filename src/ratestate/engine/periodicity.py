@@ -18,7 +18,7 @@ REVERSALS, LASTING = 3, 0.5
 
 @inner
 def close_cycle(s, l, here, x_high):
-    """Book the cycle that ends at this upward crossing; `here` is the time since s[T]."""
+    """Record the cycle that ends at this upward crossing; `here` is the time since s[T]."""
     if s[R.CROSS_LOW + l] < math.inf:
         at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + l
         s[R.HIGHS + at], s[R.LOWS + at] = x_high, s[R.X_LOW + l]

@@ -37,7 +37,7 @@ def rates(s, l, law):
 
 @inner
 def end_at_crossing(s, l, law):
-    """Move the end of a step that was cut at a crossing onto the section, and book it."""
+    """Move the end of a step that was cut at a crossing onto the section, and record it."""
     f_x, f_v, f_psi = rates(s, l, law)
     dt = -s[R.V_NEW + l] / f_v
     s[R.X_NEW + l] += 0.5 * f_x * dt  # dx/dT vanishes at the section

@@ -29,8 +29,9 @@ are derived in the comments beside them.
 
 import numpy as np
 
+from .elementwise import elementwise
 from .laws import AGING, evolution_law
-from .stability import K_c_qs, elementwise
+from .stability import K_c_qs
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
 POINTS = 512

@@ -8,40 +8,13 @@ Sources: Rice & Ruina (1983) doi:10.1115/1.3167042, Gu et al. (1984)
 doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Elsworth (2019).
 """
 
-import functools
-import inspect
-
 import numpy as np
 
 from .eigenvalues import steady_modes
+from .elementwise import elementwise
 
 # Of K/K_c_qs: a K this little above K_c_qs is not known to be.
 ROUNDING = 1e-15
-
-
-def elementwise(*dims):
-    """Let a function of NumPy arrays take floats, arrays or DataArrays; `dims` come at the end."""
-
-    def extended(function):
-        signature = inspect.signature(function)
-
-        @functools.wraps(function)
-        def of_any(*args, **kwargs):
-            given = signature.bind(*args, **kwargs).arguments
-
-            def of_arrays(*arrays):
-                full = np.broadcast_arrays(*arrays)
-                return function(**dict(zip(given, full, strict=True)))
-
-            if any(hasattr(value, "dims") for value in given.values()):
-                import xarray
-
-                return xarray.apply_ufunc(of_arrays, *given.values(), output_core_dims=[dims])
-            return of_arrays(*(np.asarray(value, float) for value in given.values()))[()]
-
-        return of_any
-
-    return extended
 
 
 def eta(V, *, a, Dc, sigma, M):

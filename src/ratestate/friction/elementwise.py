@@ -1,0 +1,31 @@
+"""Functions of NumPy arrays made to serve floats and named DataArrays too."""
+
+import functools
+import inspect
+
+import numpy as np
+
+
+def elementwise(*dims):
+    """Let a function of NumPy arrays take floats, arrays or DataArrays; `dims` come at the end."""
+
+    def extended(function):
+        signature = inspect.signature(function)
+
+        @functools.wraps(function)
+        def of_any(*args, **kwargs):
+            given = signature.bind(*args, **kwargs).arguments
+
+            def of_arrays(*arrays):
+                full = np.broadcast_arrays(*arrays)
+                return function(**dict(zip(given, full, strict=True)))
+
+            if any(hasattr(value, "dims") for value in given.values()):
+                import xarray
+
+                return xarray.apply_ufunc(of_arrays, *given.values(), output_core_dims=[dims])
+            return of_arrays(*(np.asarray(value, float) for value in given.values()))[()]
+
+        return of_any
+
+    return extended
