@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from ratestate.model.loading.shapes import SHAPES
+
 DOCS = Path(__file__).parent.parent
 MARK = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
 
@@ -49,7 +51,7 @@ def exit_codes():
 WORDS = {
     "law": "evolution law",
     "steps": "steps, holds and ramps",
-    "sinusoid": "oscillation about `V_lp`",
+    **dict.fromkeys(SHAPES, "oscillation about `V_lp`"),
     "file loading": "file with a record",
     "columns": "its columns of times and of speeds",
     "units": "their units, where the header has none",
@@ -64,7 +66,7 @@ WORDS = {
 #: of those, what is expected, where the code has no list of it
 FORMS = {
     "steps": '`[{ t = "1 s", V_lp = "1 mm/s" }]`; `hold` in place of `V_lp`, or `ramp` beside it',
-    "sinusoid": '`{ amplitude = "0.05 mm/s", period = "2 s" }`, or `frequency`',
+    **{kind: f"`{shape.example}`, or `frequency`" for kind, shape in SHAPES.items()},
     "file loading": "a name that ends in `.csv`, `.tsv` or `.txt`",
     "columns": '`["time [s]", "V_lp [um/s]"]`, or numbers from 1 on',
     "units": '`["s", "um/s"]`',

@@ -1,6 +1,5 @@
 """What results have in common: columns and flags of their cases, provenance, and parameters."""
 
-import dataclasses
 import functools
 import json
 from importlib.metadata import version
@@ -111,13 +110,13 @@ def record_loading(result, loading):
     """Put the loading into a result: segments' starts, speeds and accelerations, and its end.
 
     As JSON in the attribute ``loading``, or, if long, as variables along ``segment``.  Of a
-    sinusoid its parameters are stored instead.
+    periodic loading the numbers that make it are stored instead.
     """
     columns = {"t": loading.t, "V": loading.V, "rate": loading.rate}
     record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}
     units = {"t": "s", "V": "m/s", "rate": "m/s^2"}
-    if loading.sine is not None:
-        record["sinusoid"] = {k: plain(v) for k, v in dataclasses.asdict(loading.sine).items()}
+    if (shape := loading.shape) is not None:
+        record[shape.kind] = {name: plain(value) for name, value in shape.values.items()}
     elif np.size(loading.V) <= MANY:
         record |= {k: plain(v) if is_array(v) else v.tolist() for k, v in columns.items()}
     else:

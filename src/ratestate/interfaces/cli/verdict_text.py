@@ -34,8 +34,8 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
         case "stability":
             return _on_attractor(verdict(slider, settings["V_lp"]))
     loading = settings["loading"]
-    if loading.sine is not None:  # the motion under a varying speed is unknown
-        at_mean = verdict(slider, loading.sine.V_lp)
+    if loading.shape is not None:  # the motion under a varying speed is unknown
+        at_mean = verdict(slider, loading.shape.V_lp)
         about = SENTENCES("about.steady_sliding", V_lp=at_mean.V_lp)
         return VerdictText(about, None, "\n".join(at_mean.of_steady_sliding))
     V, rate = float(loading.V[-1]), float(loading.rate[-1])

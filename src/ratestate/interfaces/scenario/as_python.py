@@ -51,10 +51,12 @@ def _call(name: str, arguments: list[str], longest: int = 0) -> str:
 
 def _loading(loading: Loading) -> str:
     """The call that makes a loading."""
-    if (sine := loading.sine) is not None:
-        V_lp, amplitude = _value("V_lp", sine.V_lp), _value("V_lp", sine.amplitude)
-        period, t_end = quantity("t", sine.period), quantity("t", loading.t_last)
-        return f"rs.Loading.sinusoid({V_lp}, {amplitude}, period={period}, t_end={t_end})"
+    if (shape := loading.shape) is not None:
+        texts = [_value("V_lp", shape.V_lp), _value("V_lp", shape.amplitude)]
+        others = {key: x for key, x in shape.values.items() if key not in ("V_lp", "amplitude")}
+        texts += [f"{key}={_value(shape.arguments[key][0], x)}" for key, x in others.items()]
+        texts.append(f"t_end={quantity('t', loading.t_last)}")
+        return f"rs.Loading.{shape.kind}({', '.join(texts)})"
     if np.isfinite(loading.t_last):
         t, V = rows_of(loading)
         return _call("rs.Loading.series", [f"t={numbers(t)}", f"V_lp={_column(V)}"])

@@ -70,11 +70,13 @@ def toml(scenario: Scenario) -> str:
 
 def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
     """The keys of [loading], and its last speed."""
-    if (sine := loading.sine) is not None:
-        _refuse_arrays("the amplitude of a sinusoid", sine.amplitude)
-        wave = {"amplitude": ("V_lp", sine.amplitude), "period": ("t", sine.period)}
-        first, last = sine.V_lp, sine.V_lp
-        shape = {"sinusoid": _inline({key: quantity(*value) for key, value in wave.items()})}
+    if (shape := loading.shape) is not None:
+        wave = {key: x for key, x in shape.values.items() if key != "V_lp"}
+        for key, x in wave.items():
+            _refuse_arrays(f"the {key} of a {shape.kind}", x)
+        first = last = shape.V_lp
+        literals = {key: quantity(shape.arguments[key][0], x) for key, x in wave.items()}
+        more = {shape.kind: _inline(literals)}
     elif np.isfinite(loading.t_last):
         t, V = rows_of(loading)
         _refuse_arrays("the speeds of a record", V)
@@ -85,8 +87,8 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         if any(map(is_array, before)):
             raise ParameterError("a scenario file can sweep none but the last speed of a loading")
         steps = "".join(f"    {_step(event)},\n" for event in events)
-        shape = {"steps": f"[\n{steps}]"} if events else {}
-    return ({} if is_array(first) else {"V_lp": quantity("V_lp", first)}) | shape, last
+        more = {"steps": f"[\n{steps}]"} if events else {}
+    return ({} if is_array(first) else {"V_lp": quantity("V_lp", first)}) | more, last
 
 
 def _refuse_arrays(what: str, *values: Any) -> None:

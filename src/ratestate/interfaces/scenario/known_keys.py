@@ -8,6 +8,7 @@ from ...engine.model import METHODS
 from ...files import NUMBERS, PICTURES
 from ...friction.laws import LAWS
 from ...model.initial_state import SYMBOLS
+from ...model.loading.shapes import SHAPES
 from ...model.quantities import KINDS, QUANTITIES
 from ...model.slider import SpringSlider
 from .model import FUNCTIONS
@@ -23,7 +24,7 @@ NEEDED = [key for key, default in SLIDER.items() if default is dataclasses.MISSI
 #: table -> its keys
 TABLES = {
     "slider": tuple(SLIDER),
-    "loading": ("V_lp", "steps", "sinusoid", "file", "columns", "units", "t"),
+    "loading": ("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
     "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt"),
     "sweep": ("verb", "V_lp", "t_end", "V_start", "times", "rtol", *SLIDER),
     "output": ("file", "plot"),
@@ -38,10 +39,7 @@ STEP = InlineTable(
     {"t": ("t", "> 0"), "V_lp": ("V_lp", ">= 0"), "hold": ("t", "> 0"), "ramp": ("t", "> 0")},
     '[ { t = "1 s", V_lp = "3.2 mm/s" }, { t = "2 s", hold = "100 s" } ]',
 )
-SINUSOID = InlineTable(
-    {"amplitude": ("V_lp", ">= 0"), "period": ("period", "> 0"), "frequency": ("frequency", "> 0")},
-    '{ amplitude = "0.05 mm/s", period = "2 s" }',
-)
+PERIODIC = {kind: InlineTable(shape.arguments, shape.example) for kind, shape in SHAPES.items()}
 INITIAL = InlineTable({symbol: (symbol, None) for symbol in SYMBOLS}, "{ theta = '10 s' }")
 SPEEDS_LIKE = "['1 um/s', '1 um/s', '3 um/s', 0]"
 #: key, or key and table -> an example of its value, where that is no quantity
@@ -52,7 +50,7 @@ LIKE = {
     "initial": INITIAL.like,
     "times": "[0.5, '1 s']",
     "steps": STEP.like,
-    "sinusoid": SINUSOID.like,
+    **{kind: table.like for kind, table in PERIODIC.items()},
     "file loading": "'record.csv'",
     "columns": '["time [s]", "V_lp [um/s]"]',
     "units": '["s", "um/s"]',

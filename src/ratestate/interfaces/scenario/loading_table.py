@@ -1,4 +1,4 @@
-"""The table [loading]: a speed, with steps or a sinusoid about it, or a record."""
+"""The table [loading]: a speed, with steps or a wave about it, or a record."""
 
 import dataclasses
 import functools
@@ -7,13 +7,13 @@ from typing import Any
 
 from ...model.loading import Loading
 from ...model.loading.written import Event
-from .known_keys import LIKE, SINUSOID, SPEEDS_LIKE, STEP, example, known_items
+from .known_keys import LIKE, PERIODIC, SPEEDS_LIKE, STEP, example, known_items
 from .problems import Place, expected, message
 from .record import Record, read_record
 from .values import as_array, read_number, read_values
 
 #: keys of a loading beside its speed, of which it may have one
-SHAPES = ("steps", "sinusoid", "file", "t")
+ONE_OF = ("steps", *PERIODIC, "file", "t")
 MOST_STEPS = 1000
 
 
@@ -24,9 +24,14 @@ class LoadingTable:
     place: Place
     given: dict[str, Any]  # the keys that the file has
     events: list[tuple[Place, Event]]  # the start, and the steps, holds and ramps, in SI
-    sine: dict[str, Any] = dataclasses.field(default_factory=dict)  # of the sinusoid, in SI
+    wave: dict[str, Any] = dataclasses.field(default_factory=dict)  # of the shape, in SI
     record: Record = dataclasses.field(default_factory=Record)
     sound: bool = True  # whether the table has no problems
+
+    @property
+    def kind(self) -> str | None:
+        """The shape of a periodic loading."""
+        return next((kind for kind in PERIODIC if kind in self.given), None)
 
     @property
     def is_record(self) -> bool:
@@ -49,7 +54,7 @@ class LoadingTable:
     def build(self, V_last: Any, t_end: float | None) -> Loading | None:
         """The loading up to t_end [s]; None if it has problems, or where it would need an end.
 
-        V_last : speed in place of the last one (of a sinusoid, the mean), or None
+        V_last : speed in place of the last one (of a periodic loading, the mean), or None
         """
         if self.is_record:
             return self.record.loading if self.sound else None
@@ -59,14 +64,12 @@ class LoadingTable:
             events[self.final] = place, event._replace(V=V_last)
         (_, start), *later = events
         sound = self.sound and start.V is not None  # (a missing speed is noted elsewhere)
-        if "sinusoid" in self.given:
+        if kind := self.kind:
             if not sound or t_end is None:
                 return None
-            return self.place.at("sinusoid").noting(
-                lambda: Loading.sinusoid(start.V, **self.sine, t_end=t_end),
-                wanted="expected a sinusoid",
-                like=SINUSOID.like,
-            )
+            make = functools.partial(getattr(Loading, kind), start.V, **self.wave, t_end=t_end)
+            wanted, like = f"expected a {kind}", PERIODIC[kind].like
+            return self.place.at(kind).noting(make, wanted=wanted, like=like)
         before = len(self.place.problems)
         loading = Loading.constant(1.0 if start.V is None else start.V)
         for place, event in later:
@@ -81,7 +84,7 @@ def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> L
     place, before = Place("[loading]", problems), len(problems)
     given = dict(known_items("loading", table, place))
     loading = LoadingTable(place, given, [])
-    shapes = [key for key in SHAPES if key in given]
+    shapes = [key for key in ONE_OF if key in given]
     if len(shapes) > 1:
         like = example(shapes[0], "loading")
         place.add("loading.two_shapes", shapes=" and ".join(shapes), like=like)
@@ -101,8 +104,8 @@ def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> L
     loading.events = [(place, Event("step", 0.0, V_lp))]
     if "steps" in given:
         loading.events += _events(given["steps"], place.at("steps"))
-    if "sinusoid" in given:
-        loading.sine = _sinusoid(given["sinusoid"], place.at("sinusoid"))
+    if kind := loading.kind:
+        loading.wave = _wave(kind, given[kind], place.at(kind))
     loading.sound = len(problems) == before
     return loading
 
@@ -163,14 +166,15 @@ def _event(step: Any, place: Place) -> Event | None:
     return Event(kind, values["t"], values.get("V_lp"), values.get(kind))
 
 
-def _sinusoid(table: Any, place: Place) -> dict[str, Any]:
-    """The keys of a sinusoid, in SI."""
-    values = SINUSOID.read(table, place)
+def _wave(kind: str, table: Any, place: Place) -> dict[str, Any]:
+    """The keys of a periodic loading beside its mean speed, in SI."""
+    values = PERIODIC[kind].read(table, place)
     if values is None:
         return {}
-    if "amplitude" not in values:
-        place.missing("amplitude", expected("V_lp"))
+    for key, (symbol, _) in PERIODIC[kind].keys.items():
+        if key not in (*values, "period", "frequency"):
+            place.missing(key, expected(symbol))
     if ("period" in values) == ("frequency" in values):
         twice = "period" in values
-        place.at("period").add("sinusoid.two_periods" if twice else "sinusoid.no_period")
+        place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")
     return values

@@ -10,6 +10,7 @@ from ...dynamics import attributes
 from ...dynamics.results import parameter
 from ...errors import ParameterError
 from ...model.loading import Loading
+from ...model.loading.shapes import SHAPES
 from ...model.slider import SpringSlider
 from ...model.units import is_array
 from .known_keys import SLIDER
@@ -168,8 +169,8 @@ def _loading(result: Any) -> Loading:
     """The load-point history that a result records."""
     record = attributes.loading_record(result)
     t_last = np.inf if record["t_last"] is None else float(record["t_last"])
-    if "sinusoid" in record:
-        return Loading.sinusoid(**_values(result, "loading", record["sinusoid"]), t_end=t_last)
+    for kind in SHAPES.keys() & record.keys():
+        return getattr(Loading, kind)(**_values(result, "loading", record[kind]), t_end=t_last)
     columns: list[Any] = []
     for name in ("t", "V", "rate"):
         value: Any = record[name] if name in record else result[f"loading_{name}"].variable

@@ -9,7 +9,7 @@ from ..arrays import stack
 from ..units import is_array, to_si
 from . import events, record
 from .segments import Segments
-from .sine import Sine, checked_sine, lines
+from .shapes import Sine
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -37,6 +37,11 @@ class Loading(Segments):
 
     sine: Sine | None = None
     returns: bool | None = None
+
+    @property
+    def shape(self):
+        """What a periodic loading was made from, `Sine`; None for any other."""
+        return self.sine
 
     @classmethod
     def constant(cls, V):
@@ -128,9 +133,9 @@ class Loading(Segments):
         ParameterError
             A value of a wrong unit or range, arrays that clash, more than 10^6 lines.
         """
-        wave = checked_sine(V_lp, amplitude, period, frequency)
-        t, V, rate, t_last = lines(wave, t_end)
-        return cls(t, V, rate, t_last, wave)
+        sine = Sine.checked(V_lp, amplitude, period, frequency)
+        t, V, rate, t_last = sine.lines(t_end)
+        return cls(t, V, rate, t_last, sine)
 
     def step(self, t, V):
         """The same history up to time t [s], and from then on the speed V [m/s], >= 0.
