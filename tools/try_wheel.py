@@ -24,7 +24,7 @@ LOCK = ROOT / "requirements.lock"
 IMPORT_ALL = """
 import importlib, pkgutil, ratestate
 names = [module.name for module in pkgutil.walk_packages(ratestate.__path__, "ratestate.")]
-names.remove("ratestate.sweeps.slurm")  # of classes that the extra `cluster` brings
+names.remove("ratestate.sweeps.job_cluster")  # of classes that the extra `cluster` brings
 for name in names:
     importlib.import_module(name)
 print(len(names))

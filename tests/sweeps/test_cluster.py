@@ -22,8 +22,15 @@ from ratestate.dynamics.steady_sliding import StabilityCall
 from ratestate.engine.model import CRASHED
 from ratestate.errors import StoreError
 from ratestate.model.arrays import cut
-from ratestate.sweeps import calls, cluster, origin, progress, subprocesses
-from ratestate.sweeps import sweep as sweep_module
+from ratestate.sweeps import (
+    calls,
+    cluster,
+    cluster_work,
+    origin,
+    progress,
+    request,
+    subprocesses,
+)
 from ratestate.sweeps.chunks import chunks_of
 from ratestate.sweeps.solve import form_of, solve
 from ratestate.sweeps.status import store_status
@@ -290,11 +297,11 @@ def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
         def close(self):
             pass
 
-    monkeypatch.setattr(cluster, "_Work", Work)
+    monkeypatch.setattr(cluster_work, "Work", Work)
     _, call = calls.call_of("limit_cycle", SLIDER, ARGUMENTS["limit_cycle"])
     chunks = chunks_of(call.batch.sizes, 48)
     tasks, report = Tasks(chunks, {}, None, "cpu"), types.SimpleNamespace(refresh=lambda: None)
-    outcomes = cluster.outcomes(None, None, tasks, call, [0], report)
+    outcomes = cluster.Cluster(None, "cpu").outcomes(tasks, call, [0], report, None)
     if enough:
         assert list(outcomes) == [[Tasks] + 4 * [SubprocessTasks]]
     else:
@@ -397,9 +404,9 @@ def test_an_interrupt_ends_it_soon(client, cycles, alone, monkeypatch, tmp_path)
 
 def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, capfd):
     cycles(Slow)
-    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    monkeypatch.setattr(cluster_work, "PATIENCE", 0.5)
     begin, said = time.monotonic(), "ratestate: the cluster has no workers; waiting for some ...\n"
-    Slow.most, look = 0, cluster._Work.thread_count
+    Slow.most, look = 0, cluster_work.Work.thread_count
 
     def interrupt(work):
         if time.monotonic() - begin > 2.0:
@@ -407,10 +414,10 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
         return look(work)
 
     with local_cluster(0) as client:
-        monkeypatch.setattr(cluster._Work, "thread_count", interrupt)
+        monkeypatch.setattr(cluster_work.Work, "thread_count", interrupt)
         with pytest.raises(KeyboardInterrupt):
             sweep("limit_cycle", client=client, chunk=2)
-        monkeypatch.setattr(cluster._Work, "thread_count", look)
+        monkeypatch.setattr(cluster_work.Work, "thread_count", look)
         assert capfd.readouterr().err == said
         with meanwhile(lambda: client.cluster.scale(4), lambda: capfd.readouterr().err == said):
             found = sweep("limit_cycle", client=client, chunk=2)
@@ -423,7 +430,7 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
 
 def test_workers_of_another_version_are_refused(client, monkeypatch):
     other = json.loads(versions()) | {"numpy": "1.0"}
-    monkeypatch.setattr(cluster, "versions", lambda: json.dumps(other))
+    monkeypatch.setattr(cluster_work, "versions", lambda: json.dumps(other))
     with pytest.raises(StoreError, match=r"'numpy': '2\..*expected, .*'numpy': '1\.0'"):
         sweep("limit_cycle", client=client)
 
@@ -432,7 +439,7 @@ def test_workers_of_two_kinds_are_refused_unless_mixed(client, monkeypatch):
     """The one that was asked first is of another kind than those that work."""
     first = origin.origin("cpu")
     first["processor"] |= {"cpu": "i386"}
-    monkeypatch.setattr(sweep_module, "origin", {"cpu": first}.get)  # which workers can be sent
+    monkeypatch.setattr(request, "origin", {"cpu": first}.get)  # which workers can be sent
     with pytest.raises(StoreError, match=r"(?s)workers of one kind.*processor: i386"):
         sweep("stability", client=client, chunk=24)
     found = sweep("stability", client=client, chunk=24, mixed=True)

@@ -15,8 +15,9 @@ from distributed import Client, Worker
 
 import ratestate as rs
 from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
-from ratestate.sweeps import calls, cluster, connect, slurm_jobs
-from ratestate.sweeps.slurm_jobs import Jobs, State, squeue
+from ratestate.sweeps import calls, cluster, cluster_work, connect
+from ratestate.sweeps.jobs import Jobs, State
+from ratestate.sweeps.slurm import SLURM, squeue
 
 SLIDER = rs.SpringSlider(
     a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=rs.logspace("M", 1e2, 1e5, 90)
@@ -141,7 +142,7 @@ def site(**settings):
 
 def script(options):
     """The lines of the job script for these options."""
-    with connect.slurm_cluster(options, start=False) as found:
+    with connect.job_cluster(options, start=False) as found:
         return found.job_script().strip().splitlines()
 
 
@@ -197,7 +198,7 @@ def test_the_job_script_has_what_the_site_needs():
 )
 def test_bad_slurm_options(options, message):
     with pytest.raises(rs.ParameterError, match=message):
-        connect.slurm_cluster(options)
+        connect.job_cluster(options)
 
 
 def test_what_is_not_given_is_the_site_s():
@@ -234,11 +235,11 @@ def test_what_is_not_given_is_the_site_s():
 
 def test_two_sweeps_at_a_time():
     """The dashboard's usual port is left alone, unless the site names one."""
-    with connect.slurm_cluster("cores=1,memory=1GB", start=False) as found:
+    with connect.job_cluster("cores=1,memory=1GB", start=False) as found:
         assert found.scheduler_spec["options"]["dashboard_address"] == ":0"
     with (
         site(**{"scheduler-options": {"dashboard_address": "127.0.0.1:0"}}),
-        connect.slurm_cluster("cores=1,memory=1GB", start=False) as found,
+        connect.job_cluster("cores=1,memory=1GB", start=False) as found,
     ):
         assert found.scheduler_spec["options"]["dashboard_address"] == "127.0.0.1:0"
 
@@ -253,14 +254,14 @@ def test_two_sweeps_at_a_time():
     ],
 )
 def test_how_jobs_are_kept(options, kept):
-    with connect.slurm_cluster(options, start=False) as found:
+    with connect.job_cluster(options, start=False) as found:
         jobs = found.jobs
         assert (jobs.number, jobs.replacements, jobs.wait) == kept
         assert jobs.thread_count == jobs.number * int(options.partition("cores=")[2][0])
         client = types.SimpleNamespace(cluster=found, nthreads=lambda: {"tcp://a:1": 1})
-        assert cluster.thread_count(client) == jobs.thread_count
+        assert cluster.Cluster(client, "cpu").thread_count == jobs.thread_count
     client = types.SimpleNamespace(cluster=None, nthreads=lambda: {"tcp://a:1": 1, "tcp://b:1": 4})
-    assert cluster.thread_count(client) == 5
+    assert cluster.Cluster(client, "cpu").thread_count == 5
 
 
 def test_a_client_or_slurm():
@@ -275,7 +276,7 @@ def test_a_client_or_slurm():
 
 
 def test_jobs_are_submitted(slurm):
-    with connect.slurm_cluster("jobs=2,cores=1,memory=1GB"):
+    with connect.job_cluster("jobs=2,cores=1,memory=1GB"):
         until(lambda: slurm.submitted == 2)
     assert (slurm.folder / "asked").read_text().startswith("--test-only")
     states = [path.read_text() for path in slurm.folder.glob("job*/state")]
@@ -286,14 +287,14 @@ def test_a_job_that_slurm_refuses(slurm):
     refusal = "cd ${0%/*}; echo $* >> asked; echo sbatch: error: no partition nosuch >&2; exit 1"
     (slurm.folder / "sbatch").write_text(f"#!/bin/sh\n{refusal}")
     with pytest.raises(rs.ParameterError, match="error: no partition nosuch; SLURM refuses this"):
-        connect.slurm_cluster("jobs=2,cores=1,memory=1GB,queue=nosuch")
+        connect.job_cluster("jobs=2,cores=1,memory=1GB,queue=nosuch")
     assert len((slurm.folder / "asked").read_text().splitlines()) == 1
 
 
 def test_a_machine_without_slurm(monkeypatch):
     monkeypatch.setenv("PATH", "")
     with pytest.raises(rs.ParameterError, match="no sbatch; run the sweep where jobs"):
-        connect.slurm_cluster("cores=1,memory=1GB")
+        connect.job_cluster("cores=1,memory=1GB")
 
 
 # -------------------------------------------------------------------------- what SLURM says of jobs
@@ -319,7 +320,7 @@ def test_what_squeue_says(slurm, monkeypatch, tmp_path):
     (slurm.folder / "squeue").write_text("#!/bin/sh\necho Invalid job id specified >&2; exit 1")
     assert squeue(["1"]) == {}
     (slurm.folder / "squeue").write_text("#!/bin/sh\nexec sleep 5")
-    monkeypatch.setattr(slurm_jobs, "HANGS", 0.1)
+    monkeypatch.setattr("ratestate.sweeps.slurm.HANGS", 0.1)
     assert squeue(["1"]) is None
     monkeypatch.setenv("PATH", str(tmp_path))
     assert squeue(["1"]) is None
@@ -327,7 +328,7 @@ def test_what_squeue_says(slurm, monkeypatch, tmp_path):
 
 def test_whether_a_job_has_ended(monkeypatch):
     now = time.monotonic()
-    jobs = Jobs(None, 1, 1, 1.0)
+    jobs = Jobs(SLURM, None, 1, 1, 1.0)
     jobs.job_of = {"tcp://a:1": "17"}
     assert jobs.has_ended("tcp://b:1", now) is False  # of no job that is known
     assert jobs.has_ended("tcp://a:1", now) is None
@@ -350,11 +351,11 @@ def test_whether_a_job_has_ended(monkeypatch):
 @pytest.fixture
 def kept(slurm, monkeypatch):
     """A cluster of these jobs, which all have been submitted; SLURM is asked without a pause."""
-    monkeypatch.setattr(slurm_jobs, "POLL", 0.0)
+    monkeypatch.setattr("ratestate.sweeps.jobs.POLL", 0.0)
 
     @contextlib.contextmanager
     def cluster_of(options):
-        with connect.slurm_cluster(f"memory=1GB,{options}") as found:
+        with connect.job_cluster(f"memory=1GB,{options}") as found:
             until(lambda: len(found.workers) == found.jobs.number)
             try:
                 yield found
@@ -474,9 +475,9 @@ def test_a_queue_that_starts_nothing(slurm, kept, monkeypatch):
     (slurm.folder / "reason").write_text("PartitionDown")
     with kept("cores=1,jobs=2,wait=00:01:00") as cluster:
         begin = cluster.jobs.last_worker
-        monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 59.0)
+        monkeypatch.setattr(time, "monotonic", lambda: begin + 59.0)
         cluster.jobs.maintain()
-        monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 61.0)
+        monkeypatch.setattr(time, "monotonic", lambda: begin + 61.0)
         message = (
             r"^no worker for 60 s: job \d \(PENDING, PartitionDown\), job \d \(PENDING, PartitionDo"
             r"wn\); ask for less in a job, .* run the same sweep again to go on$"
@@ -484,12 +485,12 @@ def test_a_queue_that_starts_nothing(slurm, kept, monkeypatch):
         with pytest.raises(rs.SolverError, match=message):
             cluster.jobs.maintain()
         worker = serve(cluster, next(iter(cluster.workers)))
-        monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 150.0)
+        monkeypatch.setattr(time, "monotonic", lambda: begin + 150.0)
         cluster.jobs.maintain()  # there is one
         leave(cluster, worker)
-        monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 209.0)
+        monkeypatch.setattr(time, "monotonic", lambda: begin + 209.0)
         cluster.jobs.maintain()
-        monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda: begin + 211.0)
+        monkeypatch.setattr(time, "monotonic", lambda: begin + 211.0)
         with pytest.raises(rs.SolverError, match="no worker for 60 s"):
             cluster.jobs.maintain()
 
@@ -509,16 +510,16 @@ def test_slurm_forgets_what_has_ended_and_may_be_away(slurm, kept):
 
 def test_slurm_is_not_asked_all_the_time(slurm, kept, monkeypatch):
     with kept("cores=1") as cluster:
-        monkeypatch.setattr(slurm_jobs, "POLL", 15.0)
+        monkeypatch.setattr("ratestate.sweeps.jobs.POLL", 15.0)
         jobs, now = cluster.jobs, time.monotonic()
         jobs.last_query = now
         for later, queues in {14.0: 0, 16.0: 1, 30.0: 1, 32.0: 2}.items():
-            monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda later=later: now + later)
+            monkeypatch.setattr(time, "monotonic", lambda later=later: now + later)
             jobs.maintain()
             assert slurm.queues == queues
         jobs.urgent = True
         for later, queues in {32.5: 2, 33.5: 3, 40.0: 3}.items():
-            monkeypatch.setattr(slurm_jobs.time, "monotonic", lambda later=later: now + later)
+            monkeypatch.setattr(time, "monotonic", lambda later=later: now + later)
             jobs.maintain()
             assert slurm.queues == queues
 
@@ -559,7 +560,7 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
     monkeypatch.chdir(tmp_path)
     slurm.answer("run")
     both = tmp_path / "both"
-    events, seen, maintain, lost_tasks = [], set(), Jobs.maintain, cluster._Work.lost_tasks
+    events, seen, maintain, lost_tasks = [], set(), Jobs.maintain, cluster_work.Work.lost_tasks
 
     def meanwhile(jobs):
         """Kill a worker when two are at work; cancel the other's job when they are so again."""
@@ -581,9 +582,9 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
         seen.update((len(events), job_has_ended) for _, job_has_ended in known)
         return known
 
-    monkeypatch.setattr(slurm_jobs, "POLL", 1.0)
+    monkeypatch.setattr("ratestate.sweeps.jobs.POLL", 1.0)
     monkeypatch.setattr(Jobs, "maintain", meanwhile)
-    monkeypatch.setattr(cluster._Work, "lost_tasks", watched)
+    monkeypatch.setattr(cluster_work.Work, "lost_tasks", watched)
     arguments = {"V_lp": 1e-2, "progress": False}
     slurm_options = "jobs=2,cores=1,memory=1GB,interface=lo"
     with site(**{"job-script-prologue": [f"export HELD_UNTIL={both}"]}):

@@ -14,8 +14,7 @@ from test_store import CHUNKS, assert_same, files, interrupted, solved, sweep
 from ratestate.errors import SolverError, StoreError
 from ratestate.files import read
 from ratestate.interfaces.cli.store_report import print_status
-from ratestate.sweeps import origin, resume, task
-from ratestate.sweeps import sweep as sweep_module
+from ratestate.sweeps import origin, request, resume, task
 from ratestate.sweeps.manifest import RECORDS
 from ratestate.sweeps.status import store_status
 from ratestate.sweeps.store import NO_RESULT, open_result
@@ -345,7 +344,7 @@ def test_another_version_with_the_same_kernels_goes_on(begun, expected, other_or
 
 def test_what_another_version_finds(begun, expected, monkeypatch):
     """Another version that knows one variable more, or less, or has it of another type."""
-    plain = sweep_module.form_of
+    plain = request.form_of
 
     def other(change):
         def form(call):
@@ -376,12 +375,12 @@ def test_what_another_version_finds(begun, expected, monkeypatch):
         narrower: r"omega: float64 over \(M, V_lp\) in the store, float32 over \(M, V_lp\) now$",
     }
     for change, mixed in [(less, False), (less, True), (more, False), (narrower, True)]:
-        monkeypatch.setattr(sweep_module, "form_of", other(change))
+        monkeypatch.setattr(request, "form_of", other(change))
         with pytest.raises(StoreError, match=lines[change]):
             sweep(begun, mixed=mixed)
         assert files(begun) == before
     with monkeypatch.context() as patch:
-        patch.setattr(sweep_module, "form_of", other(more))
+        patch.setattr(request, "form_of", other(more))
         patch.setattr(task, "solve", with_returns)
         with pytest.warns(RuntimeWarning, match=lines[more]):
             assert_same(sweep(begun, mixed=True), expected)

@@ -124,8 +124,9 @@ KINDS = {"period": VariableSpec(("case",), np.dtype(float), {}, {})}
 def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
     monkeypatch.setattr(chunk_size, "seconds_per_case", lambda *_: seconds)
     call, form = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={})), SimpleNamespace(specs=KINDS)
-    request = SimpleNamespace(call=call, form=form, device="cpu", run=here_and_now)
-    assert chunk_size.cases_per_chunk(request, workers, True) == cases
+    backend = SimpleNamespace(shared=True, thread_count=workers, run=here_and_now)
+    request = SimpleNamespace(call=call, form=form, device="cpu", backend=backend)
+    assert chunk_size.cases_per_chunk(request) == cases
 
 
 def test_a_probe_stops_in_time():
@@ -409,7 +410,7 @@ def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
         refresh = staticmethod(lambda: None)
 
     call = call_of("limit_cycle", SLIDER, {"V_lp": 1e-3})[1]
-    found = list(task.on_threads(Tasks(), call, numbers, Report()))
+    found = list(task.Threads("cpu").outcomes(Tasks(), call, numbers, Report()))
     assert sorted(outcome.chunk for outcome in found) == numbers
     assert sorted(seen) == [(i, 1, threads) for i in numbers]
 

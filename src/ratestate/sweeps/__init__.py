@@ -3,9 +3,12 @@
 =========================================== ======================================================
 ``sweep``                                   the function `sweep`
 ``calls``, ``chunks``, ``chunk_size``       what can be swept, how it is divided, what a case costs
-``solve``, ``task``                         all cases of a part; chunks, solved and stored
-``cluster``, ``subprocesses``               chunks on a cluster; those that may kill it
-``connect``, ``slurm``, ``slurm_jobs``      Dask clusters, those made of SLURM jobs, and the jobs
+``solve``, ``task``                         all cases of a part; chunks, also on threads
+``request``                                 what is swept, and where
+``cluster``, ``cluster_work``               chunks on a cluster, and its tasks under way
+``subprocesses``                            chunks that may kill a worker
+``connect``, ``job_cluster``, ``jobs``      Dask clusters, those made of jobs, and the jobs
+``slurm``                                   the batch system of such jobs
 ``create``, ``store``, ``inputs``, ``lock`` a store: made, read and written, for one sweep at a time
 ``manifest``, ``origin``, ``legacy``        what its files must hold, what made them, and stores of
                                             older versions, which do not record this

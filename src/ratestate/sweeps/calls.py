@@ -71,15 +71,11 @@ def check_cases(call, chunks):
             initial_state(part.batch, table[rows, 0])
 
 
-def check_device(name, call, device, local):
-    """Raise ParameterError unless this device can run the call and, if `local`, exists here."""
+def check_device(name, call, device):
+    """Raise ParameterError unless this device can run the call."""
     if device not in DEVICES:
         raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
     if device == "cuda" and name == "stability":
         raise ParameterError("device = 'cuda': stability is in closed form; leave device out")
     if device == "cuda" and name == "simulate" and call.method != "rodas5p":
         raise ParameterError(f"device = 'cuda' knows rodas5p only, not method = {call.method!r}")
-    if device == "cuda" and local:
-        from ..engine import cuda
-
-        cuda.check()

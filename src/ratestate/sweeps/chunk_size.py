@@ -59,27 +59,26 @@ def sample_indices(sizes, most):
     return indices
 
 
-def cases_per_chunk(request, workers, shared):
+def cases_per_chunk(request):
     """How many cases a chunk should have, where `sweep` was not given a number.
 
-    In a long sweep each worker gets several chunks.
-
-    workers : number of workers, each with one core
-    shared : whether all workers can share one chunk, which keeps their lanes full in a small sweep
+    In a long sweep each thread gets several chunks.  Where all can share one, this keeps their
+    lanes full in a small sweep.
     """
+    backend, workers = request.backend, request.backend.thread_count
     batch, specs = request.call.batch, request.form.specs
     n, fits = batch.n, max(1, MOST_BYTES // bytes_per_case(specs))
     if request.device == "cuda":
         return min(n, CASES_ON_GPU, fits)
     sample = cut(request.call, sample_indices(batch.sizes, min(SAMPLE, fits)))
     try:
-        case_seconds = max(request.run(seconds_per_case, sample, specs), 1e-9)
+        case_seconds = max(backend.run(seconds_per_case, sample, specs), 1e-9)
     except RateStateError:
         raise
     except Exception:  # a case of the sample killed its worker, so the cost is unknown
         case_seconds = LONGEST
     full = float(np.clip(LONGEST / case_seconds, LANES, CASES_TO_FILL_LANES))
-    if shared and n < 2 * workers * full:
+    if backend.shared and n < 2 * workers * full:
         return min(n, fits, math.ceil(LONGEST * workers / case_seconds))
     seconds = float(np.clip(n * case_seconds / (CHUNKS_PER_WORKER * workers), *SECONDS))
     number = workers * math.ceil(n * case_seconds / (seconds * workers))

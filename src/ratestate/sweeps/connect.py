@@ -1,4 +1,4 @@
-"""Dask clusters: an existing scheduler, or a new cluster of SLURM jobs."""
+"""Dask clusters: an existing scheduler, or a new cluster of jobs in a batch system."""
 
 import contextlib
 import re
@@ -8,10 +8,13 @@ import tempfile
 
 from ..errors import ParameterError
 from . import sentence
+from .cluster import Cluster
+from .slurm import SLURM
+from .task import Threads
 
-#: options of `slurm_cluster` for `Jobs`, and those passed to dask-jobqueue under the same name
+#: options of `job_cluster` for `Jobs`, and those passed to dask-jobqueue under the same name
 JOBS = ["jobs", "replacements", "wait"]
-SLURM = "cores memory walltime queue account processes interface".split()
+OF_A_JOB = "cores memory walltime queue account processes interface".split()
 #: least values of those that are integers; forms of those that are times
 LEAST = {"jobs": 1, "replacements": 0, "cores": 1, "processes": 1}
 TIMES = {"walltime": r"(\d+-)?\d+(:\d+){0,2}", "wait": r"(\d+-)?\d+:\d+:\d+"}
@@ -23,15 +26,32 @@ EXAMPLE = "for example jobs=10,cores=16,memory=32GB,walltime=02:00:00,queue=shor
 
 
 @contextlib.contextmanager
-def slurm_client(text):
-    """A client of a new `slurm_cluster`; both are closed at the end."""
+def backend_of(device, client, jobs):
+    """Where a sweep runs: on a client's cluster, in new jobs, or else on threads of this process.
+
+    jobs : pairs of a `BatchSystem` and the options of its jobs, or None
+    """
+    given = [(system, text) for system, text in jobs if text is not None]
+    if not given:
+        yield Threads(device) if client is None else Cluster(client, device)
+        return
+    ((system, text),) = given
+    with job_client(text, system) as own:
+        yield Cluster(own, device)
+
+
+@contextlib.contextmanager
+def job_client(text, system=SLURM):
+    """A client of a new `job_cluster`; both are closed at the end."""
     distributed = _import_extra("distributed")
-    with slurm_cluster(text) as cluster, distributed.Client(cluster) as client:
+    with job_cluster(text, system=system) as cluster, distributed.Client(cluster) as client:
         yield client
 
 
-def slurm_cluster(text, start=True):
-    """A Dask cluster of SLURM jobs, from options such as "jobs=10,cores=16,memory=32GB".
+def job_cluster(text, start=True, system=SLURM):
+    """A Dask cluster of jobs in a `BatchSystem`.
+
+    text : options such as "jobs=10,cores=16,memory=32GB"
 
     Options that are not given, and whatever else jobs need, are read from dask-jobqueue's own
     configuration.  Without `start` no job is submitted, and ``job_script()`` of the cluster shows
@@ -40,18 +60,19 @@ def slurm_cluster(text, start=True):
     _import_extra("dask_jobqueue")  # this also loads its configuration
     import dask
 
-    from .slurm import SweepCluster
+    from .job_cluster import sweep_cluster
 
-    options = _options(text, dask.config.get("jobqueue.slurm"))
+    site = f"jobqueue.{system.name}"
+    options = _options(system, text, dask.config.get(site))
     # Another sweep may have the usual port.
-    scheduler = {"dashboard_address": ":0"} | dask.config.get("jobqueue.slurm.scheduler-options")
+    scheduler = {"dashboard_address": ":0"} | dask.config.get(f"{site}.scheduler-options")
     try:
-        cluster = SweepCluster(**options, scheduler_options=scheduler)
+        cluster = sweep_cluster(system, **options, scheduler_options=scheduler)
     except (ValueError, OSError, RuntimeError) as error:
-        raise _refusal("no_cluster", text=text, error=error) from error
+        raise _refusal("no_cluster", system, text=text, error=error) from error
     if start:
         try:
-            _check_with_slurm(cluster.job_script())
+            _check_script(system, cluster.job_script())
         except ParameterError:
             cluster.close()
             raise
@@ -59,65 +80,66 @@ def slurm_cluster(text, start=True):
     return cluster
 
 
-def _options(text, site):
+def _options(system, text, site):
     """The options in a string, name -> checked value; `site`: dask-jobqueue's configuration."""
     from dask.utils import parse_bytes
 
     site = {key: site[key] for key in ("cores", "memory", "processes") if site.get(key) is not None}
-    options = {"jobs": 1, "wait": WAIT} | site | _split(text)
+    options = {"jobs": 1, "wait": WAIT} | site | _split(system, text)
     for key in LEAST.keys() & options.keys():
         if not (str(options[key]).isdecimal() and int(options[key]) >= LEAST[key]):
-            raise _refusal("integer", key=key, value=options[key], least=LEAST[key])
+            raise _refusal("integer", system, key=key, value=options[key], least=LEAST[key])
         options[key] = int(options[key])
     if missing := [key for key in ("cores", "memory") if key not in options]:
-        raise _refusal("missing", keys=" and ".join(missing))
+        raise _refusal("missing", system, keys=" and ".join(missing))
     # One process for each core: a case that kills its process then kills no others.
     default = {"replacements": REPLACEMENTS * options["jobs"], "processes": options["cores"]}
     options = default | options
     if options["cores"] % options["processes"]:
-        raise _refusal("processes", **options)
+        raise _refusal("processes", system, **options)
     try:
         share = parse_bytes(options["memory"]) / options["processes"]
     except (ValueError, TypeError):
-        raise _refusal("memory", **options) from None
+        raise _refusal("memory", system, **options) from None
     if share < MIN_BYTES:
-        raise _refusal("share", share=share / 1e6, least=MIN_BYTES / 1e6, **options)
+        raise _refusal("share", system, share=share / 1e6, least=MIN_BYTES / 1e6, **options)
     for key, form in TIMES.items():
         if not re.fullmatch(form, options.get(key, "0:0:0")):
-            raise _refusal("time", key=key, value=options[key])
+            raise _refusal("time", system, key=key, value=options[key])
     days, hours, minutes, seconds = map(int, re.findall(r"\d+", f"0-{options['wait']}")[-4:])
     return options | {"wait": 86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds}
 
 
-def _split(text):
+def _split(system, text):
     """The options in a string, name -> string."""
     if not isinstance(text, str):
-        raise _refusal("text", text=text)
+        raise _refusal("text", system, text=text)
     options = {}
     for item in re.split(r",(?=\s*\w+\s*=)", text):  # values may hold commas
         key, equals, value = (part.strip() for part in item.partition("="))
-        if not equals or not value or key not in {*JOBS, *SLURM}:
-            raise _refusal("key", item=item, keys=", ".join([*JOBS, *SLURM]))
+        if not equals or not value or key not in {*JOBS, *OF_A_JOB}:
+            raise _refusal("key", system, item=item, keys=", ".join([*JOBS, *OF_A_JOB]))
         options[key] = value
     return options
 
 
-def _check_with_slurm(script):
-    """Raise ParameterError unless SLURM would take this job."""
-    if not shutil.which("sbatch"):
-        raise _refusal("no_sbatch")
+def _check_script(system, script):
+    """Raise ParameterError unless the batch system would take this job."""
+    if not shutil.which(system.submit):
+        raise _refusal("no_command", system, command=system.submit)
     with tempfile.NamedTemporaryFile("w", suffix=".sh") as file:
         file.write(script)
         file.flush()
-        command = ["sbatch", "--test-only", file.name]
+        command = [system.submit, system.test, file.name]
         answer = subprocess.run(command, capture_output=True, text=True, check=False)
     if answer.returncode:
-        raise _refusal("refused", error=answer.stderr.strip(), script=script)
+        raise _refusal("refused", system, error=answer.stderr.strip(), script=script)
 
 
-def _refusal(why, **values):
-    """The error about options of SLURM jobs, with this sentence."""
-    return ParameterError(sentence(f"slurm.{why}", example=EXAMPLE, **values))
+def _refusal(why, system, **values):
+    """The error about options of jobs, with this sentence."""
+    names = {"system": system.name, "label": system.label}
+    return ParameterError(sentence(f"batch.{why}", example=EXAMPLE, **names, **values))
 
 
 def client_of(address):

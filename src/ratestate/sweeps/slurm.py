@@ -1,40 +1,38 @@
-"""dask-jobqueue's SLURM cluster with `Jobs` that are replaced.
+"""SLURM, as a `BatchSystem`."""
 
-It stands alone, since dask-jobqueue can be imported by the main thread only: not by workers.
-"""
+import subprocess
 
-from dask_jobqueue.slurm import SLURMCluster, SLURMJob
-from distributed.core import Status
-from distributed.deploy.spec import SpecCluster
+from .jobs import BatchSystem, State
 
-from .slurm_jobs import Jobs
-
-
-class Job(SLURMJob):
-    """A job that knows why SLURM refused it; Dask would only log that."""
-
-    refused = ""
-
-    async def start(self):
-        """Submit it."""
-        try:
-            await super().start()
-        except (RuntimeError, ValueError, OSError) as error:
-            # dask-jobqueue quotes the whole call; the message of sbatch comes last
-            self.refused = "; ".join(str(error).rpartition("stderr:")[-1].strip().splitlines())
-            self.status = Status.running  # as Dask expects
+#: states of a job that has ended, as squeue(1) calls them; in all others it may still work
+ENDED = """BOOT_FAIL CANCELLED COMPLETED DEADLINE FAILED NODE_FAIL OUT_OF_MEMORY PREEMPTED
+    REVOKED TIMEOUT""".split()
+# Seconds until squeue is assumed to hang.
+HANGS = 20.0
 
 
-class SweepCluster(SLURMCluster):
-    """SLURM jobs with Dask workers; kept at their number by `Jobs`."""
+def squeue(ids):
+    """Job id -> `State`, for the jobs that SLURM knows; None if it does not answer."""
+    command = ["squeue", "--noheader", "--states=all", "--format=%i|%T|%r"]
+    command.append("--jobs=" + ",".join(ids))
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=HANGS)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    if answer.returncode:  # also if it knows none of these jobs
+        return {} if "Invalid job id" in answer.stderr else None
+    rows = (line.strip().split("|") for line in answer.stdout.splitlines() if line.strip())
+    return {job: State(*rest) for job, *rest in rows}
 
-    job_cls = Job
 
-    def __init__(self, jobs, replacements, wait, **settings):
-        # Dask's log of workers that die is silenced: `Jobs` has better messages.
-        super().__init__(**settings, silence_logs="critical")
-        self.jobs = Jobs(self, jobs, replacements, wait)
-
-    def _update_worker_status(self, op, msg):
-        # `SpecCluster` would cancel a job whose only worker died and did not return within 15 s.
-        super(SpecCluster, self)._update_worker_status(op, msg)
+SLURM = BatchSystem(
+    name="slurm",
+    label="SLURM",
+    dask_class="SLURMCluster",
+    submit="sbatch",
+    test="--test-only",
+    query="squeue",
+    log="slurm-ID.out",
+    ended=ENDED,
+    states=squeue,
+)

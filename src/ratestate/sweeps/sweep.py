@@ -1,32 +1,25 @@
 """The function `sweep`: another function for any number of cases, resumed after interruptions."""
 
-import contextlib
-import dataclasses
-import functools
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ..engine import backend
+from ..engine import backend as engine
 from ..errors import ParameterError
-from ..machine import check_fits, cores
-from . import cluster, sentence
-from .calls import call_of, check_cases, check_device
-from .chunk_size import cases_per_chunk
-from .chunks import chunks_of
-from .connect import slurm_client
+from ..machine import check_fits
+from . import sentence
+from .calls import call_of, check_device
+from .connect import backend_of
 from .create import create, remove_abandoned
 from .legacy import SWEEP_GROUP
 from .lock import exclusive_lock
-from .origin import origin
-from .progress import ProgressReport
+from .request import SweepRequest
 from .resume import resume_store
-from .solve import bytes_per_case, form_of
+from .slurm import SLURM
+from .solve import bytes_per_case
 from .status import crashed_chunks_in, failed_cases_in
 from .store import as_store_error, device_attrs, mark_undone, matching_record, open_result
-from .task import Tasks, on_threads
 
 
 def sweep(
@@ -112,7 +105,7 @@ def sweep(
     (12, 114)
     """
     name, call = call_of(verb, slider, arguments)
-    check_device(name, call, device, client is None and slurm is None)
+    check_device(name, call, device)
     if client is not None and slurm is not None:
         raise ParameterError("client and slurm both say who does the work; give one of them")
     if client is not None and not hasattr(client, "nthreads"):
@@ -125,73 +118,12 @@ def sweep(
             raise ParameterError(f"{option} = {value!r} must be True or False")
     if retry_crashed and store is None:
         raise ParameterError(sentence("call.retry"))
-    with contextlib.ExitStack() as until_done:
-        if slurm is not None:
-            client = until_done.enter_context(slurm_client(slurm))
-        until_done.enter_context(backend.use(device=device))
-        request = SweepRequest(name, call, chunk, device, mixed, client, progress)
+    jobs = [(SLURM, slurm)]
+    with backend_of(device, client, jobs) as backend, engine.use(device=device):
+        request = SweepRequest(name, call, chunk, device, mixed, backend, progress)
         if store is None:
             return _in_memory(request)
-        return _in_store(request, _folder(store, client), retry_crashed)
-
-
-@dataclasses.dataclass(frozen=True)
-class SweepRequest:
-    """What a sweep is to compute, and by whom."""
-
-    name: str  # of the function
-    call: Any  # its checked call
-    chunk: int | None  # cases of a chunk; None: chosen by `chunk_size`
-    device: str
-    mixed: bool
-    client: Any
-    progress: bool
-
-    @functools.cached_property
-    def form(self):
-        """`Form` of the result."""
-        return form_of(self.call)
-
-    @functools.cached_property
-    def origin(self):
-        """Versions and kind of processor that do the work: with a cluster, a worker's."""
-        return self.run(origin, self.device)
-
-    def run(self, function, *arguments):
-        """Call a function where the work is to be done, and return its result."""
-        if self.client is None:
-            return function(*arguments)
-        return cluster.result(self.client, self.device, function, *arguments)
-
-    def divide(self):
-        """Check the arguments of every case, measure the cost of a case, and return `Chunks`."""
-        shared = self.client is None
-        workers = cores() if shared else cluster.thread_count(self.client)
-        cases = self.chunk or cases_per_chunk(self, workers, shared)
-        chunks = chunks_of(self.call.batch.sizes, cases)
-        check_cases(self.call, chunks)
-        return chunks
-
-    def outcomes(self, chunks, done, store=None, failed=0):
-        """Solve all chunks that are not done; yield each `Outcome` when it is ready.
-
-        store : open `Store`, or None
-        failed : number of failed cases among those done
-        """
-        tasks = Tasks(chunks, self.form.specs, store, self.device)
-        numbers = np.flatnonzero(~done).tolist()
-        label = f"sweep of {self.name}"
-        with ProgressReport(label, chunks, done, failed, quiet=not self.progress) as report:
-            work = tasks, self.call, numbers, report
-            if self.client is None:
-                outcomes = on_threads(*work)
-            else:
-                processor = None if self.mixed else self.origin["processor"]
-                outcomes = cluster.outcomes(self.client, processor, *work)
-            with contextlib.closing(outcomes):
-                for outcome in outcomes:
-                    report.finished(outcome)
-                    yield outcome
+        return _in_store(request, _folder(store, backend), retry_crashed)
 
 
 def _in_memory(request):
@@ -232,9 +164,9 @@ def _in_store(request, path, retry_crashed):
     return open_result(path)
 
 
-def _folder(store, client):
+def _folder(store, backend):
     """The path of a store; ParameterError if it cannot be one."""
     if not isinstance(store, str | os.PathLike) or "://" in os.fspath(store):
         raise ParameterError(sentence("call.path", store=store))
     path = Path(store).expanduser()
-    return path if client is None else path.absolute()  # workers may run in another folder
+    return path if backend.shared else path.absolute()  # workers may run in another folder

@@ -47,28 +47,55 @@ class Tasks(NamedTuple):
             return self.outcome(i, solve(part, self.specs, progress))
 
 
-def on_threads(tasks, call, numbers, report):
-    """Solve these chunks on threads of this process; yield each `Outcome` when it is ready."""
-    workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
-    threads = -(-cores() // workers)
-    stop, queue = threading.Event(), iter(numbers)
+class Threads:
+    """Threads of this process: where a sweep runs by default.
 
-    def work(i):
-        part = cut(call, tasks.chunks.slices(i))
-        return tasks.do(i, part, lambda fraction: report.part(i, fraction), threads, stop)
+    A backend of a sweep has ``shared``, whether all threads can work on one chunk, ``thread_count``
+    and the methods ``run`` and ``outcomes``; the other one is `cluster.Cluster`.
+    """
 
-    pool = ThreadPoolExecutor(workers)
-    try:
-        pending = {pool.submit(work, i) for i in itertools.islice(queue, workers)}
-        while pending:
-            finished, pending = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
-            pending |= {pool.submit(work, i) for i in itertools.islice(queue, len(finished))}
-            report.refresh()
-            for future in finished:
-                yield future.result()
-    finally:
-        stop.set()
-        pool.shutdown(cancel_futures=True)
+    shared = True
+
+    def __init__(self, device):
+        if device == "cuda":
+            from ..engine import cuda
+
+            cuda.check()
+
+    @property
+    def thread_count(self):
+        """Number of threads, each with a core."""
+        return cores()
+
+    def run(self, function, *arguments):
+        """Call a function where the work is to be done, and return its result."""
+        return function(*arguments)
+
+    def outcomes(self, tasks, call, numbers, report, processor=None):
+        """Solve these chunks; yield each `Outcome` when it is ready.
+
+        processor : kind that all who solve them must have, or None for any
+        """
+        workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
+        threads = -(-cores() // workers)
+        stop, queue = threading.Event(), iter(numbers)
+
+        def work(i):
+            part = cut(call, tasks.chunks.slices(i))
+            return tasks.do(i, part, lambda fraction: report.part(i, fraction), threads, stop)
+
+        pool = ThreadPoolExecutor(workers)
+        try:
+            pending = {pool.submit(work, i) for i in itertools.islice(queue, workers)}
+            while pending:
+                finished, pending = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
+                pending |= {pool.submit(work, i) for i in itertools.islice(queue, len(finished))}
+                report.refresh()
+                for future in finished:
+                    yield future.result()
+        finally:
+            stop.set()
+            pool.shutdown(cancel_futures=True)
 
 
 def call_on_worker(expected, device, function, *arguments):

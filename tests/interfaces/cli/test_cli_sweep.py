@@ -109,8 +109,8 @@ def sweeps(monkeypatch, tmp_path):
         "sweep": {"sweep": sweep},
         "status": {"store_status": store_status, "failures": failures},
         "connect": {
-            "slurm_cluster": Cluster,
-            "slurm_client": Client,
+            "job_cluster": Cluster,
+            "job_client": Client,
             "client_of": contextlib.nullcontext,
         },
     }

@@ -1,30 +1,27 @@
-"""The SLURM jobs of a sweep: lost ones are replaced, until that is of no use.
+"""The jobs of a sweep in a batch system: lost ones are replaced, until that is of no use.
 
 dask-jobqueue has ``adapt()`` for this.  But (0.9, with distributed 2026.8) it replaces no job of
 several processes, nor one that ends before its worker starts; it goes on submitting jobs that fail
-at once; and it cancels some that still wait.  So the state of jobs is taken from SLURM itself.
+at once; and it cancels some that still wait.  So the state of jobs is taken from the batch system.
 """
 
-import subprocess
 import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 from ..errors import SolverError
 from . import sentence
 from .progress import to_stderr
 
-#: states of a job that has ended, as squeue(1) calls them; in all others it may still work
-ENDED = """BOOT_FAIL CANCELLED COMPLETED DEADLINE FAILED NODE_FAIL OUT_OF_MEMORY PREEMPTED
-    REVOKED TIMEOUT""".split()
-# Seconds between two queries of SLURM; the same where a chunk waits for the answer; how long it
-# waits at most; until squeue is assumed to hang.
-POLL, SOON, LONGEST, HANGS = 15.0, 1.0, 60.0, 20.0
+# Seconds between two queries of the batch system; the same where a chunk waits for the answer; how
+# long it waits at most.
+POLL, SOON, LONGEST = 15.0, 1.0, 60.0
 # After so many jobs in a row that end before a worker starts no more are submitted.
 FRUITLESS = 3
 
 
 class State(NamedTuple):
-    """State of a job according to SLURM."""
+    """State of a job according to its batch system."""
 
     name: str
     reason: str
@@ -33,29 +30,30 @@ class State(NamedTuple):
         return self.name if self.reason in ("", "None") else f"{self.name}, {self.reason}"
 
 
-def squeue(ids):
-    """Job id -> `State`, for the jobs that SLURM knows; None if it does not answer."""
-    command = ["squeue", "--noheader", "--states=all", "--format=%i|%T|%r"]
-    command.append("--jobs=" + ",".join(ids))
-    try:
-        answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=HANGS)
-    except (OSError, subprocess.TimeoutExpired):
-        return None
-    if answer.returncode:  # also if it knows none of these jobs
-        return {} if "Invalid job id" in answer.stderr else None
-    rows = (line.strip().split("|") for line in answer.stdout.splitlines() if line.strip())
-    return {job: State(*rest) for job, *rest in rows}
+class BatchSystem(NamedTuple):
+    """What is particular to a batch system."""
+
+    name: str  # of the option, and of dask-jobqueue's configuration
+    label: str  # in messages
+    dask_class: str  # of dask-jobqueue
+    submit: str  # the command
+    test: str  # its option that only tests whether a job would be taken
+    query: str  # the command that lists jobs
+    log: str  # the file in which a job logs
+    ended: list  # states of a job that has ended
+    states: Callable  # ids -> {id: `State`}, or None if it does not answer
 
 
 class Jobs:
     """Keeps a `SweepCluster` at its number of jobs.
 
+    system : `BatchSystem`
     replacements : how many jobs may be submitted in all to replace lost ones
     wait : seconds without any worker after which to give up
     """
 
-    def __init__(self, cluster, number, replacements, wait):
-        self.cluster, self.number, self.wait = cluster, number, wait
+    def __init__(self, system, cluster, number, replacements, wait):
+        self.system, self.cluster, self.number, self.wait = system, cluster, number, wait
         self.replacements = self.replacements_left = replacements
         self.job_of: dict[str, str] = {}  # address of a worker -> id of its job
         self.states: dict[str, State] = {}  # id of a job -> its last known state
@@ -73,7 +71,7 @@ class Jobs:
         job = self.job_of.get(address)
         if job is None or time.monotonic() - died > LONGEST:
             return False
-        if self.states.get(job, State("", "")).name in ENDED:
+        if self.states.get(job, State("", "")).name in self.system.ended:
             return True
         if self.last_answer > died:
             return False
@@ -96,6 +94,7 @@ class Jobs:
         if not self.cluster.worker_spec:
             values = {"last_loss": self.last_loss, "replacements": self.replacements}
             values |= {"jobs": self.fruitless_jobs, "address": self.cluster.scheduler_address}
+            values |= {"system": self.system.label, "log": self.system.log}
             name = "used_up" if self.fruitless_jobs < FRUITLESS else "fruitless"
             raise SolverError(sentence(f"jobs.{name}", **values))
         if now - self.last_worker > self.wait:
@@ -119,16 +118,17 @@ class Jobs:
         jobs = list(self.cluster.workers.items())
         lost = {name: ("", job.refused) for name, job in jobs if job.refused}
         ids = {name: job.job_id for name, job in jobs if job.job_id}
-        states = squeue(ids.values()) if ids else {}
+        states = self.system.states(ids.values()) if ids else {}
         if states is None:
             return lost
         self.last_answer = now
-        # SLURM forgets a job some minutes after its end.
+        # A batch system forgets a job some minutes after its end.
+        ended = self.system.ended
         gone = {job: State("COMPLETED", "forgotten") for job in self.states.keys() - states.keys()}
         self.states = gone | states
         known = {name: (job, self.states[job]) for name, job in ids.items() if job in self.states}
         return lost | {
-            name: (job, str(state)) for name, (job, state) in known.items() if state.name in ENDED
+            name: (job, str(state)) for name, (job, state) in known.items() if state.name in ended
         }
 
     def _replace(self, lost):
@@ -145,10 +145,12 @@ class Jobs:
         losses = [f"job {job} ({why})" if job else f"one refused ({why})" for job, why in lost]
         self.last_loss = losses[-1] if losses else self.last_loss
         what = {"losses": ", ".join(losses), "more": more, "left": self.replacements_left}
+        what["system"] = self.system.label
         to_stderr("ratestate: " + sentence("jobs.lost" if lost else "jobs.hope", **what))
 
     def _waiting(self):
         """The submitted jobs and their states, for a message."""
         ids = [job.job_id for job in list(self.cluster.workers.values())]
-        jobs = [f"job {job} ({self.states.get(job, 'unknown to squeue')})" for job in ids if job]
+        unknown = f"unknown to {self.system.query}"
+        jobs = [f"job {job} ({self.states.get(job, unknown)})" for job in ids if job]
         return ", ".join(jobs) or "no job is submitted yet"
