@@ -11,7 +11,7 @@ import ratestate as rs
 from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
 from ratestate.engine.model import CRASHED
 from ratestate.interfaces.cli import main
-from ratestate.sweeps import calls, store, subprocesses, task
+from ratestate.sweeps import calls, subprocesses, task, writing
 from ratestate.sweeps.chunks import Chunks
 from ratestate.sweeps.solve import form_of, solve
 from ratestate.sweeps.status import store_status
@@ -115,7 +115,7 @@ def test_a_retry_without_room_keeps_what_is_there(path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(store, "to_disk", full)
+        patch.setattr(writing, "to_disk", full)
         with pytest.raises(rs.StoreError, match="make room"):
             sweep(path, retry_crashed=True)
     assert_whole(sweep(path, retry_crashed=True))

@@ -27,7 +27,7 @@ from ratestate.files import read
 from ratestate.sweeps import create as create_module
 from ratestate.sweeps import store as store_module
 from ratestate.sweeps.status import failures, store_status
-from ratestate.sweeps.store import NO_RESULT
+from ratestate.sweeps.writing import NO_RESULT
 
 POINT = {"a": 0.003, "b": 0.006, "Dc": "10 um", "sigma": "2 MPa", "K": "900 MPa/m"}
 # 24 cases in 12 chunks: (M, V_lp) in blocks of (1, 2).

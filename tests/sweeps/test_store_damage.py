@@ -17,7 +17,8 @@ from ratestate.interfaces.cli.store_report import print_status
 from ratestate.sweeps import origin, request, resume, task
 from ratestate.sweeps.manifest import RECORDS
 from ratestate.sweeps.status import store_status
-from ratestate.sweeps.store import NO_RESULT, open_result
+from ratestate.sweeps.store import open_result
+from ratestate.sweeps.writing import NO_RESULT
 
 
 @pytest.fixture(autouse=True)

@@ -10,8 +10,9 @@
 ``connect``, ``job_cluster``, ``jobs``      Dask clusters, those made of jobs, and the jobs
 ``slurm``                                   the batch system of such jobs
 ``create``, ``store``, ``inputs``, ``lock`` a store: made, read and written, for one sweep at a time
-``manifest``, ``origin``, ``legacy``        what its files must hold, what made them, and stores of
-                                            older versions, which do not record this
+``writing``                                 chunks written into it
+``record``, ``manifest``, ``origin``        what it says of itself: flaws, files, what made them
+``legacy``                                  stores of older versions, which do not record this
 ``resume``, ``status``                      going on with a store; what a store or a result holds
 ``progress``                                the progress bar
 ``messages.toml``                           sentences on what goes wrong, filled in by `sentence`

@@ -19,14 +19,8 @@ from .legacy import METADATA, SWEEP_GROUP
 from .lock import lock_folder, remove_if_abandoned
 from .manifest import MANIFEST, RECORDS, manifest_entry, sha256
 from .origin import origin
-from .store import (
-    FILL_VALUES,
-    NO_RESULT,
-    device_attrs,
-    python_text,
-    to_disk,
-    zarr_3_warnings_ignored,
-)
+from .store import device_attrs, python_text, zarr_3_warnings_ignored
+from .writing import FILL_VALUES, NO_RESULT, to_disk
 
 # The checksum in each file reveals damage; a higher level would hardly make files smaller.
 CODEC = ZstdCodec(level=0, checksum=True)

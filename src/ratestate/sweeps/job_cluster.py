@@ -4,13 +4,15 @@ It is imported late, since dask-jobqueue can be imported by the main thread only
 """
 
 import dask_jobqueue
+from dask_jobqueue.core import Job as DaskJob
+from dask_jobqueue.core import JobQueueCluster
 from distributed.core import Status
 from distributed.deploy.spec import SpecCluster
 
 from .jobs import Jobs
 
 
-class Job(dask_jobqueue.core.Job):
+class Job(DaskJob):
     """A job that knows why it was refused; Dask would only log that."""
 
     refused = ""
@@ -25,7 +27,7 @@ class Job(dask_jobqueue.core.Job):
             self.status = Status.running  # as Dask expects
 
 
-class SweepCluster(dask_jobqueue.JobQueueCluster):
+class SweepCluster(JobQueueCluster):
     """Jobs with Dask workers; kept at their number by `Jobs`."""
 
     def __init__(self, system, jobs, replacements, wait, **settings):

@@ -1,4 +1,4 @@
-"""What a store must hold, by its group ``sweep``, and which files of it are missing or damaged.
+"""What the files of a store must hold: its manifest.
 
 ``sweep/manifest`` is an array of strings, one for each chunk, and a last one for the files that
 were made with the store.  Each is JSON: the number of the chunk, the SHA-256 of each of its files
@@ -6,22 +6,17 @@ by its path within the store, and the versions and the processor that made them.
 reaches the disk before its flag does.  Stores of older versions have no manifest (see `legacy`).
 """
 
-import functools
 import hashlib
 import json
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
-import zarr
 from zarr.storage import LocalStore
 
 from ..errors import StoreError
 from . import legacy, sentence
-from .chunks import Chunks
-from .legacy import DAMAGE, SWEEP_GROUP
+from .legacy import SWEEP_GROUP
 
 MANIFEST = f"{SWEEP_GROUP}/manifest"
-RECORD = f"{SWEEP_GROUP}/zarr.json"
 #: attribute of the group ``sweep``: SHA-256 of the metadata of the arrays of flags and manifest
 RECORDS = "sha256"
 
@@ -47,111 +42,6 @@ class File(NamedTuple):
             return self._replace(flaw="missing")
         right = self.digest in (None, sha256(content))
         return self._replace(flaw="" if right else "damaged")
-
-
-class Record:
-    """What the store at a path says of itself; each part is read once, when it is first used.
-
-    Damaged metadata of the group, or of its arrays, raise StoreError, or an error of zarr's.
-    """
-
-    def __init__(self, path):
-        self.path = path
-        self.group: Any = zarr.open_group(path / SWEEP_GROUP, mode="r", use_consolidated=False)
-        self.attrs: dict = self.group.attrs.asdict()
-        self.flawed: list[File] = []  # flags and entries that turned out to be damaged
-
-    @functools.cached_property
-    def chunks(self):
-        """`Chunks` of the sweep."""
-        return Chunks(self.attrs["sizes"], tuple(self.attrs["chunk"]))
-
-    @functools.cached_property
-    def done(self):
-        """Which chunks are done; (chunks,) bool."""
-        flags = self._values("done")
-        damaged = [i for i, flag in enumerate(flags) if flag is None]
-        self.flawed += [File(f"{SWEEP_GROUP}/done/c/{i}", i, None, "damaged") for i in damaged]
-        return np.array(flags, bool)
-
-    @functools.cached_property
-    def entries(self):
-        """Entries of the manifest: chunk, or None for what was made with the store -> dict."""
-        number = self.chunks.number
-        texts = self._values("manifest") if "manifest" in self.group else [""] * (number + 1)
-        entries = {}
-        for i in [*np.flatnonzero(self.done).tolist(), None]:
-            index = number if i is None else i
-            entry = json.loads(texts[index] or "{}")
-            if entry.get("chunk", -1) == i:  # and not that of another chunk
-                entries[i] = entry
-            elif RECORDS in self.attrs:  # older stores lack it, all or in part
-                how = "missing" if texts[index] == "" else "damaged"
-                self.flawed.append(File(f"{MANIFEST}/c/{index}", i, None, how))
-        return entries
-
-    @functools.cached_property
-    def files(self):
-        """Key -> `File`, for all files that the store must have."""
-        files = [
-            File(key, i, digest)
-            for i, entry in self.entries.items()
-            for key, digest in entry["sha256"].items()
-        ]
-        if RECORDS not in self.attrs:
-            unrecorded = {*np.flatnonzero(self.done).tolist()} - self.entries.keys()
-            files += [File(*pair) for pair in legacy.files(self.path, self.chunks, unrecorded)]
-        if damaged := self._flawed_of([file for file in files if file.key == RECORD]):
-            raise StoreError(sentence("damage.inputs", path=self.path, why=damaged[0]))
-        return {file.key: file for file in files}
-
-    @functools.cached_property
-    def flawed_metadata(self):
-        """Files of metadata that have a flaw, and without which flags and manifest are lost."""
-        digests = self.attrs.get(RECORDS, {})
-        return self._flawed_of([File(key, digest=digest) for key, digest in digests.items()])
-
-    @functools.cached_property
-    def flaws(self):
-        """All files in which flaws can be seen; reads every file."""
-        if self.flawed_metadata:
-            return self.flawed_metadata
-        in_files = self._flawed_of(self.files.values())
-        return self.flawed + in_files
-
-    def intact(self, flaws):
-        """Which chunks are done and have no file among these; (chunks,) bool."""
-        done = self.done.copy()
-        done[[file.chunk for file in flaws if file.chunk is not None]] = False
-        return done
-
-    def _values(self, name):
-        """Values of an array with a file for each value; None for those that are damaged."""
-        if self.flawed_metadata:
-            raise StoreError(damage_message(self.path, self.flawed_metadata))
-        array = self.group[name]
-        try:
-            return array[:].tolist()
-        except DAMAGE:
-            return [_value(array, i) for i in range(array.size)]
-
-    def _flawed_of(self, files):
-        """Those of these files that have a flaw."""
-        flawed = []
-        for file in files:
-            found = file.holding(content_of(self.path / file.key))
-            if not found.flaw and file.digest is None and not legacy.is_whole(self.path, file.key):
-                found = file._replace(flaw="damaged")
-            if found.flaw:
-                flawed.append(found)
-        return flawed
-
-
-def _value(array, i):
-    try:
-        return array[i].item()
-    except DAMAGE:
-        return None
 
 
 def content_of(path):
@@ -205,6 +95,6 @@ class Checked(LocalStore):
     def _checked(self, key, content):
         """Return the content of a file if it is as recorded; else raise StoreError."""
         file = self.files.get(key)
-        if file and (flawed := file.holding(None if content is None else content.to_bytes())).flaw:
-            raise StoreError(damage_message(self.root, [flawed]))
+        if file and (file := file.holding(None if content is None else content.to_bytes())).flaw:
+            raise StoreError(damage_message(self.root, [file]))
         return content

@@ -11,9 +11,11 @@ from ..errors import StoreError
 from . import sentence
 from .create import add_record, make, temporary_sibling
 from .legacy import METADATA, SWEEP_GROUP
-from .manifest import MANIFEST, RECORDS, Record, as_lines, content_of
+from .manifest import MANIFEST, RECORDS, as_lines, content_of
 from .origin import origin_differences
-from .store import Store, as_store_error, matching_record, to_disk, zarr_3_warnings_ignored
+from .record import Record
+from .store import as_store_error, matching_record, zarr_3_warnings_ignored
+from .writing import Store, as_write_error, to_disk
 
 
 def resume_store(path, request):
@@ -23,15 +25,17 @@ def resume_store(path, request):
     that cannot be mended; a RuntimeWarning names what was mended.
     """
     record = matching_record(path, request)
+    # before the store is read, since errors in these are not of its making
+    now, (computed, coordinates) = request.origin, _layouts(request)
     with as_store_error(path):
         flaws = dict.fromkeys(record.flaws)
         while lost := [file for file in record.flaws if file.chunk is None]:
             _restore(record, lost, request)
             record = Record(path)
             flaws |= dict.fromkeys(record.flaws)
-        names = _variables(record, request)
+        names = _variables(record, computed, coordinates, request.mixed)
         done = record.intact(flaws)
-        _check_origins(record, done, request)
+        _check_origins(record, done, now, request.mixed)
         if "manifest" not in record.group:  # an older version's
             with zarr_3_warnings_ignored():
                 sweep_group = zarr.open_group(path / SWEEP_GROUP, mode="r+")
@@ -50,7 +54,8 @@ def _restore(record, flaws, request):
     if RECORDS not in record.attrs or record.attrs["versions"] != json.loads(versions()):
         raise StoreError(sentence("damage.other_version", path=path, lines=as_lines(flaws)))
     with temporary_sibling(path) as temporary:
-        make(temporary, request, record.chunks)
+        with as_write_error(path):
+            make(temporary, request, record.chunks)
         if other := [file for file in flaws if file.holding(content_of(temporary / file.key)).flaw]:
             raise StoreError(sentence("damage.hopeless", path=path, lines=as_lines(other)))
         for key in (file.key for file in flaws):
@@ -59,13 +64,13 @@ def _restore(record, flaws, request):
             to_disk([path / key], path)
 
 
-def _check_origins(record, done, request):
+def _check_origins(record, done, now, mixed):
     """Refuse, in a sweep that is not mixed, to resume what another origin has begun."""
     made = [record.entries.get(i, record.attrs) for i in done.nonzero()[0].tolist()]
     lines = dict.fromkeys(
-        line for one in [record.attrs, *made] for line in origin_differences(one, request.origin)
+        line for one in [record.attrs, *made] for line in origin_differences(one, now)
     )
-    if lines and not request.mixed:
+    if lines and not mixed:
         text = as_lines([*lines])
         raise StoreError(sentence("origin.refused", path=record.path, lines=text))
     if lines:
@@ -74,20 +79,26 @@ def _check_origins(record, done, request):
         _warn("origin.not_recorded", record.path)
 
 
-def _variables(record, request):
+def _layouts(request):
+    """Layouts of the variables that this version computes, by name; names of coordinates."""
+    form = request.form
+    coordinates = request.call.dataset(form.static).coords.keys() - form.specs.keys()
+    layouts = {name: _layout(spec.dims, spec.dtype) for name, spec in form.specs.items()}
+    return layouts, coordinates
+
+
+def _variables(record, computed, coordinates, mixed):
     """Names of the variables that the store has and this version computes.
 
     They must be the same; in a mixed sweep, this version may compute more.
     """
-    path, form = record.path, request.form
+    path = record.path
     group: Any = zarr.open_group(path, mode="r", use_consolidated=False)
-    coordinates = request.call.dataset(form.static).coords.keys() - form.specs.keys()
     stored = {
         name: _layout(array.metadata.dimension_names or (), array.dtype)
         for name, array in group.arrays()
         if name not in coordinates
     }
-    computed = {name: _layout(spec.dims, spec.dtype) for name, spec in form.specs.items()}
     if stored == computed:
         return frozenset(computed)
     pairs = {name: (stored.get(name), computed.get(name)) for name in sorted({*stored, *computed})}
@@ -96,8 +107,8 @@ def _variables(record, request):
         for name, (old, new) in pairs.items()
         if old != new
     ]
-    if not request.mixed or not stored.items() <= computed.items():
-        remedy = "" if request.mixed else ", or mixed=True (--mixed), if all that it has are here"
+    if not mixed or not stored.items() <= computed.items():
+        remedy = "" if mixed else ", or mixed=True (--mixed), if all that it has are here"
         text = as_lines(lines)
         raise StoreError(sentence("origin.variables", path=path, remedy=remedy, lines=text))
     _warn("origin.fewer_variables", path, lines)

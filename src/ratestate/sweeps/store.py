@@ -1,54 +1,26 @@
-"""A store of a sweep on disk: a Zarr group, filled by chunks, that any interruption leaves intact.
+"""A store of a sweep on disk, a Zarr group: what it says of itself, and its result.
 
 The group holds the result as xarray reads it.  Its subgroup ``sweep`` has the rest: ``inputs``, the
 shape of chunks, versions, ``done``, one flag a chunk, and ``manifest``, the checksum and origin of
-each file.  A chunk has one file for each variable, written by one task.  These files, and the
-chunk's entry in the manifest, reach the disk before its flag does.  zarr writes a temporary file
-and renames it, so that a file is complete or absent.
+each file.
 """
 
 import contextlib
-import os
 import warnings
-from pathlib import Path
-from typing import Any, NamedTuple
 
-import numpy as np
 import xarray
-import zarr
 
 from ..errors import RateStateError, StoreError
 from . import sentence
-from .chunks import Chunks, chunks_of
+from .chunks import chunks_of
 from .inputs import checksum, input_differences, inputs_of
 from .legacy import DAMAGE, SWEEP_GROUP
-from .manifest import (
-    MANIFEST,
-    Checked,
-    Record,
-    as_lines,
-    damage_message,
-    manifest_entry,
-)
-from .origin import origin
+from .manifest import Checked, as_lines, damage_message
+from .record import Record
+from .writing import FILL_VALUES
 
-# A file of numbers that is absent is read as this, netCDF's fill value, which no result has.
-# Readers shall see it, so it is not declared as a missing value.
-NO_RESULT = 9.969209968386869e36
-# By kind of number; that of integers is the status of a case that has not been done.
-FILL_VALUES = {"f": NO_RESULT, "c": complex(NO_RESULT, NO_RESULT), "i": -1}
 # Up to so many cases all messages are read at once.
 MOST_MESSAGES = 10**7
-
-
-class Store(NamedTuple):
-    """An open store."""
-
-    path: Path
-    chunks: Chunks
-    done: np.ndarray  # (chunks,) bool, when it was opened
-    checksum: str  # of its inputs
-    variables: frozenset  # names of those that it has arrays for
 
 
 @contextlib.contextmanager
@@ -120,63 +92,6 @@ def matching_record(path, request):
 def device_attrs(device):
     """Attributes of a result that name its device: a GPU and a CPU differ in last digits."""
     return {} if device == "cpu" else {"device": device}
-
-
-@contextlib.contextmanager
-def _as_write_error(path):
-    """Turn any error from writing into a StoreError."""
-    try:
-        yield
-    except StoreError:
-        raise
-    except (OSError, KeyError) as error:
-        raise StoreError(sentence("store.full", path=path, error=error)) from error
-
-
-def write(store, i, variables):
-    """Write the variables of chunk i into an open store, and set its flag.
-
-    If that fails (StoreError) the store lacks this chunk, and nothing else.
-    """
-    path, slices = store.path, store.chunks.slices(i)
-    dims = {name: v.dims for name, v in variables.items() if name in store.variables}
-    keys = store.chunks.file_keys(i, dims)
-    with _as_write_error(path):
-        group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=False)
-        attrs = group[SWEEP_GROUP].attrs
-        if attrs["checksum"] != store.checksum:  # a worker may not have noticed
-            raise StoreError(sentence("store.replaced", path=path))
-        for name in keys:
-            where = tuple(slices.get(dim, slice(None)) for dim in dims[name])
-            # (zarr omits files that hold only fill values; here a missing file must mean a loss)
-            group[name].with_config({"write_empty_chunks": True})[where] = variables[name].values
-        group[MANIFEST][i] = manifest_entry(path, keys.values(), i, origin(attrs["device"]))
-        to_disk([path / key for key in (*keys.values(), f"{MANIFEST}/c/{i}")], path)
-        group[f"{SWEEP_GROUP}/done"][i] = True
-        to_disk([path / SWEEP_GROUP / "done" / "c" / str(i)], path)
-
-
-def mark_undone(store, numbers):
-    """Clear the flags of these chunks, so that they are computed again; return the store."""
-    done = store.done.copy()
-    done[numbers] = False
-    with _as_write_error(store.path):
-        flags: Any = zarr.open_array(store.path / SWEEP_GROUP / "done", mode="r+")
-        for i in numbers:  # (zarr removes the files)
-            flags[i] = False
-        to_disk([store.path / SWEEP_GROUP / "done" / "c"], store.path)
-    return store._replace(done=done)
-
-
-def to_disk(files, top):
-    """Have the system write files, and their folders up to `top`, to the disk."""
-    folders = {one for file in files for one in file.parents if one.is_relative_to(top)}
-    for file in {*files, *folders}:
-        handle = os.open(file, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
 
 
 def open_result(path):

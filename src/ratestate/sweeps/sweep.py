@@ -19,7 +19,8 @@ from .resume import resume_store
 from .slurm import SLURM
 from .solve import bytes_per_case
 from .status import crashed_chunks_in, failed_cases_in
-from .store import as_store_error, device_attrs, mark_undone, matching_record, open_result
+from .store import as_store_error, device_attrs, matching_record, open_result
+from .writing import mark_undone
 
 
 def sweep(
@@ -151,7 +152,7 @@ def _in_store(request, path, retry_crashed):
         create(path, request, request.divide())
     record = matching_record(path, request)
     with as_store_error(path):
-        incomplete = retry_crashed or record.flawed_metadata or not record.done.all()
+        incomplete = retry_crashed or record.metadata_flaws or not record.done.all()
         resumes = incomplete or record.flaws  # last, since these take reading the whole store
     if resumes:
         with exclusive_lock(path / SWEEP_GROUP / "zarr.json", path):

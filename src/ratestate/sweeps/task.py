@@ -14,7 +14,7 @@ from .chunks import Chunks
 from .manifest import as_lines
 from .origin import origin, origin_differences
 from .solve import count_failed, solve
-from .store import write
+from .writing import write
 
 
 class Outcome(NamedTuple):

@@ -1,0 +1,128 @@
+"""What a store says of itself in its group ``sweep``, and which of its files have a flaw."""
+
+import functools
+import json
+from typing import Any
+
+import numpy as np
+import zarr
+
+from ..errors import StoreError
+from . import legacy, sentence
+from .chunks import Chunks
+from .legacy import DAMAGE, SWEEP_GROUP
+from .manifest import MANIFEST, RECORDS, File, content_of, damage_message
+
+RECORD = f"{SWEEP_GROUP}/zarr.json"
+
+
+class Record:
+    """What the store at a path says of itself; each part is read once, when it is first used.
+
+    Damaged metadata of the group, or of its arrays, raise StoreError, or an error of zarr's.
+    """
+
+    def __init__(self, path):
+        self.path = path
+        self.group: Any = zarr.open_group(path / SWEEP_GROUP, mode="r", use_consolidated=False)
+        self.attrs: dict = self.group.attrs.asdict()
+
+    @functools.cached_property
+    def chunks(self):
+        """`Chunks` of the sweep."""
+        return Chunks(self.attrs["sizes"], tuple(self.attrs["chunk"]))
+
+    @functools.cached_property
+    def done(self):
+        """Which chunks are done; (chunks,) bool."""
+        return np.array(self._flags, bool)
+
+    @property
+    def entries(self):
+        """Entries of the manifest: chunk, or None for what was made with the store -> dict."""
+        return self._manifest[0]
+
+    @functools.cached_property
+    def _flags(self):
+        """The flag of each chunk; None for those that are damaged."""
+        return self._values("done")
+
+    @functools.cached_property
+    def _manifest(self):
+        """`entries`, and the list of files of entries that are missing or damaged."""
+        number = self.chunks.number
+        texts = self._values("manifest") if "manifest" in self.group else [""] * (number + 1)
+        entries, flaws = {}, []
+        for i in [*np.flatnonzero(self.done).tolist(), None]:
+            index = number if i is None else i
+            entry = json.loads(texts[index] or "{}")
+            if entry.get("chunk", -1) == i:  # and not that of another chunk
+                entries[i] = entry
+            elif RECORDS in self.attrs:  # older stores lack it, all or in part
+                how = "missing" if texts[index] == "" else "damaged"
+                flaws.append(File(f"{MANIFEST}/c/{index}", i, None, how))
+        return entries, flaws
+
+    @functools.cached_property
+    def files(self):
+        """Key -> `File`, for all files that the store must have."""
+        files = [
+            File(key, i, digest)
+            for i, entry in self.entries.items()
+            for key, digest in entry["sha256"].items()
+        ]
+        if RECORDS not in self.attrs:
+            unrecorded = {*np.flatnonzero(self.done).tolist()} - self.entries.keys()
+            files += [File(*pair) for pair in legacy.files(self.path, self.chunks, unrecorded)]
+        if damaged := self._flaws_among([file for file in files if file.key == RECORD]):
+            raise StoreError(sentence("damage.inputs", path=self.path, why=damaged[0]))
+        return {file.key: file for file in files}
+
+    @functools.cached_property
+    def metadata_flaws(self):
+        """Files of metadata that have a flaw, and without which flags and manifest are lost."""
+        digests = self.attrs.get(RECORDS, {})
+        return self._flaws_among([File(key, digest=digest) for key, digest in digests.items()])
+
+    @functools.cached_property
+    def flaws(self):
+        """All files in which flaws can be seen; reads every file."""
+        if self.metadata_flaws:
+            return self.metadata_flaws
+        damaged = [i for i, flag in enumerate(self._flags) if flag is None]
+        flags = [File(f"{SWEEP_GROUP}/done/c/{i}", i, None, "damaged") for i in damaged]
+        return flags + self._manifest[1] + self._flaws_among(self.files.values())
+
+    def intact(self, flaws):
+        """Which chunks are done and have no file among these; (chunks,) bool."""
+        done = self.done.copy()
+        done[[file.chunk for file in flaws if file.chunk is not None]] = False
+        return done
+
+    def _values(self, name):
+        """Values of an array with a file for each value; None for those that are damaged."""
+        if self.metadata_flaws:
+            raise StoreError(damage_message(self.path, self.metadata_flaws))
+        array = self.group[name]
+        try:
+            return array[:].tolist()
+        except DAMAGE:
+            return [_value(array, i) for i in range(array.size)]
+
+    def _flaws_among(self, files):
+        """Those of these files that have a flaw, with it."""
+        flaws = []
+        for file in files:
+            found = file.holding(content_of(self.path / file.key))
+            if not found.flaw and file.digest is None and not legacy.is_whole(self.path, file.key):
+                found = file._replace(flaw="damaged")
+            if found.flaw:
+                flaws.append(found)
+        return flaws
+
+
+def _value(array, i):
+    try:
+        return array[i].item()
+    except DAMAGE:
+        return None
