@@ -176,6 +176,16 @@ def test_the_job_script_has_what_the_site_needs():
     assert "--nworkers" not in lines[-1]
 
 
+def test_another_batch_system_is_another_table():
+    pbs = SLURM._replace(name="pbs", label="PBS", dask_class="PBSCluster", submit="qsub")
+    options = "jobs=2,cores=4,memory=4GB,queue=short"
+    with connect.job_cluster(options, start=False, system=pbs) as found:
+        assert "#PBS -q short" in found.job_script()
+        assert found.jobs.thread_count == 8
+    with pytest.raises(rs.ParameterError, match="pbs: memory of a job must be given"):
+        connect.job_cluster("cores=4", system=pbs)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -279,6 +279,19 @@ def test_an_error_of_the_package_is_itself_even_beside_damage(begun, monkeypatch
         sweep(begun)
 
 
+def test_what_cannot_be_written_is_not_taken_for_damage_alone(begun, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    lose(begun / "zarr.json")
+    monkeypatch.setattr(resume, "make", full)
+    with pytest.raises(StoreError, match=r"cannot be written to .*No space left.*\n.*zarr.json"):
+        sweep(begun)
+    monkeypatch.undo()
+    with pytest.warns(RuntimeWarning, match="made again"):
+        sweep(begun)
+
+
 def test_a_file_without_a_byte_is_damage(begun):
     path = next(one for one in (begun / "growth_rate/c").rglob("*") if one.is_file())
     path.write_bytes(b"")

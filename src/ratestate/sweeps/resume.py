@@ -15,7 +15,7 @@ from .manifest import MANIFEST, RECORDS, as_lines, content_of
 from .origin import origin_differences
 from .record import Record
 from .store import as_store_error, matching_record, zarr_3_warnings_ignored
-from .writing import Store, as_write_error, to_disk
+from .writing import Store, to_disk
 
 
 def resume_store(path, request):
@@ -24,15 +24,11 @@ def resume_store(path, request):
     The process must hold its lock.  StoreError: the store of another sweep or origin, or damage
     that cannot be mended; a RuntimeWarning names what was mended.
     """
-    record = matching_record(path, request)
-    # before the store is read, since errors in these are not of its making
+    matching_record(path, request)
+    # outside of `as_store_error`, since errors in these are not of the store's making
     now, (computed, coordinates) = request.origin, _layouts(request)
+    record, flaws = _mended(path, request)
     with as_store_error(path):
-        flaws = dict.fromkeys(record.flaws)
-        while lost := [file for file in record.flaws if file.chunk is None]:
-            _restore(record, lost, request)
-            record = Record(path)
-            flaws |= dict.fromkeys(record.flaws)
         names = _variables(record, computed, coordinates, request.mixed)
         done = record.intact(flaws)
         _check_origins(record, done, now, request.mixed)
@@ -48,14 +44,31 @@ def resume_store(path, request):
     return Store(path, record.chunks, done, record.attrs["checksum"], names)
 
 
+def _mended(path, request):
+    """The `Record` of a store with all files that were made with it, and the flaws that it had."""
+    flaws = {}
+    while True:
+        with as_store_error(path):
+            record = Record(path)
+            flaws |= dict.fromkeys(record.flaws)
+        lost = [file for file in record.flaws if file.chunk is None]
+        if not lost:
+            return record, flaws
+        try:
+            _restore(record, lost, request)
+        except OSError as error:
+            lines = as_lines(lost)
+            message = sentence("damage.not_mended", path=path, error=error, lines=lines)
+            raise StoreError(message) from error
+
+
 def _restore(record, flaws, request):
     """Replace the flawed files, of those that were made with the store."""
     path = record.path
     if RECORDS not in record.attrs or record.attrs["versions"] != json.loads(versions()):
         raise StoreError(sentence("damage.other_version", path=path, lines=as_lines(flaws)))
     with temporary_sibling(path) as temporary:
-        with as_write_error(path):
-            make(temporary, request, record.chunks)
+        make(temporary, request, record.chunks)
         if other := [file for file in flaws if file.holding(content_of(temporary / file.key)).flaw]:
             raise StoreError(sentence("damage.hopeless", path=path, lines=as_lines(other)))
         for key in (file.key for file in flaws):

@@ -38,7 +38,7 @@ class Store(NamedTuple):
 
 
 @contextlib.contextmanager
-def as_write_error(path):
+def _as_write_error(path):
     """Turn any error from writing into a StoreError."""
     try:
         yield
@@ -56,7 +56,7 @@ def write(store, i, variables):
     path, slices = store.path, store.chunks.slices(i)
     dims = {name: v.dims for name, v in variables.items() if name in store.variables}
     keys = store.chunks.file_keys(i, dims)
-    with as_write_error(path):
+    with _as_write_error(path):
         group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=False)
         attrs = group[SWEEP_GROUP].attrs
         if attrs["checksum"] != store.checksum:  # a worker may not have noticed
@@ -75,7 +75,7 @@ def mark_undone(store, numbers):
     """Clear the flags of these chunks, so that they are computed again; return the store."""
     done = store.done.copy()
     done[numbers] = False
-    with as_write_error(store.path):
+    with _as_write_error(store.path):
         flags: Any = zarr.open_array(store.path / SWEEP_GROUP / "done", mode="r+")
         for i in numbers:  # (zarr removes the files)
             flags[i] = False
