@@ -46,7 +46,7 @@ def resume_store(path, request):
 
 def _mended(path, request):
     """The `Record` of a store with all files that were made with it, and the flaws that it had."""
-    flaws = {}
+    flaws: dict = {}
     while True:
         with as_store_error(path):
             record = Record(path)
