@@ -136,7 +136,7 @@ def test_a_failed_write_leaves_what_was_there(ending, results, tmp_path, monkeyp
     path = files.write(results["cycle"], tmp_path / f"x.{ending}")
     monkeypatch.setattr(xr.Dataset, "to_netcdf", fails)
     monkeypatch.setattr(xr.Dataset, "to_zarr", fails)
-    monkeypatch.setattr(files.formats, "write_csv", lambda data, path: fails(data, path))
+    monkeypatch.setitem(files.formats.FORMATS, ".csv", (fails, None))
     with pytest.raises(OSError, match="disk full"):
         files.write(results["rigid"], path)
     assert [one.name for one in tmp_path.iterdir()] == [path.name]

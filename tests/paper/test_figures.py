@@ -8,14 +8,14 @@ from matplotlib.figure import Figure
 import ratestate as rs
 from ratestate import ParameterError, files, plot
 from ratestate.paper import basins, figures
-from ratestate.paper.layout import steepest
+from ratestate.paper.fig4 import FIG4, steepest
 
 LAWS = ["slip", "aging"]
 #: (number, law) of each picture
 PICTURES = [
     (number, law)
     for number in figures.FIGURES
-    for law in (LAWS[:1] if number in figures.BOTH_LAWS else LAWS)
+    for law in (LAWS[:1] if figures.FIGURES[number].both_laws else LAWS)
 ]
 
 
@@ -37,7 +37,7 @@ def numbers():
 
 def test_fig1_direct_effect_evolution_and_length(numbers):
     a, b, mu0, Dc = 0.003, 0.004, 0.6, 10e-6
-    data = numbers(1, "slip").isel(time=slice(1, None))  # from just before the step
+    data = numbers("1", "slip").isel(time=slice(1, None))  # from just before the step
     for law in LAWS:
         run = data.sel(law=law)
         assert float(run.mu[0]) == pytest.approx(mu0, abs=1e-12)
@@ -54,7 +54,7 @@ def test_fig1_direct_effect_evolution_and_length(numbers):
 
 def test_fig1_says_above_its_lines_at_which_speed_they_are(numbers):
     a, mu0 = 0.003, 0.6
-    (ax,) = figures.FIGURES[1].draw(numbers(1, "slip")).axes
+    (ax,) = figures.FIGURES["1"].draw(numbers("1", "slip")).axes
     heights = {text.get_text(): text.get_position()[1] for text in ax.texts}
     for speed in ("at $V_0$", "at $V = e\\,V_0$"):
         assert mu0 + a < heights[speed] < ax.get_ylim()[1] - 0.1 * a
@@ -65,7 +65,7 @@ def test_fig1_says_above_its_lines_at_which_speed_they_are(numbers):
     [("slip", 1.234696554e-3, 2.779e-3, 3.651e-3), ("aging", 2.2991965811e-3, None, None)],
 )
 def test_fig2_fate_of_three_steps(numbers, law, amplitude, V_min, V_max):
-    data = numbers(2, law)
+    data = numbers("2", law)
     np.testing.assert_allclose(data.amplitude[:2], 0.0, atol=1e-7)
     assert float(data.amplitude[2]) == pytest.approx(amplitude, rel=1e-5)
     end = data.sel(time=slice(9.9, None))
@@ -81,7 +81,7 @@ def test_fig2_fate_of_three_steps(numbers, law, amplitude, V_min, V_max):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_fig3_all_cases_on_their_side_of_V_c(numbers, law):
-    data = numbers(3, law)
+    data = numbers("3", law)
     assert data.amplitude.sizes == {"M": 12, "V_lp": 13}
     above = (data.V_lp > data.V_c).transpose("M", "V_lp").values
     assert 0 < above.sum() < 156
@@ -96,7 +96,7 @@ def test_fig3_all_cases_on_their_side_of_V_c(numbers, law):
 
 
 def test_fig4_amplitudes_and_the_coefficient(numbers):
-    stiff = numbers(4, "slip").sel(K=0.96e9)
+    stiff = numbers("4", "slip").sel(K=0.96e9)
     known = {
         1e-4: (0.04696781, 0.4192088),
         1e-2: (0.01899449, 74.91234),
@@ -107,7 +107,7 @@ def test_fig4_amplitudes_and_the_coefficient(numbers):
         cycle = stiff.sel(V_lp=V_lp)
         assert float(cycle.amplitude) == pytest.approx(amplitude, rel=1e-6)
         assert float(cycle.frequency) == pytest.approx(frequency, rel=1e-6)
-    aging = numbers(4, "aging").sel(K=0.96e9, V_lp=1e-2)
+    aging = numbers("4", "aging").sel(K=0.96e9, V_lp=1e-2)
     assert float(aging.amplitude) == pytest.approx(0.03625932, rel=1e-6)
     assert float(aging.frequency) == pytest.approx(53.27594, rel=1e-6)
     one = np.exp(np.interp(0.0, np.log(stiff.eta), np.log(stiff.V_lp)))
@@ -117,9 +117,9 @@ def test_fig4_amplitudes_and_the_coefficient(numbers):
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", ["stick_slip", "harmonic"])
 def test_fig4_examples_have_settled(numbers, law, name):
-    data = numbers(4, law)
+    data = numbers("4", law)
     run = data[f"tau_{name}"] / 4e6
-    slider = figures.fig4.FIG4.replace(law=law)
+    slider = FIG4.replace(law=law)
     cycle = rs.limit_cycle(slider, V_lp=float(data[f"V_lp_{name}"]))
     # the solver's steps come near the extremes, and never pass them
     missed = float(cycle.amplitude - (run.max() - run.min()))
@@ -130,7 +130,7 @@ def test_fig4_examples_have_settled(numbers, law, name):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_fig5_frequency_stays_below_the_natural(numbers, law):
-    data = numbers(5, law)
+    data = numbers("5", law)
     np.testing.assert_allclose(data.f_n, [493.1, 389.8], atol=0.06)
     share = data.frequency / data.f_n
     assert float(share.max()) < 1.0
@@ -143,7 +143,7 @@ def test_fig5_frequency_stays_below_the_natural(numbers, law):
     [("slip", 0.00569786, 2.962584), ("aging", 0.01961776, 2.222700)],
 )
 def test_fig6_limit_cycle(numbers, law, amplitude, frequency):
-    data = numbers(6, law)
+    data = numbers("6", law)
     for prefix, rtol in (("", 5e-6), ("cycle_", 1e-6)):
         assert float(data[f"{prefix}amplitude"]) == pytest.approx(amplitude, rel=rtol)
         assert float(data[f"{prefix}frequency"]) == pytest.approx(frequency, rel=rtol)
@@ -161,20 +161,20 @@ def test_drawing_from_a_file_alone(numbers, number, law, tmp_path, looks_as_befo
     again = files.read(files.write(data, path))
     xarray.testing.assert_equal(data, again)
     fig = figures.FIGURES[number].draw(again)
-    looks_as_before(fig, figures.stem(number, law))
+    looks_as_before(fig, figures.FIGURES[number].stem(law))
     for name, variable in data.variables.items():
         assert name == "law" or {"units", "long_name"} <= set(variable.attrs), name
     fig.savefig(tmp_path / "figure.png", dpi=40)  # warnings, which are errors here, come late
-    assert number in figures.BOTH_LAWS or f"{law} (" in fig.get_suptitle()
+    assert figures.FIGURES[number].both_laws or f"{law} (" in fig.get_suptitle()
 
 
 def test_files(tmp_path):
-    paths = figures.make(1, "slip", tmp_path / "new")
+    paths = figures.make("1", "slip", tmp_path / "new")
     assert [path.name for path in paths] == ["fig1.png", "fig1.pdf", "fig1.nc"]
     assert sorted(paths) == sorted((tmp_path / "new").iterdir())
     assert paths[0].read_bytes()[:4] == b"\x89PNG"
     assert paths[1].read_bytes()[:4] == b"%PDF"
-    assert [figures.stem(2, law) for law in LAWS] == ["fig2_slip", "fig2_aging"]
+    assert [figures.FIGURES["2"].stem(law) for law in LAWS] == ["fig2_slip", "fig2_aging"]
 
 
 def test_units_of_labels():

@@ -232,8 +232,36 @@ def test_what_no_page_can_show():
     with pytest.raises(ParameterError, match="one or two axes, and this one has 3"):
         plot.page(rs.stability(slider, V_LP))
     for other in (xr.Dataset(), None, rs.stability(SLIDER, 1e-3).drop_attrs()):
-        with pytest.raises(ParameterError, match="page wants a Dataset as a verb gives it"):
+        with pytest.raises(
+            ParameterError, match="page wants a Dataset as a function of ratestate gives it"
+        ):
             plot.page(other)
+
+
+def test_a_run_out_of_a_sweep():
+    loading = rs.Loading.steps(1e-4, (0.05, V_LP))
+    run = rs.simulate(SLIDER, loading, 0.1, times=np.linspace(0.0, 0.1, 50)).isel(V_lp=0)
+    t, V = lines(panels(plot.page(run))[1], "load point")
+    np.testing.assert_allclose(t, 1e3 * run.time)
+    np.testing.assert_allclose(V, 1e3 * run.V_load)
+
+
+def test_a_page_shows_one_branch():
+    branch = rs.continue_cycle(SLIDER.replace(K=6.06e8), "V_lp", 3e-3, 2e-3).reset_coords()
+    two = xr.concat([branch, branch], "K")
+    with pytest.raises(ParameterError, match="pick one along 'K' with"):
+        plot.page(two)
+    plot.page(two.isel(K=1))
+    for few in (0, 1):
+        with pytest.raises(ParameterError, match=f"from 2 points on, and has {few}"):
+            plot.page(two.isel(K=1, point=slice(few)))
+
+
+def test_the_slider_s_stiffness_has_the_unit_of_K_c():
+    b = xr.DataArray([0.001, 0.003000001], dims="b")  # K_c from -400 MPa/m to 0.2 kPa/m
+    (ax, *_) = panels(plot.page(rs.stability(SLIDER.replace(b=b), 1e-6)))
+    assert ax.get_ylabel().endswith("[MPa/m]")
+    np.testing.assert_allclose(lines(ax, "$K$ of the slider")[1], 900.0)
 
 
 @pytest.mark.parametrize(("ending", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF")])

@@ -1,8 +1,8 @@
 """Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all."""
 
-from .formats import read, write
+from .formats import NUMBERS, read, write
 from .netcdf import joined, split
-from .place import NUMBERS, PICTURES, checked, replace, writing
+from .place import PICTURES, checked, replace, writing
 from .table import csv_text
 
 __all__ = [

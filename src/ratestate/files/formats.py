@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from ..errors import ParameterError, RateStateError
-from .netcdf import joined, read_netcdf, write_netcdf
-from .place import NUMBERS, checked, replace
+from .netcdf import read_netcdf, write_netcdf
+from .place import checked, replace
 from .table import write_csv
 
 
@@ -31,8 +31,8 @@ def write(data, path):
         Another ending, or another folder in its place.
     """
     path = checked(path, NUMBERS)
-    writers = {".nc": write_netcdf, ".csv": write_csv, ".zarr": _write_zarr}
-    return replace(path, lambda partial: writers[path.suffix.lower()](data, partial))
+    writer, _ = FORMATS[path.suffix.lower()]
+    return replace(path, lambda partial: writer(data, partial))
 
 
 def read(path):
@@ -57,7 +57,8 @@ def read(path):
     """
     path = Path(path)
     ending = path.suffix.lower()
-    if ending not in (".nc", ".zarr"):
+    _, reader = FORMATS.get(ending, (None, None))
+    if reader is None:
         raise ParameterError(
             f"{path}: a result is read from a name that ends in .nc or .zarr"
             + (" (a .csv file lacks the parameters)" if ending == ".csv" else "")
@@ -65,7 +66,7 @@ def read(path):
     try:
         if not path.exists():
             raise ParameterError(f"{path} does not exist")
-        return _read_zarr(path) if ending == ".zarr" else joined(read_netcdf(path))
+        return reader(path)
     except RateStateError:
         raise
     except Exception as error:
@@ -91,3 +92,12 @@ def _write_zarr(data, path):
 
     with zarr_3_warnings_ignored():
         python_text(data).drop_encoding().to_zarr(path, mode="w-", zarr_format=3)
+
+
+#: ending of a name -> what writes such a file, and what reads it
+FORMATS: dict[str, tuple] = {
+    ".nc": (write_netcdf, read_netcdf),
+    ".csv": (write_csv, None),
+    ".zarr": (_write_zarr, _read_zarr),
+}
+NUMBERS = tuple(FORMATS)

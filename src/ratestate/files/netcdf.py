@@ -15,7 +15,7 @@ def read_netcdf(path):
 
     variables, attrs = read_isolated(raw_netcdf, path, "a result")
     plain = {name: xarray.Variable(*one) for name, one in variables.items()}
-    return xarray.decode_cf(xarray.Dataset(plain, attrs=attrs)).load()
+    return joined(xarray.decode_cf(xarray.Dataset(plain, attrs=attrs)).load())
 
 
 def raw_netcdf(path):

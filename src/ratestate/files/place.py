@@ -9,8 +9,8 @@ from pathlib import Path
 
 from ..errors import ParameterError
 
-#: endings of files with numbers, and of pictures
-NUMBERS, PICTURES = (".nc", ".csv", ".zarr"), (".png", ".pdf")
+#: endings of files with pictures
+PICTURES = (".png", ".pdf")
 
 
 def checked(path, endings):

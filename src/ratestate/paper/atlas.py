@@ -26,7 +26,7 @@ def make(law, out, *, b_over_a=2.0, n=200):
 @styled
 def draw(data):
     """(a) regimes; (b) the same close to K_c; (c-e) amplitude, slip per cycle, largest velocity."""
-    title = f"Limit cycles of a spring-slider, {LAWS[data.attrs['law']]}"
+    title = f"Limit cycles of a spring-slider, {LAWS[data.attrs['law']].name}"
     more = (
         f"$b/a$ = {float(data.b_over_a):g}.  A machine, rig or fault is a point; "
         "ten times its speed is two decades up."

@@ -8,7 +8,6 @@ from ..dynamics.basin import escape
 from ..friction.quasi_static import runaway_step, runaway_step_lower_bound, runaway_step_upper_bound
 from ..model.quantities import attrs
 from ..plot.layout import figure, letters, styled
-from .layout import titled
 from .parameters import FIG2
 
 # With inertia, aging law: a spring barely stiffer than K_c, between the fold and V_c.
@@ -56,7 +55,7 @@ def compute(law):
         # "parameter" names a variable of the branch, which has another name here.
         {name: value for name, value in branch.attrs.items() if name != "parameter"},
     )
-    return titled(data, "How hard stable sliding may be pushed")
+    return data
 
 
 def _two_runs(slider, V_lp):

@@ -6,7 +6,6 @@ import xarray
 from .. import continue_cycle, plot
 from ..model.quantities import attrs
 from ..plot.layout import figure, letters, styled
-from .layout import titled
 from .parameters import FIG2
 
 RATIOS = (1.01, 1.05, 1.5)  # K/K_c_qs
@@ -26,7 +25,7 @@ def compute(law):
     data = data.drop_vars("point")
     data["special"] = data.special.fillna("").astype(str).assign_attrs(attrs("special"))
     data["V_c"] = FIG2.replace(K=data.K).V_c
-    return titled(data, "Limit cycles of the slider of Fig. 2, stable and unstable", law)
+    return data
 
 
 @styled

@@ -63,7 +63,11 @@ def terminal(rows, law):
     from rich.text import Text
 
     table = Table(
-        *HEADINGS, title=f"Claims, {LAWS[law]}", caption=tally(rows), show_lines=True, expand=True
+        *HEADINGS,
+        title=f"Claims, {LAWS[law].name}",
+        caption=tally(rows),
+        show_lines=True,
+        expand=True,
     )
     for column, ratio in zip(table.columns, (8, 4, 6, 4, 3), strict=True):
         column.ratio = ratio
@@ -79,7 +83,7 @@ def terminal(rows, law):
 def markdown(rows, law):
     """The table as Markdown text: one table, then the notes and how errors were estimated."""
     lines = [
-        f"# Claims, {LAWS[law]}",
+        f"# Claims, {LAWS[law].name}",
         "",
         SENTENCES("text.introduction", method=METHOD[law]),
         f"{tally(rows)}.",

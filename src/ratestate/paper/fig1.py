@@ -6,12 +6,10 @@ import xarray
 from .. import Loading, plot, simulate
 from ..plot.labels import LAWS
 from ..plot.layout import figure, styled
-from .layout import titled
 from .parameters import FIG1
 
 MICRO = plot.PREFIXES[-6]
 BEFORE, AFTER = 2.0, 8.0  # slip shown, in Dc
-STYLES = {"slip": ("k", "-"), "aging": (plot.BLUE, "--")}
 
 
 def compute(law=None):
@@ -25,12 +23,12 @@ def compute(law=None):
     after = t_step + np.linspace(0.0, AFTER, 401) * FIG1.Dc / V
     times = np.concatenate([[0.0, np.nextafter(t_step, 0.0)], after])
     loading = Loading.steps(FIG1.V0, (t_step, V))
-    runs = [simulate(FIG1.replace(law=law), loading, times[-1], times=times) for law in STYLES]
-    data = xarray.concat(runs, xarray.Variable("law", list(STYLES)), combine_attrs="override")
+    runs = [simulate(FIG1.replace(law=law), loading, times[-1], times=times) for law in LAWS]
+    data = xarray.concat(runs, xarray.Variable("law", list(LAWS)), combine_attrs="override")
     data = data[["V", "V_load", "theta", "delta", "tau", "mu"]]
     slip = data.delta - data.delta.sel(time=t_step)
     data["slip"] = slip.assign_attrs(units="m", long_name="slip since the step")
-    return titled(data, "Fig. 1. Friction after an e-fold step in velocity")
+    return data
 
 
 @styled
@@ -40,9 +38,9 @@ def draw(data):
     rigid = r", $V = e\,V_0$, rigid drive ($K = \infty$, $M = 0$)"
     fig = figure(data, 3.9, "a b Dc V0", rigid)
     ax = fig.subplots()
-    for law, (color, dashes) in STYLES.items():
+    for law, (name, color, dashes) in LAWS.items():
         run = data.sel(law=law)
-        ax.plot(1e6 * run.slip, run.mu, color=color, ls=dashes, lw=1.5, label=LAWS[law])
+        ax.plot(1e6 * run.slip, run.mu, color=color, ls=dashes, lw=1.5, label=name)
     low, high = -BEFORE * 1e6 * Dc, AFTER * 1e6 * Dc
     end, Dc_um = mu0 + a - b, 1e6 * Dc
     after_Dc = end + b * np.exp(-1.0)  # the slip law's; the aging law is slower in steps this large

@@ -6,7 +6,6 @@ import xarray
 from .. import Loading, plot, simulate, stability
 from ..model.quantities import attrs
 from ..plot.layout import figure, letters, styled
-from .layout import titled
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
 
 T_STEP = 0.1  # s
@@ -28,7 +27,7 @@ def compute(law):
     data["K_c"] = stability(slider, data.V_lp).K_c
     data["K_c_start"] = stability(slider, FIG2_START).K_c.drop_vars("V_lp")
     data["V_start"] = ((), FIG2_START, attrs("V_start"))
-    return titled(data, "Fig. 2. Velocity steps across the critical velocity", law)
+    return data
 
 
 @styled

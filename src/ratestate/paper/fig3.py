@@ -6,7 +6,6 @@ from matplotlib.colors import LogNorm
 from .. import Loading, limit_cycle, logspace, plot, simulate, stability
 from ..model.quantities import attrs
 from ..plot.layout import figure, styled
-from .layout import titled
 from .parameters import FIG2, FIG2_DURATION, FIG2_START, FIG3_M, FIG3_V_LP
 
 T_STEP = 0.1  # s
@@ -30,7 +29,7 @@ def compute(law):
     data = data.merge(converged.rename({name: f"cycle_{name}" for name in converged}))
     data["V_c"], data["stable"] = theory.V_c, theory.stable
     data["V_start"] = ((), FIG2_START, attrs("V_start"))
-    return titled(data, "Fig. 3. Oscillation 10 s after a velocity step", law)
+    return data
 
 
 @styled

@@ -6,7 +6,6 @@ import xarray
 from .. import Loading, limit_cycle, logspace, plot, simulate, stability
 from ..model.quantities import attrs
 from ..plot.layout import figure, letters, styled
-from .layout import steepest, titled
 from .parameters import FIG4, FIG4_EXAMPLES, FIG4_K, FIG4_V_LP
 
 PER_DECADE = 40
@@ -21,7 +20,7 @@ def compute(law):
         run = example(FIG4.replace(law=law), V_lp)
         run = run.rename({n: f"{n}_{name}" for n in ("time", *run.data_vars)})
         data = data.merge(run).assign({f"V_lp_{name}": ((), V_lp, attrs("V_lp"))})
-    return titled(data, "Fig. 4. From stick-slip to quasi-harmonic oscillation", law)
+    return data
 
 
 def sweep(law, between):
@@ -41,6 +40,14 @@ def example(slider, V_lp, shown=SHOWN):
     run = simulate(slider, Loading.constant(V_lp), t_end, V_start=0.1 * V_lp, rtol=1e-8)
     run = run[["tau", "mu"]].sel(time=slice(t_end - shown * period, None))
     return run.assign_coords(time=run.time.copy(data=run.time - run.time[0]))
+
+
+def steepest(run):
+    """The run with time counted from where, in its middle half, tau falls fastest."""
+    first, last = (float(run.time[i]) for i in (0, -1))
+    margin = (last - first) / 4
+    rate = run.tau.differentiate("time").sel(time=slice(first + margin, last - margin))
+    return run.assign_coords(time=run.time - rate.time[int(np.argmin(rate.values))])
 
 
 @styled

@@ -3,14 +3,13 @@
 from .. import plot
 from ..plot.layout import figure, styled
 from .fig4 import sweep
-from .layout import titled
 from .parameters import FIG4_V_LP, FIG5_V_LP
 
 
 def compute(law):
     """The limit cycles of Fig. 4 and ten times faster ones: dimensions ``K``, ``V_lp``."""
     data = sweep(law, FIG5_V_LP)
-    return titled(data, "Fig. 5. Amplitude and frequency of limit cycles", law)
+    return data
 
 
 @styled

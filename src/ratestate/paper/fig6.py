@@ -3,7 +3,7 @@
 from .. import Loading, limit_cycle, plot, simulate, stability
 from ..plot.labels import with_unit
 from ..plot.layout import figure, letters, styled
-from .layout import steepest, titled
+from .fig4 import steepest
 from .parameters import FIG6, FIG6_SPEEDS, FIG6_STEP
 
 T_STEP = FIG6_STEP / FIG6_SPEEDS[0]  # s
@@ -26,7 +26,7 @@ def compute(law):
     measures = cycle[["amplitude", "period", "frequency", "inertia", "V_max", "V_min"]]
     data = data.assign({f"cycle_{name}": value for name, value in measures.items()})
     data = data.assign({name: theory[name] for name in ("K_c", "K_c_qs", "eta")})
-    return titled(data, "Fig. 6. Slow stick-slip near the critical stiffness", law)
+    return data
 
 
 @styled

@@ -58,10 +58,10 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
 def branch_page(data):
     """Page of a branch of limit cycles."""
     symbol = branch_parameter(data)
-    title = f"Limit cycles along {symbol_text(symbol)}, {LAWS[parameter(data, 'law')]}"
+    title = f"Limit cycles along {symbol_text(symbol)}, {LAWS[parameter(data, 'law')].name}"
     fig = figure(data, 5.2, title=title)
     axes = fig.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=[1.25, 1])
-    factor, unit = prefixed(QUANTITIES[symbol].unit, float(data[symbol].max()))
+    factor, unit = prefixed(QUANTITIES[symbol].unit, data[symbol].values.max(initial=0.0))
     _diagram(data, axes["a"], factor, unit)
     x, V_lp = factor * data[symbol].values, parameter(data, "V_lp")
     stable = _stable_pieces(data)
@@ -82,6 +82,8 @@ def branch_page(data):
 
 def _diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
     """Draw a `branch` over the parameter times a factor, which is in this unit."""
+    if data.sizes["point"] < 2:
+        raise ParameterError(f"a branch is drawn from 2 points on, and has {data.sizes['point']}")
     symbol = branch_parameter(data)
     x, amplitude, special = (data[name].values for name in (symbol, "amplitude", "special"))
     at = np.geomspace(x.min() / 1.05, x.max() * 1.05, 2001)

@@ -9,7 +9,7 @@ from ..dynamics.attributes import loading_record
 from ..errors import ParameterError
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
-from .labels import ABSCISSAE, COLORS, DASHES, GRAY, prefixed, with_unit
+from .labels import ABSCISSAE, GRAY, LAWS, prefixed, with_unit
 
 #: samples of which all are drawn; of more, the least and the largest in as many bins
 MOST = 40_000
@@ -99,9 +99,9 @@ def curves(record, ax, rows=WHOLE):
     for law, part in record.laws.items():
         if "band" in part:
             low, high = part["band"].transpose("side", "time").values[:, rows]
-            ax.fill_between(shown, low, high, color=COLORS[law], alpha=0.14, lw=0.0, zorder=2)
+            ax.fill_between(shown, low, high, color=LAWS[law].color, alpha=0.14, lw=0.0, zorder=2)
         fitted = part["friction_fit"].values[rows]
-        look = {"color": COLORS[law], "lw": 1.1, "ls": DASHES[law], "zorder": 4}
+        look = {"lw": 1.1, "zorder": 4} | LAWS[law].line
         ax.plot(shown, fitted, label=f"{law} law", **look)
         ends += [fitted.min(), fitted.max()]
     margin = 0.05 * (max(ends) - min(ends))
@@ -115,7 +115,7 @@ def residuals(record, law, ax, rows=WHOLE):
     part = record.laws[law]
     level = float(np.hypot(part["noise_white"], part["noise_red"]))
     left = 1e3 * part["residual"].values
-    _scatter(ax, record.values[rows], left[rows], rows, COLORS[law], None)
+    _scatter(ax, record.values[rows], left[rows], rows, LAWS[law].color, None)
     normal_95(ax, 1e3 * level, zorder=3)
     most = 1.08 * float(np.abs(left).max())
     ax.set(ylim=(-most, most), ylabel="Residual\n" + r"[$10^{-3}$]")

@@ -7,7 +7,7 @@ from ..model.quantities import QUANTITIES, short
 from ..records.fitting.by_law import results_by_law, value_of
 from ..records.fitting.table import STABLE_AT_ANY_K, formatted_estimate, stiffness_ratio_text
 from ..records.fitting.unknowns import FREE
-from .labels import COLORS, in_unit, label, prefixed
+from .labels import LAWS, in_unit, label, prefixed
 
 #: what the table lists; a trend is the record's alone
 LISTED = (*FREE, "mu0", "a_minus_b")
@@ -56,7 +56,7 @@ def write(ax, laws, columns):
     for y in (0.0, 1.0, len(laws) + 1.0):
         ax.plot([0.0, 1.0], [y, y], color="k", lw=0.5 if y == 1.0 else 0.8, clip_on=False)
     for i, law in enumerate(laws):
-        ax.text(0.0, i + 1.5, f"{law} law", color=COLORS[law], fontweight="bold", **at)
+        ax.text(0.0, i + 1.5, f"{law} law", color=LAWS[law].color, fontweight="bold", **at)
     for x, (heading, cells) in zip(right[1:], columns, strict=True):
         for i, text in enumerate((heading, *cells)):
             ax.text(x, i + 0.5, text, ha="right", **at)

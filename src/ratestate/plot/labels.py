@@ -1,5 +1,7 @@
 """How pictures write quantities and laws: symbols as mathematics, values with units that fit."""
 
+from typing import Any, NamedTuple
+
 from ..model import quantities
 from ..model.quantities import QUANTITIES
 
@@ -11,11 +13,24 @@ DASHED = (0, (4, 2))
 #: abscissae of runs and records
 ABSCISSAE = {"time": "Time", "delta_lp": "Load-point displacement"}
 
-#: law -> its name
-LAWS = {"slip": "slip (Ruina) law", "aging": "aging (Dieterich) law"}
-#: law -> colour and dashes of its fitted curve; the record is gray
-COLORS = {"slip": RED, "aging": BLUE}
-DASHES = {"slip": "-", "aging": (0, (5, 1.6))}
+
+class Law(NamedTuple):
+    """A law's name, and the line of its curves where laws are compared; records are gray."""
+
+    name: str
+    color: str
+    dashes: Any
+
+    @property
+    def line(self):
+        """The style of such a line."""
+        return {"color": self.color, "ls": self.dashes}
+
+
+LAWS = {
+    "slip": Law("slip (Ruina) law", RED, "-"),
+    "aging": Law("aging (Dieterich) law", BLUE, (0, (5, 1.6))),
+}
 
 #: power of ten -> prefix
 PREFIXES = quantities.PREFIXES | {-6: "\N{GREEK SMALL LETTER MU}"}

@@ -5,7 +5,7 @@ import numpy as np
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
 from ..records.fitting.unknowns import FREE, PARAMETERS
-from .labels import COLORS, DASHES, GRAY, in_unit, label, prefixed
+from .labels import GRAY, LAWS, in_unit, label, prefixed
 
 #: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)
 END_95 = 0.1465
@@ -33,14 +33,13 @@ def likelihood(result, symbol, ax):
     largest = max(abs(float(part[symbol])) for part in laws.values())
     factor, unit = prefixed(QUANTITIES[symbol].unit, largest)
     for law, part in laws.items():
-        color = COLORS[law]
+        color = LAWS[law].color
         if (samples := _samples(part, symbol)) is not None:
             ends = np.quantile(samples, (TAIL, 1.0 - TAIL))
             counts, edges = np.histogram(samples, BINS, tuple(ends))
             ax.stairs(counts / counts.max(), factor * edges, fill=True, color=color, alpha=0.25)
         values, deviance = _profile(part, symbol) or _gaussian(part, symbol)
-        look = {"color": color, "ls": DASHES[law], "lw": 1.1}
-        ax.plot(factor * values, np.exp(-0.5 * deviance), **look)
+        ax.plot(factor * values, np.exp(-0.5 * deviance), lw=1.1, **LAWS[law].line)
         ax.axvline(factor * float(part[symbol]), color=color, lw=0.7, ls=":")
     ax.axhline(END_95, color=GRAY, lw=0.7)
     ax.set(ylim=(0.0, 1.08), xlabel=in_unit(label(symbol), unit))

@@ -1,8 +1,7 @@
 """Pictures of runs, and of limit cycles along a sweep."""
 
-import numpy as np
-
 from ..dynamics.results import parameter
+from ..friction.laws import mu_ss
 from ..model.quantities import QUANTITIES
 from .labels import ABSCISSAE, AMPLITUDE, DASHED, RED, STRESS, prefixed
 
@@ -59,8 +58,8 @@ def phase(run, ax, *, unit_of=None, **style):
     factor, unit = prefixed("m/s", unit_of or float(run.V.max()))
     (line,) = ax.plot(run.tau / parameter(run, "sigma"), factor * run.V, **{"lw": 0.5} | style)
     if V > 0:
-        a, b, mu0, V0 = (parameter(run, symbol) for symbol in ("a", "b", "mu0", "V0"))
-        ax.plot(mu0 + (a - b) * np.log(V / V0), factor * V, "kx", ms=5, mew=1.0, zorder=5)
+        law = {symbol: parameter(run, symbol) for symbol in ("a", "b", "mu0", "V0")}
+        ax.plot(mu_ss(V, **law), factor * V, "kx", ms=5, mew=1.0, zorder=5)
     ax.set(xlabel=STRESS, ylabel=f"$V$ [{unit}]")
     return line
 

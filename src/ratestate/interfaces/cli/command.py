@@ -10,11 +10,21 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+from ...paper.figures import BEYOND
 from .exits import EXIT_CODES, exit_on_error
 
 Law = Literal["slip", "aging"]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
-_TABLES = tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8"))
+
+
+def _tables() -> dict[str, dict[str, Any]]:
+    """The tables of commands.toml; braces stand for the figures beyond the paper."""
+    beyond = "; ".join(f"{key}: {figure.help}" for key, figure in BEYOND.items())
+    text = Path(__file__).with_name("commands.toml").read_text("utf-8")
+    return tomllib.loads(text.replace("{names}", "|".join(BEYOND)).replace("{beyond}", beyond))
+
+
+_TABLES = _tables()
 _SHARED = _TABLES.pop("shared")
 _MODULES = {name: table.pop("module", name) for name, table in _TABLES.items()}
 

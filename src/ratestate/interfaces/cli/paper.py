@@ -5,16 +5,10 @@ from typing import get_args
 
 import typer
 
+from ...paper.figures import FIGURES
 from .command import Law
 from .output import make_writable, print_json, print_rich, reporting_files
 
-#: What ``figures`` can draw: the paper's six, and others -> what they show.
-OTHERS = {
-    "scheme": "the scheme's error",
-    "branches": "branches of limit cycles",
-    "basins": "basins of steady sliding",
-}
-FIGURES = ["1", "2", "3", "4", "5", "6", *OTHERS]
 OUT = Path("figures")
 
 
@@ -37,10 +31,10 @@ def figures(
     from ...paper.figures import make
 
     files, rows = list[Path](), None
-    for name in FIGURES:
-        if "all" in names or name in names:
-            with reporting_files(f"{OTHERS.get(name, f'Fig. {name}')}, {law} law") as made:
-                made += make(name if name in OTHERS else int(name), law, out)
+    for key, figure in FIGURES.items():
+        if "all" in names or key in names:
+            with reporting_files(f"{figure.name}, {law} law") as made:
+                made += make(key, law, out)
             files += made
     if "all" in names:
         with reporting_files(f"claims, {law} law") as made:

@@ -44,8 +44,12 @@ def page(result):
     title = str(result.attrs.get("title", "")) if isinstance(result, xarray.Dataset) else ""
     function = title.removeprefix("ratestate ")
     if function not in SINGLE:
-        raise ParameterError("page wants a Dataset as a verb gives it, with its attributes")
+        raise ParameterError(
+            "page wants a Dataset as a function of ratestate gives it, with its attributes"
+        )
     axes = [] if function == "fit" else [dim for dim in result.sizes if dim not in OWN]
+    if axes and function == "continue_cycle":
+        raise ParameterError(f"a page shows one branch; pick one along {axes[0]!r} with .isel")
     if len(axes) > 2:
         raise ParameterError(
             f"a page shows a sweep over one or two axes, and this one has {len(axes)} "

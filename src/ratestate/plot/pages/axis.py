@@ -50,7 +50,8 @@ def axis_of(result, dim):
     )
     if values.dtype.kind not in "iuf":
         return Axis(np.arange(size), name, names=[str(value) for value in values])
-    fitted, unit = fitting(values, unit)
+    factor, unit = prefix_of(values, unit)
+    fitted = factor * values
     steps = np.diff(values) if np.isfinite(values).all() else np.array([np.nan])
     if not ((steps > 0).all() or (steps < 0).all()):
         return Axis(np.arange(size), name, unit, names=[f"{value:.4g}" for value in fitted])
@@ -58,10 +59,9 @@ def axis_of(result, dim):
     return Axis(fitted, name, unit, bool(even))
 
 
-def fitting(values, unit):
-    """Values in a unit that fits the largest, and that unit."""
-    factor, unit = prefixed(unit, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
-    return factor * values, unit
+def prefix_of(values, unit):
+    """Factor from SI, and the unit's text, that fit the largest of these values."""
+    return prefixed(unit, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
 
 
 def is_wide(values):

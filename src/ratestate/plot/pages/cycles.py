@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..curves import curves, normal_95, record_of
-from ..labels import COLORS
+from ..labels import LAWS
 from ..layout import letters
 from .frame import finished, framed, legend
 
@@ -38,9 +38,10 @@ def _features(ax, laws):
     normal_95(ax)
     for i, (law, part) in enumerate(laws.items()):
         off = ((part["fitted"] - part["measured"]) / part["measured_error"]).where(part["used"])
+        color = LAWS[law].color
         shift = 0.2 * (i - 0.5 * (len(laws) - 1))
         for j, row in enumerate(off.transpose("segment", "feature").values):
-            style = {"color": COLORS[law], "mfc": "w" if j else COLORS[law], "ms": 4, "ls": ""}
+            style = {"color": color, "mfc": "w" if j else color, "ms": 4, "ls": ""}
             ax.plot(at + shift, row, MARKERS[j % len(MARKERS)], **style)
     ax.set_xticks(at, names)
     ax.tick_params(axis="x", length=0)

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...records.fitting.by_law import checked_by_law, value_of
 from ..curves import WHOLE, curves, marks, record_of, residuals
-from ..labels import COLORS
+from ..labels import LAWS
 from ..layout import letters, styled
 from .cycles import cycles_page
 from .frame import finished, framed, legend
@@ -137,6 +137,6 @@ def _share(column, *, named):
 
 def _name_law(ax, law):
     """Write the law's name into the panel of its residuals."""
-    at = {"transform": ax.transAxes, "va": "top", "fontsize": 7, "color": COLORS[law]}
+    at = {"transform": ax.transAxes, "va": "top", "fontsize": 7, "color": LAWS[law].color}
     box = {"fc": "w", "ec": "none", "pad": 0.5, "alpha": 0.8}
     ax.text(0.01, 0.93, f"{law} law", fontweight="bold", bbox=box, **at)

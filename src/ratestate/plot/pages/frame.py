@@ -5,7 +5,7 @@ from matplotlib.patches import Patch
 from ...dynamics import attributes
 from ...records.fitting.table import law_names
 from ..estimates import ROW, estimates
-from ..labels import COLORS, label
+from ..labels import LAWS, label
 from ..layout import ABOVE, figure, letters
 from ..likelihood import likelihood, non_gaussian
 
@@ -42,7 +42,7 @@ def legend(ax, laws, *, band=True):
     """What the lines are, above the record."""
     handles, names = ax.get_legend_handles_labels()
     if band:
-        color = COLORS[next(iter(laws))] if len(laws) == 1 else "0.5"
+        color = LAWS[next(iter(laws))].color if len(laws) == 1 else "0.5"
         handles.append(Patch(color=color, alpha=0.3, lw=0.0))
         names.append("95 % of samples")
     look = {"fontsize": 7, "handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 0.7}

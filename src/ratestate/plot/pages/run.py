@@ -23,7 +23,7 @@ SYMBOLS = "a b Dc sigma K M mu0 V0 law".split()
 @styled
 def run_page(run):
     """Page of one slider's run."""
-    end, law = with_unit("t", float(run.time[-1])), LAWS[parameter(run, "law")]
+    end, law = with_unit("t", float(run.time[-1])), LAWS[parameter(run, "law")].name
     return _motion(run, f"Run of {end}, {law}")
 
 
@@ -36,7 +36,7 @@ def cycle_page(cycle):
         return stability_page(stability(slider, V_lp))
     kind = str(classify(cycle).regime.values)
     title = (
-        f"Limit cycle ({kind}) at {value_text('V_lp', V_lp)}, {LAWS[slider.law]}: "
+        f"Limit cycle ({kind}) at {value_text('V_lp', V_lp)}, {LAWS[slider.law].name}: "
         f"{value_text('period', float(cycle.period))}, "
         f"amplitude {float(cycle.amplitude):.4g}"
     )
@@ -88,8 +88,9 @@ def _load(run):
     """Times and speeds of the load point, with its jumps where they are recorded; NaN at rest."""
     t, V = run.time.values, run.V_load.values
     record = loading_record(run)
-    if "V" in record:
-        starts, speeds, rates = (np.array(record[name]) for name in ("t", "V", "rate"))
+    columns = [record.get(name) for name in ("t", "V", "rate")]
+    if all(isinstance(column, list) for column in columns):  # of this run alone
+        starts, speeds, rates = map(np.array, columns)
         ends = np.append(starts[1:], max(t[-1], starts[-1]))
         t = np.column_stack([starts, ends]).ravel()
         V = np.column_stack([speeds, speeds + rates * (ends - starts)]).ravel()

@@ -16,7 +16,7 @@ def stability_page(result):
     values = {symbol: float(parameter(result, symbol)) for symbol in "a b Dc sigma M".split()}
     K, V_lp, V_c = float(parameter(result, "K")), float(result.V_lp), float(result.V_c)
     stable = "stable" if result.stable else "unstable"
-    law = LAWS[parameter(result, "law")]
+    law = LAWS[parameter(result, "law")].name
     title = f"Steady sliding at {value_text('V_lp', V_lp)} is {stable}; {law}"
     fig = figure(result, 3.4, title=title)
     near = [V_lp, V_c] if 1e-6 * V_lp < V_c < 1e6 * V_lp else [V_lp]

@@ -7,9 +7,9 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from ...dynamics.results import parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
 from ...model.quantities import QUANTITIES
-from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label, prefixed
+from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label
 from ..layout import figure, letters, styled
-from .axis import axis_of, fitting, is_wide
+from .axis import axis_of, is_wide, prefix_of
 
 #: variable -> what an axis is called
 WORDS = {
@@ -37,7 +37,7 @@ def sweep_page(result, function, dims):
     cases, shown = SHOWN[function]
     names = [name for name in shown if set(dims) & set(result[name].dims)] or shown
     over = " and ".join(label(str(dim)) for dim in dims)
-    title = f"{cases} over {over}, {LAWS[parameter(result, 'law')]}"
+    title = f"{cases} over {over}, {LAWS[parameter(result, 'law')].name}"
     along = max(dims, key=lambda dim: result.sizes[dim])
     across = next((dim for dim in dims if dim != along), None)
     if across is None or result.sizes[across] <= FEW:
@@ -88,7 +88,8 @@ def _lines(ax, result, name, along, across):
     dims = [along] if across is None else [across, along]
     pair = [name, "V_min"] if name == "V_max" else [name]
     found = np.array([np.atleast_2d(_values(result, one, dims)) for one in pair])
-    scaled, unit = fitting(found, QUANTITIES[name].unit)
+    factor, unit = prefix_of(found, QUANTITIES[name].unit)
+    scaled = factor * found
     _has_none(ax, scaled)
     names = [None] if across is None else axis_of(result, across).each(across)
     colors = ["k"] if across is None else COLORS(np.linspace(0.0, 0.85, len(names)))
@@ -103,7 +104,7 @@ def _lines(ax, result, name, along, across):
         ax.plot([], [], "--", color=GRAY, lw=1.0, label=label("V_min"))
     if name == "K_c" and np.ndim(K := parameter(result, "K")) == 0:
         of_slider = {"color": GRAY, "lw": 0.9, "ls": "--", "label": f"{label('K')} of the slider"}
-        ax.axhline(K * prefixed("Pa/m", float(np.nanmax(found)))[0], **of_slider)
+        ax.axhline(factor * K, **of_slider)
     if len(ax.lines) > 1:
         ax.legend()
     if is_wide(found):
@@ -124,7 +125,9 @@ def _lines(ax, result, name, along, across):
 def _map(fig, ax, result, name, dims):
     """A variable in colours; gray where a case has no answer, white where it has no cycle."""
     along, across = (axis_of(result, dim) for dim in reversed(dims))
-    values, unit = fitting(_values(result, name, dims), QUANTITIES[name].unit)
+    values = _values(result, name, dims)
+    factor, unit = prefix_of(values, QUANTITIES[name].unit)
+    values = factor * values
     along.dress(ax.xaxis)
     if not _has_none(ax, values):
         style, ticks = _colors(values)

@@ -7,7 +7,12 @@ from .messages import refusal
 from .stored import read_hdf5, read_mat
 from .text import read_text
 
-HDF5 = b"\x89HDF\r\n\x1a\n"
+#: what a file is -> its first bytes (those behind 512 others count too), the ending of its name
+#: where that decides, and its reader; a file of no such kind is text
+FORMATS = {
+    "HDF5": (b"\x89HDF\r\n\x1a\n", None, read_hdf5),
+    "a MAT file": (b"MATLAB 5.0", ".mat", read_mat),
+}
 #: how files begin that hold tables of another kind
 FOREIGN = {
     b"PK\x03\x04": "a spreadsheet or an archive",
@@ -30,10 +35,13 @@ def open_table(path):
             raise refusal(f"file.{kind}", path=path)
         with path.open("rb") as file:
             head = file.read(1024)
-        if head.startswith(HDF5) or HDF5 in head[512:520]:
-            return path, read_isolated(read_hdf5, path, "HDF5")
-        if head.startswith(b"MATLAB 5.0") or path.suffix.lower() == ".mat":
-            return path, read_isolated(read_mat, path, "a MAT file")
+        for kind, (begin, ending, reader) in FORMATS.items():
+            if (
+                head.startswith(begin)
+                or head[512:].startswith(begin)
+                or path.suffix.lower() == ending
+            ):
+                return path, read_isolated(reader, path, kind)
         for begin, what in FOREIGN.items():
             if head.startswith(begin):
                 raise refusal("file.foreign", name=path.name, what=what)
