@@ -113,15 +113,14 @@ def by_scheme(measure, slider, *omega_dts):
 
 
 def after_step(measure, slider, V_start, V_lp, duration, last, omega_dts, times=None):
-    """What measure(run, slider) gives of the last seconds after a step, and by the scheme."""
+    """What measure(run) gives of the last seconds after a step, and by the scheme."""
 
     def converged(rtol):
         settings = {"V_start": V_start, "times": times, "rtol": rtol}
         run = simulate(slider, Loading.constant(V_lp), duration, **settings)
-        return measure(run.sel(time=slice(duration - last, None)), slider)
+        return measure(run.sel(time=slice(duration - last, None)))
 
     def of_scheme(omega_dt):
-        run = step_response(slider, V_start, V_lp, duration, omega_dt, last=last)
-        return measure(run, slider)
+        return measure(step_response(slider, V_start, V_lp, duration, omega_dt, last=last))
 
     return pair(converged) | by_scheme(of_scheme, slider, *omega_dts)

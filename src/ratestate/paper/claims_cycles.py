@@ -94,11 +94,8 @@ def _fastest(slider):
 
 
 def _scheme(slider, cycles):
-    """Amplitude and frequency that the scheme ends with, along the sweep.
-
-    A few cycles settle stick-slip; in the fast regime amplitudes relax in 2 M V/((b - a) sigma),
-    0.2 s for each m/s.
-    """
+    """Amplitude and frequency that the scheme ends with, along the sweep."""
+    # a few cycles of stick-slip are enough; fast ones relax in 2 M V/((b - a) sigma), 0.2 s a m/s
     t_end = 4 * cycles.period + 0.2 + 2.0 * SWEEP
     steps = {"method": METHOD[slider.law], "dt": time_step(slider, LARGEST)}
     return simulate(slider, Loading.constant(SWEEP), t_end, V_start=0.1 * SWEEP, **steps)
@@ -120,10 +117,7 @@ def _line(sweep, against):
 
 
 def _minimum(sweep, every=1):
-    """Velocity [m/s] and amplitude at the smallest amplitude: quartic in ln V_lp about it.
-
-    every : int, 2 to use every other velocity only
-    """
+    """V_lp [m/s] and value of the least amplitude, by a quartic through every so many speeds."""
     V = np.log(MIDDLE.values[::every])
     middle = sweep.amplitude.sel(V_lp=MIDDLE.values).values[::every]
     i = min(max(int(np.argmin(middle)), 2), V.size - 3)

@@ -3,7 +3,9 @@
 import numpy as np
 
 from .. import limit_cycle, stability
+from ..dynamics.results import parameter
 from .claim import after_step, by_scheme, exact, pair
+from .fig6 import inertia
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES, FIG6, FIG6_SPEEDS
 from .scheme_map import FINER, LARGEST, step_response
 
@@ -28,9 +30,9 @@ def _inertia(slider, V_lp):
     return after_step(_share, slider, *step, [LARGEST]) | {"texts": texts}
 
 
-def _share(run, slider):
+def _share(run):
     """Share of a run's time in which inertia acts; straight lines between its points."""
-    stress = run.tau.values / slider.sigma
+    stress = run.tau.values / parameter(run, "sigma")
     excess = np.abs(stress - run.mu.values) - SHARE * (stress.max() - stress.min())
     low, high = np.sort([excess[:-1], excess[1:]], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -77,7 +79,7 @@ def on_slow_slip(law):
     of_the_cycle = {
         "slow_cycle": ("amplitude", 1.0, settled.amplitude),
         "slow_slip": ("V_max", fastest, settled.V.max()),
-        "slow_inertia": ("inertia", 1.0, _relative_inertia(settled, slider)),
+        "slow_inertia": ("inertia", 1.0, inertia(settled)),
     }
 
     def cycle(name, over, scheme):
@@ -89,12 +91,6 @@ def on_slow_slip(law):
         "K_over_K_c_fig6": exact(slider.K / slider.K_c(fast)),
         **{name: cycle(*row) for name, row in of_the_cycle.items()},
         "first_drop_inertia": after_step(
-            _relative_inertia, slider, slow, fast, FIRST, FIRST, [LARGEST, FINER]
+            inertia, slider, slow, fast, FIRST, FIRST, [LARGEST, FINER]
         ),
     }
-
-
-def _relative_inertia(run, slider):
-    """Largest |tau/sigma - mu| over max - min of tau/sigma."""
-    stress = run.tau / slider.sigma
-    return float(abs(stress - run.mu).max() / (stress.max() - stress.min()))

@@ -7,12 +7,12 @@ import numpy as np
 import xarray
 
 from .. import Loading, limit_cycle, logspace, simulate, stability
+from ..dynamics.results import parameter
 from .claim import TIGHT, after_step, by_scheme, exact, pair
 from .fig3 import UNSTABLE
 from .parameters import FIG1, FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START, FIG3_M, FIG3_V_LP
-from .scheme_map import FINER, LARGEST, critical_velocity, step_response, time_step
+from .scheme_map import FINER, LARGEST, LAST, critical_velocity, step_response, time_step
 
-LAST = 0.1  # s at the end of a run in which its oscillation is measured
 RTOL = 1e-8, 1e-6  # of the map; the second shows that the first is enough
 STIFFNESS = 1e5  # 1/m, the paper's K/sigma in Fig. 1
 POINTS = 4001  # of a response in Fig. 1
@@ -92,9 +92,9 @@ def _fate(slider, V_lp):
     return after_step(_amplitude, slider, *step, [LARGEST, FINER], times)
 
 
-def _amplitude(run, slider):
+def _amplitude(run):
     """Max - min of tau/sigma over what was saved."""
-    return float(run.tau.max() - run.tau.min()) / slider.sigma
+    return float(run.tau.max() - run.tau.min()) / parameter(run, "sigma")
 
 
 def _cycle(slider, V_lp):
@@ -142,10 +142,7 @@ def on_map(law):
 
 
 def _cases_by_scheme(law, V_lp):
-    """Cases on the right side by the scheme, and how many its large step puts on the wrong one.
-
-    dt goes with sqrt(M): the table states those of the smallest and the largest mass.
-    """
+    """Cases on the right side by the scheme, and how many its large step puts on the wrong one."""
     sliders = [FIG2.replace(law=law, M=float(M)) for M in logspace("M", *FIG3_M)]
     wrong = []
     for slider in sliders:
@@ -155,10 +152,10 @@ def _cases_by_scheme(law, V_lp):
     still = 0
     for slider, V in wrong:
         run = step_response(slider, FIG2_START, V, FIG2_DURATION, FINER, last=LAST)
-        still += (_amplitude(run, slider) > UNSTABLE) != (slider.V_c < V)
+        still += (_amplitude(run) > UNSTABLE) != (slider.V_c < V)
     cases = len(sliders) * V_lp.size
     counts = {LARGEST: cases - len(wrong), FINER: cases - still}
-    ends = sliders[0], sliders[-1]
+    ends = sliders[0], sliders[-1]  # dt goes with sqrt(M)
     return {
         (od, *(time_step(slider, od) for slider in ends)): (float(n),) for od, n in counts.items()
     }, len(wrong)

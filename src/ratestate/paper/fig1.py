@@ -12,11 +12,8 @@ MICRO = plot.PREFIXES[-6]
 BEFORE, AFTER = 2.0, 8.0  # slip shown, in Dc
 
 
-def compute(law=None):
-    """Friction against slip, for both laws (`law` is ignored): dimensions ``law``, ``time``.
-
-    Slip is counted from the step.
-    """
+def compute(_):
+    """Friction against slip from the step on, for both laws: dimensions ``law``, ``time``."""
     t_step = BEFORE * FIG1.Dc / FIG1.V0
     V = np.e * FIG1.V0
     # Both sides of the jump, then evenly spaced slip.

@@ -33,12 +33,12 @@ def sweep(law, between):
     return data.assign({name: theory[name] for name in ("eta", "f_n", "K_c_qs")})
 
 
-def example(slider, V_lp, shown=SHOWN):
+def example(slider, V_lp):
     """The last cycles of a run that has settled: tau and mu at the solver's steps, from time 0."""
     period = float(limit_cycle(slider, V_lp).period)
     t_end = 40.0 * period
     run = simulate(slider, Loading.constant(V_lp), t_end, V_start=0.1 * V_lp, rtol=1e-8)
-    run = run[["tau", "mu"]].sel(time=slice(t_end - shown * period, None))
+    run = run[["tau", "mu"]].sel(time=slice(t_end - SHOWN * period, None))
     return run.assign_coords(time=run.time.copy(data=run.time - run.time[0]))
 
 

@@ -29,6 +29,12 @@ def compute(law):
     return data
 
 
+def inertia(run):
+    """Largest |tau/sigma - mu| over max - min of tau/sigma."""
+    stress = run.tau / plot.parameter(run, "sigma")
+    return float(abs(stress - run.mu).max() / (stress.max() - stress.min()))
+
+
 @styled
 def draw(data):
     """tau/sigma and mu after the step, and once settled; a drop of each in the insets."""
@@ -59,8 +65,7 @@ def draw(data):
 def _drop(ax, run, half, text):
     """The steepest fall of the stress in a run, from `half` seconds before to as long after."""
     plot.trace(steepest(run).sel(time=slice(-half, half)), ax)
-    sigma = plot.parameter(run, "sigma")
-    share = abs(run.tau / sigma - run.mu).max() / (run.tau.max() - run.tau.min()) * sigma
+    share = inertia(run)
     ax.set_ylabel("")
-    gap = r"|$\tau/\sigma - \mu$| up to" + f" {100 * float(share):.2g} % of it"
+    gap = r"|$\tau/\sigma - \mu$| up to" + f" {100 * share:.2g} % of it"
     ax.set_title(f"{text}, with\n{gap}", fontsize=7.5, pad=3)

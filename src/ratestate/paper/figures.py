@@ -1,23 +1,22 @@
-"""The paper's figures, and those beyond it: the list of them, and how they become files.
+"""The paper's figures, and those beyond it, as figures.toml lists them; how they become files.
 
-The list is all that names them: the command line, its help and the tests read it.  Nothing heavy
-is imported before a figure is made.
+The command line, its help and the tests read this list.  Nothing heavy is imported before a figure
+is made.
 """
 
 import importlib
+import tomllib
 from pathlib import Path
 from typing import NamedTuple
-
-SOURCE = "Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026"
 
 
 class Figure(NamedTuple):
     """A figure; its module, of this package, has ``compute(law)`` and ``draw(Dataset)``."""
 
     module: str
-    name: str  # as the command line reports it
     title: str
-    help: str = ""  # what the command line's help says of it, where it is not in the paper
+    name: str
+    help: str = ""
     both_laws: bool = False
 
     def stem(self, law):
@@ -29,8 +28,9 @@ class Figure(NamedTuple):
         from ..plot.labels import LAWS
 
         laws = "both evolution laws" if self.both_laws else LAWS[law].name
-        attrs = {"title": f"{self.title}; {laws}", "references": SOURCE}
-        return self._imported().compute(law).assign_attrs(attrs)
+        source = "Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026"
+        data = self._imported().compute(law)
+        return data.assign_attrs(title=f"{self.title}; {laws}", references=source)
 
     def draw(self, data):
         """The matplotlib Figure of what `compute` gives."""
@@ -40,35 +40,15 @@ class Figure(NamedTuple):
         return importlib.import_module(f".{self.module}", __package__)
 
 
-FIGURES = {
-    "1": Figure(
-        "fig1", "Fig. 1", "Fig. 1. Friction after an e-fold step in velocity", both_laws=True
-    ),
-    "2": Figure("fig2", "Fig. 2", "Fig. 2. Velocity steps across the critical velocity"),
-    "3": Figure("fig3", "Fig. 3", "Fig. 3. Oscillation 10 s after a velocity step"),
-    "4": Figure("fig4", "Fig. 4", "Fig. 4. From stick-slip to quasi-harmonic oscillation"),
-    "5": Figure("fig5", "Fig. 5", "Fig. 5. Amplitude and frequency of limit cycles"),
-    "6": Figure("fig6", "Fig. 6", "Fig. 6. Slow stick-slip near the critical stiffness"),
-    "scheme": Figure(
-        "scheme",
-        "the scheme's error",
-        "Error of the paper's scheme (eqs 8, 9) against its time step",
-        "the error of its method against the time step",
-    ),
-    "branches": Figure(
-        "branches",
-        "branches of limit cycles",
-        "Limit cycles of the slider of Fig. 2, stable and unstable",
-        "stable and unstable limit cycles",
-    ),
-    "basins": Figure(
-        "basins",
-        "basins of steady sliding",
-        "How hard stable sliding may be pushed",
-        "what stable sliding survives",
-        both_laws=True,
-    ),
-}
+def _listed():
+    """The rows of figures.toml; those of the paper have a number."""
+    rows = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+    for key, row in rows.items():
+        own = {"module": f"fig{key}", "name": f"Fig. {key}"} if key.isdigit() else {"module": key}
+        yield key, Figure(**own | row)
+
+
+FIGURES = dict(_listed())
 #: those that are not in the paper
 BEYOND = {key: figure for key, figure in FIGURES.items() if figure.help}
 

@@ -5,13 +5,11 @@ import xarray
 
 from .. import limit_cycle, plot
 from ..plot.layout import figure, letters, styled
-from .parameters import FIG2, FIG2_SPEEDS, FIG2_START
-from .scheme_map import critical_velocity, step_response, time_step
+from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
+from .scheme_map import LAST, critical_velocity, step_response, time_step
 
 V_LP = FIG2_SPEEDS[-1]
 OMEGA_DT = [0.1, 0.07, 0.05, 0.035, 0.025, 0.02, 1 / 60, 0.0125, 0.01, 1 / 160, 1 / 320]
-SETTLED = 10.0  # s after the step
-LAST = 0.1  # s at the end in which V is looked at: two cycles or more
 METHODS = {"slip": ["im2017"], "aging": ["im2017", "im2017_euler"]}
 NAMES = {"im2017": "state advanced exactly", "im2017_euler": "state by backward Euler"}
 STYLES = {"im2017": ("k", "o"), "im2017_euler": (plot.BLUE, "s")}
@@ -33,11 +31,7 @@ PAPER_RANGE = (2.6e-3, 4.0e-3)  # m/s
 
 
 def compute(law):
-    """The scheme's V_c and its limit cycle at 3.2 mm/s: dimensions ``scheme``, ``omega_dt``.
-
-    ``V_c_scheme``, ``V_min``, ``V_max`` [m/s] and ``amplitude`` (of tau/sigma) are the scheme's;
-    ``V_c`` (eq. 10), ``cycle_V_min``, ``cycle_V_max`` and ``cycle_amplitude`` what they tend to.
-    """
+    """`PANELS` along ``scheme`` and ``omega_dt``, and what they tend to: ``V_c``, ``cycle_...``."""
     slider = FIG2.replace(law=law)
     cycle = limit_cycle(slider, V_LP, rtol=1e-10)
     found = np.array([[_measure(slider, od, m) for od in OMEGA_DT] for m in METHODS[law]])
@@ -64,7 +58,7 @@ def compute(law):
 
 def _measure(slider, omega_dt, method):
     """V_c, V_min, V_max and amplitude of the scheme."""
-    run = step_response(slider, FIG2_START, V_LP, SETTLED, omega_dt, method, LAST)
+    run = step_response(slider, FIG2_START, V_LP, FIG2_DURATION, omega_dt, method, LAST)
     V_c = critical_velocity(slider, omega_dt, method)
     return [V_c, float(run.V.min()), float(run.V.max()), float(run.amplitude)]
 

@@ -15,6 +15,7 @@ from ..friction.laws import evolution_law
 from ..friction.stability import eta
 
 LARGEST, FINER = 0.1, 0.01  # omega dt
+LAST = 0.1  # s at the end of a step of Fig. 2 that show how it oscillates: two cycles or more
 #: The scheme as its author published it: the aging law's state by backward Euler.
 METHOD = {"slip": "im2017", "aging": "im2017_euler"}
 # Of ln V, psi and x, to difference the map: rounding then costs 1e-8 of a multiplier.
@@ -27,14 +28,12 @@ def time_step(slider, omega_dt):
 
 
 def multiplier(slider, V_lp, omega_dt, method):
-    """Spectral radius of one step, linearised about the scheme's own steady sliding.
-
-    The spring's stress there is not the friction: it is what makes eq. 8 repeat itself.
-    """
+    """Spectral radius of one step, linearised about the scheme's own steady sliding."""
     law, code = evolution_law(slider.law).code, METHODS[method].code
     kappa, beta = slider.K * slider.Dc / (slider.a * slider.sigma), slider.b / slider.a
     omega = math.sqrt(kappa / eta(V_lp, a=slider.a, Dc=slider.Dc, sigma=slider.sigma, M=slider.M))
     h = omega_dt / omega  # V0 is V_lp here, so that w, V0 theta/Dc and the load's speed are 1
+    # the spring's stress there is not the friction: it is what makes eq. 8 repeat itself
     bias = kappa * (math.cos(omega_dt) * h - math.sin(omega_dt) / omega)
     steady = np.array([bias / (2.0 * math.sin(0.5 * omega_dt) ** 2), 0.0, 0.0])
 
@@ -54,11 +53,9 @@ def multiplier(slider, V_lp, omega_dt, method):
 
 
 def critical_velocity(slider, omega_dt, method=None):
-    """The V_lp [m/s] at which the scheme's steady sliding turns unstable; compare eq. 10.
-
-    Bisection; the scheme is anti-damped, so its V_c lies below the true one.
-    """
+    """The V_lp [m/s] at which the scheme's steady sliding turns unstable; compare eq. 10."""
     method = method or METHOD[slider.law]
+    # the scheme is anti-damped: its V_c lies below the true one
     low, high = 0.2 * slider.V_c, 1.05 * slider.V_c
     while high - low > 1e-7 * slider.V_c:
         middle = 0.5 * (low + high)

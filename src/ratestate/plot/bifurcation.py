@@ -9,7 +9,7 @@ from ..friction.stability import K_c
 from ..model.quantities import QUANTITIES
 from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, in_unit, name_and_symbol, prefixed
 from .labels import label as symbol_text
-from .layout import WIDE, figure, letters, styled
+from .layout import figure, is_wide, letters, styled
 
 STABLE, UNSTABLE = {"ls": "-", "lw": 1.6}, {"ls": DASHED, "lw": 1.1}
 # Ratio of the parameter's ends up to which a logarithmic axis would have no room for its ticks.
@@ -69,7 +69,7 @@ def branch_page(data):
         _pieces(axes["b"], x, (data[name] / V_lp).values, stable, color, 2 * [symbol_text(name)])
     _pieces(axes["c"], x, np.abs(data.multipliers.values[:, 0]), stable, "k")
     axes["b"].set(ylabel=f"Speed over {symbol_text('V_lp')}")
-    if float((data.V_max / data.V_min).max()) > WIDE:
+    if is_wide((data[["V_max", "V_min"]].to_array() / V_lp).values):
         axes["b"].set_yscale("log")
     axes["c"].set(ylabel="Larger Floquet multiplier (size)")
     for ax in (axes["b"], axes["c"]):

@@ -20,10 +20,7 @@ GAP, BOLD = 8.0, 1.12
 
 
 def estimates(result, ax):
-    """Write the estimates with their standard errors into axes, which are left without a frame.
-
-    A column for each, and a row for each law.
-    """
+    """Write the estimates with their errors into axes: a column for each, a row for each law."""
     laws = results_by_law(result)
     symbols = [str(symbol) for symbol in result["parameter"].values if symbol in LISTED]
     columns = [_column(laws, symbol) for symbol in symbols]

@@ -3,6 +3,7 @@
 from itertools import repeat
 from pathlib import Path
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -43,6 +44,12 @@ def figure(data, height, symbols=SLIDER, more="", title=None):
     second = ", ".join(listed) + more
     fig.suptitle(f"{title or data.attrs['title']}\n{second}", x=0.01, ha="left", fontsize=8)
     return fig
+
+
+def is_wide(values):
+    """Whether a logarithmic scale pays for values, as far as they are finite."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
 
 
 def letters(axes, *texts, first="a"):

@@ -20,15 +20,11 @@ def non_gaussian(result):
     parts = results_by_law(result).values()
     if not any(_profile(p, s) or _samples(p, s) is not None for s in free for p in parts):
         return []
-    seen = result["standard_error"].sel(parameter=free).values.reshape(-1, len(free))
-    return [s for s, known in zip(free, np.isfinite(seen).all(axis=0), strict=True) if known]
+    return [s for s in free if np.isfinite(result["standard_error"].sel(parameter=s)).all()]
 
 
 def likelihood(result, symbol, ax):
-    """Draw the relative likelihood of a parameter as a line, or a posterior, filled.
-
-    The line is the profile where there is one, else the Gaussian of the standard error.
-    """
+    """Draw a parameter's likelihood as a line (profile, or else Gaussian), a posterior filled."""
     laws = results_by_law(result)
     largest = max(abs(float(part[symbol])) for part in laws.values())
     factor, unit = prefixed(QUANTITIES[symbol].unit, largest)

@@ -6,7 +6,6 @@ import numpy as np
 
 from ...model.quantities import QUANTITIES
 from ..labels import in_unit, label, name_and_symbol, prefixed
-from ..layout import WIDE
 
 
 class Axis(NamedTuple):
@@ -62,12 +61,6 @@ def axis_of(result, dim):
 def prefix_of(values, unit):
     """Factor from SI, and the unit's text, that fit the largest of these values."""
     return prefixed(unit, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
-
-
-def is_wide(values):
-    """Whether a logarithmic scale pays for values, as far as they are finite."""
-    finite = values[np.isfinite(values)]
-    return bool(finite.size and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
 
 
 def _uneven(values):

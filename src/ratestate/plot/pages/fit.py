@@ -82,7 +82,10 @@ def fit_page(result, x=None):
         _share(column, named=name == "record" or len(column) == 1)
     legend(axes["record"], laws)
     for law in laws:
-        _name_law(axes[f"{law} record"], law)
+        panel = axes[f"{law} record"]
+        at = {"transform": panel.transAxes, "va": "top", "fontsize": 7, "color": LAWS[law].color}
+        box = {"fc": "w", "ec": "none", "pad": 0.5, "alpha": 0.8}
+        panel.text(0.01, 0.93, f"{law} law", fontweight="bold", bbox=box, **at)
     texts = ["", *(name.rpartition(" (")[0] for name in close)]
     letters([axes[name] for name in views], *texts)
     finished(result, below, "abcde"[len(views)])
@@ -133,10 +136,3 @@ def _share(column, *, named):
     if not named:
         for panel in column:
             panel.set_ylabel("")
-
-
-def _name_law(ax, law):
-    """Write the law's name into the panel of its residuals."""
-    at = {"transform": ax.transAxes, "va": "top", "fontsize": 7, "color": LAWS[law].color}
-    box = {"fc": "w", "ec": "none", "pad": 0.5, "alpha": 0.8}
-    ax.text(0.01, 0.93, f"{law} law", fontweight="bold", bbox=box, **at)

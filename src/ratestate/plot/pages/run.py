@@ -1,5 +1,7 @@
 """The pages of a run and of a limit cycle: stress, speed against time, and the phase plane."""
 
+import dataclasses
+
 import numpy as np
 
 from ...dynamics.attributes import loading_record, number
@@ -11,13 +13,12 @@ from ...engine.model import STEADY_SLIDING
 from ...friction.rate_and_state import mu_ss
 from ...model.slider import SpringSlider
 from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text, with_unit
-from ..layout import ABOVE, WIDE, figure, letters, styled
+from ..layout import ABOVE, figure, is_wide, letters, styled
 from ..runs import trace
 from .stability import stability_page
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
 MANY, FEW = 25, 5
-SYMBOLS = "a b Dc sigma K M mu0 V0 law".split()
 
 
 @styled
@@ -30,7 +31,8 @@ def run_page(run):
 @styled
 def cycle_page(cycle):
     """Page of one slider's cycle: a period of it; where it slides steadily, that of `stability`."""
-    slider = SpringSlider(**{symbol: parameter(cycle, symbol) for symbol in SYMBOLS})
+    symbols = [field.name for field in dataclasses.fields(SpringSlider)]
+    slider = SpringSlider(**{symbol: parameter(cycle, symbol) for symbol in symbols})
     V_lp = float(cycle.V_lp)
     if int(cycle.status) == STEADY_SLIDING:
         return stability_page(stability(slider, V_lp))
@@ -79,7 +81,7 @@ def _speed_axis(run, ax):
     """An axis for the speed, logarithmic if that pays; the factor from SI to its unit."""
     factor, unit = prefixed("m/s", float(run.V.max()))
     ax.set_ylabel(f"$V$ [{unit}]")
-    if float(run.V.max()) > WIDE * float(run.V.min()):
+    if is_wide(run.V.values):
         ax.set_yscale("log")
     return factor
 

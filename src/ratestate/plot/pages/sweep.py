@@ -8,8 +8,8 @@ from ...dynamics.results import parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
 from ...model.quantities import QUANTITIES
 from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label
-from ..layout import figure, letters, styled
-from .axis import axis_of, is_wide, prefix_of
+from ..layout import figure, is_wide, letters, styled
+from .axis import axis_of, prefix_of
 
 #: variable -> what an axis is called
 WORDS = {
@@ -80,10 +80,7 @@ def _has_none(ax, values):
 
 
 def _lines(ax, result, name, along, across):
-    """A variable against an axis, dots at its cases; V_min, dashed, beside V_max.
-
-    across : another axis, of which each value has a line in a colour of its own; or None
-    """
+    """A variable against an axis, in a colour for each value of another; V_min is dashed."""
     x = axis_of(result, along).values
     dims = [along] if across is None else [across, along]
     pair = [name, "V_min"] if name == "V_max" else [name]

@@ -72,10 +72,7 @@ def _requested(table, symbol, request):
 
 
 def column_by_name(table, symbol, taken, needed=False):
-    """Index of the one free column that has such a name, None if there is none.
-
-    Several that match equally well are an error where the column is needed, else left out.
-    """
+    """Index of the one free column with such a name; None for none, or several if not needed."""
     ranks = {
         i: rank
         for i, column in enumerate(table.columns)

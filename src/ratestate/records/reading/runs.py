@@ -65,17 +65,14 @@ def breakpoints(runs):
 
 
 def refine_breakpoints(runs):
-    """The runs with each row on its own side of the breaks, which is the joint least squares.
-
-    Rows change sides until none does, or this was seen before, or ROUNDS have passed.  Neighbours
-    with rows between them that belong to neither (a ramp) keep them so.
-    """
+    """The runs with each row on its own side of the breaks, which is the joint least squares."""
     t, x = runs[0].t, runs[0].x
     seen = set()
     for _ in range(ROUNDS):
         rows = [[*run.rows] for run in runs]
         for m, edge in enumerate(np.searchsorted(t, breakpoints(runs)).tolist()):
             (first, last), (start, end) = rows[m][-1], rows[m + 1][0]
+            # rows between neighbours that belong to neither (a ramp) stay so
             if last == start and first + 2 <= edge <= end - 2:
                 rows[m][-1], rows[m + 1][0] = (first, edge), (edge, end)
         places = tuple(own[0][0] for own in rows)
@@ -87,12 +84,10 @@ def refine_breakpoints(runs):
 
 
 def noise_variances(runs):
-    """Variance for each run of the white noise that would cause its errors.
-
-    It is the variance of its rows, times a factor for correlation in the record as a whole: the sum
-    of the correlations over all lags, from neighbouring rows, or from the scatter of means over
-    2, 4, 8, ... rows (up to a twentieth of the record); whichever is larger.
-    """
+    """Variance for each run of the white noise that would cause its errors."""
+    # The variance of its rows, times a factor for correlation in the record as a whole: the sum of
+    # the correlations over all lags, from neighbouring rows or from the scatter of means over
+    # 2, 4, 8, ... rows; whichever is larger.
     residuals = [run.residual() for run in runs]
     parameters = [len(run.rows) + (not run.hold) for run in runs]
     levels = [float(r @ r) / max(1, r.size - n) for r, n in zip(residuals, parameters, strict=True)]
@@ -108,10 +103,7 @@ def noise_variances(runs):
 
 
 def jump_size(t, x, row, V):
-    """Jump of a displacement just before a row where it runs at speed V; 0 if there is none.
-
-    A jump exceeds the scatter of the rows beside it; a machine that wanders does not.
-    """
+    """Jump of a displacement just before a row where it runs at speed V; 0 if there is none."""
     x = x - V * (t - t[row])
     before, after = x[max(0, row - NEAR) : row], x[row : row + NEAR]
     gap = float(np.median(after) - np.median(before))

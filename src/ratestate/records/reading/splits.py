@@ -124,10 +124,7 @@ def cut(rows):
 
 
 def _weakest_cut(rows, cuts):
-    """The cut that matters least: (its index, the cuts without it, the rise of the misfit).
-
-    Or two cuts that one better placed cut may replace.
-    """
+    """The cut, or two that one may replace, of least use: index, other cuts, rise of the misfit."""
     c = np.array(cuts)
     one = rows.misfit(c[:-1], c[1:])
     gains = rows.misfit(c[:-2], c[2:]) - one[:-1] - one[1:]

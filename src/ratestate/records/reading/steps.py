@@ -28,13 +28,10 @@ SHORT, SUCCESS = 16, 5.0
 
 
 def find_runs(t, x):
-    """Runs of the load point from break to break, and notes on them.
-
-    Steps in quick succession may be taken for a load point that wanders: where there is much of
-    that, a second search looks for noise in short spans only.
-    """
+    """Runs of the load point from break to break, and notes on them."""
     noise, runs = _steps_and_jumps(RowSums(t, x), t, x)
     scatter, steps = _scatter_of(runs)
+    # steps in quick succession may be taken for a load point that wanders
     if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
         again, closer = _steps_and_jumps(RowSums(t, x, longest=SHORT), t, x)
         if SUCCESS * _scatter_of(closer)[0] < scatter:
@@ -45,10 +42,7 @@ def find_runs(t, x):
 
 
 def _steps_and_jumps(rows, t, x):
-    """The noise, and runs between cuts at which the speed changes by as much as a step.
-
-    Of the other cuts those are kept where the displacement jumps: they part lines of one run.
-    """
+    """The noise, and runs between steps; where a displacement jumps, lines of one run."""
 
     @functools.cache
     def run_of(i, j):

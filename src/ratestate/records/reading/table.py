@@ -4,6 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+#: characters of a text, and names of a list, in a message
+LONGEST, MOST = 60, 20
+
 
 class Column(NamedTuple):
     """A column as it stands in a file."""
@@ -41,12 +44,12 @@ class Table(NamedTuple):
         return quoted(text) if text else "nothing"
 
 
-def quoted(text, longest=60):
+def quoted(text):
     """A text out of a file, as a message shows it: on one line, and short."""
-    return repr(text if len(text) <= longest else text[: longest - 3] + "...")
+    return repr(text if len(text) <= LONGEST else text[: LONGEST - 3] + "...")
 
 
-def name_list(names, most=20):
+def name_list(names):
     """Names in a row, as a message lists them."""
-    more = [f"{len(names) - most} more"] if len(names) > most else []
-    return ", ".join([*map(quoted, names[:most]), *more])
+    more = [f"{len(names) - MOST} more"] if len(names) > MOST else []
+    return ", ".join([*map(quoted, names[:MOST]), *more])

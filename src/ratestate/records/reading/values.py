@@ -59,10 +59,7 @@ def _drop(rows, symbol, bad, why):
 
 
 def isolated_samples(values, least=0.0):
-    """Mask of samples off to one side of both neighbours, by more than all other steps.
-
-    least : distance that is too little in any case
-    """
+    """Mask of samples off to one side of both neighbours, by more than all other steps."""
     bad = np.zeros(values.size, bool)
     if values.size < PART // 10:
         return bad
@@ -75,10 +72,7 @@ def isolated_samples(values, least=0.0):
 
 
 def flip_signs(record):
-    """Turn friction and stresses that are negative throughout, and a load point that moves down.
-
-    Notes on them.
-    """
+    """Turn what is negative throughout, and a load point that moves down; notes on them."""
     notes = {}
     for symbol in ("friction", "tau", "sigma"):
         if symbol in record and np.quantile(record[symbol], 0.9) < 0.0:
