@@ -16,7 +16,7 @@ from ratestate.paper import (
     scheme,
 )
 from ratestate.paper.claim import Claim, exact, pair, statements, to_digits
-from ratestate.paper.claims import claims
+from ratestate.paper.claims_table import claims
 from ratestate.paper.fig3 import UNSTABLE
 from ratestate.paper.parameters import FIG2, FIG2_START, FIG4
 from ratestate.paper.scheme_map import critical_velocity, multiplier, step_response, time_step

@@ -4,5 +4,5 @@
 and draw them, as do `scheme`, `branches` and `basins`; figures.toml lists them, and `figures`
 writes their files.
 claims.toml has what the paper says, ``claims_steps``, ``claims_cycles`` and ``claims_regimes``
-measure it, `claims` compares the two, and `claims_table` writes that down.
+measure it, and `claims_table` compares the two and writes that down.
 """

@@ -11,8 +11,10 @@ from .scheme_map import LAST, critical_velocity, step_response, time_step
 V_LP = FIG2_SPEEDS[-1]
 OMEGA_DT = [0.1, 0.07, 0.05, 0.035, 0.025, 0.02, 1 / 60, 0.0125, 0.01, 1 / 160, 1 / 320]
 METHODS = {"slip": ["im2017"], "aging": ["im2017", "im2017_euler"]}
-NAMES = {"im2017": "state advanced exactly", "im2017_euler": "state by backward Euler"}
-STYLES = {"im2017": ("k", "o"), "im2017_euler": (plot.BLUE, "s")}
+STYLES = {
+    "im2017": {"label": "state advanced exactly", "color": "k", "marker": "o"},
+    "im2017_euler": {"label": "state by backward Euler", "color": plot.BLUE, "marker": "s"},
+}
 #: title and axis of each panel -> what is measured of the scheme: unit, meaning
 PANELS = {
     ("Critical velocity", "$V_c$ [mm/s]"): {
@@ -72,10 +74,9 @@ def draw(data):
     axes = fig.subplots(1, 3)
     for ax, ((_, ylabel), names) in zip(axes, PANELS.items(), strict=True):
         for method in data.scheme.values:
-            color, marker = STYLES[method]
-            style = {"color": color, "marker": marker, "ms": 3, "lw": 1.0, "label": NAMES[method]}
             for name in names:
-                ax.plot(data.omega_dt, 1e3 * data[name].sel(scheme=method), **style)
+                y = 1e3 * data[name].sel(scheme=method)
+                ax.plot(data.omega_dt, y, ms=3, lw=1.0, **STYLES[method])
         for name in names:
             true = data.V_c if name == "V_c_scheme" else data[f"cycle_{name}"]
             style = {"color": plot.RED, "ls": "--", "lw": 1.0, "label": "true: eq. 10, converged"}

@@ -117,7 +117,6 @@ def _hopf_curve(ax, x, data):
     for kind, how, color in kinds:
         here = data.type.values == kind
         if here.any():
-            shown = np.where(here, x, np.nan)
-            name = f"{label('K_c')}: {how} ({kind})"
-            lines += ax.plot(shown, data.eta, color=color, lw=1.6, label=name, zorder=3)
+            style = {"color": color, "lw": 1.6, "label": f"{label('K_c')}: {how} ({kind})"}
+            lines += ax.plot(np.where(here, x, np.nan), data.eta, zorder=3, **style)
     return lines

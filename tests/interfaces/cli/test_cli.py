@@ -19,7 +19,7 @@ import ratestate
 from ratestate import ParameterError, SolverError
 from ratestate.interfaces import cli, scenario
 from ratestate.interfaces.cli import main
-from ratestate.paper import atlas, claims, figures
+from ratestate.paper import atlas, claims_table, figures
 from ratestate.paper.claim import Claim, exact
 
 ROW = Claim(id="x", where="sec. 1", claim="Water is wet.", paper="wet", unit="", **exact(1.0))
@@ -39,7 +39,7 @@ def made(monkeypatch):
         return [out / f"{figures.FIGURES[number].stem(law)}.png"]
 
     monkeypatch.setattr(figures, "make", make)
-    monkeypatch.setattr(claims, "claims", lambda law: [ROW])
+    monkeypatch.setattr(claims_table, "claims", lambda law: [ROW])
     return asked
 
 

@@ -27,7 +27,7 @@ def figures(
             f"{unknown[0]!r} is no figure; choose among {', '.join(FIGURES)} and all"
         )
     make_writable(out)
-    from ...paper import claims, claims_table
+    from ...paper import claims_table
     from ...paper.figures import make
 
     files, rows = list[Path](), None
@@ -38,7 +38,7 @@ def figures(
             files += made
     if "all" in names:
         with reporting_files(f"claims, {law} law") as made:
-            rows = claims.claims(law)
+            rows = claims_table.claims(law)
             made += claims_table.write(rows, law, out)
         files += made
     if json:

@@ -86,8 +86,8 @@ def coarse_resolution(record, segments):
 def _velocity_disagreement(rows):
     """A note if a velocity beside the displacement leads elsewhere, else ""."""
     columns, record = rows.table.columns, rows.record
-    own = {id(column) for column in rows.columns.values()}
-    taken = {i for i, column in enumerate(columns) if id(column) in own}
+    own = [*map(id, rows.columns.values())]
+    taken = [i for i, column in enumerate(columns) if id(column) in own]
     index = None if "V_load" in record else column_by_name(rows.table, "V_load", taken)
     if index is None or columns[index].values.size <= rows.kept.max():
         return ""
