@@ -1,7 +1,7 @@
 """Pictures of runs, and of limit cycles along a sweep."""
 
 from ..dynamics.results import parameter
-from ..friction.laws import mu_ss
+from ..friction.rate_and_state import mu_ss
 from ..model.quantities import QUANTITIES
 from .labels import ABSCISSAE, AMPLITUDE, DASHED, RED, STRESS, prefixed
 
