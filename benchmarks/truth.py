@@ -115,7 +115,7 @@ def references(solver):
     print("Reference values (period, amplitude): relative differences; of two tolerances")
     for name, (slider, period, amplitude) in REFERENCES.items():
         call = limit_cycle_call(package_slider(slider), slider.V_lp, rtol=1e-10)
-        _, found = call.solve()
+        _, found = call.find_cycles()
         answer = dict.fromkeys((*MEASURES, *ERRORS), 1.0)
         answer |= {"period": period, "amplitude": amplitude}
         one = compare(solver, name, slider, found["u"][0], 1, answer)
@@ -135,7 +135,7 @@ def limit_cycles(solver, count, rng):
             while wanted > 0:
                 drawn = draw(3 * wanted + 20, rng, law)
                 call = limit_cycle_call(drawn, V_LP, rtol=rtol)
-                status, found = call.solve()
+                status, found = call.find_cycles()
                 result = call.dataset(call.variables(status, found))
                 which = np.flatnonzero(status == 0)[:wanted]
                 wanted -= len(which)

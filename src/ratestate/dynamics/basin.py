@@ -7,9 +7,6 @@ lies between; without inertia it uses the path that separates runaways from orbi
 (`separatrix`).
 """
 
-import json
-from typing import NamedTuple
-
 import numpy as np
 import xarray
 
@@ -24,7 +21,7 @@ from .cycles.attractor import find_attractors
 from .cycles.measure import refine
 from .cycles.shooting import state, system_of
 from .progress import bar
-from .results import columns, plain, provenance
+from .results import columns, provenance
 
 #: disturbances, in the order of `_disturbed`
 KINDS = ("step_up", "step_down", "kick_up", "kick_down")
@@ -108,12 +105,12 @@ def escape(slider, V_lp):
             "kick_up": p.a * p.sigma * sizes[2],
             "kick_down": 0.0 - p.a * p.sigma * sizes[3],
         }
-        for name, value in cycles.items():
-            values[name] = units[name.removeprefix("unstable_")] * value
+    for name, value in cycles.items():
+        values[name] = units[name.removeprefix("unstable_")] * value
+    values["outcome"] = outcome
     variables = {name: batch.variable(value, name) for name, value in values.items()}
-    variables["outcome"] = batch.variable(outcome, "outcome")
     result = xarray.Dataset(variables, batch.coordinates(VARIABLES))
-    result.attrs = provenance("escape", slider, V_lp=json.dumps(plain(V_lp)))
+    result.attrs = provenance("escape", slider, V_lp=V_lp)
     return result
 
 
@@ -125,22 +122,16 @@ def _disturbed(system, kind, size):
     return np.stack([(1.0 - system.beta) * v + kick, v, -v], axis=1)
 
 
-class Edge(NamedTuple):
-    """The first disturbance of each of n sliders that does not come back."""
+def _smallest_escapes(system, kind, largest, progress):
+    """Sizes (n,) of the smallest disturbances of these kinds (n,) that leave the basin, or inf.
 
-    size: np.ndarray  # (n,) inf if all do
-    status: np.ndarray  # how it ends
-    u: np.ndarray  # (n, 2) where, if on a cycle
-
-
-def _edges(system, kind, largest, progress):
-    """`Edge` of sliders (n,) under disturbances of these kinds (n,).
+    Also the status with which the orbits end, and their u (n, 2) if on a cycle.
 
     largest : (n,) largest size to try
     """
     n = len(kind)
     low, high = np.zeros(n), np.full(n, np.inf)
-    edge = Edge(high, np.full(n, STEADY_SLIDING), np.full((n, 2), np.nan))
+    status, u = np.full(n, STEADY_SLIDING), np.full((n, 2), np.nan)
     trial, which = np.minimum(SIZES, largest[:, None]), np.arange(n)
     while len(which):
         m = trial.shape[1]
@@ -154,12 +145,12 @@ def _edges(system, kind, largest, progress):
         last = np.where(some, first, m) - 1
         low[which] = np.where(last < 0, low[which], trial[row, last])
         at, cell = which[some], row[some] * m + first[some]
-        high[at], edge.status[at] = trial[some, first[some]], attractors.status[cell]
-        edge.u[at] = attractors.u[cell]
+        high[at], status[at] = trial[some, first[some]], attractors.status[cell]
+        u[at] = attractors.u[cell]
         which = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
         gap = high[which] - low[which]
         trial = low[which, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
-    return edge
+    return high, status, u
 
 
 def _thresholds(system, progress):
@@ -182,13 +173,13 @@ def _thresholds(system, progress):
     with np.errstate(divide="ignore"):  # a step down is from a speed below V_c (eq. 10)
         down = 0.5 * np.log((part.kappa / (part.beta - 1.0) - 1.0) / part.eta)
     largest = np.where(kind == 1, np.minimum(down, SIZES[-1]), SIZES[-1])
-    edge = _edges(part, kind, largest, progress)
-    sizes[:, may_leave] = edge.size.reshape(4, -1)
-    for i, status, point in zip(slider, edge.status, edge.u, strict=True):
-        if status != STEADY_SLIDING:
-            outcome[i] = OUTCOMES.get(int(status), "unknown")
-        if status == FINISHED:
-            u[i] = point
+    smallest, status, ends = _smallest_escapes(part, kind, largest, progress)
+    sizes[:, may_leave] = smallest.reshape(4, -1)
+    for i, code, end in zip(slider, status, ends, strict=True):
+        if code != STEADY_SLIDING:
+            outcome[i] = OUTCOMES.get(int(code), "unknown")
+        if code == FINISHED:
+            u[i] = end
     return sizes, outcome, u
 
 
@@ -209,7 +200,7 @@ def _cycles_around(system, which, u):
         # With V_lp = Dc = sigma = a = 1 the slider is its own dimensionless form.
         values = {"a": 1.0, "b": beta, "Dc": 1.0, "sigma": 1.0, "K": kappa, "M": eta, "V_lp": 1.0}
         family, p = Family(system.law, values, "K", CYCLE_RTOL), np.log(kappa)
-        branch = family.follow(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST_FOLD))
+        branch = family.branch(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST_FOLD))
         # Close to the Hopf point p hardly changes along the branch, and noise hides the solution at
         # exactly the first p.
         if len(branch.points) > 2 and abs(branch.points[-1].p - p) <= CYCLE_RTOL:

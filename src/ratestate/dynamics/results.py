@@ -32,13 +32,17 @@ def status_variable(batch, status):
     return variable
 
 
+#: settings that are JSON in the attributes, as they may be arrays
+AS_JSON = ("V_lp", "V_start", "t_end", "initial")
+
+
 def provenance(function, slider, **settings):
     """Attributes from which a result can be reproduced: the call, its values, the versions."""
-    parameters = {symbol: plain(value) for symbol, value in slider.parameters.items()}
+    given = {name: value for name, value in settings.items() if value is not None}
     return {
         "title": f"ratestate {function}",
-        "slider": json.dumps(parameters),
-        **{k: v for k, v in settings.items() if v is not None},
+        "slider": json.dumps(plain(slider.parameters)),
+        **{name: json.dumps(plain(x)) if name in AS_JSON else x for name, x in given.items()},
         "versions": versions(),
     }
 
@@ -56,6 +60,8 @@ MANY = 1000
 
 def plain(value):
     """A value for JSON; a DataArray as its dimensions and values (or the coordinate's name)."""
+    if isinstance(value, dict):
+        return {name: plain(x) for name, x in value.items()}
     if not is_array(value):
         return value
     values = value.values.tolist() if value.size <= MANY else f"coordinate {value.name}"
@@ -116,7 +122,7 @@ def record_loading(result, loading):
     record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}
     units = {"t": "s", "V": "m/s", "rate": "m/s^2"}
     if (shape := loading.shape) is not None:
-        record[shape.kind] = {name: plain(value) for name, value in shape.values.items()}
+        record[shape.kind] = plain(shape.values)
     elif np.size(loading.V) <= MANY:
         record |= {k: plain(v) if is_array(v) else v.tolist() for k, v in columns.items()}
     else:

@@ -2,7 +2,6 @@
 
 import dataclasses
 import functools
-import json
 from typing import Any
 
 import xarray
@@ -12,7 +11,7 @@ from ..model.batch import Batch
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
-from .results import plain, provenance
+from .results import provenance
 
 VARIABLES = "K_c K_c_qs eta V_c f_n eigenvalues growth_rate omega omega_c stable".split()
 
@@ -99,5 +98,5 @@ class StabilityCall:
 
     def dataset(self, variables):
         """Variables of all cases as the result: with coordinates and provenance."""
-        attributes = provenance("stability", self.slider, V_lp=json.dumps(plain(self.V_lp)))
+        attributes = provenance("stability", self.slider, V_lp=self.V_lp)
         return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attributes)

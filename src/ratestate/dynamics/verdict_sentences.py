@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from ..friction.quasi_static import runaway_step_lower_bound
-from ..model.quantities import long_time, readable, readable_multiplier
+from ..model.quantities import readable, readable_multiplier, readable_time
 from ..model.sentences import Sentences
 from .cycles.regimes import HARMONIC, STEADY, UNKNOWN
 
@@ -54,7 +54,7 @@ def _motion(v, reason):
     elif v.regime == HARMONIC:
         values |= {"frequency": _vibration(v), "speeds": _range("V", v.V_min, v.V_max)}
     elif v.period is not None:
-        values["period"] = _time(v.period)
+        values["period"] = readable_time(v.period, both=True)
     return sentence(f"motion.{name}", v=v, **values)
 
 
@@ -74,7 +74,7 @@ def _doubling(v):
     """After how many maxima of the stress the cycle repeats, where more than one."""
     if v.returns is None or v.returns < 2:
         return ""
-    return sentence("motion.doubled", v=v, period=_time(v.period))
+    return sentence("motion.doubled", v=v, period=readable_time(v.period, both=True))
 
 
 def _vibration(v):
@@ -132,12 +132,12 @@ def _decay(v):
         return ""
     if v.regime == STEADY and v.growth_rate < 0.0:
         name = "ringing" if v.omega > 0.0 else "monotonic"
-        time = _time(-np.log(10.0) / v.growth_rate)
+        time = readable_time(-np.log(10.0) / v.growth_rate, both=True)
         return sentence(f"decay.{name}", time=time, frequency=v.omega / (2 * np.pi))
     if v.fade is None:
         return ""
     name = "within_a_cycle" if v.fade <= 1.0 else "in_cycles"
-    time = _time(v.fade * v.period)
+    time = readable_time(v.fade * v.period, both=True)
     return sentence(f"decay.{name}", v=v, time=time, multiplier=_multiplier(v.multiplier))
 
 
@@ -161,14 +161,6 @@ def _compared(ratio):
     if abs(ratio - 1.0) >= 0.1:
         return f"{ratio:.4g} times"
     return f"{100 * abs(ratio - 1.0):.2g} % {'above' if ratio > 1.0 else 'below'}"
-
-
-def _time(seconds):
-    """A time as text; a long one also in years, days or hours."""
-    text = readable("t", seconds)
-    if long := long_time(seconds):
-        return f"{text} ({seconds / long[1]:.3g} {long[0]})"
-    return text
 
 
 def _range(symbol, low, high):

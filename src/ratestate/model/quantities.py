@@ -101,6 +101,20 @@ def readable(symbol, value, digits=4):
     return f"{value / 10.0**power:.{digits}g} {PREFIXES[power]}{unit}"
 
 
+def readable_time(seconds, digits=4, both=False):
+    """A time as text, a long one in years, days or hours; both: in seconds too.
+
+    >>> readable_time(40.0), readable_time(9e6), readable_time(9e6, both=True)
+    ('40 s', '104.2 days', '9e+06 s (104 days)')
+    """
+    if (long := long_time(seconds)) is None:
+        return readable("t", seconds, digits)
+    unit, length = long
+    if both:
+        return f"{readable('t', seconds, digits)} ({seconds / length:.3g} {unit})"
+    return f"{seconds / length:.{digits}g} {unit}"
+
+
 def with_error(value, error):
     """A value and its standard error as text, with the digits that the error leaves.
 

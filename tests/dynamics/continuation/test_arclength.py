@@ -9,12 +9,12 @@ from scipy.optimize import brentq
 from ratestate.dynamics.continuation import arclength
 from ratestate.dynamics.continuation.arclength import Steps
 from ratestate.dynamics.continuation.bifurcations import locate, without_noise
-from ratestate.dynamics.continuation.newton import Problem, solve
+from ratestate.dynamics.continuation.newton import Problem, fixed_point
 
 
 def follow(evaluate, u0, p0, *, stop, scale, tol=1e-8, noise=1e-10, **options):
     problem = Problem(evaluate, np.asarray(scale), tol, noise)
-    return arclength.follow(problem, np.asarray(u0), p0, stop, **options)
+    return arclength.follow_branch(problem, np.asarray(u0), p0, stop, **options)
 
 
 class Orbit(NamedTuple):
@@ -498,7 +498,9 @@ def test_a_special_point_is_located_fast_where_its_test_is_steep(upside_down):
     problem = Problem(line(lambda u, p: 0.5 * (u + p), lambda u, p: 0 * u + 0.5), 1.0, 1e-9, EXACT)
     constant_p, along, trials = np.array([0.0, 1.0]), np.ones(2), []
     ends = [
-        solve(problem, np.array([p, p]), constant_p, along, problem.weights(np.array([p])), 1e-12)
+        fixed_point(
+            problem, np.array([p, p]), constant_p, along, problem.weights(np.array([p])), 1e-12
+        )
         for p in (0.1, 2.0)
     ]
 

@@ -512,12 +512,12 @@ def test_too_many_points(monkeypatch):
 def test_a_thousand_points_are_the_most_of_a_branch(monkeypatch):
     asked = []
 
-    def follow(self, *where, max_points, **how):
+    def branch(self, *where, max_points, **how):
         asked.append(max_points)
         return whole(self, *where, max_points=5, **how)
 
-    whole = Family.follow
-    monkeypatch.setattr(Family, "follow", follow)
+    whole = Family.branch
+    monkeypatch.setattr(Family, "branch", branch)
     with pytest.raises(NotConverged, match=r"\(max_points\): it has 1000 points"):
         continue_cycle(STRIP, "V_lp", 1e-4, 1e-2)
     assert asked == [1000]

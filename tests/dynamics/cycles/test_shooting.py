@@ -8,9 +8,9 @@ from dimensionless import P1, P2, P4B, jacobian, make_system, random_sliders, ra
 from naive import top
 from scipy.integrate import solve_ivp
 
-from ratestate.dynamics.cycles.attraction import LocalMap, _leap
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
 from ratestate.dynamics.cycles.measure import measure
+from ratestate.dynamics.cycles.search_step import LocalMap, _leap
 from ratestate.dynamics.cycles.shooting import (
     Returns,
     System,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .bifurcations import bifurcation_points, change, locate, without_noise
-from .newton import NO_CONVERGENCE, Lost, Point, Problem, solve, unit
+from .newton import NO_CONVERGENCE, Point, Problem, StepFailed, fixed_point, unit
 
 MAX_ROTATION = 0.2  # rad between the tangents of neighbouring points: some 15 points to a fold
 MAX_CHANGE = 0.2  # of test functions of multipliers, which lie between -1 and 1
@@ -60,7 +60,7 @@ class Branch(NamedTuple):
     end: str
 
 
-def follow(problem, u0, p0, stop, **settings):
+def follow_branch(problem, u0, p0, stop, **settings):
     """`Branch` of fixed points from near (u0, p0) to p = stop; no point if there is none at p0.
 
     settings : fields of `Options`
@@ -82,7 +82,7 @@ def follow(problem, u0, p0, stop, **settings):
             a = course.point_at(y, towards * _constant_p(y))
         else:
             weights = problem.weights(u0)
-            a = solve(problem, y, unit(along / weights), along, weights, problem.tol)
+            a = fixed_point(problem, y, unit(along / weights), along, weights, problem.tol)
         new, step = [a], options.steps.first
         for count in range(1, options.max_points + 1):
             points.extend(new)
@@ -91,8 +91,8 @@ def follow(problem, u0, p0, stop, **settings):
             if end or count == options.max_points:
                 break
             new, end, a, step = course.advance(a, step)
-    except Lost as lost:
-        end = lost.args[0]
+    except StepFailed as failure:
+        end = failure.reason
     return Branch(without_noise(points), end or "max_points")
 
 
@@ -118,7 +118,7 @@ class Course(NamedTuple):
     def point_at(self, guess, along):
         """The fixed point at exactly the p of `guess`."""
         weights, tol = self.problem.weights(guess[:-1]), self.problem.tol
-        return solve(self.problem, guess, _constant_p(guess), along, weights, tol)
+        return fixed_point(self.problem, guess, _constant_p(guess), along, weights, tol)
 
     def advance(self, a, step):
         """One step from a, as long as possible up to `step`.
@@ -130,7 +130,7 @@ class Course(NamedTuple):
             try:
                 b, next_step = self._predict_and_correct(a, step)
                 return *self._points_between(a, b), b, next_step
-            except Lost:
+            except StepFailed:
                 if step <= self.steps.smallest:
                     raise
                 step = max(0.5 * step, self.steps.smallest)
@@ -150,13 +150,13 @@ class Course(NamedTuple):
                 step = gap / t[-1]
                 guess, normal = a.y + step * weights * t, _constant_p(t)
                 guess[-1] = p
-        b = solve(self.problem, guess, normal, t, weights, self.problem.tol)
+        b = fixed_point(self.problem, guess, normal, t, weights, self.problem.tol)
         if np.linalg.norm((b.y - guess) / weights) > MAX_DEVIATION * step:
-            raise Lost(NO_CONVERGENCE)
+            raise StepFailed(NO_CONVERGENCE)
         rotation = np.arccos(min(t @ unit(b.tangent / weights), 1.0))
         strain = max(rotation / MAX_ROTATION, change(a, b) / MAX_CHANGE)
         if strain > 1 and step > self.steps.smallest:
-            raise Lost(NO_CONVERGENCE)
+            raise StepFailed(NO_CONVERGENCE)
         growth = min(2.0 if b.iterations <= FAST else 0.7, 0.7 / max(strain, 0.1))
         return b, float(np.clip(growth * step, self.steps.smallest, self.steps.largest))
 
@@ -172,7 +172,7 @@ class Course(NamedTuple):
                     where = locate(self.problem, last, point, end.distance, weights)
                     reached.append((where, name))
                 elif point is b and end.distance(b) <= min(0, end.distance(last)):
-                    raise Lost(name)  # the branch began beyond this end
+                    raise StepFailed(name)  # the branch began beyond this end
             if reached:
                 chord = (point.y - last.y) / weights**2
                 final, name = min(reached, key=lambda item: chord @ item[0].y)

@@ -9,7 +9,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from .newton import NO_CONVERGENCE, Lost, solve, unit
+from .newton import NO_CONVERGENCE, StepFailed, fixed_point, unit
 
 MAX_SECANTS = 100
 
@@ -53,7 +53,7 @@ def bifurcation_points(problem, a, b, weights):
     """The bifurcation points between neighbouring points of a branch, in their order along it.
 
     Each on the branch, as near to the bifurcation as rounding and noise allow.  The tangents at a
-    and b make an acute angle.  Raises Lost where one that must exist is not found.
+    and b make an acute angle.  Raises StepFailed where one that must exist is not found.
     """
     points = []
     for name, test in TESTS.items():
@@ -98,7 +98,7 @@ def locate(problem, a, b, test, weights):
     """The point between a and b on the branch where the function `test` of a point is 0.
 
     Its sign at a and at b must differ.  False position by the `illinois` method in the distance
-    along the chord; each trial is on the branch.  Raises Lost where a trial is not found.
+    along the chord; each trial is on the branch.  Raises StepFailed where a trial is not found.
     """
     chord = (b.y - a.y) / weights
     length, normal = np.linalg.norm(chord), unit(chord)
@@ -107,14 +107,14 @@ def locate(problem, a, b, test, weights):
     for _ in range(MAX_SECANTS):
         s = (low * f_high - high * f_low) / (f_high - f_low)
         guess = _hermite(a, b, normal, length, weights, s / length)
-        point = solve(problem, guess, normal, normal, weights, tol=0.0)
+        point = fixed_point(problem, guess, normal, normal, weights, tol=0.0)
         f = test(point)
         if f == 0 or abs(s - last) <= point.error:
             return point
         f_low, f_high, side = illinois(f_low, f_high, f, side)
         low, high = (low, s) if side > 0 else (s, high)
         last = s
-    raise Lost(NO_CONVERGENCE)
+    raise StepFailed(NO_CONVERGENCE)
 
 
 def illinois(low, high, new, side):

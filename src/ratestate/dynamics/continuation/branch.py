@@ -1,7 +1,5 @@
 """The function `continue_cycle`: a branch of limit cycles along one parameter."""
 
-import json
-
 import numpy as np
 import xarray
 
@@ -88,7 +86,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         def advance(point):
             progress(float(np.clip((point.p - p_start) / (p_stop - p_start), 0.0, 1.0)))
 
-        branch = family.follow(
+        branch = family.branch(
             begin.U,
             begin.p,
             stop=p_stop,
@@ -99,8 +97,8 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
             progress=progress and advance,
         )
     result = _dataset(family, branch, begin.hopf, ends)
-    speed = None if parameter == "V_lp" else json.dumps(family.values["V_lp"])
-    settings = {"parameter": parameter, **ends, "V_lp": speed, "rtol": rtol}
+    V_lp = None if parameter == "V_lp" else family.values["V_lp"]
+    settings = {"parameter": parameter, **ends, "V_lp": V_lp, "rtol": rtol}
     result.attrs = provenance("continue_cycle", slider, **settings)
     if branch.end in ENDS:
         last = np.exp(branch.points[-1].p if branch.points else begin.p)

@@ -49,24 +49,15 @@ def beginning(family, p_start, p_stop):
             f"no Hopf point lies between it and stop = {stop:.6g}: start where `limit_cycle` finds "
             f"a cycle, or on the other side of the Hopf point (see `hopf`)"
         )
-    hopf = hopf_point(family, p_start, p_stop)
-    return _beginning_at_hopf(family, hopf)
-
-
-def hopf_point(family, low, high):
-    """The p between low and high where steady sliding loses its stability, to rounding.
-
-    The margin of eq. 6 is monotone in every parameter.
-    """
-    return _bisect(family.margin, low, high)
+    return _beginning_at_hopf(family, _sign_change(family.margin, p_start, p_stop))
 
 
 def hopf_near(family, p):
-    """The Hopf point nearest to p."""
+    """The Hopf point nearest to p; the margin of eq. 6 is monotone in every parameter."""
     for reach in 0.01 * 2.0 ** np.arange(14):
         low, high = p - reach, p + reach
         if (family.margin(low) > 0.0) != (family.margin(high) > 0.0):
-            return hopf_point(family, low, high)
+            return _sign_change(family.margin, low, high)
     raise NotConverged(f"no Hopf point near {family.parameter} = {np.exp(p):.6g}", None)
 
 
@@ -77,7 +68,7 @@ def _beginning_at_hopf(family, hopf):
     step = 1e-3
     while (family.margin(hopf - step) > margin) == (family.margin(hopf + step) > margin):
         step *= 2.0
-    p = _bisect(lambda q: family.margin(q) - margin, hopf - step, hopf + step)
+    p = _sign_change(lambda q: family.margin(q) - margin, hopf - step, hopf + step)
     system = family.system(p)
     cycle = small_cycle(system.law, system.kappa, system.beta, system.eta)
     if not cycle.valid[0]:
@@ -112,8 +103,8 @@ def hopf_measures(family, p):
     }
 
 
-def _bisect(function, low, high):
-    """Where the sign of a function changes between low and high, to rounding."""
+def _sign_change(function, low, high):
+    """Where the sign of a function changes between low and high, by bisection to rounding."""
     rising = function(high) > 0.0
     while low != (middle := 0.5 * (low + high)) != high:
         low, high = (low, middle) if (function(middle) > 0.0) == rising else (middle, high)

@@ -14,7 +14,7 @@ from ...friction.laws import evolution_law
 from ..cycles.attractor import single_returns
 from ..cycles.measure import measure
 from ..cycles.shooting import TIGHTEST, return_map, small_amplitude, state, system_of, tightest
-from .arclength import Steps, follow
+from .arclength import Steps, follow_branch
 from .newton import Problem
 from .polish import polished
 
@@ -30,7 +30,7 @@ STEPS = Steps(largest=0.06)
 
 
 class MapValues(NamedTuple):
-    """The return map of m sliders, as `arclength.follow` needs it."""
+    """The return map of m sliders, as `arclength.follow_branch` needs it."""
 
     image: np.ndarray  # (m, 2) the next U
     jacobian: np.ndarray  # (m, 2, 2)
@@ -109,15 +109,15 @@ class Family(NamedTuple):
         measures = {"period": returns.numbers["period"], "tol": tol}
         return MapValues(image, jacobian, usable & returns.came_back, measures)
 
-    def follow(self, U, p, *, stop, **options):
-        """`arclength.follow` from U (2,) at p to stop, with these `Options`."""
+    def branch(self, U, p, *, stop, **options):
+        """`arclength.follow_branch` from U (2,) at p to stop, with these `Options`."""
         # At large eta the stress is large, and its rounding too: in stick-slip tau/(a sigma) varies
         # by some sqrt(kappa eta).
         system = self.system(np.array([p, stop]))
         amplitude = np.sqrt(np.max(np.maximum(1.0, system.kappa * system.eta)))
         noise = max(NOISE * self.rtol, TIGHTEST * amplitude / SCALE[0])
         problem = Problem(self.return_map, SCALE, self.rtol, noise)
-        return follow(problem, U, p, stop, steps=STEPS, **options)
+        return follow_branch(problem, U, p, stop, steps=STEPS, **options)
 
     def measures(self, points, exact):
         """The measures of the points of a branch, as by `measure`: name -> (n,) or (n, 2).

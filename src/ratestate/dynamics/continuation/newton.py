@@ -53,8 +53,15 @@ class Problem(NamedTuple):
         return np.append(self.scale + np.abs(u), 1.0)
 
 
-class Lost(Exception):
-    """No fixed point was found; its argument is NO_RETURN, NO_CONVERGENCE or an end's name."""
+class StepFailed(Exception):
+    """A step along a branch leads to no next point of it, and is to be shorter.
+
+    reason : NO_RETURN, NO_CONVERGENCE or, where the branch leads away from one, an end's name
+    """
+
+    @property
+    def reason(self):
+        return self.args[0]
 
 
 def unit(vector):
@@ -62,14 +69,14 @@ def unit(vector):
     return vector / np.linalg.norm(vector)
 
 
-def solve(problem, guess, normal, along, weights, tol):
+def fixed_point(problem, guess, normal, along, weights, tol):
     """The fixed point, a `Point`, on the plane through `guess` that `normal` is perpendicular to.
 
     Solves P(u, p) - u = 0 and normal . (z - z_guess) = 0 by Newton's method.  The tangent
     points to the side of `along`, which like `normal` is in the coordinates z = y/weights; the last
     unit vector as `normal` keeps p exactly as it is.  tol = 0: as small as noise allows.
 
-    Raises `Lost` where the map has no image, or Newton's method does not converge.
+    Raises `StepFailed` where the map has no image, or Newton's method does not converge.
     """
     y, last = np.array(guess), np.inf
     for iteration in range(1, MAX_ITERATIONS + 1):
@@ -94,7 +101,7 @@ def solve(problem, guess, normal, along, weights, tol):
         if stagnant or not np.isfinite(step):
             break
         y, last = y + weights * correction, step
-    raise Lost(NO_CONVERGENCE)
+    raise StepFailed(NO_CONVERGENCE)
 
 
 def _linearised(problem, y, weights):
@@ -110,12 +117,12 @@ def _linearised(problem, y, weights):
     orbit = problem.evaluate(np.tile(y[:-1], (3, 1)), p)
     defined = orbit.ok & np.isfinite(orbit.image).all(axis=1)
     if not (defined[0] and defined[1:].any() and np.isfinite(orbit.jacobian[0]).all()):
-        raise Lost(NO_RETURN)
+        raise StepFailed(NO_RETURN)
     above, below = (1 if defined[1] else 0), (2 if defined[2] else 0)
     change, one_sided = orbit.image[above] - orbit.image[below], orbit.image[0] - orbit.image[below]
     unequal = np.abs(change - 2 * one_sided) > 0.9 * np.abs(change) + JUMP * weights[:-1]
     if defined.all() and unequal.any():
-        raise Lost(NO_CONVERGENCE)  # the map jumps: to Newton's method that is a steep slope
+        raise StepFailed(NO_CONVERGENCE)  # a jump, which looks like a steep slope
     dP_dp = change / (p[above] - p[below])
     return orbit, np.column_stack([orbit.jacobian[0] - np.eye(n), dP_dp]) * weights
 

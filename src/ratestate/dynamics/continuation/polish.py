@@ -15,13 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..cycles.attraction import FINER
 from ..cycles.attractor import single_returns
+from ..cycles.search_step import FINER
 from ..cycles.sensitivity import (
     backward_error,
     coarser_orbits,
     difference,
-    follow_period,
+    orbits_of_one_period,
     parameter_derivatives,
     stiffness_derivatives,
 )
@@ -128,7 +128,7 @@ def _as_followed(family, points, special, exact):
 def _correction(family, now, shape):
     """`Correction` of `Points` of this shape."""
     system = family.sliders(now.parameter)
-    orbits = follow_period(system, single_returns(now.u, now.tol, now.period), now.tol)
+    orbits = orbits_of_one_period(system, single_returns(now.u, now.tol, now.period), now.tol)
     coarse, finer = coarser_orbits(orbits, now.last)
     by_steps, finer = difference(coarse, orbits), finer[:, None]
     by_p = parameter_derivatives(orbits, lambda by: family.sliders(now.parameter * by))

@@ -1,7 +1,7 @@
 """Which attractor a slider reaches from a given start: a limit cycle or steady sliding.
 
 Where steady sliding and cycles coexist, the answer depends on the start.  So the search follows
-the orbit itself from the start, and estimates where it goes (attraction.py).  Near steady sliding,
+the orbit itself from the start, and estimates where it goes (search_step.py).  Near steady sliding,
 where the return map drowns in rounding, harmonic balance takes over.
 """
 
@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
-from .attraction import LARGEST_LEAP, LOOSEST, SEARCH, advance_search
 from .iterates import iterated_map
+from .search_step import LARGEST_LEAP, LOOSEST, SEARCH, advance_search
 from .shooting import distance, return_map, select, small_amplitude, tightest
 from .small_cycles import curvature, small_cycle
 

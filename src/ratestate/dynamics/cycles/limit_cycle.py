@@ -2,7 +2,6 @@
 
 import dataclasses
 import functools
-import json
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from ...model.batch import Batch
 from ...model.slider import SpringSlider, checked
 from ...model.units import to_si
 from ..progress import bar
-from ..results import plain, provenance
+from ..results import provenance
 from ..simulation.cases import failure
 from ..simulation.settings import checked_rtol
 from .attractor import find_attractors, steady_start
@@ -129,14 +128,14 @@ class LimitCycleCall:
 
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep."""
-        return self.variables(*self.solve(progress))
+        return self.variables(*self.find_cycles(progress))
 
     def variables(self, status, measures):
-        """The variables of `run`, from the results of `solve`."""
+        """The variables of `run`, from the results of `find_cycles`."""
         # An attractor is stable, though the multipliers of the smallest cycles round to 1.
         return cycle_variables(self.batch, status, measures, stable=status == FINISHED)
 
-    def solve(self, progress=None):
+    def find_cycles(self, progress=None):
         """Status (n,) of all cases, and the measures of their cycles, as by `refine`."""
         n, alone = self.batch.n, self.batch.alone
         system = system_of(self.slider.law, **self.batch.columns)
@@ -167,8 +166,7 @@ class LimitCycleCall:
 
     def dataset(self, variables):
         """Variables of all cases as the result: with coordinates and provenance."""
-        settings = {"rtol": self.rtol, "V_lp": json.dumps(plain(self.V_lp))}
-        attrs = provenance("limit_cycle", self.slider, **settings)
+        attrs = provenance("limit_cycle", self.slider, rtol=self.rtol, V_lp=self.V_lp)
         return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attrs)
 
     def refuse_failure(self, result):

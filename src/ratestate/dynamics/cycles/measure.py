@@ -4,12 +4,12 @@ import numpy as np
 
 from ...engine.model import FINISHED
 from ...friction.eigenvalues import steady_modes
-from .attraction import FINER
+from .search_step import FINER
 from .sensitivity import (
     backward_error,
     coarser_orbits,
     difference,
-    follow_period,
+    orbits_of_one_period,
     stiffness_sensitivity,
 )
 from .shooting import (
@@ -73,7 +73,7 @@ def measure(system, cycles, alone):
     """
     u, fixed = cycles.u, cycles.error > 0.0
     tol = np.maximum(FINER * cycles.tol, tightest(system, u))
-    orbits = follow_period(system, cycles, tol, alone)
+    orbits = orbits_of_one_period(system, cycles, tol, alone)
     returns, numbers = orbits.returns, orbits.returns.numbers
     step = np.where(fixed[:, None], 0.0, newton_step(returns, u))
     corrected = ("x_high", "x_low", "period", "v_max", "v_min")

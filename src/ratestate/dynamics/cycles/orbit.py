@@ -61,7 +61,7 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
             f"{slider!r} is a sweep over {', '.join(map(str, call.batch.dims))}; orbit wants one "
             f"slider and one speed, such as those of one case"
         )
-    status, measures = call.solve(progress)
+    status, measures = call.find_cycles(progress)
     cycle = call.dataset(call.variables(status, measures))
     call.refuse_failure(cycle)
     if status[0] == STEADY_SLIDING:

@@ -41,7 +41,7 @@ class Difference(NamedTuple):
     measures: np.ndarray  # (n, 4)
 
 
-def follow_period(system, cycles, tol, alone=False):
+def orbits_of_one_period(system, cycles, tol, alone=False):
     """`Orbits` of one period from the `attractor.CycleEstimates` cycles, at the tolerance tol."""
     count, period = cycles.n_returns, cycles.period
     returns = iterated_map(system, cycles.u, tol, count, alone=alone, period=period)
@@ -72,7 +72,7 @@ def coarser_orbits(orbits, tol, alone=False):
     """
     fine = effective_tolerance(orbits.returns, orbits.tol)
     coarse = np.maximum(tol, COARSER * fine)
-    return follow_period(orbits.system, orbits.cycles, coarse, alone), fine / coarse
+    return orbits_of_one_period(orbits.system, orbits.cycles, coarse, alone), fine / coarse
 
 
 def parameter_derivatives(orbits, changed):
@@ -81,7 +81,7 @@ def parameter_derivatives(orbits, changed):
     changed : of a factor (n,), giving the sliders with the parameter larger by it
     """
     h = np.maximum(LEAST_CHANGE, CHANGE * orbits.tol)
-    others = follow_period(changed(1.0 + h), orbits.cycles, orbits.tol)
+    others = orbits_of_one_period(changed(1.0 + h), orbits.cycles, orbits.tol)
     return Difference(*(values / h[:, None] for values in difference(others, orbits)))
 
 

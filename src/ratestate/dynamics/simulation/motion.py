@@ -4,14 +4,16 @@ from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
+import xarray
 
 from ...engine.exp import LIMIT
 from ...engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, Loads
 from ...friction.laws import evolution_law
 from ...model.initial_state import initial_state
+from ...model.quantities import attrs
 from ...model.units import is_array
 from ..domain import domain_variables
-from ..results import columns
+from ..results import columns, status_variable
 from . import rigid
 from .cases import engine_cases, run_cases, run_path, speed
 
@@ -62,19 +64,18 @@ def move(call, progress):
     motion = Motion(t, states, numbers, results.status)
     for i in np.flatnonzero(is_rigid):
         segments = (loading.t, table[rows[i]], rates[rows[i]])
-        _follow_rigid(motion, i, batch, law, y0[i, 2], segments)
+        _put_rigid(motion, i, batch, law, y0[i, 2], segments)
     return motion
 
 
-def _follow_rigid(motion, i, batch, law, psi0, segments):
+def _put_rigid(motion, i, batch, law, psi0, segments):
     """Put the motion of the case of number i, of K = inf, into that of all."""
     own = SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
-    followed = rigid.follow(
-        law, psi0, motion.t if motion.t.ndim == 1 else motion.t[i], segments, own
-    )
-    motion.status[i] = RIGID_REST if followed is None else FINISHED
-    if followed is not None:
-        motion.states[i], numbers = followed
+    t = motion.t if motion.t.ndim == 1 else motion.t[i]
+    result = rigid.rigid_motion(law, psi0, t, segments, own)
+    motion.status[i] = RIGID_REST if result is None else FINISHED
+    if result is not None:
+        motion.states[i], numbers = result
         for name, value in numbers.items():
             motion.numbers[name][i] = value
 
@@ -125,7 +126,19 @@ def energy_residual(batch, loading, cases, y0, results):
     return residual / np.where(turnover > 0.0, turnover, 1.0)
 
 
-def series(batch, loading, motion):
+def motion_variables(call, motion):
+    """The variables of the result of a `simulate.SimulateCall`, name -> Variable."""
+    variables = _series(call.batch, call.loading, motion)
+    variables["status"] = status_variable(call.batch, motion.status)
+    variables |= _observables(call.batch, motion, call.rtol)
+    if motion.t.ndim == 1:
+        variables["time"] = xarray.Variable("time", motion.t, attrs("time"))
+    else:  # times of its own for each case
+        variables["t"] = call.batch.variable(motion.t, "t", "time")
+    return variables
+
+
+def _series(batch, loading, motion):
     """The variables along time, as name -> Variable in the sweep's dimensions and ``time``."""
     p = SimpleNamespace(**{symbol: values[:, None] for symbol, values in batch.columns.items()})
     x, v, psi = np.moveaxis(motion.states, -1, 0)
@@ -153,7 +166,7 @@ def series(batch, loading, motion):
     return variables
 
 
-def observables(batch, motion, rtol):
+def _observables(batch, motion, rtol):
     """The variables that have one value a case, as name -> Variable."""
     p, numbers = columns(batch), motion.numbers
     # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.

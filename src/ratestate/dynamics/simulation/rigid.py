@@ -10,7 +10,7 @@ from ...engine.rigid import states
 from ...friction.laws import SLIP, aging_rate, slip_rate
 
 
-def follow(law, psi0, t, segments, p):
+def rigid_motion(law, psi0, t, segments, p):
     """States (m, 3) x, v, psi at times t, and the numbers of a run as the engine reports them.
 
     Returns None where the load point rests.  tau includes the force M dV_lp/dt that a ramp takes;

@@ -2,7 +2,6 @@
 
 import dataclasses
 import functools
-import json
 from typing import Any
 
 import numpy as np
@@ -14,13 +13,12 @@ from ...machine import check_fits
 from ...model.batch import Batch
 from ...model.initial_state import initial_values
 from ...model.loading import Loading
-from ...model.quantities import attrs
 from ...model.slider import SpringSlider, checked
 from ...model.units import is_array, to_si
 from ..progress import bar
-from ..results import plain, provenance, record_loading, status_variable
+from ..results import provenance, record_loading
 from .cases import failure
-from .motion import blank_motion, move, observables, series
+from .motion import blank_motion, motion_variables, move
 from .settings import saved_times, solver_settings
 
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
@@ -190,27 +188,19 @@ class SimulateCall:
 
     def variables(self, motion):
         """The variables of `run`, from this motion."""
-        variables = series(self.batch, self.loading, motion)
-        variables["status"] = status_variable(self.batch, motion.status)
-        variables |= observables(self.batch, motion, self.rtol)
-        if motion.t.ndim == 1:
-            variables["time"] = xarray.Variable("time", motion.t, attrs("time"))
-        else:  # times of its own for each case
-            variables["t"] = self.batch.variable(motion.t, "t", "time")
-        return variables
+        return motion_variables(self, motion)
 
     def dataset(self, variables):
         """Variables of all cases as the result: with coordinates and provenance."""
         coords = self.batch.coordinates(VARIABLES)
         if self.V_start is None:
             coords.pop("V_start", None)
-        initial = {name.removesuffix("_initial"): plain(v) for name, v in self.initial.items()}
-        values = {symbol: plain(self.batch.values[symbol]) for symbol in ("V_start", "t_end")}
-        texts = {name: json.dumps(v) for name, v in {"initial": initial, **values}.items()}
+        initial = {name.removesuffix("_initial"): v for name, v in self.initial.items()}
+        values = {symbol: self.batch.values[symbol] for symbol in ("V_start", "t_end")}
         if self.times is not None:
-            texts["times"] = "as saved"  # else the solver's own steps, or the end
-        settings = {"method": self.method, "rtol": self.rtol, "dt": self.dt}
-        attributes = provenance("simulate", self.slider, **settings, **texts)
+            values["times"] = "as saved"  # else the solver's own steps, or the end
+        settings = {"method": self.method, "rtol": self.rtol, "dt": self.dt, "initial": initial}
+        attributes = provenance("simulate", self.slider, **settings, **values)
         result = xarray.Dataset(variables, coords, attributes).set_coords({"t"} & set(variables))
         record_loading(result, self.loading)
         return result

@@ -7,7 +7,7 @@ from rich import box
 from rich.table import Column, Table
 from rich.text import Text
 
-from ....model.quantities import QUANTITIES, long_time, readable
+from ....model.quantities import QUANTITIES, readable, readable_time
 
 DIGITS = 6
 
@@ -29,20 +29,13 @@ class Row(NamedTuple):
 def row(symbol: str, value: Any, remark: str = "", error: float | None = None) -> Row:
     """The row of a quantity in SI, with its long name and a remark."""
     x, quantity = float(value), QUANTITIES[symbol]
-    text = when(x) if quantity.unit == "s" else readable(symbol, x, DIGITS)
+    text = readable_time(x, DIGITS) if quantity.unit == "s" else readable(symbol, x, DIGITS)
     if math.isnan(x):
         text = "-"
     elif math.isinf(x) and not quantity.may_be_inf:
         text = "none"  # a limit such as V_c without mass
     name = quantity.long_name
     return Row(symbol, text, f"{name}; {remark}" if remark else name, error)
-
-
-def when(seconds: float) -> str:
-    """A time as text, a long one in years, days or hours."""
-    if long := long_time(seconds):
-        return f"{seconds / long[1]:.{DIGITS}g} {long[0]}"
-    return readable("t", seconds, DIGITS)
 
 
 def table(title: str, rows: list[Row]) -> list[Any]:

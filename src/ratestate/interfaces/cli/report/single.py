@@ -11,15 +11,16 @@ from ....dynamics.attributes import branch_parameter
 from ....dynamics.results import parameter
 from ....dynamics.verdict_sentences import on_edge
 from ....engine.model import STEADY_SLIDING
-from ....model.quantities import readable, readable_multiplier
-from .rows import DIGITS, Row, plain_table, row, table, when
+from ....model.quantities import readable, readable_multiplier, readable_time
+from .rows import DIGITS, Row, plain_table, row, table
 
 
 def run(result: xarray.Dataset) -> list[Any]:
     """The end of a run, its extremes, and the last cycle that its tolerance resolves."""
     last = result.isel(time=-1)
     V = result.V.values
-    fastest, slowest = (f"at {when(float(result.time[i]))}" for i in (V.argmax(), V.argmin()))
+    when = (readable_time(float(result.time[i]), DIGITS) for i in (V.argmax(), V.argmin()))
+    fastest, slowest = (f"at {time}" for time in when)
     rows = [
         row("V", last.V, f"load point {readable('V_load', float(last.V_load), DIGITS)}"),
         row("tau", last.tau, f"tau/sigma = {float(last.tau) / parameter(result, 'sigma'):.6g}"),
@@ -35,7 +36,7 @@ def run(result: xarray.Dataset) -> list[Any]:
         rows.append(row("amplitude", result.amplitude, "of the last cycle"))
         rows.append(Row("frequency", frequency, "of the last cycle"))
     rows.append(row("energy_residual", abs(result.energy_residual)))
-    end, law = when(float(last.time)), parameter(result, "law")
+    end, law = readable_time(float(last.time), DIGITS), parameter(result, "law")
     return table(f"At the end, {end}, after {int(result.steps):,} steps, {law} law", rows)
 
 
@@ -52,7 +53,7 @@ def stability(result: xarray.Dataset) -> list[Any]:
     e_folding = ""
     if growth != 0.0 and math.isfinite(growth):
         what = "grows" if growth > 0.0 else "decays"
-        e_folding = f"{what}; e-folding time {when(1.0 / abs(growth))}"
+        e_folding = f"{what}; e-folding time {readable_time(1.0 / abs(growth), DIGITS)}"
     rows = [
         row("K", K, f"{K / K_c:.4g} K_c" if math.isfinite(K) else "rigid"),
         row("K_c", K_c, "unstable where K < K_c"),
@@ -109,7 +110,7 @@ def branch(result: xarray.Dataset) -> list[Any]:
             str(special).replace("_", " "),
             readable(symbol, float(one[symbol]), DIGITS),
             f"{float(one.amplitude):.{DIGITS}g}",
-            when(float(one.period)),
+            readable_time(float(one.period), DIGITS),
             readable("V_max", float(one.V_max), DIGITS),
             readable_multiplier(complex(one.multipliers[0])),
             after[i],
