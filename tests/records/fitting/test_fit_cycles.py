@@ -15,6 +15,7 @@ from ratestate.records.fitting.cycles.fit import fit_cycles, wave_at
 from ratestate.records.fitting.cycles.folding import cut_cycles, main_period
 from ratestate.records.fitting.cycles.measured import Noise, corrected, measure
 from ratestate.records.fitting.cycles.model import GRID, CycleModel, limit_waves
+from ratestate.records.fitting.cycles.profile import profiled_intervals
 from ratestate.records.fitting.cycles.result import cycles_dataset
 from ratestate.records.fitting.cycles.search import Problem
 from ratestate.records.fitting.cycles.segments import Segment, regular_cuts, segments_of
@@ -251,6 +252,22 @@ def test_stick_slip_at_two_speeds_gives_back_its_slider():
     assert len(found.measured) == 2
     check_estimates(found, STICK_SLIP, 1.0)
     assert "best-constrained first" in diagnose(found)[0]
+
+
+def test_intervals_do_not_depend_on_earlier_calls():
+    measured = (measure(segment(VIBRATION, 3.2e-3, cycles=20, samples=50, noise=0.05)),)
+    space = Space(VIBRATION, ("a", "b"), 3.2e-3)
+    model = CycleModel(
+        "slip", np.array([3.2e-3]), [measured[0].bins], VIBRATION.sigma, VIBRATION.V0
+    )
+    problem = Problem(space, model, measured)
+    run = problem.search(space.own()[0])
+    errors = dict.fromkeys(space.names, 0.1)
+    first = profiled_intervals(problem, run, errors, 1.0, np.inf)
+    assert problem.has_cycle(run.end + 0.01)
+    again = profiled_intervals(problem, run, errors, 1.0, np.inf)
+    for name in space.names:
+        np.testing.assert_array_equal(again[name], first[name])
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")

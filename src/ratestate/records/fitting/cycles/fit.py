@@ -69,12 +69,14 @@ def fit_cycles(record, slider, free, law, loading=None):
     # The shift moves a minimum by about an error: only the better ones are continued.
     distinct = distinct_runs(runs, runs[0].covariance)
     followed = [i for i in distinct[:MOST] if runs[i].chi2 < runs[0].chi2 + FOLLOWED]
-    runs = _ranked(
-        problem.search(run.end)._replace(start=run.start)
-        if i in followed
-        else problem.run(run.start, run.end, run.status)
-        for i, run in enumerate(runs)
-    )
+
+    def continued(i, run):
+        if i in followed:
+            return problem.search(run.end)._replace(start=run.start)
+        problem.begin_at(run.near)
+        return problem.run(run.start, run.end, run.status)
+
+    runs = _ranked(continued(i, run) for i, run in enumerate(runs))
     return _cycles_fit(problem, runs, left_out)
 
 
@@ -143,6 +145,7 @@ def _cycles_fit(problem, runs, left_out, refits=REFITS):
     run_values = tuple({s: float(v[0]) for s, v in end.items()} for end in ends_of_runs)
     at = run_values[0] | {"mu0": best.mu0}
     at["a_minus_b"] = at["a"] - at["b"]
+    problem.begin_at(best.near)
     centres = np.array([problem.value(name, best.end) for name in space.reported])
     is_log = np.array([name in space.names for name in space.reported])
     values = np.array([at[name] for name in space.reported])

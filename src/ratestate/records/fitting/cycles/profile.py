@@ -44,6 +44,7 @@ def profiled_intervals(problem, run, errors, enlarged, better):
     intervals = {}
     for name, error in errors.items():
         if (error if name in free else worst) >= SMALL:
+            problem.begin_at(run.near)
             estimate = problem.value(name, run.end)
             profile = _Profile(problem, run, name, estimate, error, enlarged, better)
             intervals[name] = np.stack([profile.side(-1.0), profile.side(1.0)], axis=1)
@@ -63,6 +64,7 @@ class _Profile(NamedTuple):
 
     def side(self, sign):
         """(levels,) ends on one side."""
+        self.problem.begin_at(self.run.near)
         q, values, roots = self.run.end, [self.estimate], [0.0]
         gradient = self.problem.gradient(self.name, q)
         lead = (self.enlarged**2 * self.run.covariance)[:-1, :-1] @ gradient

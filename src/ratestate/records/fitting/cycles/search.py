@@ -39,6 +39,7 @@ class Run(NamedTuple):
     chi2: float
     status: str  # "converged", "at a bound", "no cycle" or "not converged"
     jacobian: np.ndarray  # (features, k + 1) of the whitened residual; mu0 last
+    near: np.ndarray | None  # (segments, 2) the cycles at the end
 
     @property
     def covariance(self):
@@ -66,8 +67,12 @@ class Problem:
         self.whiten = [np.linalg.inv(np.linalg.cholesky(one)) for one in covariances]
         levels = [np.flatnonzero(one.used) == LEVEL for one in measured]
         self.levels = np.concatenate([w @ x for w, x in zip(self.whiten, levels, strict=True)])
+        self.begin_at(None)
+
+    def begin_at(self, near):
+        """Start the next search for cycles from these (segments, 2), whatever came before."""
+        self.near = near
         self._last: tuple = (np.array([]), None)  # coordinates, and what `linearized` gives there
-        self.near = None
 
     def residuals(self, q):
         """(n, features) fitted less measured over error, with mu0 = 0; NaN without a cycle.
@@ -150,7 +155,7 @@ class Problem:
 
     def search(self, start):
         """`Run` of least squares from coordinates start (k,)."""
-        self.near = None
+        self.begin_at(None)
         if not self.has_cycle(start):
             return self.run(start, start, "no cycle")
         result = least_squares(
@@ -175,7 +180,7 @@ class Problem:
         if np.isfinite(residual).all():
             chi2 = float(np.sum(self._without_level(np.append(residual, 0.0), NO_PENALTY) ** 2))
         full = np.column_stack([np.nan_to_num(jacobian), self.levels])
-        return Run(start, end, self.best_mu0(end), chi2, status, full)
+        return Run(start, end, self.best_mu0(end), chi2, status, full, self.near)
 
 
 def starts(space, model, measured):
