@@ -105,8 +105,8 @@ def escape(slider, V_lp):
             "kick_up": p.a * p.sigma * sizes[2],
             "kick_down": 0.0 - p.a * p.sigma * sizes[3],
         }
-    for name, value in cycles.items():
-        values[name] = units[name.removeprefix("unstable_")] * value
+        for name, value in cycles.items():
+            values[name] = units[name.removeprefix("unstable_")] * value
     values["outcome"] = outcome
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     result = xarray.Dataset(variables, batch.coordinates(VARIABLES))

@@ -3,7 +3,6 @@
 import numpy as np
 import xarray
 
-from ..errors import ParameterError
 from ..friction.normal_form import (
     growth_slopes,
     law_curvatures,
@@ -15,6 +14,7 @@ from ..friction.stability import K_c, V_c, eta, omega_c
 from ..model.batch import Batch
 from ..model.slider import checked
 from ..model.units import is_array, named, to_si
+from .refusals import refusal
 
 VARIABLES = (
     "V_c K_c eta omega_c frequency eigenvalue_3 lyapunov_1 type amplitude_coefficient".split()
@@ -156,11 +156,7 @@ def bautin(law, b_over_a):
     curvatures = law_curvatures(law)
     value = to_si("b_over_a", b_over_a)
     if not np.all(value > 1):
-        least = f"{float(np.min(value)):.6g}"
-        raise ParameterError(
-            f"b_over_a = {least} must be > 1, such as 2: where b <= a no stiffness and no speed "
-            f"makes steady sliding unstable, and there is no Hopf bifurcation"
-        )
+        raise refusal("cycles.b_over_a", least=float(np.min(value)))
 
     def change(b1):
         return turning_point(b1, *curvatures)

@@ -4,29 +4,25 @@ import numpy as np
 import xarray
 
 from ...engine.model import FINISHED
-from ...errors import NotConverged, ParameterError
+from ...errors import NotConverged
 from ...model.batch import Batch
 from ...model.quantities import QUANTITIES, attrs
 from ...model.slider import checked
 from ...model.units import is_array, to_si
 from ..cycles.variables import VARIABLES, cycle_variables
 from ..progress import bar
+from ..refusals import refusal, sentence
 from ..results import provenance
 from ..simulation.settings import checked_rtol
 from .branch_ends import beginning, hopf_measures, hopf_near
 from .family import PARAMETERS, Family
+from .newton import NO_CONVERGENCE, NO_RETURN
 
 # Amplitude of ln V below which a branch ends at a Hopf point.
 END_AMPLITUDE = 0.02
 MAX_POINTS = 1000
-#: premature end of a branch -> its meaning
-ENDS = {
-    "no return": "beyond this no orbit comes back to the section within 200,000 steps: the slider "
-    "stops or runs away, or the parameters leave the range that double precision holds",
-    "no convergence": "Newton's method finds no further cycle",
-    "max_points": f"it has {MAX_POINTS} points and is not at its end; steps are short where orbits "
-    "graze a stop, at eta above some 1e4",
-}
+#: ends of a branch that is not whole
+PREMATURE = (NO_RETURN, NO_CONVERGENCE, "max_points")
 
 
 def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
@@ -100,13 +96,11 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     V_lp = None if parameter == "V_lp" else family.values["V_lp"]
     settings = {"parameter": parameter, **ends, "V_lp": V_lp, "rtol": rtol}
     result.attrs = provenance("continue_cycle", slider, **settings)
-    if branch.end in ENDS:
+    if branch.end in PREMATURE:
         last = np.exp(branch.points[-1].p if branch.points else begin.p)
-        raise NotConverged(
-            f"the branch ends at {parameter} = {last:.6g}, before it gets to {ends['stop']:.6g} "
-            f"({branch.end}): {ENDS[branch.end]}",
-            result,
-        )
+        reason = sentence(f"branch_ends.{branch.end}", max_points=MAX_POINTS)
+        values = {"last": last, "stop": ends["stop"], "end": branch.end, "reason": reason}
+        raise NotConverged(sentence("branch_ends.whole", parameter=parameter, **values), result)
     return result
 
 
@@ -152,14 +146,10 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
     """`Family` and dict of start and stop, from the arguments of `continue_cycle`, checked."""
     checked(slider)
     if parameter not in PARAMETERS:
-        names = ", ".join(PARAMETERS)
-        raise ParameterError(f"parameter = {parameter!r} must be one of {names}")
+        raise refusal("branch.parameter", parameter=parameter, names=", ".join(PARAMETERS))
     if (parameter == "V_lp") != (V_lp is None):
-        raise ParameterError(
-            "V_lp is the parameter: leave V_lp= out"
-            if parameter == "V_lp"
-            else f"V_lp is missing: give the load-point velocity at which {parameter} changes"
-        )
+        name = "V_lp_twice" if parameter == "V_lp" else "V_lp_missing"
+        raise refusal(f"branch.{name}", parameter=parameter)
     rtol = to_si("rtol", rtol)
     ends = {"start": start, "stop": stop}
     ends = {name: to_si(parameter, value, label=name) for name, value in ends.items()}
@@ -167,23 +157,17 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
     if V_lp is not None:
         values["V_lp"] = to_si("V_lp", V_lp)
     if arrays := [symbol for symbol, value in {**values, "rtol": rtol}.items() if is_array(value)]:
-        raise ParameterError(f"{arrays[0]} is an array: a branch is that of one slider")
+        raise refusal("branch.array", symbol=arrays[0])
     check_rtol(rtol)
     values |= {parameter: ends["start"]}
     for symbol, value in {**values, **ends}.items():
         if symbol in (*PARAMETERS, "start", "stop") and symbol != "b" and not 0 < value < np.inf:
             unit = QUANTITIES[symbol if symbol in QUANTITIES else parameter].unit
-            raise ParameterError(
-                f"{symbol} = {value!r} {unit}: a limit cycle needs inertia and a spring, and a "
-                f"parameter is followed in its logarithm, so give 0 < {symbol} < inf"
-            )
+            raise refusal("branch.range", symbol=symbol, value=value, unit=unit)
     if ends["start"] == ends["stop"]:
-        raise ParameterError(f"start = stop = {ends['start']!r}: nothing to follow")
+        raise refusal("branch.no_length", start=ends["start"])
     family = Family(slider.law, values, parameter, rtol)
     beta = family.system(np.log([*ends.values()])).beta
     if (beta <= 1.0).all():
-        raise ParameterError(
-            f"b <= a (b/a = {beta[0]:.6g}): steady sliding is stable at any stiffness and speed, "
-            f"and there are no limit cycles to follow; give b > a"
-        )
+        raise refusal("branch.strengthening", beta=beta[0])
     return family, ends

@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.model import FINISHED, STATUSES, STEADY_SLIDING
-from ...errors import NotConverged, ParameterError
+from ...errors import NotConverged
 from ..cycles.attractor import find_attractors, steady_start
 from ..cycles.small_cycles import curvature, small_cycle
+from ..refusals import refusal, sentence
 
 # Amplitude of ln V at which a branch leaves its Hopf point.
 START_AMPLITUDE = 0.03
@@ -32,23 +33,16 @@ def beginning(family, p_start, p_stop):
         attractor = find_attractors(system, steady_start(system), family.rtol, True, None)
         status, returns = int(attractor.status[0]), int(attractor.n_returns[0])
         if status == FINISHED and returns > 1:
-            raise NotConverged(
-                f"the motion at `start` closes after {returns} returns (period doubling), and "
-                f"continue_cycle follows cycles of one; start where `limit_cycle` finds one",
-                None,
-            )
+            raise NotConverged(sentence("branch_begins.doubled", returns=returns), None)
         if status == FINISHED:
             return Beginning(family.chart(attractor.u, [p_start])[0], p_start, None)
         if status != STEADY_SLIDING:
             name, text = STATUSES[status]
-            raise NotConverged(f"continue_cycle found no cycle at `start` ({name}): {text}", None)
+            raise NotConverged(sentence("branch_begins.no_cycle", name=name, text=text), None)
     if (family.margin(p_start) > 0.0) == (family.margin(p_stop) > 0.0):
         start, stop = np.exp([p_start, p_stop])
-        raise ParameterError(
-            f"at start, {family.parameter} = {start:.6g}, the motion ends in steady sliding, and "
-            f"no Hopf point lies between it and stop = {stop:.6g}: start where `limit_cycle` finds "
-            f"a cycle, or on the other side of the Hopf point (see `hopf`)"
-        )
+        values = {"parameter": family.parameter, "start": start, "stop": stop}
+        raise refusal("branch_begins.no_hopf_between", **values)
     return _beginning_at_hopf(family, _sign_change(family.margin, p_start, p_stop))
 
 
@@ -58,7 +52,8 @@ def hopf_near(family, p):
         low, high = p - reach, p + reach
         if (family.margin(low) > 0.0) != (family.margin(high) > 0.0):
             return _sign_change(family.margin, low, high)
-    raise NotConverged(f"no Hopf point near {family.parameter} = {np.exp(p):.6g}", None)
+    values = {"parameter": family.parameter, "value": np.exp(p)}
+    raise NotConverged(sentence("branch_begins.no_hopf_near", **values), None)
 
 
 def _beginning_at_hopf(family, hopf):
@@ -72,12 +67,8 @@ def _beginning_at_hopf(family, hopf):
     system = family.system(p)
     cycle = small_cycle(system.law, system.kappa, system.beta, system.eta)
     if not cycle.valid[0]:
-        raise NotConverged(
-            f"the Hopf point at {family.parameter} = {np.exp(hopf):.9g} is all but degenerate "
-            f"(eta = {at.eta[0]:.3g}): its cycles of all sizes lie closer together than rounding; "
-            f"start where `limit_cycle` finds a cycle",
-            None,
-        )
+        values = {"parameter": family.parameter, "value": np.exp(hopf), "eta": at.eta[0]}
+        raise NotConverged(sentence("branch_begins.degenerate_hopf", **values), None)
     u = np.stack([cycle.psi, cycle.G], axis=1)
     return Beginning(family.chart(u, [p])[0], p, hopf)
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from ...engine.model import STEADY_SLIDING
-from ...errors import ParameterError
 from ...friction.rate_and_state import mu_ss, theta_ss
 from ...model.loading import Loading
+from ..refusals import refusal
 from ..simulation.simulate import SimulateCall, simulate
 from .limit_cycle import limit_cycle_call
 from .shooting import state, system_of
@@ -57,10 +57,8 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
     """
     call = limit_cycle_call(slider, V_lp, rtol=rtol)
     if not call.batch.alone:
-        raise ParameterError(
-            f"{slider!r} is a sweep over {', '.join(map(str, call.batch.dims))}; orbit wants one "
-            f"slider and one speed, such as those of one case"
-        )
+        dims = ", ".join(map(str, call.batch.dims))
+        raise refusal("cycles.orbit_of_sweep", slider=slider, dims=dims)
     status, measures = call.find_cycles(progress)
     cycle = call.dataset(call.variables(status, measures))
     call.refuse_failure(cycle)

@@ -3,19 +3,16 @@
 import numpy as np
 
 from ...engine.model import METHODS
-from ...errors import ParameterError
 from ...model.arrays import column
 from ...model.units import is_array, to_si
+from ..refusals import refusal
 
 
 def checked_rtol(rtol, least, most, example):
     """A relative tolerance as a float; ParameterError beyond these bounds, which are texts."""
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not float(least) <= rtol <= float(most):
-        raise ParameterError(
-            f"rtol = {rtol!r} is out of range; expected one number from {least} to {most} such as "
-            f"{example}"
-        )
+        raise refusal("settings.rtol", rtol=rtol, least=least, most=most, example=example)
     return rtol
 
 
@@ -23,18 +20,16 @@ def solver_settings(rtol, method, dt, slider):
     """rtol and dt as floats, checked against the method."""
     rtol = checked_rtol(rtol, "1e-13", "0.1", "1e-6")
     if not isinstance(method, str) or method not in METHODS:
-        raise ParameterError(f"method = {method!r} is unknown; choose one of {', '.join(METHODS)}")
+        raise refusal("settings.method", method=method, choices=", ".join(METHODS))
     needs = METHODS[method]
     if not needs.needs_dt and dt is not None:
-        raise ParameterError(f"dt = {dt!r}: {method} chooses its steps itself; leave dt out")
+        raise refusal("settings.dt_not_wanted", method=method, dt=dt)
     if needs.needs_dt:
         if dt is None:
-            raise ParameterError(
-                f"{method} needs a time step: give dt [s], for example dt=0.05/(2*pi*slider.f_n)"
-            )
+            raise refusal("settings.dt_missing", method=method)
         dt = to_si("dt", dt)
         if is_array(dt):
-            raise ParameterError("dt must be one number, common to all cases")
+            raise refusal("settings.dt_array")
     if needs.needs_mass:
         _check_oscillation(method, dt, slider)
     if slider.law not in needs.laws:
@@ -43,25 +38,17 @@ def solver_settings(rtol, method, dt, slider):
             for name, row in METHODS.items()
             if slider.law in row.laws and row.needs_dt == needs.needs_dt
         )
-        raise ParameterError(
-            f"{method} is for law={' or '.join(map(repr, needs.laws))}; use method={other!r} for "
-            f"the {slider.law} law"
-        )
+        laws = " or ".join(map(repr, needs.laws))
+        raise refusal("settings.law", method=method, laws=laws, other=other, law=slider.law)
     return rtol, dt
 
 
 def _check_oscillation(method, dt, slider):
     """Raise ParameterError for a slider without a natural period, or one too short for dt."""
     if np.any(np.equal(slider.M, 0.0)) or np.any(np.isinf(slider.K)):
-        raise ParameterError(
-            f"{method} needs mass and spring: M > 0 and K < inf (it steps by sqrt(K/M)); "
-            f"use method='rodas5p' for M = 0 or K = inf"
-        )
+        raise refusal("settings.mass_and_spring", method=method)
     if dt and (angle := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
-        raise ParameterError(
-            f"dt = {dt:g} s is {angle:.3g}/omega, omega = sqrt(K/M): more than half a natural "
-            f"period; take dt of 0.1/omega or less"
-        )
+        raise refusal("settings.dt_long", dt=dt, angle=angle)
 
 
 def saved_times(times, t_end):
@@ -69,23 +56,20 @@ def saved_times(times, t_end):
     if times is None:
         return None
     if np.size(times) == 0:
-        raise ParameterError("times is empty; leave it out to get the solver's own steps")
+        raise refusal("times.empty")
     if not is_array(times) or times.ndim == 1:
         times = column("times", times)
         if is_array(times):
-            raise ParameterError("times is a list of DataArrays; give one with a dimension 'time'")
+            raise refusal("times.list_of_arrays")
     else:
         times = to_si("times", times)
         if "time" not in times.dims:
-            raise ParameterError(f"times has dimensions {times.dims}; one must be 'time'")
+            raise refusal("times.dimensions", dims=times.dims)
         times = times.drop_vars("time", errors="ignore").transpose(..., "time")
     values = np.asarray(times)
     if not (np.diff(values, axis=-1) > 0).all():
-        raise ParameterError("times [s] must increase; sort them and drop repeated ones")
+        raise refusal("times.order")
     latest = times.max("time") if is_array(times) else values.max()
     if np.any(latest > t_end * (1.0 + 1e-12)):
-        raise ParameterError(
-            f"times reach {float(np.max(latest)):.9g} s, beyond t_end = {float(np.max(t_end)):.9g}"
-            f" s; extend t_end or drop the later times"
-        )
+        raise refusal("times.late", latest=float(np.max(latest)), t_end=float(np.max(t_end)))
     return np.minimum(times, t_end if is_array(times) else float(np.min(t_end)))  # rounding

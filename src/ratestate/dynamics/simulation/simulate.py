@@ -8,7 +8,6 @@ import numpy as np
 import xarray
 
 from ...engine.model import FINISHED
-from ...errors import ParameterError
 from ...machine import check_fits
 from ...model.batch import Batch
 from ...model.initial_state import initial_values
@@ -16,6 +15,7 @@ from ...model.loading import Loading
 from ...model.slider import SpringSlider, checked
 from ...model.units import is_array, to_si
 from ..progress import bar
+from ..refusals import refusal
 from ..results import provenance, record_loading
 from .cases import failure
 from .motion import blank_motion, motion_variables, move
@@ -121,9 +121,7 @@ def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, meth
     """`SimulateCall` with these arguments of `simulate`, checked."""
     checked(slider)
     if not isinstance(loading, Loading):
-        raise ParameterError(
-            f"loading = {loading!r} is not a Loading; for one speed give Loading.constant(...)"
-        )
+        raise refusal("simulate.loading", loading=loading)
     rtol, dt = solver_settings(rtol, method, dt, slider)
     t_end = to_si("t_end", t_end)
     V_start = None if V_start is None else to_si("V_start", V_start)
@@ -152,10 +150,7 @@ class SimulateCall:
         """All that has a value for each case."""
         start = self.loading.V_first if self.V_start is None else self.V_start
         if not np.all(np.greater(start, 0.0)):
-            raise ParameterError(
-                "V_lp = 0 m/s at t = 0: there is no steady sliding at rest; give V_start, for "
-                "example V_start='1 um/s'"
-            )
+            raise refusal("simulate.at_rest")
         values = {**self.slider.values, "t_end": self.t_end, "V_start": start, **self.initial}
         extra = {"V_lp": self.loading.V} if is_array(self.loading.V) else {}
         extra |= {"time": self.times} if is_array(self.times) else {}

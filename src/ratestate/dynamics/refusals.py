@@ -1,0 +1,9 @@
+"""Errors for arguments that a function cannot use; their sentences are in refusals.toml."""
+
+from pathlib import Path
+
+from ..model.sentences import Sentences
+
+sentence = Sentences(Path(__file__).with_suffix(".toml"))
+#: the name of a sentence, ``table.sentence``, and values -> the `ParameterError` that says so
+refusal = sentence.refusal
