@@ -16,9 +16,9 @@ import ratestate as rs
 from ratestate.paper.parameters import FIG2
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.problem import Problem as Search
-from ratestate.records.fitting.problem import search, unknowns_of
+from ratestate.records.fitting.problem import search, with_best_level
 from ratestate.records.fitting.record import record_of
-from ratestate.records.fitting.unknowns import to_coordinate, to_value
+from ratestate.records.fitting.unknowns import to_coordinate, to_value, unknowns_of
 
 SAMPLES, SEED = 3000, 6
 FREE = ("a", "b", "Dc", "K")
@@ -66,7 +66,7 @@ class FitProblem:
     def start(self):
         """(5,) where the search begins, with the level that fits best there."""
         values = [to_coordinate(name, getattr(self.begin, name)) for name in FREE]
-        return self.search.with_best_level(np.array([[*values, 0.0]]))[0][0]
+        return with_best_level(self.search, np.array([[*values, 0.0]]))[0][0]
 
     def exact(self, point):
         """(m,) friction at a point, by `simulate` at its tightest."""

@@ -11,7 +11,7 @@ from timing import cpu, interleaved, one_core
 
 import ratestate as rs
 from ratestate.records.fitting.fit import single_blas
-from ratestate.records.fitting.problem import search
+from ratestate.records.fitting.problem import search, with_best_level
 from ratestate.records.fitting.unknowns import to_coordinate
 
 OURS, CALL = "least squares alone", "fit"
@@ -133,7 +133,7 @@ def _evaluations(part, name, problem):
     jobs = {
         "jacobian": lambda: problem.search.jacobian(point, NOISE),
         "alone": lambda: problem.search.residual(point, NOISE),
-        "lanes": lambda: problem.search.with_best_level(many),
+        "lanes": lambda: with_best_level(problem.search, many),
     }
     seconds = interleaved(jobs)
     part.notes.append(

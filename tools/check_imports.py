@@ -1,24 +1,52 @@
-"""Ends with an error where files of the package import each other in a circle.
+"""Ends with an error where modules import each other in a circle, or scripts what is not there.
 
 Imports inside functions and those for types alone count too, which the contracts of import-linter
-leave aside: ``python tools/check_imports.py``.
+leave aside; scripts are those of benchmarks, docs, examples and tools, which no test runs:
+``python tools/check_imports.py``.
 """
 
+import ast
 import graphlib
+import importlib
 import sys
+from pathlib import Path
 
 import grimp
 
+ROOT = Path(__file__).parents[1]
+SCRIPTS = ("benchmarks", "docs", "examples", "tools")
 
-def main():
-    graph = grimp.build_graph("ratestate", cache_dir=None)
+
+def circle(graph):
+    """The modules of a circle of imports, or None."""
     needs = {module: graph.find_modules_directly_imported_by(module) for module in graph.modules}
     try:
         graphlib.TopologicalSorter(needs).prepare()
     except graphlib.CycleError as error:
-        circle = " -> ".join(reversed(error.args[1]))
-        sys.exit(f"error: a circle of imports: {circle}")
-    print(f"{len(needs)} modules, {graph.count_imports()} imports, no circle")
+        return error.args[1][::-1]
+
+
+def absent(script, modules):
+    """What a script imports from the package, and is not in it."""
+    for node in ast.walk(ast.parse(script.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("ratestate"):
+            names = [alias.name for alias in node.names]
+            module = importlib.import_module(node.module) if node.module in modules else None
+            yield from (
+                f"{script.relative_to(ROOT)}: {node.module}.{name}"
+                for name in names
+                if f"{node.module}.{name}" not in modules and not hasattr(module, name)
+            )
+
+
+def main():
+    graph = grimp.build_graph("ratestate", cache_dir=None)
+    if found := circle(graph):
+        sys.exit(f"error: a circle of imports: {' -> '.join(found)}")
+    scripts = [script for folder in SCRIPTS for script in (ROOT / folder).rglob("*.py")]
+    if lost := [name for script in scripts for name in absent(script, graph.modules)]:
+        sys.exit(f"error: scripts import what is not there: {', '.join(lost)}")
+    print(f"{len(graph.modules)} modules, {graph.count_imports()} imports, no circle")
 
 
 if __name__ == "__main__":

@@ -81,12 +81,12 @@ def starting_points(problem, most):
             cloud[0, i] = to_coordinate(name, getattr(problem.slider, name))
             distance[i] = DISTANCE * (1.0 if row.is_log else size)
     cloud = np.clip(cloud, unknowns.low, unknowns.high)
-    cloud, misfit = _with_best_level(problem, cloud if distance else cloud[:1])
+    cloud, misfit = with_best_level(problem, cloud if distance else cloud[:1])
     points = cloud[np.argsort(misfit, kind="stable")[: int(np.isfinite(misfit).sum())]]
     return points[distinct(points[:, [*distance]], [*distance.values()], most)]
 
 
-def _with_best_level(problem, points):
+def with_best_level(problem, points):
     """Points with the level and trend that fit the record best, and their misfits."""
     points, record, names = points.copy(), problem.record, problem.unknowns.names
     linear = [names.index(name) for name in record.regressors()]
