@@ -15,7 +15,7 @@ from distributed import Client, Worker
 
 import ratestate as rs
 from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
-from ratestate.sweeps import calls, cluster, cluster_work, connect
+from ratestate.sweeps import backends, calls, cluster, cluster_work
 from ratestate.sweeps.jobs import Jobs, State
 from ratestate.sweeps.slurm import SLURM, squeue
 
@@ -142,7 +142,7 @@ def site(**settings):
 
 def script(options):
     """The lines of the job script for these options."""
-    with connect.job_cluster(options, start=False) as found:
+    with backends.job_cluster(options, start=False) as found:
         return found.job_script().strip().splitlines()
 
 
@@ -179,11 +179,11 @@ def test_the_job_script_has_what_the_site_needs():
 def test_another_batch_system_is_another_table():
     pbs = SLURM._replace(name="pbs", label="PBS", dask_class="PBSCluster", submit="qsub")
     options = "jobs=2,cores=4,memory=4GB,queue=short"
-    with connect.job_cluster(options, start=False, system=pbs) as found:
+    with backends.job_cluster(options, start=False, system=pbs) as found:
         assert "#PBS -q short" in found.job_script()
         assert found.jobs.thread_count == 8
     with pytest.raises(rs.ParameterError, match="pbs: memory of a job must be given"):
-        connect.job_cluster("cores=4", system=pbs)
+        backends.job_cluster("cores=4", system=pbs)
 
 
 @pytest.mark.parametrize(
@@ -208,7 +208,7 @@ def test_another_batch_system_is_another_table():
 )
 def test_bad_slurm_options(options, message):
     with pytest.raises(rs.ParameterError, match=message):
-        connect.job_cluster(options)
+        backends.job_cluster(options)
 
 
 def test_what_is_not_given_is_the_site_s():
@@ -245,11 +245,11 @@ def test_what_is_not_given_is_the_site_s():
 
 def test_two_sweeps_at_a_time():
     """The dashboard's usual port is left alone, unless the site names one."""
-    with connect.job_cluster("cores=1,memory=1GB", start=False) as found:
+    with backends.job_cluster("cores=1,memory=1GB", start=False) as found:
         assert found.scheduler_spec["options"]["dashboard_address"] == ":0"
     with (
         site(**{"scheduler-options": {"dashboard_address": "127.0.0.1:0"}}),
-        connect.job_cluster("cores=1,memory=1GB", start=False) as found,
+        backends.job_cluster("cores=1,memory=1GB", start=False) as found,
     ):
         assert found.scheduler_spec["options"]["dashboard_address"] == "127.0.0.1:0"
 
@@ -264,7 +264,7 @@ def test_two_sweeps_at_a_time():
     ],
 )
 def test_how_jobs_are_kept(options, kept):
-    with connect.job_cluster(options, start=False) as found:
+    with backends.job_cluster(options, start=False) as found:
         jobs = found.jobs
         assert (jobs.number, jobs.replacements, jobs.wait) == kept
         assert jobs.thread_count == jobs.number * int(options.partition("cores=")[2][0])
@@ -286,7 +286,7 @@ def test_a_client_or_slurm():
 
 
 def test_jobs_are_submitted(slurm):
-    with connect.job_cluster("jobs=2,cores=1,memory=1GB"):
+    with backends.job_cluster("jobs=2,cores=1,memory=1GB"):
         until(lambda: slurm.submitted == 2)
     assert (slurm.folder / "asked").read_text().startswith("--test-only")
     states = [path.read_text() for path in slurm.folder.glob("job*/state")]
@@ -297,14 +297,14 @@ def test_a_job_that_slurm_refuses(slurm):
     refusal = "cd ${0%/*}; echo $* >> asked; echo sbatch: error: no partition nosuch >&2; exit 1"
     (slurm.folder / "sbatch").write_text(f"#!/bin/sh\n{refusal}")
     with pytest.raises(rs.ParameterError, match="error: no partition nosuch; SLURM refuses this"):
-        connect.job_cluster("jobs=2,cores=1,memory=1GB,queue=nosuch")
+        backends.job_cluster("jobs=2,cores=1,memory=1GB,queue=nosuch")
     assert len((slurm.folder / "asked").read_text().splitlines()) == 1
 
 
 def test_a_machine_without_slurm(monkeypatch):
     monkeypatch.setenv("PATH", "")
     with pytest.raises(rs.ParameterError, match="no sbatch; run the sweep where jobs"):
-        connect.job_cluster("cores=1,memory=1GB")
+        backends.job_cluster("cores=1,memory=1GB")
 
 
 # -------------------------------------------------------------------------- what SLURM says of jobs
@@ -365,7 +365,7 @@ def kept(slurm, monkeypatch):
 
     @contextlib.contextmanager
     def cluster_of(options):
-        with connect.job_cluster(f"memory=1GB,{options}") as found:
+        with backends.job_cluster(f"memory=1GB,{options}") as found:
             until(lambda: len(found.workers) == found.jobs.number)
             try:
                 yield found

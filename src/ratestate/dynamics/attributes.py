@@ -1,4 +1,4 @@
-"""Attributes of results, which anybody can lose or change, and their checked values.
+"""Reads the attributes of results, which anybody can lose or change; `results` writes them.
 
 Whatever the attributes contain, these functions return a valid value or raise a `ParameterError`.
 """

@@ -56,7 +56,8 @@ def hopf(slider, V_lp=None):
         that sum to it: where the type changes (see `bautin`), and without mass, for which it is
         0 at K_c_qs.  There amplitude_coefficient is inf.
 
-        Type "none" is no bifurcation, and all else is NaN but this.  Without V_lp, V_c is inf
+        Where the type is "none" there is no bifurcation, and all else is NaN except V_c and K_c.
+        Without V_lp, V_c is inf
         where no speed is unstable (b <= a, K = inf, or M = 0 with K > K_c_qs) and 0 where every
         speed is (K <= K_c_qs).  With V_lp, where b <= a, V_c is inf and K_c that of eq. 6, <= 0.
 

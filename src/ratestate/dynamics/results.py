@@ -1,4 +1,4 @@
-"""What results have in common: columns and flags of their cases, provenance, and parameters."""
+"""What results have in common: flags, the attributes that say how they were made, parameters."""
 
 import functools
 import json

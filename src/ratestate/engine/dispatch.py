@@ -21,7 +21,7 @@ from .return_map import empty_return_results, march_to_section
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
 PATH_ROWS = 8192
-MAX_ROWS = 10_000_000  # of a path: 320 MB
+MAX_ROWS = 10_000_000  # of a path, 320 MB; then STEP_LIMIT
 
 
 def run_march(method, law, cases, loads, save_times, order, alone, progress=None):

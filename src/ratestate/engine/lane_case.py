@@ -49,7 +49,7 @@ def choose_first_step(s, l, law):
 
 @inner
 def stuck(s, l):
-    """Why a lane cannot go on."""
+    """Status of a case given up: too many rejections in a row, or all its steps are spent."""
     if s[R.FAILURES + l] > TOO_MANY_FAILURES:
         return NOT_FINITE if s[R.BAD + l] > 0.0 else STEP_UNDERFLOW
     return STEP_LIMIT

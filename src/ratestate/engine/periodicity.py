@@ -1,4 +1,4 @@
-"""What period a motion has: stress maxima and minima of its last cycles, compared.
+"""What period a run has: stress maxima and minima of its last cycles, compared.
 
 A cycle ends where V rises through V_lp, at a maximum of the stress.
 """

@@ -1,7 +1,7 @@
-"""What happens inside an accepted step of a return map, read off its dense output.
+"""What happens inside a step of a return map that the step control accepts, by dense output.
 
-A step that holds a crossing of the section is rejected, and cut to end there: so the map is as
-accurate as the steps are.
+A step that holds a crossing of the section is taken back, and repeated to end there: so the map
+is as accurate as the steps are.
 """
 
 import math
@@ -46,7 +46,7 @@ def end_at_crossing(s, l, law):
     s[R.E_NEW + l] = exp_alone(-s[R.PSI_NEW + l])
     s[R.H_USED + l] += dt
     s[R.H_NEXT + l] = s[R.H_PLANNED + l]
-    s[R.LAST_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
+    s[R.LANDING_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
     s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
     if f_v > 0.0:
         s[R.STATUS + l] = FINISHED
@@ -107,20 +107,20 @@ def record_waveform(s, l, cx, cv):
 
 @inner
 def handle_events(s, l, law):
-    """Everything of interest in the lane's accepted step, before it is committed."""
+    """Book what happens in the lane's step, or take it back, to end it at a crossing."""
     cx, cv, cpsi = components(s, l)
-    last_step = s[R.LAST_STEP + l]
-    if last_step > 0.0 and s[R.H_USED + l] >= last_step:
+    landing_step = s[R.LANDING_STEP + l]
+    if landing_step > 0.0 and s[R.H_USED + l] >= landing_step:
         if s[R.OBSERVE + l] > 0.0:
             observe_step(s, l, law, cx, cv, cpsi)
         end_at_crossing(s, l, law)
         return
-    s[R.LAST_STEP + l] = 0.0
+    s[R.LANDING_STEP + l] = 0.0
     rises = s[R.W_NEW + l] >= 1.0
     if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
         at = max(crossing(cv, 1.0, 0.0, 0.0), NEAREST)
         s[R.H_PLANNED + l] = s[R.H_NEXT + l]
-        s[R.H_NEXT + l] = s[R.LAST_STEP + l] = at * s[R.H_USED + l]
+        s[R.H_NEXT + l] = s[R.LANDING_STEP + l] = at * s[R.H_USED + l]
         s[R.EVERY_STEP + l], s[R.OK + l] = 1.0, 0.0
         return
     s[R.EVERY_STEP + l] = s[R.OBSERVE + l]

@@ -1,8 +1,8 @@
 """The state where the slider moves with its load point (K = inf): theta or s along given speeds.
 
 With the velocity given, both laws are linear: the aging law in theta, the slip law in
-s = ln(V theta/Dc).  What they start from decays over the slip distance Dc, and what forces them
-stands under an integral over the slip still to come.
+s = ln(V theta/Dc).  The initial value decays over the slip distance Dc; the forcing adds
+an integral over the slip.
 """
 
 import math

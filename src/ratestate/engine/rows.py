@@ -47,7 +47,7 @@ HIGHS, LOWS, SPANS = range(STATE_SIZE, SIZE, RING * LANES)
     X_B_NEW, V_B_NEW, PSI_B_NEW,
     EARLY_A, EARLY_B,                       # how much earlier they are: shifts along the orbit
     TRACE, D_TRACE,                         # integral of the trace of J; the step's part
-    SINCE, LAST_STEP, H_PLANNED,            # steps since a crossing; the step that ends at one
+    SINCE, LANDING_STEP, H_PLANNED,         # steps since a crossing; length of the step cut to one
     X_A_LOW, X_B_LOW,                       # perturbations of the stress minimum
     V_A_HIGH, V_B_HIGH, V_A_LOW, V_B_LOW,   # and of the extremes of v
     GUESS, SLOW, MEAN, SQUARE, COSINE, SINE,  # waveform: period assumed; integrals

@@ -29,6 +29,8 @@ def write(data, path):
     ------
     ParameterError
         Another ending, or another folder in its place.
+    OSError
+        It cannot be written there; what was there before is as it was.
     """
     path = checked(path, NUMBERS)
     writer, _ = FORMATS[path.suffix.lower()]
@@ -51,7 +53,9 @@ def read(path):
     Raises
     ------
     ParameterError
-        The file is missing, of another kind, or damaged.
+        The file is missing, of another kind, or damaged so that it cannot be decoded.  (The
+        .zarr of a result, unlike the store of a sweep, has no checksums: where a chunk is lost
+        its numbers are NaN, and changed bytes may go unseen.)
     StoreError
         The store of a sweep is not finished, or damaged.
     """

@@ -1,1 +1,1 @@
-"""Friction and the stability of steady sliding: laws, closed forms, eigenvalues, normal form."""
+"""Friction and the stability of steady sliding: laws, closed forms, runaway without inertia."""

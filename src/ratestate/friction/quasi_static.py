@@ -105,7 +105,9 @@ def period(E, *, V_lp, a, b, Dc):
 
 
 def runaway_step(*, a, b):
-    """Ratio V_lp/V from which a step in V_lp runs away at K = K_c_qs, M = 0, slip law: b/(b - a).
+    """Smallest V_lp/V, new speed over old, at which a step runs away: b/(b - a).
+
+    At K = K_c_qs, without inertia, by the slip law.
 
     Steady sliding at V, and then at once V_lp: x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps,
     and all steps down, are periodic.

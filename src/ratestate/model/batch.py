@@ -80,7 +80,7 @@ class Batch:
         return found.transpose(*self.dims, "time").values.reshape(self.n, -1)
 
     def variable(self, flat, symbol, *last):
-        """Flat results, (n,) or (n, m) with a last dimension, as a labelled DataArray."""
+        """Flat results, (n,) or (n, m) with a last dimension, as a variable in the sweep's dims."""
         shaped = np.asarray(flat).reshape((*self.shape, *np.shape(flat)[1:]))
         return xarray.Variable((*self.dims, *last), shaped, attrs(symbol))
 

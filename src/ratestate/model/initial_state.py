@@ -25,7 +25,10 @@ def initial_values(initial):
 
 
 def initial_state(batch, V_load):
-    """(n, 3) x, v, psi at t = 0.
+    """(n, 3) x = (tau/sigma - mu0)/a, v = ln(V/V0) and psi = ln(V0 theta/Dc) at t = 0.
+
+    Steady sliding at V_start, but for what `initial` gives; where M = 0 or K = inf friction fixes
+    what is left out.  ParameterError where all three are given there.
 
     batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf

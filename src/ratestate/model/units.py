@@ -3,7 +3,7 @@
 Inside ratestate every value is in SI.  `to_si` turns what a user writes (a number, ``"10 um"``,
 a pint quantity, a named DataArray) into a float or a DataArray in SI, or raises a
 `ParameterError` that names symbol, value, unit and remedy.
-All units of pint are read; those that it lacks are defined in `_registry`.
+All units of pint are read; prefixes keep their case: 2 MPa is 2e6 Pa, and 2 mPa is 2e-3 Pa.
 """
 
 import functools

@@ -4,10 +4,11 @@
 ``sweep``                                   the function `sweep`
 ``calls``, ``chunks``, ``chunk_size``       what can be swept, how it is divided, what a case costs
 ``solve``, ``task``                         all cases of a part; chunks, also on threads
-``request``                                 what is swept, and where
+``request``                                 what is swept, divided into chunks, for a store or not
 ``cluster``, ``cluster_work``               chunks on a cluster, and its tasks under way
 ``subprocesses``                            chunks that may kill a worker
-``connect``, ``job_cluster``, ``jobs``      Dask clusters, those made of jobs, and the jobs
+``backends``                                who computes: threads, a client's cluster, or jobs
+``job_cluster``, ``jobs``                   Dask clusters made of jobs, and the jobs
 ``slurm``                                   the batch system of such jobs
 ``create``, ``store``, ``inputs``, ``lock`` a store: made, read and written, for one sweep at a time
 ``writing``                                 chunks written into it

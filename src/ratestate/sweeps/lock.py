@@ -1,4 +1,7 @@
-"""Locks: only one sweep at a time writes to a store."""
+"""Locks: only one sweep at a time writes to a store, and makes one in a folder.
+
+A file system without locks is warned of, and trusted.
+"""
 
 import contextlib
 import fcntl

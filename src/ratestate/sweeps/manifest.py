@@ -1,4 +1,4 @@
-"""What the files of a store must hold: its manifest.
+"""What the files of a store must hold, its manifest, and the check of a file against it.
 
 ``sweep/manifest`` is an array of strings, one for each chunk, and a last one for the files that
 were made with the store.  Each is JSON: the number of the chunk, the SHA-256 of each of its files
@@ -36,7 +36,7 @@ class File(NamedTuple):
         chunk = block if self.chunk is None else self.chunk
         return f"variable {variable}, chunk {chunk} ({self.key}) is {self.flaw}"
 
-    def holding(self, content):
+    def checked_against(self, content):
         """The same with the flaw that it has with this content; None: there is no such file."""
         if content is None:
             return self._replace(flaw="missing")
@@ -95,6 +95,9 @@ class Checked(LocalStore):
     def _checked(self, key, content):
         """Return the content of a file if it is as recorded; else raise StoreError."""
         file = self.files.get(key)
-        if file and (file := file.holding(None if content is None else content.to_bytes())).flaw:
+        if (
+            file
+            and (file := file.checked_against(None if content is None else content.to_bytes())).flaw
+        ):
             raise StoreError(damage_message(self.root, [file]))
         return content

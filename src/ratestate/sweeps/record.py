@@ -113,7 +113,7 @@ class Record:
         """Those of these files that have a flaw, with it."""
         flaws = []
         for file in files:
-            found = file.holding(content_of(self.path / file.key))
+            found = file.checked_against(content_of(self.path / file.key))
             if not found.flaw and file.digest is None and not legacy.is_whole(self.path, file.key):
                 found = file._replace(flaw="damaged")
             if found.flaw:

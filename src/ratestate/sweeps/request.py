@@ -1,4 +1,4 @@
-"""What a sweep is to compute, and where."""
+"""What a sweep is to compute, and the store that it goes to."""
 
 import contextlib
 import dataclasses

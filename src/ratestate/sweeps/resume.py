@@ -69,7 +69,9 @@ def _restore(record, flaws, request):
         raise StoreError(sentence("damage.other_version", path=path, lines=as_lines(flaws)))
     with temporary_sibling(path) as temporary:
         make(temporary, request, record.chunks)
-        if other := [file for file in flaws if file.holding(content_of(temporary / file.key)).flaw]:
+        if other := [
+            file for file in flaws if file.checked_against(content_of(temporary / file.key)).flaw
+        ]:
             raise StoreError(sentence("damage.hopeless", path=path, lines=as_lines(other)))
         for key in (file.key for file in flaws):
             (path / key).parent.mkdir(parents=True, exist_ok=True)

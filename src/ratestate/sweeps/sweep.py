@@ -9,8 +9,8 @@ from ..engine import backend as engine
 from ..errors import ParameterError
 from ..machine import check_fits
 from . import sentence
+from .backends import backend_of
 from .calls import call_of, check_device
-from .connect import backend_of
 from .create import create, remove_abandoned
 from .legacy import SWEEP_GROUP
 from .lock import exclusive_lock
@@ -81,9 +81,11 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        As the function returns it, with the variable ``message``, the reason why a case failed,
-        and ``status`` for `stability` too.  With a store this is the opened store, which reads
-        numbers when they are used; messages are read at once, up to ten million.
+        As the function returns it, with ``status`` for `stability` too.  A case that failed
+        raises nothing: its ``status`` is neither 0 nor 1, its numbers are NaN (flags and counts
+        0), and the variable ``message``, "" for all others, says why.  With a store this is the
+        opened store, which reads numbers when they are used; messages are read at once, up to ten
+        million.
 
     Raises
     ------

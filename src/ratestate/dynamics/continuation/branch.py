@@ -14,7 +14,7 @@ from ..progress import bar
 from ..refusals import refusal, sentence
 from ..results import provenance
 from ..simulation.settings import checked_rtol
-from .branch_ends import beginning, hopf_measures, hopf_near
+from .branch_start import beginning, hopf_measures, hopf_near
 from .family import PARAMETERS, Family
 from .newton import NO_CONVERGENCE, NO_RETURN
 
@@ -50,9 +50,11 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     -------
     xarray.Dataset
         In the dimension ``point``, in order along the branch: the parameter under its own name,
-        the variables of `limit_cycle`, and ``special``: "", "hopf", "fold" (two cycles meet),
-        "period_doubling", "torus", and "start" or "stop" at an end.  (With these two laws there
-        is no torus: the product of the multipliers is below exp(-(1 + 1/eta) V_lp period/Dc).)
+        the variables of `limit_cycle`, and ``special``: "hopf" (amplitude 0), "fold" (two cycles
+        meet), "period_doubling", "torus", "start" or "stop" at an end that is none of these, and
+        "" everywhere else.  The attribute ``parameter`` names the parameter.  (With these two laws
+        there is no torus: the product of the multipliers is below
+        exp(-(1 + 1/eta) V_lp period/Dc).)
         ``error`` bounds the difference from this branch's own cycle at exactly the parameter
         returned; at a fold, from the cycle there.  Where amplitudes change much faster than the
         parameter, as on a canard or near a Hopf point of all but no curvature, it grows in

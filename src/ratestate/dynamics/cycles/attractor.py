@@ -23,6 +23,8 @@ CLOSES = 1e-4
 # Amplitude of ln V below which a stable steady sliding is reached; and below which a cycle is
 # small enough for harmonic balance.
 STEADY, SMALL = 1e-2, 2e-2
+# V_lp over the speed of the steady sliding from which a search starts.
+SLOWER = 10.0
 # Loosest relative accuracy of a cycle: a looser one would not be cheaper.
 LOOSEST_ANSWER = 1e-5
 
@@ -53,8 +55,8 @@ def single_returns(u, tol, period, error=0.0, status=FINISHED):
 
 
 def steady_start(system):
-    """(n, 3) x, v, psi of steady sliding at V_lp/10."""
-    v = np.full(len(system.beta), -np.log(10.0))
+    """(n, 3) x, v, psi from which a search starts: steady sliding at V_lp/`SLOWER`."""
+    v = np.full(len(system.beta), -np.log(SLOWER))
     return np.stack([(1.0 - system.beta) * v, v, -v], axis=1)
 
 
@@ -83,7 +85,7 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
     estimates = single_returns(first.image.copy(), loosest.astype(float), period, status=status)
     search, followed = np.zeros(n, SEARCH), np.ones(n, np.int64)
     balance_untried = ~stable
-    search["step_limit"] = LARGEST_LEAP
+    search["longest"] = LARGEST_LEAP
     for number in range(MAX_SEARCH_STEPS):
         active = np.flatnonzero((estimates.status == RUNNING) & (followed < MAX_RETURNS))
         if progress:

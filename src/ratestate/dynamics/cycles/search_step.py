@@ -42,7 +42,7 @@ NOISE, NOISE_AT_TIGHTEST = 3.0, 1e4
 #: state of the search for a slider: the orbit, and Newton's method ahead of it
 SEARCH = np.dtype(
     [
-        ("step_limit", float),  # longest first step that Newton's method is allowed
+        ("longest", float),  # longest first step that Newton's method is allowed
         ("ahead", bool),  # whether Newton's method is at work
         # where it left the orbit: u, the image, the larger multiplier and the first step's length
         *[("u", float, 2), ("image", float, 2), ("multiplier", complex), ("step", float)],
@@ -79,7 +79,7 @@ def advance_search(system, returns, current, search, rtol, loosest, leap):
     """
     local = _local_map(system, returns, current, rtol)
     on_orbit = ~search["ahead"]
-    limit = np.where(on_orbit, search["step_limit"], LARGEST_LEAP)
+    limit = np.where(on_orbit, search["longest"], LARGEST_LEAP)
     trusted = local.attracts & (local.step <= limit)
     leapt = _leap(system, returns, current.u, local, leap & on_orbit)
     search["next_u"][on_orbit] = leapt[on_orbit]
@@ -92,7 +92,7 @@ def advance_search(system, returns, current, search, rtol, loosest, leap):
     search["ahead"] = trusted & ~refuted
     doubled = _alternates(system, search, returns.image - current.u, local.first, refuted, on_orbit)
     doubled &= ~converged & (2 * current.n_returns <= LONGEST_PERIOD)
-    search["step_limit"][doubled], search["reversals"][doubled] = LARGEST_LEAP, 0
+    search["longest"][doubled], search["reversals"][doubled] = LARGEST_LEAP, 0
     go = search["ahead"] | converged
     next_u = np.where(go[:, None], local.target, search["next_u"])
     next_tol = np.where(go, _tolerance(local, local.step, loosest), search["next_tol"])
@@ -111,7 +111,7 @@ def _arrivals(system, returns, search, local, trusted):
     with np.errstate(invalid="ignore", divide="ignore"):
         nearer = search["step"] * np.where(arrives, np.clip(0.5 / excess, 1e-3, 0.5), 0.3)
     fails = (search["ahead"] & ~trusted) | refuted
-    search["step_limit"] = np.where(fails, nearer, search["step_limit"])
+    search["longest"] = np.where(fails, nearer, search["longest"])
     return converged, refuted
 
 

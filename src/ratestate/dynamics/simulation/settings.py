@@ -1,4 +1,4 @@
-"""Arguments of `simulate`, checked: the method with its accuracy or step, and the saved times."""
+"""Arguments checked: rtol of all functions; method, time step and saved times of `simulate`."""
 
 import numpy as np
 

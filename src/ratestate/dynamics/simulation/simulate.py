@@ -59,9 +59,9 @@ def simulate(
         Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override those of the steady start.
         Where M = 0 two of them fix the third: V and theta, or V and tau, or theta and tau.
     times : array_like or DataArray, optional
-        Times to save [s], in increasing order, from 0 to t_end: 1-D, or a DataArray with the
-        dimension ``time`` and those of the sweep.  By default the solver's own steps for one
-        slider, the final state for a sweep.
+        Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
+        differ): 1-D, or a DataArray with the dimension ``time`` and those of the sweep.  By
+        default the solver's own steps for one slider, the final state for a sweep.
     rtol : float
         Error allowed in a step, in tau/(a sigma), ln V and ln theta.
     method : {"rodas5p", "im2017", "im2017_euler"}
@@ -77,7 +77,8 @@ def simulate(
         [m/s]), ``theta`` [s], ``delta`` and ``delta_lp`` [m], ``tau`` [Pa] (the spring's),
         ``mu`` (eq. 1 for these V and theta; NaN where one of them is beyond double precision).
         Per case: ``status`` (int8 with CF flags; 0 finished), ``steps``,
-        ``energy_residual`` (load work less stored and dissipated energy, over all of them),
+        ``energy_residual`` (load work less stored and dissipated energy, divided by the
+        sum of their sizes),
         ``cycles`` (stress maxima after the first since the last jump in the loading),
         ``amplitude`` (max - min of tau/sigma, not counting the maximum at which it begins) and
         ``frequency`` [Hz] of the last period (0 if none), ``returns`` (how many of those maxima

@@ -1,6 +1,7 @@
 """The command line, ``ratestate``: a command is a function and its table in commands.toml.
 
-Nothing heavy is imported before a command needs it, so help and version come at once.
+The function's docstring is the head of its help.  Nothing heavy is imported before a command needs
+it, so help and version come at once.
 """
 
 from typing import Annotated

@@ -44,7 +44,7 @@ def sweep(
         raise typer.BadParameter("it needs --status", param_hint="--verify")
     with on_interrupt(lambda: interrupted_message(store)):
         if slurm and job_script:
-            from ...sweeps.connect import job_cluster
+            from ...sweeps.backends import job_cluster
 
             with job_cluster(slurm, start=False) as cluster:
                 print_line(cluster.job_script())
@@ -75,6 +75,6 @@ def _client(scheduler: str | None, slurm: str | None) -> Any:
     """A context with the requested Dask client; with None for threads of this process."""
     if not (slurm or scheduler):
         return contextlib.nullcontext()
-    from ...sweeps.connect import client_of, job_client
+    from ...sweeps.backends import client_of, job_client
 
     return job_client(slurm) if slurm else client_of(scheduler)

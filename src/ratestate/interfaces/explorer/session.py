@@ -1,4 +1,7 @@
-"""One page's connection: its questions go into queues, and their answers back."""
+"""One page's connection: its questions go into queues, the answers back.
+
+`answer_picture`, `answer_chart` and `answer_file` compute what is wanted.
+"""
 
 import asyncio
 import contextlib

@@ -17,7 +17,7 @@ RTOL = 1e-8
 #: K Dc/(a sigma) of a machine that counts as rigid: friction follows within 1e-8 Dc of slip
 RIGID = 1e8
 #: of the march, 100 times what a well-fitting slider takes: one that vibrates is no candidate
-MAX_STEPS = 1e5
+MAX_STEPS_OF_FIT = 1e5
 
 
 class Forward:
@@ -122,7 +122,7 @@ class Forward:
                 times=which,
                 rtol=RTOL,
                 v_limit=self.v_limit,
-                max_steps=MAX_STEPS,
+                max_steps=MAX_STEPS_OF_FIT,
             )
         return marched(self.law, cases, self.loads, times, alone=a.size == 1)
 

@@ -2,6 +2,7 @@
 
 The sum of squares is that of the residuals made white by the noise's own covariance, which is
 estimated from the residuals of the fit before; the two alternate until the estimates converge.
+The covariance of the solution (`_covariance`) is computed here too.
 """
 
 from typing import NamedTuple
@@ -137,7 +138,10 @@ def solution_from(problem, point, noise):
 
 
 def _covariance(jacobian):
-    """(k, k) inverse of the normal matrix; huge in directions that the record does not see."""
+    """(k, k) inverse of the normal matrix; huge in directions that the record does not see.
+
+    jacobian : (m, k), of whitened residuals
+    """
     scale = np.linalg.norm(jacobian, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     _, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)

@@ -69,7 +69,10 @@ def given_noise(noise):
 
 
 def estimated_noise(t, residual, jacobian):
-    """`Noise` by restricted maximum likelihood: of residuals (n,) with a fit's jacobian (n, k)."""
+    """`Noise` by restricted maximum likelihood: of residuals (n,) with a fit's jacobian (n, k).
+
+    White, unless a red part raises ln(likelihood) by more than `RISE`.
+    """
     columns = np.column_stack([residual, jacobian / np.abs(jacobian).max(axis=0)])
     degrees = residual.size - jacobian.shape[1]
     lags = np.median(np.diff(t)), t[-1] - t[0]

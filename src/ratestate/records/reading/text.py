@@ -1,4 +1,4 @@
-"""Tables of text: tabs, commas, semicolons or spaces between the cells, with or without header."""
+"""Tables of text: tabs, commas, semicolons or spaces between cells; which lines are the header."""
 
 import contextlib
 import csv
@@ -18,7 +18,7 @@ DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
 LOOK = 200  # lines from which the layout is found
 LARGEST = 10**9  # bytes, of which each takes some ten of memory
 LONGEST = 20_000  # characters of a line
-HEADER = 2_000  # lines above the numbers
+MOST_ABOVE = 2_000  # lines above the numbers
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # 1.0D+02
 _DECIMAL = re.compile(r"(?<=\d),(?=\d)")
 
@@ -90,7 +90,7 @@ def _is_data(cells):
 
 def _layout(path, lines, full):
     """Index of the first line of numbers, and the delimiter of its cells."""
-    for start, after in zip(full[:HEADER], [*full[1:], None], strict=False):
+    for start, after in zip(full[:MOST_ABOVE], [*full[1:], None], strict=False):
         for delimiter in DELIMITERS:
             cells, below = (
                 _cells(line if delimiter == "," else _DECIMAL.sub(".", line), delimiter)
@@ -111,7 +111,7 @@ def _decimal_comma(rows):
 
 
 def _header(lines, delimiter, width):
-    """Names and units of the columns, "" for none, from the lines above the numbers."""
+    """Names and units of the columns, "" for none, from the last two lines above the numbers."""
     kept = [line for line in lines if line.strip(" \t" + COMMENTS)][-2:]
     above, names = [None, None, *(_names(line, delimiter, width) for line in kept)][-2:]
     nothing = [""] * width

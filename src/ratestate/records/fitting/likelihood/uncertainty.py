@@ -1,4 +1,7 @@
-"""Errors of a solution's quantities: covariance, profiles where needed, posterior on request."""
+"""Errors and intervals of what is reported, from the solution's covariance (`least_squares`).
+
+Profiles of the likelihood where these do not do, and a posterior on request.
+"""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Dask clusters: an existing scheduler, or a new cluster of jobs in a batch system."""
+"""Who computes a sweep: threads here, the Dask cluster of a client, or a new one made of jobs."""
 
 import contextlib
 import re
