@@ -26,17 +26,28 @@ def circle(graph):
         return error.args[1][::-1]
 
 
-def absent(script, modules):
+def absent(script):
     """What a script imports from the package, and is not in it."""
     for node in ast.walk(ast.parse(script.read_text("utf-8"))):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("ratestate"):
+        if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
-            module = importlib.import_module(node.module) if node.module in modules else None
-            yield from (
-                f"{script.relative_to(ROOT)}: {node.module}.{name}"
-                for name in names
-                if f"{node.module}.{name}" not in modules and not hasattr(module, name)
-            )
+        elif isinstance(node, ast.ImportFrom):
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for name in names:
+            if name.split(".")[0] == "ratestate" and not exists(name):
+                yield f"{script.relative_to(ROOT)}: {name}"
+
+
+def exists(name):
+    """Whether this is a module, or a name in one."""
+    parent, _, last = name.rpartition(".")
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError:
+        return parent in sys.modules and hasattr(sys.modules[parent], last)
+    return True
 
 
 def main():
@@ -44,7 +55,7 @@ def main():
     if found := circle(graph):
         sys.exit(f"error: a circle of imports: {' -> '.join(found)}")
     scripts = [script for folder in SCRIPTS for script in (ROOT / folder).rglob("*.py")]
-    if lost := [name for script in scripts for name in absent(script, graph.modules)]:
+    if lost := [name for script in scripts for name in absent(script)]:
         sys.exit(f"error: scripts import what is not there: {', '.join(lost)}")
     print(f"{len(graph.modules)} modules, {graph.count_imports()} imports, no circle")
 

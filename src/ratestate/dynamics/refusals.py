@@ -1,4 +1,4 @@
-"""Errors for arguments that a function cannot use; their sentences are in refusals.toml."""
+"""What functions say of arguments that they cannot use, and of branches that end early."""
 
 from pathlib import Path
 

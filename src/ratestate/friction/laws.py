@@ -10,7 +10,7 @@ w = V theta/Dc).
 
 Adding a law: its rate and derivatives and one row of `LAWS` here, and its place in the selection
 that the engine compiles (`state_rate` in engine/model.py, the loops in engine/lanes.py and
-engine/return_lanes.py).
+engine/return_lanes.py, and engine/return_events.py).
 
 Sources: Dieterich (1979) doi:10.1029/JB084iB05p02161 (aging), Ruina (1983)
 doi:10.1029/JB088iB12p10359 (slip), Gu, Rice, Ruina & Tse (1984) doi:10.1016/0022-5096(84)90007-3

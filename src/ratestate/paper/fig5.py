@@ -8,8 +8,7 @@ from .parameters import FIG4_V_LP, FIG5_V_LP
 
 def compute(law):
     """The limit cycles of Fig. 4 and ten times faster ones: dimensions ``K``, ``V_lp``."""
-    data = sweep(law, FIG5_V_LP)
-    return data
+    return sweep(law, FIG5_V_LP)
 
 
 @styled

@@ -74,7 +74,7 @@ class Threads:
     def outcomes(self, tasks, call, numbers, report, processor=None):
         """Solve these chunks; yield each `Outcome` when it is ready.
 
-        processor : kind that all who solve them must have, or None for any
+        processor : for clusters, whose workers may differ; here all have the same
         """
         workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
         threads = -(-cores() // workers)

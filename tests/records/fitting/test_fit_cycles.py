@@ -234,8 +234,8 @@ def test_vibration_gives_back_its_slider():
 @pytest.mark.parametrize(
     ("error", "text"),
     [
-        (13.8, "the cycles fix b only to a factor of 9.8e+05"),
-        (13.9, "the cycles do not constrain b"),
+        (7.04, "the cycles fix b only to a factor of 1.1e+03"),
+        (7.06, "the cycles do not constrain b"),
     ],
 )
 def test_what_cycles_do_not_constrain_is_named_in_words(error, text):
@@ -415,9 +415,11 @@ def test_more_samples_than_can_be_used_are_refused_by_fits_of_cycles(monkeypatch
     monkeypatch.setattr(folding, "MOST", part.t.size)
     assert measure(part).segment.t.size == part.t.size
     monkeypatch.setattr(folding, "MOST", part.t.size - 1)
-    words = "720 samples, more than 719, .* a window of fewer cycles, or average: .*time=2,"
+    words = "has [\\d,]+ cycles, of 720 samples .* more than 719, .* a window of fewer cycles"
     with pytest.raises(rs.ParameterError, match=words):
         rs.fit(record(part), BRAKE, ("a", "b"), against="cycles")
+    with pytest.raises(rs.ParameterError, match="0 samples, too few"):
+        rs.fit(record(part).isel(time=slice(0, 0)), BRAKE, ("a", "b"), against="cycles")
     # samples so dense that neighbours are averaged count as their averages
     dense = segment(BRAKE, 3.2e-3, samples=4000)
     monkeypatch.setattr(folding, "MOST", dense.t.size // 2)

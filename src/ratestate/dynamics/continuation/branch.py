@@ -102,7 +102,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         last = np.exp(branch.points[-1].p if branch.points else begin.p)
         reason = sentence(f"branch_ends.{branch.end}", max_points=MAX_POINTS)
         values = {"last": last, "stop": ends["stop"], "end": branch.end, "reason": reason}
-        raise NotConverged(sentence("branch_ends.whole", parameter=parameter, **values), result)
+        raise NotConverged(sentence("branch_ends.early", parameter=parameter, **values), result)
     return result
 
 

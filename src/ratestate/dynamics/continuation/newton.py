@@ -54,13 +54,14 @@ class Problem(NamedTuple):
 
 
 class StepFailed(Exception):
-    """A step along a branch leads to no next point of it, and is to be shorter.
+    """No point of the branch was found where one was sought: a shorter step may lead to one.
 
     reason : NO_RETURN, NO_CONVERGENCE or, where the branch leads away from one, an end's name
     """
 
     @property
     def reason(self):
+        """Why, as above."""
         return self.args[0]
 
 

@@ -22,7 +22,8 @@ WIDTH = 140  # of tables, where output does not go to a terminal
 def print_line(text: str, err: bool = False) -> None:
     """Print a line; after its reader has gone, as with ``| head``, the work goes on."""
     try:
-        typer.echo(text, err=err, color=True)  # `_console` has decided about colours
+        # colours of stdout are decided by `_console`, those of stderr by whether it is a terminal
+        typer.echo(text, err=err, color=None if err else True)
     except BrokenPipeError:
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, (sys.stderr if err else sys.stdout).fileno())

@@ -9,11 +9,15 @@ LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
 #: distance of these intervals' ends from the estimate, in standard errors of a Gaussian
 ROOTS = ndtri(0.5 + 0.5 * np.array(LEVELS))
-#: half width of an interval of a logarithm beyond which it counts as open; standard error of one
-#: beyond which the record does not constrain it
+#: half width of an interval of a logarithm beyond which it counts as open
 ENDLESS = np.log(1e6)
 #: standard error of a coordinate from which it counts as not seen by the record at all
 UNSEEN = 1e6
+
+
+def is_unconstrained(error):
+    """Whether the 95 % interval of a logarithm with this standard error is open."""
+    return ROOTS[-1] * error > ENDLESS
 
 
 class Estimate(NamedTuple):

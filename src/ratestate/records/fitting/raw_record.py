@@ -12,6 +12,8 @@ from ...model.loading import Loading
 from ..reading.segments import find_segments
 from .refusals import refusal
 
+#: least samples
+FEWEST = 30
 #: bounds of friction, which may be a change from some level; farthest that a load point moves [m]
 LOW, HIGH, FARTHEST = -0.1, 3.0, 10.0
 #: largest difference of a given loading from the recorded displacement, over the distance moved
@@ -38,6 +40,8 @@ def raw_record(data, slider):
     if not isinstance(data, xarray.Dataset):
         raise refusal("record.type", type=type(data).__name__)
     time = _column(data, "time")
+    if time.size < FEWEST:
+        raise refusal("record.few", samples=time.size, fewest=FEWEST)
     if not (np.diff(time) > 0.0).all():
         row = int(np.argmin(np.diff(time) > 0.0)) + 1
         raise refusal("columns.not_increasing", before=time[row - 1], after=time[row], row=row)
@@ -47,13 +51,6 @@ def raw_record(data, slider):
         hint = "turn its sign" if -HIGH < typical < 0.0 else "is it a stress, or in per cent?"
         raise refusal("columns.size", typical=typical, high=HIGH, advice=hint)
     return RawRecord(data, time, kind, friction, _displacement(data, time))
-
-
-def check_count(samples, most, window):
-    """Refuse more samples than a fit can use; `window` says which one to choose instead."""
-    if samples > most:
-        every = -(-samples // most)
-        raise refusal("record.many", samples=samples, most=most, every=every, window=window)
 
 
 def _column(data, name):

@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...model.loading import Loading
-from .raw_record import check_count, loading_of, raw_record
+from .raw_record import loading_of, raw_record
 from .refusals import refusal
 
 #: most samples: a march keeps each of them for a dozen sliders at once
 MOST = 200_000
-#: least samples of a window, and beside its first and last step
-FEWEST, BESIDE = 30, 8
+#: least samples before the first step, and after the last
+BESIDE = 8
 
 
 class Record(NamedTuple):
@@ -60,9 +60,9 @@ def record_of(data, slider, *, loading, trend, against):
     """The `Record` in a Dataset of `read_lab`, or of `simulate`; refuses what cannot be fitted."""
     raw = raw_record(data, slider)
     friction, time, t = raw.friction, raw.time, raw.t
-    if t.size < FEWEST:
-        raise refusal("record.few", samples=t.size, fewest=FEWEST)
-    check_count(t.size, MOST, "about the steps")
+    if t.size > MOST:
+        every = -(-t.size // MOST)
+        raise refusal("record.many", samples=t.size, most=MOST, every=every)
     if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
         raise refusal("record.constant", friction=friction[0], samples=t.size)
     loading = loading_of(raw, loading)

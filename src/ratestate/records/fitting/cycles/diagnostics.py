@@ -4,7 +4,7 @@ import numpy as np
 
 from ....model.quantities import readable
 from ..diagnostics.tradeoffs import percent, product
-from ..estimates import ENDLESS
+from ..estimates import is_unconstrained
 from .features import FEATURES, LEVEL
 from .search import distinct_runs
 from .segments import SENTENCES
@@ -31,7 +31,7 @@ def diagnose(fit):
         which = [n for n, w in zip(names, weight, strict=True) if w > SMALL * weight.max()]
         values = {"which": " and ".join(which), "product": products[i], "error": percent(errors[i])}
         sentence = "several" if len(which) > 1 else "one"
-        sentence = "unconstrained" if errors[i] > ENDLESS else sentence
+        sentence = "unconstrained" if is_unconstrained(errors[i]) else sentence
         vague.append(SENTENCES(f"note.{sentence}", **values, remedy=remedy))
     notes = [*vague, *(text for measured in fit.measured for text in measured.notes)]
     sentences = [f"{text[0].upper()}{text[1:]}." for text in notes]

@@ -115,7 +115,7 @@ def _ranked(runs):
 
 def _waves_and_features(problem, run):
     """Waves (s, q) of tau/sigma and features (s, 6) at a run's end."""
-    (features,), _, (waves,) = problem.model.features(problem.space.values(run.end[None]))
+    (features,), _, (waves,) = problem.model.features(problem.space.values(run.end[None]), run.near)
     features[:, LEVEL] += run.mu0
     return waves + run.mu0, features
 

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..raw_record import check_count
 from ..refusals import refusal
 
 # Fewest cycles, and samples in a cycle, that can be used.
@@ -89,7 +88,9 @@ def thinned(segment, period):
         rows = n // every * every
         t, y = (column[:rows].reshape(-1, every).mean(axis=1) for column in segment[:2])
         segment = segment._replace(t=t, y=y)
-    check_count(segment.t.size, MOST, "of fewer cycles")
+    if segment.t.size > MOST:
+        cycles = (segment.t[-1] - segment.t[0]) / period
+        raise refusal("cycles.many", samples=segment.t.size, most=MOST, cycles=cycles)
     return segment
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ....model.quantities import with_error
-from ..estimates import ENDLESS
+from ..estimates import ENDLESS, is_unconstrained
 
 #: correlation from which parameters trade off, and error of a combination worth a warning
 CORRELATED, LOOSE = 0.95, 0.2
@@ -40,7 +40,7 @@ def tradeoff_text(estimates, which):
     pairs = correlation[np.triu_indices(len(which), 1)]
     strongest = pairs[np.argmax(np.abs(pairs))]
     worst_text = f"{product(which, axes[:, -1])} only to {percent(worst)}"
-    if worst > ENDLESS:
+    if is_unconstrained(worst):
         worst_text = f"does not constrain {product(which, axes[:, -1])}"
     return (
         f"{', '.join(which[:-1])} and {which[-1]} trade off (correlation {strongest:.3f}): the "
@@ -49,7 +49,7 @@ def tradeoff_text(estimates, which):
 
 
 def percent(error):
-    """A relative error as text; a large one as a factor, beyond `ENDLESS` without a number.
+    """A relative error as text; a large one as a factor, of at most exp(`ENDLESS`).
 
     >>> percent(0.0213), percent(1.5), percent(200.0)
     ('2.1 %', 'a factor of 4.5', 'more than a factor of 1e+06')
