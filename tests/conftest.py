@@ -9,8 +9,11 @@ import pytest
 
 import ratestate as rs
 
-# Other examples at each run: --hypothesis-profile=default.  A busy machine breaks deadlines.
-hypothesis.settings.register_profile("reproducible", derandomize=True, deadline=None)
+# Other examples at each run, and more of them: --hypothesis-profile=default.  A busy machine
+# breaks deadlines.
+hypothesis.settings.register_profile(
+    "reproducible", derandomize=True, deadline=None, max_examples=60
+)
 hypothesis.settings.load_profile("reproducible")
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)

