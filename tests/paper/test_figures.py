@@ -31,7 +31,8 @@ def numbers():
 
     # a few of the speeds that the figure has: they show all it can go wrong in
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(basins, "SPEEDS", (*basins.SPEEDS[:2], 4))
+        patch.setattr(basins, "SPEEDS", (*basins.SPEEDS[:2], 2))
+        patch.setattr(basins, "STIFFNESS", (*basins.STIFFNESS[:2], 5))
         yield of
 
 

@@ -177,8 +177,7 @@ ARRAYS = {
 
 
 @pytest.mark.parametrize("arrays", ARRAYS)
-@pytest.mark.parametrize("chunk", [None, 1, 2])
-@pytest.mark.parametrize("store", [False, True])
+@pytest.mark.parametrize(("chunk", "store"), [(None, True), (1, False), (2, True)])
 def test_any_arrays(arrays, chunk, store, tmp_path):
     slider = rs.SpringSlider(**FIG2 | ARRAYS[arrays])
     alone = rs.limit_cycle(slider, "3.2 mm/s", rtol=1e-6)

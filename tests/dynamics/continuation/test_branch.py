@@ -22,11 +22,11 @@ WILD = FIG2.replace(b=0.0363, K=1.06 * 0.0333 * 2e6 / 1e-5)
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 #: parameter -> (start, stop, V_lp, and the slider's K)
 ACROSS = {
-    "V_lp": (1e-2, 1e-4, None, 6.06e8),
+    "V_lp": (5e-3, 1e-4, None, 6.06e8),
     "K": (7e8, 3e8, 1e-3, 6.2e8),
     "M": (1e5, 1e2, 1e-2, 9e8),
-    "sigma": (3e5, 3e7, 1e-3, 9e8),
-    "a": (5e-4, 1e-2, 1e-3, 9e8),
+    "sigma": (1e6, 2e7, 1e-3, 9e8),
+    "a": (1e-3, 1e-2, 1e-3, 9e8),
     "b": (1e-3, 2e-2, 1e-3, 9e8),
     "Dc": (1e-6, 1e-2, 1e-3, 9e8),
 }
@@ -294,7 +294,7 @@ def test_one_branch_through_speed_and_mass(law):
     slider = FIG2.replace(K=6.06e8, law=law)
     by_speed = across("V_lp", law)[0]
     V = 1e-3
-    by_mass = continue_cycle(slider, "M", 3e3 * (1e-2 / V) ** 2, 1.0, V_lp=V)
+    by_mass = continue_cycle(slider, "M", 3e3 * (5e-3 / V) ** 2, 1.0, V_lp=V)
     assert specials(by_mass) == specials(by_speed)
     turn = {"M": by_mass.period * V / 1e-5, "V_lp": by_speed.period * by_speed.V_lp / 1e-5}
     eta = {"M": slider.replace(M=by_mass.M).eta(V), "V_lp": slider.eta(by_speed.V_lp)}

@@ -40,7 +40,7 @@ class Loading(Segments):
 
     @property
     def shape(self):
-        """What a periodic loading was made from, `Sine`; None for any other."""
+        """What a periodic loading was made from, ``Sine``; None for any other."""
         return self.sine
 
     @classmethod
