@@ -21,8 +21,8 @@ figures: .venv/.ready ## draw every figure of the paper, slip and aging law, int
 explore: .venv/.ready ## open the explorer in the browser; ARGS="--port 8000 --no-browser"
 	$(BIN)/ratestate explore $(ARGS)
 
-test: .venv/.ready ## run the tests in 3 processes, which keep 2 cores busy
-	$(BIN)/pytest -n 3 $(ARGS)
+test: .venv/.ready ## run the tests on 2 processes
+	$(BIN)/pytest -n 2 $(ARGS)
 
 check: .venv/.docs ## lint, formatting, types, direction of imports, names, docstrings
 	$(BIN)/ruff check
