@@ -107,7 +107,7 @@ def record_waveform(s, l, cx, cv):
 
 @inner
 def handle_events(s, l, law):
-    """Book what happens in the lane's step, or take it back, to end it at a crossing."""
+    """Record what happens in the lane's step, or take it back, to end it at a crossing."""
     cx, cv, cpsi = components(s, l)
     landing_step = s[R.LANDING_STEP + l]
     if landing_step > 0.0 and s[R.H_USED + l] >= landing_step:

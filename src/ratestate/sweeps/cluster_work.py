@@ -82,9 +82,9 @@ class Work:
         return bool(self.under_way or self.given_up)
 
     def lost_tasks(self):
-        """[(number, whether its SLURM job has ended)] of tasks whose worker died; cancels them.
+        """[(number, whether its job has ended)] of tasks whose worker died; cancels them.
 
-        With `Jobs` a task is listed once SLURM has answered; without, no job has ended.
+        With `Jobs` a task is listed once the batch system has answered; without, no job has ended.
         """
         for i, (future, _) in list(self.under_way.items()):
             if future.key in self.deaths:
