@@ -11,7 +11,7 @@ import xarray as xr
 import ratestate as rs
 from ratestate import NotConverged, ParameterError, continue_cycle, limit_cycle
 from ratestate.dynamics.continuation.arclength import Steps
-from ratestate.dynamics.continuation.family import PARAMETERS, Family
+from ratestate.dynamics.continuation.family import Family
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
 # Aging law, K just above K_c_qs: below V_c = 0.447 mm/s stable sliding and cycles coexist
@@ -32,11 +32,11 @@ ACROSS = {
 }
 
 
-#: The map of a branch knows parameters and laws apart: the slip law with speed, stiffness and
-#: mass, the aging law with all parameters.
+#: The map of a branch knows parameters and laws apart: each parameter once, the speed by both laws
 SIDES = pytest.mark.parametrize(
     ("parameter", "law"),
-    [(p, "slip") for p in ("V_lp", "K", "M")] + [(p, "aging") for p in PARAMETERS],
+    [(p, "slip") for p in ("V_lp", "a", "b", "sigma")]
+    + [(p, "aging") for p in ("V_lp", "K", "M", "Dc")],
 )
 
 
@@ -119,12 +119,12 @@ def test_agrees_with_limit_cycle(parameter, law):
     branch, slider, V_lp = across(parameter, law)
     bend = np.abs(bends(branch, parameter))
     plain = (branch.special != "hopf") & branch.stable
-    branch, bend = branch.isel(point=plain)[{"point": slice(None, None, 2)}], bend[plain][::2]
+    branch, bend = branch.isel(point=plain)[{"point": slice(None, None, 3)}], bend[plain][::3]
     values = xr.DataArray(branch[parameter].values, dims="point")
     sweep, V = at(slider, parameter, values, V_lp)
     cycles = limit_cycle(sweep, V, rtol=1e-9)
     unstable = np.broadcast_to(sweep.K_c(V) > sweep.K, branch.stable.shape)
-    assert unstable.sum() > 8
+    assert unstable.sum() > 6
     reached = (cycles.status == 0).values
     assert reached[unstable].all()
     assert reached.sum() > 10
@@ -278,11 +278,11 @@ def test_the_same_fold_whatever_leads_to_it(parameter):
     branch, slider, V_lp = across(parameter, "aging")
     if parameter == "M":  # supercritical in that branch
         slider, V_lp = STRIP, FOLD
-        branch = continue_cycle(slider, "M", 1e4, 1e2, V_lp=V_lp)
+        branch = continue_cycle(slider, "M", 4e3, 1e3, V_lp=V_lp)
         assert float(special(branch, "fold").M) == pytest.approx(3e3, rel=1e-7)
     fold = special(branch, "fold")
     there = slider.replace(**{parameter: float(fold[parameter])})
-    other = special(continue_cycle(there, "V_lp", 10 * V_lp, 0.1 * V_lp), "fold")
+    other = special(continue_cycle(there, "V_lp", 1.5 * V_lp, 0.5 * V_lp), "fold")
     assert float(other.V_lp) == pytest.approx(V_lp, rel=3e-7)
     for name in ("amplitude", "period"):
         assert float(other[name]) == pytest.approx(float(fold[name]), rel=1e-4), name
@@ -531,11 +531,11 @@ def test_no_single_cycle_at_start():
 
 @pytest.mark.parametrize("rtol", [1e-10, 1e-6, 1e-4])
 def test_accuracy_asked_for(rtol):
-    branch = continue_cycle(STRIP, "V_lp", 5e-4, 1e-4, rtol=rtol)
+    branch = continue_cycle(STRIP, "V_lp", 4.6e-4, 1e-4, rtol=rtol)
     assert specials(branch) == ["start", "fold", "hopf"]
     fold = special(branch, "fold")
     assert float(fold.V_lp) == pytest.approx(FOLD, rel=max(10 * rtol, 3e-9))
-    start = limit_cycle(STRIP, 5e-4, rtol=1e-11)
+    start = limit_cycle(STRIP, 4.6e-4, rtol=1e-11)
     for name in ("amplitude", "period"):
         off = float(branch[name][0] / start[name]) - 1
         assert abs(off) < 3 * rtol + 1e-10, name

@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ...engine import dispatch
 from ...engine.rigid import states
@@ -54,6 +53,8 @@ def _lowest_friction(law, psi0, segments, end, p):
 
     At one of its ends, or where it has a minimum between them.
     """
+    from scipy.optimize import brentq  # slow to import, and no other run needs it
+
     begin, V, rate = segments
     beta, state_rate = p.b / p.a, slip_rate if law == SLIP else aging_rate
 

@@ -424,18 +424,19 @@ def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
     clipped = """() => [...document.querySelectorAll('#numbers dd, #fields input[type=text]')]
         .filter(e => e.scrollWidth > e.clientWidth || (!e.value && e.clientHeight > 30))
         .map(e => e.value ?? e.textContent)"""
-    for width in (360, 768, 1280):
-        shown.page.set_viewport_size({"width": width, "height": 740})
-        for title in titles[1:]:
-            shown.page.select_option("#presets", label=title)
+    sizes = "[document.documentElement.scrollWidth, innerWidth]"
+    for title in titles[1:]:
+        shown.page.select_option("#presets", label=title)
+        shown.wait()
+        for width in (360, 768, 1280):
+            shown.page.set_viewport_size({"width": width, "height": 740})
             shown.wait()
             assert shown.page.evaluate(clipped) == [], (title, width)
-        widths = shown.page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
-        assert widths == [width, width]
-        for chart in ("#stress-chart", "#map-canvas"):
-            box = shown.page.locator(chart).bounding_box()
-            assert box["x"] >= 0
-            assert box["x"] + box["width"] <= width
+            assert shown.page.evaluate(sizes) == [width, width], title
+            for chart in ("#stress-chart", "#map-canvas"):
+                box = shown.page.locator(chart).bounding_box()
+                assert box["x"] >= 0, (title, width)
+                assert box["x"] + box["width"] <= width, (title, width)
 
 
 def test_dark_is_dark_and_nothing_moves_for_those_who_mind(show):
