@@ -215,6 +215,7 @@ def test_bad_steps(steps, message):
         ([0, 1], [True, True], "V_lp[0] = True is of type bool"),
         ([0, 1], np.ones((2, 2)), "V_lp has 2 dimensions; a column has 1"),
         ([0, 1], 3.0, "V_lp = 3.0 is not a column of values"),
+        ([], [], "t has no values; expected a time [s] such as '10 s' in each row"),
         ([0, 1e-310], [0, 10], "too close for a ramp"),
         ([0, logspace("t", 1, 2, 2)], [0, 10], "as many times as speeds"),
     ],

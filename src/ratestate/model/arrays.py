@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from ..errors import ParameterError
-from .quantities import QUANTITIES, attrs
+from .quantities import QUANTITIES, attrs, expected
 from .units import is_array, to_si
 
 
@@ -59,7 +59,10 @@ def logspace(name, start, stop, n):
 
 
 def check_aligned(values):
-    """Raise ParameterError where arrays among these values, by symbol, differ along a dimension."""
+    """Raise ParameterError where DataArrays of this dict clash along a dimension: size or labels.
+
+    values : symbol -> value; those that are no DataArray are ignored
+    """
     seen: dict = {}
     arrays = ((symbol, value) for symbol, value in values.items() if is_array(value))
     for symbol, value in arrays:
@@ -81,7 +84,10 @@ def check_aligned(values):
 
 
 def cut(value, places):
-    """DataArrays, also in a dataclass or dict, at some places of a sweep: dimension -> indices."""
+    """DataArrays, also in a dataclass or dict, at some places of a sweep; anything else as it is.
+
+    places : dimension -> indices or slice; those that a DataArray lacks do not count
+    """
     if is_array(value):
         return value.isel(places, missing_dims="ignore")
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
@@ -91,7 +97,10 @@ def cut(value, places):
 
 
 def column(symbol, values):
-    """Column of a record [SI], each value >= 0: ndarray, or DataArray with ``segment`` last.
+    """Column of a record [SI], each value >= 0: ndarray (n,), or DataArray with ``segment`` last.
+
+    DataArray if an item of a sequence is one with dimensions.  ParameterError: a single number or
+    text, no values, 2-D, < 0 (the symbol's own bound is not used), NaN, wrong unit.
 
     values : array of numbers, 1-D DataArray or pint quantity, or sequence of what `to_si` takes
     """
@@ -110,6 +119,8 @@ def column(symbol, values):
         numbers = np.asarray(values)
         if numbers.ndim != 1:
             raise ParameterError(f"{symbol} has {numbers.ndim} dimensions; a column has 1")
+        if not numbers.size:
+            raise ParameterError(f"{symbol} has no values; {expected(symbol)} in each row")
         rows = xarray.DataArray(numbers, dims="row", attrs=units)
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
@@ -117,7 +128,10 @@ def column(symbol, values):
 
 
 def stack(values):
-    """Floats and DataArrays (name -> value) in a row: ndarray, or DataArray, ``segment`` last."""
+    """Floats and DataArrays (name -> value) in a row: ndarray (n,), or DataArray, ``segment`` last.
+
+    DataArray if one of them is; ParameterError, with their names, where they clash.
+    """
     if not any(map(is_array, values.values())):
         return np.array(list(values.values()))
     import xarray
@@ -129,7 +143,7 @@ def stack(values):
 
 
 def running_sum(x):
-    """Cumulative sum along the last axis, as if in doubled precision.
+    """Cumulative sum (new array, shape of x) along the last axis, as if in doubled precision.
 
     What each addition rounds off can be told exactly (Knuth's two-sum): it is summed as well.
     """

@@ -10,7 +10,10 @@ SYMBOLS = ("V", "theta", "tau")
 
 
 def initial_values(initial):
-    """The values given for t = 0 in SI, under the names "V_initial" and so on."""
+    """The values given for t = 0 in SI, under the names "V_initial" and so on; {} for None.
+
+    ParameterError for another key, type, unit or range; `initial_state` sees whether they agree.
+    """
     if initial is None:
         return {}
     if not isinstance(initial, dict) or not set(initial) <= set(SYMBOLS):
@@ -27,8 +30,13 @@ def initial_values(initial):
 def initial_state(batch, V_load):
     """(n, 3) x = (tau/sigma - mu0)/a, v = ln(V/V0) and psi = ln(V0 theta/Dc) at t = 0.
 
-    Steady sliding at V_start, but for what `initial` gives; where M = 0 or K = inf friction fixes
-    what is left out.  ParameterError where all three are given there.
+    Steady sliding at V_start, but for what `initial` gives.  Where M = 0 friction fixes what is
+    left out.  Where K = inf V is V_load, theta or else tau counts, and friction fixes the rest: tau
+    beside theta is not used.
+
+    ParameterError where values disagree: V, theta and tau all given, M = 0 or K = inf, and
+    |x - v - beta psi| > 1e-9; V other than V_load where K = inf; b = 0 where tau would have to fix
+    theta.  Ranges are checked by `initial_values`.
 
     batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
@@ -46,17 +54,20 @@ def initial_state(batch, V_load):
     rigid = np.isinf(K)
     v = np.where(rigid, np.log(np.maximum(V_load, 5e-324) / V0), v)
     bound = (M == 0) | rigid  # there tau/sigma = mu, and two of the three fix the third
-    if len(given) == 3 and (clash := bound & (np.abs(x - v - beta * psi) > 1e-9)).any():
-        i = int(np.argmax(clash))
-        mu = mu0[i] + a[i] * (v[i] + beta[i] * psi[i])
-        raise ParameterError(
-            f"initial V, theta and tau do not agree: without inertia (M = 0) tau must be sigma mu "
-            f"= {sigma[i] * mu:.6g} Pa; leave one of them out, or give M > 0"
-        )
     if "V" in given and (np.abs(v - np.log(given["V"] / V0)) > 1e-9).any():
         raise ParameterError(
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
-            "leave V out"
+            "leave V out" + (", and theta or tau" if len(given) == 3 else "")
+        )
+    if len(given) == 3 and (clash := bound & (np.abs(x - v - beta * psi) > 1e-9)).any():
+        i = int(np.argmax(clash))
+        mu = mu0[i] + a[i] * (v[i] + beta[i] * psi[i])
+        where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
+        if rigid[i]:
+            where, remedy = "where K = inf", "leave theta or tau out"
+        raise ParameterError(
+            f"initial V, theta and tau do not agree: {where} tau must be sigma mu "
+            f"= {sigma[i] * mu:.6g} Pa; {remedy}"
         )
     by_stress = bound & (("V" in given) | rigid)
     if "tau" in given and "theta" not in given and by_stress.any():

@@ -241,7 +241,7 @@ def test_start_in_steady_sliding(law):
 def test_initial_values(initial, M):
     slider = STIFF.replace(M=M)
     if M == 0 and len(initial) == 3:
-        with pytest.raises(rs.ParameterError, match=r"do not agree.*sigma mu"):
+        with pytest.raises(rs.ParameterError, match=r"do not agree.*\(M = 0\).*or give M > 0$"):
             simulate(slider, Loading.constant(1e-3), 0.01, initial=initial)
         return
     run = simulate(slider, Loading.constant(1e-3), 0.01, initial=initial).isel(time=0)
@@ -268,6 +268,24 @@ def test_initial_values_with_a_rigid_drive():
     assert float(run.V) == pytest.approx(1e-3, rel=1e-15)
     assert float(run.theta) == pytest.approx(10.0, rel=1e-13)
     assert run.delta == 0
+
+
+@pytest.mark.parametrize(
+    ("initial", "message"),
+    [
+        ({"V": 2e-3}, "initial V: where K = inf .*; leave V out$"),
+        ({"V": 2e-3, "theta": 1.0, "tau": 1e6}, "initial V: .*; leave V out, and theta or tau$"),
+        (
+            {"V": 1e-3, "theta": 1.0, "tau": 1e6},
+            "do not agree: where K = inf tau must be sigma mu = .* Pa; leave theta or tau out$",
+        ),
+    ],
+)
+@pytest.mark.parametrize("M", [0.0, 3e3])
+def test_initial_values_that_a_rigid_drive_refuses(initial, message, M):
+    slider = SLIDER.replace(K=np.inf, M=M)
+    with pytest.raises(rs.ParameterError, match=message):
+        simulate(slider, Loading.constant(1e-3), 0.01, initial=initial)
 
 
 def test_slip_is_what_the_spring_says():
