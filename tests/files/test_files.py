@@ -167,8 +167,13 @@ def test_only_results_are_replaced(results, tmp_path):
 )
 def test_bad_places(name, message, tmp_path):
     with pytest.raises(ParameterError, match=message):
-        files.checked(tmp_path / name, files.NUMBERS)
+        files.checked_path(tmp_path / name, files.NUMBERS)
     assert not [*tmp_path.iterdir()]
+
+
+def test_one_ending_alone(tmp_path):
+    with pytest.raises(ParameterError, match=r"expected a name that ends in \.toml$"):
+        files.checked_path(tmp_path / "x.txt", (".toml",))
 
 
 @pytest.mark.parametrize("ending", ["nc", "zarr"])

@@ -2,13 +2,13 @@
 
 from .formats import NUMBERS, read, write
 from .netcdf import joined, split
-from .place import PICTURES, checked, replace, writing
+from .place import PICTURES, checked_path, replace, writing
 from .table import csv_text
 
 __all__ = [
     "NUMBERS",
     "PICTURES",
-    "checked",
+    "checked_path",
     "csv_text",
     "joined",
     "read",

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..errors import ParameterError, RateStateError
 from .netcdf import read_netcdf, write_netcdf
-from .place import checked, replace
+from .place import checked_path, replace
 from .table import write_csv
 
 
@@ -32,7 +32,7 @@ def write(data, path):
     OSError
         It cannot be written there; what was there before is as it was.
     """
-    path = checked(path, NUMBERS)
+    path = checked_path(path, NUMBERS)
     writer, _ = FORMATS[path.suffix.lower()]
     return replace(path, lambda partial: writer(data, partial))
 

@@ -10,7 +10,7 @@ PARTS = {"real": ("real part", np.real), "imag": ("imaginary part", np.imag)}
 
 
 def read_netcdf(path):
-    """The Dataset in a NetCDF file; ParameterError if there is none."""
+    """The Dataset in a NetCDF file, in memory; ParameterError if it cannot be read."""
     import xarray
 
     variables, attrs = read_isolated(raw_netcdf, path, "a result")
@@ -38,7 +38,7 @@ def _attributes(of):
 
 
 def write_netcdf(data, path):
-    """Write a Dataset as compressed NetCDF."""
+    """Write a Dataset as compressed NetCDF; the path is not checked."""
     data = split(data)
     packed = {"zlib": True, "complevel": 4, "shuffle": True}
     encoding = {name: packed for name, variable in data.variables.items() if variable.ndim}
@@ -46,7 +46,7 @@ def write_netcdf(data, path):
 
 
 def split(data):
-    """The same with each complex variable as two real ones, NAME_real and NAME_imag."""
+    """The Dataset with each complex variable, which has a long_name, as NAME_real and NAME_imag."""
     for name, variable in data.variables.items():
         if variable.dtype.kind != "c":
             continue
@@ -60,7 +60,7 @@ def split(data):
 
 
 def joined(data):
-    """The same with what `split` took apart put together."""
+    """The Dataset with what `split` took apart put together; ParameterError where parts differ."""
     for name in [name for name, v in data.variables.items() if v.attrs.get("part") == "real"]:
         whole = name.removesuffix("_real")
         real, imag = data[name], data[f"{whole}_imag"]

@@ -13,12 +13,16 @@ from ..errors import ParameterError
 PICTURES = (".png", ".pdf")
 
 
-def checked(path, endings):
-    """The path, if a file with one of these endings can be put there, as far as is known before."""
+def checked_path(path, endings):
+    """A Path, ~ expanded, at which a file with one of these endings (".nc", ...) can be put.
+
+    ParameterError: another ending, a folder (but a .zarr result), or no parent folder; OSError: no
+    file can be made there, which is tried.  A file that exists is accepted.
+    """
     path = Path(path).expanduser()
     ending = path.suffix.lower()
     if ending not in endings:
-        listed = f"{', '.join(endings[:-1])} or {endings[-1]}"
+        listed = " or ".join(filter(None, [", ".join(endings[:-1]), endings[-1]]))
         raise ParameterError(f"{str(path)!r}: expected a name that ends in {listed}")
     if path.is_dir() and not (ending == ".zarr" and _is_result(path)):
         what = "a folder that holds no result" if ending == ".zarr" else "a folder"
@@ -31,7 +35,13 @@ def checked(path, endings):
 
 
 def replace(path, write):
-    """Have `write` make a file or folder beside `path`, and rename it: nobody finds half a file."""
+    """Have `write` make a file or folder beside `path`, and rename it: nobody finds half a file.
+
+    Returns `path`, whose place is not checked here (`checked_path`).  What `write` raises is
+    raised, an OSError as one about `path`; what was there before is then as it was.
+
+    write : function of the Path at which to make it
+    """
     partial = path.with_name(f".{path.stem}.{uuid.uuid4().hex}.partial{path.suffix}")
     with writing(path):
         try:
@@ -52,7 +62,7 @@ def replace(path, write):
 
 @contextlib.contextmanager
 def writing(path):
-    """Let an OSError be about the path that was asked for, not about a file beside it."""
+    """Raise an OSError inside again, as one about `path` and not about a file beside it."""
     try:
         yield
     except OSError as error:

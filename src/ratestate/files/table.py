@@ -32,6 +32,7 @@ def csv_text(data):
 
 
 def write_csv(data, path):
+    """Write `csv_text` of a result; the path is not checked."""
     _frame(data).to_csv(path, **FORMAT)
 
 

@@ -17,7 +17,7 @@ def init(kind: Kind = "lab", *, out: Path | None = None) -> None:
 
     Example: ratestate init brake
     """
-    from ...files import checked, replace
+    from ...files import checked_path, replace
     from ..scenario import template
 
     text = template(kind)
@@ -29,7 +29,7 @@ def init(kind: Kind = "lab", *, out: Path | None = None) -> None:
         raise typer.BadParameter(f"{str(path)!r} does not end in .toml", param_hint="--out")
     if os.path.lexists(path):
         raise ParameterError(f"{path} exists; give another name with --out")
-    replace(checked(path, (".toml",)), lambda partial: partial.write_text(text, "utf-8"))
+    replace(checked_path(path, (".toml",)), lambda partial: partial.write_text(text, "utf-8"))
     print_line(
         f"{path} is written: open it, read it, change it.  Then\n"
         f"  ratestate run {path} --plot {path.stem}.png    what happens\n"

@@ -8,7 +8,7 @@ import xarray
 from ...dynamics.progress import on_terminal
 from ...dynamics.verdict import verdict_of_cycle
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
-from ...files import NUMBERS, PICTURES, checked, write
+from ...files import NUMBERS, PICTURES, checked_path, write
 from ...model.units import is_array
 from .. import scenario as scenarios
 from ..scenario import Output, Scenario
@@ -56,7 +56,7 @@ def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Out
             f"a picture shows a sweep over one or two axes, and this one has {len(dims)} "
             f"({', '.join(dims)}); leave the plot out"
         )
-    return Output(file and checked(file, NUMBERS), picture and checked(picture, PICTURES))
+    return Output(file and checked_path(file, NUMBERS), picture and checked_path(picture, PICTURES))
 
 
 def swept_dims(scenario: Scenario) -> list[str]:
