@@ -27,7 +27,7 @@ def usual(tmp_path, monkeypatch):
     (tmp_path / "tmp").mkdir()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
-    cache._say.cache_clear()
+    cache.say.cache_clear()
     return tmp_path / "cache" / "ratestate" / f"kernels-{cache.DIGEST}"
 
 

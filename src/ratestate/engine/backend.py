@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Backend(NamedTuple):
-    """How many threads (None: one a core), what stops them, and the device."""
+    """How many threads (None: one a core), what stops them, and the device: "cpu" or "cuda"."""
 
     threads: int | None = None
     stop: threading.Event | None = None
@@ -22,7 +22,7 @@ class Stopped(Exception):
 
 
 def current():
-    """The `Backend` of kernels that this thread starts."""
+    """The `Backend` of kernels that this thread starts; of a new thread, `Backend()`."""
     return _current.get(Backend())
 
 
@@ -35,7 +35,11 @@ def check_stopped():
 
 @contextlib.contextmanager
 def use(**settings):
-    """Let kernels that this thread starts inside run on `Backend(**settings)`."""
+    """Let kernels that this thread starts inside run on `Backend(**settings)`.
+
+    What is not given has its default, not the value of a `use` around this one.  The device is
+    not checked here: `sweep` does that.
+    """
     token = _current.set(Backend(**settings))
     try:
         yield

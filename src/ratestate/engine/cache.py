@@ -55,10 +55,14 @@ class KernelCache(_Cache):
 
     @property
     def cache_path(self):
+        """The folders from which kernels are loaded, as one text."""
         return os.pathsep.join(map(str, _readable()))
 
     def load_overload(self, sig, target_context):
-        """The code for these types of arguments; None if it must be compiled."""
+        """The code for these types of arguments; None if it must be compiled.
+
+        A file that is damaged is reported on stderr, and one that cannot be read passed over.
+        """
         target_context.refresh()
         if not self._enabled:
             return None
@@ -73,11 +77,11 @@ class KernelCache(_Cache):
             if hashlib.sha256(code).digest() == checksum:
                 with contextlib.suppress(Exception):  # of another build of numba, say
                     return CompileResult._rebuild(target_context, *pickle.loads(code))
-            _say(f"the compiled kernel {path} is damaged; it is compiled anew")
+            say(f"the compiled kernel {path} is damaged; it is compiled anew")
         return None
 
     def save_overload(self, sig, data):
-        """Keep compiled code, in the first folder that takes it."""
+        """Keep compiled code in the first folder that takes it; tell on stderr which do not."""
         if not self._enabled or data.library.has_dynamic_globals:  # (addresses of this process)
             return
         code = dumps(data._reduce())
@@ -91,9 +95,9 @@ class KernelCache(_Cache):
                 refusals.append(f"{folder.path} ({error.strerror or error})")
                 continue
             if refusals:
-                _say(f"compiled kernels cannot be kept in {refusals[0]}; they are in {folder.path}")
+                say(f"compiled kernels cannot be kept in {refusals[0]}; they are in {folder.path}")
             return
-        _say(
+        say(
             f"compiled kernels cannot be kept in {' nor in '.join(refusals)}: each process "
             f"compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be written to"
         )
@@ -107,13 +111,15 @@ class KernelCache(_Cache):
         return f"{self._name}-{hashlib.sha256(depends.encode()).hexdigest()[:16]}.nbc"
 
     def enable(self):
+        """Load and keep code from now on."""
         self._enabled = True
 
     def disable(self):
+        """Neither load nor keep code from now on."""
         self._enabled = False
 
     def flush(self):
-        """Remove what is kept."""
+        """Remove what is kept; OSError where that is not possible."""
         for folder in _readable():
             for path in folder.glob(f"{self._name}-*.nbc"):
                 path.unlink(missing_ok=True)
@@ -176,8 +182,8 @@ def _write(path, content):
 
 
 @functools.cache
-def _say(text):
-    """Say something on stderr, once."""
+def say(text):
+    """Write a line on stderr, once in this process; nothing where there is no stderr."""
     if sys.stderr:
         sys.stderr.write(f"ratestate: {text}\n")
         sys.stderr.flush()

@@ -63,7 +63,10 @@ def _numba_cuda() -> Any:
 
 
 def run_march(law, cases, loads, save_times, order, progress=None):
-    """March all cases by Rodas5P; parameters and `Results` as for `dispatch.run_march`."""
+    """March all cases by Rodas5P; parameters and `Results` as for `dispatch.run_march`.
+
+    ParameterError where there is no GPU, SolverError where it fails, `backend.Stopped`.
+    """
     check()
     from . import cuda_kernels
 
@@ -77,7 +80,10 @@ def run_march(law, cases, loads, save_times, order, progress=None):
 
 
 def run_returns(law, starts):
-    """`ReturnResults` of all cases; parameters as for `dispatch.run_returns`."""
+    """`ReturnResults` of all cases; parameters as for `dispatch.run_returns`.
+
+    Exceptions as for `run_march`.
+    """
     check()
     from . import cuda_kernels
 

@@ -1,4 +1,7 @@
-"""The dense output of a step: polynomials in the fraction s of the step, and where they cross."""
+"""The dense output of a step: polynomials in the fraction s of the step, and where they cross.
+
+A polynomial is a tuple of 5 coefficients, the constant first.
+"""
 
 import math
 
@@ -8,13 +11,16 @@ from .jit import inner
 
 @inner
 def coefficients(y0, y1, k1, k2, k3):
-    """Dense output of one component as a polynomial in s, the fraction of the step."""
+    """Dense output of one component as a polynomial.
+
+    y0, y1 : its values at the ends of the step; k1, k2, k3 : its K_1, K_2, K_3 (tableau.py)
+    """
     return y0, (y1 - y0) + k1, k2 - k1, k3 - k2, -k3
 
 
 @inner
 def components(s, l):
-    """Polynomials of x, v and psi over the lane's step."""
+    """The three polynomials of x, v and psi over the lane's step."""
     return (
         coefficients(s[R.X + l], s[R.X_NEW + l], s[R.X_1 + l], s[R.X_2 + l], s[R.X_3 + l]),
         coefficients(s[R.V + l], s[R.V_NEW + l], s[R.V_1 + l], s[R.V_2 + l], s[R.V_3 + l]),
@@ -26,11 +32,13 @@ def components(s, l):
 
 @inner
 def polynomial(c, s):
+    """The value of polynomial c at s."""
     return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
 
 
 @inner
 def derivative(c, s):
+    """The derivative of polynomial c with respect to s, at s."""
     return c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))
 
 
@@ -48,7 +56,11 @@ def combined(a, factor, b):
 
 @inner
 def extreme(c):
-    """Where in 0..1 the polynomial's derivative vanishes (Newton inside a bracket)."""
+    """Where in 0..1 the derivative of polynomial c vanishes (Newton inside a bracket).
+
+    Where the derivative has one sign at both ends, the end (0.0 or 1.0) where it is smaller in
+    size.
+    """
     low, high = 0.0, 1.0
     d_low, d_high = derivative(c, low), derivative(c, high)
     if (d_low < 0.0) == (d_high < 0.0):
@@ -73,7 +85,11 @@ def extreme(c):
 
 @inner
 def crossing(c, w_lp, dw, log_w_lp):
-    """Where in 0..1 v = ln(w_lp + dw s); the caller has seen a crossing."""
+    """Where in 0..1 the polynomial c of v is ln(w_lp + dw s), which the caller has seen it cross.
+
+    w_lp, dw : speed at the start of the step, > 0 at any s, and its change in the step
+    log_w_lp : ln(w_lp), used where dw = 0
+    """
     low, high = 0.0, 1.0
     start = c[0] - (log_w_lp if dw == 0.0 else math.log(w_lp))
     s = 0.5

@@ -1,9 +1,7 @@
 """Running kernels from Python: threads, progress, interruption, the solver's own steps."""
 
 import contextlib
-import functools
 import gc
-import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor, wait
 
@@ -13,6 +11,7 @@ from ..errors import CompilationError
 from ..machine import cores
 from . import backend
 from . import rows as R
+from .cache import say
 from .lane_case import IDLE
 from .march import march
 from .model import NUMBERS, STEP_LIMIT, empty_results
@@ -27,13 +26,16 @@ MAX_ROWS = 10_000_000  # of a path, 320 MB; then STEP_LIMIT
 def run_march(method, law, cases, loads, save_times, order, alone, progress=None):
     """`Results` of all cases, on one thread a core, but no more than full sets of lanes.
 
-    At most `backend.Backend.threads`, or on its device; `backend.Stopped` where that stops it.
+    At most `backend.Backend.threads`, or on its device, always by Rodas5P on "cuda".  No case
+    raises: its status says how it ended, RUNNING and NaN that it is not in `order`.
+    `backend.Stopped` where the backend stops it; `CompilationError`, and on "cuda" what
+    `cuda.run_march` raises.  The arguments are not checked.
 
     cases, loads : Cases, Loads (model.py); method, law : their codes
-    save_times : (rows, n_times) [s]
-    order : (n,) case numbers, most costly first
+    save_times : (rows, n_times) [s], increasing
+    order : (m,) numbers of the cases to run, most costly first
     alone : bool, whether this is the only case of the call (which may take the scalar path)
-    progress : callable, optional, given the fraction done about ten times a second
+    progress : callable, optional, given the fraction done, 0 to 1, many times a second
     """
     if backend.current().device == "cuda":
         from . import cuda
@@ -50,7 +52,10 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
 
 
 def run_returns(law, starts, alone):
-    """`ReturnResults` of all cases, from `Starts` to the next upward crossing of the section."""
+    """`ReturnResults` of all cases, from `Starts` to the next upward crossing of the section.
+
+    Threads, device, exceptions, `law` and `alone` as for `run_march`.
+    """
     if backend.current().device == "cuda":
         from . import cuda
 
@@ -101,9 +106,10 @@ def _report(workers, n, progress):
 
 
 def run_path(method, law, cases, loads, progress=None):
-    """March the one case and keep every step: (m, 4) T, x, v, psi from t = 0 on, and Results.
+    """March the one case and keep every step: (m, 4) T, x, v, psi from t = 0 on, and `Results`.
 
-    `backend.Stopped` where that stops it.
+    However it ends, the path is as far as it came; beyond `MAX_ROWS` the status is STEP_LIMIT.
+    On the CPU, whatever the backend's device; exceptions as for `run_march`.
     """
     results = empty_results(1, 0)
     buffer = np.empty((PATH_ROWS, 4))
@@ -140,7 +146,7 @@ class _Worker:
 
 
 def call(kernel, *arguments):
-    """What a kernel returns; `CompilationError` if it cannot be compiled on this machine."""
+    """What a kernel returns; any exception becomes a `CompilationError`: compiled code has none."""
     try:
         with contextlib.nullcontext() if _compiled(kernel) else _no_garbage_collection():
             return kernel(*arguments)
@@ -182,10 +188,7 @@ def _fraction(workers, n):
     return min(1.0, done / n)
 
 
-@functools.cache
 def _announce(kernel):
-    """Say, once, that a kernel is about to be compiled, if it is not in the cache."""
-    if sys.stderr and not _compiled(kernel) and not kernel._cache.kept():
-        what = f"compiling {kernel.__name__} for this machine, once: 10 s to a minute"
-        sys.stderr.write(f"ratestate: {what} ...\n")
-        sys.stderr.flush()
+    """Say on stderr that a kernel is about to be compiled, if it is not in the cache."""
+    if not _compiled(kernel) and not kernel._cache.kept():
+        say(f"compiling {kernel.__name__} for this machine, once: 10 s to a minute ...")

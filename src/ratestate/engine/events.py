@@ -18,7 +18,7 @@ from .periodicity import close_cycle
 def observe(s, l, law, cx, cv, cpsi):
     """Extremes of V, |g|, f and x + f inside the step; `commit` sees to its end.
 
-    Returns where in the step V has one, or -1.
+    Returns where in the step, 0 to 1, V has one, or -1.
     """
     cf = combined(cv, s[R.BETA + l], cpsi)
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
@@ -43,8 +43,8 @@ def observe(s, l, law, cx, cv, cpsi):
 def outrun(s, l, law):
     """End the case of a lane beyond its limit of speed, unless the motion will turn back.
 
-    At speeds that saturate (exp.py) the slip law needs no other than slip itself, but the aging
-    law does.
+    Its status is then RUNAWAY or, at speeds that saturate (exp.py) under the aging law, NOT_FINITE:
+    there the slip law can still be followed, by slip in place of time, but the aging law cannot.
     """
     v, psi = s[R.V_NEW + l], s[R.PSI_NEW + l]
     if runs_away(law, v, psi, s[R.KAPPA + l], s[R.BETA + l]):

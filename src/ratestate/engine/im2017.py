@@ -44,7 +44,7 @@ def advance_state(law, method, psi, v, w, h):
 
 @kernel
 def solve_force_balance(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
-    """v, psi and x at the end of the step, and whether they could be solved for.
+    """v, psi and x at the end of the step, and whether they could be solved for (else no answer).
 
     Newton in v, kept inside a bracket: the mismatch of eq. 9 runs from -inf to inf with v, so a
     root exists; steps are limited to 2 so that a far guess cannot overflow.
@@ -78,7 +78,10 @@ def solve_force_balance(law, method, kappa, beta, x, v, psi, w, d_lp, h, omega):
 
 @inner
 def take_step(s, l, law, method):
-    """Take one step of the lane; record its outcome as `lanes.try_step` and `control_step` do."""
+    """Take one step of the lane; record its outcome as `lanes.try_step` and `control_step` do.
+
+    Where there is no solution, or no finite one, the lane's status is NO_ROOT.
+    """
     x, v, psi, w, w_lp = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l], s[R.W_LP + l]
     kappa, beta = s[R.KAPPA + l], s[R.BETA + l]
     s[R.H + l] = s[R.DT + l]

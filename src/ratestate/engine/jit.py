@@ -22,7 +22,7 @@ inner = njit(**_INNER)
 
 
 def kernel(function):
-    """What Python calls: compiled, and kept on disk."""
+    """What Python calls: compiled, and kept on disk; unchanged where the compiler is off."""
     compiled: Any = njit(nogil=True, error_model="numpy")(function)
     if compiled is not function:  # where the compiler is off it is
         compiled._cache = KernelCache(function)

@@ -14,7 +14,7 @@ IDLE = -1.0
 
 @inner
 def next_case(s, l, queue, position):
-    """The case of the queue that the lane, if idle, is to take; -1 for none."""
+    """Number of the case that the lane, if idle, takes from the queue; -1 if it takes none."""
     if s[R.CASE + l] != IDLE or position[0] == queue.size:
         return -1
     position[0] += 1
@@ -23,7 +23,7 @@ def next_case(s, l, queue, position):
 
 @inner
 def fill(s, l, i, size, cases):
-    """Put what each case i has into lane l; all else there is 0."""
+    """Put what `Cases` and `Starts` have in common of case i into lane l; all else there is 0."""
     for row in range(0, size, R.LANES):
         s[row + l] = 0.0
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
@@ -39,7 +39,7 @@ def fill(s, l, i, size, cases):
 
 @inner
 def choose_first_step(s, l, law):
-    """A step from here that is small beside what it takes the state, or the load, to change."""
+    """Set the lane's next step: small beside the time in which the state, or the load, changes."""
     w, w_lp = s[R.W + l], s[R.W_LP + l]
     f_x = s[R.KAPPA + l] * (w_lp - w)
     f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], s[R.E + l])
@@ -49,7 +49,11 @@ def choose_first_step(s, l, law):
 
 @inner
 def stuck(s, l):
-    """Status of a case given up: too many rejections in a row, or all its steps are spent."""
+    """Status of a case given up.
+
+    NOT_FINITE or STEP_UNDERFLOW after too many rejections in a row; else its steps are spent,
+    STEP_LIMIT.
+    """
     if s[R.FAILURES + l] > TOO_MANY_FAILURES:
         return NOT_FINITE if s[R.BAD + l] > 0.0 else STEP_UNDERFLOW
     return STEP_LIMIT

@@ -20,7 +20,7 @@ ROUNDING = 1e-15
 
 @inlined
 def extremum_conditions(x, v, psi, f_x, f_psi, w, beta, eta0):
-    """Numbers of the signs of dv/dT, dg/dT, df/dT and d(x + f)/dT.
+    """Four numbers with the signs of dv/dT, dg/dT, df/dT and d(x + f)/dT.
 
     dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - beta f_psi; then x = f.
     The others follow from eta0 w dv/dT = g, f = v + beta psi and g = x - f.
@@ -37,7 +37,7 @@ def extremum_conditions(x, v, psi, f_x, f_psi, w, beta, eta0):
 
 @inlined
 def extrema(s, l, law):
-    """Whether V, |g|, the friction f and x + f have an extreme inside the step; f's a minimum."""
+    """Whether V and g have an extreme in the step, f and x + f a minimum: four bools."""
     kappa, beta, eta0 = s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l]
     w_lp = s[R.W_LP + l]
     w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
@@ -62,7 +62,10 @@ def saves(s, l):
 
 @inlined
 def steadies(s, l):
-    """Whether the step ends within the lane's tolerance of steady sliding at V_lp."""
+    """Whether the step ends within the lane's tolerance of steady sliding at V_lp.
+
+    Never in a march, whose lanes have the tolerance 0.
+    """
     v = s[R.LOG_W_LP + l]
     distance = max(abs(s[R.V_NEW + l] - v), abs(s[R.PSI_NEW + l] + v))
     distance = max(distance, abs(s[R.X_NEW + l] - (1.0 - s[R.BETA + l]) * v))
@@ -71,7 +74,7 @@ def steadies(s, l):
 
 @inlined
 def has_event(s, l, law):
-    """Whether the accepted step holds anything that the scalar code must look at."""
+    """Set CALL: whether the step is accepted and holds anything for the scalar code."""
     w_lp = s[R.W_LP + l]
     crosses = (s[R.W + l] < w_lp) != (s[R.W_NEW + l] < w_lp + s[R.H_USED + l] * s[R.RAMP + l])
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)

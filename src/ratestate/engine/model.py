@@ -44,7 +44,10 @@ RODAS5P, IM2017, IM2017_EULER = 0, 1, 2
 
 
 class Method(NamedTuple):
-    """A row of `METHODS`: its code inside the engine, and what a run by it needs."""
+    """A row of `METHODS`: its code inside the engine, and what a run by it needs.
+
+    `simulate` checks that it has that; the engine does not.
+    """
 
     code: int
     needs_dt: bool = False  # it does not choose its steps itself
@@ -88,7 +91,7 @@ class Loads(NamedTuple):
 
 
 class Results(NamedTuple):
-    """What a march leaves behind; NaN where a case failed."""
+    """What a march leaves behind; of a failed case `final` and `saved` are NaN."""
 
     final: np.ndarray  # (n, 3) x, v, psi at the end
     saved: np.ndarray  # (n, n_times, 3)
@@ -97,22 +100,22 @@ class Results(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """A row of `Results.numbers`."""
+    """A row of `Results.numbers`; of a failed case, as far as it came."""
 
-    t: float
-    steps: float
+    t: float  # [s] reached
+    steps: float  # accepted
     rejected: float
-    load_work: float
+    load_work: float  # this and the next beyond their mu0 part, over a sigma Dc
     dissipation: float
-    amplitude: float
-    period: float
-    cycles: float
-    v_max: float
+    amplitude: float  # max - min of x in the last period; 0 before there is one
+    period: float  # its T; inf before there is one
+    cycles: float  # returns to V = V_lp since the last jump of the loading
+    v_max: float  # ln(V/V0)
     v_min: float
-    g_max: float
-    returns: float
+    g_max: float  # of |g|
+    returns: float  # in the last period; 0: none, or irregular (`periodicity.last_period`)
     f_min: float
-    xf_min: float
+    xf_min: float  # of x + f
 
 
 NUMBERS = Numbers._fields
@@ -127,14 +130,14 @@ slip_runs_away, aging_runs_away = inlined(laws.slip_runs_away), inlined(laws.agi
 
 @inlined
 def runs_away(law, v, psi, kappa, beta):
-    """Whether a slider without mass will run away for sure, by the law with this code."""
+    """Whether a slider without mass will run away for sure: `NAME_runs_away` of the law's row."""
     y, c = v + psi, beta - 1.0
     return slip_runs_away(y, kappa, c) if law == laws.SLIP else aging_runs_away(y, kappa, c)
 
 
 @inlined
 def state_rate(law, w, v, psi, e):
-    """d psi/dT of the law with this code, a literal wherever speed counts."""
+    """d psi/dT of the law with this code, a literal where speed counts; any but SLIP is AGING."""
     return slip_rate(w, v, psi, e) if law == laws.SLIP else aging_rate(w, v, psi, e)
 
 
@@ -157,7 +160,7 @@ def state_rate_partials_2(law, w, v, psi, e):
 
 
 def empty_results(n, n_times):
-    """`Results` of n cases that are to run, n_times saved times each."""
+    """`Results` of n cases that are to run, n_times saved times each: NaN, status RUNNING."""
     return Results(
         np.full((n, 3), np.nan),
         np.full((n, n_times, 3), np.nan),

@@ -13,14 +13,16 @@ from .jit import kernel
 
 @kernel
 def whiten(dt, white, red, time, columns, out):
-    """L^-1 applied to each row of `columns`; ln det Sigma is returned.
+    """Put L^-1 applied to each row of `columns` into `out`; return ln det Sigma.
 
     Parameters
     ----------
     dt : (n - 1,) steps between the samples [s], >= 0
     white, red : variances of the two parts, >= 0, not both 0
     time : correlation time [s], > 0
-    columns, out : (k, n)
+    columns, out : (k, n), n >= 1; the result goes into `out`
+
+    Nothing is checked here.
     """
     k, n = columns.shape
     log_determinant = 0.0

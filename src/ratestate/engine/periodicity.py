@@ -29,7 +29,7 @@ def close_cycle(s, l, here, x_high):
 
 @inner
 def change(s, l, cycles, p):
-    """The largest change of a stress maximum or minimum, from the p returns before to the last."""
+    """Largest change of a maximum or minimum of x, from the p returns before to the last p."""
     most = 0.0
     for k in range(cycles - p, cycles):
         now, before = (k % R.RING) * R.LANES + l, ((k - p) % R.RING) * R.LANES + l
@@ -40,11 +40,11 @@ def change(s, l, cycles, p):
 
 @inner
 def last_period(s, l):
-    """Amplitude and duration of the last period, and how many returns it has.
+    """Amplitude (in x) and duration (in T) of the last period, and how many returns it has.
 
     More than one where the motion repeats after these, and hardly after fewer.  Where it is
     irregular there is no period: 0 returns, the amplitude of the later half of those that are
-    known, and how long one of them takes.
+    known, and how long one of them takes.  Before the first return 0.0, inf and 0.
     """
     cycles = int(s[R.CYCLES + l])
     if cycles == 0:

@@ -16,8 +16,8 @@ from .lanes import steadies
 from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING, state_rate
 from .return_lanes import step_of_lane
 
-# ln(V/V_lp) below which the slider counts as sticking.
-STICKING = -2.302585092994046
+# V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
+SLOW_BELOW, LOG_SLOW_BELOW = 0.1, -2.302585092994046
 # A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
 NEAREST = 1e-6
 # Gauss-Legendre nodes on 0..1 are 0.5 and 0.5 -+ ASIDE, of weights CENTRE and (1 - CENTRE)/2.
@@ -73,7 +73,7 @@ def observe_step(s, l, law, cx, cv, cpsi):
 
 @inner
 def perturbed(s, l, law, h):
-    """Perturbations of v a time h after the start of the lane's step."""
+    """Both perturbations of v, two numbers, a time h after the start of the lane's step."""
     if law == SLIP:
         _, a, b, _, _, _ = step_of_lane(s, l, SLIP, h)
     else:
@@ -83,13 +83,13 @@ def perturbed(s, l, law, h):
 
 @inner
 def record_waveform(s, l, cx, cv):
-    """Add the step to the time spent sticking and to the Fourier integrals of the stress."""
+    """Add the step to the time spent below V_lp/10 (SLOW) and to the integrals of the stress."""
     h = s[R.H_USED + l]
-    sticks, stuck_before = s[R.V_NEW + l] < STICKING, s[R.V + l] < STICKING
-    part = 1.0 if sticks else 0.0
-    if sticks != stuck_before:
-        at = crossing(cv, 0.1, 0.0, STICKING)
-        part = 1.0 - at if sticks else at
+    slow, slow_before = s[R.V_NEW + l] < LOG_SLOW_BELOW, s[R.V + l] < LOG_SLOW_BELOW
+    part = 1.0 if slow else 0.0
+    if slow != slow_before:
+        at = crossing(cv, SLOW_BELOW, 0.0, LOG_SLOW_BELOW)
+        part = 1.0 - at if slow else at
     s[R.SLOW + l] += part * h
     pace = 2.0 * math.pi / s[R.GUESS + l]
     phase = pace * (s[R.T + l] + (s[R.T_LOW + l] + 0.5 * h))

@@ -37,13 +37,20 @@ class Starts(NamedTuple):
 
 
 class ReturnResults(NamedTuple):
-    """Where each slider came back to the section, and what happened on the way."""
+    """Where each slider came back to the section, and what happened on the way.
+
+    Where the status is not FINISHED, the numbers are those of where it stopped.
+    """
 
     numbers: np.ndarray  # (n, len(RETURN_NUMBERS))
     status: np.ndarray  # (n,) int8
 
 
-#: _a and _b: derivatives along the two perturbations
+#: _a and _b: derivatives along the two perturbations.  Dimensionless; G is dv/dT at the return,
+#: v_max and v_min are ln(V/V_lp), slow is the time below V_lp/10, and the four after it integrals
+#: over T of x, x^2, x cos and x sin (2 pi T/`Starts.period`).  x_low is NaN without a stress
+#: minimum.  Where `Starts.observe` is 0, slow and the integrals are 0, and extremes those of the
+#: ends of steps.
 ReturnNumbers = namedtuple(
     "ReturnNumbers",
     "period x psi G x_low period_a x_a psi_a x_low_a period_b x_b psi_b x_low_b trace v_max v_min "
@@ -53,7 +60,7 @@ RETURN_NUMBERS = ReturnNumbers._fields
 
 
 def empty_return_results(n):
-    """`ReturnResults` of n cases that are to run."""
+    """`ReturnResults` of n cases that are to run: NaN, status RUNNING."""
     return ReturnResults(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
 
 

@@ -21,7 +21,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 @kernel
 def states(law, psi0, t, starts, V, rate, Dc, V0, out):
-    """psi = ln(V0 theta/Dc) at times t, into `out`.
+    """Put psi = ln(V0 theta/Dc) at times t into `out`.  Speeds are not checked: see `rigid_motion`.
 
     Parameters
     ----------

@@ -71,14 +71,18 @@ def sum_of(c, k):
 
 @inlined
 def exponentials(u, law):
-    """w = e**v and 1/w, and e = e**-psi where the law, a literal, has it."""
+    """w = e**v and 1/w, and e = e**-psi; 0 in its place under the slip law (a literal)."""
     w, w_inverse = exp_and_inverse(u[1])
     return w, w_inverse, (0.0 if law == SLIP else exp(-u[2]))
 
 
 @inlined
 def prepare(y, w, e, h, p):
-    """What the first point y of a step fixes: the arrow matrix, and its pivot."""
+    """What the first point y of a step fixes: the arrow matrix, and its pivot.
+
+    With f_v and f_psi the derivatives of the law's rate, these seven numbers: w, m = eta0 w,
+    gamma h, kappa w, f_v, a_psi = gamma h/(1 - gamma h f_psi), and one over the pivot.
+    """
     law, kappa, beta, eta0 = p
     f_v, f_psi = state_rate_partials(law, w, y[1], y[2], e)
     gamma_h = GAMMA * h
@@ -93,7 +97,7 @@ def prepare(y, w, e, h, p):
 
 @inlined
 def solve_arrow(r_x, r_v, r_psi, beta, start):
-    """Solve the arrow matrix of `prepare` for this right-hand side."""
+    """The triple k that solves the arrow matrix of `prepare` for this right-hand side."""
     _, _, gamma_h, kappa_w, s_v, a_psi, pivot = start
     k_v = pivot * (r_v + gamma_h * r_x - (beta * a_psi) * r_psi)
     return gamma_h * (r_x - kappa_w * k_v), k_v, a_psi * (r_psi + s_v * k_v)

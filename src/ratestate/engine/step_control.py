@@ -11,7 +11,7 @@ SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 @inlined
 def step_size(h, t_break, t, t_low):
-    """The step to try: never past the next breakpoint, nor just short of it."""
+    """The step to try, in T: never past the next breakpoint, nor just short of it."""
     left = (t_break - t) - t_low
     return left if h * (1.0 + 1e-9) >= left else h
 

@@ -113,7 +113,7 @@ H = (
 
 
 def quadrature_weights():
-    """Weights B with y_new - y = h sum_i B_i s_i where dy/dT = s depends on the others only.
+    """Eight weights B with y_new - y = h sum_i B_i s_i where dy/dT = s depends on the others only.
 
     Such a row reads k_i/(gamma h) = s_i + sum_j (C_ij/h) k_j, hence B (1/gamma - C) = (A_8, 1).
     """

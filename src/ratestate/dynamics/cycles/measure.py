@@ -70,6 +70,7 @@ def measure(system, cycles, alone):
     finer steps than those that led to the estimate.  The step of Newton's method that is left is
     taken to first order, for period, amplitude and speeds.  Estimates that come with an error are
     known better, or under another condition than constant parameters, and are not corrected.
+    The time below V_lp/10, for ``slow_fraction``, is summed in `engine.return_events`.
     """
     u, fixed = cycles.u, cycles.error > 0.0
     tol = np.maximum(FINER * cycles.tol, tightest(system, u))
