@@ -15,7 +15,7 @@ GROUPS, MOUNTED = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
 
 
 def cores():
-    """How many cores this process may use.
+    """How many cores this process may use, an int >= 1.
 
     The least of those that it may run on, of its control group's quota of their time, rounded up,
     and of NUMBA_NUM_THREADS in the environment.

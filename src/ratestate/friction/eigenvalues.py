@@ -13,13 +13,13 @@ def steady_modes(eta, kappa, beta, margin):
 
         eta L^3 + (1 + eta) L^2 + (1 - beta + kappa) L + kappa = 0
 
-    Three along the last axis, by descending real part, a conjugate pair with its positive imaginary
-    part first.  Each is good to a few units in the last place of its modulus unless it is nearly a
-    double one; at eta = 0 the last is -inf.
+    Complex array: three along a last axis, by descending real part, a conjugate pair with its
+    positive imaginary part first.  Each is good to a few units in the last place of its modulus
+    unless it is nearly a double one; at eta = 0 the last is -inf.  Ranges are not checked.
 
     ======  =======================================================================
     eta     M V^2/(sigma a Dc) (eq. 7), >= 0
-    kappa   K Dc/(a sigma), > 0
+    kappa   K Dc/(a sigma), > 0, finite
     beta    b/a
     margin  (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta); given by the caller, because all
             digits that it loses are lost by the growth rate

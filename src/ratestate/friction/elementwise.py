@@ -7,7 +7,13 @@ import numpy as np
 
 
 def elementwise(*dims):
-    """Let a function of NumPy arrays take floats, arrays or DataArrays; `dims` come at the end."""
+    """Let a function of NumPy arrays take floats, arrays or DataArrays.
+
+    It is given all arguments broadcast to one shape.  Its result is a DataArray if an argument is
+    one, else an array, or a NumPy number for shape ().
+
+    dims : names of the dimensions that the function adds at the end
+    """
 
     def extended(function):
         signature = inspect.signature(function)

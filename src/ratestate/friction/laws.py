@@ -8,9 +8,9 @@ as ``d psi/d(t V0/Dc)``.  They know no velocity but V0, so V0 may be chosen free
 form ``d theta/dt`` (rate_and_state.py) is the same function with V0 := Dc/theta (then psi = 0 and
 w = V theta/Dc).
 
-Adding a law: its rate and derivatives and one row of `LAWS` here, and its place in the selection
-that the engine compiles (`state_rate` in engine/model.py, the loops in engine/lanes.py and
-engine/return_lanes.py, and engine/return_events.py).
+Adding a law: its rate and derivatives, `NAME_runs_away` and one row of `LAWS` here, and its place
+in the selection that the engine compiles (`state_rate` and `runs_away` in engine/model.py, the
+loops in engine/lanes.py and engine/return_lanes.py, and engine/return_events.py).
 
 Sources: Dieterich (1979) doi:10.1029/JB084iB05p02161 (aging), Ruina (1983)
 doi:10.1029/JB088iB12p10359 (slip), Gu, Rice, Ruina & Tse (1984) doi:10.1016/0022-5096(84)90007-3
@@ -71,7 +71,8 @@ def slip_runs_away(y, kappa, c):
     """Whether a slider without mass runs away for sure: Q = y - kappa/c >= 0, c = beta - 1 > 0.
 
     y = v + psi; with slip D instead of time dQ/dD = c Q + kappa w_lp/w, so that Q, once positive,
-    grows for ever, whatever the load point does.  Where w >> w_lp it does not otherwise.
+    grows for ever, whatever the load point does.  Where w >> w_lp it does not otherwise.  Numbers,
+    not arrays; False where c <= 0.
     """
     return c > 0.0 and c * y >= kappa
 
@@ -80,7 +81,7 @@ def aging_runs_away(y, kappa, c):
     """Whether a slider without mass runs away for sure: exp(-y) <= 1 - kappa/c, kappa < c.
 
     dy/dD = c (1 - exp(-y)) - kappa + kappa w_lp/w then stays positive.  Where w >> w_lp it does
-    not otherwise.
+    not otherwise.  Numbers, not arrays; False where c <= kappa.
     """
     return c > kappa and y >= -math.log1p(-kappa / c)
 

@@ -29,7 +29,7 @@ ROUNDING = 1e-14
 
 
 def law_curvatures(law):
-    """h2 and h3 of a law by name; ParameterError for an unknown one."""
+    """h2 and h3, two floats, of a law by name; ParameterError for an unknown one."""
     row = evolution_law(law)
     steady = 1.0, 0.0, 0.0, 1.0
     return row.rate_partials_2(*steady)[2], row.rate_partials_3(*steady)[3]
@@ -54,6 +54,8 @@ def third_order(b1, h2, h3):
 
 def lyapunov_1(eta, b1, h2, h3):
     """First Lyapunov coefficient [V/Dc] at the Hopf bifurcation, and its rounding error.
+
+    Two arrays, or floats; ranges are not checked.
 
     eta, b1 : M V^2/(sigma a Dc) (eq. 7), >= 0, and b/a - 1, > 0; h2, h3 : see `law_curvatures`
     """
@@ -80,6 +82,6 @@ def stress_swing(eta, b1):
 
 
 def turning_point(b1, h2, h3):
-    """Smallest eta > 0 at which `lyapunov_1` is zero; NaN where there is none."""
+    """Smallest eta > 0 at which `lyapunov_1` of the number b1 is zero; NaN where there is none."""
     roots = np.roots(third_order(b1, h2, h3)[::-1])
     return min(roots.real[(roots.imag == 0) & (roots.real > 0)], default=np.nan)

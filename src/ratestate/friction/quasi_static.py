@@ -24,7 +24,7 @@ finite time.  At any stiffness so do those with ln(V theta/Dc) >= K/K_c_qs.
 
 Sources: Gu, Rice, Ruina & Tse (1984) doi:10.1016/0022-5096(84)90007-3 (slip law), Ranjith & Rice
 (1999) doi:10.1016/S0022-5096(98)00113-6 (aging law).  The bounds for K > K_c_qs
-are derived in the comments beside them.
+are derived in the comments beside them.  Numbers are in SI, and their ranges are not checked.
 """
 
 import numpy as np

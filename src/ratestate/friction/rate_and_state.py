@@ -1,5 +1,7 @@
 """Rate-and-state friction in SI units (eqs 1-3), for floats, NumPy arrays and named DataArrays.
 
+Ranges are not checked: a value beyond them gives inf or NaN, or ZeroDivisionError if a plain float.
+
     mu = mu0 + a ln(V/V0) + b ln(V0 theta/Dc)                               (eq. 1)
     d theta/dt = 1 - V theta/Dc                           aging law         (eq. 2)
     d theta/dt = -(V theta/Dc) ln(V theta/Dc)             slip law          (eq. 3)

@@ -26,17 +26,21 @@ RTOL = 1e-12
 
 
 class Thresholds(NamedTuple):
-    """Smallest disturbances of steady sliding that run away; inf where none was found."""
+    """Smallest disturbances that run away, dimensionless, > 0; inf where none is up to `largest`.
 
-    step_up: float  # ln(V_lp/V before)
-    kick_up: float  # change of tau/(a sigma)
-    kick_down: float  # its size
+    step_up: ln(V_lp/V before); kick_up, kick_down: rise and size of fall of tau/(a sigma).
+    """
+
+    step_up: float
+    kick_up: float
+    kick_down: float
 
 
 def runaway_edge(kappa, beta, largest):
-    """`Thresholds` of one slider, kappa > beta - 1 > 0.
+    """`Thresholds` of one slider.
 
     A step up starts at y = 0, v = -step; a kick, without a change of the state, at y = v.
+    SolverError where the path cannot be followed; kappa > beta - 1 > 0 is not checked.
 
     kappa, beta : float, K Dc/(a sigma) and b/a
     largest : float, size up to which to look

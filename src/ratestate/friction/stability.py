@@ -1,6 +1,7 @@
 """Steady sliding and its stability: closed forms (eqs 5-7, 10) and eigenvalues.
 
-The functions of parameters serve floats, NumPy arrays and named DataArrays, in SI units.
+The functions of parameters serve floats, NumPy arrays and named DataArrays, in SI units, and do
+not check their ranges.
 Limits carry meaning: V_c is 0 where sliding is unstable at any speed, and inf where it is stable at
 any speed.
 
@@ -73,12 +74,14 @@ def K_c(V, *, a, b, Dc, sigma, M):
 
 
 def b_of_K_c(V, critical, *, a, Dc, sigma, M):
-    """The b at which the critical stiffness at V [m/s] is this [Pa/m]: eq. 6 solved for b."""
+    """The b [1] at which the critical stiffness at V [m/s] is this [Pa/m]: eq. 6 solved for b."""
     return a + critical * Dc / sigma / (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
 
 
 def a_of_K_c(V, critical, *, b, Dc, sigma, M):
-    """The a > 0 at which the critical stiffness at V [m/s] is this [Pa/m], for M > 0 and b > 0.
+    """The a > 0 [1], an ndarray, at which the critical stiffness at V [m/s] is this [Pa/m].
+
+    For M > 0 and b > 0, which is not checked; not for DataArrays.
 
     The positive root of a^2 - (b - h - r) a - b h, which is eq. 6 with h = M V^2/(sigma Dc) and
     r = critical Dc/sigma.

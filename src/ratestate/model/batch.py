@@ -17,6 +17,9 @@ class Batch:
     own : dict, symbol -> DataArray with a last dimension of its own, kept apart from the sweep
     taken : names of result variables, which no sweep dimension may have
 
+    ParameterError for a dimension of such a name, and where arrays clash; the values themselves
+    are not checked.
+
     Attributes: dims, shape and n, the sweep's dimensions, their sizes, the number of cases; alone,
     whether it is no sweep but a single case, which may take the engine's scalar path.
     """
@@ -39,7 +42,7 @@ class Batch:
         self.alone = not self.dims
 
     def check_fits(self, numbers, remedy):
-        """Refuse cases that take more memory, so many numbers each, than this process may have."""
+        """ParameterError if so many numbers a case are more than this process has memory for."""
         check_fits(8 * numbers * self.n, f"the results of {self.n:,} cases", remedy)
 
     @property
@@ -58,7 +61,7 @@ class Batch:
         return np.ascontiguousarray(full.transpose(*self.dims).values.ravel())
 
     def rows(self, array):
-        """A table of the distinct rows of an `own` array, and each case's row number.
+        """A table (rows, m) of the rows of an `own` array, and each case's row number (n,).
 
         array : (..., m) DataArray, or (m,) ndarray for a row that all share.
         """
@@ -85,9 +88,11 @@ class Batch:
         return xarray.Variable((*self.dims, *last), shaped, attrs(symbol))
 
     def coordinates(self, taken):
-        """Coordinates of the sweep: those the arrays bring, and the arrays themselves.
+        """Coordinates of the sweep, by name: those the arrays bring, and the arrays themselves.
 
         V_lp is one even if all cases share it: results say at which speed they hold.
+
+        taken : names that no coordinate may have
         """
         coords: dict = {}
         V_lp = self.values.get("V_lp")

@@ -57,7 +57,7 @@ QUANTITIES = {
 
 
 def attrs(symbol):
-    """Attributes ``units`` and ``long_name`` that a variable with this symbol carries."""
+    """Attributes ``units`` and ``long_name`` of this symbol's variables; KeyError if unknown."""
     return {"units": QUANTITIES[symbol].unit, "long_name": QUANTITIES[symbol].long_name}
 
 
@@ -72,7 +72,7 @@ def expected(symbol, unit=True):
 def power_of(unit, value):
     """The power of ten of the prefix that brings a value [SI] to 1 or more, or nearest to it.
 
-    It is 0 for values so small that no prefix makes them readable.
+    It is 0 for values so small that no prefix makes them readable, and for a unit not in `POWERS`.
 
     >>> power_of("m/s", 0.0032)
     -3
@@ -84,12 +84,14 @@ def power_of(unit, value):
 
 
 def long_time(seconds):
-    """Name and length [s] of the unit, beyond seconds, in which a time is best told, or None."""
+    """Name and length [s] of the unit in which a long time is best told; None below 2 hours."""
     return next((unit for unit in LONG_TIMES.items() if seconds >= 2.0 * unit[1]), None)
 
 
 def readable(symbol, value, digits=4):
     """A value [SI] of a quantity as text that `to_si` reads, with a unit that fits it.
+
+    In the SI unit if it is inf, NaN or too small for any prefix.
 
     >>> readable("V_lp", 0.0032)
     '3.2 mm/s'
@@ -118,6 +120,8 @@ def readable_time(seconds, digits=4, both=False):
 def with_error(value, error):
     """A value and its standard error as text, with the digits that the error leaves.
 
+    The value alone, in four digits, where the error is 0, inf or NaN.
+
     >>> with_error(9.4871, 0.1234), with_error(9.4871, 0.0456), with_error(0.6, 0.0)
     ('9.49 +- 0.12', '9.49 +- 0.05', '0.6')
     """
@@ -128,7 +132,7 @@ def with_error(value, error):
 
 def rounded(value, error):
     """A value as text, to the last digit of its error: the first one, if it is 3.55 or more, or
-    else the second.
+    else the second.  In four digits where the error is not within 1e-12 to 1e5.
 
     >>> rounded(9.4871, 0.1234), rounded(9.4871, 0.0456), rounded(152345.6, 1234.5)
     ('9.49', '9.49', '152346')

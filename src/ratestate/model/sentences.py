@@ -30,16 +30,19 @@ class Sentences(string.Formatter):
         return tomllib.loads(self.path.read_text("utf-8"))
 
     def __call__(self, name, /, **values):
-        """The sentence of this name, ``table.sentence``, with these values."""
+        """The sentence of this name, ``table.sentence``, with these values.
+
+        KeyError where there is none, or a value for it is missing.
+        """
         table, sentence = name.split(".")
         return self.vformat(self.tables[table][sentence], (), values)
 
     def refusal(self, name, /, **values):
-        """The `ParameterError` of the sentence of this name, with these values."""
+        """The `ParameterError`, to be raised by the caller, of the sentence of this name."""
         return ParameterError(self(name, **values))
 
     def format_field(self, value, spec):
-        """A value in this format."""
+        """A value as text in this format."""
         kind, *symbol_and_digits = spec.split() or [""]
         if kind != "as":
             return super().format_field(value, spec)

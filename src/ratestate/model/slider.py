@@ -125,6 +125,11 @@ class SpringSlider:
         -------
         float or DataArray
             K_c [Pa/m].
+
+        Raises
+        ------
+        ParameterError
+            V of a wrong unit or range, or that clashes with the slider's arrays.
         """
         return named("K_c", K_c(self._speed(V), **self._pick("a b Dc sigma M")))
 
@@ -140,6 +145,11 @@ class SpringSlider:
         -------
         float or DataArray
             Coefficient eta [1].
+
+        Raises
+        ------
+        ParameterError
+            V of a wrong unit or range, or that clashes with the slider's arrays.
         """
         return named("eta", eta(self._speed(V), **self._pick("a Dc sigma M")))
 

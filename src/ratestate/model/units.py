@@ -40,7 +40,7 @@ def is_array(value):
 
 
 def named(symbol, value):
-    """A result under its symbol: name and attributes for a DataArray, plain float for a scalar."""
+    """A result under its symbol: DataArray with name and attributes, ndarray as it is, or float."""
     if is_array(value):
         return value.rename(symbol).assign_attrs(attrs(symbol))
     return value if np.ndim(value) else float(value)

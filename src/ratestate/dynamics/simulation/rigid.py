@@ -84,7 +84,12 @@ def _lowest_friction(law, psi0, segments, end, p):
 
 
 def grid(starts, V, t_end, Dc):
-    """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints."""
+    """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints.
+
+    (n,) distinct, from 0 to t_end: each segment in 100 parts, and in 200 its first 10 Dc at the
+    speed of its start.  More than 100 breakpoints, 0 and t_end among them: these alone.  A segment
+    that starts at rest: the 100 parts alone.
+    """
     breaks = np.append(starts[starts < t_end], t_end)
     if len(breaks) > 100:  # a sampled record: its own rows
         return breaks

@@ -1,4 +1,7 @@
-"""Arguments checked: rtol of all functions; method, time step and saved times of `simulate`."""
+"""Arguments checked: rtol of all functions; method, time step and saved times of `simulate`.
+
+The defaults are in the functions' signatures.
+"""
 
 import numpy as np
 

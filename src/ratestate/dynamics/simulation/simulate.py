@@ -58,12 +58,14 @@ def simulate(
     initial : dict, optional
         Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override those of the steady start.
         Where M = 0 two of them fix the third: V and theta, or V and tau, or theta and tau.
+        Where K = inf V is the load point's speed, and theta or tau fixes the other.
     times : array_like or DataArray, optional
         Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
         differ): 1-D, or a DataArray with the dimension ``time`` and those of the sweep.  By
         default the solver's own steps for one slider, the final state for a sweep.
     rtol : float
-        Error allowed in a step, in tau/(a sigma), ln V and ln theta.
+        Error allowed in a step, in tau/(a sigma), ln V and ln theta: 1e-13 to 0.1, by default
+        1e-6.
     method : {"rodas5p", "im2017", "im2017_euler"}
         Rodas5P, adaptive; or the paper's own scheme (eqs 8, 9) with fixed steps dt, where the
         state advances exactly for constant V or, "im2017_euler", by backward Euler (aging law).

@@ -1,4 +1,9 @@
-"""Steps, holds and ramps: what is put at the end of a history that goes on for ever."""
+"""Steps, holds and ramps: what is put at the end of a history that goes on for ever.
+
+`step`, `hold` and `ramp` return a dict of the fields that change: t, V, rate and returns.  They
+raise ParameterError for a history with an end, a time before the last event's end, a wrong unit
+or range, an array of times, and arrays that clash.
+"""
 
 import numpy as np
 
@@ -54,7 +59,7 @@ def _time(loading, t):
 
 
 def one_time(t, what, label=None):
-    """A time [s], > 0, that is no array."""
+    """A time [s], > 0, as a float; ParameterError for any other, or an array."""
     t = to_si("t", t, label=label, bound="> 0")
     if is_array(t):
         raise ParameterError(f"{what} is one number, common to all cases")
@@ -62,7 +67,7 @@ def one_time(t, what, label=None):
 
 
 def speed_from(t, V):
-    """The speed [m/s], >= 0, from t [s] on."""
+    """The speed [m/s], >= 0, from t [s] on: float or DataArray, else ParameterError."""
     return to_si("V_lp", V, label=f"V_lp from t = {t!r} s on", bound=">= 0")
 
 

@@ -56,6 +56,11 @@ class Loading(Segments):
         -------
         Loading
             The history.
+
+        Raises
+        ------
+        ParameterError
+            A wrong unit or range.
         """
         V = stack({"V": to_si("V_lp", V, label="V", bound=">= 0")})
         return cls(np.zeros(1), V, 0.0 * V)

@@ -8,7 +8,10 @@ from ..units import is_array
 
 
 def segments(t, V_lp):
-    """t, V, rate and t_last of the `Loading.series` of these rows."""
+    """t, V, rate and t_last of the `Loading.series` of these rows.
+
+    ParameterError for what is no record: see `column`, `Loading.series`.
+    """
     times, V = column("t", t), column("V_lp", V_lp)
     if is_array(times) or times.size < 2 or V.shape[-1] != times.size:
         raise ParameterError(

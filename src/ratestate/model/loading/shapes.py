@@ -39,12 +39,12 @@ class Shape:
 
     @classmethod
     def corners(cls):
-        """Where lines meet, as parts of a period, and w there; w(0) = 0."""
+        """Where lines meet, as parts (n,) of a period, 0 to 1, and w (n,) there; w(0) = 0."""
         raise NotImplementedError
 
     @classmethod
     def checked(cls, V_lp, amplitude, period, frequency):
-        """The shape with these values; ParameterError if they make none."""
+        """The shape with these values of `Loading.sinusoid`; ParameterError if they make none."""
         if (period is None) == (frequency is None):
             raise ParameterError(
                 f"a {cls.kind} needs either its period or its frequency, such as period='2 s'"
@@ -75,7 +75,10 @@ class Shape:
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     def lines(self, t_end):
-        """The lines from 0 to t_end [s]: t, V, rate, t_last, the fields of a `Loading`."""
+        """The lines from 0 to t_end [s]: t, V, rate, t_last, the fields of a `Loading`.
+
+        ParameterError for too many lines, or too short a period.
+        """
         t_end = float(np.max(to_si("t_end", t_end)))
         phases, heights = self.corners()
         needed = t_end / self.period * phases.size

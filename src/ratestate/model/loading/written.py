@@ -25,9 +25,10 @@ class Event(NamedTuple):
 
 
 def events_of(loading):
-    """The speed at t = 0, and the list of `Event`s, of a history that goes on for ever.
+    """The speed [m/s] at t = 0, and the list of `Event`s, of a history that goes on for ever.
 
     ParameterError for ramps from other speeds than it has: no method of `Loading` makes them.
+    A history with an end, such as a series, is for `rows_of`; that is not checked here.
     """
     V, rate = np.asarray(loading.V), np.asarray(loading.rate)
     ends, t = _ends(loading), loading.t.tolist()
@@ -57,7 +58,11 @@ def events_of(loading):
 
 
 def rows_of(loading):
-    """Times (N,) and speeds (N,), or DataArray, that `Loading.series` makes the history from."""
+    """Times (N,) and speeds (N,), or DataArray, that `Loading.series` makes the history from.
+
+    ParameterError for a ramp that leads to no speed >= 0.  That the history has an end is not
+    checked here.
+    """
     V, ends = np.asarray(loading.V), _ends(loading)
     starts = np.append(loading.t, loading.t_last)
     jump = (ends[..., :-1] != V[..., 1:]).any(axis=tuple(range(V.ndim - 1)))
