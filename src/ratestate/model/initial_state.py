@@ -31,12 +31,11 @@ def initial_state(batch, V_load):
     """(n, 3) x = (tau/sigma - mu0)/a, v = ln(V/V0) and psi = ln(V0 theta/Dc) at t = 0.
 
     Steady sliding at V_start, but for what `initial` gives.  Where M = 0 friction fixes what is
-    left out.  Where K = inf V is V_load, theta or else tau counts, and friction fixes the rest: tau
-    beside theta is not used.
+    left out.  Where K = inf V is V_load, and friction fixes theta or tau by the other.
 
-    ParameterError where values disagree: V, theta and tau all given, M = 0 or K = inf, and
-    |x - v - beta psi| > 1e-9; V other than V_load where K = inf; b = 0 where tau would have to fix
-    theta.  Ranges are checked by `initial_values`.
+    ParameterError where values disagree, by more than 1e-9 in x - v - beta psi: V, theta and tau
+    where M = 0, theta and tau where K = inf; for V other than V_load where K = inf; and for b = 0
+    where tau would have to fix theta.  Ranges are checked by `initial_values`.
 
     batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
@@ -59,14 +58,17 @@ def initial_state(batch, V_load):
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
             "leave V out" + (", and theta or tau" if len(given) == 3 else "")
         )
-    if len(given) == 3 and (clash := bound & (np.abs(x - v - beta * psi) > 1e-9)).any():
+    fixed = bound if "V" in given else rigid
+    clash = fixed & (np.abs(x - v - beta * psi) > 1e-9)
+    if {"theta", "tau"} <= set(given) and clash.any():
         i = int(np.argmax(clash))
         mu = mu0[i] + a[i] * (v[i] + beta[i] * psi[i])
         where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
         if rigid[i]:
             where, remedy = "where K = inf", "leave theta or tau out"
         raise ParameterError(
-            f"initial V, theta and tau do not agree: {where} tau must be sigma mu "
+            f"initial {', '.join(list(given)[:-1])} and {list(given)[-1]} do not agree: {where} "
+            f"tau must be sigma mu "
             f"= {sigma[i] * mu:.6g} Pa; {remedy}"
         )
     by_stress = bound & (("V" in given) | rigid)

@@ -268,6 +268,11 @@ def test_initial_values_with_a_rigid_drive():
     assert float(run.V) == pytest.approx(1e-3, rel=1e-15)
     assert float(run.theta) == pytest.approx(10.0, rel=1e-13)
     assert run.delta == 0
+    V, state = 1e-3 / slider.V0, 10.0 * slider.V0 / slider.Dc
+    mu = slider.mu0 + slider.a * np.log(V) + slider.b * np.log(state)
+    both = {"theta": 10.0, "tau": slider.sigma * mu}
+    again = simulate(slider, Loading.constant(1e-3), 0.01, initial=both).isel(time=0)
+    assert float(again.theta) == float(run.theta)
 
 
 @pytest.mark.parametrize(
@@ -276,8 +281,12 @@ def test_initial_values_with_a_rigid_drive():
         ({"V": 2e-3}, "initial V: where K = inf .*; leave V out$"),
         ({"V": 2e-3, "theta": 1.0, "tau": 1e6}, "initial V: .*; leave V out, and theta or tau$"),
         (
+            {"theta": 1.0, "tau": 1e6},
+            "initial theta and tau do not agree: where K = inf .*; leave theta or tau out$",
+        ),
+        (
             {"V": 1e-3, "theta": 1.0, "tau": 1e6},
-            "do not agree: where K = inf tau must be sigma mu = .* Pa; leave theta or tau out$",
+            "V, theta and tau do not agree: .* must be sigma mu = .* Pa; leave theta or tau out$",
         ),
     ],
 )
