@@ -8,17 +8,18 @@ import pytest
 import xarray
 from numpy.polynomial.chebyshev import Chebyshev, chebpts1
 
-from ratestate import ParameterError, limit_cycle, stability
+from ratestate import ParameterError, SolverError, limit_cycle, stability
 from ratestate.paper import (
     claims_regimes,
     claims_steps,
     claims_table,
     scheme,
+    scheme_map,
 )
 from ratestate.paper.claim import Claim, exact, pair, statements, to_digits
 from ratestate.paper.claims_table import claims
 from ratestate.paper.fig3 import UNSTABLE
-from ratestate.paper.parameters import FIG2, FIG2_START, FIG4
+from ratestate.paper.parameters import FIG2, FIG2_START, FIG4, FIG6
 from ratestate.paper.scheme_map import critical_velocity, multiplier, step_response, time_step
 
 
@@ -175,6 +176,21 @@ def test_critical_velocity_of_the_scheme(law, method, expected):
     # order 1: the error is proportional to the step
     error = [1 - critical_velocity(slider, od, method) / slider.V_c for od in (0.01, 0.005)]
     assert error[0] / error[1] == pytest.approx(2.0, rel=0.02)
+
+
+def test_critical_velocity_beyond_the_search(monkeypatch):
+    """Where it turns below 0.2 or above 1.05 V_c is an error, and no end of the search."""
+    assert 0.2 < critical_velocity(FIG6, 0.1) / FIG6.V_c < 1.05
+    with pytest.raises(SolverError, match=r"is unstable .* = 0\.2 V_c, at omega dt = 1:"):
+        critical_velocity(FIG6, 1.0)
+    monkeypatch.setattr(scheme_map, "multiplier", lambda *_: 0.999)
+    with pytest.raises(SolverError, match=r"is stable .* = 1\.05 V_c, at omega dt = 0\.1:"):
+        critical_velocity(FIG2, 0.1)
+
+
+def test_critical_velocity_without_a_critical_one():
+    assert critical_velocity(FIG2.replace(K=0.5 * FIG2.K_c_qs), 0.1) == 0.0
+    assert critical_velocity(FIG2.replace(b=0.5 * FIG2.a), 0.1) == np.inf
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,8 @@ LAST = 0.1  # s at the end of a step of Fig. 2 that show how it oscillates: two 
 METHOD = {"slip": "im2017", "aging": "im2017_euler"}
 # Of ln V, psi and x, to difference the map: rounding then costs 1e-8 of a multiplier.
 PERTURBATION = 1e-5
+# Of V_c, between which the scheme's critical velocity is searched for.
+BRACKET = (0.2, 1.05)
 
 
 def time_step(slider, omega_dt):
@@ -53,11 +55,27 @@ def multiplier(slider, V_lp, omega_dt, method):
 
 
 def critical_velocity(slider, omega_dt, method=None):
-    """The V_lp [m/s] at which the scheme's steady sliding turns unstable; compare eq. 10."""
-    method = method or METHOD[slider.law]
+    """The V_lp [m/s] at which the scheme's steady sliding turns unstable.
+
+    To 1e-7 V_c, by bisection from 0.2 to 1.05 V_c of eq. 10; SolverError where it turns outside of
+    these, or the scheme has no step.  V_c = 0 or inf is returned as it is.
+
+    method : None is that of `METHOD`
+    """
+    V_c, method = float(slider.V_c), method or METHOD[slider.law]
+    if V_c in (0.0, math.inf):
+        return V_c
     # the scheme is anti-damped: its V_c lies below the true one
-    low, high = 0.2 * slider.V_c, 1.05 * slider.V_c
-    while high - low > 1e-7 * slider.V_c:
+    low, high = (part * V_c for part in BRACKET)
+    for V_lp, stable in ((low, True), (high, False)):
+        if (multiplier(slider, V_lp, omega_dt, method) < 1.0) != stable:
+            raise SolverError(
+                f"the scheme's steady sliding is {'unstable' if stable else 'stable'} at "
+                f"V_lp = {V_lp:.4g} m/s = {V_lp / V_c:.3g} V_c, at omega dt = {omega_dt:g}: its "
+                f"critical velocity is not between {BRACKET[0]:g} and {BRACKET[1]:g} V_c; reduce "
+                f"omega dt"
+            )
+    while high - low > 1e-7 * V_c:
         middle = 0.5 * (low + high)
         if multiplier(slider, middle, omega_dt, method) < 1.0:
             low = middle
