@@ -1,8 +1,11 @@
 """``ratestate fit``: what it prints, writes and returns."""
 
+import dataclasses
 import json
 import re
+import tomllib
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +15,9 @@ from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate import files
-from ratestate.interfaces.cli import main
+from ratestate.interfaces.cli import command, main, run_fit
 from ratestate.model.quantities import with_error
+from ratestate.model.units import to_si
 
 WINDOW = ["--time", "10 s,135 s"]
 
@@ -31,6 +35,16 @@ def written(path, *, noise=3e-4, sigma=True, rows=701):
     table = np.column_stack([np.asarray(values) for values in columns.values()])
     np.savetxt(path, table, "%.9g", "\t", header="\t".join(columns), comments="")
     return path
+
+
+def test_help_states_the_initial_guesses():
+    """commands.toml repeats them, so that the help need not load what fits."""
+    options = tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text())["fit"]
+    assert {s: options[s]["show_default"] for s in run_fit.STARTS} == run_fit.STARTS
+    assert options["K"]["show_default"] == f"sigma times {run_fit.STIFFNESS:.0f}/m"
+    defaults = {field.name: field.default for field in dataclasses.fields(rs.SpringSlider)}
+    assert float(options["M"]["show_default"]) == defaults["M"]
+    assert to_si("V0", options["V0"]["show_default"]) == defaults["V0"]
 
 
 @pytest.fixture(scope="module")
