@@ -19,8 +19,9 @@ from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected
 #: names of dimensions that results need for themselves
 RESERVED = {"time", "mode", "segment"}
 _PREFIXES = dict(zip("nuµμmckMG", (-9, -6, -6, -6, -3, -2, 3, 6, 9), strict=True)) | {"": 0}
-#: units of what data sheets give for a whole machine, in N/m, kg or N
+#: units of what data sheets give for a whole machine, in N/m, kg or N; the complaint about these
 _PER_AREA = ("Pa/m", "kg/m^2", "Pa")
+OF_WHOLE_CONTACT = "is of the whole contact, and to be divided by its area"
 # A number goes as far as it can, and nothing like a second one may touch it: no "1e1e1 um".
 _NUMBER = re.compile(
     r"\s*((?>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf|nan)))(?![eE]?[-+]?[\d.])"
@@ -167,7 +168,7 @@ def _factor(si, unit):
         raise ValueError(f"has an unknown unit {unit!r}") from None
     if not one.is_compatible_with(si):
         if si in _PER_AREA and one.is_compatible_with(f"({si}) * m**2"):
-            raise ValueError("is of the whole contact, and to be divided by its area")
+            raise ValueError(OF_WHOLE_CONTACT)
         what = [f"{KINDS[kind][0]} [{kind}]" for kind in KINDS if one.is_compatible_with(kind)]
         raise ValueError(f"is {what[0] if what else f'of dimension {one.dimensionality}'}")
     return one.to(si if si != "1" else "dimensionless").magnitude

@@ -9,7 +9,7 @@ import pytest
 import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.values import isolated_samples
+from ratestate.records.reading.values import spikes
 
 N = 300
 T = np.arange(N) * 0.1
@@ -105,13 +105,13 @@ def test_what_is_measured_stays(tmp_path):
 
 def test_single_samples():
     smooth = np.sin(T)
-    assert not isolated_samples(smooth).any()
+    assert not spikes(smooth).any()
     smooth[[50, 120]] += [3, -3]
-    assert np.flatnonzero(isolated_samples(smooth)).tolist() == [50, 120]
-    assert not isolated_samples(smooth, least=10.0).any()
+    assert np.flatnonzero(spikes(smooth)).tolist() == [50, 120]
+    assert not spikes(smooth, least=10.0).any()
     bent = T.copy()
     bent[100] += 0.5  # five steps: far, but no more than noise of long tails is
-    assert not isolated_samples(bent).any()
+    assert not spikes(bent).any()
 
 
 @pytest.mark.parametrize("signs", [(-1, 1), (1, -1), (-1, -1)])

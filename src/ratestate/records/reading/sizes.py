@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
-from ...model.units import to_si
+from ...model.units import OF_WHOLE_CONTACT, to_si
 from .messages import refusal
 from .table import quoted
 from .titles import LIKE, USUAL, plain
@@ -37,7 +37,7 @@ def unit_of(column, symbol, units):
         what = str(error).rpartition("; expected")[0] or str(error)
         what = what.removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
         where = f"units: {symbol} =" if symbol in units else "the unit"
-        other = "" if "divided" in what else ", or name another column in columns"
+        other = "" if OF_WHOLE_CONTACT in what else ", or name another column in columns"
         names |= {"unit": unit, "what": what}
         raise refusal("units.kind", where=where, other=other, **names) from None
     return unit

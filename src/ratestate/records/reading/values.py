@@ -8,11 +8,11 @@ from .titles import USUAL
 
 #: what loggers write where they have no value
 MISSING = (-999.0, -999.25, -9999.0, -99999.0)
-#: least distance of an isolated sample from both neighbours, over the largest step of all others,
-#: and, of friction, also over its typical size.  The peak of a direct
-#: effect may be one sample, so can the end of a slip, but these are smaller.
+#: least distance of a spike from both neighbours, over the largest step of all others, and, of
+#: friction, also over its typical size.  The peak of a direct effect may be one sample, so can the
+#: end of a slip, but these are smaller.
 FAR, LEAST = 10.0, 0.1
-#: one in so many samples, at most, is tried as an isolated one
+#: one in so many samples, at most, is tried as a spike
 PART = 100
 
 
@@ -47,7 +47,7 @@ def drop_impossible(rows):
         if symbol in rows.record:
             values = rows.record[symbol]
             least = LEAST * float(np.median(np.abs(values))) * (symbol == "friction")
-            bad = isolated_samples(values, least)
+            bad = spikes(values, least)
             _drop(rows, symbol, bad, "as single samples far off from those before and after")
 
 
@@ -58,8 +58,12 @@ def _drop(rows, symbol, bad, why):
     rows.check_enough()
 
 
-def isolated_samples(values, least=0.0):
-    """Mask of samples off to one side of both neighbours, by more than all other steps."""
+def spikes(values, least=0.0):
+    """(n,) mask of single samples off to one side of both neighbours: by more than `least`, and
+    than `FAR` times the largest of all other steps.
+
+    At most one in `PART`, and one, are found; none in fewer than 10 samples.
+    """
     bad = np.zeros(values.size, bool)
     if values.size < PART // 10:
         return bad
