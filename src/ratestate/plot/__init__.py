@@ -11,13 +11,13 @@ that every result carries.
 """
 
 from ..dynamics.results import parameter
+from .atlas import atlas, contours, transition
 from .bifurcation import branch
-from .chart import atlas, contours, transition
 from .labels import AMPLITUDE, BLUE, GRAY, PREFIXES, RED, STRESS, label, prefixed, value_text
 from .layout import save
+from .motion import amplitudes, phase, trace
 from .pages import page
 from .pages.fit import fit
-from .runs import amplitudes, phase, trace
 
 __all__ = [
     "AMPLITUDE",

@@ -13,7 +13,7 @@ from .budget import TimeUp
 SIZES = (24, 72)
 RTOL = 1e-4
 #: seconds that a chart may take, and how many are cached
-SECONDS, MOST_CHARTS = 8.0, 40
+SECONDS, CACHED_CHARTS = 8.0, 40
 
 
 def frame():
@@ -47,7 +47,7 @@ def chart(slider, size, deadline):
         ) from None
 
 
-@functools.lru_cache(MOST_CHARTS)
+@functools.lru_cache(CACHED_CHARTS)
 def _arrays(law, b_over_a, size):
     """What the map shows of the atlas of this size."""
     data = atlas(b_over_a, law, n=size, rtol=RTOL)

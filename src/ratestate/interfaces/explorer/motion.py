@@ -13,7 +13,7 @@ RTOL = 1e-6
 # Speed of the steady sliding in which a run begins, over V_lp: as for `limit_cycle`.
 START = 0.1
 # Cycles shown: at least, at most; and by how many decades a disturbance decays meanwhile.
-FEWEST, MOST, DECAYS = 6.0, 40.0, 1.5
+FEWEST_CYCLES, MOST_CYCLES, DECAYS = 6.0, 40.0, 1.5
 # Saved points of the cycles shown, at most.
 MOST_POINTS = 12000
 # Slip shown where the motion has no time scale of its own, in Dc.
@@ -70,12 +70,12 @@ def transient_note(verdict, orbit):
 def _durations(verdict, orbit):
     """Duration of the transient [s], and the longest in which single cycles can be seen [s]."""
     if verdict.period:
-        most = max(min(MOST, MOST_POINTS / orbit.sizes["time"]), 2.0)
-        decay = max(DECAYS * verdict.fade, min(FEWEST, most))
+        most = max(min(MOST_CYCLES, MOST_POINTS / orbit.sizes["time"]), 2.0)
+        decay = max(DECAYS * verdict.fade, min(FEWEST_CYCLES, most))
         return verdict.period * decay, verdict.period * most
     if verdict.amplitude is not None and verdict.growth_rate < 0.0:
         decay = 3.0 * DECAYS * np.log(10.0) / -verdict.growth_rate
-        rings = MOST * 2.0 * np.pi / verdict.omega if verdict.omega > 0.0 else np.inf
+        rings = MOST_CYCLES * 2.0 * np.pi / verdict.omega if verdict.omega > 0.0 else np.inf
         return decay, rings
     time = SLIP * verdict.slider.Dc / verdict.V_lp
     return time, time

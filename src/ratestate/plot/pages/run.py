@@ -14,7 +14,7 @@ from ...friction.rate_and_state import mu_ss
 from ...model.slider import SpringSlider
 from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text, with_unit
 from ..layout import ABOVE, figure, is_wide, letters, styled
-from ..runs import trace
+from ..motion import trace
 from .stability import stability_page
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
