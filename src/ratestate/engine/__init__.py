@@ -1,1 +1,22 @@
-"""Compiled code only: no xarray, no units, no files but those of compiled kernels."""
+"""Compiled code only: no xarray, no units, no files but those of compiled kernels.
+
+===================================== ==============================================================
+``model``, ``statuses.toml``          the system, dimensionless; codes and statuses of cases
+``dispatch``, ``backend``             kernels run from Python: on how many threads, until when
+``cuda``, ``cuda_kernels``            the same on a GPU
+``jit``, ``cache``                    how kernels are compiled; when a compiled one is used again
+``march``                             a run from start to end: segments, saved times, events
+``return_map``                        from one point of the section V = V_lp to the next
+``lanes``, ``return_lanes``, ``rows`` loops over sliders side by side; the layout of their buffer
+``lane_case``                         which case a lane takes, its first step, when to give up
+``rodas5p``, ``tableau``, ``tangent`` a step, its coefficients, its derivative
+``step_control``                      whether a step is accepted, and how large the next one is
+``dense_output``                      polynomials within a step, and where they cross
+``events``, ``return_events``         what happens within a step: extremes, returns, runaway
+``periodicity``                       which period a run has, or that it has none
+``im2017``                            the paper's own scheme
+``rigid``                             the state where the slider moves with its load point (K = inf)
+``exp``                               an exponential for all lanes at once
+``noise``                             noise of a record made white
+===================================== ==============================================================
+"""

@@ -1,1 +1,9 @@
-"""Ways in beside Python: scenario files, the command line, the explorer."""
+"""Ways in beside Python.
+
+=============== =============================================================
+``scenario``    scenario files: what may be in one, and what is wrong with it
+``cli``         the command line, ``ratestate``
+``explorer``    the page in the browser
+``strict_json`` JSON of both: what stands for NaN, inf and complex numbers
+=============== =============================================================
+"""

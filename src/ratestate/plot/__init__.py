@@ -8,6 +8,18 @@
 
 Parameters that a picture needs (the normal stress, for tau/sigma) are read from the provenance
 that every result carries.
+
+=============== ===================================================================
+``motion``      runs and cycles: `trace`, the `phase` plane, `amplitudes`
+``bifurcation`` a branch of limit cycles: which of it is drawn as stable
+``atlas``       maps of the atlas: regimes, the transition, contours
+``curves``      a record under its fitted curves; which changes of speed are marked
+``likelihood``  profiles and posteriors; for which parameters they are drawn
+``estimates``   the table of estimates within a figure
+``pages``       `page`: a whole figure of any result
+``labels``      symbols, units and prefixes as text; colours of the laws
+``layout``      type, captions, letters; when a scale is logarithmic; `save`
+=============== ===================================================================
 """
 
 from ..dynamics.results import parameter

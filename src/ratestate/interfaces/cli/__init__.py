@@ -1,5 +1,19 @@
 """The command line, ``ratestate``: a command is a function and its table in commands.toml.
 
+======================================= ==========================================================
+``command``, ``commands.toml``          which commands there are; their options and help
+``init``, ``explore``, ``paper``        commands of these names; ``figures`` and ``atlas``
+``analyses``                            ``run``, ``stability``, ``cycle`` and ``branch``
+``run_scenario``                        what these do: outputs checked, computed, printed, written
+``fit``, ``run_fit``                    its options; initial guesses, and which files are written
+``sweep``, ``store_report``             its options; what is said of a store
+``report``                              results as tables, and report.md
+``document``                            results as JSON
+``verdict_text``, ``verdict_text.toml`` which verdict stands beside a result
+``output``                              how lines, tables and messages are printed
+``exits``                               which error ends with which code and message
+======================================= ==========================================================
+
 The function's docstring is the head of its help.  Nothing heavy is imported before a command needs
 it, so help and version come at once.
 """

@@ -44,6 +44,22 @@
     [output]  # relative to the current directory
     file = "out.nc"   # or .csv, .zarr
     plot = "out.png"  # or .pdf
+
+=============================== ================================================================
+``files``                       which files are read: `load`, `loads`, the templates
+``known_keys``                  which tables and keys there are, and an example of each
+``tables``                      [slider], [run], [output] and [sweep] read
+``loading_table``, ``record``   [loading] read, and a record of times and speeds in a file
+``values``                      numbers and axes read: which magnitudes are refused
+``checks``                      which arguments do not go together
+``assemble``                    the scenario out of the tables; which of them the function takes
+``problems``, ``messages.toml`` how problems are reported, all together
+``model``                       `Scenario`, and which functions one may call
+``results``                     the scenario that made a result
+``as_toml``, ``as_python``      a scenario written down
+``literals``                    numbers in it that are read back bit-for-bit
+``templates``                   scenario files to start from
+=============================== ================================================================
 """
 
 from .as_python import python

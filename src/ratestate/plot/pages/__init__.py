@@ -1,4 +1,13 @@
-"""A page for each kind of result: what a person wants to see of it at once."""
+"""A page for each kind of result: what a person wants to see of it at once.
+
+===================== ====================================================
+``run``               a run and a limit cycle: stress, speed, phase plane
+``stability``         K_c at all speeds, and the least stable mode
+``sweep``, ``axis``   lines or maps of a sweep; scale and unit of its axes
+``fit``               the function `fit`; which close-ups a page has
+``cycles``, ``frame`` a fit of cycles; what pages of fits share
+===================== ====================================================
+"""
 
 import xarray
 

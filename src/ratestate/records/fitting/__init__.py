@@ -1,5 +1,26 @@
 """Fits of laboratory records: the function `fit` and its parts.
 
+=============================== =================================================================
+``fit``                         the function `fit`: what is done for which settings
+``settings``                    which settings of `fit` are refused
+``raw_record``                  which Datasets are records; the loading, given or as recorded
+``record``                      which records can be fitted sample by sample
+``unknowns``                    parameters that may be free: coordinates, bounds, starts
+``forward``                     friction of a slider, and its derivatives
+``problem``                     residuals, and where searches start
+``noise``                       level and correlation of the noise, given or estimated
+``least_squares``               the best fit, and whether its start is steady or free
+``score``                       whether one more parameter would fit better, without a search
+``estimates``                   errors, intervals and correlation from a covariance; what is open
+``likelihood``                  intervals that are not Gaussian: profiles, posterior
+``diagnostics``                 warnings, identifiability, comparison of the laws
+``cycles``                      the fit of stick-slip or vibration by features of its cycles
+``result``                      the Dataset of a fit
+``by_law``                      the way back: estimates and `slider_of` from such a Dataset
+``table``, ``text``             estimates as cells; `summary`, all of a fit as text
+``refusals``, ``refusals.toml`` sentences of errors
+=============================== =================================================================
+
 Nothing heavy is loaded until it is used.
 """
 

@@ -1,4 +1,26 @@
-"""Records of laboratories: a file as a Dataset, and the load point's history in it."""
+"""Records of laboratories: a file as a Dataset, and the load point's history in it.
+
+=============================== =================================================================
+``read``                        the function `read_lab`: in which order all below is done
+``open_table``                  which format a file has, by its first bytes
+``text``                        delimiter, header and decimal comma of a text file
+``stored``                      which arrays of an HDF5 or MAT file are columns
+``isolated``                    reading in a process of its own: limits of time and memory
+``table``                       what a file holds before it is interpreted; how messages quote it
+``titles``                      name and unit in a title; which names mean which quantity
+``column_names.toml``           these names, units, and the usual sizes of quantities
+``columns``                     which column is which quantity; which are needed
+``sizes``                       units of columns, and sizes that nobody can have measured
+``rows``                        which rows are kept: windows, cells without number, times, gaps
+``values``                      rows with codes, impossible values or spikes; signs to turn
+``agreement``                   whether columns contradict each other, or are too coarse
+``segments``                    `find_segments`: constant speeds, their errors; steps in words
+``splits``                      where rows are cut into runs; how large the noise is
+``steps``                       which cuts are steps; what is a hold, a jump, a ramp
+``runs``                        lines through runs, and where they meet
+``messages``, ``messages.toml`` sentences of notes and errors
+=============================== =================================================================
+"""
 
 from .read import read_lab
 from .segments import find_segments

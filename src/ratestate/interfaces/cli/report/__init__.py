@@ -1,4 +1,13 @@
-"""Tables of a result for the terminal: what a person wants to know first, in fitting units."""
+"""Tables of a result for the terminal: what a person wants to know first, in fitting units.
+
+=============================== ===========================================================
+``single``                      a run, a cycle, stability, a branch
+``sweep``                       a sweep: how cases ended, ranges, failed cases
+``fit``                         a fit, in the fullest layout that the terminal has room for
+``rows``                        rows about one slider: what stands for NaN and inf
+``markdown``, ``markdown.toml`` report.md of a fit, and its sentences
+=============================== ===========================================================
+"""
 
 from typing import Any
 
@@ -19,9 +28,9 @@ SINGLE = {
 
 
 def report(result: xarray.Dataset, verdict: VerdictText | None) -> list[Any]:
-    """What to print, for rich: a result of any of the package's functions, `sweep` included.
+    """What to print, a list for rich: a result of any of the package's functions, `sweep` included.
 
-    verdict : on a single slider, where there is one
+    verdict : on a single slider; without effect on a sweep or a fit
     """
     verb = result.attrs["title"].removeprefix("ratestate ")
     if "message" in result:

@@ -1,1 +1,12 @@
-"""Notes on a fit: warnings, identifiability of the parameters, comparison of the laws."""
+"""Notes on a fit: warnings, identifiability of the parameters, comparison of the laws.
+
+==================== ======================================================================
+``checks``           `diagnose`: all warnings in order; misfit, normal stress, lag, inertia
+``identifiability``  which parameters a record determines
+``tradeoffs``        which parameters trade off, and what combination is determined
+``search``           whether the search converged, and the posterior is reliable
+``model_comparison`` which law is preferred, and how clearly
+==================== ======================================================================
+
+Sentences are in the TOML file of a module's name.
+"""

@@ -1,4 +1,14 @@
 """What the likelihood says of each estimate: profiles, posterior, intervals.
 
+================== ===========================================================
+``uncertainty``    which source each interval has, and when a fit starts again
+``quantities``     what is reported, as functions of the coordinates
+``profiles``       which quantities need a profile
+``profile``        one profile: its points, and whether an end is open
+``constrained``    the best fit with one quantity held
+``posterior``      the prior, samples, evidence, and whether they are reliable
+``posterior.toml`` its sentences
+================== ===========================================================
+
 The likelihood itself is computed in `least_squares`, where it is largest, and in `posterior`.
 """
