@@ -46,7 +46,11 @@ def write_netcdf(data, path):
 
 
 def split(data):
-    """The Dataset with each complex variable, which has a long_name, as NAME_real and NAME_imag."""
+    """The Dataset with each complex variable, coordinates too, as two real data variables.
+
+    NAME_real and NAME_imag have its attributes, ``part``, and the part in its ``long_name``, which
+    it must have.  `data` itself if none is complex.
+    """
     for name, variable in data.variables.items():
         if variable.dtype.kind != "c":
             continue

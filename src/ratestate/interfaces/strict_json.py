@@ -8,7 +8,8 @@ from typing import Any
 def strict_json(value: Any, nan: str | None = None) -> str:
     """A value as strict JSON.
 
-    Complex numbers become pairs, infinite ones the strings "inf" and "-inf", and NaN `nan`.
+    Complex numbers become pairs, infinite ones the strings "inf" and "-inf", and NaN `nan`, by
+    default null; arrays become lists, keys strings.  TypeError for what JSON has not.
     """
     return json.dumps(_json_value(value, nan), allow_nan=False)
 

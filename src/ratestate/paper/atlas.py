@@ -18,7 +18,10 @@ MAPS = {
 
 
 def make(law, out, *, b_over_a=2.0, n=200):
-    """Compute and draw the atlas for one law, and `write` it; see `ratestate.atlas.atlas`."""
+    """Compute and draw the atlas for one law, and `write` it; list of paths.
+
+    n : points along either axis; see `ratestate.atlas.atlas`
+    """
     data = atlas(b_over_a, law, n=n)
     return write(data, draw(data), out, f"atlas_{law}")
 

@@ -22,7 +22,10 @@ SLOW = 1e-12  # m/s
 
 
 def compute(law):
-    """Branch, edges of the basin and two runs beside one (aging); edges without mass (slip)."""
+    """Branch, edges of the basin and two runs beside one (aging); edges without mass (slip).
+
+    Both laws, whatever `law` is.
+    """
     aging = FIG2.replace(law="aging", K=RATIO * FIG2.K_c_qs)
     V_c = float(aging.V_c)
     branch = continue_cycle(aging, "V_lp", 3.0 * V_c, 1e-2 * V_c)

@@ -35,7 +35,7 @@ class Claim:
     note: str = ""  # the cause of a difference, or what a reader should know of the value
 
     def holds(self, values):
-        """Whether the claim covers these values."""
+        """Whether the claim covers these values, ends included; ValueError unless one a range."""
         pairs = zip(values, self.covers, strict=True)
         return all(low <= value <= high for value, (low, high) in pairs)
 
@@ -52,12 +52,14 @@ class Claim:
 
 
 def statements():
-    """id -> what the paper says, in the order of the paper."""
+    """id -> what the paper says (a table of claims.toml), in the order of the paper."""
     return SENTENCES.tables["claims"]
 
 
 def claim(name, law, measured):
-    """The `Claim` of this id.
+    """The `Claim` of this id; KeyError for others.
+
+    What the paper says of the slip law only is left out for the other.
 
     measured : dict of what a measurement gives of `Claim`, and ``texts``, which stand in the
         statement's braces
@@ -81,7 +83,7 @@ def claim(name, law, measured):
 
 
 def to_digits(value, last):
-    """The range of values that print as `value` to a last digit of size `last`."""
+    """(low, high) of the values that print as `value` to a last digit of size `last`."""
     return (value - last / 2, value + last / 2)
 
 
@@ -91,7 +93,10 @@ def floats(values):
 
 
 def pair(measure, tight=TIGHT, loose=LOOSE):
-    """What measure(rtol) gives at the tight tolerance, and by how much the loose one moves it."""
+    """What measure(rtol) gives at the tight tolerance, and by how much the loose one moves it.
+
+    dict with ``converged``, ``error`` and ``error_from`` of `Claim`, in the unit of the measure.
+    """
     best, other = floats(measure(tight)), floats(measure(loose))
     return {
         "converged": best,
@@ -101,19 +106,22 @@ def pair(measure, tight=TIGHT, loose=LOOSE):
 
 
 def exact(*values):
-    """Values of closed forms."""
+    """The same dict as `pair`, of values of closed forms, to a relative 1e-14 of the largest."""
     error = max(abs(value) for value in values) * 1e-14
     return {"converged": values, "error": error, "error_from": CLOSED_FORM}
 
 
 def by_scheme(measure, slider, *omega_dts):
-    """What measure(omega dt) gives by the paper's scheme with these time steps."""
+    """What measure(omega dt) gives by the paper's scheme: dict with ``scheme`` of `Claim`."""
     steps = {od: (od, time_step(slider, od)) for od in omega_dts}
     return {"scheme": {step: floats(measure(od)) for od, step in steps.items()}}
 
 
 def after_step(measure, slider, V_start, V_lp, duration, last, omega_dts, times=None):
-    """What measure(run) gives of the last seconds after a step, and by the scheme."""
+    """What measure(run) gives of the last seconds after a step, and by the scheme: both dicts.
+
+    duration, last, times : [s] since the step, at its end, and of saving (the solver's by default)
+    """
 
     def converged(rtol):
         settings = {"V_start": V_start, "times": times, "rtol": rtol}

@@ -21,7 +21,7 @@ HALF_AS_DENSE = "difference from a sweep half as dense"
 
 
 def on_cycles(law):
-    """The claims of Figs 4 and 5."""
+    """The claims of Figs 4 and 5: id -> what `claim` takes as measured."""
     sliders = [FIG4.replace(law=law, K=K) for K in FIG4_K]
     sweeps = {rtol: [limit_cycle(s, SWEEP, rtol=rtol) for s in sliders] for rtol in (TIGHT, LOOSE)}
     best = sweeps[TIGHT]

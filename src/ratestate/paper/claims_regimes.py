@@ -16,7 +16,7 @@ FIRST = 1.0  # s after the step of Fig. 6 that hold its first drop
 
 
 def on_regimes(law):
-    """The claims of Figs 4b and 4c, and of section 5."""
+    """The claims of Figs 4b and 4c, and of section 5: id -> what `claim` takes as measured."""
     slider = FIG4.replace(law=law)
     inertia = {f"inertia_in_{name}": _inertia(slider, V) for name, V in FIG4_EXAMPLES.items()}
     return inertia | _conclusions(FIG2.replace(law=law))
@@ -69,7 +69,7 @@ def _conclusions(slider):
 
 
 def on_slow_slip(law):
-    """The claims of Fig. 6."""
+    """The claims of Fig. 6: id -> what `claim` takes as measured."""
     slider = FIG6.replace(law=law)
     slow, fast = FIG6_SPEEDS
     fastest = float(limit_cycle(FIG4.replace(law=law), FIG4_EXAMPLES["stick_slip"]).V_max)

@@ -19,7 +19,7 @@ POINTS = 4001  # of a response in Fig. 1
 
 
 def on_friction(law):
-    """The claims of Fig. 1: friction of a rigidly driven slider after an e-fold step."""
+    """The claims of Fig. 1, a rigid drive's e-fold step: id -> what `claim` takes as measured."""
     slider = FIG1.replace(law=law)
     a, b, Dc, mu0 = slider.a, slider.b, slider.Dc, slider.mu0
     reach = 30 * Dc  # exp(-30) of the fall is rounding
@@ -55,7 +55,7 @@ def _friction(slider, reach):
 
 
 def on_steps(law):
-    """The claims of Fig. 2."""
+    """The claims of Fig. 2: id -> what `claim` takes as measured."""
     slider = FIG2.replace(law=law)
     rates = [float(stability(slider, V).growth_rate) for V in FIG2_SPEEDS]
     at_V_c = abs(float(stability(slider, slider.V_c).growth_rate))
@@ -112,7 +112,7 @@ def _cycle(slider, V_lp):
 
 
 def on_map(law):
-    """The claims of Fig. 3."""
+    """The claims of Fig. 3: id -> what `claim` takes as measured."""
     slider = FIG2.replace(law=law, M=logspace("M", *FIG3_M))
     V_lp = logspace("V_lp", *FIG3_V_LP)
     above = V_lp > slider.V_c

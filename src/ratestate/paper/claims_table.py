@@ -35,7 +35,7 @@ def claims(law="slip", measurements=MEASUREMENTS):
     """Check the claims of the paper, in its order: list of `Claim`, for all or some measurements.
 
     The paper's text, and all of its numbers, are about the slip law; what it says in words is put
-    to the aging law too, with which its supplement repeats runs.
+    to the aging law too, with which its supplement repeats runs.  ParameterError for another law.
     """
     evolution_law(law)  # an unknown one is refused
     measured = {name: row for measure in measurements for name, row in measure(law).items()}
@@ -44,7 +44,7 @@ def claims(law="slip", measurements=MEASUREMENTS):
 
 
 def number(value):
-    """A number to as many digits as a reader can use."""
+    """A finite number as text: whole if it is and is below 1e6, else to 5 digits."""
     return f"{value:.0f}" if value == round(value) and abs(value) < 1e6 else f"{value:.5g}"
 
 
@@ -63,7 +63,7 @@ def _between(bounds):
 
 
 def cells(row):
-    """What the paper says, the scheme's values and the converged ones: lines of text each."""
+    """Lines (list) of what the paper says, the scheme's values, the converged ones; ["-"]: none."""
     paper = [row.paper, f"taken as {', '.join(map(_between, row.covers))}"] if row.covers else ["-"]
     scheme = []
     for (omega_dt, *dt), values in row.scheme.items():
@@ -75,7 +75,7 @@ def cells(row):
 
 
 def tally(rows):
-    """How many rows have each verdict, as text."""
+    """How many rows have each verdict that any has, as text."""
     counts = {verdict: sum(row.verdict == verdict for row in rows) for verdict in STYLES}
     return "; ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
 
@@ -151,7 +151,7 @@ def _plain(row):
 
 
 def write(rows, law, out):
-    """Write the table as claims_<law>.md and .json into a folder; list of their paths."""
+    """Write the table as claims_<law>.md and .json into a folder that exists; list of the paths."""
     text = json.dumps(record(rows, law), indent=2, allow_nan=False) + "\n"
     return [
         replace(out / f"claims_{law}.md", lambda path: path.write_text(markdown(rows, law))),

@@ -13,7 +13,7 @@ BEFORE, AFTER = 2.0, 8.0  # slip shown, in Dc
 
 
 def compute(_):
-    """Friction against slip from the step on, for both laws: dimensions ``law``, ``time``."""
+    """Friction against slip [m] since the step, for both laws: dimensions ``law``, ``time``."""
     t_step = BEFORE * FIG1.Dc / FIG1.V0
     V = np.e * FIG1.V0
     # Both sides of the jump, then evenly spaced slip.

@@ -24,7 +24,7 @@ def compute(law):
 
 
 def sweep(law, between):
-    """Limit cycles along ``K`` and ``V_lp``, with eta and f_n."""
+    """Limit cycles along ``K`` and ``V_lp`` between two speeds [m/s], with eta, f_n and K_c_qs."""
     first, last = between
     V_lp = logspace("V_lp", first, last, round(PER_DECADE * np.log10(last / first)) + 1)
     slider = FIG4.replace(law=law, K=xarray.DataArray(FIG4_K, dims="K"))

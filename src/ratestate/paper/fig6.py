@@ -30,7 +30,7 @@ def compute(law):
 
 
 def inertia(run):
-    """Largest |tau/sigma - mu| over max - min of tau/sigma."""
+    """Largest |tau/sigma - mu| of a run over max - min of tau/sigma (float, dimensionless)."""
     stress = run.tau / plot.parameter(run, "sigma")
     return float(abs(stress - run.mu).max() / (stress.max() - stress.min()))
 

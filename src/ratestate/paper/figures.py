@@ -24,7 +24,7 @@ class Figure(NamedTuple):
         return self.module if self.both_laws else f"{self.module}_{law}"
 
     def compute(self, law):
-        """The Dataset of its numbers; the paper's supplement has the aging law."""
+        """The Dataset of its numbers; without effect of the law where it shows both."""
         from ..plot.labels import LAWS
 
         laws = "both evolution laws" if self.both_laws else LAWS[law].name
@@ -54,7 +54,7 @@ BEYOND = {key: figure for key, figure in FIGURES.items() if figure.help}
 
 
 def make(key, law, out):
-    """Compute and draw a figure of `FIGURES`, and `write` it."""
+    """Compute and draw a figure of `FIGURES`, and `write` it; list of paths.  Others: KeyError."""
     figure = FIGURES[key]
     data = figure.compute(law)
     return write(data, figure.draw(data), out, figure.stem(law))
@@ -63,7 +63,7 @@ def make(key, law, out):
 def write(data, fig, out, name):
     """Write a figure and its numbers as NAME.png, .pdf and .nc into a folder, made if missing.
 
-    Files of these names are replaced, each at once; the list of their paths.
+    Files of these names are replaced, each at once, or OSError is raised; list of their paths.
     """
     from .. import files, plot
 

@@ -25,12 +25,16 @@ BRACKET = (0.2, 1.05)
 
 
 def time_step(slider, omega_dt):
-    """The time step dt [s] that is omega_dt in units of sqrt(M/K)."""
+    """The time step dt [s] that is omega_dt in units of sqrt(M/K); 0 if M = 0 or K = inf."""
     return omega_dt * math.sqrt(slider.M / slider.K)
 
 
 def multiplier(slider, V_lp, omega_dt, method):
-    """Spectral radius of one step, linearised about the scheme's own steady sliding."""
+    """Spectral radius of one step, linearised about the scheme's own steady sliding.
+
+    Above 1 that is unstable.  For V_lp > 0, M > 0 and K finite; SolverError where the scheme has no
+    step.
+    """
     law, code = evolution_law(slider.law).code, METHODS[method].code
     kappa, beta = slider.K * slider.Dc / (slider.a * slider.sigma), slider.b / slider.a
     omega = math.sqrt(kappa / eta(V_lp, a=slider.a, Dc=slider.Dc, sigma=slider.sigma, M=slider.M))
@@ -85,7 +89,10 @@ def critical_velocity(slider, omega_dt, method=None):
 
 
 def step_response(slider, V_start, V_lp, duration, omega_dt, method=None, last=0.0):
-    """The Dataset of a velocity step at t = 0 by the scheme, saved at its steps in `last` [s]."""
+    """The Dataset of a velocity step at t = 0 by the scheme, saved at its steps in `last` [s].
+
+    It ends at the first step not before `duration` [s].  method: None is that of `METHOD`.
+    """
     dt = time_step(slider, omega_dt)
     n = math.ceil(duration / dt)
     times = np.arange(n - math.ceil(last / dt), n + 1) * dt

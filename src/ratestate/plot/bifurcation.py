@@ -43,6 +43,11 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
     -------
     matplotlib.axes.Axes
         The axes with the diagram.
+
+    Raises
+    ------
+    ParameterError
+        Another result, or a branch of one point.
     """
     if not {"parameter", "rtol"} <= set(getattr(data, "attrs", ())):
         raise ParameterError("branch wants the Dataset that continue_cycle gives")
@@ -56,7 +61,7 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
 
 @styled
 def branch_page(data):
-    """Page of a branch of limit cycles."""
+    """Page (Figure) of a branch of limit cycles; ParameterError if it has one point."""
     symbol = branch_parameter(data)
     title = f"Limit cycles along {symbol_text(symbol)}, {LAWS[parameter(data, 'law')].name}"
     fig = figure(data, 5.2, title=title)

@@ -33,7 +33,10 @@ class Change(NamedTuple):
     V: float
 
     def text(self, *, whole=False):
-        """What the load point does; the whole tells of holds."""
+        """What the load point does: "hold 100 s", or both speeds with an arrow between them.
+
+        After a hold only the new one; `whole` puts the hold before it.
+        """
         if self.V == 0.0:
             return f"hold {with_unit('t', self.end - self.start)}"
         factor, unit = prefixed("m/s", max(self.V_before, self.V))
@@ -55,7 +58,7 @@ class Record(NamedTuple):
     laws: dict  # law -> its part of the result
 
     def at(self, t):
-        """Where a time [s] since the first sample lies."""
+        """Abscissa, in `unit`, of times [s] since the first sample; the ends beyond them."""
         return np.interp(t, self.t, self.values)
 
     def dress(self, ax, rows):
@@ -66,7 +69,11 @@ class Record(NamedTuple):
 
 
 def record_of(result, x=None):
-    """`Record` of a result of `fit` against x, by default what suits its loading."""
+    """`Record` of a result of `fit` (not checked) against x; ParameterError for another x.
+
+    By default displacement, but time where the load point rests.  Under a wave, or more than
+    `MARKED` segments, there are no `changes`, and it is displacement.
+    """
     if x is not None and x not in ABSCISSAE:
         raise ParameterError(f"x = {x!r} is unknown; choose 'delta_lp' or 'time'")
     segments, laws = _segments(result), results_by_law(result)
@@ -111,7 +118,7 @@ def curves(record, ax, rows=WHOLE):
 
 
 def residuals(record, law, ax, rows=WHOLE):
-    """Draw recorded less fitted friction, and the 95 % of the noise's level."""
+    """Draw recorded less fitted friction, in thousandths, and the 95 % of the noise's level."""
     part = record.laws[law]
     level = float(np.hypot(part["noise_white"], part["noise_red"]))
     left = 1e3 * part["residual"].values

@@ -20,7 +20,10 @@ GAP, BOLD = 8.0, 1.12
 
 
 def estimates(result, ax):
-    """Write the estimates with their errors into axes: a column for each, a row for each law."""
+    """Write the estimates with their errors into axes: a column for each, a row for each law.
+
+    Beside them K/K_c_qs, unless K = inf, and a measure of the misfit.  `result` is not checked.
+    """
     laws = results_by_law(result)
     symbols = [str(symbol) for symbol in result["parameter"].values if symbol in LISTED]
     columns = [_column(laws, symbol) for symbol in symbols]
@@ -41,7 +44,7 @@ def estimates(result, ax):
 
 
 def write(ax, laws, columns):
-    """Write a table with rules: a heading and a cell for each law in each column."""
+    """Write a table with rules; columns : (heading, a cell for each law).  It shrinks to fit."""
     ax.set_axis_off()
     ax.set(xlim=(0.0, 1.0), ylim=(len(laws) + 1.0, 0.0))
     wide = [_width(f"{max(laws, key=len)} law") * BOLD]

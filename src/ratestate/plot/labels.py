@@ -56,7 +56,10 @@ LETTERS = {
 
 
 def prefixed(unit, value):
-    """Factor from SI, and the unit's text, that bring a value to 1 or more; long times in years.
+    """Bring a value to 1 or more where a prefix can.
+
+    Times of 2 hours, 2 days, 2 years or more are in these.  The factor is 1 where the unit has no
+    prefixes, or none makes the value readable.
 
     Parameters
     ----------
@@ -100,7 +103,7 @@ def label(symbol):
 
 
 def name_and_symbol(symbol):
-    """A quantity by its name, for an axis."""
+    """A quantity by its name and symbol, for an axis; KeyError if it is not in `QUANTITIES`."""
     return f"{QUANTITIES[symbol].long_name.capitalize()} {label(symbol)}"
 
 
@@ -124,13 +127,13 @@ def value_text(symbol, value, unit_of=None):
     Returns
     -------
     str
-        Such as ``$V_{lp}$ = 3.2 mm/s``.
+        Such as ``$V_{lp}$ = 3.2 mm/s``; inf as the sign for it.
     """
     return f"{label(symbol)} = {with_unit(symbol, value, unit_of)}"
 
 
 def with_unit(symbol, value, unit_of=None):
-    """A quantity's value and a unit that fits it, or fits `unit_of`, as text."""
+    """A quantity's value and a unit that fits it, or fits `unit_of`, as text; the sign for inf."""
     if value == float("inf"):
         return r"$\infty$"
     factor, unit = prefixed(QUANTITIES[symbol].unit, value if unit_of is None else unit_of)

@@ -37,7 +37,11 @@ styled = rc_context(
 
 
 def figure(data, height, symbols=SLIDER, more="", title=None):
-    """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more."""
+    """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more.
+
+    symbols : of the parameters, which `data` must record; those that are swept are left out
+    title : by default that of `data`
+    """
     fig = Figure(figsize=(7.2, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
     listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]
@@ -47,7 +51,7 @@ def figure(data, height, symbols=SLIDER, more="", title=None):
 
 
 def is_wide(values):
-    """Whether a logarithmic scale pays for values, as far as they are finite."""
+    """Whether a logarithmic scale pays for the finite ones of some values; not if one is <= 0."""
     finite = values[np.isfinite(values)]
     return bool(finite.size and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
 
@@ -73,6 +77,11 @@ def save(fig, path):
     -------
     Path
         The file.
+
+    Raises
+    ------
+    OSError
+        It cannot be written there; what was there before is as it was.
     """
     path = Path(path)
     form = {"dpi": DPI} if path.suffix.lower() == ".png" else {"metadata": {"CreationDate": None}}

@@ -15,7 +15,10 @@ TAIL = 0.002
 
 
 def non_gaussian(result):
-    """The free parameters with a likelihood to draw; none if all are Gaussian under all laws."""
+    """list of the free parameters with a likelihood to draw: those of a finite standard error.
+
+    Empty if there is no profile or posterior of any, under any law.
+    """
     free = [s for s in result["parameter"].values.tolist() if s in FREE]
     parts = results_by_law(result).values()
     if not any(_profile(p, s) or _samples(p, s) is not None for s in free for p in parts):

@@ -1,4 +1,4 @@
-"""Pictures of runs, and of limit cycles along a sweep."""
+"""Motions: stress against time, the phase plane, the amplitude of limit cycles along a sweep."""
 
 from ..dynamics.results import parameter
 from ..friction.rate_and_state import mu_ss
@@ -36,7 +36,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
 
 
 def phase(run, ax, *, unit_of=None, **style):
-    """Draw slip velocity against tau/sigma, and a cross at steady sliding at the last V_load.
+    """Draw slip velocity against tau/sigma, and a cross at steady sliding at the last V_load > 0.
 
     Parameters
     ----------

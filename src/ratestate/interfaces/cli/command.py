@@ -40,7 +40,7 @@ def functions() -> list[Callable[..., None]]:
 def as_command(function: Callable[..., None]) -> Callable[..., None]:
     """A function as a command: with --debug, error messages, and the exit codes in its help.
 
-    Its positional parameters are arguments, the others options.
+    Its positional parameters are arguments, the others options; each is in commands.toml.
     """
     table = _SHARED | _TABLES[function.__name__]
 

@@ -38,7 +38,7 @@ def document(result: xarray.Dataset, verdict: VerdictText | None) -> dict[str, A
 
 
 def failed(result: xarray.Dataset) -> int:
-    """Number of cases without an answer."""
+    """Number of cases without an answer; 0 of what is no sweep."""
     if "message" not in result:
         return 0
     from ...sweeps.solve import count_failed

@@ -25,7 +25,10 @@ EXIT_CODES = (
 
 @contextlib.contextmanager
 def exit_on_error(debug: bool) -> Iterator[None]:
-    """Turn every error into a message on stderr and an exit code; if `debug`, with a traceback."""
+    """Turn every error into a message on stderr and an exit code; if `debug`, with a traceback.
+
+    Raises `typer.Exit` with the code in its place; typer's own exceptions pass.
+    """
     try:
         with _second_interrupt_exits():
             yield
@@ -89,7 +92,7 @@ def _message_and_status(error: Exception) -> tuple[str, int]:
 
 @contextlib.contextmanager
 def on_interrupt(message: Callable[[], str]) -> Iterator[None]:
-    """After Ctrl-C, add a message on the state of the work."""
+    """Raise a KeyboardInterrupt again with a message, called for then, on the state of the work."""
     try:
         yield
     except KeyboardInterrupt as interrupt:

@@ -30,7 +30,7 @@ def print_line(text: str, err: bool = False) -> None:
 
 
 def print_json(value: Any) -> None:
-    """Print a value as one JSON document."""
+    """Print a value as one JSON document, NaN as null."""
     print_line(strict_json(value))
 
 
@@ -62,7 +62,7 @@ def _console(stderr: bool = False) -> "Console":
 
 
 def make_writable(out: Path) -> None:
-    """Make the folder, and check that files can be written there, before minutes of work."""
+    """Make the folder, parents too, and check that files can be written there; else OSError."""
     from ...files import writing
 
     with writing(out):
@@ -72,7 +72,7 @@ def make_writable(out: Path) -> None:
 
 @contextlib.contextmanager
 def reporting_files(what: str) -> Iterator[list[Path]]:
-    """Report on stderr what is being made, then how long it took and the files in the list."""
+    """Report on stderr what is being made; if that succeeds, then the time and the files listed."""
     stderr = _console(stderr=True)
     stderr.print(f"[bold]{what}[/bold] ...")
     begin, files = time.monotonic(), list[Path]()

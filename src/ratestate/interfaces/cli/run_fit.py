@@ -29,7 +29,11 @@ REPORT, PLOT, NUMBERS = "report.md", "fit.png", "fit.nc"
 
 
 def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool:
-    """Fit, print and write the files; return whether the answer carries warnings."""
+    """Fit, print and write the files into the folder, if any; whether the answer carries warnings.
+
+    ParameterError as of `read_lab` and `fit`, and: a report.md there that is none of these; no
+    normal stress; a, b, Dc or K neither given nor free.
+    """
     if out:
         make_writable(out)
         report = out / REPORT

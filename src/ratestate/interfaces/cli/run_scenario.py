@@ -22,7 +22,7 @@ MOST_BYTES = 3 * 10**9
 
 
 def load_scenario(file: Path, verb: str | None = None) -> Scenario:
-    """The scenario of a file, or of standard input for the name "-"."""
+    """The scenario of a file, or of standard input for "-"; ParameterError if it has problems."""
     if file != Path("-"):
         return scenarios.load(file, verb)
     text = typer.get_binary_stream("stdin").read(scenarios.LARGEST + 1)
@@ -30,7 +30,10 @@ def load_scenario(file: Path, verb: str | None = None) -> Scenario:
 
 
 def do(scenario: Scenario, out: Path | None, plot: Path | None, json: bool) -> None:
-    """Run a scenario, print the result, and write the requested files."""
+    """Run a scenario, print the result, and write the requested files.
+
+    `typer.Exit` with code 3 after a part of a branch, or where cases failed.
+    """
     output = output_paths(scenario, out, plot)
     problem = None
     try:
@@ -49,7 +52,10 @@ def do(scenario: Scenario, out: Path | None, plot: Path | None, json: bool) -> N
 
 
 def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Output:
-    """Checked paths for the result: of the options, or else of the scenario."""
+    """Checked paths for the result: of the options, or else of the scenario; None for none.
+
+    ParameterError: another ending, no such folder, or a plot of more than two axes.
+    """
     file, picture = out or scenario.output.file, plot or scenario.output.plot
     if picture and len(dims := swept_dims(scenario)) > 2:
         raise ParameterError(
@@ -69,7 +75,11 @@ def swept_dims(scenario: Scenario) -> list[str]:
 
 
 def compute(scenario: Scenario) -> xarray.Dataset:
-    """The result of a scenario; a sweep uses all cores, and a failed case spoils no other."""
+    """The result of a scenario; a sweep uses all cores, and a failed case spoils no other.
+
+    ParameterError for branches over an axis and results of more than `MOST_BYTES`; SolverError, for
+    a limit cycle with the verdict in it, if a single case has no answer.
+    """
     dims = swept_dims(scenario)
     if dims and scenario.verb == "continue_cycle":
         raise ParameterError(

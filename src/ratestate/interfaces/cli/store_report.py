@@ -28,7 +28,10 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
 
 
 def print_status(store: Path, file: Path | None, json: bool, verify: bool = False) -> None:
-    """Print the status of a store, and whether a file has its sweep; StoreError of damage."""
+    """Print the status of a store, and whether a file has its sweep.
+
+    verify : read all files; if any is damaged, a StoreError follows what is printed
+    """
     from ...sweeps.manifest import damage_message
     from ...sweeps.status import store_status
 

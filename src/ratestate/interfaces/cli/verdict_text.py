@@ -24,7 +24,7 @@ class VerdictText(NamedTuple):
 
 
 def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | None:
-    """The verdict on a single slider, or None where there is none, as for a branch."""
+    """The verdict on a single slider; None of a branch, or a run that ends in no constant V > 0."""
     slider, settings = scenario.slider, scenario.settings
     match scenario.verb:
         case "continue_cycle":

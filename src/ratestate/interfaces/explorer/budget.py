@@ -25,12 +25,13 @@ class Deadline(threading.Event):
         self._end = self._last = float("inf")
 
     def start(self):
-        """Start the time limit of a part."""
+        """Start the time limit of a part, and the whole one if it is the first."""
         now, self.done = time.monotonic(), 0.0
         self._last = min(self._last, now + self.whole)
         self._end = min(self._last, now + self.seconds)
 
     def is_set(self):
+        """Whether the time is up, or `set` was called; before the first `start` only the latter."""
         return super().is_set() or time.monotonic() > self._end
 
     @property

@@ -25,7 +25,7 @@ def frame():
 
 
 def key_of(slider):
-    """Law and rounded b/a, which select a slider's chart; None if there is no chart."""
+    """(law, b/a with (b - a)/a to 3 digits), which select a slider's chart; None where b <= a."""
     weakening = float(f"{(slider.b - slider.a) / slider.a:.3g}")
     return (slider.law, 1.0 + weakening) if 1.0 + weakening > 1.0 else None
 

@@ -79,7 +79,7 @@ def values_of(entries):
 
 
 def fields(usual):
-    """Name, unit and usual value [SI] of each field, at the centre of its control."""
+    """list of dicts: symbol, name, unit and usual value [SI], the centre of the field's control."""
     names = ("symbol", "name", "unit", "usual")
     rows = [(s, QUANTITIES[s].long_name, QUANTITIES[s].unit, usual[s]) for s in SYMBOLS]
     return [dict(zip(names, row, strict=True)) for row in rows]
@@ -110,7 +110,7 @@ def _value(field, text):
 
 
 def presets():
-    """dicts with ``name``, ``title`` and ``entries``; the page opens with the first one."""
+    """list of dicts with ``name``, ``title``, ``entries``; the page opens with the first one."""
     names = ("Step to stable sliding", "Step to just below V_c", "Step to just above V_c")
     slow, fast = paper.FIG6_SPEEDS
     rows: list[tuple[str, str, Any, float, float | None]] = [
@@ -130,7 +130,7 @@ def presets():
 
 
 def entries_of(slider, V_lp, V_from=None, digits=6):
-    """The entries that describe a slider and a speed."""
+    """symbol -> text with unit, rounded to `digits`, and law: what `state_of` reads."""
     values = {**slider.values, "V_lp": V_lp}
     texts = {symbol: readable(symbol, values[symbol], digits) for symbol in SYMBOLS}
     texts["law"] = slider.law

@@ -11,7 +11,11 @@ MOST_ROWS = 200_000
 
 
 def export(kind, state, deadline):
-    """Name and text of a file; kind: "scenario", "python" or "csv"."""
+    """dict, name and text of a file; kind: "scenario", "python" or "csv".
+
+    ParameterError for more than `MOST_ROWS`, `TimeUp` past the deadline, backend.Stopped if
+    cancelled.
+    """
     plan = study_of(state, deadline).plan
     exported = scenario.Scenario("simulate", plan.slider, plan.settings)
     if kind == "csv":

@@ -31,7 +31,7 @@ class Plan:
     t_step: float  # s: when the load point steps to the shown speed; time 0 on the page
 
     def call(self, t_end=None):
-        """The `SimulateCall`; t_end: an earlier end, optional."""
+        """The `SimulateCall`, up to t_end [s] or, by default, the whole run."""
         arguments: dict[str, Any] = dict.fromkeys(("V_start", "initial", "times", "dt"))
         arguments |= {"rtol": RTOL, "method": "rodas5p"} | self.settings
         if t_end is not None:

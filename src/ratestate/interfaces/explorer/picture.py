@@ -34,7 +34,10 @@ class Study(NamedTuple):
 
 
 def study_of(state, deadline):
-    """The `Study` of a `PageState`; backend.Stopped if it was cancelled."""
+    """The `Study` of a `PageState`; a search that fails or takes too long is no error, but noted.
+
+    `TimeUp` if the verdict takes too long, backend.Stopped if it was cancelled.
+    """
     cycle, orbit = _attractor(state.slider, state.V_lp, deadline)
     with deadline.part():
         verdict = verdict_of_cycle(state.slider, state.V_lp, cycle)
@@ -52,7 +55,10 @@ def study_of(state, deadline):
 
 
 def picture(state, deadline):
-    """Header and arrays of the answer to "picture" (wire.py)."""
+    """Header and arrays of the answer to "picture" (wire.py); it raises as `study_of` does.
+
+    The arrays of a run that cannot be shown in time are empty; those of a cycle may be absent.
+    """
     study, slider = study_of(state, deadline), state.slider
     run, notes = _run(study.plan, deadline)
     verdict = study.verdict

@@ -53,7 +53,7 @@ class QuestionQueue:
 
 
 def run_job(job, question, deadline):
-    """The answer of a job, or the reason why it failed; backend.Stopped if it was cancelled."""
+    """The answer of a job, or of kind "problem" if it failed; backend.Stopped if cancelled."""
     try:
         return job(question, deadline)
     except BadEntries as error:

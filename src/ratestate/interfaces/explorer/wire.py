@@ -63,7 +63,10 @@ def question(text):
 
 
 def answer(number, kind, arrays=None, **header):
-    """An answer's bytes; `number` is the id of the question, None if nobody asked."""
+    """An answer's bytes; `number` is the id of the question, None if there was none.
+
+    arrays : name -> (n,) of float or bool
+    """
     parts = {name: np.ascontiguousarray(a, "<f8") for name, a in (arrays or {}).items()}
     whole = {"id": number, "kind": kind, **header}
     whole["arrays"] = [[name, a.size] for name, a in parts.items()]

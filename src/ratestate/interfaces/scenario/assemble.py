@@ -37,7 +37,7 @@ class Tables(NamedTuple):
 
 
 def assemble(tables: Tables) -> Scenario | None:
-    """The scenario, or None if there are problems, which `tables.problems` then has."""
+    """The scenario, or None if there are problems; those found here join `tables.problems`."""
     slider = _slider(tables)
     verb, own, swept, branch = tables.sweep
     if swept.get("V_lp") is not None and tables.loading.is_record:

@@ -61,7 +61,7 @@ LIKE = {
 
 
 def example(key: str, table: str = "") -> str:
-    """An example of a line that sets a key of a table."""
+    """An example of a line that sets a known key, of this table if its value differs there."""
     value = LIKE.get(f"{key} {table}") or LIKE.get(key)
     if value is None:
         quantity = QUANTITIES[key]

@@ -15,7 +15,10 @@ WIDTH = 93  # characters of a line
 
 
 def quantity(symbol: str, x: float) -> str:
-    """A value in SI as a literal of both TOML and Python: a number, or a string with a unit."""
+    """A value in SI as a literal of both TOML and Python: a number, or a string with a unit.
+
+    Infinite ones are "inf", which of the two only TOML reads.
+    """
     unit = QUANTITIES[symbol].unit
     if unit == "1" or not np.isfinite(x):
         return repr(float(x))
@@ -31,7 +34,7 @@ def quantity(symbol: str, x: float) -> str:
 
 
 def numbers(values: Iterable[float], indent: str = "    ") -> str:
-    """A list of numbers, over several lines if it is long."""
+    """A list of numbers, over several lines if it is long; for both TOML and Python."""
     literals = [repr(float(x)) for x in values]
     if sum(map(len, literals)) + 2 * len(literals) <= 70:
         return f"[{', '.join(literals)}]"
@@ -43,7 +46,7 @@ def numbers(values: Iterable[float], indent: str = "    ") -> str:
 
 
 def find_axis(symbol: str, values: np.ndarray) -> AxisRange | None:
-    """The axis between two ends that has exactly these values; None if there is none."""
+    """The axis between two ends that has exactly these values (n,); None if none has, or n < 3."""
     if values.size < 3 or not np.isfinite(values).all():
         return None
     first, last = float(values[0]), float(values[-1])

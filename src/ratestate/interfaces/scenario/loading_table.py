@@ -30,7 +30,7 @@ class LoadingTable:
 
     @property
     def kind(self) -> str | None:
-        """The shape of a periodic loading."""
+        """The shape of a periodic loading; None of others."""
         return next((kind for kind in PERIODIC if kind in self.given), None)
 
     @property
@@ -45,7 +45,7 @@ class LoadingTable:
 
     @property
     def last(self) -> tuple[Place, float | None]:
-        """The key of the last speed, for messages, and this speed [m/s]."""
+        """The key of the last speed, for messages, and this speed [m/s], None if unknown."""
         if self.is_record:
             return self.place.at("file" if "file" in self.given else "V_lp"), self.record.last
         place, event = self.events[self.final]
@@ -80,7 +80,7 @@ class LoadingTable:
 
 
 def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> LoadingTable:
-    """Read the table [loading]; file names in it are relative to a folder."""
+    """Read the table [loading]; file names in it are relative to a folder.  Problems are noted."""
     place, before = Place("[loading]", problems), len(problems)
     given = dict(known_items("loading", table, place))
     loading = LoadingTable(place, given, [])

@@ -99,6 +99,6 @@ def run(scenario: Scenario) -> Any:
     Returns
     -------
     xarray.Dataset
-        What the function returns.
+        What the function returns; it raises what that raises.
     """
     return FUNCTIONS[scenario.verb].call(scenario.slider, **scenario.settings)

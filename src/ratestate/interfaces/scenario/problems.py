@@ -54,7 +54,7 @@ class Place(NamedTuple):
     def noting(
         self, make: Callable[[], T], symbol: str = "", wanted: str = "", like: str = ""
     ) -> T | None:
-        """What `make` returns; None where it raises a ParameterError, which is noted."""
+        """What `make` returns; None where it raises a ParameterError, noted as by `note`."""
         try:
             return make()
         except ParameterError as error:
@@ -76,7 +76,7 @@ class Place(NamedTuple):
 
 
 def report(problems: list[str], tables: Iterable[str]) -> str:
-    """The lines of the first problems, in the order of the tables."""
+    """Lines of the first `MOST_LINES` problems, in the order of the tables; how many more."""
     order = {f"[{table}]": i for i, table in enumerate(tables)}
     lines = sorted(problems[:MOST_LINES], key=lambda line: order.get(line.split("]")[0] + "]", -1))
     omitted = len(problems) - MOST_LINES
@@ -101,7 +101,7 @@ def error_line(error: ParameterError) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value of a TOML file as messages show it: on one line, and short."""
+    """A value of a TOML file as messages show it: a string quoted and cut, "a table" and so on."""
     if isinstance(value, str):
         return repr(value if len(value) <= LONGEST_SHOWN else value[: LONGEST_SHOWN - 3] + "...")
     if isinstance(value, bool):

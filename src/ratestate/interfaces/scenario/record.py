@@ -45,7 +45,10 @@ class Column(NamedTuple):
 
 
 def read_record(table: dict[str, Any], folder: Path, place: Place) -> Record:
-    """The loading in a file, whose name is relative to a folder, as the table [loading] says."""
+    """The loading in a file, whose name is relative to a folder, as the table [loading] says.
+
+    Problems are noted at `place`, and the `Record` then is empty.
+    """
     before = len(place.problems)
     wanted = _pair("columns", table, str | int, place)
     units = _pair("units", table, str, place) if "units" in table else None

@@ -33,7 +33,10 @@ def plain_table(name: str, table: dict[str, Any], problems: list[str]) -> dict[s
 
 
 def read_value(key: str, value: Any, place: Place) -> Any:
-    """The value of a key that has no axis here."""
+    """The value of a known key that has no axis here: float [SI], str, Path, dict or (n,) array.
+
+    None if it has a problem, which is noted.
+    """
     if key == "initial":
         before = len(place.problems)
         values = INITIAL.read(value, place, "one ")
@@ -79,7 +82,10 @@ class Sweep(NamedTuple):
 def sweep_table(
     table: dict[str, Any] | None, requested: str | None, of_run: str | None, problems: list[str]
 ) -> Sweep:
-    """Read the table [sweep], if any; `requested` replaces its verb, which may be that of [run]."""
+    """Read the table [sweep], if any; `requested` replaces its verb, which may be that of [run].
+
+    Problems are noted; keys that the function does not take are checked, but left out.
+    """
     place = Place("[sweep]", problems)
     if table is None:
         own = of_run or "simulate"

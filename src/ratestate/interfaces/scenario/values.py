@@ -61,7 +61,7 @@ Many = AxisRange | np.ndarray
 
 
 def as_array(symbol: str, value: float | Many) -> np.ndarray:
-    """Values as a plain array, shape (n,)."""
+    """Values as a plain array, shape (n,); (1,) for a single one."""
     return value.values(symbol) if isinstance(value, AxisRange) else np.atleast_1d(value)
 
 
@@ -84,7 +84,10 @@ def unusual(symbol: str, x: float) -> str:
 
 
 def number(symbol: str, value: Any, bound: str | None = None) -> float:
-    """One value in SI; ParameterError if it is no number or has an unusual magnitude."""
+    """One value in SI; ParameterError: no number, another unit, out of range, unusual magnitude.
+
+    bound : range in place of the quantity's own, as of `to_si`
+    """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise refusal("value.no_number", given=value, wanted=expected(symbol))
     if isinstance(value, str) and len(value) > LONGEST_TEXT:
@@ -141,7 +144,7 @@ def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -
 def read_ends(
     symbol: str, table: dict[str, Any], place: Place, bound: str | None = None
 ) -> list[float | None]:
-    """The first and the last value of an axis, None for one with a problem."""
+    """[first, last] of an axis [SI], both finite; None for one with a problem, which is noted."""
     ends = []
     for key in ("from", "to"):
         x = read_number(symbol, table[key], place.at(key), bound) if key in table else None
@@ -161,7 +164,10 @@ class InlineTable(NamedTuple):
     like: str
 
     def read(self, table: Any, place: Place, one: str = "") -> dict[str, Any] | None:
-        """The values in SI, None for one with a problem and for what is no table."""
+        """key -> value in SI, of keys given, or None with a problem, noted; None if no table.
+
+        one : word before the example in that message
+        """
         if not isinstance(table, dict):
             place.add("table.none", given=table, wanted=f"expected {one}such as {self.like}")
             return None

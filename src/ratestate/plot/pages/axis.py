@@ -19,7 +19,7 @@ class Axis(NamedTuple):
 
     @property
     def edges(self):
-        """Where the cells of a map begin and end, one more than there are cases."""
+        """(n + 1,) where the cells of a map of n cases begin and end, in `unit`."""
         values = np.log(self.values) if self.logarithmic else self.values
         middle = 0.5 * (values[1:] + values[:-1])
         half = 0.5 * np.diff(values) if values.size > 1 else np.full(1, 0.5)
@@ -27,7 +27,7 @@ class Axis(NamedTuple):
         return np.exp(edges) if self.logarithmic else edges
 
     def each(self, dim):
-        """What a legend says of each value."""
+        """What a legend says of each value (list of str)."""
         values = self.names or [f"{value:.4g}" for value in self.values]
         return [f"{label(dim)} = {value} {self.unit}".rstrip() for value in values]
 
@@ -41,7 +41,11 @@ class Axis(NamedTuple):
 
 
 def axis_of(result, dim):
-    """`Axis` of a dimension of a result."""
+    """`Axis` of a dimension of a result, in a unit that fits.
+
+    Values that are no numbers, not finite or not in order stand by name at 0, 1, 2 ..., which are
+    also the values of a dimension without coordinate.
+    """
     size = result.sizes[dim]
     values = result[dim].values if dim in result.coords else np.arange(size)
     name, unit = (
@@ -59,7 +63,7 @@ def axis_of(result, dim):
 
 
 def prefix_of(values, unit):
-    """Factor from SI, and the unit's text, that fit the largest of these values."""
+    """Factor from SI, and the unit's text, that fit the largest finite one of these values."""
     return prefixed(unit, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
 
 

@@ -14,7 +14,7 @@ HEIGHTS = [1.5, 1.9]  # inches
 
 
 def cycles_page(result):
-    """Page of a fit against cycles."""
+    """Page (Figure) of a fit against cycles."""
     record = record_of(result, "time")
     laws, t = record.laws, record.t
     fig, (top, *below) = framed(result, laws, sum(HEIGHTS))

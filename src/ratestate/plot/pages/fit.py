@@ -60,7 +60,7 @@ def fit(result, ax=None, *, x=None):
 
 @styled
 def fit_page(result, x=None):
-    """Page of a fit; x, of one against time or displacement, as `fit` has it."""
+    """Page (Figure) of a fit; x as of `fit`, without effect on a fit of cycles."""
     if result.attrs.get("against") == "cycles":
         return cycles_page(result)
     record = record_of(result, x)

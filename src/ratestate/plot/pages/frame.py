@@ -14,7 +14,10 @@ LIKELIHOOD, LABELS, TITLE = 1.3, 1.0, 0.45
 
 
 def framed(result, laws, height):
-    """An empty figure with its title, and its parts: panels, likelihoods if any, estimates."""
+    """(Figure with its title, list of its empty parts: panels, likelihoods if any, estimates).
+
+    height : of the panels [inches]
+    """
     middle = [LIKELIHOOD] if non_gaussian(result) else []
     heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
     symbols = " ".join(s for s in "sigma M a b Dc K V0".split() if s not in result)
@@ -28,7 +31,7 @@ def framed(result, laws, height):
 
 
 def finished(result, parts, first):
-    """Fill the lower parts of a figure: likelihoods, if any, and the table of estimates."""
+    """Fill the lower parts of a figure: likelihoods, if any, from letter `first` on; estimates."""
     if symbols := non_gaussian(result):
         panels = parts[0].subplots(1, len(symbols), sharey=True, squeeze=False)[0]
         for symbol, ax in zip(symbols, panels, strict=True):

@@ -23,14 +23,14 @@ MANY, FEW = 25, 5
 
 @styled
 def run_page(run):
-    """Page of one slider's run."""
+    """Page (Figure) of one slider's run."""
     end, law = with_unit("t", float(run.time[-1])), LAWS[parameter(run, "law")].name
     return _motion(run, f"Run of {end}, {law}")
 
 
 @styled
 def cycle_page(cycle):
-    """Page of one slider's cycle: a period of it; where it slides steadily, that of `stability`."""
+    """Page of a slider's cycle, computed again for a period; that of `stability` if it has none."""
     symbols = [field.name for field in dataclasses.fields(SpringSlider)]
     slider = SpringSlider(**{symbol: parameter(cycle, symbol) for symbol in symbols})
     V_lp = float(cycle.V_lp)

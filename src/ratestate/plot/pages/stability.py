@@ -12,7 +12,7 @@ DECADES = 1.5  # of speed shown on either side, at least
 
 @styled
 def stability_page(result):
-    """Page of one slider's steady sliding."""
+    """Page (Figure) of one slider's steady sliding."""
     values = {symbol: float(parameter(result, symbol)) for symbol in "a b Dc sigma M".split()}
     K, V_lp, V_c = float(parameter(result, "K")), float(result.V_lp), float(result.V_c)
     stable = "stable" if result.stable else "unstable"

@@ -33,7 +33,7 @@ FEW = 5
 
 @styled
 def sweep_page(result, function, dims):
-    """Page of a sweep over one or two dimensions."""
+    """Page (Figure) of a sweep of a function of `SHOWN` over one or two dimensions."""
     cases, shown = SHOWN[function]
     names = [name for name in shown if set(dims) & set(result[name].dims)] or shown
     over = " and ".join(label(str(dim)) for dim in dims)

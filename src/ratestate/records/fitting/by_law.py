@@ -15,7 +15,7 @@ NEEDED = ("law", "parameter", "standard_error", "interval", "friction", "time")
 
 
 def results_by_law(result):
-    """law -> that law's part of a result of `fit`."""
+    """dict law -> that law's part of a result of `fit` (not checked), without what is all NaN."""
     if "law" not in result.dims:
         return {str(result["law"].item()): _without_empty(result.drop_vars("law"))}
     parts = {str(law): result.sel(law=law, drop=True) for law in result["law"].values}
@@ -42,7 +42,10 @@ def warnings_of(part):
 
 
 def value_of(part, symbol):
-    """A parameter [SI] of one law's part: its estimate, or the value that was given."""
+    """A parameter [SI] of one law's part (float): its estimate, or the value that was given.
+
+    ParameterError if the result has several values, or has lost the attribute with that given.
+    """
     value = part[symbol] if symbol in part.data_vars else parameter(part, symbol)
     if np.ndim(value):
         raise refusal("result.several_values", symbol=symbol)
@@ -50,7 +53,7 @@ def value_of(part, symbol):
 
 
 def error_of(part, symbol):
-    """Standard error of a parameter [SI]; 0 if its value was given, inf if an interval is open.
+    """Standard error of a parameter [SI]; 0 if it was not estimated, inf if an interval is open.
 
     Where the interval is from a profile or a posterior: half the width of the 68 % interval.
     """
@@ -67,9 +70,10 @@ def error_of(part, symbol):
 
 
 def stiffness_over_critical(part):
-    """K/K_c_qs of one law's part and its error; None where K_c_qs is not positive.
+    """(K/K_c_qs, its standard error), dimensionless; None where K_c_qs <= 0 or K = inf.
 
-    The relative errors of the parameters (`error_of`) are propagated with their correlation.
+    The relative errors of K, Dc and a - b (`error_of`) are propagated with their correlation: 0 if
+    none of them was estimated, inf if one is not finite.
     """
     at = {symbol: value_of(part, symbol) for symbol in ("a", "b", "Dc", "sigma")}
     K, critical = value_of(part, "K"), K_c_qs(**at)

@@ -45,7 +45,7 @@ class Estimates(NamedTuple):
     kinds: tuple  # source of each interval: "covariance", "profile" or "posterior"
 
     def of(self, name):
-        """The `Estimate` of this name."""
+        """The `Estimate` of this name; ValueError if there is none."""
         i = self.names.index(name)
         return Estimate(float(self.values[i]), self.errors[i], self.intervals[i], self.kinds[i])
 
@@ -55,7 +55,10 @@ class Estimates(NamedTuple):
         return self.correlation[np.ix_(which, which)]
 
     def with_intervals(self, intervals, kind):
-        """The estimates with some intervals replaced: name -> (levels, sides) [SI]."""
+        """`Estimates` with some intervals replaced; `kind` is their source.
+
+        intervals : name -> (levels, sides) [SI]; names of no estimate are ignored
+        """
         named = list(zip(self.names, self.intervals, self.kinds, strict=True))
         ends = np.array([intervals.get(name, old) for name, old, _ in named])
         kinds = tuple(kind if name in intervals else old for name, _, old in named)
@@ -67,6 +70,8 @@ def estimates_from(names, centres, covariance, is_log, values=None):
 
     centres : (p,) the quantities or logarithms
     values : (p,), optional, the quantities themselves, if they are known more precisely
+
+    Ends of a logarithm's interval beyond `ENDLESS` are 0 and inf; an error is inf from `UNSEEN` on.
     """
     errors = np.sqrt(np.diag(covariance))
     reach = ROOTS[:, None] * np.array([-1.0, 1.0])

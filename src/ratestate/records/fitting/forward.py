@@ -54,7 +54,10 @@ class Forward:
         return self.parts(points)[0]
 
     def jacobian(self, point):
-        """(m,) friction at a point, and (m, k) its derivatives by the coordinates."""
+        """(m,) friction at a point (k,), and (m, k) its derivatives by the coordinates.
+
+        NaN without a motion; derivatives are one-sided where there is none on the other side.
+        """
         moving = [(self.names.index(name), step) for name, step in self.steps.items()]
         points = np.repeat(point[None], 2 * len(moving) + 1, axis=0)
         for j, (i, step) in enumerate(moving):
@@ -87,7 +90,7 @@ class Forward:
         return friction, regressors
 
     def values(self, points):
-        """name -> (n,) values of everything that `parts` needs."""
+        """name -> (n,) values of all `PARAMETERS` [SI]; of `START` logarithms of ratios."""
         fixed = dict.fromkeys(PARAMETERS, 0.0) | self.fixed
         values = {name: np.full(len(points), float(value)) for name, value in fixed.items()}
         with np.errstate(over="ignore"):
@@ -135,7 +138,7 @@ def cases_of(*, kappa, **columns):
 
 
 def marched(law, cases, loads, times, *, alone=False):
-    """(n, m, 3) x, v, psi of the cases at these times; NaN where a run fails."""
+    """(n, m, 3) x, v, psi (engine/model.py) of the cases at these times; NaN where a run fails."""
     which = np.arange(cases.kappa.size)
     results = dispatch.run_march(RODAS5P, law, cases, loads, times, which, alone)
     results.saved[results.status != FINISHED] = np.nan

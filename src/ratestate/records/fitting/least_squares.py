@@ -56,6 +56,8 @@ def least_squares_fit(record, slider, law, free, noise, start):
     """The `Solution` of a record under a law (code); the noise is estimated if it is None.
 
     start : {"steady", "free", "auto"}; "auto" frees the state at the start if that fits far better
+
+    ParameterError where no start of the search moves through the whole record.
     """
     unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
     problem = Problem(record, slider, law, unknowns)
@@ -99,7 +101,10 @@ def _checked_search(problem, point, noise):
 
 
 def solution_from(problem, point, noise):
-    """The `Solution` from this point, with the noise given, or estimated until that converges."""
+    """The `Solution` from this point, with the noise given, or if None estimated in `ROUNDS`.
+
+    ParameterError if the slider of this point does not move through the whole record.
+    """
     record = problem.record
     current = problem.white_noise(point) if noise is None else noise
     before = problem.forward.evaluations

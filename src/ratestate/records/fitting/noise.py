@@ -49,7 +49,8 @@ class Noise(NamedTuple):
 def given_noise(noise):
     """The `Noise` that the user gives, or None if it is to be estimated.
 
-    noise : None, a standard deviation of friction, or a dict of "white", "red" and "time".
+    noise : None, a standard deviation of friction, or a dict of "white", "red" and "time"; else, or
+        for "red" without "time", or neither above 0, a ParameterError
     """
     if noise is None:
         return None
@@ -71,7 +72,7 @@ def given_noise(noise):
 def estimated_noise(t, residual, jacobian):
     """`Noise` by restricted maximum likelihood: of residuals (n,) with a fit's jacobian (n, k).
 
-    White, unless a red part raises ln(likelihood) by more than `RISE`.
+    White, unless a red part raises ln(likelihood) by more than `RISE`.  No column may be all 0.
     """
     columns = np.column_stack([residual, jacobian / np.abs(jacobian).max(axis=0)])
     degrees = residual.size - jacobian.shape[1]

@@ -33,7 +33,7 @@ class Problem:
         return self.forward.friction(point[None])[0] - self.record.friction
 
     def residual(self, point, noise):
-        """(m,) `difference`, whitened."""
+        """(m,) `difference`, whitened; NaN without a motion."""
         return noise.whiten(self.record.t, self.difference(point))[0][:, 0]
 
     def jacobian(self, point, noise):
@@ -42,12 +42,12 @@ class Problem:
         return np.nan_to_num(noise.whiten(self.record.t, columns)[0])
 
     def white_noise(self, point):
-        """White noise of the size of the residuals at a point."""
+        """White `Noise` of the residuals' size at a point, 1e-15 or more; NaN without a motion."""
         return Noise(max(float(np.sqrt(np.mean(self.difference(point) ** 2))), 1e-15))
 
 
 def search(problem, start, noise, most=MOST):
-    """`scipy.optimize.least_squares` of a problem from this point; None where nothing moves there.
+    """SciPy's result of `least_squares` from this point (moved within bounds); None without motion.
 
     problem : has unknowns, and residual and jacobian as functions of a point and a `Noise`
     """
@@ -68,7 +68,7 @@ def search(problem, start, noise, most=MOST):
 
 
 def starting_points(problem, most):
-    """Points (k,) to start from, all distinct, the best fit to a thinned record first."""
+    """(n, k) points to start from, n <= most, all distinct, the best first; n = 0 if none moves."""
     unknowns, sizes = problem.unknowns, sizes_of(problem.record, problem.slider.sigma)
     rng = np.random.default_rng(SEED)
     cloud = np.zeros((CLOUD + 1, len(unknowns.names)))
@@ -87,7 +87,7 @@ def starting_points(problem, most):
 
 
 def with_best_level(problem, points):
-    """Points with the level and trend that fit the record best, and their misfits."""
+    """Points (n, k) with the best level and trend, and their misfits (n,); inf without a motion."""
     points, record, names = points.copy(), problem.record, problem.unknowns.names
     linear = [names.index(name) for name in record.regressors()]
     points[:, linear] = 0.0

@@ -36,7 +36,12 @@ class RawRecord(NamedTuple):
 
 
 def raw_record(data, slider):
-    """The `RawRecord` in a Dataset of `read_lab`, or of `simulate`; refuses wrong units."""
+    """The `RawRecord` in a Dataset of `read_lab`, or of `simulate`.
+
+    ParameterError: no Dataset; fewer than `FEWEST` samples; times that do not increase; a variable
+    that is absent, not along time alone, or not finite; friction, or a displacement, of a size that
+    means other units.
+    """
     if not isinstance(data, xarray.Dataset):
         raise refusal("record.type", type=type(data).__name__)
     time = _column(data, "time")
@@ -103,7 +108,11 @@ def _displacement(data, time):
 
 
 def loading_of(raw, loading=None):
-    """The `Loading` from the record's first sample on: the one given, or as recorded."""
+    """The `Loading` from the record's first sample on: the one given, or as recorded.
+
+    ParameterError: none is recorded; it begins at rest; the one given is many, is too short, or is
+    off the recorded displacement by more than `DIFFERENCE`.
+    """
     if loading is not None:
         _check_given(loading, raw)
         return loading

@@ -37,7 +37,7 @@ class Record(NamedTuple):
 
     @property
     def scale(self):
-        """The range of friction."""
+        """Largest less smallest friction."""
         return float(np.ptp(self.friction))
 
     @property
@@ -46,7 +46,7 @@ class Record(NamedTuple):
         return float(np.median(np.diff(self.t)))
 
     def thinned(self, stride):
-        """The record with one sample in `stride`, and all samples about each step."""
+        """The `Record` with one sample in `stride`, and all samples about each step."""
         keep = np.zeros(self.t.size, bool)
         keep[::stride] = True
         for step in self.loading.t[1:]:
@@ -57,7 +57,11 @@ class Record(NamedTuple):
 
 
 def record_of(data, slider, *, loading, trend, against):
-    """The `Record` in a Dataset of `read_lab`, or of `simulate`; refuses what cannot be fitted."""
+    """The `Record` in a Dataset of `read_lab`, or of `simulate`.
+
+    ParameterError as of `raw_record` and `loading_of`, and: too many samples; constant friction; no
+    step, or one too near to an end; against displacement none, a hold or a ramp.
+    """
     raw = raw_record(data, slider)
     friction, time, t = raw.friction, raw.time, raw.t
     if t.size > MOST:

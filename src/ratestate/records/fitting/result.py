@@ -34,7 +34,7 @@ def dataset_of(inference, data):
 
 
 def add_comparison(results, aic, *, colored=False):
-    """Add the comparison of the laws to each of their results.
+    """Add the comparison of two laws or more to each of their results, in place.
 
     aic : law -> Akaike information criterion, or chi-square of laws with as many parameters
     colored : whether residuals are correlated
@@ -47,7 +47,7 @@ def add_comparison(results, aic, *, colored=False):
 
 
 def side_by_side(results):
-    """Results under several laws (dict, law -> Dataset) as one, along ``law``."""
+    """Results under several laws (dict, law -> Dataset) as one, along ``law``; padded: NaN, ""."""
     joined = xarray.concat(
         [
             result.assign_coords(
@@ -66,12 +66,12 @@ def side_by_side(results):
 
 
 def labelled(dims, **values):
-    """name -> variable along these dimensions (or one), with its unit and meaning."""
+    """name -> variable along these dimensions (or one); each name is one of `QUANTITIES`."""
     return {name: (dims, value, attrs(name)) for name, value in values.items()}
 
 
 def estimate_variables(estimates):
-    """The variables of `Estimates`: a scalar for each, and tables along ``parameter``."""
+    """The Dataset of `Estimates` [SI]: a scalar for each, and tables along ``parameter``."""
     names = list(estimates.names)
     values = zip(names, estimates.values.tolist(), strict=True)
     variables = {
@@ -119,7 +119,7 @@ def _posterior_variables(posterior, quantities):
 
 
 def curve_variables(time, friction, fitted):
-    """Recorded and fitted friction along time, and their difference."""
+    """Dataset of recorded and fitted friction (m,) along time (m,) [s], and their difference."""
     variables = labelled("time", friction=friction, friction_fit=fitted)
     labels = {"units": "1", "long_name": "recorded less fitted friction"}
     variables["residual"] = ("time", friction - fitted, labels)
@@ -165,5 +165,5 @@ def _statistics(solution):
 
 
 def text_variables(identifiability, warnings):
-    """The notes on a fit: what is determined; and the warnings, one on each line."""
+    """Two variables: the note on what is determined (str); the warnings, one on each line."""
     return labelled((), identifiability=identifiability, warnings="\n".join(warnings))

@@ -10,7 +10,7 @@ CHANCE = 1e-4
 
 
 def gain_of(solution, added):
-    """Fall of chi-square with more coordinates, and the values that these would take.
+    """Fall of chi-square (float, >= 0) with more coordinates, and the values (p,) of these.
 
     To first order, with all other coordinates fitted again: a score test.
 
@@ -23,7 +23,10 @@ def gain_of(solution, added):
 
 
 def response(solution):
-    """Fall of chi-square from level and trend alone to the solution, and parameters it takes."""
+    """Fall of chi-square from level and trend alone to the solution, and parameters it takes.
+
+    The fall is negative where these alone fit better.
+    """
     record = solution.problem.record
     lines = [values / np.abs(values).max() for values in record.regressors().values()]
     columns = np.column_stack([record.friction, *lines])

@@ -37,7 +37,11 @@ class Settings(NamedTuple):
 
 
 def checked_settings(slider, *, free, law, noise, **choices):
-    """The `Settings` of these arguments of `fit`; refuses what does not go together."""
+    """The `Settings` of these arguments of `fit`.
+
+    ParameterError: no slider, or many; what cannot be free; a law, noise or choice that is none;
+    what a fit of cycles has no use for.
+    """
     checked(slider)
     for symbol, value in slider.values.items():
         if is_array(value):

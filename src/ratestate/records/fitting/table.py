@@ -37,11 +37,12 @@ class Row(NamedTuple):
 
     @property
     def label(self) -> str:
+        """Such as "Dc [um]"; without brackets where it has no unit."""
         return f"{self.symbol} [{self.unit}]" if self.unit else self.symbol
 
 
 def estimate_rows(laws: Laws) -> list[Row]:
-    """Rows of all estimates, K/sigma and K/K_c_qs."""
+    """Rows of all estimates, of K/sigma if K is one, and of K/K_c_qs if any law has a text."""
     first = next(iter(laws.values()))
     symbols = [str(symbol) for symbol in first["parameter"].values]
     rows = [_row(laws, symbol) for symbol in symbols]
@@ -69,7 +70,7 @@ def estimate_cells(laws: Laws, meaning: bool) -> list[list[str]]:
 
 
 def stiffness_ratio_text(part: xarray.Dataset) -> str:
-    """K/K_c_qs of one law's part with its error, or why it has none; "" for a rigid machine."""
+    """K/K_c_qs +- error if finite; `STABLE_AT_ANY_K` if a > b; "" if K = inf or a = b."""
     if value_of(part, "a") > value_of(part, "b"):
         return STABLE_AT_ANY_K
     if (ratio_and_error := stiffness_over_critical(part)) is None:
@@ -126,7 +127,10 @@ def _row(laws: Laws, symbol: str) -> Row:
 
 
 def formatted_estimate(part: xarray.Dataset, symbol: str, factor: float) -> FormattedEstimate:
-    """A parameter of one law's part, multiplied by `factor` to leave SI."""
+    """A parameter of one law's part, multiplied by `factor` to leave SI.
+
+    Without its error where that is not finite; an infinite end of an interval reads "(open)".
+    """
     value, error = factor * value_of(part, symbol), factor * error_of(part, symbol)
     ends = factor * part["interval"].sel(parameter=symbol).transpose("level", "side").values
     # of an interval open on one side, the closed side sets the digits

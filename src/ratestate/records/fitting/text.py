@@ -44,7 +44,7 @@ def summary(result):
 
 
 def heading(result, laws):
-    """What was fitted, and what the load point did (list of str)."""
+    """What was fitted, and, if recorded, what the load point did (list of one or two str)."""
     source = attributes.text(result, "source", "")
     about = f"Fit of {source}: " if source else "Fit of "
     history = attributes.text(result, "found", "")
@@ -64,7 +64,7 @@ def remarks(result, laws):
 
 
 def fixed_parameters(laws):
-    """The parameters that were given, with their values."""
+    """A sentence with the parameters that were given, and their values."""
     part = next(iter(laws.values()))
     symbols = [s for s in (*OF_SLIDER, "sigma", "V0") if s not in part.data_vars]
     return f"Given: {', '.join(f'{s} = {readable(s, value_of(part, s))}' for s in symbols)}."

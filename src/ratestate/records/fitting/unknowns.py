@@ -116,7 +116,11 @@ def unknowns_of(record, free, *, start, sigma):
 
 
 def distinct(points, distance, most=None):
-    """Indices of points (n, k), each farther than `distance` from all before in some coordinate."""
+    """Indices (list) of points (n, k), each away from all before, in some coordinate.
+
+    distance : farther than this; one for all coordinates, or (k,)
+    most : largest number of them; None for any
+    """
     kept: list[int] = []
     for i, point in enumerate(points):
         if len(kept) != most and all(np.any(np.abs(point - points[j]) > distance) for j in kept):
@@ -125,7 +129,10 @@ def distinct(points, distance, most=None):
 
 
 def checked_free(free, slider):
-    """The free parameters as a tuple, in the order of `PARAMETERS`; refuses what cannot be free."""
+    """The free parameters as a tuple, in the order of `PARAMETERS`, without mu0.
+
+    ParameterError for what cannot be free, twice the same, and for none beside mu0.
+    """
     allowed = ", ".join((*FREE, "mu0"))
     try:
         names = (free,) if isinstance(free, str) else tuple(free)

@@ -21,7 +21,10 @@ CONSTANT, CHANCE, NOISY = 20, 1e-6, 0.25
 
 
 def disagreements(rows, coarse):
-    """Notes on columns that contradict each other, and on a displacement that is too coarse."""
+    """Notes (list of str) on columns that contradict each other; empty if none do.
+
+    coarse : text of `coarse_resolution`, which becomes a note as well; "" for none
+    """
     notes = [
         _friction_disagreement(rows.record),
         _constant_friction(rows.record),
@@ -66,7 +69,7 @@ def _constant_friction(record):
 
 
 def coarse_resolution(record, segments):
-    """A text on a displacement with too few digits; "" if it stays constant in holds."""
+    """A text if the displacement has so few digits that it moves by them in a hold; else ""."""
     if "delta_lp" not in record:
         return ""
     t, x = record["time"], record["delta_lp"]

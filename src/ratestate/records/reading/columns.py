@@ -22,7 +22,13 @@ INSTEAD = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "
 
 
 def choose_columns(table, columns):
-    """Symbol -> index of its column: those that were requested, and others by their names."""
+    """dict symbol -> index of its column, from 0: as requested, and of others by their names.
+
+    columns : dict symbol -> title or number from 1 on, or None; one column may be requested twice
+
+    A symbol of `PATTERNS` that is not needed may be absent.  ParameterError: a symbol that is none
+    of them, a request that fits no column or several, a needed column that is missing or ambiguous.
+    """
     columns = {} if columns is None else columns
     if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
         given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
@@ -72,7 +78,10 @@ def _requested(table, symbol, request):
 
 
 def column_by_name(table, symbol, taken, needed=False):
-    """Index of the one free column with such a name; None for none, or several if not needed."""
+    """Index of the one column, not in `taken`, whose name fits best; None if no name fits.
+
+    Several that fit equally well: None, or a ParameterError if the column is needed.
+    """
     ranks = {
         i: rank
         for i, column in enumerate(table.columns)

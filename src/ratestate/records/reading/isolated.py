@@ -35,10 +35,12 @@ def read_isolated(reader, path, kind):
     """The result of `reader` on a file; if it crashes, only its child process does.
 
     reader : function of a path, of a module; what it returns can be pickled
+    path : Path of a file that exists, else OSError
     kind : as what the file is read, in messages: "HDF5"
 
     A ParameterError of the reader is raised, and one for any other failure: an exception, a crash,
-    too long a time or too much memory.
+    too long a time or too much memory.  Its warnings are issued here, each once.  Where no process
+    can be had, the file is read in this one, without limits.
     """
     size = path.stat().st_size
     seconds, memory = SECONDS + SECONDS_EACH * size, MEMORY + MEMORY_EACH * size

@@ -24,7 +24,7 @@ FOREIGN = {
 
 
 def open_table(path):
-    """Path and `Table` of a record."""
+    """(Path, `Table`) of a record; ParameterError if it is no readable file of a known format."""
     try:
         path = Path(path).expanduser()
     except TypeError:

@@ -20,6 +20,8 @@ class Rows:
     """The rows of a table that are `kept`, their `record` (symbol -> values in SI), and `warnings`.
 
     columns, units : symbol -> `Column`, all of one length; symbol -> its unit
+
+    `kept` has their indices in the table, from 0; `record` is empty until `cut`.
     """
 
     def __init__(self, table, columns, units):
@@ -29,7 +31,7 @@ class Rows:
         self.warnings: list[str] = []
 
     def in_si(self, symbol):
-        """A column in the rows that are kept, in SI."""
+        """(kept,) a column in SI; NaN where it has no number."""
         return in_si(symbol, self.columns[symbol].values[self.kept], self.units[symbol])
 
     def keep(self, which):
@@ -38,7 +40,10 @@ class Rows:
         self.record = {symbol: values[which] for symbol, values in self.record.items()}
 
     def leave_out(self, bad, why, shown=None):
-        """Leave out the rows of a mask for this reason; shown : place along `kept` -> text."""
+        """Leave out the rows of a mask along `kept`, with a warning; nothing if it is all False.
+
+        why, shown : the reason; function of a place along `kept`, what the warning shows of it
+        """
         if bad.any():
             rows = self.listed(np.flatnonzero(bad), shown)
             self.warnings.append(f"{_count(bad.sum())} left out {why}: {rows}")
@@ -54,7 +59,12 @@ class Rows:
         return ", ".join(texts) + more
 
     def cut(self, windows):
-        """Keep only the rows in the windows, from the first one inside to the last: the record."""
+        """Keep only the rows in the windows, from the first one inside to the last: the record.
+
+        windows : symbol -> (name, from, to) as by `window`; may be empty
+
+        ParameterError: no row is inside, too few are, or there is no displacement for a window.
+        """
         for symbol, (name, low, high) in windows.items():
             if symbol not in self.columns:
                 raise refusal("window.no_displacement")
@@ -68,7 +78,7 @@ class Rows:
         self.record = {symbol: self.in_si(symbol) for symbol in self.columns}
 
     def drop_unreadable(self):
-        """Leave out rows without a number in a column that is needed."""
+        """Leave out rows without a finite number in any column; ParameterError if one has none."""
         for symbol, column in self.columns.items():
             check_numbers(self.table, symbol, column, self.kept)
 
@@ -81,7 +91,7 @@ class Rows:
         self.leave_out(~good.all(axis=0), "for want of a number", bad_cell)
 
     def order(self):
-        """Leave out repeated times; refuse times that run backwards."""
+        """Leave out rows that repeat a time; ParameterError for times that run backwards."""
         t = self.record["time"]
         steps = np.diff(t)
         if (steps < 0.0).any():
@@ -95,7 +105,7 @@ class Rows:
             self.warnings[-1] += "; the times have too few digits"
 
     def find_gaps(self):
-        """Note steps of time that are much longer than those before and after."""
+        """Warn of steps of time that are much longer than those before and after."""
         dt = np.diff(self.record["time"])
         if dt.size < 3:
             return
@@ -112,7 +122,10 @@ class Rows:
             self.warnings.append(f"{count} in time before {rows}")
 
     def check_enough(self, where=""):
-        """Refuse a record of hardly any rows."""
+        """ParameterError if fewer than `FEWEST` rows are kept.
+
+        where : what follows "are left" in the message, such as " in the window"
+        """
         if self.kept.size < FEWEST:
             warnings = "; ".join(self.warnings) or "give a longer record or a wider window"
             count = _count(self.kept.size)
@@ -124,7 +137,10 @@ def _count(rows):
 
 
 def window(symbol, ends, name):
-    """(name, from, to) of a window [SI], infinite where None is given."""
+    """(name, from, to) of a window [SI], infinite where None is given.
+
+    ParameterError for what is no pair, for ends of another unit, and unless from < to.
+    """
     try:
         pair = [] if isinstance(ends, str) else ends
         # as plain numbers: a message shows them

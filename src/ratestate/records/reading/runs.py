@@ -16,6 +16,8 @@ class Run:
     t, x : ndarray, all rows of the record
     rows : list of (first, last + 1), for each line: several if the displacement jumps in between
     hold : whether V = 0 exactly
+
+    `V` [m/s] is the slope; `start` and `end` [s] are the times of the first and the last row.
     """
 
     def __init__(self, t, x, rows, hold=False):
@@ -35,25 +37,25 @@ class Run:
         return Run(self.t, self.x, self.rows + other.rows, hold)
 
     def at(self, t, end):
-        """Displacement at time t by the first line (end = 0) or the last one (end = -1)."""
+        """Displacement [m] at time t [s] by the first line (end = 0) or the last one (end = -1)."""
         mean_t, mean_x = self.means[end]
         return mean_x + self.V * (t - mean_t)
 
     def variance(self, t, end):
-        """Variance of that, over the noise's."""
+        """Variance of what `at` gives, over that of the noise."""
         i, j = self.rows[end]
         mean = 1.0 / (j - i)
         return mean if self.hold else mean + (t - self.means[end][0]) ** 2 / self.spread
 
     def residual(self):
-        """The displacement less the lines."""
+        """(rows,) displacement less the lines [m]."""
         lines = zip(self.rows, self.means, strict=True)
         parts = [self.x[i:j] - x - self.V * (self.t[i:j] - t) for (i, j), (t, x) in lines]
         return np.concatenate(parts)
 
 
 def breakpoints(runs):
-    """Times at which each run meets the next one; midway between them if they hardly do."""
+    """(runs - 1,) times [s] at which each run meets the next; midway between if they hardly do."""
     times = []
     for one, other in itertools.pairwise(runs):
         middle = 0.5 * (one.end + other.start)
@@ -65,7 +67,10 @@ def breakpoints(runs):
 
 
 def refine_breakpoints(runs):
-    """The runs with each row on its own side of the breaks, which is the joint least squares."""
+    """list of the runs with each row on its own side of the breaks: the joint least squares.
+
+    Rows between runs that belong to neither, of a ramp, stay so; it ends after `ROUNDS` at most.
+    """
     t, x = runs[0].t, runs[0].x
     seen = set()
     for _ in range(ROUNDS):
@@ -84,7 +89,7 @@ def refine_breakpoints(runs):
 
 
 def noise_variances(runs):
-    """Variance for each run of the white noise that would cause its errors."""
+    """For each run the variance [m^2] of the white noise that would cause its errors: list."""
     # The variance of its rows, times a factor for correlation in the record as a whole: the sum of
     # the correlations over all lags, from neighbouring rows or from the scatter of means over
     # 2, 4, 8, ... rows; whichever is larger.
@@ -103,7 +108,7 @@ def noise_variances(runs):
 
 
 def jump_size(t, x, row, V):
-    """Jump of a displacement just before a row where it runs at speed V; 0 if there is none."""
+    """Jump [m], of either sign, of a displacement before a row, at speed V [m/s]; 0 if none."""
     x = x - V * (t - t[row])
     before, after = x[max(0, row - NEAR) : row], x[row : row + NEAR]
     gap = float(np.median(after) - np.median(before))

@@ -17,16 +17,19 @@ POSITION = 26.0
 
 
 class Segments(NamedTuple):
-    """Starts [s] and speeds [m/s] of segments with their standard errors, and notes."""
+    """Starts and speeds of n segments with their standard errors, and notes."""
 
-    t: np.ndarray
-    V: np.ndarray
-    t_error: np.ndarray
-    V_error: np.ndarray
-    notes: list[str]
+    t: np.ndarray  # (n,) [s]; the first is that of the record
+    V: np.ndarray  # (n,) [m/s]; exactly 0 in a hold, never negative
+    t_error: np.ndarray  # (n,) [s]; 0 of the first
+    V_error: np.ndarray  # (n,) [m/s]; 0 of a hold
+    notes: list[str]  # from a velocity none
 
     def history(self, t, displacement=None):
-        """Steps and holds, such as "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)"."""
+        """Steps and holds, such as "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)".
+
+        t, displacement : (m,) of the record; without the latter none is mentioned
+        """
         if self.V.size == 1:
             V = self.V[0]
             return f"no step: {'a hold' if V == 0.0 else f'steady at {_speed(V)}'} throughout"
@@ -88,7 +91,7 @@ def find_segments(t, delta_lp):
 
 
 def segments_from_displacement(t, x):
-    """`find_segments` with errors and notes: `Segments`."""
+    """`Segments` of a displacement: `find_segments` with errors and notes; it raises the same."""
     t, x = _checked(t, x, "delta_lp")
     runs, notes = find_runs(t, x)
     for run in runs:
@@ -113,7 +116,10 @@ def segments_from_displacement(t, x):
 
 
 def segments_from_velocity(t, V):
-    """`Segments` from recorded speeds [m/s]; steps lie midway between two rows."""
+    """`Segments` from recorded speeds [m/s]; steps lie midway between two rows.
+
+    ParameterError as of `find_segments`, and for a mean speed below 0.
+    """
     t, V = _checked(t, V, "V_load")
     rows = RowSums(t, V, degree=0)
 

@@ -15,7 +15,7 @@ CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
 def checked_units(units):
-    """Units given by the caller, or ParameterError."""
+    """symbol -> unit (not read yet) as given, {} for None; ParameterError for anything else."""
     units = {} if units is None else units
     sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
     if not sound or not units.keys() <= LIKE.keys():
@@ -24,7 +24,10 @@ def checked_units(units):
 
 
 def unit_of(column, symbol, units):
-    """The unit of a column: the one given, else the one beside it in the file."""
+    """The unit of a column as `to_si` reads it: that in `units`, else that beside it in the file.
+
+    Friction without any has "1".  ParameterError: there is none, or it is no unit of the symbol.
+    """
     unit = plain(units.get(symbol, column.unit))
     if not unit and symbol == "friction" and symbol not in units:
         return "1"
@@ -44,7 +47,7 @@ def unit_of(column, symbol, units):
 
 
 def in_si(symbol, values, unit):
-    """Values of a column in SI; NaN stays NaN."""
+    """(n,) values of a column in SI, of any sign; NaN where they are not finite."""
     import xarray
 
     good = np.isfinite(values)
@@ -56,7 +59,7 @@ def in_si(symbol, values, unit):
 
 
 def check_numbers(table, symbol, column, rows=slice(None)):
-    """Refuse a column without any number in these rows."""
+    """ParameterError for a column without any finite number in these rows, all by default."""
     numbers = column.values[rows]
     if np.isfinite(numbers).any():
         return
@@ -68,7 +71,13 @@ def check_numbers(table, symbol, column, rows=slice(None)):
 
 
 def check_sizes(symbol, values, column, unit):
-    """Refuse a column that is dead, or of a size that nobody can have measured."""
+    """ParameterError for a column that is constant, or of a size that nobody can have measured.
+
+    sigma and V_load may be constant.
+
+    values : (n,), n > 0, in SI and finite
+    column, unit : for the message
+    """
     names = {"title": quoted(column.title), "symbol": symbol, "unit": unit}
     # sigma may be constant, and V_load in a record without a step
     if symbol not in ("sigma", "V_load") and not np.ptp(values) > 0.0:

@@ -43,12 +43,12 @@ class RowSums:
         self.noise = self._noise(longest)
 
     def set_candidates(self, at):
-        """Let these rows be the candidates."""
+        """Let these rows (indices, increasing, first and last included) be the candidates."""
         self.at, self.sums = at, self.all[:, at]
         self.best_cut = functools.cache(self._best_cut)  # called repeatedly
 
     def misfit(self, i, j):
-        """Sum of squares about the best line (or level) for rows ``at[i]`` to ``at[j]``."""
+        """Sum of squares about the best line (or level), of rows ``at[i]`` up to ``at[j]``."""
         n, u, uu, y, uy, yy = (column[j] - column[i] for column in self.sums)
         n = np.maximum(n, 1.0)
         spread, along = uu - u * u / n, uy - u * y / n
@@ -90,11 +90,11 @@ class RowSums:
 
 
 def cut(rows):
-    """Cut a record into runs; the candidates where they begin and end, first and last included.
+    """Cut a record into runs: list of the indices in ``rows.at`` where they begin and end.
 
     Each run is cut where that gains most, as long as the gain is significant; then cuts are moved
     between their neighbours until none gains, and those that gain nothing any more are undone.
-    More than `MOST` are refused: a history without constant speeds would make as many.
+    ParameterError for more than `MOST`: a history without constant speeds would make as many.
     """
     least = SIGNIFICANT * rows.noise
     cuts, open_ = [0, rows.at.size - 1], [(0, rows.at.size - 1)]
@@ -154,7 +154,7 @@ def _improved(rows, cuts, near=None):
 
 
 def drop_weak_cuts(rows, cuts, sizes, least):
-    """Rows at the ends of runs, once the cuts of a size below the least are gone.
+    """Rows (list) at the ends of runs, once the cuts of a size below the least are gone.
 
     sizes : function of such rows, the size of the change at each but the first and last
     """

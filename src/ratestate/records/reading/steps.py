@@ -28,7 +28,12 @@ SHORT, SUCCESS = 16, 5.0
 
 
 def find_runs(t, x):
-    """Runs of the load point from break to break, and notes on them."""
+    """`Run`s (list) of the load point from break to break, and notes on them (list of str).
+
+    t, x : (n,) [s], increasing, and [m]; not checked here
+
+    ParameterError where there are no constant speeds.  V < 0 is not refused here.
+    """
     noise, runs = _steps_and_jumps(RowSums(t, x), t, x)
     scatter, steps = _scatter_of(runs)
     # steps in quick succession may be taken for a load point that wanders

@@ -15,7 +15,11 @@ UNPACKED = 1100
 
 
 def read_hdf5(path):
-    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it."""
+    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it.
+
+    ParameterError if there are none, or more bytes than a file of its size can hold; h5py's OSError
+    if it is no HDF5.
+    """
     import h5py
 
     columns: list[Column] = []
@@ -44,7 +48,10 @@ def read_hdf5(path):
 
 
 def read_mat(path):
-    """The `Table` of all columns of numbers in a MAT file, those in structs among them."""
+    """The `Table` of all columns of numbers in a MAT file, those in structs among them.
+
+    ParameterError if there are none; SciPy's own errors for a file that it cannot read.
+    """
     from scipy.io import loadmat
 
     return _table(path, list(_in_struct("", loadmat(path, simplify_cells=True))))

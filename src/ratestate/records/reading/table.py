@@ -28,10 +28,11 @@ class Table(NamedTuple):
 
     @property
     def titles(self):
+        """list of the columns' titles, which may repeat."""
         return [column.title for column in self.columns]
 
     def unread_text(self):
-        """The end of a sentence on what the file has beside columns of numbers."""
+        """The end of a sentence on what the file has beside columns of numbers; "" for nothing."""
         return f" (no real numbers, so not read: {name_list(self.unread)})" if self.unread else ""
 
     def row_label(self, row):
@@ -39,17 +40,17 @@ class Table(NamedTuple):
         return f"{self.row_name} {row + 1 if self.numbers is None else int(self.numbers[row])}"
 
     def cell(self, row, column):
-        """What stands in a cell that is no number, as a message shows it."""
+        """What stands in a cell that is no number, in quotes, and short; "nothing" if empty."""
         text = self.odd.get((row, column.title), str(column.values[row]))
         return quoted(text) if text else "nothing"
 
 
 def quoted(text):
-    """A text out of a file, as a message shows it: on one line, and short."""
+    """A text out of a file, as a message shows it: in quotes, on one line, `LONGEST` at most."""
     return repr(text if len(text) <= LONGEST else text[: LONGEST - 3] + "...")
 
 
 def name_list(names):
-    """Names in a row, as a message lists them."""
+    """Names, quoted, as a message lists them: the first `MOST`, and how many more there are."""
     more = [f"{len(names) - MOST} more"] if len(names) > MOST else []
     return ", ".join([*map(quoted, names[:MOST]), *more])

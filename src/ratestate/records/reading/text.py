@@ -24,7 +24,11 @@ _DECIMAL = re.compile(r"(?<=\d),(?=\d)")
 
 
 def read_text(path):
-    """The `Table` in a text file."""
+    """The `Table` in a text file.
+
+    ParameterError: too large, binary, a line too long, no rows of numbers, or above them a header
+    of another number of names.
+    """
     lines = _text(path).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     number, longest = max(enumerate(map(len, lines), 1), key=lambda one: one[1])
     if longest > LONGEST:  # would take for ever

@@ -32,7 +32,7 @@ PATTERNS = {s: [*map(_pattern, of["names"])] for s, of in _TABLE["quantities"].i
 
 
 def split(title):
-    """Name and unit of a title such as "time [s]", "Stress, MPa" or "disp_um"; "" for no unit."""
+    """(name, unit) of a title such as "time [s]", "Stress, MPa" or "disp_um"; "" for no unit."""
     title = " ".join(title.split()).strip("'\"")
     if match := _BRACKETS.fullmatch(title):
         name, unit, rest = match.groups()
@@ -50,7 +50,7 @@ def is_unit(text):
 
 
 def plain(unit):
-    """A unit as `ratestate.model.units` reads it, out of the ways in which files write it."""
+    """A unit as files write it, as `ratestate.model.units` may read it; "1" where it says none."""
     unit = unit.strip().strip("[](){}<>").strip().replace("\u03bc", "u").replace("\u00b5", "u")
     if unit.lower() in (".", "-", "--", "none", "unitless", "dimensionless"):
         return "1"

@@ -30,7 +30,10 @@ def drop_codes(rows):
 
 
 def drop_impossible(rows):
-    """Leave out rows whose values cannot be; friction out of the stresses if need be."""
+    """Leave out rows whose values cannot be; friction out of the stresses if need be.
+
+    ParameterError where hardly any row is left.
+    """
     record = rows.record
     if "sigma" in record:
         low, high = USUAL["sigma"]
@@ -76,7 +79,7 @@ def spikes(values, least=0.0):
 
 
 def flip_signs(record):
-    """Turn what is negative throughout, and a load point that moves down; notes on them."""
+    """Turn in place what is negative throughout, and a load point that moves down; notes (list)."""
     notes = {}
     for symbol in ("friction", "tau", "sigma"):
         if symbol in record and np.quantile(record[symbol], 0.9) < 0.0:

@@ -36,7 +36,7 @@ class FitRequest(NamedTuple):
 def markdown(
     request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
 ) -> str:
-    """The whole report."""
+    """The whole report; `record` and `result` must have the attributes of `read_lab` and `fit`."""
     laws, time = results_by_law(result), record["time"].values
     warnings = [f"> - {text}" for text in labelled_warnings(laws)]
     determined = [f"**{law} law.** {text}" for law, text in identifiability_by_law(laws).items()]

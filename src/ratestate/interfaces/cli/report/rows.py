@@ -27,7 +27,10 @@ class Row(NamedTuple):
 
 
 def row(symbol: str, value: Any, remark: str = "", error: float | None = None) -> Row:
-    """The row of a quantity in SI, with its long name and a remark."""
+    """The row of a quantity in SI, with its long name and a remark.
+
+    NaN reads "-"; inf, if it is no value of the quantity but says that a limit is absent, "none".
+    """
     x, quantity = float(value), QUANTITIES[symbol]
     text = readable_time(x, DIGITS) if quantity.unit == "s" else readable(symbol, x, DIGITS)
     if math.isnan(x):
@@ -39,7 +42,7 @@ def row(symbol: str, value: Any, remark: str = "", error: float | None = None) -
 
 
 def table(title: str, rows: list[Row]) -> list[Any]:
-    """The rows as a table under a title; a column of errors only if a row has one."""
+    """[title, table of the rows]; with a column of errors only if a row has one."""
     errors = any(one.error is not None for one in rows)
     head = [Column("relative error", justify="right")] if errors else []
     made = plain_table("", Column("value", justify="right", no_wrap=True), *head, "")

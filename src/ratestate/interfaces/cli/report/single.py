@@ -71,7 +71,7 @@ def stability(result: xarray.Dataset) -> list[Any]:
 
 
 def cycle(result: xarray.Dataset) -> list[Any]:
-    """The numbers of a limit cycle, with their error."""
+    """The numbers of a limit cycle, with their error; of steady sliding, that there is none."""
     V = float(result.V_lp)
     at = f"at V_lp = {readable('V_lp', V)}, {parameter(result, 'law')} law"
     if int(result.status) == STEADY_SLIDING:

@@ -21,7 +21,7 @@ RANGES = {
 
 
 def cases(result: xarray.Dataset, verb: str) -> list[Any]:
-    """All about a sweep."""
+    """All about a sweep: its axes, how cases ended, ranges of finite values, failed cases."""
     status = result["status"]
     axes = ", ".join(_axis(result, str(dim)) for dim in status.dims)
     title = f"{status.size:,} cases of {verb} over {axes}"
@@ -68,7 +68,7 @@ def _ranges(result: xarray.Dataset, verb: str) -> Table:
 
 
 def failed_lines(result: xarray.Dataset) -> list[str]:
-    """The first failed cases, a line each, and how many more there are."""
+    """The first `LISTED` failed cases, a line each, and how many more there are; may be empty."""
     from ....sweeps.status import failures
 
     first, number = failures(result, most=LISTED)

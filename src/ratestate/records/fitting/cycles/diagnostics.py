@@ -18,7 +18,10 @@ EQUAL = 4.0
 
 
 def diagnose(fit):
-    """A note on the combinations of parameters that are determined (str), and warnings (list)."""
+    """A note on the combinations of parameters that are determined (str), and warnings (list).
+
+    fit : `CyclesFit`
+    """
     names, free = fit.free, slice(len(fit.free))
     variances, axes = np.linalg.eigh(fit.covariance[free, free])
     products = [product(names, axis) for axis in axes.T]

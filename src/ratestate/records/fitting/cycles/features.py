@@ -31,7 +31,8 @@ def profile_features(profiles, period, extremes=None):
 
     extremes : (n, 2) smallest and largest values, if known more precisely
 
-    A profile begins anywhere, and has one largest and one smallest value.
+    A profile begins anywhere, and has one largest and one smallest value; not checked here.  A part
+    of no length has -inf, or NaN.
     """
     n, m = profiles.shape
     top = np.argmax(profiles, axis=1)

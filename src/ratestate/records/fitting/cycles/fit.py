@@ -46,11 +46,16 @@ class CyclesFit(NamedTuple):
 
     @property
     def chi2(self):
+        """Chi-squared of the features at the best run's end; errors are not enlarged in it."""
         return self.runs[0].chi2
 
 
 def fit_cycles(record, slider, free, law, loading=None):
-    """`CyclesFit` of a record; each segment at one load-point speed that oscillates is fitted."""
+    """`CyclesFit` of a record; each segment at one load-point speed that oscillates is fitted.
+
+    ParameterError as of `segments_of` and `Space`, and: cycles in no segment; not more features
+    than unknowns; no cycle of the model at any start.
+    """
     segments = segments_of(record, slider, loading)
     space = Space(slider, free, min(segment.V_lp for segment in segments))
     measured, left_out = _measured(segments)
@@ -121,7 +126,7 @@ def _waves_and_features(problem, run):
 
 
 def wave_at(wave):
-    """A wave at the phases `GRID` as a function of phase."""
+    """A wave at the phases `GRID` as a function of phase, which may be any number of cycles."""
     return lambda phase: np.interp(phase % 1.0, GRID, wave)
 
 

@@ -32,6 +32,7 @@ class Cycles(NamedTuple):
 
     @property
     def n(self):
+        """Number of cycles."""
         return self.cuts.size - 1
 
     @property
@@ -41,6 +42,7 @@ class Cycles(NamedTuple):
 
     @property
     def middle(self):
+        """Time midway between the first and the last cut [s]."""
         return 0.5 * (self.cuts[0] + self.cuts[-1])
 
     @property
@@ -63,7 +65,10 @@ def periodic(profile, phase):
 
 
 def main_period(t, y):
-    """Period [s] of the strongest oscillation about a record's trend; refuses mere noise."""
+    """Period [s] of the strongest oscillation about a record's trend.
+
+    ParameterError for mere noise, and for too few cycles, or samples in one.
+    """
     grid, even = _even(t, y)
     power = np.abs(np.fft.rfft(even * np.hanning(even.size))[1:-1]) ** 2
     best = int(np.argmax(power))
@@ -80,7 +85,10 @@ def main_period(t, y):
 
 
 def thinned(segment, period):
-    """A segment with neighbouring samples averaged, if it has more than are needed."""
+    """A `Segment` with neighbouring samples averaged, if it has more than are needed.
+
+    ParameterError if it still has more than `MOST`.
+    """
     n = segment.t.size
     dense = period / float(np.median(np.diff(segment.t)))
     every = int(min(n / MANY, dense / PLENTY))
@@ -98,7 +106,7 @@ def cut_cycles(t, y, period):
     """(n + 1,) times [s] at which tau falls through its middle, once in about a period.
 
     The record less its mean over a period, smoothed over a twelfth of one, must pass from well
-    above to well below: noise in between makes no cut.
+    above to well below: noise in between makes no cut.  There may be no cut at all.
     """
     grid, even = _even(t, y)
     step = grid[1] - grid[0]
@@ -117,7 +125,10 @@ def cut_cycles(t, y, period):
 
 
 def fold(t, y, cuts, bins):
-    """`Cycles` of a record with these cuts, the trend from cycle to cycle removed."""
+    """`Cycles` of a record with these cuts, the trend from cycle to cycle removed.
+
+    Of fewer than `FEWEST_CYCLES` none is.  Empty bins are interpolated.
+    """
     n = cuts.size - 1
     phase = np.interp(t, cuts, np.arange(n + 1.0), left=-1.0, right=n + 1.0)
     inside = (phase >= 0.0) & (phase < n)

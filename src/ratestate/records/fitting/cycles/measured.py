@@ -33,8 +33,8 @@ DRIFT = 0.1
 class Noise(NamedTuple):
     """Noise of first-order correlation from sample to sample."""
 
-    sd: float
-    correlation: float
+    sd: float  # of tau/sigma
+    correlation: float  # of neighbouring samples, 0 to 0.99
 
     def draw(self, n, rng):
         """(n,) values."""
@@ -64,11 +64,15 @@ class Measured(NamedTuple):
 
     @property
     def bins(self):
+        """Number of bins of the folded cycle."""
         return self.cycles.profile.size
 
 
 def measure(segment):
-    """`Measured` features of a segment; refuses one whose cycles do not repeat."""
+    """`Measured` features of a segment.
+
+    ParameterError: no oscillation above the noise, too few cycles, or cycles that do not repeat.
+    """
     period = main_period(segment.t, segment.y)
     segment = thinned(segment, period)
     cuts, left_out = regular_cuts(segment, period)
@@ -84,6 +88,8 @@ def corrected(measured, wave, features):
 
     wave : callable, tau/sigma at phases in cycles, falling through its middle at 0
     features : (6,) of that cycle, without noise
+
+    ParameterError where noise hides the cycles in half of the copies.
     """
     segment, cycles = measured.segment, measured.cycles
     rng = np.random.default_rng(SEED)

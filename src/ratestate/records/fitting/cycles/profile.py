@@ -30,7 +30,7 @@ FAR, NEAR = np.log(1e3), 0.5
 
 
 def profiled_intervals(problem, run, errors, enlarged, better):
-    """name -> (levels, sides) ends in the quantity's own scale, inf where open.
+    """dict name -> (levels, sides) ends as of `Problem.value`, -inf or inf where open.
 
     A parameter needs a profile where its error is `SMALL` or more; mu0 and a - b where that of any
     parameter is.  Raises `BetterPoint` where a point of a profile fits better than the run.

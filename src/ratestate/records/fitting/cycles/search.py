@@ -93,7 +93,10 @@ class Problem:
         return np.concatenate(parts, axis=1)
 
     def linearized(self, q):
-        """Residuals (features,) with mu0 = 0, and their derivatives (features, k), at q (k,)."""
+        """Residuals (features,) with mu0 = 0, and their derivatives (features, k), at q (k,).
+
+        NaN without a cycle; a derivative is one-sided where cycles end.
+        """
         if not np.array_equal(self._last[0], q):
             k = q.size
             steps = STEP * np.concatenate([np.zeros((1, k)), np.eye(k), -np.eye(k)])
@@ -107,7 +110,7 @@ class Problem:
         return self._last[1]
 
     def has_cycle(self, q):
-        """Whether there are cycles at coordinates q (k,)."""
+        """Whether there are cycles, at all speeds, at coordinates q (k,)."""
         return np.isfinite(self.linearized(q)[0]).all()
 
     def best_mu0(self, q, penalty=NO_PENALTY):
@@ -154,7 +157,7 @@ class Problem:
         return np.vstack([self._without_level(columns, penalty), np.zeros(q.size)])
 
     def search(self, start):
-        """`Run` of least squares from coordinates start (k,)."""
+        """`Run` of least squares from coordinates start (k,); ends there if there is no cycle."""
         self.begin_at(None)
         if not self.has_cycle(start):
             return self.run(start, start, "no cycle")
@@ -174,7 +177,7 @@ class Problem:
         return self.run(start, result.x, status)
 
     def run(self, start, end, status):
-        """`Run` that ended at coordinates end (k,)."""
+        """`Run` that ended at coordinates end (k,); its chi2 is inf if there is no cycle."""
         residual, jacobian = self.linearized(end)
         chi2 = np.inf
         if np.isfinite(residual).all():
@@ -184,7 +187,7 @@ class Problem:
 
 
 def starts(space, model, measured):
-    """(m, k) coordinates to search from: the best of a cloud, all distinct."""
+    """(m, k) coordinates to search from, the best of a cloud, all distinct; m <= `STARTS`, or 0."""
     first = measured[0]
     amplitude, period = np.exp(first.values[:2])
     q = space.cloud(CLOUD, amplitude, period, first.segment.V_lp, SEED)

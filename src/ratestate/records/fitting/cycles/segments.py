@@ -28,7 +28,11 @@ class Segment(NamedTuple):
 
 
 def segments_of(record, slider, loading):
-    """`Segment`s of a record, in each of which the load point moves at one speed."""
+    """list of `Segment`s of a record, in each of which the load point moves at one speed.
+
+    ParameterError as of `raw_record` and `loading_of`, for a record of mu, and if no segment has
+    `FEWEST` samples.
+    """
     raw = raw_record(record, slider)
     if raw.kind != "tau":
         raise refusal("cycles.of_mu")
@@ -44,7 +48,10 @@ def segments_of(record, slider, loading):
 
 
 def regular_cuts(segment, period):
-    """Times to cut a segment into cycles that repeat, and notes (tuple) on cycles left out."""
+    """(n + 1,) times [s] to cut a segment into n cycles, and notes (tuple) on cycles left out.
+
+    ParameterError if there are too few, or their periods scatter by more than `IRREGULAR`.
+    """
     t, y, V_lp = segment
     cuts = cut_cycles(t, y, period)
     if cuts.size <= FEWEST_CYCLES:

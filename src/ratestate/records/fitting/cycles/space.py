@@ -31,7 +31,11 @@ NEAR = 1.1  # half width of the range about the slider's own values, as a logari
 
 
 class Space:
-    """The free parameters of a slider as coordinates (n, k), and back; V_lp is the lowest speed."""
+    """The free parameters of a slider as coordinates (n, k), and back; V_lp is the lowest speed.
+
+    ParameterError for what cannot be free or has no part in cycles, and for a slider without
+    cycles: M = 0, K = inf, or b <= a where both are given.
+    """
 
     def __init__(self, slider, free, V_lp):
         self.names = checked_free(free, slider)
@@ -50,7 +54,7 @@ class Space:
         self.replaced = "b" if "b" in self.names else "a" if "a" in self.names else None
 
     def values(self, q):
-        """Symbol -> (n,) of all of `OF_SLIDER` at coordinates q (n, k)."""
+        """Symbol -> (n,) of all of `OF_SLIDER` [SI] at coordinates q (n, k)."""
         n = len(q)
         values = {symbol: np.full(n, value) for symbol, value in self.fixed.items()}
         values |= zip(self.names, np.exp(np.clip(q.T, -700.0, 700.0)), strict=True)

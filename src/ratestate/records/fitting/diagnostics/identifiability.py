@@ -74,7 +74,7 @@ def _tradeoffs(estimates):
 
 
 def bounds_of(inference, quantity):
-    """Ends [SI] of the 95 % interval by the profile of a coordinate; None where it is open."""
+    """(low, high) [SI] of the 95 % interval by a profile, None for an open end; () without one."""
     if quantity.name not in inference.profiles:
         return ()
     ends = inference.profiles[quantity.name].interval()[-1]

@@ -15,7 +15,10 @@ SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def compare_laws(results, aic, colored):
-    """Dataset of differences along ``law``, and a text on them; see `result.add_comparison`."""
+    """Dataset of differences along ``law``, and a text on them; see `result.add_comparison`.
+
+    ``bic_difference`` and ``log_bayes_factor`` are absent unless all laws have what they are of.
+    """
     laws = list(results)
 
     def column(name):

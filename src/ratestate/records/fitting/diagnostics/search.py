@@ -15,7 +15,7 @@ SIDES = {-1: "lower", 1: "upper"}
 
 
 def search_warnings(inference):
-    """Warnings on a search that has not converged, or has better fits; on the posterior."""
+    """Warnings (str, one by one) on the search, on the posterior, and on estimates at a bound."""
     solution = inference.solution
     if not solution.converged:
         yield SENTENCES("search.not_converged", evaluations=solution.evaluations)

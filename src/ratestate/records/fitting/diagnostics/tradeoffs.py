@@ -12,7 +12,7 @@ SMALL = 0.1
 
 
 def correlated_groups(estimates, names):
-    """Groups (tuples) of these parameters of `Estimates`, linked by strong correlations."""
+    """Groups (list of tuples) of these parameters, linked by strong correlations; none alone."""
     linked = np.abs(estimates.correlation_of(names)) > CORRELATED
     reach = np.linalg.matrix_power(linked.astype(int), max(len(names), 1)) > 0
     groups = {tuple(n for n, on in zip(names, row, strict=True) if on) for row in reach}
@@ -20,7 +20,7 @@ def correlated_groups(estimates, names):
 
 
 def tradeoff_text(estimates, which):
-    """A text on the best-constrained combination of a group, and whether another is loose.
+    """A text on the best-constrained combination of a group, and whether another is loose (bool).
 
     Combinations are the axes of the covariance of the logarithms.
     """

@@ -17,14 +17,16 @@ class ConstrainedProblem:
         self.unknowns = Unknowns(tuple(names[i] for i in rest), low[rest], high[rest])
 
     def point(self, rest):
-        """The point (k,) with these values (k - 1,) of the other coordinates."""
+        """The point (k,) with these values (k - 1,) of the others; NaN if only a < 0 would do."""
         point = np.insert(rest, self.quantity.eliminated, 0.0)
         return self.quantity.constrained(point, self.value)
 
     def residual(self, rest, noise):
+        """(m,) whitened, as `Problem.residual`, at the other coordinates (k - 1,)."""
         return self.problem.residual(self.point(rest), noise)
 
     def jacobian(self, rest, noise):
+        """(m, k - 1) derivative of `residual` by the other coordinates."""
         point, eliminated = self.point(rest), self.quantity.eliminated
         columns, gradient = self.problem.jacobian(point, noise), self.quantity.gradient(point)
         by_rest = -gradient[self.rest] / gradient[eliminated]
@@ -32,7 +34,7 @@ class ConstrainedProblem:
 
 
 def constrained_fit(solution, quantity, value, starts):
-    """Point, and deviance from the solution, of the best fit in which a quantity has this value.
+    """Point (k,), and deviance (< 0: better), of the best fit in which a quantity has this value.
 
     None where no start moves through the whole record.
     """

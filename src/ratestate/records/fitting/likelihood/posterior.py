@@ -43,23 +43,25 @@ class Posterior(NamedTuple):
 
     @property
     def complete(self):
+        """Whether sampling ended by itself, and not at `MOST` evaluations."""
         return self.evaluations < MOST
 
     @property
     def reliable(self):
+        """Whether the samples are worth `FEWEST` independent ones or more."""
         return self.effective >= FEWEST
 
     def samples_of(self, quantity):
-        """(KEPT,) samples of a `ReportedQuantity`."""
+        """(KEPT,) samples of a `ReportedQuantity`, as its `value`."""
         return np.array([quantity.value(point) for point in self.points])
 
     def interval(self, quantity):
-        """(levels, sides) quantiles."""
+        """(levels, sides) quantiles of `samples_of`."""
         tails = 0.5 - 0.5 * np.array(LEVELS)
         return np.quantile(self.samples_of(quantity), np.stack([tails, 1.0 - tails], axis=1))
 
     def truncated_side(self, quantity):
-        """-1 or 1 if samples gather at the lower or upper end of the prior, else 0."""
+        """-1 or 1 if samples gather at the lower or upper end of the prior, else 0; 0 of a sum."""
         if not quantity.is_coordinate:
             return 0
         low, high = self.prior[quantity.name]
@@ -115,7 +117,11 @@ def prior_text(prior):
 
 
 def sample_posterior(solution, prior, label):
-    """The `Posterior` of a solution, by nested sampling."""
+    """The `Posterior` of a solution, by nested sampling; ParameterError without dynesty.
+
+    prior : name -> (low, high) of coordinates, as of `common_prior`; others are ignored
+    label : of the progress bar
+    """
     try:
         import dynesty
     except ImportError:
@@ -172,7 +178,10 @@ class Marginal:
         self.evaluations = 0
 
     def __call__(self, coordinates):
-        """ln(likelihood), and means and root of the covariance of level, trend."""
+        """ln(likelihood), and means and root of the covariance of level, trend, as one array.
+
+        `NONE` and zeros without a motion.
+        """
         self.evaluations += 1
         record, count = self.problem.record, len(self.linear)
         point = np.zeros((1, len(self.problem.unknowns.names)))

@@ -15,7 +15,8 @@ def are_gaussian(solution, quantities):
 
     Two standard errors to both sides, along the direction in which the other coordinates follow
     the quantity, the deviance is compared with 4.  The fall that moving the others could still
-    achieve is subtracted to second order.  All points are one batch of lanes.
+    achieve is subtracted to second order.  All points are one batch of lanes.  False where one is
+    out of bounds, or has no motion.
     """
     point, spread, problem = solution.point, solution.covariance, solution.problem
     along = [spread @ quantity.gradient(point) for quantity in quantities]
@@ -48,7 +49,8 @@ def compute_profiles(solution, quantities, everything):
     """name -> `Profile` of the quantities whose likelihood is not Gaussian, or of all.
 
     Where one quantity goes far, the others follow it: so each profile also starts from the fits
-    of the others, and is computed again where those fit better than its own.
+    of the others, and is computed again where those fit better than its own.  `BetterPoint` is
+    raised where one fits better than the solution.
     """
     left_out = [False] * len(quantities) if everything else are_gaussian(solution, quantities)
     todo = [q for q, is_left_out in zip(quantities, left_out, strict=True) if not is_left_out]

@@ -22,6 +22,7 @@ class ReportedQuantity(NamedTuple):
 
     @property
     def is_coordinate(self):
+        """Whether it is one of the coordinates, and no sum."""
         return not self.weights
 
     @property
@@ -30,7 +31,7 @@ class ReportedQuantity(NamedTuple):
         return self.is_coordinate and PARAMETERS[self.name].is_log
 
     def value(self, point):
-        """The quantity at a point (k,): a coordinate, or SI."""
+        """The quantity at a point (k,): a coordinate (a logarithm if `is_log`), else in SI."""
         if self.is_coordinate:
             return float(point[self.eliminated])
         named = zip(self.names, point, strict=True)
@@ -46,7 +47,10 @@ class ReportedQuantity(NamedTuple):
         return gradient
 
     def constrained(self, point, value):
-        """A copy of the point (k,), its eliminated coordinate set so that this is the value."""
+        """A copy of the point (k,), its eliminated coordinate set so that this is the value.
+
+        NaN where only a negative a would do.
+        """
         point, i = point.copy(), self.eliminated
         lacking = value - self.value(point)
         if self.is_coordinate or not PARAMETERS[self.names[i]].is_log:

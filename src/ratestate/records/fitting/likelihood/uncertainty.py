@@ -35,7 +35,8 @@ class Inference(NamedTuple):
 def infer(solution, noise, errors):
     """The `Inference` of a solution, without a posterior; `errors` is one of `ERRORS`.
 
-    A point of a profile that fits better than the solution becomes the solution.
+    A point of a profile that fits better than the solution becomes the solution: `REFITS` times at
+    most, after which there are no profiles.
     """
     profiles, still_improving = {}, False
     quantities = reported_quantities(solution.problem)
@@ -63,7 +64,10 @@ def infer(solution, noise, errors):
 
 
 def with_posteriors(inferences, laws):
-    """Each `Inference` with its posterior, all under one prior."""
+    """Each `Inference` with its posterior (list), under one prior; ParameterError without dynesty.
+
+    Its intervals are those of the posterior only if that is reliable.
+    """
     prior = common_prior(inferences)
     completed = []
     for inference, law in zip(inferences, laws, strict=True):
