@@ -55,7 +55,8 @@ def atlas(b_over_a=2.0, law="slip", *, n=200, rtol=1e-6):
     Raises
     ------
     ParameterError
-        Unknown law; b_over_a that is no number > 1; n that is no integer >= 2.
+        Unknown law; b_over_a that is no number > 1; n that is no integer >= 2; rtol out of the
+        range of `limit_cycle`.
 
     Examples
     --------

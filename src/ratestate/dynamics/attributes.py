@@ -18,7 +18,7 @@ LONGEST = 60  # characters of a value in a message
 
 
 def attribute(result, name):
-    """An attribute of a result, of any type."""
+    """An attribute of a result, of any type; ParameterError where it is missing."""
     if name not in result.attrs:
         raise ParameterError(
             f"the Dataset has lost its attribute {name!r} (arithmetic drops attributes; copy "
@@ -28,7 +28,10 @@ def attribute(result, name):
 
 
 def text(result, name, default=None):
-    """An attribute that is a string; the default, if any, where it is missing."""
+    """An attribute that is a string; the default where it is missing.
+
+    ParameterError where it is missing and there is no default, and where it is no string.
+    """
     if default is not None and name not in result.attrs:
         return default
     value = attribute(result, name)
@@ -38,7 +41,11 @@ def text(result, name, default=None):
 
 
 def number(result, name):
-    """An attribute that is a number; that of a quantity must be in its range."""
+    """An attribute that is a number, as a float, which may be infinite.
+
+    ParameterError where it is missing, no number, or NaN; for a key of `QUANTITIES` also where it
+    is out of the quantity's range.
+    """
     value = attribute(result, name)
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.item()
@@ -46,7 +53,10 @@ def number(result, name):
 
 
 def from_json(result, name, kind=object):
-    """An attribute that is JSON, of a type such as dict or list."""
+    """The value of an attribute that is JSON text.
+
+    ParameterError where it is missing, no JSON, or not of this kind, a type such as dict or list.
+    """
     written = text(result, name)
     try:
         value = json.loads(written)
@@ -58,7 +68,9 @@ def from_json(result, name, kind=object):
 
 
 def parameter_value(name, symbol, value):
-    """The parameter that `results.plain` put into JSON, checked: a float, a DataArray, or the law.
+    """The value that `results.plain` put into JSON: a float or DataArray [SI], or the law's name.
+
+    ParameterError where it is none, or out of the quantity's range.
 
     name, symbol : of the attribute, and of the quantity, or "law"
     """
@@ -73,7 +85,13 @@ def parameter_value(name, symbol, value):
 
 
 def array(name, value):
-    """The DataArray given as ``{"dims": [...], "values": [...]}``."""
+    """The DataArray, of floats, given as a dict ``{"dims": [...], "values": [...]}``.
+
+    ParameterError where these do not fit together, or there is no value; a null becomes NaN.  That
+    `value` is a dict is not checked.
+
+    name : of the attribute, for the message
+    """
     import xarray
 
     dims = value.get("dims")
@@ -87,7 +105,10 @@ def array(name, value):
 
 
 def branch_parameter(result):
-    """The parameter that changes along a branch of cycles."""
+    """Symbol of the parameter that changes along a branch of cycles.
+
+    ParameterError where the attribute is missing, or names nothing that lies along ``point``.
+    """
     symbol = text(result, "parameter")
     if symbol not in QUANTITIES or "point" not in getattr(result.get(symbol), "dims", ()):
         raise _altered("parameter", symbol, "expected the one that lies along the branch")
@@ -98,7 +119,7 @@ def loading_record(result):
     """The dict that `results.record_loading` has stored.
 
     ``t``, ``V`` and ``rate``, where they are there and of a single case, are equally long lists of
-    finite numbers.
+    numbers other than NaN; ParameterError where they are not, or there is no such dict.
     """
     record = from_json(result, "loading", dict)
     columns = [record[name] for name in ("t", "V", "rate") if isinstance(record.get(name), list)]

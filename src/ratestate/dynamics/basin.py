@@ -74,7 +74,8 @@ def escape(slider, V_lp):
     ParameterError
         An input that cannot be used.
     SolverError
-        An orbit could not be followed to its end.
+        An orbit could not be followed to its end; in a sweep only where M = 0 (elsewhere
+        such a case is "unknown").
 
     Examples
     --------

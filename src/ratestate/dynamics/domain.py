@@ -16,6 +16,9 @@ def domain_variables(batch, mu_min, reversal_margin):
     slider back harder than friction can hold, tau < -sigma mu.  The computed motion goes on, but no
     real slider moves like that.
 
+    Under ``mu_min``, ``reversal_margin`` and ``outside_domain``, an int8 of `OUTSIDE_DOMAIN`: -1
+    where mu_min is NaN.
+
     mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN where there is no motion
     """
     outside = (mu_min < 0.0) + 2 * (reversal_margin < 0.0)

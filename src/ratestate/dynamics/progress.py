@@ -9,7 +9,7 @@ PATIENCE = 1.0  # s
 
 
 def on_terminal():
-    """Whether stderr is a terminal."""
+    """Whether stderr is a terminal; False without stderr."""
     return sys.stderr is not None and sys.stderr.isatty()
 
 
@@ -41,7 +41,7 @@ class Bar:
         return time.monotonic() - self.begin >= PATIENCE
 
     def show(self, done, description):
-        """Draw how much is done, followed by a description."""
+        """Draw, at once, how much of the total is done, followed by a description."""
         if self.drawn is None:
             from rich.console import Console
             from rich.progress import BarColumn, Progress, TextColumn
@@ -60,7 +60,7 @@ class Bar:
 
 @contextlib.contextmanager
 def bar(label):
-    """A function of the fraction done, which draws a `Bar`; None without a terminal."""
+    """Context manager: a function of the fraction done, drawn as `Bar`; None without a terminal."""
     if not on_terminal():
         yield None
         return
@@ -78,7 +78,7 @@ def bar(label):
 
 
 def duration(seconds):
-    """A duration as text: 40 s, 3 min 20 s, 5 h 10 min, 2 d 3 h."""
+    """A finite duration [s], >= 0, as text: 40 s, 3 min 20 s, 5 h 10 min, 2 d 3 h."""
     parts = []
     for size, unit in ((86400, "d"), (3600, "h"), (60, "min"), (1, "s")):
         count, seconds = divmod(seconds, size)

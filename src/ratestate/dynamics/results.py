@@ -20,13 +20,13 @@ def columns(batch):
 
 
 def flags(meanings):
-    """CF attributes of a variable of flags, from their meanings by number."""
+    """CF attributes ``flag_values`` (int8) and ``flag_meanings``, from {number: meaning}."""
     words = (meaning.replace(" ", "_") for meaning in meanings.values())
     return {"flag_values": np.array(list(meanings), np.int8), "flag_meanings": " ".join(words)}
 
 
 def status_variable(batch, status):
-    """The status of each case, int8 with CF flags."""
+    """The status (n,) of the cases, as a Variable in the sweep's dimensions: int8 with CF flags."""
     variable = batch.variable(np.asarray(status, np.int8), "status")
     variable.attrs |= flags({code: name for code, (name, _) in STATUSES.items()})
     return variable
@@ -37,7 +37,11 @@ AS_JSON = ("V_lp", "V_start", "t_end", "initial")
 
 
 def provenance(function, slider, **settings):
-    """Attributes from which a result can be reproduced: the call, its values, the versions."""
+    """Attributes, as a dict, from which a result can be reproduced.
+
+    The function's name, the slider, the versions of programs, and the settings that are not None;
+    slider, versions and settings in `AS_JSON` are JSON, all others stay as they are.
+    """
     given = {name: value for name, value in settings.items() if value is not None}
     return {
         "title": f"ratestate {function}",
@@ -59,7 +63,10 @@ MANY = 1000
 
 
 def plain(value):
-    """A value for JSON; a DataArray as its dimensions and values (or the coordinate's name)."""
+    """A value for JSON: of a DataArray ``{"dims": [...], "values": [...]}``, else the value itself.
+
+    In place of more than `MANY` values stands "coordinate NAME", the DataArray's name.
+    """
     if isinstance(value, dict):
         return {name: plain(x) for name, x in value.items()}
     if not is_array(value):
@@ -87,7 +94,8 @@ def parameter(result, symbol):
     Raises
     ------
     ParameterError
-        The result has lost its attributes, or they are not as they were made.
+        The result has lost its attributes, they are not as they were made, or there is no such
+        parameter.
     """
     if "parameter" in result.attrs and attributes.branch_parameter(result) == symbol:
         return result[symbol]
@@ -113,10 +121,11 @@ def _labels(coordinate, value):
 
 
 def record_loading(result, loading):
-    """Put the loading into a result: segments' starts, speeds and accelerations, and its end.
+    """Put the loading into a result, in place: starts, speeds and accelerations of its segments.
 
-    As JSON in the attribute ``loading``, or, if long, as variables along ``segment``.  Of a
-    periodic loading the numbers that make it are stored instead.
+    Also when it ends, ``t_last`` [s], null if never.  As JSON in the attribute ``loading``, or, if
+    long, as variables along ``segment``.  Of a periodic loading the numbers that make it are stored
+    instead.
     """
     columns = {"t": loading.t, "V": loading.V, "rate": loading.rate}
     record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}

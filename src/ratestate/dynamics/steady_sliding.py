@@ -49,7 +49,10 @@ def stability(slider, V_lp):
 
 
 def stability_call(slider, V_lp):
-    """`StabilityCall` with these arguments of `stability`, checked."""
+    """`StabilityCall` with these arguments of `stability`; ParameterError where one is wrong.
+
+    Whether their dimensions and coordinates fit together shows in its `batch`.
+    """
     return StabilityCall(checked(slider), to_si("V_lp", V_lp))
 
 
@@ -62,15 +65,21 @@ class StabilityCall:
 
     @functools.cached_property
     def batch(self):
-        """All that has a value for each case."""
+        """`Batch` of the slider's parameters and V_lp.
+
+        ParameterError where dimensions or coordinates clash with each other or with the result's.
+        """
         return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=VARIABLES)
 
     def blank(self):
-        """The variables of `run`, which cost nothing."""
+        """The variables of `run` itself, with answers: they cost nothing."""
         return self.run()
 
     def run(self, progress=None):
-        """The result's variables, name -> Variable in those dimensions on which it depends."""
+        """The result's variables, name -> Variable in those dimensions on which it depends.
+
+        progress : not called
+        """
         V, values = self.V_lp, self.batch.values
         a, b, Dc, sigma, K, M = (values[symbol] for symbol in ("a", "b", "Dc", "sigma", "K", "M"))
         modes = eigenvalues(V, a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M)
@@ -97,6 +106,6 @@ class StabilityCall:
         return variables
 
     def dataset(self, variables):
-        """Variables of all cases as the result: with coordinates and provenance."""
+        """These variables of all cases as a Dataset with coordinates and provenance."""
         attributes = provenance("stability", self.slider, V_lp=self.V_lp)
         return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attributes)

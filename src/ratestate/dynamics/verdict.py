@@ -48,17 +48,20 @@ class Verdict:
     growth_rate, omega : float
         Of the least stable disturbance of steady sliding [1/s], [rad/s].
     period, frequency, amplitude, V_max, V_min : float or None
-        Of the limit cycle [s, Hz, 1, m/s, m/s]: None without one, amplitude 0 in steady sliding.
+        Of the limit cycle [s, Hz, 1, m/s, m/s]: None without one, but in steady sliding amplitude
+        is 0 and V_max = V_min = V_lp.
     returns : int or None
-        Stress maxima in a period; None without a cycle.
+        Stress maxima in a period; None without a cycle, in steady sliding too.
     mu_min, reversal_margin : float or None
         Smallest mu and tau/sigma + mu of the motion reached: below 0 it leaves the domain of the
-        friction law (see `ratestate.dynamics.domain.domain_variables`).
+        friction law (see `ratestate.dynamics.domain.domain_variables`).  None where the motion is
+        not known, or runs away.
     multiplier : complex or None
         Largest Floquet multiplier beside 1: the factor by which a disturbance changes in a cycle.
+        None without a cycle.
     K_fold : float or None
-        Stiffness [Pa/m] up to which a limit cycle coexists with stable sliding, where there
-        is a fold.
+        Stiffness [Pa/m] up to which a limit cycle coexists with stable sliding; None where no fold
+        is found, or sought: where sliding is unstable, and at K >= 1.02 K_c.
     sentences : tuple of str
         All this as text, the regime first.
     """
@@ -88,7 +91,10 @@ class Verdict:
 
     @property
     def fade(self):
-        """Cycles in which a small disturbance of the cycle falls to a tenth; None without one."""
+        """Cycles [1] in which a small disturbance of the cycle falls to a tenth.
+
+        None without a cycle, inf where |multiplier| >= 1, 0 where it is 0.
+        """
         if self.multiplier is None:
             return None
         size = abs(self.multiplier)
@@ -98,12 +104,12 @@ class Verdict:
 
     @property
     def on_edge(self):
-        """Whether K = K_c to 8 digits: then ``stable`` is a matter of rounding."""
+        """Whether K = K_c > 0 to 8 digits: the text then calls sliding neither stable nor not."""
         return on_edge(self.slider.K, self.K_c)
 
     @property
     def of_steady_sliding(self):
-        """Sentences on steady sliding alone, which hold for any motion."""
+        """Sentences on steady sliding alone (tuple of str), which hold for any motion."""
         return of_steady_sliding(self)
 
     @property
@@ -151,8 +157,9 @@ def verdict(slider, V_lp):
 
 
 def verdict_of_cycle(slider, V_lp, cycle):
-    """`Verdict` of a slider whose cycle has been searched for already, as of `verdict`.
+    """The `verdict` of a slider whose cycle has been searched for already.
 
+    slider, V_lp : one slider and one speed [m/s], which must be those of the cycle; not checked
     cycle : the result of `limit_cycle`, also one of steady sliding, or the SolverError it raised
     """
     steady = stability(slider, V_lp)

@@ -22,9 +22,9 @@ sentence = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def sentences(v, reason):
-    """The sentences of a `Verdict`, the motion first.
+    """The sentences of a `Verdict`, a tuple of str, the motion first.
 
-    reason : why the search for a cycle failed; empty if it did not, or did not converge
+    reason : why the search for a cycle failed; "" if it did not, or did not converge
     """
     about_motion = _motion(v, reason), _doubling(v), _outside_domain(v)
     texts = *about_motion, *of_steady_sliding(v), _decay(v), _coexistence(v)
@@ -32,12 +32,12 @@ def sentences(v, reason):
 
 
 def of_steady_sliding(v):
-    """The sentences of a `Verdict` on steady sliding alone."""
+    """The sentences of a `Verdict` on steady sliding alone: a tuple of one or two str."""
     return tuple(filter(None, (_stability(v), _inertia(v))))
 
 
 def on_edge(K, K_c):
-    """Whether K = K_c to so many digits that only a nonlinear theory decides."""
+    """Whether K = K_c > 0 to 8 digits (bool): then only a nonlinear theory decides."""
     return bool(K_c > 0.0 and abs(K / K_c - 1.0) < EDGE_WIDTH)
 
 

@@ -5,8 +5,9 @@
 ``calls``, ``chunks``, ``chunk_size``       what can be swept, how it is divided, what a case costs
 ``solve``, ``task``                         all cases of a part; chunks, also on threads
 ``request``                                 what is swept, divided into chunks, for a store or not
-``cluster``, ``cluster_work``               chunks on a cluster, and its tasks under way
-``subprocesses``                            chunks that may kill a worker
+``cluster``, ``cluster_work``               chunks on a cluster, tried again when workers die; its
+                                            tasks under way
+``subprocesses``                            such chunks in a child process
 ``backends``                                who computes: threads, a client's cluster, or jobs
 ``job_cluster``, ``jobs``                   Dask clusters made of jobs, and the jobs
 ``slurm``                                   the batch system of such jobs

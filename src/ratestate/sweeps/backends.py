@@ -27,9 +27,12 @@ EXAMPLE = "for example jobs=10,cores=16,memory=32GB,walltime=02:00:00,queue=shor
 
 @contextlib.contextmanager
 def backend_of(device, client, jobs):
-    """Where a sweep runs: on a client's cluster, in new jobs, or else on threads of this process.
+    """Context manager: a `Cluster` of a client or of new jobs, or else `Threads`, to run a sweep.
 
-    jobs : pairs of a `BatchSystem` and the options of its jobs, or None
+    ParameterError as by `job_cluster`, and on threads if this process has no such device.
+
+    jobs : list of pairs of a `BatchSystem` and the options of its jobs, None for all but one of
+        them; if there are options, the client is not used
     """
     given = [(system, text) for system, text in jobs if text is not None]
     if not given:
@@ -42,7 +45,7 @@ def backend_of(device, client, jobs):
 
 @contextlib.contextmanager
 def job_client(text, system=SLURM):
-    """A client of a new `job_cluster`; both are closed at the end."""
+    """Context manager: a client of a new `job_cluster`; both are closed at the end."""
     distributed = _import_extra("distributed")
     with job_cluster(text, system=system) as cluster, distributed.Client(cluster) as client:
         yield client
@@ -55,7 +58,8 @@ def job_cluster(text, start=True, system=SLURM):
 
     Options that are not given, and whatever else jobs need, are read from dask-jobqueue's own
     configuration.  Without `start` no job is submitted, and ``job_script()`` of the cluster shows
-    what they would run.
+    what they would run.  ParameterError for options that are wrong or missing, where dask-jobqueue
+    is not installed or makes no cluster of them, and where the batch system would refuse the job.
     """
     _import_extra("dask_jobqueue")  # this also loads its configuration
     import dask
@@ -143,7 +147,10 @@ def _refusal(why, system, **values):
 
 
 def client_of(address):
-    """A client of the Dask scheduler at this address, such as "tcp://10.0.0.1:8786"."""
+    """A client of the Dask scheduler at this address, such as "tcp://10.0.0.1:8786".
+
+    ParameterError if it does not answer in 10 s, or distributed is not installed.
+    """
     distributed = _import_extra("distributed")
     try:
         return distributed.Client(address, timeout="10s")

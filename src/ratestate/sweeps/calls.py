@@ -29,7 +29,13 @@ DEVICES = ("cpu", "cuda")
 
 
 def call_of(verb, slider, arguments):
-    """Name of a function that can be swept, given as such or by name, and its checked call."""
+    """Name of a function that can be swept, given as such or by name, and its checked call.
+
+    ParameterError for another function, arguments that it refuses, nothing to sweep over, a sweep
+    of no cases, and names or labels of coordinates that a result or store cannot have.
+
+    arguments : dict, all but the slider
+    """
     name = next(
         (name for name, (function, _) in FUNCTIONS.items() if verb in (name, function)), None
     )
@@ -63,7 +69,10 @@ def _check_names(call):
 
 
 def check_cases(call, chunks):
-    """Raise ParameterError for any case whose arguments contradict each other."""
+    """Raise ParameterError for any case whose initial values contradict each other.
+
+    Only `simulate` has some; other calls pass.
+    """
     if getattr(call, "initial", None):
         for slices in chunks:
             part = cut(call, slices)
@@ -72,7 +81,7 @@ def check_cases(call, chunks):
 
 
 def check_device(name, call, device):
-    """Raise ParameterError unless this device can run the call."""
+    """Raise ParameterError unless this device can run the call; that it is there is not checked."""
     if device not in DEVICES:
         raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
     if device == "cuda" and name == "stability":

@@ -34,6 +34,8 @@ def seconds_per_case(sample, specs):
     """Seconds that a case takes on one core, measured on as much of a sample as `BUDGET` allows.
 
     Up to five times too much where costs differ, since the most costly cases come first.
+
+    sample : call of a part of the sweep; specs : variable -> `VariableSpec`
     """
     stop, begin, done = threading.Event(), time.thread_time(), 1.0
 
@@ -49,7 +51,10 @@ def seconds_per_case(sample, specs):
 
 
 def sample_indices(sizes, most):
-    """Indices of about `most` cases, evenly spread over a sweep: dimension -> list of indices."""
+    """Indices of about `most` cases, evenly spread over a sweep: dimension -> list of indices.
+
+    At least one along each dimension.
+    """
     left, indices = float(most), {}
     for number, dim in enumerate(sorted(sizes, key=sizes.__getitem__)):
         side = max(1, round(left ** (1.0 / (len(sizes) - number))))
@@ -60,7 +65,7 @@ def sample_indices(sizes, most):
 
 
 def cases_per_chunk(request):
-    """How many cases a chunk should have, where `sweep` was not given a number.
+    """How many cases a chunk should have, an int >= 1, where `sweep` was not given a number.
 
     In a long sweep each thread gets several chunks.  Where all can share one, this keeps their
     lanes full in a small sweep.

@@ -18,7 +18,7 @@ class Chunks:
 
     @property
     def counts(self):
-        """Number of chunks along each dimension."""
+        """Number of chunks along each dimension, a tuple."""
         return tuple(-(-n // k) for n, k in zip(self.sizes.values(), self.shape, strict=True))
 
     @property
@@ -27,7 +27,7 @@ class Chunks:
         return math.prod(self.counts)
 
     def index(self, i):
-        """Index of chunk i along each dimension."""
+        """Index of chunk i along each dimension, a tuple; ValueError unless 0 <= i < number."""
         return tuple(map(int, np.unravel_index(i, self.counts)))
 
     def slices(self, i):
@@ -43,7 +43,7 @@ class Chunks:
         """Variable -> path within a store of its file for chunk i, if this chunk writes one.
 
         dims : variable -> its dimensions.  If it lacks some of the sweep's, the first chunk along
-        these writes it.
+        these writes it; if it lacks all, none does.
         """
         index = dict(zip(self.sizes, self.index(i), strict=True))
         paths = {}
@@ -58,7 +58,7 @@ class Chunks:
 
 
 def chunks_of(sizes, most):
-    """`Chunks` of at most `most` cases, contiguous in memory.
+    """`Chunks` of at most `most` cases, contiguous in memory; most and sizes >= 1, not checked.
 
     Trailing dimensions are whole, one is divided into about equal parts, and along leading ones a
     chunk has a single value.
@@ -71,7 +71,10 @@ def chunks_of(sizes, most):
 
 
 def halves(sizes):
-    """The longest dimension of a block, and its two halves: dimension -> slice."""
+    """The longest dimension of a block, and its two halves: a list of {dimension: slice}.
+
+    The first half is empty in a block of one case; not checked.
+    """
     dim = max(sizes, key=sizes.__getitem__)
     middle = sizes[dim] // 2
     return dim, [{dim: slice(0, middle)}, {dim: slice(middle, sizes[dim])}]

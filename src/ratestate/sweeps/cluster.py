@@ -25,12 +25,16 @@ class Cluster:
 
     @property
     def thread_count(self):
-        """Number of threads that the cluster has or, with jobs of a batch system, will have."""
+        """Number of threads that the cluster has or, with jobs, will have; at least 1."""
         jobs = jobs_of(self.client)
         return max(1, jobs.thread_count if jobs else sum(self.client.nthreads().values()))
 
     def run(self, function, *arguments):
-        """Have a worker call a function, with kernels on one thread, and return its result."""
+        """Have a worker call a function, with kernels on one thread, and return its result.
+
+        An error of ratestate's own in the function is raised here.  SolverError for any other,
+        and where the cluster is lost; KilledWorker where the function kills several workers.
+        """
         with working(self.client, self.device) as work:
             work.send(0, function, *arguments)
             while not (ended := work.finished()):
@@ -40,9 +44,10 @@ class Cluster:
     def outcomes(self, tasks, call, numbers, report, processor):
         """Solve the chunks with these numbers; yield each `Outcome` when it is ready.
 
-        All workers must have this kind of processor, if it is not None.  A chunk whose worker died
-        is solved again by `SubprocessTasks`, where it cannot kill the worker; one whose worker
-        ended with its job is simply solved again.
+        All workers must have this kind of processor, if it is not None, else StoreError.  A chunk
+        whose worker died is solved again by `SubprocessTasks`, where it cannot kill the worker; one
+        whose worker ended with its job is simply solved again.  SolverError where workers die with
+        one chunk more than `MOST_DEATHS` times, and where the cluster is lost.
         """
         from distributed import KilledWorker
 

@@ -53,7 +53,10 @@ class Work:
         client.subscribe_topic("all", self._note_death)
 
     def send(self, i, *call):
-        """Have a worker call a function with arguments."""
+        """Have a worker call a function with arguments, as task i; returns at once.
+
+        call : the function, then its arguments
+        """
         task = _CallWhenUnpickled(call_on_worker, (self.expected, self.device, *call))
         future = self.client.submit(pickle.loads, pickle.dumps(task), pure=False)
         # An answer may be lost with its worker, and then takes long to be computed again.  Waiting
@@ -63,7 +66,11 @@ class Work:
         self.under_way[i] = future, asyncio.run_coroutine_threadsafe(fetched, loop)
 
     def finished(self):
-        """[(number, answer)] of the tasks that have ended; waits a little if there are none."""
+        """[(number, answer)] of the tasks that have ended since the last call.
+
+        `result()` of an answer gives what the task returned, or raises.  [] after a wait of `TICK`
+        if there are none.
+        """
         ended = [i for i, (_, answer) in self.under_way.items() if answer.done()]
         if not ended:
             time.sleep(TICK)
@@ -97,7 +104,11 @@ class Work:
         return [(i, ended) for i, ended in answers.items() if ended is not None]
 
     def thread_count(self):
-        """Number of threads of the cluster; a message says if there are none for a while."""
+        """Number of threads of the cluster, as of the last second; 0 without workers.
+
+        A message on stderr says if there are none for a while.  ConnectionError if the scheduler is
+        gone; SolverError if `Jobs` give up.
+        """
         now = time.monotonic()
         if now - self.last_look < LOOK:
             return self.available
@@ -114,7 +125,7 @@ class Work:
         return self.available
 
     def close(self):
-        """Cancel what is under way."""
+        """Cancel what is under way; nothing if the scheduler is gone."""
         if self.client.status == "running":
             self.client.unsubscribe_topic("all")
             self.client.cancel([future for future, _ in self.under_way.values()])
@@ -122,7 +133,7 @@ class Work:
 
 @contextlib.contextmanager
 def working(client, device, processor=None):
-    """A `Work`, closed in the end; the loss of the cluster is a `SolverError`."""
+    """Context manager: a `Work`, closed in the end; the loss of the cluster is a `SolverError`."""
     from distributed import CancelledError
     from distributed.client import ClosedClientError
 

@@ -27,7 +27,10 @@ CODEC = ZstdCodec(level=0, checksum=True)
 
 
 def create(path, request, chunks):
-    """Make a store without results, in a temporary sibling that is renamed when complete."""
+    """Make a store without results, in a temporary sibling that is renamed when complete.
+
+    One that another sweep has made there meanwhile is left; StoreError if none can be made.
+    """
     try:
         with temporary_sibling(path) as temporary:
             make(temporary, request, chunks)
@@ -44,7 +47,10 @@ def create(path, request, chunks):
 
 @contextlib.contextmanager
 def temporary_sibling(path):
-    """A temporary folder beside a path, marked as in use, and removed in the end."""
+    """Context manager: a new folder beside a path (its path), marked as in use, removed in the end.
+
+    OSError if it cannot be made.
+    """
     handle = None
     while handle is None:
         temporary = Path(tempfile.mkdtemp(".partial", f".{path.name}.", path.parent))
@@ -63,7 +69,7 @@ def remove_abandoned(path):
 
 
 def make(folder, request, chunks):
-    """Make a store without results in a folder: all its files except those of chunks."""
+    """Make a store without results in an empty folder: all its files except those of chunks."""
     with zarr_3_warnings_ignored():
         _write_static(folder, request, chunks)
         made_by = origin(request.device)
@@ -129,7 +135,10 @@ def _write_sweep_group(folder, request, chunks, versions):
 
 
 def add_record(sweep_group, name, kind, number):
-    """Add a 1-D array with a file for each value to the group ``sweep``."""
+    """Add a 1-D array with a file for each value to the group ``sweep``, filled with False or "".
+
+    kind : bool or str; number : of values
+    """
     sweep_group.create_array(
         name, shape=(number,), chunks=(1,), dtype=kind, fill_value=kind(), compressors=[CODEC]
     )

@@ -12,7 +12,10 @@ from ..model.units import is_array
 
 
 def inputs_of(name, call):
-    """Arguments of a call of function `name`, as Dataset: other than numbers as attributes."""
+    """Arguments [SI] of a call of function `name`, as Dataset: numbers as variables.
+
+    All else are attributes, and what is None is left out.
+    """
     variables, texts = {}, {"verb": name}
     for name, value in _leaves(call):
         if is_array(value):
@@ -57,7 +60,7 @@ def _leaves(value, name=""):
 
 
 def checksum(inputs):
-    """SHA-256 of all inputs, hexadecimal."""
+    """SHA-256 of all inputs, a Dataset from `inputs_of`; hexadecimal text."""
     digest = hashlib.sha256(json.dumps(inputs.attrs, sort_keys=True).encode())
     for name in sorted(inputs.variables):
         variable = inputs.variables[name]
@@ -67,7 +70,7 @@ def checksum(inputs):
 
 
 def input_differences(stored, requested):
-    """Differences between two sets of inputs, as lines."""
+    """Differences between two Datasets from `inputs_of`, as a list of lines; [] if they agree."""
     lines = []
     for name in sorted({*stored.attrs, *requested.attrs}):
         old, new = stored.attrs.get(name, "not given"), requested.attrs.get(name, "not given")

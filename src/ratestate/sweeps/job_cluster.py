@@ -13,12 +13,12 @@ from .jobs import Jobs
 
 
 class Job(DaskJob):
-    """A job that knows why it was refused; Dask would only log that."""
+    """A job that knows why it was refused ("" if it was not); Dask would only log that."""
 
     refused = ""
 
     async def start(self):
-        """Submit it."""
+        """Submit it; raises nothing if it is refused, which `refused` then says."""
         try:
             await super().start()
         except (RuntimeError, ValueError, OSError) as error:
@@ -41,7 +41,10 @@ class SweepCluster(JobQueueCluster):
 
 
 def sweep_cluster(system, **settings):
-    """A `SweepCluster` of this batch system."""
+    """A `SweepCluster` of this `BatchSystem`, without jobs yet.
+
+    settings : of `SweepCluster`, and those of dask-jobqueue, which raises for wrong ones
+    """
     base = getattr(dask_jobqueue, system.dask_class)
     job = type("Job", (Job, base.job_cls), {})
     return type("SweepCluster", (SweepCluster, base), {"job_cls": job})(system, **settings)

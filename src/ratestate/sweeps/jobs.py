@@ -67,7 +67,12 @@ class Jobs:
         return self.number * self.cluster.new_spec["options"]["cores"]
 
     def has_ended(self, address, died):
-        """Whether the job of a worker that died at this time has ended; None: not yet known."""
+        """Whether the job of a worker that died at this time has ended; None: not yet known.
+
+        False also if the worker's job is not known, or no answer came for a minute.
+
+        address : of the worker; died : by `time.monotonic`
+        """
         job = self.job_of.get(address)
         if job is None or time.monotonic() - died > LONGEST:
             return False
@@ -81,7 +86,7 @@ class Jobs:
     def maintain(self):
         """Replace lost jobs; called every second while there is work.
 
-        SolverError if there is no worker, and none will start.
+        SolverError if no job is left and none will be submitted, or there was no worker for `wait`.
         """
         now = time.monotonic()
         self._note_workers(now)

@@ -17,7 +17,10 @@ DAMAGE = (OSError, KeyError, TypeError, ValueError, RuntimeError)
 
 
 def files(path, chunks, done):
-    """(key, chunk or None) of each file that a store must have; done: chunks without an entry."""
+    """List of (key, chunk) of each file that a store must have; chunk None: made with the store.
+
+    done : numbers of the chunks that are done and have no entry in a manifest
+    """
     nodes, attributes = _nodes(path)
     # (the time of a run is a coordinate, but also a result)
     coordinates = {*chunks.sizes, *attributes["coordinates"].split()} - {"t"}
@@ -39,13 +42,16 @@ def files(path, chunks, done):
 
 
 def array_and_block(key):
-    """Name of the array and indices of the block in a file; ("", None) for a file of metadata."""
+    """Name of the array and indices (tuple) of the block in a file; ("", None) for metadata."""
     match = re.fullmatch(r"(.+)/c((?:/\d+)*)", key)
     return (match[1], tuple(map(int, match[2].split("/")[1:]))) if match else ("", None)
 
 
 def is_whole(path, key):
-    """Whether a file of a store passes the checks that it has."""
+    """Whether a file of a store is there and passes the checks that it has.
+
+    Metadata must be as consolidated at the top; a block must decode, with its codec's checksum.
+    """
     name, block = array_and_block(key)
     try:
         if block is None:

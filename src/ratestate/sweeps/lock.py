@@ -15,9 +15,10 @@ from . import sentence
 
 @contextlib.contextmanager
 def exclusive_lock(path, store):
-    """Lock this file of a store; the system releases the lock when the process ends or is killed.
+    """Context manager: locks the file at `path`; the system unlocks it if the process is killed.
 
-    StoreError if another sweep has it, or the file is missing or may not be written to.
+    StoreError, which names the store, if another sweep has the lock, or the file is missing or may
+    not be written to.
     """
     try:
         handle = os.open(path, os.O_RDWR)
@@ -38,9 +39,9 @@ def exclusive_lock(path, store):
 
 
 def lock_folder(folder):
-    """Mark a folder as in use while this process lives; a handle to close afterwards.
+    """Mark a folder as in use while this process lives; a handle (int) to close afterwards.
 
-    None: another process takes the folder for abandoned and is removing it.
+    None: the folder is not there, or another process takes it for abandoned and is removing it.
     """
     try:
         handle = os.open(folder, os.O_RDONLY)
@@ -60,7 +61,7 @@ def lock_folder(folder):
 
 
 def remove_if_abandoned(folder):
-    """Remove a folder if the process that marked it is gone."""
+    """Remove a folder if the process that marked it is gone; nothing where that fails."""
     with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:

@@ -27,7 +27,7 @@ class File(NamedTuple):
     key: str  # its path within the store
     chunk: int | None = None  # None: made with the store
     digest: str | None = None  # SHA-256; None: not recorded
-    flaw: str = ""  # "missing" or "damaged"
+    flaw: str = ""  # "missing" or "damaged"; "": none, or not checked
 
     def __str__(self):
         variable, block = legacy.array_and_block(self.key)
@@ -37,7 +37,10 @@ class File(NamedTuple):
         return f"variable {variable}, chunk {chunk} ({self.key}) is {self.flaw}"
 
     def checked_against(self, content):
-        """The same with the flaw that it has with this content; None: there is no such file."""
+        """The same with the flaw that it has with this content (bytes; None: no such file).
+
+        Without a digest any content is right.
+        """
         if content is None:
             return self._replace(flaw="missing")
         right = self.digest in (None, sha256(content))
@@ -58,37 +61,48 @@ def sha256(content):
 
 
 def manifest_entry(path, keys, chunk, origin):
-    """The entry for the files with these keys in the store at a path; chunk None: made with it."""
+    """The entry, JSON text, for the files with these keys in the store at a path, which it reads.
+
+    chunk : number, or None for files made with the store; origin : as by `origin.origin`
+    """
     digests = {key: sha256((path / key).read_bytes()) for key in sorted(keys)}
     return json.dumps({"chunk": chunk, "sha256": digests, **origin}, sort_keys=True)
 
 
 def damage_message(path, flaws):
-    """The message about flawed files of a store."""
+    """The message (str) about flawed files of a store, a list of `File`."""
     return sentence("damage.files", path=path, lines=as_lines(flaws))
 
 
 def as_lines(lines, most=20):
-    """Lines to append to a message: the first ones, and the number of the others."""
+    """Text to append to a message: the first of these lines, and how many more; "" for none."""
     more = [f"and {len(lines) - most} more"] if len(lines) > most else []
     return "".join(f"\n  {line}" for line in [*lines[:most], *more])
 
 
 class Checked(LocalStore):
-    """A store that checks each file when zarr reads it; files: key -> `File`."""
+    """A store that checks each whole file when zarr reads it: StoreError if it has a flaw.
+
+    Files that are not among `files`, and parts of files, are read unchecked.
+
+    files : key -> `File`
+    """
 
     def __init__(self, root, *, read_only=True, files=None):
         super().__init__(root, read_only=read_only)
         self.files = files
 
     def with_read_only(self, read_only=False):
+        """The same store, for reading only or not."""
         return type(self)(self.root, read_only=read_only, files=self.files)
 
     async def get(self, key, prototype=None, byte_range=None):
+        """Content of a file, checked unless only a range is read; None if there is none."""
         content = await super().get(key, prototype, byte_range)
         return content if byte_range else self._checked(key, content)
 
     def get_sync(self, key, *, prototype=None, byte_range=None):
+        """As `get`."""
         content = super().get_sync(key, prototype=prototype, byte_range=byte_range)
         return content if byte_range else self._checked(key, content)
 

@@ -14,12 +14,12 @@ from ..dynamics.results import versions
 
 
 def origin(device):
-    """Versions and `processor` with which this process solves chunks."""
+    """{"versions": program -> version, "processor": `processor`} of this process."""
     return {"versions": json.loads(versions()), "processor": processor(device)}
 
 
 def processor(device):
-    """The kind of processor that this process computes on."""
+    """The kind of processor that this process computes on: target, cpu, features, gpu -> str."""
     target, cpu, features = cpu_target.target_context.codegen().magic_tuple()
     used = [name.removeprefix("+") for name in features.split(",") if name.startswith("+")]
     kind = {"target": target, "cpu": cpu, "features": " ".join(used)}
@@ -41,7 +41,7 @@ def processor_name(processor):
 
 
 def origin_differences(old, now):
-    """Differences of two origins that may change last digits, as lines.
+    """Differences of two origins that may change last digits, as a list of lines; [] if none.
 
     Another version of ratestate alone does not count: its kernels have a digest of their own.  Nor
     does an old processor that was not recorded.

@@ -27,11 +27,11 @@ class ProgressReport(Bar):
         self.logged = self.begin
 
     def part(self, i, fraction):
-        """Note which fraction of chunk i is done; called by the threads that solve it."""
+        """Note which fraction (0 to 1) of chunk i is done; called by the threads that solve it."""
         self.fractions[i] = fraction
 
     def finished(self, outcome):
-        """Note that a chunk is done."""
+        """Note that the chunk of an `Outcome` is done."""
         self.fractions.pop(outcome.chunk, None)
         self.done += self.chunks.cases(outcome.chunk)
         self.failed += outcome.failed

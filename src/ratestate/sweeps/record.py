@@ -19,7 +19,8 @@ RECORD = f"{SWEEP_GROUP}/zarr.json"
 class Record:
     """What the store at a path says of itself; each part is read once, when it is first used.
 
-    Damaged metadata of the group, or of its arrays, raise StoreError, or an error of zarr's.
+    Damaged metadata of the group, or of its arrays, raise StoreError, or one of `DAMAGE`, as does a
+    path without a store (see `as_store_error`).
     """
 
     def __init__(self, path):
@@ -34,12 +35,15 @@ class Record:
 
     @functools.cached_property
     def done(self):
-        """Which chunks are done; (chunks,) bool."""
+        """Which chunks are done; (chunks,) bool, False where the flag is damaged."""
         return np.array(self._flags, bool)
 
     @property
     def entries(self):
-        """Entries of the manifest: chunk, or None for what was made with the store -> dict."""
+        """Entries of the manifest: chunk, or None for what was made with the store -> dict.
+
+        Of chunks that are done; those that are missing or damaged are left out.
+        """
         return self._manifest[0]
 
     @functools.cached_property
@@ -65,7 +69,10 @@ class Record:
 
     @functools.cached_property
     def files(self):
-        """Key -> `File`, for all files that the store must have."""
+        """Key -> `File`, for all files that the store must have, not checked.
+
+        But StoreError if the record of the sweep's inputs itself, ``sweep/zarr.json``, has a flaw.
+        """
         files = [
             File(key, i, digest)
             for i, entry in self.entries.items()
@@ -80,13 +87,16 @@ class Record:
 
     @functools.cached_property
     def metadata_flaws(self):
-        """Files of metadata that have a flaw, and without which flags and manifest are lost."""
+        """List of `File`: flawed metadata without which flags and manifest are lost; [] if none."""
         digests = self.attrs.get(RECORDS, {})
         return self._flaws_among([File(key, digest=digest) for key, digest in digests.items()])
 
     @functools.cached_property
     def flaws(self):
-        """All files in which flaws can be seen; reads every file."""
+        """List of `File`: all in which flaws can be seen, [] if none; reads every file.
+
+        Only `metadata_flaws` where there are any.
+        """
         if self.metadata_flaws:
             return self.metadata_flaws
         damaged = [i for i, flag in enumerate(self._flags) if flag is None]
@@ -94,7 +104,7 @@ class Record:
         return flags + self._manifest[1] + self._flaws_among(self.files.values())
 
     def intact(self, flaws):
-        """Which chunks are done and have no file among these; (chunks,) bool."""
+        """Which chunks are done and have no file among these `File`s; (chunks,) bool."""
         done = self.done.copy()
         done[[file.chunk for file in flaws if file.chunk is not None]] = False
         return done

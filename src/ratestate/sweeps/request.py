@@ -18,7 +18,7 @@ from .task import Tasks
 
 @dataclasses.dataclass(frozen=True)
 class SweepRequest:
-    """What a sweep is to compute, and where."""
+    """What a sweep is to compute, and where; checked by `sweep`, not here."""
 
     name: str  # of the function
     call: Any  # its checked call
@@ -35,11 +35,14 @@ class SweepRequest:
 
     @functools.cached_property
     def origin(self):
-        """Versions and kind of processor that do the work: with a cluster, a worker's."""
+        """`origin` of what does the work: with a cluster, a worker's."""
         return self.backend.run(origin, self.device)
 
     def divide(self):
-        """Check the arguments of every case, measure the cost of a case, and return `Chunks`."""
+        """`Chunks` of the sweep; measures the cost of a case if `chunk` is None.
+
+        ParameterError where the arguments of a case contradict each other.
+        """
         cases = self.chunk or cases_per_chunk(self)
         chunks = chunks_of(self.call.batch.sizes, cases)
         check_cases(self.call, chunks)

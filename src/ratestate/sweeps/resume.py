@@ -21,8 +21,9 @@ from .writing import Store, to_disk
 def resume_store(path, request):
     """Restore damaged files of the store at a path, and open it as a `Store`.
 
-    The process must hold its lock.  StoreError: the store of another sweep or origin, or damage
-    that cannot be mended; a RuntimeWarning names what was mended.
+    The process must hold its lock.  Its `done` lacks chunks that have damaged files.  StoreError:
+    the store of another sweep or origin, or damage that cannot be mended; RuntimeWarnings name what
+    was mended, and in a mixed sweep how the origins differ.
     """
     matching_record(path, request)
     # outside of `as_store_error`, since errors in these are not of the store's making

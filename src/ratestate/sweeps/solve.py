@@ -27,13 +27,13 @@ class VariableSpec(NamedTuple):
 
     @property
     def missing(self) -> Any:
-        """The value of a case without an answer: NaN if the type has it, else 0 or ""."""
+        """The value of a case without an answer: NaN if the type has it, else 0, False or ""."""
         if self.dtype.kind in "fc":
             return self.dtype.type(np.nan)
         return "" if self.dtype == object else self.dtype.type(0)
 
     def empty(self, sizes):
-        """A variable without answers; sizes: of the sweep's dimensions."""
+        """A Variable without answers; sizes: dimension of the sweep -> number of values."""
         shape = [{**sizes, **self.own}[dim] for dim in self.dims]
         return xarray.Variable(self.dims, np.full(shape, self.missing, self.dtype), self.attrs)
 
@@ -59,9 +59,10 @@ def form_of(call):
 
 
 def solve(call, specs, progress=None):
-    """Variables of all cases of a call, with ``status`` and ``message`` among them.
+    """Variables of all cases of a call, name -> Variable, ``status`` and ``message`` among them.
 
-    A case that raises an error is found by halving, and gets the status ``crashed``.
+    A case that raises an error is found by halving, and gets the status ``crashed``; only
+    `RateStateError`, which concerns them all, and `Stopped` are raised.
 
     specs : variable -> `VariableSpec`
     progress : is called with the fraction of the cases done, if given
@@ -78,7 +79,11 @@ def solve(call, specs, progress=None):
 
 
 def with_messages(variables, batch):
-    """Add ``status``, if the function returns none, and ``message``: why a case failed."""
+    """These variables with ``status``, if it is not among them, and ``message``, in a new dict.
+
+    A status that is added is FINISHED; a message says why a case failed, "" where it did not.
+    KeyError where a status is not in `STATUSES`, such as -1.
+    """
     if "status" not in variables:
         done = np.full(batch.shape, FINISHED, np.int8)
         variables = variables | {"status": xarray.Variable(batch.dims, done, attrs("status"))}
@@ -90,7 +95,10 @@ def with_messages(variables, batch):
 
 
 def crashed_variables(call, specs, message):
-    """Variables of a call whose cases all have the status ``crashed``, for this reason."""
+    """Variables of a call whose cases all have the status ``crashed``, for this reason (str).
+
+    All else is `VariableSpec.missing`, flags too: an ``outside_domain`` of 0.
+    """
     sizes = call.batch.sizes
     variables = {name: spec.empty(sizes) for name, spec in specs.items()}
     variables["status"][...] = CRASHED
@@ -99,7 +107,7 @@ def crashed_variables(call, specs, message):
 
 
 def concatenate(parts, dim):
-    """Variables of two parts of a sweep that are adjacent along a dimension."""
+    """Variables, name -> Variable, of a list of two parts of a sweep, adjacent along dim."""
     whole = {}
     for name, one in parts[0].items():
         other = parts[1][name]
@@ -113,10 +121,13 @@ def concatenate(parts, dim):
 
 
 def count_failed(variables):
-    """Number of cases without an answer."""
+    """Number of cases that are neither finished nor steady sliding, those not computed (-1) too.
+
+    By ``status``, which must be among the variables.
+    """
     return int((~np.isin(variables["status"].values, ANSWERED)).sum())
 
 
 def bytes_per_case(specs):
-    """Memory that the result of a case takes."""
+    """Bytes of memory that the result of a case takes, an int; 8 for each text."""
     return sum(spec.dtype.itemsize * math.prod(spec.own.values()) for spec in specs.values())

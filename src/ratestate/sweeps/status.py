@@ -23,8 +23,8 @@ class StoreStatus(NamedTuple):
     dims: dict  # dimension -> number of values
     cases: int
     done: int  # cases
-    failed: int
-    steady: int  # that slide steadily
+    failed: int  # of those done: neither finished nor steady sliding
+    steady: int  # of those done, that slide steadily
     chunks: int
     chunks_done: int
     versions: dict  # of the programs that made it
@@ -34,7 +34,10 @@ class StoreStatus(NamedTuple):
 
 
 def store_status(path, verify=False):
-    """`StoreStatus` of the store at a path; `verify`: read all files, and compare checksums."""
+    """`StoreStatus` of the store at a path; StoreError if there is none, or it cannot be read.
+
+    verify : read all files and compare checksums; chunks with flaws then count as not done
+    """
     path = Path(path)
     record, _ = read_record(path)
     chunks, attrs = record.chunks, record.attrs
@@ -70,13 +73,13 @@ def _origins(entries):
 
 
 def failed_cases_in(store):
-    """Number of failed cases among those that an open `Store` has."""
+    """Number of cases neither finished nor steady sliding in the chunks that a `Store` has done."""
     with as_store_error(store.path):
         return sum(map(_failed, _statuses(store.path, store.chunks, store.done).values()))
 
 
 def crashed_chunks_in(store):
-    """Numbers of the chunks with cases that crashed, among those that an open `Store` has."""
+    """List of numbers of the chunks with cases that crashed, of those that a `Store` has done."""
     with as_store_error(store.path):
         statuses = _statuses(store.path, store.chunks, store.done)
     return [i for i, counts in statuses.items() if counts[CRASHED]]
@@ -97,10 +100,11 @@ def _failed(counts):
 
 
 def failures(data, most=20):
-    """The first failed cases of a sweep's result, and the number of all.
+    """Failed cases of a sweep's result, and their number: (list of the first `most`, int).
 
-    Each is (labels, name of the status, message); labels: dimension -> label, or index where there
-    is no label.
+    Failed: neither finished nor steady sliding; cases not yet computed (-1) do not count.  Each is
+    (labels, name of the status, message); labels: dimension -> label, or index where there is no
+    label.
     """
     status = data["status"].values
     where = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))

@@ -25,7 +25,7 @@ MOST_MESSAGES = 10**7
 
 @contextlib.contextmanager
 def as_store_error(path):
-    """Turn an error from reading a damaged store, or something that is none, into a StoreError.
+    """Context manager: an error from reading a damaged store, or no store, becomes a StoreError.
 
     Other errors go on as they are: those of this package, and those of stores whose files are all
     as they were written.
@@ -62,7 +62,10 @@ def _damage(path, error):
 
 
 def read_record(path):
-    """The `Record` of a store, and the inputs of its sweep; StoreError if these are damaged."""
+    """The `Record` of a store, and the inputs of its sweep (Dataset).
+
+    StoreError if there is no store, or one of them is damaged; other files are not checked.
+    """
     with as_store_error(path):
         record = Record(path)
         with xarray.open_zarr(
@@ -90,12 +93,16 @@ def matching_record(path, request):
 
 
 def device_attrs(device):
-    """Attributes of a result that name its device: a GPU and a CPU differ in last digits."""
+    """Attributes of a result that name its device, {} for a CPU: a GPU differs in last digits."""
     return {} if device == "cpu" else {"device": device}
 
 
 def open_result(path):
-    """The result in a store, read and checked when it is used; cases not done: status -1, NaN."""
+    """The result in a store, a Dataset, read and checked when it is used.
+
+    Of cases not done integers are -1, the status too, and all else NaN, False or "".  StoreError if
+    it cannot be opened, and on use if a file is damaged or missing.
+    """
     with as_store_error(path):
         record = Record(path)
         checked = Checked(path, files=record.files)
@@ -111,7 +118,7 @@ def open_result(path):
 
 
 def load_result(path):
-    """Read the result in a store into memory; StoreError if a file is damaged or missing."""
+    """The result in a store, a Dataset in memory; StoreError if a file is damaged or missing."""
     with as_store_error(path):
         return open_result(path).load()
 
@@ -124,7 +131,10 @@ def python_text(data):
 
 @contextlib.contextmanager
 def zarr_3_warnings_ignored():
-    """Allow text and consolidated metadata: zarr warns, but all readers of Zarr 3 know them."""
+    """Context manager without UserWarnings: zarr's are of text and consolidated metadata.
+
+    All readers of Zarr 3 know these.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         yield

@@ -29,7 +29,10 @@ class SubprocessTasks(Tasks):
     """Tasks that a worker runs in a process of their own, since they may kill it."""
 
     def do(self, i, part, *_):
-        """Solve chunk i, whose cases are those of `part`, except those that kill; `Outcome`."""
+        """Solve chunk i, whose cases are those of the call `part`; return its `Outcome`.
+
+        Cases that kill the process get the status ``crashed``.  SolverError if none can be started.
+        """
         with contextlib.closing(_Process(self.device, self.specs)) as process:
             return self.outcome(i, _solve_divided(process, part, self.specs))
 

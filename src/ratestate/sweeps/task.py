@@ -34,7 +34,10 @@ class Tasks(NamedTuple):
     device: str
 
     def outcome(self, i, variables):
-        """Store the variables of chunk i, if there is a store; return its `Outcome`."""
+        """Store the variables of chunk i, if there is a store; return its `Outcome`.
+
+        StoreError if they cannot be written.
+        """
         number = count_failed(variables)
         if self.store is None:
             return Outcome(i, number, variables)
@@ -72,7 +75,9 @@ class Threads:
         return function(*arguments)
 
     def outcomes(self, tasks, call, numbers, report, processor=None):
-        """Solve these chunks; yield each `Outcome` when it is ready.
+        """Solve the chunks with these numbers; yield each `Outcome` when it is ready, in any order.
+
+        Closing the generator stops those under way.
 
         processor : for clusters, whose workers may differ; here all have the same
         """
@@ -99,9 +104,10 @@ class Threads:
 
 
 def call_on_worker(expected, device, function, *arguments):
-    """Call a function in a worker process, which must have the expected `origin`.
+    """Call a function in a worker process, and return its result.
 
-    With ``processor`` None, any kind of processor will do.
+    StoreError unless the process has the expected `origin`, of which None as ``processor`` admits
+    any.
     """
     now = origin(device)
     if now["versions"] != expected["versions"]:

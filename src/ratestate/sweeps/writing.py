@@ -33,7 +33,7 @@ class Store(NamedTuple):
     path: Path
     chunks: Chunks
     done: np.ndarray  # (chunks,) bool, when it was opened
-    checksum: str  # of its inputs
+    checksum: str  # of its inputs, SHA-256
     variables: frozenset  # names of those that it has arrays for
 
 
@@ -72,7 +72,10 @@ def write(store, i, variables):
 
 
 def mark_undone(store, numbers):
-    """Clear the flags of these chunks, so that they are computed again; return the store."""
+    """Clear the flags of these chunks (list of int), so that they are computed again.
+
+    Returns the `Store` without them; StoreError if it cannot be written to.
+    """
     done = store.done.copy()
     done[numbers] = False
     with _as_write_error(store.path):
@@ -84,7 +87,10 @@ def mark_undone(store, numbers):
 
 
 def to_disk(files, top):
-    """Have the system write files, and their folders up to `top`, to the disk."""
+    """Have the system write files, and their folders up to `top`, to the disk; OSError if it fails.
+
+    files : list of paths within `top`, all there
+    """
     folders = {one for file in files for one in file.parents if one.is_relative_to(top)}
     for file in {*files, *folders}:
         handle = os.open(file, os.O_RDONLY)

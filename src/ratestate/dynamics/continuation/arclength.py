@@ -18,7 +18,7 @@ FAST = 4  # Newton iterations after which a step may still grow
 
 
 class Steps(NamedTuple):
-    """Lengths of steps along the branch, in units of scale + |u| and of p.
+    """Lengths of steps along the branch, in units of scale + |u| and of p; not checked.
 
     They are shortened where the branch bends or multipliers change fast.
     """
@@ -61,8 +61,11 @@ class Branch(NamedTuple):
 
 
 def follow_branch(problem, u0, p0, stop, **settings):
-    """`Branch` of fixed points from near (u0, p0) to p = stop; no point if there is none at p0.
+    """`Branch` of fixed points from near (u0, p0) towards p = stop.
 
+    No points, and the end "no return" or "no convergence", if none is found at p0.
+
+    u0, p0, stop : (n,), float and float; that stop is not p0 is not checked
     settings : fields of `Options`
     """
     options = Options(**settings)
@@ -116,15 +119,18 @@ class Course(NamedTuple):
     steps: Steps
 
     def point_at(self, guess, along):
-        """The fixed point at exactly the p of `guess`."""
+        """The fixed point, a `Point`, at exactly the p of `guess` (n + 1,); StepFailed without one.
+
+        along : (n + 1,) about the tangent there, in units of weights
+        """
         weights, tol = self.problem.weights(guess[:-1]), self.problem.tol
         return fixed_point(self.problem, guess, _constant_p(guess), along, weights, tol)
 
     def advance(self, a, step):
         """One step from a, as long as possible up to `step`.
 
-        Returns the points to keep, the end's name ("" if the branch goes on), the point where the
-        next step starts, and its length.
+        Returns the list of points to keep, the end's name ("" if the branch goes on), the point
+        where the next step starts, and its length.  StepFailed where the smallest step fails too.
         """
         while True:
             try:

@@ -15,7 +15,7 @@ MAX_SECANTS = 100
 
 
 def fold(point):
-    """Changes sign where the branch turns back in p: the p component of its tangent, dp/ds.
+    """Changes sign where the branch turns back in p: the p component of its tangent, dp/ds [1].
 
     As dp/ds is proportional to det(1 - dP/du), a multiplier is 1 there; but where branches merely
     cross, and a multiplier is 1 as well, dp/ds keeps its sign.
@@ -24,19 +24,22 @@ def fold(point):
 
 
 def period_doubling(point):
-    """Changes sign where a multiplier passes -1."""
+    """Changes sign where a multiplier passes -1; a float from -1 to 1."""
     m = point.multipliers
     return np.prod((1 + m) / (1 + np.abs(m))).real
 
 
 def torus(point):
-    """Changes sign where the product of two multipliers passes 1 (Neimark-Sacker, if complex)."""
+    """Changes sign where the product of two multipliers passes 1 (Neimark-Sacker, if complex).
+
+    A float from -1 to 1; 1 where there is but one multiplier.
+    """
     products = np.array([m * n for m, n in combinations(point.multipliers, 2)])
     return np.prod((products - 1) / (1 + np.abs(products))).real
 
 
 def saddle(point):
-    """Changes sign where a multiplier passes 1."""
+    """Changes sign where a multiplier passes 1; a float from -1 to 1."""
     m = point.multipliers
     return np.prod((1 - m) / (1 + np.abs(m))).real
 
@@ -52,8 +55,9 @@ def change(a, b):
 def bifurcation_points(problem, a, b, weights):
     """The bifurcation points between neighbouring points of a branch, in their order along it.
 
-    Each on the branch, as near to the bifurcation as rounding and noise allow.  The tangents at a
-    and b make an acute angle.  Raises StepFailed where one that must exist is not found.
+    A list of `Point`, empty if there is none, with the name of the bifurcation as `special`; each
+    on the branch, as near to the bifurcation as rounding and noise allow.  The tangents at a and b
+    make an acute angle.  Raises StepFailed where one that must exist is not found.
     """
     points = []
     for name, test in TESTS.items():
@@ -75,7 +79,7 @@ def _pair(point):
 
 
 def without_noise(points):
-    """The branch without folds between which p varies by no more than its error.
+    """The branch (list of `Point`) without folds between which p varies by no more than its error.
 
     Where p is all but constant, as near a degenerate Hopf point, noise makes it turn back: then two
     folds, or a fold and an end, are that close in p, and the folds become ordinary points.
@@ -95,10 +99,11 @@ def without_noise(points):
 
 
 def locate(problem, a, b, test, weights):
-    """The point between a and b on the branch where the function `test` of a point is 0.
+    """The `Point` between a and b on the branch where the function `test` of a point is 0.
 
-    Its sign at a and at b must differ.  False position by the `illinois` method in the distance
-    along the chord; each trial is on the branch.  Raises StepFailed where a trial is not found.
+    Its sign at a and at b must differ, which is not checked.  False position by the `illinois`
+    method in the distance along the chord; each trial is on the branch.  Raises StepFailed where a
+    trial is not found, or after `MAX_SECANTS` of them.
     """
     chord = (b.y - a.y) / weights
     length, normal = np.linalg.norm(chord), unit(chord)
@@ -118,10 +123,13 @@ def locate(problem, a, b, test, weights):
 
 
 def illinois(low, high, new, side):
-    """Values at the ends of brackets after a trial, and which of the ends it replaced: -1, 1.
+    """Values at the low and high ends of brackets after a trial, and which end it replaced: -1, 1.
 
     The end whose sign it has; the other one counts half if it stays a second time (the Illinois
-    method, Dowell & Jarratt 1971, doi:10.1007/BF01934364).  side : that of the trial before, or 0
+    method, Dowell & Jarratt 1971, doi:10.1007/BF01934364).
+
+    low, high, new : (n,) or float; low and high of opposite signs, which is not checked
+    side : the end that the trial before replaced, or 0
     """
     is_high = (new > 0) == (high > 0)
     kept_low, kept_high = np.where(side > 0, 0.5 * low, low), np.where(side < 0, 0.5 * high, high)

@@ -63,10 +63,12 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     Raises
     ------
     ParameterError
-        An input that cannot be used; b <= a, where there is no instability; M = 0, K = inf; no
-        cycle at `start` and no Hopf point between.
+        An input that cannot be used; b <= a, where there is no instability; M = 0, K = inf;
+        steady sliding reached at `start` and no Hopf point between.
     NotConverged
-        The branch could not be followed to its end; ``best`` holds it as far as it was found.
+        The motion at `start` is neither steady sliding nor a cycle that closes after one return, or
+        the Hopf point is all but degenerate (``best`` is None); or the branch could not be followed
+        to its end, and ``best`` holds it as far as it was found.
 
     Examples
     --------
@@ -140,12 +142,15 @@ def _dataset(family, branch, hopf, ends):
 
 
 def check_rtol(rtol):
-    """Raise ParameterError for an rtol out of the range of `continue_cycle`."""
+    """Raise ParameterError for an rtol that is no number from 1e-10 to 1e-4."""
     checked_rtol(rtol, "1e-10", "1e-4", "1e-8")
 
 
 def checked_family(slider, parameter, start, stop, V_lp, rtol):
-    """`Family` and dict of start and stop, from the arguments of `continue_cycle`, checked."""
+    """`Family` and {"start": ..., "stop": ...} [SI], from the arguments of `continue_cycle`.
+
+    ParameterError for any that it refuses before it looks for a cycle.
+    """
     checked(slider)
     if parameter not in PARAMETERS:
         raise refusal("branch.parameter", parameter=parameter, names=", ".join(PARAMETERS))

@@ -17,15 +17,18 @@ START_AMPLITUDE = 0.03
 class Beginning(NamedTuple):
     """The first cycle of a branch, and the Hopf point before it, if there is one."""
 
-    U: np.ndarray  # (2,)
-    p: float
-    hopf: float | None
+    U: np.ndarray  # (2,) of the cycle, in the chart of `Family`
+    p: float  # of the cycle: logarithm of the parameter
+    hopf: float | None  # p of the Hopf point
 
 
 def beginning(family, p_start, p_stop):
     """The `Beginning` of a branch from p_start to p_stop.
 
-    That is the cycle reached from steady sliding at p_start, or else a Hopf point between the two.
+    That is the cycle reached from steady sliding at V_lp/10 for p_start; or, where this ends in
+    steady sliding, a small cycle beside a Hopf point between the two.  ParameterError where no
+    Hopf point lies between; NotConverged, with `best` None, where what is reached is no cycle, or
+    closes after several returns, or the Hopf point is all but degenerate.
     """
     system = family.system(p_start)
     unstable = system.beta[0] > 1.0
@@ -47,7 +50,10 @@ def beginning(family, p_start, p_stop):
 
 
 def hopf_near(family, p):
-    """The Hopf point nearest to p; the margin of eq. 6 is monotone in every parameter."""
+    """p of the Hopf point, a float; NotConverged (`best` None) if none is within 82 of this p.
+
+    There is at most one: the margin of eq. 6 is monotone in every parameter.
+    """
     for reach in 0.01 * 2.0 ** np.arange(14):
         low, high = p - reach, p + reach
         if (family.margin(low) > 0.0) != (family.margin(high) > 0.0):
@@ -74,7 +80,10 @@ def _beginning_at_hopf(family, hopf):
 
 
 def hopf_measures(family, p):
-    """Measures of the vanishing cycle at a Hopf point, as by `measure`: name -> (1,) or (1, 2)."""
+    """Measures of the vanishing cycle at a Hopf point, as by `measure`: name -> (1,) or (1, 2).
+
+    All but "u"; amplitude and speeds are 0.  That p is a Hopf point is not checked.
+    """
     system = family.system(p)
     omega = np.sqrt(system.beta - 1.0)
     period = 2.0 * np.pi / omega

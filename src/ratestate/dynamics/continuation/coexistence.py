@@ -43,7 +43,10 @@ class Folds(NamedTuple):
 
 
 class Cycles(NamedTuple):
-    """A limit cycle of each of n sliders, stable or not; NaN where Newton's method failed."""
+    """A limit cycle of each of n sliders, stable or not; NaN where Newton's method failed.
+
+    All dimensionless.
+    """
 
     psi: np.ndarray  # (n,) at the stress maximum
     G: np.ndarray  # (n,) dv/dT there
@@ -52,22 +55,24 @@ class Cycles(NamedTuple):
     excess_slope: np.ndarray  # (n,)
 
     def of_size(self, psi):
-        """An estimate of the cycles of these psi, to first order in their logarithm."""
+        """`Cycles`: those of these psi (n,) > 0, estimated to first order in ln psi."""
         change = np.log(psi / self.psi)
         G = self.G * np.exp(self.G_slope / self.G * change)
         return self._replace(psi=psi, G=G, excess=self.excess + self.excess_slope * change)
 
     def where(self, condition, other):
-        """These cycles where the condition (n,) holds, and the others elsewhere."""
+        """`Cycles`: these where the condition (n,) holds, and the others elsewhere."""
         return Cycles(*(np.where(condition, x, y) for x, y in zip(self, other, strict=True)))
 
 
 def folds(law, beta, eta):
     """`Folds` at the largest stiffness at which a limit cycle coexists with stable steady sliding.
 
-    Of sliders with these b/a > 1 and M V_lp^2/(a sigma Dc) > 0 (n,).  K_fold/K_c - 1 to a relative
-    error of 1e-4; NaN where no cycle of the branch from the Hopf point has K > K_c (1 + 1e-7), as
-    with the slip law, and at eta < 1e-6.
+    K_fold/K_c - 1 to a relative error of 1e-4; NaN where no cycle of the branch from the Hopf point
+    has K > K_c (1 + 1e-7), as with the slip law, and at eta < 1e-6.  ParameterError for an unknown
+    law.
+
+    beta, eta : b/a > 1 and M V_lp^2/(a sigma Dc) >= 0, not checked; (n,), or one of them a float
     """
     beta, eta = np.broadcast_arrays(np.asarray(beta, float), np.asarray(eta, float))
     curvatures = law_curvatures(law)

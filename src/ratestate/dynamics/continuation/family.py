@@ -30,31 +30,31 @@ STEPS = Steps(largest=0.06)
 
 
 class MapValues(NamedTuple):
-    """The return map of m sliders, as `arclength.follow_branch` needs it."""
+    """The return map of m sliders, as `arclength.follow_branch` needs it; all dimensionless."""
 
-    image: np.ndarray  # (m, 2) the next U
-    jacobian: np.ndarray  # (m, 2, 2)
+    image: np.ndarray  # (m, 2) the next U; NaN where not ok
+    jacobian: np.ndarray  # (m, 2, 2) d image/d U; means nothing where not ok
     ok: np.ndarray  # (m,) whether the orbit came back to the section
     measures: dict  # "period" and "tol", (m,)
 
 
 class Family(NamedTuple):
-    """Sliders that differ in one parameter."""
+    """Sliders that differ in one parameter; nothing is checked here (see `checked_family`)."""
 
     law: str
-    values: dict  # symbol -> float, V_lp among them
+    values: dict  # symbol -> float [SI], V_lp among them; that of the parameter is not used
     parameter: str
     rtol: float
 
     def sliders(self, parameter):
-        """`System` of the sliders with these values (m,) of the parameter."""
+        """`System` of the sliders with these values (m,) of the parameter [SI]."""
         m = len(parameter)
         columns = {symbol: np.full(m, value) for symbol, value in self.values.items()}
         with np.errstate(over="ignore"):  # beyond physical values no orbit comes back
             return system_of(self.law, **columns | {self.parameter: parameter})
 
     def system(self, p):
-        """`System` of the sliders at p (m,)."""
+        """`System` of the sliders at p, (m,) or float, which counts as (1,)."""
         with np.errstate(over="ignore"):
             return self.sliders(np.exp(np.atleast_1d(p)))
 
@@ -63,17 +63,17 @@ class Family(NamedTuple):
         return SCALE + np.abs(U)
 
     def weights(self, U, p):
-        """(m, 3) the same for (psi, G, p)."""
+        """(m, 3) units of distances from (psi, G, p), at U (m, 2) and p (m,)."""
         scale = self.scale(U)
         scale[:, 1] /= _scale(self.system(p))
         return np.column_stack([scale, np.ones(len(U))])
 
     def margin(self, p):
-        """(K - K_c) Dc/(a sigma) at one p: negative where steady sliding is unstable."""
+        """(K - K_c) Dc/(a sigma) at one p, a float: negative where steady sliding is unstable."""
         return float(self.system(p).margin[0])
 
     def amplitude(self, U, p):
-        """Amplitude of ln V of a small cycle through U (2,) at p."""
+        """Amplitude of ln V, a float, of a small cycle through U (2,) at p."""
         return float(small_amplitude(self.system(p), self.points(U[None], p))[0])
 
     def points(self, U, p):
@@ -89,13 +89,13 @@ class Family(NamedTuple):
         return np.stack([u[:, 0], _scale(self.system(p)) * u[:, 1]], axis=1)
 
     def tolerance(self, u, p):
-        """(m,) tolerance of a step; a return changes a small r by some r^3."""
+        """(m,) tolerance of a step at u (m, 2); a return changes a small r by some r^3."""
         system = self.system(p)
         r = np.minimum(1.0, np.abs(small_amplitude(system, u)))
         return np.maximum(TOLERANCE * self.rtol * r**3, tightest(system, u))
 
     def return_map(self, U, p):
-        """`MapValues` of m sliders at U (m, 2), p (m,)."""
+        """`MapValues` of m sliders at U (m, 2), p (m,); not ok where b <= a or G <= 0."""
         system, u = self.system(p), self.points(U, p)
         tol = self.tolerance(u, p)
         usable = (system.beta > 1.0) & (u[:, 1] > 0.0) & np.isfinite(u).all(axis=1)
@@ -110,7 +110,10 @@ class Family(NamedTuple):
         return MapValues(image, jacobian, usable & returns.came_back, measures)
 
     def branch(self, U, p, *, stop, **options):
-        """`arclength.follow_branch` from U (2,) at p to stop, with these `Options`."""
+        """`Branch` by `follow_branch` from U (2,) at p to stop.
+
+        options : fields of `Options` other than `steps`
+        """
         # At large eta the stress is large, and its rounding too: in stick-slip tau/(a sigma) varies
         # by some sqrt(kappa eta).
         system = self.system(np.array([p, stop]))
@@ -122,8 +125,9 @@ class Family(NamedTuple):
     def measures(self, points, exact):
         """The measures of the points of a branch, as by `measure`: name -> (n,) or (n, 2).
 
-        Also "parameter", its values (n,) to which the measures belong.
+        Also "parameter", its values (n,) [SI] to which the measures belong.
 
+        points : list of n `Point`s
         exact : special of a point -> the exact value of its parameter
         """
         points = polished(self, points, exact)

@@ -26,10 +26,10 @@ class Point(NamedTuple):
     u: np.ndarray  # (n,)
     p: float
     multipliers: np.ndarray  # (n,) complex eigenvalues of dP/du, by descending modulus
-    special: str
+    special: str  # kind of bifurcation, or name of an end; "" elsewhere
     error: float  # the last Newton correction, or that due to noise, in units of weights
-    measures: dict[str, float]
-    tangent: np.ndarray  # (n + 1,) d(u, p)/ds
+    measures: dict[str, float]  # of `Problem.evaluate` at this point
+    tangent: np.ndarray  # (n + 1,) d(u, p)/ds, of length 1 in units of weights
     iterations: int
 
     @property
@@ -49,7 +49,7 @@ class Problem(NamedTuple):
     noise: float  # bound of the errors of P, in units of scale + |u|
 
     def weights(self, u):
-        """Units (n + 1,) in which distances from (u, p) are measured."""
+        """Units (n + 1,) in which distances from (u, p) are measured; 1 for p."""
         return np.append(self.scale + np.abs(u), 1.0)
 
 
@@ -61,12 +61,12 @@ class StepFailed(Exception):
 
     @property
     def reason(self):
-        """Why, as above."""
+        """Why: NO_RETURN, NO_CONVERGENCE or the name of an end."""
         return self.args[0]
 
 
 def unit(vector):
-    """The vector at length 1."""
+    """The vector at length 1; NaN, with a warning, for the zero vector."""
     return vector / np.linalg.norm(vector)
 
 

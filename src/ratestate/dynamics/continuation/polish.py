@@ -39,11 +39,12 @@ class Points(NamedTuple):
     """n points of a branch; arrays change in place."""
 
     u: np.ndarray  # (n, 2) psi and G at the stress maximum
-    parameter: np.ndarray  # (n,)
+    parameter: np.ndarray  # (n,) [SI]
     tol: np.ndarray  # (n,) tolerance of the returns
     last: np.ndarray  # (n,) that of the returns before
     period: np.ndarray  # (n,)
-    errors: np.ndarray  # (n, 4) of `sensitivity.Orbits.measures` at this parameter
+    #: (n, 4) of `sensitivity.Orbits.measures` at this parameter; inf where none could be estimated
+    errors: np.ndarray
 
 
 class Shape(NamedTuple):
@@ -58,7 +59,7 @@ class Shape(NamedTuple):
 class Correction(NamedTuple):
     """One step of Newton's method at n points, and the errors that it leaves."""
 
-    step: np.ndarray  # (n, 3) of psi, G and p, onto the branch
+    step: np.ndarray  # (n, 3) of psi, G and p, onto the branch; not finite where there is none
     moved: np.ndarray  # (n, 4) changes of the measures, at constant p, by the step
     error: np.ndarray  # (n, 4) the same by the errors of a return
     along: np.ndarray  # (n, 4) the same by a unit of length along the branch
@@ -69,7 +70,10 @@ class Correction(NamedTuple):
 def polished(family, points, exact):
     """`Points` of a branch of a `family.Family`, from `newton.Point`s in their order along it.
 
-    exact : special of a point -> the exact value of its parameter
+    A point whose next correction is not finite, or too long, stays as it is, with the errors found
+    so far: inf before the first correction.
+
+    exact : special of a point -> the exact value of its parameter [SI]
     """
     special = np.array([point.special for point in points], dtype=str)
     now, shape = _as_followed(family, points, special, exact)
@@ -158,7 +162,10 @@ class Linearised(NamedTuple):
     curvature: np.ndarray  # (n,)
 
     def closing(self, gap):
-        """(n, 3) vectors in the plane that change the gap by this one (n, 2)."""
+        """(n, 3) vectors in the plane that change the gap by this one (n, 2).
+
+        Not finite where the branch lies in the plane.
+        """
         first, second, normal = self.first, self.second, self.normal
         across = gap[:, :1] * np.cross(second, normal) + gap[:, 1:] * np.cross(normal, first)
         return across / np.einsum("ij,ij->i", first, np.cross(second, normal))[:, None]

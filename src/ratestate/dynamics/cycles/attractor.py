@@ -36,9 +36,11 @@ class CycleEstimates(NamedTuple):
     """
 
     status: np.ndarray  # engine.model: FINISHED is a cycle
-    u: np.ndarray  # (n, 2) the cycle's stress maximum; without a cycle, the orbit's last one
+    #: (n, 2) the cycle's stress maximum; without a cycle, the orbit's last one, or NaN where it did
+    #: not come back to the section
+    u: np.ndarray
     tol: np.ndarray  # (n,) tolerance of the return that led there
-    period: np.ndarray  # (n,)
+    period: np.ndarray  # (n,) [Dc/V_lp]; without a cycle, the time of the last returns
     error: np.ndarray  # (n,) estimated relative error if known, as of a small cycle; else 0
     n_returns: np.ndarray  # (n,) how many returns make the period
 
@@ -48,7 +50,10 @@ class CycleEstimates(NamedTuple):
 
 
 def single_returns(u, tol, period, error=0.0, status=FINISHED):
-    """`CycleEstimates` of cycles that close after one return."""
+    """`CycleEstimates` of cycles that close after one return.
+
+    u : (n, 2); tol, period : (n,); error, status : (n,), or one value for all
+    """
     n = len(u)
     values = np.full(n, status), u, tol, period, np.full(n, error), np.ones(n, np.int64)
     return CycleEstimates(*values)
@@ -61,7 +66,7 @@ def steady_start(system):
 
 
 def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
-    """Follow n sliders from the states start (n, 3) to their attractors; `CycleEstimates`.
+    """Follow n > 0 sliders from the states start (n, 3) to their attractors; `CycleEstimates`.
 
     Each step of the search is one return of all orbits that have not arrived, or as many as make
     the period that the orbit seems to have.  An orbit has arrived where Newton's method, or near
@@ -70,7 +75,7 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
     status of that return; one still under way after MAX_RETURNS returns or MAX_SEARCH_STEPS steps
     of the search is given up (NO_CONVERGENCE).
 
-    rtol : relative accuracy of the cycle
+    rtol : relative accuracy of the cycle; at most 1e-5 is used
     alone : whether this is the one case of a call
     progress : callable or None, given the fraction of sliders whose search is over
     loosest : (n,) largest tolerance of a return; the orbit itself is followed at least this closely

@@ -64,7 +64,7 @@ class Balance(NamedTuple):
 
 
 def hopf_limit(case):
-    """The balance at s = 0, the Hopf point; exact after two iterations."""
+    """The `Balance` at s = 0, the Hopf point; exact after two iterations."""
     n = len(case.eta)
     scalars = (np.zeros((n, 1)) for _ in range(4))
     balance = Balance(np.zeros((n, EVEN.size)), np.zeros((n, ODD.size)), *scalars)
@@ -72,7 +72,10 @@ def hopf_limit(case):
 
 
 def next_balance(balance, s, case):
-    """One iteration: each harmonic's linear part solved for the residual of the last balance."""
+    """The `Balance` after one iteration, which solves each harmonic's linear part for the residual.
+
+    s : r^2, (n, 1) or one value for all
+    """
     Q, P, X0, _, d, g = balance
     even, odd = residual(balance, s, case)
     omega = frequency(d, s, case)
@@ -90,12 +93,12 @@ def next_balance(balance, s, case):
 
 
 def frequency(d, s, case):
-    """omega."""
+    """(n, 1) omega in units of V_lp/Dc; NaN where 1 + s d < 0."""
     return np.sqrt(case.b1 * (1 + s * d))
 
 
 def dynamic_stiffness(k, g, omega, s, case):
-    """kappa - eta (k omega)^2, without cancellation at k = 1."""
+    """(n, len(k)) kappa - eta (k omega)^2, without cancellation at k = 1."""
     return case.b1 + s * g + (1 - k**2) * case.eta * omega**2
 
 
@@ -140,7 +143,7 @@ def residual(balance, s, case):
 
 
 def logarithm(q, p, s):
-    """B and Ve of v = r (cos + s B) + s Ve = ln(1 + r (cos + s p) + s q)."""
+    """B and Ve of v = r (cos + s B) + s Ve = ln(1 + r (cos + s p) + s q), (n, nodes) each."""
     Wo = C + s * p
     t = Wo / (1 + s * q)  # the odd part is artanh(r t)
     B = p - t * q + t**3 * artanh_tail(s * t**2)
@@ -158,7 +161,7 @@ def artanh_tail(z):
 
 
 def beyond_linear(o, e, s, series):
-    """Odd part/r^3 and even part/r^2 of h(z) + z at z = r o + r^2 e."""
+    """Odd part/r^3 and even part/r^2 of h(z) + z at z = r o + r^2 e, in the shape of o and e."""
     odd, even = 0.0, series[-1]  # of (h + z)/z^2 = r odd + even, by Horner's rule
     for c in series[-2::-1]:
         odd, even = even * o + s * odd * e, s * (odd * o + even * e) + c
@@ -168,10 +171,10 @@ def beyond_linear(o, e, s, series):
 
 # One product a case, never one for the batch: the same bits in any batch, and no threads.
 def at_nodes(waves, *harmonics):
-    """Node values, (n, nodes), of the sums of these harmonics."""
+    """List of node values, (n, nodes), one for each set of harmonics, of their sum."""
     return [(amplitudes[:, None, :] @ waves)[:, 0].real for amplitudes in harmonics]
 
 
 def project(values, waves):
-    """Complex amplitudes of these waves in node values."""
+    """(n, waves) complex amplitudes of these waves in node values (n, nodes)."""
     return (values[:, None, :] @ waves.conj().T)[:, 0] * (2 / NODES.size)

@@ -12,7 +12,7 @@ SUMS = ("period", "trace", "slow", "mean", "square", "steps")
 
 
 def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
-    """`return_map` from the section's points u (n, 2), count (n,) times over; `Returns`.
+    """`return_map` from the section's points u (n, 2), count (n,) >= 1 times over; `Returns`.
 
     The numbers are those of all returns together: sums, extremes, Fourier integrals of a phase
     that runs on, and derivatives of times by the first u.  They also have x_high, the largest

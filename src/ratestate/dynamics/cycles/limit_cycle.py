@@ -104,7 +104,10 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
 
 
 def limit_cycle_call(slider, V_lp, *, rtol):
-    """`LimitCycleCall` with these arguments of `limit_cycle`, checked."""
+    """`LimitCycleCall` with these arguments of `limit_cycle`; ParameterError where one is wrong.
+
+    Whether their dimensions and coordinates fit together shows in its `batch`.
+    """
     rtol = checked_rtol(rtol, "1e-12", "1e-2", "1e-8")
     return LimitCycleCall(checked(slider), to_si("V_lp", V_lp), rtol)
 
@@ -119,15 +122,21 @@ class LimitCycleCall:
 
     @functools.cached_property
     def batch(self):
-        """All that has a value for each case."""
+        """`Batch` of the slider's parameters and V_lp.
+
+        ParameterError where dimensions or coordinates clash with each other or with the result's.
+        """
         return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=VARIABLES)
 
     def blank(self):
-        """The variables of `run`, with no case solved."""
+        """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
         return cycle_variables(self.batch, np.full(self.batch.n, NO_CONVERGENCE), {}, stable=False)
 
     def run(self, progress=None):
-        """The result's variables, name -> Variable in the dimensions of the sweep."""
+        """The result's variables, name -> Variable in the dimensions of the sweep.
+
+        A case without a cycle raises nothing: it has its status.
+        """
         return self.variables(*self.find_cycles(progress))
 
     def variables(self, status, measures):
@@ -136,7 +145,11 @@ class LimitCycleCall:
         return cycle_variables(self.batch, status, measures, stable=status == FINISHED)
 
     def find_cycles(self, progress=None):
-        """Status (n,) of all cases, and the measures of their cycles, as by `refine`."""
+        """Status (n,) of all cases, and the measures of their cycles as by `refine`, of (n, ...).
+
+        They are NaN where the status is no cycle, but for a single case that has not converged; and
+        {} where no case can have a cycle (b <= a or K = inf).
+        """
         n, alone = self.batch.n, self.batch.alone
         system = system_of(self.slider.law, **self.batch.columns)
         status = np.full(n, STEADY_SLIDING)
@@ -165,12 +178,12 @@ class LimitCycleCall:
         return status, measures
 
     def dataset(self, variables):
-        """Variables of all cases as the result: with coordinates and provenance."""
+        """These variables of all cases as a Dataset with coordinates and provenance."""
         attrs = provenance("limit_cycle", self.slider, rtol=self.rtol, V_lp=self.V_lp)
         return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attrs)
 
     def refuse_failure(self, result):
-        """Raise the exception for a single case without an answer."""
+        """Raise the exception for a single case without an answer; nothing for a sweep."""
         if self.batch.alone and (status := int(result.status)) > STEADY_SLIDING:
             best = result if status == NO_CONVERGENCE else None
             raise failure("limit_cycle", self.slider, status, best=best)

@@ -32,7 +32,12 @@ UNRESOLVED = 1e-2
 
 
 def refine(system, cycles, rtol, alone):
-    """`measure`, repeated with finer returns where the error is larger than rtol."""
+    """`measure`, repeated with finer returns where the error is larger than rtol.
+
+    At most `MAX_REFINEMENTS` times and down to rounding: the error may stay larger.
+
+    cycles : `CycleEstimates`, refined in place
+    """
     measures = measure(system, cycles, alone)
     for _ in range(MAX_REFINEMENTS):
         floor = tightest(system, cycles.u)

@@ -51,7 +51,7 @@ def orbit(slider, V_lp, *, rtol=1e-8):
 
 
 def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
-    """The results of `limit_cycle` and `orbit`, from one search.
+    """The results of `limit_cycle` and `orbit`, two Datasets, from one search; raises as `orbit`.
 
     progress : callable, optional, given the fraction done after every return; it may raise
     """

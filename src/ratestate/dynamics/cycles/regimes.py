@@ -53,7 +53,7 @@ def classify(cycle):
     Raises
     ------
     ParameterError
-        The result has lost its attributes, or a dimension is called "eta".
+        `cycle` is no such result, has lost its attributes, or has a dimension called "eta".
 
     Examples
     --------

@@ -24,7 +24,10 @@ COARSER = 2.0
 
 
 class Orbits(NamedTuple):
-    """Orbits of n sliders from points near their cycles, for one period, with extremes recorded."""
+    """Orbits of n sliders from points near their cycles, for one period, with extremes recorded.
+
+    Where an orbit did not come back, only `returns` says so.
+    """
 
     system: System
     cycles: Any  # `attractor.CycleEstimates`, whose u the orbits begin at
@@ -37,8 +40,8 @@ class Orbits(NamedTuple):
 class Difference(NamedTuple):
     """By how much orbits that begin at the same u differ, or that over the cause's size."""
 
-    image: np.ndarray  # (n, 2) of the next u
-    measures: np.ndarray  # (n, 4)
+    image: np.ndarray  # (n, 2) of the next u; NaN where one of them did not come back
+    measures: np.ndarray  # (n, 4) of `Orbits.measures`; means nothing where `image` is NaN
 
 
 def orbits_of_one_period(system, cycles, tol, alone=False):
@@ -65,10 +68,10 @@ def difference(orbits, reference):
 
 
 def coarser_orbits(orbits, tol, alone=False):
-    """The same orbits by steps that are larger, at least of the tolerance tol (n,).
+    """The same orbits by larger steps, of the tolerance tol (n,) or more; and a factor (n,) <= 1/2.
 
-    Also by which factor (n,) the errors that the first ones accumulate are smaller than how much
-    the two differ.
+    By this factor the errors that the first ones accumulate are smaller than how much the two
+    differ.
     """
     fine = effective_tolerance(orbits.returns, orbits.tol)
     coarse = np.maximum(tol, COARSER * fine)
@@ -78,7 +81,7 @@ def coarser_orbits(orbits, tol, alone=False):
 def parameter_derivatives(orbits, changed):
     """`Difference` over the change of a parameter's logarithm at constant u, which takes one orbit.
 
-    changed : of a factor (n,), giving the sliders with the parameter larger by it
+    changed : factor (n,) -> `System` of the sliders with the parameter larger by it
     """
     h = np.maximum(LEAST_CHANGE, CHANGE * orbits.tol)
     others = orbits_of_one_period(changed(1.0 + h), orbits.cycles, orbits.tol)
@@ -94,13 +97,16 @@ def stiffness_derivatives(orbits):
 def backward_error(system, tol):
     """(n,) relative change of K that is equivalent to the errors of a return at this tolerance.
 
-    The rounding of b/a counts the more, the smaller b - a is than b.
+    The rounding of b/a counts the more, the smaller b - a is than b; inf at b = a.
     """
     return STEP_ERROR * tol + ROUNDING_ERROR * system.beta / (system.beta - 1.0)
 
 
 def stiffness_sensitivity(orbits):
-    """(n, 4) relative changes of a cycle's amplitude, period, V_max and V_min over that of K."""
+    """(n, 4) sizes of the relative changes of amplitude, period, V_max and V_min over that of K.
+
+    Not finite where the cycle is at a fold, or its orbit did not come back.
+    """
     u, by_K = orbits.cycles.u, stiffness_derivatives(orbits)
     du = newton_step(orbits.returns._replace(image=u + by_K.image), u)
     with np.errstate(invalid="ignore", over="ignore"):

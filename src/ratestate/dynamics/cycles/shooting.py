@@ -30,13 +30,14 @@ TIGHTEST = 2e-14
 
 
 class System(NamedTuple):
-    """Sliders driven at V_lp; arrays of one value a slider."""
+    """Sliders driven at V_lp; dimensionless arrays (n,), one value a slider, not checked."""
 
     law: str
     kappa: np.ndarray  # K Dc/(a sigma)
     beta: np.ndarray  # b/a
     eta: np.ndarray  # M V_lp^2/(a sigma Dc)
-    v_limit: np.ndarray  # ln(V/V_lp) beyond which a slider that does not slow down has run away
+    #: ln(V/V_lp) beyond which a slider that does not slow down has run away; inf if M > 0
+    v_limit: np.ndarray
 
     def at(self, which):
         """The sliders with these numbers, or where this is true."""
@@ -44,24 +45,31 @@ class System(NamedTuple):
 
     @property
     def margin(self):
-        """(K - K_c) Dc/(a sigma): negative where steady sliding is unstable (eq. 6)."""
+        """(n,) (K - K_c) Dc/(a sigma): negative where steady sliding is unstable (eq. 6)."""
         return self.kappa - (self.beta - 1.0) * (1.0 + self.eta)
 
 
 def select(cases, which):
-    """A tuple of arrays, at these numbers or where this is true; what is no array stays."""
+    """A named tuple of arrays, at these numbers or where this is true; what is no array stays."""
     return type(cases)(*(x[which] if isinstance(x, np.ndarray) else x for x in cases))
 
 
 def system_of(law, *, a, b, Dc, sigma, K, M, V_lp, **_):
-    """`System` of sliders with these parameters [SI], each (n,); others are ignored."""
+    """`System` of sliders with these parameters [SI], each (n,) and not checked.
+
+    Others are ignored.
+    """
     inertia = eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
     v_limit = np.where(M == 0.0, np.log(V_LIMIT / V_lp), np.inf)
     return System(law, K * Dc / (a * sigma), b / a, inertia, v_limit)
 
 
 class Returns(NamedTuple):
-    """One return of each of n sliders; NaN where it did not come back to the section."""
+    """One return of each of n sliders, in units of Dc/V_lp (time) and a sigma (stress).
+
+    Where it did not come back to the section only `image` is NaN: `jacobian` and `numbers` are
+    those of the place where it ended.
+    """
 
     status: np.ndarray  # engine.model; FINISHED where it came back
     image: np.ndarray  # (n, 2) the next u
@@ -70,6 +78,7 @@ class Returns(NamedTuple):
 
     @property
     def came_back(self):
+        """(n,) whether it came back to the section."""
         return self.status == FINISHED
 
 
@@ -89,24 +98,28 @@ def distance(system, vectors):
 def small_amplitude(system, u):
     """(n,) amplitude r of ln V on an orbit through u near steady sliding, of frequency omega_c.
 
-    dx/dT = -kappa v there, so that x = r kappa/omega_c at its maximum.
+    dx/dT = -kappa v there, so that x = r kappa/omega_c at its maximum.  Of the sign of x; 0 where
+    b <= a.
     """
     x = state(system, u)[:, 0]
     return x * np.sqrt(np.maximum(system.beta - 1.0, 0.0)) / system.kappa
 
 
 def tightest(system, u):
-    """(n,) the smallest tolerance of a return that is above the rounding of x."""
+    """(n,) the smallest tolerance of a return that is above the rounding of x; NaN where u is."""
     return TIGHTEST * np.maximum(1.0, distance(system, u))
 
 
 def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
     """`Returns` of sliders from y (n, 3) to their next stress maximum.
 
+    STEADY_SLIDING where `steady_tol` stops it; after 200,000 steps STEP_LIMIT.
+
     atol : (n,) tolerance of a step in x, v and psi
     alone : whether this is the one case of a call, which may take the scalar path
     steady_tol : (n,) distance from steady sliding at which to stop
-    period : (n,) periods assumed for the waveform; if given, extremes and waveform are recorded
+    period : (n,) periods assumed for the waveform; if given, extremes and waveform are recorded,
+        else these numbers mean nothing
     """
     n = len(y)
     directions = np.zeros((n, 2, 3))  # d(x, v, psi)/d(psi, G)
@@ -146,7 +159,10 @@ def _jacobian(system, numbers):
 
 
 def gradient(numbers, name):
-    """(n, 2) derivatives of one of a return's numbers with respect to u = (psi, G)."""
+    """(n, 2) derivatives of one of a return's numbers with respect to u = (psi, G).
+
+    There are some of period, x, psi, x_low, v_max and v_min, and of `iterated_map`'s x_high.
+    """
     return np.stack([numbers[f"{name}_a"], numbers[f"{name}_b"]], axis=1)
 
 
@@ -161,7 +177,7 @@ def multipliers(returns):
 
     Their sum is the trace of the map's derivative, their product, by Liouville's formula, the
     exponential of the integrated trace of the Jacobian.  So the smaller one has digits even where
-    it is far below the errors of the derivative.
+    it is far below the errors of the derivative.  Without mass it is 0.
     """
     half = 0.5 * np.trace(returns.jacobian, axis1=1, axis2=2)
     with np.errstate(over="ignore"):
@@ -174,7 +190,10 @@ def multipliers(returns):
 
 
 def effective_tolerance(returns, tol):
-    """(n,) tolerance that the steps of these returns kept, which rounding bounds from below."""
+    """(n,) tolerance that the steps of these returns kept, which rounding bounds from below.
+
+    The returns must have their extremes recorded, which is not checked.
+    """
     extremes = [returns.numbers[name] for name in ("x", "x_low", "v_max")]
     return np.maximum(tol, ROUNDING * np.abs(extremes).max(axis=0))
 

@@ -33,7 +33,7 @@ EPS = 2.0**-52
 
 
 class SmallCycles(NamedTuple):
-    """Small limit cycles, dimensionless, each (n,); NaN where they are not valid."""
+    """Small limit cycles, dimensionless, each (n,); all but `valid` NaN where it is False."""
 
     #: whether there is a cycle, small and accurate enough
     valid: np.ndarray
@@ -53,12 +53,12 @@ class SmallCycles(NamedTuple):
 def small_cycle(law, kappa, beta, eta, margin=None):
     """`SmallCycles` that bifurcate at the Hopf point kappa_c = (beta - 1) (1 + eta), while small.
 
-    Of sliders (n,) with beta > 1, eta > 0 and this margin kappa - kappa_c, if it is known more
-    accurately than by subtraction; r ~ sqrt(margin).  The cycles may be stable or not.  `valid` is
-    False on the side of kappa_c where there is none, and where r exceeds 0.3, the estimated error
-    exceeds 1e-3 or the iteration does not converge, as near a fold of cycles.  Rounding alone is an
-    error of 1e-16 sqrt((beta - 1) beta)/curvature, which for both laws grows like 1/eta at small
-    eta.
+    Of sliders (n,) with eta > 0 and this margin kappa - kappa_c, if it is known more accurately
+    than by subtraction; r ~ sqrt(margin).  The cycles may be stable or not.  `valid` is False where
+    beta <= 1, on the side of kappa_c where there is none, and where r exceeds 0.3, the estimated
+    error exceeds 1e-3 or the iteration does not converge, as near a fold of cycles.  Rounding alone
+    is an error of 1e-16 sqrt((beta - 1) beta)/curvature, which for both laws grows like 1/eta at
+    small eta.
     """
     with np.errstate(all="ignore"):
         if margin is None:
@@ -83,7 +83,8 @@ def curvature(law, beta, eta):
     """d kappa/d(r^2) [1] along the cycles at the Hopf point, (n,).
 
     Cycles of small amplitude r exist at kappa - kappa_c = curvature r^2.  As steady sliding is
-    stable at kappa > kappa_c, they are unstable (subcritical) where it is positive.
+    stable at kappa > kappa_c, they are unstable (subcritical) where it is positive.  NaN where
+    beta <= 1; without mass 0, to rounding.
     """
     beta, eta = _columns(beta, eta)
     with np.errstate(all="ignore"):

@@ -18,7 +18,10 @@ VARIABLES = (
 
 
 def cycle_variables(batch, status, measures, stable):
-    """The result's variables, name -> Variable, from the measures of cycles; NaN without one.
+    """The result's variables, name -> Variable [SI], from the measures of cycles; NaN without one.
+
+    In steady sliding amplitude, inertia and errors are 0, V_max = V_min = V_lp and stable is
+    K > K_c; `returns`, an int16, is 0 without a cycle.
 
     batch : holds the slider and V_lp
     measures : as of `measure`, name -> (n,) or (n, 2), NaN where there is no cycle; or empty

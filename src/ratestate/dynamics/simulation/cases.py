@@ -15,10 +15,12 @@ MAX_STEPS = 1e8
 
 
 def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0):
-    """`Cases` of a batch that holds the slider's parameters.
+    """`Cases` of a batch that holds the slider's parameters; nothing is checked here.
 
     y0 : (n, 3) x, v, psi at t = 0; t_end : (n,) [s]
     loading, times : (n,) rows of the tables of load histories and of saved times
+    dt : [s], or None for a method that chooses its steps
+    observe : 1 where extremes of V, friction and the inertial force are wanted
     """
     p = columns(batch)
     settings = {"observe": observe, "max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol}
@@ -41,14 +43,20 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0
 
 
 def run_cases(method, law, cases, loads, save_times, which, alone, progress=None):
-    """March the cases with these numbers; `Results` over all."""
+    """March the cases with these numbers; `Results` of all n cases.
+
+    Of the others they are NaN, with the status RUNNING.  method : a name in `METHODS`; law : a code
+    """
     order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
     code = METHODS[method].code
     return dispatch.run_march(code, law, cases, loads, save_times, order, alone, progress)
 
 
 def run_path(method, law, cases, loads, progress=None):
-    """March the one case, keeping each step: times [s], states (1, m, 3), `Results`."""
+    """March the one case, keeping each step: times (m,) [s], states (1, m, 3), `Results`.
+
+    From t = 0 on; if the run fails, up to there.
+    """
     path, results = dispatch.run_path(METHODS[method].code, law, cases, loads, progress)
     t = path[:, 0] / cases.scale[0]
     # Scaling to seconds rounds; a step to a breakpoint, or to the end, gets its exact time.
@@ -60,15 +68,15 @@ def run_path(method, law, cases, loads, progress=None):
 
 
 def speed(v, V0):
-    """V [m/s] from v = ln(V/V0); at rest, the smallest speed of the engine."""
+    """V [m/s] from v = ln(V/V0): at least exp(-600) V0, the engine's speed at rest; may be inf."""
     with np.errstate(over="ignore"):  # without mass V may overflow, and come back
         return V0 * np.exp(np.maximum(v, -LIMIT))
 
 
 def cost(cases, loads):
-    """Estimated steps of each case: oscillations at the frequency of the Hopf bifurcation.
+    """(n,) estimated duration of each case, in radians at the frequency of the Hopf bifurcation.
 
-    Bounded by the natural frequency.  It serves only to put long cases first.
+    Or at the natural frequency if that is lower.  It serves only to put long cases first.
     """
     fastest = loads.V.max(axis=1)[cases.loading] / cases.V0
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -78,7 +86,13 @@ def cost(cases, loads):
 
 
 def failure(function, slider, status, t=None, best=None):
-    """The exception for a single case that ended with this status, at time t [s] if known."""
+    """The exception, to be raised, for a single case that ended with this status without an answer.
+
+    RIGID_REST: ParameterError; RUNAWAY: QuasiStaticInstability; NO_CONVERGENCE: NotConverged with
+    this `best`; any other: SolverError.
+
+    function : its name; t : when it ended [s], or None
+    """
     name, text = STATUSES[int(status)]
     if status == RIGID_REST:
         return ParameterError(f"{text}.\n{slider!r}")

@@ -25,15 +25,16 @@ class Motion(NamedTuple):
     """The motion of a batch of n cases, at m times each."""
 
     t: np.ndarray  # (m,) or, where each case has its own, (n, m) [s]
-    states: np.ndarray  # (n, m, 3) x, v, psi
+    states: np.ndarray  # (n, m, 3) x, v, psi; NaN where a case failed, but for a path of own steps
     numbers: dict  # name (engine.model.NUMBERS, "energy_residual") -> (n,)
-    status: np.ndarray  # (n,)
+    status: np.ndarray  # (n,) int, engine.model
 
 
 def move(call, progress):
     """The `Motion` of all cases of a `simulate.SimulateCall`.
 
     Saved at its times, or, where it has none, the own steps of a single case, else the final state.
+    A case that fails raises nothing.  ParameterError where initial values contradict each other.
     """
     batch, loading, times = call.batch, call.loading, call.times
     law = evolution_law(call.slider.law).code
@@ -93,7 +94,7 @@ def saved_at(batch, times):
 
 
 def blank_motion(batch, times):
-    """The `Motion` of a batch that has not been run: NaN."""
+    """The `Motion` of a batch that has not been run: NaN, status NO_CONVERGENCE."""
     t = saved_at(batch, times)
     nothing = np.full(batch.n, np.nan)
     numbers = dict.fromkeys((*NUMBERS, "energy_residual"), nothing)
@@ -102,10 +103,10 @@ def blank_motion(batch, times):
 
 
 def energy_residual(batch, loading, cases, y0, results):
-    """(n,) (load work - dissipation - change of stored energy)/(all of them).
+    """(n,) (load work - dissipation - change of stored energy)/(sum of their sizes) [1].
 
-    In units of a sigma Dc per area; the parts that mu0 contributes to work, dissipation and
-    spring energy cancel exactly, since slip is delta_lp - tau/K.
+    All of them in units of a sigma Dc per area; the parts that mu0 contributes to work, dissipation
+    and spring energy cancel exactly, since slip is delta_lp - tau/K.
     """
     x0, v0, _ = y0.T
     x1, v1, _ = results.final.T
@@ -127,7 +128,12 @@ def energy_residual(batch, loading, cases, y0, results):
 
 
 def motion_variables(call, motion):
-    """The variables of the result of a `simulate.SimulateCall`, name -> Variable."""
+    """The variables of the result of a `simulate.SimulateCall`, name -> Variable [SI].
+
+    ``time``, or ``t`` where each case has its own times, is among them.  Of a case that failed they
+    are NaN, but ``steps`` are those taken, ``returns`` is 0, ``outside_domain`` -1, and
+    ``delta_lp`` and ``V_load`` are the loading's.
+    """
     variables = _series(call.batch, call.loading, motion)
     variables["status"] = status_variable(call.batch, motion.status)
     variables |= _observables(call.batch, motion, call.rtol)

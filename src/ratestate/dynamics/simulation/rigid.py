@@ -12,11 +12,11 @@ from ...friction.laws import SLIP, aging_rate, slip_rate
 def rigid_motion(law, psi0, t, segments, p):
     """States (m, 3) x, v, psi at times t, and the numbers of a run as the engine reports them.
 
-    Returns None where the load point rests.  tau includes the force M dV_lp/dt that a ramp takes;
-    the impulse of a jump is not shown.
+    Returns None where the load point rests at any time before t_end.  tau includes the force
+    M dV_lp/dt that a ramp takes; the impulse of a jump is not shown.
 
-    segments : (k,) starts [s], speeds and rates of the loading
-    p : the slider's parameters and t_end by name
+    segments : (k,) starts [s], speeds [m/s] and rates [m/s^2] of the loading
+    p : the slider's parameters and t_end [SI] as attributes
     """
     starts, V, rate = segments
     k = np.searchsorted(starts, t, side="right") - 1

@@ -12,7 +12,10 @@ from ..refusals import refusal
 
 
 def checked_rtol(rtol, least, most, example):
-    """A relative tolerance as a float; ParameterError beyond these bounds, which are texts."""
+    """A relative tolerance as a float; ParameterError for an array, and beyond least and most.
+
+    These are texts, such as "1e-12", as the message shows them; so is the example.
+    """
     rtol = to_si("rtol", rtol)
     if is_array(rtol) or not float(least) <= rtol <= float(most):
         raise refusal("settings.rtol", rtol=rtol, least=least, most=most, example=example)
@@ -20,7 +23,11 @@ def checked_rtol(rtol, least, most, example):
 
 
 def solver_settings(rtol, method, dt, slider):
-    """rtol and dt as floats, checked against the method."""
+    """rtol and dt [s] as floats; dt is None for a method that chooses its steps.
+
+    ParameterError for an unknown method, rtol beyond 1e-13 to 0.1, dt given or missing against the
+    method, not > 0, or too long; and for a slider that the method is not for.
+    """
     rtol = checked_rtol(rtol, "1e-13", "0.1", "1e-6")
     if not isinstance(method, str) or method not in METHODS:
         raise refusal("settings.method", method=method, choices=", ".join(METHODS))
@@ -55,7 +62,10 @@ def _check_oscillation(method, dt, slider):
 
 
 def saved_times(times, t_end):
-    """Saved times [s]: None, an array (m,), or a DataArray with ``time`` last; checked."""
+    """Saved times [s]: an array (m,), or a DataArray with ``time`` last; None for None.
+
+    ParameterError where there are none, they do not increase, or go beyond t_end.
+    """
     if times is None:
         return None
     if np.size(times) == 0:

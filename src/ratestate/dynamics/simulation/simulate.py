@@ -121,7 +121,11 @@ def simulate(
 
 
 def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, method, dt):
-    """`SimulateCall` with these arguments of `simulate`, checked."""
+    """`SimulateCall` with these arguments of `simulate`; ParameterError where one is wrong.
+
+    Whether their dimensions fit together, and a start at rest, shows in its `batch`; whether
+    initial values contradict each other, when it runs.
+    """
     checked(slider)
     if not isinstance(loading, Loading):
         raise refusal("simulate.loading", loading=loading)
@@ -150,7 +154,10 @@ class SimulateCall:
 
     @functools.cached_property
     def batch(self):
-        """All that has a value for each case."""
+        """`Batch` of the slider's parameters, t_end, V_start and what `initial` gives.
+
+        ParameterError where dimensions or coordinates clash, or there is no V_start > 0.
+        """
         start = self.loading.V_first if self.V_start is None else self.V_start
         if not np.all(np.greater(start, 0.0)):
             raise refusal("simulate.at_rest")
@@ -160,7 +167,7 @@ class SimulateCall:
         return Batch(values, extra, taken=VARIABLES)
 
     def result(self, progress=None):
-        """The Dataset; the exception for a single case that failed."""
+        """The Dataset; raises for a single case that failed, and for more than memory holds."""
         times = 1 if self.times is None else self.times.shape[-1]
         check_fits(
             BYTES * self.batch.n * times,
@@ -173,11 +180,14 @@ class SimulateCall:
         return self.dataset(self.variables(motion))
 
     def run(self, progress=None):
-        """The result's variables, name -> Variable in the dimensions of the sweep, then time."""
+        """The result's variables, name -> Variable in the dimensions of the sweep, then time.
+
+        A case that fails raises nothing: it has its status.
+        """
         return self.variables(self.move(progress))
 
     def blank(self):
-        """The variables of `run`, with no case solved."""
+        """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
         return self.variables(blank_motion(self.batch, self.times))
 
     def move(self, progress):
@@ -189,7 +199,7 @@ class SimulateCall:
         return motion_variables(self, motion)
 
     def dataset(self, variables):
-        """Variables of all cases as the result: with coordinates and provenance."""
+        """These variables of all cases as a Dataset with coordinates, provenance and loading."""
         coords = self.batch.coordinates(VARIABLES)
         if self.V_start is None:
             coords.pop("V_start", None)
