@@ -9,7 +9,9 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate import Loading, ParameterError, continue_cycle, limit_cycle, simulate
+from ratestate.dynamics import basin
 from ratestate.dynamics.basin import escape
+from ratestate.engine.model import FINISHED, NO_CONVERGENCE, STEP_LIMIT
 from ratestate.friction.quasi_static import (
     runaway_step,
     runaway_step_lower_bound,
@@ -294,6 +296,52 @@ def test_broadcasting(tmp_path):
         xr.testing.assert_identical(found, back.load())
     kinds = escape(STRIP.replace(K=xr.DataArray([9e8, 5e8], dims="case")), V_LP)
     assert kinds.outcome.dims == ("case",)
+
+
+@pytest.mark.parametrize(
+    ("ends", "outcome"),
+    [
+        ([FINISHED, NO_CONVERGENCE, FINISHED, FINISHED], "irregular cycles"),
+        ([FINISHED, NO_CONVERGENCE, STEP_LIMIT, FINISHED], "unknown"),
+    ],
+)
+def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
+    """What is worse counts, and what is unknown is not of any size."""
+
+    def escapes(system, kind, largest, progress):
+        return np.arange(1.0, 5.0), np.array(ends), np.full((4, 2), 0.1)
+
+    monkeypatch.setattr(basin, "_smallest_escapes", escapes)
+    stiff = STRIP.replace(K=xr.DataArray([6.06e8, 5e8], dims="K"))  # the second has nothing to lose
+    found = escape(stiff, V_LP)
+    assert found.outcome.values.tolist() == [outcome, "no steady sliding"]
+    assert float(found.step_down[0]) == pytest.approx(np.exp(-2), rel=1e-12)
+    assert float(found.kick_down[0]) == pytest.approx(-4 * 0.003 * 2e6, rel=1e-12)
+    assert np.isnan(found.amplitude[0])
+    if outcome == "unknown":
+        assert np.isnan(found.kick_up[0])
+        with pytest.raises(rs.SolverError, match="could not be followed"):
+            escape(STRIP, V_LP)
+    else:
+        assert float(found.kick_up[0]) == pytest.approx(3 * 0.003 * 2e6, rel=1e-12)
+
+
+def test_an_edge_of_runaway_that_is_lost_harms_no_other(monkeypatch):
+    whole = basin.runaway_edge
+
+    def lost(kappa, beta, largest):
+        if kappa < 1.2 * (beta - 1.0):
+            raise rs.SolverError("the edge of runaway (M = 0) could not be followed")
+        return whole(kappa, beta, largest)
+
+    monkeypatch.setattr(basin, "runaway_edge", lost)
+    K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.1, 1.5]), dims="K")
+    found = escape(MASSLESS.replace(K=K), 1e-6)
+    assert found.outcome.values.tolist() == ["unknown", "runaway"]
+    assert np.isnan(found.step_up[0])
+    assert found.step_up[1] > 1
+    with pytest.raises(rs.SolverError, match="edge of runaway"):
+        escape(MASSLESS.replace(K=float(K[0])), 1e-6)
 
 
 SWEEP = STRIP.replace(K=xr.DataArray([6.06e8, 9e8], dims="q"))

@@ -264,6 +264,7 @@ def test_a_case_that_raises_is_found(raising, chunk, store, tmp_path):
     path = tmp_path / "x.zarr" if store else None
     found = sweep("limit_cycle", slider, V_lp=V_LP, chunk=chunk, store=path, rtol=1e-6)
     assert (found.status.isel(M=3) == CRASHED).all()
+    assert (found.outside_domain.isel(M=3) == -1).all()
     assert all("ZeroDivisionError: spanner" in text for text in found.message.isel(M=3).values)
     assert np.isnan(found.period.isel(M=3)).all()
     assert not found.stable.isel(M=3).any()

@@ -30,7 +30,8 @@ CYCLES = ("amplitude", "period", "unstable_amplitude", "unstable_period", "unsta
 VARIABLES = [*KINDS, "outcome", *CYCLES]
 # Sizes tried, as |ln(V_lp/V)| and as |change of tau|/(a sigma): smallest, largest, number.
 SIZES = np.geomspace(1e-4, 27.6, 96)
-#: status of an orbit that does not come back -> its name
+#: status of an orbit that does not come back -> its name; any other is "unknown", which prevails
+#: over these, as each of these over those before it, where disturbances end in different ways
 OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles"}
 # Then the interval between two sizes is divided into so many parts, until it is this narrow.
 PARTS, ACCURACY = 16, 1e-6
@@ -64,18 +65,18 @@ def escape(slider, V_lp):
         and kick_down = -inf; where steady sliding is unstable (K <= K_c), steps are 1, kicks 0.
         ``outcome``: the motion beyond, "cycle", "irregular cycles" (they do not repeat), "runaway"
         (M = 0), "none", "no steady sliding" where that is unstable, or "unknown" in a sweep where
-        an orbit could not be followed.  Of the limit cycle beyond ``amplitude`` and ``period`` [s],
-        and of the unstable cycle between, ``unstable_amplitude`` (max - min of tau/sigma),
-        ``unstable_period`` [s] and ``unstable_multiplier`` (by which a distance from it grows in a
-        period); NaN where there is none.
+        an orbit could not be followed (the size concerned is NaN); "irregular cycles" where any of
+        the four disturbances leads to them.  Of the limit cycle beyond ``amplitude`` and
+        ``period`` [s], and of the unstable cycle between, ``unstable_amplitude`` (max - min of
+        tau/sigma), ``unstable_period`` [s] and ``unstable_multiplier`` (by which a distance from
+        it grows in a period); NaN where there is none.
 
     Raises
     ------
     ParameterError
         An input that cannot be used.
     SolverError
-        An orbit could not be followed to its end; in a sweep only where M = 0 (elsewhere
-        such a case is "unknown").
+        An orbit could not be followed to its end; in a sweep such a case is "unknown".
 
     Examples
     --------
@@ -93,7 +94,7 @@ def escape(slider, V_lp):
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
     system = system_of(slider.law, **batch.columns)
     with bar("escape") as progress:
-        sizes, outcome, u = _thresholds(system, progress)
+        sizes, outcome, u = _thresholds(system, batch.shape == (), progress)
     if batch.shape == () and outcome[0] == "unknown":
         raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
     cycles = _cycles_around(system, np.flatnonzero(outcome == "cycle"), u)
@@ -154,8 +155,11 @@ def _smallest_escapes(system, kind, largest, progress):
     return high, status, u
 
 
-def _thresholds(system, progress):
-    """Smallest sizes (4, n) that leave the basin, the outcome (n,), and u (n, 2) of a cycle."""
+def _thresholds(system, alone, progress):
+    """Smallest sizes (4, n) that leave the basin, the outcome (n,), and u (n, 2) of a cycle.
+
+    alone : whether SolverError is raised where an edge of runaway cannot be followed
+    """
     n = len(system.beta)
     stable = system.margin > 0.0
     sizes = np.where(stable, np.inf, 0.0) * np.ones((4, 1))
@@ -165,9 +169,7 @@ def _thresholds(system, progress):
     # Without inertia every orbit of the aging law comes back (Ranjith & Rice 1999).
     if system.law == "slip":
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
-            step_up, *kicks = runaway_edge(system.kappa[i], system.beta[i], SIZES[-1])
-            sizes[:, i] = step_up, np.inf, *kicks
-            outcome[i] = "runaway" if np.isfinite(sizes[:, i]).any() else "none"
+            sizes[:, i], outcome[i] = _runaway(system.kappa[i], system.beta[i], alone)
     may_leave = np.flatnonzero(may_leave & (system.eta > 0.0))
     slider, kind = np.tile(may_leave, 4), np.repeat(np.arange(4), len(may_leave))
     part = system.at(slider)
@@ -175,13 +177,29 @@ def _thresholds(system, progress):
         down = 0.5 * np.log((part.kappa / (part.beta - 1.0) - 1.0) / part.eta)
     largest = np.where(kind == 1, np.minimum(down, SIZES[-1]), SIZES[-1])
     smallest, status, ends = _smallest_escapes(part, kind, largest, progress)
-    sizes[:, may_leave] = smallest.reshape(4, -1)
-    for i, code, end in zip(slider, status, ends, strict=True):
-        if code != STEADY_SLIDING:
-            outcome[i] = OUTCOMES.get(int(code), "unknown")
-        if code == FINISHED:
-            u[i] = end
+    lost = ~np.isin(status, [STEADY_SLIDING, *OUTCOMES])
+    sizes[:, may_leave] = np.where(lost, np.nan, smallest).reshape(4, -1)
+    for code, name in OUTCOMES.items():
+        outcome[slider[status == code]] = name
+    outcome[slider[lost]] = "unknown"
+    cycle = status == FINISHED
+    u[slider[cycle]] = ends[cycle]
     return sizes, outcome, u
+
+
+def _runaway(kappa, beta, alone):
+    """Smallest sizes (4,) that run away without inertia, slip law, and the outcome.
+
+    Where their edge cannot be followed, NaN and "unknown", or SolverError for a slider alone.
+    """
+    try:
+        step_up, *kicks = runaway_edge(kappa, beta, SIZES[-1])
+    except SolverError:
+        if alone:
+            raise
+        return np.nan, "unknown"
+    sizes = np.array([step_up, np.inf, *kicks])
+    return sizes, "runaway" if np.isfinite(sizes).any() else "none"
 
 
 def _cycles_around(system, which, u):

@@ -97,11 +97,13 @@ def with_messages(variables, batch):
 def crashed_variables(call, specs, message):
     """Variables of a call whose cases all have the status ``crashed``, for this reason (str).
 
-    All else is `VariableSpec.missing`, flags too: an ``outside_domain`` of 0.
+    All else is `VariableSpec.missing`, but for an ``outside_domain`` of -1, "unknown".
     """
     sizes = call.batch.sizes
     variables = {name: spec.empty(sizes) for name, spec in specs.items()}
     variables["status"][...] = CRASHED
+    if "outside_domain" in variables:
+        variables["outside_domain"][...] = -1
     variables["message"][...] = f"{STATUSES[CRASHED][1]} ({message})"
     return variables
 
