@@ -31,15 +31,12 @@ def backend_of(device, client, jobs):
 
     ParameterError as by `job_cluster`, and on threads if this process has no such device.
 
-    jobs : list of pairs of a `BatchSystem` and the options of its jobs, None for all but one of
-        them; if there are options, the client is not used
+    jobs : options of the jobs of a new `job_cluster`, which comes before the client, or None
     """
-    given = [(system, text) for system, text in jobs if text is not None]
-    if not given:
+    if jobs is None:
         yield Threads(device) if client is None else Cluster(client, device)
         return
-    ((system, text),) = given
-    with job_client(text, system) as own:
+    with job_client(jobs) as own:
         yield Cluster(own, device)
 
 

@@ -16,7 +16,6 @@ from .legacy import SWEEP_GROUP
 from .lock import exclusive_lock
 from .request import SweepRequest
 from .resume import resume_store
-from .slurm import SLURM
 from .solve import bytes_per_case
 from .status import crashed_chunks_in, failed_cases_in
 from .store import as_store_error, device_attrs, matching_record, open_result
@@ -122,8 +121,7 @@ def sweep(
             raise ParameterError(f"{option} = {value!r} must be True or False")
     if retry_crashed and store is None:
         raise ParameterError(sentence("call.retry"))
-    jobs = [(SLURM, slurm)]
-    with backend_of(device, client, jobs) as backend, engine.use(device=device):
+    with backend_of(device, client, slurm) as backend, engine.use(device=device):
         request = SweepRequest(name, call, chunk, device, mixed, backend, progress)
         if store is None:
             return _in_memory(request)
