@@ -1,6 +1,7 @@
 """The tables of a scenario file, their keys, and which of them each function needs."""
 
 import dataclasses
+import itertools
 from collections.abc import Iterator
 from typing import Any
 
@@ -21,12 +22,16 @@ MOST_KEYS = 1000
 SLIDER = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
 #: those that must be given
 NEEDED = [key for key, default in SLIDER.items() if default is dataclasses.MISSING]
+#: keys of [sweep] for all functions, those of the function with most of them first
+SETTINGS = dict.fromkeys(
+    itertools.chain(*sorted((row.keys for row in FUNCTIONS.values()), key=len, reverse=True))
+)
 #: table -> its keys
 TABLES = {
     "slider": tuple(SLIDER),
     "loading": ("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
     "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt"),
-    "sweep": ("verb", "V_lp", "t_end", "V_start", "times", "rtol", *SLIDER),
+    "sweep": ("verb", *SETTINGS, *SLIDER),
     "output": ("file", "plot"),
 }
 #: key -> the names that it may have as a value
