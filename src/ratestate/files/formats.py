@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..errors import ParameterError, RateStateError
 from .netcdf import read_netcdf, write_netcdf
-from .place import checked_path, replace
+from .place import checked_path, listed, replace
 from .table import write_csv
 
 
@@ -64,7 +64,7 @@ def read(path):
     _, reader = FORMATS.get(ending, (None, None))
     if reader is None:
         raise ParameterError(
-            f"{path}: a result is read from a name that ends in .nc or .zarr"
+            f"{path}: a result is read from a name that ends in {listed(READABLE)}"
             + (" (a .csv file lacks the parameters)" if ending == ".csv" else "")
         )
     try:
@@ -105,3 +105,4 @@ FORMATS: dict[str, tuple] = {
     ".zarr": (_write_zarr, _read_zarr),
 }
 NUMBERS = tuple(FORMATS)
+READABLE = tuple(ending for ending, (_, reader) in FORMATS.items() if reader)

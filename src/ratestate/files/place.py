@@ -22,8 +22,7 @@ def checked_path(path, endings):
     path = Path(path).expanduser()
     ending = path.suffix.lower()
     if ending not in endings:
-        listed = " or ".join(filter(None, [", ".join(endings[:-1]), endings[-1]]))
-        raise ParameterError(f"{str(path)!r}: expected a name that ends in {listed}")
+        raise ParameterError(f"{str(path)!r}: expected a name that ends in {listed(endings)}")
     if path.is_dir() and not (ending == ".zarr" and _is_result(path)):
         what = "a folder that holds no result" if ending == ".zarr" else "a folder"
         raise ParameterError(f"{path} is {what} and is not replaced; give another name")
@@ -32,6 +31,11 @@ def checked_path(path, endings):
     with writing(path), tempfile.TemporaryFile(dir=path.parent):
         pass
     return path
+
+
+def listed(endings):
+    """Endings in a message: ".nc, .csv or .zarr"."""
+    return " or ".join(filter(None, [", ".join(endings[:-1]), endings[-1]]))
 
 
 def replace(path, write):

@@ -16,7 +16,7 @@ from paths import EXAMPLES
 from typer.testing import CliRunner
 
 import ratestate
-from ratestate import ParameterError, SolverError
+from ratestate import ParameterError, SolverError, files
 from ratestate.interfaces import cli, scenario
 from ratestate.interfaces.cli import main
 from ratestate.paper import atlas, claims_table, figures
@@ -201,6 +201,17 @@ def test_json_lists_what_was_made(made, charted, tmp_path):
     assert len(found["files"]) == 11
     found = json.loads(call("atlas", "--json", "--out", tmp_path).stdout)
     assert found == {"files": [str(tmp_path / f"atlas_{law}.png") for law in ("slip", "aging")]}
+
+
+def test_help_names_the_endings_of_files():
+    """Written there by hand, since the formats would load what help must not."""
+    listed = [
+        ("RESULT", files.formats.READABLE),
+        ("FILE", files.NUMBERS),
+        ("FILE", files.PICTURES),
+    ]
+    for what, endings in listed:
+        assert f" {what}{'|'.join(endings)} " in told("run")
 
 
 def test_help_and_version_load_nothing_heavy():
