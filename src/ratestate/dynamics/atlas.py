@@ -8,7 +8,6 @@ up by two decades of eta.
 import numpy as np
 import xarray
 
-from ..errors import ParameterError
 from ..model.arrays import logspace
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider
@@ -17,6 +16,7 @@ from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import REGIMES, classify
 from .hopf import bautin, hopf
+from .refusals import refusal
 from .results import flags, provenance
 
 #: first and last value of the axes: faults at the bottom left, brakes at the top
@@ -66,7 +66,7 @@ def atlas(b_over_a=2.0, law="slip", *, n=200, rtol=1e-6):
     """
     b_over_a = to_si("b_over_a", b_over_a)
     if is_array(b_over_a) or not b_over_a > 1:
-        raise ParameterError(f"b_over_a = {b_over_a!r} must be one number > 1, such as 2")
+        raise refusal("atlas.b_over_a", b_over_a=b_over_a)
     eta, ratio = logspace("eta", *ETA, n), logspace("K_over_K_c_qs", *STIFFNESS, n)
     gap = np.geomspace(*CLOSE, max(n // 2, 2))
     close = xarray.DataArray(1.0 - gap, {"K_over_K_c": 1.0 - gap}, ("K_over_K_c",))

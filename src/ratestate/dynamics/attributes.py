@@ -9,10 +9,10 @@ import numbers
 
 import numpy as np
 
-from ..errors import ParameterError
 from ..friction.laws import evolution_law
 from ..model.quantities import QUANTITIES
 from ..model.units import to_si
+from .refusals import refusal, sentence
 
 LONGEST = 60  # characters of a value in a message
 
@@ -20,10 +20,7 @@ LONGEST = 60  # characters of a value in a message
 def attribute(result, name):
     """An attribute of a result, of any type; ParameterError where it is missing."""
     if name not in result.attrs:
-        raise ParameterError(
-            f"the Dataset has lost its attribute {name!r} (arithmetic drops attributes; copy "
-            f"data.attrs over)"
-        )
+        raise refusal("attributes.lost", name=name)
     return result.attrs[name]
 
 
@@ -36,7 +33,7 @@ def text(result, name, default=None):
         return default
     value = attribute(result, name)
     if not isinstance(value, str):
-        raise _altered(name, value, "expected a text")
+        raise _altered(name, value, "text")
     return value
 
 
@@ -61,9 +58,10 @@ def from_json(result, name, kind=object):
     try:
         value = json.loads(written)
     except (ValueError, RecursionError) as error:
-        raise _altered(name, written, f"expected JSON ({type(error).__name__}: {error})") from None
+        why = f"{type(error).__name__}: {error}"
+        raise _altered(name, written, "json", why=why) from None
     if not isinstance(value, kind):
-        raise _altered(name, written, f"expected a JSON {kind.__name__}")
+        raise _altered(name, written, "json_kind", kind=kind.__name__)
     return value
 
 
@@ -101,7 +99,7 @@ def array(name, value):
             return xarray.DataArray(values, dims=[str(dim) for dim in dims])
     except (ValueError, TypeError, OverflowError):
         pass
-    raise _altered(name, value, "expected dims and as many levels of values")
+    raise _altered(name, value, "array")
 
 
 def branch_parameter(result):
@@ -111,7 +109,7 @@ def branch_parameter(result):
     """
     symbol = text(result, "parameter")
     if symbol not in QUANTITIES or "point" not in getattr(result.get(symbol), "dims", ()):
-        raise _altered("parameter", symbol, "expected the one that lies along the branch")
+        raise _altered("parameter", symbol, "branch_parameter")
     return symbol
 
 
@@ -126,24 +124,23 @@ def loading_record(result):
     for x in itertools.chain(*columns):
         _plain("loading", x)
     if len(set(map(len, columns))) > 1:
-        raise _altered("loading", record, "expected as many times as speeds and rates")
+        raise _altered("loading", record, "loading")
     return record
 
 
 def _plain(name, value):
     """A number as a float, which may be infinite."""
     if isinstance(value, bool) or not isinstance(value, numbers.Real) or value != value:
-        raise _altered(name, value, "expected a number")
+        raise _altered(name, value, "number")
     try:
         return float(value)
     except OverflowError:
-        raise _altered(name, value, "expected a number below 1e308") from None
+        raise _altered(name, value, "size") from None
 
 
-def _altered(name, value, expected):
+def _altered(name, value, expected, **values):
+    """The error about an attribute; expected : name of a sentence in [expected]."""
     shown = repr(value)
     shown = shown if len(shown) <= LONGEST else shown[: LONGEST - 3] + "..."
-    return ParameterError(
-        f"the attribute {name!r} of the Dataset is {shown}, {expected}: it is not as it was made; "
-        f"take the result from where it is whole"
-    )
+    wanted = sentence(f"expected.{expected}", **values)
+    return refusal("attributes.altered", name=name, shown=shown, wanted=wanted)

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..engine.cache import DIGEST
 from ..engine.model import STATUSES
-from ..errors import ParameterError
 from ..model.units import is_array
 from . import attributes
+from .refusals import refusal
 
 
 def columns(batch):
@@ -103,7 +103,7 @@ def parameter(result, symbol):
     value = attributes.from_json(result, name)
     if name == "slider":
         if not isinstance(value, dict) or symbol not in value:
-            raise ParameterError(f"{symbol} is missing in the attribute 'slider' of the Dataset")
+            raise refusal("attributes.no_parameter", symbol=symbol)
         value = value[symbol]
     in_coordinate = isinstance(value, dict) and isinstance(value.get("values"), str)
     value = None if in_coordinate else attributes.parameter_value(name, symbol, value)
@@ -111,7 +111,7 @@ def parameter(result, symbol):
         # with the cases that the result still holds
         return result[symbol] if result[symbol].ndim else result[symbol].item()
     if value is None:
-        raise ParameterError(f"the Dataset has lost its coordinate {symbol!r}; give it whole")
+        raise refusal("attributes.no_coordinate", symbol=symbol)
     return value
 
 

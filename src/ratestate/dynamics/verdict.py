@@ -7,12 +7,13 @@ import numpy as np
 import xarray
 
 from ..engine.model import STEADY_SLIDING
-from ..errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
+from ..errors import NotConverged, QuasiStaticInstability, SolverError
 from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
 from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import UNKNOWN, classify
+from .refusals import refusal
 from .steady_sliding import stability
 from .verdict_sentences import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
 
@@ -148,7 +149,7 @@ def verdict(slider, V_lp):
     """
     V_lp = to_si("V_lp", V_lp)
     if is_array(V_lp) or any(map(is_array, checked(slider).values.values())):
-        raise ParameterError(f"{slider!r} or V_lp is a sweep; verdict wants one slider and speed")
+        raise refusal("verdict.of_sweep", slider=slider)
     try:
         cycle: xarray.Dataset | SolverError = limit_cycle(slider, V_lp)
     except SolverError as error:

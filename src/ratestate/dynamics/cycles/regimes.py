@@ -4,9 +4,9 @@ import numpy as np
 import xarray
 
 from ...engine.model import FINISHED, STEADY_SLIDING
-from ...errors import ParameterError
 from ...friction.stability import eta
 from ...model.quantities import attrs
+from ..refusals import refusal
 from ..results import parameter
 
 STEADY, SLOW, STICK_SLIP, HARMONIC, UNKNOWN = REGIMES = (
@@ -65,9 +65,9 @@ def classify(cycle):
     """
     required = {"inertia", "fundamental", "slow_fraction", "V_max", "status"}
     if not (isinstance(cycle, xarray.Dataset) and required <= set(cycle.data_vars)):
-        raise ParameterError("classify needs a Dataset from limit_cycle or continue_cycle")
+        raise refusal("regimes.no_cycles")
     if "eta" in cycle.dims:
-        raise ParameterError("a dimension called 'eta' clashes with the result; rename it")
+        raise refusal("regimes.eta")
     measured = cycle[["inertia", "fundamental", "slow_fraction", "V_max"]]
     eta_of_case = _eta(cycle)
     steady = cycle.status == STEADY_SLIDING
