@@ -2,6 +2,7 @@
 
 A new shape is a class here, in `SHAPES`, and in history.py a field of `Loading`, one more in its
 `shape`, and a class method whose name is the shape's kind.  All else reads `SHAPES` or `shape`.
+One with arguments beside amplitude and period has its own `arguments`, `example` and `checked`.
 """
 
 import dataclasses
@@ -72,7 +73,7 @@ class Shape:
     @property
     def values(self):
         """The numbers that make it: name -> value in SI."""
-        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return dataclasses.asdict(self)
 
     def lines(self, t_end):
         """The lines from 0 to t_end [s]: t, V, rate, t_last, the fields of a `Loading`.
