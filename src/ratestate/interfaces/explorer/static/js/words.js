@@ -38,9 +38,9 @@ export function symbol(name) {
 }
 
 /** Put a sentence into an element. */
-export function write(element, text) {
+export function write(into, text) {
   // between the texts of a split stand what its pattern holds
-  element.replaceChildren(...text.split(PATTERN).flatMap((part, i) => (i % 2 ? symbol(part) : [units(part)])));
+  into.replaceChildren(...text.split(PATTERN).flatMap((part, i) => (i % 2 ? symbol(part) : [units(part)])));
 }
 
 function units(text) {
