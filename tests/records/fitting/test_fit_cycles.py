@@ -246,6 +246,22 @@ def test_what_cycles_do_not_constrain_is_named_in_words(error, text):
     assert f"{text[0].upper()}{text[1:]}" in note
 
 
+def test_fits_that_lose_their_cycles_are_refused(monkeypatch):
+    """Where no search finds a cycle again, once the features are corrected for the noise."""
+    run, problems = Problem.run, []
+
+    def without_cycle(self, *ends):
+        problems.append(self)
+        found = run(self, *ends)
+        return found if self is problems[0] else found._replace(chi2=np.inf)
+
+    monkeypatch.setattr(Problem, "run", without_cycle)
+    data = record(segment(VIBRATION, 3.2e-3, cycles=20, samples=50))
+    with pytest.raises(rs.ParameterError, match=r"no limit cycle .* b free under the slip law"):
+        fit_cycles(data, VIBRATION, ("b",), "slip")
+    assert problems[-1] is not problems[0]
+
+
 def test_stick_slip_at_two_speeds_gives_back_its_slider():
     data = record(segment(STICK_SLIP, 1e-5), segment(STICK_SLIP, 1e-4, seed=1))
     found = fit_cycles(data, STICK_SLIP.replace(a=0.004, b=0.009), ("a", "b"), "slip")

@@ -63,9 +63,7 @@ def fit_cycles(record, slider, free, law, loading=None):
     V_lp = np.array([one.segment.V_lp for one in measured])
     model = CycleModel(law, V_lp, [m.bins for m in measured], slider.sigma, slider.V0)
     problem = Problem(space, model, measured)
-    runs = _ranked(problem.search(q) for q in starts(space, model, measured))
-    if not runs:
-        raise refusal("cycles.no_cycle", names=", ".join(space.names), law=law)
+    runs = _ranked(problem, (problem.search(q) for q in starts(space, model, measured)))
     # The shift by noise is found about the model's cycle, which has none.
     waves, features = _waves_and_features(problem, runs[0])
     measured = tuple(map(corrected, measured, map(wave_at, waves), features))
@@ -81,7 +79,7 @@ def fit_cycles(record, slider, free, law, loading=None):
         problem.begin_at(run.near)
         return problem.run(run.start, run.end, run.status)
 
-    runs = _ranked(continued(i, run) for i, run in enumerate(runs))
+    runs = _ranked(problem, (continued(i, run) for i, run in enumerate(runs)))
     return _cycles_fit(problem, runs, left_out)
 
 
@@ -113,9 +111,13 @@ def _check_feature_count(space, measured):
     raise refusal("cycles.few_features", count=count, names=names, features=features, listed=listed)
 
 
-def _ranked(runs):
-    """The runs that ended at a cycle, the best first."""
-    return sorted((run for run in runs if np.isfinite(run.chi2)), key=lambda run: run.chi2)
+def _ranked(problem, runs):
+    """The runs that ended at a cycle, the best first; ParameterError if none did."""
+    ranked = sorted((run for run in runs if np.isfinite(run.chi2)), key=lambda run: run.chi2)
+    if not ranked:
+        names = ", ".join(problem.space.names)
+        raise refusal("cycles.no_cycle", names=names, law=problem.model.law)
+    return ranked
 
 
 def _waves_and_features(problem, run):
@@ -143,7 +145,7 @@ def _cycles_fit(problem, runs, left_out, refits=REFITS):
     try:
         intervals = profiled_intervals(problem, best, errors, enlarged, better)
     except BetterPoint as improvement:
-        runs = [problem.search(improvement.point), *runs]
+        runs = _ranked(problem, [problem.search(improvement.point), *runs])
         return _cycles_fit(problem, runs, left_out, refits - 1)
     waves, features = _waves_and_features(problem, best)
     ends_of_runs = [space.values(run.end[None]) for run in runs]
