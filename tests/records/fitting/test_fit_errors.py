@@ -12,6 +12,7 @@ from synthetic_records import SLIDER, record
 import ratestate as rs
 from ratestate.records.fitting.diagnostics.identifiability import identifiability
 from ratestate.records.fitting.diagnostics.model_comparison import compare_laws
+from ratestate.records.fitting.diagnostics.search import search_warnings
 from ratestate.records.fitting.diagnostics.tradeoffs import (
     correlated_groups,
     percent,
@@ -30,7 +31,7 @@ from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.record import Record, record_of
-from ratestate.records.fitting.unknowns import Unknowns, unknowns_of
+from ratestate.records.fitting.unknowns import START, Unknowns, unknowns_of
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
@@ -564,3 +565,20 @@ def test_which_bound_an_estimate_has_run_to():
     point = np.array([0.011, 9.989, 0.009, 9.991, 0.0])
     sides = dict(zip(names, [0, 0, -1, 1, 0], strict=True))
     assert Unknowns(names, low, high).sides(point) == sides
+
+
+def test_a_start_at_its_bound_is_told_in_words(good):
+    """By the names under which it is reported, with what can be done: it cannot be fixed."""
+    checked = record_of(good, SLIDER, loading=None, trend="slip", against="time")
+    found = infer(least_squares_fit(checked, SLIDER, 0, ("a",), None, "free"), None, "covariance")
+    assert not [*search_warnings(found)]
+    at = [found.solution.unknowns.names.index(name) for name in START]
+    point = found.solution.point.copy()
+    point[at] = 20.0, -20.0
+    found = found._replace(solution=found.solution._replace(point=point))
+    upper, lower = search_warnings(found)
+    assert upper.startswith("V_start, the slider's velocity at the record's start, has run to")
+    assert "the upper bound of the search, 4.852e+08 times the load point's" in upper
+    assert lower.startswith("theta_start, the state at the record's start, has run to")
+    assert "the lower bound of the search, 2.061e-09 times that of steady sliding" in lower
+    assert all("give start='steady' if" in text for text in (upper, lower))

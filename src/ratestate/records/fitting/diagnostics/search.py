@@ -27,11 +27,10 @@ def search_warnings(inference):
     is_open = [q.name for q in coordinates if None in bounds_of(inference, q)]
     sides = solution.unknowns.sides(solution.point)
     for point, (name, side) in zip(solution.point, sides.items(), strict=True):
-        if side and name not in is_open:
-            if name in START:  # a logarithm of a ratio
-                shown = f"{np.exp(point):.4g}"
-            else:
-                shown = readable(name, to_value(name, point), 3)
+        if side and name in START:
+            yield SENTENCES(f"start.{name}", ratio=np.exp(point), side=SIDES[side])
+        elif side and name not in is_open:
+            shown = readable(name, to_value(name, point), 3)
             yield SENTENCES("search.at_bound", name=name, value=shown, side=SIDES[side])
 
 
