@@ -20,7 +20,7 @@ from ratestate.records.fitting.diagnostics.tradeoffs import (
     tradeoff_text,
 )
 from ratestate.records.fitting.estimates import ROOTS, estimates_from
-from ratestate.records.fitting.least_squares import least_squares_fit
+from ratestate.records.fitting.generalized_least_squares import least_squares_fit
 from ratestate.records.fitting.likelihood import posterior as sampling
 from ratestate.records.fitting.likelihood import uncertainty
 from ratestate.records.fitting.likelihood.constrained import ConstrainedProblem

@@ -9,7 +9,7 @@
 ``forward``                     friction of a slider, and its derivatives
 ``problem``                     residuals, and where searches start
 ``noise``                       level and correlation of the noise, given or estimated
-``least_squares``               the best fit, and whether its start is steady or free
+``generalized_least_squares``   the best fit, and whether its start is steady or free
 ``score``                       whether one more parameter would fit better, without a search
 ``estimates``                   errors, intervals and correlation from a covariance; what is open
 ``likelihood``                  intervals that are not Gaussian: profiles, posterior

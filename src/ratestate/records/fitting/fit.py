@@ -12,7 +12,7 @@ from ...friction.laws import evolution_law
 from .by_law import warnings_of
 from .cycles.fit import fit_cycles
 from .cycles.result import cycles_dataset
-from .least_squares import least_squares_fit
+from .generalized_least_squares import least_squares_fit
 from .likelihood.uncertainty import infer, with_posteriors
 from .record import record_of
 from .result import add_comparison, dataset_of, side_by_side

@@ -10,5 +10,6 @@
 ``posterior.toml`` its sentences
 ================== ===========================================================
 
-The likelihood itself is computed in `least_squares`, where it is largest, and in `posterior`.
+The likelihood itself is computed in `generalized_least_squares`, where it is largest, and in
+`posterior`.
 """

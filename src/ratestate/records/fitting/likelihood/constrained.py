@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..least_squares import SEARCH_EVALUATIONS
+from ..generalized_least_squares import SEARCH_EVALUATIONS
 from ..problem import search
 from ..unknowns import Unknowns
 

@@ -1,4 +1,4 @@
-"""Errors and intervals of what is reported, from the solution's covariance (`least_squares`).
+"""Errors and intervals of what is reported, from the solution's covariance (`Solution`).
 
 Profiles of the likelihood where these do not do, and a posterior on request.
 """
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..estimates import Estimates, estimates_from
-from ..least_squares import Solution, solution_from
+from ..generalized_least_squares import Solution, solution_from
 from ..score import responds
 from .posterior import Posterior, common_prior, sample_posterior
 from .profile import BetterPoint

@@ -1,4 +1,4 @@
-"""Least squares in the presence of correlated noise, from several starts.
+"""Generalized least squares, those in the presence of correlated noise, from several starts.
 
 The sum of squares is that of the residuals made white by the noise's own covariance, which is
 estimated from the residuals of the fit before; the two alternate until the estimates converge.
