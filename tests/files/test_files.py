@@ -2,6 +2,7 @@
 
 import csv
 import io
+import shutil
 
 import h5py
 import numpy as np
@@ -10,6 +11,7 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate import ParameterError, files
+from ratestate.sweeps.store import zarr_3_warnings_ignored
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=3e3)
 M = xr.DataArray([0.0, 3e3], dims="M")
@@ -150,11 +152,65 @@ def test_only_results_are_replaced(results, tmp_path):
     other = tmp_path / "other.zarr"
     other.mkdir()
     (other / "thesis.txt").write_text("years of work")
-    for path in (store, other, tmp_path):
+    deep = tmp_path / "deep.zarr"
+    results["cycle"].drop_encoding().to_zarr(deep, group="checksums/of", consolidated=False)
+    for path in (store, other, deep, tmp_path):
         with pytest.raises(ParameterError, match=r"expected a name|is not replaced"):
             files.write(results["cycle"], path)
     assert (store / "sweep").is_dir()
     assert (other / "thesis.txt").exists()
+    assert (deep / "checksums/of").is_dir()
+
+
+@pytest.fixture
+def folder(results, tmp_path):
+    return files.write(results["runs"], tmp_path / "x.zarr")
+
+
+def test_any_lost_or_altered_file_of_a_zarr_is_found(folder, results):
+    paths = [path for path in folder.rglob("*") if path.is_file()]
+    assert {"zarr.json", "0"} <= {path.name for path in paths}
+    for path in paths:
+        content = path.read_bytes()
+        path.unlink()
+        with pytest.raises(ParameterError, match=r"x\.zarr"):
+            files.read(folder)
+        for at in (0, len(content) // 2):
+            path.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
+            with pytest.raises(ParameterError, match=r"x\.zarr"):
+                files.read(folder)
+        path.write_bytes(content)
+    xr.testing.assert_identical(files.read(folder), results["runs"])
+
+
+def test_flaws_of_a_zarr_are_named(folder):
+    (folder / "V/c/0/0").write_bytes(b"")
+    (folder / "tau/c/0/0").unlink()
+    with pytest.raises(ParameterError, match="is damaged, and cannot be mended; put") as caught:
+        files.read(folder)
+    assert str(caught.value).split("\n")[1:] == [
+        "  variable V, chunk (0, 0) (V/c/0/0) is damaged",
+        "  variable tau, chunk (0, 0) (tau/c/0/0) is missing",
+    ]
+    shutil.rmtree(folder / "checksums")
+    with pytest.raises(ParameterError, match="checksums does not exist"):
+        files.read(folder)
+
+
+def test_a_zarr_without_checksums_is_read(results, tmp_path):
+    """As all were written once."""
+    path = tmp_path / "x.zarr"
+    with zarr_3_warnings_ignored():
+        results["cycle"].drop_encoding().to_zarr(path, zarr_format=3)
+    xr.testing.assert_identical(files.read(path), results["cycle"])
+    assert files.write(results["cycle"], path) == path
+
+
+def test_a_variable_in_the_place_of_the_checksums(tmp_path):
+    data = xr.Dataset({"checksums": ("case", [1.0])})
+    with pytest.raises(ParameterError, match="'checksums' clashes"):
+        files.write(data, tmp_path / "x.zarr")
+    assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,12 @@
 """Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all.
 
-=========== ================================================================
-``formats`` `read` and `write`: which ending is which format
-``netcdf``  NetCDF; complex variables as two real ones, `split` and `joined`
-``table``   which variables a CSV has, in which rows and columns
-``place``   whether a file can be put there; replaced at once
-=========== ================================================================
+=============== =================================================================
+``formats``     `read` and `write`: which ending is which format
+``netcdf``      NetCDF; complex variables as two real ones, `split` and `joined`
+``table``       which variables a CSV has, in which rows and columns
+``zarr_folder`` Zarr, with the checksums of its files; whether all are as written
+``place``       whether a file can be put there; replaced at once
+=============== =================================================================
 """
 
 from .formats import NUMBERS, read, write

@@ -6,6 +6,7 @@ from ..errors import ParameterError, RateStateError
 from .netcdf import read_netcdf, write_netcdf
 from .place import checked_path, listed, replace
 from .table import write_csv
+from .zarr_folder import read_zarr, write_zarr
 
 
 def write(data, path):
@@ -28,7 +29,7 @@ def write(data, path):
     Raises
     ------
     ParameterError
-        Another ending, or another folder in its place.
+        Another ending, another folder in its place, or in a .zarr a variable called "checksums".
     OSError
         It cannot be written there; what was there before is as it was.
     """
@@ -53,9 +54,9 @@ def read(path):
     Raises
     ------
     ParameterError
-        The file is missing, of another kind, or damaged so that it cannot be decoded.  (The
-        .zarr of a result, unlike the store of a sweep, has no checksums: where a chunk is lost
-        its numbers are NaN, and changed bytes may go unseen.)
+        The file is missing, of another kind, or damaged: a .nc so that it cannot be decoded, a
+        .zarr in any way.  (One written before there were checksums is not checked: numbers of a
+        lost chunk are NaN.)
     StoreError
         The store of a sweep is not finished, or damaged.
     """
@@ -79,30 +80,11 @@ def read(path):
         raise ParameterError(f"{path} cannot be read as a result: {what[:300]}") from None
 
 
-def _read_zarr(path):
-    """A result from a Zarr folder; a sweep's store knows what must be in it, and checks that."""
-    import xarray
-
-    from ..sweeps.store import load_result, python_text
-
-    if (path / "sweep").is_dir():
-        return python_text(load_result(path))
-    with xarray.open_zarr(path, chunks=None) as opened:
-        return python_text(opened.load())
-
-
-def _write_zarr(data, path):
-    from ..sweeps.store import python_text, zarr_3_warnings_ignored
-
-    with zarr_3_warnings_ignored():
-        python_text(data).drop_encoding().to_zarr(path, mode="w-", zarr_format=3)
-
-
 #: ending of a name -> what writes such a file, and what reads it
 FORMATS: dict[str, tuple] = {
     ".nc": (write_netcdf, read_netcdf),
     ".csv": (write_csv, None),
-    ".zarr": (_write_zarr, _read_zarr),
+    ".zarr": (write_zarr, read_zarr),
 }
 NUMBERS = tuple(FORMATS)
 READABLE = tuple(ending for ending, (_, reader) in FORMATS.items() if reader)

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from ..errors import ParameterError
 
+#: group with the checksums of a result's Zarr folder
+CHECKSUMS = "checksums"
 #: endings of files with pictures
 PICTURES = (".png", ".pdf")
 
@@ -77,7 +79,8 @@ def writing(path):
 
 
 def _is_result(path):
-    """Whether a folder is a Zarr group of arrays alone: no sweep that can be gone on with."""
-    inside = [one.read_text() for one in path.glob("*/zarr.json")]
-    groups = ['"node_type":"group"' in "".join(text.split()) for text in inside]
-    return (path / "zarr.json").is_file() and not any(groups)
+    """Whether a folder is a Zarr group of arrays and checksums: no sweep that can be resumed."""
+    inside = {one.parent.name: one.read_text() for one in path.glob("*/zarr.json")}
+    groups = {k for k, text in inside.items() if '"node_type":"group"' in "".join(text.split())}
+    deeper = any(path.glob("*/*/zarr.json"))
+    return (path / "zarr.json").is_file() and groups <= {CHECKSUMS} and not deeper

@@ -17,7 +17,7 @@ from . import sentence
 from .inputs import checksum, inputs_of
 from .legacy import METADATA, SWEEP_GROUP
 from .lock import lock_folder, remove_if_abandoned
-from .manifest import MANIFEST, RECORDS, manifest_entry, sha256
+from .manifest import MANIFEST, RECORDS, digests_of, keys_in, manifest_entry
 from .origin import origin
 from .store import device_attrs, python_text, zarr_3_warnings_ignored
 from .writing import FILL_VALUES, NO_RESULT, to_disk
@@ -75,9 +75,8 @@ def make(folder, request, chunks):
         made_by = origin(request.device)
         _write_sweep_group(folder, request, chunks, made_by["versions"])
         zarr.consolidate_metadata(folder)
-        keys = [file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()]
         manifest: Any = zarr.open_array(folder / MANIFEST, mode="r+")
-        manifest[chunks.number] = manifest_entry(folder, keys, None, made_by)
+        manifest[chunks.number] = manifest_entry(folder, keys_in(folder), None, made_by)
 
 
 def _write_static(folder, request, chunks):
@@ -129,7 +128,7 @@ def _write_sweep_group(folder, request, chunks, versions):
             "device": request.device,
             "checksum": checksum(inputs),
             "versions": versions,
-            RECORDS: {key: sha256((folder / key).read_bytes()) for key in records},
+            RECORDS: digests_of(folder, records),
         }
     )
 

@@ -60,13 +60,35 @@ def sha256(content):
     return hashlib.sha256(content).hexdigest()
 
 
+def keys_in(path):
+    """The keys of all files in a folder."""
+    return [file.relative_to(path).as_posix() for file in path.rglob("*") if file.is_file()]
+
+
+def digests_of(path, keys):
+    """Key -> SHA-256, for the files with these keys in the store at a path."""
+    return {key: sha256((path / key).read_bytes()) for key in sorted(keys)}
+
+
 def manifest_entry(path, keys, chunk, origin):
     """The entry, JSON text, for the files with these keys in the store at a path, which it reads.
 
     chunk : number, or None for files made with the store; origin : as by `origin.origin`
     """
-    digests = {key: sha256((path / key).read_bytes()) for key in sorted(keys)}
-    return json.dumps({"chunk": chunk, "sha256": digests, **origin}, sort_keys=True)
+    entry = {"chunk": chunk, "sha256": digests_of(path, keys), **origin}
+    return json.dumps(entry, sort_keys=True)
+
+
+def flaws_among(path, files):
+    """Those of these files of the store at a path that have a flaw, with it."""
+    flaws = []
+    for file in files:
+        found = file.checked_against(content_of(path / file.key))
+        if not found.flaw and file.digest is None and not legacy.is_whole(path, file.key):
+            found = file._replace(flaw="damaged")
+        if found.flaw:
+            flaws.append(found)
+    return flaws
 
 
 def damage_message(path, flaws):

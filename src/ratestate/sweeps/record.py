@@ -11,7 +11,7 @@ from ..errors import StoreError
 from . import legacy, sentence
 from .chunks import Chunks
 from .legacy import DAMAGE, SWEEP_GROUP
-from .manifest import MANIFEST, RECORDS, File, content_of, damage_message
+from .manifest import MANIFEST, RECORDS, File, damage_message, flaws_among
 
 RECORD = f"{SWEEP_GROUP}/zarr.json"
 
@@ -81,7 +81,7 @@ class Record:
         if RECORDS not in self.attrs:
             unrecorded = {*np.flatnonzero(self.done).tolist()} - self.entries.keys()
             files += [File(*pair) for pair in legacy.files(self.path, self.chunks, unrecorded)]
-        if damaged := self._flaws_among([file for file in files if file.key == RECORD]):
+        if damaged := flaws_among(self.path, [file for file in files if file.key == RECORD]):
             raise StoreError(sentence("damage.inputs", path=self.path, why=damaged[0]))
         return {file.key: file for file in files}
 
@@ -89,7 +89,7 @@ class Record:
     def metadata_flaws(self):
         """List of `File`: flawed metadata without which flags and manifest are lost; [] if none."""
         digests = self.attrs.get(RECORDS, {})
-        return self._flaws_among([File(key, digest=digest) for key, digest in digests.items()])
+        return flaws_among(self.path, [File(key, digest=digest) for key, digest in digests.items()])
 
     @functools.cached_property
     def flaws(self):
@@ -101,7 +101,7 @@ class Record:
             return self.metadata_flaws
         damaged = [i for i, flag in enumerate(self._flags) if flag is None]
         flags = [File(f"{SWEEP_GROUP}/done/c/{i}", i, None, "damaged") for i in damaged]
-        return flags + self._manifest[1] + self._flaws_among(self.files.values())
+        return flags + self._manifest[1] + flaws_among(self.path, self.files.values())
 
     def intact(self, flaws):
         """Which chunks are done and have no file among these `File`s; (chunks,) bool."""
@@ -118,17 +118,6 @@ class Record:
             return array[:].tolist()
         except DAMAGE:
             return [_value(array, i) for i in range(array.size)]
-
-    def _flaws_among(self, files):
-        """Those of these files that have a flaw, with it."""
-        flaws = []
-        for file in files:
-            found = file.checked_against(content_of(self.path / file.key))
-            if not found.flaw and file.digest is None and not legacy.is_whole(self.path, file.key):
-                found = file._replace(flaw="damaged")
-            if found.flaw:
-                flaws.append(found)
-        return flaws
 
 
 def _value(array, i):
