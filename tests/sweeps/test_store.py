@@ -19,7 +19,7 @@ import xarray as xr
 import zarr
 from limits import largest_file
 from paths import TESTS
-from torture import SMALL, same, torture
+from torture import SMALL, Here, same, torture
 
 import ratestate as rs
 from ratestate.errors import ParameterError, StoreError
@@ -30,9 +30,10 @@ from ratestate.sweeps.status import failures, store_status
 from ratestate.sweeps.writing import NO_RESULT
 
 POINT = {"a": 0.003, "b": 0.006, "Dc": "10 um", "sigma": "2 MPa", "K": "900 MPa/m"}
-# 24 cases in 12 chunks: (M, V_lp) in blocks of (1, 2).
-AXES = {"M": rs.logspace("M", 100, 1e4, 6), "V_lp": rs.logspace("V_lp", 1e-3, 1e-2, 4)}
-CHUNKS, CHUNK = 12, 2
+# 16 cases in 8 chunks: (M, V_lp) in blocks of (1, 2).
+AXES = {"M": rs.logspace("M", 100, 1e4, 4), "V_lp": rs.logspace("V_lp", 1e-3, 1e-2, 4)}
+CHUNKS, CHUNK = 8, 2
+WHOLE = 16  # all cases in one chunk: where it does not matter, that is quick
 
 
 def sweep(path=None, verb="stability", *, chunk=CHUNK, **changes):
@@ -126,7 +127,7 @@ def expected():
 
 def test_survives_kills(tmp_path):
     said = []
-    _, wrong = torture(tmp_path, SMALL, kills=1, seed=9, say=said.append)
+    _, wrong = torture(tmp_path, SMALL, kills=1, seed=9, say=said.append, whole=Here)
     assert wrong == [], "\n".join(said)
     assert sum(line.startswith("kill ") for line in said) == 1
 
@@ -187,7 +188,7 @@ def test_a_chunk_is_on_disk_before_it_is_called_done(path, monkeypatch):
 
 
 def test_files_cut_off_by_a_kill_are_removed(begun, expected):
-    for name in ("growth_rate/c/5/1.0123.partial", "sweep/done/c/7.0123.partial"):
+    for name in ("growth_rate/c/3/1.0123.partial", "sweep/done/c/7.0123.partial"):
         (begun / name).parent.mkdir(exist_ok=True, parents=True)
         (begun / name).write_bytes(b"half a chu")
     assert_same(sweep(begun), expected)
@@ -199,7 +200,7 @@ def test_half_a_store_left_by_a_kill_is_removed(tmp_path, name):
     left = tmp_path / f".{name}.0123.partial"
     (left / "M").mkdir(parents=True)
     (left / "zarr.json").write_text("{")
-    sweep(tmp_path / name)
+    sweep(tmp_path / name, chunk=WHOLE)
     assert not left.exists()
 
 
@@ -211,11 +212,12 @@ def test_half_a_store_is_removed_when_another_sweep_made_the_store(begun):
 
 
 def test_stores_that_are_being_made_by_others_stay(tmp_path):
-    sweep(tmp_path / "y.zarr")
     other = tmp_path / ".x.zarr.0123.partial"
     other.mkdir()
+    sweep(tmp_path / "y.zarr", chunk=WHOLE)
+    assert other.exists()
     handle = create_module.lock_folder(other)
-    sweep(tmp_path / "x.zarr")
+    sweep(tmp_path / "x.zarr", chunk=WHOLE)
     os.close(handle)
     assert other.exists()
 
@@ -266,7 +268,8 @@ def disk(tmp_path):
 def test_a_full_disk(disk):
     place, resize = disk
     path = place / "x.zarr"
-    asked = {"V_lp": rs.logspace("V_lp", 1e-3, 1e-2, 16), "chunk": 2}
+    asked = {"V_lp": rs.logspace("V_lp", 1e-3, 1e-2, 10), "chunk": 2}
+    whole = sweep(**asked)
     for _ in range(2):  # again without room: no better, no worse
         with pytest.raises(StoreError, match="No space left on device") as error:
             sweep(path, **asked)
@@ -274,14 +277,14 @@ def test_a_full_disk(disk):
         assert "run the same sweep again" in str(error.value)
         assert leftovers(place) == []
         there = store_status(path)
-        assert 3 <= there.chunks_done < there.chunks == 48
-        done = zarr.open_array(path / "sweep/done")[:].reshape(6, 8).repeat(2, axis=1)
-        part, whole = xr.open_zarr(path, chunks=None), sweep(**asked)
+        assert 3 <= there.chunks_done < there.chunks == 20
+        done = zarr.open_array(path / "sweep/done")[:].reshape(4, 5).repeat(2, axis=1)
+        part = xr.open_zarr(path, chunks=None)
         for name in ("growth_rate", "eigenvalues", "status", "K_c"):
             where = done if part[name].ndim > 1 else done.any(axis=1)
             assert same(part[name].values[where], whole[name].values[where])
     flags = list((path / "sweep/done/c").iterdir())
-    results = [path / f"growth_rate/c/{int(flag.name) // 8}/{int(flag.name) % 8}" for flag in flags]
+    results = [path / f"growth_rate/c/{int(flag.name) // 5}/{int(flag.name) % 5}" for flag in flags]
     before = {file: file.stat().st_mtime_ns for file in flags + results}
     assert resize("8m")
     assert_same(sweep(path, **asked), whole)
@@ -304,7 +307,7 @@ warnings.simplefilter("error")
 import xarray as xr
 sys.path[:0] = {[str(Path(__file__).parent), str(TESTS / "helpers")]!r}
 from test_store import StoreError, store_status, sweep
-sweep(sys.argv[1] + "/warm.zarr")  # all that is imported and compiled lazily
+sweep(sys.argv[1] + "/warm.zarr", chunk=16)  # all that is imported and compiled lazily
 xr.open_zarr(sys.argv[1] + "/warm.zarr", chunks=None).load()
 store_status(sys.argv[1] + "/warm.zarr")
 if os.getuid() == 0:  # whom no permissions bind
@@ -483,54 +486,52 @@ def test_a_store_is_whole_or_absent(path, monkeypatch, expected):
 
 
 TOGETHER = f"""
-import sys, time
+import sys
 sys.path[:0] = {[str(Path(__file__).parent), str(TESTS / "helpers")]!r}
-from test_store import StoreError, sweep
-folder, rounds = sys.argv[1], int(sys.argv[2])
-sweep(f"{{folder}}/warm{{sys.argv[3]}}.zarr")
-print("ready", flush=True)
-begin = float(sys.stdin.readline())
-for i in range(rounds):
-    time.sleep(max(begin + i - 0.01 - time.time(), 0.0))
-    while time.time() < begin + i:  # to the microsecond
-        pass
-    try:
-        sweep(f"{{folder}}/x{{i}}.zarr")
-        print("done")
-    except StoreError as error:
-        print(error)
-    except Exception as error:
-        print(f"not foreseen: {{type(error).__name__}}: {{error}}")
+from test_store import outcome_of
+print(outcome_of(sys.argv[1] + "/warm.zarr"), flush=True)
+for line in sys.stdin:
+    path, begin = line.split("|")
+    print(outcome_of(path, float(begin)), flush=True)
 """
 
 
+def outcome_of(path, begin=0.0):
+    """How a sweep that begins at this time ends, in a line."""
+    time.sleep(max(begin - 0.01 - time.time(), 0.0))
+    while time.time() < begin:  # to the microsecond
+        pass
+    try:
+        sweep(path)
+    except StoreError as error:
+        return str(error)
+    except Exception as error:
+        return f"not foreseen: {type(error).__name__}: {error}"
+    return "done"
+
+
 def test_two_processes_on_a_store(tmp_path, pattern, expected):
-    rounds = 2
-    for i in range(1, rounds, 2):  # half of them have been begun before
-        shutil.copytree(pattern, tmp_path / f"x{i}.zarr")
-    runs = [
-        subprocess.Popen(
-            [sys.executable, "-c", TOGETHER, str(tmp_path), str(rounds), name],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        for name in "ab"
-    ]
-    for run in runs:
-        assert run.stdout.readline() == "ready\n"
-    begin = time.time() + 0.2
-    for run in runs:
-        run.stdin.write(f"{begin}\n")
-        run.stdin.flush()
-    said = [run.communicate()[0].splitlines() for run in runs]
-    assert all(len(lines) == rounds for lines in said), said
-    for i, (one, other) in enumerate(zip(*said, strict=True)):
-        path = tmp_path / f"x{i}.zarr"
-        assert "done" in (one, other), (one, other)
-        for words in (one, other):
-            assert words == "done" or is_clear(StoreError(words), path)
-        assert_same(sweep(path), expected)
+    sweep(tmp_path / "warm here.zarr", chunk=WHOLE)
+    with subprocess.Popen(
+        [sys.executable, "-c", TOGETHER, str(tmp_path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as other:
+        assert other.stdout.readline() == "done\n"
+        for begun in (False, True):
+            path = tmp_path / f"{begun}.zarr"
+            if begun:
+                shutil.copytree(pattern, path)
+            begin = time.time() + 0.05
+            other.stdin.write(f"{path}|{begin}\n")
+            other.stdin.flush()
+            said = [outcome_of(path, begin), other.stdout.readline().strip()]
+            assert "done" in said
+            for words in said:
+                assert words == "done" or is_clear(StoreError(words), path)
+            assert_same(sweep(path), expected)
+        other.stdin.close()
     assert leftovers(tmp_path) == []
 
 
@@ -554,7 +555,7 @@ def test_of_other_parameters(begun):
     found = {line.strip().partition(":")[0]: line for line in lines}
     assert set(found) == {"a", "M", "V_lp", "sigma", "law", "chunk"}
     assert "0.003 in the store, 0.004 now" in found["a"]
-    assert "6 of 6 values differ, first at M[0]: 100.0 kg/m^2 in the store, 150.0" in found["M"]
+    assert "4 of 4 values differ, first at M[0]: 100.0 kg/m^2 in the store, 150.0" in found["M"]
     assert "3 of 4 values differ, first at V_lp[1]: " in found["V_lp"]
     assert "2000000.0 Pa in the store, <sigma: 2; 1e+06 to 2e+06 Pa> now" in found["sigma"]
     assert "slip in the store, aging now" in found["law"]
@@ -578,7 +579,7 @@ def test_of_an_axis_that_differs_in_the_last_bit(begun):
 
 def test_of_another_dimension(begun):
     M = xr.DataArray(AXES["M"].values, dims="depth")
-    with pytest.raises(StoreError, match=r"M: <M: 6; .*> in the store, <depth: 6; .*> now"):
+    with pytest.raises(StoreError, match=r"M: <M: 4; .*> in the store, <depth: 4; .*> now"):
         sweep(begun, M=M)
 
 
@@ -588,7 +589,7 @@ def test_of_another_verb(begun):
 
 
 def test_of_other_settings(path):
-    few = {"M": AXES["M"][:2], "V_lp": AXES["V_lp"][:2]}
+    few = {"M": AXES["M"][:2], "V_lp": 1e-3}
     sweep(path, "limit_cycle", **few)
     with pytest.raises(StoreError, match=r"\n  rtol: 1e-08 in the store, 1e-07 now$"):
         sweep(path, "limit_cycle", rtol=1e-7, **few)
@@ -601,6 +602,13 @@ MOTION = {
     "V_start": 1e-3,
     "M": AXES["M"][:2],
 }
+
+
+@pytest.fixture(scope="module")
+def motion(tmp_path_factory):
+    path = tmp_path_factory.mktemp("motion") / "x.zarr"
+    sweep(path, "simulate", **MOTION)
+    return path
 
 
 @pytest.mark.parametrize(
@@ -618,8 +626,8 @@ MOTION = {
         ({"rtol": 1e-5, "t_end": 0.05}, {"rtol", "t_end"}),
     ],
 )
-def test_of_another_motion(path, changed, named):
-    sweep(path, "simulate", **MOTION)
+def test_of_another_motion(path, motion, changed, named):
+    shutil.copytree(motion, path)
     with pytest.raises(StoreError) as error:
         sweep(path, "simulate", **MOTION | changed)
     assert {line.strip().partition(":")[0] for line in str(error.value).splitlines()[1:]} == named
@@ -698,12 +706,11 @@ def test_records_cut_short_or_lost(begun, name, use):
 
 
 def flipped(file):
-    """Flip bits of a file, a byte at a time, and mend it again."""
+    """Flip bits of a file, a byte at a time: the first, one more, or all; and mend it again."""
     content = file.read_bytes()
-    for i in range(len(content)):
-        for mask in (0x01, 0x40, 0xFF):
-            file.write_bytes(content[:i] + bytes([content[i] ^ mask]) + content[i + 1 :])
-            yield i
+    for i, mask in zip(range(len(content)), itertools.cycle((0x01, 0x40, 0xFF))):
+        file.write_bytes(content[:i] + bytes([content[i] ^ mask]) + content[i + 1 :])
+        yield i
     file.write_bytes(content)
 
 
@@ -782,7 +789,7 @@ def cases():
         ),
         "a parameter over the axis of another": (
             "stability",
-            {"K": xr.DataArray(np.linspace(1e8, 9e8, 6), dims="M"), "V_lp": speeds},
+            {"K": xr.DataArray(np.linspace(1e8, 9e8, 4), dims="M"), "V_lp": speeds},
         ),
     }
 
@@ -795,10 +802,23 @@ def asked(name):
     return verb, arguments
 
 
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """Name of a sweep -> the path of its store, and what the sweep returns, numbers unread."""
+    paths: dict = {}
+
+    def store(name):
+        verb, arguments = asked(name)
+        path = paths.setdefault(name, tmp_path_factory.mktemp("stored") / "x.zarr")
+        return path, sweep(path, verb, **arguments)
+
+    return store
+
+
 @pytest.mark.parametrize("name", cases())
-def test_read_again(path, name):
+def test_read_again(stored, name):
     verb, arguments = asked(name)
-    returned = sweep(path, verb, **arguments)
+    path, returned = stored(name)
     expected = sweep(None, verb, **arguments)
     again = xr.open_zarr(path)  # no warning
     for result in (returned, again):
@@ -818,9 +838,8 @@ def test_read_again(path, name):
         assert_same(sweep(None, verb, **arguments | {"chunk": chunk}), expected)
 
 
-def test_types_and_what_is_not_a_number(path):
-    verb, arguments = asked("limit cycles")
-    result = sweep(path, verb, **arguments)
+def test_types_and_what_is_not_a_number(stored):
+    _, result = stored("limit cycles")
     assert result.status.dtype == np.int8
     assert result.multipliers.dtype == np.complex128
     assert result.stable.dtype.kind == "b" or result.stable.dtype == float
@@ -832,20 +851,18 @@ def test_types_and_what_is_not_a_number(path):
 
 
 @pytest.mark.parametrize("name", ["stability", "limit cycles", "runs", "labels"])
-@pytest.mark.parametrize("opened", [True, False], ids=["opened", "returned"])
-def test_to_netcdf(path, name, opened):
-    verb, arguments = asked(name)
-    result = sweep(path, verb, **arguments)
-    result = xr.open_zarr(path) if opened else result
+def test_to_netcdf(stored, name, tmp_path):
+    path, returned = stored(name)
     engine = {"engine": "h5netcdf", "invalid_netcdf": True}  # complex numbers
-    file = path.with_suffix(".nc")
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", ".*invalid netcdf.*")
-        result.to_netcdf(file, **engine)
-    with xr.open_dataset(file, engine="h5netcdf") as again:
-        assert set(again.variables) == set(result.variables)
-        for key in ("status", "message"):
-            assert same(again[key].values, result[key].values)
+    for result in (returned, xr.open_zarr(path)):
+        file = tmp_path / "x.nc"
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*invalid netcdf.*")
+            result.to_netcdf(file, **engine)
+        with xr.open_dataset(file, engine="h5netcdf") as again:
+            assert set(again.variables) == set(result.variables)
+            for key in ("status", "message"):
+                assert same(again[key].values, result[key].values)
 
 
 # What is held -------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 """`sweep`: the same bits as the verb, however it is cut; bad cases; interruption; progress."""
 
+import contextlib
 import dataclasses
 import itertools
 import math
@@ -177,7 +178,7 @@ ARRAYS = {
 
 
 @pytest.mark.parametrize("arrays", ARRAYS)
-@pytest.mark.parametrize(("chunk", "store"), [(None, True), (1, False), (2, True)])
+@pytest.mark.parametrize(("chunk", "store"), [(None, False), (1, False), (2, True)])
 def test_any_arrays(arrays, chunk, store, tmp_path):
     slider = rs.SpringSlider(**FIG2 | ARRAYS[arrays])
     alone = rs.limit_cycle(slider, "3.2 mm/s", rtol=1e-6)
@@ -186,7 +187,7 @@ def test_any_arrays(arrays, chunk, store, tmp_path):
     xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
 
 
-@pytest.mark.parametrize("chunk", [None, 2])
+@pytest.mark.parametrize(("chunk", "store"), [(None, False), (2, False), (6, True)])
 @pytest.mark.parametrize(
     "changes",
     [
@@ -198,15 +199,15 @@ def test_any_arrays(arrays, chunk, store, tmp_path):
         {"method": "im2017", "dt": 1e-5},
     ],
 )
-def test_any_arguments_of_simulate(changes, chunk, tmp_path):
+def test_any_arguments_of_simulate(changes, chunk, store, tmp_path):
     arguments = CALLS["simulate"] | changes
     alone = rs.simulate(SLIDER, **arguments)
-    for store in (None, tmp_path / "x.zarr"):
-        found = sweep("simulate", chunk=chunk, store=store, **arguments)
-        xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
+    path = tmp_path / "x.zarr" if store else None
+    found = sweep("simulate", chunk=chunk, store=path, **arguments)
+    xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=12)
 @given(st.data())
 def test_a_case_has_the_same_bits_in_any_sweep(data):
     n = data.draw(st.integers(1, 40))
@@ -215,8 +216,8 @@ def test_a_case_has_the_same_bits_in_any_sweep(data):
     speed = [1e-2 * 10 ** data.draw(log) for _ in range(n)]
     slider = rs.SpringSlider(**FIG2, M=xarray.DataArray(mass, dims="case"))
     V_lp = xarray.DataArray(speed, dims="case")
-    whole = sweep("limit_cycle", slider, V_lp=V_lp)
-    pieces = sweep("limit_cycle", slider, V_lp=V_lp, chunk=data.draw(st.integers(1, n)))
+    whole = sweep("limit_cycle", slider, V_lp=V_lp, rtol=1e-6)
+    pieces = sweep("limit_cycle", slider, V_lp=V_lp, rtol=1e-6, chunk=data.draw(st.integers(1, n)))
     xarray.testing.assert_identical(whole, pieces)
 
 
@@ -255,20 +256,19 @@ def raising(monkeypatch):
     monkeypatch.setattr(LimitCycleCall, "run", raises)
 
 
-@pytest.mark.parametrize("chunk", [None, 1, 5])
-@pytest.mark.parametrize("store", [False, True])
+@pytest.mark.parametrize(("chunk", "store"), [(None, True), (1, True), (5, False), (None, False)])
 def test_a_case_that_raises_is_found(raising, chunk, store, tmp_path):
-    mass = xarray.DataArray([1e3, 2e3, 3e3, BAD, 5e3, 6e3, 7e3], dims="M")
-    slider = rs.SpringSlider(**FIG2, M=mass)
-    good = [0, 1, 2, 4, 5, 6]
+    mass = xarray.DataArray([1e3, 2e3, 3e3, BAD], dims="M")
+    slider, speeds = rs.SpringSlider(**FIG2, M=mass), V_LP[1:3]
+    good = [0, 1, 2]
     path = tmp_path / "x.zarr" if store else None
-    found = sweep("limit_cycle", slider, V_lp=V_LP, chunk=chunk, store=path, rtol=1e-6)
+    found = sweep("limit_cycle", slider, V_lp=speeds, chunk=chunk, store=path, rtol=1e-6)
     assert (found.status.isel(M=3) == CRASHED).all()
     assert (found.outside_domain.isel(M=3) == -1).all()
     assert all("ZeroDivisionError: spanner" in text for text in found.message.isel(M=3).values)
     assert np.isnan(found.period.isel(M=3)).all()
     assert not found.stable.isel(M=3).any()
-    rest = rs.limit_cycle(slider.replace(M=mass[good]), V_LP, rtol=1e-6)
+    rest = rs.limit_cycle(slider.replace(M=mass[good]), speeds, rtol=1e-6)
     for name, variable in rest.data_vars.items():
         assert np.array_equal(found[name].isel(M=good), variable, equal_nan=True), name
 
@@ -417,14 +417,21 @@ def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
 
 CODE = """
 import signal, ratestate as rs
+from ratestate.dynamics.simulation.simulate import SimulateCall
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 M = rs.logspace("M", 100, 1e5, 40)
 slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=M)
 V_lp = rs.logspace("V_lp", 1e-2, 1e-1, 40)
-kwargs = dict(loading=rs.Loading.constant(V_lp), V_start=1e-3, t_end=1e4, progress=False)
-rs.sweep("simulate", slider, **kwargs | dict(t_end=1e-3))
-print("ready", flush=True)
-rs.sweep("simulate", slider, **kwargs)
+kwargs = dict(loading=rs.Loading.constant(V_lp), V_start=1e-3, progress=False, chunk=800)
+rs.sweep("simulate", slider, t_end=1e-3, **kwargs)  # compile
+run = SimulateCall.run
+
+def tell(call, progress=None):
+    print("ready", flush=True)
+    return run(call, progress)
+
+SimulateCall.run = tell
+rs.sweep("simulate", slider, t_end=1e4, **kwargs)
 """
 
 
@@ -433,7 +440,7 @@ def test_an_interrupt_ends_it_soon():
         [sys.executable, "-c", CODE], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
         assert process.stdout.readline() == "ready\n"
-        time.sleep(1.0)
+        time.sleep(0.3)  # now kernels run
         process.send_signal(signal.SIGINT)
         try:
             _, errors = process.communicate(timeout=20)  # the work itself would take hours
@@ -486,26 +493,20 @@ def test_a_quiet_sweep_is_quiet(capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_bar_is_drawn_on_a_terminal():
-    import pty
-
-    code = CODE.replace("progress=False", "progress=True").replace("t_end=1e4", "t_end=2.0")
+def test_a_bar_is_drawn_on_a_terminal(monkeypatch):
+    pty = pytest.importorskip("pty")
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr("ratestate.dynamics.progress.PATIENCE", 0.0)
+    slider = SLIDER.replace(M=rs.logspace("M", 100, 1e5, 40))
     parent, child = pty.openpty()
-    environment = os.environ | {"COLUMNS": "100", "TERM": "xterm"}
-    with subprocess.Popen(
-        [sys.executable, "-c", code], stdout=child, stderr=child, env=environment
-    ) as process:
-        os.close(child)
-        text = b""
-        while True:
-            try:
-                piece = os.read(parent, 10_000)
-            except OSError:  # the end, on Linux
-                break
-            if not piece:
-                break
+    with os.fdopen(child, "w") as terminal, monkeypatch.context() as patch:
+        patch.setattr(sys, "stderr", terminal)
+        sweep("stability", slider, V_lp=rs.logspace("V_lp", 1e-2, 1e-1, 40), progress=True)
+    text = b""
+    with contextlib.suppress(OSError):  # the end, on Linux
+        while piece := os.read(parent, 10_000):
             text += piece
     os.close(parent)
-    assert process.returncode == 0
     assert b"of 1,600 cases, 0 failed" in text
     assert b"cases/s" in text

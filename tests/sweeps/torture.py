@@ -65,7 +65,13 @@ class Size(NamedTuple):
 
 
 # (without kernels to load, a process takes a second)
-SMALL = Size(verb="stability", masses=(0, 1000), stiffnesses=4, speeds=10)
+SMALL = Size(verb="stability", masses=(1000,), stiffnesses=2, speeds=4)
+
+
+def command(folder, size):
+    """The command that makes the store in a folder or resumes it."""
+    options = ["--store", folder / "x.zarr", "--chunk", size.chunk]
+    return [str(word) for word in (*COMMAND, folder / "sweep.toml", *options)]
 
 
 class Run:
@@ -73,12 +79,11 @@ class Run:
 
     def __init__(self, folder, size):
         self.store = folder / "x.zarr"
-        command = [*COMMAND, folder / "sweep.toml", "--store", self.store, "--chunk", size.chunk]
         self.begin = time.monotonic()
         self.errors = folder / "errors"
         with self.errors.open("w") as errors:
             self.process = subprocess.Popen(
-                list(map(str, command)),
+                command(folder, size),
                 stdout=subprocess.DEVNULL,
                 stderr=errors,
                 start_new_session=True,
@@ -105,6 +110,24 @@ class Run:
     def end(self):
         """Wait for its end; exit code, and what it wrote to stderr."""
         return self.process.wait(PATIENCE), self.errors.read_text()
+
+
+class Here(Run):
+    """The same in this process, from beginning to end: quicker, and nothing that can be killed."""
+
+    def __init__(self, folder, size):
+        from typer.testing import CliRunner
+
+        from ratestate.interfaces.cli import main
+
+        self.store, self.begin = folder / "x.zarr", time.monotonic()
+        self.result = CliRunner().invoke(main, command(folder, size)[len(COMMAND) - 1 :])
+
+    def until(self, condition):
+        return False
+
+    def end(self):
+        return self.result.exit_code, self.result.stderr
 
 
 class Timing(NamedTuple):
@@ -143,10 +166,10 @@ def contents(store):
 class Reference:
     """The store of an uninterrupted run, and how long that took."""
 
-    def __init__(self, folder, size):
+    def __init__(self, folder, size, whole=Run):
         folder.mkdir()
         (folder / "sweep.toml").write_text(size.scenario)
-        run = Run(folder, size)
+        run, self.whole = whole(folder, size), whole
         run.until(lambda: siblings(run.store))
         making = run.age
         run.until(run.store.exists)
@@ -254,7 +277,7 @@ class Victim:
 
     def finish(self):
         """Let the command end, and see whether all is as in the uninterrupted run."""
-        code, errors = Run(self.folder, self.size).end()
+        code, errors = self.reference.whole(self.folder, self.size).end()
         if code != self.size.code:
             self.wrong.append(f"the resuming command ended with {code}: {errors}")
         self.check()
@@ -276,10 +299,13 @@ def same(one, other):
     return (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
 
 
-def torture(folder, size, kills, seed, say=lambda text: None):
-    """Kill sweeps of this size so many times; `Counter` of what the kills left, list of faults."""
+def torture(folder, size, kills, seed, say=lambda text: None, whole=Run):
+    """Kill sweeps of this size so many times; `Counter` of what the kills left, list of faults.
+
+    whole : makes the runs that are not killed
+    """
     dice = random.Random(seed)
-    reference = Reference(folder / "reference", size)
+    reference = Reference(folder / "reference", size, whole)
     timing = reference.timing
     say(
         f"uninterrupted: {sum(reference.status.values())} cases in {len(reference.chunks)} chunks, "
