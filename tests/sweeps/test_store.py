@@ -99,12 +99,6 @@ def path(tmp_path):
     return tmp_path / "x.zarr"
 
 
-@pytest.fixture(autouse=True)
-def quick(monkeypatch):
-    """No waiting for the disk: what it is asked for, and when, has a test of its own."""
-    monkeypatch.setattr(os, "fsync", lambda handle: None)
-
-
 @pytest.fixture(scope="module")
 def pattern(tmp_path_factory):
     return interrupted(tmp_path_factory.mktemp("pattern") / "x.zarr")

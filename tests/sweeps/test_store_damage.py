@@ -21,12 +21,6 @@ from ratestate.sweeps.store import open_result
 from ratestate.sweeps.writing import NO_RESULT
 
 
-@pytest.fixture(autouse=True)
-def quick(monkeypatch):
-    """No waiting for the disk."""
-    monkeypatch.setattr("os.fsync", lambda handle: None)
-
-
 @pytest.fixture(scope="module")
 def expected():
     return sweep()

@@ -178,16 +178,14 @@ ARRAYS = {
 
 
 @pytest.mark.parametrize("arrays", ARRAYS)
-@pytest.mark.parametrize(("chunk", "store"), [(None, False), (1, False), (2, True)])
-def test_any_arrays(arrays, chunk, store, tmp_path):
-    slider = rs.SpringSlider(**FIG2 | ARRAYS[arrays])
-    alone = rs.limit_cycle(slider, "3.2 mm/s", rtol=1e-6)
-    path = tmp_path / "x.zarr" if store else None
-    found = sweep(rs.limit_cycle, slider, chunk=chunk, store=path, V_lp="3.2 mm/s", rtol=1e-6)
-    xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
+def test_any_arrays(arrays, tmp_path):
+    slider, arguments = rs.SpringSlider(**FIG2 | ARRAYS[arrays]), {"V_lp": "3.2 mm/s", "rtol": 1e-6}
+    alone = rs.limit_cycle(slider, **arguments)
+    for chunk, store in ((None, None), (1, None), (2, tmp_path / "x.zarr")):
+        found = sweep(rs.limit_cycle, slider, chunk=chunk, store=store, **arguments)
+        xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
 
 
-@pytest.mark.parametrize(("chunk", "store"), [(None, False), (2, False), (6, True)])
 @pytest.mark.parametrize(
     "changes",
     [
@@ -199,12 +197,12 @@ def test_any_arrays(arrays, chunk, store, tmp_path):
         {"method": "im2017", "dt": 1e-5},
     ],
 )
-def test_any_arguments_of_simulate(changes, chunk, store, tmp_path):
+def test_any_arguments_of_simulate(changes, tmp_path):
     arguments = CALLS["simulate"] | changes
     alone = rs.simulate(SLIDER, **arguments)
-    path = tmp_path / "x.zarr" if store else None
-    found = sweep("simulate", chunk=chunk, store=path, **arguments)
-    xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
+    for chunk, store in ((None, None), (2, None), (6, tmp_path / "x.zarr")):
+        found = sweep("simulate", chunk=chunk, store=store, **arguments)
+        xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
 
 
 @settings(deadline=None, max_examples=12)
