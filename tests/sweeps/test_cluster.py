@@ -14,11 +14,11 @@ import types
 import numpy as np
 import pytest
 import xarray
+from misbehaving import BAD, Deadly, Ending, Raising, Slow, bad
 
 import ratestate as rs
 from ratestate.dynamics.cycles.limit_cycle import LimitCycleCall, limit_cycle, limit_cycle_call
 from ratestate.dynamics.results import versions
-from ratestate.dynamics.steady_sliding import StabilityCall
 from ratestate.engine.model import CRASHED
 from ratestate.errors import StoreError
 from ratestate.model.arrays import cut
@@ -49,44 +49,6 @@ ARGUMENTS = {
         "times": [0.0, 0.01, 0.05],
     },
 }
-BAD = [(i, 1) for i in (5, 17)]  # places of bad cases
-
-
-def bad(call):
-    """Whether there are bad cases among those of a call."""
-    cases = [(M.values[i], V_LP.values[j]) for i, j in BAD]
-    return any(case in cases for case in zip(*map(call.batch.flat, ("M", "V_lp")), strict=True))
-
-
-class Slow(LimitCycleCall):
-    """Takes its time, and counts how many of its kind do so at once in this process."""
-
-    now = most = 0
-
-    def run(self, progress=None):
-        Slow.now += 1
-        Slow.most = max(Slow.most, Slow.now)
-        time.sleep(0.2)
-        Slow.now -= 1
-        return super().run(progress)
-
-
-class Deadly(LimitCycleCall):
-    """Kills its process if there are bad cases."""
-
-    def run(self, progress=None):
-        if bad(self):
-            os.kill(os.getpid(), signal.SIGKILL)
-        return super().run(progress)
-
-
-class Raising(LimitCycleCall):
-    """Raises if there are bad cases."""
-
-    def run(self, progress=None):
-        if bad(self):
-            raise ZeroDivisionError("spanner")
-        return super().run(progress)
 
 
 @pytest.fixture(autouse=True)
@@ -179,9 +141,28 @@ def meanwhile(do, when=lambda: True):
         thread.join()
 
 
-def some_done(path):
-    """Whether a store holds some, but not all chunks."""
-    return lambda: path.exists() and len(list((path / "sweep" / "done" / "c").glob("*"))) > 3
+@pytest.fixture
+def once_done(monkeypatch):
+    """Do something, in the thread of a sweep, once so many of its cases are done."""
+
+    def arrange(cases, do):
+        finished = progress.ProgressReport.finished
+
+        def look(report, outcome):
+            finished(report, outcome)
+            if report.done >= cases:
+                monkeypatch.setattr(progress.ProgressReport, "finished", finished)
+                do()
+
+        monkeypatch.setattr(progress.ProgressReport, "finished", look)
+
+    return arrange
+
+
+@pytest.fixture(autouse=True)
+def often(monkeypatch):
+    """Look after workers all the time."""
+    monkeypatch.setattr(cluster_work, "LOOK", 0.05)
 
 
 def deaths(client):
@@ -216,21 +197,24 @@ def test_a_task_weighs_what_its_cases_do():
 # --------------------------------------------------------------------------------- workers that die
 
 
-def test_a_killed_worker_costs_nothing(client, cycles, alone):
+def test_a_killed_worker_costs_nothing(client, cycles, alone, once_done, monkeypatch):
     cycles(Slow)
-    before = deaths(client)
-
-    def several():  # tasks: this is no probe
-        return client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)) > 2
+    before, lost, lost_tasks = deaths(client), [], cluster_work.Work.lost_tasks
 
     def kill():
-        time.sleep(0.5)
-        pid = next(iter(client.run(os.getpid).values()))
-        os.kill(pid, signal.SIGKILL)
+        pids, tasks = client.run(os.getpid), client.processing()
+        os.kill(pids[max(pids, key=lambda worker: len(tasks[worker]))], signal.SIGKILL)
 
-    with meanwhile(kill, several):
-        found = sweep("limit_cycle", client=client, chunk=2)
+    def watched(work):
+        found = lost_tasks(work)
+        lost.extend(found)
+        return found
+
+    monkeypatch.setattr(cluster_work.Work, "lost_tasks", watched)
+    once_done(4, kill)
+    found = sweep("limit_cycle", client=client, chunk=4)
     assert deaths(client) == before + 1
+    assert 1 <= len(lost) <= 2
     xarray.testing.assert_identical(found, alone)
 
 
@@ -246,8 +230,9 @@ def check_failed(found, alone, message):
     xarray.testing.assert_identical(found.load().where(good), alone.where(good))
 
 
-def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path):
+def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path, monkeypatch):
     cycles(Deadly)
+    monkeypatch.setattr(cluster, "AHEAD", 1)  # a bad chunk has no other with it
     before = deaths(client)
     # chunks so small that a bad one costs few processes
     found = sweep("limit_cycle", client=client, chunk=4, store=tmp_path / "x.zarr")
@@ -332,18 +317,6 @@ def test_the_case_that_kills_is_found_by_halving(monkeypatch):
     assert sorted(n for n, killed in tried if killed) == [1, 1, 6, 6]
 
 
-class Ending(StabilityCall):
-    """Is ended by signals if there are bad cases: asked to end, then killed."""
-
-    def run(self, progress=None):
-        if self.batch.n == 1:
-            os.kill(os.getpid(), signal.SIGTERM)
-            os.kill(os.getpid(), signal.SIGINT)
-        if bad(self):
-            os.kill(os.getpid(), signal.SIGKILL)
-        return super().run(progress)
-
-
 def test_a_case_is_not_blamed_for_what_ends_its_worker_too(monkeypatch):
     """Who asks a whole job to end asks its processes, too; who kills it needs a moment."""
     _, call = calls.call_of("stability", SLIDER.replace(M=M[5:6]), ARGUMENTS["stability"])
@@ -361,66 +334,58 @@ def test_a_case_is_not_blamed_for_what_ends_its_worker_too(monkeypatch):
 # --------------------------------------------------------------------------- a cluster that is lost
 
 
-def test_a_cluster_that_closes(cycles, alone, tmp_path):
+def test_a_cluster_that_closes(cycles, alone, once_done, tmp_path):
     cycles(Slow)
     path = tmp_path / "x.zarr"
-    with (
-        local_cluster(1) as client,
-        meanwhile(client.cluster.close, some_done(path)),
-        pytest.raises(rs.SolverError, match=r"cluster is lost .* run the same sweep again"),
-    ):
-        sweep("limit_cycle", client=client, chunk=2, store=path)
+    with local_cluster(1) as client:
+        once_done(8, client.cluster.close)
+        with pytest.raises(rs.SolverError, match=r"cluster is lost .* run the same sweep again"):
+            sweep("limit_cycle", client=client, chunk=4, store=path)
     assert 8 <= store_status(path).done < 48
+    cycles(LimitCycleCall)
     xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
 
 
-def test_an_interrupt_ends_it_soon(client, cycles, alone, monkeypatch, tmp_path):
+def test_an_interrupt_ends_it_soon(client, cycles, alone, once_done, tmp_path):
     cycles(Slow)
-    path, times, finished = tmp_path / "x.zarr", [], progress.ProgressReport.finished
+    path, times = tmp_path / "x.zarr", []
 
-    def interrupt(report, outcome):
-        finished(report, outcome)
-        if report.done >= 8:
-            times.append(time.monotonic())
-            raise KeyboardInterrupt
+    def interrupt():
+        times.append(time.monotonic())
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr(progress.ProgressReport, "finished", interrupt)
+    once_done(8, interrupt)
     with pytest.raises(KeyboardInterrupt):
-        sweep("limit_cycle", client=client, chunk=2, store=path)
+        sweep("limit_cycle", client=client, chunk=4, store=path)
     assert time.monotonic() - times[0] < 5.0
-    monkeypatch.setattr(progress.ProgressReport, "finished", finished)
-
-    def under_way():
-        return client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks))
-
-    until = time.monotonic() + 20.0
-    while under_way() and time.monotonic() < until:
-        time.sleep(0.1)
-    assert under_way() == 0
+    while client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)):
+        time.sleep(0.02)
     assert 8 <= store_status(path).done < 48
+    cycles(LimitCycleCall)
     found = sweep("limit_cycle", client=client, store=path)
     xarray.testing.assert_identical(found.load(), alone)
 
 
 def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, capfd):
     cycles(Slow)
-    monkeypatch.setattr(cluster_work, "PATIENCE", 0.5)
-    begin, said = time.monotonic(), "ratestate: the cluster has no workers; waiting for some ...\n"
+    monkeypatch.setattr(cluster_work, "PATIENCE", 0.1)
+    looks, said = [], "ratestate: the cluster has no workers; waiting for some ...\n"
     Slow.most, look = 0, cluster_work.Work.thread_count
 
     def interrupt(work):
-        if time.monotonic() - begin > 2.0:
+        looks.append(time.monotonic())
+        if looks[-1] - looks[0] > 0.5:
             raise KeyboardInterrupt
         return look(work)
 
     with local_cluster(0) as client:
         monkeypatch.setattr(cluster_work.Work, "thread_count", interrupt)
         with pytest.raises(KeyboardInterrupt):
-            sweep("limit_cycle", client=client, chunk=2)
+            sweep("limit_cycle", client=client, chunk=4)
         monkeypatch.setattr(cluster_work.Work, "thread_count", look)
         assert capfd.readouterr().err == said
         with meanwhile(lambda: client.cluster.scale(4), lambda: capfd.readouterr().err == said):
-            found = sweep("limit_cycle", client=client, chunk=2)
+            found = sweep("limit_cycle", client=client, chunk=4)
     xarray.testing.assert_identical(found, alone)
     assert Slow.most == 4  # those that came late have work too
 
@@ -455,15 +420,15 @@ def test_workers_that_lack_a_program_are_refused(client, cycles, monkeypatch):
         sweep("limit_cycle", client=client, chunk=8)
 
 
-def test_a_store_that_workers_cannot_write_to(client, cycles, alone, tmp_path):
+def test_a_store_that_workers_cannot_write_to(client, cycles, alone, once_done, tmp_path):
     cycles(Slow)
-    path = tmp_path / "x.zarr"
-    with (
-        meanwhile(lambda: path.rename(tmp_path / "y.zarr"), some_done(path)),
-        pytest.raises(StoreError, match=r"x\.zarr cannot be written to"),
-    ):
-        sweep("limit_cycle", client=client, chunk=2, store=path)
-    time.sleep(0.5)
+    path, moved = tmp_path / "x.zarr", tmp_path / "y.zarr"
+    once_done(8, lambda: path.rename(moved))
+    with pytest.raises(StoreError, match=r"x\.zarr cannot be written to"):
+        sweep("limit_cycle", client=client, chunk=4, store=path)
+    while any(client.processing().values()):
+        time.sleep(0.02)
     shutil.rmtree(path, ignore_errors=True)
-    (tmp_path / "y.zarr").rename(path)
+    moved.rename(path)
+    cycles(LimitCycleCall)
     xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)

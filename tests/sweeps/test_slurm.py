@@ -12,9 +12,10 @@ import dask
 import pytest
 import xarray
 from distributed import Client, Worker
+from misbehaving import Held
 
 import ratestate as rs
-from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
+from ratestate.dynamics.steady_sliding import stability_call
 from ratestate.sweeps import backends, calls, cluster, cluster_work
 from ratestate.sweeps.jobs import Jobs, State
 from ratestate.sweeps.slurm import SLURM, squeue
@@ -550,20 +551,11 @@ def test_a_job_outlives_its_worker(slurm, kept):
 # ------------------------------------------------------------------------------ with Dask's workers
 
 
-class SlowCall(StabilityCall):
-    """Ends, on a worker, once a file is there."""
-
-    def run(self, progress=None):
-        while "HELD_UNTIL" in os.environ and not Path(os.environ["HELD_UNTIL"]).exists():
-            time.sleep(0.05)
-        return super().run(progress)
-
-
 def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
     """A worker's death makes its chunks suspect, and its job's end does not."""
 
     def call(slider, V_lp):
-        return SlowCall(**vars(stability_call(slider, V_lp)))
+        return Held(**vars(stability_call(slider, V_lp)))
 
     monkeypatch.setitem(calls.FUNCTIONS, "stability", (rs.stability, call))
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent), prepend=os.pathsep)
@@ -592,7 +584,8 @@ def test_a_sweep_outlives_its_jobs(slurm, monkeypatch, capfd, tmp_path):
         seen.update((len(events), job_has_ended) for _, job_has_ended in known)
         return known
 
-    monkeypatch.setattr("ratestate.sweeps.jobs.POLL", 1.0)
+    for name in ("jobs.POLL", "jobs.SOON", "cluster_work.LOOK"):
+        monkeypatch.setattr(f"ratestate.sweeps.{name}", 0.2)
     monkeypatch.setattr(Jobs, "maintain", meanwhile)
     monkeypatch.setattr(cluster_work.Work, "lost_tasks", watched)
     arguments = {"V_lp": 1e-2, "progress": False}
