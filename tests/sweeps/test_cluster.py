@@ -78,14 +78,26 @@ def cycles(monkeypatch):
     return by
 
 
+#: beside Dask, what workers have imported before they are forked
+IMPORTED = ["ratestate.sweeps.task", "ratestate.sweeps.subprocesses", "ratestate.sweeps.calls"]
+
+
 @pytest.fixture(scope="module")
 def client():
     import dask
     from distributed import Client, LocalCluster
+    from distributed.utils import get_mp_context
 
-    # A worker of a LocalCluster that is seen to be down twice within 15 s is given up.
+    settings = {
+        # A worker of a LocalCluster that is seen to be down twice within 15 s is given up.
+        "distributed.deploy.lost-worker-timeout": "1h",
+        # Workers, and those that come for the dead, are forks of a process that has imported much.
+        "distributed.worker.multiprocessing-method": "forkserver",
+    }
+    with dask.config.set(settings):
+        get_mp_context().set_forkserver_preload(["distributed.nanny", *IMPORTED])
     with (
-        dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"}),
+        dask.config.set(settings),
         LocalCluster(
             n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs="CRITICAL"
         ) as workers,
