@@ -371,6 +371,7 @@ def test_an_interrupt_ends_it_soon(client, cycles, alone, once_done, tmp_path):
         sweep("limit_cycle", client=client, chunk=4, store=path)
     assert time.monotonic() - times[0] < 5.0
     while client.run_on_scheduler(lambda dask_scheduler: len(dask_scheduler.tasks)):
+        assert time.monotonic() - times[0] < 20.0, "tasks are left on the scheduler"
         time.sleep(0.02)
     assert 8 <= store_status(path).done < 48
     cycles(LimitCycleCall)
