@@ -414,7 +414,7 @@ def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
 
 
 CODE = """
-import signal, ratestate as rs
+import signal, sys, ratestate as rs
 from ratestate.dynamics.simulation.simulate import SimulateCall
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 M = rs.logspace("M", 100, 1e5, 40)
@@ -425,7 +425,8 @@ rs.sweep("simulate", slider, t_end=1e-3, **kwargs)  # compile
 run = SimulateCall.run
 
 def tell(call, progress=None):
-    print("ready", flush=True)
+    sys.stdout.write("ready\\n")  # at once: print would mix with that of the other thread
+    sys.stdout.flush()
     return run(call, progress)
 
 SimulateCall.run = tell
@@ -437,10 +438,10 @@ def test_an_interrupt_ends_it_soon():
     with subprocess.Popen(
         [sys.executable, "-c", CODE], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
-        assert process.stdout.readline() == "ready\n"
-        time.sleep(0.3)  # now kernels run
-        process.send_signal(signal.SIGINT)
         try:
+            assert process.stdout.readline() == "ready\n"
+            time.sleep(0.3)  # now kernels run
+            process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=20)  # the work itself would take hours
         finally:
             process.kill()
