@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 import shutil
 
 import h5py
@@ -175,7 +176,8 @@ def test_any_lost_or_altered_file_of_a_zarr_is_found(folder, results):
         path.unlink()
         with pytest.raises(ParameterError, match=r"x\.zarr"):
             files.read(folder)
-        for at in (0, len(content) // 2):
+        names = [m.start() for m in re.finditer(b"checksums", content)]
+        for at in (0, len(content) // 2, *range(5, min(len(content), 600), 67), *names):
             path.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
             with pytest.raises(ParameterError, match=r"x\.zarr"):
                 files.read(folder)

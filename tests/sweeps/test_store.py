@@ -517,7 +517,7 @@ def test_two_processes_on_a_store(tmp_path, pattern, expected):
             path = tmp_path / f"{begun}.zarr"
             if begun:
                 shutil.copytree(pattern, path)
-            begin = time.time() + 0.05
+            begin = time.time() + 0.2
             other.stdin.write(f"{path}|{begin}\n")
             other.stdin.flush()
             said = [outcome_of(path, begin), other.stdout.readline().strip()]

@@ -197,6 +197,21 @@ def test_any_change_of_a_byte_is_seen(path):
     assert store_status(path, verify=True).flaws == []
 
 
+@pytest.mark.parametrize(
+    ("name", "value"), [("sizes", {"M": 5, "V_lp": 4}), ("sizes", {"M": 4}), ("chunk", [0, 2])]
+)
+def test_sizes_that_do_not_fit_the_flags(path, name, value):
+    """A digit changed in the record of the sweep ended in an IndexError or ZeroDivisionError."""
+    file = path / "sweep/zarr.json"
+    group = json.loads(file.read_text())
+    assert name in group["attributes"]
+    group["attributes"][name] = value
+    file.write_text(json.dumps(group))
+    for use in (sweep, store_status, lambda path: store_status(path, verify=True)):
+        with pytest.raises(StoreError, match=r"\(sweep/zarr.json\) is damaged"):
+            use(path)
+
+
 def test_what_cannot_be_mended_is_left_as_it_is(path, monkeypatch):
     flip(path / "M/c/0")
     before = files(path)

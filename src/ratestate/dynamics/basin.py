@@ -30,8 +30,8 @@ CYCLES = ("amplitude", "period", "unstable_amplitude", "unstable_period", "unsta
 VARIABLES = [*KINDS, "outcome", *CYCLES]
 # Sizes tried, as |ln(V_lp/V)| and as |change of tau|/(a sigma): smallest, largest, number.
 SIZES = np.geomspace(1e-4, 27.6, 96)
-#: status of an orbit that does not come back -> its name; any other is "unknown", which prevails
-#: over these, as each of these over those before it, where disturbances end in different ways
+#: status of an orbit that does not come back -> its name, "unknown" for any other.  Where a
+#: slider's disturbances end in different ways, "unknown" prevails, else the later of these.
 OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles"}
 # Then the interval between two sizes is divided into so many parts, until it is this narrow.
 PARTS, ACCURACY = 16, 1e-6
@@ -65,8 +65,8 @@ def escape(slider, V_lp):
         and kick_down = -inf; where steady sliding is unstable (K <= K_c), steps are 1, kicks 0.
         ``outcome``: the motion beyond, "cycle", "irregular cycles" (they do not repeat), "runaway"
         (M = 0), "none", "no steady sliding" where that is unstable, or "unknown" in a sweep where
-        an orbit could not be followed (the size concerned is NaN); "irregular cycles" where any of
-        the four disturbances leads to them.  Of the limit cycle beyond ``amplitude`` and
+        an orbit could not be followed (the size concerned is NaN); else "irregular cycles" where
+        any of the four disturbances leads to them.  Of the limit cycle beyond ``amplitude`` and
         ``period`` [s], and of the unstable cycle between, ``unstable_amplitude`` (max - min of
         tau/sigma), ``unstable_period`` [s] and ``unstable_multiplier`` (by which a distance from
         it grows in a period); NaN where there is none.

@@ -17,7 +17,7 @@ def domain_variables(batch, mu_min, reversal_margin):
     real slider moves like that.
 
     Under ``mu_min``, ``reversal_margin`` and ``outside_domain``, an int8 of `OUTSIDE_DOMAIN`: -1
-    where mu_min is NaN.
+    where mu_min is NaN; all in the sweep's dims.
 
     mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN where there is no motion
     """

@@ -78,7 +78,10 @@ def bar(label):
 
 
 def duration(seconds):
-    """A finite duration [s], >= 0, as text: 40 s, 3 min 20 s, 5 h 10 min, 2 d 3 h."""
+    """A duration [s], cut off to whole seconds, as text: its first two parts that are not 0.
+
+    40 s, 3 min 20 s, 1 h 0 s, 2 d 3 h.  That it is finite and >= 0 is not checked.
+    """
     parts = []
     for size, unit in ((86400, "d"), (3600, "h"), (60, "min"), (1, "s")):
         count, seconds = divmod(seconds, size)

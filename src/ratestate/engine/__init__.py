@@ -2,7 +2,7 @@
 
 ===================================== ==============================================================
 ``model``, ``statuses.toml``          the system, dimensionless; codes and statuses of cases
-``dispatch``, ``backend``             kernels run from Python: on how many threads, until when
+``dispatch``, ``backend``             kernels run from Python: threads, time limits, messages
 ``cuda``, ``cuda_kernels``            the same on a GPU
 ``jit``, ``cache``                    how kernels are compiled; when a compiled one is used again
 ``march``                             a run from start to end: segments, saved times, events

@@ -48,8 +48,8 @@ def write_netcdf(data, path):
 def split(data):
     """The Dataset with each complex variable, coordinates too, as two real data variables.
 
-    NAME_real and NAME_imag have its attributes, ``part``, and the part in its ``long_name``, which
-    it must have.  `data` itself if none is complex.
+    NAME_real and NAME_imag have its attributes, ``part`` (real or imag), and the part in its
+    ``long_name``; KeyError where it has none.  `data` itself if none is complex.
     """
     for name, variable in data.variables.items():
         if variable.dtype.kind != "c":

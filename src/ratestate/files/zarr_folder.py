@@ -48,7 +48,8 @@ def _flaws(path):
 
     from ..sweeps.manifest import RECORDS, File, flaws_among
 
-    if CHECKSUMS not in zarr.open_group(path, mode="r"):
+    # a damaged list of the groups may lack this one, and it may be lost itself: either is enough
+    if not (path / CHECKSUMS).exists() and CHECKSUMS not in zarr.open_group(path, mode="r"):
         return []
     digests: Any = zarr.open_group(path / CHECKSUMS, mode="r").attrs[RECORDS]
     return flaws_among(path, [File(key, digest=digest) for key, digest in digests.items()])

@@ -84,14 +84,15 @@ def period(E, *, V_lp, a, b, Dc):
     Parameters
     ----------
     E : float, array or DataArray
-        Excursion [1], see `excursion`; up to 100 the period is good to 1e-9.
+        Excursion [1], see `excursion`; up to 100 the period is good to 1e-9.  Below 1e-10 it is
+        taken as that, negative ones too.
     V_lp, a, b, Dc : float, array or DataArray
         Load-point velocity [m/s], friction parameters [1, 1, m].
 
     Returns
     -------
     float, array or DataArray
-        Period [s]; inf where E is, NaN where b <= a (there is no K_c_qs).
+        Period [s]; inf where E is, else NaN where b <= a (there is no K_c_qs) or E is NaN.
     """
     c = np.where(b > a, b / a - 1, np.nan)[..., None]
     # On c h(p) + h(q) = E, run through by sqrt(c h(p)) = sqrt(E) cos(phi) and so on:

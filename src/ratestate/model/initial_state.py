@@ -58,7 +58,7 @@ def initial_state(batch, V_load):
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
             "leave V out" + (", and theta or tau" if len(given) == 3 else "")
         )
-    fixed = bound if "V" in given else rigid
+    fixed = bound if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
     clash = fixed & (np.abs(x - v - beta * psi) > 1e-9)
     if {"theta", "tau"} <= set(given) and clash.any():
         i = int(np.argmax(clash))

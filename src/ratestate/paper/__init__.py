@@ -13,8 +13,8 @@
 ``branches``                  all limit cycles of Fig. 2's slider for three springs
 ``basins``                    which disturbances stable sliding survives
 ``scheme``, ``scheme_map``    the error of the paper's scheme with its time step; its V_c
-``claims.toml``               what the paper says, and which values that covers
-``claim``                     decides whether one agrees
+``claims.toml``               what the paper says, and the last digit it gives
+``claim``                     which values a printed number covers; whether ours agree
 ``claims_steps``              measures those on Figs 1 to 3
 ``claims_cycles``             measures those on Figs 4 and 5
 ``claims_regimes``            measures those on Figs 4b, 4c and 6, and section 5

@@ -51,7 +51,10 @@ def figure(data, height, symbols=SLIDER, more="", title=None):
 
 
 def is_wide(values):
-    """Whether a logarithmic scale pays for the finite ones of some values; not if one is <= 0."""
+    """Whether the finite ones of an array are all > 0, and the largest over `WIDE` times the least.
+
+    Then a logarithmic scale pays; it does not where none is finite.
+    """
     finite = values[np.isfinite(values)]
     return bool(finite.size and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
 

@@ -30,8 +30,16 @@ class Record:
 
     @functools.cached_property
     def chunks(self):
-        """`Chunks` of the sweep."""
-        return Chunks(self.attrs["sizes"], tuple(self.attrs["chunk"]))
+        """`Chunks` of the sweep; StoreError if there are not as many as flags."""
+        chunks = Chunks(self.attrs["sizes"], tuple(self.attrs["chunk"]))
+        if self.metadata_flaws:
+            return chunks
+        flags = self.group.get("done")
+        possible = min(chunks.shape, default=1) > 0 and len(chunks.sizes) == len(chunks.shape)
+        if flags is None or not possible or chunks.number != flags.size:
+            damaged = File(RECORD, None, None, "damaged")
+            raise StoreError(sentence("damage.inputs", path=self.path, why=damaged))
+        return chunks
 
     @functools.cached_property
     def done(self):

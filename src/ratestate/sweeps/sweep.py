@@ -81,9 +81,9 @@ def sweep(
     -------
     xarray.Dataset
         As the function returns it, with ``status`` for `stability` too.  A case that failed
-        raises nothing: its ``status`` is neither 0 nor 1, its numbers are NaN (flags and counts
-        0, but ``outside_domain`` is -1 and ``steps``, unless it crashed, those taken), and the
-        variable ``message``, "" for all others, says why.  With a store this is the
+        raises nothing: its ``status`` is neither 0 nor 1, and the variable ``message``, "" for all
+        others, says why.  Its numbers are NaN, its flags and counts 0; but ``outside_domain`` is
+        -1, and ``steps`` are those taken unless it crashed.  With a store this is the
         opened store, which reads numbers when they are used; messages are read at once, up to ten
         million.
 

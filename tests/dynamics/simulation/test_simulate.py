@@ -273,6 +273,8 @@ def test_initial_values_with_a_rigid_drive():
     both = {"theta": 10.0, "tau": slider.sigma * mu}
     again = simulate(slider, Loading.constant(1e-3), 0.01, initial=both).isel(time=0)
     assert float(again.theta) == float(run.theta)
+    with pytest.raises(rs.ParameterError, match=r"V_lp = 0 .*K = inf"):  # friction fixes nothing
+        simulate(slider, Loading.constant(0.0), 0.01, V_start=1e-6, initial=both)
 
 
 @pytest.mark.parametrize(

@@ -121,7 +121,10 @@ def toml_key(key: str) -> str:
 
 
 def nearest(given: Any, names: Iterable[str]) -> str | None:
-    """The most similar of these names; None if none is similar."""
+    """The most similar of these names, capitals aside; None if none is, or `given` is no string.
+
+    Similar: a difflib ratio of at least `NEAR`, of the first 60 characters.
+    """
     lower = {name.lower(): name for name in names}
     text = given.lower()[:60] if isinstance(given, str) else ""
     near = difflib.get_close_matches(text, lower, n=1, cutoff=NEAR)

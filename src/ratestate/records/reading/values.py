@@ -79,7 +79,13 @@ def spikes(values, least=0.0):
 
 
 def flip_signs(record):
-    """Turn in place what is negative throughout, and a load point that moves down; notes (list)."""
+    """Turn what is negative throughout, and a load point that moves down; notes (list of str).
+
+    Negative: friction, tau or sigma with a 90 % quantile below 0.  Down: the median of the last
+    twentieth of delta_lp is below that of the first or, without delta_lp, that of V_load below 0.
+
+    record : symbol -> array, with delta_lp or V_load; entries are replaced, arrays left as they are
+    """
     notes = {}
     for symbol in ("friction", "tau", "sigma"):
         if symbol in record and np.quantile(record[symbol], 0.9) < 0.0:
