@@ -12,6 +12,7 @@ from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
 from ratestate.engine.model import CRASHED
 from ratestate.interfaces.cli import main
 from ratestate.sweeps import calls, subprocesses, task, writing
+from ratestate.sweeps.chunks import Chunks
 from ratestate.sweeps.solve import form_of, solve
 from ratestate.sweeps.status import store_status
 
@@ -150,13 +151,14 @@ def test_an_error_of_compiling_ends_a_sweep_and_is_not_stored(path):
     assert_whole(sweep(path))
 
 
-def test_so_it_does_in_a_process_of_its_own():
+def test_so_it_does_in_a_process_of_its_own(monkeypatch):
+    monkeypatch.setattr(subprocesses, "GRACE", 0.0)
     call = stability_call(SLIDER.replace(M=MASSES[[0, 1, 3]]), 1e-5)
     given = vars(call).copy()
     specs = form_of(call).specs
-    with contextlib.closing(subprocesses._Process("cpu", specs)) as process:
-        with pytest.raises(rs.CompilationError, match="spanner"):
-            subprocesses._solve_divided(process, Uncompiled(**given), specs)
-        found = subprocesses._solve_divided(process, Broken(**given), specs)
+    tasks = subprocesses.SubprocessTasks(Chunks({"M": 3}, (3,)), specs, None, "cpu")
+    with pytest.raises(rs.CompilationError, match="spanner"):
+        tasks.do(0, Uncompiled(**given))
+    found = tasks.do(0, Broken(**given)).variables
     assert found["status"].values.tolist() == [0, CRASHED, 0]
     assert np.array_equal(found["growth_rate"][[0, 2]], solve(call, specs)["growth_rate"][[0, 2]])

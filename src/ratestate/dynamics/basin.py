@@ -93,9 +93,10 @@ def escape(slider, V_lp):
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=VARIABLES)
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
     system = system_of(slider.law, **batch.columns)
+    alone = batch.shape == ()
     with bar("escape") as progress:
-        sizes, outcome, u = _thresholds(system, batch.shape == (), progress)
-    if batch.shape == () and outcome[0] == "unknown":
+        sizes, outcome, u = _thresholds(system, alone, progress)
+    if alone and outcome[0] == "unknown":
         raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
     cycles = _cycles_around(system, np.flatnonzero(outcome == "cycle"), u)
     p = columns(batch)

@@ -63,12 +63,12 @@ def initial_state(batch, V_load):
     if {"theta", "tau"} <= set(given) and clash.any():
         i = int(np.argmax(clash))
         mu = mu0[i] + a[i] * (v[i] + beta[i] * psi[i])
+        which = "V, theta and tau" if "V" in given else "theta and tau"
         where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
         if rigid[i]:
             where, remedy = "where K = inf", "leave theta or tau out"
         raise ParameterError(
-            f"initial {', '.join(list(given)[:-1])} and {list(given)[-1]} do not agree: {where} "
-            f"tau must be sigma mu "
+            f"initial {which} do not agree: {where} tau must be sigma mu "
             f"= {sigma[i] * mu:.6g} Pa; {remedy}"
         )
     by_stress = bound & (("V" in given) | rigid)

@@ -27,9 +27,14 @@ class VariableSpec(NamedTuple):
 
     @property
     def missing(self) -> Any:
-        """The value of a case without an answer: NaN if the type has it, else 0, False or ""."""
+        """The value of a case without an answer: NaN if the type has it, else 0, False or "".
+
+        But -1, "unknown", of flags that have it.
+        """
         if self.dtype.kind in "fc":
             return self.dtype.type(np.nan)
+        if -1 in self.attrs.get("flag_values", ()):
+            return self.dtype.type(-1)
         return "" if self.dtype == object else self.dtype.type(0)
 
     def empty(self, sizes):
@@ -97,13 +102,11 @@ def with_messages(variables, batch):
 def crashed_variables(call, specs, message):
     """Variables of a call whose cases all have the status ``crashed``, for this reason (str).
 
-    All else is `VariableSpec.missing`, but for an ``outside_domain`` of -1, "unknown".
+    All else is `VariableSpec.missing`.
     """
     sizes = call.batch.sizes
     variables = {name: spec.empty(sizes) for name, spec in specs.items()}
     variables["status"][...] = CRASHED
-    if "outside_domain" in variables:
-        variables["outside_domain"][...] = -1
     variables["message"][...] = f"{STATUSES[CRASHED][1]} ({message})"
     return variables
 
