@@ -13,6 +13,7 @@ from problems import REFERENCE
 from scipy.optimize import least_squares
 
 import ratestate as rs
+from ratestate.friction.laws import LAWS
 from ratestate.paper.parameters import FIG2
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.problem import Problem as Search
@@ -22,7 +23,7 @@ from ratestate.records.fitting.unknowns import to_coordinate, to_value, unknowns
 
 SAMPLES, SEED = 3000, 6
 FREE = ("a", "b", "Dc", "K")
-SLIP = 0  # the law's code
+
 NOISE = Noise(2e-4)  # of friction
 #: what the search begins with, over what is true
 OFF = {"a": 1.5, "b": 1.4, "Dc": 2.0, "K": 1.02}
@@ -60,7 +61,7 @@ class FitProblem:
         keys = {"loading": self.loading, "trend": None, "against": "time"}
         record = record_of(self.data, self.begin, **keys)
         unknowns = unknowns_of(record, FREE, start=False, sigma=self.slider.sigma)
-        return Search(record, self.begin, SLIP, unknowns)
+        return Search(record, self.begin, LAWS["slip"], unknowns)
 
     @cached_property
     def start(self):

@@ -13,6 +13,7 @@ import pytest
 
 from ratestate.engine import cache, dispatch, jit
 from ratestate.errors import CompilationError
+from ratestate.friction.laws import SLIP
 
 CHECKSUM = hashlib.sha256().digest_size
 
@@ -247,7 +248,7 @@ def test_a_kernel_that_cannot_be_compiled(monkeypatch):
     def broken(x, budget):
         return x.nothing
 
-    worker = dispatch._Worker(broken, 300, (), np.zeros(1), ())
+    worker = dispatch._Worker(broken, 300, (SLIP,), np.zeros(1), ())
     worker.arguments = (1.0,)
-    with pytest.raises(CompilationError, match=r"kernel broken cannot be compiled.*TypingError"):
+    with pytest.raises(CompilationError, match=r"the solver cannot be compiled.*TypingError"):
         worker.go()

@@ -225,7 +225,7 @@ def test_step_limit():
         np.inf * ones,
         steps,
     )
-    returns = dispatch.run_returns(ROWS["slip"].code, starts, False)
+    returns = dispatch.run_returns(ROWS["slip"], starts, False)
     assert returns.status.tolist() == [STEP_LIMIT, STEP_LIMIT, FINISHED]
     assert returns.numbers[:2, RETURN_NUMBERS.index("steps")].tolist() == [5, 40]
 

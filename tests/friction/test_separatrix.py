@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 import ratestate as rs
 from ratestate.dynamics.basin import escape
 from ratestate.engine.model import STEADY_SLIDING
-from ratestate.friction.laws import aging_runs_away, slip_runs_away
+from ratestate.friction.laws import AGING, SLIP
 from ratestate.friction.quasi_static import runaway_step_lower_bound, runaway_step_upper_bound
 from ratestate.friction.separatrix import runaway_edge
 
@@ -124,10 +124,10 @@ def test_aging_law_above_K_c_qs_only_turns_back():
 
 def test_criteria():
     """Both sides of each, and never where friction does not weaken."""
-    assert [slip_runs_away(y, 3.0, 2.0) for y in (1.499, 1.5)] == [False, True]
+    assert [SLIP.runs_away(y, 3.0, 2.0) for y in (1.499, 1.5)] == [False, True]
     edge = -math.log1p(-0.5)
-    assert [aging_runs_away(edge + d, 1.0, 2.0) for d in (-1e-9, 1e-9)] == [False, True]
-    assert not aging_runs_away(1e3, 2.0, 2.0)
+    assert [AGING.runs_away(edge + d, 1.0, 2.0) for d in (-1e-9, 1e-9)] == [False, True]
+    assert not AGING.runs_away(1e3, 2.0, 2.0)
     for c in (0.0, -0.5):
-        assert not slip_runs_away(-1e3, 1.0, c)
-        assert not aging_runs_away(1e3, 1.0, c)
+        assert not SLIP.runs_away(-1e3, 1.0, c)
+        assert not AGING.runs_away(1e3, 1.0, c)

@@ -2,9 +2,10 @@
 
 ===================================== ==============================================================
 ``model``, ``statuses.toml``          the system, dimensionless; codes and statuses of cases
-``dispatch``, ``backend``             kernels run from Python: threads, time limits, messages
+``dispatch``, ``backend``             kernels run from Python: threads, time limits, progress
 ``cuda``, ``cuda_kernels``            the same on a GPU
-``jit``, ``cache``                    how kernels are compiled; when a compiled one is used again
+``jit``, ``compilation``, ``cache``   how kernels are compiled, and when; where they are kept
+``law_methods``                       laws as types inside compiled code
 ``march``                             a run from start to end: segments, saved times, events
 ``return_map``                        from one point of the section V = V_lp to the next
 ``lanes``, ``return_lanes``, ``rows`` loops over sliders side by side; the layout of their buffer

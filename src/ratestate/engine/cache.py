@@ -102,13 +102,16 @@ class KernelCache(_Cache):
             f"compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be written to"
         )
 
-    def kept(self):
-        """Whether code is there, for some types of arguments."""
-        return any(any(folder.glob(f"{self._name}-*.nbc")) for folder in _readable())
+    def kept(self, law):
+        """Whether code for this law is there, for some types of the other arguments."""
+        files = f"{self._name}-{law.name}-*.nbc"
+        return any(any(folder.glob(files)) for folder in _readable())
 
     def _file(self, sig, codegen):
         depends = repr((PROGRAMS, sig, codegen.magic_tuple()))
-        return f"{self._name}-{hashlib.sha256(depends.encode()).hexdigest()[:16]}.nbc"
+        laws = [f"-{one.law.name}" for one in sig if hasattr(one, "law")]
+        digest = hashlib.sha256(depends.encode()).hexdigest()[:16]
+        return f"{self._name}{''.join(laws)}-{digest}.nbc"
 
     def enable(self):
         """Load and keep code from now on."""
@@ -183,7 +186,12 @@ def _write(path, content):
 
 @functools.cache
 def say(text):
-    """Write a line on stderr, once in this process; nothing where there is no stderr."""
+    """`report` a line, once in this process."""
+    report(text)
+
+
+def report(text):
+    """Write a line on stderr; nothing where there is no stderr."""
     if sys.stderr:
         sys.stderr.write(f"ratestate: {text}\n")
         sys.stderr.flush()

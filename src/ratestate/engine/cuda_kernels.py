@@ -34,7 +34,7 @@ cuda: Any = numba_cuda  # which of its two modules it is, is known at run time
 
 @functools.cache
 def march_kernel(law):
-    """The kernel of `march.march` by Rodas5P for the law with this code."""
+    """The kernel of `march.march` by Rodas5P for this law."""
 
     @cuda.jit
     def march_on_gpu(
@@ -79,7 +79,7 @@ def march_kernel(law):
 
 @functools.cache
 def return_kernel(law):
-    """The kernel of `return_map.march_to_section` for the law with this code."""
+    """The kernel of `return_map.march_to_section` for this law."""
 
     @cuda.jit
     def return_map_on_gpu(buffers, queue, position, under_way, starts, results, budget):

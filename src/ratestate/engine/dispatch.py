@@ -1,17 +1,14 @@
 """Running kernels from Python: threads, progress, interruption, the solver's own steps."""
 
-import contextlib
-import gc
 import threading
 from concurrent.futures import ThreadPoolExecutor, wait
 
 import numpy as np
 
-from ..errors import CompilationError
 from ..machine import cores
 from . import backend
 from . import rows as R
-from .cache import say
+from .compilation import announce, call, law_among
 from .lane_case import IDLE
 from .march import march
 from .model import NUMBERS, STEP_LIMIT, empty_results
@@ -31,7 +28,7 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
     `backend.Stopped` where the backend stops it; `CompilationError`, and on "cuda" what
     `cuda.run_march` raises.  The arguments are not checked.
 
-    cases, loads : Cases, Loads (model.py); method, law : their codes
+    cases, loads : Cases, Loads (model.py); method : its code; law : of `friction.laws.LAWS`
     save_times : (rows, n_times) [s], increasing
     order : (m,) numbers of the cases to run, most costly first
     alone : bool, whether this is the only case of the call (which may take the scalar path)
@@ -134,7 +131,7 @@ class _Worker:
     """One set of lanes, its queue, and the kernel that works it off."""
 
     def __init__(self, kernel, size, codes, queue, fixed):
-        _announce(kernel)
+        announce(kernel, law_among(codes))
         self.s = np.zeros(size)
         self.s[R.CASE : R.CASE + R.LANES] = IDLE
         self.position = np.zeros(3, np.int64)
@@ -143,37 +140,6 @@ class _Worker:
     def go(self):
         """Work for a while; whether all is done."""
         return call(self.kernel, *self.arguments, BUDGET)
-
-
-def call(kernel, *arguments):
-    """What a kernel returns; any exception becomes a `CompilationError`: compiled code has none."""
-    try:
-        with contextlib.nullcontext() if _compiled(kernel) else _no_garbage_collection():
-            return kernel(*arguments)
-    except Exception as error:  # none of a case's: compiled code has but status codes
-        reason = f"{type(error).__name__}: {error}".splitlines()[0]
-        raise CompilationError(
-            f"the kernel {kernel.__name__} cannot be compiled on this machine ({reason}); no "
-            f"parameter is at fault: free memory, or install ratestate and numba anew, and run "
-            f"the same again"
-        ) from error
-
-
-def _compiled(kernel):
-    """Whether this process has compiled or loaded the kernel, for some types of arguments."""
-    return getattr(kernel, "overloads", True)  # a plain function where the compiler is off
-
-
-@contextlib.contextmanager
-def _no_garbage_collection():
-    """Of what a compiler allocates little is garbage: looking for it takes a tenth of its time."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 def _fraction(workers, n):
@@ -186,9 +152,3 @@ def _fraction(workers, n):
             parts = s[R.T :][lanes] / s[R.T_END :][lanes]
         done += worker.position[1] + np.nan_to_num(parts[busy]).sum()
     return min(1.0, done / n)
-
-
-def _announce(kernel):
-    """Say on stderr that a kernel is about to be compiled, if it is not in the cache."""
-    if not _compiled(kernel) and not kernel._cache.kept():
-        say(f"compiling {kernel.__name__} for this machine, once: 10 s to a minute ...")

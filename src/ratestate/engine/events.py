@@ -4,13 +4,12 @@ Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  
 crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 """
 
-from ..friction.laws import AGING
 from . import rows as R
 from .dense_output import combined, components, crossing, extreme, polynomial
 from .exp import LIMIT
 from .jit import inner
 from .lanes import extrema
-from .model import NOT_FINITE, RUNAWAY, runs_away
+from .model import NOT_FINITE, RUNAWAY
 from .periodicity import close_cycle
 
 
@@ -43,13 +42,13 @@ def observe(s, l, law, cx, cv, cpsi):
 def outrun(s, l, law):
     """End the case of a lane beyond its limit of speed, unless the motion will turn back.
 
-    Its status is then RUNAWAY or, at speeds that saturate (exp.py) under the aging law, NOT_FINITE:
-    there the slip law can still be followed, by slip in place of time, but the aging law cannot.
+    Its status is then RUNAWAY or, at speeds that saturate (exp.py) under a law that heals at rest,
+    NOT_FINITE: a law that evolves with slip alone can still be followed there.
     """
     v, psi = s[R.V_NEW + l], s[R.PSI_NEW + l]
-    if runs_away(law, v, psi, s[R.KAPPA + l], s[R.BETA + l]):
+    if law.runs_away(v + psi, s[R.KAPPA + l], s[R.BETA + l] - 1.0):
         s[R.STATUS + l] = RUNAWAY
-    elif law == AGING and v > LIMIT:
+    elif law.heals_at_rest() and v > LIMIT:
         s[R.STATUS + l] = NOT_FINITE
 
 

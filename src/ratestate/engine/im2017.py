@@ -17,7 +17,6 @@ import math
 
 import numpy as np
 
-from ..friction import laws
 from . import lanes as L
 from . import rows as R
 from .exp import exp_alone
@@ -31,15 +30,9 @@ MAX_ITERATIONS = 200
 @inner
 def advance_state(law, method, psi, v, w, h):
     """psi after h at the constant velocity w = e**v, and its derivative with respect to v."""
-    decay = math.exp(-w * h)
-    if law == laws.SLIP:
-        return (psi + v) * decay - v, decay * (1.0 - (psi + v) * w * h) - 1.0
-    theta = math.exp(psi)
     if method == IM2017_EULER:
-        return math.log((theta + h) / (1.0 + w * h)), -w * h / (1.0 + w * h)
-    grown = -math.expm1(-w * h) / w
-    new = theta * decay + grown
-    return math.log(new), (w * h * decay * (1.0 / w - theta) - grown) / new
+        return math.log((math.exp(psi) + h) / (1.0 + w * h)), -w * h / (1.0 + w * h)
+    return law.held(psi, v, w, h)
 
 
 @kernel

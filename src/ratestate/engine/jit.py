@@ -13,8 +13,10 @@ from .cache import KernelCache
 
 _INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
+INLINED: Any = {"forceinline": True, "fastmath": {"contract"}, **_INNER}
+
 #: arithmetic that must end up inside a vectorised loop
-inlined = njit(forceinline=True, fastmath={"contract"}, **_INNER)
+inlined = njit(**INLINED)
 #: loops over lanes
 lanewise = njit(fastmath={"contract"}, **_INNER)
 #: scalar code between them

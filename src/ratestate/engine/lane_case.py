@@ -6,7 +6,7 @@ from . import rows as R
 from .exp import exp_alone
 from .jit import inner
 from .lanes import TOO_MANY_FAILURES
-from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW, state_rate
+from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW
 
 # The case of a lane that is free.
 IDLE = -1.0
@@ -42,7 +42,7 @@ def choose_first_step(s, l, law):
     """Set the lane's next step: small beside the time in which the state, or the load, changes."""
     w, w_lp = s[R.W + l], s[R.W_LP + l]
     f_x = s[R.KAPPA + l] * (w_lp - w)
-    f_psi = state_rate(law, w, s[R.V + l], s[R.PSI + l], s[R.E + l])
+    f_psi = law.rate(w, s[R.V + l], s[R.PSI + l], s[R.E + l])
     h = 0.1 * math.sqrt(math.sqrt(s[R.TOLERANCE + l])) / (abs(f_x) + abs(f_psi) + w + w_lp)
     s[R.H + l], s[R.MEMORY + l] = min(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
 

@@ -4,10 +4,9 @@ Every loop here runs over all lanes, idle ones too, so that a slider goes throug
 instructions, and gets the same bits, wherever it sits.
 """
 
-from ..friction.laws import AGING, SLIP
 from . import rows as R
 from .jit import inlined, lanewise
-from .model import RUNNING, state_rate
+from .model import RUNNING
 from .rodas5p import step as rodas5p_step
 from .step_control import control_step, step_size
 
@@ -42,8 +41,8 @@ def extrema(s, l, law):
     w_lp = s[R.W_LP + l]
     w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
     x, v, psi, w = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.W_NEW + l]
-    f_psi0 = state_rate(law, s[R.W + l], s[R.V + l], s[R.PSI + l], s[R.E + l])
-    f_psi1 = state_rate(law, w, v, psi, s[R.E_NEW + l])
+    f_psi0 = law.rate(s[R.W + l], s[R.V + l], s[R.PSI + l], s[R.E + l])
+    f_psi1 = law.rate(w, v, psi, s[R.E_NEW + l])
     x0, v0, psi0, w0 = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l]
     a0, b0, c0, d0 = extremum_conditions(x0, v0, psi0, kappa * (w_lp - w0), f_psi0, w0, beta, eta0)
     a1, b1, c1, d1 = extremum_conditions(x, v, psi, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
@@ -104,7 +103,7 @@ def record(s, l, h, new, error, dense):
 
 @inlined
 def try_step(s, l, law):
-    """Try one step of the lane by Rodas5P and record its outcome; law is a literal."""
+    """Try one step of the lane by Rodas5P and record its outcome."""
     h = step_size(s[R.H + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
     p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
@@ -181,14 +180,10 @@ def advance(s, law, n):
 
     n is `LANES`, or 1 for a slider alone, which the loops' scalar remainder then takes; a length
     known at compile time would get the loops unrolled.  They are three since LLVM vectorises
-    each but not their union, and a loop for each law spares the slip law its unused exponential.
+    each but not their union.
     """
-    if law == SLIP:
-        for l in range(n):
-            try_step(s, l, SLIP)
-    else:
-        for l in range(n):
-            try_step(s, l, AGING)
+    for l in range(n):
+        try_step(s, l, law)
     assess(s, law, n)
 
 

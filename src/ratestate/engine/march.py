@@ -143,7 +143,8 @@ def end_segment(s, l, law, cases, loads):
 def march(method, law, alone, s, queue, position, cases, loads, save_times, results, path, budget):
     """March cases until the queue is empty (True), `path` is full or the budget is spent (False).
 
-    method, law : int, codes (model.py, laws.py)
+    method : int, a code (model.py)
+    law : of `friction.laws.LAWS`, for which this is compiled
     alone : bool, whether to march in lane 0 only, by the scalar path
     s : (SIZE,) the lanes; CASE = IDLE in those that are free
     queue : (n,) case numbers, in the order in which to start them

@@ -4,7 +4,7 @@ With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu0)/a and T = 
 
     dx/dT   = kappa (w_lp - w)               kappa = K Dc/(a sigma)
     dv/dT   = (x - v - beta psi)/(eta0 w)    eta0  = M V0**2/(a sigma Dc),  beta = b/a
-    dpsi/dT = the evolution law (laws.py)
+    dpsi/dT = the evolution law (friction/laws.py)
 
 which is eqs 1-4 of Im, Marone & Elsworth (2019).  f = v + beta psi is the friction, (mu - mu0)/a,
 and g = x - f the inertial force, (tau/sigma - mu)/a.
@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..friction import laws
-from .jit import inlined
+from ..friction.laws import LAWS
+from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
 
 # How a case ended.  0 and 1 are answers; the rest name what stopped it.
 CYCLE = FINISHED = 0
@@ -52,7 +52,7 @@ class Method(NamedTuple):
     code: int
     needs_dt: bool = False  # it does not choose its steps itself
     needs_mass: bool = False  # and a spring: it steps by sqrt(K/M)
-    laws: tuple[str, ...] = tuple(laws.LAWS)
+    laws: tuple[str, ...] = tuple(LAWS)
 
 
 #: name of a method -> what it is
@@ -119,44 +119,6 @@ class Numbers(NamedTuple):
 
 
 NUMBERS = Numbers._fields
-
-slip_rate, aging_rate = inlined(laws.slip_rate), inlined(laws.aging_rate)
-slip_rate_partials = inlined(laws.slip_rate_partials)
-aging_rate_partials = inlined(laws.aging_rate_partials)
-slip_rate_partials_2 = inlined(laws.slip_rate_partials_2)
-aging_rate_partials_2 = inlined(laws.aging_rate_partials_2)
-slip_runs_away, aging_runs_away = inlined(laws.slip_runs_away), inlined(laws.aging_runs_away)
-
-
-@inlined
-def runs_away(law, v, psi, kappa, beta):
-    """Whether a slider without mass will run away for sure: `NAME_runs_away` of the law's row."""
-    y, c = v + psi, beta - 1.0
-    return slip_runs_away(y, kappa, c) if law == laws.SLIP else aging_runs_away(y, kappa, c)
-
-
-@inlined
-def state_rate(law, w, v, psi, e):
-    """d psi/dT of the law with this code, a literal where speed counts; any but SLIP is AGING."""
-    return slip_rate(w, v, psi, e) if law == laws.SLIP else aging_rate(w, v, psi, e)
-
-
-@inlined
-def state_rate_partials(law, w, v, psi, e):
-    """Derivatives of `state_rate` with respect to v and psi."""
-    s_v, s_psi = slip_rate_partials(w, v, psi, e)
-    a_v, a_psi = aging_rate_partials(w, v, psi, e)
-    return (s_v if law == laws.SLIP else a_v), (s_psi if law == laws.SLIP else a_psi)
-
-
-@inlined
-def state_rate_partials_2(law, w, v, psi, e):
-    """Second derivatives of `state_rate`: vv, v psi, psi psi."""
-    s_vv, s_vpsi, s_psipsi = slip_rate_partials_2(w, v, psi, e)
-    a_vv, a_vpsi, a_psipsi = aging_rate_partials_2(w, v, psi, e)
-    if law == laws.SLIP:
-        return s_vv, s_vpsi, s_psipsi
-    return a_vv, a_vpsi, a_psipsi
 
 
 def empty_results(n, n_times):

@@ -6,14 +6,13 @@ is as accurate as the steps are.
 
 import math
 
-from ..friction.laws import AGING, SLIP
 from . import rows as R
 from .dense_output import components, crossing, polynomial
 from .events import observe, outrun
 from .exp import exp_alone
 from .jit import inner
 from .lanes import steadies
-from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING, state_rate
+from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING
 from .return_lanes import step_of_lane
 
 # V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
@@ -30,7 +29,7 @@ def rates(s, l, law):
     beta, eta = s[R.BETA + l], s[R.ETA0 + l]
     x, v, psi, w = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.W_NEW + l]
     f_x = s[R.KAPPA + l] * (1.0 - w)
-    f_psi = state_rate(law, w, v, psi, s[R.E_NEW + l])
+    f_psi = law.rate(w, v, psi, s[R.E_NEW + l])
     f_v = f_x - beta * f_psi if eta < SLAVED else (x - v - beta * psi) / (eta * w)
     return f_x, f_v, f_psi
 
@@ -74,10 +73,7 @@ def observe_step(s, l, law, cx, cv, cpsi):
 @inner
 def perturbed(s, l, law, h):
     """Both perturbations of v, two numbers, a time h after the start of the lane's step."""
-    if law == SLIP:
-        _, a, b, _, _, _ = step_of_lane(s, l, SLIP, h)
-    else:
-        _, a, b, _, _, _ = step_of_lane(s, l, AGING, h)
+    _, a, b, _, _, _ = step_of_lane(s, l, law, h)
     return a[1], b[1]
 
 

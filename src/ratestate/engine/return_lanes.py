@@ -1,10 +1,8 @@
 """Loops over the lanes of a return map: the state's step, and that of two perturbations of it."""
 
-from ..friction.laws import AGING, SLIP
 from . import lanes as L
 from . import rows as R
 from .jit import inlined, lanewise
-from .model import state_rate
 from .tangent import step as tangent_step
 
 
@@ -31,12 +29,8 @@ def try_step(s, l, law):
 @lanewise
 def advance(s, law, n):
     """Try one step in the first n lanes, accept or reject it, and see whether it holds events."""
-    if law == SLIP:
-        for l in range(n):
-            try_step(s, l, SLIP)
-    else:
-        for l in range(n):
-            try_step(s, l, AGING)
+    for l in range(n):
+        try_step(s, l, law)
     L.assess(s, law, n)
 
 
@@ -59,7 +53,7 @@ def commit_lane(s, l, law):
     beta, w = s[R.BETA + l], s[R.W + l]
     x, v, psi = s[R.X + l], s[R.V + l], s[R.PSI + l]
     f_x = s[R.KAPPA + l] * (1.0 - w)
-    f_psi = state_rate(law, w, v, psi, s[R.E + l])
+    f_psi = law.rate(w, v, psi, s[R.E + l])
     g = x - v - beta * psi
     rounding = 1e-13 * (abs(x) + abs(v) + abs(beta * psi))
     m = s[R.ETA0 + l] * w
@@ -86,9 +80,5 @@ def commit_lane(s, l, law):
 @lanewise
 def commit(s, law, n):
     """`commit_lane` in the first n lanes."""
-    if law == SLIP:
-        for l in range(n):
-            commit_lane(s, l, SLIP)
-    else:
-        for l in range(n):
-            commit_lane(s, l, AGING)
+    for l in range(n):
+        commit_lane(s, l, law)

@@ -15,7 +15,7 @@ from . import lanes as L
 from . import rows as R
 from .jit import inner, kernel
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
-from .model import RUNNING, SLAVED, state_rate
+from .model import RUNNING, SLAVED
 from .return_events import handle_events
 from .return_lanes import advance, commit
 
@@ -89,7 +89,7 @@ def finish(s, l, law, results):
     results.status[i] = status if status != RUNNING else stuck(s, l)
     eta, beta = s[R.ETA0 + l], s[R.BETA + l]
     x, psi, w = s[R.X + l], s[R.PSI + l], s[R.W + l]
-    f_psi = state_rate(law, w, s[R.V + l], psi, s[R.E + l])
+    f_psi = law.rate(w, s[R.V + l], psi, s[R.E + l])
     slope = -beta * f_psi if eta < SLAVED else (x - beta * psi) / eta
     earlier_a, earlier_b = s[R.V_A + l] / slope, s[R.V_B + l] / slope
     numbers = ReturnNumbers(

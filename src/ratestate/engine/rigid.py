@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 
-from ..friction import laws
 from .jit import inner, kernel
 
 # What was forced more than 45 Dc of slip ago has decayed below rounding.
@@ -25,7 +24,7 @@ def states(law, psi0, t, starts, V, rate, Dc, V0, out):
 
     Parameters
     ----------
-    law : int, code
+    law : of `friction.laws.LAWS`
     psi0 : float, psi at t = 0
     t : (n,) increasing times [s], >= 0
     starts, V, rate : (segments,) of the loading: [s], [m/s] > 0, [m/s^2]
@@ -53,9 +52,7 @@ def _relax(law, psi, V, rate, dt, Dc, V0):
     V_end = V + rate * dt
     slip = dt * 0.5 * (V + V_end) / Dc
     forced = _forced(law, V, V_end, rate, slip, Dc, V0)
-    if law == laws.SLIP:
-        return (psi + math.log(V / V0)) * math.exp(-slip) + forced - math.log(V_end / V0)
-    return math.log(math.exp(psi) * math.exp(-slip) + forced)
+    return law.relaxed(psi, math.log(V / V0), math.log(V_end / V0), slip, forced)
 
 
 @inner
@@ -96,8 +93,7 @@ def _forced(law, V, V_end, rate, slip, Dc, V0):
             at = here + half * (1.0 + node)
             part = math.exp(-2.0 * at) if wide else 1.0 - curvature * at  # (V/V_end)^2
             y = (1.0 - part) / curvature if wide else at
-            # of s, and of theta in units of Dc/V0
-            force = 0.5 * curvature / part if law == laws.SLIP else V0 / V_end / math.sqrt(part)
+            force = law.forcing(curvature, part, V_end / V0)
             total += (
                 half * weight * force * math.exp(-y) * (2.0 * part / curvature if wide else 1.0)
             )

@@ -16,10 +16,8 @@ weights `B` that the method implies for a pure quadrature.
 
 from typing import Any
 
-from ..friction.laws import SLIP
 from .exp import LIMIT, exp, exp_and_inverse
 from .jit import inlined
-from .model import state_rate, state_rate_partials
 from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
 
 ZERO = (0.0, 0.0, 0.0)
@@ -71,9 +69,9 @@ def sum_of(c, k):
 
 @inlined
 def exponentials(u, law):
-    """w = e**v and 1/w, and e = e**-psi; 0 in its place under the slip law (a literal)."""
+    """w = e**v and 1/w, and e = e**-psi, or 0 in its place where the law does not need it."""
     w, w_inverse = exp_and_inverse(u[1])
-    return w, w_inverse, (0.0 if law == SLIP else exp(-u[2]))
+    return w, w_inverse, (exp(-u[2]) if law.heals_at_rest() else 0.0)
 
 
 @inlined
@@ -84,7 +82,7 @@ def prepare(y, w, e, h, p):
     gamma h, kappa w, f_v, a_psi = gamma h/(1 - gamma h f_psi), and one over the pivot.
     """
     law, kappa, beta, eta0 = p
-    f_v, f_psi = state_rate_partials(law, w, y[1], y[2], e)
+    f_v, f_psi = law.rate_partials(w, y[1], y[2], e)
     gamma_h = GAMMA * h
     m = eta0 * w
     kappa_w = kappa * w
@@ -127,7 +125,7 @@ def increment(u, at, w_lp, rest, p, start):
     w, w_inverse, e = at
     r_x = kappa * (w_lp - w) + rest[0]
     r_v = (x - v - beta * psi) * (start[0] * w_inverse) + start[1] * rest[1]
-    r_psi = state_rate(law, w, v, psi, e) + rest[2]
+    r_psi = law.rate(w, v, psi, e) + rest[2]
     return solve_arrow(r_x, r_v, r_psi, beta, start)
 
 
@@ -186,7 +184,7 @@ def step(y, w, e, w_lp, ramp, h, p):
     ----------
     y, w, e : state, e**v and e**-psi at the start
     w_lp, ramp : load-point speed at the start and its rate d w_lp/dT
-    p : (law, kappa, beta, eta0), law a literal where this is compiled
+    p : (law, kappa, beta, eta0)
 
     Returns
     -------

@@ -16,7 +16,6 @@ from typing import Any
 
 from .exp import LIMIT
 from .jit import inlined
-from .model import state_rate_partials, state_rate_partials_2
 from .rodas5p import (
     ZERO,
     end_of_step,
@@ -38,7 +37,7 @@ def second_derivatives(y, w, e, z, p):
     By row and column: -xv, -vx, vv, v psi, psi v, psi psi.  At rest w is a constant (exp.py).
     """
     law, kappa, beta, _ = p
-    s_vv, s_vpsi, s_psipsi = state_rate_partials_2(law, w, y[1], y[2], e)
+    s_vv, s_vpsi, s_psipsi = law.rate_partials_2(w, y[1], y[2], e)
     g = y[0] - y[1] - beta * y[2]
     dg = z[0] - z[1] - beta * z[2]
     moves = y[1] > -LIMIT
@@ -56,7 +55,7 @@ def slopes(u, at, p, start):
     """
     w, w_inverse, e = at
     law, kappa, beta, eta0 = p
-    f_v, f_psi = state_rate_partials(law, w, u[1], u[2], e)
+    f_v, f_psi = law.rate_partials(w, u[1], u[2], e)
     g = u[0] - u[1] - beta * u[2] if u[1] > -LIMIT else 0.0
     trace = f_psi - (1.0 + g) * (w_inverse / eta0)
     return (start[0] * w_inverse, g, kappa * w, f_v, f_psi), trace
@@ -136,7 +135,7 @@ def step(y, w, e, y1, y2, w_lp, h, p):
     y, w, e : state, e**v and e**-psi at the start
     y1, y2 : perturbations (triples)
     w_lp : speed of the load point, a constant
-    p : (law, kappa, beta, eta0), law a literal where this is compiled, eta0 > 0
+    p : (law, kappa, beta, eta0), eta0 > 0
 
     Returns
     -------
@@ -182,7 +181,7 @@ def step(y, w, e, y1, y2, w_lp, h, p):
 
     # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.
     dy = sum_of(B, k)
-    _, s_vpsi, s_psipsi = state_rate_partials_2(law, w, y[1], y[2], e)
+    _, s_vpsi, s_psipsi = law.rate_partials_2(w, y[1], y[2], e)
     g = y[0] - y[1] - beta * y[2]
     trace = (dy[1] * (2.0 + g) - dy[0] + beta * dy[2]) * (1.0 / (eta0 * w))
     trace += s_vpsi * dy[1] + s_psipsi * dy[2]

@@ -1,4 +1,4 @@
-"""The state-evolution laws (eqs 2 and 3): one row of `LAWS` each.
+"""The state-evolution laws (eqs 2 and 3): a class each, and an instance of it in `LAWS`.
 
 Each law is written once, in the log variables of the engine, which compiles this same source,
 
@@ -8,9 +8,10 @@ as ``d psi/d(t V0/Dc)``.  They know no velocity but V0, so V0 may be chosen free
 form ``d theta/dt`` (rate_and_state.py) is the same function with V0 := Dc/theta (then psi = 0 and
 w = V theta/Dc).
 
-Adding a law: its rate and derivatives, `NAME_runs_away` and one row of `LAWS` here, and its place
-in the selection that the engine compiles (`state_rate` and `runs_away` in engine/model.py, the
-loops in engine/lanes.py and engine/return_lanes.py, and engine/return_events.py).
+A law is a class, of which the engine compiles the methods: a kernel is compiled for the law that it
+is given, and for no other.
+
+Adding a law: a class with these methods here, and its instance in `LAWS`.
 
 Sources: Dieterich (1979) doi:10.1029/JB084iB05p02161 (aging), Ruina (1983)
 doi:10.1029/JB088iB12p10359 (slip), Gu, Rice, Ruina & Tse (1984) doi:10.1016/0022-5096(84)90007-3
@@ -18,97 +19,127 @@ doi:10.1029/JB088iB12p10359 (slip), Gu, Rice, Ruina & Tse (1984) doi:10.1016/002
 """
 
 import math
-from collections.abc import Callable
-from typing import NamedTuple
 
 from ..errors import ParameterError
 
-SLIP = 0
-AGING = 1
+
+class EvolutionLaw:
+    """What all laws have in common: a name, and methods that know numbers alone."""
+
+    name: str
 
 
-def slip_rate(w, v, psi, e):
-    """Slip (Ruina) law, eq. 3, as d psi/dT = -w (v + psi)."""
-    return -w * (v + psi)
+class SlipLaw(EvolutionLaw):
+    """Slip (Ruina) law, eq. 3."""
+
+    name = "slip"
+
+    def rate(self, w, v, psi, e):
+        """The rate d psi/dT = -w (v + psi)."""
+        return -w * (v + psi)
+
+    def rate_partials(self, w, v, psi, e):
+        """Derivatives of `rate` with respect to v and psi."""
+        return -w * (v + psi) - w, -w
+
+    def rate_partials_2(self, w, v, psi, e):
+        """Second derivatives of `rate`: vv, v psi, psi psi."""
+        return -w * (v + psi) - 2.0 * w, -w, 0.0
+
+    def rate_partials_3(self, w, v, psi, e):
+        """Third derivatives of `rate`: vvv, vv psi, v psi psi, psi psi psi."""
+        return -w * (v + psi) - 3.0 * w, -w, 0.0, 0.0
+
+    def heals_at_rest(self):
+        """Whether state evolves without slip, so that `rate` depends on e; here it does not."""
+        return False
+
+    def runs_away(self, y, kappa, c):
+        """Whether a slider without mass runs away for sure: Q = y - kappa/c >= 0, c = beta - 1 > 0.
+
+        y = v + psi; with slip D instead of time dQ/dD = c Q + kappa w_lp/w, so that Q, once
+        positive, grows for ever, whatever the load point does.  Where w >> w_lp it does not
+        otherwise.  Numbers, not arrays; False where c <= 0.
+        """
+        return c > 0.0 and c * y >= kappa
+
+    def held(self, psi, v, w, h):
+        """psi after a time h at the constant speed w = exp(v), and its derivative by v."""
+        decay = math.exp(-w * h)
+        return (psi + v) * decay - v, decay * (1.0 - (psi + v) * w * h) - 1.0
+
+    def relaxed(self, psi, v, v_end, slip, forced):
+        """psi at the end of a slip [Dc] from the speed v to v_end, given the integral of `forcing`.
+
+        The law is linear in s = v + psi: ds/dD = -s + dv/dD.
+        """
+        return (psi + v) * math.exp(-slip) + forced - v_end
+
+    def forcing(self, curvature, part, w_end):
+        """What drives s with slip: dv/dD, where (V/V_end)^2 is `part`, of slope -`curvature`."""
+        return 0.5 * curvature / part
 
 
-def slip_rate_partials(w, v, psi, e):
-    """Derivatives of `slip_rate` with respect to v and psi."""
-    return -w * (v + psi) - w, -w
+class AgingLaw(EvolutionLaw):
+    """Aging (Dieterich) law, eq. 2; methods as those of `SlipLaw`."""
+
+    name = "aging"
+
+    def rate(self, w, v, psi, e):
+        """The rate d psi/dT = exp(-psi) - w."""
+        return e - w
+
+    def rate_partials(self, w, v, psi, e):
+        """Derivatives of `rate` with respect to v and psi."""
+        return -w, -e
+
+    def rate_partials_2(self, w, v, psi, e):
+        """Second derivatives of `rate`: vv, v psi, psi psi."""
+        return -w, 0.0, e
+
+    def rate_partials_3(self, w, v, psi, e):
+        """Third derivatives of `rate`: vvv, vv psi, v psi psi, psi psi psi."""
+        return -w, 0.0, 0.0, -e
+
+    def heals_at_rest(self):
+        """Whether state evolves without slip, so that `rate` depends on e; here it does."""
+        return True
+
+    def runs_away(self, y, kappa, c):
+        """Whether a slider without mass runs away for sure: exp(-y) <= 1 - kappa/c, kappa < c.
+
+        dy/dD = c (1 - exp(-y)) - kappa + kappa w_lp/w then stays positive.  Where w >> w_lp it does
+        not otherwise.  Numbers, not arrays; False where c <= kappa.
+        """
+        return c > kappa and y >= -math.log1p(-kappa / c)
+
+    def held(self, psi, v, w, h):
+        """psi after a time h at the constant speed w = exp(v), and its derivative by v."""
+        decay = math.exp(-w * h)
+        theta = math.exp(psi)
+        grown = -math.expm1(-w * h) / w
+        new = theta * decay + grown
+        return math.log(new), (w * h * decay * (1.0 / w - theta) - grown) / new
+
+    def relaxed(self, psi, v, v_end, slip, forced):
+        """psi at the end of a slip [Dc] from the speed v to v_end, given the integral of `forcing`.
+
+        The law is linear in theta V0/Dc = exp(psi): d exp(psi)/dD = -exp(psi) + 1/w.
+        """
+        return math.log(math.exp(psi) * math.exp(-slip) + forced)
+
+    def forcing(self, curvature, part, w_end):
+        """What drives exp(psi) with slip, 1/w, where (V/V_end)^2 is `part`."""
+        return 1.0 / w_end / math.sqrt(part)
 
 
-def slip_rate_partials_2(w, v, psi, e):
-    """Second derivatives of `slip_rate`: vv, v psi, psi psi."""
-    return -w * (v + psi) - 2.0 * w, -w, 0.0
-
-
-def slip_rate_partials_3(w, v, psi, e):
-    """Third derivatives of `slip_rate`: vvv, vv psi, v psi psi, psi psi psi."""
-    return -w * (v + psi) - 3.0 * w, -w, 0.0, 0.0
-
-
-def aging_rate(w, v, psi, e):
-    """Aging (Dieterich) law, eq. 2, as d psi/dT = exp(-psi) - w."""
-    return e - w
-
-
-def aging_rate_partials(w, v, psi, e):
-    """Derivatives of `aging_rate` with respect to v and psi."""
-    return -w, -e
-
-
-def aging_rate_partials_2(w, v, psi, e):
-    """Second derivatives of `aging_rate`: vv, v psi, psi psi."""
-    return -w, 0.0, e
-
-
-def aging_rate_partials_3(w, v, psi, e):
-    """Third derivatives of `aging_rate`: vvv, vv psi, v psi psi, psi psi psi."""
-    return -w, 0.0, 0.0, -e
-
-
-def slip_runs_away(y, kappa, c):
-    """Whether a slider without mass runs away for sure: Q = y - kappa/c >= 0, c = beta - 1 > 0.
-
-    y = v + psi; with slip D instead of time dQ/dD = c Q + kappa w_lp/w, so that Q, once positive,
-    grows for ever, whatever the load point does.  Where w >> w_lp it does not otherwise.  Numbers,
-    not arrays; False where c <= 0.
-    """
-    return c > 0.0 and c * y >= kappa
-
-
-def aging_runs_away(y, kappa, c):
-    """Whether a slider without mass runs away for sure: exp(-y) <= 1 - kappa/c, kappa < c.
-
-    dy/dD = c (1 - exp(-y)) - kappa + kappa w_lp/w then stays positive.  Where w >> w_lp it does
-    not otherwise.  Numbers, not arrays; False where c <= kappa.
-    """
-    return c > kappa and y >= -math.log1p(-kappa / c)
-
-
-class EvolutionLaw(NamedTuple):
-    """A row of `LAWS`: code inside the engine, rate d psi/dT and its derivatives."""
-
-    code: int
-    rate: Callable
-    rate_partials: Callable
-    rate_partials_2: Callable
-    rate_partials_3: Callable
-
-
-#: name of an evolution law -> what it is
-LAWS = {
-    "slip": EvolutionLaw(
-        SLIP, slip_rate, slip_rate_partials, slip_rate_partials_2, slip_rate_partials_3
-    ),
-    "aging": EvolutionLaw(
-        AGING, aging_rate, aging_rate_partials, aging_rate_partials_2, aging_rate_partials_3
-    ),
-}
+SLIP, AGING = SlipLaw(), AgingLaw()
+#: name of an evolution law -> the law
+LAWS = {law.name: law for law in (SLIP, AGING)}
 
 
 def evolution_law(law):
-    """The row of `LAWS` with this name; ParameterError for an unknown one."""
+    """The law of `LAWS` with this name; ParameterError for an unknown one."""
     if not isinstance(law, str) or law not in LAWS:
         raise ParameterError(f"law = {law!r} is unknown; choose {' or '.join(map(repr, LAWS))}")
     return LAWS[law]

@@ -30,7 +30,7 @@ are derived in the comments beside them.  Numbers are in SI, and their ranges ar
 import numpy as np
 
 from .elementwise import elementwise
-from .laws import AGING, evolution_law
+from .laws import evolution_law
 from .stability import K_c_qs
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
@@ -68,7 +68,7 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     """
     v, psi = np.log(V / V_lp), np.log(theta * V_lp / Dc)
     kappa = K * Dc / (a * sigma)
-    if evolution_law(law).code == AGING:
+    if evolution_law(law).heals_at_rest():
         return kappa * _h(-psi) + _h(-(v + psi))
     x = v + b / a * psi
     with np.errstate(divide="ignore"):

@@ -35,7 +35,7 @@ def multiplier(slider, V_lp, omega_dt, method):
     Above 1 that is unstable.  For V_lp > 0, M > 0 and K finite; SolverError where the scheme has no
     step.
     """
-    law, code = evolution_law(slider.law).code, METHODS[method].code
+    law, code = evolution_law(slider.law), METHODS[method].code
     kappa, beta = slider.K * slider.Dc / (slider.a * slider.sigma), slider.b / slider.a
     omega = math.sqrt(kappa / eta(V_lp, a=slider.a, Dc=slider.Dc, sigma=slider.sigma, M=slider.M))
     h = omega_dt / omega  # V0 is V_lp here, so that w, V0 theta/Dc and the load's speed are 1

@@ -54,7 +54,7 @@ def test_lines_of_all_kinds(law):
         dt = slip * Dc * 2 / (V + end)
         rate = (end - V) / dt
         found, start = np.empty(1), np.zeros(1)
-        states(LAWS[law].code, psi, start + dt, start, start + V, start + rate, Dc, V0, found)
+        states(LAWS[law], psi, start + dt, start, start + V, start + rate, Dc, V0, found)
         rounding = 1e-15 * (20 + abs(psi)) + 3e-16 * max(V / end, 1.0)  # of V + rate dt
         assert abs(found[0] - exact(law, psi, V, rate, dt, Dc)) < rounding, (V, end, slip, psi)
 

@@ -19,7 +19,7 @@ MASSES = {"none": 0.0, "inertial": 3e11}
 def forward(names, *, law="slip", M=0.0, loading=STEP, kind="friction", trend="slip"):
     data = record(SLIDER, loading, T).rename(friction=kind)
     seen = record_of(data, SLIDER, loading=loading, trend=trend, against="time")
-    return Forward(seen, SLIDER.replace(M=M), LAWS[law].code, names)
+    return Forward(seen, SLIDER.replace(M=M), LAWS[law], names)
 
 
 def by_scipy(t, *, V_start=1e-6, theta_start=None, level=0.6, trend=0.0, law="slip", **changes):

@@ -138,7 +138,7 @@ def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
         v_limit=system.v_limit,
         max_steps=np.full(n, MAX_STEPS_OF_RETURN),
     )
-    results = dispatch.run_returns(evolution_law(system.law).code, starts, alone)
+    results = dispatch.run_returns(evolution_law(system.law), starts, alone)
     numbers = dict(zip(RETURN_NUMBERS, results.numbers.T, strict=True))
     image = np.stack([numbers["psi"], numbers["G"]], axis=1)
     image[results.status != FINISHED] = np.nan

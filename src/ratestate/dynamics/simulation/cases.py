@@ -45,7 +45,8 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0
 def run_cases(method, law, cases, loads, save_times, which, alone, progress=None):
     """March the cases with these numbers; `Results` of all n cases.
 
-    Of the others they are NaN, with the status RUNNING.  method : a name in `METHODS`; law : a code
+    Of the others they are NaN, with the status RUNNING.  method : a name in `METHODS`
+    law : of `LAWS`
     """
     order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
     code = METHODS[method].code

@@ -37,7 +37,7 @@ def move(call, progress):
     A case that fails raises nothing.  ParameterError where initial values contradict each other.
     """
     batch, loading, times = call.batch, call.loading, call.times
-    law = evolution_law(call.slider.law).code
+    law = evolution_law(call.slider.law)
     table, rows = batch.rows(loading.V)
     rates, _ = batch.rows(loading.rate)
     y0 = initial_state(batch, table[rows, 0])

@@ -4,9 +4,8 @@ import itertools
 
 import numpy as np
 
-from ...engine import dispatch
+from ...engine.compilation import call
 from ...engine.rigid import states
-from ...friction.laws import SLIP, aging_rate, slip_rate
 
 
 def rigid_motion(law, psi0, t, segments, p):
@@ -44,7 +43,7 @@ def rigid_motion(law, psi0, t, segments, p):
 def _state(law, psi0, t, segments, p):
     """psi at times t, from psi0 at time 0 on."""
     psi = np.empty(len(t))
-    dispatch.call(states, law, psi0, t, *segments, p.Dc, p.V0, psi)
+    call(states, law, psi0, t, *segments, p.Dc, p.V0, psi)
     return psi
 
 
@@ -56,11 +55,11 @@ def _lowest_friction(law, psi0, segments, end, p):
     from scipy.optimize import brentq  # slow to import, and no other run needs it
 
     begin, V, rate = segments
-    beta, state_rate = p.b / p.a, slip_rate if law == SLIP else aging_rate
+    beta = p.b / p.a
 
     def slope(speed, psi, rate):
         w = speed / p.V0
-        return rate / speed + beta * p.V0 / p.Dc * state_rate(w, np.log(w), psi, np.exp(-psi))
+        return rate / speed + beta * p.V0 / p.Dc * law.rate(w, np.log(w), psi, np.exp(-psi))
 
     def friction(speed, psi):
         return np.log(speed / p.V0) + beta * psi

@@ -168,8 +168,8 @@ def _fits_of_samples(data, slider, settings, loading):
     """law -> Dataset of a fit of friction, sample by sample."""
     free, laws, noise, against, trend, start, errors = settings
     record = record_of(data, slider, loading=loading, trend=trend, against=against)
-    codes = [evolution_law(law).code for law in laws]
-    solutions = [least_squares_fit(record, slider, code, free, noise, start) for code in codes]
+    formulas = [evolution_law(law) for law in laws]
+    solutions = [least_squares_fit(record, slider, law, free, noise, start) for law in formulas]
     inferences = [infer(solution, noise, errors) for solution in solutions]
     if errors == "posterior":
         inferences = with_posteriors(inferences, laws)

@@ -53,7 +53,7 @@ class Solution(NamedTuple):
 
 
 def least_squares_fit(record, slider, law, free, noise, start):
-    """The `Solution` of a record under a law (code); the noise is estimated if it is None.
+    """The `Solution` of a record under a law (of `LAWS`); the noise is estimated if it is None.
 
     start : {"steady", "free", "auto"}; "auto" frees the state at the start if that fits far better
 

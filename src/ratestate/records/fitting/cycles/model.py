@@ -99,7 +99,7 @@ def _saved(system, u, period, phases):
     )
     loads = Loads(np.zeros(1), np.ones((1, 1)), np.zeros((1, 1)))
     times = np.ascontiguousarray(np.minimum(period[:, None] * phases, period[:, None]))
-    return marched(evolution_law(system.law).code, cases, loads, times)[..., 0]
+    return marched(evolution_law(system.law), cases, loads, times)[..., 0]
 
 
 class CycleModel:

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ....friction.laws import LAWS
 from ....model.quantities import readable
 from ....model.sentences import Sentences
 from ..unknowns import OF_SLIDER, PARAMETERS, START
@@ -56,8 +55,7 @@ def _determination(inference, quantity):
 
 def _determined_or_not(inference, determined, undetermined):
     """The sentence that lists what is determined under the law, and what is not."""
-    code = inference.solution.problem.law
-    law = next(name for name, row in LAWS.items() if row.code == code)
+    law = inference.solution.problem.law.name
     which = "all" if not undetermined else "some" if determined else "none"
     lists = {"determined": ", ".join(determined), "undetermined": ", ".join(undetermined)}
     return SENTENCES(f"note.{which}", law=law, **lists)

@@ -1,0 +1,61 @@
+"""Laws inside compiled code: a type for each, and its methods.
+
+numba knows a law by its type, and so compiles for each law a kernel with that law's formulas in it.
+"""
+
+import functools
+import inspect
+
+from numba import types
+from numba.extending import (
+    NativeValue,
+    models,
+    overload_method,
+    register_model,
+    typeof_impl,
+    unbox,
+)
+
+from ..friction.laws import EvolutionLaw, SlipLaw
+from .jit import INLINED
+
+#: what the methods of every law are called, and their arguments
+METHODS = {name: value for name, value in vars(SlipLaw).items() if inspect.isfunction(value)}
+
+
+class LawType(types.Type):
+    """The type of a law, which is all that compiled code knows of it: it has no value."""
+
+    def __init__(self, law):
+        super().__init__(f"{law.__module__}.{law.__qualname__}")
+        self.law = law
+
+
+register_model(LawType)(models.OpaqueModel)
+
+
+@typeof_impl.register(EvolutionLaw)
+def _typeof(law, context):
+    return LawType(type(law))
+
+
+@unbox(LawType)
+def _unbox(law_type, law, context):
+    return NativeValue(context.context.get_dummy_value())
+
+
+def register(overload, **options):
+    """Let ``law.name(...)`` in compiled code call that method of the law's class.
+
+    overload : numba's `overload_method`, or that of numba for CUDA
+    options : how methods are compiled
+    """
+    for name, method in METHODS.items():
+
+        @overload(LawType, name, jit_options=options)
+        @functools.wraps(method)  # numba compares the arguments
+        def select(self, *arguments, name=name):
+            return getattr(self.law, name)
+
+
+register(overload_method, **INLINED)
