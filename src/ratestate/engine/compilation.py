@@ -71,7 +71,7 @@ def compile_elsewhere(kernel, law, statement):
         return
     nowhere = subprocess.DEVNULL
     with contextlib.suppress(OSError):
-        command = [sys.executable, "-c", statement]
+        command = [sys.executable, "-P", "-c", statement]  # (nothing is imported from here)
         process = subprocess.Popen(command, stdin=nowhere, stdout=nowhere, stderr=nowhere)
         atexit.register(process.kill)  # without effect where it has ended
         _elsewhere[kernel, law] = process
