@@ -1,7 +1,7 @@
 """Ends with an error where modules import each other in a circle, or scripts what is not there.
 
 Imports inside functions and those for types alone count too, which the contracts of import-linter
-leave aside; scripts are those of benchmarks, docs, examples and tools, which no test runs:
+leave aside; scripts are those of benchmarks, docs and tools, which no test runs:
 ``python tools/check_imports.py``.
 """
 
@@ -14,7 +14,7 @@ from pathlib import Path
 import grimp
 
 ROOT = Path(__file__).parents[1]
-SCRIPTS = ("benchmarks", "docs", "examples", "tools")
+SCRIPTS = ("benchmarks", "docs", "tools")
 
 
 def circle(graph):

@@ -1,11 +1,12 @@
 """Whether the code in pages of text works: python tools/run_code.py README.md docs/*.md
 
-Runs the ```python blocks of each page one after another, in a folder of their own, and loads each
-```toml block as a scenario file; one without [slider] takes that of the block before.  Notebooks
-are left to Sphinx.
+Runs the ```python blocks of each page one after another, in a folder of their own; a ```text block
+right after one must be what it prints.  Loads each ```toml block as a scenario file; one without
+[slider] takes that of the block before.  Notebooks are left to Sphinx.
 """
 
 import contextlib
+import io
 import os
 import re
 import shutil
@@ -17,16 +18,19 @@ import traceback
 from pathlib import Path
 
 BLOCK = re.compile(r"^( *)```(\w+)\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
-EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
+OUTPUT = re.compile(r"\s*^ *```text\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
+TEMPLATES = Path(__file__).resolve().parent.parent / "src/ratestate/interfaces/templates"
 SLIDER = re.compile(r"^\[slider\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 
 
 def blocks(page, language):
-    """The blocks of a page in one language, as pairs of line number and text."""
+    """The blocks of a page in one language: line number, text, and the output after it or None."""
     text = page.read_text(encoding="utf-8")
     for found in BLOCK.finditer(text):
         if found[2] == language:
-            yield text.count("\n", 0, found.start()) + 2, textwrap.dedent(found[3])
+            output = OUTPUT.match(text, found.end())
+            line = text.count("\n", 0, found.start()) + 2
+            yield line, textwrap.dedent(found[3]), output and textwrap.dedent(output[1])
 
 
 def is_notebook(page):
@@ -37,8 +41,14 @@ def is_notebook(page):
 def run_python(page):
     """Run a page's Python; an error names the page and the line."""
     names = {"__name__": page.stem}
-    for line, text in blocks(page, "python"):
-        exec(compile("\n" * (line - 1) + text, str(page), "exec"), names)
+    for line, text, output in blocks(page, "python"):
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(compile("\n" * (line - 1) + text, str(page), "exec"), names)
+        if output not in (None, printed.getvalue()):
+            raise AssertionError(
+                f"{page}, line {line}: shown\n{output}\nbut printed\n{printed.getvalue()}"
+            )
 
 
 def load_toml(page):
@@ -46,9 +56,7 @@ def load_toml(page):
     from ratestate.interfaces import scenario
 
     slider = ""
-    for record in EXAMPLES.glob("*.csv"):
-        shutil.copy(record, ".")
-    for line, text in blocks(page, "toml"):
+    for line, text, _ in blocks(page, "toml"):
         own = SLIDER.search(text)
         slider = own[0] if own else slider
         file = Path(f"{page.stem}_line_{line}.toml")
@@ -58,11 +66,12 @@ def load_toml(page):
 
 @contextlib.contextmanager
 def elsewhere():
-    """A folder with the examples that is gone afterwards, and no windows for pictures."""
+    """A folder with the records that pages name, gone afterwards, and no windows for pictures."""
     os.environ["MPLBACKEND"] = "agg"
     before = Path.cwd()
     with tempfile.TemporaryDirectory() as folder:
-        shutil.copytree(EXAMPLES, Path(folder) / "examples")
+        shutil.copy(TEMPLATES / "record.txt", folder)
+        shutil.copy(TEMPLATES / "recorded-loading.csv", Path(folder) / "record.csv")
         os.chdir(folder)
         try:
             yield

@@ -144,21 +144,19 @@ def mistakes():
     raise AssertionError("wrong.toml should not be usable")
 
 
-def examples():
-    """The example files, with what they say of themselves."""
-    rows = []
-    for path in sorted((DOCS.parent / "examples").glob("*.toml")):
-        lines = path.read_text(encoding="utf-8").split("\n\n")[0].split("\n")
-        text = " ".join(line.lstrip("# ") for line in lines if line.startswith("#"))
-        rows.append(f"| `{path.name}` | {text.partition(' ratestate ')[0].strip()} |")
-    return "\n".join(["| file | |", "|---|---|", *rows])
+def templates():
+    """The scenario files that `ratestate init` writes, with what they say of themselves."""
+    from ratestate.interfaces.templates import TEMPLATES, description
+
+    rows = [f"| `{name}` | {description(name)} |" for name in TEMPLATES]
+    return "\n".join(["| name | |", "|---|---|", *rows])
 
 
 WRITERS = {
     "commands": commands,
     "exit_codes": exit_codes,
-    "examples": examples,
     "mistakes": mistakes,
+    "templates": templates,
     **{table: keys(table) for table in ("slider", "loading", "run", "sweep", "output")},
 }
 

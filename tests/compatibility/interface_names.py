@@ -27,10 +27,10 @@ RESULTS = {
     "continue_cycle": lambda: rs.continue_cycle(SLIDER, "V_lp", 3.5e-3, 3.3e-3),
     "sweep": lambda: rs.sweep(rs.stability, SLIDER, V_lp=rs.logspace("V_lp", 1e-2, 2e-2, 2)),
     "fit": lambda: rs.fit(
-        rs.read_lab(ROOT / "examples/velocity_step.txt"),
+        rs.read_lab(ROOT / "src/ratestate/interfaces/templates/record.txt"),
         rs.SpringSlider(a=0.01, b=0.01, Dc=1e-5, sigma=2e7, K=6e10),
     ),
-    "read_lab": lambda: rs.read_lab(ROOT / "examples/velocity_step.txt"),
+    "read_lab": lambda: rs.read_lab(ROOT / "src/ratestate/interfaces/templates/record.txt"),
     "classify": lambda: named("regimes.classify")(rs.limit_cycle(SLIDER, 1e-2)),
     "orbit": lambda: named("orbit.orbit")(SLIDER, 1e-2),
 }

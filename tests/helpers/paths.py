@@ -3,6 +3,8 @@
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-TESTS, EXAMPLES = ROOT / "tests", ROOT / "examples"
+TESTS = ROOT / "tests"
+#: scenario files to start from, and their data
+TEMPLATES = ROOT / "src/ratestate/interfaces/templates"
 #: real records, beside the checkout where they are there
 LAB = ROOT.parent / "shared" / "lab"

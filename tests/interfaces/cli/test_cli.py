@@ -3,6 +3,7 @@
 import inspect
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -12,12 +13,11 @@ from pathlib import Path
 from urllib.parse import parse_qsl
 
 import pytest
-from paths import EXAMPLES
 from typer.testing import CliRunner
 
 import ratestate
 from ratestate import ParameterError, SolverError, files
-from ratestate.interfaces import cli, scenario
+from ratestate.interfaces import cli, scenario, templates
 from ratestate.interfaces.cli import main
 from ratestate.paper import atlas, claims_table, figures
 from ratestate.paper.claim import Claim, exact
@@ -98,14 +98,15 @@ def test_every_description_is_of_a_parameter():
 
 
 def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
-    """Those of all helps, one after the other, beside the project's own examples."""
+    """Those of all helps, one after the other, beside the templates that they name."""
     served = []
     monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
     page = types.ModuleType("ratestate.interfaces.explorer")
     page.serve = lambda **how: served.append(how)
     monkeypatch.setitem(sys.modules, page.__name__, page)
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "examples").symlink_to(EXAMPLES)
+    for name in ("record", "fig3"):
+        assert call("init", name).exit_code == 0
     for command in ["", *COMMANDS]:
         (line,) = (
             line
@@ -120,7 +121,8 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
     assert made == [("2", "aging"), ("4", "aging")]
     assert charted == [("aging", {"b_over_a": 1.6, "n": 200})]
     names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures", "fitted"}
-    assert {path.name for path in tmp_path.iterdir()} == names | {"examples"}
+    names |= {"record.toml", "record.txt", "fig3.toml"}
+    assert {path.name for path in tmp_path.iterdir()} == names
 
 
 def test_the_explorer_opens_with_a_files_slider(tmp_path, monkeypatch):
@@ -154,29 +156,93 @@ steps = [{ t = "1 s", V_lp = "3 um/s" }, { t = "2 s", V_lp = "7 um/s" }]
     assert len(served) == 1
 
 
-@pytest.mark.parametrize("kind", ["lab", "brake", "fault"])
-def test_init_writes_a_file_that_can_be_run(kind, tmp_path, monkeypatch):
+def test_init_lists_what_there_is(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    result = call("init", kind)
+    result = call("init", "--list")
+    assert (result.exit_code, result.stderr) == (0, "")
+    lines = result.stdout.splitlines()
+    assert [line.split()[0] for line in lines] == [*scenario.TEMPLATES]
+    named = "lab brake fault record fig2 fig3 fig4 fig6 slide-hold-slide".split()
+    assert {*named} < {*scenario.TEMPLATES}
+    assert all(re.fullmatch(r"[a-z0-9-]+ {2,}[A-Z][ -~]+", line) for line in lines)
+    assert max(map(len, lines)) <= 80
+    assert len({line.index(line.split("  ")[-1].strip()) for line in lines}) == 1  # one column
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize("name", ["lab", "record", "recorded-loading"])
+def test_init_writes_what_can_be_run(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    data = templates.data_of(name)
+    result = call("init", name)
     assert result.exit_code == 0, result.output
-    text = (tmp_path / f"{kind}.toml").read_text()
-    assert text == scenario.template(kind)
-    assert scenario.load(tmp_path / f"{kind}.toml").verb == "simulate"
-    assert f"ratestate run {kind}.toml --plot {kind}.png" in result.stdout
-    assert call("init", kind, "--out", "-").stdout == text
-    (tmp_path / f"{kind}.toml").write_text("mine")
-    result = call("init", kind)
+    wanted = {f"{name}.toml": scenario.template(name), **data}
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == wanted
+    assert scenario.load(tmp_path / f"{name}.toml").verb == "simulate"
+    listed = [line.strip() for line in result.stdout.splitlines()[2:]]
+    assert listed == templates.commands(name)
+    assert call("init", name, "--out", "-").stdout == wanted[f"{name}.toml"]
+    (tmp_path / "there").mkdir()
+    result = call("init", name, "--out", "there/my rig.toml")
+    assert result.exit_code == 0
+    found = {path.name for path in (tmp_path / "there").iterdir()}
+    assert found == {"my rig.toml", *data}
+    assert "run 'there/my rig.toml' --plot" in result.stdout
+    assert all(f"fit there/{file} " in result.stdout for file in data if name == "record")
+
+
+def test_init_writes_the_lab_if_no_name_is_given(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert call("init").stdout.startswith("wrote lab.toml\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["lab.toml"]
+
+
+def test_commands_of_init_work_as_printed(tmp_path, monkeypatch):
+    """Of those to start from; what they compute is tested with the templates."""
+    monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
+    monkeypatch.chdir(tmp_path)
+    for name in ("lab", "record"):
+        lines = call("init", name).stdout.splitlines()[2:]
+        for line in lines:
+            words = shlex.split(line.strip().partition("    ")[0])
+            result = call(*words[1:])
+            assert result.exit_code == 0, (line, result.output)
+    made = {"lab.toml", "lab.png", "record.toml", "record.txt", "record.png", "fitted"}
+    assert {path.name for path in tmp_path.iterdir()} == made
+
+
+@pytest.mark.parametrize("there", ["record.toml", "record.txt"])
+def test_init_writes_nothing_if_a_file_exists(there, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / there).write_text("mine")
+    result = call("init", "record")
+    assert (result.exit_code, result.stdout) == (2, "")
+    other = "name" if there.endswith(".toml") else "folder"
+    assert result.stderr == f"error: {there} exists; give another {other} with --out\n"
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {there: "mine"}
+
+
+def test_init_leaves_nothing_if_a_file_cannot_be_written(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    replace = files.replace
+
+    def full(path, write):
+        if path.suffix == ".toml":
+            raise OSError(28, "No space left on device", str(path))
+        return replace(path, write)
+
+    monkeypatch.setattr(files, "replace", full)
+    result = call("init", "record")
     assert result.exit_code == 2
-    assert result.stderr == f"error: {kind}.toml exists; give another name with --out\n"
-    assert (tmp_path / f"{kind}.toml").read_text() == "mine"
-    assert call("init", kind, "--out", "mine.toml").exit_code == 0
-    assert (tmp_path / "mine.toml").read_text() == text
+    assert result.stderr == "error: record.toml: No space left on device\n"
+    assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["sofa"], "'sofa' is not one of"),
+        (["barke"], "error: 'barke' is unknown, expected one of lab, brake, fault, record, "),
+        (["slide_hold_slide"], "did you mean slide-hold-slide?"),
         (["lab", "--out", "lab.tml"], "does not end in .toml"),
         (
             ["lab", "--out", "no/lab.toml"],

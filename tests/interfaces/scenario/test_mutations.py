@@ -8,14 +8,13 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from paths import EXAMPLES
+from paths import TEMPLATES as FOLDER
 
 from ratestate import ParameterError, interfaces
 from ratestate.interfaces.scenario import TEMPLATES, load, template, toml
 
-FILES = {path.stem: path.read_text() for path in sorted(EXAMPLES.glob("*.toml"))}
-FILES |= {f"template {name}": template(name) for name in TEMPLATES}
-RECORD = (EXAMPLES / "record.csv").read_text()
+FILES = {name: template(name) for name in sorted(TEMPLATES)}
+RECORD = FOLDER / "recorded-loading.csv"
 TIMES = 40  # mutants of each kind
 
 VALUES = [
@@ -25,7 +24,7 @@ VALUES = [
     *("9" * 5000, "0x" + "f" * 5000, '"' + "x" * 5000 + '"', '"10 um\\u0000"', '"10 \\n um"'),
     *("{ from = 1 }", "{ from = 1, to = 2, n = 10_000_000_000 }", "{ from = -1, to = nan, n = 3 }"),
     *('{ form = 1, to = "2 m", n = 2.5, scale = "ln" }', "{ V_lp = 1, hold = 2 }", "{ a.b.c = 1 }"),
-    *("[{ t = 1, V_lp = -1 }, { t = 0 }, { ramp = 3 }, 4]", '"../../out.exe"', '"record.csv"'),
+    *("[{ t = 1, V_lp = -1 }, { t = 0 }, { ramp = 3 }, 4]", '"../../out.exe"', '"recorded-loading.csv"'),
 ]
 KEYS = "a b Dc sigma K M law V_lp steps sinusoid file columns units t t_end times rtol verb".split()
 TABLES = ["slider", "loading", "run", "sweep", "output"]
@@ -191,7 +190,7 @@ def check(message, path):
 
 
 def test_damaged_files_are_refused_in_due_form(tmp_path):
-    shutil.copy(EXAMPLES / "record.csv", tmp_path)
+    shutil.copy(RECORD, tmp_path)
     path = tmp_path / "mutant.toml"
     found = []
     for text in mutants():
@@ -204,11 +203,12 @@ def test_damaged_files_are_refused_in_due_form(tmp_path):
 
 def test_damaged_records_are_refused_in_due_form(tmp_path):
     rng = random.Random(6)
-    path, record = tmp_path / "record.toml", tmp_path / "record.csv"
-    path.write_text(FILES["record"])
+    path, record = tmp_path / "rig.toml", tmp_path / RECORD.name
+    path.write_text(FILES["recorded-loading"])
+    intact = RECORD.read_text().strip().split("\n")
     count = 0
     for i in range(150):
-        rows = [row.split(",") for row in RECORD.strip().split("\n")]
+        rows = [row.split(",") for row in intact]
         row = rng.choice(rows)
         kind = i % 6
         if kind == 0:
@@ -235,7 +235,7 @@ def test_damaged_records_are_refused_in_due_form(tmp_path):
 
 @pytest.mark.parametrize("name", FILES)
 def test_undamaged_files_are_sound(name, tmp_path):
-    shutil.copy(EXAMPLES / "record.csv", tmp_path)
+    shutil.copy(RECORD, tmp_path)
     path = tmp_path / "sound.toml"
     path.write_text(FILES[name])
     assert not refused(path)

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paths import EXAMPLES
+from paths import TEMPLATES
 
 import ratestate as rs
 from ratestate import ParameterError, SpringSlider
@@ -53,8 +53,8 @@ def read(tmp_path_factory):
     return read
 
 
-def test_the_example_is_fig_3():
-    scenario = load(EXAMPLES / "fig3.toml")
+def test_the_template_is_fig_3():
+    scenario = load(TEMPLATES / "fig3.toml")
     assert scenario.verb == "limit_cycle"
     assert scenario.slider == FIG2.replace(M=rs.logspace("M", *FIG3_M))
     assert scenario.settings.keys() == {"V_lp"}

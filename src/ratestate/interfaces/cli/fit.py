@@ -42,7 +42,7 @@ def fit(
 
     It ends with code 3 where an answer carries warnings; they are printed with it.
 
-    Example: ratestate fit examples/velocity_step.txt --out fitted
+    Example: ratestate fit record.txt --out fitted
     """
     numbered = {k: int(v) if v.isdigit() else v for k, v in _pairs(columns, "--columns").items()}
     reading = {

@@ -1,38 +1,58 @@
 """``ratestate init``: a scenario file to start from."""
 
 import os
+import shlex
 from pathlib import Path
-from typing import Literal
 
 import typer
 
 from ...errors import ParameterError
+from .. import templates
 from .output import print_line
 
-Kind = Literal["lab", "brake", "fault"]
 
-
-def init(kind: Kind = "lab", *, out: Path | None = None) -> None:
-    """Write a commented scenario file to start from.
+def init(name: str = "lab", *, out: Path | None = None, listing: bool = False) -> None:
+    """Write a commented scenario file to start from, and the data that it needs beside it.
 
     Example: ratestate init brake
     """
-    from ...files import checked_path, replace
-    from ..scenario import template
-
-    text = template(kind)
-    path = out or Path(f"{kind}.toml")
-    if path == Path("-"):
+    if listing:
+        width = max(map(len, templates.TEMPLATES))
+        for each in templates.TEMPLATES:
+            print_line(f"{each:{width}}  {templates.description(each)}")
+        return
+    text = templates.template(name)
+    if out == Path("-"):
         print_line(text.rstrip("\n"))
         return
+    path = (out or Path(f"{name}.toml")).expanduser()
     if path.suffix.lower() != ".toml":
         raise typer.BadParameter(f"{str(path)!r} does not end in .toml", param_hint="--out")
-    if os.path.lexists(path):
-        raise ParameterError(f"{path} exists; give another name with --out")
-    replace(checked_path(path, (".toml",)), lambda partial: partial.write_text(text, "utf-8"))
-    print_line(
-        f"{path} is written: open it, read it, change it.  Then\n"
-        f"  ratestate run {path} --plot {path.stem}.png    what happens\n"
-        f"  ratestate stability {path}    whether steady sliding is stable\n"
-        f"  ratestate cycle {path}    the limit cycle that it reaches"
-    )
+    data = templates.data_of(name)
+    places = {f"{name}.toml": path} | {file: path.with_name(file) for file in data}
+    _write({places[file]: text for file, text in {**data, f"{name}.toml": text}.items()})
+    print_line(f"wrote {' and '.join(map(str, places.values()))}\nNext:")
+    for line in templates.commands(name):
+        for file, place in places.items():
+            line = line.replace(f" {file}", f" {shlex.quote(str(place))}")
+        print_line(f"  {line}")
+
+
+def _write(texts: dict[Path, str]) -> None:
+    """Write all of these files, or none if one exists or cannot be written."""
+    from ...files import checked_path, replace
+
+    for path in texts:
+        if os.path.lexists(path):
+            other = "name" if path.suffix == ".toml" else "folder"
+            raise ParameterError(f"{path} exists; give another {other} with --out")
+    places = {checked_path(path, (path.suffix.lower(),)): text for path, text in texts.items()}
+    made = list[Path]()
+    try:
+        for path, text in places.items():
+            replace(path, lambda partial, text=text: partial.write_text(text, "utf-8"))
+            made.append(path)
+    except BaseException:
+        for path in made:
+            path.unlink()
+        raise

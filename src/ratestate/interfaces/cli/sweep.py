@@ -34,7 +34,7 @@ def sweep(
 
     Results are stored as they are computed: after Ctrl-C or a crash the same command resumes.
 
-    Example: ratestate sweep examples/fig3.toml --store fig3.zarr
+    Example: ratestate sweep fig3.toml --store fig3.zarr
     """
     if scheduler and slurm:
         raise typer.BadParameter("it cannot go with --scheduler", param_hint="--slurm")

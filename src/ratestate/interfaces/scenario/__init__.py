@@ -46,7 +46,7 @@
     plot = "out.png"  # or .pdf
 
 =============================== ================================================================
-``files``                       which files are read: `load`, `loads`, the templates
+``files``                       which files are read: `load`, `loads`
 ``known_keys``                  which tables and keys there are, and an example of each
 ``tables``                      [slider], [run], [output] and [sweep] read
 ``loading_table``, ``record``   [loading] read, and a record of times and speeds in a file
@@ -58,13 +58,13 @@
 ``results``                     the scenario that made a result
 ``as_toml``, ``as_python``      a scenario written down
 ``literals``                    numbers in it that are read back bit-for-bit
-``templates``                   scenario files to start from
 =============================== ================================================================
 """
 
+from ..templates import TEMPLATES, template
 from .as_python import python
 from .as_toml import toml
-from .files import LARGEST, TEMPLATES, load, loads, template
+from .files import LARGEST, load, loads
 from .model import Output, Scenario, run
 from .results import from_result
 

@@ -1,8 +1,7 @@
-"""Scenario files: read, and written to start from."""
+"""Scenario files read."""
 
 import re
 import tomllib
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,6 @@ from .tables import plain_table, sweep_table
 LARGEST = 10**7  # bytes
 DEEPEST = 50  # keys with dots between them: time and memory go with the square
 MOST_TABLES = 100
-TEMPLATES = ("brake", "lab", "fault")
 
 
 def load(path: str | Path, verb: str | None = None) -> Scenario:
@@ -95,28 +93,6 @@ def loads(
     if scenario is None:
         raise refusal("file.unusable", name=name, lines=report(problems, TABLES))
     return scenario
-
-
-def template(name: str) -> str:
-    """The text of a commented scenario file to start from.
-
-    Parameters
-    ----------
-    name : {"brake", "lab", "fault"}
-        What the file describes.
-
-    Returns
-    -------
-    str
-        TOML.
-
-    Raises
-    ------
-    ParameterError
-        Any other name.
-    """
-    file = resources.files(__package__) / "templates" / f"{choice(name, TEMPLATES)}.toml"
-    return file.read_text("utf-8")
 
 
 def _parse(text: bytes, name: str) -> dict[str, Any]:

@@ -1,41 +1,58 @@
-"""Every example does what its comment says, and what physics says."""
+"""Every template does what its comment says, and what physics says."""
 
 import re
+import shlex
 
 import numpy as np
 import pytest
-from paths import EXAMPLES
+from paths import TEMPLATES as FOLDER
 
+import ratestate as rs
+from ratestate import ParameterError
 from ratestate.friction.stability import omega_c
 from ratestate.interfaces.scenario import TEMPLATES, load, run, template
+from ratestate.interfaces.templates import commands, data_of, description
 from ratestate.model.quantities import QUANTITIES
-
-NAMES = sorted(path.stem for path in EXAMPLES.glob("*.toml"))
-
-
-@pytest.fixture(scope="module", params=TEMPLATES)
-def started(request, tmp_path_factory):
-    """A template, as a file."""
-    path = tmp_path_factory.mktemp("start") / f"{request.param}.toml"
-    path.write_text(template(request.param), "utf-8")
-    return path
 
 
 def done(name):
-    """The scenario of an example, and its result."""
-    scenario = load(EXAMPLES / f"{name}.toml")
+    """The scenario of a template, and its result."""
+    scenario = load(FOLDER / f"{name}.toml")
     return scenario, run(scenario)
 
 
-def test_each_example_says_what_it_shows_and_how_to_run_it():
+def test_each_file_is_a_template_or_its_data():
+    files = {path.name for path in FOLDER.iterdir() if path.suffix not in (".py", "")}
+    data = {name: set(data_of(name)) for name in TEMPLATES}
+    assert files == {f"{name}.toml" for name in TEMPLATES}.union(*data.values())
+    assert {k: v for k, v in data.items() if v} == {
+        "record": {"record.txt"},
+        "recorded-loading": {"recorded-loading.csv"},
+    }
+
+
+def test_each_template_is_tested_here():
     tested = {name.removeprefix("test_") for name in globals() if name.startswith("test_")}
-    assert set(NAMES) <= tested
-    for name in NAMES:
-        comment = (EXAMPLES / f"{name}.toml").read_text().split("[slider]")[0]
-        assert len(comment.split()) > 15
-        command = re.search(rf"^#   ratestate (\w+) examples/{name}.toml", comment, re.M)[1]
-        is_sweep = any(value.ndim for value in swept(load(EXAMPLES / f"{name}.toml")))
-        assert command == ("sweep" if is_sweep else "run")
+    assert {name.replace("-", "_") for name in TEMPLATES} <= tested
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_a_template_says_what_it_is_and_what_to_try(name):
+    first = template(name).split("\n")[0]
+    assert first == f"# {description(name)}."
+    assert 20 < len(description(name)) <= 62
+    assert all(len(line) <= 100 for line in template(name).split("\n"))
+    many = any(value.ndim for value in swept(load(FOLDER / f"{name}.toml")))
+    tried = [shlex.split(command.partition("    ")[0]) for command in commands(name)]
+    assert ("sweep" if many else "run") in {words[1] for words in tried}
+    assert all({*words} & {f"{name}.toml", *data_of(name)} for words in tried)
+    assert all(re.search(r" {4,}\w.*\w$", command) for command in commands(name))
+
+
+def test_an_unknown_template_is_refused():
+    for take in (template, data_of, description, commands):
+        with pytest.raises(ParameterError, match=r"one of lab, .*million; did you mean brake\?"):
+            take("barke")
 
 
 def swept(scenario):
@@ -99,13 +116,13 @@ def test_fig6():
 
 
 def test_million():
-    scenario = load(EXAMPLES / "million.toml")
+    scenario = load(FOLDER / "million.toml")
     assert scenario.slider.M.size * scenario.settings["V_lp"].size == 10**6
     assert scenario.slider.K_c_qs > scenario.slider.K
 
 
 def test_slide_hold_slide():
-    scenario, result = done("slide_hold_slide")
+    scenario, result = done("slide-hold-slide")
     slider, mu = scenario.slider, result.mu
     before = float(mu.sel(time=9.9, method="nearest"))
     rests = {1.0: 11.0, 10.0: 40.0, 100.0: 160.0, 1000.0: 1200.0}
@@ -117,8 +134,8 @@ def test_slide_hold_slide():
     assert (np.diff(rest) < 0).all()  # friction relaxes while the load point rests
 
 
-def test_brake():
-    scenario, result = done("brake")
+def test_brake_map():
+    scenario, result = done("brake-map")
     V_c = scenario.slider.V_c
     assert ((result.status == 0) == (result.V_lp > V_c)).transpose("V_lp", "sigma").all()
     assert (np.diff(V_c) < 0).all()  # the harder the pads press, the sooner it vibrates
@@ -130,7 +147,7 @@ def test_brake():
 
 
 def test_stiff_rig():
-    scenario, result = done("stiff_rig")
+    scenario, result = done("stiff-rig")
     slider, mu = scenario.slider, result.mu
     direct, steady = slider.a * np.log(10), (slider.a - slider.b) * np.log(10)
     slow = float(mu[0])
@@ -143,10 +160,10 @@ def test_stiff_rig():
     assert float(mu[-1]) == pytest.approx(slow, abs=1e-6)
 
 
-def test_record():
-    scenario, result = done("record")
+def test_recorded_loading():
+    scenario, result = done("recorded-loading")
     slider = scenario.slider
-    rows = np.genfromtxt(EXAMPLES / "record.csv", delimiter=",", skip_header=1, usecols=(0, 1))
+    rows = np.genfromtxt(FOLDER / "recorded-loading.csv", delimiter=",", skip_header=1, usecols=(0, 1))
     driven = np.trapezoid(rows[:, 1], rows[:, 0]) * 1e-6
     assert float(result.delta_lp[-1]) == pytest.approx(driven, rel=1e-12)
     resting = result.sel(time=slice(121, 179))
@@ -175,34 +192,68 @@ def test_sinusoid():
     assert omega == pytest.approx(own, rel=0.01)
 
 
-def test_template(started):
-    scenario = load(started)
-    slider, result = scenario.slider, run(scenario)
-    theory = run(load(started, "stability"))
-    name = started.stem
-    if name == "brake":
-        assert float(slider.eta(20e-3)) < 1 < float(theory.eta)
-        assert slider.K_c(20e-3) < slider.K < slider.K_c(50e-3)
-        assert 0.5 < float(result.frequency) / slider.f_n < 1
-        early = result.tau.sel(time=slice(0, 0.0999))
-        assert early.max() - early.min() < 1e-6 * slider.sigma
-        assert 0.02 < float(result.amplitude) < 0.04
-    elif name == "lab":
-        assert bool(theory.stable)
-        assert float(result.amplitude) == 0
-        assert 0.005 < float(result.mu.max() - result.mu[0]) < 0.03
-    else:
-        cycle = run(load(started, "limit_cycle"))
-        assert float(result.cycles) == 4
-        assert 0.1 < float(result.V_max) < 10  # earthquakes
-        year = 365.25 * 86400
-        assert 100 < float(cycle.period) / year < 250
-        assert 1 / float(result.frequency) == pytest.approx(float(cycle.period), rel=1e-3)
+def test_lab():
+    """Stick-slip that heals in the rest and loses stress with speed."""
+    scenario, result = done("lab")
+    slider, sigma = scenario.slider, float(scenario.slider.sigma)
+    assert not run(load(FOLDER / "lab.toml", "stability")).stable
+    assert slider.K_c_qs == pytest.approx(12e9, rel=1e-12)  # as the comment says
+    cycle = run(load(FOLDER / "lab.toml", "limit_cycle"))
+    assert 0.05 < float(cycle.amplitude) < 0.15
+    assert 5 < float(cycle.period) < 10
+    assert 0.01 < float(cycle.V_max) < 1
+    assert float(result.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-3)
+    drop = {
+        name: float(window.max() - window.min()) / sigma
+        for name, window in {
+            "before": result.tau.sel(time=slice(10, 30)),
+            "rested": result.tau.sel(time=slice(141, 150)),
+            "faster": result.tau.sel(time=slice(205, 220)),
+        }.items()
+    }
+    assert drop["faster"] < drop["before"] < drop["rested"] - 0.02
+    rest = result.tau.sel(time=slice(60, 139.9))
+    assert (np.diff(rest) < 0).all()
 
 
-def test_templates_comment_on_every_parameter(started):
-    text = started.read_text()
-    assert text.startswith("# ")
+def test_brake():
+    scenario, result = done("brake")
+    slider, theory = scenario.slider, run(load(FOLDER / "brake.toml", "stability"))
+    assert float(slider.eta(20e-3)) < 1 < float(theory.eta)
+    assert slider.K_c(20e-3) < slider.K < slider.K_c(50e-3)
+    assert 0.5 < float(result.frequency) / slider.f_n < 1
+    early = result.tau.sel(time=slice(0, 0.0999))
+    assert early.max() - early.min() < 1e-6 * slider.sigma
+    assert 0.02 < float(result.amplitude) < 0.04
+
+
+def test_fault():
+    _, result = done("fault")
+    cycle = run(load(FOLDER / "fault.toml", "limit_cycle"))
+    assert float(result.cycles) == 4
+    assert 0.1 < float(result.V_max) < 10  # earthquakes
+    year = 365.25 * 86400
+    assert 100 < float(cycle.period) / year < 250
+    assert 1 / float(result.frequency) == pytest.approx(float(cycle.period), rel=1e-3)
+
+
+def test_record():
+    """The record is the scenario's run and noise; a fit finds its parameters within their errors."""
+    scenario, result = done("record")
+    slider, record = scenario.slider, rs.read_lab(FOLDER / "record.txt")
+    noise = record.friction - (result.tau / slider.sigma).interp(time=record.time)
+    assert 2.2e-4 < float(noise.std()) < 2.4e-4
+    assert abs(float(noise.mean())) < 3e-5
+    fit = rs.fit(record, slider.replace(a=0.01, b=0.01, Dc="10 um", K="60 GPa/m"))
+    for name in ("a", "b", "Dc", "K"):
+        low, high = fit.interval.sel(parameter=name, level=0.95).values
+        assert low < float(getattr(slider, name)) < high
+        assert high / low < 1.1
+
+
+@pytest.mark.parametrize("name", ["lab", "brake", "fault", "record"])
+def test_those_to_start_from_comment_on_every_parameter(name):
+    text = template(name)
     for line in text.split("[slider]\n")[1].split("\n[loading]")[0].strip().split("\n"):
         symbol = line.split(" = ")[0]
         assert re.search(r"#.*\w{3}", line) or symbol == "V0", line
