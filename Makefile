@@ -6,7 +6,7 @@ UV_VERSION := 0.13.9
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
-.PHONY: help setup figures explore test check docs wheel browser bench torture mutants slurm lock clean
+.PHONY: help setup figures explore test check docs wheel dist browser bench torture mutants slurm lock clean
 .DEFAULT_GOAL := help
 
 help: ## show these targets
@@ -38,8 +38,11 @@ docs: .venv/.docs ## build the documentation, its code executed and its links ch
 	$(BIN)/python tools/check_links.py build/docs/html
 	$(BIN)/python tools/run_code.py README.md docs/*.md docs/*/*.md
 
-wheel: .venv/.uv-$(UV_VERSION) ## build the wheel, and try it in an empty environment
+wheel: .venv/.uv-$(UV_VERSION) ## build the wheel and the sdist, and try each in an empty environment
 	$(BIN)/python tools/try_wheel.py
+
+dist: .venv/.uv-$(UV_VERSION) ## what a release publishes, tried, into dist/; ARGS="--tag v1.2.3" to insist on a version
+	$(BIN)/python tools/make_dist.py $(ARGS)
 
 browser: ## install Debian's chromium for the explorer's tests, where there is none
 	tools/chromium.sh

@@ -45,7 +45,7 @@ def docs(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def wheel(session: nox.Session) -> None:
-    """Build the wheel, and use it in an empty environment."""
+    """Build the wheel and the source distribution, and use each in an empty environment."""
     session.install("uv==0.13.9")
     session.run("python", "tools/try_wheel.py")
 

@@ -1,10 +1,10 @@
-"""Build the wheel, install it into an empty environment outside this folder, and use it there.
+"""Build the wheel and the source distribution, install each into an empty environment, and use it.
 
     python tools/try_wheel.py
 
-The wheel is built from the source distribution, so that both are known to be whole.  Beside it
-come the dependencies that its own metadata names, in the versions of requirements.lock, and nothing
-else.  git tells which files belong to the package; uv builds and installs.
+The wheel is built from the source distribution.  Beside each come the dependencies that its own
+metadata names, in the versions of requirements.lock, and nothing else; it is used in a folder
+outside of this one.  git tells which files belong to the package; uv builds and installs.
 """
 
 import os
@@ -47,21 +47,32 @@ class Failed(Exception):
 def main():
     try:
         with tempfile.TemporaryDirectory(prefix="ratestate-wheel-") as folder:
-            check(Path(folder))
+            build(Path(folder))
+            try_archives(Path(folder))
     except Failed as error:
         sys.exit(f"error: {error}")
 
 
-def check(folder):
-    """Build, look into, install and use the wheel, all in this folder."""
+def build(folder):
+    """Build both archives into this folder, and return their paths: wheel and sdist."""
     tool("uv", "build", "--out-dir", folder, "--build-constraint", LOCK, ROOT)
+    (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    return wheel, sdist
+
+
+def try_archives(folder):
+    """Look into, install and use the archives of this folder."""
     (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
     holds_the_package(wheel)
     holds_the_project(sdist)
-    home = folder / "env"
-    tool("uv", "venv", "--python", sys.executable, home)
-    tool("uv", "pip", "install", "--python", home, "--constraint", LOCK, wheel)
-    works(home / "bin", folder, version=wheel.name.split("-")[1])
+    for archive in (wheel, sdist):
+        say(f"{archive.name}, in an empty environment:")
+        with tempfile.TemporaryDirectory(prefix="ratestate-env-") as place:
+            home = Path(place) / "env"
+            tool("uv", "venv", "--python", sys.executable, home)
+            how = ("--constraint", LOCK, "--build-constraint", LOCK)
+            tool("uv", "pip", "install", "--python", home, *how, archive)
+            works(home / "bin", Path(place), version=wheel.name.split("-")[1])
 
 
 # Inside -------------------------------------------------------------------------------------------
@@ -116,10 +127,14 @@ def works(programs, folder, version):
     use("ratestate", "--help")
     modules = use("python", "-I", "-W", "error", "-c", IMPORT_ALL).strip()
     say(f"{modules} modules can be imported")
-    use("ratestate", "init", "lab")
+    for line in use("ratestate", "init", "--list").splitlines():
+        use("ratestate", "init", line.split()[0])
+    say(f"ratestate init: {len([*empty.glob('*.toml')])} scenario files")
     use("ratestate", "run", "lab.toml", "--out", "lab.nc", "--plot", "lab.png")
     times = use("python", "-I", "-c", READ, "lab.nc").strip()
     say(f"ratestate run lab.toml: {times} times")
+    use("ratestate", "fit", "record.txt", "--out", "fitted")
+    say("ratestate fit record.txt")
     page = explored(programs / "ratestate", empty, alone(folder))
     say(f"ratestate explore: a page of {page} bytes")
 
