@@ -3,11 +3,13 @@
 import importlib.util
 import inspect
 import re
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 
 import ratestate as rs
+from ratestate.interfaces.templates import TEMPLATES
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -48,6 +50,33 @@ def test_code_on_pages_is_told_wrong(tmp_path):
     page.write_text('```toml\n[slider]\na = "3 m"\n```\n')
     with run_code.elsewhere(), pytest.raises(rs.ParameterError, match="'3 m' is a length"):
         run_code.load_toml(page)
+
+
+def test_output_on_pages_is_compared(tmp_path):
+    page = tmp_path / "page.md"
+    shown = "```python\nprint(6)\nprint(7)\n```\n{}\n```text\n6\n{}\n```\n"
+    page.write_text(shown.format("", 7))
+    run_code.run_python(page)
+    page.write_text(shown.format("", 8))
+    with pytest.raises(AssertionError, match=r"line 2: shown\n6\n8\n\nbut printed\n6\n7\n"):
+        run_code.run_python(page)
+    page.write_text(shown.format("Text that has to do with something else:", 8))
+    run_code.run_python(page)
+
+
+def test_the_readme_is_short_and_points_to_what_is_there():
+    text = (ROOT / "README.md").read_text()
+    lines = text.split("\n")
+    assert len(lines) <= 121
+    assert {"make figures", "make test"} <= {line.partition("  ")[0] for line in lines[:40]}
+    assert [output for *_, output in run_code.blocks(ROOT / "README.md", "python")] != [None]
+    links = set(re.findall(r"\]\(([^)]+)\)", text))
+    local = {link for link in links if "://" not in link}
+    assert len(local) > 12
+    assert not [link for link in local if not (ROOT / link).exists()]
+    assert set(re.findall(r"ratestate init ([a-z]\S*)", text)) <= {*TEMPLATES}
+    wheels = re.findall(r"ratestate-(\d.*?)-py3", text + (DOCS / "howto/install.md").read_text())
+    assert {*wheels} == {metadata.version("ratestate")}
 
 
 def test_reference_values_are_those_of_the_tests():

@@ -1,11 +1,27 @@
-"""The project's own files agree with each other."""
+"""The project's own files agree with each other, and a release is made of them."""
 
+import hashlib
+import importlib
 import re
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+RECIPE = (ROOT / "conda" / "recipe" / "recipe.yaml").read_text()
+
+
+@pytest.fixture(scope="module")
+def make_dist():
+    """tools/make_dist.py as a module."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    try:
+        yield importlib.import_module("make_dist")
+    finally:
+        sys.path.remove(str(ROOT / "tools"))
 
 
 @pytest.mark.parametrize(("hooks", "tool"), [("ruff-pre-commit", "ruff"), ("mirrors-mypy", "mypy")])
@@ -18,7 +34,104 @@ def test_hooks_are_of_the_locked_versions(hooks, tool):
 
 
 def test_the_build_has_the_locked_uv():
-    """uv is not in the lock, which it makes: the Makefile names its version, and noxfile.py too."""
+    """uv is not in the lock, which it makes: the Makefile names its version, as others do."""
     (wanted,) = re.findall(r"^UV_VERSION := (\S+)", (ROOT / "Makefile").read_text(), re.M)
-    (named,) = re.findall(r'"uv==(\S+)"', (ROOT / "noxfile.py").read_text())
-    assert named == wanted
+    for file in ("noxfile.py", ".github/workflows/release.yml"):
+        (named,) = re.findall(r"\buv==([\d.]+)", (ROOT / file).read_text())
+        assert named == wanted, file
+
+
+def test_actions_are_of_one_commit_each():
+    """The workflow that publishes uses what the tests are run with."""
+    uses = {}
+    for path in (ROOT / ".github" / "workflows").glob("*.yml"):
+        for action, commit in re.findall(r"uses: (\S+)@(\S+)", path.read_text()):
+            assert re.fullmatch("[0-9a-f]{40}", commit), action
+            uses.setdefault(action, set()).add(commit)
+    assert len(uses) == 4
+    assert all(len(commits) == 1 for commits in uses.values())
+
+
+def listed(section):
+    """The items of a list of the conda recipe, such as "run"."""
+    (items,) = re.findall(rf"^  {section}:\n((?:    - .*\n)+)", RECIPE, re.MULTILINE)
+    lowest = re.search(r'python_min: "(.*)"', RECIPE)[1]
+    return set(re.findall(r"- (.*)", items.replace("${{ python_min }}", lowest)))
+
+
+def test_the_conda_recipe_says_what_pyproject_says():
+    project = PROJECT["project"]
+    spaced = {re.sub(r"(?=[<>=!~])", " ", one, count=1) for one in project["dependencies"]}
+    renamed = {re.sub("^matplotlib ", "matplotlib-base ", one) for one in spaced}
+    assert listed("run") == renamed | {f"python {project['requires-python']}"}
+    (builder,) = PROJECT["build-system"]["requires"]
+    lowest = project["requires-python"].removeprefix(">=")
+    assert listed("host") == {f"python {lowest}.*", "pip", builder.replace("==", " ==")}
+    assert f'version: "{project["version"]}"' in RECIPE
+    ((name, where),) = project["scripts"].items()
+    assert f"- {name} = {where}\n" in RECIPE
+    for line in (project["description"], project["license"], project["urls"]["Paper"]):
+        assert f": {line}\n" in RECIPE
+
+
+def test_the_citation_is_of_this_version():
+    citation = (ROOT / "CITATION.cff").read_text()
+    assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [PROJECT["project"]["version"]]
+
+
+CHANGES = """# Changelog
+
+## [Unreleased]
+
+- New.
+
+## [0.1.0] - 2026-01-01
+
+### Added
+
+- Old.
+"""
+
+
+@pytest.mark.parametrize(
+    ("changes", "is_release", "notes"),
+    [
+        (CHANGES, False, "- New."),
+        (CHANGES, True, "### Added\n\n- Old."),
+        (CHANGES.replace("- New.\n", ""), False, "### Added\n\n- Old."),
+        (CHANGES.replace("0.1.0", "0.0.9"), True, None),
+        ("# Changelog\n", False, None),
+    ],
+)
+def test_release_notes_are_the_section_of_the_version(make_dist, changes, is_release, notes):
+    def made():
+        return make_dist.release_notes(changes, "0.1.0", is_release=is_release)
+
+    if notes is None:
+        with pytest.raises(make_dist.Failed, match=r"has no section.* 0\.1\.0"):
+            made()
+    else:
+        assert made() == f"# ratestate 0.1.0\n\n{notes}\n"
+
+
+def test_a_tag_of_another_version_is_refused(make_dist):
+    with pytest.raises(make_dist.Failed, match=r"the tag v9\.9\.9 is not v"):
+        make_dist.make("v9.9.9")
+
+
+def test_the_published_recipe_differs_in_its_source_only(make_dist, tmp_path):
+    archive = tmp_path / "ratestate-0.1.0.tar.gz"
+    archive.write_bytes(b"all of it")
+    sums = make_dist.sums_of([archive])
+    assert sums == {archive.name: hashlib.sha256(b"all of it").hexdigest()}
+    made = make_dist.published(RECIPE, archive.name, sums[archive.name]).split("\n")
+    before = RECIPE.split("\n")
+    assert [line for line in before if line not in made] == [
+        "  path: ../../dist/ratestate-${{ version }}.tar.gz"
+    ]
+    assert [line for line in made if line not in before] == [
+        f"  url: {make_dist.PYPI}/{archive.name}",
+        f"  sha256: {sums[archive.name]}",
+    ]
+    with pytest.raises(make_dist.Failed, match="no source that is a path"):
+        make_dist.published("\n".join(made), archive.name, sums[archive.name])

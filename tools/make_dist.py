@@ -48,7 +48,7 @@ def make(tag):
     (DIST / "RELEASE_NOTES.md").write_text(notes)
     sdist = next(name for name in sums if name.endswith(".tar.gz"))
     (DIST / "recipe.yaml").write_text(published(recipe, sdist, sums[sdist]))
-    say(f"{DIST.name}/: {', '.join(sorted(path.name for path in DIST.iterdir()))}")
+    say(f"{DIST.name}/: {', '.join(sorted(path.name for path in DIST.glob('[!.]*')))}")
 
 
 def sums_of(archives):

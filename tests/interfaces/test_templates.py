@@ -163,7 +163,9 @@ def test_stiff_rig():
 def test_recorded_loading():
     scenario, result = done("recorded-loading")
     slider = scenario.slider
-    rows = np.genfromtxt(FOLDER / "recorded-loading.csv", delimiter=",", skip_header=1, usecols=(0, 1))
+    rows = np.genfromtxt(
+        FOLDER / "recorded-loading.csv", delimiter=",", skip_header=1, usecols=(0, 1)
+    )
     driven = np.trapezoid(rows[:, 1], rows[:, 0]) * 1e-6
     assert float(result.delta_lp[-1]) == pytest.approx(driven, rel=1e-12)
     resting = result.sel(time=slice(121, 179))

@@ -24,7 +24,11 @@ VALUES = [
     *("9" * 5000, "0x" + "f" * 5000, '"' + "x" * 5000 + '"', '"10 um\\u0000"', '"10 \\n um"'),
     *("{ from = 1 }", "{ from = 1, to = 2, n = 10_000_000_000 }", "{ from = -1, to = nan, n = 3 }"),
     *('{ form = 1, to = "2 m", n = 2.5, scale = "ln" }', "{ V_lp = 1, hold = 2 }", "{ a.b.c = 1 }"),
-    *("[{ t = 1, V_lp = -1 }, { t = 0 }, { ramp = 3 }, 4]", '"../../out.exe"', '"recorded-loading.csv"'),
+    *(
+        "[{ t = 1, V_lp = -1 }, { t = 0 }, { ramp = 3 }, 4]",
+        '"../../out.exe"',
+        '"recorded-loading.csv"',
+    ),
 ]
 KEYS = "a b Dc sigma K M law V_lp steps sinusoid file columns units t t_end times rtol verb".split()
 TABLES = ["slider", "loading", "run", "sweep", "output"]
