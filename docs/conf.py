@@ -113,11 +113,11 @@ html_theme_options = {
     "navigation_with_keys": False,
     "show_prev_next": True,
     "navbar_align": "left",
-    "header_links_before_dropdown": 6,
+    "header_links_before_dropdown": 7,
     "footer_start": ["copyright"],
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],
     "back_to_top_button": False,
 }
 # pages without pages below them need no list of those
-html_sidebars = {page: [] for page in ("index", "start", "coming_from")}
+html_sidebars = {page: [] for page in ("index", "start", "primer", "coming_from")}

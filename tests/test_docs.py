@@ -10,6 +10,7 @@ import pytest
 
 import ratestate as rs
 from ratestate.interfaces.templates import TEMPLATES
+from ratestate.model.quantities import QUANTITIES
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -109,6 +110,67 @@ def test_every_public_name_is_documented():
             or inspect.isclass(getattr(module, public))
         }
     assert wanted <= documented, sorted(wanted - documented)
+
+
+symbols = program(DOCS / "_ext" / "symbols.py")
+materials = program(DOCS / "_ext" / "materials.py")
+
+
+def test_every_symbol_is_in_the_glossary():
+    told = {symbol: text for texts in symbols.read().values() for symbol, text in texts.items()}
+    assert told.keys() == QUANTITIES.keys()
+    assert symbols.symbols().count("```{glossary}") == len(symbols.read())
+    assert "\nDc\n  *critical slip distance* $D_c$ [m]. The slip over which" in symbols.symbols()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("\nK = ", "\nstiffness = ", "K, stiffness"),
+        ("\ntau = ", "\nK = ", "tau"),
+        ('["Limit cycles"]', '["Limit cycles"]\nK = "twice"', "K, K"),
+    ],
+)
+def test_a_symbol_without_its_entry_is_told(tmp_path, old, new, told):
+    file = tmp_path / "symbols.toml"
+    text = symbols.TEXTS.read_text("utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new, 1), "utf-8")
+    with pytest.raises(AssertionError, match=f": {told}"):
+        symbols.read(file)
+
+
+def test_typical_values_are_read_with_their_units():
+    entries, sources = materials.read()
+    granite = next(e for e in entries if e["source"] == "im2019")
+    assert (granite["a"], granite["b"], granite["Dc"]) == ([0.003], [0.006], [1e-5])
+    feldspar = next(e for e in entries if e["source"] == "he2013")
+    assert feldspar["Dc"] == [3e-6, 4e-6]
+    assert "| 3\xa0µm to 4\xa0µm | weakening; " in materials.values()
+    rows = [table.count("\n") - 1 for table in (materials.values(), materials.findings())]
+    assert rows == [sum("Dc" in e or "a" in e for e in entries), len(entries) - rows[0]]
+    assert materials.sources().count("\n") == len(sources) - 1
+    assert all(re.fullmatch(r"10\.\d{4,5}/\S+", source["doi"]) for source in sources.values())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "error", "told"),
+    [
+        ('Dc = "8 mm"', 'Dc = "8 MPa"', rs.ParameterError, "Dc = '8 MPa'"),
+        ("a = 0.310", "a = -0.310", rs.ParameterError, "a = -0.31"),
+        ('["3 um", "4 um"]', '["4 um", "3 um"]', AssertionError, "4e-06"),
+        ('source = "frye2002"', 'source = "frye2003"', AssertionError, "frye2002"),
+        ('checked = "not"', 'checked = "surely"', AssertionError, "surely"),
+        ('conditions = "a model"\n', "", AssertionError, "geothermal"),
+    ],
+)
+def test_a_wrong_typical_value_is_told(tmp_path, old, new, error, told):
+    file = tmp_path / "materials.toml"
+    text = materials.FILE.read_text("utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new, 1), "utf-8")
+    with pytest.raises(error, match=told):
+        materials.read(file)
 
 
 PAGE = '<h1 id="top">x</h1><a href="{}">y</a><img src="p.png" alt="{}">'

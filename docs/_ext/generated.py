@@ -8,6 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import materials
+import symbols
+
 from ratestate.model.loading.shapes import SHAPES
 
 DOCS = Path(__file__).parent.parent
@@ -157,6 +160,10 @@ WRITERS = {
     "exit_codes": exit_codes,
     "mistakes": mistakes,
     "templates": templates,
+    "symbols": symbols.symbols,
+    "material_values": materials.values,
+    "material_findings": materials.findings,
+    "material_sources": materials.sources,
     **{table: keys(table) for table in ("slider", "loading", "run", "sweep", "output")},
 }
 
