@@ -11,7 +11,7 @@ from .. import templates
 from .output import print_line
 
 
-def init(name: str = "lab", *, out: Path | None = None, listing: bool = False) -> None:
+def init(kind: str = "lab", *, out: Path | None = None, listing: bool = False) -> None:
     """Write a commented scenario file to start from, and the data that it needs beside it.
 
     Example: ratestate init brake
@@ -21,18 +21,18 @@ def init(name: str = "lab", *, out: Path | None = None, listing: bool = False) -
         for each in templates.TEMPLATES:
             print_line(f"{each:{width}}  {templates.description(each)}")
         return
-    text = templates.template(name)
+    texts = templates.files_of(kind)
+    own = f"{kind}.toml"
     if out == Path("-"):
-        print_line(text.rstrip("\n"))
+        print_line(texts[own].rstrip("\n"))
         return
-    path = (out or Path(f"{name}.toml")).expanduser()
+    path = (out or Path(own)).expanduser()
     if path.suffix.lower() != ".toml":
         raise typer.BadParameter(f"{str(path)!r} does not end in .toml", param_hint="--out")
-    data = templates.data_of(name)
-    places = {f"{name}.toml": path} | {file: path.with_name(file) for file in data}
-    _write({places[file]: text for file, text in {**data, f"{name}.toml": text}.items()})
+    places = {file: path if file == own else path.with_name(file) for file in texts}
+    _write({places[file]: text for file, text in texts.items()})
     print_line(f"wrote {' and '.join(map(str, places.values()))}\nNext:")
-    for line in templates.commands(name):
+    for line in templates.commands(kind):
         for file, place in places.items():
             line = line.replace(f" {file}", f" {shlex.quote(str(place))}")
         print_line(f"  {line}")
@@ -44,7 +44,7 @@ def _write(texts: dict[Path, str]) -> None:
 
     for path in texts:
         if os.path.lexists(path):
-            other = "name" if path.suffix == ".toml" else "folder"
+            other = "name" if path.suffix.lower() == ".toml" else "folder"
             raise ParameterError(f"{path} exists; give another {other} with --out")
     places = {checked_path(path, (path.suffix.lower(),)): text for path, text in texts.items()}
     made = list[Path]()

@@ -41,15 +41,14 @@ def template(name: str) -> str:
     return _text(f"{name}.toml")
 
 
-def data_of(name: str) -> dict[str, str]:
-    """The files that stand beside a template, as name -> text: those called NAME.txt or .csv.
+def files_of(name: str) -> dict[str, str]:
+    """File -> text of a template, NAME.toml, and of its data: files called NAME.txt or NAME.csv.
 
     ParameterError for an unknown template.
     """
-    template(name)
-    names = {f"{name}.txt", f"{name}.csv"}
-    found = (one.name for one in resources.files(__package__).iterdir())
-    return {one: _text(one) for one in sorted(names.intersection(found))}
+    there = {file.name for file in resources.files(__package__).iterdir()}
+    data = (f"{name}{ending}" for ending in (".txt", ".csv"))
+    return {f"{name}.toml": template(name)} | {file: _text(file) for file in data if file in there}
 
 
 def description(name: str) -> str:
