@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         SolverError,
     )
     from .model.arrays import logspace
+    from .model.conversion import in_units
     from .model.loading import Loading
     from .model.slider import SpringSlider
     from .records.fitting.fit import fit
@@ -45,6 +46,7 @@ __all__ = [
     "continue_cycle",
     "fit",
     "hopf",
+    "in_units",
     "limit_cycle",
     "logspace",
     "read_lab",
@@ -70,6 +72,7 @@ _HOMES = {
     "continue_cycle": "dynamics.continuation.branch",
     "fit": "records.fitting.fit",
     "hopf": "dynamics.hopf",
+    "in_units": "model.conversion",
     "limit_cycle": "dynamics.cycles.limit_cycle",
     "logspace": "model.arrays",
     "read_lab": "records.reading",

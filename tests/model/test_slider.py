@@ -68,7 +68,7 @@ def test_frozen():
         slider.K = 1.0
     with pytest.raises(TypeError):
         SpringSlider(0.003, 0.006)
-    with pytest.raises(TypeError, match="damping"):
+    with pytest.raises(ParameterError, match="damping"):
         slider.replace(damping=1.0)
 
 
@@ -106,7 +106,7 @@ def test_unlabelled_array_along_its_own_symbol():
         ({"mu0": -0.6}, "mu0 = -0.6 must be >= 0"),
         ({"V0": "10 um"}, "V0 = '10 um' is a length [m]; expected a speed [m/s]"),
         ({"b": np.nan}, "b = nan is not a number"),
-        ({"law": "ruina"}, "law = 'ruina' is unknown; choose 'slip' or 'aging'"),
+        ({"law": "nagata"}, "law = 'nagata' is unknown; choose 'slip' or 'aging'"),
         ({"M": [1, 2]}, "xarray.DataArray(values, dims='M')"),
         (
             {"M": logspace("M", 1, 10, 3), "K": xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M")},

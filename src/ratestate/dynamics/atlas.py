@@ -81,7 +81,7 @@ def atlas(b_over_a=2.0, law="slip", *, n=200, rtol=1e-6):
     data = data.assign_coords(b_over_a=((), b_over_a, attrs("b_over_a")))
     for name in ("K_over_K_c_qs", "K_over_K_c"):
         data[name].attrs = attrs(name)
-    data.attrs = provenance("atlas", slider.replace(M=1.0), rtol=rtol, n=n, law=law)
+    data.attrs = provenance("atlas", slider.replace(M=1.0), rtol=rtol, n=n, law=slider.law)
     return data
 
 

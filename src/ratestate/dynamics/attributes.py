@@ -9,7 +9,7 @@ import numbers
 
 import numpy as np
 
-from ..friction.laws import evolution_law
+from ..friction.laws import law_name
 from ..model.quantities import QUANTITIES
 from ..model.units import to_si
 from .refusals import refusal, sentence
@@ -73,8 +73,7 @@ def parameter_value(name, symbol, value):
     name, symbol : of the attribute, and of the quantity, or "law"
     """
     if symbol == "law":
-        evolution_law(value)
-        return value
+        return law_name(value)
     if isinstance(value, dict):
         values = array(name, value)
         to_si(symbol, values)  # checks it

@@ -12,6 +12,7 @@ from ..friction.normal_form import (
 )
 from ..friction.stability import K_c, V_c, eta, omega_c
 from ..model.batch import Batch
+from ..model.names import keywords_checked
 from ..model.slider import checked
 from ..model.units import is_array, named, to_si
 from .refusals import refusal
@@ -21,6 +22,7 @@ VARIABLES = (
 )
 
 
+@keywords_checked
 def hopf(slider, V_lp=None):
     """The Hopf bifurcation of steady sliding: its position and type, and its small cycles.
 

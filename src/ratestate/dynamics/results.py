@@ -9,6 +9,8 @@ import numpy as np
 
 from ..engine.cache import DIGEST
 from ..engine.model import STATUSES
+from ..model.conversion import in_si
+from ..model.slider import PARAMETERS
 from ..model.units import is_array
 from . import attributes
 from .refusals import refusal
@@ -97,6 +99,7 @@ def parameter(result, symbol):
         The result has lost its attributes, they are not as they were made, or there is no such
         parameter.
     """
+    result = in_si(result)
     if "parameter" in result.attrs and attributes.branch_parameter(result) == symbol:
         return result[symbol]
     name = "V_lp" if symbol == "V_lp" else "slider"
@@ -113,6 +116,15 @@ def parameter(result, symbol):
     if value is None:
         raise refusal("attributes.no_coordinate", symbol=symbol)
     return value
+
+
+def slider_parameters(result):
+    """Symbols (list of str) of the slider's parameters, the area among them if a result records it.
+
+    ParameterError where the result has lost its attributes.
+    """
+    known = attributes.from_json(result, "slider", dict)
+    return [*PARAMETERS, "law", *({"area"} & known.keys())]
 
 
 def _labels(coordinate, value):

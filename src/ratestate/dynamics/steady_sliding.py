@@ -8,6 +8,7 @@ import xarray
 
 from ..friction.stability import K_c, K_c_qs, V_c, eigenvalues, eta, f_n, omega_c
 from ..model.batch import Batch
+from ..model.names import keywords_checked
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
@@ -16,6 +17,7 @@ from .results import provenance
 VARIABLES = "K_c K_c_qs eta V_c f_n eigenvalues growth_rate omega omega_c stable".split()
 
 
+@keywords_checked
 def stability(slider, V_lp):
     """Linear stability of a slider in steady sliding.
 

@@ -16,6 +16,7 @@ from .cycles.regimes import UNKNOWN, classify
 from .refusals import refusal
 from .steady_sliding import stability
 from .verdict_sentences import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
+from .whole_contact import force
 
 # K/K_c up to which a fold is sought; the aging law's branches fold below 1.016, for any b/a.
 FOLDS_BELOW = 1.02
@@ -102,6 +103,13 @@ class Verdict:
         if size >= 1.0:
             return np.inf
         return float(np.log(0.1) / np.log(size)) if size > 0.0 else 0.0
+
+    @property
+    def force_amplitude(self):
+        """Peak-to-peak force [N] of the motion reached; None where it or the area is not known."""
+        if self.amplitude is None or not self.slider.has_area:
+            return None
+        return force(self.amplitude * self.slider.sigma, self.slider.area)
 
     @property
     def on_edge(self):

@@ -55,6 +55,8 @@ def _motion(v, reason):
         values |= {"frequency": _vibration(v), "speeds": _range("V", v.V_min, v.V_max)}
     elif v.period is not None:
         values["period"] = readable_time(v.period, both=True)
+    force = v.force_amplitude
+    values["force"] = "" if force is None else sentence("motion.force", force=force)
     return sentence(f"motion.{name}", v=v, **values)
 
 

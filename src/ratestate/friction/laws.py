@@ -24,15 +24,17 @@ from ..errors import ParameterError
 
 
 class EvolutionLaw:
-    """What all laws have in common: a name, and methods that know numbers alone."""
+    """What all laws have in common: names, and methods that know numbers alone."""
 
     name: str
+    synonyms: tuple[str, ...]  # other names by which it is known, in small letters
 
 
 class SlipLaw(EvolutionLaw):
     """Slip (Ruina) law, eq. 3."""
 
     name = "slip"
+    synonyms = ("ruina",)
 
     def rate(self, w, v, psi, e):
         """The rate d psi/dT = -w (v + psi)."""
@@ -84,6 +86,7 @@ class AgingLaw(EvolutionLaw):
     """Aging (Dieterich) law, eq. 2; methods as those of `SlipLaw`."""
 
     name = "aging"
+    synonyms = ("ageing", "dieterich", "slowness")
 
     def rate(self, w, v, psi, e):
         """The rate d psi/dT = exp(-psi) - w."""
@@ -136,10 +139,20 @@ class AgingLaw(EvolutionLaw):
 SLIP, AGING = SlipLaw(), AgingLaw()
 #: name of an evolution law -> the law
 LAWS = {law.name: law for law in (SLIP, AGING)}
+#: name or synonym -> name of the law
+LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.synonyms)}
 
 
 def evolution_law(law):
-    """The law of `LAWS` with this name; ParameterError for an unknown one."""
-    if not isinstance(law, str) or law not in LAWS:
-        raise ParameterError(f"law = {law!r} is unknown; choose {' or '.join(map(repr, LAWS))}")
-    return LAWS[law]
+    """The law of `LAWS` with this name or synonym; ParameterError for an unknown one."""
+    return LAWS[law_name(law)]
+
+
+def law_name(law):
+    """A law's name in `LAWS`, from that name or a synonym, in any capitals.
+
+    ParameterError for an unknown one, or what is no string.
+    """
+    if isinstance(law, str) and law.lower() in LAW_OF:
+        return LAW_OF[law.lower()]
+    raise ParameterError(f"law = {law!r} is unknown; choose {' or '.join(map(repr, LAWS))}")

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 
 from ..errors import ParameterError
+from .other_units import quantity_of
 from .quantities import QUANTITIES, attrs, expected
 from .units import is_array, to_si
 
@@ -18,7 +19,8 @@ def logspace(name, start, stop, n):
         Symbol of the quantity, for example "M" [kg/m^2] or "V_lp" [m/s]; any other name makes an
         axis of pure numbers.
     start, stop : float, str or pint.Quantity
-        First and last value, both > 0 and both kept exactly.  In SI, unless they carry a unit.
+        First and last value, both > 0 and both kept exactly.  In SI, unless they carry a unit; for
+        K, M and sigma one of any kind that `SpringSlider` takes, such as "1e-3/um" for K.
     n : int
         Number of values, at least 2.  Those between are rounded to 15 digits, so that
         ``.sel(M=1000)`` finds the 1000 between 100 and 10000.
@@ -41,7 +43,7 @@ def logspace(name, start, stop, n):
     """
     import xarray
 
-    symbol = name if name in QUANTITIES else "number"
+    symbol = quantity_of(name, start) if name in QUANTITIES else "number"
     ends = [
         to_si(symbol, value, label=f"{name} ({which})", bound="> 0")
         for which, value in (("start", start), ("stop", stop))
@@ -52,10 +54,11 @@ def logspace(name, start, stop, n):
         raise ParameterError(f"n = {n!r} must be an integer of at least 2, for example 12")
     values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
     values[[0, -1]] = ends
-    labels = attrs(symbol) if symbol == name else {}
+    labels = attrs(symbol) if name in QUANTITIES else {}
     # Unit and name sit on the coordinate only: xarray would carry those of the array through
     # arithmetic, and V_lp = np.sqrt(eta * ...) would claim to be a pure number.
-    return xarray.DataArray(values, {name: (name, values, labels)}, (name,), name)
+    own = {} if symbol in (name, "number") else {"units": labels["units"]}
+    return xarray.DataArray(values, {name: (name, values, labels)}, (name,), name, own)
 
 
 def check_aligned(values):

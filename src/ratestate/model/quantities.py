@@ -5,6 +5,7 @@ Everything that reads values, labels variables or writes messages looks here.
 
 import math
 import tomllib
+from decimal import Decimal
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,20 +20,28 @@ KINDS = {
     "Pa/m": ("a stiffness", "'900 MPa/m'"),
     "kg/m^2": ("a mass per area", "'3000 kg/m^2'"),
     "J/m^2": ("an energy per area", "'1 J/m^2'"),
+    "m^2": ("an area", "'20 cm^2'"),
+    "N": ("a force", "'4 kN'"),
+    "N/m": ("a stiffness of the whole contact", "'2 MN/m'"),
+    "kg": ("a mass", "'6 kg'"),
     "Hz": ("a frequency", "'390 Hz'"),
     "1/s": ("a rate", "'1 1/s'"),
     "1/m": ("a rate per length", "'1 1/m'"),
     "rad/s": ("an angular frequency", "'1 rad/s'"),
 }
 #: power of ten -> prefix
-PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
+PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -2: "c", -3: "m", -6: "u", -9: "n"}
 #: unit -> the powers of ten with which values are shown, if any: 0.0032 m/s as 3.2 mm/s
 POWERS = {
     "m": (0, -3, -6, -9),
     "s": (0, -3, -6),
     "m/s": (0, -3, -6, -9),
+    "m/s^2": (0, -3, -6),
+    "m^2": (0, -4, -6),
     "Pa": (9, 6, 3, 0),
     "Pa/m": (9, 6, 3, 0),
+    "N": (6, 3, 0, -3),
+    "N/m": (9, 6, 3, 0),
     "Hz": (3, 0, -3, -6),
 }
 #: name of a long time -> seconds
@@ -83,6 +92,41 @@ def power_of(unit, value):
     return next((p for p in powers if size >= 10.0**p), lowest)
 
 
+def prefixed_unit(unit, power, prefixes=PREFIXES):
+    """An SI unit with the prefix that makes it this power of ten of itself.
+
+    KeyError for a power that has no prefix.
+
+    >>> prefixed_unit("m/s", -3), prefixed_unit("m^2", -4)
+    ('mm/s', 'cm^2')
+    """
+    return prefixes[power // 2 if unit == "m^2" else power] + unit
+
+
+def exact(symbol, value):
+    """A value [SI] of a quantity as text that `to_si` reads back bit-for-bit, in a unit that fits.
+
+    A number without a unit if it is pure, and in the SI unit if it is inf or NaN or no prefix fits.
+
+    >>> exact("K", 9e8), exact("a", 0.003)
+    ('900 MPa/m', '0.003')
+    """
+    unit, x = QUANTITIES[symbol].unit, float(value)
+    if unit == "1":
+        return repr(x)
+    if not math.isfinite(x):
+        return f"{x!r} {unit}"
+    number = Decimal(repr(x))
+    if not number:
+        return f"0 {unit}"
+    size = number.adjusted()
+    fitting = [power for power in POWERS.get(unit, (0,)) if -3 <= size - power <= 5]
+    if not fitting:
+        return f"{x!r} {unit}"
+    power = next((power for power in fitting if power <= size), fitting[-1])
+    return f"{number.scaleb(-power).normalize():f} {prefixed_unit(unit, power)}"
+
+
 def long_time(seconds):
     """Name and length [s] of the unit in which a long time is best told; None below 2 hours."""
     return next((unit for unit in LONG_TIMES.items() if seconds >= 2.0 * unit[1]), None)
@@ -100,7 +144,19 @@ def readable(symbol, value, digits=4):
     if unit == "1" or not abs(value) < float("inf"):
         return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")
     power = power_of(unit, value)
-    return f"{value / 10.0**power:.{digits}g} {PREFIXES[power]}{unit}"
+    return f"{value / 10.0**power:.{digits}g} {prefixed_unit(unit, power)}"
+
+
+def readable_range(symbol, low, high):
+    """Two values [SI] of a quantity, >= 0 the second, as text in the unit that fits this one.
+
+    >>> readable_range("sigma", 5e5, 2e6)
+    '0.5 to 2 MPa'
+    """
+    unit = QUANTITIES[symbol].unit
+    power = power_of(unit, high) if math.isfinite(high) else 0
+    text = f"{low / 10.0**power:.6g} to {high / 10.0**power:.6g}"
+    return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"
 
 
 def readable_time(seconds, digits=4, both=False):

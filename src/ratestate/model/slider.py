@@ -4,10 +4,12 @@ import dataclasses
 from typing import Any
 
 from ..errors import ParameterError
-from ..friction.laws import evolution_law
+from ..friction.laws import law_name
 from ..friction.stability import K_c, K_c_qs, V_c, eta, f_n
 from .arrays import check_aligned
-from .quantities import QUANTITIES
+from .contact import parameter_to_si
+from .names import check_keywords, keywords_checked
+from .quantities import QUANTITIES, exact, readable_range
 from .units import is_array, named, to_si
 
 
@@ -30,7 +32,8 @@ class SpringSlider:
     sigma : float, str or DataArray
         Normal stress [Pa], > 0.
     K : float, str or DataArray
-        Stiffness of the spring per area [Pa/m], > 0.  inf is the rigid limit: V = V_lp.
+        Stiffness of the spring per area [Pa/m], > 0.  inf is the rigid limit: V = V_lp.  Also
+        friction per length, K/sigma, such as "1e-3/um", which is multiplied by sigma.
     M : float, str or DataArray
         Mass per area [kg/m^2], >= 0.  0 (the default) is the quasi-static limit.
     mu0 : float or DataArray
@@ -38,12 +41,17 @@ class SpringSlider:
     V0 : float, str or DataArray
         Reference velocity [m/s], > 0.
     law : {"slip", "aging"}
-        Evolution law: "slip" (Ruina, eq. 3) or "aging" (Dieterich, eq. 2).
+        Evolution law: "slip" (Ruina, eq. 3) or "aging" (Dieterich, eq. 2), or by a synonym, in any
+        capitals; the attribute is "slip" or "aging".
+    area : float, str or DataArray, optional
+        Area of the contact [m^2], > 0.  The motion does not depend on it, but with it sigma, K and
+        M may be given for the whole contact [N, N/m, kg], and reports and figures show forces.
 
     Raises
     ------
     ParameterError
-        A value of a wrong type, unit or range, an unknown law, or arrays that clash.
+        An unknown or mistyped parameter; a value of a wrong type, unit or range, an unknown law,
+        or arrays that clash.
 
     Examples
     --------
@@ -61,17 +69,69 @@ class SpringSlider:
     mu0: Any = 0.6
     V0: Any = 1e-6
     law: str = "slip"
+    area: Any = None
 
     def __post_init__(self):
-        evolution_law(self.law)
+        object.__setattr__(self, "law", law_name(self.law))
+        given: dict[str, Any] = {}  # area and sigma come before what needs them
         for symbol, value in self.values.items():
-            object.__setattr__(self, symbol, to_si(symbol, value))
+            given[symbol] = parameter_to_si(symbol, value, given)
+            object.__setattr__(self, symbol, given[symbol])
         check_aligned(self.parameters)
+
+    @classmethod
+    def of_contact(cls, *, area, mass=None, stiffness, normal_force, **parameters):
+        """The slider of a contact whose mass, stiffness and normal force are known as a whole.
+
+        Parameters
+        ----------
+        area : float, str or DataArray
+            Area of the contact [m^2], > 0.
+        mass : float, str or DataArray, optional
+            Mass [kg], >= 0; by default 0, the quasi-static limit.
+        stiffness : float, str or DataArray
+            Stiffness of the spring [N/m], > 0.
+        normal_force : float, str or DataArray
+            Normal force [N], > 0.
+        **parameters
+            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0 and law.
+
+        Returns
+        -------
+        SpringSlider
+            With M, K and sigma per area, and with the area.
+
+        Raises
+        ------
+        ParameterError
+            An unknown or mistyped parameter; a value of a wrong type, unit or range; arrays that
+            clash.
+
+        Examples
+        --------
+        >>> slider = SpringSlider.of_contact(area="20 cm^2", mass="6 kg", stiffness="1.8 MN/m",
+        ...                                  normal_force="4 kN", a=0.003, b=0.006, Dc="10 um")
+        >>> slider.sigma, slider.M, slider.K
+        (2000000.0, 3000.0, 900000000.0)
+        """
+        known = ("area", "mass", "stiffness", "normal_force", "a", "b", "Dc", "mu0", "V0", "law")
+        check_keywords("SpringSlider.of_contact", parameters, known)
+        mass = 0.0 if mass is None else mass
+        whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
+        given = {"area": to_si("area", area)}
+        for symbol, name in zip(("sigma", "K", "M"), whole, strict=True):
+            value = parameter_to_si(symbol, whole[name], given, quantity=name, label=name)
+            given[symbol] = value
+        return cls(**given, **parameters)
 
     @property
     def parameters(self):
-        """All parameters, symbol -> value, with which to build the slider again."""
-        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        """All parameters, symbol -> value, with which to build the slider again.
+
+        Without the area, if it has none.
+        """
+        names = [field.name for field in dataclasses.fields(self)]
+        return {name: getattr(self, name) for name in names if name != "area" or self.has_area}
 
     def replace(self, **changes):
         """A slider with some parameters changed, and checked like any other.
@@ -79,7 +139,8 @@ class SpringSlider:
         Parameters
         ----------
         **changes
-            New values of parameters, as for `SpringSlider`.
+            New values of parameters, as for `SpringSlider`.  The others stay: K, M and sigma are
+            kept per area, whatever they were given as.
 
         Returns
         -------
@@ -89,14 +150,20 @@ class SpringSlider:
         Raises
         ------
         ParameterError
-            A value of a wrong unit or range.
+            An unknown or mistyped parameter; a value of a wrong unit or range.
         """
         return dataclasses.replace(self, **changes)
 
     @property
     def values(self):
-        """The parameters that are quantities: `parameters` but for the law."""
-        return {symbol: getattr(self, symbol) for symbol in PARAMETERS}
+        """The parameters that are quantities: `parameters` but for the law, the area first."""
+        symbols = ("area", *PARAMETERS) if self.has_area else PARAMETERS
+        return {symbol: getattr(self, symbol) for symbol in symbols}
+
+    @property
+    def has_area(self):
+        """Whether the area of the contact is known, and so forces are."""
+        return self.area is not None
 
     @property
     def K_c_qs(self):
@@ -170,8 +237,8 @@ class SpringSlider:
         """Whether all values, and the coordinates of arrays, are equal."""
         if not isinstance(other, SpringSlider):
             return NotImplemented
-        pairs = zip(self.parameters.values(), other.parameters.values(), strict=True)
-        return all(
+        pairs = ((x, getattr(other, name)) for name, x in self.parameters.items())
+        return self.has_area == other.has_area and all(
             is_array(x) == is_array(y) and (x.equals(y) if is_array(x) else x == y)
             for x, y in pairs
         )
@@ -180,8 +247,12 @@ class SpringSlider:
         return hash(tuple(v.shape if is_array(v) else v for v in self.parameters.values()))
 
 
-#: symbols of the parameters that are quantities: a, b, Dc, sigma, K, M, mu0, V0
-PARAMETERS = tuple(f.name for f in dataclasses.fields(SpringSlider) if f.name != "law")
+SpringSlider.__init__ = keywords_checked(SpringSlider.__init__)  # type: ignore[method-assign]
+
+#: symbols of the quantities that the motion depends on: a, b, Dc, sigma, K, M, mu0, V0
+PARAMETERS = tuple(
+    f.name for f in dataclasses.fields(SpringSlider) if f.name not in ("law", "area")
+)
 
 
 def checked(slider):
@@ -192,11 +263,11 @@ def checked(slider):
 
 
 def _show(symbol, value):
-    unit = "" if symbol == "law" else QUANTITIES[symbol].unit
-    unit = "" if unit in ("", "1") else f" {unit}"
+    """A parameter as text: an array's sizes and range, a literal that makes it again of others."""
     if is_array(value):
         sizes = ", ".join(f"{dim}: {size}" for dim, size in value.sizes.items())
-        return f"<{sizes}; {float(value.min()):.6g} to {float(value.max()):.6g}{unit}>"
-    if not unit:
+        return f"<{sizes}; {readable_range(symbol, float(value.min()), float(value.max()))}>"
+    if symbol == "law":
         return repr(value)
-    return repr((f"{value:g}" if float(f"{value:g}") == value else repr(value)) + unit)
+    text = exact(symbol, value)
+    return text if QUANTITIES[symbol].unit == "1" else repr(text)

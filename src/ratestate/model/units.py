@@ -14,11 +14,13 @@ from decimal import Decimal
 import numpy as np
 
 from ..errors import ParameterError
-from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected
+from .quantities import KINDS, POWERS, QUANTITIES, attrs, expected, prefixed_unit
 
 #: names of dimensions that results need for themselves
 RESERVED = {"time", "mode", "segment"}
 _PREFIXES = dict(zip("nuµμmckMG", (-9, -6, -6, -6, -3, -2, 3, 6, 9), strict=True)) | {"": 0}
+#: units that begin with one that takes a prefix
+_PREFIXED = {"m", "s", "m/s", "m/s^2", "Pa", "Pa/m", "Hz", "N", "N/m"}
 #: units of what data sheets give for a whole machine, in N/m, kg or N; the complaint about these
 _PER_AREA = ("Pa/m", "kg/m^2", "Pa")
 OF_WHOLE_CONTACT = "is of the whole contact, and to be divided by its area"
@@ -38,6 +40,26 @@ def is_array(value):
     """Whether value is an xarray.DataArray (without importing xarray to find out)."""
     xarray = sys.modules.get("xarray")
     return xarray is not None and isinstance(value, xarray.DataArray)
+
+
+def unit_of(value):
+    """The unit that a value for `to_si` carries, as text; None of a number, or other text."""
+    if is_array(value) and not hasattr(value.data, "units"):
+        return value.attrs.get("units")
+    value = value.data if is_array(value) else value
+    if hasattr(value, "magnitude") and hasattr(value, "units"):  # pint
+        return str(value.units)
+    match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
+    return match[2] if match else None
+
+
+def has_unit(symbol, unit):
+    """Whether values of a quantity may have this unit, given as text."""
+    try:
+        unit_factor(QUANTITIES[symbol].unit, unit)
+    except ValueError:
+        return False
+    return True
 
 
 def named(symbol, value):
@@ -131,7 +153,7 @@ def _real(symbol, value, label):
 def _convert(symbol, number, unit, given):
     """Number with a unit, both as text, as a float in SI (correctly rounded)."""
     try:
-        return float(Decimal(number) * _factor(QUANTITIES[symbol].unit, unit))
+        return float(Decimal(number) * unit_factor(QUANTITIES[symbol].unit, unit))
     except ArithmeticError:  # decimal exponents of ten digits
         raise ParameterError(f"{given} is beyond any size; {expected(symbol)}") from None
     except ValueError as error:
@@ -141,24 +163,25 @@ def _convert(symbol, number, unit, given):
 def _meant(symbol, unit):
     """The end of a message: the unit that this would be in other letters, small or capital."""
     si = QUANTITIES[symbol].unit
-    usual = (PREFIXES[power] + si for power in POWERS.get(si, (0,)))
+    usual = (prefixed_unit(si, power) for power in POWERS.get(si, (0,)))
     plain = unit.replace("^", "").lower()
     near = [known for known in usual if si != "1" and known.replace("^", "").lower() == plain]
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
 @functools.lru_cache(maxsize=1000)
-def _factor(si, unit):
-    """SI units in one unit, exactly; ValueError with a complaint if there is no such factor."""
+def unit_factor(si, unit):
+    """SI units in one unit, exactly (Decimal); ValueError with a complaint if there is none."""
     if unit in ("", "1", "dimensionless"):
         if si == "1":
             return Decimal(1)
         raise ValueError("has no unit")
     # Loading pint takes 0.3 s, so the usual case, the SI unit with a prefix, is read here.
     prefix = unit.removesuffix(si)
-    if unit.endswith(si) and prefix in (_PREFIXES if si[0] in "msPH" else [""]):
+    if unit.endswith(si) and prefix in (_PREFIXES if si in _PREFIXED else [""]):
         return Decimal(1).scaleb(_PREFIXES[prefix])
     # "kg/m2" and "m s-1", as CF writes them, mean "kg/m**2" and "m s**-1"
+    unit = f"1{unit}" if unit.startswith("/") else unit  # "1e-3/um"
     text = re.sub(r"(?<![\w.])([A-Za-z]+)(-?\d)(?![\d.])", r"\1**\2", unit)
     if not _EXPRESSION.fullmatch(unit):
         raise ValueError(f"has an unknown unit {unit!r}")
@@ -172,6 +195,11 @@ def _factor(si, unit):
         what = [f"{KINDS[kind][0]} [{kind}]" for kind in KINDS if one.is_compatible_with(kind)]
         raise ValueError(f"is {what[0] if what else f'of dimension {one.dimensionality}'}")
     return one.to(si if si != "1" else "dimensionless").magnitude
+
+
+def scaled(values, factor):
+    """An array times a factor (Decimal), rounded once: 10 um are 10 / 1e6, not 10 * 1e-06."""
+    return values * float(factor) if factor >= 1 else values / float(1 / factor)
 
 
 @functools.cache
@@ -200,14 +228,13 @@ def _array_to_si(symbol, array, label, bound):
     si = array.astype(float).drop_attrs().rename(symbol).assign_attrs(attrs(symbol))
     if unit is not None:
         try:
-            factor = _factor(QUANTITIES[symbol].unit, str(unit))
+            factor = unit_factor(QUANTITIES[symbol].unit, str(unit))
         except ValueError as error:
             raise ParameterError(
                 f"{label} has the attribute units = {unit!r}, which {error}; {expected(symbol)} "
                 f"(xarray's arithmetic keeps attributes: .drop_attrs() for values already in SI)"
             ) from None
-        # 10 um: 10 / 1e6 rounds once, 10 * 1e-06 would round twice
-        si.data = si.data * float(factor) if factor >= 1 else si.data / float(1 / factor)
+        si.data = scaled(si.data, factor)
     if si.ndim == 0:
         return to_si(symbol, float(si), label=label, bound=bound)
     values = si.values

@@ -5,7 +5,7 @@ import math
 from importlib.metadata import version
 
 from ..files import replace
-from ..friction.laws import evolution_law
+from ..friction.laws import law_name
 from ..plot.labels import LAWS
 from . import claims_cycles, claims_regimes, claims_steps
 from .claim import CLOSED_FORM, SENTENCES, claim, statements
@@ -37,7 +37,7 @@ def claims(law="slip", measurements=MEASUREMENTS):
     The paper's text, and all of its numbers, are about the slip law; what it says in words is put
     to the aging law too, with which its supplement repeats runs.  ParameterError for another law.
     """
-    evolution_law(law)  # an unknown one is refused
+    law = law_name(law)
     measured = {name: row for measure in measurements for name, row in measure(law).items()}
     order = list(statements())
     return [claim(name, law, measured[name]) for name in sorted(measured, key=order.index)]

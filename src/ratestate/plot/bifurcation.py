@@ -6,6 +6,7 @@ from ..dynamics.attributes import branch_parameter
 from ..dynamics.results import parameter
 from ..errors import ParameterError
 from ..friction.stability import K_c
+from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
 from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, in_unit, name_and_symbol, prefixed
 from .labels import label as symbol_text
@@ -51,6 +52,7 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
     """
     if not {"parameter", "rtol"} <= set(getattr(data, "attrs", ())):
         raise ParameterError("branch wants the Dataset that continue_cycle gives")
+    data = in_si(data)
     if ax is None:
         from matplotlib import pyplot
 

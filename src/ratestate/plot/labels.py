@@ -34,8 +34,6 @@ LAWS = {
 
 #: power of ten -> prefix
 PREFIXES = quantities.PREFIXES | {-6: "\N{GREEK SMALL LETTER MU}"}
-#: SI unit -> how a label writes it, where that differs
-UNITS = {"1": "", "kg/m^2": r"kg/m$^2$"}
 #: symbol -> how a label writes it, where it is more than one letter
 LETTERS = {
     "Dc": "D_c",
@@ -83,7 +81,8 @@ def prefixed(unit, value):
     if unit == "s" and (long := quantities.long_time(abs(value))):
         return 1.0 / long[1], long[0]
     power = quantities.power_of(unit, value)
-    return 10.0**-power, PREFIXES[power] + UNITS.get(unit, unit)
+    text = quantities.prefixed_unit(unit, power, PREFIXES).replace("^2", "$^2$")
+    return 10.0**-power, "" if unit == "1" else text
 
 
 def label(symbol):

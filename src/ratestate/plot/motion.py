@@ -2,6 +2,7 @@
 
 from ..dynamics.results import parameter
 from ..friction.rate_and_state import mu_ss
+from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
 from .labels import ABSCISSAE, AMPLITUDE, DASHED, RED, STRESS, prefixed
 
@@ -25,6 +26,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     tuple of matplotlib.lines.Line2D
         The black and the red line.
     """
+    run = in_si(run)
     abscissa = run[x]
     factor, unit = prefixed(QUANTITIES[x].unit, float(abs(abscissa).max()))
     stress = {"color": "k", "lw": 1.0, "label": f"{STRESS}, spring"} | (tau or {})
@@ -54,6 +56,7 @@ def phase(run, ax, *, unit_of=None, **style):
     matplotlib.lines.Line2D
         The line of the motion.
     """
+    run = in_si(run)
     V = float(run.V_load[-1])
     factor, unit = prefixed("m/s", unit_of or float(run.V.max()))
     (line,) = ax.plot(run.tau / parameter(run, "sigma"), factor * run.V, **{"lw": 0.5} | style)
@@ -83,6 +86,7 @@ def amplitudes(cycles, ax, x="V_lp", **style):
     matplotlib.lines.Line2D
         The line of amplitudes.
     """
+    cycles = in_si(cycles)
     (line,) = ax.plot(cycles[x], cycles.amplitude, **{"color": "k", "lw": 1.3} | style)
     names = {"V_lp": "Loading velocity", "frequency": "Frequency", "period": "Period"}
     ax.set_xscale("log")

@@ -23,7 +23,7 @@ SLIDER = {
     "sigma": '"2 MPa"',
     "K": '"900 MPa/m"',
 }
-PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law"
+PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law, area"
 LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
 TABLES = "[slider], [loading], [run], [sweep], [output]"
 TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
@@ -211,7 +211,6 @@ def test_many_problems_are_told_at_once(read):
         read(text)
     title, *lines = str(caught.value).splitlines()
     assert title.endswith("it.toml cannot be used:")
-    TOTAL = "of the whole contact, and to be divided by its area"
     told = f"""\
 loose: stands above all tables, expected one of {TABLES}
 [slder]: unknown table, expected one of {TABLES}; did you mean [slider]?
@@ -223,7 +222,7 @@ loose: stands above all tables, expected one of {TABLES}
 [slider] a: is missing, expected a pure number such as 0.003
 [slider] sigma: is missing, expected a stress such as '2 MPa'
 [slider] K: is missing, expected a stiffness such as '900 MPa/m'
-[sweep] M[1]: '3 kg' is {TOTAL}, expected a mass per area such as '3000 kg/m^2'
+[sweep] M: mixes a mass per area and a mass, expected a mass per area such as '3000 kg/m^2'
 [sweep] V_lp.fro: unknown key, expected one of from, to, n, scale such as {LOG}; did you mean from?
 [sweep] V_lp.scale: 'logs' is unknown, expected one of linear, log; did you mean log?
 [sweep] V_lp.from: is missing, expected a speed such as '3.2 mm/s'

@@ -6,6 +6,8 @@ import xarray
 from ...engine.model import FINISHED
 from ...errors import NotConverged
 from ...model.batch import Batch
+from ...model.contact import parameter_to_si
+from ...model.names import keywords_checked
 from ...model.quantities import QUANTITIES, attrs
 from ...model.slider import checked
 from ...model.units import is_array, to_si
@@ -25,6 +27,7 @@ MAX_POINTS = 1000
 PREMATURE = (NO_RETURN, NO_CONVERGENCE, "max_points")
 
 
+@keywords_checked
 def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     """Follow a limit cycle, stable or not, while one parameter goes from start to stop.
 
@@ -159,8 +162,9 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
         raise refusal(f"branch.{name}", parameter=parameter)
     rtol = to_si("rtol", rtol)
     ends = {"start": start, "stop": stop}
-    ends = {name: to_si(parameter, value, label=name) for name, value in ends.items()}
-    values = {**slider.values, **ends}
+    given = slider.values
+    ends = {k: parameter_to_si(parameter, value, given, label=k) for k, value in ends.items()}
+    values = {**given, **ends}
     if V_lp is not None:
         values["V_lp"] = to_si("V_lp", V_lp)
     if arrays := [symbol for symbol, value in {**values, "rtol": rtol}.items() if is_array(value)]:

@@ -9,6 +9,7 @@ import xarray
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from ...model.batch import Batch
+from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, checked
 from ...model.units import to_si
 from ..progress import bar
@@ -26,6 +27,7 @@ WORST = 1e-2
 CHUNK = 1 << 15
 
 
+@keywords_checked
 def limit_cycle(slider, V_lp, *, rtol=1e-8):
     """The cycle that a slider reaches from steady sliding at V_lp/10.
 

@@ -12,6 +12,7 @@ from ...machine import check_fits
 from ...model.batch import Batch
 from ...model.initial_state import initial_values
 from ...model.loading import Loading
+from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, checked
 from ...model.units import is_array, to_si
 from ..progress import bar
@@ -30,6 +31,7 @@ VARIABLES = (
 BYTES = 80
 
 
+@keywords_checked
 def simulate(
     slider,
     loading,

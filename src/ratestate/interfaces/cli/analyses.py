@@ -15,6 +15,7 @@ def run(
     source: Path | None = None,
     out: Written = None,
     plot: Written = None,
+    units: list[str] | None = None,
     json: bool = False,
 ) -> None:
     """Run a scenario file: its loading, or its sweep in memory.
@@ -23,8 +24,9 @@ def run(
 
     Example: ratestate run lab.toml --plot lab.png
     """
-    from .run_scenario import do, load_scenario
+    from .run_scenario import do, load_scenario, wanted_units
 
+    own_units = wanted_units(units)
     if source is not None and file is None:
         from ...files import read
         from ..scenario import from_result
@@ -34,23 +36,37 @@ def run(
         scenario = load_scenario(file)
     else:
         raise typer.BadParameter("give either a file or --from RESULT", param_hint="FILE.toml")
-    do(scenario, out, plot, json)
+    do(scenario, out, plot, json, own_units)
 
 
-def stability(file: Path, *, out: Written = None, plot: Written = None, json: bool = False) -> None:
+def stability(
+    file: Path,
+    *,
+    out: Written = None,
+    plot: Written = None,
+    units: list[str] | None = None,
+    json: bool = False,
+) -> None:
     """Find whether steady sliding is stable at the load point's last speed.
 
     Example: ratestate stability lab.toml
     """
-    _do(file, "stability", out, plot, json)
+    _do(file, "stability", out, plot, units, json)
 
 
-def cycle(file: Path, *, out: Written = None, plot: Written = None, json: bool = False) -> None:
+def cycle(
+    file: Path,
+    *,
+    out: Written = None,
+    plot: Written = None,
+    units: list[str] | None = None,
+    json: bool = False,
+) -> None:
     """Find the limit cycle that the slider reaches at the load point's last speed.
 
     Example: ratestate cycle brake.toml --plot cycle.png
     """
-    _do(file, "limit_cycle", out, plot, json)
+    _do(file, "limit_cycle", out, plot, units, json)
 
 
 def branch(
@@ -61,6 +77,7 @@ def branch(
     stop: str | None = None,
     out: Written = None,
     plot: Written = None,
+    units: list[str] | None = None,
     json: bool = False,
 ) -> None:
     """Follow limit cycles, stable and unstable, while a parameter changes.
@@ -68,23 +85,32 @@ def branch(
     Example: ratestate branch brake.toml --start "50 mm/s" --stop "3 cm/s"
     """
     if parameter is start is stop is None:
-        _do(file, "continue_cycle", out, plot, json)
+        _do(file, "continue_cycle", out, plot, units, json)
     elif start is None or stop is None:
         raise typer.BadParameter("both are needed", param_hint="--start and --stop")
     else:
         changes = {"parameter": parameter or "V_lp", "start": start, "stop": stop}
-        _do(file, "limit_cycle", out, plot, json, **changes)
+        _do(file, "limit_cycle", out, plot, units, json, **changes)
 
 
-def _do(file: Path, verb: str, out: Written, plot: Written, json: bool, **changes: Any) -> None:
+def _do(
+    file: Path,
+    verb: str,
+    out: Written,
+    plot: Written,
+    units: list[str] | None,
+    json: bool,
+    **changes: Any,
+) -> None:
     """Call a function with a file's scenario, whose own verb and [output] are ignored."""
     from ..scenario import Output
-    from .run_scenario import do, load_scenario
+    from .run_scenario import do, load_scenario, wanted_units
 
+    own_units = wanted_units(units)
     scenario = dataclasses.replace(load_scenario(file, verb), output=Output())
     if changes:  # from a limit cycle to a branch
         settings = scenario.settings | changes
         if changes["parameter"] == "V_lp":
             settings.pop("V_lp")
         scenario = dataclasses.replace(scenario, verb="continue_cycle", settings=settings)
-    do(scenario, out, plot, json)
+    do(scenario, out, plot, json, own_units)

@@ -6,14 +6,15 @@ import inspect
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
+from ...errors import ParameterError
+from ...friction.laws import law_name
 from ...paper.figures import BEYOND
 from .exits import EXIT_CODES, exit_on_error
 
-Law = Literal["slip", "aging"]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
@@ -59,6 +60,28 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
     wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     wrapped.__doc__ = f"{inspect.getdoc(function)}\n\n{EXIT_CODES}"
     return wrapped
+
+
+def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[str, str]:
+    """Strings of the form NAME=TEXT as a dict; several may be in one, if there is a separator."""
+    named: dict[str, str] = {}
+    parts = [
+        part for text in texts or [] for part in (text.split(separator) if separator else [text])
+    ]
+    for text in parts:
+        name, sign, value = (part.strip() for part in text.partition("="))
+        if not (name and sign and value):
+            raise typer.BadParameter(f"{text!r} has no NAME=...", param_hint=option)
+        named[name] = value
+    return named
+
+
+def law_of(text: str) -> str:
+    """The evolution law that the option --law names; `typer.BadParameter` for none."""
+    try:
+        return law_name(text)
+    except ParameterError as error:
+        raise typer.BadParameter(str(error), param_hint="--law") from None
 
 
 def _described(

@@ -1,11 +1,11 @@
 """``ratestate fit``: a laboratory record, and the friction parameters in it."""
 
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import typer
 
-from .command import Law
+from .command import law_of, pairs_of
 from .exits import SOME_FAILED
 
 Against = Literal["time", "displacement", "cycles"]
@@ -44,10 +44,10 @@ def fit(
 
     Example: ratestate fit record.txt --out fitted
     """
-    numbered = {k: int(v) if v.isdigit() else v for k, v in _pairs(columns, "--columns").items()}
+    numbered = {k: int(v) if v.isdigit() else v for k, v in pairs_of(columns, "--columns").items()}
     reading = {
         "columns": numbered,
-        "units": _pairs(units, "--units"),
+        "units": pairs_of(units, "--units", separator=","),
         "time": _window(time, "--time"),
         "displacement": _window(displacement, "--displacement"),
     }
@@ -74,12 +74,7 @@ def fit(
 def _laws(texts: list[str] | None) -> tuple[str, ...]:
     """The laws, each once, from strings with one or several laws separated by commas."""
     names = [name.strip() for text in texts or ["slip"] for name in text.split(",")]
-    for name in names:
-        if name not in get_args(Law):
-            raise typer.BadParameter(
-                f"{name!r} is no law; choose slip, aging or slip,aging", param_hint="--law"
-            )
-    return tuple(dict.fromkeys(names))
+    return tuple(dict.fromkeys(map(law_of, names)))
 
 
 def _window(text: str | None, option: str) -> tuple[str | None, str | None] | None:
@@ -93,17 +88,6 @@ def _window(text: str | None, option: str) -> tuple[str | None, str | None] | No
             param_hint=option,
         )
     return ends[0], ends[1]
-
-
-def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:
-    """Strings of the form NAME=TEXT as a dict."""
-    named: dict[str, str] = {}
-    for text in texts or []:
-        name, sign, value = (part.strip() for part in text.partition("="))
-        if not (name and sign and value):
-            raise typer.BadParameter(f"{text!r} has no NAME=...", param_hint=option)
-        named[name] = value
-    return named
 
 
 def _noise(text: str | None) -> Any:

@@ -1,19 +1,19 @@
 """``ratestate figures`` and ``atlas``: the paper's figures and claims, and the map of regimes."""
 
 from pathlib import Path
-from typing import get_args
 
 import typer
 
+from ...friction.laws import LAWS
 from ...paper.figures import FIGURES
-from .command import Law
+from .command import law_of
 from .output import make_writable, print_json, print_rich, reporting_files
 
 OUT = Path("figures")
 
 
 def figures(
-    which: list[str] | None = None, *, law: Law = "slip", out: Path = OUT, json: bool = False
+    which: list[str] | None = None, *, law: str = "slip", out: Path = OUT, json: bool = False
 ) -> None:
     """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
 
@@ -21,6 +21,7 @@ def figures(
 
     Example: ratestate figures 2 4 --law aging --out figures
     """
+    law = law_of(law)
     names = which or ["all"]
     if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
         raise typer.BadParameter(
@@ -51,7 +52,7 @@ def figures(
 def atlas(
     *,
     b_over_a: float = 2.0,
-    law: Law | None = None,
+    law: str | None = None,
     n: int = 200,
     out: Path = OUT,
     json: bool = False,
@@ -63,11 +64,12 @@ def atlas(
 
     Example: ratestate atlas --b-over-a 1.6 --law aging --out figures
     """
+    laws = [law_of(law)] if law else [*LAWS]
     make_writable(out)
     from ...paper.atlas import make
 
     files = list[Path]()
-    for each in [law] if law else get_args(Law):
+    for each in laws:
         with reporting_files(f"atlas, {each} law, b/a = {b_over_a:g}") as made:
             made += make(each, out, b_over_a=b_over_a, n=n)
         files += made

@@ -9,9 +9,13 @@ from ...dynamics.progress import on_terminal
 from ...dynamics.verdict import verdict_of_cycle
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked_path, write
-from ...model.units import is_array
+from ...model.conversion import in_units
+from ...model.names import one_of
+from ...model.quantities import QUANTITIES
+from ...model.units import is_array, to_si
 from .. import scenario as scenarios
 from ..scenario import Output, Scenario
+from .command import pairs_of
 from .document import document, failed
 from .exits import SOME_FAILED
 from .output import print_json, print_line, print_rich
@@ -29,8 +33,16 @@ def load_scenario(file: Path, verb: str | None = None) -> Scenario:
     return scenarios.loads(text, verb, name="standard input")
 
 
-def do(scenario: Scenario, out: Path | None, plot: Path | None, json: bool) -> None:
+def do(
+    scenario: Scenario,
+    out: Path | None,
+    plot: Path | None,
+    json: bool,
+    units: dict[str, str] | None = None,
+) -> None:
     """Run a scenario, print the result, and write the requested files.
+
+    units : symbol -> the unit in which it is printed and written, as by `wanted_units`
 
     `typer.Exit` with code 3 after a part of a branch, or where cases failed.
     """
@@ -42,8 +54,9 @@ def do(scenario: Scenario, out: Path | None, plot: Path | None, json: bool) -> N
         if error.best is None or scenario.verb != "continue_cycle":
             raise
         problem, result = error, error.best  # a part of a branch is useful
-    write_result(result, output)
-    print_result(result, None if swept_dims(scenario) else verdict_text(scenario, result), json)
+    verdict = None if swept_dims(scenario) else verdict_text(scenario, result)
+    write_result(result, output, units)
+    print_result(result, verdict, json, units)
     draw_plot(result, output)
     if problem:
         print_line(f"error: {problem}", err=True)
@@ -111,21 +124,44 @@ def compute(scenario: Scenario) -> xarray.Dataset:
     return sweep(scenario.verb, scenario.slider, progress=on_terminal(), **scenario.settings)
 
 
-def write_result(result: xarray.Dataset, output: Output) -> None:
+def wanted_units(texts: list[str] | None) -> dict[str, str]:
+    """The units of the option --units, symbol -> unit; ParameterError for one that cannot be."""
+    units = pairs_of(texts, "--units", separator=",")
+    for symbol, unit in units.items():
+        if symbol not in QUANTITIES:
+            raise ParameterError(f"--units: {symbol} is no quantity; {one_of(QUANTITIES, symbol)}")
+        to_si(symbol, f"1 {unit}", label=f"--units {symbol}", bound="")
+    return units
+
+
+def _converted(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.Dataset:
+    """The result in the requested units; those of variables that it lacks have no effect."""
+    known = {name: unit for name, unit in (units or {}).items() if name in result.variables}
+    return in_units(result, **known)
+
+
+def write_result(
+    result: xarray.Dataset, output: Output, units: dict[str, str] | None = None
+) -> None:
     """Write the numbers to the output file, if there is one, and name it on stderr."""
     if output.file:
-        write(result, output.file)
+        write(_converted(result, units), output.file)
         print_line(f"wrote {output.file}", err=True)
 
 
-def print_result(result: xarray.Dataset, verdict: VerdictText | None, json: bool) -> None:
+def print_result(
+    result: xarray.Dataset,
+    verdict: VerdictText | None,
+    json: bool,
+    units: dict[str, str] | None = None,
+) -> None:
     """Print the result and the verdict, as JSON or as tables."""
     if json:
-        print_json(document(result, verdict))
+        print_json(document(_converted(result, units), verdict))
     else:
         from .report import report
 
-        print_rich(*report(result, verdict))
+        print_rich(*report(result, verdict, units))
 
 
 def draw_plot(result: xarray.Dataset, output: Output) -> None:

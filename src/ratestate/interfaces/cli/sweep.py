@@ -28,6 +28,7 @@ def sweep(
     device: Device = "cpu",
     out: Path | None = None,
     plot: Path | None = None,
+    units: list[str] | None = None,
     json: bool = False,
 ) -> None:
     """Run the sweep of a scenario file, or resume it.
@@ -56,8 +57,15 @@ def sweep(
             )
         else:
             from ...sweeps.sweep import sweep as run
-            from .run_scenario import draw_plot, load_scenario, output_paths, write_result
+            from .run_scenario import (
+                draw_plot,
+                load_scenario,
+                output_paths,
+                wanted_units,
+                write_result,
+            )
 
+            own_units = wanted_units(units)
             scenario = load_scenario(file)
             output = output_paths(scenario, out, plot)
             with _client(scheduler, slurm) as client:
@@ -65,7 +73,7 @@ def sweep(
                 how |= {"mixed": mixed, "retry_crashed": retry_crashed, **scenario.settings}
                 result = run(scenario.verb, scenario.slider, store=store, progress=True, **how)
                 number = print_outcome(store, result, json)
-                write_result(result, output)
+                write_result(result, output, own_units)
                 draw_plot(result, output)
             if number:
                 raise typer.Exit(SOME_FAILED)

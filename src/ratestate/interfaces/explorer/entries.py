@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...friction.laws import LAWS
-from ...model.quantities import POWERS, PREFIXES, QUANTITIES, expected, readable
+from ...model.quantities import POWERS, QUANTITIES, expected, prefixed_unit, readable
 from ...model.slider import SpringSlider
 from ...model.units import to_si
 from ...paper import parameters as paper
@@ -87,7 +87,10 @@ def fields(usual):
 
 def prefixes():
     """The prefixes that values of a unit are shown with: unit -> [[power of ten, prefix], ...]."""
-    return {unit: [[p, PREFIXES[p]] for p in powers] for unit, powers in POWERS.items()}
+    return {
+        unit: [[power, prefixed_unit(unit, power).removesuffix(unit)] for power in powers]
+        for unit, powers in POWERS.items()
+    }
 
 
 def _value(field, text):

@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...dynamics.continuation.branch import checked_family
+from ...model.contact import parameter_to_si
+from ...model.other_units import OTHER_QUANTITIES
 from ...model.slider import SpringSlider
 from .checks import check_rtol, check_run
 from .known_keys import NEEDED, SLIDER, example
@@ -59,7 +61,7 @@ def assemble(tables: Tables) -> Scenario | None:
             settings = {"V_lp": _last_speed(tables)} | settings
         if "rtol" in settings:
             check_rtol(verb, settings["rtol"], tables.place("rtol"))
-        settings = branch | settings
+        settings = _in_si(branch, slider) | settings
     if verb == "continue_cycle" and slider is not None and branch and not tables.problems:
         arguments = {"V_lp": None, "rtol": 1e-8} | settings
         check = functools.partial(checked_family, slider, **arguments)
@@ -68,6 +70,16 @@ def assemble(tables: Tables) -> Scenario | None:
     if tables.problems or slider is None:
         return None
     return Scenario(verb, slider, settings, Output(**tables.output))
+
+
+def _in_si(branch: dict[str, Any], slider: SpringSlider | None) -> dict[str, Any]:
+    """The keys of a branch with its ends in SI, if they are known."""
+    if slider is None or None in branch.values():
+        return branch
+    symbol = branch.get("parameter", "")
+    ends = {key: value for key, value in branch.items() if key != "parameter"}
+    given = slider.values
+    return branch | {key: parameter_to_si(symbol, x, given) for key, x in ends.items()}
 
 
 def _slider(tables: Tables) -> SpringSlider | None:
@@ -82,7 +94,16 @@ def _slider(tables: Tables) -> SpringSlider | None:
         place.missing(key)
     if absent or any(value is None for value in values.values()):
         return None
-    make = functools.partial(SpringSlider, **values)
+    before = len(tables.problems)
+    given: dict[str, Any] = {}
+    for key in [key for key in ("area", *OTHER_QUANTITIES) if key in values]:
+        where = tables.table("sweep" if key in tables.sweep.values else "slider").at(key)
+        read = functools.partial(parameter_to_si, key, values[key], given)
+        if (value := where.noting(read, key)) is not None:
+            given[key] = value
+    if len(tables.problems) > before:
+        return None
+    make = functools.partial(SpringSlider, **values | given)
     return place.noting(make, wanted="expected values", like=example("a"))
 
 

@@ -5,11 +5,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from ...model.names import one_of
 from .assemble import Tables, assemble
 from .known_keys import TABLES, example, tables_with
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
-from .problems import Place, choice, message, one_of, refusal, report, toml_key
+from .problems import Place, choice, message, refusal, report, toml_key
 from .tables import plain_table, sweep_table
 
 LARGEST = 10**7  # bytes

@@ -10,10 +10,11 @@ from ...files import NUMBERS, PICTURES
 from ...friction.laws import LAWS
 from ...model.initial_state import SYMBOLS
 from ...model.loading.shapes import SHAPES
+from ...model.names import nearest, one_of
 from ...model.quantities import KINDS, QUANTITIES
 from ...model.slider import SpringSlider
 from .model import FUNCTIONS
-from .problems import Place, nearest, one_of
+from .problems import Place
 from .values import InlineTable
 
 #: in a table with more keys only known ones are read

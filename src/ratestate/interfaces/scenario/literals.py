@@ -2,12 +2,11 @@
 
 import textwrap
 from collections.abc import Iterable
-from decimal import Decimal
 from typing import Any
 
 import numpy as np
 
-from ...model.quantities import POWERS, PREFIXES, QUANTITIES
+from ...model.quantities import QUANTITIES, exact
 from ...model.units import is_array
 from .values import AxisRange
 
@@ -19,18 +18,10 @@ def quantity(symbol: str, x: float) -> str:
 
     Infinite ones are "inf", which of the two only TOML reads.
     """
-    unit = QUANTITIES[symbol].unit
-    if unit == "1" or not np.isfinite(x):
+    if not np.isfinite(x):
         return repr(float(x))
-    exact = Decimal(repr(float(x)))
-    if not exact:
-        return f'"0 {unit}"'
-    size = exact.adjusted()
-    fitting = [power for power in POWERS.get(unit, (0,)) if -3 <= size - power <= 5]
-    if not fitting:
-        return f'"{float(x)!r} {unit}"'
-    power = next((power for power in fitting if power <= size), fitting[-1])
-    return f'"{exact.scaleb(-power).normalize():f} {PREFIXES[power]}{unit}"'
+    text = exact(symbol, x)
+    return text if QUANTITIES[symbol].unit == "1" else f'"{text}"'
 
 
 def numbers(values: Iterable[float], indent: str = "    ") -> str:

@@ -1,6 +1,5 @@
 """The problems of a scenario file, which are reported together: one line for each problem."""
 
-import difflib
 import functools
 import re
 from collections.abc import Callable, Iterable
@@ -8,13 +7,13 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ...errors import ParameterError
+from ...model.names import one_of
 from ...model.quantities import KINDS
 from ...model.quantities import expected as _expected
 from ...model.sentences import Sentences
 
 LONGEST_SHOWN = 60  # characters
 MOST_LINES = 100  # problems
-NEAR = 0.7  # from 0 to 1, how similar a name must be to be suggested
 #: the end of a line; since brackets mean tables and keys there, units appear in examples only
 expected = functools.partial(_expected, unit=False)
 T = TypeVar("T")
@@ -118,29 +117,6 @@ def shown(value: Any) -> str:
 def toml_key(key: str) -> str:
     """A key as TOML writes it: in quotes if it needs them."""
     return key if re.fullmatch(r"[A-Za-z0-9_-]{1,60}", key) else shown(key)
-
-
-def nearest(given: Any, names: Iterable[str]) -> str | None:
-    """The most similar of these names, capitals aside; None if none is, or `given` is no string.
-
-    Similar: a difflib ratio of at least `NEAR`, of the first 60 characters.
-    """
-    lower = {name.lower(): name for name in names}
-    text = given.lower()[:60] if isinstance(given, str) else ""
-    near = difflib.get_close_matches(text, lower, n=1, cutoff=NEAR)
-    return lower[near[0]] if near else None
-
-
-def one_of(names: Iterable[str], given: Any = None, like: str = "") -> str:
-    """The end of a message: the valid names, and the one that was perhaps meant.
-
-    like : an example, such as ``a = 0.003``
-    """
-    names = list(names)
-    near = nearest(given, names)
-    meant = f"; did you mean {near}?" if near else ""
-    such = f" such as {like}" if like else ""
-    return f"expected {'one of ' if len(names) > 1 else ''}{', '.join(names)}{such}{meant}"
 
 
 def choice(given: Any, names: Iterable[str]) -> str:

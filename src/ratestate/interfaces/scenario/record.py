@@ -15,10 +15,11 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.loading import Loading
+from ...model.names import nearest
 from ...model.quantities import QUANTITIES
 from ...model.units import to_si
 from .known_keys import LIKE
-from .problems import Place, error_line, expected, message, nearest, refusal, shown
+from .problems import Place, error_line, expected, message, refusal, shown
 from .values import unusual
 
 ENDINGS = (".csv", ".tsv", ".txt")

@@ -9,6 +9,7 @@ import xarray
 from ...dynamics import attributes
 from ...dynamics.results import parameter
 from ...errors import ParameterError
+from ...model.conversion import in_si
 from ...model.loading import Loading
 from ...model.loading.shapes import SHAPES
 from ...model.slider import SpringSlider
@@ -43,6 +44,7 @@ def from_result(result: Any) -> Scenario:
     """
     if not isinstance(result, xarray.Dataset):
         raise ParameterError(f"{type(result).__name__} is no result; {WANTED}")
+    result = in_si(result)
     title = str(result.attrs.get("title", ""))
     verb = title.removeprefix("ratestate ")
     if title == "ratestate fit":
@@ -76,7 +78,7 @@ def _check(scenario: Scenario) -> None:
 def _slider(result: Any) -> SpringSlider:
     """The slider, with the cases that the result still has."""
     values = attributes.from_json(result, "slider", dict)
-    if odd := SLIDER.keys() ^ values.keys():
+    if odd := (SLIDER.keys() ^ values.keys()) - {"area"}:
         raise ParameterError(
             f"the attribute 'slider' of the Dataset lacks, or has beside what it should, "
             f"{', '.join(sorted(odd))[:100]}; {WANTED}"

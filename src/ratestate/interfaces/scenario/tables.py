@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...dynamics.continuation.family import PARAMETERS
+from ...friction.laws import LAW_OF
+from ...model.names import one_of
 from .known_keys import (
     AXES,
     CHOICES,
@@ -16,7 +18,7 @@ from .known_keys import (
     known_items,
 )
 from .model import FUNCTIONS
-from .problems import Place, choice, message, one_of, refusal, shown
+from .problems import Place, choice, message, refusal, shown
 from .values import AXIS, Many, as_array, as_axis, read_ends, read_number, read_values
 
 LONGEST_PATH = 255  # characters
@@ -47,6 +49,8 @@ def read_value(key: str, value: Any, place: Place) -> Any:
     if isinstance(value, dict | list) and key in AXES:
         place.add("key.no_axis", given=value, like=example(key))
         return None
+    if key == "law" and isinstance(value, str):
+        value = LAW_OF.get(value.lower(), value)
     if key in CHOICES:
         return place.noting(lambda: choice(value, CHOICES[key]))
     if key in ENDINGS:

@@ -1,7 +1,8 @@
 """Values of a scenario file: a number, a string with a unit, a list, or an axis between two ends.
 
-All are bit-for-bit the floats of the Python API.  An axis is kept as two ends and a number until
-the number of cases has been checked.  Values of an unusual magnitude are refused, where the Python
+All are bit-for-bit the floats of the Python API.  A value that becomes one with the slider's area
+or sigma (`model.other_units`) stays the text that it is.  An axis is kept as two ends and a
+number until the number of cases has been checked.  Values of an unusual magnitude are refused, where the Python
 API takes any: so a wrong unit or exponent is reported before it costs minutes or overflows.
 """
 
@@ -13,9 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...model.arrays import logspace
-from ...model.quantities import QUANTITIES, attrs
+from ...model.names import one_of
+from ...model.other_units import quantity_of
+from ...model.quantities import KINDS, QUANTITIES, attrs
 from ...model.units import to_si
-from .problems import Place, choice, expected, one_of, refusal, shown
+from .problems import Place, choice, expected, refusal, shown
 
 #: largest number of values along one axis, and of saved times
 LONGEST = 10**6
@@ -36,6 +39,11 @@ USUAL = {
     "Pa": (1e-9, 1e15),
     "Pa/m": (1e-20, 1e25),
     "kg/m^2": (1e-20, 1e20),
+    "m^2": (1e-20, 1e15),
+    "N": (1e-20, 1e25),
+    "N/m": (1e-20, 1e25),
+    "kg": (1e-20, 1e25),
+    "1/m": (1e-15, 1e15),
 }
 
 
@@ -46,6 +54,7 @@ class AxisRange(NamedTuple):
     last: float
     size: int
     scale: str
+    quantity: str = ""  # that the values are, if not the axis's own
 
     def values(self, symbol: str) -> np.ndarray:
         """The values, shape (size,), rounded to 15 digits like those of `ratestate.logspace`."""
@@ -57,20 +66,40 @@ class AxisRange(NamedTuple):
         return np.array([self.first, *(float(f"{x:.15g}") for x in between), self.last])
 
 
-Many = AxisRange | np.ndarray
+class AxisList(NamedTuple):
+    """Values in SI, one by one."""
+
+    numbers: tuple[float, ...]
+    quantity: str = ""  # that they are, if not the axis's own
+
+    @property
+    def size(self) -> int:
+        """How many there are."""
+        return len(self.numbers)
+
+    def values(self, symbol: str) -> np.ndarray:
+        """The values, shape (size,)."""
+        return np.array(self.numbers)
+
+
+Many = AxisRange | AxisList
 
 
 def as_array(symbol: str, value: float | Many) -> np.ndarray:
     """Values as a plain array, shape (n,); (1,) for a single one."""
-    return value.values(symbol) if isinstance(value, AxisRange) else np.atleast_1d(value)
+    return value.values(symbol) if isinstance(value, Many) else np.atleast_1d(value)
 
 
 def as_axis(symbol: str, many: Many) -> Any:
-    """Values as a DataArray along a dimension and coordinate of their own, all named `symbol`."""
+    """Values as a DataArray along a dimension and coordinate of their own, all named `symbol`.
+
+    With the attribute ``units`` if they are of another quantity.
+    """
     import xarray
 
-    values = as_array(symbol, many)
-    return xarray.DataArray(values, {symbol: (symbol, values, attrs(symbol))}, (symbol,), symbol)
+    values, units = as_array(symbol, many), attrs(many.quantity or symbol)
+    own = units if many.quantity else None
+    return xarray.DataArray(values, {symbol: (symbol, values, units)}, (symbol,), symbol, own)
 
 
 def unusual(symbol: str, x: float) -> str:
@@ -83,8 +112,10 @@ def unusual(symbol: str, x: float) -> str:
     return sizes if unit == "1" else f"{sizes} {unit}"
 
 
-def number(symbol: str, value: Any, bound: str | None = None) -> float:
+def number(symbol: str, value: Any, bound: str | None = None) -> float | str:
     """One value in SI; ParameterError: no number, another unit, out of range, unusual magnitude.
+
+    As it is, checked likewise, if it is a parameter of the slider given as another quantity.
 
     bound : range in place of the quantity's own, as of `to_si`
     """
@@ -92,24 +123,24 @@ def number(symbol: str, value: Any, bound: str | None = None) -> float:
         raise refusal("value.no_number", given=value, wanted=expected(symbol))
     if isinstance(value, str) and len(value) > LONGEST_TEXT:
         raise refusal("value.too_long", given=value, wanted=expected(symbol))
+    quantity = quantity_of(symbol, value)
     try:  # (an integer may have more digits than Python writes into a message)
-        x = to_si(symbol, float(value) if isinstance(value, int) else value, bound=bound)
+        given = float(value) if isinstance(value, int) else value
+        x = to_si(quantity, given, label=symbol, bound=bound)
     except ArithmeticError:
         raise refusal("value.overflow", given=value, wanted=expected(symbol)) from None
-    if sizes := unusual(symbol, x):
-        raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=expected(symbol))
-    return x
+    if sizes := unusual(quantity, x):
+        raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=expected(quantity))
+    return x if quantity == symbol else str(value)
 
 
-def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> float | None:
-    """One value in SI; None if it has a problem, which is noted."""
+def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
+    """One value as by `number`; None if it has a problem, which is noted."""
     return place.noting(lambda: number(symbol, value, bound), symbol)
 
 
-def read_values(
-    symbol: str, value: Any, place: Place, bound: str | None = None
-) -> float | Many | None:
-    """One value or many, in SI; None if there are problems, which are noted."""
+def read_values(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
+    """One value as by `number`, or `Many`; None if there are problems, which are noted."""
     if isinstance(value, dict):
         return _axis(symbol, value, place, bound)
     if not isinstance(value, list):
@@ -123,7 +154,17 @@ def read_values(
         if x is None:  # one bad element is enough
             return None
         numbers.append(x)
-    return np.array(numbers)
+    return place.noting(lambda: AxisList(*_of_one_quantity(symbol, numbers)))
+
+
+def _of_one_quantity(symbol: str, values: list[Any]) -> tuple[tuple[float, ...], str]:
+    """Values in SI, and the quantity that all are, "" if the axis's own; else ParameterError."""
+    quantity, *others = dict.fromkeys(quantity_of(symbol, value) for value in values)
+    if others:
+        first, other = (KINDS[QUANTITIES[name].unit][0] for name in (quantity, others[0]))
+        raise refusal("axis.quantities", first=first, other=other, wanted=expected(symbol))
+    numbers = (x if isinstance(x, float) else to_si(quantity, x) for x in values)
+    return tuple(numbers), "" if quantity == symbol else quantity
 
 
 def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -> AxisRange | None:
@@ -137,20 +178,21 @@ def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -
     if isinstance(n, bool) or not isinstance(n, int) or not 2 <= n <= LONGEST:
         place.at("n").add("axis.no_n" if n is None else "axis.bad_n", given=n, most=LONGEST)
     elif first is not None and last is not None and scale and len(place.problems) == before:
-        return AxisRange(first, last, n, scale)
+        ends = place.noting(lambda: _of_one_quantity(symbol, [first, last]))
+        return ends and AxisRange(*ends[0], n, scale, ends[1])
     return None
 
 
 def read_ends(
     symbol: str, table: dict[str, Any], place: Place, bound: str | None = None
-) -> list[float | None]:
-    """[first, last] of an axis [SI], both finite; None for one with a problem, which is noted."""
+) -> list[Any]:
+    """[first, last] of an axis as by `number`, finite; None for one with a problem, noted."""
     ends = []
     for key in ("from", "to"):
         x = read_number(symbol, table[key], place.at(key), bound) if key in table else None
         if key not in table:
             place.missing(key, expected(symbol))
-        elif x is not None and math.isinf(x):
+        elif x is not None and math.isinf(to_si(quantity_of(symbol, x), x, bound="")):
             place.at(key).add("axis.infinite_end", given=x, wanted=expected(symbol))
             x = None
         ends.append(x)

@@ -12,6 +12,7 @@
 import xarray
 
 from ...errors import ParameterError
+from ...model.conversion import in_si
 from ..bifurcation import branch_page
 from .fit import fit_page
 from .run import cycle_page, run_page
@@ -56,6 +57,7 @@ def page(result):
         raise ParameterError(
             "page wants a Dataset as a function of ratestate gives it, with its attributes"
         )
+    result = in_si(result)
     axes = [] if function == "fit" else [dim for dim in result.sizes if dim not in OWN]
     if axes and function == "continue_cycle":
         raise ParameterError(f"a page shows one branch; pick one along {axes[0]!r} with .isel")

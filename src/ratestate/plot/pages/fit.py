@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...model.conversion import in_si
 from ...records.fitting.by_law import checked_by_law, value_of
 from ..curves import WHOLE, curves, marks, record_of, residuals
 from ..labels import LAWS
@@ -49,6 +50,7 @@ def fit(result, ax=None, *, x=None):
         Another result than that of `fit`, or one that has lost its attributes.
     """
     checked_by_law(result, "plot.fit")
+    result = in_si(result)
     if ax is None:
         return fit_page(result, x)
     record = record_of(result, x)

@@ -1,13 +1,11 @@
 """The pages of a run and of a limit cycle: stress, speed against time, and the phase plane."""
 
-import dataclasses
-
 import numpy as np
 
 from ...dynamics.attributes import loading_record, number
 from ...dynamics.cycles.orbit import orbit
 from ...dynamics.cycles.regimes import classify
-from ...dynamics.results import parameter
+from ...dynamics.results import parameter, slider_parameters
 from ...dynamics.steady_sliding import stability
 from ...engine.model import STEADY_SLIDING
 from ...friction.rate_and_state import mu_ss
@@ -31,7 +29,7 @@ def run_page(run):
 @styled
 def cycle_page(cycle):
     """Page of a slider's cycle, computed again for a period; that of `stability` if it has none."""
-    symbols = [field.name for field in dataclasses.fields(SpringSlider)]
+    symbols = slider_parameters(cycle)
     slider = SpringSlider(**{symbol: parameter(cycle, symbol) for symbol in symbols})
     V_lp = float(cycle.V_lp)
     if int(cycle.status) == STEADY_SLIDING:

@@ -1,12 +1,12 @@
 """A result of `fit` law by law: its estimates with their errors, and the slider they make."""
 
-import dataclasses
-
 import numpy as np
 import xarray
 
-from ...dynamics.results import parameter
+from ...dynamics.results import parameter, slider_parameters
+from ...friction.laws import law_name
 from ...friction.stability import K_c_qs
+from ...model.conversion import in_si
 from ...model.slider import SpringSlider
 from .refusals import refusal
 
@@ -27,7 +27,7 @@ def checked_by_law(result, caller):
     title = result.attrs.get("title") if isinstance(result, xarray.Dataset) else None
     if str(title) != "ratestate fit" or any(name not in result.variables for name in NEEDED):
         raise refusal("result.not_of_fit", caller=caller)
-    return results_by_law(result)
+    return results_by_law(in_si(result))
 
 
 def _without_empty(part):
@@ -112,11 +112,10 @@ def slider_of(result, law=None):
         No result of `fit`; a law that was not fitted; several laws, and none is named.
     """
     laws = checked_by_law(result, "slider_of")
-    if law is None and len(laws) == 1:
-        (law,) = laws
+    law = law_name(law) if law is not None else next(iter(laws)) if len(laws) == 1 else None
     if law not in laws:
         choices = " or ".join(f"law={name!r}" for name in laws)
         sentence = "several_laws" if law is None else "other_law"
         raise refusal(f"result.{sentence}", law=law, choices=choices)
-    symbols = [field.name for field in dataclasses.fields(SpringSlider) if field.name != "law"]
+    symbols = [symbol for symbol in slider_parameters(laws[law]) if symbol != "law"]
     return SpringSlider(**{symbol: value_of(laws[law], symbol) for symbol in symbols}, law=law)

@@ -9,6 +9,8 @@ from threadpoolctl import ThreadpoolController
 from ...dynamics.results import provenance
 from ...errors import FitWarning
 from ...friction.laws import evolution_law
+from ...model.conversion import in_si
+from ...model.names import keywords_checked
 from .by_law import warnings_of
 from .cycles.fit import fit_cycles
 from .cycles.result import cycles_dataset
@@ -22,6 +24,7 @@ from .settings import checked_settings
 RECORD_ATTRIBUTES = ("source", "columns", "found", "notes")
 
 
+@keywords_checked
 def fit(
     data,
     slider,
@@ -131,7 +134,7 @@ def fit(
     )
     with single_blas():
         fits = _fits_of_cycles if against == "cycles" else _fits_of_samples
-        results = fits(data, slider, settings, loading)
+        results = fits(in_si(data), slider, settings, loading)
     kept = {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}
     names = json.dumps(settings.free)
     for name, result in results.items():
@@ -140,7 +143,7 @@ def fit(
         result.attrs = origin | result.attrs | kept
         prefix = f"{name} law: " if len(results) > 1 else ""
         for text in warnings_of(result):
-            warnings.warn(prefix + text, FitWarning, stacklevel=2)
+            warnings.warn(prefix + text, FitWarning, stacklevel=3)
     alone = law is None or isinstance(law, str)
     return results[settings.laws[0]] if alone else side_by_side(results)
 

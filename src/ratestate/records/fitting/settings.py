@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ...friction.laws import evolution_law
+from ...friction.laws import law_name
 from ...model.slider import checked
 from ...model.units import is_array
 from .likelihood.uncertainty import ERRORS
@@ -53,8 +53,7 @@ def checked_settings(slider, *, free, law, noise, **choices):
             raise refusal("settings.unknown", name=name, value=value, choices=listed)
     noise = given_noise(noise)
     laws = [slider.law] if law is None else [law] if isinstance(law, str) else list(law)
-    for name in laws:
-        evolution_law(name)
+    laws = [law_name(name) for name in laws]
     if not laws or len(set(laws)) < len(laws):
         raise refusal("settings.laws", law=law)
     if choices["against"] == "cycles":

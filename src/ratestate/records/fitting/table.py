@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ...model.quantities import PREFIXES, QUANTITIES, power_of, readable, rounded
+from ...model.quantities import QUANTITIES, power_of, prefixed_unit, readable, rounded
 from .by_law import error_of, stiffness_over_critical, value_of
 
 #: law -> its part of a result, as from `results_by_law`
@@ -117,7 +117,7 @@ def _row(laws: Laws, symbol: str) -> Row:
     """The row of a parameter."""
     quantity = QUANTITIES[symbol]
     power = power_of(quantity.unit, max(abs(value_of(part, symbol)) for part in laws.values()))
-    unit = "" if quantity.unit == "1" else f"{PREFIXES[power]}{quantity.unit}"
+    unit = "" if quantity.unit == "1" else prefixed_unit(quantity.unit, power)
     return Row(
         NAMES.get(symbol, symbol),
         unit,

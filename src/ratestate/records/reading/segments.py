@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...model.quantities import PREFIXES, power_of, readable
+from ...model.quantities import power_of, prefixed_unit, readable
 from .messages import refusal
 from .runs import breakpoints, noise_variances
 from .splits import RowSums, cut, drop_weak_cuts
@@ -173,7 +173,7 @@ def _speeds(before, V):
         return f"{_speed(before)} -> {_speed(V)}"
     power = power_of("m/s", max(before, V))
     one, other = (f"{x / 10.0**power:#.3g}".rstrip(".") for x in (before, V))
-    return f"{one} -> {other} {PREFIXES[power]}m/s"
+    return f"{one} -> {other} {prefixed_unit('m/s', power)}"
 
 
 def _displacement(x):

@@ -15,6 +15,7 @@ import xarray
 from rich.text import Text
 
 from ..verdict_text import VerdictText
+from .rows import Units
 from .single import branch, cycle, run, stability
 from .sweep import cases
 
@@ -27,19 +28,22 @@ SINGLE = {
 }
 
 
-def report(result: xarray.Dataset, verdict: VerdictText | None) -> list[Any]:
+def report(
+    result: xarray.Dataset, verdict: VerdictText | None, units: Units | None = None
+) -> list[Any]:
     """What to print, a list for rich: a result of any of the package's functions, `sweep` included.
 
+    units : symbol -> the unit in which the tables have it; without effect on a fit
     verdict : on a single slider; without effect on a sweep or a fit
     """
     verb = result.attrs["title"].removeprefix("ratestate ")
     if "message" in result:
-        return cases(result, verb)
+        return cases(result, verb, units or {})
     if verb == "fit":
         from .fit import fit  # what it needs takes long to load
 
         return fit(result)
-    table = SINGLE[verb](result)
+    table = SINGLE[verb](result, units or {})
     if not verdict:
         return table
     if verb == "simulate":

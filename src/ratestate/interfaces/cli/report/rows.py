@@ -1,6 +1,7 @@
 """Tables for the terminal; rows about one slider: symbol, value, meaning, relative error."""
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from rich import box
@@ -8,8 +9,11 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from ....model.quantities import QUANTITIES, readable, readable_time
+from ....model.units import unit_factor
 
 DIGITS = 6
+#: symbol -> the unit in which its values are wanted
+Units = Mapping[str, str]
 
 
 def plain_table(*columns: str | Column) -> Table:
@@ -18,12 +22,13 @@ def plain_table(*columns: str | Column) -> Table:
 
 
 class Row(NamedTuple):
-    """A row: symbol, value, what it is, and the relative error of the value, if known."""
+    """A row: symbol, value, what it is, the relative error of the value, if known, and it in SI."""
 
     symbol: str
     value: str
     meaning: str
     error: float | None = None
+    x: float = math.nan
 
 
 def row(symbol: str, value: Any, remark: str = "", error: float | None = None) -> Row:
@@ -38,15 +43,25 @@ def row(symbol: str, value: Any, remark: str = "", error: float | None = None) -
     elif math.isinf(x) and not quantity.may_be_inf:
         text = "none"  # a limit such as V_c without mass
     name = quantity.long_name
-    return Row(symbol, text, f"{name}; {remark}" if remark else name, error)
+    return Row(symbol, text, f"{name}; {remark}" if remark else name, error, x)
 
 
-def table(title: str, rows: list[Row]) -> list[Any]:
+def shown(symbol: str, x: float, units: Units) -> str:
+    """A value [SI] of a quantity as text, in the requested unit, or else in one that fits."""
+    if symbol not in units:
+        return readable(symbol, x, DIGITS)
+    value = x / float(unit_factor(QUANTITIES[symbol].unit, units[symbol]))
+    return f"{value:.{DIGITS}g} {units[symbol]}"
+
+
+def table(title: str, rows: list[Row], units: Units) -> list[Any]:
     """[title, table of the rows]; with a column of errors only if a row has one."""
     errors = any(one.error is not None for one in rows)
     head = [Column("relative error", justify="right")] if errors else []
     made = plain_table("", Column("value", justify="right", no_wrap=True), *head, "")
     for one in rows:
         error = [] if not errors else ["" if one.error is None else f"{one.error:.1g}"]
-        made.add_row(*map(Text, (one.symbol, one.value, *error, one.meaning)))
+        wanted = one.symbol in units and math.isfinite(one.x)
+        value = shown(one.symbol, one.x, units) if wanted else one.value
+        made.add_row(*map(Text, (one.symbol, value, *error, one.meaning)))
     return [Text(title, style="bold"), made]

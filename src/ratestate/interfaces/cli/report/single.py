@@ -10,12 +10,13 @@ from rich.text import Text
 from ....dynamics.attributes import branch_parameter
 from ....dynamics.results import parameter
 from ....dynamics.verdict_sentences import on_edge
+from ....dynamics.whole_contact import whole_contact
 from ....engine.model import STEADY_SLIDING
 from ....model.quantities import readable, readable_multiplier, readable_time
-from .rows import DIGITS, Row, plain_table, row, table
+from .rows import DIGITS, Row, Units, plain_table, row, shown, table
 
 
-def run(result: xarray.Dataset) -> list[Any]:
+def run(result: xarray.Dataset, units: Units) -> list[Any]:
     """The end of a run, its extremes, and the last cycle that its tolerance resolves."""
     last = result.isel(time=-1)
     V = result.V.values
@@ -24,23 +25,34 @@ def run(result: xarray.Dataset) -> list[Any]:
     rows = [
         row("V", last.V, f"load point {readable('V_load', float(last.V_load), DIGITS)}"),
         row("tau", last.tau, f"tau/sigma = {float(last.tau) / parameter(result, 'sigma'):.6g}"),
+        *_of_contact(last, "force", "acceleration"),
         row("mu", last.mu),
         row("theta", last.theta),
         row("V_max", result.V_max, fastest),
         row("V_min", result.V_min, slowest),
+        *_of_contact(result, "acceleration_max"),
         row("cycles", result.cycles, "since the last jump of the load point"),
     ]
     if float(result.cycles) >= 1.0:
         # (of a limit cycle, of ringing that decays, or due to the load point)
-        frequency = readable("frequency", float(result.frequency), DIGITS)
+        frequency = float(result.frequency)
+        text = readable("frequency", frequency, DIGITS)
         rows.append(row("amplitude", result.amplitude, "of the last cycle"))
-        rows.append(Row("frequency", frequency, "of the last cycle"))
+        rows += _of_contact(result, "force_amplitude", "displacement_amplitude")
+        rows.append(Row("frequency", text, "of the last cycle", x=frequency))
     rows.append(row("energy_residual", abs(result.energy_residual)))
     end, law = readable_time(float(last.time), DIGITS), parameter(result, "law")
-    return table(f"At the end, {end}, after {int(result.steps):,} steps, {law} law", rows)
+    return table(f"At the end, {end}, after {int(result.steps):,} steps, {law} law", rows, units)
 
 
-def stability(result: xarray.Dataset) -> list[Any]:
+def _of_contact(result: xarray.Dataset, *symbols: str) -> list[Row]:
+    """Rows about the contact as a whole, if its area is known; of M > 0 only if about inertia."""
+    values = whole_contact(result)
+    known = [symbol for symbol in symbols if symbol in values and values[symbol].notnull()]
+    return [row(symbol, values[symbol]) for symbol in known]
+
+
+def stability(result: xarray.Dataset, units: Units) -> list[Any]:
     """Stiffness and speed beside their critical values; the least stable mode."""
     K, M = float(parameter(result, "K")), float(parameter(result, "M"))
     V, K_c, V_c = float(result.V_lp), float(result.K_c), float(result.V_c)
@@ -67,19 +79,21 @@ def stability(result: xarray.Dataset) -> list[Any]:
     ]
     if not math.isnan(float(result.omega_c)):
         rows.append(row("omega_c", result.omega_c))
-    return table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows)
+    return table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows, units)
 
 
-def cycle(result: xarray.Dataset) -> list[Any]:
+def cycle(result: xarray.Dataset, units: Units) -> list[Any]:
     """The numbers of a limit cycle, with their error; of steady sliding, that there is none."""
     V = float(result.V_lp)
     at = f"at V_lp = {readable('V_lp', V)}, {parameter(result, 'law')} law"
     if int(result.status) == STEADY_SLIDING:
-        return table(f"No cycle is reached {at}: steady sliding", [row("V_lp", V)])
+        return table(f"No cycle is reached {at}: steady sliding", [row("V_lp", V)], units)
     rows = [
         row(name, result[name], error=float(result.error))
         for name in ("period", "frequency", "amplitude")
     ]
+    names = ("force_amplitude", "displacement_amplitude", "acceleration_max")
+    rows += _of_contact(result, *names)
     for name in ("V_max", "V_min"):
         over = f"{float(result[name]) / V:.4g} V_lp"
         rows.append(row(name, result[name], over, error=float(result[f"{name}_error"])))
@@ -91,10 +105,10 @@ def cycle(result: xarray.Dataset) -> list[Any]:
         Row("multipliers", multipliers, "Floquet multipliers; decay factors per period"),
         row("residual", result.residual),
     ]
-    return table(f"The limit cycle {at}", rows)
+    return table(f"The limit cycle {at}", rows, units)
 
 
-def branch(result: xarray.Dataset) -> list[Any]:
+def branch(result: xarray.Dataset, units: Units) -> list[Any]:
     """The bifurcation points of a branch, and the stability of cycles between them."""
     symbol = branch_parameter(result)
     numbers = (symbol, "amplitude", "period", "V_max", "multiplier")
@@ -106,12 +120,14 @@ def branch(result: xarray.Dataset) -> list[Any]:
         if not special:
             continue
         one = result.isel(point=i)
+        seconds = float(one.period)
+        period = readable_time(seconds, DIGITS)
         made.add_row(
             str(special).replace("_", " "),
-            readable(symbol, float(one[symbol]), DIGITS),
+            shown(symbol, float(one[symbol]), units),
             f"{float(one.amplitude):.{DIGITS}g}",
-            readable_time(float(one.period), DIGITS),
-            readable("V_max", float(one.V_max), DIGITS),
+            shown("period", seconds, units) if "period" in units else period,
+            shown("V_max", float(one.V_max), units),
             readable_multiplier(complex(one.multipliers[0])),
             after[i],
         )

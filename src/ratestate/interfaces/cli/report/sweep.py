@@ -9,7 +9,7 @@ from rich.text import Text
 
 from ....engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ....model.quantities import QUANTITIES, readable
-from .rows import DIGITS, plain_table
+from .rows import DIGITS, Units, plain_table, shown
 
 LISTED = 20  # failed cases, at most
 #: function -> variables whose range is printed
@@ -20,13 +20,13 @@ RANGES = {
 }
 
 
-def cases(result: xarray.Dataset, verb: str) -> list[Any]:
+def cases(result: xarray.Dataset, verb: str, units: Units) -> list[Any]:
     """All about a sweep: its axes, how cases ended, ranges of finite values, failed cases."""
     status = result["status"]
     axes = ", ".join(_axis(result, str(dim)) for dim in status.dims)
     title = f"{status.size:,} cases of {verb} over {axes}"
     lines = [Text(title, style="bold"), Text(_outcomes(status.values, verb)), Text("")]
-    return [*lines, _ranges(result, verb), *map(Text, failed_lines(result))]
+    return [*lines, _ranges(result, verb, units), *map(Text, failed_lines(result))]
 
 
 def _axis(result: xarray.Dataset, dim: str) -> str:
@@ -46,7 +46,7 @@ def _outcomes(status: np.ndarray, verb: str) -> str:
     return ", ".join(f"{n:,} {how}" for how, n in ways.items() if n)
 
 
-def _ranges(result: xarray.Dataset, verb: str) -> Table:
+def _ranges(result: xarray.Dataset, verb: str, units: Units) -> Table:
     """Smallest and largest values, and where they are."""
     smallest, largest = (Column(name, justify="right") for name in ("smallest", "largest"))
     made = plain_table("", smallest, "at", largest, "at")
@@ -62,7 +62,7 @@ def _ranges(result: xarray.Dataset, verb: str) -> Table:
             where = {
                 dim: one[dim].item() if dim in one.coords else int(index[dim]) for dim in index
             }
-            cells += [readable(name, float(one), DIGITS), _place(where)]
+            cells += [shown(name, float(one), units), _place(where)]
         made.add_row(*cells)
     return made
 

@@ -1,0 +1,55 @@
+"""Forces and motions of the whole contact, of a slider whose area is known."""
+
+import numpy as np
+import xarray
+
+from ..model.quantities import attrs
+from ..model.units import is_array
+from .results import parameter, slider_parameters
+
+
+def force(stress, area):
+    """The force [N] that a stress [Pa] makes on an area [m^2], numbers or arrays."""
+    return stress * area
+
+
+def whole_contact(result):
+    """What a result says of the contact as a whole; nothing if the slider's area is not known.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `simulate`, `limit_cycle` or `continue_cycle`, of one slider or many.
+
+    Returns
+    -------
+    xarray.Dataset
+        Along ``time``, of a run: ``force`` [N] of the spring, and ``acceleration`` [m/s^2], eq. 1.
+        Per case: ``force_amplitude`` [N] and ``displacement_amplitude`` [m], peak-to-peak, of the
+        last cycle, the latter relative to the load point; ``acceleration_max`` [m/s^2], the
+        largest one, of either sign.  Accelerations are NaN where M = 0.
+
+    Raises
+    ------
+    ParameterError
+        The result has lost its attributes.
+    """
+    if "area" not in slider_parameters(result):
+        return xarray.Dataset()
+    sigma, K, M, area = (parameter(result, symbol) for symbol in ("sigma", "K", "M", "area"))
+    M = M.where(M > 0.0) if is_array(M) else M or np.nan
+    found = {}
+    if "tau" in result:
+        found["force"] = force(result["tau"], area)
+        found["acceleration"] = (result["tau"] - sigma * result["mu"]) / M
+    if "amplitude" in result:
+        stress = result["amplitude"] * sigma
+        found["force_amplitude"] = force(stress, area)
+        found["displacement_amplitude"] = stress / K
+        of_run = "inertial_force" in result
+        largest = result["inertial_force"] if of_run else result["inertia"] * result["amplitude"]
+        found["acceleration_max"] = largest * sigma / M
+    named = {
+        symbol: value.drop_attrs().assign_attrs(attrs(symbol)) for symbol, value in found.items()
+    }
+    return xarray.Dataset(named)

@@ -1,0 +1,107 @@
+"""Results in units of one's own, and brought back to SI."""
+
+from ..errors import ParameterError
+from .names import one_of
+from .quantities import QUANTITIES, expected
+from .units import scaled, unit_factor
+
+
+def in_units(result, /, **units):
+    """A result with some of its variables in other units.
+
+    Its attributes, which say how it was made, stay in SI.  Functions that take a result read the
+    units of its variables, so they take this one as well.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Result of any function, or a record of `read_lab`; also one from this function.
+    **units : str
+        Name of a variable or coordinate -> its unit, such as ``V="um/s"``.  ``t`` may stand for
+        ``time``.
+
+    Returns
+    -------
+    xarray.Dataset
+        A new Dataset: these variables are converted, and their attribute ``units`` is the string
+        given.  All others are as they were.
+
+    Raises
+    ------
+    ParameterError
+        A name that the result does not have; one of no quantity, such as ``status``; a unit that
+        is unknown or of another kind.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> cycle = in_units(rs.limit_cycle(slider, "3.2 mm/s"), V_max="mm/s", period="ms")
+    >>> round(float(cycle.period), 2), cycle.period.units
+    (19.76, 'ms')
+    """
+    import xarray
+
+    if not isinstance(result, xarray.Dataset):
+        raise ParameterError(f"{type(result).__name__} is no result; give an xarray.Dataset")
+    converted = {}
+    for name, unit in units.items():
+        name = "time" if name == "t" and name not in result.variables else name
+        if name not in result.variables:
+            names = [str(known) for known in result.variables if known in QUANTITIES]
+            raise ParameterError(f"the result has no variable {name}; {one_of(names, name)}")
+        converted[name] = _converted(name, result.variables[name], unit)
+    return _with(result, converted)
+
+
+def in_si(result):
+    """A result with all quantities in SI: itself, if none is in another unit.
+
+    A variable whose name is no quantity's stays as it is.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Result of any function, perhaps converted by `in_units`.
+
+    Returns
+    -------
+    xarray.Dataset
+        In SI; what was converted may differ from its first value in the last digit.
+
+    Raises
+    ------
+    ParameterError
+        A quantity in a unit that is unknown or of another kind.
+    """
+    converted = {}
+    for name, variable in result.variables.items():
+        if name in QUANTITIES and variable.attrs.get("units", "") not in (
+            "",
+            QUANTITIES[name].unit,
+        ):
+            converted[name] = _converted(name, variable, QUANTITIES[name].unit)
+    return _with(result, converted)
+
+
+def _with(result, converted):
+    """The result with some variables replaced; itself, if they are none."""
+    coords = {name: one for name, one in converted.items() if name in result.coords}
+    others = {name: one for name, one in converted.items() if name not in coords}
+    return result.assign_coords(coords).assign(others) if converted else result
+
+
+def _converted(name, variable, unit):
+    """A Variable in this unit, given as text."""
+    own = variable.attrs.get("units")
+    is_number = variable.dtype.kind in "iufc" and "flag_values" not in variable.attrs
+    if name not in QUANTITIES or own is None or not is_number:
+        raise ParameterError(f"{name} is no quantity with a unit; leave it out")
+    si = QUANTITIES[name].unit
+    try:
+        factor = unit_factor(si, str(own)) / unit_factor(si, str(unit))
+    except ValueError as error:
+        raise ParameterError(f"{name}: {unit!r} {error}; {expected(name)}") from None
+    new = variable.copy(data=scaled(variable.values, factor))
+    new.attrs["units"] = unit
+    return new
