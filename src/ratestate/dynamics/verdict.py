@@ -8,6 +8,7 @@ import xarray
 
 from ..engine.model import STEADY_SLIDING
 from ..errors import NotConverged, QuasiStaticInstability, SolverError
+from ..model.conversion import in_si
 from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
 from .continuation.coexistence import folds
@@ -171,6 +172,7 @@ def verdict_of_cycle(slider, V_lp, cycle):
     slider, V_lp : one slider and one speed [m/s], which must be those of the cycle; not checked
     cycle : the result of `limit_cycle`, also one of steady sliding, or the SolverError it raised
     """
+    cycle = in_si(cycle)
     steady = stability(slider, V_lp)
     names: tuple[str, ...] = ("K_c", "K_c_qs", "V_c", "eta", "f_n", "growth_rate", "omega")
     values: dict[str, Any] = {name: float(steady[name]) for name in names}

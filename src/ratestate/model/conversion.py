@@ -48,7 +48,7 @@ def in_units(result, /, **units):
     for name, unit in units.items():
         name = "time" if name == "t" and name not in result.variables else name
         if name not in result.variables:
-            names = [str(known) for known in result.variables if known in QUANTITIES]
+            names = [str(known) for known in result.variables if _has_unit(known)]
             raise ParameterError(f"the result has no variable {name}; {one_of(names, name)}")
         converted[name] = _converted(name, result.variables[name], unit)
     return _with(result, converted)
@@ -62,7 +62,8 @@ def in_si(result):
     Parameters
     ----------
     result : xarray.Dataset
-        Result of any function, perhaps converted by `in_units`.
+        Result of any function, perhaps converted by `in_units`.  Anything else is returned as
+        it is.
 
     Returns
     -------
@@ -75,12 +76,10 @@ def in_si(result):
         A quantity in a unit that is unknown or of another kind.
     """
     converted = {}
-    for name, variable in result.variables.items():
-        if name in QUANTITIES and variable.attrs.get("units", "") not in (
-            "",
-            QUANTITIES[name].unit,
-        ):
-            converted[name] = _converted(name, variable, QUANTITIES[name].unit)
+    for name, variable in getattr(result, "variables", {}).items():
+        si = QUANTITIES[name].unit if name in QUANTITIES else None
+        if si is not None and variable.attrs.get("units", si) != si:
+            converted[name] = _converted(name, variable, si)
     return _with(result, converted)
 
 
@@ -89,6 +88,11 @@ def _with(result, converted):
     coords = {name: one for name, one in converted.items() if name in result.coords}
     others = {name: one for name, one in converted.items() if name not in coords}
     return result.assign_coords(coords).assign(others) if converted else result
+
+
+def _has_unit(name):
+    """Whether a variable is a quantity other than a pure number."""
+    return name in QUANTITIES and QUANTITIES[name].unit != "1"
 
 
 def _converted(name, variable, unit):

@@ -1,6 +1,7 @@
 """The slider: rigid, of one state variable, on a spring."""
 
 import dataclasses
+from html import escape
 from typing import Any
 
 from ..errors import ParameterError
@@ -233,6 +234,15 @@ class SpringSlider:
         shown = (f"{symbol}={_show(symbol, v)}" for symbol, v in self.parameters.items())
         return f"SpringSlider({', '.join(shown)})"
 
+    def _repr_html_(self):
+        """A table for notebooks: symbol, name, and value in a unit that fits."""
+        rows = [(s, QUANTITIES[s].long_name, _readable(s, x)) for s, x in self.values.items()]
+        rows.append(("law", "evolution law", self.law))
+        lines = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
+        body = "".join(f"<tr>{line}</tr>" for line in lines)
+        head = "<tr><th></th><th>SpringSlider</th><th>value</th></tr>"
+        return f"<table><thead>{head}</thead><tbody>{body}</tbody></table>"
+
     def __eq__(self, other):
         """Whether all values, and the coordinates of arrays, are equal."""
         if not isinstance(other, SpringSlider):
@@ -262,11 +272,18 @@ def checked(slider):
     return slider
 
 
+def _readable(symbol, value):
+    """A quantity as text: the exact value, or an array's sizes and range."""
+    if not is_array(value):
+        return exact(symbol, value)
+    sizes = ", ".join(f"{dim}: {size}" for dim, size in value.sizes.items())
+    return f"<{sizes}; {readable_range(symbol, float(value.min()), float(value.max()))}>"
+
+
 def _show(symbol, value):
-    """A parameter as text: an array's sizes and range, a literal that makes it again of others."""
+    """A parameter in the call that makes it again; of an array, its sizes and range."""
     if is_array(value):
-        sizes = ", ".join(f"{dim}: {size}" for dim, size in value.sizes.items())
-        return f"<{sizes}; {readable_range(symbol, float(value.min()), float(value.max()))}>"
+        return _readable(symbol, value)
     if symbol == "law":
         return repr(value)
     text = exact(symbol, value)

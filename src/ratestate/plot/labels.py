@@ -50,6 +50,10 @@ LETTERS = {
     "K_c_qs": "K_{c,qs}",
     "eta": r"\eta",
     "a_minus_b": "a-b",
+    "area": "A",
+    "force_amplitude": "F_{pp}",
+    "displacement_amplitude": r"\delta_{pp}",
+    "acceleration_max": r"|\dot{V}|_{\max}",
 }
 
 

@@ -1,6 +1,7 @@
 """Motions: stress against time, the phase plane, the amplitude of limit cycles along a sweep."""
 
 from ..dynamics.results import parameter
+from ..dynamics.whole_contact import force, whole_contact
 from ..friction.rate_and_state import mu_ss
 from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
@@ -35,6 +36,32 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     (red,) = ax.plot(factor * abscissa, run.mu, **friction | (mu or {}))
     ax.set(xlabel=f"{ABSCISSAE[x]} [{unit}]", ylabel=rf"{STRESS} and $\mu$")
     return black, red
+
+
+def force_axis(run, ax):
+    """Give axes of tau/sigma a second scale on the right, the spring's force, if it is known.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        One slider's, from `simulate`, with an area or without.
+    ax : matplotlib.axes.Axes
+        Axes that `trace` has drawn into.
+
+    Returns
+    -------
+    matplotlib.axes.Axes or None
+        The second scale; None where the slider has no area.
+    """
+    forces = whole_contact(run)
+    if "force" not in forces:
+        return None
+    newtons = float(force(parameter(run, "sigma"), parameter(run, "area")))  # at tau/sigma = 1
+    factor, unit = prefixed("N", float(abs(forces["force"]).max()))
+    per_one = factor * newtons
+    scale = ax.secondary_yaxis("right", functions=(lambda y: y * per_one, lambda f: f / per_one))
+    scale.set_ylabel(f"Force [{unit}]")
+    return scale
 
 
 def phase(run, ax, *, unit_of=None, **style):

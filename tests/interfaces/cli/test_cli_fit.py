@@ -153,7 +153,7 @@ def test_json_and_options(tmp_path):
         (["--sigma", "20 um"], "sigma.*20 um.*expected a stress"),
         (["--sigma", "20 MPa", "--free", "a,slip"], "'slip'.*none of a, b"),
         (["--time", "3 s"], "'3 s' is not START,END"),
-        (["--law", "slip, Ruina"], "'Ruina' is no law; choose slip, aging or slip,aging"),
+        (["--law", "slip, Rina"], "law = 'Rina' is unknown; choose 'slip' or 'aging'"),
         (["--columns", "friction"], "'friction' has no NAME="),
         (["--time", "500 s,"], "no row lies in the window"),
     ],

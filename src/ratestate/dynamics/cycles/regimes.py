@@ -5,6 +5,7 @@ import xarray
 
 from ...engine.model import FINISHED, STEADY_SLIDING
 from ...friction.stability import eta
+from ...model.conversion import in_si
 from ...model.quantities import attrs
 from ..refusals import refusal
 from ..results import parameter
@@ -66,6 +67,7 @@ def classify(cycle):
     required = {"inertia", "fundamental", "slow_fraction", "V_max", "status"}
     if not (isinstance(cycle, xarray.Dataset) and required <= set(cycle.data_vars)):
         raise refusal("regimes.no_cycles")
+    cycle = in_si(cycle)
     if "eta" in cycle.dims:
         raise refusal("regimes.eta")
     measured = cycle[["inertia", "fundamental", "slow_fraction", "V_max"]]

@@ -3,6 +3,7 @@
 import functools
 import importlib
 import inspect
+import itertools
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -65,10 +66,8 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
 def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[str, str]:
     """Strings of the form NAME=TEXT as a dict; several may be in one, if there is a separator."""
     named: dict[str, str] = {}
-    parts = [
-        part for text in texts or [] for part in (text.split(separator) if separator else [text])
-    ]
-    for text in parts:
+    split = [text.split(separator) if separator else [text] for text in texts or []]
+    for text in itertools.chain(*split):
         name, sign, value = (part.strip() for part in text.partition("="))
         if not (name and sign and value):
             raise typer.BadParameter(f"{text!r} has no NAME=...", param_hint=option)
@@ -81,7 +80,7 @@ def law_of(text: str) -> str:
     try:
         return law_name(text)
     except ParameterError as error:
-        raise typer.BadParameter(str(error), param_hint="--law") from None
+        raise typer.BadParameter(str(error), param_hint="'--law'") from None
 
 
 def _described(

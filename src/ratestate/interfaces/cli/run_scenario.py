@@ -7,6 +7,7 @@ import xarray
 
 from ...dynamics.progress import on_terminal
 from ...dynamics.verdict import verdict_of_cycle
+from ...dynamics.whole_contact import OF_CONTACT
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked_path, write
 from ...model.conversion import in_units
@@ -54,6 +55,8 @@ def do(
         if error.best is None or scenario.verb != "continue_cycle":
             raise
         problem, result = error, error.best  # a part of a branch is useful
+    if absent := [name for name in units or () if name not in {*result.variables, *OF_CONTACT}]:
+        print_line(f"--units: this result has no {', '.join(absent)}", err=True)
     verdict = None if swept_dims(scenario) else verdict_text(scenario, result)
     write_result(result, output, units)
     print_result(result, verdict, json, units)

@@ -1,9 +1,9 @@
 """Values of a scenario file: a number, a string with a unit, a list, or an axis between two ends.
 
 All are bit-for-bit the floats of the Python API.  A value that becomes one with the slider's area
-or sigma (`model.other_units`) stays the text that it is.  An axis is kept as two ends and a
-number until the number of cases has been checked.  Values of an unusual magnitude are refused, where the Python
-API takes any: so a wrong unit or exponent is reported before it costs minutes or overflows.
+or sigma (`model.other_units`) stays the text that it is.  An axis is kept as two ends and a number
+until the number of cases has been checked.  Values of an unusual magnitude are refused, where the
+Python API takes any: so a wrong unit or exponent is reported before it costs minutes or overflows.
 """
 
 import math
@@ -179,7 +179,9 @@ def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -
         place.at("n").add("axis.no_n" if n is None else "axis.bad_n", given=n, most=LONGEST)
     elif first is not None and last is not None and scale and len(place.problems) == before:
         ends = place.noting(lambda: _of_one_quantity(symbol, [first, last]))
-        return ends and AxisRange(*ends[0], n, scale, ends[1])
+        if ends:
+            (first, last), quantity = ends
+            return AxisRange(first, last, n, scale, quantity)
     return None
 
 

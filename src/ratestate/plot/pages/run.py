@@ -7,12 +7,13 @@ from ...dynamics.cycles.orbit import orbit
 from ...dynamics.cycles.regimes import classify
 from ...dynamics.results import parameter, slider_parameters
 from ...dynamics.steady_sliding import stability
+from ...dynamics.whole_contact import whole_contact
 from ...engine.model import STEADY_SLIDING
 from ...friction.rate_and_state import mu_ss
 from ...model.slider import SpringSlider
 from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text, with_unit
 from ..layout import ABOVE, figure, is_wide, letters, styled
-from ..motion import trace
+from ..motion import force_axis, trace
 from .stability import stability_page
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
@@ -23,7 +24,7 @@ MANY, FEW = 25, 5
 def run_page(run):
     """Page (Figure) of one slider's run."""
     end, law = with_unit("t", float(run.time[-1])), LAWS[parameter(run, "law")].name
-    return _motion(run, f"Run of {end}, {law}")
+    return _motion(run, f"Run of {end}, {law}", run)
 
 
 @styled
@@ -40,18 +41,22 @@ def cycle_page(cycle):
         f"{value_text('period', float(cycle.period))}, "
         f"amplitude {float(cycle.amplitude):.4g}"
     )
-    return _motion(orbit(slider, V_lp, rtol=number(cycle, "rtol")), title)
+    return _motion(orbit(slider, V_lp, rtol=number(cycle, "rtol")), title, cycle)
 
 
-def _motion(run, title):
-    """The three panels of a run, and its last cycles where there are many."""
-    fig = figure(run, 4.4, title=title)
+def _motion(run, title, result):
+    """The three panels of a run, and its last cycles where there are many.
+
+    result : the run, or the cycle that it shows; what it says of the contact goes with the title
+    """
+    fig = figure(run, 4.4, more=_of_contact(result), title=title)
     cycles = int(run.cycles)
     panels = [["a", "c"], ["b", "d"]] if cycles > MANY else [["a", "c"], ["b", "c"]]
     axes = fig.subplot_mosaic(panels, width_ratios=[1.5, 1])
     axes["a"].sharex(axes["b"])
     trace(run, axes["a"])
     axes["a"].label_outer()
+    force_axis(run, axes["a"])
     axes["a"].legend(ncols=2, **ABOVE)
     _speed(run, axes["b"])
     _plane(run, axes["c"])
@@ -62,6 +67,16 @@ def _motion(run, title):
         texts.append(f"the last {FEW} of {cycles} cycles")
     letters([axes[name] for name in sorted(axes)], *texts)
     return fig
+
+
+def _of_contact(result):
+    """A second line of parameters: the area, and what is known of the contact as a whole."""
+    values = whole_contact(result)
+    if not values:
+        return ""
+    names = ("force_amplitude", "displacement_amplitude", "acceleration_max")
+    known = {"area": parameter(result, "area")} | {name: float(values[name]) for name in names}
+    return "\n" + ", ".join(value_text(name, x) for name, x in known.items() if x > 0.0)
 
 
 def _speed(run, ax):

@@ -1,0 +1,87 @@
+"""The option --units, and reports of a slider whose contact area is known."""
+
+import json
+
+import numpy as np
+import pytest
+from ratestate.scenario import load
+from typer.testing import CliRunner
+
+from ratestate import limit_cycle, read_lab
+from ratestate.files import read
+from ratestate.interfaces.cli import main
+
+FILE = """
+[slider]
+area = "20 cm^2"
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "4 kN"
+K = "1.8 MN/m"
+M = "6 kg"
+law = "Ruina"
+[loading]
+V_lp = "3.2 mm/s"
+[run]
+t_end = "0.1 s"
+V_start = "3 mm/s"
+"""
+
+
+def ratestate(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "contact.toml"
+    path.write_text(FILE)
+    return path
+
+
+def test_forces_and_units_in_the_report(file):
+    done = ratestate(
+        "cycle", file, "--units", "period=ms,V_max=um/s", "--units", "force_amplitude=mN"
+    )
+    assert (done.exit_code, done.stderr) == (0, "")
+    rows = dict(line.split(maxsplit=1) for line in done.stdout.splitlines() if "  " in line.strip())
+    cycle = limit_cycle(load(file).slider, "3.2 mm/s")
+    assert float(rows["period"].split()[0]) == pytest.approx(1e3 * float(cycle.period), rel=1e-5)
+    assert rows["period"].split()[1] == "ms"
+    assert rows["V_max"].split()[1] == "um/s"
+    force = 4e6 * float(cycle.amplitude)
+    assert float(rows["force_amplitude"].split()[0]) == pytest.approx(force, rel=1e-5)
+    assert rows["displacement_amplitude"].split()[1] == "um"
+
+
+def test_files_and_json_in_those_units(file, tmp_path):
+    units = ["--units", "V=um/s,tau=MPa,time=ms"]
+    done = ratestate("run", file, "--out", tmp_path / "x.csv", *units, "--json")
+    assert done.exit_code == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert document["data_vars"]["V"]["attrs"]["units"] == "um/s"
+    assert document["coords"]["time"]["data"][-1] == 100.0
+    assert (tmp_path / "x.csv").read_text().startswith("time [ms],V [um/s],")
+    ratestate("run", file, "--out", tmp_path / "x.nc")
+    record, run = read_lab(tmp_path / "x.csv"), read(tmp_path / "x.nc")
+    np.testing.assert_allclose(record.tau, run.tau, rtol=1e-13)
+    again = ratestate("run", "--from", tmp_path / "x.nc", "--out", tmp_path / "y.nc")
+    assert again.exit_code == 0, again.stderr
+    np.testing.assert_array_equal(read(tmp_path / "y.nc").V, run.V)
+    assert json.loads(read(tmp_path / "y.nc").attrs["slider"])["area"] == 2e-3
+
+
+@pytest.mark.parametrize(
+    ("units", "code", "message"),
+    [
+        ("V=MPa", 2, "--units V = '1 MPa' is a stress [Pa]; expected a speed"),
+        ("speed=um/s", 2, "--units: speed is no quantity"),
+        ("um/s", 2, "'um/s' has no NAME=..."),
+        ("tau=MPa", 0, "--units: this result has no tau"),
+    ],
+)
+def test_units_that_cannot_be(file, units, code, message):
+    done = ratestate("cycle", file, "--units", units)
+    assert done.exit_code == code
+    assert message in done.stderr

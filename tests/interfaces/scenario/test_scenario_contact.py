@@ -1,0 +1,90 @@
+"""Scenario files with values of the whole contact, friction per length, and laws by other names."""
+
+import numpy as np
+import pytest
+from ratestate.scenario import loads
+
+from ratestate import ParameterError
+
+FILE = """
+[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+{slider}
+[loading]
+V_lp = "3.2 mm/s"
+[sweep]
+verb = "{verb}"
+{sweep}
+"""
+WHOLE = """area = "20 cm^2"
+sigma = "4 kN"
+K = "1.8 MN/m"
+M = "6 kg"
+"""
+
+
+def scenario(slider, sweep="b = [0.006]", verb="stability"):
+    return loads(FILE.format(slider=slider, sweep=sweep, verb=verb))
+
+
+def test_whole_contact():
+    slider = scenario(WHOLE).slider
+    assert (slider.sigma, slider.K, slider.M, slider.area) == (2e6, 9e8, 3000.0, 2e-3)
+
+
+def test_axes_of_the_whole_contact_and_of_the_area():
+    slider = scenario(WHOLE, 'M = { from = "2 kg", to = "6 kg", n = 3 }').slider
+    np.testing.assert_allclose(slider.M, [1000, 2000, 3000], rtol=1e-15)
+    np.testing.assert_array_equal(slider.M.coords["M"], slider.M)
+    slider = scenario(WHOLE.replace('area = "20 cm^2"', ""), 'area = ["10 cm^2", "20 cm^2"]').slider
+    np.testing.assert_array_equal(slider.sigma, [4e6, 2e6])
+
+
+@pytest.mark.parametrize(
+    "axis", ['["1e-4/um", "2e-4/um"]', '{ from = "1e-4/um", to = "2e-4 1/um", n = 2 }']
+)
+def test_axis_of_friction_per_length(axis):
+    K = scenario('sigma = "2 MPa"', f"K = {axis}").slider.K
+    np.testing.assert_allclose(K, [2e8, 4e8], rtol=1e-15)
+
+
+def test_branch_over_friction_per_length():
+    text = 'sigma = "2 MPa"\nM = 3000'
+    settings = scenario(text, 'K = { from = "3e-4/um", to = "4e-4/um" }', "continue_cycle").settings
+    assert (settings["start"], settings["stop"]) == (6e8, 8e8)
+
+
+@pytest.mark.parametrize("law", ["Ruina", "SLIP"])
+def test_synonyms(law):
+    assert scenario(f'{WHOLE}law = "{law}"').slider.law == "slip"
+
+
+@pytest.mark.parametrize(
+    ("slider", "sweep", "line"),
+    [
+        (
+            'sigma = "2 MPa"\nK = 9e8\nM = "6 kg"',
+            "b = [0.006]",
+            "[slider] M: '6 kg' is of the whole contact, and to be divided by its area; give the "
+            "area too, such as area='20 cm^2', expected a mass per area such as '3000 kg/m^2'",
+        ),
+        (
+            'sigma = "2 MPa"',
+            'K = ["1e-4/um", 9e8]',
+            "[sweep] K: mixes a rate per length and a stiffness, expected a stiffness such as "
+            "'900 MPa/m'",
+        ),
+        (
+            'sigma = "2 MPa"',
+            'K = { from = "1e-4/um", to = "1e20/um", n = 3 }',
+            "[sweep] K.to: '1e20/um' is beyond any usual size, 1e-15 to 1e+15 1/m, expected a rate "
+            "per length such as '1e-3/um'",
+        ),
+    ],
+)
+def test_refused(slider, sweep, line):
+    with pytest.raises(ParameterError) as caught:
+        scenario(slider, sweep)
+    assert str(caught.value).splitlines()[1:] == [line]

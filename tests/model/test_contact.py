@@ -1,0 +1,119 @@
+"""Parameters of the whole contact, K as friction per length, and names that are mistyped."""
+
+import pickle
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from ratestate import ParameterError, SpringSlider, logspace
+
+FRICTION = {"a": 0.003, "b": 0.006, "Dc": "10 um"}
+WHOLE = {"area": "20 cm^2", "mass": "6 kg", "stiffness": "1.8 MN/m", "normal_force": "4 kN"}
+PER_AREA = {"M": 3000.0, "K": 9e8, "sigma": 2e6}
+
+
+def test_of_contact_divides_by_the_area():
+    slider = SpringSlider.of_contact(**WHOLE, **FRICTION, law="aging")
+    assert slider.values | PER_AREA == slider.values
+    assert slider.area == 2e-3
+    assert slider.law == "aging"
+    assert slider == SpringSlider(**FRICTION, **PER_AREA, area=2e-3, law="aging")
+    assert slider != SpringSlider(**FRICTION, **PER_AREA, law="aging")
+    assert SpringSlider(**FRICTION, **PER_AREA, law="aging") != slider
+    assert SpringSlider.of_contact(**{**WHOLE, "mass": None}, **FRICTION).M == 0.0
+
+
+def test_values_of_the_whole_contact_with_an_area():
+    whole = {"M": "6 kg", "K": "1.8 kN/mm", "sigma": "4 kN"}
+    slider = SpringSlider(**FRICTION, **whole, area="20 cm^2")
+    assert slider == SpringSlider.of_contact(**WHOLE, **FRICTION)
+    assert slider.replace(M="3 kg").M == 1500.0
+    assert slider.replace(area="10 cm^2").values == slider.values | {"area": 1e-3}
+    assert SpringSlider(**FRICTION, **PER_AREA).area is None
+
+
+def test_the_area_stays_with_the_slider():
+    slider = SpringSlider.of_contact(**WHOLE, **FRICTION)
+    assert "area='20 cm^2'" in repr(slider)
+    for copy in (eval(repr(slider)), pickle.loads(pickle.dumps(slider)), slider.replace(a=0.003)):
+        assert copy == slider
+        assert hash(copy) == hash(slider)
+    assert "area" not in repr(SpringSlider(**FRICTION, **PER_AREA))
+
+
+def test_area_as_an_array_at_a_fixed_force():
+    area = xr.DataArray([1e-3, 2e-3], dims="area")
+    slider = SpringSlider.of_contact(**{**WHOLE, "area": area}, **FRICTION)
+    np.testing.assert_array_equal(slider.sigma, [4e6, 2e6])
+    assert slider.sigma.dims == ("area",)
+    np.testing.assert_array_equal(slider.sigma.area, [1e-3, 2e-3])
+
+
+def test_stiffness_as_friction_per_length():
+    slider = SpringSlider(**FRICTION, sigma="2 MPa", K="1e-3/um")
+    assert slider.K == 2e9
+    assert SpringSlider(**FRICTION, sigma="2 MPa", K="1e-3 1/um") == slider
+    K = xr.DataArray([1e-3, 2e-3], dims="K", attrs={"units": "1/um"})
+    swept = slider.replace(K=K).K
+    np.testing.assert_allclose(swept, [2e9, 4e9], rtol=1e-15)
+    np.testing.assert_array_equal(swept.coords["K"], swept)
+    assert slider.replace(sigma="4 MPa").K == 2e9
+
+
+def test_an_axis_of_it_under_several_normal_stresses():
+    axis, sigma = logspace("K", "1e-4/um", "1e-3/um", 3), logspace("sigma", 1e6, 1e7, 2)
+    K = SpringSlider(**FRICTION, sigma=sigma, K=axis).K
+    assert dict(K.sizes) == {"K_over_sigma": 3, "sigma": 2}
+    assert K.K_over_sigma.attrs["units"] == "1/m"
+    np.testing.assert_allclose(K.sel(K_over_sigma=1e3), [1e9, 1e10], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"M": "3 kg"}, r"M = '3 kg' is of the whole.*give the area too, .*area='20 cm\^2'.*kg/m"),
+        ({"sigma": "3 N"}, "sigma = '3 N' is of the whole contact"),
+        ({"K": "3 kN/m"}, "K = '3 kN/m' is of the whole contact"),
+        ({"K": "3 kg"}, r"K = '3 kg' is a mass \[kg\]; expected a stiffness \[Pa/m\]"),
+        ({"K": "-1/um"}, "K = '-1/um' must be > 0"),
+        ({"area": 0}, r"area = 0 m\^2 must be > 0; expected an area"),
+        ({"area": "2 cm"}, r"area = '2 cm' is a length \[m\]"),
+        ({"area": "1 m^2", "sigma": "-4 N"}, "sigma = '-4 N' must be > 0; expected a force"),
+    ],
+)
+def test_refused(changes, message):
+    with pytest.raises(ParameterError, match=message):
+        SpringSlider(**FRICTION | PER_AREA | changes)
+
+
+@pytest.mark.parametrize(
+    ("make", "keyword", "meant"),
+    [
+        (SpringSlider, "k", "SpringSlider has no parameter k; .*; did you mean K?"),
+        (SpringSlider, "dc", "did you mean Dc?"),
+        (SpringSlider(**FRICTION, **PER_AREA).replace, "sigm", "did you mean sigma?"),
+        (SpringSlider.of_contact, "stifness", "of_contact has no .*; did you mean stiffness?"),
+        (SpringSlider.of_contact, "K", "of_contact has no parameter K"),
+    ],
+)
+def test_mistyped_keywords(make, keyword, meant):
+    given = dict(WHOLE) if make == SpringSlider.of_contact else {}
+    with pytest.raises(ParameterError, match=meant):
+        make(**given, **{keyword: 1.0})
+
+
+@pytest.mark.parametrize(
+    ("given", "name"),
+    [("Dieterich", "aging"), ("AGEING", "aging"), ("slowness", "aging"), ("Ruina", "slip")],
+)
+def test_synonyms_of_laws(given, name):
+    assert SpringSlider(**FRICTION, **PER_AREA, law=given).law == name
+
+
+def test_table_for_notebooks():
+    html = SpringSlider.of_contact(**WHOLE, **FRICTION)._repr_html_()
+    for cell in ("K", "stiffness per area", "900 MPa/m", "20 cm^2", "slip"):
+        assert f"<td>{cell}</td>" in html
+    swept = SpringSlider(**FRICTION | PER_AREA | {"M": logspace("M", 1, 10, 3)})._repr_html_()
+    assert "&lt;M: 3; 1 to 10 kg/m^2&gt;" in swept
