@@ -91,3 +91,15 @@ def test_files_of_a_converted_result(run, tmp_path):
     kept = read(write(mine, tmp_path / "run.nc"))
     assert kept.V.units == "um/s"
     np.testing.assert_allclose(in_si(kept).V, run.V, rtol=1e-14)
+
+
+def test_units_that_mean_nothing_or_something_else(run):
+    friction = run.tau / 2e6  # which keeps the attributes of tau
+    odd = run.assign(friction=friction.assign_attrs(units="Pa"), mine=friction, amplitude=50.0)
+    odd.amplitude.attrs["units"] = "%"
+    back = in_si(odd)
+    xr.testing.assert_identical(back.friction, odd.friction)
+    xr.testing.assert_identical(back.mine, odd.mine)
+    assert float(back.amplitude) == 0.5
+    with pytest.raises(rs.ParameterError, match=r"V: .* is a stress"):
+        in_si(run.assign(V=run.V.assign_attrs(units="Pa")))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from ratestate import ParameterError, logspace
 from ratestate.model.arrays import check_aligned
 from ratestate.model.quantities import KINDS, QUANTITIES, attrs, long_time
-from ratestate.model.units import _PREFIXES, _factor, _registry, to_si
+from ratestate.model.units import _PREFIXES, _registry, to_si, unit_factor
 
 SPELLED = [
     ("Dc", "10 um", 1e-05),
@@ -68,7 +68,7 @@ def test_quantities_of_any_registry(registry):
 @pytest.mark.parametrize("prefix", _PREFIXES)
 def test_units_read_without_pint_agree_with_pint(unit, prefix):
     by_pint = _registry().Quantity(Decimal(1), prefix + unit).to(unit).magnitude
-    assert _factor(unit, prefix + unit) == by_pint
+    assert unit_factor(unit, prefix + unit) == by_pint
 
 
 def test_units_of_the_table_are_known_to_pint_and_so_are_its_examples():

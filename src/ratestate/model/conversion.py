@@ -3,7 +3,7 @@
 from ..errors import ParameterError
 from .names import one_of
 from .quantities import QUANTITIES, expected
-from .units import scaled, unit_factor
+from .units import has_unit, scaled, unit_factor
 
 
 def in_units(result, /, **units):
@@ -57,7 +57,8 @@ def in_units(result, /, **units):
 def in_si(result):
     """A result with all quantities in SI: itself, if none is in another unit.
 
-    A variable whose name is no quantity's stays as it is.
+    A variable whose name is no quantity's stays as it is, and so does a pure number whose unit is
+    that of something else.
 
     Parameters
     ----------
@@ -78,7 +79,9 @@ def in_si(result):
     converted = {}
     for name, variable in getattr(result, "variables", {}).items():
         si = QUANTITIES[name].unit if name in QUANTITIES else None
-        if si is not None and variable.attrs.get("units", si) != si:
+        own = variable.attrs.get("units") or si
+        # (a ratio may carry the unit of what it is the ratio of: xarray's arithmetic keeps it)
+        if si is not None and own != si and (si != "1" or has_unit(name, str(own))):
             converted[name] = _converted(name, variable, si)
     return _with(result, converted)
 
@@ -101,11 +104,15 @@ def _converted(name, variable, unit):
     is_number = variable.dtype.kind in "iufc" and "flag_values" not in variable.attrs
     if name not in QUANTITIES or own is None or not is_number:
         raise ParameterError(f"{name} is no quantity with a unit; leave it out")
-    si = QUANTITIES[name].unit
+    old, new = (_si_in(name, str(one)) for one in (own, unit))
+    converted = variable.copy(data=scaled(variable.values, old / new))
+    converted.attrs["units"] = unit
+    return converted
+
+
+def _si_in(name, unit):
+    """SI units in one unit of a variable (Decimal)."""
     try:
-        factor = unit_factor(si, str(own)) / unit_factor(si, str(unit))
+        return unit_factor(QUANTITIES[name].unit, unit)
     except ValueError as error:
         raise ParameterError(f"{name}: {unit!r} {error}; {expected(name)}") from None
-    new = variable.copy(data=scaled(variable.values, factor))
-    new.attrs["units"] = unit
-    return new
