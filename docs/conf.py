@@ -12,12 +12,15 @@ HERE = Path(__file__).parent
 ROOT = HERE.parent
 BUILD = ROOT / "build" / "docs"
 
-sys.path.insert(0, str(HERE / "_ext"))
+sys.path[:0] = [str(HERE / "_ext"), str(ROOT / "src")]
 os.environ["MATPLOTLIBRC"] = str(HERE / "matplotlibrc")  # of notebooks and gallery alike
-# of notebooks: reference_values, and the records of the tests
-os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "_ext"), str(ROOT / "tests/helpers")])
+# of notebooks: this tree's ratestate, reference_values, and the records of the tests
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    [str(ROOT / "src"), str(HERE / "_ext"), str(ROOT / "tests/helpers")]
+)
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["COLUMNS"] = "88"  # of what commands print
+os.environ["TERM"] = "dumb"  # no progress bars and colours
 
 # Notebooks know nothing of the IPython that this machine may have set up, and log errors only.
 PROFILE = BUILD / "ipython" / "profile_default"
@@ -39,6 +42,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "generated",
     "mathml",
+    "notebooks",
     "references",
 ]
 exclude_patterns = ["gallery", "**.ipynb", "README.md"]
@@ -98,6 +102,7 @@ html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "ratestate"
 html_static_path = ["_static"]
+templates_path = ["_templates"]
 html_css_files = ["ratestate.css"]
 html_favicon = "_static/mark.svg"
 html_show_sourcelink = False
@@ -114,10 +119,11 @@ html_theme_options = {
     "show_prev_next": True,
     "navbar_align": "left",
     "header_links_before_dropdown": 7,
+    "article_header_end": ["notebook.html"],
     "footer_start": ["copyright"],
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],
     "back_to_top_button": False,
 }
 # pages without pages below them need no list of those
-html_sidebars = {page: [] for page in ("index", "start", "primer", "coming_from")}
+html_sidebars = {page: [] for page in ("index", "start", "primer")}

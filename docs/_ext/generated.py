@@ -56,21 +56,21 @@ WORDS = {
     "steps": "steps, holds and ramps",
     **dict.fromkeys(SHAPES, "oscillation about `V_lp`"),
     "file loading": "file with a record",
-    "columns": "its columns of times and of speeds",
-    "units": "their units, where the header has none",
-    "t": "times of a record, with as many speeds in `V_lp`",
-    "verb": "what is computed",
+    "columns": "its columns with times and speeds",
+    "units": "their units, if the header has none",
+    "t": "times of a record, with the same number of speeds in `V_lp`",
+    "verb": "function to compute",
     "initial": "values at t = 0 that override the steady start",
     "times": "times to save",
-    "method": "method of integration",
+    "method": "integration method",
     "file": "file for the numbers",
-    "plot": "file for a picture",
+    "plot": "file for a figure",
 }
 #: of those, what is expected, where the code has no list of it
 FORMS = {
     "steps": '`[{ t = "1 s", V_lp = "1 mm/s" }]`; `hold` in place of `V_lp`, or `ramp` beside it',
     **{kind: f"`{shape.example}`, or `frequency`" for kind, shape in SHAPES.items()},
-    "file loading": "a name that ends in `.csv`, `.tsv` or `.txt`",
+    "file loading": "a name ending in `.csv`, `.tsv` or `.txt`",
     "columns": '`["time [s]", "V_lp [um/s]"]`, or numbers from 1 on',
     "units": '`["s", "um/s"]`',
     "t": '`[0, 10, "20 s"]`',
@@ -79,15 +79,15 @@ FORMS = {
 }
 #: what a key stands for that is not given
 OTHERWISE = {
-    "V_lp loading": "needed, but with `file`",
-    "t_end run": "needed",
-    "V_start run": "by default the first speed of the loading",
-    "times run": "by default the solver's own steps",
-    "rtol run": "by default `1e-6`; of another `verb`, `1e-8`",
-    "method run": '"rodas5p" by default',
-    "dt run": "for im2017 only, which needs it",
-    "verb run": '"simulate" by default',
-    "verb sweep": "needed",
+    "V_lp loading": "required without `file`",
+    "t_end run": "required",
+    "V_start run": "default: the first speed of the loading",
+    "times run": "default: the solver's own steps",
+    "rtol run": "default: `1e-6`; for another `verb`, `1e-8`",
+    "method run": "default: `\"rodas5p\"`",
+    "dt run": "required for im2017, which alone uses it",
+    "verb run": "default: `\"simulate\"`",
+    "verb sweep": "required",
 }
 
 
@@ -120,7 +120,7 @@ def _key(table, key):
     elif key in CHOICES:
         wanted = " or ".join(f'`"{word}"`' for word in CHOICES[key])
     elif table == "output":
-        wanted = "a name that ends in " + ", ".join(f"`{end}`" for end in ENDINGS[key])
+        wanted = "a name ending in " + ", ".join(f"`{end}`" for end in ENDINGS[key])
     return f"| `{key}` | {said} | {wanted}{_otherwise(table, key)} |"
 
 
@@ -131,11 +131,11 @@ def _otherwise(table, key):
     if table != "slider":
         said = OTHERWISE.get(f"{key} {table}")
         return f"; {said}" if said else ""
-    return "; needed" if key in NEEDED else f"; by default `{SLIDER[key]!r}`"
+    return "; required" if key in NEEDED else f"; default: `{SLIDER[key]!r}`"
 
 
 def mistakes():
-    """What is said of a file that is wrong in many ways."""
+    """The message about a file with many mistakes."""
     from ratestate import ParameterError
     from ratestate.interfaces import scenario
 

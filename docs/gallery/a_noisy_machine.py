@@ -1,10 +1,9 @@
 """
-A machine that does not run evenly
-==================================
+Uneven loading excites the block at its own frequency
+=====================================================
 
-A record of the load point's speed may be anything. Here it wavers by ten percent about a mean
-just below ``V_c``: steady sliding is stable there, and the block answers all the same, most of
-all at its own frequency.
+The load-point speed fluctuates at random by 10 %. Its mean is just below the critical velocity, so
+steady sliding is stable. The block responds most strongly at the Hopf frequency.
 """
 
 import matplotlib.pyplot as plt

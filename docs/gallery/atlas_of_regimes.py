@@ -1,9 +1,9 @@
 """
-A small atlas
-=============
+Regimes over stiffness and speed
+================================
 
-What any spring-slider with this b/a does, over its stiffness and its speed. Coarse here;
-``ratestate atlas`` draws it in full.
+The motion of any spring-slider with b/a = 2 under the slip law, over stiffness and speed, both
+dimensionless. This map is coarse; ``ratestate atlas`` draws it in full.
 """
 
 import matplotlib.pyplot as plt

@@ -1,10 +1,10 @@
 """
-Softly, or with a jump
-======================
+Vibration starts gradually or with a jump
+=========================================
 
-Limit cycles along the loading speed for three springs, aging law. The softest of the three
-loses stability with a jump: its branch turns back at a fold, and the dashed part cannot be seen
-in an experiment.
+Amplitude of limit cycles against loading speed for three springs, aging law. For the softest spring
+the branch turns back at a fold, and vibration starts with a jump. The dashed part is unstable, so
+experiments do not show it.
 """
 
 import matplotlib.pyplot as plt

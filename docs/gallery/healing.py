@@ -1,9 +1,9 @@
 """
-Healing
-=======
+Peak friction grows with hold time
+==================================
 
-Peak friction after holds of all lengths. By the aging law it grows by ``b`` for each e-fold of
-time; by the slip law more slowly, for state then needs slip to change.
+Peak friction after holds of 1 s to 100,000 s. Under the aging law it grows by ``b ln 10`` per decade of
+hold time. Under the slip law it grows more slowly, because the state changes only with slip.
 """
 
 import matplotlib.pyplot as plt
@@ -23,6 +23,6 @@ for law, color in (("slip", "k"), ("aging", plot.BLUE)):
         peaks.append(float(run.mu.max() - run.mu[0]))
     ax.semilogx(holds, peaks, "o-", color=color, ms=3.5, lw=1, label=f"{law} law")
 ax.semilogx(holds, slider.b * np.log(holds / 2.0), "--", color=plot.GRAY, lw=1, label=r"slope $b$")
-ax.set(xlabel="Hold [s]", ylabel=r"Peak less steady $\mu$", ylim=(0, None))
+ax.set(xlabel="Hold [s]", ylabel=r"Peak $-$ steady $\mu$", ylim=(0, None))
 ax.legend()
 plt.show()

@@ -1,9 +1,9 @@
 """
-A map of ten thousand cycles
-============================
+Amplitude of 10,000 limit cycles over mass and speed
+====================================================
 
-Amplitude of the limit cycle over mass and loading speed, the plane of Fig. 3 of Im, Marone &
-Elsworth (2019) with 10,000 cases. White is steady sliding; the line is eq. 10.
+The plane of Fig. 3 of Im, Marone & Elsworth (2019), with a limit cycle computed for each of 10,000
+points. White is steady sliding. The line is the critical velocity of eq. 10.
 """
 
 import matplotlib.pyplot as plt

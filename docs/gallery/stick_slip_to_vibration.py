@@ -1,10 +1,10 @@
 """
-From stick-slip to vibration
-============================
+From stick-slip to vibration as loading gets faster
+===================================================
 
-One slider, four loading speeds, two periods of the cycle each (the slider of Fig. 4 of Im, Marone
-& Elsworth 2019). Faster loading first makes the drops smaller, then turns them into a vibration
-that inertia carries: spring (black) and friction (red) part.
+Two periods of the limit cycle at each of four loading speeds (the slider of Fig. 4 of Im, Marone &
+Elsworth 2019). As loading gets faster, the stress drops first become smaller. Then inertia turns them
+into a vibration, in which the spring stress (black) and friction (red) differ.
 """
 
 import matplotlib.pyplot as plt

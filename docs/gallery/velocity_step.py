@@ -1,11 +1,11 @@
 """
-A velocity step
-===============
+A velocity step up and down, under both laws
+============================================
 
-The load point jumps to ten times the speed, and back. Friction rises at once (the direct
-effect, ``a``), then falls over a slip of about ``Dc`` (the evolution effect, ``b``). By the
-slip law the way back mirrors the way there; by the aging law contacts strengthen with time, and
-it takes less slip.
+The load point moves ten times faster, then as before. Friction rises at once (the direct effect,
+``a``) and then falls over a slip of about ``Dc`` (the evolution effect, ``b``). Under the slip law the
+step down mirrors the step up. Under the aging law the step down takes less slip, because contacts
+strengthen with time.
 """
 
 import matplotlib.pyplot as plt

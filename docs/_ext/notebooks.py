@@ -1,0 +1,47 @@
+"""Tutorials as Jupyter notebooks, to be downloaded: what myst-nb has executed, with plain Markdown.
+
+A page's notebook lies beside it, as ``PAGE.ipynb``; ``_templates/notebook.html`` links to it.
+"""
+
+import re
+from pathlib import Path
+
+import nbformat
+
+#: (pattern, replacement): what Jupyter cannot show, as Markdown that it can
+PLAIN = [
+    (r"^(:{3,}.*|:[\w-]+:.*)\n", ""),  # directives' fences and options
+    (r"\{\w+\}`~(?:\w+\.)*(\w+)`", r"`\1`"),  # {exc}`~ratestate.NotConverged`
+    (r"\{\w+\}`([^`<]+) <[^`]*>`", r"`\1`"),  # {meth}`Loading.series <ratestate.Loading.series>`
+    (r"\{\w+\}`([^`]+)`", r"`\1`"),  # {func}`ratestate.fit`
+    (r"\[([^\]]+)\]\((?!https?:)[^)]+\)", r"\1"),  # links to other pages
+]
+
+
+def plain(text):
+    """MyST as Markdown without roles, directives' fences and links to pages."""
+    for pattern, replacement in PLAIN:
+        text = re.sub(pattern, replacement, text, flags=re.MULTILINE)
+    return text
+
+
+def add_notebook(app, page, template, context, doctree):
+    """Write a tutorial's notebook into the site, and tell the template its name."""
+    executed = Path(app.outdir).parent / "jupyter_execute" / f"{page}.ipynb"
+    if not page.startswith("tutorials/") or not executed.is_file():
+        return
+    notebook = nbformat.read(executed, as_version=4)
+    notebook.metadata.pop("file_format", None)
+    for cell in notebook.cells:
+        cell.metadata.clear()
+        if cell.cell_type == "markdown":
+            cell.source = plain(cell.source)
+    target = Path(app.outdir) / f"{page}.ipynb"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    nbformat.write(notebook, target)
+    context["notebook"] = target.name
+
+
+def setup(app):
+    app.connect("html-page-context", add_notebook)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
