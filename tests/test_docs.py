@@ -2,7 +2,9 @@
 
 import importlib.util
 import inspect
+import json
 import re
+import types
 from importlib import metadata
 from pathlib import Path
 
@@ -27,6 +29,7 @@ def program(path):
 
 run_code = program(ROOT / "tools" / "run_code.py")
 check_links = program(ROOT / "tools" / "check_links.py")
+notebooks = program(DOCS / "_ext" / "notebooks.py")
 
 
 def test_readme_runs():
@@ -197,3 +200,37 @@ def test_links_are_checked(tmp_path, link, alt, told):
 
 def test_a_site_without_pages_is_no_site(tmp_path):
     assert list(check_links.problems(tmp_path)) == [f"{tmp_path} holds no page"]
+
+
+@pytest.mark.parametrize(
+    ("myst", "markdown"),
+    [
+        ("{func}`ratestate.fit` fits", "`ratestate.fit` fits"),
+        ("{exc}`~ratestate.NotConverged`", "`NotConverged`"),
+        ("{meth}`Loading.series <ratestate.Loading.series>`", "`Loading.series`"),
+        ("see [Theory](../theory.md#fit) or [a `b`](x.md)", "see Theory or a `b`"),
+        ("[doi](https://doi.org/1)", "[doi](https://doi.org/1)"),
+        ("::::{grid} 1 1\n:gutter: 3\n\ntext\n::::\n", "\ntext\n"),
+        ("| a: b | {x: 1} |", "| a: b | {x: 1} |"),
+    ],
+)
+def test_notebooks_have_markdown_that_jupyter_shows(myst, markdown):
+    assert notebooks.plain(myst) == markdown
+
+
+@pytest.mark.parametrize(("page", "offered"), [("tutorials/one", True), ("howto/one", False)])
+def test_tutorials_are_offered_as_notebooks(tmp_path, page, offered):
+    executed = tmp_path / "jupyter_execute" / f"{page}.ipynb"
+    executed.parent.mkdir(parents=True)
+    code = {"cell_type": "code", "metadata": {"tags": ["hide-input"]}, "source": ["1 + 1"]}
+    text = {"cell_type": "markdown", "metadata": {}, "source": ["# One\n", "{func}`f`"]}
+    executed.write_text(json.dumps({"metadata": {"file_format": "x"}, "cells": [text, code]}))
+    context = {}
+    site = tmp_path / "html"
+    notebooks.add_notebook(types.SimpleNamespace(outdir=site), page, "", context, None)
+    assert context == ({"notebook": "one.ipynb"} if offered else {})
+    assert (site / f"{page}.ipynb").is_file() == offered
+    if offered:
+        written = json.loads((site / f"{page}.ipynb").read_text())
+        assert [cell["source"] for cell in written["cells"]] == ["# One\n`f`", ["1 + 1"]]
+        assert written["metadata"] == {} and all(not c["metadata"] for c in written["cells"])

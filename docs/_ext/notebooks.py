@@ -1,16 +1,16 @@
-"""Tutorials as Jupyter notebooks, to be downloaded: what myst-nb has executed, with plain Markdown.
+"""Tutorials as Jupyter notebooks, to be downloaded: what myst-nb has executed, in plain Markdown.
 
-A page's notebook lies beside it, as ``PAGE.ipynb``; ``_templates/notebook.html`` links to it.
+A tutorial's notebook lies beside its page, as ``PAGE.ipynb``; ``_templates/notebook.html`` links
+to it.
 """
 
+import json
 import re
 from pathlib import Path
 
-import nbformat
-
 #: (pattern, replacement): what Jupyter cannot show, as Markdown that it can
 PLAIN = [
-    (r"^(:{3,}.*|:[\w-]+:.*)\n", ""),  # directives' fences and options
+    (r"^(:{3,}.*|:[\w-]+:.*)\n", ""),  # fences and options of directives
     (r"\{\w+\}`~(?:\w+\.)*(\w+)`", r"`\1`"),  # {exc}`~ratestate.NotConverged`
     (r"\{\w+\}`([^`<]+) <[^`]*>`", r"`\1`"),  # {meth}`Loading.series <ratestate.Loading.series>`
     (r"\{\w+\}`([^`]+)`", r"`\1`"),  # {func}`ratestate.fit`
@@ -19,26 +19,26 @@ PLAIN = [
 
 
 def plain(text):
-    """MyST as Markdown without roles, directives' fences and links to pages."""
+    """MyST without roles, fences of directives and links to other pages, which Jupyter lacks."""
     for pattern, replacement in PLAIN:
         text = re.sub(pattern, replacement, text, flags=re.MULTILINE)
     return text
 
 
 def add_notebook(app, page, template, context, doctree):
-    """Write a tutorial's notebook into the site, and tell the template its name."""
+    """Write a tutorial's notebook into the site, and give the template its name."""
     executed = Path(app.outdir).parent / "jupyter_execute" / f"{page}.ipynb"
     if not page.startswith("tutorials/") or not executed.is_file():
         return
-    notebook = nbformat.read(executed, as_version=4)
-    notebook.metadata.pop("file_format", None)
-    for cell in notebook.cells:
-        cell.metadata.clear()
-        if cell.cell_type == "markdown":
-            cell.source = plain(cell.source)
+    notebook = json.loads(executed.read_text("utf-8"))
+    notebook["metadata"].pop("file_format", None)
+    for cell in notebook["cells"]:
+        cell["metadata"] = {}
+        if cell["cell_type"] == "markdown":
+            cell["source"] = plain("".join(cell["source"]))
     target = Path(app.outdir) / f"{page}.ipynb"
     target.parent.mkdir(parents=True, exist_ok=True)
-    nbformat.write(notebook, target)
+    target.write_text(json.dumps(notebook, indent=1), "utf-8")
     context["notebook"] = target.name
 
 
