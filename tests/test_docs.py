@@ -233,4 +233,5 @@ def test_tutorials_are_offered_as_notebooks(tmp_path, page, offered):
     if offered:
         written = json.loads((site / f"{page}.ipynb").read_text())
         assert [cell["source"] for cell in written["cells"]] == ["# One\n`f`", ["1 + 1"]]
-        assert written["metadata"] == {} and all(not c["metadata"] for c in written["cells"])
+        assert written["metadata"] == {}
+        assert all(cell["metadata"] == {} for cell in written["cells"])

@@ -84,9 +84,9 @@ OTHERWISE = {
     "V_start run": "default: the first speed of the loading",
     "times run": "default: the solver's own steps",
     "rtol run": "default: `1e-6`; for another `verb`, `1e-8`",
-    "method run": "default: `\"rodas5p\"`",
+    "method run": 'default: `"rodas5p"`',
     "dt run": "required for im2017, which alone uses it",
-    "verb run": "default: `\"simulate\"`",
+    "verb run": 'default: `"simulate"`',
     "verb sweep": "required",
 }
 

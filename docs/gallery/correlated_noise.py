@@ -2,10 +2,10 @@
 Assuming white noise makes error estimates too small
 ====================================================
 
-One hundred records of the same velocity step, fitted one by one: each dot is an estimate. Half of the
-noise is white, half is correlated over a second, as filters and gouge make it. The dashed ellipse
-would contain 95 % of the dots if the noise were white. The solid one uses the errors of ``fit``,
-which estimates the correlation.
+One hundred records of the same velocity step, fitted one by one: each dot is an estimate. Half of
+the noise is white, half is correlated over a second, as filters and gouge make it. The dashed
+ellipse would contain 95 % of the dots if the noise were white. The solid one uses the errors of
+``fit``, which estimates the correlation.
 """
 
 import warnings

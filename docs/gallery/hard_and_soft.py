@@ -2,9 +2,9 @@
 Vibration starts gradually or with a jump
 =========================================
 
-Amplitude of limit cycles against loading speed for three springs, aging law. For the softest spring
-the branch turns back at a fold, and vibration starts with a jump. The dashed part is unstable, so
-experiments do not show it.
+Amplitude of limit cycles against loading speed for three springs, aging law. For the softest
+spring the branch turns back at a fold, and vibration starts with a jump. The dashed part is
+unstable, so experiments do not show it.
 """
 
 import matplotlib.pyplot as plt

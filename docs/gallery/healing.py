@@ -2,8 +2,9 @@
 Peak friction grows with hold time
 ==================================
 
-Peak friction after holds of 1 s to 100,000 s. Under the aging law it grows by ``b ln 10`` per decade of
-hold time. Under the slip law it grows more slowly, because the state changes only with slip.
+Peak friction after holds of 1 s to 100,000 s. Under the aging law it grows by ``b ln 10`` per
+decade of hold time. Under the slip law it grows more slowly, because the state changes only with
+slip.
 """
 
 import matplotlib.pyplot as plt

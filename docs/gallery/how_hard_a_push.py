@@ -2,9 +2,9 @@
 How large a velocity step ends stable sliding
 =============================================
 
-Just below the critical velocity steady sliding is stable, but a large enough step in speed starts a
-vibration. Left, the smallest such step: the closer to ``V_c``, the smaller. Right, the amplitudes of
-the vibration and of the unstable cycle that separates it from steady sliding.
+Just below the critical velocity steady sliding is stable, but a large enough step in speed starts
+a vibration. Left, the smallest such step: the closer to ``V_c``, the smaller. Right, the
+amplitudes of the vibration and of the unstable cycle that separates it from steady sliding.
 """
 
 import matplotlib.pyplot as plt
@@ -26,7 +26,9 @@ fig, axes = plt.subplots(1, 2)
 axes[0].plot(shares, edge.step_up, "ko-", ms=3.5)
 axes[0].set(xlabel="$V_{lp}/V_c$", ylabel="Critical step, $V_{new}/V_{old}$", ylim=(1, None))
 axes[1].plot(shares, edge.amplitude, "o-", ms=3.5, color=plot.BLUE, label="stable cycle")
-axes[1].plot(shares, edge.unstable_amplitude, "o--", ms=3.5, color=plot.BLUE, label="unstable cycle")
+axes[1].plot(
+    shares, edge.unstable_amplitude, "o--", ms=3.5, color=plot.BLUE, label="unstable cycle"
+)
 axes[1].set(xlabel="$V_{lp}/V_c$", ylabel=plot.AMPLITUDE)
 axes[1].legend(loc="lower left")
 plt.show()

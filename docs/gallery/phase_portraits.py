@@ -2,9 +2,9 @@
 Limit cycles in the phase plane, from slow to fast loading
 ==========================================================
 
-Slip velocity against stress over one period, at six loading speeds (the slider of Fig. 4 of Im, Marone
-& Elsworth 2019). Under slow loading the block creeps over decades of speed, then slips suddenly.
-Under fast loading it moves like an oscillator that almost stops once per period.
+Slip velocity against stress over one period, at six loading speeds (the slider of Fig. 4 of Im,
+Marone & Elsworth 2019). Under slow loading the block creeps over decades of speed, then slips
+suddenly. Under fast loading it moves like an oscillator that almost stops once per period.
 """
 
 import matplotlib.pyplot as plt

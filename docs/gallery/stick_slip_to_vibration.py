@@ -3,8 +3,8 @@ From stick-slip to vibration as loading gets faster
 ===================================================
 
 Two periods of the limit cycle at each of four loading speeds (the slider of Fig. 4 of Im, Marone &
-Elsworth 2019). As loading gets faster, the stress drops first become smaller. Then inertia turns them
-into a vibration, in which the spring stress (black) and friction (red) differ.
+Elsworth 2019). As loading gets faster, the stress drops first become smaller. Then inertia turns
+them into a vibration, in which the spring stress (black) and friction (red) differ.
 """
 
 import matplotlib.pyplot as plt

@@ -3,9 +3,9 @@ A velocity step up and down, under both laws
 ============================================
 
 The load point moves ten times faster, then as before. Friction rises at once (the direct effect,
-``a``) and then falls over a slip of about ``Dc`` (the evolution effect, ``b``). Under the slip law the
-step down mirrors the step up. Under the aging law the step down takes less slip, because contacts
-strengthen with time.
+``a``) and then falls over a slip of about ``Dc`` (the evolution effect, ``b``). Under the slip law
+the step down mirrors the step up. Under the aging law the step down takes less slip, because
+contacts strengthen with time.
 """
 
 import matplotlib.pyplot as plt
