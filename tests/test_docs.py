@@ -129,7 +129,7 @@ def test_every_symbol_is_in_the_glossary():
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("\nK = ", "\nstiffness = ", "K, stiffness"),
+        ("\nK = ", "\nspring = ", "K, spring"),
         ("\ntau = ", "\nK = ", "tau"),
         ('["Limit cycles"]', '["Limit cycles"]\nK = "twice"', "K, K"),
     ],
