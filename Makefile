@@ -34,7 +34,7 @@ check: .venv/.docs ## lint, formatting, types, direction of imports, names, docs
 	$(BIN)/python tools/check_docstrings.py
 
 docs: .venv/.docs ## build the documentation, its code executed and its links checked, into build/docs
-	$(BIN)/sphinx-build --quiet --nitpicky --fail-on-warning --keep-going docs build/docs/html
+	$(BIN)/sphinx-build --quiet --jobs 2 --nitpicky --fail-on-warning --keep-going docs build/docs/html
 	$(BIN)/python tools/check_links.py build/docs/html
 	$(BIN)/python tools/run_code.py README.md docs/*.md docs/*/*.md
 
