@@ -1,6 +1,8 @@
 """Progress bars on a terminal, for work that takes more than a second."""
 
 import contextlib
+import math
+import os
 import sys
 import time
 from typing import Any
@@ -9,8 +11,13 @@ PATIENCE = 1.0  # s
 
 
 def on_terminal():
-    """Whether stderr is a terminal; False without stderr."""
-    return sys.stderr is not None and sys.stderr.isatty()
+    """Whether stderr is a terminal that a person looks at; False without stderr.
+
+    In a notebook stderr passes for one, also that of commands, but what it shows stays in the file.
+    """
+    if sys.stderr is None or "JPY_PARENT_PID" in os.environ:
+        return False
+    return sys.stderr.isatty() and not type(sys.stderr).__module__.startswith("ipykernel")
 
 
 class Bar:
@@ -60,13 +67,18 @@ class Bar:
 
 @contextlib.contextmanager
 def bar(label):
-    """Context manager: a function of the fraction done, drawn as `Bar`; None without a terminal."""
+    """Context manager: a function of the fraction done, drawn as `Bar`; None without a terminal.
+
+    The second of work counts from its first call on, when kernels have been compiled.
+    """
     if not on_terminal():
         yield None
         return
     with Bar(label) as drawn:
+        drawn.begin = math.inf
 
         def update(fraction):
+            drawn.begin = min(drawn.begin, time.monotonic())
             if drawn.due:
                 description = f"{fraction:4.0%}"
                 if fraction > 0.0:

@@ -1,0 +1,57 @@
+"""Progress bars: where they appear, and after how much work."""
+
+import io
+import sys
+
+import pytest
+
+from ratestate.dynamics import progress
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+class NotebookStream(Terminal):
+    """As ipykernel's, which says that it is a terminal."""
+
+
+NotebookStream.__module__ = "ipykernel.iostream"
+
+
+@pytest.mark.parametrize(
+    ("stream", "environment", "expected"),
+    [
+        (Terminal(), {}, True),
+        (io.StringIO(), {}, False),
+        (None, {}, False),
+        (NotebookStream(), {}, False),
+        (Terminal(), {"JPY_PARENT_PID": "1"}, False),  # a command that a notebook runs
+    ],
+)
+def test_bars_are_for_a_person_at_a_terminal(stream, environment, expected, monkeypatch):
+    monkeypatch.delenv("JPY_PARENT_PID", raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys, "stderr", stream)
+    assert progress.on_terminal() == expected
+    with progress.bar("work") as update:
+        assert (update is not None) == expected
+
+
+def test_a_bar_appears_after_a_second_of_work(monkeypatch):
+    """What is before the first report, such as compiling, is no work."""
+    now, shown = [100.0], []
+    monkeypatch.setattr(progress, "on_terminal", lambda: True)
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(progress.Bar, "show", lambda self, done, text: shown.append((done, text)))
+    with progress.bar("work") as update:
+        now[0] = 130.0
+        update(0.01)
+        now[0] = 130.99
+        update(0.2)
+        assert shown == []
+        now[0] = 131.0
+        update(0.25)
+    assert shown == [(0.25, " 25%, 3 s left")]
