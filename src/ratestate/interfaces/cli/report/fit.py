@@ -9,33 +9,23 @@ from rich.text import Text
 from ....records.fitting.by_law import results_by_law
 from ....records.fitting.table import estimate_cells
 from ....records.fitting.text import heading, labelled_warnings, remarks
-from .rows import plain_table
+from .rows import FirstThatFits, plain_table
 
 
 def fit(result: xarray.Dataset) -> list[Any]:
     """The estimates under each law with 95 % intervals, the noise, remarks and warnings."""
     laws = results_by_law(result)
     first, *more = heading(result, laws)
-    shown = [Text(first, style="bold"), *map(Text, more), _Widest(laws), Text("")]
+    shown = [Text(first, style="bold"), *map(Text, more), _estimates(laws), Text("")]
     shown += map(Text, remarks(result, laws))
     return [*shown, *(Text(f"warning: {text}", style="bold") for text in labelled_warnings(laws))]
 
 
-class _Widest:
-    """The estimates in the fullest layout that the terminal is wide enough for."""
-
-    def __init__(self, laws: dict[str, xarray.Dataset]) -> None:
-        self.laws = laws
-
-    def __rich_console__(self, console: Any, options: Any) -> Any:
-        alone = [{law: part} for law, part in self.laws.items()]
-        endless = options.update(width=10_000)
-        for parts, meaning in (([self.laws], True), ([self.laws], False), (alone, True)):
-            tables = [_table(laws, meaning) for laws in parts]
-            widths = [console.measure(one, options=endless).maximum for one in tables]
-            if max(widths) <= options.max_width:
-                return tables
-        return [_table(laws, False) for laws in alone]
+def _estimates(laws: dict[str, xarray.Dataset]) -> FirstThatFits:
+    """The estimates, with what each quantity is or without; laws side by side or one by one."""
+    alone = [{law: part} for law, part in laws.items()]
+    layouts = [([laws], True), ([laws], False), (alone, True), (alone, False)]
+    return FirstThatFits(*([_table(one, meaning) for one in parts] for parts, meaning in layouts))
 
 
 def _table(laws: dict[str, xarray.Dataset], meaning: bool) -> Table:

@@ -11,7 +11,8 @@ from rich.text import Text
 from ....model.quantities import QUANTITIES, readable, readable_time
 from ....model.units import unit_factor
 
-DIGITS = 6
+#: significant digits of numbers in tables, and in one that would be too wide with these
+DIGITS, FEW_DIGITS = 6, 4
 #: symbol -> the unit in which its values are wanted
 Units = Mapping[str, str]
 
@@ -19,6 +20,24 @@ Units = Mapping[str, str]
 def plain_table(*columns: str | Column) -> Table:
     """A table of rich's with these columns and a line under their heads."""
     return Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+
+
+class FirstThatFits:
+    """The first of several layouts for which the terminal is wide enough; the last wraps lines.
+
+    layouts : lists of tables, the fullest layout first
+    """
+
+    def __init__(self, *layouts: list[Table]) -> None:
+        self.layouts = layouts
+
+    def __rich_console__(self, console: Any, options: Any) -> list[Table]:
+        endless = options.update(width=10_000)
+        for tables in self.layouts:
+            widths = [console.measure(one, options=endless).maximum for one in tables]
+            if max(widths) <= options.max_width:
+                return tables
+        return self.layouts[-1]
 
 
 class Row(NamedTuple):
@@ -46,18 +65,18 @@ def row(symbol: str, value: Any, remark: str = "", error: float | None = None) -
     return Row(symbol, text, f"{name}; {remark}" if remark else name, error, x)
 
 
-def shown(symbol: str, x: float, units: Units) -> str:
+def shown(symbol: str, x: float, units: Units, digits: int = DIGITS) -> str:
     """A value [SI] of a quantity as text, in the requested unit, or else in one that fits."""
     if symbol not in units:
-        return readable(symbol, x, DIGITS)
+        return readable(symbol, x, digits)
     value = x / float(unit_factor(QUANTITIES[symbol].unit, units[symbol]))
-    return f"{value:.{DIGITS}g} {units[symbol]}"
+    return f"{value:.{digits}g} {units[symbol]}"
 
 
 def table(title: str, rows: list[Row], units: Units) -> list[Any]:
     """[title, table of the rows]; with a column of errors only if a row has one."""
     errors = any(one.error is not None for one in rows)
-    head = [Column("relative error", justify="right")] if errors else []
+    head = [Column("relative\nerror", justify="right")] if errors else []
     made = plain_table("", Column("value", justify="right", no_wrap=True), *head, "")
     for one in rows:
         error = [] if not errors else ["" if one.error is None else f"{one.error:.1g}"]

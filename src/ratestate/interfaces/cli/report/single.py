@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import xarray
-from rich.table import Column
+from rich.table import Column, Table
 from rich.text import Text
 
 from ....dynamics.attributes import branch_parameter
@@ -13,7 +13,17 @@ from ....dynamics.verdict_sentences import on_edge
 from ....dynamics.whole_contact import whole_contact
 from ....engine.model import STEADY_SLIDING
 from ....model.quantities import readable, readable_multiplier, readable_time
-from .rows import DIGITS, Row, Units, plain_table, row, shown, table
+from .rows import (
+    DIGITS,
+    FEW_DIGITS,
+    FirstThatFits,
+    Row,
+    Units,
+    plain_table,
+    row,
+    shown,
+    table,
+)
 
 
 def run(result: xarray.Dataset, units: Units) -> list[Any]:
@@ -111,30 +121,40 @@ def cycle(result: xarray.Dataset, units: Units) -> list[Any]:
 def branch(result: xarray.Dataset, units: Units) -> list[Any]:
     """The bifurcation points of a branch, and the stability of cycles between them."""
     symbol = branch_parameter(result)
-    numbers = (symbol, "amplitude", "period", "V_max", "multiplier")
-    right = [Column(name, justify="right") for name in numbers]
-    made = plain_table("point", *right, "cycles after it")
     stable = result.stable.values.astype(bool)
-    after = [*("stable" if holds else "unstable" for holds in stable[1:]), ""]
-    for i, special in enumerate(result.special.values):
-        if not special:
-            continue
-        one = result.isel(point=i)
-        seconds = float(one.period)
-        period = readable_time(seconds, DIGITS)
-        made.add_row(
-            str(special).replace("_", " "),
-            shown(symbol, float(one[symbol]), units),
-            f"{float(one.amplitude):.{DIGITS}g}",
-            shown("period", seconds, units) if "period" in units else period,
-            shown("V_max", float(one.V_max), units),
-            readable_multiplier(complex(one.multipliers[0])),
-            after[i],
-        )
     low, high = (readable(symbol, float(x)) for x in (result[symbol].min(), result[symbol].max()))
     worst = float(result.error.max())
     title = (
         f"A branch of {result.sizes['point']} limit cycles, {symbol} from {low} to {high}, "
         f"{int(stable.sum())} of them stable; relative error up to {worst:.1g}"
     )
-    return [Text(title, style="bold"), made]
+    layouts = (
+        [_special_points(result, symbol, stable, units, digits)] for digits in (DIGITS, FEW_DIGITS)
+    )
+    return [Text(title, style="bold"), FirstThatFits(*layouts)]
+
+
+def _special_points(
+    result: xarray.Dataset, symbol: str, stable: Any, units: Units, digits: int
+) -> Table:
+    """The points of a branch that have a name, and the stability of cycles after each."""
+    numbers = (symbol, "amplitude", "period", "V_max", "multiplier")
+    right = [Column(name, justify="right", no_wrap=True) for name in numbers]
+    made = plain_table("point", *right, "cycles\nafter it")
+    after = [*("stable" if holds else "unstable" for holds in stable[1:]), ""]
+    for i, special in enumerate(result.special.values):
+        if not special:
+            continue
+        one = result.isel(point=i)
+        seconds = float(one.period)
+        period = readable_time(seconds, digits)
+        made.add_row(
+            str(special).replace("_", " "),
+            shown(symbol, float(one[symbol]), units, digits),
+            f"{float(one.amplitude):.{digits}g}",
+            shown("period", seconds, units, digits) if "period" in units else period,
+            shown("V_max", float(one.V_max), units, digits),
+            readable_multiplier(complex(one.multipliers[0])),
+            after[i],
+        )
+    return made

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 import xarray
-from rich.table import Column, Table
+from rich.table import Column
 from rich.text import Text
 
 from ....engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ....model.quantities import QUANTITIES, readable
-from .rows import DIGITS, Units, plain_table, shown
+from .rows import DIGITS, FirstThatFits, Units, plain_table, shown
 
 LISTED = 20  # failed cases, at most
 #: function -> variables whose range is printed
@@ -46,25 +46,33 @@ def _outcomes(status: np.ndarray, verb: str) -> str:
     return ", ".join(f"{n:,} {how}" for how, n in ways.items() if n)
 
 
-def _ranges(result: xarray.Dataset, verb: str, units: Units) -> Table:
-    """Smallest and largest values, and where they are."""
-    smallest, largest = (Column(name, justify="right") for name in ("smallest", "largest"))
-    made = plain_table("", smallest, "at", largest, "at")
+def _ranges(result: xarray.Dataset, verb: str, units: Units) -> FirstThatFits:
+    """Smallest and largest values, and where they are: side by side, or below each other."""
+    smallest, largest, value = (
+        Column(name, justify="right", no_wrap=True) for name in ("smallest", "largest", "value")
+    )
+    beside = plain_table("", smallest, "at", largest, "at")
+    below = plain_table("", "", value, "at")
     for name in RANGES[verb]:
         values = result[name].where(np.isfinite(result[name]))
         if verb == "limit_cycle" and name == "amplitude":
             values = values.where(values > 0.0)  # of cycles
         if not bool(values.notnull().any()):
             continue
-        cells = [name]
-        for index in (values.argmin(...), values.argmax(...)):
-            one = values.isel(index)
-            where = {
-                dim: one[dim].item() if dim in one.coords else int(index[dim]) for dim in index
-            }
-            cells += [shown(name, float(one), units), _place(where)]
-        made.add_row(*cells)
-    return made
+        least, most = (
+            _cells(values, index, units) for index in (values.argmin(...), values.argmax(...))
+        )
+        beside.add_row(name, *least, *most)
+        below.add_row(name, "smallest", *least)
+        below.add_row("", "largest", *most)
+    return FirstThatFits([beside], [below])
+
+
+def _cells(values: xarray.DataArray, index: dict[Any, Any], units: Units) -> tuple[str, str]:
+    """A value, and where it is."""
+    one = values.isel(index)
+    where = {dim: one[dim].item() if dim in one.coords else int(index[dim]) for dim in index}
+    return shown(str(values.name), float(one), units), _place(where)
 
 
 def failed_lines(result: xarray.Dataset) -> list[str]:
