@@ -65,6 +65,7 @@ _HOMES = {
     "QuasiStaticInstability": "errors",
     "RateStateError": "errors",
     "RecordWarning": "errors",
+    "RunWarning": "errors",
     "SolverError": "errors",
     "SpringSlider": "model.slider",
     "StoreError": "errors",

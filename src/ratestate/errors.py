@@ -9,6 +9,11 @@
     `-- SolverError      (also a RuntimeError)  a run that ended without an answer
         |-- QuasiStaticInstability              M = 0 where no quasi-static solution exists
         `-- NotConverged                        no answer good enough; carries the best estimate
+
+    UserWarning
+    |-- FitWarning                              an answer that must not be used unread
+    |-- RecordWarning                           rows of a record left out, or odd
+    `-- RunWarning                              a start from which nothing visible happens
 """
 
 
@@ -29,11 +34,27 @@ class CompilationError(RateStateError, RuntimeError):
 
 
 class SolverError(RateStateError, RuntimeError):
-    """A run ended without an answer; the message says where, why and what helps."""
+    """A run ended without an answer; the message says where, why and what helps.
+
+    Attributes
+    ----------
+    best : xarray.Dataset or None
+        What was found until then, if it is of use.
+    """
+
+    def __init__(self, message, best=None):
+        super().__init__(message)
+        self.best = best
 
 
 class QuasiStaticInstability(SolverError):
-    """A run with M = 0 reached the time beyond which no quasi-static motion exists."""
+    """A run with M = 0 reached the time beyond which no quasi-static motion exists.
+
+    Attributes
+    ----------
+    best : xarray.Dataset or None
+        From `simulate`, the run up to that time.
+    """
 
 
 class NotConverged(SolverError):
@@ -45,10 +66,6 @@ class NotConverged(SolverError):
         The best estimate so far.
     """
 
-    def __init__(self, message, best=None):
-        super().__init__(message)
-        self.best = best
-
 
 class FitWarning(UserWarning):
     """A fit has an answer that must not be used without reading this."""
@@ -56,3 +73,7 @@ class FitWarning(UserWarning):
 
 class RecordWarning(UserWarning):
     """A record was read, but rows were left out or look odd; the message says which."""
+
+
+class RunWarning(UserWarning):
+    """A run starts on steady sliding that is unstable, and nothing disturbs it."""

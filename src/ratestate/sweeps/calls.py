@@ -11,11 +11,13 @@ from collections.abc import Callable
 
 from ..dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
 from ..dynamics.simulation.simulate import simulate, simulate_call
+from ..dynamics.simulation.undisturbed import undisturbed_warning
 from ..dynamics.steady_sliding import stability, stability_call
 from ..errors import ParameterError
 from ..model.arrays import cut
 from ..model.initial_state import initial_state
 from . import sentence
+from .chunks import chunks_of
 
 #: name -> the function, and the one that checks its arguments and returns a call
 FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
@@ -26,6 +28,8 @@ FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
 #: names of variables and groups that a sweep's result needs itself
 RESERVED = ("message", "status", "sweep")
 DEVICES = ("cpu", "cuda")
+# Cases whose starts are checked at a time: some 30 MB.
+AT_A_TIME = 100_000
 
 
 def call_of(verb, slider, arguments):
@@ -78,6 +82,13 @@ def check_cases(call, chunks):
             part = cut(call, slices)
             table, rows = part.batch.rows(part.loading.V)
             initial_state(part.batch, table[rows, 0])
+
+
+def undisturbed(name, call):
+    """What a `RunWarning` says of cases of a checked call that stay on unstable sliding, or ""."""
+    if name != "simulate":
+        return ""
+    return undisturbed_warning(cut(call, part) for part in chunks_of(call.batch.sizes, AT_A_TIME))
 
 
 def check_device(name, call, device):

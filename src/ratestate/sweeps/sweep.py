@@ -1,16 +1,17 @@
 """The function `sweep`: another function for any number of cases, resumed after interruptions."""
 
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
 
 from ..engine import backend as engine
-from ..errors import ParameterError
+from ..errors import ParameterError, RunWarning
 from ..machine import check_fits
 from . import sentence
 from .backends import backend_of
-from .calls import call_of, check_device
+from .calls import call_of, check_device, undisturbed
 from .create import create, remove_abandoned
 from .legacy import SWEEP_GROUP
 from .lock import exclusive_lock
@@ -98,6 +99,12 @@ def sweep(
     SolverError
         The cluster is lost, no SLURM job is left, or none starts.
 
+    Warns
+    -----
+    RunWarning
+        Once, with their number: runs start on steady sliding that is unstable, and nothing disturbs
+        them (see `simulate`).
+
     Examples
     --------
     >>> import ratestate as rs
@@ -121,6 +128,8 @@ def sweep(
             raise ParameterError(f"{option} = {value!r} must be True or False")
     if retry_crashed and store is None:
         raise ParameterError(sentence("call.retry"))
+    if text := undisturbed(name, call):
+        warnings.warn(text, RunWarning, stacklevel=2)
     with backend_of(device, client, slurm) as backend, engine.use(device=device):
         request = SweepRequest(name, call, chunk, device, mixed, backend, progress)
         if store is None:

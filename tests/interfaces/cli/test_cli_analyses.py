@@ -186,6 +186,57 @@ def test_nothing_is_said_of_motion_under_a_varying_speed(drive, about, lab):
     assert found.get("verdict", {"regime": None})["regime"] is None
 
 
+UNDISTURBED = LAB.replace("900", "500").replace("0.1 mm/s", "3.2 mm/s").replace("steps", "# steps")
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_a_run_that_nothing_disturbs_says_so_once(options, lab):
+    lab.write_text(UNDISTURBED)
+    result = call("run", lab, *options)
+    assert result.exit_code == 0, result.output
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("warning: the run starts on steady sliding at V_lp = 3.2 mm/s, which is")
+    assert "K = 500 MPa/m is below K_c = 907.2 MPa/m" in line
+    assert line.endswith("V_start = '320 um/s'")
+    if not options:
+        assert result.stdout.splitlines()[-1] == (
+            "This run has not reached this motion, because it starts on steady sliding and nothing "
+            'disturbs it: give another start, such as V_start = "320 um/s" in [run].'
+        )
+    lab.write_text(f'{UNDISTURBED}V_start = "320 um/s"\n')
+    result = call("run", lab, *options)
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert "has not reached" not in result.stdout
+
+
+def test_a_sweep_of_runs_that_nothing_disturbs_says_so_once(lab):
+    lab.write_text(f"{UNDISTURBED}[sweep]\nverb = 'simulate'\nK = [5e8, 6e8, 2e9]\n")
+    (line,) = call("run", lab).stderr.splitlines()
+    assert line.startswith("warning: in 2 of 3 cases the run starts on steady sliding")
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_a_run_that_runs_away_is_written_and_drawn_up_to_there(options, lab, tmp_path):
+    lab.write_text(LAB.replace('"3000 kg/m^2"', "0"))
+    numbers, picture = tmp_path / "run.nc", tmp_path / "run.png"
+    result = call("run", lab, "--out", numbers, "--plot", picture, *options)
+    assert result.exit_code == 2
+    *wrote, error, slider = result.stderr.splitlines()
+    assert wrote == [f"wrote {numbers}", f"wrote {picture}"]
+    end = float(files.read(numbers).time[-1])
+    assert error.startswith(f"error: simulate stopped at t = {end:.9g} s (quasi_static_instability)")
+    assert error.endswith("set M to simulate the slip event.")
+    assert slider.startswith("SpringSlider(")
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    if options:
+        found = parse_strict(result.stdout)
+        assert found["data_vars"]["status"]["data"] == 5
+        assert found["verdict"]["regime"] == "conditionally stable"
+    else:
+        assert result.stdout.startswith(f"At the end, {1e3 * end:.6g} ms, after ")
+        assert "has not reached" not in result.stdout
+
+
 def test_a_run_that_ends_elsewhere_than_the_verdict_says_so(lab):
     """Aging law just above K_c: small steps settle, from a tenth of the speed it stick-slips."""
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K=1, M=3e3, law="aging")
@@ -195,6 +246,7 @@ def test_a_run_that_ends_elsewhere_than_the_verdict_says_so(lab):
     lines = call("run", lab).stdout.splitlines()
     assert any(line.startswith("Stick-slip, a cycle every") for line in lines)
     assert lines[-1].startswith("This run has not reached this motion: ")
+    assert lines[-1].endswith("A longer t_end, or another start, may reach it.")
 
 
 def test_the_last_cycle_is_called_no_limit_cycle(lab):

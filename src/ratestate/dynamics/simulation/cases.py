@@ -4,7 +4,15 @@ import numpy as np
 
 from ...engine import dispatch
 from ...engine.exp import LIMIT
-from ...engine.model import METHODS, NO_CONVERGENCE, RIGID_REST, RUNAWAY, STATUSES, Cases
+from ...engine.model import (
+    FINISHED,
+    METHODS,
+    NO_CONVERGENCE,
+    RIGID_REST,
+    RUNAWAY,
+    STATUSES,
+    Cases,
+)
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ..results import columns
 
@@ -56,9 +64,11 @@ def run_cases(method, law, cases, loads, save_times, which, alone, progress=None
 def run_path(method, law, cases, loads, progress=None):
     """March the one case, keeping each step: times (m,) [s], states (1, m, 3), `Results`.
 
-    From t = 0 on; if the run fails, up to there.
+    From t = 0 on; if the run fails, up to there, where its final state then is.
     """
     path, results = dispatch.run_path(METHODS[method].code, law, cases, loads, progress)
+    if results.status[0] != FINISHED:
+        results.final[0] = path[-1, 1:]
     t = path[:, 0] / cases.scale[0]
     # Scaling to seconds rounds; a step to a breakpoint, or to the end, gets its exact time.
     for breaks in (loads.t, cases.t_end):
@@ -89,8 +99,10 @@ def cost(cases, loads):
 def failure(function, slider, status, t=None, best=None):
     """The exception, to be raised, for a single case that ended with this status without an answer.
 
-    RIGID_REST: ParameterError; RUNAWAY: QuasiStaticInstability; NO_CONVERGENCE: NotConverged with
-    this `best`; any other: SolverError.
+    RIGID_REST: ParameterError; RUNAWAY: QuasiStaticInstability; NO_CONVERGENCE: NotConverged; any
+    other: SolverError.
+
+    best : what the exception carries
 
     function : its name; t : when it ended [s], or None
     """
@@ -99,6 +111,5 @@ def failure(function, slider, status, t=None, best=None):
         return ParameterError(f"{text}.\n{slider!r}")
     when = "" if t is None else f" at t = {t:.9g} s"
     message = f"{function} stopped{when} ({name}): {text}.\n{slider!r}"
-    if status == RUNAWAY:
-        return QuasiStaticInstability(message)
-    return NotConverged(message, best) if status == NO_CONVERGENCE else SolverError(message)
+    kinds = {RUNAWAY: QuasiStaticInstability, NO_CONVERGENCE: NotConverged}
+    return kinds.get(int(status), SolverError)(message, best)

@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 
 from ...engine.exp import LIMIT
-from ...engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, Loads
+from ...engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, RUNAWAY, Loads
 from ...friction.laws import evolution_law
 from ...model.initial_state import initial_state
 from ...model.quantities import attrs
@@ -110,13 +110,18 @@ def energy_residual(batch, loading, cases, y0, results):
     """
     x0, v0, _ = y0.T
     x1, v1, _ = results.final.T
-    load, friction = (results.numbers[:, NUMBERS.index(n)] for n in ("load_work", "dissipation"))
+
+    def number(name):
+        return results.numbers[:, NUMBERS.index(name)]
+
+    load, friction = number("load_work"), number("dissipation")
     with np.errstate(over="ignore", invalid="ignore"):  # for V0 beyond 1e-150 of the speeds
         kinetic = 0.5 * cases.eta0 * (np.exp(2.0 * v1) - np.exp(2.0 * v0))
     kinetic = np.where(cases.eta0 > 0.0, kinetic, 0.0)
     spring = (x1 - x0) * (x1 + x0) / (2.0 * cases.kappa)
     base = batch.flat("mu0") / batch.flat("a")
-    advance = batch.of(loading.delta_lp, batch.flat("t_end")[:, None])[:, 0] / batch.flat("Dc")
+    ends = np.where(results.status == RUNAWAY, number("t"), batch.flat("t_end"))
+    advance = batch.of(loading.delta_lp, ends[:, None])[:, 0] / batch.flat("Dc")
     slip = advance - (x1 - x0) / cases.kappa
     turnover = (
         np.abs(base * advance + load)
@@ -130,8 +135,8 @@ def energy_residual(batch, loading, cases, y0, results):
 def motion_variables(call, motion):
     """The variables of the result of a `simulate.SimulateCall`, name -> Variable [SI].
 
-    ``time``, or ``t`` where each case has its own times, is among them.  Of a case that failed they
-    are NaN, but ``steps`` are those taken, ``returns`` is 0, ``outside_domain`` -1, and
+    ``time``, or ``t`` where each case has its own times, is among them.  Of a case without states
+    they are NaN, but ``steps`` are those taken, ``returns`` is 0, ``outside_domain`` -1, and
     ``delta_lp`` and ``V_load`` are the loading's.
     """
     variables = _series(call.batch, call.loading, motion)
@@ -189,7 +194,7 @@ def _observables(batch, motion, rtol):
         "mu_min": p.mu0 + p.a * numbers["f_min"],
         "reversal_margin": 2.0 * p.mu0 + p.a * numbers["xf_min"],
     }
-    failed = motion.status != FINISHED
+    failed = np.isnan(motion.states[:, -1]).any(axis=-1)
     values = {name: np.where(failed, np.nan, value) for name, value in values.items()}
     domain = domain_variables(batch, values.pop("mu_min"), values.pop("reversal_margin"))
     values["steps"] = np.nan_to_num(numbers["steps"]).astype(np.int64)

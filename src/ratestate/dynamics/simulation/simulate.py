@@ -2,12 +2,14 @@
 
 import dataclasses
 import functools
+import warnings
 from typing import Any
 
 import numpy as np
 import xarray
 
-from ...engine.model import FINISHED
+from ...engine.model import FINISHED, RUNAWAY
+from ...errors import RunWarning
 from ...machine import check_fits
 from ...model.batch import Batch
 from ...model.initial_state import initial_values
@@ -21,6 +23,7 @@ from ..results import provenance, record_loading
 from .cases import failure
 from .motion import blank_motion, motion_variables, move
 from .settings import saved_times, solver_settings
+from .undisturbed import undisturbed_warning
 
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
 VARIABLES = (
@@ -102,10 +105,17 @@ def simulate(
     ParameterError
         An input that cannot be used.
     QuasiStaticInstability
-        M = 0, and no quasi-static motion exists beyond some time before t_end.
+        M = 0, and no quasi-static motion exists beyond some time before t_end.  Its attribute
+        ``best`` is the run up to that time, at the solver's own steps.
     SolverError
         Any other run without an answer.  In a sweep the motion of such cases is NaN, with their
         status.
+
+    Warns
+    -----
+    RunWarning
+        The run starts on steady sliding that is unstable, and nothing disturbs it: the load point's
+        speed is constant, and neither V_start nor `initial` differs from steady sliding.
 
     Examples
     --------
@@ -118,6 +128,8 @@ def simulate(
     settings = {"rtol": rtol, "method": method, "dt": dt}
     start = {"V_start": V_start, "initial": initial}
     call = simulate_call(slider, loading, t_end, times=times, **start, **settings)
+    if text := undisturbed_warning([call]):
+        warnings.warn(text, RunWarning, stacklevel=2)
     with bar("simulate") as progress:
         return call.result(progress)
 
@@ -177,9 +189,16 @@ class SimulateCall:
             "save fewer times, or sweep into a store: sweep(simulate, ..., store='x.zarr')",
         )
         motion = self.move(progress)
-        if self.batch.alone and motion.status[0] != FINISHED:
-            raise failure("simulate", self.slider, motion.status[0], motion.numbers["t"][0])
+        if self.batch.alone and (status := motion.status[0]) != FINISHED:
+            best = self._up_to_runaway(motion) if status == RUNAWAY else None
+            raise failure("simulate", self.slider, status, motion.numbers["t"][0], best)
         return self.dataset(self.variables(motion))
+
+    def _up_to_runaway(self, motion):
+        """The run up to where it ran away, as a Dataset; None where its own steps are too many."""
+        call = dataclasses.replace(self, times=None)  # no saved time is that of the instability
+        motion = motion if self.times is None else call.move(None)
+        return call.dataset(call.variables(motion)) if motion.status[0] == RUNAWAY else None
 
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep, then time.

@@ -15,6 +15,7 @@ from ...errors import ParameterError
 from ...friction.laws import law_name
 from ...paper.figures import BEYOND
 from .exits import EXIT_CODES, exit_on_error
+from .output import warnings_as_lines
 
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
@@ -48,7 +49,7 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def wrapped(*, context: typer.Context, debug: bool, **arguments: Any) -> None:
-        with exit_on_error(debug or bool(context.obj)):
+        with exit_on_error(debug or bool(context.obj)), warnings_as_lines():
             function(**arguments)
 
     kind = inspect.Parameter.KEYWORD_ONLY

@@ -5,12 +5,14 @@ import os
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
+from ...errors import RunWarning
 from ..strict_json import strict_json
 
 if TYPE_CHECKING:
@@ -27,6 +29,15 @@ def print_line(text: str, err: bool = False) -> None:
     except BrokenPipeError:
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, (sys.stderr if err else sys.stdout).fileno())
+
+
+@contextlib.contextmanager
+def warnings_as_lines() -> Iterator[None]:
+    """Print warnings on stderr, a line each, without the lines of code that they come from."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", RunWarning)
+        warnings.showwarning = lambda text, *_, **__: print_line(f"warning: {text}", err=True)
+        yield
 
 
 def print_json(value: Any) -> None:

@@ -18,7 +18,7 @@ from .. import scenario as scenarios
 from ..scenario import Output, Scenario
 from .command import pairs_of
 from .document import document, failed
-from .exits import SOME_FAILED
+from .exits import FAILED, SOME_FAILED
 from .output import print_json, print_line, print_rich
 from .verdict_text import VerdictText, verdict_text
 
@@ -45,16 +45,17 @@ def do(
 
     units : symbol -> the unit in which it is printed and written, as by `wanted_units`
 
-    `typer.Exit` with code 3 after a part of a branch, or where cases failed.
+    `typer.Exit` with code 3 after a part of a branch, or where cases failed; with code 2 after a
+    run that no quasi-static motion continues.
     """
     output = output_paths(scenario, out, plot)
     problem = None
     try:
         result = compute(scenario)
-    except NotConverged as error:
-        if error.best is None or scenario.verb != "continue_cycle":
+    except SolverError as error:
+        if error.best is None:
             raise
-        problem, result = error, error.best  # a part of a branch is useful
+        problem, result = error, error.best  # a part of a branch or run is useful
     if absent := [name for name in units or () if name not in {*result.variables, *OF_CONTACT}]:
         print_line(f"--units: this result has no {', '.join(absent)}", err=True)
     verdict = None if swept_dims(scenario) else verdict_text(scenario, result)
@@ -63,6 +64,8 @@ def do(
     draw_plot(result, output)
     if problem:
         print_line(f"error: {problem}", err=True)
+    if isinstance(problem, QuasiStaticInstability):
+        raise typer.Exit(FAILED)
     if problem or failed(result):
         raise typer.Exit(SOME_FAILED)
 

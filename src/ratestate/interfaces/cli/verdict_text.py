@@ -5,14 +5,18 @@ from typing import NamedTuple
 
 import xarray
 
+from ...dynamics.simulation.undisturbed import OTHER_START
 from ...dynamics.verdict import Verdict, verdict, verdict_of_cycle
 from ...dynamics.verdict_sentences import RUNAWAY
+from ...engine.model import FINISHED
 from ...model.sentences import Sentences
 from ..scenario import Scenario
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 # Relative difference of amplitudes beyond which a run has not reached the verdict's motion.
 FAR = 0.05
+# Relative change of speed up to which a run has stayed on steady sliding.
+UNCHANGED = 1e-6
 
 
 class VerdictText(NamedTuple):
@@ -55,9 +59,12 @@ def _not_reached(verdict: Verdict, result: xarray.Dataset) -> list[str]:
     """A note where a run did not end in the verdict's motion: another start, or too little time."""
     amplitude, expected = float(result.amplitude), verdict.amplitude
     if expected is None:
-        far = verdict.regime == RUNAWAY  # a run that came to its end did not run away
+        far = verdict.regime == RUNAWAY and int(result.status) == FINISHED
     else:
         far = abs(amplitude - expected) > FAR * max(amplitude, expected)
     if not far:
         return []
+    if not verdict.stable and float(result.V_max) <= (1.0 + UNCHANGED) * float(result.V_min):
+        start = OTHER_START * verdict.V_lp
+        return [SENTENCES("run.undisturbed", V_start=start)]
     return [SENTENCES("run.cycle" if amplitude else "run.no_cycle", amplitude=amplitude)]

@@ -1,0 +1,56 @@
+"""Runs in which nothing visible happens: they start on unstable steady sliding, undisturbed."""
+
+import numpy as np
+
+from ...friction.stability import K_c
+from ...model.initial_state import initial_state
+from ..refusals import sentence
+from ..results import columns
+
+# Differences of x, v and psi from those of steady sliding that are due to rounding.
+ROUNDING = 1e-12
+# The speed at which the remedy starts, over that of the load point.
+OTHER_START = 0.1
+
+
+def undisturbed_warning(calls):
+    """What is wrong with the start of cases that stay on unstable steady sliding (str).
+
+    "" where there are none.  ParameterError where initial values contradict each other.
+
+    calls : iterable of `simulate.SimulateCall`, the parts of one
+    """
+    cases, count = 0, 0
+    first: dict[str, float] = {}
+    for call in calls:
+        V_lp = _constant_speeds(call)
+        p = columns(call.batch)
+        critical = K_c(V_lp, a=p.a, b=p.b, Dc=p.Dc, sigma=p.sigma, M=p.M)
+        stays = (critical > p.K) & _starts_steady(call, V_lp)
+        cases, count = cases + stays.size, count + int(stays.sum())
+        if stays.any() and not first:
+            i = int(np.argmax(stays))
+            first = {"V_lp": V_lp[i], "K": p.K[i], "K_c": critical[i]}
+    if not count:
+        return ""
+    name = "undisturbed" if cases == 1 else "undisturbed_sweep"
+    start = OTHER_START * first["V_lp"]
+    return sentence(f"simulate.{name}", **first, V_start=start, count=count, cases=cases)
+
+
+def _constant_speeds(call):
+    """(n,) speed of the load point [m/s]; NaN where it changes before t_end, or is 0."""
+    table, rows = call.batch.rows(call.loading.V)
+    rates, _ = call.batch.rows(call.loading.rate)
+    changes = (table != table[:, :1]) | (rates != 0.0)
+    first = np.where(changes, call.loading.t, np.inf).min(axis=1)[rows]
+    V = table[rows, 0]
+    return np.where((first >= call.batch.flat("t_end")) & (V > 0.0), V, np.nan)
+
+
+def _starts_steady(call, V_lp):
+    """Whether cases (n,) start in steady sliding at these speeds; not where one is NaN."""
+    p = columns(call.batch)
+    v = np.log(V_lp / p.V0)
+    steady = np.stack([(1.0 - p.b / p.a) * v, v, -v], axis=1)
+    return np.abs(initial_state(call.batch, V_lp) - steady).max(axis=1) < ROUNDING
