@@ -1,13 +1,18 @@
 """`plot.page`: what the picture of each kind of result shows."""
 
+import contextlib
+
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 import ratestate as rs
 from ratestate import ParameterError, plot
-from ratestate.plot.pages.axis import axis_of
+from ratestate.dynamics.cycles.regimes import classify
+from ratestate.errors import RunWarning
+from ratestate.plot.axis import axis_of
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3, V0=1e-9)
 V_LP = rs.logspace("V_lp", 1e-3, 1e-1, 4)
@@ -172,30 +177,99 @@ MANY_SPEEDS = rs.logspace("V_lp", 1e-3, 1e-1, 7)
 MANY_MASSES = rs.logspace("M", 1e2, 1e4, 6)
 
 
+#: what is written on the first map
+REGIONS = {
+    "limit_cycle": ["quasi-\nharmonic", "steady"],
+    "stability": ["stable", "unstable"],
+    "simulate": ["no cycle in any case"],
+}
+
+
 @pytest.mark.parametrize("verb", ["limit_cycle", "stability", "simulate"])
 def test_a_sweep_over_two_axes(verb, looks_as_before):
     how = {"V_lp": MANY_SPEEDS}
     if verb == "simulate":
         how = {"loading": rs.Loading.constant(MANY_SPEEDS), "t_end": 0.1}
-    found = rs.sweep(verb, SLIDER.replace(M=MANY_MASSES), **how)
+    with pytest.warns(RunWarning) if verb == "simulate" else contextlib.nullcontext():
+        found = rs.sweep(verb, SLIDER.replace(M=MANY_MASSES), **how)
     fig = plot.page(found)
     looks_as_before(fig, f"page_{verb}_map")
     axes = (drawn if verb == "stability" else panels)(fig)[:3]
     symbol = {"limit_cycle": "V_max", "stability": "omega", "simulate": "V_max"}[verb]
     (mesh,) = axes[2].collections
+    assert [text.get_text() for text in axes[0].texts] == REGIONS[verb]
+    for ax in axes:  # V_c as a line
+        (line,) = ax.lines
+        V, M = np.asarray(line.get_xdata()) / 1e3, np.asarray(line.get_ydata())
+        np.testing.assert_allclose(V, [SLIDER.replace(M=each).V_c for each in M], rtol=1e-2)
+    (legend,) = fig.legends
+    assert legend.texts[0].get_text() == "$V_c$: edge of stable sliding"
     factor = 1.0 if verb == "stability" else 1e3
     expected = found[symbol].transpose("M", "V_lp").values
     np.testing.assert_allclose(mesh.get_array().reshape(6, 7), factor * expected)
     assert (axes[0].get_xscale(), axes[0].get_yscale()) == ("log", "log")
-    if verb == "simulate":
-        assert axes[0].texts[0].get_text() == "no cycle in any case"
+
+
+def test_regimes_on_a_map_are_separated_and_named():
+    K, V_lp = rs.logspace("K", 3e8, 3e9, 12), rs.logspace("V_lp", 1e-6, 1e-1, 12)
+    cycles = rs.sweep("limit_cycle", SLIDER.replace(K=K), V_lp=V_lp, progress=False)
+    ax = panels(plot.page(cycles))[0]
+    regimes = classify(cycles).regime
+    names = {text.get_text().replace("\n", "") for text in ax.texts}
+    assert names == {"quasi-harmonic", "steady", "stick-slip"}
+    for text in ax.texts:
+        V, stiffness = text.get_position()
+        near = regimes.sel(V_lp=V / 1e3, K=1e9 * stiffness, method="nearest")
+        assert str(near.values) == text.get_text().replace("\n", "")
+    found = regimes.transpose("K", "V_lp").values
+    beside = [(found[:, 1:], found[:, :-1]), (found[1:], found[:-1])]
+    edges = sum(
+        int(((one != other) & (one != "steady") & (other != "steady")).sum())
+        for one, other in beside
+    )
+    (separating,) = (c for c in ax.collections if isinstance(c, LineCollection))
+    assert len(separating.get_segments()) == edges > 3
+    critical = [line for line in ax.lines if line.get_color() == "k"]
+    for line in critical:
+        V, stiffness = np.asarray(line.get_xdata()) / 1e3, 1e9 * np.asarray(line.get_ydata())
+        np.testing.assert_allclose(SLIDER.K_c(xr.DataArray(V, dims="V")), stiffness, rtol=1e-2)
+    assert critical
+
+
+@pytest.mark.parametrize(
+    ("slider", "V_lp"),
+    [
+        (SLIDER.replace(M=MANY_MASSES), 1e-3 * MANY_SPEEDS),  # stable throughout
+        (SLIDER.replace(M=MANY_MASSES, b=0.002), MANY_SPEEDS),
+        (SLIDER.replace(M=MANY_MASSES, K=np.inf), MANY_SPEEDS),
+    ],
+)
+def test_a_map_without_an_edge_of_stability(slider, V_lp):
+    fig = plot.page(rs.stability(slider, V_lp.assign_coords(V_lp=V_lp)))
+    assert not fig.legends
+    first = panels(fig)[0]
+    assert not first.lines
+    assert [text.get_text() for text in first.texts] == ["stable"]
+
+
+def test_over_other_axes_the_edge_is_where_K_is_K_c():
+    found = rs.stability(SLIDER.replace(M=MANY_MASSES, K=rs.logspace("K", 3e8, 3e9, 8)), 3.2e-3)
+    fig = plot.page(found)
+    assert fig.legends[0].texts[0].get_text() == "$K$ = $K_c$: edge of stable sliding"
+    (line,) = panels(fig)[0].lines
+    M, K = (line.get_xdata(), line.get_ydata())
+    if "Mass" not in panels(fig)[0].get_xlabel():
+        M, K = K, M
+    expected = [SLIDER.replace(M=each).K_c(3.2e-3) / 1e9 for each in M]
+    np.testing.assert_allclose(K, expected, rtol=2e-3)
 
 
 def test_failed_cases_are_told_from_those_without_a_cycle():
     slider = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 3e3], dims="M"))
     many = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 1e3, 2e3, 3e3, 4e3, 5e3], dims="M"))
     (first, *_) = panels(plot.page(rs.sweep("limit_cycle", many, V_lp=MANY_SPEEDS)))
-    gray = first.collections[-1].get_array().reshape(6, 7)
+    gray = next(found for found in first.collections if found.get_cmap().name == "gray")
+    gray = gray.get_array().reshape(6, 7)
     np.testing.assert_array_equal(np.isnan(gray), [[False] * 7, *(5 * [[True] * 7])])
     one = plot.page(rs.sweep("limit_cycle", slider, V_lp=1e-3)).axes[0]
     assert [line.get_xdata()[0] for line in one.lines if line.get_alpha()] == [0.0]

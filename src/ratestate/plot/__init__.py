@@ -17,6 +17,8 @@ that every result carries.
 ``likelihood``  profiles and posteriors; for which parameters they are drawn
 ``estimates``   the table of estimates within a figure
 ``pages``       `page`: a whole figure of any result
+``runs``        several runs: their names and lines
+``axis``        the axes of a sweep: scale, unit, what stands at its cases
 ``labels``      symbols, units and prefixes as text; colours of the laws
 ``layout``      type, captions, letters; when a scale is logarithmic; `save`
 =============== ===================================================================

@@ -78,7 +78,7 @@ def branch_page(data):
     axes["b"].set(ylabel=f"Speed over {symbol_text('V_lp')}")
     if is_wide((data[["V_max", "V_min"]].to_array() / V_lp).values):
         axes["b"].set_yscale("log")
-    axes["c"].set(ylabel="Larger Floquet multiplier (size)")
+    axes["c"].set(ylabel="Floquet multiplier (size)")
     for ax in (axes["b"], axes["c"]):
         ax.axhline(1.0, color=GRAY, lw=0.7, zorder=0)
         _abscissa(ax, x, symbol_text(symbol), unit)

@@ -118,13 +118,16 @@ def curves(record, ax, rows=WHOLE):
 
 
 def residuals(record, law, ax, rows=WHOLE):
-    """Draw recorded less fitted friction, in thousandths, and the 95 % of the noise's level."""
+    """Draw recorded less fitted friction, in thousandths, and the 95 % of the noise's level.
+
+    The scale is the same for all laws.
+    """
     part = record.laws[law]
     level = float(np.hypot(part["noise_white"], part["noise_red"]))
     left = 1e3 * part["residual"].values
     _scatter(ax, record.values[rows], left[rows], rows, LAWS[law].color, None)
     normal_95(ax, 1e3 * level, zorder=3)
-    most = 1.08 * float(np.abs(left).max())
+    most = 1e3 * 1.08 * max(float(np.abs(each["residual"]).max()) for each in record.laws.values())
     ax.set(ylim=(-most, most), ylabel="Residual\n" + r"[$10^{-3}$]")
     record.dress(ax, rows)
 

@@ -1,13 +1,13 @@
 """Estimates as a table within a figure."""
 
 import numpy as np
-from matplotlib.textpath import TextPath
 
 from ..model.quantities import QUANTITIES, short
 from ..records.fitting.by_law import results_by_law, value_of
 from ..records.fitting.table import STABLE_AT_ANY_K, formatted_estimate, stiffness_ratio_text
 from ..records.fitting.unknowns import FREE
 from .labels import LAWS, in_unit, label, prefixed
+from .layout import text_width
 
 #: what the table lists; a trend is the record's alone
 LISTED = (*FREE, "mu0", "a_minus_b")
@@ -47,8 +47,11 @@ def write(ax, laws, columns):
     """Write a table with rules; columns : (heading, a cell for each law).  It shrinks to fit."""
     ax.set_axis_off()
     ax.set(xlim=(0.0, 1.0), ylim=(len(laws) + 1.0, 0.0))
-    wide = [_width(f"{max(laws, key=len)} law") * BOLD]
-    wide += [GAP + max(map(_width, (heading, *cells))) for heading, cells in columns]
+    wide = [text_width(f"{max(laws, key=len)} law", SIZE) * BOLD]
+    wide += [
+        GAP + max(text_width(cell, SIZE) for cell in (heading, *cells))
+        for heading, cells in columns
+    ]
     right, room = np.cumsum(wide), (ax.get_figure(root=True).get_figwidth() - MARGIN) * 72.0
     at = {"va": "center", "fontsize": SIZE * min(room / right[-1], 1.0)}
     right += max(room - right[-1], 0.0) / len(columns) * np.arange(len(wide))
@@ -76,8 +79,3 @@ def _column(laws, symbol):
 def _printed(text):
     """Signs as print has them."""
     return text.replace("+-", "\N{PLUS-MINUS SIGN}").replace("-", "\N{MINUS SIGN}")
-
-
-def _width(text):
-    """How wide a text comes out [points]."""
-    return TextPath((0.0, 0.0), text, size=SIZE).get_extents().width

@@ -4,9 +4,11 @@ from itertools import repeat
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
+from matplotlib import colormaps, rc_context
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.textpath import TextPath
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, NullLocator
 
 from ..dynamics.results import parameter
 from ..files import replace
@@ -20,6 +22,11 @@ SLIDER = "a b Dc sigma M K"
 ABOVE = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
 #: ratio of smallest to largest value from which a logarithmic scale pays
 WIDE = 10.0
+#: decades up to which a logarithmic axis has 1, 2, 5, 10 ... as its ticks, in plain numbers
+FEW_DECADES = 2.5
+#: change over size up to which data are constant, but for rounding; the range then shown on
+#: either side, over size
+CONSTANT, AROUND = 1e-6, 0.05
 
 #: decorator of the functions that draw
 styled = rc_context(
@@ -57,6 +64,41 @@ def is_wide(values):
     """
     finite = values[np.isfinite(values)]
     return bool(finite.size and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
+
+
+def show_constant(ax):
+    """Give data that are constant, to `CONSTANT`, a range whose ticks are short numbers.
+
+    On linear axes; what is drawn later may widen it.
+    """
+    ends = ax.dataLim.get_points()  # (2, 2): least and largest x and y
+    for i, scale in enumerate((ax.get_xscale(), ax.get_yscale())):
+        low, high = ends[:, i]
+        size = max(abs(low), abs(high))
+        if scale == "linear" and high - low <= CONSTANT * size < np.inf:
+            around = ends.copy()
+            around[:, i] = low - AROUND * size, high + AROUND * size
+            ax.update_datalim(around)
+    ax.autoscale_view()
+
+
+def plain_ticks(axis, values):
+    """Give a logarithmic axis of few decades, from its values on, ticks that are plain numbers."""
+    if np.log10(np.max(values) / np.min(values)) < FEW_DECADES:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FormatStrFormatter("%g"))
+        axis.set_minor_locator(NullLocator())
+    axis.set_minor_formatter(NullFormatter())
+
+
+def text_width(text, size):
+    """How wide a text of letters of this size comes out [points]."""
+    return TextPath((0.0, 0.0), text, size=size).get_extents().width
+
+
+def shades(number):
+    """Colours (number, 4) of so many lines, from dark to light."""
+    return colormaps["viridis"](np.linspace(0.0, 0.85, number))
 
 
 def letters(axes, *texts, first="a"):

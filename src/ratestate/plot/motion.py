@@ -6,36 +6,65 @@ from ..friction.rate_and_state import mu_ss
 from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
 from .labels import ABSCISSAE, AMPLITUDE, DASHED, RED, STRESS, prefixed
+from .layout import show_constant
+from .runs import named_runs
 
 
 def trace(run, ax, *, x="time", tau=None, mu=None):
-    """Draw tau/sigma in black and friction mu in red dashes against time.
+    """Draw tau/sigma in black and friction mu in red dashes against time; or compare runs.
+
+    Without mass (M = 0) both are the same, and one line is drawn.  Of several runs each has one
+    line, tau/sigma, in the colour of its law or in one of its own, and they get a legend.
 
     Parameters
     ----------
-    run : xarray.Dataset
-        One slider's, from `simulate`: dimension ``time`` only.
+    run : xarray.Dataset, or list or dict of these
+        One slider's, from `simulate`; or several runs, which are named by the keys of a dict, by
+        their values along the one dimension beside ``time``, or by what differs between those of
+        a list.
     ax : matplotlib.axes.Axes
         Axes to draw into.
     x : {"time", "delta_lp"}
         Abscissa: time [s] or load-point displacement [m].
     tau, mu : dict, optional
-        Changes to the style of the two lines.
+        Changes to the style of the lines of tau/sigma, and to that of mu.
 
     Returns
     -------
     tuple of matplotlib.lines.Line2D
-        The black and the red line.
+        The black and the red line, where M = 0 the same one twice; of several runs the line of
+        each.
+
+    Raises
+    ------
+    ParameterError
+        No run of `simulate`, or runs over more than one dimension.
     """
-    run = in_si(run)
-    abscissa = run[x]
-    factor, unit = prefixed(QUANTITIES[x].unit, float(abs(abscissa).max()))
-    stress = {"color": "k", "lw": 1.0, "label": f"{STRESS}, spring"} | (tau or {})
-    friction = {"color": RED, "lw": 1.0, "ls": DASHED, "label": r"$\mu$, friction"}
-    (black,) = ax.plot(factor * abscissa, run.tau / parameter(run, "sigma"), **stress)
-    (red,) = ax.plot(factor * abscissa, run.mu, **friction | (mu or {}))
-    ax.set(xlabel=f"{ABSCISSAE[x]} [{unit}]", ylabel=rf"{STRESS} and $\mu$")
-    return black, red
+    runs = named_runs(run)
+    factor, unit = prefixed(QUANTITIES[x].unit, max(float(abs(one.run[x]).max()) for one in runs))
+
+    def draw(run, values, style):
+        return ax.plot(factor * run[x], values, **{"lw": 1.0} | style)[0]
+
+    def stress(run, style):
+        return draw(run, run.tau / parameter(run, "sigma"), style | (tau or {}))
+
+    alone = runs[0].run
+    if len(runs) > 1:
+        lines = tuple(stress(one.run, {"label": one.name} | one.line) for one in runs)
+        ylabel = STRESS
+        ax.legend()
+    elif parameter(alone, "M") == 0.0:
+        lines = 2 * (stress(alone, {"color": "k", "label": rf"{STRESS} = $\mu$ ($M$ = 0)"}),)
+        ylabel = rf"{STRESS} = $\mu$"
+    else:
+        red = {"color": RED, "ls": DASHED, "label": r"$\mu$, friction"}
+        black = stress(alone, {"color": "k", "label": f"{STRESS}, spring"})
+        lines = black, draw(alone, alone.mu, red | (mu or {}))
+        ylabel = rf"{STRESS} and $\mu$"
+    ax.set(xlabel=f"{ABSCISSAE[x]} [{unit}]", ylabel=ylabel)
+    show_constant(ax)
+    return lines
 
 
 def force_axis(run, ax):
@@ -91,6 +120,7 @@ def phase(run, ax, *, unit_of=None, **style):
         law = {symbol: parameter(run, symbol) for symbol in ("a", "b", "mu0", "V0")}
         ax.plot(mu_ss(V, **law), factor * V, "kx", ms=5, mew=1.0, zorder=5)
     ax.set(xlabel=STRESS, ylabel=f"$V$ [{unit}]")
+    show_constant(ax)
     return line
 
 

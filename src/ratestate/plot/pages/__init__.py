@@ -1,12 +1,12 @@
 """A page for each kind of result: what a person wants to see of it at once.
 
-===================== ====================================================
-``run``               a run and a limit cycle: stress, speed, phase plane
-``stability``         K_c at all speeds, and the least stable mode
-``sweep``, ``axis``   lines or maps of a sweep; scale and unit of its axes
-``fit``               the function `fit`; which close-ups a page has
-``cycles``, ``frame`` a fit of cycles; what pages of fits share
-===================== ====================================================
+====================== ====================================================
+``run``                runs and a limit cycle: stress, speed, phase plane
+``stability``          K_c at all speeds, and the least stable mode
+``sweep``, ``regions`` lines or maps of a sweep; V_c and regimes on a map
+``fit``                the function `fit`; which close-ups a page has
+``cycles``, ``frame``  a fit of cycles; what pages of fits share
+====================== ====================================================
 """
 
 import xarray
@@ -15,9 +15,9 @@ from ...errors import ParameterError
 from ...model.conversion import in_si
 from ..bifurcation import branch_page
 from .fit import fit_page
-from .run import cycle_page, run_page
+from .run import cycle_page, run_page, runs_page
 from .stability import stability_page
-from .sweep import sweep_page
+from .sweep import FEW, sweep_page
 
 #: function -> page of a single slider's result
 SINGLE = {
@@ -36,10 +36,11 @@ def page(result):
 
     Parameters
     ----------
-    result : xarray.Dataset
+    result : xarray.Dataset, or list or dict of these
         From `simulate`, `limit_cycle`, `stability`, `continue_cycle`, `fit` or `sweep`: of one
         slider, or over one axis (lines) or two (maps; lines too where one of them has a few
-        values only).
+        values only).  Several runs of `simulate` are compared: a list or dict as for
+        `plot.trace`, or a few along one axis with more than their ends saved.
 
     Returns
     -------
@@ -51,6 +52,8 @@ def page(result):
     ParameterError
         No such result, or one that has lost its attributes; more than two axes.
     """
+    if isinstance(result, list | tuple | dict):
+        return runs_page(result)
     title = str(result.attrs.get("title", "")) if isinstance(result, xarray.Dataset) else ""
     function = title.removeprefix("ratestate ")
     if function not in SINGLE:
@@ -66,4 +69,7 @@ def page(result):
             f"a page shows a sweep over one or two axes, and this one has {len(axes)} "
             f"({', '.join(map(str, axes))}); pick values of the others with .sel"
         )
+    few = len(axes) == 1 and result.sizes[axes[0]] <= FEW
+    if few and result.sizes.get("time", 1) > 1 and bool(result["V"].notnull().any()):
+        return runs_page(result)
     return sweep_page(result, function, axes) if axes else SINGLE[function](result)

@@ -1,4 +1,4 @@
-"""The pages of a run and of a limit cycle: stress, speed against time, and the phase plane."""
+"""The pages of runs and of a limit cycle: stress, speed against time, and the phase plane."""
 
 import numpy as np
 
@@ -8,23 +8,56 @@ from ...dynamics.cycles.regimes import classify
 from ...dynamics.results import parameter, slider_parameters
 from ...dynamics.steady_sliding import stability
 from ...dynamics.whole_contact import whole_contact
-from ...engine.model import STEADY_SLIDING
+from ...engine.model import RUNAWAY, STEADY_SLIDING
+from ...errors import ParameterError
 from ...friction.rate_and_state import mu_ss
 from ...model.slider import SpringSlider
 from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text, with_unit
-from ..layout import ABOVE, figure, is_wide, letters, styled
+from ..layout import ABOVE, SLIDER, figure, is_wide, letters, show_constant, styled, text_width
 from ..motion import force_axis, trace
+from ..runs import NamedRun, common, named_runs
 from .stability import stability_page
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
 MANY, FEW = 25, 5
+#: width for a legend above the stress, of what is beside each name in it, and size of letters
+#: [points]
+ROOM, SPACE, LETTERS = 215.0, 30.0, 7.5
+COMPACT = {"handlelength": 1.5, "handletextpad": 0.5, "columnspacing": 1.0}
+THIN = {"lw": 0.8}
 
 
 @styled
 def run_page(run):
     """Page (Figure) of one slider's run."""
     end, law = with_unit("t", float(run.time[-1])), LAWS[parameter(run, "law")].name
-    return _motion(run, f"Run of {end}, {law}", run)
+    unstable = ", up to the quasi-static instability" if int(run.status) == RUNAWAY else ""
+    return _motion(run, f"Run of {end}{unstable}, {law}", run)
+
+
+@styled
+def runs_page(runs):
+    """Page (Figure) of several runs, as `named_runs` takes them; ParameterError as of it."""
+    named = named_runs(runs)
+    parts = [one.run for one in named]
+    if any(run.attrs.get("title") != "ratestate simulate" for run in parts):
+        raise ParameterError("a page of several runs wants results of simulate")
+    if len(parts) == 1:
+        return run_page(parts[0])
+    laws = {LAWS[parameter(run, "law")].name for run in parts}
+    title = f"{len(parts)} runs, {' and '.join(sorted(laws))}"
+    fig = figure(parts[0], 4.4, common(parts, SLIDER), title=title)
+    axes = fig.subplot_mosaic([["a", "c"], ["b", "c"]], width_ratios=[1.5, 1])
+    axes["a"].sharex(axes["b"])
+    trace(runs, axes["a"])
+    axes["a"].label_outer()
+    widest = SPACE + max(text_width(one.name, LETTERS) for one in named)
+    axes["a"].legend(ncols=max(1, int(ROOM / widest)), **COMPACT, **ABOVE)
+    _speed(named, axes["b"])
+    axes["b"].legend(handles=axes["b"].lines[:1], **ABOVE)
+    _plane(named, axes["c"])
+    letters([axes[name] for name in sorted(axes)], "stress", "speed", "phase plane")
+    return fig
 
 
 @styled
@@ -38,10 +71,14 @@ def cycle_page(cycle):
     kind = str(classify(cycle).regime.values)
     title = (
         f"Limit cycle ({kind}) at {value_text('V_lp', V_lp)}, {LAWS[slider.law].name}: "
-        f"{value_text('period', float(cycle.period))}, "
-        f"amplitude {float(cycle.amplitude):.4g}"
+        f"{value_text('period', float(cycle.period))}, {_peak_to_peak(cycle)}"
     )
     return _motion(orbit(slider, V_lp, rtol=number(cycle, "rtol")), title, cycle)
+
+
+def _peak_to_peak(cycle):
+    """The size of a slider's cycle in words."""
+    return f"peak-to-peak {STRESS} {float(cycle.amplitude):.4g}"
 
 
 def _motion(run, title, result):
@@ -58,8 +95,10 @@ def _motion(run, title, result):
     axes["a"].label_outer()
     force_axis(run, axes["a"])
     axes["a"].legend(ncols=2, **ABOVE)
-    _speed(run, axes["b"])
-    _plane(run, axes["c"])
+    alone = [NamedRun(run, "slider", {"color": BLUE})]
+    _speed(alone, axes["b"])
+    axes["b"].legend(ncols=2, **ABOVE)
+    _plane(alone, axes["c"])
     texts = ["stress", "speed", "phase plane"]
     if cycles > MANY:
         last = run.time.values[-1] - FEW / float(run.frequency)
@@ -79,22 +118,26 @@ def _of_contact(result):
     return "\n" + ", ".join(value_text(name, x) for name, x in known.items() if x > 0.0)
 
 
-def _speed(run, ax):
-    """Slip velocity and load-point velocity against time."""
-    factor, unit = prefixed("s", float(run.time.max()))
-    scale = _speed_axis(run, ax)
-    t, load = _load(run)
-    ax.plot(factor * t, scale * load, color=GRAY, lw=1.0, ls="--", label="load point")
-    ax.plot(factor * run.time, scale * run.V, color=BLUE, lw=1.0, label="slider")
+def _speed(runs, ax):
+    """Slip velocities and load-point velocities of `NamedRun` against time."""
+    factor, unit = prefixed("s", max(float(one.run.time.max()) for one in runs))
+    scale = _speed_axis(runs, ax)
+    loads = {(t.tobytes(), V.tobytes()): (t, V) for t, V in (_load(one.run) for one in runs)}
+    for i, (t, load) in enumerate(loads.values()):
+        name = "_" if i else "load point"
+        ax.plot(factor * t, scale * load, color=GRAY, lw=1.0, ls="--", label=name)
+    for run, name, line in runs:
+        ax.plot(factor * run.time, scale * run.V, label=name, **{"lw": 1.0} | line)
     ax.set(xlabel=f"Time [{unit}]")
-    ax.legend(ncols=2, **ABOVE)
+    show_constant(ax)
 
 
-def _speed_axis(run, ax):
-    """An axis for the speed, logarithmic if that pays; the factor from SI to its unit."""
-    factor, unit = prefixed("m/s", float(run.V.max()))
+def _speed_axis(runs, ax):
+    """An axis for the speeds, logarithmic if that pays; the factor from SI to its unit."""
+    V = np.concatenate([one.run.V.values for one in runs])
+    factor, unit = prefixed("m/s", float(np.nanmax(V)))
     ax.set_ylabel(f"$V$ [{unit}]")
-    if is_wide(run.V.values):
+    if is_wide(V):
         ax.set_yscale("log")
     return factor
 
@@ -114,19 +157,29 @@ def _load(run):
     return t, np.where(V > 0.0, V, np.nan)
 
 
-def _plane(run, ax):
+def _plane(runs, ax):
     """Speed against stress, with all steady states and the one at the last load-point velocity."""
-    scale = _speed_axis(run, ax)
-    laws = {symbol: parameter(run, symbol) for symbol in ("a", "b", "mu0", "V0")}
-    ax.plot(run.tau / parameter(run, "sigma"), scale * run.V, color=BLUE, lw=0.8)
+    scale = _speed_axis(runs, ax)
+    for run, name, line in runs:
+        ax.plot(run.tau / parameter(run, "sigma"), scale * run.V, label=f"_{name}", **THIN | line)
+    show_constant(ax)
     low, high = ax.get_xlim()
-    V = np.geomspace(float(run.V.min()), float(run.V.max()), 50)
-    ax.plot(mu_ss(V, **laws), scale * V, color=GRAY, lw=0.9, ls="--", label="steady states")
-    if (last := float(run.V_load[-1])) > 0.0:
-        point = float(mu_ss(last, **laws))
+    speeds = np.concatenate([one.run.V.values for one in runs])
+    V = np.geomspace(np.nanmin(speeds), np.nanmax(speeds), 50)
+    steady, crosses = {}, set()
+    for run, *_ in runs:
+        laws = {symbol: parameter(run, symbol) for symbol in ("a", "b", "mu0", "V0")}
+        steady[tuple(laws.values())] = laws
+        if (last := float(run.V_load[-1])) > 0.0:
+            crosses.add((float(mu_ss(last, **laws)), scale * last))
+    for i, laws in enumerate(steady.values()):
+        name = "_" if i else "steady states"
+        ax.plot(mu_ss(V, **laws), scale * V, color=GRAY, lw=0.9, ls="--", label=name)
+    if crosses:
+        x, y = np.array(sorted(crosses)).T
         cross = {"color": RED, "ms": 6, "mew": 1.3, "zorder": 5}
-        ax.plot(point, scale * last, "x", label="steady at the last $V_{lp}$", **cross)
-        low, high = min(low, point), max(high, point)
+        ax.plot(x, y, "x", label="steady at the last $V_{lp}$", **cross)
+        low, high = min(low, *x), max(high, *x)
     margin = 0.05 * (high - low)
     ax.set(xlim=(low - margin, high + margin), xlabel=STRESS)
     ax.legend(**ABOVE, ncols=1, handlelength=1.3, handletextpad=0.4, borderpad=0.1)

@@ -1,15 +1,15 @@
 """The page of a sweep: lines over one axis, maps over two, or a line for each of a few values."""
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 
 from ...dynamics.results import parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
 from ...model.quantities import QUANTITIES
+from ..axis import axis_of, prefix_of
 from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label
-from ..layout import figure, is_wide, letters, styled
-from .axis import axis_of, prefix_of
+from ..layout import figure, is_wide, letters, plain_ticks, shades, show_constant, styled
+from .regions import divide
 
 #: variable -> what an axis is called
 WORDS = {
@@ -26,7 +26,6 @@ SHOWN = {
     "simulate": ("Runs", ("amplitude", "frequency", "V_max")),
     "stability": ("Steady sliding", ("K_c", "growth_rate", "omega")),
 }
-COLORS = colormaps["viridis"]
 # Values of an axis up to which each has a line of its own: a map would fill what is between them.
 FEW = 5
 
@@ -51,7 +50,9 @@ def sweep_page(result, function, dims):
         axes = fig.subplots(1, len(names), sharex=True, sharey=True, squeeze=False).ravel()
         for ax, name in zip(axes, names, strict=True):
             _map(fig, ax, result, name, dims)
-        axis_of(result, dims[0]).dress(axes[0].yaxis)
+        across, along = (axis_of(result, dim) for dim in dims)
+        across.dress(axes[0].yaxis)
+        divide(fig, axes, result, dims, along, across)
     letters(axes)
     return fig
 
@@ -89,7 +90,7 @@ def _lines(ax, result, name, along, across):
     scaled = factor * found
     _has_none(ax, scaled)
     names = [None] if across is None else axis_of(result, across).each(across)
-    colors = ["k"] if across is None else COLORS(np.linspace(0.0, 0.85, len(names)))
+    colors = ["k"] if across is None else shades(len(names))
     for one, rows, look in zip(pair, scaled, ("o-", "o--"), strict=False):
         for values, text, color in zip(rows, names, colors, strict=True):
             if text is None:
@@ -104,6 +105,7 @@ def _lines(ax, result, name, along, across):
         ax.axhline(factor * K, **of_slider)
     if len(ax.lines) > 1:
         ax.legend()
+    show_constant(ax)
     if is_wide(found):
         ax.set_yscale("log")
     elif (np.nan_to_num(scaled) >= 0.0).all():
@@ -130,7 +132,9 @@ def _map(fig, ax, result, name, dims):
         style, ticks = _colors(values)
         colored = ax.pcolormesh(along.edges, across.edges, values, rasterized=True, **style)
         text = in_unit(label(name) if name == "V_max" else WORDS[name], unit)
-        fig.colorbar(colored, ax=ax, location="top", label=text, ticks=ticks)
+        bar = fig.colorbar(colored, ax=ax, location="top", label=text, ticks=ticks)
+        if isinstance(colored.norm, LogNorm):
+            plain_ticks(bar.ax.xaxis, values[np.isfinite(values)])
     if (failed := _failed(result, dims)).any():
         gray = np.where(failed, 1.0, np.nan)
         style = {"cmap": "gray", "vmin": 0.0, "vmax": 2.0, "rasterized": True}

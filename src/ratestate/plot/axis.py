@@ -4,8 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model.quantities import QUANTITIES
-from ..labels import in_unit, label, name_and_symbol, prefixed
+from ..model.quantities import QUANTITIES
+from .labels import in_unit, label, name_and_symbol, prefixed
+from .layout import plain_ticks
 
 
 class Axis(NamedTuple):
@@ -20,11 +21,19 @@ class Axis(NamedTuple):
     @property
     def edges(self):
         """(n + 1,) where the cells of a map of n cases begin and end, in `unit`."""
-        values = np.log(self.values) if self.logarithmic else self.values
+        values = self.even
         middle = 0.5 * (values[1:] + values[:-1])
         half = 0.5 * np.diff(values) if values.size > 1 else np.full(1, 0.5)
-        edges = np.concatenate([[values[0] - half[0]], middle, [values[-1] + half[-1]]])
-        return np.exp(edges) if self.logarithmic else edges
+        return self.at(np.concatenate([[values[0] - half[0]], middle, [values[-1] + half[-1]]]))
+
+    @property
+    def even(self):
+        """The values on a scale on which they are evenly spaced, if on any: that of the axis."""
+        return np.log(self.values) if self.logarithmic else self.values
+
+    def at(self, even):
+        """Abscissae of such values."""
+        return np.exp(even) if self.logarithmic else even
 
     def each(self, dim):
         """What a legend says of each value (list of str)."""
@@ -36,6 +45,7 @@ class Axis(NamedTuple):
         axis.set_label_text(in_unit(self.name, self.unit))
         if self.logarithmic:
             axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+            plain_ticks(axis, self.values)
         if self.names:
             axis.set_ticks(self.values, self.names)
 
