@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray
 from numpy.polynomial.chebyshev import Chebyshev, chebpts1
+from rich.console import Console
 
 from ratestate import ParameterError, SolverError, limit_cycle, stability
 from ratestate.paper import (
@@ -301,3 +302,18 @@ def test_written_table(tmp_path):
 def test_unknown_law():
     with pytest.raises(ParameterError, match="'sloth'"):
         claims("sloth")
+
+
+@pytest.mark.parametrize("width", [80, 140])
+def test_the_table_for_the_terminal_keeps_room_for_its_text(width):
+    rows = [claim(scheme={(0.1, 1e-4, 2e-4): (1.9, 4.8)}, note="Why.")]
+    console = Console(width=width)
+    with console.capture() as text:
+        console.print(claims_table.terminal(rows, "slip"))
+    lines = text.get().splitlines()
+    assert max(map(len, lines)) <= width
+    claims_cell, values, _ = (len(part) for part in lines[1][1:-1].split("┳"))
+    assert (claims_cell >= 30, values >= 35) == (True, True)
+    for source in ("Paper: ", "Paper's scheme: 1.9, 4.8 mm/s", "Converged: "):
+        assert any(source in line for line in lines)
+    assert any("Why." in line for line in lines)

@@ -81,25 +81,29 @@ def tally(rows):
 
 
 def terminal(rows, law):
-    """A rich Table of the rows, their notes below each claim."""
+    """A rich Table of the rows: notes below each claim, and the values of each below each other."""
     from rich.table import Table
     from rich.text import Text
 
+    first, *sources, last = HEADINGS
     table = Table(
-        *HEADINGS,
+        *(first, "Values", last),
         title=f"Claims, {LAWS[law].name}",
         caption=tally(rows),
         show_lines=True,
         expand=True,
     )
-    for column, ratio in zip(table.columns, (8, 4, 6, 4, 3), strict=True):
+    for column, ratio in zip(table.columns, (5, 6, 2), strict=True):
         column.ratio = ratio
     for row in rows:
         about = Text(f"{row.claim} ").append(f"[{row.where}]", "dim")
         if row.note:
             about.append(f"\n{row.note}", "italic")
-        middle = [Text("\n".join(lines)) for lines in cells(row)]
-        table.add_row(about, *middle, Text(row.verdict, STYLES[row.verdict]))
+        values = Text()
+        for source, lines in zip(sources, cells(row), strict=True):
+            values.append(f"{source}: ", "bold").append("; ".join(lines) + "\n")
+        values.right_crop()
+        table.add_row(about, values, Text(row.verdict, STYLES[row.verdict]))
     return table
 
 

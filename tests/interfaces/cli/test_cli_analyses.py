@@ -224,7 +224,9 @@ def test_a_run_that_runs_away_is_written_and_drawn_up_to_there(options, lab, tmp
     *wrote, error, slider = result.stderr.splitlines()
     assert wrote == [f"wrote {numbers}", f"wrote {picture}"]
     end = float(files.read(numbers).time[-1])
-    assert error.startswith(f"error: simulate stopped at t = {end:.9g} s (quasi_static_instability)")
+    assert error.startswith(
+        f"error: simulate stopped at t = {end:.9g} s (quasi_static_instability)"
+    )
     assert error.endswith("set M to simulate the slip event.")
     assert slider.startswith("SpringSlider(")
     assert picture.read_bytes()[:4] == b"\x89PNG"
