@@ -65,6 +65,7 @@ def known_codes(found):
 @LAWS
 @given(cases=batch_of, spans=st.floats(0.1, 30.0), fate=st.integers(0, 3))
 @bounded
+@pytest.mark.filterwarnings("ignore::ratestate.errors.RunWarning")
 def test_simulate(law, cases, spans, fate):
     slider, p = build(cases, law)
     # The time in which the load point moves Dc, and in which the spring takes up its stress

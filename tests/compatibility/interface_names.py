@@ -21,7 +21,7 @@ DOCUMENTED = re.compile(r"^\.\. auto\w+:: ratestate\.(\S+)", re.MULTILINE)
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
 RESULTS = {
     "stability": lambda: rs.stability(SLIDER, 1e-2),
-    "simulate": lambda: rs.simulate(SLIDER, rs.Loading.constant(1e-2), 0.02),
+    "simulate": lambda: rs.simulate(SLIDER, rs.Loading.constant(1e-2), 0.02, V_start=1e-3),
     "limit_cycle": lambda: rs.limit_cycle(SLIDER, 1e-2, rtol=1e-5),
     "hopf": lambda: rs.hopf(SLIDER),
     "continue_cycle": lambda: rs.continue_cycle(SLIDER, "V_lp", 3.5e-3, 3.3e-3),

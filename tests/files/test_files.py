@@ -26,10 +26,14 @@ RESULTS = {
         "limit_cycle", SLIDER.replace(M=M), V_lp=rs.logspace("V_lp", 1, 2, 2)
     ),
     "runs": lambda: rs.simulate(
-        SLIDER.replace(M=M + 1.0), rs.Loading.constant(1e-3), 0.1, times=[0.0, 0.05, 0.1]
+        SLIDER.replace(M=M + 1.0),
+        rs.Loading.constant(1e-3),
+        0.1,
+        V_start=9e-4,
+        times=[0.0, 0.05, 0.1],
     ),
     "record": lambda: rs.simulate(
-        SLIDER, rs.Loading.series(np.linspace(0, 1, 1200), np.full(1200, 1e-3)), 1e-3
+        SLIDER, rs.Loading.series(np.linspace(0, 1, 1200), np.full(1200, 1e-3)), 1e-3, V_start=9e-4
     ),
 }
 
