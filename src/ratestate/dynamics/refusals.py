@@ -1,4 +1,4 @@
-"""What functions say of arguments that are of no use, and of branches that end early.
+"""What functions say of arguments that they cannot use, of idle runs, of branches that end early.
 
 Every `ParameterError` that this package makes is a sentence of refusals.toml, but for that of a
 status of the engine, whose text is engine/statuses.toml's (`simulation.cases.failure`).

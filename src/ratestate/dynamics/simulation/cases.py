@@ -102,9 +102,7 @@ def failure(function, slider, status, t=None, best=None):
     RIGID_REST: ParameterError; RUNAWAY: QuasiStaticInstability; NO_CONVERGENCE: NotConverged; any
     other: SolverError.
 
-    best : what the exception carries
-
-    function : its name; t : when it ended [s], or None
+    function : its name; t : when it ended [s], or None; best : what the exception carries
     """
     name, text = STATUSES[int(status)]
     if status == RIGID_REST:
