@@ -51,11 +51,12 @@ def announce(kernel, law):
     """
     if _is_there(kernel, law):
         return
-    if (kernel, law) not in _announced:
-        another = "another part of " if _announced else ""
-        _announced.add((kernel, law))
+    process = _elsewhere.pop((kernel, law), None)
+    another = "another part of " if _announced else ""
+    if (kernel, law) not in _announced and not (process and another):
         report(f"compiling {another}the solver for this machine, once, about 10 s")
-    if process := _elsewhere.pop((kernel, law), None):
+    _announced.add((kernel, law))
+    if process:
         process.wait()
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import typer
 import xarray
 
+from ...dynamics.cycles.compilation import compile_cycles_elsewhere
 from ...dynamics.progress import on_terminal
 from ...dynamics.verdict import verdict_of_cycle
 from ...dynamics.whole_contact import OF_CONTACT
@@ -20,7 +21,7 @@ from .command import pairs_of
 from .document import document, failed
 from .exits import FAILED, SOME_FAILED
 from .output import print_json, print_line, print_rich
-from .verdict_text import VerdictText, verdict_text
+from .verdict_text import VerdictText, speed_of_verdict, verdict_text
 
 #: the largest result of a sweep in memory: some 2e7 cases of limit_cycle or stability
 MOST_BYTES = 3 * 10**9
@@ -49,6 +50,7 @@ def do(
     run that no quasi-static motion continues.
     """
     output = output_paths(scenario, out, plot)
+    compile_ahead(scenario)
     problem = None
     try:
         result = compute(scenario)
@@ -91,6 +93,14 @@ def swept_dims(scenario: Scenario) -> list[str]:
     values = filter(is_array, [*slider.values.values(), *settings.values(), speeds])
     dims = dict.fromkeys(str(dim) for value in values for dim in value.dims)
     return [dim for dim in dims if dim not in ("segment", "time")]
+
+
+def compile_ahead(scenario: Scenario) -> None:
+    """Let what the verdict on a run needs be compiled beside what the run needs."""
+    if scenario.verb == "simulate" and not swept_dims(scenario):
+        slider = scenario.slider
+        if speed_of_verdict(scenario.settings["loading"]) and float("inf") > slider.K:
+            compile_cycles_elsewhere(slider.law)
 
 
 def compute(scenario: Scenario) -> xarray.Dataset:

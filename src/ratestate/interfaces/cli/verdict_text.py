@@ -9,6 +9,7 @@ from ...dynamics.simulation.undisturbed import OTHER_START
 from ...dynamics.verdict import Verdict, verdict, verdict_of_cycle
 from ...dynamics.verdict_sentences import RUNAWAY
 from ...engine.model import FINISHED
+from ...model.loading import Loading
 from ...model.sentences import Sentences
 from ..scenario import Scenario
 
@@ -37,16 +38,26 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
             return _on_attractor(verdict_of_cycle(slider, settings["V_lp"], result))
         case "stability":
             return _on_attractor(verdict(slider, settings["V_lp"]))
-    loading = settings["loading"]
-    if loading.shape is not None:  # the motion under a varying speed is unknown
-        at_mean = verdict(slider, loading.shape.V_lp)
-        about = SENTENCES("about.steady_sliding", V_lp=at_mean.V_lp)
-        return VerdictText(about, None, "\n".join(at_mean.of_steady_sliding))
+    V_lp = speed_of_verdict(settings["loading"])
+    if V_lp is None:
+        return None
+    attractor = verdict(slider, V_lp)
+    if settings["loading"].shape is None:
+        return _on_attractor(attractor, *_not_reached(attractor, result))
+    # the motion under a varying speed is unknown
+    about = SENTENCES("about.steady_sliding", V_lp=V_lp)
+    return VerdictText(about, None, "\n".join(attractor.of_steady_sliding))
+
+
+def speed_of_verdict(loading: Loading) -> float | None:
+    """The constant speed [m/s] that the verdict on a run under a loading is about.
+
+    Where the loading has a shape, such as a sinusoid, its mean; None after a record, a hold, a ramp.
+    """
+    if loading.shape is not None:
+        return float(loading.shape.V_lp)
     V, rate = float(loading.V[-1]), float(loading.rate[-1])
-    if loading.t_last < float("inf") or V == 0.0 or rate != 0.0:
-        return None  # a record, a hold, a ramp
-    attractor = verdict(slider, V)
-    return _on_attractor(attractor, *_not_reached(attractor, result))
+    return None if loading.t_last < float("inf") or V == 0.0 or rate != 0.0 else V
 
 
 def _on_attractor(verdict: Verdict, *more: str) -> VerdictText:
