@@ -175,7 +175,8 @@ def test_a_kernel_is_compiled_once():
     many = slider.replace(M=rs.logspace("M", 3e3, 3.1e3, 2))
     for one in (slider, many):
         rs.limit_cycle(one, 1e-2)
-        rs.simulate(one, rs.Loading.constant(1e-2), 1e-3, times=np.linspace(0.0, 1e-3, 9)[::2])
+        times = np.linspace(0.0, 1e-3, 9)[::2]
+        rs.simulate(one, rs.Loading.constant(1e-2), 1e-3, V_start=9e-3, times=times)
         escape(one, 3.6e-4)
     t = np.linspace(0.0, 140.0, 400)
     rs.fit(record(SLIDER, STEP, t, noise=1e-4), SLIDER, errors="covariance")
