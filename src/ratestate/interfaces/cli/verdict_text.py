@@ -52,7 +52,7 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
 def speed_of_verdict(loading: Loading) -> float | None:
     """The constant speed [m/s] that the verdict on a run under a loading is about.
 
-    Where the loading has a shape, such as a sinusoid, its mean; None after a record, a hold, a ramp.
+    Of a loading with a shape, such as a sinusoid, its mean; None after a record, a hold, a ramp.
     """
     if loading.shape is not None:
         return float(loading.shape.V_lp)
