@@ -8,6 +8,7 @@ import hypothesis
 import pytest
 
 import ratestate as rs
+from ratestate.friction.laws import LAWS
 
 # Other examples at each run, and more of them: --hypothesis-profile=default.  A busy machine
 # breaks deadlines.
@@ -16,11 +17,13 @@ hypothesis.settings.register_profile(
 )
 hypothesis.settings.load_profile("reproducible")
 
-SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
-#: A kernel's source -> what compiles it, or loads it from the cache
+SLIDERS = [
+    rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law) for law in LAWS
+]
+#: A kernel's source -> what compiles it for a slider's law, or loads it from the cache
 KERNELS = {
-    "return_map.py": lambda: rs.limit_cycle(SLIDER, 1e-2, rtol=1e-3),
-    "march.py": lambda: rs.simulate(SLIDER, rs.Loading.constant(1e-2), 1e-4),
+    "return_map.py": lambda slider: rs.limit_cycle(slider, 1e-2, rtol=1e-3),
+    "march.py": lambda slider: rs.simulate(slider, rs.Loading.constant(1e-2), 1e-4, V_start=1e-3),
 }
 
 
@@ -45,4 +48,5 @@ def pytest_sessionstart():
     for source in sources[first:] + sources[:first]:
         with (Path(rs.__file__).parent / "engine" / source).open() as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
-            KERNELS[source]()
+            for slider in SLIDERS:
+                KERNELS[source](slider)
