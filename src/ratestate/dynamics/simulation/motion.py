@@ -4,6 +4,7 @@ from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
+import pandas
 import xarray
 
 from ...engine.exp import LIMIT
@@ -143,7 +144,8 @@ def motion_variables(call, motion):
     variables["status"] = status_variable(call.batch, motion.status)
     variables |= _observables(call.batch, motion, call.rtol)
     if motion.t.ndim == 1:
-        variables["time"] = xarray.Variable("time", motion.t, attrs("time"))
+        # (to make an index of an array, xarray would import pint)
+        variables["time"] = xarray.IndexVariable("time", pandas.Index(motion.t), attrs("time"))
     else:  # times of its own for each case
         variables["t"] = call.batch.variable(motion.t, "t", "time")
     return variables
