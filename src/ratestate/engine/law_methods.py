@@ -7,6 +7,7 @@ import functools
 import inspect
 
 from numba import types
+from numba.core.imputils import lower_constant
 from numba.extending import (
     NativeValue,
     models,
@@ -44,18 +45,15 @@ def _unbox(law_type, law, context):
     return NativeValue(context.context.get_dummy_value())
 
 
-def register(overload, **options):
-    """Let ``law.name(...)`` in compiled code call that method of the law's class.
-
-    overload : numba's `overload_method`, or that of numba for CUDA
-    options : how methods are compiled
-    """
-    for name, method in METHODS.items():
-
-        @overload(LawType, name, jit_options=options)
-        @functools.wraps(method)  # numba compares the arguments
-        def select(self, *arguments, name=name):
-            return getattr(self.law, name)
+@lower_constant(LawType)  # (a kernel for the GPU has its law as a constant)
+def _constant(context, builder, law_type, law):
+    return context.get_dummy_value()
 
 
-register(overload_method, **INLINED)
+for _name, _method in METHODS.items():
+
+    @overload_method(LawType, _name, jit_options=INLINED)
+    @functools.wraps(_method)  # numba compares the arguments
+    def _of_law(self, *arguments, name=_name):
+        """The function that ``law.name(...)`` is in compiled code, for the GPU too."""
+        return getattr(self.law, name)
