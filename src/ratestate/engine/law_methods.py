@@ -5,6 +5,7 @@ numba knows a law by its type, and so compiles for each law a kernel with that l
 
 import functools
 import inspect
+from typing import Any
 
 from numba import types
 from numba.core.imputils import lower_constant
@@ -50,9 +51,11 @@ def _constant(context, builder, law_type, law):
     return context.get_dummy_value()
 
 
+_overload: Any = overload_method  # (its declared arguments lack jit_options)
+
 for _name, _method in METHODS.items():
 
-    @overload_method(LawType, _name, jit_options=INLINED)
+    @_overload(LawType, _name, jit_options=INLINED)
     @functools.wraps(_method)  # numba compares the arguments
     def _of_law(self, *arguments, name=_name):
         """The function that ``law.name(...)`` is in compiled code, for the GPU too."""
