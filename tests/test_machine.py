@@ -92,7 +92,7 @@ SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3)
 
 def test_too_large_a_request_is_refused_with_its_size(monkeypatch):
     monkeypatch.setattr(machine, "memory", lambda: 64e9)
-    slider = SLIDER.replace(K=rs.logspace("K", 1e8, 1e10, 10**5))
+    slider = SLIDER.replace(K=rs.logspace("K", 1e9, 1e10, 10**5))
     loading, times = rs.Loading.constant(1e-3), np.linspace(0, 1, 10**5)
     told = "the results of 100,000 cases at 100,000 times take 800 GB of memory, and 64 GB are"
     with pytest.raises(rs.ParameterError, match=told) as error:

@@ -40,7 +40,7 @@ RESULTS = {
         SLIDER, rs.Loading.sinusoid(1e-3, 1e-4, period=0.01, t_end=0.02), 0.01, times=[0.0, 0.01]
     ),
     "record": lambda: rs.simulate(
-        SLIDER, rs.Loading.series(np.linspace(0, 1, 1200), np.full(1200, 1e-3)), 1e-3
+        SLIDER, rs.Loading.series(np.linspace(0, 1, 1200), np.full(1200, 1e-3)), 1e-3, V_start=1e-4
     ),
     "cycle": lambda: rs.limit_cycle(SLIDER, 1e-3),
     "cycles": lambda: rs.limit_cycle(SLIDER.replace(M=M), rs.logspace("V_lp", 1e-3, 2e-3, 2)),

@@ -10,6 +10,7 @@ from scipy.stats import norm
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
+from ratestate.friction.laws import SLIP
 from ratestate.records.fitting.diagnostics.identifiability import identifiability
 from ratestate.records.fitting.diagnostics.model_comparison import compare_laws
 from ratestate.records.fitting.diagnostics.search import search_warnings
@@ -41,7 +42,7 @@ STIFF = SLIDER.replace(K=5e12)
 
 def solution_of(data, slider, free=FREE, noise=None):
     checked = record_of(data, slider, loading=None, trend="slip", against="time")
-    return least_squares_fit(checked, slider, 0, free, noise, "steady")
+    return least_squares_fit(checked, slider, SLIP, free, noise, "steady")
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +110,7 @@ def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
     for value, deviance in zip(one.values[[0, -1]], one.deviance[[0, -1]], strict=True):
         slider = SLIDER.replace(K=float(np.exp(value)))
         other = least_squares_fit(
-            solution.problem.record, slider, 0, ("a", "b", "Dc"), solution.noise, "steady"
+            solution.problem.record, slider, SLIP, ("a", "b", "Dc"), solution.noise, "steady"
         )
         assert other.chi2 - solution.chi2 == pytest.approx(deviance, abs=2e-3)
         assert deviance > ROOTS[-1] ** 2
@@ -570,7 +571,9 @@ def test_which_bound_an_estimate_has_run_to():
 def test_a_start_at_its_bound_is_told_in_words(good):
     """By the names under which it is reported, with what can be done: it cannot be fixed."""
     checked = record_of(good, SLIDER, loading=None, trend="slip", against="time")
-    found = infer(least_squares_fit(checked, SLIDER, 0, ("a",), None, "free"), None, "covariance")
+    found = infer(
+        least_squares_fit(checked, SLIDER, SLIP, ("a",), None, "free"), None, "covariance"
+    )
     assert not [*search_warnings(found)]
     at = [found.solution.unknowns.names.index(name) for name in START]
     point = found.solution.point.copy()

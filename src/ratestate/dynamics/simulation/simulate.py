@@ -129,7 +129,7 @@ def simulate(
     start = {"V_start": V_start, "initial": initial}
     call = simulate_call(slider, loading, t_end, times=times, **start, **settings)
     if text := undisturbed_warning([call]):
-        warnings.warn(text, RunWarning, stacklevel=2)
+        warnings.warn(text, RunWarning, stacklevel=3)  # (past `keywords_checked`)
     with bar("simulate") as progress:
         return call.result(progress)
 
