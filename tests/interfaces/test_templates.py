@@ -223,7 +223,7 @@ def test_brake():
     assert float(slider.eta(20e-3)) < 1 < float(theory.eta)
     assert slider.K_c(20e-3) < slider.K < slider.K_c(50e-3)
     assert 0.5 < float(result.frequency) / slider.f_n < 1
-    early = result.tau.sel(time=slice(0, 0.0999))
+    early = result.tau.sel(time=slice(0, 0.00499))
     assert early.max() - early.min() < 1e-6 * slider.sigma
     assert 0.02 < float(result.amplitude) < 0.04
 

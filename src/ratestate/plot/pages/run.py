@@ -91,7 +91,8 @@ def _motion(run, title, result):
     panels = [["a", "c"], ["b", "d"]] if cycles > MANY else [["a", "c"], ["b", "c"]]
     axes = fig.subplot_mosaic(panels, width_ratios=[1.5, 1])
     axes["a"].sharex(axes["b"])
-    trace(run, axes["a"])
+    # (of lines that run together, dashes would make a pattern)
+    trace(run, axes["a"], mu={"ls": "-"} if cycles > MANY else None)
     axes["a"].label_outer()
     force_axis(run, axes["a"])
     axes["a"].legend(ncols=2, **ABOVE)
