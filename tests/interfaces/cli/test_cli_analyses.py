@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from paths import TEMPLATES
 from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate import files
 from ratestate.dynamics.verdict import verdict
-from ratestate.interfaces.cli import main
+from ratestate.interfaces.cli import main, run_scenario
 from ratestate.interfaces.scenario import load, model
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.solve import bytes_per_case, form_of
@@ -634,3 +635,19 @@ def test_colours_are_for_terminals(lab, monkeypatch):
     assert "\x1b[" in call("stability", lab).stdout
     monkeypatch.setenv("NO_COLOR", "1")
     assert "\x1b" not in call("stability", lab).stdout
+
+
+@pytest.mark.parametrize(
+    ("name", "laws"),
+    [("lab", ["aging"]), ("brake", ["slip"]), ("sinusoid", ["slip"]), ("recorded-loading", [])]
+    + [("fig3", []), ("rigid", []), ("stability", [])],
+)
+def test_what_the_verdict_on_a_run_needs_is_compiled_beside_the_run(name, laws, monkeypatch):
+    asked = []
+    monkeypatch.setattr(run_scenario, "compile_cycles_elsewhere", asked.append)
+    file = TEMPLATES / f"{'lab' if name in ('rigid', 'stability') else name}.toml"
+    scenario = load(file, "stability" if name == "stability" else None)
+    if name == "rigid":
+        scenario = dataclasses.replace(scenario, slider=scenario.slider.replace(K=math.inf))
+    run_scenario.compile_ahead(scenario)
+    assert asked == laws
