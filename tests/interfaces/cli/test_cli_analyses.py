@@ -637,11 +637,11 @@ def test_colours_are_for_terminals(lab, monkeypatch):
     assert "\x1b" not in call("stability", lab).stdout
 
 
-@pytest.mark.parametrize(
-    ("name", "laws"),
-    [("lab", ["aging"]), ("brake", ["slip"]), ("sinusoid", ["slip"]), ("recorded-loading", [])]
-    + [("fig3", []), ("rigid", []), ("stability", [])],
-)
+NEEDED = {"lab": ["aging"], "brake": ["slip"], "sinusoid": ["slip"]}
+NEEDED |= dict.fromkeys(("recorded-loading", "fig3", "rigid", "stability"), [])
+
+
+@pytest.mark.parametrize(("name", "laws"), NEEDED.items(), ids=NEEDED)
 def test_what_the_verdict_on_a_run_needs_is_compiled_beside_the_run(name, laws, monkeypatch):
     asked = []
     monkeypatch.setattr(run_scenario, "compile_cycles_elsewhere", asked.append)
