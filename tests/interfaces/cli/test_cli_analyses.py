@@ -638,7 +638,7 @@ def test_colours_are_for_terminals(lab, monkeypatch):
 
 
 NEEDED = {"lab": ["aging"], "brake": ["slip"], "sinusoid": ["slip"]}
-NEEDED |= dict.fromkeys(("recorded-loading", "fig3", "rigid", "stability"), [])
+NEEDED |= {name: [] for name in ("recorded-loading", "fig3", "rigid", "stability")}
 
 
 @pytest.mark.parametrize(("name", "laws"), NEEDED.items(), ids=NEEDED)
