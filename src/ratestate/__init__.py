@@ -81,6 +81,8 @@ _HOMES = {
     "stability": "dynamics.steady_sliding",
     "sweep": "sweeps.sweep",
 }
+#: packages that are where they are documented
+_PACKAGES = ("files", "paper", "plot")
 #: module as it is documented, and was when all modules lay side by side -> where it is now
 _MODULES = {
     "atlas": "dynamics.atlas",
@@ -107,6 +109,8 @@ def __getattr__(name: str) -> Any:
         value = version("ratestate")
     elif name in _HOMES:
         value = getattr(import_module(f"ratestate.{_HOMES[name]}"), name)
+    elif name in _PACKAGES:
+        value = import_module(f"ratestate.{name}")
     elif name in _MODULES:
         value = import_module(f"ratestate.{_MODULES[name]}")
     else:

@@ -108,7 +108,10 @@ def to_si(symbol, value, *, label=None, bound=None):
             raise ParameterError(
                 f"{label} = {given} is not a number with a unit; {expected(symbol)}"
             )
-        x = _convert(symbol, match[1], match[2], f"{label} = {given}")
+        if match[2] or Decimal(match[1]).is_finite():
+            x = _convert(symbol, match[1], match[2], f"{label} = {given}")
+        else:
+            x = float(match[1])  # "inf" is the same in all units
     else:
         x = _real(symbol, value, label)
         given = _shown(symbol, x)

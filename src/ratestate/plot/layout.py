@@ -13,7 +13,7 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, Nul
 from ..dynamics.results import parameter
 from ..files import replace
 from ..model.units import is_array
-from .labels import value_text
+from .labels import RED, value_text
 
 DPI = 300
 #: parameters in a caption
@@ -27,6 +27,9 @@ FEW_DECADES = 2.5
 #: change over size up to which data are constant, but for rounding; the range then shown on
 #: either side, over size
 CONSTANT, AROUND = 1e-6, 0.05
+
+#: what a legend says of cases whose motion leaves the domain of the friction law
+OUTSIDE = "outside the friction law's domain"
 
 #: decorator of the functions that draw
 styled = rc_context(
@@ -80,6 +83,17 @@ def show_constant(ax):
             around[:, i] = low - AROUND * size, high + AROUND * size
             ax.update_datalim(around)
     ax.autoscale_view()
+
+
+def outside_rings(ax, x, y, outside):
+    """Put rings around the points whose motion leaves the domain of the friction law, if any.
+
+    x, y, outside : arrays of one shape
+    """
+    if outside.any():
+        look = {"mfc": "none", "mec": RED, "mew": 0.7, "ms": 5, "ls": "", "zorder": 4}
+        name = "_" if OUTSIDE in ax.get_legend_handles_labels()[1] else OUTSIDE
+        ax.plot(x[outside], y[outside], "o", label=name, **look)
 
 
 def plain_ticks(axis, values):

@@ -14,6 +14,7 @@ from ...engine.model import (
     Cases,
 )
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
+from ..refusals import sentence
 from ..results import columns
 
 # [m/s] Beyond this a quasi-static run that does not slow down (`laws`) has met its instability.
@@ -108,6 +109,8 @@ def failure(function, slider, status, t=None, best=None):
     if status == RIGID_REST:
         return ParameterError(f"{text}.\n{slider!r}")
     when = "" if t is None else f" at t = {t:.9g} s"
+    if status == RUNAWAY and slider.K_c_qs > 0.0:
+        text = sentence("failure.runaway", slider=slider, ratio=slider.K / slider.K_c_qs, text=text)
     message = f"{function} stopped{when} ({name}): {text}.\n{slider!r}"
     kinds = {RUNAWAY: QuasiStaticInstability, NO_CONVERGENCE: NotConverged}
     return kinds.get(int(status), SolverError)(message, best)

@@ -56,7 +56,7 @@ def move(call, progress):
         alone = batch.alone
         results = run_cases(call.method, law, cases, loads, save_times, which, alone, progress)
         if own_steps:
-            t = rigid.grid(loading.t, table[0], t_end[0], batch.flat("Dc")[0])
+            t = rigid.grid(loading.t, table[0], rates[0], t_end[0], batch.flat("Dc")[0])
             states = np.full((1, t.size, 3), np.nan)
         else:
             t = saved_at(batch, times)

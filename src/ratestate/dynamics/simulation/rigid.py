@@ -82,17 +82,20 @@ def _lowest_friction(law, psi0, segments, end, p):
     return lowest
 
 
-def grid(starts, V, t_end, Dc):
+def grid(starts, V, rate, t_end, Dc):
     """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints.
 
     (n,) distinct, from 0 to t_end: each segment in 100 parts, and in 200 its first 10 Dc at the
     speed of its start.  More than 100 breakpoints, 0 and t_end among them: these alone.  A segment
-    that starts at rest: the 100 parts alone.
+    that starts at rest: the 100 parts alone.  Before each jump of V also the last time that is
+    still before it, so that the motion has both of its sides.
     """
     breaks = np.append(starts[starts < t_end], t_end)
+    jump = ~np.isclose(V[1:], V[:-1] + rate[:-1] * np.diff(starts), rtol=1e-9, atol=0.0)
+    jumps = starts[1:][jump & (starts[1:] < t_end)]
+    pieces = [np.zeros(1), np.nextafter(jumps, 0.0)]
     if len(breaks) > 100:  # a sampled record: its own rows
-        return breaks
-    pieces = [np.zeros(1)]
+        return np.unique(np.concatenate([*pieces, breaks]))
     for k, (begin, end) in enumerate(itertools.pairwise(breaks)):
         near = begin + np.linspace(0.0, 10.0 * Dc / max(V[k], 1e-300), 201)[1:]
         pieces += [near[near < end], np.linspace(begin, end, 101)[1:]]

@@ -4,6 +4,7 @@ import functools
 import importlib
 import inspect
 import itertools
+import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -60,7 +61,7 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
         inspect.Parameter("context", kind, annotation=typer.Context),
     ]
     wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    wrapped.__doc__ = f"{inspect.getdoc(function)}\n\n{EXIT_CODES}"
+    wrapped.__doc__ = f"{_literal(inspect.getdoc(function) or '')}\n\n{EXIT_CODES}"
     return wrapped
 
 
@@ -84,10 +85,17 @@ def law_of(text: str) -> str:
         raise typer.BadParameter(str(error), param_hint="'--law'") from None
 
 
+def _literal(text: str) -> str:
+    """A text for typer, which takes a word in brackets, such as [output], for markup."""
+    return re.sub(r"\[(?=[a-z#/@])", r"\\[", text)
+
+
 def _described(
     parameter: inspect.Parameter, name: str = "", **description: Any
 ) -> inspect.Parameter:
     """A parameter as typer takes it; `name` of an option that is not called as the parameter."""
+    if "help" in description:
+        description["help"] = _literal(description["help"])
     if parameter.kind is inspect.Parameter.KEYWORD_ONLY:
         option = name or f"--{parameter.name.replace('_', '-')}"
         described: Any = typer.Option(option, **description)

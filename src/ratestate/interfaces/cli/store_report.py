@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     """Print how a sweep into a store ended; return the number of failed cases."""
     from ...sweeps.status import failures, store_status
+    from .report.domain import outside_lines
     from .report.sweep import failed_lines
 
     status = store_status(store)
@@ -23,7 +24,9 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
         names = ("at", "status", "message")
         _print_json(status, failures=[dict(zip(names, one, strict=True)) for one in failed])
     else:
-        print_line("\n".join([_summary(status), *(failed_lines(result) if status.failed else [])]))
+        outside = outside_lines(result, "cases", [str(dim) for dim in result["status"].dims])
+        failed_cases = failed_lines(result) if status.failed else []
+        print_line("\n".join([_summary(status), *outside, *failed_cases]))
     return status.failed
 
 

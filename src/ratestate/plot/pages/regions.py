@@ -6,6 +6,8 @@ import numpy as np
 import xarray
 from contourpy import contour_generator
 from matplotlib.collections import LineCollection
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
 from ...dynamics.cycles.regimes import STEADY, UNKNOWN, classify
@@ -13,9 +15,12 @@ from ...dynamics.results import parameter
 from ...friction.stability import K_c
 from ...model.units import is_array
 from ..labels import label
+from ..layout import OUTSIDE
 
 #: makes lines and text readable on any colour
 HALO = [withStroke(linewidth=1.8, foreground="w")]
+#: codes of the path round a cell
+CELL = [Path.MOVETO, *3 * [Path.LINETO], Path.CLOSEPOLY]
 # Parts of a map's height that a line of text takes, and of its width that a letter takes.
 HEIGHT, LETTER = 0.07, 0.027
 # Points of a finer grid between two cases, along either axis.
@@ -24,14 +29,19 @@ FINER = 8
 ODD: Any = {"mode": "reflect", "reflect_type": "odd"}
 
 
-def divide(fig, axes, result, dims, along, across):
-    """Draw V_c into the maps of a sweep, and write what each region is into the first.
+def divide(fig, axes, result, dims, along, across, outside):
+    """Draw V_c into the maps of a sweep, hatch some cases, and write what each region is.
 
     Regions are regimes of limit cycles, or where steady sliding is stable; runs have none.  One
     that has no room for its name has none, and axes of unordered values have no V_c.
 
     dims : of the result, vertical and horizontal; across, along : their `Axis`
+    outside : of each case, whether its motion leaves the domain of the friction law
     """
+    marks, texts = [], []
+    if outside.any():
+        marks = [_hatch(ax, along, across, outside) for ax in axes][:1]
+        texts = [OUTSIDE]
     lines = []
     for x, y in _critical(result, dict(zip(dims, (across, along), strict=True))):
         for ax in axes:
@@ -39,7 +49,9 @@ def divide(fig, axes, result, dims, along, across):
             lines += ax.plot(x, y, color="k", lw=1.1, path_effects=HALO)
     if lines:
         text = label("V_c") if "V_lp" in dims else f"{label('K')} = {label('K_c')}"
-        fig.legend(lines[:1], [f"{text}: edge of stable sliding"], loc="upper right")
+        marks, texts = [lines[0], *marks], [f"{text}: edge of stable sliding", *texts]
+    if marks:
+        fig.legend(marks, texts, loc="upper right")
     if "inertia" in result:
         names = classify(result).regime.transpose(*dims).values
         _separate(axes[0], along, across, np.where(names == STEADY, UNKNOWN, names))
@@ -96,6 +108,17 @@ def _finer(value, axes):
                 at = value.dims.index(dim), scale(found), _numbers(axis)
                 found = back(np.apply_along_axis(_between, *at))
     return xarray.DataArray(found, dims=value.dims)
+
+
+def _hatch(ax, along, across, cases):
+    """Hatch the cells of these cases; the patch, for a legend."""
+    x, y = along.edges, across.edges
+    cells = [
+        Path([(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1]), (0, 0)], CELL)
+        for i, j in np.argwhere(cases)
+    ]
+    look = {"hatch": "////", "fc": "none", "ec": "w", "lw": 0.0, "hatch_linewidth": 0.5}
+    return ax.add_patch(PathPatch(Path.make_compound_path(*cells), **look))
 
 
 def _separate(ax, along, across, names):

@@ -8,7 +8,16 @@ from ...engine.model import FINISHED, STEADY_SLIDING
 from ...model.quantities import QUANTITIES
 from ..axis import axis_of, prefix_of
 from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label
-from ..layout import figure, is_wide, letters, plain_ticks, shades, show_constant, styled
+from ..layout import (
+    figure,
+    is_wide,
+    letters,
+    outside_rings,
+    plain_ticks,
+    shades,
+    show_constant,
+    styled,
+)
 from .regions import divide
 
 #: variable -> what an axis is called
@@ -52,7 +61,7 @@ def sweep_page(result, function, dims):
             _map(fig, ax, result, name, dims)
         across, along = (axis_of(result, dim) for dim in dims)
         across.dress(axes[0].yaxis)
-        divide(fig, axes, result, dims, along, across)
+        divide(fig, axes, result, dims, along, across, _outside(result, dims))
     letters(axes)
     return fig
 
@@ -70,6 +79,13 @@ def _failed(result, dims):
     if "status" not in result:
         return np.zeros([result.sizes[dim] for dim in dims], bool)
     return ~np.isin(result["status"].transpose(*dims).values, (FINISHED, STEADY_SLIDING))
+
+
+def _outside(result, dims):
+    """Cases whose motion leaves the domain of the friction law, in these dimensions."""
+    if "outside_domain" not in result:
+        return np.zeros([result.sizes[dim] for dim in dims], bool)
+    return result["outside_domain"].transpose(*dims).values > 0
 
 
 def _has_none(ax, values):
@@ -103,6 +119,10 @@ def _lines(ax, result, name, along, across):
     if name == "K_c" and np.ndim(K := parameter(result, "K")) == 0:
         of_slider = {"color": GRAY, "lw": 0.9, "ls": "--", "label": f"{label('K')} of the slider"}
         ax.axhline(factor * K, **of_slider)
+    for rows in scaled:
+        outside_rings(
+            ax, np.broadcast_to(x, rows.shape), rows, np.atleast_2d(_outside(result, dims))
+        )
     if len(ax.lines) > 1:
         ax.legend()
     show_constant(ax)

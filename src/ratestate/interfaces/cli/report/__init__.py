@@ -4,6 +4,7 @@
 ``single``                      a run, a cycle, stability, a branch
 ``sweep``                       a sweep: how cases ended, ranges, failed cases
 ``fit``                         a fit, in the fullest layout that the terminal has room for
+``domain``                      cases that leave the domain of the friction law
 ``rows``                        rows about one slider: what stands for NaN and inf
 ``markdown``, ``markdown.toml`` report.md of a fit, and its sentences
 =============================== ===========================================================

@@ -73,6 +73,14 @@ def shown(symbol: str, x: float, units: Units, digits: int = DIGITS) -> str:
     return f"{value:.{digits}g} {units[symbol]}"
 
 
+def place(where: dict[Any, Any]) -> str:
+    """Which case: its values along the axes, name -> value, as text with units."""
+    return ", ".join(
+        f"{dim} = {readable(dim, float(x), DIGITS)}" if dim in QUANTITIES else f"{dim} = {x}"
+        for dim, x in where.items()
+    )
+
+
 def table(title: str, rows: list[Row], units: Units) -> list[Any]:
     """[title, table of the rows]; with a column of errors only if a row has one."""
     errors = any(one.error is not None for one in rows)

@@ -13,6 +13,7 @@ from ....dynamics.verdict_sentences import on_edge
 from ....dynamics.whole_contact import whole_contact
 from ....engine.model import STEADY_SLIDING
 from ....model.quantities import readable, readable_multiplier, readable_time
+from .domain import outside_lines
 from .rows import (
     DIGITS,
     FEW_DIGITS,
@@ -71,15 +72,16 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
     if on_edge(K, K_c):
         holds = "on the edge of stability"
     limit = {0.0: "unstable at any speed", math.inf: "stable at any speed"}
-    frequency = readable("f_n", omega / (2 * math.pi), 4)
+    frequency, hopf = (_in_hertz(float(x)) for x in (omega, result.omega_c))
+    ratio = f"{K / K_c:.4g} K_c" if K_c > 0.0 else ""
     e_folding = ""
     if growth != 0.0 and math.isfinite(growth):
         what = "grows" if growth > 0.0 else "decays"
         e_folding = f"{what}; e-folding time {readable_time(1.0 / abs(growth), DIGITS)}"
     rows = [
-        row("K", K, f"{K / K_c:.4g} K_c" if math.isfinite(K) else "rigid"),
-        row("K_c", K_c, "unstable where K < K_c"),
-        row("K_c_qs", result.K_c_qs, "without inertia"),
+        row("K", K, ratio if math.isfinite(K) else "rigid"),
+        _critical("K_c", K_c, "unstable where K < K_c"),
+        _critical("K_c_qs", float(result.K_c_qs), "without inertia"),
         row("V_lp", V),
         row("V_c", V_c, limit.get(V_c) or f"V_lp is {V / V_c:.4g} V_c"),
         row("eta", result.eta, "share by which inertia raises K_c"),
@@ -88,8 +90,21 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
         row("omega", omega, frequency if omega else "non-oscillatory"),
     ]
     if not math.isnan(float(result.omega_c)):
-        rows.append(row("omega_c", result.omega_c))
+        change = "lowered" if K_c < K else "raised"
+        rows.append(
+            row("omega_c", result.omega_c, f"{hopf}, if K were {change} to K_c at this speed")
+        )
     return table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows, units)
+
+
+def _critical(symbol: str, K: float, remark: str) -> Row:
+    """The row of a critical stiffness, which is not > 0 where friction does not weaken."""
+    return row(symbol, K, remark) if K > 0.0 else row(symbol, math.inf, "stable at any stiffness")
+
+
+def _in_hertz(omega: float) -> str:
+    """An angular frequency [rad/s] as a frequency."""
+    return readable("frequency", omega / (2 * math.pi), 4)
 
 
 def cycle(result: xarray.Dataset, units: Units) -> list[Any]:
@@ -122,16 +137,20 @@ def branch(result: xarray.Dataset, units: Units) -> list[Any]:
     """The bifurcation points of a branch, and the stability of cycles between them."""
     symbol = branch_parameter(result)
     stable = result.stable.values.astype(bool)
+    cycles = result.isel(point=result.amplitude.values > 0.0)  # without Hopf points
+    number = int(cycles.stable.sum())
     low, high = (readable(symbol, float(x)) for x in (result[symbol].min(), result[symbol].max()))
     worst = float(result.error.max())
     title = (
-        f"A branch of {result.sizes['point']} limit cycles, {symbol} from {low} to {high}, "
-        f"{int(stable.sum())} of them stable; relative error up to {worst:.1g}"
+        f"A branch of {cycles.sizes['point']} limit cycles, {symbol} from {low} to {high}, "
+        f"{'all' if number == cycles.sizes['point'] else number} of them stable; "
+        f"relative error up to {worst:.1g}"
     )
     layouts = (
         [_special_points(result, symbol, stable, units, digits)] for digits in (DIGITS, FEW_DIGITS)
     )
-    return [Text(title, style="bold"), FirstThatFits(*layouts)]
+    outside = map(Text, outside_lines(cycles, "cycles", [symbol]))
+    return [Text(title, style="bold"), *outside, FirstThatFits(*layouts)]
 
 
 def _special_points(

@@ -9,7 +9,8 @@ from rich.text import Text
 
 from ....engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ....model.quantities import QUANTITIES, readable
-from .rows import DIGITS, FirstThatFits, Units, plain_table, shown
+from .domain import outside_lines
+from .rows import FirstThatFits, Units, place, plain_table, shown
 
 LISTED = 20  # failed cases, at most
 #: function -> variables whose range is printed
@@ -23,9 +24,11 @@ RANGES = {
 def cases(result: xarray.Dataset, verb: str, units: Units) -> list[Any]:
     """All about a sweep: its axes, how cases ended, ranges of finite values, failed cases."""
     status = result["status"]
-    axes = ", ".join(_axis(result, str(dim)) for dim in status.dims)
-    title = f"{status.size:,} cases of {verb} over {axes}"
-    lines = [Text(title, style="bold"), Text(_outcomes(status.values, verb)), Text("")]
+    axes = [str(dim) for dim in status.dims]
+    over = ", ".join(_axis(result, dim) for dim in axes)
+    title = f"{status.size:,} cases of {verb} over {over}"
+    about = [_outcomes(status.values, verb), *outside_lines(result, "cases", axes), ""]
+    lines = [Text(title, style="bold"), *map(Text, about)]
     return [*lines, _ranges(result, verb, units), *map(Text, failed_lines(result))]
 
 
@@ -72,7 +75,7 @@ def _cells(values: xarray.DataArray, index: dict[Any, Any], units: Units) -> tup
     """A value, and where it is."""
     one = values.isel(index)
     where = {dim: one[dim].item() if dim in one.coords else int(index[dim]) for dim in index}
-    return shown(str(values.name), float(one), units), _place(where)
+    return shown(str(values.name), float(one), units), place(where)
 
 
 def failed_lines(result: xarray.Dataset) -> list[str]:
@@ -80,13 +83,5 @@ def failed_lines(result: xarray.Dataset) -> list[str]:
     from ....sweeps.status import failures
 
     first, number = failures(result, most=LISTED)
-    lines = [f"  {_place(where)}: {name}: {message}" for where, name, message in first]
+    lines = [f"  {place(where)}: {name}: {message}" for where, name, message in first]
     return lines + ([f"  and {number - len(first)} more"] if number > len(first) else [])
-
-
-def _place(where: dict[Any, Any]) -> str:
-    """Which case: its values along the axes, with units."""
-    return ", ".join(
-        f"{dim} = {readable(dim, float(x), DIGITS)}" if dim in QUANTITIES else f"{dim} = {x}"
-        for dim, x in where.items()
-    )
