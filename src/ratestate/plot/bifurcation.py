@@ -10,7 +10,7 @@ from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
 from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, in_unit, name_and_symbol, prefixed
 from .labels import label as symbol_text
-from .layout import figure, is_wide, letters, outside_rings, styled
+from .layout import figure, is_wide, letters, mark_outside, styled
 
 STABLE, UNSTABLE = {"ls": "-", "lw": 1.6}, {"ls": DASHED, "lw": 1.1}
 # Ratio of the parameter's ends up to which a logarithmic axis would have no room for its ticks.
@@ -99,7 +99,7 @@ def _diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
     _pieces(ax, at, np.zeros_like(at), stable, "k", _by_stability("steady sliding"))
     _pieces(ax, x, amplitude, _stable_pieces(data), color, _by_stability(label))
     if "outside_domain" in data:
-        outside_rings(ax, x, amplitude, (data.outside_domain.values > 0) & (amplitude > 0.0))
+        mark_outside(ax, x, amplitude, (data.outside_domain.values > 0) & (amplitude > 0.0))
     for kind, (name, marker, face) in MARKS.items():
         if (here := special == kind).any():
             style = {"mfc": face, "mec": "k", "mew": 0.8, "ms": 4.5, "zorder": 5}

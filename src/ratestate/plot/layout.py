@@ -13,7 +13,7 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, Nul
 from ..dynamics.results import parameter
 from ..files import replace
 from ..model.units import is_array
-from .labels import RED, value_text
+from .labels import value_text
 
 DPI = 300
 #: parameters in a caption
@@ -85,15 +85,13 @@ def show_constant(ax):
     ax.autoscale_view()
 
 
-def outside_rings(ax, x, y, outside):
-    """Put rings around the points whose motion leaves the domain of the friction law, if any.
+def mark_outside(ax, x, y, outside):
+    """Underlay points whose motion leaves the domain of the friction law; the list of lines drawn.
 
-    x, y, outside : arrays of one shape
+    Empty if there are none.  x, y, outside : arrays of one shape
     """
-    if outside.any():
-        look = {"mfc": "none", "mec": RED, "mew": 0.7, "ms": 5, "ls": "", "zorder": 4}
-        name = "_" if OUTSIDE in ax.get_legend_handles_labels()[1] else OUTSIDE
-        ax.plot(x[outside], y[outside], "o", label=name, **look)
+    look = {"color": "#f4a6a6", "ms": 7, "mew": 0, "ls": "", "zorder": 1, "label": OUTSIDE}
+    return ax.plot(x[outside], y[outside], "o", **look) if outside.any() else []
 
 
 def plain_ticks(axis, values):

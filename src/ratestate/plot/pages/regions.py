@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from contourpy import contour_generator
 from matplotlib.collections import LineCollection
-from matplotlib.patches import PathPatch
+from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
@@ -19,6 +19,8 @@ from ..layout import OUTSIDE
 
 #: makes lines and text readable on any colour
 HALO = [withStroke(linewidth=1.8, foreground="w")]
+#: look of the cells outside the friction law's domain
+HATCHED = {"hatch": "/////", "fc": "none", "ec": "k", "lw": 0.0, "hatch_linewidth": 0.4}
 #: codes of the path round a cell
 CELL = [Path.MOVETO, *3 * [Path.LINETO], Path.CLOSEPOLY]
 # Parts of a map's height that a line of text takes, and of its width that a letter takes.
@@ -40,8 +42,9 @@ def divide(fig, axes, result, dims, along, across, outside):
     """
     marks, texts = [], []
     if outside.any():
-        marks = [_hatch(ax, along, across, outside) for ax in axes][:1]
-        texts = [OUTSIDE]
+        for ax in axes:
+            ax.add_patch(PathPatch(_cells(along, across, outside), **HATCHED))
+        marks, texts = [Patch(**HATCHED)], [OUTSIDE]
     lines = []
     for x, y in _critical(result, dict(zip(dims, (across, along), strict=True))):
         for ax in axes:
@@ -110,15 +113,14 @@ def _finer(value, axes):
     return xarray.DataArray(found, dims=value.dims)
 
 
-def _hatch(ax, along, across, cases):
-    """Hatch the cells of these cases; the patch, for a legend."""
+def _cells(along, across, cases):
+    """The cells of these cases, as one path."""
     x, y = along.edges, across.edges
     cells = [
         Path([(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1]), (0, 0)], CELL)
         for i, j in np.argwhere(cases)
     ]
-    look = {"hatch": "////", "fc": "none", "ec": "w", "lw": 0.0, "hatch_linewidth": 0.5}
-    return ax.add_patch(PathPatch(Path.make_compound_path(*cells), **look))
+    return Path.make_compound_path(*cells)
 
 
 def _separate(ax, along, across, names):

@@ -1,6 +1,7 @@
 """The page of stability: the slider beside K_c at all speeds, and the least stable mode."""
 
 import numpy as np
+from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
 from ...dynamics.results import parameter
 from ...friction.stability import K_c, eigenvalues
@@ -22,13 +23,16 @@ def stability_page(result):
     near = [V_lp, V_c] if 1e-6 * V_lp < V_c < 1e6 * V_lp else [V_lp]
     V = np.geomspace(min(near) / 10**DECADES, max(near) * 10**DECADES, 401)
     factor, speed = prefixed("m/s", V_lp)
-    left, right = axes = fig.subplots(1, 2)
-    for ax in axes:
+    axes = fig.subplot_mosaic([["a", "b"], ["a", "c"]])
+    for ax in axes.values():
         limits = factor * V[[0, -1]]
         ax.set(xscale="log", xlim=limits, xlabel=f"{label('V_lp')} [{speed}]")
-    _map(left, V, factor, K, V_lp, V_c, values)
-    _mode(right, V, factor, K, V_lp, values)
-    letters(axes, "stiffness beside the critical one", "least stable mode")
+    axes["b"].set_xlabel("")
+    axes["b"].tick_params(labelbottom=False)
+    _map(axes["a"], V, factor, K, V_lp, V_c, values)
+    _mode(axes["b"], axes["c"], V, factor, K, V_lp, values)
+    texts = "growth rate of the least stable mode", "its frequency"
+    letters(axes.values(), "stiffness beside the critical one", *texts)
     return fig
 
 
@@ -44,7 +48,7 @@ def _map(ax, V, factor, K, V_lp, V_c, values):
         region = {"color": "0.9", "lw": 0, "zorder": 0, "label": "unstable"}
         ax.fill_between(factor * V, scale * low, scale * critical, **region)
     else:
-        ax.text(0.5, 0.9, "$b \\leq a$: stable everywhere", transform=ax.transAxes, ha="center")
+        ax.text(0.97, 0.05, "$b \\leq a$: stable everywhere", transform=ax.transAxes, ha="right")
     if V[0] < V_c < V[-1]:
         ax.axvline(factor * V_c, color=GRAY, lw=0.8, ls=":", label=value_text("V_c", V_c))
     if np.isfinite(K):
@@ -56,13 +60,27 @@ def _map(ax, V, factor, K, V_lp, V_c, values):
         ax.legend(loc="upper left")
 
 
-def _mode(ax, V, factor, K, V_lp, values):
-    """Growth and angular frequency per slip of Dc against speed."""
-    first = eigenvalues(V, K=K, **values)[:, 0] * values["Dc"] / V
-    ax.axhline(0.0, color=GRAY, lw=0.7)
-    ax.axvline(factor * V_lp, color=RED, lw=0.8, label="this slider")
-    ax.plot(factor * V, first.real, color="k", lw=1.4, label="growth rate")
-    turns = np.where(first.imag != 0.0, np.abs(first.imag), np.nan)
-    ax.plot(factor * V, turns, color=BLUE, lw=1.2, label="angular frequency")
-    ax.set(ylabel=rf"times $D_c$/{label('V_lp')}")
-    ax.legend(loc="best")
+def _mode(growth, frequency, V, factor, K, V_lp, values):
+    """The growth rate against speed, over decades of either sign, and the frequency."""
+    first = eigenvalues(V, K=K, **values)[:, 0]
+    most = np.abs(first.real).max()
+    ten = 10.0 ** np.floor(np.log10(most))
+    growth.set_yscale("asinh", linear_width=0.01 * most)
+    growth.yaxis.set_major_locator(FixedLocator([-ten, -0.1 * ten, 0.0, 0.1 * ten, ten]))
+    growth.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    growth.yaxis.set_minor_locator(NullLocator())
+    growth.axhline(0.0, color=GRAY, lw=0.7)
+    growth.plot(factor * V, first.real, color="k", lw=1.4)
+    growth.set(ylabel="Growth rate [1/s]")
+    turns = np.abs(first.imag) / (2.0 * np.pi)
+    scale, unit = prefixed("Hz", turns.max())
+    frequency.set(ylabel=f"Frequency [{unit}]")
+    if turns.any():
+        frequency.set_yscale("log")
+        frequency.plot(factor * V, np.where(turns, scale * turns, np.nan), color=BLUE, lw=1.4)
+    else:
+        frequency.set_yticks([])
+        frequency.text(0.97, 0.1, "no oscillation", transform=frequency.transAxes, ha="right")
+    for ax in (growth, frequency):
+        ax.axvline(factor * V_lp, color=RED, lw=0.8, label="this slider")
+    growth.legend(loc="best")

@@ -12,7 +12,7 @@ from ..layout import (
     figure,
     is_wide,
     letters,
-    outside_rings,
+    mark_outside,
     plain_ticks,
     shades,
     show_constant,
@@ -52,7 +52,9 @@ def sweep_page(result, function, dims):
         fig = figure(result, 2.0 + 1.5 * len(names), title=title)
         axes = fig.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
         for ax, name in zip(axes, names, strict=True):
-            _lines(ax, result, name, along, across)
+            marks = _lines(ax, result, name, along, across)
+        if marks:
+            fig.legend(handles=marks, loc="upper right")
         axis_of(result, along).dress(axes[-1].xaxis)
     else:
         fig = figure(result, 3.2, title=title)
@@ -97,7 +99,10 @@ def _has_none(ax, values):
 
 
 def _lines(ax, result, name, along, across):
-    """A variable against an axis, in a colour for each value of another; V_min is dashed."""
+    """A variable against an axis, in a colour for each value of another; V_min is dashed.
+
+    Returns the marks of cases outside the friction law's domain, a list of lines.
+    """
     x = axis_of(result, along).values
     dims = [along] if across is None else [across, along]
     pair = [name, "V_min"] if name == "V_max" else [name]
@@ -119,12 +124,10 @@ def _lines(ax, result, name, along, across):
     if name == "K_c" and np.ndim(K := parameter(result, "K")) == 0:
         of_slider = {"color": GRAY, "lw": 0.9, "ls": "--", "label": f"{label('K')} of the slider"}
         ax.axhline(factor * K, **of_slider)
-    for rows in scaled:
-        outside_rings(
-            ax, np.broadcast_to(x, rows.shape), rows, np.atleast_2d(_outside(result, dims))
-        )
     if len(ax.lines) > 1:
         ax.legend()
+    outside = np.broadcast_to(_outside(result, dims), scaled.shape)
+    marks = mark_outside(ax, np.broadcast_to(x, scaled.shape), scaled, outside)
     show_constant(ax)
     if is_wide(found):
         ax.set_yscale("log")
@@ -139,6 +142,7 @@ def _lines(ax, result, name, along, across):
     for row, column in np.argwhere(failed & ~failed.all(axis=0)):
         at = {"transform": ax.get_xaxis_transform(), "clip_on": False}
         ax.plot(x[column], 0.02 * (row + 1), "x", color=colors[row], ms=3.5, mew=0.9, **at)
+    return marks
 
 
 def _map(fig, ax, result, name, dims):

@@ -91,9 +91,8 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
     ]
     if not math.isnan(float(result.omega_c)):
         change = "lowered" if K_c < K else "raised"
-        rows.append(
-            row("omega_c", result.omega_c, f"{hopf}, if K were {change} to K_c at this speed")
-        )
+        remark = f"{hopf}, if K were {change} to K_c at this speed"
+        rows.append(row("omega_c", result.omega_c, remark))
     return table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows, units)
 
 
