@@ -33,6 +33,14 @@ def test_public_names():
         _ = ratestate.nonsense
 
 
+def test_packages_are_loaded_when_they_are_used():
+    code = """
+import ratestate as rs
+print(rs.plot.page.__name__, rs.files.read.__name__, rs.paper.__name__)
+"""
+    assert run(code) == ["page", "read", "ratestate.paper"]
+
+
 def test_importing_loads_nothing_heavy():
     code = """
 import sys, ratestate

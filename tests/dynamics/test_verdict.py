@@ -58,7 +58,7 @@ def test_numbers_are_those_of_the_verbs():
         (FIG2.replace(K=5e8), 1e-3, "as it is at any speed where K < K_c_qs"),
         (FIG2, 3.1e-3, "as it is at any speed below V_c = 3.162 mm/s"),
         (FIG2, 3.2e-3, "0.79 % below K_c = 907.2 MPa/m"),
-        (FIG2.replace(M=0.0), 3e-4, "by a factor of less than 2.5 does not"),
+        (FIG2.replace(M=0.0), 3e-4, "by a factor of less than 2.5 does not; this is a safe bound"),
         (FIG2.replace(K=6e8), 1e-6, "unstable, as it is at any speed where K <= K_c_qs"),
         (FIG2.replace(K=6e8), 1e-6, "inertia raises K_c by 5e-06 % of K_c_qs"),
         (FIG2.replace(K=6e8), 1e-6, "(largest Floquet multiplier 1 - 6.95e-07)"),

@@ -72,7 +72,10 @@ def test_an_axis_of_it_under_several_normal_stresses():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"M": "3 kg"}, r"M = '3 kg' is of the whole.*give the area too, .*area='20 cm\^2'.*kg/m"),
+        (
+            {"M": "3 kg"},
+            r"M = '3 kg' is of the whole.*give the area too, .*'20 cm\^2' \(in \[slider.*kg/m",
+        ),
         ({"sigma": "3 N"}, "sigma = '3 N' is of the whole contact"),
         ({"K": "3 kN/m"}, "K = '3 kN/m' is of the whole contact"),
         ({"K": "3 kg"}, r"K = '3 kg' is a mass \[kg\]; expected a stiffness \[Pa/m\]"),

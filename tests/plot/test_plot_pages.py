@@ -25,6 +25,12 @@ def lines(ax, label):
     return np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
 
 
+def curve(ax):
+    """The x and y of the longest line; nothing but a mark where there is none."""
+    longest = max(ax.lines, key=lambda line: len(line.get_xdata()))
+    return np.asarray(longest.get_xdata()), np.asarray(longest.get_ydata())
+
+
 def panels(fig):
     """The axes, by their letters."""
     return sorted(fig.axes, key=lambda ax: ax.get_label())
@@ -88,11 +94,18 @@ def test_stability(changes, note, looks_as_before):
     slider = SLIDER.replace(**changes)
     fig = plot.page(rs.stability(slider, 3.2e-3))
     looks_as_before(fig, "_".join(["page_stability", *changes]))
-    left, right = (panels if note else drawn)(fig)
+    left, right, turns = (panels if note else drawn)(fig)
     assert any(note in text.get_text() for text in left.texts) or not note
-    growth = lines(right, "growth rate")
-    expected = float(rs.stability(slider, 3.2e-3).growth_rate) * slider.Dc / 3.2e-3
-    assert np.interp(3.2, *growth) == pytest.approx(expected, abs=1e-3)
+    found = rs.stability(slider, 3.2e-3)
+    growth, frequency = curve(right), curve(turns)
+    assert np.interp(3.2, *growth) == pytest.approx(float(found.growth_rate), rel=1e-2, abs=0.5)
+    assert right.get_ylabel() == "Growth rate [1/s]"
+    if np.isinf(slider.K):
+        assert [text.get_text() for text in turns.texts] == ["no oscillation"]
+    else:
+        unit = {"Frequency [Hz]": 1.0, "Frequency [kHz]": 1e-3}[turns.get_ylabel()]
+        expected = unit * float(found.omega) / (2 * np.pi)
+        assert np.interp(3.2, *frequency) == pytest.approx(expected, rel=1e-2)
     if not note:
         V, K_c = lines(left, "$K_c$")
         assert np.interp(3.2, V, K_c) == pytest.approx(slider.K_c(3.2e-3) / 1e6, rel=1e-3)
@@ -151,6 +164,42 @@ def test_failed_cases_of_a_line_have_crosses(looks_as_before):
     crosses = [line for line in first.lines if line.get_marker() == "x"]
     np.testing.assert_allclose([line.get_xdata()[0] for line in crosses], 1e3 * V_LP)
     assert not [line for line in first.lines if line.get_alpha()]
+
+
+FAST = rs.logspace("V_lp", 1.0, 100.0, 7)
+OUTSIDE = "outside the friction law's domain"
+
+
+def test_cases_outside_the_domain_of_the_friction_law_are_marked():
+    """Dots under lines, hatched cells of maps; nothing where all is inside."""
+    slow = plot.page(rs.sweep("limit_cycle", SLIDER.replace(K=4e7), V_lp=V_LP))
+    assert not slow.legends
+    found = rs.sweep("limit_cycle", SLIDER.replace(K=4e7), V_lp=FAST)
+    outside = found.outside_domain.values > 0
+    assert outside.any()
+    assert not outside.all()
+    fig = plot.page(found)
+    assert [text.get_text() for text in fig.legends[0].texts] == [OUTSIDE]
+    for ax, times in zip(panels(fig), (1, 1, 2), strict=True):
+        assert sorted(lines(ax, OUTSIDE)[0]) == sorted(times * [*FAST.values[outside]])
+    slider = SLIDER.replace(K=rs.logspace("K", 1e7, 1e9, 6))
+    found = rs.sweep("limit_cycle", slider, V_lp=FAST)
+    outside = found.outside_domain.transpose("K", "V_lp").values > 0
+    fig = plot.page(found)
+    assert OUTSIDE in [text.get_text() for text in fig.legends[0].texts]
+    for ax in panels(fig)[:3]:
+        (patch,) = ax.patches
+        for i, j in np.ndindex(outside.shape):
+            at = (FAST.values[j], slider.K.values[i] / 1e9)
+            assert patch.get_path().contains_point(at) == outside[i, j]
+
+
+def test_cycles_of_a_branch_outside_the_domain_are_marked():
+    branch = rs.continue_cycle(SLIDER.replace(K=4e7), "V_lp", 5.0, 10.0, rtol=1e-6)
+    outside = branch.outside_domain.values > 0
+    x, y = lines(panels(plot.page(branch))[0], OUTSIDE)
+    np.testing.assert_allclose(x, branch.V_lp.values[outside])
+    np.testing.assert_allclose(y, branch.amplitude.values[outside])
 
 
 def test_a_branch_over_stiffness_is_in_the_unit_of_other_pages():

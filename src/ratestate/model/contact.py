@@ -72,6 +72,6 @@ def _refuse_without_area(symbol, value, label):
     try:
         to_si(symbol, value, label=label)
     except ParameterError as error:
-        example = "; give the area too, such as area = '20 cm^2' (in a file, in [slider])"
+        example = "; give the area too, such as area = '20 cm^2' (in [slider] of a file)"
         message = str(error).replace(OF_WHOLE_CONTACT, OF_WHOLE_CONTACT + example)
         raise ParameterError(message) from None

@@ -88,3 +88,22 @@ def test_many_lines_add_no_error():
     theta = rs.simulate(slider, loading, 40.0, times=times).theta.values
     np.testing.assert_allclose(theta[300:], theta[200], rtol=1e-11)
     assert abs(theta[0] / theta[200] - 1.0) > 0.004
+
+
+@pytest.mark.parametrize("steps", [1, 150])
+def test_both_sides_of_a_jump_are_stored(steps):
+    """However many jumps; a ramp, which has none, stores no time twice over."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K=np.inf)
+    jumps = 1.0 + np.arange(steps)
+    speeds = [1e-5 if i % 2 == 0 else 1e-6 for i in range(steps)]
+    loading = rs.Loading.steps(1e-6, *zip(jumps, speeds, strict=True))
+    run = rs.simulate(slider, loading, steps + 1.0)
+    at = np.searchsorted(run.time, jumps)
+    np.testing.assert_array_equal(run.time[at], jumps)
+    np.testing.assert_array_equal(run.time[at - 1], np.nextafter(jumps, 0.0))
+    np.testing.assert_array_equal(run.V[at], speeds)
+    np.testing.assert_array_equal(run.V[at - 1], [1e-6, *speeds[:-1]])
+    mu, ratio = run.mu.values, np.append(10.0, 10.0 ** (2 * (np.arange(1, steps) % 2 == 0) - 1.0))
+    np.testing.assert_allclose(mu[at] - mu[at - 1], 0.003 * np.log(ratio), rtol=1e-9)
+    ramp = rs.simulate(slider, rs.Loading.series([0.0, 1.0, 2.0], [1e-6, 1e-5, 1e-5]), 2.0)
+    assert np.diff(ramp.time).min() > 1e-6

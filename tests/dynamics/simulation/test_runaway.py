@@ -32,6 +32,7 @@ def test_the_message_says_when_and_what_to_do(best):
     message = str(runaway())
     assert f"simulate stopped at t = {float(best.time[-1]):.9g} s" in message
     assert "set M to simulate the slip event" in message
+    assert "K = 500 MPa/m is 0.8333 times K_c_qs = 600 MPa/m, and V grows without" in message
 
 
 def test_the_run_ends_at_the_instability(best):

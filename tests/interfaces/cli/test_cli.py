@@ -87,6 +87,16 @@ def test_help_has_an_example_and_the_exit_codes(command):
     assert "--debug" in text
 
 
+def test_words_in_brackets_are_told():
+    assert "as the table [output] of the file says" in told("run")
+    assert "as [sweep] says" in told("branch")
+    helps = "".join(map(told, COMMANDS))
+    assert "\\[" not in helps
+    for function in cli.COMMANDS:
+        for word in re.findall(r"\[\w+\]", function.__doc__):
+            assert word in told(function.__name__)
+
+
 def test_every_description_is_of_a_parameter():
     tables = tomllib.loads((Path(cli.__file__).parent / "commands.toml").read_text())
     shared = tables.pop("shared")

@@ -154,7 +154,10 @@ def test_numbers_of_a_cycle_stand_beside_their_own_errors(lab, api):
 def test_the_verdict_is_printed(command, lab):
     expected = verdict(SLIDER, 3.2e-3)
     text = call(command, lab).stdout.rstrip("\n")
-    about = "Driven steadily at V_lp = 3.2 mm/s, from a tenth of that speed on"
+    about = (
+        "What the slider does in the long run at V_lp = 3.2 mm/s, started at a tenth of that speed "
+        "(a run may start otherwise)"
+    )
     if command == "run":
         assert f"\n\n{about}:\n{expected.text}\nThis run has not reached this motion: the" in text
         sentences = (*expected.sentences, text.splitlines()[-1])
@@ -267,6 +270,37 @@ def test_on_the_edge_nothing_is_called_unstable(lab):
     text = call("stability", lab).stdout.replace("unstable where K < K_c", "")
     assert "\nSteady sliding at 3.162 mm/s is on the edge of stability\n" in text
     assert "stable" not in text.replace("least stable mode", "")
+
+
+def test_where_friction_does_not_weaken_no_stiffness_is_critical(lab):
+    lab.write_text(LAB.replace("b = 0.006", "b = 0.002"))
+    text = call("stability", lab).stdout
+    assert re.search(r"\nK +900 MPa/m +stiffness per area *\n", text)
+    assert re.search(r"\nK_c +none +critical stiffness; stable at any stiffness", text)
+    assert re.search(r"\nK_c_qs +none +quasi-static critical stiffness; stable at any stiff", text)
+    assert not re.search(r"-\d+\S* [MG]Pa/m", text)
+    found = parse_strict(call("stability", lab, "--json").stdout)
+    assert found["data_vars"]["K_c"]["data"] < 0.0
+
+
+@pytest.mark.parametrize(("K", "change"), [("900 MPa/m", "raised"), ("950 MPa/m", "lowered")])
+def test_the_hopf_frequency_is_told_in_hertz(K, change, lab):
+    lab.write_text(LAB.replace("900 MPa/m", K))
+    text = " ".join(call("stability", lab).stdout.split())
+    frequency = f"{3.2e-3 / 1e-5 / (2 * math.pi):.4g} Hz"
+    assert f"Hopf bifurcation; {frequency}, if K were {change} to K_c at this speed" in text
+
+
+@pytest.mark.parametrize("area", ["area = '20 cm^2'", ""])
+def test_a_branch_begins_with_a_value_of_the_whole_contact(area, lab):
+    lab.write_text(LAB.replace("[slider]", f"[slider]\n{area}"))
+    found = call("branch", lab, "--parameter", "K", "--start", "1.8 MN/m", "--stop", "1.79 MN/m")
+    if area:
+        assert found.exit_code == 0, found.output
+        assert "K from 895 MPa/m to 900 MPa/m" in found.stdout
+    else:
+        assert found.exit_code == 2
+        assert "give the area too, such as area = '20 cm^2' (in [slider] of a file)" in found.stderr
 
 
 def test_a_stable_slider_without_mass_and_without_a_cycle(lab):

@@ -82,3 +82,47 @@ def test_of_nothing_there_is_no_range():
     found = rs.sweep("limit_cycle", slider, V_lp=1e-3, progress=False)
     assert np.isnan(found.amplitude).all()
     assert not any(line.startswith("amplitude") for line in printed(report(found, None), 80))
+
+
+OUTSIDE = "leave the domain of the friction law, which knows forward slip only: "
+
+
+def test_cases_outside_the_domain_are_counted_and_listed():
+    V_lp, K = rs.logspace("V_lp", 1.0, 100.0, 5), rs.logspace("K", 4e7, 4e8, 2)
+    found = rs.sweep("limit_cycle", SLIDER.replace(K=K), V_lp=V_lp, progress=False)
+    code = found.outside_domain.transpose("K", "V_lp").values
+    assert 0 < (code > 0).sum() < code.size
+    lines = printed(report(found, None), 300)
+    (at,) = (i for i, line in enumerate(lines) if OUTSIDE in line)
+    mu, spring = (int((code & bit > 0).sum()) for bit in (1, 2))
+    assert lines[at].rstrip() == (
+        f"{(code > 0).sum()} of 10 cases {OUTSIDE}mu falls below 0 in {mu}, "
+        f"the spring pulls back harder than friction can hold in {spring}"
+    )
+    assert lines[at + 1].strip() == ""  # there are too many to list
+    one = found.isel(K=[0])
+    lines = printed(report(one, None), 300)
+    (at,) = (i for i, line in enumerate(lines) if OUTSIDE in line)
+    places = [f"K = 40 MPa/m, V_lp = {V:.6g} m/s" for V in one.V_lp.values[code[0] > 0]]
+    assert [line.strip() for line in lines[at + 1 : at + 1 + len(places)]] == places
+    inside = found.where(found.V_lp < 2.0, drop=True).assign(
+        {name: found[name].isel(V_lp=[0]) for name in ("status", "outside_domain", "message")}
+    )
+    assert not any(OUTSIDE in line for line in printed(report(inside, None), 300))
+
+
+@pytest.mark.parametrize("hopf", [False, True])
+def test_cycles_of_a_branch_are_counted_and_those_outside_the_domain(hopf):
+    ends = (5e-3, 3e-3) if hopf else (5.0, 10.0)
+    slider = SLIDER if hopf else SLIDER.replace(K=4e7)
+    branch = rs.continue_cycle(slider, "V_lp", *ends, rtol=1e-6)
+    title, *lines = printed(report(branch, None), 300)
+    cycles = branch.sizes["point"] - hopf
+    assert title.startswith(f"A branch of {cycles} limit cycles, V_lp from ")
+    assert "all of them stable" in title
+    outside = branch.outside_domain.values > 0
+    assert outside.any() != hopf
+    if not hopf:
+        assert lines[0].startswith(f"{outside.sum()} of {cycles} cycles {OUTSIDE}")
+        first = float(branch.V_lp[outside.argmax()])
+        assert lines[1].strip() == f"V_lp = {first:.6g} m/s to 10 m/s"

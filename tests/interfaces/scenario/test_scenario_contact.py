@@ -68,7 +68,8 @@ def test_synonyms(law):
             'sigma = "2 MPa"\nK = 9e8\nM = "6 kg"',
             "b = [0.006]",
             "[slider] M: '6 kg' is of the whole contact, and to be divided by its area; give the "
-            "area too, such as area='20 cm^2', expected a mass per area such as '3000 kg/m^2'",
+            "area too, such as area = '20 cm^2' (in [slider] of a file), expected a mass per area "
+            "such as '3000 kg/m^2'",
         ),
         (
             'sigma = "2 MPa"',
