@@ -20,7 +20,7 @@ from ..layout import OUTSIDE
 #: makes lines and text readable on any colour
 HALO = [withStroke(linewidth=1.8, foreground="w")]
 #: look of the cells outside the friction law's domain
-HATCHED = {"hatch": "/////", "fc": "none", "ec": "k", "lw": 0.0, "hatch_linewidth": 0.4}
+HATCHED: Any = {"hatch": "/////", "fc": "none", "ec": "k", "lw": 0.0, "hatch_linewidth": 0.4}
 #: codes of the path round a cell
 CELL = [Path.MOVETO, *3 * [Path.LINETO], Path.CLOSEPOLY]
 # Parts of a map's height that a line of text takes, and of its width that a letter takes.
