@@ -103,3 +103,25 @@ def test_units_that_mean_nothing_or_something_else(run):
     assert float(back.amplitude) == 0.5
     with pytest.raises(rs.ParameterError, match=r"V: .* is a stress"):
         in_si(run.assign(V=run.V.assign_attrs(units="Pa")))
+
+
+@pytest.mark.parametrize(
+    ("symbol", "unit"), [("Dc", "inch"), ("sigma", "psi"), ("K", "psi/inch"), ("M", "lb/ft^2")]
+)
+def test_each_case_of_a_converted_sweep_is_one_slider(symbol, unit):
+    """Converted there and back, a value may differ in its last digit."""
+    first = getattr(SLIDER, symbol)
+    axis = xr.DataArray(first * np.linspace(1.0, 3.0, 41), dims=symbol)
+    result = rs.stability(SLIDER.replace(**{symbol: axis}), "3 mm/s")
+    mine = rs.in_units(result, **{symbol: unit})
+    assert any(in_si(mine)[symbol].values != result[symbol].values)  # else this shows nothing
+    for i in range(41):
+        slider = from_result(mine.isel({symbol: i})).slider
+        assert getattr(slider, symbol) == pytest.approx(float(axis[i]), rel=1e-15)
+    part = from_result(mine.isel({symbol: slice(5, 9)})).slider
+    assert getattr(part, symbol).sizes == {symbol: 4}
+
+
+def test_a_unit_is_text(run):
+    with pytest.raises(rs.ParameterError, match="V = 3: a unit is a str, such as 'um/s'"):
+        rs.in_units(run, V=3)

@@ -221,3 +221,19 @@ def test_a_run_that_ran_away_is_drawn():
     _, speed, _ = panels(fig)
     assert "up to the quasi-static instability" in fig.get_suptitle()
     assert speed.get_yscale() == "log"
+
+
+def test_a_run_against_slip_begins_at_zero():
+    run = run_of()
+    ax, lines = drawn(run, x="delta")
+    slip, stress = lines[0].get_data()
+    assert ax.get_xlabel() == "Slip [\u03bcm]"
+    assert slip[0] == 0.0
+    np.testing.assert_allclose(1e-6 * slip, run.delta - run.delta[0], rtol=1e-12)
+    np.testing.assert_array_equal(stress, run.tau / SLIDER.sigma)
+    assert float(run.delta[0]) < -1e-5  # by the stretch of the spring
+
+
+def test_another_abscissa_is_refused():
+    with pytest.raises(ParameterError, match=r"x = 'delt': expected one of .* delta; did you mean"):
+        drawn(run_of(), x="delt")

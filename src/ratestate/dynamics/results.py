@@ -128,8 +128,14 @@ def slider_parameters(result):
 
 
 def _labels(coordinate, value):
-    """Whether a coordinate only labels a dimension of the same name as the symbol."""
-    return is_array(value) and not np.isin(coordinate, value).all()
+    """Whether a coordinate only labels a dimension of the same name as the symbol.
+
+    Values that were converted to another unit and back may differ in the last digit.
+    """
+    if not is_array(value):
+        return False
+    same = np.isclose(np.asarray(coordinate)[..., None], value.values.ravel(), 1e-14, 0.0)
+    return not same.any(axis=-1).all()
 
 
 def record_loading(result, loading):

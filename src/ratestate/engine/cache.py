@@ -24,6 +24,7 @@ import llvmlite
 import numba
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
+from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 
 CHECKSUM = hashlib.sha256().digest_size
@@ -102,16 +103,19 @@ class KernelCache(_Cache):
             f"compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be written to"
         )
 
+    @staticmethod
+    def is_empty():
+        """Whether no kernel is there."""
+        return not any(any(folder.glob("*.nbc")) for folder in _readable())
+
     def kept(self, law):
         """Whether code for this law is there, for some types of the other arguments."""
-        files = f"{self._name}-{law.name}-*.nbc"
+        files = f"{self._name}-{law.name}-{_machine(cpu_target.target_context.codegen())}-*.nbc"
         return any(any(folder.glob(files)) for folder in _readable())
 
     def _file(self, sig, codegen):
-        depends = repr((PROGRAMS, sig, codegen.magic_tuple()))
         laws = [f"-{one.law.name}" for one in sig if hasattr(one, "law")]
-        digest = hashlib.sha256(depends.encode()).hexdigest()[:16]
-        return f"{self._name}{''.join(laws)}-{digest}.nbc"
+        return f"{self._name}{''.join(laws)}-{_machine(codegen)}-{_short_hash(sig)}.nbc"
 
     def enable(self):
         """Load and keep code from now on."""
@@ -126,6 +130,15 @@ class KernelCache(_Cache):
         for folder in _readable():
             for path in folder.glob(f"{self._name}-*.nbc"):
                 path.unlink(missing_ok=True)
+
+
+def _machine(codegen):
+    """What of a file's name tells for which programs, and which kind of processor, it is."""
+    return _short_hash((PROGRAMS, codegen.magic_tuple()))
+
+
+def _short_hash(value):
+    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
 
 
 class _Folder(NamedTuple):

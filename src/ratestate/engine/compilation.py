@@ -52,8 +52,8 @@ def announce(kernel, law):
     if _is_there(kernel, law):
         return
     process = _elsewhere.pop((kernel, law), None)
-    another = "another part of " if _announced else ""
-    if (kernel, law) not in _announced and not (process and another):
+    another = "" if kernel._cache.is_empty() and not _announced else "another part of "
+    if (kernel, law) not in _announced and not (process and _announced):
         report(f"compiling {another}the solver for this machine, once, about 10 s")
     _announced.add((kernel, law))
     if process:
@@ -91,7 +91,8 @@ def _quick_compilation():
     some forty, which it then collects by name: they are hashed and compared as before, but at once.
     """
     config: Any = targetconfig.TargetConfig
-    config.__hash__, config.__eq__ = _hash_of_flags, _equal_flags
+    if "_values" in config.__slots__ and hasattr(config, "options"):  # as in numba 0.68
+        config.__hash__, config.__eq__ = _hash_of_flags, _equal_flags
     collecting = gc.isenabled()
     gc.disable()
     try:

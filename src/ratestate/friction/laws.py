@@ -149,10 +149,12 @@ def evolution_law(law):
 
 
 def law_name(law):
-    """A law's name in `LAWS`, from that name or a synonym, in any capitals.
+    """A law's name in `LAWS`, from that name or a synonym, in any capitals, with "law" or without.
 
     ParameterError for an unknown one, or what is no string.
     """
-    if isinstance(law, str) and law.lower() in LAW_OF:
-        return LAW_OF[law.lower()]
-    raise ParameterError(f"law = {law!r} is unknown; choose {' or '.join(map(repr, LAWS))}")
+    text = law.lower().removesuffix(" law") if isinstance(law, str) else ""
+    if text in LAW_OF:
+        return LAW_OF[text]
+    names, others = " or ".join(map(repr, LAWS)), ", ".join(sorted(LAW_OF.keys() - LAWS.keys()))
+    raise ParameterError(f"law = {law!r} is unknown; choose {names} (or {others})")

@@ -46,6 +46,8 @@ def in_units(result, /, **units):
         raise ParameterError(f"{type(result).__name__} is no result; give an xarray.Dataset")
     converted = {}
     for name, unit in units.items():
+        if not isinstance(unit, str):
+            raise ParameterError(f"{name} = {unit!r}: a unit is a str, such as 'um/s'")
         name = "time" if name == "t" and name not in result.variables else name
         if name not in result.variables:
             names = [str(known) for known in result.variables if _has_unit(known)]

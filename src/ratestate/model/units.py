@@ -45,7 +45,8 @@ def is_array(value):
 def unit_of(value):
     """The unit that a value for `to_si` carries, as text; None of a number, or other text."""
     if is_array(value) and not hasattr(value.data, "units"):
-        return value.attrs.get("units")
+        unit = value.attrs.get("units")
+        return None if unit is None else str(unit)
     value = value.data if is_array(value) else value
     if hasattr(value, "magnitude") and hasattr(value, "units"):  # pint
         return str(value.units)

@@ -2,12 +2,17 @@
 
 from ..dynamics.results import parameter
 from ..dynamics.whole_contact import force, whole_contact
+from ..errors import ParameterError
 from ..friction.rate_and_state import mu_ss
 from ..model.conversion import in_si
+from ..model.names import one_of
 from ..model.quantities import QUANTITIES
 from .labels import ABSCISSAE, AMPLITUDE, DASHED, RED, STRESS, prefixed
 from .layout import show_constant
 from .runs import named_runs
+
+#: along what a run is drawn -> the label of that axis
+ALONG = ABSCISSAE | {"delta": "Slip"}
 
 
 def trace(run, ax, *, x="time", tau=None, mu=None):
@@ -24,8 +29,8 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
         a list.
     ax : matplotlib.axes.Axes
         Axes to draw into.
-    x : {"time", "delta_lp"}
-        Abscissa: time [s] or load-point displacement [m].
+    x : {"time", "delta_lp", "delta"}
+        Abscissa: time [s], load-point displacement [m], or slip since the start of the run [m].
     tau, mu : dict, optional
         Changes to the style of the lines of tau/sigma, and to that of mu.
 
@@ -38,13 +43,22 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     Raises
     ------
     ParameterError
-        No run of `simulate`, or runs over more than one dimension.
+        No run of `simulate`, or runs over more than one dimension; another abscissa.
     """
+    if x not in ALONG:
+        raise ParameterError(f"x = {x!r}: {one_of(ALONG, x)}")
     runs = named_runs(run)
-    factor, unit = prefixed(QUANTITIES[x].unit, max(float(abs(one.run[x]).max()) for one in runs))
+
+    def along(run):
+        """The abscissa; delta itself begins at -tau/K."""
+        return run[x] - (run[x][0] if x == "delta" else 0.0)
+
+    factor, unit = prefixed(
+        QUANTITIES[x].unit, max(float(abs(along(one.run)).max()) for one in runs)
+    )
 
     def draw(run, values, style):
-        return ax.plot(factor * run[x], values, **{"lw": 1.0} | style)[0]
+        return ax.plot(factor * along(run), values, **{"lw": 1.0} | style)[0]
 
     def stress(run, style):
         return draw(run, run.tau / parameter(run, "sigma"), style | (tau or {}))
@@ -62,7 +76,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
         black = stress(alone, {"color": "k", "label": f"{STRESS}, spring"})
         lines = black, draw(alone, alone.mu, red | (mu or {}))
         ylabel = rf"{STRESS} and $\mu$"
-    ax.set(xlabel=f"{ABSCISSAE[x]} [{unit}]", ylabel=ylabel)
+    ax.set(xlabel=f"{ALONG[x]} [{unit}]", ylabel=ylabel)
     show_constant(ax)
     return lines
 

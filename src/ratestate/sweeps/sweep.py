@@ -128,20 +128,32 @@ def sweep(
             raise ParameterError(f"{option} = {value!r} must be True or False")
     if retry_crashed and store is None:
         raise ParameterError(sentence("call.retry"))
-    if text := undisturbed(name, call):
-        warnings.warn(text, RunWarning, stacklevel=2)
     with backend_of(device, client, slurm) as backend, engine.use(device=device):
         request = SweepRequest(name, call, chunk, device, mixed, backend, progress)
+        if store is None:
+            _check_fits(request)
+        if text := undisturbed(name, call):
+            warnings.warn(text, RunWarning, stacklevel=2)
         if store is None:
             return _in_memory(request)
         return _in_store(request, _folder(store, backend), retry_crashed)
 
 
+def _check_fits(request):
+    """Raise ParameterError if the result takes more memory than there is."""
+    cases, own = request.call.batch.n, _own(request)
+    check_fits(cases * bytes_per_case(own), f"the results of {cases:,} cases", "give a store")
+
+
+def _own(request):
+    """Name -> specification of the variables that each case has."""
+    specs, static = request.form
+    return {name: spec for name, spec in specs.items() if name not in static}
+
+
 def _in_memory(request):
     """The result, assembled from its chunks."""
-    cases, (specs, static) = request.call.batch.n, request.form
-    own = {name: spec for name, spec in specs.items() if name not in static}
-    check_fits(cases * bytes_per_case(own), f"the results of {cases:,} cases", "give a store")
+    (specs, static), own = request.form, _own(request)
     chunks = request.divide()
     variables = {name: spec.empty(chunks.sizes) for name, spec in specs.items()} | static
     for outcome in request.outcomes(chunks, np.zeros(chunks.number, bool)):

@@ -261,6 +261,10 @@ def test_the_last_cycle_is_called_no_limit_cycle(lab):
     (row,) = (line.split() for line in text.splitlines() if line.startswith("frequency"))
     assert row[3:] == "of the last cycle".split()
     assert "limit cycle" not in text
+    (row,) = (line.split() for line in text.splitlines() if line.startswith("amplitude"))
+    number, prefix = re.search(r"of the last cycle; tau by ([\d.]+) (k?)Pa", " ".join(row)).groups()
+    stress = float(number) * {"k": 1e3, "": 1.0}[prefix]
+    assert stress == pytest.approx(2e6 * float(row[1]), rel=2e-5)
     lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s").replace('"0.2 s"', '"2 s"'))
     assert "of the last cycle" not in call("run", lab).stdout  # below what rtol resolves
 
@@ -671,8 +675,8 @@ def test_colours_are_for_terminals(lab, monkeypatch):
     assert "\x1b" not in call("stability", lab).stdout
 
 
-NEEDED = {"lab": ["aging"], "brake": ["slip"], "sinusoid": ["slip"]}
-NEEDED |= {name: [] for name in ("recorded-loading", "fig3", "rigid", "stability")}
+NEEDED = {"lab": ["aging"], "brake": ["slip"]}
+NEEDED |= {name: [] for name in ("sinusoid", "recorded-loading", "fig3", "rigid", "stability")}
 
 
 @pytest.mark.parametrize(("name", "laws"), NEEDED.items(), ids=NEEDED)

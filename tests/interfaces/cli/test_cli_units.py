@@ -78,7 +78,7 @@ def test_files_and_json_in_those_units(file, tmp_path):
         ("V=MPa", 2, "--units V = '1 MPa' is a stress [Pa]; expected a speed"),
         ("speed=um/s", 2, "--units: speed is no quantity"),
         ("um/s", 2, "'um/s' has no NAME=..."),
-        ("tau=MPa", 0, "--units: this result has no tau"),
+        ("theta=ms", 0, "--units: this result has no theta"),
     ],
 )
 def test_units_that_cannot_be(file, units, code, message):

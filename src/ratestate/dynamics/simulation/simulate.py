@@ -128,6 +128,7 @@ def simulate(
     settings = {"rtol": rtol, "method": method, "dt": dt}
     start = {"V_start": V_start, "initial": initial}
     call = simulate_call(slider, loading, t_end, times=times, **start, **settings)
+    call.check_fits()
     if text := undisturbed_warning([call]):
         warnings.warn(text, RunWarning, stacklevel=3)  # (past `keywords_checked`)
     with bar("simulate") as progress:
@@ -180,14 +181,17 @@ class SimulateCall:
         extra |= {"time": self.times} if is_array(self.times) else {}
         return Batch(values, extra, taken=VARIABLES)
 
-    def result(self, progress=None):
-        """The Dataset; raises for a single case that failed, and for more than memory holds."""
+    def check_fits(self):
+        """Raise ParameterError if the results take more memory than there is."""
         times = 1 if self.times is None else self.times.shape[-1]
         check_fits(
             BYTES * self.batch.n * times,
             f"the results of {self.batch.n:,} cases at {times:,} times",
             "save fewer times, or sweep into a store: sweep(simulate, ..., store='x.zarr')",
         )
+
+    def result(self, progress=None):
+        """The Dataset; raises for a single case that failed."""
         motion = self.move(progress)
         if self.batch.alone and (status := motion.status[0]) != FINISHED:
             best = self._up_to_runaway(motion) if status == RUNAWAY else None

@@ -7,7 +7,7 @@ import xarray
 
 from ...dynamics.cycles.compilation import compile_cycles_elsewhere
 from ...dynamics.progress import on_terminal
-from ...dynamics.verdict import verdict_of_cycle
+from ...dynamics.verdict import FOLDS_BELOW, verdict_of_cycle
 from ...dynamics.whole_contact import OF_CONTACT
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked_path, write
@@ -58,7 +58,9 @@ def do(
         if error.best is None:
             raise
         problem, result = error, error.best  # a part of a branch or run is useful
-    if absent := [name for name in units or () if name not in {*result.variables, *OF_CONTACT}]:
+    if absent := [
+        name for name in units or () if name not in {*result.variables, *OF_CONTACT, "tau"}
+    ]:
         print_line(f"--units: this result has no {', '.join(absent)}", err=True)
     verdict = None if swept_dims(scenario) else verdict_text(scenario, result)
     write_result(result, output, units)
@@ -98,8 +100,8 @@ def swept_dims(scenario: Scenario) -> list[str]:
 def compile_ahead(scenario: Scenario) -> None:
     """Let what the verdict on a run needs be compiled beside what the run needs."""
     if scenario.verb == "simulate" and not swept_dims(scenario):
-        slider = scenario.slider
-        if speed_of_verdict(scenario.settings["loading"]) and float("inf") > slider.K:
+        slider, V_lp = scenario.slider, speed_of_verdict(scenario.settings["loading"])
+        if V_lp and FOLDS_BELOW * slider.K_c(V_lp) > slider.K:  # else there is no cycle to find
             compile_cycles_elsewhere(slider.law)
 
 

@@ -24,7 +24,7 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
         names = ("at", "status", "message")
         _print_json(status, failures=[dict(zip(names, one, strict=True)) for one in failed])
     else:
-        outside = outside_lines(result, "cases", [str(dim) for dim in result["status"].dims])
+        outside = outside_lines(result, "cases")
         failed_cases = failed_lines(result) if status.failed else []
         print_line("\n".join([_summary(status), *outside, *failed_cases]))
     return status.failed

@@ -11,16 +11,19 @@ from .rows import place
 LISTED = 5
 
 
-def outside_lines(result: xarray.Dataset, cases: str, axes: Sequence[str]) -> list[str]:
+def outside_lines(
+    result: xarray.Dataset, cases: str, axes: Sequence[str] | None = None
+) -> list[str]:
     """How many cases leave the domain of the friction law, why, and where, if that is short.
 
     Empty where none does, and of a result without ``outside_domain``.
 
     cases : what the cases are called
-    axes : names of what tells where a case is, one for each dimension
+    axes : names of what tells where a case is, one for each dimension; by default these
     """
     if "outside_domain" not in result:
         return []
+    axes = axes or [str(dim) for dim in result["outside_domain"].dims]
     code = result["outside_domain"].values
     outside = code > 0
     if not (number := int(outside.sum())):

@@ -48,12 +48,20 @@ def run(result: xarray.Dataset, units: Units) -> list[Any]:
         # (of a limit cycle, of ringing that decays, or due to the load point)
         frequency = float(result.frequency)
         text = readable("frequency", frequency, DIGITS)
-        rows.append(row("amplitude", result.amplitude, "of the last cycle"))
+        rows.append(
+            row("amplitude", result.amplitude, f"of the last cycle; {_drop(result, units)}")
+        )
         rows += _of_contact(result, "force_amplitude", "displacement_amplitude")
         rows.append(Row("frequency", text, "of the last cycle", x=frequency))
     rows.append(row("energy_residual", abs(result.energy_residual)))
     end, law = readable_time(float(last.time), DIGITS), parameter(result, "law")
     return table(f"At the end, {end}, after {int(result.steps):,} steps, {law} law", rows, units)
+
+
+def _drop(result: xarray.Dataset, units: Units) -> str:
+    """The peak-to-peak stress of a cycle, as a remark."""
+    stress = float(result.amplitude) * parameter(result, "sigma")
+    return f"tau by {shown('tau', stress, units)}"
 
 
 def _of_contact(result: xarray.Dataset, *symbols: str) -> list[Row]:
@@ -112,9 +120,10 @@ def cycle(result: xarray.Dataset, units: Units) -> list[Any]:
     at = f"at V_lp = {readable('V_lp', V)}, {parameter(result, 'law')} law"
     if int(result.status) == STEADY_SLIDING:
         return table(f"No cycle is reached {at}: steady sliding", [row("V_lp", V)], units)
+    remarks = {"period": "", "frequency": "", "amplitude": _drop(result, units)}
     rows = [
-        row(name, result[name], error=float(result.error))
-        for name in ("period", "frequency", "amplitude")
+        row(name, result[name], remark, error=float(result.error))
+        for name, remark in remarks.items()
     ]
     names = ("force_amplitude", "displacement_amplitude", "acceleration_max")
     rows += _of_contact(result, *names)

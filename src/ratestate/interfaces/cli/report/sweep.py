@@ -27,7 +27,7 @@ def cases(result: xarray.Dataset, verb: str, units: Units) -> list[Any]:
     axes = [str(dim) for dim in status.dims]
     over = ", ".join(_axis(result, dim) for dim in axes)
     title = f"{status.size:,} cases of {verb} over {over}"
-    about = [_outcomes(status.values, verb), *outside_lines(result, "cases", axes), ""]
+    about = [_outcomes(status.values, verb), *outside_lines(result, "cases"), ""]
     lines = [Text(title, style="bold"), *map(Text, about)]
     return [*lines, _ranges(result, verb, units), *map(Text, failed_lines(result))]
 
