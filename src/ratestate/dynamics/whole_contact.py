@@ -7,9 +7,6 @@ from ..model.quantities import attrs
 from ..model.units import is_array
 from .results import parameter, slider_parameters
 
-#: what `whole_contact` gives
-OF_CONTACT = "force acceleration force_amplitude displacement_amplitude acceleration_max".split()
-
 
 def force(stress, area):
     """The force [N] that a stress [Pa] makes on an area [m^2], numbers or arrays."""
@@ -52,7 +49,7 @@ def whole_contact(result):
         of_run = "inertial_force" in result
         largest = result["inertial_force"] if of_run else result["inertia"] * result["amplitude"]
         found["acceleration_max"] = largest * sigma / M
-    data = xarray.Dataset({symbol: value.drop_attrs() for symbol, value in found.items()})
+    data = xarray.Dataset({symbol: value.drop_attrs(deep=False) for symbol, value in found.items()})
     for symbol in found:
         data[symbol].attrs = attrs(symbol)
     return data

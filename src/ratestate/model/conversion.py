@@ -45,15 +45,21 @@ def in_units(result, /, **units):
     if not isinstance(result, xarray.Dataset):
         raise ParameterError(f"{type(result).__name__} is no result; give an xarray.Dataset")
     converted = {}
-    for name, unit in units.items():
+    for given, unit in units.items():
         if not isinstance(unit, str):
-            raise ParameterError(f"{name} = {unit!r}: a unit is a str, such as 'um/s'")
-        name = "time" if name == "t" and name not in result.variables else name
-        if name not in result.variables:
+            raise ParameterError(f"{given} = {unit!r}: a unit is a str, such as 'um/s'")
+        name = variable_of(result, given)
+        if name is None:
             names = [str(known) for known in result.variables if _has_unit(known)]
-            raise ParameterError(f"the result has no variable {name}; {one_of(names, name)}")
+            raise ParameterError(f"the result has no variable {given}; {one_of(names, given)}")
         converted[name] = _converted(name, result.variables[name], unit)
     return _with(result, converted)
+
+
+def variable_of(result, name):
+    """The name under which a result has a variable: ``t`` may stand for ``time``; None if none."""
+    names = (name, "time") if name == "t" else (name,)
+    return next((one for one in names if one in result.variables), None)
 
 
 def in_si(result):

@@ -72,6 +72,59 @@ def test_files_and_json_in_those_units(file, tmp_path):
     assert json.loads(read(tmp_path / "y.nc").attrs["slider"])["area"] == 2e-3
 
 
+def test_the_whole_contact_in_files_and_json(file, tmp_path):
+    units = ["--units", "force=kN,acceleration_max=mm/s^2"]
+    done = ratestate("run", file, "--out", tmp_path / "x.csv", *units, "--json")
+    assert (done.exit_code, done.stderr) == (0, f"wrote {tmp_path / 'x.csv'}\n")
+    data = json.loads(done.stdout)["data_vars"]
+    np.testing.assert_allclose(
+        data["force"]["data"], 2e-6 * np.array(data["tau"]["data"]), rtol=1e-14
+    )
+    head = (tmp_path / "x.csv").read_text().splitlines()[0].split(",")
+    assert {"force [kN]", "acceleration [m/s^2]"} < {*head}
+    inertial_force = 4e6 * data["inertial_force"]["data"] / 3000.0  # on 2e-3 m^2, of 6 kg
+    assert data["acceleration_max"]["data"] == pytest.approx(1e3 * inertial_force / 2.0)
+    assert ratestate("run", file, "--out", tmp_path / "x.nc", *units).exit_code == 0
+    written = read(tmp_path / "x.nc")
+    assert (written.force.units, written.time.units) == ("kN", "s")
+    assert ratestate("run", "--from", tmp_path / "x.nc", "--out", tmp_path / "y.nc").exit_code == 0
+    again = read(tmp_path / "y.nc")
+    np.testing.assert_array_equal(again.tau, written.tau)
+    np.testing.assert_allclose(again.force, 1e3 * written.force, rtol=1e-14)
+
+
+SWEEP = """[sweep]
+verb = "limit_cycle"
+sigma = ["4 kN", "3.5 kN"]
+"""
+
+
+def test_the_whole_contact_of_sweeps(file, tmp_path):
+    text = FILE.replace('sigma = "4 kN"\n', "")
+    file.write_text(text[: text.index("[run]")] + SWEEP)
+    units = ["--units", "force_amplitude=mN,force=N"]
+    for more in (["run", file], ["sweep", file, "--store", tmp_path / "x.zarr"]):
+        done = ratestate(*more, "--out", tmp_path / "x.nc", *units)
+        assert done.exit_code == 0, done.stderr
+        assert "--units: this result has no force\n" in done.stderr
+        data = read(tmp_path / "x.nc")
+        assert data.force_amplitude.units == "mN"
+        force = 1e3 * data.amplitude * np.array([4000.0, 3500.0])
+        np.testing.assert_allclose(data.force_amplitude, force, rtol=1e-13)
+    again = ratestate("run", "--from", tmp_path / "x.nc", "--out", tmp_path / "y.nc")
+    assert again.exit_code == 0, again.stderr
+
+
+def test_without_area_nothing_is_of_the_whole_contact(file, tmp_path):
+    text = FILE.replace('area = "20 cm^2"\n', "").replace("4 kN", "2 MPa")
+    file.write_text(text.replace("1.8 MN/m", "900 MPa/m").replace("6 kg", "3000 kg/m^2"))
+    done = ratestate("run", file, "--units", "force=N,t=ms", "--json")
+    assert (done.exit_code, done.stderr) == (0, "--units: this result has no force\n")
+    document = json.loads(done.stdout)
+    assert not {"force", "acceleration"} & document["data_vars"].keys()
+    assert document["coords"]["time"]["data"][-1] == 100.0
+
+
 @pytest.mark.parametrize(
     ("units", "code", "message"),
     [
@@ -79,6 +132,7 @@ def test_files_and_json_in_those_units(file, tmp_path):
         ("speed=um/s", 2, "--units: speed is no quantity"),
         ("um/s", 2, "'um/s' has no NAME=..."),
         ("theta=ms", 0, "--units: this result has no theta"),
+        ("force=N", 0, "--units: this result has no force"),
     ],
 )
 def test_units_that_cannot_be(file, units, code, message):

@@ -16,9 +16,10 @@ from ...records.fitting.fit import fit
 from ...records.fitting.table import law_names
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
-from .output import make_writable, reporting_files
+from .document import document
+from .output import make_writable, print_json, reporting_files
 from .report.markdown import HEADING, FitRequest, markdown
-from .run_scenario import print_result
+from .run_scenario import print_report
 
 #: initial guesses where none are given; the least squares also scan the scales of the record
 STARTS = {"a": "0.01", "b": "0.01", "Dc": "10 um"}
@@ -59,7 +60,10 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
                 plot.save(plot.fit(result), out / PLOT),
                 replace(report, lambda partial: partial.write_text(text, "utf-8")),
             ]
-    print_result(result, None, as_json)
+    if as_json:
+        print_json(document(result, None))
+    else:
+        print_report(result)
     return bool((result["warnings"] != "").any())
 
 

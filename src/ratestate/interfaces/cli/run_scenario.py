@@ -8,10 +8,10 @@ import xarray
 from ...dynamics.cycles.compilation import compile_cycles_elsewhere
 from ...dynamics.progress import on_terminal
 from ...dynamics.verdict import FOLDS_BELOW, verdict_of_cycle
-from ...dynamics.whole_contact import OF_CONTACT
+from ...dynamics.whole_contact import whole_contact
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked_path, write
-from ...model.conversion import in_units
+from ...model.conversion import in_units, variable_of
 from ...model.names import one_of
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array, to_si
@@ -58,13 +58,13 @@ def do(
         if error.best is None:
             raise
         problem, result = error, error.best  # a part of a branch or run is useful
-    if absent := [
-        name for name in units or () if name not in {*result.variables, *OF_CONTACT, "tau"}
-    ]:
-        print_line(f"--units: this result has no {', '.join(absent)}", err=True)
+    numbers = in_numbers(result, units)
     verdict = None if swept_dims(scenario) else verdict_text(scenario, result)
-    write_result(result, output, units)
-    print_result(result, verdict, json, units)
+    write_numbers(numbers, output)
+    if json:
+        print_json(document(numbers, verdict))
+    else:
+        print_report(result, verdict, units)
     draw_plot(result, output)
     if problem:
         print_line(f"error: {problem}", err=True)
@@ -152,34 +152,36 @@ def wanted_units(texts: list[str] | None) -> dict[str, str]:
     return units
 
 
-def _converted(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.Dataset:
-    """The result in the requested units; those of variables that it lacks have no effect."""
-    known = {name: unit for name, unit in (units or {}).items() if name in result.variables}
-    return in_units(result, **known)
+def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.Dataset:
+    """What is written and printed of a result as numbers: of the whole contact too, in these units.
+
+    Units of what the result does not have are named on stderr, and have no effect.
+    """
+    numbers = result.assign(whole_contact(result).data_vars)
+    wanted = units or {}
+    there = {k: unit for k, unit in wanted.items() if variable_of(numbers, k) is not None}
+    in_table = {"tau"} if "amplitude" in numbers else set()  # by how much it changes in a cycle
+    if absent := [name for name in wanted if name not in there.keys() | in_table]:
+        print_line(f"--units: this result has no {', '.join(absent)}", err=True)
+    return in_units(numbers, **there)
 
 
-def write_result(
-    result: xarray.Dataset, output: Output, units: dict[str, str] | None = None
-) -> None:
-    """Write the numbers to the output file, if there is one, and name it on stderr."""
+def write_numbers(numbers: xarray.Dataset, output: Output) -> None:
+    """Write what `in_numbers` gives to the output file, if there is one, and name it on stderr."""
     if output.file:
-        write(_converted(result, units), output.file)
+        write(numbers, output.file)
         print_line(f"wrote {output.file}", err=True)
 
 
-def print_result(
+def print_report(
     result: xarray.Dataset,
-    verdict: VerdictText | None,
-    json: bool,
+    verdict: VerdictText | None = None,
     units: dict[str, str] | None = None,
 ) -> None:
-    """Print the result and the verdict, as JSON or as tables."""
-    if json:
-        print_json(document(_converted(result, units), verdict))
-    else:
-        from .report import report
+    """Print the result and the verdict as tables."""
+    from .report import report
 
-        print_rich(*report(result, verdict, units))
+    print_rich(*report(result, verdict, units))
 
 
 def draw_plot(result: xarray.Dataset, output: Output) -> None:

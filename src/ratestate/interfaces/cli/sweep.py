@@ -59,10 +59,11 @@ def sweep(
             from ...sweeps.sweep import sweep as run
             from .run_scenario import (
                 draw_plot,
+                in_numbers,
                 load_scenario,
                 output_paths,
                 wanted_units,
-                write_result,
+                write_numbers,
             )
 
             own_units = wanted_units(units)
@@ -73,7 +74,7 @@ def sweep(
                 how |= {"mixed": mixed, "retry_crashed": retry_crashed, **scenario.settings}
                 result = run(scenario.verb, scenario.slider, store=store, progress=True, **how)
                 number = print_outcome(store, result, json)
-                write_result(result, output, own_units)
+                write_numbers(in_numbers(result, own_units), output)
                 draw_plot(result, output)
             if number:
                 raise typer.Exit(SOME_FAILED)
