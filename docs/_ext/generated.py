@@ -95,11 +95,11 @@ def keys(table):
     """A writer of the keys of a table, as the reader of scenario files knows them."""
 
     def write():
-        from ratestate.interfaces.scenario.known_keys import SLIDER, TABLES
+        from ratestate.interfaces.scenario.known_keys import TABLES
 
         known = TABLES[table]
         if table == "sweep":  # whose other keys are those of [slider]
-            known = [key for key in known if key not in SLIDER]
+            known = [key for key in known if key not in TABLES["slider"]]
         rows = [_key(table, key) for key in known]
         if table == "sweep":
             rows.append("| any key of `[slider]` | | one value or many |")
@@ -127,10 +127,13 @@ def _key(table, key):
 def _otherwise(table, key):
     """What is taken for a parameter of the slider that is not given."""
     from ratestate.interfaces.scenario.known_keys import NEEDED, SLIDER
+    from ratestate.model.other_units import WHOLE_CONTACT
 
     if table != "slider":
         said = OTHERWISE.get(f"{key} {table}")
         return f"; {said}" if said else ""
+    if key in WHOLE_CONTACT:
+        return f"; in place of `{WHOLE_CONTACT[key]}`, with `area`"
     return "; required" if key in NEEDED else f"; default: `{SLIDER[key]!r}`"
 
 

@@ -18,6 +18,13 @@ OTHER_QUANTITIES = {
     },
     "M": {"mass": (operator.truediv, "area")},
 }
+#: quantity of the whole contact -> the parameter that it is, once divided by the area
+WHOLE_CONTACT = {
+    name: symbol
+    for symbol, others in OTHER_QUANTITIES.items()
+    for name, (_, by) in others.items()
+    if by == "area"
+}
 
 
 def quantity_of(symbol, value):

@@ -23,7 +23,7 @@ SLIDER = {
     "sigma": '"2 MPa"',
     "K": '"900 MPa/m"',
 }
-PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law, area"
+PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law, area, normal_force, stiffness, mass"
 LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
 TABLES = "[slider], [loading], [run], [sweep], [output]"
 TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"

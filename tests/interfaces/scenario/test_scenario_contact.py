@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from ratestate.scenario import loads
 
-from ratestate import ParameterError
+from ratestate import ParameterError, SpringSlider
 
 FILE = """
 [slider]
@@ -42,6 +42,29 @@ def test_axes_of_the_whole_contact_and_of_the_area():
     np.testing.assert_array_equal(slider.sigma, [4e6, 2e6])
 
 
+BY_NAME = """area = "20 cm^2"
+normal_force = "4 kN"
+stiffness = 1.8e6
+mass = 6
+"""
+
+
+def test_names_of_the_whole_contact():
+    contact = SpringSlider.of_contact(
+        area="20 cm^2", normal_force="4 kN", stiffness=1.8e6, mass=6, a=0.003, b=0.006, Dc="10 um"
+    )
+    slider = scenario(BY_NAME).slider
+    assert slider.replace(b=0.006) == contact
+    assert scenario(BY_NAME.replace("mass = 6", "mass = 0")).slider.M == 0.0
+    no_normal_force = BY_NAME.replace('normal_force = "4 kN"', "")
+    axes = 'mass = { from = 2, to = 6, n = 3 }\nnormal_force = ["4 kN", 5000]'
+    swept = scenario(no_normal_force, axes).slider
+    same = 'M = { from = "2 kg", to = "6 kg", n = 3 }\nsigma = ["4 kN", "5 kN"]'
+    as_parameters = scenario('area = "20 cm^2"\nK = "1.8 MN/m"', same).slider
+    assert swept == as_parameters
+    np.testing.assert_array_equal(swept.sigma, [2e6, 2.5e6])
+
+
 @pytest.mark.parametrize(
     "axis", ['["1e-4/um", "2e-4/um"]', '{ from = "1e-4/um", to = "2e-4 1/um", n = 2 }']
 )
@@ -70,6 +93,30 @@ def test_synonyms(law):
             "[slider] M: '6 kg' is of the whole contact, and to be divided by its area; give the "
             "area too, such as area = '20 cm^2' (in [slider] of a file), expected a mass per area "
             "such as '3000 kg/m^2'",
+        ),
+        (
+            'sigma = "2 MPa"\nK = 9e8\nmass = 6',
+            "b = [0.006]",
+            "[slider] M: '6.0 kg' is of the whole contact, and to be divided by its area; give the "
+            "area too, such as area = '20 cm^2' (in [slider] of a file), expected a mass per area "
+            "such as '3000 kg/m^2'",
+        ),
+        (
+            WHOLE + "mass = 6",
+            "b = [0.006]",
+            "[slider] mass: is given beside M, and both are the same parameter, expected only one "
+            "of them such as mass = '6 kg'",
+        ),
+        (
+            WHOLE,
+            'mass = ["3000 kg/m^2"]',
+            "[sweep] mass[0]: '3000 kg/m^2' is a mass per area, expected a mass such as '6 kg'",
+        ),
+        (
+            WHOLE,
+            'M = ["6 kg"]\nmass = [6]',
+            "[sweep] mass: is given beside M, and both are the same parameter, expected only one "
+            "of them such as mass = '6 kg'",
         ),
         (
             'sigma = "2 MPa"',

@@ -11,6 +11,7 @@ from ...friction.laws import LAWS
 from ...model.initial_state import SYMBOLS
 from ...model.loading.shapes import SHAPES
 from ...model.names import nearest, one_of
+from ...model.other_units import WHOLE_CONTACT
 from ...model.quantities import KINDS, QUANTITIES
 from ...model.slider import SpringSlider
 from .model import FUNCTIONS
@@ -29,10 +30,10 @@ SETTINGS = dict.fromkeys(
 )
 #: table -> its keys
 TABLES = {
-    "slider": tuple(SLIDER),
+    "slider": (*SLIDER, *WHOLE_CONTACT),
     "loading": ("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
     "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt"),
-    "sweep": ("verb", *SETTINGS, *SLIDER),
+    "sweep": ("verb", *SETTINGS, *SLIDER, *WHOLE_CONTACT),
     "output": ("file", "plot"),
 }
 #: key -> the names that it may have as a value

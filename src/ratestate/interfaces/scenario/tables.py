@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 from ...dynamics.continuation.family import PARAMETERS
 from ...friction.laws import LAW_OF
 from ...model.names import one_of
+from ...model.other_units import WHOLE_CONTACT
+from ...model.quantities import QUANTITIES
 from .known_keys import (
     AXES,
     CHOICES,
@@ -31,7 +33,20 @@ def plain_table(name: str, table: dict[str, Any], problems: list[str]) -> dict[s
     """The values of such a table: key -> value, or None for one with a problem."""
     place = Place(f"[{name}]", problems)
     items = known_items(name, table, place)
-    return {key: read_value(key, value, place.at(key)) for key, value in items}
+    return _per_area({key: read_value(key, value, place.at(key)) for key, value in items}, place)
+
+
+def _per_area(values: dict[str, Any], place: Place) -> dict[str, Any]:
+    """The values, with mass = 6 as M = "6.0 kg", and so on; a parameter given twice is noted."""
+    for name in WHOLE_CONTACT.keys() & values.keys():
+        symbol, value = WHOLE_CONTACT[name], values.pop(name)
+        if symbol in values:
+            place.at(name).add("key.twice", symbol=symbol, like=example(name))
+        if isinstance(value, Many):
+            values[symbol] = value._replace(quantity=name)
+        else:  # (None has a problem)
+            values[symbol] = None if value is None else f"{value!r} {QUANTITIES[name].unit}"
+    return values
 
 
 def read_value(key: str, value: Any, place: Place) -> Any:
@@ -99,7 +114,9 @@ def sweep_table(
         return Sweep(verb, own, {}, {})
     own = _verb(table, requested, of_run, place)
     verb = requested or own
-    of_verb = {name: [*SLIDER, *function.keys] for name, function in FUNCTIONS.items()}
+    of_verb = {
+        name: [*SLIDER, *WHOLE_CONTACT, *function.keys] for name, function in FUNCTIONS.items()
+    }
     known = of_verb.get(own) or [key for key in TABLES["sweep"] if key != "verb"]
     given = {}
     for key, value in known_items("sweep", table, place, own or "any verb"):
@@ -138,6 +155,7 @@ def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> di
             values[key] = read_values(key, value, place.at(key), bound)
         else:
             values[key] = read_value(key, value, place.at(key))
+    values = _per_area(values, place)
     many = {key for key, value in given.items() if isinstance(value, dict | list)}
     if not is_branch and not many & AXES:
         place.add("sweep.no_axis", like=AXIS)
