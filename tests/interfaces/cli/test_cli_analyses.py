@@ -215,8 +215,21 @@ def test_a_run_that_nothing_disturbs_says_so_once(options, lab):
 
 def test_a_sweep_of_runs_that_nothing_disturbs_says_so_once(lab):
     lab.write_text(f"{UNDISTURBED}[sweep]\nverb = 'simulate'\nK = [5e8, 6e8, 2e9]\n")
-    (line,) = call("run", lab).stderr.splitlines()
+    _, line = call("run", lab).stderr.splitlines()
     assert line.startswith("warning: in 2 of 3 cases the run starts on steady sliding")
+
+
+@pytest.mark.parametrize("command", ["stability", "cycle", "run"])
+def test_that_a_file_is_swept_is_said_in_one_line(command, lab):
+    single = call("stability", lab)
+    assert (single.exit_code, single.stderr) == (0, "")
+    lab.write_text(f'{LAB}[sweep]\nverb = "stability"\nK = [5e8, 6e8, 2e9]\nM = [100, 200]\n')
+    result = call(command, lab)
+    assert (result.exit_code, result.stderr) == (
+        0,
+        "the [sweep] of the file is swept, 6 cases; for the single slider take [sweep] out, to "
+        "keep the cases in a store use ratestate sweep\n",
+    )
 
 
 @pytest.mark.parametrize("options", [[], ["--json"]])
@@ -546,7 +559,8 @@ def test_a_sweep_too_large_for_memory_is_refused_at_once(command, verb, lab, mon
         file.write(f"'{verb}'\n")
     result = call(command, lab)
     assert (result.exit_code, result.stdout) == (2, ""), result.stderr
-    assert result.stderr.startswith("error: the results of 961,000,000 cases take 1")
+    _, error = result.stderr.splitlines()
+    assert error.startswith("error: the results of 961,000,000 cases take 1")
     assert "use ratestate sweep FILE --store x.zarr" in result.stderr
 
 

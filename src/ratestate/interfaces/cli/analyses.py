@@ -24,7 +24,7 @@ def run(
 
     Example: ratestate run lab.toml --plot lab.png
     """
-    from .run_scenario import do, load_scenario, wanted_units
+    from .run_scenario import do, load_scenario, note_sweep, wanted_units
 
     own_units = wanted_units(units)
     if source is not None and file is None:
@@ -34,6 +34,7 @@ def run(
         scenario = from_result(read(source))
     elif file is not None and source is None:
         scenario = load_scenario(file)
+        note_sweep(scenario)
     else:
         raise typer.BadParameter("give either a file or --from RESULT", param_hint="FILE.toml")
     do(scenario, out, plot, json, own_units)
@@ -104,7 +105,7 @@ def _do(
 ) -> None:
     """Call a function with a file's scenario, whose own verb and [output] are ignored."""
     from ..scenario import Output
-    from .run_scenario import do, load_scenario, wanted_units
+    from .run_scenario import do, load_scenario, note_sweep, wanted_units
 
     own_units = wanted_units(units)
     scenario = dataclasses.replace(load_scenario(file, verb), output=Output())
@@ -113,4 +114,5 @@ def _do(
         if changes["parameter"] == "V_lp":
             settings.pop("V_lp")
         scenario = dataclasses.replace(scenario, verb="continue_cycle", settings=settings)
+    note_sweep(scenario)
     do(scenario, out, plot, json, own_units)

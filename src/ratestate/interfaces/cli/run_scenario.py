@@ -1,5 +1,6 @@
 """Runs a scenario: checks outputs, computes, prints the result and writes the files."""
 
+import math
 from pathlib import Path
 
 import typer
@@ -88,13 +89,25 @@ def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Out
     return Output(file and checked_path(file, NUMBERS), picture and checked_path(picture, PICTURES))
 
 
-def swept_dims(scenario: Scenario) -> list[str]:
-    """Dimensions of a scenario's sweep; empty for a single case."""
+def note_sweep(scenario: Scenario) -> None:
+    """Say on stderr that the command computes all cases of a file's [sweep], if it has any."""
+    sizes = swept_dims(scenario)
+    if sizes and scenario.verb != "continue_cycle":
+        cases = math.prod(sizes.values())
+        print_line(
+            f"the [sweep] of the file is swept, {cases:,} case{'s' if cases > 1 else ''}; for the "
+            f"single slider take [sweep] out, to keep the cases in a store use ratestate sweep",
+            err=True,
+        )
+
+
+def swept_dims(scenario: Scenario) -> dict[str, int]:
+    """Dimensions of a scenario's sweep -> their sizes; empty for a single case."""
     slider, settings = scenario.slider, scenario.settings
     speeds = getattr(settings.get("loading"), "V", 0.0)
     values = filter(is_array, [*slider.values.values(), *settings.values(), speeds])
-    dims = dict.fromkeys(str(dim) for value in values for dim in value.dims)
-    return [dim for dim in dims if dim not in ("segment", "time")]
+    sizes = {str(dim): size for value in values for dim, size in value.sizes.items()}
+    return {dim: size for dim, size in sizes.items() if dim not in ("segment", "time")}
 
 
 def compile_ahead(scenario: Scenario) -> None:
