@@ -47,6 +47,18 @@ def test_a_sweep_s_places_are_never_wrapped(sweep, width):
     assert row.endswith(f"V_lp = {1e3 * float(most.V_lp[0]):.6g} mm/s")
 
 
+def test_a_critical_velocity_of_zero_is_told_in_words():
+    K_c = float(rs.stability(SLIDER.replace(M=0.0), 1e-2).K_c_qs)
+    slider = SLIDER.replace(K=xr.DataArray([0.5 * K_c, 1.5 * K_c], dims="K"))
+    result = rs.sweep("stability", slider, V_lp=1e-2, progress=False)
+    lines = printed(report(result, None, {"V_c": "mm/s"}), 140)
+    row = next(line for line in lines if line.startswith("V_c "))
+    finite = f"{1e3 * float(result.V_c[1]):.6g} mm/s"
+    assert result.V_c[0] == 0.0 < result.V_c[1]
+    cells = [cell.strip() for cell in row.split("  ") if cell.strip()]
+    assert cells[1::2] == ["unstable at any speed", finite]
+
+
 @pytest.mark.parametrize("width", [80, 100])
 def test_text_beside_errors_has_room(cycle, width):
     lines = printed(report(cycle, None), width)

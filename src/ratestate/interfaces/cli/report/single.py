@@ -15,6 +15,7 @@ from ....engine.model import STEADY_SLIDING
 from ....model.quantities import readable, readable_multiplier, readable_time
 from .domain import outside_lines
 from .rows import (
+    ANY_SPEED,
     DIGITS,
     FEW_DIGITS,
     FirstThatFits,
@@ -79,7 +80,6 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
     holds = "stable" if result.stable else "unstable"
     if on_edge(K, K_c):
         holds = "on the edge of stability"
-    limit = {0.0: "unstable at any speed", math.inf: "stable at any speed"}
     frequency, hopf = (_in_hertz(float(x)) for x in (omega, result.omega_c))
     ratio = f"{K / K_c:.4g} K_c" if K_c > 0.0 else ""
     e_folding = ""
@@ -91,7 +91,7 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
         _critical("K_c", K_c, "unstable where K < K_c"),
         _critical("K_c_qs", float(result.K_c_qs), "without inertia"),
         row("V_lp", V),
-        row("V_c", V_c, limit.get(V_c) or f"V_lp is {V / V_c:.4g} V_c"),
+        row("V_c", V_c, ANY_SPEED.get(V_c) or f"V_lp is {V / V_c:.4g} V_c"),
         row("eta", result.eta, "share by which inertia raises K_c"),
         row("f_n", result.f_n, "M = 0" if M == 0.0 else "K = inf" if math.isinf(K) else ""),
         row("growth_rate", growth, e_folding),

@@ -10,7 +10,7 @@ from rich.text import Text
 from ....engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ....model.quantities import QUANTITIES, readable
 from .domain import outside_lines
-from .rows import FirstThatFits, Units, place, plain_table, shown
+from .rows import ANY_SPEED, FirstThatFits, Units, place, plain_table, shown
 
 LISTED = 20  # failed cases, at most
 #: function -> variables whose range is printed
@@ -75,7 +75,9 @@ def _cells(values: xarray.DataArray, index: dict[Any, Any], units: Units) -> tup
     """A value, and where it is."""
     one = values.isel(index)
     where = {dim: one[dim].item() if dim in one.coords else int(index[dim]) for dim in index}
-    return shown(str(values.name), float(one), units), place(where)
+    name, x = str(values.name), float(one)
+    text = ANY_SPEED.get(x) if name == "V_c" else None
+    return text or shown(name, x, units), place(where)
 
 
 def failed_lines(result: xarray.Dataset) -> list[str]:
