@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ratestate.scenario import loads
+from ratestate.scenario import loads, python, toml
 
 from ratestate import ParameterError, SpringSlider
 
@@ -71,6 +71,30 @@ def test_names_of_the_whole_contact():
 def test_axis_of_friction_per_length(axis):
     K = scenario('sigma = "2 MPa"', f"K = {axis}").slider.K
     np.testing.assert_allclose(K, [2e8, 4e8], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("slider", "axis", "parts"),
+    [
+        ('area = "20 cm^2"', 'sigma = ["2 MPa", "3 MPa"]', "K_over_sigma and sigma"),
+        ('sigma = "2 MPa"', 'area = ["10 cm^2", "20 cm^2"]', "stiffness and area"),
+    ],
+)
+def test_a_derived_parameter_is_written_as_python_only(slider, axis, parts):
+    K = "1e-4/um" if "K_over" in parts else "1.8 MN/m"
+    it = scenario(f'{slider}\nK = "{K}"', axis)
+    by = parts.split()[-1]
+    with pytest.raises(ParameterError) as caught:
+        toml(it)
+    assert str(caught.value).startswith(
+        f"K lies along {by}, as it does if made of {parts}: a scenario file can sweep"
+    )
+    assert str(caught.value).endswith(
+        "ratestate.scenario.python(scenario) writes this one as Python"
+    )
+    lines = {}
+    exec(python(it), lines)
+    assert lines["slider"] == it.slider
 
 
 def test_branch_over_friction_per_length():

@@ -8,6 +8,7 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.loading import Loading
 from ...model.loading.written import Event, events_of, rows_of
+from ...model.other_units import OTHER_QUANTITIES
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array
 from .literals import find_axis, is_own_axis, numbers, quantity
@@ -108,9 +109,13 @@ def _step(event: Event) -> str:
 def _axis(symbol: str, value: Any) -> str:
     """The values of a swept parameter."""
     if not is_own_axis(symbol, value):
+        ways = OTHER_QUANTITIES.get(symbol, {}).items()
+        made_of = [f"{quantity} and {by}" for quantity, (_, by) in ways if by in value.dims]
+        why = f", as it does if made of {' or of '.join(made_of)}" if made_of else ""
         raise ParameterError(
-            f"{symbol} lies along {', '.join(map(str, value.dims))}: a scenario file can sweep a "
-            f"parameter along a dimension of its own only"
+            f"{symbol} lies along {', '.join(map(str, value.dims))}{why}: a scenario file can "
+            f"sweep a parameter along a dimension of its own only; "
+            f"ratestate.scenario.python(scenario) writes this one as Python"
         )
     return _literal(symbol, value.values)
 
