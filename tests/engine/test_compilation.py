@@ -6,7 +6,8 @@ import sys
 import pytest
 from numba.core.compiler import Flags
 
-from ratestate.dynamics.cycles.compilation import ANY_CYCLE, compile_cycles_elsewhere
+import ratestate as rs
+from ratestate.dynamics.cycles.compilation import ANY_RETURN, compile_cycles_elsewhere
 from ratestate.engine import compilation, jit
 from ratestate.engine.return_map import march_to_section
 from ratestate.errors import ParameterError
@@ -115,8 +116,11 @@ def test_the_statement_calls_what_a_limit_cycle_needs(law, monkeypatch):
     monkeypatch.undo()  # with the kernels that are compiled
     before = set(compilation._called)
     compilation._called.discard((march_to_section, LAWS[law]))
-    exec(ANY_CYCLE.format(law=law), {})
+    exec(ANY_RETURN.format(law=law), {})
     assert (march_to_section, LAWS[law]) in compilation._called
+    compiled = len(march_to_section.signatures)
+    rs.limit_cycle(rs.SpringSlider(a=0.01, b=0.02, Dc=1e-5, sigma=1e7, K=5e9, M=1e3, law=law), 1e-3)
+    assert len(march_to_section.signatures) == compiled
     compilation._called.update(before)
 
 

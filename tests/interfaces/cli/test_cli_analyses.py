@@ -689,17 +689,20 @@ def test_colours_are_for_terminals(lab, monkeypatch):
     assert "\x1b" not in call("stability", lab).stdout
 
 
-NEEDED = {"lab": ["aging"], "brake": ["slip"]}
-NEEDED |= {name: [] for name in ("sinusoid", "recorded-loading", "fig3", "rigid", "stability")}
+NEEDED = {"lab": ["aging"], "brake": ["slip"], "sinusoid": ["slip"]}
+NEEDED |= {name: [] for name in ("recorded-loading", "fig3", "rigid", "stability", "strengthening")}
 
 
 @pytest.mark.parametrize(("name", "laws"), NEEDED.items(), ids=NEEDED)
 def test_what_the_verdict_on_a_run_needs_is_compiled_beside_the_run(name, laws, monkeypatch):
     asked = []
     monkeypatch.setattr(run_scenario, "compile_cycles_elsewhere", asked.append)
-    file = TEMPLATES / f"{'lab' if name in ('rigid', 'stability') else name}.toml"
+    file = TEMPLATES / f"{name}.toml"
+    file = file if file.exists() else TEMPLATES / "lab.toml"
     scenario = load(file, "stability" if name == "stability" else None)
     if name == "rigid":
         scenario = dataclasses.replace(scenario, slider=scenario.slider.replace(K=math.inf))
+    if name == "strengthening":
+        scenario = dataclasses.replace(scenario, slider=scenario.slider.replace(b=0.008))
     run_scenario.compile_ahead(scenario)
     assert asked == laws

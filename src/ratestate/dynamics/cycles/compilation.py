@@ -4,10 +4,13 @@ from ...engine.compilation import compile_elsewhere
 from ...engine.return_map import march_to_section
 from ...friction.laws import evolution_law
 
-ANY_CYCLE = """
-import ratestate as rs
-slider = rs.SpringSlider(a=0.01, b=0.015, Dc=1e-5, sigma=1e7, K=4e9, law={law!r})
-rs.limit_cycle(slider.replace(M=1e3), 1e-3)
+# One return of one slider; nothing is imported that this does not need.
+ANY_RETURN = """
+import numpy as np
+from ratestate.dynamics.cycles.shooting import return_map, system_of
+one = np.ones(1)
+system = system_of({law!r}, a=one, b=2.0 * one, Dc=one, sigma=one, K=0.5 * one, M=one, V_lp=one)
+return_map(system, np.array([[0.1, 0.0, 0.1]]), 1e-3, alone=True)
 """
 
 
@@ -18,4 +21,4 @@ def compile_cycles_elsewhere(law):
 
     law : str, name of an evolution law
     """
-    compile_elsewhere(march_to_section, evolution_law(law), ANY_CYCLE.format(law=law))
+    compile_elsewhere(march_to_section, evolution_law(law), ANY_RETURN.format(law=law))

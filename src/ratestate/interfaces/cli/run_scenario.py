@@ -8,7 +8,7 @@ import xarray
 
 from ...dynamics.cycles.compilation import compile_cycles_elsewhere
 from ...dynamics.progress import on_terminal
-from ...dynamics.verdict import FOLDS_BELOW, verdict_of_cycle
+from ...dynamics.verdict import verdict_of_cycle
 from ...dynamics.whole_contact import whole_contact
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked_path, write
@@ -114,7 +114,7 @@ def compile_ahead(scenario: Scenario) -> None:
     """Let what the verdict on a run needs be compiled beside what the run needs."""
     if scenario.verb == "simulate" and not swept_dims(scenario):
         slider, V_lp = scenario.slider, speed_of_verdict(scenario.settings["loading"])
-        if V_lp and FOLDS_BELOW * slider.K_c(V_lp) > slider.K:  # else there is no cycle to find
+        if V_lp and slider.b > slider.a and float("inf") != slider.K:  # else no cycle is sought
             compile_cycles_elsewhere(slider.law)
 
 
