@@ -131,7 +131,7 @@ def test_what_is_compiled_elsewhere_is_of_a_known_law(monkeypatch):
     compile_cycles_elsewhere("Dieterich")
     kernel, law, statement = asked[0]
     assert (kernel, law) == (march_to_section, AGING)
-    assert "law='Dieterich'" in statement
+    assert "system_of('Dieterich', " in statement
     with pytest.raises(ParameterError, match="law = 'prz' is unknown"):
         compile_cycles_elsewhere("prz")
 
