@@ -118,5 +118,8 @@ def test_table_for_notebooks():
     html = SpringSlider.of_contact(**WHOLE, **FRICTION)._repr_html_()
     for cell in ("K", "stiffness per area", "900 MPa/m", "20 cm^2", "slip"):
         assert f"<td>{cell}</td>" in html
+    third = SpringSlider(**FRICTION | PER_AREA | {"K": 2e10 / 3})
+    assert "<td>6.66667 GPa/m</td>" in third._repr_html_()
+    assert "K='6.666666666666667 GPa/m'" in repr(third)
     swept = SpringSlider(**FRICTION | PER_AREA | {"M": logspace("M", 1, 10, 3)})._repr_html_()
     assert "&lt;M: 3; 1 to 10 kg/m^2&gt;" in swept

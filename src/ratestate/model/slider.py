@@ -10,7 +10,7 @@ from ..friction.stability import K_c, K_c_qs, V_c, eta, f_n
 from .arrays import check_aligned
 from .contact import parameter_to_si
 from .names import check_keywords, keywords_checked
-from .quantities import QUANTITIES, exact, readable_range
+from .quantities import QUANTITIES, exact, readable, readable_range
 from .units import is_array, named, to_si
 
 
@@ -236,7 +236,7 @@ class SpringSlider:
 
     def _repr_html_(self):
         """A table for notebooks: symbol, name, and value in a unit that fits."""
-        rows = [(s, QUANTITIES[s].long_name, _readable(s, x)) for s, x in self.values.items()]
+        rows = [(s, QUANTITIES[s].long_name, _rounded(s, x)) for s, x in self.values.items()]
         rows.append(("law", "evolution law", self.law))
         lines = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
         body = "".join(f"<tr>{line}</tr>" for line in lines)
@@ -272,10 +272,12 @@ def checked(slider):
     return slider
 
 
-def _readable(symbol, value):
-    """A quantity as text: the exact value, or an array's sizes and range."""
-    if not is_array(value):
-        return exact(symbol, value)
+def _rounded(symbol, value):
+    """A quantity as text in six digits, or an array's sizes and range."""
+    return _sizes_and_range(symbol, value) if is_array(value) else readable(symbol, value, 6)
+
+
+def _sizes_and_range(symbol, value):
     sizes = ", ".join(f"{dim}: {size}" for dim, size in value.sizes.items())
     return f"<{sizes}; {readable_range(symbol, float(value.min()), float(value.max()))}>"
 
@@ -283,7 +285,7 @@ def _readable(symbol, value):
 def _show(symbol, value):
     """A parameter in the call that makes it again; of an array, its sizes and range."""
     if is_array(value):
-        return _readable(symbol, value)
+        return _sizes_and_range(symbol, value)
     if symbol == "law":
         return repr(value)
     text = exact(symbol, value)
