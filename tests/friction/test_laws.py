@@ -127,7 +127,7 @@ def test_arrays_and_named_arrays_broadcast():
     assert rsf.friction(V, rsf.theta_ss(V, Dc=Dc), **{**FRICTION, "Dc": Dc}).sizes["Dc"] == 3
 
 
-@pytest.mark.parametrize("law", ["ruinae", "Slip laws", "law", "", None, 0])
+@pytest.mark.parametrize("law", ["ruinae", "Slip law", "law", "", None, 0])
 def test_unknown_law(law):
     with pytest.raises(ParameterError, match=r"is unknown; choose 'slip' or 'aging'"):
         rsf.dtheta_dt(1e-6, 1.0, Dc=1e-5, law=law)

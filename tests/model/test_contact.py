@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from ratestate import ParameterError, SpringSlider, logspace
+from ratestate.interfaces.scenario import loads, template
 
 FRICTION = {"a": 0.003, "b": 0.006, "Dc": "10 um"}
 WHOLE = {"area": "20 cm^2", "mass": "6 kg", "stiffness": "1.8 MN/m", "normal_force": "4 kN"}
@@ -112,6 +113,8 @@ def test_mistyped_keywords(make, keyword, meant):
 )
 def test_synonyms_of_laws(given, name):
     assert SpringSlider(**FRICTION, **PER_AREA, law=given).law == name
+    lab = template("lab").replace('law = "aging"', f'law = "{given}"')
+    assert loads(lab).slider.law == name  # files know the same names
 
 
 def test_table_for_notebooks():

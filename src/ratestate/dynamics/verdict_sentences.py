@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from ..friction.quasi_static import runaway_step_lower_bound
+from ..friction.stability import EDGE_WIDTH
 from ..model.quantities import readable, readable_multiplier, readable_time
 from ..model.sentences import Sentences
 from .cycles.regimes import HARMONIC, STEADY, UNKNOWN
@@ -15,8 +16,6 @@ RUNAWAY, CONDITIONAL = "runaway", "conditionally stable"
 # Inertia is negligible where eta is below the digits of K_c in the text, and below this part of the
 # distance of K from K_c_qs.
 NEGLIGIBLE_ETA, NEGLIGIBLE_PART = 1e-4, 0.01
-# Relative distance from K_c below which a slider is called neither stable nor unstable.
-EDGE_WIDTH = 1e-8
 
 sentence = Sentences(Path(__file__).with_suffix(".toml"))
 

@@ -148,13 +148,17 @@ def evolution_law(law):
     return LAWS[law_name(law)]
 
 
-def law_name(law):
-    """A law's name in `LAWS`, from that name or a synonym, in any capitals, with "law" or without.
+def known_law(law):
+    """A law's name in `LAWS`, from that name or a synonym, in any capitals.
 
-    ParameterError for an unknown one, or what is no string.
+    None for an unknown one, or what is no string.
     """
-    text = law.lower().removesuffix(" law") if isinstance(law, str) else ""
-    if text in LAW_OF:
-        return LAW_OF[text]
+    return LAW_OF.get(law.lower()) if isinstance(law, str) else None
+
+
+def law_name(law):
+    """A law's name as by `known_law`; ParameterError for an unknown one, or what is no string."""
+    if name := known_law(law):
+        return name
     names, others = " or ".join(map(repr, LAWS)), ", ".join(sorted(LAW_OF.keys() - LAWS.keys()))
     raise ParameterError(f"law = {law!r} is unknown; choose {names} (or {others})")

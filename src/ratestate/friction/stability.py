@@ -16,6 +16,8 @@ from .elementwise import elementwise
 
 # Of K/K_c_qs: a K this little above K_c_qs is not known to be.
 ROUNDING = 1e-15
+#: relative distance from K_c below which a slider is called neither stable nor unstable
+EDGE_WIDTH = 1e-8
 
 
 def eta(V, *, a, Dc, sigma, M):

@@ -257,6 +257,7 @@ class SpringSlider:
         return hash(tuple(v.shape if is_array(v) else v for v in self.parameters.values()))
 
 
+# (the dataclass writes its __init__, which nothing else can decorate)
 SpringSlider.__init__ = keywords_checked(SpringSlider.__init__)  # type: ignore[method-assign]
 
 #: symbols of the quantities that the motion depends on: a, b, Dc, sigma, K, M, mu0, V0

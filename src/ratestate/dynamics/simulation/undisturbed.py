@@ -2,15 +2,13 @@
 
 import numpy as np
 
-from ...friction.stability import K_c
+from ...friction.stability import EDGE_WIDTH, K_c
 from ...model.initial_state import initial_state
 from ..refusals import sentence
 from ..results import columns
 
 # Differences of x, v and psi from those of steady sliding that are due to rounding.
 ROUNDING = 1e-12
-# K up to K_c, to this part of it, is on the edge of stability: rounding decides.
-EDGE = 1e-8
 # The speed at which the remedy starts, over that of the load point.
 OTHER_START = 0.1
 
@@ -28,7 +26,9 @@ def undisturbed_warning(calls):
         V_lp = _constant_speeds(call)
         p = columns(call.batch)
         critical = K_c(V_lp, a=p.a, b=p.b, Dc=p.Dc, sigma=p.sigma, M=p.M)
-        stays = (critical > (1.0 + EDGE) * p.K) & _starts_steady(call, V_lp)
+        stays = critical > (1.0 + EDGE_WIDTH) * p.K
+        if stays.any():
+            stays &= _starts_steady(call, V_lp, p)
         cases, count = cases + stays.size, count + int(stays.sum())
         if stays.any() and not first:
             i = int(np.argmax(stays))
@@ -50,9 +50,8 @@ def _constant_speeds(call):
     return np.where((first >= call.batch.flat("t_end")) & (V > 0.0), V, np.nan)
 
 
-def _starts_steady(call, V_lp):
+def _starts_steady(call, V_lp, p):
     """Whether cases (n,) start in steady sliding at these speeds; not where one is NaN."""
-    p = columns(call.batch)
     v = np.log(V_lp / p.V0)
     steady = np.stack([(1.0 - p.b / p.a) * v, v, -v], axis=1)
     return np.abs(initial_state(call.batch, V_lp) - steady).max(axis=1) < ROUNDING

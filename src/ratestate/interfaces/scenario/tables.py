@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...dynamics.continuation.family import PARAMETERS
-from ...friction.laws import LAW_OF
+from ...friction.laws import known_law
 from ...model.names import one_of
 from ...model.other_units import WHOLE_CONTACT
 from ...model.quantities import QUANTITIES
@@ -64,8 +64,8 @@ def read_value(key: str, value: Any, place: Place) -> Any:
     if isinstance(value, dict | list) and key in AXES:
         place.add("key.no_axis", given=value, like=example(key))
         return None
-    if key == "law" and isinstance(value, str):
-        value = LAW_OF.get(value.lower(), value)
+    if key == "law":
+        value = known_law(value) or value
     if key in CHOICES:
         return place.noting(lambda: choice(value, CHOICES[key]))
     if key in ENDINGS:
