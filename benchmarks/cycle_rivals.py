@@ -16,7 +16,8 @@ from scipy.optimize import root
 
 import ratestate as rs
 from ratestate.dynamics.cycles.shooting import System
-from ratestate.friction.laws import evolution_law
+from ratestate.friction.laws import ONE_LENGTH as LAWS
+from ratestate.friction.laws import law_name
 
 # Tolerances of Rodas5P and SciPy that leave errors of at most about 1e-6.
 MARCHING, RADAU, COLLOCATION = 1e-7, 1e-6, 1e-6
@@ -75,15 +76,16 @@ def jacobians(y, p):
 
 def numbers(system):
     """kappa, beta, eta, V_lp/Dc, V_lp/V0 and law, as rivals.py has them."""
-    law = evolution_law(system.law).code
-    return np.array([system.kappa, system.beta, system.eta, 1.0, 1.0, law], float)
+    law = list(LAWS).index(law_name(system.law))
+    kappa, beta, eta = (values[0] for values in (system.kappa, system.beta, system.eta))
+    return np.array([kappa, beta, eta, 1.0, 1.0, law], float)
 
 
 class Case(NamedTuple):
     """A slider and its cycle."""
 
     slider: rs.SpringSlider
-    system: System
+    system: System  # of one
     u: np.ndarray  # (psi, dv/dT) at the stress maximum
     t: np.ndarray  # (m,) in a period
     y: np.ndarray  # (3, m) x, v, psi

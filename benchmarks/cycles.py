@@ -28,7 +28,7 @@ from timing import cpu, interleaved, one_core
 
 import ratestate as rs
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
-from ratestate.dynamics.cycles.shooting import System
+from ratestate.dynamics.cycles.shooting import one_length_system
 from ratestate.paper.parameters import FIG2
 
 LAWS = ("slip", "aging")
@@ -145,10 +145,10 @@ def _scipy(part, law):
     n = max(few for few, _ in SOLVED.values())
     K, eta = sample(n, 3, ETA_SCIPY)
     exact = truth(listed(law, K, eta)) / [[1.0], [BASE.a]]
-    system = System(law, K, np.full(n, 2.0), eta, np.full(n, np.inf))
+    system = one_length_system(law, K, np.full(n, 2.0), eta, np.full(n, np.inf))
     points = find_attractors(system, steady_start(system), EXACT, False, None).u
     cases = [
-        case_of(sliders(law, K[i], eta[i]), system.at(i), points[i], T)
+        case_of(sliders(law, K[i], eta[i]), system.at([i]), points[i], T)
         for i, T in enumerate(exact[0])
     ]
     ratios = {}

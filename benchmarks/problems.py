@@ -4,7 +4,7 @@ import numpy as np
 
 from ratestate.dynamics.simulation.cases import engine_cases, run_cases
 from ratestate.engine.model import Loads
-from ratestate.friction.laws import evolution_law
+from ratestate.friction.laws import LAWS, friction_law
 from ratestate.model.arrays import logspace
 from ratestate.model.batch import Batch
 from ratestate.model.initial_state import initial_state
@@ -24,15 +24,16 @@ class Problem:
         self.slider, self.V_lp, self.V_start, self.t_end = slider, V_lp, V_start, t_end
         values = {k: v for k, v in slider.parameters.items() if k != "law"}
         self.batch = Batch({**values, "V_lp": V_lp, "V_start": V_start})
-        self.law = evolution_law(slider.law).code
+        self.law = friction_law(slider.law)
         self.n = self.batch.n
         self._reference = self._numbers = None
 
     def cases(self, rtol, observe=0.0, dt=None):
         """The engine's `Cases`."""
         return engine_cases(
+            self.law,
             self.batch,
-            initial_state(self.batch, self.batch.flat("V_lp")),
+            initial_state(self.law, self.batch, self.batch.flat("V_lp")),
             t_end=np.full(self.n, self.t_end),
             loading=np.arange(self.n),
             times=np.zeros(self.n, np.int64),
@@ -53,8 +54,8 @@ class Problem:
         if self._numbers is None:
             cases = self.cases(1e-6)
             w_lp = self.batch.flat("V_lp") / cases.V0
-            law = np.full(self.n, float(self.law))
-            rows = [cases.kappa, cases.beta, cases.eta0, cases.scale, w_lp, law]
+            law = np.full(self.n, float(list(LAWS).index(self.law.name)))
+            rows = [cases.kappa, cases.p[:, 0], cases.eta0, cases.scale, w_lp, law]
             self._numbers = np.ascontiguousarray(np.transpose(rows)), cases.y
         return self._numbers
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import ratestate as rs
+from ratestate.friction.laws import LAWS
 from ratestate.interfaces.templates import TEMPLATES
 from ratestate.model.quantities import QUANTITIES
 
@@ -124,6 +125,10 @@ def test_every_symbol_is_in_the_glossary():
     assert told.keys() == QUANTITIES.keys()
     assert symbols.symbols().count("```{glossary}") == len(symbols.read())
     assert "\nDc\n  *critical slip distance* $D_c$ [m]. The slip over which" in symbols.symbols()
+    of_law = "\nDc2\n  *critical slip distance of the second state* [m]. A parameter of `two-state-"
+    assert of_law in symbols.symbols()
+    own = {symbol for law in LAWS.values() for symbol in (*law.parameters, *law.states)}
+    assert symbols.read()[symbols.OF_LAWS].keys() == own - {"theta"}
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,8 @@ from ratestate.dynamics.continuation.coexistence import folds
 from ratestate.dynamics.cycles.attractor import find_attractors
 from ratestate.dynamics.cycles.regimes import REGIMES, classify
 from ratestate.dynamics.cycles.shooting import (
-    System,
     multipliers,
+    one_length_system,
     return_map,
     small_amplitude,
     state,
@@ -35,7 +35,7 @@ def dimensionless(law, b_over_a, eta, excess=0.0):
 
 def system(law, kappa, beta, eta):
     columns = np.broadcast_arrays(kappa, beta, eta, np.inf)
-    return System(law, *(np.array(column) for column in columns))
+    return one_length_system(law, *(np.array(column) for column in columns))
 
 
 def excess(found, beta, eta):

@@ -327,14 +327,15 @@ def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
 
 
 def test_an_edge_of_runaway_that_is_lost_harms_no_other(monkeypatch):
-    whole = basin.runaway_edge
+    kind = type(MASSLESS.friction)
+    whole = kind.runaway_edge
 
-    def lost(kappa, beta, largest):
+    def lost(law, kappa, beta, largest):
         if kappa < 1.2 * (beta - 1.0):
             raise rs.SolverError("the edge of runaway (M = 0) could not be followed")
-        return whole(kappa, beta, largest)
+        return whole(law, kappa, beta, largest)
 
-    monkeypatch.setattr(basin, "runaway_edge", lost)
+    monkeypatch.setattr(kind, "runaway_edge", lost)
     K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.1, 1.5]), dims="K")
     found = escape(MASSLESS.replace(K=K), 1e-6)
     assert found.outcome.values.tolist() == ["unknown", "runaway"]

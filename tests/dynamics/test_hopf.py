@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 import ratestate as rs
 from ratestate import bautin, hopf, stability
 from ratestate.dynamics.cycles.small_cycles import curvature
-from ratestate.friction.laws import LAWS
+from ratestate.friction.laws import LAWS as FORMULAS
 from ratestate.friction.normal_form import growth_slopes, law_curvatures, lyapunov_1, third_order
+from ratestate.paper.laws import LAWS
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
 mp = mpmath.MPContext()
@@ -158,9 +159,16 @@ def slider_system(eta, b1, state_1, state_2, state_3):
 
 def exact(law, eta, b1):
     """l1 [V/Dc] in 60 digits, from the columns of the law's derivatives."""
-    row, at = LAWS[law], (1.0, 0.0, 0.0, 1.0)
-    columns = row.rate_partials(*at), row.rate_partials_2(*at), row.rate_partials_3(*at)
-    return first_lyapunov(*slider_system(eta, b1, *columns))
+    return first_lyapunov(*slider_system(eta, b1, *columns(law)[1:]))
+
+
+def columns(law):
+    """The rate and its first, second and third derivatives in steady sliding, a tuple each."""
+    row = FORMULAS[law]
+    at = 0.0, 1.0, (0.0,), row.exponentials(0.0, 1.0, (0.0,), (2.0,)), (2.0,)
+    orders = row.rate_partials(*at), row.rate_partials_2(*at), row.rate_partials_3(*at)
+    # (of the one state that the law has)
+    return row.rates(*at), *(tuple(one for (one,) in order) for order in orders)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -191,11 +199,11 @@ def test_lyapunov_1_of_any_law_with_one_length(eta, b1, h2, h3):
 @pytest.mark.parametrize("law", LAWS)
 def test_laws_have_the_form_that_the_coefficient_is_for(law):
     """d psi/dT = w h(v + psi) with h(0) = 0, h'(0) = -1: then h2 and h3 say all."""
-    row, at = LAWS[law], (1.0, 0.0, 0.0, 1.0)
     h2, h3 = law_curvatures(law)
-    assert (row.rate(*at), *row.rate_partials(*at)) == (0, -1, -1)
-    assert row.rate_partials_2(*at) == (h2 - 2, h2 - 1, h2)
-    assert row.rate_partials_3(*at) == (h3 + 3 * h2 - 3, h3 + 2 * h2 - 1, h3 + h2, h3)
+    rate, first, second, third = columns(law)
+    assert (rate, first) == ((0,), (-1, -1))
+    assert second == (h2 - 2, h2 - 1, h2)
+    assert third == (h3 + 3 * h2 - 3, h3 + 2 * h2 - 1, h3 + h2, h3)
 
 
 @settings(deadline=None)
@@ -483,7 +491,8 @@ def test_bad_slider():
 @pytest.mark.parametrize(
     ("law", "ratio", "message"),
     [
-        ("nagata", 2.0, "law = 'nagata' is unknown; choose 'slip' or 'aging'"),
+        ("nope", 2.0, "law = 'nope' is unknown; choose 'slip' or 'aging' or 'kato-tullis'"),
+        ("nagata", 2.0, "law = 'nagata': bautin is for laws of one .*, 'slip' and 'aging'"),
         ("aging", 1.0, "b_over_a = 1 must be > 1.*no Hopf bifurcation"),
         ("slip", -2.0, "b_over_a = -2 must be > 1"),
         ("slip", xr.DataArray([2.0, 0.5], dims="q"), "b_over_a = 0.5 must be > 1"),

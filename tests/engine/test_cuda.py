@@ -5,6 +5,7 @@ compiler takes them too is tried where numba-cuda and its toolkit are installed.
 """
 
 import importlib.util
+import itertools
 import os
 import re
 import subprocess
@@ -20,11 +21,20 @@ import ratestate as rs
 from ratestate.dynamics.cycles import shooting
 from ratestate.engine import backend, cuda, dispatch
 from ratestate.engine.model import FINISHED, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
-from ratestate.engine.return_map import RETURN_NUMBERS
+from ratestate.engine.return_map import DERIVATIVES, RETURN_NUMBERS
+from ratestate.friction.laws import friction_law
 from ratestate.sweeps.calls import call_of
 
-LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
-JOBS = pytest.mark.parametrize("job", ["simulations", "turns"])
+OF_LAW = {"b2": 1e-3, "Dc2": 5e-5}
+#: under laws of one state and of two, with and without exponentials in their rates
+JOBS = pytest.mark.parametrize(
+    ("job", "law"),
+    [
+        *itertools.product(["simulations", "turns"], ["slip", "aging"]),
+        ("simulations", "two-state-slip"),
+        ("turns", "two-state-aging"),
+    ],
+)
 HAS_COMPILER = importlib.util.find_spec("numba_cuda") is not None
 RTOL, CLOSE = 1e-10, 1e-9
 N = 22  # sliders simulated
@@ -73,7 +83,8 @@ def arguments(law):
     values = {"a": a, "b": 1.8 * a, "K": K, "M": M, "t_end": t_end}
     arrays = {name: xr.DataArray(v, dims="case") for name, v in values.items()}
     t_end = arrays.pop("t_end")
-    slider = rs.SpringSlider(**arrays, Dc=1e-5, sigma=2e6, V0=1e-9, law=law)
+    own = {symbol: OF_LAW[symbol] for symbol in friction_law(law).parameters}
+    slider = rs.SpringSlider(**arrays, **own, Dc=1e-5, sigma=2e6, V0=1e-9, law=law)
     return slider, LOADING, t_end
 
 
@@ -98,11 +109,13 @@ def turns(law):
 
     The third takes too many steps, the fifth is stable, the sixth has no mass and runs away.
     """
-    kappa, beta = np.array([0.3, 0.9, 0.76, 0.5, 1.5, 0.4, 0.6]), np.full(7, 1.8)
+    kappa = np.array([0.3, 0.9, 0.76, 0.5, 1.5, 0.4, 0.6])
     eta = np.array([0.5, 2.0, 1e-3, 1e-8, 0.1, 0.0, 0.3])
-    system = shooting.System(law, kappa, beta, eta, np.where(eta == 0.0, 0.1, np.inf))
+    states = friction_law(law).states
+    p = np.tile([1.8] if len(states) == 1 else [1.2, 0.6, 0.8], (7, 1))  # b/a, b2/a, Dc/Dc2
+    system = shooting.System(law, kappa, p, eta, np.where(eta == 0.0, 0.1, np.inf))
     psi = np.array([-0.3, 0.3, 1.0, -3.0, -0.1, 0.5, 0.3])
-    u = np.stack([psi, np.linspace(0.1, 0.4, 7)], axis=1)
+    u = np.stack([psi, 0.5 * psi, np.linspace(0.1, 0.4, 7)], axis=1)[:, [*range(len(states)), 2]]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(shooting, "MAX_STEPS_OF_RETURN", 700.0)
         found = shooting.return_map(
@@ -115,7 +128,11 @@ def turns(law):
         )
     back = found.came_back
     out = {"status": found.status, "image": found.image[back], "jacobian": found.jacobian[back]}
-    return out | {name: found.numbers[name][back] for name in RETURN_NUMBERS}
+    out |= {name: found.numbers[name][back] for name in RETURN_NUMBERS}
+    slopes = {name: found.gradients[name][back] for name in DERIVATIVES}
+    return out | {
+        f"{name} by {i}": d[:, i] for name, d in slopes.items() for i in range(u.shape[1])
+    }
 
 
 def interrupted(law):
@@ -164,7 +181,6 @@ def same(found, expected):
 # In the simulator ---------------------------------------------------------------------------------
 
 
-@LAWS
 @JOBS
 def test_simulator(job, law, tmp_path):
     expected = globals()[job](law)
@@ -190,7 +206,6 @@ def test_progress_and_interruption(tmp_path):
 
 
 @pytest.mark.skipif(not HAS_COMPILER or bool(cuda._missing()), reason="needs a GPU")
-@LAWS
 @JOBS
 def test_gpu(job, law, tmp_path):
     same(on_gpu(job, law, tmp_path, simulator=False), globals()[job](law))
@@ -201,7 +216,6 @@ class Launched(Exception):
 
 
 @pytest.mark.skipif(not HAS_COMPILER, reason="needs numba-cuda")
-@LAWS
 @JOBS
 def test_compiler(job, law, monkeypatch):
     """The kernels compile without a GPU: in double precision, the steps without a call."""

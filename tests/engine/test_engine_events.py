@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from numba import njit
 
-from ratestate.engine import dense_output
+from ratestate.engine import (
+    dense_output,
+    law_methods,  # noqa: F401  (compiled code calls methods of laws)
+)
+from ratestate.friction.laws.slip import SlipLaw
 
 
 @njit
@@ -71,3 +75,51 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
     """From 0.01 below ln(2), v meets ln(2 + 2 s) at s = 1/2, where both are ln(3)."""
     c = (np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0)
     assert crossing(c, 2.0, 2.0, np.nan) == pytest.approx(0.5, abs=1e-12)
+
+
+@njit
+def extreme_force(c, x_part, f_part, law, p):
+    return dense_output.extreme_force(c, x_part, f_part, law, p)
+
+
+class Viscous(SlipLaw):
+    """The slip law beside a friction that grows with V: of no polynomials a polynomial."""
+
+    name = "viscous"
+
+    def resistance(self, v, w, psi, p):
+        return v + p[0] * psi[0] + 0.3 * w
+
+    def resistance_partials(self, v, w, psi, p):
+        return 1.0 + 0.3 * w, (p[0],)
+
+
+@pytest.mark.parametrize("law", [SlipLaw(), Viscous()], ids=["slip", "viscous"])
+@pytest.mark.parametrize(
+    ("x_part", "f_part"), [(1.0, -1.0), (0.0, 1.0), (1.0, 1.0)], ids=["x - f", "f", "x + f"]
+)
+def test_extreme_forces_are_those_of_a_dense_grid(law, x_part, f_part):
+    """Where the slope has one sign at both ends, that at the end where it is nearer to zero."""
+    rng = np.random.default_rng(12)
+    s = np.linspace(0.0, 1.0, 100_001)
+    changes = {0: 0, 1: 0, 3: 0}
+    for _ in range(200):
+        c, p = rng.normal(size=(3, 5)), (rng.uniform(1.1, 5.0),)
+        x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
+        friction = v + p[0] * psi + (0.3 * np.exp(v) if law.name == "viscous" else 0.0)
+        force = x_part * x + f_part * friction
+        found = extreme_force(tuple(map(tuple, c)), x_part, f_part, law, p)
+        rises = np.diff(force) > 0.0
+        if rises[0] == rises[-1]:
+            changes[0] += 1
+            slope = np.abs(np.diff(force)[[0, -1]])
+            assert abs(slope[0] / slope[1] - 1.0) > 1e-3  # else the grid cannot tell
+            end = force[0] if slope[0] < slope[1] else force[-1]
+            assert found == pytest.approx(end, rel=1e-13, abs=1e-13)
+        else:
+            inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])
+            changes[len(inner)] += 1
+            size = np.abs(force).max()
+            assert np.abs(force[inner] - found).min() < 1e-8 * size
+    assert changes[0] > 50
+    assert changes[1] > 50

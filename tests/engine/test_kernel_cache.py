@@ -2,18 +2,21 @@
 
 import errno
 import hashlib
+import inspect
 import os
 import pickle
+import shutil
 import stat
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ratestate.engine import cache, dispatch, jit
 from ratestate.errors import CompilationError
-from ratestate.friction.laws import SLIP
+from ratestate.friction.laws import LAWS
 
 CHECKSUM = hashlib.sha256().digest_size
 
@@ -70,6 +73,34 @@ def test_one_file_for_types_and_programs(usual, monkeypatch):
     monkeypatch.setattr(cache, "PROGRAMS", ("another numba",))
     assert [called(), called()] == [False, True]
     assert len(list(usual.iterdir())) == 3
+
+
+def test_kernels_are_of_their_sources(tmp_path, monkeypatch):
+    """A change of the engine, or of a law, has other files than before; no other source does."""
+    package = Path(cache.__file__).parents[1]
+    folders = "engine", "friction", "friction/laws"
+    sources = [path for folder in folders for path in sorted((package / folder).glob("*.py"))]
+    for path in sources:
+        copy = tmp_path / path.relative_to(package)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(path, copy)
+    monkeypatch.setattr(cache, "__file__", str(tmp_path / "engine" / "cache.py"))
+    assert cache._digest() == cache.DIGEST
+    matters = set()
+    for path in sorted(tmp_path.rglob("*.py")):
+        content = path.read_bytes()
+        path.write_bytes(content + b"\n")
+        name = path.relative_to(tmp_path).as_posix()
+        matters |= {name} if cache._digest() != cache.DIGEST else set()
+        path.write_bytes(content)
+    kinds = {kind for law in LAWS.values() for kind in type(law).__mro__[:-1]}
+    laws = {Path(inspect.getfile(kind)).relative_to(package).as_posix() for kind in kinds}
+    others = {name for name in matters if name.startswith("friction")}
+    assert others == {"friction/laws/__init__.py"} | laws
+    assert len(laws) == len(LAWS) + 2
+    assert matters - others == {f"engine/{path.name}" for path in (package / "engine").glob("*.py")}
+    (tmp_path / "friction" / "laws" / "another.py").write_text("# a law\n")
+    assert cache._digest() != cache.DIGEST
 
 
 def signed(content):
@@ -248,7 +279,7 @@ def test_a_kernel_that_cannot_be_compiled(monkeypatch):
     def broken(x, budget):
         return x.nothing
 
-    worker = dispatch._Worker(broken, 300, (SLIP,), np.zeros(1), ())
+    worker = dispatch._Worker(broken, 300, (LAWS["slip"],), np.zeros(1), ())
     worker.arguments = (1.0,)
     with pytest.raises(CompilationError, match=r"the solver cannot be compiled.*TypingError"):
         worker.go()

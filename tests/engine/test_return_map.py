@@ -36,18 +36,22 @@ def test_derivative_by_differences(law, eta):
     for column, name in enumerate("ab" if eta > 1e-4 else "a"):
         along = state(system, np.eye(2)[[column] * len(y)])
         d = 3e-5 * (np.abs(y).max(axis=1) if name == "a" else 1 / (1 + eta / 10))
-        up, down = (
-            return_map(system, y + sign * (d * along.T).T, 1e-12, alone=False) for sign in (1, -1)
-        )
-        pairs = [(returns.jacobian[:, 0, :], up.image[:, 0], down.image[:, 0])]
+        sizes = d * np.linspace(0.8, 1.2, 5)[:, None]  # on average rounding has less effect
+        ends = [
+            [return_map(system, y + (e * along.T).T, 1e-12, alone=False) for e in (size, -size)]
+            for size in sizes
+        ]
+        found = [(returns.jacobian[:, 0, :], lambda end: end.image[:, 0])]
         if not 1e-9 <= eta <= 1e-4:  # between, little is left of G but rounding
-            pairs.append((returns.jacobian[:, 1, :], up.image[:, 1], down.image[:, 1]))
-        for number in ("period", "x_low"):
-            slopes = np.stack([returns.numbers[f"{number}_{of}"] for of in "ab"], axis=1)
-            pairs.append((slopes, up.numbers[number], down.numbers[number]))
-        for slopes, above, below in pairs:
-            off = np.abs(slopes[:, column] - (above - below) / (2 * d))
-            rounding = 1e-12 * np.maximum(np.abs(above), np.abs(y).max(axis=1)) / d
+            found.append((returns.jacobian[:, 1, :], lambda end: end.image[:, 1]))
+        found += [
+            (returns.gradients[number], lambda end, number=number: end.numbers[number])
+            for number in ("period", "x_low")
+        ]
+        for slopes, value in found:
+            changes = np.array([value(up) - value(down) for up, down in ends])
+            off = np.abs(slopes[:, column] - (changes / (2 * sizes)).mean(axis=0))
+            rounding = 1e-12 * np.maximum(np.abs(value(ends[0][0])), np.abs(y).max(axis=1)) / d
             assert (off < 1e-5 * np.abs(slopes).max(axis=1) + rounding).all(), (off, slopes)
 
 
@@ -213,17 +217,19 @@ def test_step_limit():
     steps = np.array([5.0, 40.0, 1e6])
     y = np.tile([0.1, -1.0, 1.0], (n, 1))
     starts = Starts(
-        0.5 * ones,
-        2 * ones,
-        ones,
-        y,
-        np.zeros((n, 2, 3)),
-        1e-6 * ones,
-        zeros,
-        zeros,
-        ones,
-        np.inf * ones,
-        steps,
+        kappa=0.5 * ones,
+        p=2 * np.ones((n, 1)),
+        eta=ones,
+        y=y,
+        along=np.zeros((n, 2, 3)),
+        steady=np.zeros((n, 3)),
+        unstable=ones,
+        atol=1e-6 * ones,
+        steady_tol=zeros,
+        observe=zeros,
+        period=ones,
+        v_limit=np.inf * ones,
+        max_steps=steps,
     )
     returns = dispatch.run_returns(ROWS["slip"], starts, False)
     assert returns.status.tolist() == [STEP_LIMIT, STEP_LIMIT, FINISHED]
@@ -245,7 +251,7 @@ def test_a_turn_is_from_maximum_to_maximum(law):
     returns = return_map(smooth, y, 1e-11, alone=False)
     period = returns.numbers["period"]
     between = y.copy()
-    for i, (kappa, beta, eta) in enumerate(zip(*smooth[1:4], strict=True)):
+    for i, (kappa, beta, eta) in enumerate(zip(smooth.kappa, smooth.beta, smooth.eta, strict=True)):
         f, J = rates(law, kappa, beta, eta), jacobian(law, kappa, beta, eta)
         settings = {"jac": lambda t, y, J=J: J(y), "rtol": 1e-11, "atol": 1e-13}
         span = (0, 0.4 * period[i])
@@ -260,9 +266,8 @@ def test_a_turn_is_from_maximum_to_maximum(law):
 
 
 def every(returns):
-    return np.column_stack(
-        [returns.status, *returns.numbers.values(), returns.jacobian.reshape(-1, 4)]
-    )
+    numbers, gradients = returns.numbers.values(), returns.gradients.values()
+    return np.column_stack([returns.status, *numbers, *gradients, returns.jacobian.reshape(-1, 4)])
 
 
 @LAWS
@@ -297,7 +302,9 @@ def test_alone(law):
     for i in range(20):
         one = return_map(system.at([i]), y[[i]], 1e-8, alone=True, period=np.full(1, 7.0))
         assert one.status[0] == whole.status[i]
-        for name in ("period", "x", "psi", "x_low", "slow", "mean", "square"):
+        psi = whole.image[i, 0]
+        assert one.image[0, 0] == pytest.approx(psi, rel=3e-7, abs=1e-12)
+        for name in ("period", "x", "x_low", "slow", "mean", "square"):
             value = whole.numbers[name][i]
             assert one.numbers[name][0] == pytest.approx(value, rel=3e-7, abs=1e-12), name
         assert abs(one.numbers["steps"][0] / whole.numbers["steps"][i] - 1) < 0.02
@@ -306,15 +313,17 @@ def test_alone(law):
 SCRIPT = """
 import json
 import numpy as np
-from ratestate.dynamics.cycles.shooting import System, state, return_map
+from ratestate.dynamics.cycles.shooting import one_length_system, state, return_map
 
 out = []
 for law in ("slip", "aging"):
-    system = System(law, np.array([0.9, 0.48]), np.array([2.0, 1.6]), np.array([0.1, 1e-10]),
-                   np.full(2, np.inf))
+    system = one_length_system(law, np.array([0.9, 0.48]), np.array([2.0, 1.6]),
+                               np.array([0.1, 1e-10]), np.full(2, np.inf))
     y = state(system, np.array([[0.3, 0.5], [0.4, 1.6 * 0.4]]))
     found = return_map(system, y, 1e-6, alone=False, period=np.full(2, 7.0))
-    out.append([found.status.tolist(), np.array([*found.numbers.values()]).tolist(),
+    values = found.numbers | {f"{k} by {c}": d[:, c] for k, d in found.gradients.items()
+                              for c in (0, 1)}
+    out.append([found.status.tolist(), {name: value.tolist() for name, value in values.items()},
                 found.jacobian.tolist()])
 print(json.dumps(out))
 """
@@ -335,9 +344,10 @@ def test_without_the_compiler():
         results.append(json.loads(done.stdout.splitlines()[-1]))
     for plain, compiled in zip(*results, strict=True):
         assert plain[0] == compiled[0] == [FINISHED, FINISHED]
-        steps = RETURN_NUMBERS.index("steps")
-        assert plain[1][steps] == compiled[1][steps]
-        for one, other, name in zip(plain[1], compiled[1], RETURN_NUMBERS, strict=True):
+        assert plain[1]["steps"] == compiled[1]["steps"]
+        assert plain[1].keys() == compiled[1].keys() >= {*RETURN_NUMBERS, "x_low by 1"}
+        for name, other in compiled[1].items():
+            one = plain[1][name]
             # of the second case inertia is all but lost in rounding
             assert one[0] == pytest.approx(other[0], rel=1e-8, abs=1e-12), name
             assert one[1] == pytest.approx(other[1], rel=1e-5, abs=1e-12), name

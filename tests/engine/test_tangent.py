@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from dimensionless import jacobian, rates
 from numba import njit
-from test_rodas5p import CODE, A, C
+from test_rodas5p import A, C
 
 from ratestate.engine import rodas5p as R
 from ratestate.engine import tangent as T
-from ratestate.engine.exp import exp_alone
+from ratestate.engine.exp import exp_alone, exp_each_alone
 from ratestate.engine.tableau import GAMMA
+from ratestate.friction.laws import LAWS as FORMULAS
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 SMALLEST = 1e-30  # an imaginary part so small that its square is nothing
@@ -22,8 +23,7 @@ class Step(NamedTuple):
     """What `tangent.step` returns, and y of `new`."""
 
     new: tuple
-    z1: tuple
-    z2: tuple
+    z: tuple
     error: tuple
     dense: tuple
     trace: float
@@ -32,19 +32,37 @@ class Step(NamedTuple):
     def y(self):
         return self.new[0]
 
+    @property
+    def z1(self):
+        return self.z[0]
+
+    @property
+    def z2(self):
+        return self.z[1]
+
 
 @njit
-def compiled_step(y, y1, y2, h, p):
-    return T.step(y, exp_alone(y[1]), math.exp(-y[2]), y1, y2, 1.0, h, p)
-
-
-def step(y, y1, y2, h, p):
-    return Step(*compiled_step(tuple(y), tuple(y1), tuple(y2), h, p))
+def exponentials(y, system):
+    law, _, _, p = system
+    w = exp_alone(y[1])
+    return w, exp_each_alone(law.exponents(y[1], w, y[2:], p))
 
 
 @njit
-def base_step(y, h, p):
-    return R.step(y, exp_alone(y[1]), math.exp(-y[2]), 1.0, 0.0, h, p)
+def compiled_step(y, z, h, system):
+    w, e = exponentials(y, system)
+    return T.step(y, w, e, z, 1.0, h, system)
+
+
+def step(y, y1, y2, h, system):
+    """With two perturbations."""
+    return Step(*compiled_step(tuple(y), (tuple(y1), tuple(y2)), h, system))
+
+
+@njit
+def base_step(y, h, system):
+    w, e = exponentials(y, system)
+    return R.step(y, w, e, 1.0, 0.0, h, system)
 
 
 # The method as in the books, and derivatives by complex steps ------------------------------------
@@ -68,16 +86,21 @@ def plain_step(y, h, f, J):
     return y + total[:n], total[n]
 
 
+def system_of(law, kappa, beta, eta):
+    """What steps take of a slider."""
+    return FORMULAS[law], kappa, eta, (beta,)
+
+
 def draw(law, rng, eta=None, spread=1.0, slaved=False):
-    """y, h and p of a step as the step control would take it at a very loose tolerance."""
+    """y, h and system of a step as the step control would take it at a very loose tolerance."""
     kappa, beta = 10 ** rng.uniform(-1.5, 1), rng.uniform(1.1, 5)
     eta = 10 ** rng.uniform(-5, 3) if eta is None else eta
     v, psi = spread * rng.normal(size=2)
     g = 0.0 if slaved else min(1.0, eta) * rng.normal()
-    y, h, p = np.array([v + beta * psi + g, v, psi]), 1.0, (CODE[law], kappa, beta, eta)
-    while not np.abs(base_step(tuple(y), h, p)[1]).max() < 1e-4:
+    y, h, system = np.array([v + beta * psi + g, v, psi]), 1.0, system_of(law, kappa, beta, eta)
+    while not np.abs(base_step(tuple(y), h, system)[1]).max() < 1e-4:
         h /= 4
-    return y, h, p
+    return y, h, system
 
 
 @LAWS
@@ -85,12 +108,13 @@ def test_is_the_derivative_of_the_method(law):
     """Against complex steps through the method as in the books: exact to rounding."""
     rng = np.random.default_rng(21)
     for _ in range(40):
-        y, h, p = draw(law, rng)
-        f, J = rates(law, *p[1:]), jacobian(law, *p[1:])
+        y, h, system = draw(law, rng)
+        _, kappa, eta, (beta,) = system
+        f, J = rates(law, kappa, beta, eta), jacobian(law, kappa, beta, eta)
         y1, y2 = rng.normal(size=(2, 3))
-        got = step(y, y1, y2, h, p)
+        got = step(y, y1, y2, h, system)
         y_new, trace = plain_step(y, h, f, J)
-        rounding = 1e-13 * (1 + 0.01 / p[3])
+        rounding = 1e-13 * (1 + 0.01 / eta)
         np.testing.assert_allclose(got.y, y_new.real, rtol=0, atol=rounding)
         assert got.trace == pytest.approx(trace.real, rel=100 * rounding)
         for along, z in ((y1, got.z1), (y2, got.z2)):
@@ -107,11 +131,12 @@ def test_is_the_derivative_of_the_method(law):
 def test_base_step_is_that_of_a_march(law, eta):
     rng = np.random.default_rng(22)
     for _ in range(20):
-        y, h, p = draw(law, rng, eta, spread=2.0, slaved=eta < 1e-10)
-        ours = step(y, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), h, p)
-        (y_new, w, e), error, dense, _, _ = base_step(tuple(y), h, p)
+        y, h, system = draw(law, rng, eta, spread=2.0, slaved=eta < 1e-10)
+        ours = step(y, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), h, system)
+        (y_new, w, e), error, dense, _, _ = base_step(tuple(y), h, system)
         np.testing.assert_allclose(ours.y, y_new, rtol=0, atol=1e-13)
-        np.testing.assert_allclose(ours.new[1:], (w, e), rtol=1e-13)
+        np.testing.assert_allclose((ours.new[1], *ours.new[2]), (w, *e), rtol=1e-13)
+        assert len(e) == (law == "aging")
         np.testing.assert_allclose(ours.error, error, rtol=0, atol=1e-12)
         np.testing.assert_allclose(ours.dense, dense, rtol=0, atol=1e-11)
 
@@ -120,15 +145,15 @@ def at_rest(law, rng):
     """The same where v < -600: v changes by some units while x and psi stand still."""
     v, psi, beta, g = rng.uniform(-900, -700), rng.normal(), rng.uniform(1.1, 5), rng.normal()
     eta = 10 ** rng.uniform(0, 3)
-    y, p = np.array([v + beta * psi + g, v, psi]), (CODE[law], 1.0, beta, eta)
-    return y, rng.uniform(0.1, 1) * eta * math.exp(-600.0), p
+    y, system = np.array([v + beta * psi + g, v, psi]), system_of(law, 1.0, beta, eta)
+    return y, rng.uniform(0.1, 1) * eta * math.exp(-600.0), system
 
 
-def differences(y, along, h, p, size):
+def differences(y, along, h, system, size):
     """Central differences of the march's step, extrapolated from two sizes."""
 
     def central(d):
-        up, down = (base_step(tuple(y + sign * d * along), h, p)[0][0] for sign in (1, -1))
+        up, down = (base_step(tuple(y + sign * d * along), h, system)[0][0] for sign in (1, -1))
         return (np.array(up) - np.array(down)) / (2 * d)
 
     return (4 * central(size) - central(2 * size)) / 3
@@ -141,21 +166,22 @@ def test_is_the_derivative_of_the_engines_step(law, place):
     rng = np.random.default_rng(23)
     for _ in range(30):
         if place == "moving":
-            y, h, p = draw(law, rng)
+            y, h, system = draw(law, rng)
         elif place == "slaved":
-            y, h, p = draw(law, rng, 10 ** rng.uniform(-12, -7), slaved=True)
+            y, h, system = draw(law, rng, 10 ** rng.uniform(-12, -7), slaved=True)
         elif place == "held":
-            y, h, p = draw(law, rng, 10 ** rng.uniform(-30, -22), slaved=True)
+            y, h, system = draw(law, rng, 10 ** rng.uniform(-30, -22), slaved=True)
         else:  # w is a constant there
-            y, h, p = at_rest(law, rng)
+            y, h, system = at_rest(law, rng)
         y1, y2 = rng.normal(size=(2, 3))
+        (beta,) = system[3]
         if place in ("slaved", "held"):  # off v = x - beta psi all is over within a step
-            y1[0], y2[0] = y1[1] + p[2] * y1[2], y2[1] + p[2] * y2[2]
-        got = step(y, y1, y2, h, p)
+            y1[0], y2[0] = y1[1] + beta * y1[2], y2[1] + beta * y2[2]
+        got = step(y, y1, y2, h, system)
         for along, z in ((y1, got.z1), (y2, got.z2)):
-            exact = differences(y, along, h, p, 1e-2 if place == "rest" else 1e-4)
+            exact = differences(y, along, h, system, 1e-2 if place == "rest" else 1e-4)
             np.testing.assert_allclose(z, exact, rtol=0, atol=5e-9 * np.abs(exact).max())
-        beta, (x, v, psi) = p[2], got.y
+        x, v, psi = got.y
         if place == "held":
             assert v == pytest.approx(x - beta * psi, rel=1e-14, abs=1e-14)
             for z in (got.z1, got.z2):
@@ -164,23 +190,23 @@ def test_is_the_derivative_of_the_engines_step(law, place):
 
 @LAWS
 def test_directions_do_not_mix(law):
-    y, h, p = draw(law, np.random.default_rng(24))
+    y, h, system = draw(law, np.random.default_rng(24))
     a, b = (0.3, -1.1, 0.7), (-0.2, 0.4, 1.3)
-    one, other = step(y, a, b, h, p), step(y, b, a, h, p)
+    one, other = step(y, a, b, h, system), step(y, b, a, h, system)
     np.testing.assert_allclose((one.z1, one.z2), (other.z2, other.z1), rtol=1e-13)
-    both = step(y, np.add(a, b), 1e8 * np.array(a), h, p)
+    both = step(y, np.add(a, b), 1e8 * np.array(a), h, system)
     np.testing.assert_allclose(both.z1, np.add(one.z1, one.z2), rtol=0, atol=1e-13)
     np.testing.assert_allclose(both.z2, 1e8 * np.array(one.z1), rtol=1e-13)
 
 
 def march_fixed(law, eta, n, t_end=3.0):
     """End of a march with perturbations along x, v and psi, and its trace."""
-    y, h, p = (0.5, -0.3, 0.2), t_end / n, (CODE[law], 0.8, 1.6, eta)
+    y, h, system = (0.5, -0.3, 0.2), t_end / n, system_of(law, 0.8, 1.6, eta)
     a, b, c = np.eye(3)
     trace = 0.0
     for _ in range(n):
-        c = step(y, c, b, h, p).z1
-        found = step(y, a, b, h, p)
+        c = step(y, c, b, h, system).z1
+        found = step(y, a, b, h, system)
         y, a, b, trace = found.y, found.z1, found.z2, trace + found.trace
     return np.array([a, b, c]).T, trace
 

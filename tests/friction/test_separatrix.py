@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 import ratestate as rs
 from ratestate.dynamics.basin import escape
 from ratestate.engine.model import STEADY_SLIDING
-from ratestate.friction.laws import AGING, SLIP
+from ratestate.friction.laws import LAWS
 from ratestate.friction.quasi_static import runaway_step_lower_bound, runaway_step_upper_bound
 from ratestate.friction.separatrix import runaway_edge
 
@@ -124,10 +124,17 @@ def test_aging_law_above_K_c_qs_only_turns_back():
 
 def test_criteria():
     """Both sides of each, and never where friction does not weaken."""
-    assert [SLIP.runs_away(y, 3.0, 2.0) for y in (1.499, 1.5)] == [False, True]
+
+    def runs_away(law, y, kappa, c):
+        """Of ln(V theta/Dc) = y, whatever V is; c = b/a - 1."""
+        found = {LAWS[law].runs_away(v, (y - v,), kappa, (1.0 + c,)) for v in (0.0, 0.25, -4.0)}
+        assert len(found) == 1
+        return found.pop()
+
+    assert [runs_away("slip", y, 3.0, 2.0) for y in (1.499, 1.5)] == [False, True]
     edge = -math.log1p(-0.5)
-    assert [AGING.runs_away(edge + d, 1.0, 2.0) for d in (-1e-9, 1e-9)] == [False, True]
-    assert not AGING.runs_away(1e3, 2.0, 2.0)
+    assert [runs_away("aging", edge + d, 1.0, 2.0) for d in (-1e-9, 1e-9)] == [False, True]
+    assert not runs_away("aging", 1e3, 2.0, 2.0)
     for c in (0.0, -0.5):
-        assert not SLIP.runs_away(-1e3, 1.0, c)
-        assert not AGING.runs_away(1e3, 1.0, c)
+        assert not runs_away("slip", -1e3, 1.0, c)
+        assert not runs_away("aging", 1e3, 1.0, c)

@@ -206,6 +206,7 @@ VARIABLES = {
     "K_c_qs": "Pa/m",
     "eta": "1",
     "V_c": "m/s",
+    "V_c_upper": "m/s",
     "f_n": "Hz",
     "eigenvalues": "1/s",
     "growth_rate": "1/s",

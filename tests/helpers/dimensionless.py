@@ -3,7 +3,7 @@
 import numpy as np
 
 from ratestate.dynamics.cycles.attractor import steady_start
-from ratestate.dynamics.cycles.shooting import System, return_map, state
+from ratestate.dynamics.cycles.shooting import one_length_system, return_map, state
 
 #: kappa, beta, eta of cycles in numerics.md
 P1 = P4A = (1.5, 2.0, 0.512)
@@ -12,7 +12,7 @@ P2 = P4B = (0.48, 1.6, 5e-8)
 
 def make_system(law, kappa, beta, eta, v_limit=np.inf):
     values = np.broadcast_arrays([0.0], kappa, beta, eta, v_limit)[1:]
-    return System(law, *(np.array(v, float) for v in values))
+    return one_length_system(law, *(np.array(v, float) for v in values))
 
 
 def random_sliders(law, n, eta=None, seed=5):

@@ -96,6 +96,7 @@ def test_refused(changes, message):
     [
         (SpringSlider, "k", "SpringSlider has no parameter k; .*; did you mean K?"),
         (SpringSlider, "dc", "did you mean Dc?"),
+        (SpringSlider, "b2", "law = 'slip' has no parameter b2, which belongs to 'two-state-ag"),
         (SpringSlider(**FRICTION, **PER_AREA).replace, "sigm", "did you mean sigma?"),
         (SpringSlider.of_contact, "stifness", "of_contact has no .*; did you mean stiffness?"),
         (SpringSlider.of_contact, "K", "of_contact has no parameter K"),

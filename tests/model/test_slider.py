@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from ratestate import ParameterError, SpringSlider, logspace
+from ratestate.friction.laws import LAWS
 
 FIG_2 = {
     "a": 0.003,
@@ -106,7 +107,9 @@ def test_unlabelled_array_along_its_own_symbol():
         ({"mu0": -0.6}, "mu0 = -0.6 must be >= 0"),
         ({"V0": "10 um"}, "V0 = '10 um' is a length [m]; expected a speed [m/s]"),
         ({"b": np.nan}, "b = nan is not a number"),
-        ({"law": "nagata"}, "law = 'nagata' is unknown; choose 'slip' or 'aging'"),
+        ({"law": "nope"}, f"law = 'nope' is unknown; choose {' or '.join(map(repr, LAWS))} (or "),
+        ({"law": "nagata"}, "law = 'nagata' needs c, stress weakening of the state; expected a"),
+        ({"c": 1.0}, "law = 'slip' has no parameter c, which belongs to 'nagata'; leave c out"),
         ({"M": [1, 2]}, "xarray.DataArray(values, dims='M')"),
         (
             {"M": logspace("M", 1, 10, 3), "K": xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M")},

@@ -8,6 +8,7 @@ up by two decades of eta.
 import numpy as np
 import xarray
 
+from ..friction.laws import DEFAULT
 from ..model.arrays import logspace
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider
@@ -16,7 +17,7 @@ from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import REGIMES, classify
 from .hopf import bautin, hopf
-from .refusals import refusal
+from .refusals import check_one_length, refusal
 from .results import flags, provenance
 
 #: first and last value of the axes: faults at the bottom left, brakes at the top
@@ -25,15 +26,15 @@ ETA, STIFFNESS = (1e-16, 1e4), (1e-2, 1e3)
 CLOSE = (0.5, 1e-5)
 
 
-def atlas(b_over_a=2.0, law="slip", *, n=200, rtol=1e-6):
+def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6):
     """The limit cycles over K/K_c_qs and eta, their regimes, and how sliding loses stability.
 
     Parameters
     ----------
     b_over_a : float
         b/a [1], > 1.
-    law : {"slip", "aging"}
-        Evolution law.
+    law : str
+        Friction law, one of one length.
     n : int
         Points along either axis, at least 2; half as many columns close to K_c.
     rtol : float
@@ -60,10 +61,11 @@ def atlas(b_over_a=2.0, law="slip", *, n=200, rtol=1e-6):
 
     Examples
     --------
-    >>> chart = atlas(2.0, "aging", n=8)
+    >>> chart = atlas(2.0, n=8)
     >>> chart.sel(eta=1e4, K_over_K_c_qs=1.0, method="nearest").regime.item()  # quasi-harmonic
     3
     """
+    check_one_length("atlas", law)
     b_over_a = to_si("b_over_a", b_over_a)
     if is_array(b_over_a) or not b_over_a > 1:
         raise refusal("atlas.b_over_a", b_over_a=b_over_a)

@@ -12,7 +12,6 @@ import xarray
 
 from ..engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from ..errors import SolverError
-from ..friction.separatrix import runaway_edge
 from ..model.batch import Batch
 from ..model.slider import checked
 from ..model.units import to_si
@@ -21,6 +20,7 @@ from .cycles.attractor import find_attractors
 from .cycles.measure import refine
 from .cycles.shooting import state, system_of
 from .progress import bar
+from .refusals import check_one_length
 from .results import columns, provenance
 
 #: disturbances, in the order of `_disturbed`
@@ -83,12 +83,12 @@ def escape(slider, V_lp):
     >>> import ratestate as rs
     >>> from ratestate.basin import escape
     >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="606 MPa/m",
-    ...                          M=3000, law="aging")
+    ...                          M=3000, law="Dieterich")
     >>> edge = escape(slider, "0.4 mm/s")
     >>> str(edge.outcome.values), round(float(edge.step_up), 2)
     ('cycle', 1.92)
     """
-    checked(slider)
+    check_one_length("escape", checked(slider).law)
     V_lp = to_si("V_lp", V_lp)
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=VARIABLES)
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
@@ -167,11 +167,12 @@ def _thresholds(system, alone, progress):
     outcome = np.where(stable, "none", "no steady sliding").astype("<U17")
     u = np.full((n, 2), np.nan)
     may_leave = stable & (system.beta > 1.0) & np.isfinite(system.kappa)
-    # Without inertia every orbit of the aging law comes back (Ranjith & Rice 1999).
-    if system.law == "slip":
+    if system.friction.gives("runaway_edge"):
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
-            sizes[:, i], outcome[i] = _runaway(system.kappa[i], system.beta[i], alone)
-    may_leave = np.flatnonzero(may_leave & (system.eta > 0.0))
+            edge = system.kappa[i], system.beta[i], SIZES[-1]
+            sizes[:, i], outcome[i] = _runaway(system.friction, edge, alone)
+        may_leave &= system.eta > 0.0
+    may_leave = np.flatnonzero(may_leave)
     slider, kind = np.tile(may_leave, 4), np.repeat(np.arange(4), len(may_leave))
     part = system.at(slider)
     with np.errstate(divide="ignore"):  # a step down is from a speed below V_c (eq. 10)
@@ -188,13 +189,13 @@ def _thresholds(system, alone, progress):
     return sizes, outcome, u
 
 
-def _runaway(kappa, beta, alone):
-    """Smallest sizes (4,) that run away without inertia, slip law, and the outcome.
+def _runaway(law, edge, alone):
+    """Smallest sizes (4,) that run away without inertia, by the law's own edge, and the outcome.
 
-    Where their edge cannot be followed, NaN and "unknown", or SolverError for a slider alone.
+    Where that cannot be followed, NaN and "unknown", or SolverError for a slider alone.
     """
     try:
-        step_up, *kicks = runaway_edge(kappa, beta, SIZES[-1])
+        step_up, *kicks = law.runaway_edge(*edge)
     except SolverError:
         if alone:
             raise

@@ -1,8 +1,19 @@
 """The functions `hopf` and `bautin`: where steady sliding becomes unstable, and how."""
 
+from typing import NamedTuple
+
 import numpy as np
 import xarray
 
+from ..friction import hopf_of_law
+from ..friction.linear_stability import (
+    K_c,
+    V_c,
+    coefficients,
+    eigenvalues,
+    linearisation,
+    omega_c,
+)
 from ..friction.normal_form import (
     growth_slopes,
     law_curvatures,
@@ -10,12 +21,12 @@ from ..friction.normal_form import (
     stress_swing,
     turning_point,
 )
-from ..friction.stability import K_c, V_c, eta, omega_c
+from ..friction.stability import eta
 from ..model.batch import Batch
 from ..model.names import keywords_checked
 from ..model.slider import checked
 from ..model.units import is_array, named, to_si
-from .refusals import refusal
+from .refusals import check_one_length, refusal
 
 VARIABLES = (
     "V_c K_c eta omega_c frequency eigenvalue_3 lyapunov_1 type amplitude_coefficient".split()
@@ -28,6 +39,7 @@ def hopf(slider, V_lp=None):
 
     Without V_lp, that on raising the speed at the slider's K, at V_c (eq. 10).  With V_lp, that
     on lowering the stiffness at this speed, at K_c (eq. 6); then the slider's K plays no part.
+    Laws of one length are served in closed form, others by Kuznetsov's (2004) formula as numbers.
 
     Near it ln(V/V_lp) = r cos(omega t), with dr/dt = growth_rate r + lyapunov_1 r^3.
     Where lyapunov_1 < 0 the bifurcation is supercritical: small stable cycles appear on the
@@ -46,9 +58,9 @@ def hopf(slider, V_lp=None):
     -------
     xarray.Dataset
         In the dimensions of the named DataArrays together, at the bifurcation: speed ``V_c``
-        [m/s] and stiffness ``K_c`` [Pa/m], ``eta`` (eq. 7), ``omega_c`` [rad/s] =
-        (V/Dc) sqrt((b-a)/a) whatever the mass, ``frequency`` [Hz] = omega_c/(2 pi),
-        ``eigenvalue_3`` [1/s] = -(1 + 1/eta) V/Dc, the rate at which all else decays,
+        [m/s] and stiffness ``K_c`` [Pa/m], ``eta`` (eq. 7), ``omega_c`` [rad/s], by laws of one
+        length (V/Dc) sqrt((b-a)/a) whatever the mass, ``frequency`` [Hz] = omega_c/(2 pi),
+        ``eigenvalue_3`` [1/s], by these laws -(1 + 1/eta) V/Dc, the rate at which all else decays,
         ``lyapunov_1`` [1/s] as above, ``type`` ("supercritical", "subcritical", "degenerate",
         "none") and ``amplitude_coefficient`` [1]: the small cycles have the amplitude (max - min
         of tau/sigma) amplitude_coefficient sqrt(|V_lp/V_c - 1|), or, with V_lp given,
@@ -76,13 +88,14 @@ def hopf(slider, V_lp=None):
     >>> str(point.type.values), round(float(point.frequency), 2)  # Hz
     ('supercritical', 50.33)
     """
-    checked(slider)
+    law = checked(slider).friction
     values = slider.values
     parameter = "V_lp" if V_lp is None else "K"
     other = {"K": values["K"]} if V_lp is None else {"V_lp": to_si("V_lp", V_lp)}
-    batch = Batch({s: values[s] for s in ("a", "b", "Dc", "sigma", "M")} | other, taken=VARIABLES)
+    symbols = (*law.symbols, "sigma", "M")
+    batch = Batch({s: values[s] for s in symbols} | other, taken=VARIABLES)
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
-    columns = _bifurcation(slider.law, parameter, *map(batch.flat, batch.values))
+    columns = _bifurcation(law, parameter, batch.columns)
     coords = batch.coordinates(VARIABLES)
     result = xarray.Dataset({s: batch.variable(columns[s], s) for s in VARIABLES}, coords)
     result["frequency"].attrs["long_name"] = "frequency at the Hopf bifurcation"
@@ -92,51 +105,116 @@ def hopf(slider, V_lp=None):
     return result.assign_attrs(slider=repr(slider), law=slider.law, parameter=parameter)
 
 
-def _bifurcation(law, parameter, a, b, Dc, sigma, M, other):
-    """The result's variables, name -> (n,); `other` is K, or V_lp if the parameter is K."""
-    rest = {"a": a, "Dc": Dc, "sigma": sigma, "M": M}
+def _bifurcation(law, parameter, columns):
+    """The result's variables, name -> (n,), from those of the slider and K or V_lp."""
+    of_law = {symbol: columns[symbol] for symbol in law.symbols}
+    rest = {"sigma": columns["sigma"], "M": columns["M"], **of_law}
+    a, Dc, M = columns["a"], columns["Dc"], columns["M"]
     if parameter == "V_lp":
-        V = V_c(b=b, K=other, **rest)
+        V = V_c(law, K=columns["K"], **rest).V_c
         exists = (V > 0) & np.isfinite(V)
-        K = np.where(exists, other, np.nan)
+        K = np.where(exists, columns["K"], np.nan)
     else:
-        exists = b > a
-        V = np.where(exists, other, np.inf)
-        K = K_c(other, b=b, **rest)
-    V_hopf, b1 = np.where(exists, V, np.nan), np.where(exists, (b - a) / a, np.nan)
-    inertia, rate = eta(V_hopf, **rest), V_hopf / Dc
-    coefficient, rounding = lyapunov_1(inertia, b1, *law_curvatures(law))
-    slope = growth_slopes(inertia, b1)[("V_lp", "K").index(parameter)]
-    degenerate = np.abs(coefficient) <= rounding
+        K = K_c(law, columns["V_lp"], **rest)
+        exists = K > 0
+        V = np.where(exists, columns["V_lp"], np.inf)
+    V_hopf = np.where(exists, V, np.nan)
+    inertia, rate = eta(V_hopf, a=a, Dc=Dc, sigma=columns["sigma"], M=M), V_hopf / Dc
+    point = _one_length(law, inertia, of_law) if law.one_length else _any(law, V_hopf, rest)
+    slope = (point.by_V, point.by_K)[("V_lp", "K").index(parameter)]
+    degenerate = np.abs(point.lyapunov_1) <= point.rounding
     types = ("none", "degenerate", "supercritical")
     with np.errstate(divide="ignore"):
-        r = np.sqrt(np.abs(slope / np.where(degenerate, 0.0, coefficient)))
-        third = -(1 + 1 / inertia) * rate
-    omega = omega_c(V_hopf, a=a, b=b, Dc=Dc)
+        r = np.sqrt(np.abs(slope / np.where(degenerate, 0.0, point.lyapunov_1)))
+    omega = point.omega * rate
     return {
         "V_c": V,
         "K_c": K,
         "eta": inertia,
         "omega_c": omega,
         "frequency": omega / (2 * np.pi),
-        "eigenvalue_3": third,
-        "lyapunov_1": coefficient * rate,
-        "type": np.select([~exists, degenerate, coefficient < 0], types, "subcritical"),
-        "amplitude_coefficient": a * stress_swing(inertia, b1) * r,
+        "eigenvalue_3": point.third * rate,
+        "lyapunov_1": point.lyapunov_1 * rate,
+        "type": np.select([~exists, degenerate, point.lyapunov_1 < 0], types, "subcritical"),
+        "amplitude_coefficient": a * point.swing * r,
     }
+
+
+class _Point(NamedTuple):
+    """A Hopf bifurcation, dimensionless, times in Dc/V; arrays (n,), NaN where there is none."""
+
+    omega: np.ndarray
+    third: np.ndarray  # real part of the least stable of the other eigenvalues
+    lyapunov_1: np.ndarray
+    rounding: np.ndarray  # of that
+    by_K: np.ndarray  # growth rate by ln K and by ln V
+    by_V: np.ndarray
+    swing: np.ndarray  # max - min of tau/(a sigma) for r = 1
+
+
+def _one_length(law, inertia, values):
+    """`_Point` of a law of one length, in closed form."""
+    a, b = values["a"], values["b"]
+    b1 = np.where(np.isnan(inertia), np.nan, (b - a) / a)
+    coefficient, rounding = lyapunov_1(inertia, b1, *law_curvatures(law.name))
+    by_V, by_K = growth_slopes(inertia, b1)
+    with np.errstate(divide="ignore"):
+        third = -(1 + 1 / inertia)
+    swing = stress_swing(inertia, b1)
+    return _Point(np.sqrt(b1), third, coefficient, rounding, by_K, by_V, swing)
+
+
+def _any(law, V, rest):
+    """`_Point` of any law, as numbers; at speeds V, NaN where there is none."""
+    exists = np.isfinite(V)
+    points = [np.full(V.shape, np.nan) for _ in _Point._fields]
+    if exists.any():
+        found = _where_it_is(law, V[exists], {s: x[exists] for s, x in rest.items()})
+        for column, values in zip(points, found, strict=True):
+            column[exists] = values
+    return _Point(*points)
+
+
+def _where_it_is(law, V, values):
+    """`_Point` at the speeds V, at each of which there is one."""
+    M, sigma, unit = values["M"], values["sigma"], values["Dc"] / V
+    of_law = {symbol: values[symbol] for symbol in law.symbols}
+    critical = K_c(law, V, **values)
+    inertia = eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
+    kappa = critical * values["Dc"] / (values["a"] * sigma)
+    omega, p = omega_c(law, V, **values) * unit, coefficients(law, V, of_law)
+    coefficient, rounding = hopf_of_law.lyapunov_1(law, p, kappa, inertia, omega)
+    by_K, by_V = hopf_of_law.growth_slopes(linearisation(law, p), kappa, inertia, omega)
+    if law.has_own_speed:
+        by_V = _growth_by_speed(law, V, critical, values)
+    modes = eigenvalues(law, V, K=critical, **values) * unit[:, None]
+    pair = np.argsort(np.abs(np.abs(modes.imag) - omega[:, None]), axis=1)[:, :2]
+    others = modes.real.copy()
+    np.put_along_axis(others, pair, -np.inf, axis=1)
+    return _Point(omega, others.max(axis=1), coefficient, rounding, by_K, by_V, 2.0 * kappa / omega)
+
+
+def _growth_by_speed(law, V, K, values):
+    """d growth rate/d ln V [V/Dc] at constant K, by central differences."""
+    h = 1e-5
+    sides = (
+        eigenvalues(law, V * np.exp(side), K=K, **values)[:, 0].real * values["Dc"] / V
+        for side in (h, -h)
+    )
+    return np.subtract(*sides) / (2 * h)
 
 
 def bautin(law, b_over_a):
     """The eta at which the Hopf bifurcation changes its type: the Bautin point.
 
-    By the aging law the bifurcation is subcritical below it and supercritical above, at
-    eta = 1/(3 + 2 sqrt(b/a + 3)); by the slip law it is supercritical at every eta > 0.
-    eta is that of the bifurcation, as in `hopf`: of V_c, K/K_c_qs - 1.
+    Of the laws of Im, Marone & Elsworth (2019) one is subcritical below it and supercritical above,
+    at eta = 1/(3 + 2 sqrt(b/a + 3)), the other supercritical at every eta > 0.  eta is that of the
+    bifurcation, as in `hopf`: of V_c, K/K_c_qs - 1.
 
     Parameters
     ----------
-    law : {"slip", "aging"}
-        Evolution law.
+    law : str
+        Friction law, one of one length: d theta/dt depends on V theta/Dc alone.
     b_over_a : float or DataArray
         b/a [1], > 1.
 
@@ -148,14 +226,15 @@ def bautin(law, b_over_a):
     Raises
     ------
     ParameterError
-        Unknown law; b_over_a that is no number > 1.
+        Unknown law, or one of another kind; b_over_a that is no number > 1.
 
     Examples
     --------
     >>> import ratestate as rs
-    >>> round(rs.bautin("aging", 2.0), 4)
+    >>> round(rs.bautin("Dieterich", 2.0), 4)
     0.1338
     """
+    check_one_length("bautin", law)
     curvatures = law_curvatures(law)
     value = to_si("b_over_a", b_over_a)
     if not np.all(value > 1):

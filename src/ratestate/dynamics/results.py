@@ -124,7 +124,8 @@ def slider_parameters(result):
     ParameterError where the result has lost its attributes.
     """
     known = attributes.from_json(result, "slider", dict)
-    return [*PARAMETERS, "law", *({"area"} & known.keys())]
+    common = [*PARAMETERS, "law"]
+    return [*common, *(symbol for symbol in known if symbol not in common)]
 
 
 def _labels(coordinate, value):

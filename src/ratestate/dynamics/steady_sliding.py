@@ -6,7 +6,9 @@ from typing import Any
 
 import xarray
 
-from ..friction.stability import K_c, K_c_qs, V_c, eigenvalues, eta, f_n, omega_c
+from ..friction.elementwise import call_elementwise
+from ..friction.linear_stability import K_c, V_c, eigenvalues, is_stable, omega_c
+from ..friction.stability import eta, f_n
 from ..model.batch import Batch
 from ..model.names import keywords_checked
 from ..model.quantities import attrs
@@ -14,7 +16,7 @@ from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
 from .results import provenance
 
-VARIABLES = "K_c K_c_qs eta V_c f_n eigenvalues growth_rate omega omega_c stable".split()
+VARIABLES = "K_c K_c_qs eta V_c V_c_upper f_n eigenvalues growth_rate omega omega_c stable".split()
 
 
 @keywords_checked
@@ -82,23 +84,32 @@ class StabilityCall:
 
         progress : not called
         """
-        V, values = self.V_lp, self.batch.values
-        a, b, Dc, sigma, K, M = (values[symbol] for symbol in ("a", "b", "Dc", "sigma", "K", "M"))
-        modes = eigenvalues(V, a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M)
+        law, V, values = self.slider.friction, self.V_lp, self.batch.values
+        pick = {symbol: values[symbol] for symbol in (*law.symbols, "sigma", "K", "M")}
+        of_spring = {"V": V} | pick
+        of_mass = {symbol: x for symbol, x in of_spring.items() if symbol != "K"}
+
+        def of_law(function, given, *dims):
+            return call_elementwise(functools.partial(function, law), given, *dims)
+
+        def speed(name):
+            return of_law(lambda law, **given: getattr(V_c(law, **given), name), pick)
+
+        modes = of_law(eigenvalues, of_spring, "mode")
         modes = modes if is_array(modes) else xarray.DataArray(modes, dims="mode")
         first = modes.isel(mode=0)
-        critical = K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)
         results = {
-            "K_c": critical,
-            "K_c_qs": K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma),
-            "eta": eta(V, a=a, Dc=Dc, sigma=sigma, M=M),
-            "V_c": V_c(a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M),
-            "f_n": f_n(K=K, M=M),
+            "K_c": of_law(K_c, of_mass),
+            "K_c_qs": of_law(K_c, self._quasi_static(of_mass)),
+            "eta": eta(V, **{symbol: values[symbol] for symbol in ("a", "Dc", "sigma", "M")}),
+            "V_c": speed("V_c"),
+            "V_c_upper": speed("V_c_upper"),
+            "f_n": f_n(K=values["K"], M=values["M"]),
             "eigenvalues": modes,
             "growth_rate": first.real,
             "omega": abs(first.imag),
-            "omega_c": omega_c(V, a=a, b=b, Dc=Dc),
-            "stable": critical < K,
+            "omega_c": of_law(omega_c, of_mass),
+            "stable": of_law(is_stable, of_spring),
         }
         variables = {}
         for symbol, value in results.items():
@@ -106,6 +117,11 @@ class StabilityCall:
             variable = variable.transpose(*self.batch.dims, ..., missing_dims="ignore")
             variables[symbol] = xarray.Variable(variable.dims, variable.values, attrs(symbol))
         return variables
+
+    def _quasi_static(self, given):
+        """The same without mass; and at any speed, where it makes no difference."""
+        any_speed = {} if self.slider.friction.has_own_speed else {"V": 1.0}
+        return given | any_speed | {"M": 0.0}
 
     def dataset(self, variables):
         """These variables of all cases as a Dataset with coordinates and provenance."""

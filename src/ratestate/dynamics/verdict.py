@@ -19,7 +19,7 @@ from .steady_sliding import stability
 from .verdict_sentences import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
 from .whole_contact import force
 
-# K/K_c up to which a fold is sought; the aging law's branches fold below 1.016, for any b/a.
+# K/K_c up to which a fold is sought; branches that are known fold below 1.016, for any b/a.
 FOLDS_BELOW = 1.02
 
 
@@ -42,8 +42,9 @@ class Verdict:
         Whether steady sliding is: K > K_c.
     K_c, K_c_qs : float
         Critical stiffness with inertia (eq. 6) and without [Pa/m]; negative where b < a.
-    V_c : float
-        Critical velocity [m/s] (eq. 10): 0 if always unstable, inf if never.
+    V_c, V_c_upper : float
+        Critical velocity [m/s] (eq. 10): 0 if always unstable, inf if never; and the speed above
+        which sliding is stable again, inf if none.
     eta : float
         Dynamic instability coefficient [1] (eq. 7).
     f_n : float
@@ -76,6 +77,7 @@ class Verdict:
     K_c: float
     K_c_qs: float
     V_c: float
+    V_c_upper: float
     eta: float
     f_n: float
     growth_rate: float
@@ -174,7 +176,8 @@ def verdict_of_cycle(slider, V_lp, cycle):
     """
     cycle = in_si(cycle)
     steady = stability(slider, V_lp)
-    names: tuple[str, ...] = ("K_c", "K_c_qs", "V_c", "eta", "f_n", "growth_rate", "omega")
+    names: tuple[str, ...] = ("K_c", "K_c_qs", "V_c", "V_c_upper", "eta", "f_n")
+    names += ("growth_rate", "omega")
     values: dict[str, Any] = {name: float(steady[name]) for name in names}
     values["stable"] = bool(steady.stable)
     reason = ""
@@ -192,7 +195,8 @@ def verdict_of_cycle(slider, V_lp, cycle):
             values["multiplier"] = complex(cycle.multipliers[0])
             values["returns"] = int(cycle.returns)
         values |= {name: float(cycle[name]) for name in names}
-    if values["stable"] and 0.0 < slider.K < FOLDS_BELOW * values["K_c"]:
+    near = values["stable"] and 0.0 < slider.K < FOLDS_BELOW * values["K_c"]
+    if near and slider.friction.one_length:
         kappa = float(folds(slider.law, slider.b / slider.a, [values["eta"]]).kappa[0])
         if np.isfinite(kappa):
             values["K_fold"] = kappa * slider.a * slider.sigma / slider.Dc

@@ -97,8 +97,9 @@ def _stability(v):
     K = v.slider.K
     if np.isinf(K):
         return sentence("stability.rigid")
-    if v.K_c_qs <= 0.0:
-        return sentence("stability.strengthening")
+    if v.K_c <= 0.0:
+        name = "strengthening" if v.slider.friction.one_length else "at_any_stiffness"
+        return sentence(f"stability.{name}", v=v)
     if v.on_edge:
         return sentence("stability.on_edge", v=v)
     if v.V_c == 0.0 or np.isinf(v.V_c):
@@ -108,7 +109,9 @@ def _stability(v):
     speeds = sentence(f"stability.{name}", v=v, side="<" if v.K_c_qs > K else "<=")
     stable = "stable" if v.stable else "unstable"
     values = {"compared": _compared(K / v.K_c), "stable": stable, "speeds": speeds}
-    return sentence("stability.whole", v=v, **values)
+    if v.V_c_upper < np.inf:
+        values["speeds"] = sentence(f"stability.{'between' if v.V_c else 'below_upper'}", v=v)
+    return sentence("stability.whole" if v.V_c_upper == np.inf else "stability.only", v=v, **values)
 
 
 def _inertia(v):
@@ -119,11 +122,12 @@ def _inertia(v):
     if v.regime == HARMONIC:
         vibration = sentence("inertia.vibration", v=v, share=_vibration(v) / v.f_n)
     away = abs(v.slider.K / v.K_c_qs - 1.0)
-    if v.eta < min(NEGLIGIBLE_ETA, NEGLIGIBLE_PART * away):
+    rise = v.eta if v.slider.friction.one_length else v.K_c / v.K_c_qs - 1.0
+    if rise < min(NEGLIGIBLE_ETA, NEGLIGIBLE_PART * away):
         name = "negligible"
     else:
-        name = "small" if v.eta < 1.0 else "large"
-    values = {"percent": 100 * v.eta, "factor": 1 + v.eta, "vibration": vibration}
+        name = "small" if rise < 1.0 else "large"
+    values = {"percent": 100 * rise, "factor": 1 + rise, "vibration": vibration}
     return sentence(f"inertia.{name}", v=v, **values)
 
 

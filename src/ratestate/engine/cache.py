@@ -35,7 +35,9 @@ PROGRAMS = (numba.__version__, llvmlite.__version__, sysconfig.get_config_var("S
 def _digest():
     """A hash of all sources of the kernels."""
     here = Path(__file__).parent
-    sources = [here.parent / "friction/laws.py", *sorted(here.glob("*.py"))]
+    laws = here.parent / "friction"
+    shared = [laws / "law.py", laws / "two_states.py"]  # by laws of several files
+    sources = [*shared, *sorted(laws.glob("laws/*.py")), *sorted(here.glob("*.py"))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from numba.core import targetconfig
 
 from ..errors import CompilationError
-from ..friction.laws import EvolutionLaw
+from ..friction.law import FrictionLaw
 from .cache import report
 
 _called: set = set()  # (kernel, law): here, at least once
@@ -41,7 +41,7 @@ def call(kernel, *arguments):
 
 def law_among(arguments):
     """The law among a kernel's arguments; None where it takes none."""
-    return next((one for one in arguments if isinstance(one, EvolutionLaw)), None)
+    return next((one for one in arguments if isinstance(one, FrictionLaw)), None)
 
 
 def announce(kernel, law):

@@ -17,6 +17,7 @@ from .backend import check_stopped
 from .lane_case import IDLE
 from .model import empty_results
 from .return_map import empty_return_results
+from .rows import rows_of
 
 config: Any = numba_config  # numba sets its attributes at run time
 
@@ -70,12 +71,12 @@ def run_march(law, cases, loads, save_times, order, progress=None):
     check()
     from . import cuda_kernels
 
-    n, n_times = len(cases.beta), save_times.shape[1]
+    n_times = save_times.shape[1]
     if n_times == 0:  # for arrays without elements numba would compile anew: a time never reached
         save_times = np.full((len(save_times), 1), np.inf)
-    results = empty_results(n, save_times.shape[1])
+    results = empty_results(cases.y, save_times.shape[1])
     kernel = cuda_kernels.march_kernel(law)
-    _work(kernel, R.SIZE, order, (cases, loads, save_times), results, progress)
+    _work(kernel, rows_of(law).march_size, order, (cases, loads, save_times), results, progress)
     return results._replace(saved=results.saved[:, :n_times])
 
 
@@ -87,10 +88,10 @@ def run_returns(law, starts):
     check()
     from . import cuda_kernels
 
-    n = len(starts.beta)
-    results = empty_return_results(n)
+    results = empty_return_results(starts.y)
     kernel = cuda_kernels.return_kernel(law)
-    _work(kernel, R.RETURN_SIZE, np.arange(n), (starts,), results, None)
+    order = np.arange(len(starts.y))
+    _work(kernel, rows_of(law).return_size, order, (starts,), results, None)
     return results
 
 

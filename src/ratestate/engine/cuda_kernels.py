@@ -44,7 +44,7 @@ def march_kernel(law):
 
         Parameters
         ----------
-        buffers : (rows, SIZE) the lanes; CASE = IDLE in those that are free
+        buffers : (rows, march_size) the lanes; CASE = IDLE in those that are free
         queue : (n,) case numbers, in the order in which to start them
         position : (2,) int64: next in queue; cases done
         under_way : (1,) to which the fractions done of unfinished cases are added
@@ -64,12 +64,12 @@ def march_kernel(law):
             if s[R.CALL + l] > 0.0:
                 handle_events(s, l, law)
                 if L.saves(s, l):
-                    save(s, l, cases, save_times, results.saved)
-            L.commit_lane(s, l)
+                    save(s, l, law, cases, save_times, results.saved)
+            L.commit_lane(s, l, law)
             if s[R.BREAK + l] > 0.0:
                 end_segment(s, l, law, cases, loads)
                 if s[R.STATUS + l] != RUNNING:
-                    finish(s, l, cases, results)
+                    finish(s, l, law, cases, results)
                     cuda.atomic.add(position, 1, 1)
         if s[R.CASE + l] != IDLE:
             cuda.atomic.add(under_way, 0, s[R.T + l] / s[R.T_END + l])
@@ -100,7 +100,7 @@ def return_kernel(law):
             L.has_event(s, l, law)
             if s[R.CALL + l] > 0.0:
                 return_events.handle_events(s, l, law)
-            L.commit_lane(s, l)
+            L.commit_lane(s, l, law)
             return_lanes.commit_lane(s, l, law)
             if s[R.BREAK + l] > 0.0:
                 return_map.finish(s, l, law, results)

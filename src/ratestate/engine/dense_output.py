@@ -5,29 +5,48 @@ A polynomial is a tuple of 5 coefficients, the constant first.
 
 import math
 
-from . import rows as R
-from .jit import inner
+from .exp import exp_alone
+from .jit import inner, recursive
+from .rows import rows_of
+from .tuples import dot_onto, read_rows
 
 
 @inner
-def coefficients(y0, y1, k1, k2, k3):
-    """Dense output of one component as a polynomial.
-
-    y0, y1 : its values at the ends of the step; k1, k2, k3 : its K_1, K_2, K_3 (tableau.py)
-    """
-    return y0, (y1 - y0) + k1, k2 - k1, k3 - k2, -k3
-
-
-@inner
-def components(s, l):
-    """The three polynomials of x, v and psi over the lane's step."""
-    return (
-        coefficients(s[R.X + l], s[R.X_NEW + l], s[R.X_1 + l], s[R.X_2 + l], s[R.X_3 + l]),
-        coefficients(s[R.V + l], s[R.V_NEW + l], s[R.V_1 + l], s[R.V_2 + l], s[R.V_3 + l]),
-        coefficients(
-            s[R.PSI + l], s[R.PSI_NEW + l], s[R.PSI_1 + l], s[R.PSI_2 + l], s[R.PSI_3 + l]
-        ),
+def components(s, l, law):
+    """The polynomials of x, v and each psi over the lane's step, a tuple."""
+    rows = rows_of(law)
+    y, y_new = read_rows(s, rows.y, l), read_rows(s, rows.y_new, l)
+    return coefficients(
+        y, y_new, read_rows(s, rows.y_1, l), read_rows(s, rows.y_2, l), read_rows(s, rows.y_3, l)
     )
+
+
+@recursive
+def coefficients(y0, y1, k1, k2, k3):
+    """Dense output as polynomials.
+
+    y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 (tableau.py)
+    """
+    if len(y0) == 0:
+        return ()
+    first = y0[0], (y1[0] - y0[0]) + k1[0], k2[0] - k1[0], k3[0] - k2[0], -k3[0]
+    return first, *coefficients(y0[1:], y1[1:], k1[1:], k2[1:], k3[1:])
+
+
+@recursive
+def polynomials(c, s):
+    """The values of polynomials c at s."""
+    if len(c) == 0:
+        return ()
+    return polynomial(c[0], s), *polynomials(c[1:], s)
+
+
+@recursive
+def derivatives(c, s):
+    """The derivatives of polynomials c with respect to s, at s."""
+    if len(c) == 0:
+        return ()
+    return derivative(c[0], s), *derivatives(c[1:], s)
 
 
 @inner
@@ -40,18 +59,6 @@ def polynomial(c, s):
 def derivative(c, s):
     """The derivative of polynomial c with respect to s, at s."""
     return c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))
-
-
-@inner
-def combined(a, factor, b):
-    """The polynomial a + factor b."""
-    return (
-        a[0] + factor * b[0],
-        a[1] + factor * b[1],
-        a[2] + factor * b[2],
-        a[3] + factor * b[3],
-        a[4] + factor * b[4],
-    )
 
 
 @inner
@@ -108,3 +115,42 @@ def crossing(c, w_lp, dw, log_w_lp):
             return new
         s = new
     return s
+
+
+@inner
+def force_and_slope(c, s, x_part, f_part, law, p):
+    """x_part x + f_part f, f the friction, at s on the polynomials c of (x, v, psi); its slope."""
+    y, slope = polynomials(c, s), derivatives(c, s)
+    w = exp_alone(y[1])
+    R_v, R_psi = law.resistance_partials(y[1], w, y[2:], p)
+    force = x_part * y[0] + f_part * law.resistance(y[1], w, y[2:], p)
+    return force, x_part * slope[0] + f_part * dot_onto(R_v * slope[1], R_psi, slope[2:])
+
+
+@inner
+def extreme_force(c, x_part, f_part, law, p):
+    """The value of `force_and_slope` where in 0..1 its slope vanishes (regula falsi, Illinois).
+
+    Where the slope has one sign at both ends, that at the end where it is smaller in size.
+    """
+    low, high = 0.0, 1.0
+    at_low, d_low = force_and_slope(c, low, x_part, f_part, law, p)
+    force, d_high = force_and_slope(c, high, x_part, f_part, law, p)
+    if (d_low < 0.0) == (d_high < 0.0):
+        return at_low if abs(d_low) < abs(d_high) else force
+    side, last = 0, 2.0
+    for _ in range(100):
+        s = (low * d_high - high * d_low) / (d_high - d_low)
+        force, d = force_and_slope(c, s, x_part, f_part, law, p)
+        if d == 0.0 or abs(s - last) < 1e-14:
+            return force
+        last = s
+        if (d < 0.0) == (d_low < 0.0):
+            low, d_low = s, d
+            d_high = 0.5 * d_high if side == 1 else d_high
+            side = 1
+        else:
+            high, d_high = s, d
+            d_low = 0.5 * d_low if side == -1 else d_low
+            side = -1
+    return force

@@ -38,11 +38,11 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
         from . import cuda
 
         return cuda.run_march(law, cases, loads, save_times, order, progress)
-    results = empty_results(len(cases.beta), save_times.shape[1])
-    fixed = (cases, loads, save_times, results, np.empty((0, 4)))
+    results = empty_results(cases.y, save_times.shape[1])
+    fixed = (cases, loads, save_times, results, np.empty((0, 1 + cases.y.shape[1])))
 
     def worker(queue):
-        return _Worker(march, R.SIZE, (method, law, alone), queue, fixed)
+        return _Worker(march, R.rows_of(law).march_size, (method, law, alone), queue, fixed)
 
     _share(order, worker, progress)
     return results
@@ -57,13 +57,13 @@ def run_returns(law, starts, alone):
         from . import cuda
 
         return cuda.run_returns(law, starts)
-    n = len(starts.beta)
-    results = empty_return_results(n)
+    results = empty_return_results(starts.y)
 
     def worker(queue):
-        return _Worker(march_to_section, R.RETURN_SIZE, (law, alone), queue, (starts, results))
+        size = R.rows_of(law).return_size
+        return _Worker(march_to_section, size, (law, alone), queue, (starts, results))
 
-    _share(np.arange(n), worker)
+    _share(np.arange(len(starts.y)), worker)
     return results
 
 
@@ -103,15 +103,18 @@ def _report(workers, n, progress):
 
 
 def run_path(method, law, cases, loads, progress=None):
-    """March the one case and keep every step: (m, 4) T, x, v, psi from t = 0 on, and `Results`.
+    """March the one case and keep every step: its path and `Results`.
+
+    The path is (m, 1 + len(y)), T and y = (x, v, psi), from t = 0 on.
 
     However it ends, the path is as far as it came; beyond `MAX_ROWS` the status is STEP_LIMIT.
     On the CPU, whatever the backend's device; exceptions as for `run_march`.
     """
-    results = empty_results(1, 0)
-    buffer = np.empty((PATH_ROWS, 4))
+    results = empty_results(cases.y, 0)
+    buffer = np.empty((PATH_ROWS, 1 + cases.y.shape[1]))
     fixed = (cases, loads, np.empty((1, 0)), results, buffer)
-    worker = _Worker(march, R.SIZE, (method, law, True), np.zeros(1, np.int64), fixed)
+    size = R.rows_of(law).march_size
+    worker = _Worker(march, size, (method, law, True), np.zeros(1, np.int64), fixed)
     pieces = [np.array([[0.0, *cases.y[0]]])]
     done = False
     rows = 0

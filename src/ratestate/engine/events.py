@@ -5,36 +5,38 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 """
 
 from . import rows as R
-from .dense_output import combined, components, crossing, extreme, polynomial
+from .dense_output import components, crossing, extreme, extreme_force, polynomial
 from .exp import LIMIT
 from .jit import inner
 from .lanes import extrema
 from .model import NOT_FINITE, RUNAWAY
 from .periodicity import close_cycle
+from .rows import rows_of
+from .tuples import read_rows
 
 
 @inner
-def observe(s, l, law, cx, cv, cpsi):
+def observe(s, l, law, c):
     """Extremes of V, |g|, f and x + f inside the step; `commit` sees to its end.
 
     Returns where in the step, 0 to 1, V has one, or -1.
+
+    c : the polynomials of x, v and psi
     """
-    cf = combined(cv, s[R.BETA + l], cpsi)
+    p = read_rows(s, rows_of(law).p, l)
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     at = -1.0
     if v_extremum:
-        at = extreme(cv)
-        v = polynomial(cv, at)
+        at = extreme(c[1])
+        v = polynomial(c[1], at)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_extremum:
-        cg = combined(cx, -1.0, cf)
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(polynomial(cg, extreme(cg))))
+        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(extreme_force(c, 1.0, -1.0, law, p)))
     if f_extremum:
-        s[R.F_LOW + l] = min(s[R.F_LOW + l], polynomial(cf, extreme(cf)))
+        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_force(c, 0.0, 1.0, law, p))
     if xf_extremum:
-        cxf = combined(cx, 1.0, cf)
-        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], polynomial(cxf, extreme(cxf)))
+        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_force(c, 1.0, 1.0, law, p))
     return at
 
 
@@ -45,27 +47,28 @@ def outrun(s, l, law):
     Its status is then RUNAWAY or, at speeds that saturate (exp.py) under a law that heals at rest,
     NOT_FINITE: a law that evolves with slip alone can still be followed there.
     """
-    v, psi = s[R.V_NEW + l], s[R.PSI_NEW + l]
-    if law.runs_away(v + psi, s[R.KAPPA + l], s[R.BETA + l] - 1.0):
+    rows = rows_of(law)
+    y = read_rows(s, rows.y_new, l)
+    if law.runs_away(y[1], y[2:], s[R.KAPPA + l], read_rows(s, rows.p, l)):
         s[R.STATUS + l] = RUNAWAY
-    elif law.heals_at_rest() and v > LIMIT:
+    elif law.heals_at_rest() and y[1] > LIMIT:
         s[R.STATUS + l] = NOT_FINITE
 
 
 @inner
 def handle_events(s, l, law):
     """Everything of interest in the lane's accepted step, before it is committed."""
-    cx, cv, cpsi = components(s, l)
+    c = components(s, l, law)
     h, w_lp = s[R.H_USED + l], s[R.W_LP + l]
     dw = h * s[R.RAMP + l]
     if s[R.OBSERVE + l] > 0.0:
-        observe(s, l, law, cx, cv, cpsi)
+        observe(s, l, law, c)
     rises = s[R.W_NEW + l] >= w_lp + dw
     if (s[R.W + l] < w_lp) == rises:
-        at = crossing(cv, w_lp, dw, s[R.LOG_W_LP + l])
+        at = crossing(c[1], w_lp, dw, s[R.LOG_W_LP + l])
         if rises:
-            close_cycle(s, l, s[R.T_LOW + l] + at * h, polynomial(cx, at))
+            close_cycle(s, l, law, s[R.T_LOW + l] + at * h, polynomial(c[0], at))
         else:
-            s[R.X_LOW + l] = polynomial(cx, at)
+            s[R.X_LOW + l] = polynomial(c[0], at)
     if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
         outrun(s, l, law)

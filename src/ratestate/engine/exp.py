@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from .jit import inlined
+from .jit import inlined, recursive
 
 LIMIT = 600.0
 LOG2_E = 1.4426950408889634
@@ -63,6 +63,22 @@ def exp(x):
 def exp_alone(x):
     """e**x like `exp`, by the C library, which is faster for one number at a time."""
     return math.exp(min(max(x, -LIMIT), LIMIT))
+
+
+@recursive
+def exp_each(x):
+    """`exp` of each of a tuple of numbers."""
+    if len(x) == 0:
+        return ()
+    return exp(x[0]), *exp_each(x[1:])
+
+
+@recursive
+def exp_each_alone(x):
+    """`exp_alone` of each of a tuple of numbers."""
+    if len(x) == 0:
+        return ()
+    return exp_alone(x[0]), *exp_each_alone(x[1:])
 
 
 @inlined

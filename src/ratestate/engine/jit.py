@@ -5,12 +5,15 @@ nor sums associative.  What compiled code alone calls goes without the wrappers 
 Python would call it; compiling takes a third less.
 """
 
+import functools
 from typing import Any
 
 from numba import njit
+from numba.extending import overload
 
 from .cache import KernelCache
 
+_overload: Any = overload  # (its declared arguments lack jit_options)
 _INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 INLINED: Any = {"forceinline": True, "fastmath": {"contract"}, **_INNER}
@@ -21,6 +24,20 @@ inlined = njit(**INLINED)
 lanewise = njit(fastmath={"contract"}, **_INNER)
 #: scalar code between them
 inner = njit(**_INNER)
+
+
+def recursive(function):
+    """A function that calls itself for shorter, or longer, tuples: it is inlined for each length.
+
+    (By `njit` alone, numba takes such a call for one of the very function it is compiling.)
+    """
+
+    @_overload(function, jit_options=INLINED)
+    @functools.wraps(function)  # numba compares the arguments
+    def of_types(*arguments):
+        return function
+
+    return function
 
 
 def kernel(function):

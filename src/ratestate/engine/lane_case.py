@@ -3,10 +3,12 @@
 import math
 
 from . import rows as R
-from .exp import exp_alone
+from .exp import exp_alone, exp_each_alone
 from .jit import inner
 from .lanes import TOO_MANY_FAILURES
 from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW
+from .rows import rows_of
+from .tuples import read_rows, sum_of_sizes, write_rows
 
 # The case of a lane that is free.
 IDLE = -1.0
@@ -22,18 +24,22 @@ def next_case(s, l, queue, position):
 
 
 @inner
-def fill(s, l, i, size, cases):
+def fill(s, l, law, i, size, cases):
     """Put what `Cases` and `Starts` have in common of case i into lane l; all else there is 0."""
     for row in range(0, size, R.LANES):
         s[row + l] = 0.0
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
-    s[R.KAPPA + l], s[R.BETA + l] = cases.kappa[i], cases.beta[i]
-    s[R.X + l], s[R.V + l], s[R.PSI + l] = cases.y[i]
-    s[R.W + l], s[R.E + l] = exp_alone(s[R.V + l]), exp_alone(-s[R.PSI + l])
+    rows = rows_of(law)
+    s[R.KAPPA + l] = cases.kappa[i]
+    write_rows(s, rows.p, l, cases.p[i])
+    write_rows(s, rows.y, l, cases.y[i])
+    p, y, w = read_rows(s, rows.p, l), read_rows(s, rows.y, l), exp_alone(s[R.V + l])
+    s[R.W + l] = w
+    write_rows(s, rows.e, l, exp_each_alone(law.exponents(y[1], w, y[2:], p)))
     s[R.OBSERVE + l], s[R.V_LIMIT + l] = cases.observe[i], cases.v_limit[i]
     s[R.MAX_STEPS + l] = cases.max_steps[i]
     s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
-    s[R.F_LOW + l] = s[R.V + l] + s[R.BETA + l] * s[R.PSI + l]
+    s[R.F_LOW + l] = law.resistance(y[1], w, y[2:], p)
     s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
 
 
@@ -42,8 +48,11 @@ def choose_first_step(s, l, law):
     """Set the lane's next step: small beside the time in which the state, or the load, changes."""
     w, w_lp = s[R.W + l], s[R.W_LP + l]
     f_x = s[R.KAPPA + l] * (w_lp - w)
-    f_psi = law.rate(w, s[R.V + l], s[R.PSI + l], s[R.E + l])
-    h = 0.1 * math.sqrt(math.sqrt(s[R.TOLERANCE + l])) / (abs(f_x) + abs(f_psi) + w + w_lp)
+    rows = rows_of(law)
+    y, p = read_rows(s, rows.y, l), read_rows(s, rows.p, l)
+    f_psi = law.rates(y[1], w, y[2:], read_rows(s, rows.e, l), p)
+    fastest = abs(f_x) + sum_of_sizes(f_psi) + w + w_lp
+    h = 0.1 * math.sqrt(math.sqrt(s[R.TOLERANCE + l])) / fastest
     s[R.H + l], s[R.MEMORY + l] = min(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
 
 

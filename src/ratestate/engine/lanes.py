@@ -7,8 +7,11 @@ instructions, and gets the same bits, wherever it sits.
 from . import rows as R
 from .jit import inlined, lanewise
 from .model import RUNNING
+from .rodas5p import inertial_force
 from .rodas5p import step as rodas5p_step
+from .rows import rows_of
 from .step_control import control_step, step_size
+from .tuples import dot, largest, plus, read_rows, select, size_of, write_rows
 
 # Rejections in a row that no step size can explain: 5**-400 is below any eta0 w.
 TOO_MANY_FAILURES = 400.0
@@ -16,36 +19,45 @@ TOO_MANY_FAILURES = 400.0
 # Errors of a step, relative to x and psi, that rounding feigns: no tolerance below them is kept.
 ROUNDING = 1e-15
 
+# Of x and of the parts of friction, by which g = x - f may be off.
+ROUNDING_OF_FORCE = 1e-13
+
 
 @inlined
-def extremum_conditions(x, v, psi, f_x, f_psi, w, beta, eta0):
+def extremum_conditions(y, f_x, f_psi, w, system):
     """Four numbers with the signs of dv/dT, dg/dT, df/dT and d(x + f)/dT.
 
-    dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - beta f_psi; then x = f.
-    The others follow from eta0 w dv/dT = g, f = v + beta psi and g = x - f.
+    dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - R_psi f_psi; then x = f.
+    The others follow from eta0 w dv/dT = g, f = R(v, psi) and g = x - f.
     """
-    g = x - v - beta * psi
-    drive = f_x - beta * f_psi
-    rounding = 1e-13 * (abs(x) + abs(v) + abs(beta * psi))
-    lost = abs(g) <= rounding
+    law, _, eta0, p = system
+    g, R_v, R_psi = inertial_force(y, w, law, p)
+    evolution = dot(R_psi, f_psi)
+    drive = f_x - evolution
+    lost = abs(g) <= ROUNDING_OF_FORCE * (abs(y[0]) + abs(R_v * y[1]) + size_of(R_psi, y[2:]))
     m = eta0 * w
-    friction = f_x if lost else m * beta * f_psi + g
-    both = f_x if lost else m * (f_x + beta * f_psi) + g
-    return (drive if lost else g), m * drive - g, friction, both
+    friction = f_x if lost else m * evolution + R_v * g
+    both = f_x if lost else m * (f_x + evolution) + R_v * g
+    return (drive if lost else g), m * drive - R_v * g, friction, both
 
 
 @inlined
 def extrema(s, l, law):
     """Whether V and g have an extreme in the step, f and x + f a minimum: four bools."""
-    kappa, beta, eta0 = s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l]
+    rows, system = rows_of(law), system_of(s, l, law)
+    kappa, p = system[1], system[3]
     w_lp = s[R.W_LP + l]
     w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
-    x, v, psi, w = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.W_NEW + l]
-    f_psi0 = law.rate(s[R.W + l], s[R.V + l], s[R.PSI + l], s[R.E + l])
-    f_psi1 = law.rate(w, v, psi, s[R.E_NEW + l])
-    x0, v0, psi0, w0 = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l]
-    a0, b0, c0, d0 = extremum_conditions(x0, v0, psi0, kappa * (w_lp - w0), f_psi0, w0, beta, eta0)
-    a1, b1, c1, d1 = extremum_conditions(x, v, psi, kappa * (w_lp_new - w), f_psi1, w, beta, eta0)
+    y0, w0, y1, w1 = (
+        read_rows(s, rows.y, l),
+        s[R.W + l],
+        read_rows(s, rows.y_new, l),
+        s[R.W_NEW + l],
+    )
+    f0 = law.rates(y0[1], w0, y0[2:], read_rows(s, rows.e, l), p)
+    f1 = law.rates(y1[1], w1, y1[2:], read_rows(s, rows.e_new, l), p)
+    a0, b0, c0, d0 = extremum_conditions(y0, kappa * (w_lp - w0), f0, w0, system)
+    a1, b1, c1, d1 = extremum_conditions(y1, kappa * (w_lp_new - w1), f1, w1, system)
     f_extremum, xf_extremum = (c0 < 0.0) & (c1 >= 0.0), (d0 < 0.0) & (d1 >= 0.0)
     return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0), f_extremum, xf_extremum
 
@@ -60,15 +72,14 @@ def saves(s, l):
 
 
 @inlined
-def steadies(s, l):
-    """Whether the step ends within the lane's tolerance of steady sliding at V_lp.
+def steadies(s, l, law):
+    """Whether the step ends within the lane's tolerance of steady sliding.
 
     Never in a march, whose lanes have the tolerance 0.
     """
-    v = s[R.LOG_W_LP + l]
-    distance = max(abs(s[R.V_NEW + l] - v), abs(s[R.PSI_NEW + l] + v))
-    distance = max(distance, abs(s[R.X_NEW + l] - (1.0 - s[R.BETA + l]) * v))
-    return distance < s[R.STEADY + l]
+    rows = rows_of(law)
+    off = plus(read_rows(s, rows.y_new, l), -1.0, read_rows(s, rows.steady, l))
+    return largest(off) < s[R.STEADY + l]
 
 
 @inlined
@@ -79,42 +90,50 @@ def has_event(s, l, law):
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     extreme = (v_extremum | g_extremum | f_extremum | xf_extremum) & (s[R.OBSERVE + l] > 0.0)
     runs_away = s[R.V_NEW + l] > s[R.V_LIMIT + l]
-    flag = crosses | extreme | saves(s, l) | steadies(s, l) | runs_away
+    flag = crosses | extreme | saves(s, l) | steadies(s, l, law) | runs_away
     flag = flag | (s[R.EVERY_STEP + l] > 0.0)
     s[R.CALL + l] = 1.0 if (s[R.OK + l] > 0.0) & flag else 0.0
 
 
 @inlined
-def record(s, l, h, new, error, dense):
+def system_of(s, l, law):
+    """(law, kappa, eta0, p) of the lane's slider, for which a step is taken."""
+    return law, s[R.KAPPA + l], s[R.ETA0 + l], read_rows(s, rows_of(law).p, l)
+
+
+@inlined
+def record(s, l, law, h, new, error, dense):
     """Put the outcome of a step into its rows.
 
-    new : y_new, w_new, e_new; error : triple; dense : the dense output's K_1, K_2, K_3
+    new : y_new, w_new, e_new; error : tuple; dense : the dense output's K_1, K_2, K_3
     """
-    s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l] = new[0]
-    s[R.W_NEW + l], s[R.E_NEW + l] = new[1], new[2]
-    s[R.X_1 + l], s[R.V_1 + l], s[R.PSI_1 + l] = dense[0]
-    s[R.X_2 + l], s[R.V_2 + l], s[R.PSI_2 + l] = dense[1]
-    s[R.X_3 + l], s[R.V_3 + l], s[R.PSI_3 + l] = dense[2]
+    rows = rows_of(law)
+    write_rows(s, rows.y_new, l, new[0])
+    s[R.W_NEW + l] = new[1]
+    write_rows(s, rows.e_new, l, new[2])
+    write_rows(s, rows.y_1, l, dense[0])
+    write_rows(s, rows.y_2, l, dense[1])
+    write_rows(s, rows.y_3, l, dense[2])
     s[R.H_USED + l] = h
-    err = max(max(abs(error[0]), abs(error[1])), abs(error[2]))
-    size = max(abs(new[0][0]), abs(new[0][2]))  # v is far larger at rest, and means nothing there
-    s[R.ERROR + l] = err / max(s[R.TOLERANCE + l], ROUNDING * size)
+    # v is far larger at rest, and means nothing there
+    size = max(abs(new[0][0]), largest(new[0][2:]))
+    s[R.ERROR + l] = largest(error) / max(s[R.TOLERANCE + l], ROUNDING * size)
 
 
 @inlined
 def try_step(s, l, law):
     """Try one step of the lane by Rodas5P and record its outcome."""
     h = step_size(s[R.H + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
-    y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
-    p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
+    rows = rows_of(law)
+    y, e = read_rows(s, rows.y, l), read_rows(s, rows.e, l)
     new, error, dense, s[R.D_LOAD + l], s[R.D_FRICTION + l] = rodas5p_step(
-        y, s[R.W + l], s[R.E + l], s[R.W_LP + l], s[R.RAMP + l], h, p
+        y, s[R.W + l], e, s[R.W_LP + l], s[R.RAMP + l], h, system_of(s, l, law)
     )
-    record(s, l, h, new, error, dense)
+    record(s, l, law, h, new, error, dense)
 
 
 @inlined
-def commit_lane(s, l):
+def commit_lane(s, l, law):
     """Move an accepted step's outcome into the state; time is summed in two parts (Kahan).
 
     BREAK is set where the lane has come to a breakpoint or cannot go on.
@@ -125,17 +144,18 @@ def commit_lane(s, l):
     ok = accepted > 0.0
     h = s[R.H_USED + l]
     t, low = s[R.T + l], s[R.T_LOW + l]
-    x, v, psi, w, e = s[R.X + l], s[R.V + l], s[R.PSI + l], s[R.W + l], s[R.E + l]
-    x1, v1, psi1 = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l]
-    w1, e1 = s[R.W_NEW + l], s[R.E_NEW + l]
+    rows = rows_of(law)
+    y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
+    y1, e1, w1 = read_rows(s, rows.y_new, l), read_rows(s, rows.e_new, l), s[R.W_NEW + l]
+    v1 = y1[1]
     w_lp, ramp, memory, h_next = s[R.W_LP + l], s[R.RAMP + l], s[R.MEMORY_NEW + l], s[R.H_NEXT + l]
     load, d_load = s[R.LOAD_WORK + l], s[R.D_LOAD + l]
     friction, d_friction = s[R.DISSIPATION + l], s[R.D_FRICTION + l]
     steps, rejected, failures = s[R.STEPS + l], s[R.REJECTED + l], s[R.FAILURES + l]
     v_high, v_low, g_high = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
     f_low, xf_low = s[R.F_LOW + l], s[R.XF_LOW + l]
-    f1 = v1 + s[R.BETA + l] * psi1
-    g1, xf1 = abs(x1 - f1), x1 + f1
+    f1 = law.resistance(v1, w1, y1[2:], read_rows(s, rows.p, l))
+    g1, xf1 = abs(y1[0] - f1), y1[0] + f1
     t_break, status, max_steps = s[R.BREAKPOINT + l], s[R.STATUS + l], s[R.MAX_STEPS + l]
     increment = low + h
     t1 = t + increment
@@ -144,9 +164,9 @@ def commit_lane(s, l):
     load1 = load + d_load
     friction1 = friction + d_friction
     s[R.T + l], s[R.T_LOW + l] = t1 if ok else t, low1 if ok else low
-    s[R.X + l], s[R.V + l] = x1 if ok else x, v1 if ok else v
-    s[R.PSI + l], s[R.W + l], s[R.E + l] = psi1 if ok else psi, w1 if ok else w, e1 if ok else e
-    s[R.W_LP + l] = w_lp1 if ok else w_lp
+    write_rows(s, rows.y, l, select(ok, y1, y))
+    write_rows(s, rows.e, l, select(ok, e1, e))
+    s[R.W + l], s[R.W_LP + l] = w1 if ok else w, w_lp1 if ok else w_lp
     s[R.V_HIGH + l] = v1 if ok & (v1 > v_high) else v_high
     s[R.V_LOW + l] = v1 if ok & (v1 < v_low) else v_low
     s[R.G_HIGH + l] = g1 if ok & (g1 > g_high) else g_high
@@ -188,7 +208,7 @@ def advance(s, law, n):
 
 
 @lanewise
-def commit(s, n):
+def commit(s, law, n):
     """`commit_lane` in the first n lanes."""
     for l in range(n):
-        commit_lane(s, l)
+        commit_lane(s, l, law)

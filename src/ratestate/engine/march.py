@@ -10,13 +10,15 @@ import numpy as np
 
 from . import lanes as L
 from . import rows as R
-from .dense_output import components, polynomial
+from .dense_output import components, polynomials
 from .events import handle_events
 from .im2017 import take_step as take_im2017_step
 from .jit import inner, kernel
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
 from .model import FINISHED, RODAS5P, RUNNING, Numbers
 from .periodicity import last_period
+from .rows import rows_of
+from .tuples import read_rows, write
 
 
 @inner
@@ -49,7 +51,7 @@ def enter_segment(s, l, law, scale, V0, loads, row):
 @inner
 def load(s, l, law, i, cases, loads, save_times, results):
     """Put case i into lane l at t = 0."""
-    fill(s, l, i, R.SIZE, cases)
+    fill(s, l, law, i, rows_of(law).march_size, cases)
     s[R.ETA0 + l], s[R.TOLERANCE + l] = cases.eta0[i], cases.rtol[i]
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
@@ -58,8 +60,7 @@ def load(s, l, law, i, cases, loads, save_times, results):
     enter_segment(s, l, law, scale, cases.V0[i], loads, cases.loading[i])
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
-        for component in range(3):
-            results.saved[i, n, component] = cases.y[i, component]
+        results.saved[i, n] = cases.y[i]
         n += 1
     await_save(s, l, n, save_times, row, scale)
 
@@ -72,11 +73,11 @@ def await_save(s, l, n, save_times, row, scale):
 
 
 @inner
-def save(s, l, cases, save_times, saved):
+def save(s, l, law, cases, save_times, saved):
     """Write the state at each saved time inside the lane's accepted step."""
     i = int(s[R.CASE + l])
     row, scale = cases.times[i], cases.scale[i]
-    cx, cv, cpsi = components(s, l)
+    c = components(s, l, law)
     h = s[R.H_USED + l]
     n = int(s[R.SAVED + l])
     while n < save_times.shape[1]:
@@ -84,25 +85,22 @@ def save(s, l, cases, save_times, saved):
         if at > 1.0:
             break
         at = max(at, 0.0)
-        saved[i, n, 0] = polynomial(cx, at)
-        saved[i, n, 1] = polynomial(cv, at)
-        saved[i, n, 2] = polynomial(cpsi, at)
+        write(saved[i, n], 0, polynomials(c, at))
         n += 1
     await_save(s, l, n, save_times, row, scale)
 
 
 @inner
-def finish(s, l, cases, results):
+def finish(s, l, law, cases, results):
     """Write the outcome of the lane's case; a failed one leaves no states."""
     i = int(s[R.CASE + l])
     status = int(s[R.STATUS + l])
     results.status[i] = status
     if status == FINISHED:
-        results.final[i, 0], results.final[i, 1] = s[R.X + l], s[R.V + l]
-        results.final[i, 2] = s[R.PSI + l]
+        write(results.final[i], 0, read_rows(s, rows_of(law).y, l))
     else:
         results.saved[i] = np.nan
-    amplitude, period, returns = last_period(s, l)
+    amplitude, period, returns = last_period(s, l, law)
     numbers = Numbers(
         t=(s[R.T + l] + s[R.T_LOW + l]) / cases.scale[i],
         steps=s[R.STEPS + l],
@@ -146,10 +144,10 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
     method : int, a code (model.py)
     law : of `friction.laws.LAWS`, for which this is compiled
     alone : bool, whether to march in lane 0 only, by the scalar path
-    s : (SIZE,) the lanes; CASE = IDLE in those that are free
+    s : (march_size,) the lanes; CASE = IDLE in those that are free
     queue : (n,) case numbers, in the order in which to start them
     position : (3,) int64: next in queue; cases done; rows of `path` filled
-    path : (m, 4) T, x, v, psi after each step of lane 0; empty if not wanted
+    path : (m, 1 + len(y)) T, x, v, psi after each step of lane 0; empty if not wanted
     budget : int, sweeps over the lanes
     """
     width = 1 if alone else R.LANES
@@ -176,18 +174,17 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 handle_events(s, l, law)
                 if L.saves(s, l):
-                    save(s, l, cases, save_times, results.saved)
-        L.commit(s, width)
+                    save(s, l, law, cases, save_times, results.saved)
+        L.commit(s, law, width)
         if path.size > 0 and s[R.OK] > 0.0:
             path[position[2], 0] = s[R.T] + s[R.T_LOW]
-            path[position[2], 1], path[position[2], 2] = s[R.X], s[R.V]
-            path[position[2], 3] = s[R.PSI]
+            write(path[position[2]], 1, read_rows(s, rows_of(law).y, 0))
             position[2] += 1
         for l in range(width):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 end_segment(s, l, law, cases, loads)
                 if s[R.STATUS + l] != RUNNING:
-                    finish(s, l, cases, results)
+                    finish(s, l, law, cases, results)
                     position[1] += 1
                     vacant = True
         if path.size > 0 and position[2] == path.shape[0]:

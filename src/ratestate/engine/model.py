@@ -3,11 +3,12 @@
 With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu0)/a and T = t V0/Dc,
 
     dx/dT   = kappa (w_lp - w)               kappa = K Dc/(a sigma)
-    dv/dT   = (x - v - beta psi)/(eta0 w)    eta0  = M V0**2/(a sigma Dc),  beta = b/a
-    dpsi/dT = the evolution law (friction/laws.py)
+    dv/dT   = (x - R(v, psi))/(eta0 w)       eta0  = M V0**2/(a sigma Dc)
+    dpsi/dT = f(v, psi)
 
-which is eqs 1-4 of Im, Marone & Elsworth (2019).  f = v + beta psi is the friction, (mu - mu0)/a,
-and g = x - f the inertial force, (tau/sigma - mu)/a.
+which is eqs 1-4 of Im, Marone & Elsworth (2019).  R, the friction (mu - mu0)/a, and the rates f
+are the friction law's (friction/law.py), with one psi or more: y = (x, v, psi) has as many numbers.
+g = x - R is the inertial force, (tau/sigma - mu)/a.
 """
 
 import tomllib
@@ -15,9 +16,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-
-from ..friction.laws import LAWS
-from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
 
 # How a case ended.  0 and 1 are answers; the rest name what stopped it.
 CYCLE = FINISHED = 0
@@ -32,8 +30,8 @@ RIGID_REST = 8
 CRASHED = 9
 RUNNING = -1
 
-# Below this eta, G = dv/dT on the section is better known as -beta dpsi/dT, which it is to within
-# eta of itself, than from x - beta psi, whose rounding is divided by eta.
+# Below this eta, G = dv/dT on the section is better known from the rates of psi, as -R_psi f/R_v,
+# which it is to within eta of itself, than from x - R, whose rounding is divided by eta.
 SLAVED = 1e-7
 
 _TABLE = tomllib.loads(Path(__file__).with_name("statuses.toml").read_text("utf-8"))
@@ -52,14 +50,14 @@ class Method(NamedTuple):
     code: int
     needs_dt: bool = False  # it does not choose its steps itself
     needs_mass: bool = False  # and a spring: it steps by sqrt(K/M)
-    laws: tuple[str, ...] = tuple(LAWS)
+    needs_law: str = ""  # a method of the law's
 
 
 #: name of a method -> what it is
 METHODS = {
     "rodas5p": Method(RODAS5P),
-    "im2017": Method(IM2017, needs_dt=True, needs_mass=True),
-    "im2017_euler": Method(IM2017_EULER, needs_dt=True, needs_mass=True, laws=("aging",)),
+    "im2017": Method(IM2017, needs_dt=True, needs_mass=True, needs_law="held"),
+    "im2017_euler": Method(IM2017_EULER, needs_dt=True, needs_mass=True, needs_law="held_by_euler"),
 }
 
 
@@ -67,11 +65,11 @@ class Cases(NamedTuple):
     """Each slider, and what its run needs; arrays of one value a case unless a shape is given."""
 
     kappa: np.ndarray
-    beta: np.ndarray
+    p: np.ndarray  # (n, number of coefficients) of the law
     eta0: np.ndarray
     scale: np.ndarray  # V0/Dc [1/s]: T = scale t
     V0: np.ndarray  # [m/s]
-    y: np.ndarray  # (n, 3) initial x, v, psi
+    y: np.ndarray  # (n, len(y)) initial x, v, psi
     t_end: np.ndarray  # [s]
     dt: np.ndarray  # [s], fixed-step methods only
     loading: np.ndarray  # row of the Loads tables
@@ -93,8 +91,8 @@ class Loads(NamedTuple):
 class Results(NamedTuple):
     """What a march leaves behind; of a failed case `final` and `saved` are NaN."""
 
-    final: np.ndarray  # (n, 3) x, v, psi at the end
-    saved: np.ndarray  # (n, n_times, 3)
+    final: np.ndarray  # (n, len(y)) x, v, psi at the end
+    saved: np.ndarray  # (n, n_times, len(y))
     numbers: np.ndarray  # (n, len(NUMBERS))
     status: np.ndarray  # (n,) int8
 
@@ -121,11 +119,12 @@ class Numbers(NamedTuple):
 NUMBERS = Numbers._fields
 
 
-def empty_results(n, n_times):
-    """`Results` of n cases that are to run, n_times saved times each: NaN, status RUNNING."""
+def empty_results(y, n_times):
+    """`Results` of cases that are to run from y, n_times saved times each: NaN, status RUNNING."""
+    n, size = y.shape
     return Results(
-        np.full((n, 3), np.nan),
-        np.full((n, n_times, 3), np.nan),
+        np.full((n, size), np.nan),
+        np.full((n, n_times, size), np.nan),
         np.full((n, len(NUMBERS)), np.nan),
         np.full(n, RUNNING, np.int8),
     )

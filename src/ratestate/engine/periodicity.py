@@ -7,6 +7,7 @@ import math
 
 from . import rows as R
 from .jit import inner
+from .rows import rows_of
 
 # Change of stress maxima or minima from one return to the next, over the amplitude, that is seen;
 # part of it that may be left after a whole period.
@@ -17,65 +18,66 @@ REVERSALS, LASTING = 3, 0.5
 
 
 @inner
-def close_cycle(s, l, here, x_high):
+def close_cycle(s, l, law, here, x_high):
     """Record the cycle that ends at this upward crossing; `here` is the time since s[T]."""
     if s[R.CROSS_LOW + l] < math.inf:
+        rows = rows_of(law)
         at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + l
-        s[R.HIGHS + at], s[R.LOWS + at] = x_high, s[R.X_LOW + l]
-        s[R.SPANS + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
+        s[rows.highs + at], s[rows.lows + at] = x_high, s[R.X_LOW + l]
+        s[rows.spans + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
         s[R.CYCLES + l] += 1.0
     s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
 
 
 @inner
-def change(s, l, cycles, p):
+def change(s, l, rows, cycles, p):
     """Largest change of a maximum or minimum of x, from the p returns before to the last p."""
     most = 0.0
     for k in range(cycles - p, cycles):
         now, before = (k % R.RING) * R.LANES + l, ((k - p) % R.RING) * R.LANES + l
-        most = max(most, abs(s[R.HIGHS + now] - s[R.HIGHS + before]))
-        most = max(most, abs(s[R.LOWS + now] - s[R.LOWS + before]))
+        most = max(most, abs(s[rows.highs + now] - s[rows.highs + before]))
+        most = max(most, abs(s[rows.lows + now] - s[rows.lows + before]))
     return most
 
 
 @inner
-def last_period(s, l):
+def last_period(s, l, law):
     """Amplitude (in x) and duration (in T) of the last period, and how many returns it has.
 
     More than one where the motion repeats after these, and hardly after fewer.  Where it is
     irregular there is no period: 0 returns, the amplitude of the later half of those that are
     known, and how long one of them takes.  Before the first return 0.0, inf and 0.
     """
-    cycles = int(s[R.CYCLES + l])
+    rows, cycles = rows_of(law), int(s[R.CYCLES + l])
     if cycles == 0:
         return 0.0, math.inf, 0
     known = min(cycles, R.RING)
     last = ((cycles - 1) % R.RING) * R.LANES + l
-    visible = VISIBLE * (s[R.HIGHS + last] - s[R.LOWS + last])
-    returns, left = 1, change(s, l, cycles, 1) if cycles > 1 else 0.0
+    visible = VISIBLE * (s[rows.highs + last] - s[rows.lows + last])
+    returns, left = 1, change(s, l, rows, cycles, 1) if cycles > 1 else 0.0
     for p in range(2, known // 2 + 1):
         if left > visible:
-            by_p = change(s, l, cycles, p)
+            by_p = change(s, l, rows, cycles, p)
             if by_p < REPEATS * left:
                 returns, left = p, by_p
-    irregular = left > visible and is_irregular(s, l, cycles, visible)
+    irregular = left > visible and is_irregular(s, l, rows, cycles, visible)
     over = known // 2 if irregular else returns
     high, low, span = -math.inf, math.inf, 0.0
     for k in range(cycles - over, cycles):
         at = (k % R.RING) * R.LANES + l
-        high, low = max(high, s[R.HIGHS + at]), min(low, s[R.LOWS + at])
-        span += s[R.SPANS + at]
+        high, low = max(high, s[rows.highs + at]), min(low, s[rows.lows + at])
+        span += s[rows.spans + at]
     return high - low, span / over if irregular else span, 0 if irregular else returns
 
 
 @inner
-def is_irregular(s, l, cycles, visible):
+def is_irregular(s, l, rows, cycles, visible):
     """Whether stress maxima go up and down visibly, and lately not much less than before."""
     count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
     known = min(cycles, R.RING)
     for k in range(cycles - known + 1, cycles):
         now, last = (k % R.RING) * R.LANES + l, ((k - 1) % R.RING) * R.LANES + l
-        rise = s[R.HIGHS + now] - s[R.HIGHS + last]
+        rise = s[rows.highs + now] - s[rows.highs + last]
         if abs(rise) > visible:
             count += rise * rise_before < 0.0
             rise_before = rise

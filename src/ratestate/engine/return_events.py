@@ -9,11 +9,14 @@ import math
 from . import rows as R
 from .dense_output import components, crossing, polynomial
 from .events import observe, outrun
-from .exp import exp_alone
+from .exp import exp_each_alone
 from .jit import inner
-from .lanes import steadies
+from .lanes import steadies, system_of
 from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING
-from .return_lanes import step_of_lane
+from .return_lanes import load_each, step_of_lane
+from .rodas5p import inertial_force
+from .rows import rows_of
+from .tuples import dot, of_each, plus, read_rows, write_rows
 
 # V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
 SLOW_BELOW, LOG_SLOW_BELOW = 0.1, -2.302585092994046
@@ -24,57 +27,62 @@ ASIDE, CENTRE = 0.3872983346207417, 0.4444444444444444
 
 
 @inner
-def rates(s, l, law):
-    """dx/dT, dv/dT and dpsi/dT at the end of the lane's step."""
-    beta, eta = s[R.BETA + l], s[R.ETA0 + l]
-    x, v, psi, w = s[R.X_NEW + l], s[R.V_NEW + l], s[R.PSI_NEW + l], s[R.W_NEW + l]
-    f_x = s[R.KAPPA + l] * (1.0 - w)
-    f_psi = law.rate(w, v, psi, s[R.E_NEW + l])
-    f_v = f_x - beta * f_psi if eta < SLAVED else (x - v - beta * psi) / (eta * w)
-    return f_x, f_v, f_psi
+def rates(s, l, law, y, w, e):
+    """dx/dT, dv/dT and dpsi/dT, a tuple, where the load point's speed is 1."""
+    _, kappa, eta, p = system_of(s, l, law)
+    f_x = kappa * (1.0 - w)
+    f_psi = law.rates(y[1], w, y[2:], e, p)
+    g, R_v, R_psi = inertial_force(y, w, law, p)
+    f_v = (f_x - dot(R_psi, f_psi)) / R_v if eta < SLAVED else g / (eta * w)
+    return f_x, f_v, *f_psi
 
 
 @inner
 def end_at_crossing(s, l, law):
     """Move the end of a step that was cut at a crossing onto the section, and record it."""
-    f_x, f_v, f_psi = rates(s, l, law)
-    dt = -s[R.V_NEW + l] / f_v
-    s[R.X_NEW + l] += 0.5 * f_x * dt  # dx/dT vanishes at the section
-    s[R.PSI_NEW + l] += f_psi * dt
-    s[R.V_NEW + l], s[R.W_NEW + l] = 0.0, 1.0
-    s[R.E_NEW + l] = exp_alone(-s[R.PSI_NEW + l])
+    rows = rows_of(law)
+    y = read_rows(s, rows.y_new, l)
+    speeds = rates(s, l, law, y, s[R.W_NEW + l], read_rows(s, rows.e_new, l))
+    dt = -y[1] / speeds[1]
+    psi = plus(y[2:], dt, speeds[2:])
+    # (dx/dT vanishes at the section)
+    write_rows(s, rows.y_new, l, (y[0] + 0.5 * speeds[0] * dt, 0.0, *psi))
+    s[R.W_NEW + l] = 1.0
+    exponents = law.exponents(0.0, 1.0, psi, read_rows(s, rows.p, l))
+    write_rows(s, rows.e_new, l, exp_each_alone(exponents))
     s[R.H_USED + l] += dt
     s[R.H_NEXT + l] = s[R.H_PLANNED + l]
     s[R.LANDING_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
     s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
-    if f_v > 0.0:
+    if speeds[1] > 0.0:
         s[R.STATUS + l] = FINISHED
     else:
         s[R.X_LOW + l] = s[R.X_NEW + l]
-        s[R.X_A_LOW + l], s[R.X_B_LOW + l] = s[R.X_A_NEW + l], s[R.X_B_NEW + l]
+        write_rows(s, rows.x_low, l, of_each(load_each(s, rows.z_new, l), 0))
 
 
 @inner
-def observe_step(s, l, law, cx, cv, cpsi):
+def observe_step(s, l, law, c):
     """`observe`, with the derivatives of what it finds of V, and the waveform.
 
     They are those of V at that time: where it is extreme, a shift along the orbit does not count.
     Where V stops falling at once, as at a sudden arrest, they are good to some ten per cent.
     """
+    rows = rows_of(law)
     high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
-    at = observe(s, l, law, cx, cv, cpsi)
+    at = observe(s, l, law, c)
     if s[R.V_HIGH + l] > high:
-        s[R.V_A_HIGH + l], s[R.V_B_HIGH + l] = perturbed(s, l, law, at * s[R.H_USED + l])
+        write_rows(s, rows.v_high, l, perturbed(s, l, law, at * s[R.H_USED + l]))
     elif s[R.V_LOW + l] < low:
-        s[R.V_A_LOW + l], s[R.V_B_LOW + l] = perturbed(s, l, law, at * s[R.H_USED + l])
-    record_waveform(s, l, cx, cv)
+        write_rows(s, rows.v_low, l, perturbed(s, l, law, at * s[R.H_USED + l]))
+    record_waveform(s, l, c[0], c[1])
 
 
 @inner
 def perturbed(s, l, law, h):
-    """Both perturbations of v, two numbers, a time h after the start of the lane's step."""
-    _, a, b, _, _, _ = step_of_lane(s, l, law, h)
-    return a[1], b[1]
+    """The perturbations of v, a tuple, a time h after the start of the lane's step."""
+    _, z, _, _, _ = step_of_lane(s, l, law, h)
+    return of_each(z, 1)
 
 
 @inner
@@ -104,29 +112,29 @@ def record_waveform(s, l, cx, cv):
 @inner
 def handle_events(s, l, law):
     """Record what happens in the lane's step, or take it back, to end it at a crossing."""
-    cx, cv, cpsi = components(s, l)
+    c = components(s, l, law)
     landing_step = s[R.LANDING_STEP + l]
     if landing_step > 0.0 and s[R.H_USED + l] >= landing_step:
         if s[R.OBSERVE + l] > 0.0:
-            observe_step(s, l, law, cx, cv, cpsi)
+            observe_step(s, l, law, c)
         end_at_crossing(s, l, law)
         return
     s[R.LANDING_STEP + l] = 0.0
     rises = s[R.W_NEW + l] >= 1.0
     if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
-        at = max(crossing(cv, 1.0, 0.0, 0.0), NEAREST)
+        at = max(crossing(c[1], 1.0, 0.0, 0.0), NEAREST)
         s[R.H_PLANNED + l] = s[R.H_NEXT + l]
         s[R.H_NEXT + l] = s[R.LANDING_STEP + l] = at * s[R.H_USED + l]
         s[R.EVERY_STEP + l], s[R.OK + l] = 1.0, 0.0
         return
     s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
     if s[R.OBSERVE + l] > 0.0:
-        observe_step(s, l, law, cx, cv, cpsi)
+        observe_step(s, l, law, c)
     if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
         # Where steady sliding is unstable what turns back once more runs away at last.
-        if s[R.KAPPA + l] < s[R.BETA + l] - 1.0:
+        if s[R.UNSTABLE + l] > 0.0:
             s[R.STATUS + l] = RUNAWAY
         else:
             outrun(s, l, law)
-    elif steadies(s, l):
+    elif steadies(s, l, law):
         s[R.STATUS + l] = STEADY_SLIDING

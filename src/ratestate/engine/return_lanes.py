@@ -1,29 +1,45 @@
-"""Loops over the lanes of a return map: the state's step, and that of two perturbations of it."""
+"""Loops over the lanes of a return map: the state's step, and that of perturbations of it."""
 
 from . import lanes as L
 from . import rows as R
-from .jit import inlined, lanewise
+from .jit import inlined, lanewise, recursive
+from .rodas5p import inertial_force
+from .rows import rows_of
 from .tangent import step as tangent_step
+from .tuples import dot, largest, plus, read_rows, select, size_of, times, write_rows
+
+
+@recursive
+def load_each(s, rows, l):
+    """What stands in these tuples of rows of lane l."""
+    if len(rows) == 0:
+        return ()
+    return read_rows(s, rows[0], l), *load_each(s, rows[1:], l)
+
+
+@recursive
+def store_each(s, rows, l, values):
+    """Put tuples into these tuples of rows of lane l."""
+    if len(rows) > 0:
+        write_rows(s, rows[0], l, values[0])
+        store_each(s, rows[1:], l, values[1:])
 
 
 @inlined
 def step_of_lane(s, l, law, h):
     """What `tangent.step` gives for a step of size h from where the lane is."""
-    y = (s[R.X + l], s[R.V + l], s[R.PSI + l])
-    a = (s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l])
-    b = (s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l])
-    p = (law, s[R.KAPPA + l], s[R.BETA + l], s[R.ETA0 + l])
-    return tangent_step(y, s[R.W + l], s[R.E + l], a, b, 1.0, h, p)
+    rows = rows_of(law)
+    y, e, z = read_rows(s, rows.y, l), read_rows(s, rows.e, l), load_each(s, rows.z, l)
+    return tangent_step(y, s[R.W + l], e, z, 1.0, h, L.system_of(s, l, law))
 
 
 @inlined
 def try_step(s, l, law):
     """Try one step of the lane, perturbations included, and record its outcome."""
     h = s[R.H + l]
-    new, a_new, b_new, error, dense, s[R.D_TRACE + l] = step_of_lane(s, l, law, h)
-    s[R.X_A_NEW + l], s[R.V_A_NEW + l], s[R.PSI_A_NEW + l] = a_new
-    s[R.X_B_NEW + l], s[R.V_B_NEW + l], s[R.PSI_B_NEW + l] = b_new
-    L.record(s, l, h, new, error, dense)
+    new, z_new, error, dense, s[R.D_TRACE + l] = step_of_lane(s, l, law, h)
+    store_each(s, rows_of(law).z_new, l, z_new)
+    L.record(s, l, law, h, new, error, dense)
 
 
 @lanewise
@@ -32,6 +48,20 @@ def advance(s, law, n):
     for l in range(n):
         try_step(s, l, law)
     L.assess(s, law, n)
+
+
+@recursive
+def without_shift(z, z_new, direction, share, ok):
+    """The perturbations without what they have along the orbit, and how much that was.
+
+    z : before the step, which they stay where it is not accepted
+    """
+    if len(z) == 0:
+        return (), ()
+    along = share * dot(z_new[0], direction)
+    kept, shifts = without_shift(z[1:], z_new[1:], direction, share, ok)
+    first = select(ok, plus(z_new[0], -along, direction), z[0])
+    return (first, *kept), (along, *shifts)
 
 
 @inlined
@@ -44,35 +74,27 @@ def commit_lane(s, l, law):
 
     ================  ===================================================
     f_x, f_v, f_psi   speed of the state, d/dT
-    pace              the largest of these; r_x, r_v, r_psi: their parts of it
-    a_x, ...; b_x     the two perturbations after the step
-    along_a, along_b  what they have along the orbit, over pace
+    pace              the largest of these
+    direction         the speeds over pace
     ================  ===================================================
     """
     ok = s[R.OK + l] > 0.0
-    beta, w = s[R.BETA + l], s[R.W + l]
-    x, v, psi = s[R.X + l], s[R.V + l], s[R.PSI + l]
-    f_x = s[R.KAPPA + l] * (1.0 - w)
-    f_psi = law.rate(w, v, psi, s[R.E + l])
-    g = x - v - beta * psi
-    rounding = 1e-13 * (abs(x) + abs(v) + abs(beta * psi))
+    rows, system = rows_of(law), L.system_of(s, l, law)
+    y, w = read_rows(s, rows.y, l), s[R.W + l]
+    f_x = system[1] * (1.0 - w)
+    f_psi = law.rates(y[1], w, y[2:], read_rows(s, rows.e, l), system[3])
+    g, R_v, R_psi = inertial_force(y, w, law, system[3])
+    rounding = L.ROUNDING_OF_FORCE * (abs(y[0]) + abs(R_v * y[1]) + size_of(R_psi, y[2:]))
     m = s[R.ETA0 + l] * w
-    f_v = f_x - beta * f_psi if (abs(g) <= rounding) | (m == 0.0) else g / m
-    pace = max(max(abs(f_x), abs(f_v)), max(abs(f_psi), 1e-300))
-    r_x, r_v, r_psi = f_x / pace, f_v / pace, f_psi / pace
-    share = 1.0 / (r_x * r_x + r_v * r_v + r_psi * r_psi)
-    a_x, a_v, a_psi = s[R.X_A_NEW + l], s[R.V_A_NEW + l], s[R.PSI_A_NEW + l]
-    b_x, b_v, b_psi = s[R.X_B_NEW + l], s[R.V_B_NEW + l], s[R.PSI_B_NEW + l]
-    along_a = share * (a_x * r_x + a_v * r_v + a_psi * r_psi)
-    along_b = share * (b_x * r_x + b_v * r_v + b_psi * r_psi)
-    s[R.X_A + l] = a_x - along_a * r_x if ok else s[R.X_A + l]
-    s[R.V_A + l] = a_v - along_a * r_v if ok else s[R.V_A + l]
-    s[R.PSI_A + l] = a_psi - along_a * r_psi if ok else s[R.PSI_A + l]
-    s[R.X_B + l] = b_x - along_b * r_x if ok else s[R.X_B + l]
-    s[R.V_B + l] = b_v - along_b * r_v if ok else s[R.V_B + l]
-    s[R.PSI_B + l] = b_psi - along_b * r_psi if ok else s[R.PSI_B + l]
-    s[R.EARLY_A + l] += along_a / pace if ok else 0.0
-    s[R.EARLY_B + l] += along_b / pace if ok else 0.0
+    f_v = (f_x - dot(R_psi, f_psi)) / R_v if (abs(g) <= rounding) | (m == 0.0) else g / m
+    pace = max(max(abs(f_x), abs(f_v)), max(largest(f_psi), 1e-300))
+    direction = (f_x / pace, f_v / pace, *times(1.0 / pace, f_psi))
+    share = 1.0 / dot(direction, direction)
+    z, z_new = load_each(s, rows.z, l), load_each(s, rows.z_new, l)
+    kept, shifts = without_shift(z, z_new, direction, share, ok)
+    store_each(s, rows.z, l, kept)
+    early = read_rows(s, rows.early, l)
+    write_rows(s, rows.early, l, select(ok, plus(early, 1.0 / pace, shifts), early))
     s[R.TRACE + l] += s[R.D_TRACE + l] if ok else 0.0
     s[R.SINCE + l] += s[R.OK + l]
 

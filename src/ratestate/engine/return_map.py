@@ -13,21 +13,25 @@ import numpy as np
 
 from . import lanes as L
 from . import rows as R
-from .jit import inner, kernel
+from .jit import inner, kernel, recursive
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
-from .model import RUNNING, SLAVED
-from .return_events import handle_events
-from .return_lanes import advance, commit
+from .model import RUNNING
+from .return_events import handle_events, rates
+from .return_lanes import advance, commit, load_each, store_each
+from .rows import rows_of
+from .tuples import full, of_each, plus, read_rows, times, write, write_rows
 
 
 class Starts(NamedTuple):
     """From where each slider sets out; arrays of one value a case unless a shape is given."""
 
     kappa: np.ndarray
-    beta: np.ndarray
+    p: np.ndarray  # (n, number of coefficients) of the law
     eta: np.ndarray
-    y: np.ndarray  # (n, 3) x, v, psi
-    along: np.ndarray  # (n, 2, 3) two perturbations of it
+    y: np.ndarray  # (n, len(y)) x, v, psi
+    along: np.ndarray  # (n, len(y) - 1, len(y)) perturbations of it
+    steady: np.ndarray  # (n, len(y)) steady sliding
+    unstable: np.ndarray  # 1 where steady sliding is
     atol: np.ndarray  # of a step in x, v and psi
     steady_tol: np.ndarray
     observe: np.ndarray  # 1 where extremes and waveform are wanted
@@ -43,42 +47,60 @@ class ReturnResults(NamedTuple):
     """
 
     numbers: np.ndarray  # (n, len(RETURN_NUMBERS))
+    psi: np.ndarray  # (n, number of states)
+    along: np.ndarray  # (n, perturbations, len(DERIVATIVES)): derivatives along each
+    psi_along: np.ndarray  # (n, perturbations, number of states)
     status: np.ndarray  # (n,) int8
 
 
-#: _a and _b: derivatives along the two perturbations.  Dimensionless; G is dv/dT at the return,
-#: v_max and v_min are ln(V/V_lp), slow is the time below V_lp/10, and the four after it integrals
-#: over T of x, x^2, x cos and x sin (2 pi T/`Starts.period`).  x_low is NaN without a stress
-#: minimum.  Where `Starts.observe` is 0, slow and the integrals are 0, and extremes those of the
-#: ends of steps.
+#: Dimensionless; G is dv/dT at the return, v_max and v_min are ln(V/V_lp), slow is the time below
+#: V_lp/10, and the four after it integrals over T of x, x^2, x cos and x sin
+#: (2 pi T/`Starts.period`).  x_low is NaN without a stress minimum.  Where `Starts.observe` is 0,
+#: slow and the integrals are 0, and extremes those of the ends of steps.
 ReturnNumbers = namedtuple(
     "ReturnNumbers",
-    "period x psi G x_low period_a x_a psi_a x_low_a period_b x_b psi_b x_low_b trace v_max v_min "
-    "g_max slow mean square cosine sine steps v_max_a v_max_b v_min_a v_min_b f_min xf_min",
+    "period x G x_low trace v_max v_min g_max slow mean square cosine sine steps f_min xf_min",
 )
 RETURN_NUMBERS = ReturnNumbers._fields
+#: those of which the derivatives are found
+Derivatives = namedtuple("Derivatives", "period x x_low v_max v_min")
+DERIVATIVES = Derivatives._fields
 
 
-def empty_return_results(n):
-    """`ReturnResults` of n cases that are to run: NaN, status RUNNING."""
-    return ReturnResults(np.full((n, len(RETURN_NUMBERS)), np.nan), np.full(n, RUNNING, np.int8))
+def empty_return_results(y):
+    """`ReturnResults` of cases that are to run from y: NaN, status RUNNING."""
+    n, size = y.shape
+    shapes = (len(RETURN_NUMBERS),), (size - 2,), (size - 1, len(DERIVATIVES)), (size - 1, size - 2)
+    numbers, psi, along, psi_along = (np.full((n, *shape), np.nan) for shape in shapes)
+    return ReturnResults(numbers, psi, along, psi_along, np.full(n, RUNNING, np.int8))
 
 
 @inner
 def load(s, l, law, i, starts):
     """Put case i into lane l."""
-    fill(s, l, i, R.RETURN_SIZE, starts)
+    rows = rows_of(law)
+    fill(s, l, law, i, rows.return_size, starts)
     s[R.ETA0 + l], s[R.TOLERANCE + l] = starts.eta[i], starts.atol[i]
-    s[R.X_A + l], s[R.V_A + l], s[R.PSI_A + l] = starts.along[i, 0]
-    s[R.X_B + l], s[R.V_B + l], s[R.PSI_B + l] = starts.along[i, 1]
+    store_each(s, rows.z, l, starts.along[i])
+    write_rows(s, rows.steady, l, starts.steady[i])
+    s[R.UNSTABLE + l] = starts.unstable[i]
     s[R.W_LP + l] = 1.0
     s[R.T_END + l] = s[R.BREAKPOINT + l] = s[R.SAVE_AT + l] = math.inf
     s[R.STEADY + l], s[R.GUESS + l] = starts.steady_tol[i], starts.period[i]
     s[R.EVERY_STEP + l] = starts.observe[i]
-    s[R.X_LOW + l] = s[R.X_A_LOW + l] = s[R.X_B_LOW + l] = math.nan
+    s[R.X_LOW + l] = math.nan
+    write_rows(s, rows.x_low, l, full(rows.x_low, math.nan))
     # A start on the section is a crossing already made: the step from it leads to no other.
     s[R.SINCE + l] = 0.0 if s[R.V + l] == 0.0 else 1.0
     choose_first_step(s, l, law)
+
+
+@recursive
+def write_psi_along(z, shifts, f_psi, out):
+    """Write the derivatives of psi at the return along each of the perturbations z."""
+    if len(z) > 0:
+        write(out[0], 0, plus(z[0][2:], -shifts[0], f_psi))
+        write_psi_along(z[1:], shifts[1:], f_psi, out[1:])
 
 
 @inner
@@ -87,25 +109,14 @@ def finish(s, l, law, results):
     i = int(s[R.CASE + l])
     status = int(s[R.STATUS + l])
     results.status[i] = status if status != RUNNING else stuck(s, l)
-    eta, beta = s[R.ETA0 + l], s[R.BETA + l]
-    x, psi, w = s[R.X + l], s[R.PSI + l], s[R.W + l]
-    f_psi = law.rate(w, s[R.V + l], psi, s[R.E + l])
-    slope = -beta * f_psi if eta < SLAVED else (x - beta * psi) / eta
-    earlier_a, earlier_b = s[R.V_A + l] / slope, s[R.V_B + l] / slope
+    rows = rows_of(law)
+    y, e = read_rows(s, rows.y, l), read_rows(s, rows.e, l)
+    speeds = rates(s, l, law, y, s[R.W + l], e)
     numbers = ReturnNumbers(
         period=s[R.T + l] + s[R.T_LOW + l],
-        x=x,
-        psi=psi,
-        G=slope,
+        x=y[0],
+        G=speeds[1],
         x_low=s[R.X_LOW + l],
-        period_a=-earlier_a - s[R.EARLY_A + l],
-        x_a=s[R.X_A + l],
-        psi_a=s[R.PSI_A + l] - f_psi * earlier_a,
-        x_low_a=s[R.X_A_LOW + l],
-        period_b=-earlier_b - s[R.EARLY_B + l],
-        x_b=s[R.X_B + l],
-        psi_b=s[R.PSI_B + l] - f_psi * earlier_b,
-        x_low_b=s[R.X_B_LOW + l],
         trace=s[R.TRACE + l],
         v_max=s[R.V_HIGH + l],
         v_min=s[R.V_LOW + l],
@@ -116,15 +127,25 @@ def finish(s, l, law, results):
         cosine=s[R.COSINE + l],
         sine=s[R.SINE + l],
         steps=s[R.STEPS + l] + s[R.REJECTED + l],
-        v_max_a=s[R.V_A_HIGH + l],
-        v_max_b=s[R.V_B_HIGH + l],
-        v_min_a=s[R.V_A_LOW + l],
-        v_min_b=s[R.V_B_LOW + l],
         f_min=s[R.F_LOW + l],
         xf_min=s[R.XF_LOW + l],
     )
     for k in range(len(numbers)):
         results.numbers[i, k] = numbers[k]
+    write(results.psi[i], 0, y[2:])
+    z = load_each(s, rows.z, l)
+    shifts = times(1.0 / speeds[1], of_each(z, 1))
+    early = read_rows(s, rows.early, l)
+    derivatives = Derivatives(
+        period=times(-1.0, plus(shifts, 1.0, early)),
+        x=of_each(z, 0),
+        x_low=read_rows(s, rows.x_low, l),
+        v_max=read_rows(s, rows.v_high, l),
+        v_min=read_rows(s, rows.v_low, l),
+    )
+    for k in range(len(derivatives)):
+        write(results.along[i, :, k], 0, derivatives[k])
+    write_psi_along(z, shifts, speeds[2:], results.psi_along[i])
     s[R.CASE + l] = IDLE
 
 
@@ -132,7 +153,7 @@ def finish(s, l, law, results):
 def march_to_section(law, alone, s, queue, position, starts, results, budget):
     """Take the cases of a queue to their next upward crossing of the section; whether all are done.
 
-    Parameters as for `march.march`; s : (RETURN_SIZE,)
+    Parameters as for `march.march`; s : (return_size,)
     """
     width = 1 if alone else R.LANES
     vacant = True
@@ -151,7 +172,7 @@ def march_to_section(law, alone, s, queue, position, starts, results, budget):
         for l in range(width):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 handle_events(s, l, law)
-        L.commit(s, width)
+        L.commit(s, law, width)
         commit(s, law, width)
         for l in range(width):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:

@@ -2,28 +2,29 @@
 
 A lane is a column of the buffer `s`, a flat array in which row R of lane l is ``s[R + l]``.  One
 buffer with constant row offsets, rather than an array a row, is what lets LLVM see that no row
-aliases another, so that it vectorises.
+aliases another, so that it vectorises.  How many rows there are of some kinds depends on the law:
+these are `rows_of` it, and known when a kernel is compiled for it.
 """
+
+import functools
+import itertools
+from typing import NamedTuple
 
 LANES = 16
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-STATE_SIZE = 67 * LANES  # of what a march and a return map have in common
-SIZE = STATE_SIZE + 3 * RING * LANES  # of a march
-RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
+COMMON_ROWS = 71
 
 # fmt: off
 (
-    X, V, PSI, W, E,                        # state, e**v, e**-psi
-    KAPPA, BETA, ETA0,                      # parameters (model.py)
+    X, V, W,                                # stress, ln w, w
+    KAPPA, ETA0,                            # parameters (model.py)
     W_LP, RAMP, LOG_W_LP,                   # load point: speed, its rate, ln of a constant speed
     T, T_LOW, BREAKPOINT, H,                # time in two parts, next breakpoint, next step size
     TOLERANCE, MEMORY,                      # of x, v and psi; err**(1/16) of the last good step
     SAVE_AT, V_LIMIT, STEADY,               # next saved time, runaway ln w, steady-state tolerance
     OBSERVE, EVERY_STEP,                    # 1 where extremes are wanted; where each step is
-    X_NEW, V_NEW, PSI_NEW, W_NEW, E_NEW,    # the step's outcome
-    X_1, V_1, PSI_1,                        # its dense output
-    X_2, V_2, PSI_2,
-    X_3, V_3, PSI_3,
+    X_NEW, V_NEW, W_NEW,                    # the step's outcome
+    X_1, V_1, X_2, V_2, X_3, V_3,           # its dense output
     D_LOAD, D_FRICTION,                     # its works
     ERROR, H_USED, H_NEXT, MEMORY_NEW,      # for step control
     OK, CALL, BAD, BREAK,                   # 1 if accepted; eventful; not finite; at a break
@@ -32,24 +33,71 @@ RETURN_SIZE = STATE_SIZE + 31 * LANES  # of a return map
     V_HIGH, V_LOW, G_HIGH,                  # extremes of ln w and |g|
     F_LOW, XF_LOW,                          # smallest friction f and x + f (model.py)
     X_LOW,                                  # last stress minimum
+    STATUS, CASE, MAX_STEPS,
+    # of a march
     CROSS_T, CROSS_LOW,                     # time in two parts of the last rise of V through V_lp
     CYCLES,                                 # number of returns
-    STATUS, CASE, SEGMENT, SAVED, T_END, MAX_STEPS, DT,
-) = range(0, STATE_SIZE, LANES)
-
-# Rows of a march: of each return, in turn, its stress maximum, the minimum before, how long it took
-HIGHS, LOWS, SPANS = range(STATE_SIZE, SIZE, RING * LANES)
-
-# Rows of a return map (return_lanes.py)
-(
-    X_A, V_A, PSI_A, X_B, V_B, PSI_B,       # two perturbations of the state
-    X_A_NEW, V_A_NEW, PSI_A_NEW,            # the step's outcome for them
-    X_B_NEW, V_B_NEW, PSI_B_NEW,
-    EARLY_A, EARLY_B,                       # how much earlier they are: shifts along the orbit
+    SEGMENT, SAVED, T_END, DT,
+    # of a return map
+    UNSTABLE,                               # 1 where steady sliding is
     TRACE, D_TRACE,                         # integral of the trace of J; the step's part
     SINCE, LANDING_STEP, H_PLANNED,         # steps since a crossing; length of the step cut to one
-    X_A_LOW, X_B_LOW,                       # perturbations of the stress minimum
-    V_A_HIGH, V_B_HIGH, V_A_LOW, V_B_LOW,   # and of the extremes of v
     GUESS, SLOW, MEAN, SQUARE, COSINE, SINE,  # waveform: period assumed; integrals
-) = range(STATE_SIZE, RETURN_SIZE, LANES)
+) = range(0, COMMON_ROWS * LANES, LANES)
 # fmt: on
+
+
+class LawRows(NamedTuple):
+    """Rows whose number depends on the law: tuples of them, and where some begin.
+
+    y is the state (x, v, psi), with a psi for each of the law's variables.
+    """
+
+    p: tuple  # the law's coefficients
+    e: tuple  # its exponentials, before and after a step
+    e_new: tuple
+    y: tuple  # before and after a step
+    y_new: tuple
+    y_1: tuple  # its dense output
+    y_2: tuple
+    y_3: tuple
+    steady: tuple  # y of steady sliding, from which STEADY is measured
+    # of a march: of each return, in turn, its stress maximum, the minimum before, how long it took
+    highs: int
+    lows: int
+    spans: int
+    # of a return map: one more perturbation of the state than the law has variables
+    z: tuple  # each a tuple, before and after a step
+    z_new: tuple
+    early: tuple  # how much earlier each is: shifts along the orbit
+    x_low: tuple  # what each makes of the stress minimum,
+    v_high: tuple  # and of the extremes of v
+    v_low: tuple
+    march_size: int  # of the buffers
+    return_size: int
+
+
+@functools.cache
+def rows_of(law):
+    """`LawRows` of a law."""
+    place = itertools.count(COMMON_ROWS * LANES, LANES)
+
+    def take(n):
+        return tuple(itertools.islice(place, n))
+
+    n = len(law.states)
+    p, e, e_new = take(law.n_coefficients), take(law.n_exponents), take(law.n_exponents)
+    psi, psi_new, psi_1, psi_2, psi_3 = (take(n) for _ in range(5))
+    steady = take(2 + n)
+    start, ring = next(place), RING * LANES
+    place = itertools.count(start, LANES)
+    z, z_new = (tuple(take(2 + n) for _ in range(n + 1)) for _ in range(2))
+    early, x_low, v_high, v_low = (take(n + 1) for _ in range(4))
+    return LawRows(
+        *(p, e, e_new, (X, V, *psi), (X_NEW, V_NEW, *psi_new)),
+        *((X_1, V_1, *psi_1), (X_2, V_2, *psi_2), (X_3, V_3, *psi_3), steady),
+        *(start, start + ring, start + 2 * ring),
+        *(z, z_new, early, x_low, v_high, v_low),
+        march_size=start + 3 * ring,
+        return_size=next(place),
+    )

@@ -1,13 +1,18 @@
-"""Friction and the stability of steady sliding: closed forms, and runaway without inertia.
+"""Friction laws and the stability of steady sliding, and what is known of both in closed form.
 
-================== =====================================================================
-``laws``           which evolution laws there are: their rates in log variables
-``rate_and_state`` friction, state and steady states in SI (eqs 1 to 3)
-``stability``      K_c, V_c, eta, f_n: whether steady sliding is stable (eqs 5 to 7, 10)
-``eigenvalues``    the three modes of steady sliding
-``normal_form``    whether the Hopf bifurcation is super- or subcritical
-``quasi_static``   excursions and runaway for M = 0, in closed form
-``separatrix``     the edge of runaway for M = 0 under the slip law
-``elementwise``    functions of arrays that take floats and DataArrays too
-================== =====================================================================
+==================== =======================================================================
+``law``              what a friction law is
+``laws``             the built-in laws, a file each
+``two_states``       what laws of two states have in common
+``rate_and_state``   friction, state and steady states in SI (eqs 1 to 3)
+``linear_stability`` whether steady sliding is stable, by any law
+``stability``        the same in closed form, by laws of one length (eqs 5 to 7, 10)
+``eigenvalues``      the three modes of steady sliding with one state
+``hopf_of_law``      whether the Hopf bifurcation is super- or subcritical, by any law
+``normal_form``      the same in closed form, by laws of one length
+``quasi_static``     excursions and runaway for M = 0, in closed form
+``convex``           the function in which these are written
+``separatrix``       the edge of runaway for M = 0 where state evolves with slip alone
+``elementwise``      functions of arrays that take floats and DataArrays too
+==================== =======================================================================
 """

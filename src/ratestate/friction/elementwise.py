@@ -9,10 +9,7 @@ import numpy as np
 def elementwise(*dims):
     """Let a function of NumPy arrays take floats, arrays or DataArrays.
 
-    It is given all arguments broadcast to one shape.  Its result is a DataArray if an argument is
-    one, else an array, or a NumPy number for shape ().
-
-    dims : names of the dimensions that the function adds at the end
+    dims : as for `call_elementwise`
     """
 
     def extended(function):
@@ -21,17 +18,28 @@ def elementwise(*dims):
         @functools.wraps(function)
         def of_any(*args, **kwargs):
             given = signature.bind(*args, **kwargs).arguments
-
-            def of_arrays(*arrays):
-                full = np.broadcast_arrays(*arrays)
-                return function(**dict(zip(given, full, strict=True)))
-
-            if any(hasattr(value, "dims") for value in given.values()):
-                import xarray
-
-                return xarray.apply_ufunc(of_arrays, *given.values(), output_core_dims=[dims])
-            return of_arrays(*(np.asarray(value, float) for value in given.values()))[()]
+            return call_elementwise(function, given, *dims)
 
         return of_any
 
     return extended
+
+
+def call_elementwise(function, given, *dims):
+    """What a function of NumPy arrays gives for named floats, arrays or DataArrays.
+
+    It is given all arguments broadcast to one shape.  The result is a DataArray if an argument is
+    one, else an array, or a NumPy number for shape ().
+
+    dims : names of the dimensions that the function adds at the end
+    """
+
+    def of_arrays(*arrays):
+        full = np.broadcast_arrays(*arrays)
+        return function(**dict(zip(given, full, strict=True)))
+
+    if any(hasattr(value, "dims") for value in given.values()):
+        import xarray
+
+        return xarray.apply_ufunc(of_arrays, *given.values(), output_core_dims=[dims])
+    return of_arrays(*(np.asarray(value, float) for value in given.values()))[()]

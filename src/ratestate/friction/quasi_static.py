@@ -29,8 +29,10 @@ are derived in the comments beside them.  Numbers are in SI, and their ranges ar
 
 import numpy as np
 
+from ..errors import ParameterError
+from .convex import inverse_convex
 from .elementwise import elementwise
-from .laws import evolution_law
+from .laws import LAWS, friction_law
 from .stability import K_c_qs
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
@@ -52,8 +54,8 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
         Load-point velocity [m/s], constant from now on.
     a, b, Dc, sigma, K : float, array or DataArray
         Friction parameters [1, 1, m], normal stress [Pa], stiffness per area [Pa/m].
-    law : {"slip", "aging"}
-        Evolution law.
+    law : str
+        Friction law, one that knows its excursion in closed form.
 
     Returns
     -------
@@ -64,15 +66,14 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     Raises
     ------
     ParameterError
-        Unknown law.
+        Unknown law, or one that does not know it.
     """
+    friction = friction_law(law)
+    if not friction.gives("excursion"):
+        known = " and ".join(repr(name) for name, one in LAWS.items() if one.gives("excursion"))
+        raise ParameterError(f"law = {law!r}: excursion knows {known} only")
     v, psi = np.log(V / V_lp), np.log(theta * V_lp / Dc)
-    kappa = K * Dc / (a * sigma)
-    if evolution_law(law).heals_at_rest():
-        return kappa * _h(-psi) + _h(-(v + psi))
-    x = v + b / a * psi
-    with np.errstate(divide="ignore"):
-        return -x - np.log1p(-np.minimum(x + kappa * _h(v), 1.0))
+    return friction.excursion(v, psi, K * Dc / (a * sigma), b / a)
 
 
 @elementwise()
@@ -100,7 +101,7 @@ def period(E, *, V_lp, a, b, Dc):
     level = np.clip(E, 1e-10, 1e100)[..., None]
     phi = 2 * np.pi / POINTS * (np.arange(POINTS) + 0.5)
     cos, sin = np.cos(phi), np.sin(phi)
-    p, q = _inverse_h(level * cos**2 / c, cos), _inverse_h(level * sin**2, sin)
+    p, q = inverse_convex(level * cos**2 / c, cos), inverse_convex(level * sin**2, sin)
     turn = 2 * level * cos * sin / (c * np.expm1(-p) * np.expm1(-q))
     return np.where(np.isinf(E), np.inf, 2 * np.pi * turn.mean(-1)) * Dc / V_lp
 
@@ -188,20 +189,3 @@ def _stiffness_ratio(a, b, Dc, sigma, K):
     """K/K_c_qs and (b - a)/a; meaningless where b <= a."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return K / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma), (b - a) / a
-
-
-def _h(z):
-    """exp(-z) - 1 + z: convex, >= 0, z^2/2 near 0."""
-    return np.expm1(-z) + z
-
-
-def _inverse_h(value, sign):
-    """The z of this sign with h(z) = value > 0."""
-    far = value + np.sqrt(2 * value)
-    z = np.where(sign > 0, far, -np.log1p(far))  # beyond the root, where h is convex
-    for _ in range(40):
-        step = (_h(z) - value) / -np.expm1(-z)
-        z = z - step
-        if np.all(np.abs(step) <= 1e-15 * np.abs(z)):
-            break
-    return z

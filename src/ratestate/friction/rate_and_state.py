@@ -12,7 +12,11 @@ doi:10.1029/JB088iB12p10359 (slip); equation numbers are those of Im, Marone & E
 
 import numpy as np
 
-from .laws import AGING, LAWS, SLIP, evolution_law  # noqa: F401  (`ratestate.laws` has them all)
+from ..errors import ParameterError
+from .laws import LAWS, ONE_LENGTH, friction_law
+
+#: names that `ratestate.laws` has always had
+SLIP, AGING = LAWS["slip"], LAWS["aging"]
 
 
 def friction(V, theta, *, a, b, mu0, V0, Dc):
@@ -74,8 +78,8 @@ def dtheta_dt(V, theta, *, Dc, law):
         State [s], > 0.
     Dc : float, array or DataArray
         Critical slip distance [m].
-    law : {"slip", "aging"}
-        Evolution law.
+    law : str
+        Friction law, one of one length.
 
     Returns
     -------
@@ -85,11 +89,12 @@ def dtheta_dt(V, theta, *, Dc, law):
     Raises
     ------
     ParameterError
-        Unknown law.
+        Unknown law, or one with other parameters than Dc.
     """
     omega = V * theta / Dc
     # Omega ln(Omega) -> 0 with Omega: the smallest float stands in for 0 under the logarithm
-    return evolution_law(law).rate(omega, np.log(np.maximum(omega, 5e-324)), 0.0, 1.0)
+    v = np.log(np.maximum(omega, 5e-324))
+    return _one_length(law).rates(v, omega, (0.0,), (1.0,), (1.0,))[0]
 
 
 def dtheta_dt_partials(V, theta, *, Dc, law):
@@ -104,8 +109,8 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
         Slip velocity [m/s] and state [s], > 0.
     Dc : float, array or DataArray
         Critical slip distance [m].
-    law : {"slip", "aging"}
-        Evolution law.
+    law : str
+        Friction law, one of one length.
 
     Returns
     -------
@@ -117,11 +122,19 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
     Raises
     ------
     ParameterError
-        Unknown law.
+        Unknown law, or one with other parameters than Dc.
     """
     omega = V * theta / Dc
-    slope, _ = evolution_law(law).rate_partials(1.0, 0.0, np.log(omega), 1 / omega)
+    (slope,), _ = _one_length(law).rate_partials(0.0, 1.0, (np.log(omega),), (1 / omega,), (1.0,))
     return slope * theta / Dc, slope * V / Dc
+
+
+def _one_length(law):
+    """The law with this name; ParameterError unless it is one of one length."""
+    if not (found := friction_law(law)).one_length:
+        names = " and ".join(map(repr, ONE_LENGTH))
+        raise ParameterError(f"law = {law!r} has other parameters than Dc; this serves {names}")
+    return found
 
 
 def theta_ss(V, *, Dc):

@@ -2,6 +2,7 @@
 
 =================================== ===========================================================
 ``slider``                          `SpringSlider`: which parameters a slider may have
+``slider_names``, ``slider_text``   its parameters by name, and itself as text
 ``loading``                         `Loading`: what the load point does
 ``initial_state``                   the state at t = 0, and which values for it agree
 ``quantities``, ``quantities.toml`` unit, range and name of each quantity; values as text

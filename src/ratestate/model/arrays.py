@@ -93,6 +93,8 @@ def cut(value, places):
     """
     if is_array(value):
         return value.isel(places, missing_dims="ignore")
+    if hasattr(value, "parameters") and hasattr(value, "replace"):  # a slider
+        return value.replace(**{name: cut(x, places) for name, x in value.parameters.items()})
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         parts = {f.name: cut(getattr(value, f.name), places) for f in dataclasses.fields(value)}
         return dataclasses.replace(value, **parts)

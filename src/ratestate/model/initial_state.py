@@ -3,23 +3,28 @@
 import numpy as np
 
 from ..errors import ParameterError
+from ..friction.laws import LAWS
 from .slider import PARAMETERS
 from .units import to_si
 
-SYMBOLS = ("V", "theta", "tau")
+#: what may be given for t = 0, under any law
+SYMBOLS = ("V", *dict.fromkeys(state for law in LAWS.values() for state in law.states), "tau")
+# Differences of x - R that are due to rounding.
+AGREE = 1e-9
 
 
-def initial_values(initial):
+def initial_values(initial, law):
     """The values given for t = 0 in SI, under the names "V_initial" and so on; {} for None.
 
     ParameterError for another key, type, unit or range; `initial_state` sees whether they agree.
     """
     if initial is None:
         return {}
-    if not isinstance(initial, dict) or not set(initial) <= set(SYMBOLS):
+    symbols = ("V", *law.states, "tau")
+    if not isinstance(initial, dict) or not set(initial) <= set(symbols):
         raise ParameterError(
-            f"initial = {initial!r} must be a dict with any of the keys V, theta and tau, "
-            f"for example {{'theta': '10 s'}}"
+            f"initial = {initial!r} must be a dict with any of the keys "
+            f"{', '.join(symbols[:-1])} and tau, for example {{'theta': '10 s'}}"
         )
     return {
         f"{symbol}_initial": to_si(symbol, value, label=f"initial {symbol}")
@@ -27,58 +32,127 @@ def initial_values(initial):
     }
 
 
-def initial_state(batch, V_load):
-    """(n, 3) x = (tau/sigma - mu0)/a, v = ln(V/V0) and psi = ln(V0 theta/Dc) at t = 0.
+def initial_state(law, batch, V_load):
+    """(n, len(y)) x = (tau/sigma - mu0)/a, v = ln(V/V0) and the law's variables at t = 0.
 
     Steady sliding at V_start, but for what `initial` gives.  Where M = 0 friction fixes what is
-    left out.  Where K = inf V is V_load, and friction fixes theta or tau by the other.
+    left out.  Where K = inf V is V_load, and friction fixes a state or tau by the others.
 
-    ParameterError where values disagree, by more than 1e-9 in x - v - beta psi: V, theta and tau
-    where M = 0, theta and tau where K = inf; for V other than V_load where K = inf; and for b = 0
-    where tau would have to fix theta.  Ranges are checked by `initial_values`.
+    ParameterError where values disagree, by more than 1e-9 in x - R: V, all states and tau where
+    M = 0, these but V where K = inf; for V other than V_load where K = inf; and where tau would
+    have to fix a state on which friction does not depend.  Ranges are checked by `initial_values`.
 
     batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
     """
-    a, b, Dc, sigma, K, M, mu0, V0 = map(batch.flat, PARAMETERS)
-    given = {s: batch.flat(f"{s}_initial") for s in SYMBOLS if f"{s}_initial" in batch.values}
-    beta, v = b / a, np.log(batch.flat("V_start") / V0)
-    x, psi = (1 - beta) * v, -v
+    a, _, _, sigma, K, M, mu0, V0 = map(batch.flat, PARAMETERS)
+    names = [s for s in ("V", *law.states, "tau") if f"{s}_initial" in batch.values]
+    given = {s: batch.flat(f"{s}_initial") for s in names}
+    p = tuple(law.coefficient_array(V0, batch.columns).T)
+    v, states = steady_state(law, batch, batch.flat("V_start"))
+    x = resistance(law, v, states, p)
     if "V" in given:
         v = np.log(given["V"] / V0)
-    if "theta" in given:
-        psi = np.log(V0 * given["theta"] / Dc)
+    states = [
+        np.log(V0 * given[name] / batch.flat(distance)) if name in given else state
+        for (name, distance), state in zip(law.states.items(), states, strict=True)
+    ]
     if "tau" in given:
         x = (given["tau"] / sigma - mu0) / a
     rigid = np.isinf(K)
     v = np.where(rigid, np.log(np.maximum(V_load, 5e-324) / V0), v)
-    bound = (M == 0) | rigid  # there tau/sigma = mu, and two of the three fix the third
-    if "V" in given and (np.abs(v - np.log(given["V"] / V0)) > 1e-9).any():
+    bound = (M == 0) | rigid  # there tau/sigma = mu, which fixes one by the others
+    free = [k for k, name in enumerate(law.states) if name not in given]
+    if "V" in given and (np.abs(v - np.log(given["V"] / V0)) > AGREE).any():
+        others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not free else ""
         raise ParameterError(
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
-            "leave V out" + (", and theta or tau" if len(given) == 3 else "")
+            f"leave V out{others}"
         )
     fixed = bound if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
-    clash = fixed & (np.abs(x - v - beta * psi) > 1e-9)
-    if {"theta", "tau"} <= set(given) and clash.any():
-        i = int(np.argmax(clash))
-        mu = mu0[i] + a[i] * (v[i] + beta[i] * psi[i])
-        which = "V, theta and tau" if "V" in given else "theta and tau"
-        where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
-        if rigid[i]:
-            where, remedy = "where K = inf", "leave theta or tau out"
-        raise ParameterError(
-            f"initial {which} do not agree: {where} tau must be sigma mu "
-            f"= {sigma[i] * mu:.6g} Pa; {remedy}"
-        )
+    clash = fixed & (np.abs(x - resistance(law, v, states, p)) > AGREE)
+    if "tau" in given and not free and clash.any():
+        _refuse_clash(law, batch, int(np.argmax(clash)), v, states, p, given)
     by_stress = bound & (("V" in given) | rigid)
-    if "tau" in given and "theta" not in given and by_stress.any():
-        with np.errstate(divide="ignore", invalid="ignore"):
-            psi = np.where(by_stress, (x - v) / beta, psi)
-        if not np.isfinite(psi).all():
-            raise ParameterError("b = 0: initial V and tau do not fix theta; give theta and tau")
+    if "tau" in given and free and by_stress.any():
+        states = _state_by_stress(law, x, v, states, p, free[0], by_stress)
     elif "V" in given:
-        x = np.where(bound, v + beta * psi, x)
-    x = np.where(rigid, v + beta * psi, x)
-    v = np.where(bound & ~rigid, x - beta * psi, v)
-    return np.stack([x, v, psi], axis=1)
+        x = np.where(bound, resistance(law, v, states, p), x)
+    x = np.where(rigid, resistance(law, v, states, p), x)
+    v = _speed_by_stress(law, x, v, states, p, bound & ~rigid)
+    return np.stack([x, v, *law.variables(v, tuple(states), p)], axis=1)
+
+
+def steady_sliding_state(law, batch, V):
+    """(n, len(y)) x, v and the law's variables, in steady sliding at V (n,)."""
+    p = tuple(law.coefficient_array(batch.flat("V0"), batch.columns).T)
+    v, states = steady_state(law, batch, V)
+    x = resistance(law, v, states, p)
+    return np.stack([x, v, *law.variables(v, tuple(states), p)], axis=1)
+
+
+def steady_state(law, batch, V):
+    """v = ln(V/V0) and ln(V0 theta/D) of each state, a list, in steady sliding at V (n,)."""
+    p = tuple(law.coefficient_array(V, batch.columns).T)
+    v = np.log(V / batch.flat("V0"))
+    return v, [state - v for state in law.log_states(0.0, law.steady_variables(p), p)]
+
+
+def resistance(law, v, log_states, p):
+    """The friction (mu - mu0)/a by the states as they are reported."""
+    return law.resistance(v, np.exp(v), law.variables(v, tuple(log_states), p), p)
+
+
+def _state_by_stress(law, x, v, states, p, k, where):
+    """The states, of which the k-th is such, where this is true, that friction is x."""
+
+    def off(state):
+        return resistance(law, v, [*states[:k], state, *states[k + 1 :]], p) - x
+
+    found = _root(off, states[k], where)
+    if not np.isfinite(found[where]).all():
+        raise ParameterError(
+            "initial V and tau do not fix theta, on which friction does not depend (b = 0); give "
+            "theta and tau"
+        )
+    return [*states[:k], np.where(where, found, states[k]), *states[k + 1 :]]
+
+
+def _speed_by_stress(law, x, v, states, p, where):
+    """v, such that friction is x where this is true."""
+
+    def off(v):
+        return resistance(law, v, states, p) - x
+
+    return np.where(where, _root(off, v, where), v)
+
+
+def _root(off, start, where):
+    """The root of a function that is linear, or nearly so; not finite where it is constant.
+
+    where : whether the root matters
+    """
+    root, slope = start, off(start + 1.0) - off(start)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for _ in range(2):  # (the second makes up for the rounding of the slope)
+            root = root - off(root) / slope
+    wrong = where & (np.abs(off(root)) > 1e-11 * np.maximum(1.0, np.abs(root)))
+    if not wrong.any():
+        return root
+    from scipy.optimize import newton  # slow to import, and seldom needed
+
+    return np.where(wrong, newton(off, np.where(wrong, root, start), tol=1e-13), root)
+
+
+def _refuse_clash(law, batch, i, v, states, p, given):
+    """Raise the ParameterError about values that do not agree in case i."""
+    a, sigma, mu0, K = (batch.flat(symbol)[i] for symbol in ("a", "sigma", "mu0", "K"))
+    tau = sigma * (mu0 + a * resistance(law, v, states, p)[i])
+    names = " and ".join(law.states)
+    where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
+    if np.isinf(K):
+        where, remedy = "where K = inf", f"leave {names.replace('and', 'or')} or tau out"
+    which = f"V, {names} and tau" if "V" in given else f"{names} and tau"
+    raise ParameterError(
+        f"initial {which} do not agree: {where} tau must be sigma mu = {tau:.6g} Pa; {remedy}"
+    )

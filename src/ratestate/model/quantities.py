@@ -9,6 +9,8 @@ from decimal import Decimal
 from pathlib import Path
 from typing import NamedTuple
 
+from ..friction.laws import LAWS
+
 #: unit -> what such a value is called in a message, and an example of one
 KINDS = {
     "1": ("a pure number", "0.003"),
@@ -63,6 +65,18 @@ QUANTITIES = {
     symbol: Quantity(**row)
     for symbol, row in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
 }
+
+
+def add_quantities_of(law):
+    """Add what a friction law has of its own to `QUANTITIES`: its parameters and states."""
+    for symbol, parameter in law.parameters.items():
+        QUANTITIES[symbol] = Quantity(*parameter)
+    for k, state in enumerate(law.states):
+        QUANTITIES.setdefault(state, Quantity("s", f"state {k + 1}", "> 0"))
+
+
+for _law in LAWS.values():
+    add_quantities_of(_law)
 
 
 def attrs(symbol):

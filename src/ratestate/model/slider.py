@@ -1,20 +1,22 @@
-"""The slider: rigid, of one state variable, on a spring."""
+"""The slider: rigid, on a spring, under a friction law."""
 
 import dataclasses
-from html import escape
 from typing import Any
 
 from ..errors import ParameterError
-from ..friction.laws import law_name
-from ..friction.stability import K_c, K_c_qs, V_c, eta, f_n
+from ..friction.elementwise import call_elementwise
+from ..friction.laws import DEFAULT, friction_law
+from ..friction.linear_stability import K_c, V_c
+from ..friction.stability import eta, f_n
 from .arrays import check_aligned
 from .contact import parameter_to_si
-from .names import check_keywords, keywords_checked
-from .quantities import QUANTITIES, exact, readable, readable_range
+from .names import check_keywords
+from .slider_names import names_first
+from .slider_text import as_call, as_html
 from .units import is_array, named, to_si
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+@dataclasses.dataclass(frozen=True, init=False, eq=False, repr=False)
 class SpringSlider:
     """A slider under rate-and-state friction, pulled through a spring (eqs 1-4).
 
@@ -41,18 +43,21 @@ class SpringSlider:
         Friction coefficient in steady sliding at V0 [1], >= 0.
     V0 : float, str or DataArray
         Reference velocity [m/s], > 0.
-    law : {"slip", "aging"}
-        Evolution law: "slip" (Ruina, eq. 3) or "aging" (Dieterich, eq. 2), or by a synonym, in any
-        capitals; the attribute is "slip" or "aging".
+    law : str
+        Friction law, a name of `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
+        or "Dieterich" (eq. 2), in any capitals; the attribute is the law's name.
     area : float, str or DataArray, optional
         Area of the contact [m^2], > 0.  The motion does not depend on it, but with it sigma, K and
         M may be given for the whole contact [N, N/m, kg], and reports and figures show forces.
+    **of_law : float, str or DataArray
+        Parameters that the law has beside these, all of them: such as b2 and Dc2 of
+        "two-state-slip".
 
     Raises
     ------
     ParameterError
-        An unknown or mistyped parameter; a value of a wrong type, unit or range, an unknown law,
-        or arrays that clash.
+        An unknown or mistyped parameter, one that the law does not have, or one of its own that is
+        missing; a value of a wrong type, unit or range, an unknown law, or arrays that clash.
 
     Examples
     --------
@@ -69,16 +74,23 @@ class SpringSlider:
     M: Any = 0.0
     mu0: Any = 0.6
     V0: Any = 1e-6
-    law: str = "slip"
+    law: str = DEFAULT
     area: Any = None
 
-    def __post_init__(self):
-        object.__setattr__(self, "law", law_name(self.law))
+    def __init__(
+        self, *, a, b, Dc, sigma, K, M=0.0, mu0=0.6, V0=1e-6, law=DEFAULT, area=None, **of_law
+    ):
+        friction = friction_law(law)
+        common = {"a": a, "b": b, "Dc": Dc, "sigma": sigma, "K": K, "M": M, "mu0": mu0, "V0": V0}
+        area = {} if area is None else {"area": area}
         given: dict[str, Any] = {}  # area and sigma come before what needs them
-        for symbol, value in self.values.items():
+        for symbol, value in (area | common | of_law).items():
             given[symbol] = parameter_to_si(symbol, value, given)
-            object.__setattr__(self, symbol, given[symbol])
+        for name, value in ({"law": friction.name, "area": None} | given).items():
+            object.__setattr__(self, name, value)
         check_aligned(self.parameters)
+        if complaint := friction.complaint(self):
+            raise ParameterError(f"law = {friction.name!r}: {complaint}")
 
     @classmethod
     def of_contact(cls, *, area, mass=None, stiffness, normal_force, **parameters):
@@ -95,7 +107,7 @@ class SpringSlider:
         normal_force : float, str or DataArray
             Normal force [N], > 0.
         **parameters
-            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0 and law.
+            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law, and those of the law.
 
         Returns
         -------
@@ -116,6 +128,7 @@ class SpringSlider:
         (2000000.0, 3000.0, 900000000.0)
         """
         known = ("area", "mass", "stiffness", "normal_force", "a", "b", "Dc", "mu0", "V0", "law")
+        known += tuple(friction_law(parameters.get("law", DEFAULT)).parameters)
         check_keywords("SpringSlider.of_contact", parameters, known)
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
@@ -132,7 +145,13 @@ class SpringSlider:
         Without the area, if it has none.
         """
         names = [field.name for field in dataclasses.fields(self)]
-        return {name: getattr(self, name) for name in names if name != "area" or self.has_area}
+        names = [name for name in names if name != "area" or self.has_area]
+        return {name: getattr(self, name) for name in (*names, *self.friction.parameters)}
+
+    @property
+    def friction(self):
+        """The friction law itself, a `ratestate.friction.law.FrictionLaw`."""
+        return friction_law(self.law)
 
     def replace(self, **changes):
         """A slider with some parameters changed, and checked like any other.
@@ -141,7 +160,8 @@ class SpringSlider:
         ----------
         **changes
             New values of parameters, as for `SpringSlider`.  The others stay: K, M and sigma are
-            kept per area, whatever they were given as.
+            kept per area, whatever they were given as.  With another law the parameters that only
+            the old one has are left out.
 
         Returns
         -------
@@ -153,12 +173,15 @@ class SpringSlider:
         ParameterError
             An unknown or mistyped parameter; a value of a wrong unit or range.
         """
-        return dataclasses.replace(self, **changes)
+        old, new = self.friction, friction_law(changes.get("law", self.law))
+        lost = old.parameters.keys() - new.parameters.keys()
+        kept = {name: x for name, x in self.parameters.items() if name not in lost}
+        return SpringSlider(**(kept | changes))
 
     @property
     def values(self):
         """The parameters that are quantities: `parameters` but for the law, the area first."""
-        symbols = ("area", *PARAMETERS) if self.has_area else PARAMETERS
+        symbols = (*(("area",) if self.has_area else ()), *PARAMETERS, *self.friction.parameters)
         return {symbol: getattr(self, symbol) for symbol in symbols}
 
     @property
@@ -168,21 +191,39 @@ class SpringSlider:
 
     @property
     def K_c_qs(self):
-        """Quasi-static critical stiffness [Pa/m], (b - a) sigma/Dc."""
-        return named("K_c_qs", K_c_qs(**self._pick("a b Dc sigma")))
+        """Quasi-static critical stiffness [Pa/m], where all sizes of M are 0; (b - a) sigma/Dc.
+
+        ParameterError where it depends on the speed, by a law with a speed of its own.
+        """
+        if self.friction.has_own_speed:
+            raise ParameterError(
+                f"under the law {self.law!r} K_c_qs depends on the speed; "
+                f"stability(slider, V_lp).K_c_qs is that at V_lp"
+            )
+        return self._of_law("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
 
     @property
     def V_c(self):
-        """Critical velocity [m/s] (eq. 10): 0 where always unstable, inf where never."""
-        return named("V_c", V_c(**self._pick("a b Dc sigma K M")))
+        """Critical velocity [m/s] (eq. 10): the lowest above which steady sliding is unstable.
+
+        0 where it is unstable down to rest, inf where at no speed.
+        """
+        return self._of_law("V_c", V_c, "V_c", **self._pick(("sigma", "K", "M")))
+
+    @property
+    def V_c_upper(self):
+        """The speed [m/s] above V_c from which steady sliding is stable again; inf if none."""
+        return self._of_law("V_c_upper", V_c, "V_c_upper", **self._pick(("sigma", "K", "M")))
 
     @property
     def f_n(self):
         """Natural frequency [Hz], sqrt(K/M)/(2 pi); inf where there is none (M = 0, K = inf)."""
-        return named("f_n", f_n(**self._pick("K M")))
+        return named("f_n", f_n(**self._pick(("K", "M"))))
 
     def K_c(self, V):
-        """Critical stiffness for sliding at V (eq. 6): unstable where K < K_c.
+        """Critical stiffness for sliding at V (eq. 6): the largest at which stability changes.
+
+        Steady sliding is unstable just below it, and stable at any K where K_c <= 0.
 
         Parameters
         ----------
@@ -199,7 +240,7 @@ class SpringSlider:
         ParameterError
             V of a wrong unit or range, or that clashes with the slider's arrays.
         """
-        return named("K_c", K_c(self._speed(V), **self._pick("a b Dc sigma M")))
+        return self._of_law("K_c", K_c, V=self._speed(V), **self._pick(("sigma", "M")))
 
     def eta(self, V):
         """Dynamic instability coefficient for sliding at V (eq. 7).
@@ -219,10 +260,20 @@ class SpringSlider:
         ParameterError
             V of a wrong unit or range, or that clashes with the slider's arrays.
         """
-        return named("eta", eta(self._speed(V), **self._pick("a Dc sigma M")))
+        return named("eta", eta(self._speed(V), **self._pick(("a", "Dc", "sigma", "M"))))
+
+    def _of_law(self, symbol, function, part=None, **given):
+        """The result of a function of `linear_stability`, or a part of it, under its symbol."""
+        values = given | self._pick(self.friction.symbols)
+
+        def of_arrays(**arrays):
+            result = function(self.friction, **arrays)
+            return result if part is None else getattr(result, part)
+
+        return named(symbol, call_elementwise(of_arrays, values))
 
     def _pick(self, symbols):
-        return {symbol: getattr(self, symbol) for symbol in symbols.split()}
+        return {symbol: getattr(self, symbol) for symbol in symbols}
 
     def _speed(self, V):
         V = to_si("V", V)
@@ -231,17 +282,11 @@ class SpringSlider:
 
     def __repr__(self):
         """The call that builds the slider; of an array, its sizes and range."""
-        shown = (f"{symbol}={_show(symbol, v)}" for symbol, v in self.parameters.items())
-        return f"SpringSlider({', '.join(shown)})"
+        return as_call(self.parameters)
 
     def _repr_html_(self):
         """A table for notebooks: symbol, name, and value in a unit that fits."""
-        rows = [(s, QUANTITIES[s].long_name, _rounded(s, x)) for s, x in self.values.items()]
-        rows.append(("law", "evolution law", self.law))
-        lines = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
-        body = "".join(f"<tr>{line}</tr>" for line in lines)
-        head = "<tr><th></th><th>SpringSlider</th><th>value</th></tr>"
-        return f"<table><thead>{head}</thead><tbody>{body}</tbody></table>"
+        return as_html(self.values, self.law)
 
     def __eq__(self, other):
         """Whether all values, and the coordinates of arrays, are equal."""
@@ -257,10 +302,11 @@ class SpringSlider:
         return hash(tuple(v.shape if is_array(v) else v for v in self.parameters.values()))
 
 
-# (the dataclass writes its __init__, which nothing else can decorate)
-SpringSlider.__init__ = keywords_checked(SpringSlider.__init__)  # type: ignore[method-assign]
+# (a wrong name is told before Python tells of a missing one)
+SpringSlider.__init__ = names_first(SpringSlider)  # type: ignore[method-assign]
 
-#: symbols of the quantities that the motion depends on: a, b, Dc, sigma, K, M, mu0, V0
+#: symbols of the quantities that the motion depends on: a, b, Dc, sigma, K, M, mu0, V0; beside
+#: them there are those of the law
 PARAMETERS = tuple(
     f.name for f in dataclasses.fields(SpringSlider) if f.name not in ("law", "area")
 )
@@ -271,23 +317,3 @@ def checked(slider):
     if not isinstance(slider, SpringSlider):
         raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
     return slider
-
-
-def _rounded(symbol, value):
-    """A quantity as text in six digits, or an array's sizes and range."""
-    return _sizes_and_range(symbol, value) if is_array(value) else readable(symbol, value, 6)
-
-
-def _sizes_and_range(symbol, value):
-    sizes = ", ".join(f"{dim}: {size}" for dim, size in value.sizes.items())
-    return f"<{sizes}; {readable_range(symbol, float(value.min()), float(value.max()))}>"
-
-
-def _show(symbol, value):
-    """A parameter in the call that makes it again; of an array, its sizes and range."""
-    if is_array(value):
-        return _sizes_and_range(symbol, value)
-    if symbol == "law":
-        return repr(value)
-    text = exact(symbol, value)
-    return text if QUANTITIES[symbol].unit == "1" else repr(text)

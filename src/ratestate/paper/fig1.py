@@ -4,8 +4,9 @@ import numpy as np
 import xarray
 
 from .. import Loading, plot, simulate
-from ..plot.labels import LAWS
+from ..plot.labels import LAWS as STYLES
 from ..plot.layout import figure, styled
+from .laws import LAWS
 from .parameters import FIG1
 
 MICRO = plot.PREFIXES[-6]
@@ -35,9 +36,9 @@ def draw(data):
     rigid = r", $V = e\,V_0$, rigid drive ($K = \infty$, $M = 0$)"
     fig = figure(data, 3.9, "a b Dc V0", rigid)
     ax = fig.subplots()
-    for law, (name, color, dashes) in LAWS.items():
-        run = data.sel(law=law)
-        ax.plot(1e6 * run.slip, run.mu, color=color, ls=dashes, lw=1.5, label=name)
+    for law in LAWS:
+        run, style = data.sel(law=law), STYLES[law]
+        ax.plot(1e6 * run.slip, run.mu, **style.line, lw=1.5, label=style.name)
     low, high = -BEFORE * 1e6 * Dc, AFTER * 1e6 * Dc
     end, Dc_um = mu0 + a - b, 1e6 * Dc
     after_Dc = end + b * np.exp(-1.0)  # the slip law's; the aging law is slower in steps this large

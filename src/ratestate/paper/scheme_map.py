@@ -11,7 +11,7 @@ import numpy as np
 from .. import Loading, SolverError, simulate
 from ..engine.im2017 import solve_force_balance
 from ..engine.model import METHODS
-from ..friction.laws import evolution_law
+from ..friction.laws import friction_law
 from ..friction.stability import eta
 
 LARGEST, FINER = 0.1, 0.01  # omega dt
@@ -35,8 +35,8 @@ def multiplier(slider, V_lp, omega_dt, method):
     Above 1 that is unstable.  For V_lp > 0, M > 0 and K finite; SolverError where the scheme has no
     step.
     """
-    law, code = evolution_law(slider.law), METHODS[method].code
-    kappa, beta = slider.K * slider.Dc / (slider.a * slider.sigma), slider.b / slider.a
+    law, code = friction_law(slider.law), METHODS[method].code
+    kappa, p = slider.K * slider.Dc / (slider.a * slider.sigma), (slider.b / slider.a,)
     omega = math.sqrt(kappa / eta(V_lp, a=slider.a, Dc=slider.Dc, sigma=slider.sigma, M=slider.M))
     h = omega_dt / omega  # V0 is V_lp here, so that w, V0 theta/Dc and the load's speed are 1
     # the spring's stress there is not the friction: it is what makes eq. 8 repeat itself
@@ -44,13 +44,11 @@ def multiplier(slider, V_lp, omega_dt, method):
     steady = np.array([bias / (2.0 * math.sin(0.5 * omega_dt) ** 2), 0.0, 0.0])
 
     def step(y):
-        x, v, psi = y
-        v_new, psi_new, x_new, found = solve_force_balance(
-            law, code, kappa, beta, x, v, psi, math.exp(v), h, h, omega
-        )
+        w = math.exp(y[1])
+        new, found = solve_force_balance(law, code, kappa, p, tuple(y), w, h, h, omega)
         if not found:
             raise SolverError(f"the scheme has no step at omega dt = {omega_dt:g}; reduce it")
-        return np.array([x_new, v_new, psi_new])
+        return np.array(new)
 
     moves = PERTURBATION * np.eye(3)
     columns = [step(steady + move) - step(steady - move) for move in moves]

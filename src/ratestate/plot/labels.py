@@ -1,7 +1,9 @@
 """How pictures write quantities and laws: symbols as mathematics, values with units that fit."""
 
+import itertools
 from typing import Any, NamedTuple
 
+from ..friction.laws import LAWS as friction
 from ..model import quantities
 from ..model.quantities import QUANTITIES
 
@@ -27,9 +29,13 @@ class Law(NamedTuple):
         return {"color": self.color, "ls": self.dashes}
 
 
+# The looks of laws, in their order, and then again.
+_COLORS = (RED, BLUE, "#2ca02c", "#9467bd", "#e08214", "#17a2b8", "#8c564b")
+_DASHES = ("-", (0, (5, 1.6)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (9, 2)))
+_looks = zip(itertools.cycle(_COLORS), itertools.cycle(_DASHES), strict=False)
+#: name of a friction law -> its look
 LAWS = {
-    "slip": Law("slip (Ruina) law", RED, "-"),
-    "aging": Law("aging (Dieterich) law", BLUE, (0, (5, 1.6))),
+    name: Law(law.label, *look) for (name, law), look in zip(friction.items(), _looks, strict=False)
 }
 
 #: power of ten -> prefix
@@ -48,7 +54,9 @@ LETTERS = {
     "omega": r"\omega",
     "growth_rate": r"\mathrm{Re}\,\lambda",
     "K_c_qs": "K_{c,qs}",
+    "V_c_upper": r"V_{c,\mathrm{upper}}",
     "eta": r"\eta",
+    "theta": r"\theta",
     "a_minus_b": "a-b",
     "area": "A",
     "force_amplitude": "F_{pp}",
@@ -102,7 +110,17 @@ def label(symbol):
     str
         Text that matplotlib sets as mathematics.
     """
-    return f"${LETTERS.get(symbol, symbol)}$"
+    return f"${_letters(symbol)}$"
+
+
+def _letters(symbol):
+    """A symbol as mathematics; what follows an underscore, and digits at the end, are lowered."""
+    if symbol in LETTERS:
+        return LETTERS[symbol]
+    head = symbol.rstrip("0123456789")
+    letter, _, index = LETTERS.get(head, head).partition("_")
+    index = index.strip("{}") + symbol[len(head) :]
+    return f"{letter}_{{{index}}}" if len(index) > 1 or index.isdigit() else symbol
 
 
 def name_and_symbol(symbol):

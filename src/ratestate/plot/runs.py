@@ -4,11 +4,10 @@ from typing import Any, NamedTuple
 
 import xarray
 
-from ..dynamics.results import parameter
+from ..dynamics.results import parameter, slider_parameters
 from ..engine.model import FINISHED
 from ..errors import ParameterError
 from ..model.conversion import in_si
-from ..model.slider import PARAMETERS
 from .axis import axis_of
 from .labels import LAWS, value_text
 from .layout import shades
@@ -90,7 +89,9 @@ def _with_own_time(run):
 def _differences(runs):
     """What tells runs apart: law, parameters, last speed of the load point; or their numbers."""
     parts: list[list[str]] = [[] for _ in runs]
-    for symbol in ("law", *PARAMETERS, "V_lp"):
+    each = [slider_parameters(run) for run in runs]
+    shared = [symbol for symbol in each[0] if all(symbol in one for one in each)]
+    for symbol in ("law", *(symbol for symbol in shared if symbol not in ("law", "area")), "V_lp"):
         values = [
             float(run.V_load[-1]) if symbol == "V_lp" else parameter(run, symbol) for run in runs
         ]

@@ -49,7 +49,9 @@ def _label_summary(labels):
 def _leaves(value, name=""):
     """Yield (name, value) for all fields of a call, those of nested dataclasses included."""
     if dataclasses.is_dataclass(value):
-        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        of_law = getattr(value, "parameters", {})  # of a slider, with what only its law has
+        own = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        value = own | of_law
     if not isinstance(value, dict):
         yield name, value
         return

@@ -71,15 +71,16 @@ def test_the_attractor_and_not_the_cycle_beside_it():
 
 
 # K Dc/(a sigma), b/a, eta, returns: beside tangencies and among windows of chaos, where a search
-# may go round for ever, or take a cycle that the orbit only passes.
+# may go round for ever, or take a cycle that the orbit only passes.  Where two numbers of returns
+# are given, cycles of both attract, and a start reaches the one or the other by its last bit.
 HARD = [
-    (36.31132196056443, 38.43134462741554, 7.435331354704798, 4),
-    (21.630378570214766, 22.93433105283279, 0.21538580854401101, 1),
-    (21.469571501238462, 22.53634547870793, 0.23623783597880565, 2),
-    (34.959747466280774, 35.57941622524835, 0.12512627049105998, 2),
-    (11.37, 12.971660394273613, 1.047916942260419, 8),
-    (11.4, 12.971660394273613, 1.047916942260419, 16),
-    (11.406, 12.971660394273613, 1.047916942260419, 32),
+    (36.31132196056443, 38.43134462741554, 7.435331354704798, (2, 4)),
+    (21.630378570214766, 22.93433105283279, 0.21538580854401101, (1,)),
+    (21.469571501238462, 22.53634547870793, 0.23623783597880565, (2,)),
+    (34.959747466280774, 35.57941622524835, 0.12512627049105998, (2,)),
+    (11.37, 12.971660394273613, 1.047916942260419, (8,)),
+    (11.4, 12.971660394273613, 1.047916942260419, (16,)),
+    (11.406, 12.971660394273613, 1.047916942260419, (32,)),
 ]
 CHAOTIC = 11.45, 12.971660394273613, 1.047916942260419
 V = 1e-3
@@ -97,12 +98,13 @@ def test_cycles_that_are_hard_to_reach(kappa, beta, eta, returns):
     """By a long run, which knows nothing of the search."""
     slider = slip_slider(kappa, beta, eta)
     found = rs.limit_cycle(slider, V)
-    assert int(found.returns) == returns
+    assert int(found.returns) in returns
     t_end = max(100 * float(found.period), 10.0)
     run = rs.simulate(slider, rs.Loading.constant(V), t_end, V_start=V / 10, rtol=1e-9)
-    assert int(run.returns) == returns
-    assert float(run.amplitude) == pytest.approx(float(found.amplitude), rel=1e-4)
-    assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-4)
+    assert int(run.returns) in returns
+    if int(run.returns) == int(found.returns):  # as always where one number is given
+        assert float(run.amplitude) == pytest.approx(float(found.amplitude), rel=1e-4)
+        assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-4)
 
 
 def test_a_run_of_three_returns():
@@ -211,7 +213,7 @@ def test_iterate_is_the_map_applied_again():
     assert numbers["x_high"] == max(highs)
     assert numbers["x_low"] == min(lows)
     # derivatives of what is measured, against differences
-    for column, name in enumerate("ab"):
+    for column in range(2):
         change = 1e-6 * np.eye(2)[column]
         up, down = (
             iterated_map(
@@ -222,7 +224,8 @@ def test_iterate_is_the_map_applied_again():
         for what in ("period", "x_high", "x_low", "v_max", "v_min"):
             slope = (up[what][0] - down[what][0]) / 2e-6
             near = 0.3 if what == "v_min" else 1e-5  # V stops falling within 1e-14 of a cycle
-            assert numbers[f"{what}_{name}"] == pytest.approx(slope, rel=near, abs=1e-6), what
+            derivative = together.gradients[what][0, column]
+            assert derivative == pytest.approx(slope, rel=near, abs=1e-6), what
     assert numbers["trace"] == pytest.approx(sum(traces), rel=1e-12)
     # and where one return is asked for, it is one
     single = return_map(system.at([1]), state(system.at([1]), u[1:]), 1e-11, alone=False)

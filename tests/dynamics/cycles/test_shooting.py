@@ -13,9 +13,9 @@ from ratestate.dynamics.cycles.measure import measure
 from ratestate.dynamics.cycles.search_step import LocalMap, _leap
 from ratestate.dynamics.cycles.shooting import (
     Returns,
-    System,
     multipliers,
     newton_step,
+    one_length_system,
     return_map,
     state,
     system_of,
@@ -28,7 +28,7 @@ LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 def returns_with(jacobians, trace, image=None):
     n = len(jacobians)
     image = np.zeros((n, 2)) if image is None else image
-    return Returns(np.zeros(n), image, jacobians, {"trace": trace})
+    return Returns(np.zeros(n), image, jacobians, {"trace": trace}, {})
 
 
 # Algebra ------------------------------------------------------------------------------------------
@@ -192,11 +192,11 @@ def test_leaps_pass_no_fixed_point():
 def test_how_far_an_orbit_leaps(multiplier, fixed_point, expected):
     """A linear map that contracts psi to a fixed point, slowly, and G not at all."""
     one = np.ones(1)
-    system = System("slip", one, one, one, one)
+    system = one_length_system("slip", one, one, one, one)
     u, matrix = np.array([[1.0, 10.0]]), np.diag([multiplier, 0.1])[None]
     image = u + np.array([(1.0 - multiplier) * (fixed_point - 1.0), 0.0])
     local = LocalMap(*[None] * len(LocalMap._fields))
-    local = local._replace(first=multiplier * (one + 0j), second=0.1 * (one + 0j))
+    local = local._replace(first=multiplier * (one + 0j), others=0.1 * (one[:, None] + 0j))
     leapt = _leap(system, returns_with(matrix, one, image), u, local, np.array([True]))
     np.testing.assert_allclose(leapt, [[expected, 10.0]], rtol=1e-12)
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate.engine.rigid import states
-from ratestate.friction.laws import LAWS
+from ratestate.friction.laws import ONE_LENGTH as LAWS
 
 V0 = 1e-6
 mp = mpmath.MPContext()

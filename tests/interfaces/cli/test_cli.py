@@ -128,8 +128,8 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
         result = call(*arguments)
         assert result.exit_code == 0, (line, result.output)
     assert served == [{"port": 8765, "open_browser": True, "fragment": ""}]
-    assert made == [("2", "aging"), ("4", "aging")]
-    assert charted == [("aging", {"b_over_a": 1.6, "n": 200})]
+    assert made == [("2", "slip"), ("4", "slip")]
+    assert charted == [(law, {"b_over_a": 1.6, "n": 200}) for law in ("slip", "aging")]
     names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures", "fitted"}
     names |= {"record.toml", "record.txt", "fig3.toml"}
     assert {path.name for path in tmp_path.iterdir()} == names

@@ -12,6 +12,7 @@ from paths import TEMPLATES
 
 import ratestate as rs
 from ratestate import ParameterError, SpringSlider
+from ratestate.friction.laws import LAWS
 from ratestate.interfaces.scenario import load
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP
@@ -23,7 +24,10 @@ SLIDER = {
     "sigma": '"2 MPa"',
     "K": '"900 MPa/m"',
 }
-PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law, area, normal_force, stiffness, mass"
+PARAMETERS = (
+    "a, b, Dc, sigma, K, M, mu0, V0, law, area, V_cut, c, b2, Dc2, normal_force, stiffness, mass"
+)
+NAMES = ", ".join(LAWS)
 LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
 TABLES = "[slider], [loading], [run], [sweep], [output]"
 TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
@@ -217,7 +221,7 @@ loose: stands above all tables, expected one of {TABLES}
 [slider] A: unknown key, expected one of {PARAMETERS} such as a = 0.003; did you mean a?
 [slider] b: '0.006 m' is a length, expected a pure number such as 0.006
 [slider] Dc: a list of 1 makes an axis, expected in [sweep], or one value such as Dc = '10 um'
-[slider] law: 'slipp' is unknown, expected one of slip, aging; did you mean slip?
+[slider] law: 'slipp' is unknown, expected one of {NAMES}; did you mean slip?
 [slider] V_lp: stands in the wrong table, expected in [loading] or [sweep] such as V_lp = '3.2 mm/s'
 [slider] a: is missing, expected a pure number such as 0.003
 [slider] sigma: is missing, expected a stress such as '2 MPa'
@@ -261,7 +265,7 @@ MUTATED = [
     ({"sigma": "0"}, {}, "[slider] sigma: 0 Pa must be > 0, expected a stress"),
     ({"M": "-1"}, {}, "[slider] M: -1 kg/m^2 must be >= 0, expected a mass"),
     ({"law": '"Slip law"'}, {}, "[slider] law: 'Slip law' is unknown, expected one of slip, aging"),
-    ({"law": "1"}, {}, "[slider] law: 1 is unknown, expected one of slip, aging"),
+    ({"law": "1"}, {}, f"[slider] law: 1 is unknown, expected one of {NAMES}"),
     ({"law": '["slip", "aging"]'}, {}, "[slider] law: a list of 2 is unknown, expected one of"),
     # keys
     ({"a": None}, {}, "[slider] a: is missing, expected a pure number"),

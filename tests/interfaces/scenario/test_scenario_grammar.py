@@ -478,7 +478,10 @@ RUNS = [
         "method: im2017_euler is for law='aging'",
     ),
     ("t_end = 1\ninitial = 3", "initial: 3 is no table, expected one such as { theta = '10 s' }"),
-    ("t_end = 1\ninitial = { mu = 1 }", "initial.mu: unknown key, expected one of V, theta, tau"),
+    (
+        "t_end = 1\ninitial = { mu = 1 }",
+        "initial.mu: unknown key, expected one of V, theta, theta2, tau such as",
+    ),
     ("t_end = 1\ninitial = { V = '1 s' }", "initial.V: '1 s' is a time, expected a speed"),
     ("t_end = 1\nverb = 'run'", "verb: 'run' is unknown, expected one of limit_cycle, simulate"),
     ("t_end = 1\nV_lp = 3", "V_lp: stands in the wrong table, expected in [loading] or [sweep]"),

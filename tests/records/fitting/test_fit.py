@@ -290,7 +290,7 @@ REFUSED = {
     "unknown": (lambda d: d, {"free": ("a", "D_c")}, "free has 'D_c'"),
     "nothing": (lambda d: d, {"free": ()}, "free is empty"),
     "twice": (lambda d: d, {"free": ("a", "a")}, "twice"),
-    "law": (lambda d: d, {"law": "prz"}, "law = 'prz' is unknown"),
+    "law": (lambda d: d, {"law": "nope"}, "law = 'nope' is unknown"),
     "trend": (lambda d: d, {"trend": "cubic"}, "trend = 'cubic' is unknown"),
     "start": (lambda d: d, {"start": True}, "start = True is unknown"),
     "against": (lambda d: d, {"against": "phase"}, "against = 'phase' is unknown"),

@@ -10,7 +10,7 @@ from scipy.stats import norm
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
-from ratestate.friction.laws import SLIP
+from ratestate.friction.laws import ONE_LENGTH as LAWS
 from ratestate.records.fitting.diagnostics.identifiability import identifiability
 from ratestate.records.fitting.diagnostics.model_comparison import compare_laws
 from ratestate.records.fitting.diagnostics.search import search_warnings
@@ -35,6 +35,7 @@ from ratestate.records.fitting.record import Record, record_of
 from ratestate.records.fitting.unknowns import START, Unknowns, unknowns_of
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
+SLIP = LAWS["slip"]
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
 FREE = ("a", "b", "Dc", "K")
 STIFF = SLIDER.replace(K=5e12)
@@ -110,7 +111,12 @@ def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
     for value, deviance in zip(one.values[[0, -1]], one.deviance[[0, -1]], strict=True):
         slider = SLIDER.replace(K=float(np.exp(value)))
         other = least_squares_fit(
-            solution.problem.record, slider, SLIP, ("a", "b", "Dc"), solution.noise, "steady"
+            solution.problem.record,
+            slider,
+            SLIP,
+            ("a", "b", "Dc"),
+            solution.noise,
+            "steady",
         )
         assert other.chi2 - solution.chi2 == pytest.approx(deviance, abs=2e-3)
         assert deviance > ROOTS[-1] ** 2

@@ -7,7 +7,7 @@ from scipy.linalg import cholesky, solve_triangular
 from synthetic_records import SLIDER, STEP, correlated, record
 
 import ratestate as rs
-from ratestate.friction.laws import LAWS
+from ratestate.friction.laws import ONE_LENGTH as LAWS
 from ratestate.records.fitting.forward import Forward, _difference
 from ratestate.records.fitting.noise import Noise, estimated_noise
 from ratestate.records.fitting.record import record_of

@@ -143,8 +143,8 @@ def test_the_estimated_slider(both):
 def test_what_has_no_slider_or_summary_is_refused(both):
     with pytest.raises(ParameterError, match="several laws; give law='slip' or law='aging'"):
         fitting.slider_of(both)
-    with pytest.raises(ParameterError, match="law = 'prz' is unknown"):
-        fitting.slider_of(both, "prz")
+    with pytest.raises(ParameterError, match="law = 'nope' is unknown"):
+        fitting.slider_of(both, "nope")
     for function in (fitting.slider_of, fitting.summary):
         with pytest.raises(ParameterError, match=f"{function.__name__} wants the Dataset that fit"):
             function(both.drop_attrs())

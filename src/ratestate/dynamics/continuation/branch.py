@@ -5,6 +5,7 @@ import xarray
 
 from ...engine.model import FINISHED
 from ...errors import NotConverged
+from ...friction.laws import friction_law
 from ...model.batch import Batch
 from ...model.contact import parameter_to_si
 from ...model.names import keywords_checked
@@ -13,7 +14,7 @@ from ...model.slider import checked
 from ...model.units import is_array, to_si
 from ..cycles.variables import VARIABLES, cycle_variables
 from ..progress import bar
-from ..refusals import refusal, sentence
+from ..refusals import check_one_length, refusal, sentence
 from ..results import provenance
 from ..simulation.settings import checked_rtol
 from .branch_start import beginning, hopf_measures, hopf_near
@@ -136,7 +137,7 @@ def _dataset(family, branch, hopf, ends):
     batch = Batch(values, taken=VARIABLES)
     status = np.full(len(along), FINISHED)
     stable = np.abs(measures["multipliers"][:, 0]) < 1.0
-    variables = cycle_variables(batch, status, measures, stable)
+    variables = cycle_variables(friction_law(family.law), batch, status, measures, stable)
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*VARIABLES, "special"]))
     at_hopf = result.special == "hopf"
@@ -154,7 +155,7 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
 
     ParameterError for any that it refuses before it looks for a cycle.
     """
-    checked(slider)
+    check_one_length("continue_cycle", checked(slider).law)
     if parameter not in PARAMETERS:
         raise refusal("branch.parameter", parameter=parameter, names=", ".join(PARAMETERS))
     if (parameter == "V_lp") != (V_lp is None):

@@ -3,7 +3,7 @@
 Where the Hopf bifurcation is subcritical, the branch of cycles that begins there leads to larger
 stiffness, turns back in a fold, and goes on as the stable cycles of softer springs.  Between K_c
 and the fold, steady sliding and a cycle are both stable.  Beyond the Bautin point the branch begins
-towards softer springs; with the aging law and b/a above some 7 it may still come back to stiffer
+towards softer springs; with b/a above some 7 it may still come back to stiffer
 ones.
 
 As a function of the stiffness the branch folds; as a function of the cycle's size it does not.  So
@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...friction.normal_form import growth_slopes, law_curvatures, lyapunov_1
-from ..cycles.shooting import TIGHTEST, System, return_map, state
+from ..cycles.shooting import TIGHTEST, one_length_system, return_map, state
 from .bifurcations import illinois
 
 # Amplitude of ln V of the first cycle tried, and ratio of the sizes of neighbours.
@@ -69,7 +69,7 @@ def folds(law, beta, eta):
     """`Folds` at the largest stiffness at which a limit cycle coexists with stable steady sliding.
 
     K_fold/K_c - 1 to a relative error of 1e-4; NaN where no cycle of the branch from the Hopf point
-    has K > K_c (1 + 1e-7), as with the slip law, and at eta < 1e-6.  ParameterError for an unknown
+    has K > K_c (1 + 1e-7), and at eta < 1e-6.  ParameterError for an unknown
     law.
 
     beta, eta : b/a > 1 and M V_lp^2/(a sigma Dc) >= 0, not checked; (n,), or one of them a float
@@ -172,7 +172,7 @@ def _linearised(law, beta, eta, psi, G, excess):
         return np.concatenate([values, values])
 
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + np.stack([excess, excess + h]))
-    system = System(law, kappa.ravel(), twice(beta), twice(eta), np.full(2 * n, np.inf))
+    system = one_length_system(law, kappa.ravel(), twice(beta), twice(eta), np.full(2 * n, np.inf))
     u = twice(np.stack([psi, G], axis=1))
     returns = return_map(system, state(system, u), twice(tol), alone=False)
     gap = returns.image - u

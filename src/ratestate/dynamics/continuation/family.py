@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.model import SLAVED
-from ...friction.laws import evolution_law
+from ...friction.laws import friction_law
 from ..cycles.attractor import single_returns
 from ..cycles.measure import measure
 from ..cycles.shooting import TIGHTEST, return_map, small_amplitude, state, system_of, tightest
@@ -80,7 +80,7 @@ class Family(NamedTuple):
         """(m, 2) u = (psi, G) of the section's points U (m, 2)."""
         system = self.system(p)
         psi = U[:, 0]
-        rate = evolution_law(self.law).rate(1.0, 0.0, psi, np.exp(-psi))
+        (rate,) = friction_law(self.law).rates(0.0, 1.0, (psi,), (np.exp(-psi),), (system.beta,))
         G = np.where(system.eta < SLAVED, -system.beta * rate, U[:, 1] / _scale(system))
         return np.stack([psi, G], axis=1)
 

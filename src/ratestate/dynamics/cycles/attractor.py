@@ -10,9 +10,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
+from ...friction.hopf_of_law import growth_slopes, lyapunov_1
+from ...friction.linear_stability import linearisation
 from .iterates import iterated_map
-from .search_step import LARGEST_LEAP, LOOSEST, SEARCH, advance_search
-from .shooting import distance, return_map, select, small_amplitude, tightest
+from .search_step import LARGEST_LEAP, LOOSEST, advance_search, search_type
+from .shooting import (
+    distance,
+    return_map,
+    select,
+    small_amplitude,
+    steady_sliding_at,
+    tightest,
+)
 from .small_cycles import curvature, small_cycle
 
 # Steps of the search, and returns of an orbit, after which a slider counts as never converging.
@@ -23,6 +32,8 @@ CLOSES = 1e-4
 # Amplitude of ln V below which a stable steady sliding is reached; and below which a cycle is
 # small enough for harmonic balance.
 STEADY, SMALL = 1e-2, 2e-2
+# Below this one no unstable cycle is looked for beside stable steady sliding.
+SMALLEST = 1e-5
 # V_lp over the speed of the steady sliding from which a search starts.
 SLOWER = 10.0
 # Loosest relative accuracy of a cycle: a looser one would not be cheaper.
@@ -36,7 +47,7 @@ class CycleEstimates(NamedTuple):
     """
 
     status: np.ndarray  # engine.model: FINISHED is a cycle
-    #: (n, 2) the cycle's stress maximum; without a cycle, the orbit's last one, or NaN where it did
+    #: (n, k) the cycle's stress maximum; without a cycle, the orbit's last one, or NaN where it did
     #: not come back to the section
     u: np.ndarray
     tol: np.ndarray  # (n,) tolerance of the return that led there
@@ -52,7 +63,7 @@ class CycleEstimates(NamedTuple):
 def single_returns(u, tol, period, error=0.0, status=FINISHED):
     """`CycleEstimates` of cycles that close after one return.
 
-    u : (n, 2); tol, period : (n,); error, status : (n,), or one value for all
+    u : (n, k); tol, period : (n,); error, status : (n,), or one value for all
     """
     n = len(u)
     values = np.full(n, status), u, tol, period, np.full(n, error), np.ones(n, np.int64)
@@ -60,13 +71,12 @@ def single_returns(u, tol, period, error=0.0, status=FINISHED):
 
 
 def steady_start(system):
-    """(n, 3) x, v, psi from which a search starts: steady sliding at V_lp/`SLOWER`."""
-    v = np.full(len(system.beta), -np.log(SLOWER))
-    return np.stack([(1.0 - system.beta) * v, v, -v], axis=1)
+    """(n, len(y)) x, v, psi from which a search starts: steady sliding at V_lp/`SLOWER`."""
+    return steady_sliding_at(system, np.full(len(system.kappa), 1.0 / SLOWER))
 
 
 def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
-    """Follow n > 0 sliders from the states start (n, 3) to their attractors; `CycleEstimates`.
+    """Follow n > 0 sliders from the states start (n, len(y)) to their attractors; `CycleEstimates`.
 
     Each step of the search is one return of all orbits that have not arrived, or as many as make
     the period that the orbit seems to have.  An orbit has arrived where Newton's method, or near
@@ -82,13 +92,13 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
     """
     n = len(start)
     rtol, loosest = min(rtol, LOOSEST_ANSWER), np.broadcast_to(loosest, n)
-    stable = system.margin >= 0.0
+    stable = system.stable
     steady_tol = np.where(stable, 1e-6, 0.0)
     first = return_map(system, start, loosest, alone=alone, steady_tol=steady_tol)
     status = np.where(first.came_back, RUNNING, first.status)
     period = first.numbers["period"]
     estimates = single_returns(first.image.copy(), loosest.astype(float), period, status=status)
-    search, followed = np.zeros(n, SEARCH), np.ones(n, np.int64)
+    search, followed = np.zeros(n, search_type(start.shape[1] - 1)), np.ones(n, np.int64)
     balance_untried = ~stable
     search["longest"] = LARGEST_LEAP
     for number in range(MAX_SEARCH_STEPS):
@@ -141,13 +151,24 @@ def _finish_at_rest(system, estimates, active, r):
     which, r = active[r < STEADY], r[r < STEADY]
     if len(which):
         part = system.at(which)
-        inside = part.margin > curvature(part.law, part.beta, part.eta) * r**2
+        inside = (part.margin > _curvature(part) * r**2) | (r < SMALLEST)
         estimates.status[which[inside]] = STEADY_SLIDING
+
+
+def _curvature(system):
+    """(n,) kappa - kappa_c of small cycles over the square of their amplitude r."""
+    law = system.friction
+    if law.one_length:
+        return curvature(system.law, system.beta, system.eta)
+    p, kappa = system.coefficients, system.kappa - system.margin
+    coefficient, _ = lyapunov_1(law, p, kappa, system.eta, system.omega)
+    by_K, _ = growth_slopes(linearisation(law, p), kappa, system.eta, system.omega)
+    return -coefficient * kappa / by_K
 
 
 def _finish_on_small_cycles(system, estimates, which):
     """Put the small cycles of these sliders into the estimates, where harmonic balance has one."""
-    if not len(which):
+    if not (len(which) and system.friction.one_length):
         return
     part = system.at(which)
     cycles = small_cycle(part.law, part.kappa, part.beta, part.eta)

@@ -2,7 +2,7 @@
 
 from ...engine.compilation import compile_elsewhere
 from ...engine.return_map import march_to_section
-from ...friction.laws import evolution_law
+from ...friction.laws import friction_law
 
 # One return of one slider; nothing is imported that this does not need.
 ANY_RETURN = """
@@ -21,4 +21,4 @@ def compile_cycles_elsewhere(law):
 
     law : str, name of an evolution law
     """
-    compile_elsewhere(march_to_section, evolution_law(law), ANY_RETURN.format(law=law))
+    compile_elsewhere(march_to_section, friction_law(law), ANY_RETURN.format(law=law))

@@ -24,13 +24,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: law -> c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ..., to double precision for |z| < 0.5.
-#: A new law adds its row; its rate must be w h(v + psi), as dtheta_dt in friction has it too.
-SERIES = {
-    "slip": (0.0,),  # h = -z
-    "aging": tuple(np.cumprod(-1 / np.arange(1.0, 15.0))[1:]),  # h = exp(-z) - 1
-}
-
 HARMONICS = 15
 # over half a period: parity gives the other half
 NODES = np.pi * np.arange(HARMONICS + 1) / (HARMONICS + 1)

@@ -5,14 +5,14 @@ A limit cycle that closes after m returns is a fixed point of the m-th iterate.
 
 import numpy as np
 
-from .shooting import gradient, return_map, state
+from .shooting import return_map, state
 
 #: what adds up over several returns
 SUMS = ("period", "trace", "slow", "mean", "square", "steps")
 
 
 def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
-    """`return_map` from the section's points u (n, 2), count (n,) >= 1 times over; `Returns`.
+    """`return_map` from the section's points u (n, k), count (n,) >= 1 times over; `Returns`.
 
     The numbers are those of all returns together: sums, extremes, Fourier integrals of a phase
     that runs on, and derivatives of times by the first u.  They also have x_high, the largest
@@ -32,8 +32,9 @@ def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
         y, assumed = state(part, u), None if period is None else each[which]
         options = {"alone": alone, "steady_tol": steady_tol[which], "period": assumed}
         returns = return_map(part, y, atol[which], **options)
-        # d x/d u at a stress maximum is (beta, eta)
-        returns.numbers.update(x_high=y[:, 0], x_high_a=part.beta, x_high_b=part.eta)
+        returns.numbers["x_high"] = y[:, 0]
+        _, by_psi = part.slopes(y[:, 2:])
+        returns.gradients["x_high"] = np.concatenate([by_psi, part.eta[:, None]], axis=1)
         return returns
 
     returns = once(np.arange(n), u)
@@ -50,19 +51,14 @@ def _append(returns, which, more, omega):
     """
     old = {name: values[which] for name, values in returns.numbers.items()}
     before, new = returns.jacobian[which], more.numbers
-
-    def by_start(name):
-        """Derivatives of one of the last return's numbers by the first u, (2, n)."""
-        return np.einsum("ni,nij->jn", gradient(new, name), before)
-
     joined = dict(new)
     for name in SUMS:
         joined[name] = old[name] + new[name]
     joined["g_max"] = np.maximum(old["g_max"], new["g_max"])
     for name in ("f_min", "xf_min"):
         joined[name] = np.minimum(old[name], new[name])
-    for suffix, slope in zip("ab", by_start("period"), strict=True):
-        joined[f"period_{suffix}"] = old[f"period_{suffix}"] + slope
+    slopes = {name: np.einsum("ni,nij->nj", d, before) for name, d in more.gradients.items()}
+    slopes["period"] = returns.gradients["period"][which] + slopes["period"]
     for name, is_new in (
         ("x_low", new["x_low"] < old["x_low"]),
         ("x_high", new["x_high"] > old["x_high"]),
@@ -70,11 +66,11 @@ def _append(returns, which, more, omega):
         ("v_max", new["v_max"] > old["v_max"]),
     ):
         joined[name] = np.where(is_new, new[name], old[name])
-        for suffix, slope in zip("ab", by_start(name), strict=True):
-            joined[f"{name}_{suffix}"] = np.where(is_new, slope, old[f"{name}_{suffix}"])
+        slopes[name] = np.where(is_new[:, None], slopes[name], returns.gradients[name][which])
     shifted = np.exp(1j * omega * old["period"]) * (new["cosine"] + 1j * new["sine"])
     joined["cosine"], joined["sine"] = old["cosine"] + shifted.real, old["sine"] + shifted.imag
-    for name, values in joined.items():
-        returns.numbers[name][which] = values
+    for found, values in ((returns.numbers, joined), (returns.gradients, slopes)):
+        for name, value in values.items():
+            found[name][which] = value
     returns.status[which], returns.image[which] = more.status, more.image
     returns.jacobian[which] = more.jacobian @ before

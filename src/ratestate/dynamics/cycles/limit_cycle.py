@@ -55,10 +55,10 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
         - ``slow_fraction``, the part of the period in which V < V_lp/10, and ``fundamental``, the
           share, in the variance of tau, of the harmonic with one oscillation a return (1:
           harmonic, 6/pi^2: sawtooth);
-        - ``multipliers``, complex, in the dimension ``multiplier``: the two Floquet multipliers
-          beside the trivial 1, the larger first, by which small distances from the cycle change
-          in a period.  Their product is the exponential of the integrated trace of the Jacobian;
-          below 1e-8 no more than that is certain;
+        - ``multipliers``, complex, in the dimension ``multiplier``: the Floquet multipliers
+          beside the trivial 1, one more than the law has states, the largest first, by which small
+          distances from the cycle change in a period.  Their product is the exponential of the
+          integrated trace of the Jacobian; below 1e-8 no more than that is certain;
         - ``outside_domain`` (int8 with CF flags), whether the motion leaves the domain of the
           friction law, since friction would have to push (``mu_min``, its smallest mu, is
           negative), or since the spring pulls back harder than friction can hold
@@ -132,7 +132,8 @@ class LimitCycleCall:
 
     def blank(self):
         """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
-        return cycle_variables(self.batch, np.full(self.batch.n, NO_CONVERGENCE), {}, stable=False)
+        status = np.full(self.batch.n, NO_CONVERGENCE)
+        return cycle_variables(self.slider.friction, self.batch, status, {}, stable=False)
 
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep.
@@ -144,18 +145,19 @@ class LimitCycleCall:
     def variables(self, status, measures):
         """The variables of `run`, from the results of `find_cycles`."""
         # An attractor is stable, though the multipliers of the smallest cycles round to 1.
-        return cycle_variables(self.batch, status, measures, stable=status == FINISHED)
+        stable = status == FINISHED
+        return cycle_variables(self.slider.friction, self.batch, status, measures, stable)
 
     def find_cycles(self, progress=None):
         """Status (n,) of all cases, and the measures of their cycles as by `refine`, of (n, ...).
 
         They are NaN where the status is no cycle, but for a single case that has not converged; and
-        {} where no case can have a cycle (b <= a or K = inf).
+        {} where no case can have a cycle (K = inf, or steady sliding stable at any K).
         """
         n, alone = self.batch.n, self.batch.alone
         system = system_of(self.slider.law, **self.batch.columns)
         status = np.full(n, STEADY_SLIDING)
-        may_cycle = np.flatnonzero((system.beta > 1.0) & np.isfinite(system.kappa))
+        may_cycle = np.flatnonzero(system.may_cycle)
         measures: dict = {}
         for first in range(0, len(may_cycle), CHUNK):
             which = may_cycle[first : first + CHUNK]

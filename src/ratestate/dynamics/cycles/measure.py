@@ -16,7 +16,6 @@ from .shooting import (
     change_along,
     distance,
     effective_tolerance,
-    gradient,
     multipliers,
     newton_step,
     small_amplitude,
@@ -51,6 +50,8 @@ def refine(system, cycles, rtol, alone):
         for name, value in measure(system.at(worse), cycles.at(worse), alone).items():
             measures[name][worse] = value
     small = cycles.error > 0.0
+    if not small.any():
+        return measures
     first = _small_cycle_multiplier(system.at(small), measures["period"][small])
     with np.errstate(divide="ignore", invalid="ignore"):
         second = np.prod(measures["multipliers"][small], axis=1) / first
@@ -83,7 +84,7 @@ def measure(system, cycles, alone):
     returns, numbers = orbits.returns, orbits.returns.numbers
     step = np.where(fixed[:, None], 0.0, newton_step(returns, u))
     corrected = ("x_high", "x_low", "period", "v_max", "v_min")
-    gradients = np.stack([gradient(numbers, name) for name in corrected], axis=1)
+    gradients = np.stack([returns.gradients[name] for name in corrected], axis=1)
     values = {name: numbers[name] for name in ("g_max", "f_min", "xf_min")}
     values |= {"multipliers": multipliers(returns), "u": u + step}
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):

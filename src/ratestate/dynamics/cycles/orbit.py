@@ -3,7 +3,6 @@
 import numpy as np
 
 from ...engine.model import STEADY_SLIDING
-from ...friction.rate_and_state import mu_ss, theta_ss
 from ...model.loading import Loading
 from ..refusals import refusal
 from ..simulation.simulate import SimulateCall, simulate
@@ -70,12 +69,16 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
 
 def _period(slider, call, measures, rtol, progress):
     """One period from the section on, as a run."""
-    system, u, V_lp = system_of(slider.law, **call.batch.columns), measures["u"], call.V_lp
-    x, _, psi = state(system, u)[0]
-    initial = {"V_initial": V_lp, "theta_initial": theta_ss(V_lp, Dc=slider.Dc) * np.exp(psi)}
-    if slider.M > 0.0:  # else the stress follows from these two
-        steady = mu_ss(V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0)
-        initial["tau_initial"] = slider.sigma * (steady + slider.a * x)
+    law, columns = slider.friction, call.batch.columns
+    system, u, V_lp = system_of(slider.law, **columns), measures["u"], call.V_lp
+    x, _, *psi = state(system, u).T
+    states = law.log_states(0.0, tuple(psi), system.coefficients)
+    initial = {"V_initial": V_lp}
+    for (name, distance), log_state in zip(law.states.items(), states, strict=True):
+        initial[f"{name}_initial"] = getattr(slider, distance) / V_lp * np.exp(log_state[0])
+    if slider.M > 0.0:  # else the stress follows from these
+        steady = law.reference_friction(np.array([V_lp]), columns)[0]
+        initial["tau_initial"] = slider.sigma * (steady + slider.a * x[0])
     period = measures["period"][0] * slider.Dc / V_lp
     tol = np.clip(FINER * rtol * min(1.0, measures["amplitude"][0]), TIGHTEST, LOOSEST)
     run = SimulateCall(slider, Loading.constant(V_lp), period, initial=initial, rtol=float(tol))

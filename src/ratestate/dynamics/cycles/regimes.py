@@ -35,7 +35,7 @@ def classify(cycle):
     them the thresholds are a convention.
 
     ``slow_fraction`` and ``V_max`` are returned, but not used as criteria.  The paper's stick-slip
-    need not stick: with the slip law, cycles with eta between 0.005 and 1 are never slower than
+    need not stick: where state needs slip, cycles of eta between 0.005 and 1 are never slower than
     V_lp/10.  V_max/V_lp falls through all regimes without a step.
 
     Parameters

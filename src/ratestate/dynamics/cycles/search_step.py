@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .shooting import distance, multipliers, newton_step, small_amplitude, tightest
+from .shooting import distance, multipliers, newton_step, small_amplitude, tightest, weights
 
 # Returns of a cycle.
 LONGEST_PERIOD = 32
@@ -39,28 +39,30 @@ FINER = 0.1
 # the tightest tolerance.
 NOISE, NOISE_AT_TIGHTEST = 3.0, 1e4
 
-#: state of the search for a slider: the orbit, and Newton's method ahead of it
-SEARCH = np.dtype(
-    [
-        ("longest", float),  # longest first step that Newton's method is allowed
-        ("ahead", bool),  # whether Newton's method is at work
-        # where it left the orbit: u, the image, the larger multiplier and the first step's length
-        *[("u", float, 2), ("image", float, 2), ("multiplier", complex), ("step", float)],
-        # where the orbit goes on if Newton's method fails
-        *[("next_u", float, 2), ("next_tol", float)],
-        # the orbit's last move, and how many times in a row it has reversed its direction
-        *[("move", float, 2), ("reversals", int)],
-    ]
-)
+
+def search_type(k):
+    """The dtype of the state of the search for a slider whose section's points are k numbers."""
+    return np.dtype(
+        [
+            ("longest", float),  # longest first step that Newton's method is allowed
+            ("ahead", bool),  # whether Newton's method is at work
+            # where it left the orbit: u, the image, the larger multiplier, the first step's length
+            *[("u", float, k), ("image", float, k), ("multiplier", complex), ("step", float)],
+            # where the orbit goes on if Newton's method fails
+            *[("next_u", float, k), ("next_tol", float)],
+            # the orbit's last move, and how many times in a row it has reversed its direction
+            *[("move", float, k), ("reversals", int)],
+        ]
+    )
 
 
 class LocalMap(NamedTuple):
     """The map linearised at the points u of n sliders, and the accuracy that it has and needs."""
 
-    target: np.ndarray  # (n, 2) where Newton's method goes
+    target: np.ndarray  # (n, k) where Newton's method goes
     step: np.ndarray  # (n,) length of its step, relative to the distance from u = 0
     first: np.ndarray  # (n,) the larger multiplier
-    second: np.ndarray  # (n,)
+    others: np.ndarray  # (n, k - 1)
     attracts: np.ndarray  # (n,) whether the target may be a fixed point that attracts
     resolved: np.ndarray  # (n,) whether the target is as accurate as requested, or as possible
     tol_per_part: np.ndarray  # (n,) tolerance over the part of a return that is to be resolved
@@ -70,11 +72,11 @@ class LocalMap(NamedTuple):
 def advance_search(system, returns, current, search, rtol, loosest, leap):
     """Advance the search by the `Returns` of n sliders from `CycleEstimates` current.
 
-    search : SEARCH of these sliders, updated in place
+    search : of `search_type`, of these sliders, updated in place
     loosest : (n,) largest tolerance of a return
     leap : whether the orbit may leap
 
-    Gives the next u (n, 2) and tolerance (n,), whether (n,) that is on the cycle that the orbit
+    Gives the next u (n, k) and tolerance (n,), whether (n,) that is on the cycle that the orbit
     goes to, and whether the orbit is to be followed by twice as many returns from here on.
     """
     local = _local_map(system, returns, current, rtol)
@@ -119,7 +121,8 @@ def _local_map(system, returns, current, rtol):
     """`LocalMap` of sliders at `CycleEstimates` current, of which the returns are given."""
     u, newton = current.u, newton_step(returns, current.u)
     size, length = distance(system, u), distance(system, returns.image - u)
-    first, second = multipliers(returns).T
+    found = multipliers(returns)
+    first, others = found[:, 0], found[:, 1:]
     target, step = u + newton, distance(system, newton) / size
     # The engine's tolerance is absolute in ln V, and that of a small cycle must be smaller.
     scale = np.minimum(1.0, small_amplitude(system, u))
@@ -133,8 +136,8 @@ def _local_map(system, returns, current, rtol):
         target,
         step,
         first,
-        second,
-        attracts=(np.abs(first) < 1.0) & (target[:, 1] > 0.0),
+        others,
+        attracts=(np.abs(first) < 1.0) & (target[:, -1] > 0.0),
         resolved=(current.tol <= 2.0 * finest) & (step <= resolution),
         tol_per_part=FINER * length / size * scale,
         finest=finest,
@@ -149,22 +152,24 @@ def _tolerance(local, part, loosest):
 
 
 def _leap(system, returns, u, local, may):
-    """(n, 2) the image of u or, where the orbit may leap, a point further along its slow direction.
+    """(n, k) the image of u or, where the orbit may leap, a point further along its slow direction.
 
     A leap must not pass a fixed point, nor amplify returns that alternate.
     """
     move, size = returns.image - u, distance(system, u)
-    first, second = local.first, local.second
+    first, slow = local.first, move.astype(complex)
     with np.errstate(divide="ignore", invalid="ignore"):
-        matrix = returns.jacobian - second.real[:, None, None] * np.eye(2)
-        slow = (matrix @ move[:, :, None])[:, :, 0] / (first - second).real[:, None]
+        for other in local.others.T:
+            matrix = returns.jacobian - other[:, None, None] * np.eye(u.shape[1])
+            slow = (matrix @ slow[:, :, None])[:, :, 0] / (first - other)[:, None]
+        slow = slow.real
         along = distance(system, slow)
         until = 0.5 * along / np.abs(1.0 - first)
         more = np.minimum(LARGEST_LEAP * size, until) / along - 1.0
         # Without inertia orbits are all but neutral at K_c_qs: a leap there would be a random walk.
         may = may & (first.imag == 0.0) & (first.real > 0.0) & (system.eta > 0.0)
         leapt = returns.image + np.where(may, more, 0.0)[:, None] * slow
-    far = may & (more > 0.0) & (leapt[:, 1] > 0.0)
+    far = may & (more > 0.0) & (leapt[:, -1] > 0.0)
     return np.where(far[:, None], leapt, returns.image)
 
 
@@ -191,7 +196,7 @@ def _alternates(system, search, move, first, refuted, on_orbit):
     is near the period doubling at which a cycle of twice the returns appears.
     """
     last = search["move"]
-    along = system.beta**2 * move[:, 0] * last[:, 0] + system.eta**2 * move[:, 1] * last[:, 1]
+    along = (weights(system) ** 2 * move * last).sum(axis=1)
     reversals = np.where(along < 0.0, search["reversals"] + 1, 0)
     search["reversals"] = np.where(on_orbit, reversals, search["reversals"])
     search["move"] = np.where(on_orbit[:, None], move, last)

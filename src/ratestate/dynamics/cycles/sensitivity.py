@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .iterates import iterated_map
-from .shooting import Returns, System, change_along, effective_tolerance, gradient, newton_step
+from .shooting import Returns, System, change_along, effective_tolerance, newton_step
 
 # Relative change of a parameter in difference quotients: the smallest, and divided by the tolerance
 # of a return.
@@ -34,13 +34,13 @@ class Orbits(NamedTuple):
     tol: np.ndarray  # (n,)
     returns: Returns
     measures: np.ndarray  # (n, 4) logarithms of amplitude (of x), period, V_max and V_min
-    by_u: np.ndarray  # (n, 4, 2) their derivatives with respect to (psi, G) at the beginning
+    by_u: np.ndarray  # (n, 4, k) their derivatives with respect to u at the beginning
 
 
 class Difference(NamedTuple):
     """By how much orbits that begin at the same u differ, or that over the cause's size."""
 
-    image: np.ndarray  # (n, 2) of the next u; NaN where one of them did not come back
+    image: np.ndarray  # (n, k) of the next u; NaN where one of them did not come back
     measures: np.ndarray  # (n, 4) of `Orbits.measures`; means nothing where `image` is NaN
 
 
@@ -48,14 +48,14 @@ def orbits_of_one_period(system, cycles, tol, alone=False):
     """`Orbits` of one period from the `attractor.CycleEstimates` cycles, at the tolerance tol."""
     count, period = cycles.n_returns, cycles.period
     returns = iterated_map(system, cycles.u, tol, count, alone=alone, period=period)
-    numbers = returns.numbers
+    numbers, gradients = returns.numbers, returns.gradients
     with np.errstate(divide="ignore", invalid="ignore"):
         amplitude, period = numbers["x_high"] - numbers["x_low"], numbers["period"]
         by_u = [
-            (gradient(numbers, "x_high") - gradient(numbers, "x_low")) / amplitude[:, None],
-            gradient(numbers, "period") / period[:, None],
-            gradient(numbers, "v_max"),
-            gradient(numbers, "v_min"),
+            (gradients["x_high"] - gradients["x_low"]) / amplitude[:, None],
+            gradients["period"] / period[:, None],
+            gradients["v_max"],
+            gradients["v_min"],
         ]
         values = [np.log(amplitude), np.log(period), numbers["v_max"], numbers["v_min"]]
     return Orbits(system, cycles, tol, returns, np.stack(values, axis=1), np.stack(by_u, axis=1))
@@ -99,7 +99,7 @@ def backward_error(system, tol):
 
     The rounding of b/a counts the more, the smaller b - a is than b; inf at b = a.
     """
-    return STEP_ERROR * tol + ROUNDING_ERROR * system.beta / (system.beta - 1.0)
+    return STEP_ERROR * tol + ROUNDING_ERROR * system.cancellation
 
 
 def stiffness_sensitivity(orbits):

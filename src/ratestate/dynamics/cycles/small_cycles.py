@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...friction.laws import friction_law
 from .harmonic_balance import (
     EVEN,
     EVEN_WAVES,
     FIRST,
     ODD,
     ODD_WAVES,
-    SERIES,
     Case,
     at_nodes,
     dynamic_stiffness,
@@ -69,7 +69,7 @@ def small_cycle(law, kappa, beta, eta, margin=None):
         else:
             margin_error = 0.0
         kappa, beta, eta, margin, margin_error = _columns(kappa, beta, eta, margin, margin_error)
-        case = Case(beta - 1, beta, eta, SERIES[law])
+        case = Case(beta - 1, beta, eta, friction_law(law).series)
         balance, s, residual = _solve(margin, case)
         r, omega, psi, G, amplitude = _waveform(balance, s, kappa, case)
         tail = np.maximum(np.abs(balance.Q[:, -1:]) * np.sqrt(s), np.abs(balance.P[:, -1:]) * s)
@@ -88,7 +88,7 @@ def curvature(law, beta, eta):
     """
     beta, eta = _columns(beta, eta)
     with np.errstate(all="ignore"):
-        return hopf_limit(Case(beta - 1, beta, eta, SERIES[law])).m[:, 0]
+        return hopf_limit(Case(beta - 1, beta, eta, friction_law(law).series)).m[:, 0]
 
 
 def _columns(*values):

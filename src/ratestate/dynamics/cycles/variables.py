@@ -3,8 +3,7 @@
 import numpy as np
 
 from ...engine.model import STEADY_SLIDING
-from ...friction.rate_and_state import mu_ss
-from ...friction.stability import K_c
+from ...friction.linear_stability import coefficients, is_stable
 from ..domain import domain_variables
 from ..results import columns, status_variable
 from ..simulation.cases import speed
@@ -17,14 +16,14 @@ VARIABLES = (
 ).split()
 
 
-def cycle_variables(batch, status, measures, stable):
+def cycle_variables(law, batch, status, measures, stable):
     """The result's variables, name -> Variable [SI], from the measures of cycles; NaN without one.
 
     In steady sliding amplitude, inertia and errors are 0, V_max = V_min = V_lp and stable is
-    K > K_c; `returns`, an int16, is 0 without a cycle.
+    whether that is; `returns`, an int16, is 0 without a cycle.
 
-    batch : holds the slider and V_lp
-    measures : as of `measure`, name -> (n,) or (n, 2), NaN where there is no cycle; or empty
+    law, batch : the friction law; holds the slider and V_lp
+    measures : as of `measure`, name -> (n,) or (n, k), NaN where there is no cycle; or empty
     stable : (n,) whether the cycles are
     """
     p, V, steady = columns(batch), batch.flat("V_lp"), status == STEADY_SLIDING
@@ -34,7 +33,8 @@ def cycle_variables(batch, status, measures, stable):
         return np.where(steady, if_steady, measures.get(name, nothing))
 
     period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
-    critical = K_c(V, a=p.a, b=p.b, Dc=p.Dc, sigma=p.sigma, M=p.M)
+    of_law = {symbol: batch.columns[symbol] for symbol in law.symbols}
+    steadily = is_stable(law, V, sigma=p.sigma, K=p.K, M=p.M, **of_law)
     with np.errstate(divide="ignore", invalid="ignore"):
         values = {
             "period": period,
@@ -45,7 +45,7 @@ def cycle_variables(batch, status, measures, stable):
             "inertia": np.where(steady, 0.0, measured("g_max") / amplitude),
             "slow_fraction": measured("slow_fraction", 0.0),
             "fundamental": measured("fundamental"),
-            "stable": np.where(steady, critical < p.K, stable),
+            "stable": np.where(steady, steadily, stable),
             "residual": measured("residual", 0.0),
             "error": measured("error", 0.0),
             "V_max_error": measured("v_max_error", 0.0),
@@ -53,9 +53,12 @@ def cycle_variables(batch, status, measures, stable):
             "returns": np.nan_to_num(measured("returns", 0.0)).astype(np.int16),
         }
     variables = {name: batch.variable(value, name) for name, value in values.items()}
-    mu = mu_ss(V, a=p.a, b=p.b, mu0=p.mu0, V0=p.V0)
-    lowest = mu + p.a * measured("f_min", 0.0), 2.0 * mu + p.a * measured("xf_min", 0.0)
+    mu, p_lp = law.reference_friction(V, batch.columns), coefficients(law, V, of_law)
+    rest = law.resistance(0.0, 1.0, law.steady_variables(p_lp), p_lp)
+    lowest = mu + p.a * measured("f_min", rest), 2.0 * mu + p.a * measured("xf_min", 2.0 * rest)
     variables |= domain_variables(batch, *lowest)
-    multipliers = measures.get("multipliers", np.full((batch.n, 2), np.nan, complex))
+    multipliers = measures.get(
+        "multipliers", np.full((batch.n, 1 + len(law.states)), np.nan, complex)
+    )
     variables["multipliers"] = batch.variable(multipliers, "multipliers", "multiplier")
     return variables | {"status": status_variable(batch, status)}

@@ -23,10 +23,10 @@ V_LIMIT = 3e8
 MAX_STEPS = 1e8
 
 
-def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0):
+def engine_cases(law, batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0):
     """`Cases` of a batch that holds the slider's parameters; nothing is checked here.
 
-    y0 : (n, 3) x, v, psi at t = 0; t_end : (n,) [s]
+    law : of `LAWS`; y0 : (n, len(y)) x, v, psi at t = 0; t_end : (n,) [s]
     loading, times : (n,) rows of the tables of load histories and of saved times
     dt : [s], or None for a method that chooses its steps
     observe : 1 where extremes of V, friction and the inertial force are wanted
@@ -38,7 +38,7 @@ def engine_cases(batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0
         v_limit = np.where(p.M == 0.0, np.log(V_LIMIT / p.V0), np.inf)
     return Cases(
         kappa=p.K * p.Dc / (p.a * p.sigma),
-        beta=p.b / p.a,
+        p=law.coefficient_array(p.V0, batch.columns),
         eta0=eta0,
         scale=p.V0 / p.Dc,
         V0=p.V0,
@@ -86,14 +86,15 @@ def speed(v, V0):
 
 
 def cost(cases, loads):
-    """(n,) estimated duration of each case, in radians at the frequency of the Hopf bifurcation.
+    """(n,) estimated duration of each case, in slips of Dc at the load point's fastest speed.
 
-    Or at the natural frequency if that is lower.  It serves only to put long cases first.
+    Or in radians at the natural frequency if these are fewer.  It serves only to put long cases
+    first.
     """
     fastest = loads.V.max(axis=1)[cases.loading] / cases.V0
     with np.errstate(divide="ignore", invalid="ignore"):
         natural = np.sqrt(cases.kappa / cases.eta0)
-    rate = np.minimum(fastest * np.sqrt(np.maximum(cases.beta - 1.0, 0.01)), natural)
+    rate = np.minimum(fastest, natural)
     return np.nan_to_num(rate, nan=0.0) * cases.scale * np.minimum(cases.t_end, 1e300)
 
 

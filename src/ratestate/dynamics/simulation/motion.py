@@ -9,7 +9,6 @@ import xarray
 
 from ...engine.exp import LIMIT
 from ...engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, RUNAWAY, Loads
-from ...friction.laws import evolution_law
 from ...model.initial_state import initial_state
 from ...model.quantities import attrs
 from ...model.units import is_array
@@ -26,7 +25,9 @@ class Motion(NamedTuple):
     """The motion of a batch of n cases, at m times each."""
 
     t: np.ndarray  # (m,) or, where each case has its own, (n, m) [s]
-    states: np.ndarray  # (n, m, 3) x, v, psi; NaN where a case failed, but for a path of own steps
+    states: (
+        np.ndarray
+    )  # (n, m, len(y)) x, v, psi; NaN where a case failed, but for a path of own steps
     numbers: dict  # name (engine.model.NUMBERS, "energy_residual") -> (n,)
     status: np.ndarray  # (n,) int, engine.model
 
@@ -38,14 +39,14 @@ def move(call, progress):
     A case that fails raises nothing.  ParameterError where initial values contradict each other.
     """
     batch, loading, times = call.batch, call.loading, call.times
-    law = evolution_law(call.slider.law)
+    law = call.slider.friction
     table, rows = batch.rows(loading.V)
     rates, _ = batch.rows(loading.rate)
-    y0 = initial_state(batch, table[rows, 0])
+    y0 = initial_state(law, batch, table[rows, 0])
     t_end = batch.flat("t_end")
     save_times, time_rows = batch.rows(np.empty(0) if times is None else times)
     settings = {"loading": rows, "times": time_rows, "dt": call.dt, "rtol": call.rtol}
-    cases = engine_cases(batch, y0, t_end=t_end, **settings)
+    cases = engine_cases(law, batch, y0, t_end=t_end, **settings)
     loads = Loads(loading.t, table, rates)
     is_rigid = np.isinf(batch.flat("K"))
     own_steps = batch.alone and times is None
@@ -57,7 +58,7 @@ def move(call, progress):
         results = run_cases(call.method, law, cases, loads, save_times, which, alone, progress)
         if own_steps:
             t = rigid.grid(loading.t, table[0], rates[0], t_end[0], batch.flat("Dc")[0])
-            states = np.full((1, t.size, 3), np.nan)
+            states = np.full((1, t.size, y0.shape[1]), np.nan)
         else:
             t = saved_at(batch, times)
             states = results.final[:, None] if times is None else results.saved
@@ -66,7 +67,7 @@ def move(call, progress):
     motion = Motion(t, states, numbers, results.status)
     for i in np.flatnonzero(is_rigid):
         segments = (loading.t, table[rows[i]], rates[rows[i]])
-        _put_rigid(motion, i, batch, law, y0[i, 2], segments)
+        _put_rigid(motion, i, batch, law, y0[i, 2:], segments)
     return motion
 
 
@@ -94,12 +95,12 @@ def saved_at(batch, times):
     return table[rows] if is_array(times) else table[0]
 
 
-def blank_motion(batch, times):
+def blank_motion(law, batch, times):
     """The `Motion` of a batch that has not been run: NaN, status NO_CONVERGENCE."""
     t = saved_at(batch, times)
     nothing = np.full(batch.n, np.nan)
     numbers = dict.fromkeys((*NUMBERS, "energy_residual"), nothing)
-    states = np.full((batch.n, t.shape[-1], 3), np.nan)
+    states = np.full((batch.n, t.shape[-1], 2 + len(law.states)), np.nan)
     return Motion(t, states, numbers, np.full(batch.n, NO_CONVERGENCE))
 
 
@@ -109,8 +110,8 @@ def energy_residual(batch, loading, cases, y0, results):
     All of them in units of a sigma Dc per area; the parts that mu0 contributes to work, dissipation
     and spring energy cancel exactly, since slip is delta_lp - tau/K.
     """
-    x0, v0, _ = y0.T
-    x1, v1, _ = results.final.T
+    x0, v0 = y0.T[:2]
+    x1, v1 = results.final.T[:2]
 
     def number(name):
         return results.numbers[:, NUMBERS.index(name)]
@@ -140,7 +141,7 @@ def motion_variables(call, motion):
     they are NaN, but ``steps`` are those taken, ``returns`` is 0, ``outside_domain`` -1, and
     ``delta_lp`` and ``V_load`` are the loading's.
     """
-    variables = _series(call.batch, call.loading, motion)
+    variables = _series(call.slider.friction, call.batch, call.loading, motion)
     variables["status"] = status_variable(call.batch, motion.status)
     variables |= _observables(call.batch, motion, call.rtol)
     if motion.t.ndim == 1:
@@ -151,28 +152,35 @@ def motion_variables(call, motion):
     return variables
 
 
-def _series(batch, loading, motion):
+def _series(law, batch, loading, motion):
     """The variables along time, as name -> Variable in the sweep's dimensions and ``time``."""
     p = SimpleNamespace(**{symbol: values[:, None] for symbol, values in batch.columns.items()})
-    x, v, psi = np.moveaxis(motion.states, -1, 0)
+    x, v, *psi = np.moveaxis(motion.states, -1, 0)
+    psi = tuple(psi)
+    coefficients = tuple(law.coefficient_array(batch.flat("V0"), batch.columns).T[:, :, None])
     t = np.broadcast_to(motion.t, x.shape)
     tau = p.sigma * (p.mu0 + p.a * x)
     delta_lp = batch.of(loading.delta_lp, t)
     V = speed(v, p.V0)
+    states = dict(zip(law.states, law.log_states(v, psi, coefficients), strict=True))
     with np.errstate(over="ignore"):
-        theta = p.Dc / p.V0 * np.exp(psi)
+        states = {
+            name: getattr(p, law.states[name]) / p.V0 * np.exp(state)
+            for name, state in states.items()
+        }
+        friction = law.resistance(v, np.exp(v), psi, coefficients)
     # Beyond double precision V and theta differ from those that friction was computed from.
-    in_range = (
-        (v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V) & (theta >= SMALLEST) & (theta < np.inf)
-    )
+    in_range = (v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V)
+    for theta in states.values():
+        in_range &= (theta >= SMALLEST) & (theta < np.inf)
     values = {
         "V": V,
-        "theta": theta,
+        **states,
         "delta": delta_lp - tau / p.K,
         "delta_lp": delta_lp,
         "V_load": batch.of(loading.V_load, t),
         "tau": tau,
-        "mu": np.where(in_range, p.mu0 + p.a * (v + p.b / p.a * psi), np.nan),
+        "mu": np.where(in_range, p.mu0 + p.a * friction, np.nan),
     }
     variables = {name: batch.variable(value, name, "time") for name, value in values.items()}
     variables["mu"].attrs["comment"] = "NaN where V or theta is beyond double precision"

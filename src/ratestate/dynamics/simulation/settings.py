@@ -6,6 +6,7 @@ The defaults are in the functions' signatures.
 import numpy as np
 
 from ...engine.model import METHODS
+from ...friction.laws import LAWS
 from ...model.arrays import column
 from ...model.units import is_array, to_si
 from ..refusals import refusal
@@ -42,15 +43,17 @@ def solver_settings(rtol, method, dt, slider):
             raise refusal("settings.dt_array")
     if needs.needs_mass:
         _check_oscillation(method, dt, slider)
-    if slider.law not in needs.laws:
-        other = next(
-            name
-            for name, row in METHODS.items()
-            if slider.law in row.laws and row.needs_dt == needs.needs_dt
-        )
-        laws = " or ".join(map(repr, needs.laws))
-        raise refusal("settings.law", method=method, laws=laws, other=other, law=slider.law)
+    if slider.law not in _laws_for(method):
+        others = [name for name in METHODS if slider.law in _laws_for(name)]
+        laws = " or ".join(map(repr, _laws_for(method)))
+        raise refusal("settings.law", method=method, laws=laws, other=others[-1], law=slider.law)
     return rtol, dt
+
+
+def _laws_for(method):
+    """Names of the laws that a method is for."""
+    needs = METHODS[method].needs_law
+    return [name for name, law in LAWS.items() if not needs or law.gives(needs)]
 
 
 def _check_oscillation(method, dt, slider):

@@ -27,11 +27,12 @@ from .undisturbed import undisturbed_warning
 
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
 VARIABLES = (
-    "V theta delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
+    "V delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
     " returns V_max V_min inertial_force mu_min reversal_margin outside_domain t"
 ).split()
-# Memory of a case at each time: seven variables of the result, three of the engine's.
-BYTES = 80
+# Memory of a case at each time: seven variables of the result, three of the engine's; two more for
+# each state but the first.
+BYTES, BYTES_OF_STATE = 80, 16
 
 
 @keywords_checked
@@ -73,7 +74,8 @@ def simulate(
         1e-6.
     method : {"rodas5p", "im2017", "im2017_euler"}
         Rodas5P, adaptive; or the paper's own scheme (eqs 8, 9) with fixed steps dt, where the
-        state advances exactly for constant V or, "im2017_euler", by backward Euler (aging law).
+        state advances exactly for constant V or, "im2017_euler", by backward Euler; for laws that
+        know it in closed form.
     dt : float or str, optional
         Time step of im2017 [s], > 0; the last one before a break of the loading is cut short.
 
@@ -147,7 +149,7 @@ def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, meth
     rtol, dt = solver_settings(rtol, method, dt, slider)
     t_end = to_si("t_end", t_end)
     V_start = None if V_start is None else to_si("V_start", V_start)
-    initial = initial_values(initial)
+    initial = initial_values(initial, slider.friction)
     loading.covers(t_end)
     times = saved_times(times, t_end)
     return SimulateCall(slider, loading, t_end, V_start, initial, times, rtol, method, dt)
@@ -179,13 +181,19 @@ class SimulateCall:
         values = {**self.slider.values, "t_end": self.t_end, "V_start": start, **self.initial}
         extra = {"V_lp": self.loading.V} if is_array(self.loading.V) else {}
         extra |= {"time": self.times} if is_array(self.times) else {}
-        return Batch(values, extra, taken=VARIABLES)
+        return Batch(values, extra, taken=self.names)
+
+    @property
+    def names(self):
+        """Names of the result's variables."""
+        return (*VARIABLES, *self.slider.friction.states)
 
     def check_fits(self):
         """Raise ParameterError if the results take more memory than there is."""
         times = 1 if self.times is None else self.times.shape[-1]
+        each = BYTES + BYTES_OF_STATE * (len(self.slider.friction.states) - 1)
         check_fits(
-            BYTES * self.batch.n * times,
+            each * self.batch.n * times,
             f"the results of {self.batch.n:,} cases at {times:,} times",
             "save fewer times, or sweep into a store: sweep(simulate, ..., store='x.zarr')",
         )
@@ -213,7 +221,7 @@ class SimulateCall:
 
     def blank(self):
         """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
-        return self.variables(blank_motion(self.batch, self.times))
+        return self.variables(blank_motion(self.slider.friction, self.batch, self.times))
 
     def move(self, progress):
         """The `Motion` of all cases."""
@@ -225,7 +233,7 @@ class SimulateCall:
 
     def dataset(self, variables):
         """These variables of all cases as a Dataset with coordinates, provenance and loading."""
-        coords = self.batch.coordinates(VARIABLES)
+        coords = self.batch.coordinates(self.names)
         if self.V_start is None:
             coords.pop("V_start", None)
         initial = {name.removesuffix("_initial"): v for name, v in self.initial.items()}

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from ...friction.stability import EDGE_WIDTH, K_c
-from ...model.initial_state import initial_state
+from ...friction.linear_stability import K_c, is_stable
+from ...friction.stability import EDGE_WIDTH
+from ...model.initial_state import initial_state, steady_sliding_state
 from ..refusals import sentence
 from ..results import columns
 
@@ -24,9 +25,12 @@ def undisturbed_warning(calls):
     first: dict[str, float] = {}
     for call in calls:
         V_lp = _constant_speeds(call)
-        p = columns(call.batch)
-        critical = K_c(V_lp, a=p.a, b=p.b, Dc=p.Dc, sigma=p.sigma, M=p.M)
-        stays = critical > (1.0 + EDGE_WIDTH) * p.K
+        p, law = columns(call.batch), call.slider.friction
+        of_law = {symbol: call.batch.columns[symbol] for symbol in law.symbols}
+        critical = K_c(law, V_lp, sigma=p.sigma, M=p.M, **of_law)
+        stiffer = (1.0 + EDGE_WIDTH) * p.K
+        stays = ~is_stable(law, V_lp, sigma=p.sigma, K=stiffer, M=p.M, **of_law)
+        stays &= critical > stiffer
         if stays.any():
             stays &= _starts_steady(call, V_lp, p)
         cases, count = cases + stays.size, count + int(stays.sum())
@@ -52,6 +56,7 @@ def _constant_speeds(call):
 
 def _starts_steady(call, V_lp, p):
     """Whether cases (n,) start in steady sliding at these speeds; not where one is NaN."""
-    v = np.log(V_lp / p.V0)
-    steady = np.stack([(1.0 - p.b / p.a) * v, v, -v], axis=1)
-    return np.abs(initial_state(call.batch, V_lp) - steady).max(axis=1) < ROUNDING
+    law, constant = call.slider.friction, np.isfinite(V_lp)
+    steady = steady_sliding_state(law, call.batch, np.where(constant, V_lp, p.V0))
+    start = initial_state(law, call.batch, V_lp)
+    return constant & (np.abs(start - steady).max(axis=1) < ROUNDING)

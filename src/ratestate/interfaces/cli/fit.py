@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 import typer
 
+from ...friction.laws import DEFAULT
 from .command import law_of, pairs_of
 from .exits import SOME_FAILED
 
@@ -73,7 +74,7 @@ def fit(
 
 def _laws(texts: list[str] | None) -> tuple[str, ...]:
     """The laws, each once, from strings with one or several laws separated by commas."""
-    names = [name.strip() for text in texts or ["slip"] for name in text.split(",")]
+    names = [name.strip() for text in texts or [DEFAULT] for name in text.split(",")]
     return tuple(dict.fromkeys(map(law_of, names)))
 
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import typer
 
-from ...friction.laws import LAWS
 from ...paper.figures import FIGURES
+from ...paper.laws import LAWS
 from .command import law_of
 from .output import make_writable, print_json, print_rich, reporting_files
 
@@ -13,13 +13,13 @@ OUT = Path("figures")
 
 
 def figures(
-    which: list[str] | None = None, *, law: str = "slip", out: Path = OUT, json: bool = False
+    which: list[str] | None = None, *, law: str = LAWS[0], out: Path = OUT, json: bool = False
 ) -> None:
     """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
 
     Each figure is written as .png, .pdf and .nc (its numbers), the claims as .md and .json.
 
-    Example: ratestate figures 2 4 --law aging --out figures
+    Example: ratestate figures 2 4 --out figures
     """
     law = law_of(law)
     names = which or ["all"]
@@ -62,7 +62,7 @@ def atlas(
     Writes, for each law, atlas_LAW.png and .pdf (the map) and .nc (its numbers).  A machine, rig or
     fault with this b/a is a point on the map, at K/K_c_qs and eta.
 
-    Example: ratestate atlas --b-over-a 1.6 --law aging --out figures
+    Example: ratestate atlas --b-over-a 1.6 --out figures
     """
     laws = [law_of(law)] if law else [*LAWS]
     make_writable(out)

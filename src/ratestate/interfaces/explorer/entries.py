@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 import numpy as np
 
 from ...errors import ParameterError
-from ...friction.laws import LAWS
+from ...friction.laws import ONE_LENGTH
 from ...model.quantities import POWERS, QUANTITIES, expected, prefixed_unit, readable
 from ...model.slider import SpringSlider
 from ...model.units import to_si
@@ -62,8 +62,8 @@ def state_of(entries: Any) -> PageState:
         except ParameterError as error:
             problems[field] = str(error)
     law = str(entries.get("law"))
-    if law not in LAWS:
-        problems["law"] = f"law = {law[:LONGEST]!r} is unknown; choose {' or '.join(LAWS)}"
+    if law not in ONE_LENGTH:
+        problems["law"] = f"law = {law[:LONGEST]!r} is unknown; choose {' or '.join(ONE_LENGTH)}"
     if problems:
         raise BadEntries(problems)
     V_lp, V_from = values.pop("V_lp"), values.pop("V_from", None)

@@ -12,7 +12,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from ...engine.backend import Stopped
 from ...errors import RateStateError
-from ...friction.laws import LAWS
+from ...friction.laws import ONE_LENGTH
 from . import charts, picture, wire
 from .budget import Deadline
 from .entries import fields, prefixes, presets, state_of
@@ -122,7 +122,7 @@ def _greeting(ready):
     """The message to a page that was opened."""
     (span, line), starts = charts.frame(), presets()
     usual = fields(state_of(starts[0]["entries"]).values)
-    header = {"fields": usual, "laws": [*LAWS], "prefixes": prefixes(), "presets": starts}
+    header = {"fields": usual, "laws": [*ONE_LENGTH], "prefixes": prefixes(), "presets": starts}
     return wire.answer(None, "hello", line, ready=ready, span=span, **header)
 
 
@@ -151,7 +151,7 @@ def answer_file(question, deadline):
 def _warm_up(deadline):
     """Do every kind of work once, unless cancelled."""
     entries = presets()[0]["entries"]
-    for law in LAWS:
+    for law in ONE_LENGTH:
         for job in (answer_picture, partial(answer_chart, size=2)):
             question = wire.Question(0, "picture", entries | {"law": law})
             with contextlib.suppress(Stopped):

@@ -2,7 +2,7 @@
 
 A question is one text message of at most `LONGEST` bytes, a JSON object::
 
-    {"id": 7, "ask": "picture", "entries": {"a": "0.003", ..., "law": "slip", "V_from": null}}
+    {"id": 7, "ask": "picture", "entries": {"a": "0.003", ..., "V_from": null}}
 
 ``ask`` is one of `ASKS`; ``id`` is an integer that the answer repeats; entries are strings as
 typed, with units or in SI.

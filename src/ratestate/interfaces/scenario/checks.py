@@ -82,12 +82,16 @@ def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loadin
         first = 1.0  # (which of V, theta and tau agree does not depend on it)
     speeds = Loading.constant(1.0) if loading is None else loading
     own = {"V_lp": speeds.V} if is_array(speeds.V) else {}
-    given = {**slider.values, "V_start": first, **initial_values(values["initial"])}
+    given = {
+        **slider.values,
+        "V_start": first,
+        **initial_values(values["initial"], slider.friction),
+    }
     batch = Batch(given, own)
     if batch.n <= FEW:
         table, rows = batch.rows(speeds.V)
         with np.errstate(divide="ignore"):
-            initial_state(batch, table[rows, 0])
+            initial_state(slider.friction, batch, table[rows, 0])
 
 
 def rests(loading: Loading, t_end: float) -> bool:

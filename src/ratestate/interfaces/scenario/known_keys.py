@@ -7,7 +7,7 @@ from typing import Any
 
 from ...engine.model import METHODS
 from ...files import NUMBERS, PICTURES
-from ...friction.laws import LAWS
+from ...friction.laws import DEFAULT, LAWS
 from ...model.initial_state import SYMBOLS
 from ...model.loading.shapes import SHAPES
 from ...model.names import nearest, one_of
@@ -20,10 +20,12 @@ from .values import InlineTable
 
 #: in a table with more keys only known ones are read
 MOST_KEYS = 1000
-#: parameters of the slider -> defaults
-SLIDER = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
+#: parameters of every slider -> defaults
+COMMON = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
 #: those that must be given
-NEEDED = [key for key, default in SLIDER.items() if default is dataclasses.MISSING]
+NEEDED = [key for key, default in COMMON.items() if default is dataclasses.MISSING]
+#: parameters of any slider: with those that only some laws have, and then need
+SLIDER = (*COMMON, *dict.fromkeys(symbol for law in LAWS.values() for symbol in law.parameters))
 #: keys of [sweep] for all functions, those of the function with most of them first
 SETTINGS = dict.fromkeys(
     itertools.chain(*sorted((row.keys for row in FUNCTIONS.values()), key=len, reverse=True))
@@ -51,7 +53,7 @@ INITIAL = InlineTable({symbol: (symbol, None) for symbol in SYMBOLS}, "{ theta =
 SPEEDS_LIKE = "['1 um/s', '1 um/s', '3 um/s', 0]"
 #: key, or key and table -> an example of its value, where that is no quantity
 LIKE = {
-    "law": "'slip'",
+    "law": repr(DEFAULT),
     "verb": "'limit_cycle'",
     "method": "'rodas5p'",
     "initial": INITIAL.like,

@@ -9,12 +9,13 @@ import xarray
 from ...dynamics import attributes
 from ...dynamics.results import parameter
 from ...errors import ParameterError
+from ...friction.laws import DEFAULT, friction_law
 from ...model.conversion import in_si
 from ...model.loading import Loading
 from ...model.loading.shapes import SHAPES
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from .known_keys import SLIDER
+from .known_keys import COMMON
 from .model import FUNCTIONS, Scenario
 
 WANTED = "give a Dataset as a verb of ratestate returned it, or read from the file it was kept in"
@@ -78,7 +79,9 @@ def _check(scenario: Scenario) -> None:
 def _slider(result: Any) -> SpringSlider:
     """The slider, with the cases that the result still has."""
     values = attributes.from_json(result, "slider", dict)
-    if odd := (SLIDER.keys() ^ values.keys()) - {"area"}:
+    of_law = friction_law(values.get("law", DEFAULT)).parameters
+    wanted = COMMON.keys() | of_law.keys()
+    if odd := (wanted ^ values.keys()) - {"area"}:
         raise ParameterError(
             f"the attribute 'slider' of the Dataset lacks, or has beside what it should, "
             f"{', '.join(sorted(odd))[:100]}; {WANTED}"

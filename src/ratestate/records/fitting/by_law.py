@@ -98,7 +98,7 @@ def slider_of(result, law=None):
     ----------
     result : xarray.Dataset
         From `fit`.
-    law : {"slip", "aging"}, optional
+    law : str, optional
         Which law, if the fit is under several.
 
     Returns

@@ -8,7 +8,7 @@ from threadpoolctl import ThreadpoolController
 
 from ...dynamics.results import provenance
 from ...errors import FitWarning
-from ...friction.laws import evolution_law
+from ...friction.laws import friction_law
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
 from .by_law import warnings_of
@@ -56,8 +56,8 @@ def fit(
     free : sequence of str
         Any of a, b, Dc, K, M and lag, the delay [s] of the load point's motion behind its record.
         "mu0" may be among them, but every fit estimates it anyway.
-    law : {"slip", "aging"} or a sequence of both, optional
-        Evolution law; the slider's by default.  Several are fitted side by side.
+    law : str or a sequence of str, optional
+        Friction law; the slider's by default.  Several are fitted side by side.
     against : {"time", "displacement", "cycles"}
         Friction is compared at equal times, or at equal displacements of the load point (steps
         only), or, in a record of stick-slip or vibration, by the features of its cycles.
@@ -171,7 +171,7 @@ def _fits_of_samples(data, slider, settings, loading):
     """law -> Dataset of a fit of friction, sample by sample."""
     free, laws, noise, against, trend, start, errors = settings
     record = record_of(data, slider, loading=loading, trend=trend, against=against)
-    formulas = [evolution_law(law) for law in laws]
+    formulas = [friction_law(law) for law in laws]
     solutions = [least_squares_fit(record, slider, law, free, noise, start) for law in formulas]
     inferences = [infer(solution, noise, errors) for solution in solutions]
     if errors == "posterior":

@@ -113,14 +113,13 @@ class Forward:
             end = np.maximum(times[:, -1], 1e-9 * end)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             per_stress = 1.0 / (a * self.sigma)
-            beta = b / a
             cases = cases_of(
                 kappa=K * Dc * per_stress,
-                beta=beta,
+                p=self.law.coefficient_array(self.V0, values),
                 eta0=M * self.V0**2 * per_stress / Dc,
                 scale=self.V0 / Dc,
                 V0=self.V0,
-                y=np.stack([v + beta * psi, v, psi], axis=1),
+                y=np.stack([v + b / a * psi, v, psi], axis=1),
                 t_end=end,
                 times=which,
                 rtol=RTOL,

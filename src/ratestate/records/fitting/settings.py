@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from ...dynamics.refusals import check_one_length
 from ...friction.laws import law_name
 from ...model.slider import checked
 from ...model.units import is_array
@@ -54,6 +55,8 @@ def checked_settings(slider, *, free, law, noise, **choices):
     noise = given_noise(noise)
     laws = [slider.law] if law is None else [law] if isinstance(law, str) else list(law)
     laws = [law_name(name) for name in laws]
+    for name in laws:
+        check_one_length("fit", name)
     if not laws or len(set(laws)) < len(laws):
         raise refusal("settings.laws", law=law)
     if choices["against"] == "cycles":

@@ -107,8 +107,8 @@ def quality_text(part: xarray.Dataset) -> str:
 def law_names(laws: Laws | tuple[str, ...]) -> str:
     """The laws by name.
 
-    >>> law_names(("slip",)), law_names(("slip", "aging"))
-    ('slip law', 'slip and aging laws')
+    >>> law_names(("mine",)), law_names(("mine", "yours"))
+    ('mine law', 'mine and yours laws')
     """
     return f"{' and '.join(laws)} {'law' if len(laws) == 1 else 'laws'}"
 

@@ -12,6 +12,7 @@ from ....dynamics.results import parameter
 from ....dynamics.verdict_sentences import on_edge
 from ....dynamics.whole_contact import whole_contact
 from ....engine.model import STEADY_SLIDING
+from ....friction.laws import friction_law
 from ....model.quantities import readable, readable_multiplier, readable_time
 from .domain import outside_lines
 from .rows import (
@@ -80,6 +81,10 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
     holds = "stable" if result.stable else "unstable"
     if on_edge(K, K_c):
         holds = "on the edge of stability"
+    upper = float(result.V_c_upper)
+    speeds = ANY_SPEED.get(V_c) or f"V_lp is {V / V_c:.4g} V_c"
+    speeds = speeds if upper == math.inf else "unstable from here on"
+    one_length = friction_law(parameter(result, "law")).one_length
     frequency, hopf = (_in_hertz(float(x)) for x in (omega, result.omega_c))
     ratio = f"{K / K_c:.4g} K_c" if K_c > 0.0 else ""
     e_folding = ""
@@ -91,8 +96,9 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
         _critical("K_c", K_c, "unstable where K < K_c"),
         _critical("K_c_qs", float(result.K_c_qs), "without inertia"),
         row("V_lp", V),
-        row("V_c", V_c, ANY_SPEED.get(V_c) or f"V_lp is {V / V_c:.4g} V_c"),
-        row("eta", result.eta, "share by which inertia raises K_c"),
+        row("V_c", V_c, speeds),
+        *([row("V_c_upper", upper, "stable above")] if upper < math.inf else []),
+        row("eta", result.eta, "share by which inertia raises K_c" if one_length else ""),
         row("f_n", result.f_n, "M = 0" if M == 0.0 else "K = inf" if math.isinf(K) else ""),
         row("growth_rate", growth, e_folding),
         row("omega", omega, frequency if omega else "non-oscillatory"),

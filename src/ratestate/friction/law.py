@@ -1,0 +1,243 @@
+"""What a friction law is: a class of a few scalar functions, for which the engine is compiled.
+
+A law relates friction to the slip velocity V and to one state or more, and says how these evolve.
+It is written in the engine's log variables, with a reference velocity V_ref and T = t V_ref/Dc,
+
+    w = V/V_ref,   v = ln w,   psi_k = ln(V_ref theta_k/D_k),
+
+for one slider, in numbers, and the engine compiles this same source: so a method holds arithmetic,
+`math` and what else numba knows.  Friction and stress are divided by a:
+
+    resistance R = (mu - mu_ref)/a,   x = (tau/sigma - mu_ref)/a,
+
+with mu_ref the friction at V_ref and theta_k = D_k/V_ref.  So a law knows no velocity but V_ref,
+which may be chosen freely, and its own.
+
+Each state is coupled to v and to itself, not to other states.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType, SimpleNamespace
+from typing import NamedTuple
+
+
+class Parameter(NamedTuple):
+    """A parameter that a law has beside a, b, Dc, mu0 and V0: the quantity that it is."""
+
+    unit: str  # SI
+    long_name: str
+    bound: str = ""  # "", "> 0" or ">= 0"
+    example: str = ""  # a value as a user would write it
+
+
+class FrictionLaw:
+    """What laws have in common; friction is that of eq. 1, in one state, unless a law has its own.
+
+    A subclass has `rates`, and their derivatives, at least.
+
+    ==========  =============================================================
+    v, w        ln(V/V_ref) and V/V_ref
+    psi         tuple, a number a state
+    e           tuple, e to the power of each of `exponents`
+    p           tuple, what `coefficients` gives: here (b/a,)
+    ==========  =============================================================
+    """
+
+    name: str
+    label: str  # in titles and legends
+    synonyms: tuple[str, ...] = ()  # other names by which it is known, in small letters
+    #: whether friction is that of eq. 1 in one state with d theta/dt = h(V theta/Dc), h(1) = 0 and
+    #: h'(1) = -1: then eqs 6, 7 and 10 hold, and what else is known of such laws
+    one_length: bool = False
+    #: of each state, its name in results -> the symbol of the distance D_k over which it evolves
+    states: Mapping[str, str] = MappingProxyType({"theta": "Dc"})
+    #: symbol -> what it is, of parameters beside a, b, Dc, mu0 and V0
+    parameters: Mapping[str, Parameter] = MappingProxyType({})
+
+    # Of arrays too, in Python alone
+
+    def coefficients(self, V_ref, slider):
+        """The dimensionless numbers p that the other methods are given, a tuple.
+
+        slider : with the parameters [SI] as attributes, a, b, Dc and those of the law among them
+        """
+        return (slider.b / slider.a,)
+
+    def rescaled(self, p, ratio):
+        """`coefficients` for V_ref times `ratio`: others under a law with a speed of its own."""
+        return p
+
+    def complaint(self, slider):
+        """What is wrong with its parameters together, and what helps, as text; "" if nothing."""
+        return ""
+
+    def log_states(self, v, psi, p):
+        """ln(V_ref theta_k/D_k) of each state as it is reported, a tuple, from the variables."""
+        return psi
+
+    def variables(self, v, log_states, p):
+        """The inverse of `log_states`."""
+        return log_states
+
+    def steady_variables(self, p):
+        """psi in steady sliding at V_ref, a tuple; found numerically, unless a law knows it."""
+        return tuple(self._steady(k, p) for k in range(len(self.states)))
+
+    # In compiled code
+
+    def exponents(self, v, w, psi, p):
+        """Of which numbers the rates need the exponential."""
+        return ()
+
+    def resistance(self, v, w, psi, p):
+        """(mu - mu_ref)/a."""
+        return v + p[0] * psi[0]
+
+    def resistance_partials(self, v, w, psi, p):
+        """Derivatives of `resistance` by v, > 0, and by each of psi, a tuple."""
+        return 1.0, (p[0],)
+
+    def resistance_partials_2(self, v, w, psi, p):
+        """Second derivatives of `resistance`: vv; v psi_k, a tuple; psi_j psi_k, of tuples."""
+        return 0.0, (0.0,), ((0.0,),)
+
+    def rates(self, v, w, psi, e, p):
+        """d psi/dT of each state, a tuple."""
+        raise NotImplementedError
+
+    def rate_partials(self, v, w, psi, e, p):
+        """Derivatives of each of `rates` by v, a tuple, and by its own state, a tuple."""
+        raise NotImplementedError
+
+    def rate_partials_2(self, v, w, psi, e, p):
+        """Second derivatives of `rates`: vv, v psi and psi psi, a tuple each."""
+        raise NotImplementedError
+
+    def heals_at_rest(self):
+        """Whether state evolves without slip."""
+        return False
+
+    def runs_away(self, v, psi, kappa, p):
+        """Whether a slider without mass, at V >> V_lp, runs away for sure; else it turns back.
+
+        Where a law does not know: at speeds that no double would follow much further.
+        """
+        return v > 600.0
+
+    # Where they are known, else not called
+
+    def held(self, psi, v, w, h, p):
+        """psi after a time h at the constant speed w = exp(v), and its derivative by v: tuples."""
+        return psi, psi
+
+    def held_by_euler(self, psi, v, w, h, p):
+        """What `held` would give, by one step of backward Euler."""
+        return psi, psi
+
+    def relaxed(self, psi, v, v_end, slip, forced):
+        """psi, a number, at the end of a slip [Dc] from the speed v to v_end, given the integral of
+        `forcing`.
+        """
+        raise NotImplementedError
+
+    def forcing(self, curvature, part, w_end):
+        """What drives the state with slip, where (V/V_end)^2 is `part`, of slope -`curvature`."""
+        raise NotImplementedError
+
+    #: c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ... for a law of one length, which `rates` is at
+    #: v = 0 and psi = z: to double precision for |z| < 0.5
+    series: tuple[float, ...] = ()
+
+    def excursion(self, v, psi, kappa, beta):
+        """How far a state without inertia is from steady sliding, of arrays: see `quasi_static`."""
+        raise NotImplementedError
+
+    def runaway_edge(self, kappa, beta, largest):
+        """The smallest disturbances that run away without mass: `separatrix.Thresholds`."""
+        raise NotImplementedError
+
+    def rate_partials_3(self, v, w, psi, e, p):
+        """Third derivatives of `rates`: vvv, vv psi, v psi psi, psi psi psi, a tuple each."""
+        raise NotImplementedError
+
+    def resistance_partials_3(self, v, w, psi, p):
+        """Third derivatives of `resistance`: vvv; v v psi_i; v psi_i psi_j; psi_i psi_j psi_k.
+
+        A number, a tuple, a tuple of tuples, and these in a tuple.
+        """
+        n = range(len(psi))
+        by_psi_psi = tuple(tuple(0.0 for _ in n) for _ in n)
+        return 0.0, tuple(0.0 for _ in n), by_psi_psi, tuple(by_psi_psi for _ in n)
+
+    # Of the law itself
+
+    @property
+    def has_own_speed(self):
+        """Whether steady sliding is another problem at another speed."""
+        return self.gives("rescaled")
+
+    @property
+    def symbols(self):
+        """Symbols of the parameters that `coefficients` is given."""
+        return ("a", "b", "Dc", *self.parameters)
+
+    @property
+    def n_coefficients(self):
+        """How many `coefficients` there are."""
+        return len(self.coefficients(1.0, SimpleNamespace(**dict.fromkeys(self.symbols, 1.0))))
+
+    @property
+    def n_exponents(self):
+        """How many `exponents` there are."""
+        psi, p = (0.0,) * len(self.states), (1.0,) * self.n_coefficients
+        return len(self.exponents(0.0, 1.0, psi, p))
+
+    def gives(self, method):
+        """Whether the law has a method, by name, that not every law has."""
+        return getattr(type(self), method) is not getattr(FrictionLaw, method)
+
+    def coefficient_array(self, V_ref, values):
+        """`coefficients` of n sliders as an array (n, k), from their parameters.
+
+        values : symbol -> (n,), with others among them that no law needs
+        """
+        import numpy as np  # slow to import, and `ratestate --help` needs the names of laws alone
+
+        p = self.coefficients(V_ref, SimpleNamespace(**values))
+        return np.stack(np.broadcast_arrays(*p), axis=-1)
+
+    def reference_friction(self, V, values):
+        """mu at V (n,) and theta_k = D_k/V, from parameters; that of steady sliding for most laws.
+
+        values : symbol -> (n,), mu0 and V0 too
+        """
+        import numpy as np
+
+        V0 = values["V0"]
+        p = tuple(self.coefficient_array(V0, values).T)
+        v = np.log(V / V0)
+        psi = self.variables(v, (-v,) * len(self.states), p)
+        return values["mu0"] + values["a"] * self.resistance(v, V / V0, psi, p)
+
+    def exponentials(self, v, w, psi, p):
+        """The exponentials e of arrays or numbers, a tuple, in Python."""
+        import numpy as np
+
+        return tuple(np.exp(x) for x in self.exponents(v, w, psi, p))
+
+    def _steady(self, k, p):
+        """psi_k in steady sliding at V_ref; the rate of each state knows no other."""
+        import numpy as np
+
+        zero = np.zeros(np.broadcast_shapes(*map(np.shape, p)))
+
+        def rate(psi_k):
+            psi = tuple(psi_k if j == k else zero for j in range(len(self.states)))
+            return self.rates(0.0, 1.0, psi, self.exponentials(0.0, 1.0, psi, p), p)[k]
+
+        if not np.any(rate(zero)):
+            return zero
+        from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
+
+        found = bracket_root(rate, zero - 1.0, zero + 1.0)
+        return find_root(rate, found.bracket).x

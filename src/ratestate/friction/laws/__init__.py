@@ -1,0 +1,54 @@
+"""The built-in friction laws: a file each, and nothing else that names them.
+
+A file that is put here is found by itself.
+"""
+
+import importlib
+import inspect
+import pkgutil
+
+from ...errors import ParameterError
+from ..law import FrictionLaw
+
+#: the law of a slider that names none
+DEFAULT = "slip"
+
+
+def _built_in():
+    """The laws of this package's files, name -> law; the default one first."""
+    found: list[FrictionLaw] = []
+    for file in pkgutil.iter_modules(__path__, f"{__name__}."):
+        module = importlib.import_module(file.name)
+        classes = [one for _, one in inspect.getmembers(module, inspect.isclass)]
+        own = (one for one in classes if one.__module__ == file.name)
+        found += [one() for one in own if issubclass(one, FrictionLaw)]
+    return {law.name: law for law in sorted(found, key=lambda law: (law.name != DEFAULT, law.name))}
+
+
+#: name of a friction law -> the law
+LAWS = _built_in()
+#: those of one length (law.py)
+ONE_LENGTH = {name: law for name, law in LAWS.items() if law.one_length}
+#: name or synonym -> name of the law
+LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.synonyms)}
+
+
+def friction_law(law):
+    """The law of `LAWS` with this name or synonym; ParameterError for an unknown one."""
+    return LAWS[law_name(law)]
+
+
+def known_law(law):
+    """A law's name in `LAWS`, from that name or a synonym, in any capitals.
+
+    None for an unknown one, or what is no string.
+    """
+    return LAW_OF.get(law.lower()) if isinstance(law, str) else None
+
+
+def law_name(law):
+    """A law's name as by `known_law`; ParameterError for an unknown one, or what is no string."""
+    if name := known_law(law):
+        return name
+    names, others = " or ".join(map(repr, LAWS)), ", ".join(sorted(LAW_OF.keys() - LAWS.keys()))
+    raise ParameterError(f"law = {law!r} is unknown; choose {names} (or {others})")

@@ -1,0 +1,312 @@
+"""Steady sliding under any friction law, and whether it is stable.
+
+Linearised at V, with times in Dc/V and e to the power of L T, small perturbations obey
+
+    eta L + R_v + kappa/L - sum_k r_k s_k/(L + s_k) = 0,
+
+eta = M V^2/(a sigma Dc) (eq. 7), kappa = K Dc/(a sigma), where s_k is the rate at which the k-th
+state relaxes, R_v the direct effect and r_k the evolution effect of that state, over a.  On the
+edge of stability L = i omega, with z = omega^2,
+
+    sum_k r_k s_k^2/(z + s_k^2) = R_v,      kappa = z (eta + sum_k r_k s_k/(z + s_k^2)).
+
+For laws of one length this is eq. 6, and the closed forms of stability.py are used.
+Functions take NumPy arrays of one shape, SI units, by their symbols, and check no range.
+"""
+
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from . import stability
+from .eigenvalues import steady_modes
+
+# Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
+SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e20, 10
+# Of the roots of the polynomial, what may be rounding of a real one.
+IMAGINARY = 1e-9
+
+
+class Linearisation(NamedTuple):
+    """Of steady sliding, dimensionless, in arrays of one shape, states along a last axis."""
+
+    direct: np.ndarray  # R_v
+    evolution: np.ndarray  # (..., n) r_k
+    rates: np.ndarray  # (..., n) s_k
+
+
+def coefficients(law, V, values):
+    """The law's coefficients with V_ref = V, a tuple of arrays; values : symbol -> array."""
+    p = law.coefficients(V, SimpleNamespace(**values))
+    return tuple(np.broadcast_arrays(*p, V))[:-1]
+
+
+def linearisation(law, p):
+    """The `Linearisation` of steady sliding at V_ref, under a law with these coefficients."""
+    psi = law.steady_variables(p)
+    by_v, by_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
+    R_v, R_psi = law.resistance_partials(0.0, 1.0, psi, p)
+    shape = np.shape(p[0])
+    by_v, by_psi, R_psi = (
+        np.stack([np.broadcast_to(x, shape) for x in parts], axis=-1)
+        for parts in (by_v, by_psi, R_psi)
+    )
+    return Linearisation(np.broadcast_to(R_v, shape), R_psi * by_v / by_psi, -by_psi)
+
+
+class Edges(NamedTuple):
+    """Where steady sliding at one speed changes stability, with each edge along the last axis.
+
+    As K falls to kappa, `pairs` more pairs of eigenvalues, 1 or -1, are unstable; 0 where there is
+    no edge.
+    """
+
+    z: np.ndarray  # (..., n) omega^2
+    mass: np.ndarray  # kappa is this times eta, and the other
+    quasi_static: np.ndarray
+    pairs: np.ndarray
+
+    def kappa(self, inertia):
+        """kappa of each edge, for eta (...)."""
+        return self.mass * inertia[..., None] + self.quasi_static
+
+    def unstable_pairs(self, stiffness, inertia):
+        """(...) how many pairs of eigenvalues are unstable, for kappa and eta (...)."""
+        return (self.pairs * (stiffness[..., None] <= self.kappa(inertia))).sum(axis=-1)
+
+
+def edges(law, p):
+    """The `Edges` of steady sliding at V_ref, under a law with these coefficients."""
+    linear = linearisation(law, p)
+    z, r, s = _edge_frequencies(linear), linear.evolution, linear.rates
+    if s.shape[-1] == 1:  # z < 0 where there is no edge, and so is kappa
+        return Edges(z, z, z * linear.direct[..., None] / s, (z > 0.0).astype(int))
+    is_edge = z > 0.0
+    apart = np.where(is_edge, z, 1.0)[..., None] + (s**2)[..., None, :]
+    quasi_static = z * ((r * s)[..., None, :] / apart).sum(axis=-1)
+    direction = ((r * s**2)[..., None, :] / apart**2).sum(axis=-1)
+    zero = np.zeros_like(z)
+    return Edges(
+        np.where(is_edge, z, zero),
+        np.where(is_edge, z, zero),
+        np.where(is_edge, quasi_static, zero),
+        np.where(is_edge, np.sign(direction), zero).astype(int),
+    )
+
+
+def K_c(law, V, *, sigma, M, **values):
+    """Critical stiffness [Pa/m] at V: the largest K at which steady sliding changes stability.
+
+    Not above 0 where it is stable at any K.
+    """
+    if law.one_length:
+        return stability.K_c(V, sigma=sigma, M=M, **values)
+    inertia = _inertia(V, sigma=sigma, M=M, **values)
+    kappa = edges(law, coefficients(law, V, values)).kappa(inertia).max(axis=-1)
+    return kappa * values["a"] * sigma / values["Dc"]
+
+
+def omega_c(law, V, *, sigma, M, **values):
+    """Angular frequency [rad/s] on the edge of stability, at K = K_c; NaN where there is none."""
+    if law.one_length:
+        return stability.omega_c(V, **values)
+    found = edges(law, coefficients(law, V, values))
+    kappa = found.kappa(_inertia(V, sigma=sigma, M=M, **values))
+    z = np.take_along_axis(found.z, kappa.argmax(axis=-1)[..., None], axis=-1)[..., 0]
+    return V / values["Dc"] * np.sqrt(np.where(z > 0.0, z, np.nan))
+
+
+def _inertia(V, *, sigma, M, **values):
+    """eta (eq. 7) at V."""
+    return stability.eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
+
+
+def is_stable(law, V, *, sigma, K, M, **values):
+    """Whether steady sliding at V is stable; on the edge it is not."""
+    if law.one_length:
+        return stability.K_c(V, sigma=sigma, M=M, **values) < K
+    stiffness = K * values["Dc"] / (values["a"] * sigma)
+    inertia = _inertia(V, sigma=sigma, M=M, **values)
+    return edges(law, coefficients(law, V, values)).unstable_pairs(stiffness, inertia) <= 0
+
+
+def _edge_frequencies(linear):
+    """(..., n) z = omega^2 on the edges of stability; in place of others a number not above 0."""
+    R_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
+    if s.shape[-1] == 1:
+        return s**2 * (r / R_v - 1.0)
+    # R_v prod_k (z + s_k^2) - sum_k r_k s_k^2 prod_(j not k) (z + s_j^2)
+    whole = _product([np.stack([np.ones_like(x), x**2], axis=-1) for x in np.moveaxis(s, -1, 0)])
+    total = R_v * whole
+    for k in range(s.shape[-1]):
+        rest = [x for j, x in enumerate(np.moveaxis(s, -1, 0)) if j != k]
+        part = _product([np.stack([np.ones_like(x), x**2], axis=-1) for x in rest])
+        total[..., 1:] -= (r * s**2)[..., k, None] * part
+    z = _roots(total)
+    real = np.abs(z.imag) <= IMAGINARY * np.abs(z)
+    return np.where(real, z.real, 0.0)
+
+
+def _product(factors):
+    """The product of polynomials, coefficients along the last axis, highest first."""
+    product = factors[0]
+    for factor in factors[1:]:
+        size = product.shape[-1] + factor.shape[-1] - 1
+        longer = np.zeros((*product.shape[:-1], size), product.dtype)
+        for i in range(factor.shape[-1]):
+            longer[..., i : i + product.shape[-1]] += factor[..., i, None] * product
+        product = longer
+    return product
+
+
+def _roots(c):
+    """(..., n) complex roots of polynomials, coefficients (..., n + 1), highest first, not 0.
+
+    Eigenvalues of the companion matrix, polished by Newton's method.
+    """
+    n = c.shape[-1] - 1
+    companion = np.zeros((*c.shape[:-1], n, n))
+    companion[..., 0, :] = -c[..., 1:] / c[..., :1]
+    companion[..., range(1, n), range(n - 1)] = 1.0
+    finite = np.isfinite(companion).all(axis=(-2, -1))
+    companion[~finite] = 0.0
+    z = np.linalg.eigvals(companion).astype(complex)
+    for _ in range(3):
+        value, slope = np.zeros_like(z), np.zeros_like(z)
+        for k in range(n + 1):
+            slope = slope * z + value
+            value = value * z + c[..., k, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = value / slope
+        z = np.where(np.isfinite(step) & (np.abs(step) < 1e-4 * np.abs(z)), z - step, z)
+    z[~finite] = np.nan
+    return z
+
+
+def eigenvalues(law, V, *, sigma, K, M, **values):
+    """(..., n + 2) eigenvalues [1/s] of steady sliding at V, least stable first.
+
+    A mode faster than everything is -inf: one at M = 0, two at K = inf, where V is imposed.
+    """
+    if law.one_length:
+        return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
+    linear = linearisation(law, coefficients(law, V, values))
+    rigid = np.isinf(K)
+    kappa = np.where(rigid, 1.0, K) * values["Dc"] / (values["a"] * sigma)
+    inertia = _inertia(V, sigma=sigma, M=M, **values)
+    s = linear.rates
+    if s.shape[-1] == 1:
+        modes = _modes_of_one_state(linear, inertia, kappa)
+    else:
+        modes = _modes(linear, inertia, kappa)
+    relaxing = np.full(modes.shape, -np.inf, complex)
+    relaxing[..., : s.shape[-1]] = -np.sort(s, axis=-1)
+    modes = np.where(rigid[..., None], relaxing, modes)
+    rate = (V / values["Dc"])[..., None]
+    modes.real, modes.imag = modes.real * rate, modes.imag * rate  # -inf times a complex is nan
+    return modes
+
+
+def _modes_of_one_state(linear, inertia, kappa):
+    """The modes of one state, by a change of units those of eq. 1 and a law of one length."""
+    R_v, r, s = linear.direct, linear.evolution[..., 0], linear.rates[..., 0]
+    eta, kappa, beta = inertia * s / R_v, kappa / (s * R_v), r / R_v
+    modes = steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
+    modes.real, modes.imag = modes.real * s[..., None], modes.imag * s[..., None]
+    return modes
+
+
+def _modes(linear, inertia, kappa):
+    """The modes of two states or more, as roots of the characteristic polynomial."""
+    R_v, s, rs = linear.direct, linear.rates, linear.evolution * linear.rates
+    pairs = [np.stack([np.ones_like(x), x], axis=-1) for x in np.moveaxis(s, -1, 0)]
+    n = len(pairs)
+    slow = _product([np.stack([R_v, kappa], axis=-1), *pairs])
+    for k in range(n):
+        part = _product([pair for j, pair in enumerate(pairs) if j != k])
+        slow[..., 1:-1] -= rs[..., k, None] * part
+    light = inertia == 0.0
+    whole = np.concatenate([np.zeros((*slow.shape[:-1], 1)), slow], axis=-1)
+    whole[..., : n + 1] += inertia[..., None] * _product(pairs)
+    modes = np.empty((*R_v.shape, n + 2), complex)
+    modes[light] = np.concatenate(
+        [_roots(slow[light]), np.full((*slow[light].shape[:-1], 1), -np.inf)], axis=-1
+    )
+    modes[~light] = _roots(whole[~light])
+    order = np.lexsort((-modes.imag, -modes.real), axis=-1)
+    return np.take_along_axis(modes, order, -1)
+
+
+class CriticalSpeeds(NamedTuple):
+    """Speeds [m/s] at which steady sliding changes stability."""
+
+    V_c: np.ndarray  # the lowest above which it is unstable
+    V_c_upper: np.ndarray  # that above it from which it is stable again
+
+
+def V_c(law, *, K, **values):
+    """`CriticalSpeeds` of sliders.
+
+    V_c is 0 where sliding is unstable down to rest, inf where at no speed; V_c_upper is inf where
+    it stays unstable.
+    """
+    if law.one_length:
+        lower = stability.V_c(K=K, **values)
+        return CriticalSpeeds(lower, np.full(np.shape(lower), np.inf))
+    if law.has_own_speed:
+        shape, given = np.shape(K), {"K": K, **values}
+        each = zip(*(np.ravel(value) for value in given.values()), strict=True)
+        found = [_speeds_by_search(law, dict(zip(given, case, strict=True))) for case in each]
+        lower, upper = np.array(found).reshape(-1, 2).T
+        return CriticalSpeeds(lower.reshape(shape), upper.reshape(shape))
+    return CriticalSpeeds(*_speeds_by_edges(law, K=K, **values))
+
+
+def _speeds_by_edges(law, *, sigma, K, M, **values):
+    """V_c and V_c_upper, where the edges are at the same z and kappa/eta at all speeds."""
+    found = edges(law, coefficients(law, np.ones(np.shape(K)), values))
+    unit = values["a"] * sigma / values["Dc"]
+    excess = K[..., None] - found.quasi_static * unit[..., None]
+    rounding = stability.ROUNDING * np.abs(K)[..., None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed = np.sqrt(excess / (found.mass * (M / values["Dc"] ** 2)[..., None]))
+    speed = np.where(excess > rounding, speed, 0.0)
+    speed = np.where((found.pairs == 0) | np.isinf(K)[..., None], np.inf, speed)
+    order = np.argsort(speed, axis=-1)
+    speed = np.take_along_axis(speed, order, axis=-1)
+    pairs = np.take_along_axis(found.pairs, order, axis=-1).cumsum(axis=-1)
+    lower = np.where(pairs > 0, speed, np.inf).min(axis=-1)
+    later = (pairs <= 0) & (speed > lower[..., None])
+    return lower, np.where(later, speed, np.inf).min(axis=-1)
+
+
+def _speeds_by_search(law, given):
+    """V_c and V_c_upper of one slider, on a grid of speeds that bisection refines."""
+    if np.isinf(given["K"]):
+        return np.inf, np.inf
+    decades = round(np.log10(FASTEST / SLOWEST))
+    V = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
+
+    def stable(V):
+        return is_stable(law, V, **{name: np.full(V.shape, x) for name, x in given.items()})
+
+    unstable = ~stable(V)
+    if not unstable.any():
+        return np.inf, np.inf
+    first = int(np.argmax(unstable))
+    last = first + int(np.argmin(unstable[first:]))  # the first stable one after it, if any
+    lower = _bisect(stable, V[first - 1], V[first]) if first else 0.0
+    return lower, _bisect(stable, V[last], V[last - 1]) if last > first else np.inf
+
+
+def _bisect(stable, inside, outside):
+    """The speed between one that is stable, inside, and one that is not."""
+    low, high = np.log(inside), np.log(outside)
+    for _ in range(64):
+        middle = 0.5 * (low + high)
+        if stable(np.exp(middle)[None])[0]:
+            low = middle
+        else:
+            high = middle
+    return float(np.exp(0.5 * (low + high)))

@@ -1,0 +1,3 @@
+"""The friction laws of the paper, by name."""
+
+LAWS = ("slip", "aging")

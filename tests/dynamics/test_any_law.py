@@ -1,0 +1,293 @@
+"""What every friction law can do: runs, stability of steady sliding, limit cycles."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from textbook import OF_LAW, Textbook, drawn
+
+import ratestate as rs
+from ratestate.dynamics.basin import escape
+from ratestate.dynamics.cycles.orbit import orbit
+from ratestate.friction import hopf_of_law, normal_form
+from ratestate.friction.laws import LAWS, ONE_LENGTH
+from ratestate.friction.linear_stability import linearisation
+
+NAMES = pytest.mark.parametrize("law", LAWS)
+RTOL = 1e-6
+#: close to the edge of stability under each law, and driven at V
+COMMON = {"a": 0.003, "b": 0.005, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 3e8}
+V = 1e-3
+
+
+def slider(law, **changes):
+    return rs.SpringSlider(**(COMMON | OF_LAW[law] | changes), law=law)
+
+
+def off(run, exact, twin, law):
+    """Largest difference from y of the textbook, in tau/(a sigma), ln V and ln theta."""
+    p = twin.p
+    found = [run.tau.values / p["sigma"], np.log(run.V.values)]
+    found += [np.log(run[name].values) for name in LAWS[law].states]
+    scale = np.array([p["a"], *np.ones(len(found) - 1)])
+    return (np.abs(np.transpose(found) - exact) / scale).max()
+
+
+@NAMES
+@pytest.mark.parametrize("mass", [True, False])
+def test_a_step_is_that_of_the_textbook(law, mass):
+    """By SciPy's Radau, in other variables: a step of the load point by a factor of 3."""
+    parameters, V = drawn(law, np.random.default_rng(8))
+    parameters |= {} if mass else {"M": 0.0, "K": 3.0 * parameters["K"]}
+    twin = Textbook(law, parameters)
+    times = np.linspace(0.0, 12.0 * parameters["Dc"] / V, 13)
+    loading, start = rs.Loading.constant(V), {"V_start": V / 3.0}
+    case = rs.SpringSlider(**parameters, law=law)
+    run = rs.simulate(case, loading, times[-1], times=times, rtol=RTOL, **start)
+    exact = twin.solve(twin.steady(V / 3.0), V, times)
+    assert off(run, exact, twin, law) < 100 * RTOL
+    finer = rs.simulate(case, loading, times[-1], times=times, rtol=RTOL / 1e3, **start)
+    assert off(finer, exact, twin, law) < 1e-3 * RTOL + 1e-7  # that of Radau
+    mu = [twin.mu(np.exp(y[1]), np.exp(y[2:])) for y in exact]
+    np.testing.assert_allclose(finer.mu, mu, rtol=0, atol=1e-8)
+    assert abs(float(finer.energy_residual)) < 1e-8
+
+
+@NAMES
+def test_a_start_may_have_any_part_of_its_state_given(law):
+    """V, each state and tau, as they are given; without mass friction fixes the last one."""
+    twin = Textbook(law, {"mu0": 0.6, "V0": 1e-6} | COMMON | OF_LAW[law])
+    names = list(LAWS[law].states)
+    theta = [0.7 * D / V for D in twin.D]
+    given = {"V": 0.4 * V, **dict(zip(names, theta, strict=True))}
+    loading = rs.Loading.constant(V)
+    run = rs.simulate(slider(law), loading, 1e-6, initial=given | {"tau": 1.1e6}, times=[0.0])
+    assert float(run.tau[0]) == pytest.approx(1.1e6, rel=1e-14)
+    balance = 2e6 * twin.mu(0.4 * V, theta)
+    light = slider(law, M=0.0)
+    still = rs.simulate(light, loading, 1e-6, initial=given, times=[0.0])
+    assert float(still.tau[0]) == pytest.approx(balance, rel=1e-13)
+    with_tau = {key: x for key, x in given.items() if key != "V"} | {"tau": balance}
+    by_tau = rs.simulate(light, loading, 1e-6, initial=with_tau, times=[0.0])
+    first = {key: x for key, x in given.items() if key != "theta"} | {"tau": balance}
+    by_state = rs.simulate(light, loading, 1e-6, initial=first, times=[0.0])
+    for start in (run, still, by_tau, by_state):
+        for name, value in given.items():
+            assert float(start[name][0]) == pytest.approx(value, rel=1e-11), name
+    with pytest.raises(rs.ParameterError, match="do not agree: without inertia"):
+        rs.simulate(light, loading, 1e-6, initial=given | {"tau": 1.01 * balance})
+
+
+@NAMES
+def test_a_rigid_spring_is_the_limit_of_a_stiff_one(law):
+    """K = inf: where the law knows the state in closed form, and where it is integrated."""
+    loading = rs.Loading.series([0.0, 0.05, 0.05, 0.1, 0.3], [1e-4, 1e-4, 1e-3, 3e-3, 3e-3])
+    times = [0.02, 0.06, 0.08, 0.12, 0.3]
+    stiff, rigid = (
+        rs.simulate(slider(law, K=K, M=0.0), loading, 0.3, times=times, rtol=1e-9)
+        for K in (1e14, np.inf)
+    )
+    for name in ("mu", *LAWS[law].states):
+        np.testing.assert_allclose(rigid[name], stiff[name], rtol=2e-5, err_msg=name)
+    assert float(rigid.mu_min) == pytest.approx(float(stiff.mu_min), rel=2e-5)
+
+
+@pytest.mark.parametrize("kind", ["slip", "aging"])
+@pytest.mark.parametrize("part", [0.0, 0.3, 1.2])
+def test_two_states_over_one_distance_are_one(kind, part):
+    """However b is shared between them, one part of it perhaps < 0."""
+    loading, times = rs.Loading.steps(V / 3, (0.01, V)), np.linspace(0.0, 0.3, 31)
+    common = {"K": 6e8, "b": 0.005 * part, "b2": 0.005 * (1 - part), "Dc2": 1e-5}
+    two = rs.simulate(slider(f"two-state-{kind}", **common), loading, 0.3, times=times, rtol=1e-11)
+    one = rs.simulate(slider(kind, K=6e8), loading, 0.3, times=times, rtol=1e-11)
+    np.testing.assert_allclose(two.tau, one.tau, rtol=1e-12)
+    np.testing.assert_allclose(np.log(two.V / one.V), 0.0, atol=1e-9)
+    np.testing.assert_allclose(two.theta, two.theta2, rtol=1e-9)
+
+
+def test_without_stress_weakening_the_law_of_nagata_is_the_aging_law():
+    loading, times = rs.Loading.steps(V / 3, (0.01, V)), np.linspace(0.0, 0.3, 31)
+    runs = [
+        rs.simulate(one, loading, 0.3, times=times, rtol=1e-11)
+        for one in (slider("nagata", c=0.0, K=6e8), slider("aging", K=6e8))
+    ]
+    for name in ("tau", "V", "theta", "mu"):
+        np.testing.assert_allclose(runs[0][name], runs[1][name], rtol=1e-12, err_msg=name)
+
+
+def test_far_above_its_speed_the_law_of_kato_and_tullis_is_the_slip_law():
+    loading = rs.Loading.steps(V / 3, (0.01, V))
+    one, two = (
+        rs.simulate(case, loading, 0.3, times=[0.1, 0.3], rtol=1e-10)
+        for case in (slider("kato-tullis", V_cut=V / 3e3, K=6e8), slider("slip", K=6e8))
+    )
+    np.testing.assert_allclose(one.tau, two.tau, rtol=1e-12)
+
+
+@NAMES
+def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
+    """By central differences, on sliders with mass."""
+    rng = np.random.default_rng(9)
+    for _ in range(30):
+        parameters, V = drawn(law, rng)
+        twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)
+        y = twin.steady(V)
+        exact = np.linalg.eigvals(twin.jacobian(y, V))
+        found = rs.stability(case, V).eigenvalues.values
+        assert len(found) == len(y)
+        assert (np.diff(found.real) <= 0).all()
+        size = np.abs(exact).max()
+        for value in found:
+            near = exact[np.argmin(np.abs(exact - value))]
+            assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * size
+
+
+@NAMES
+def test_critical_stiffness_and_speeds_are_where_eigenvalues_cross(law):
+    """On both sides of each; the slider's and the function's are one."""
+    rng = np.random.default_rng(10)
+    count = 0
+    for _ in range(60):
+        parameters, V = drawn(law, rng)
+        case = rs.SpringSlider(**parameters, law=law)
+        found = rs.stability(case, V)
+        assert case.K_c(V) == pytest.approx(float(found.K_c), rel=1e-10)
+        assert bool(found.stable) == (float(found.growth_rate) < 0)
+        if case.K_c(V) > 0:
+            rates = [
+                float(rs.stability(case.replace(K=f * case.K_c(V)), V).growth_rate)
+                for f in (1 + 1e-6, 1 - 1e-6)
+            ]
+            assert rates[0] < 0 < rates[1]
+            edge = rs.stability(case.replace(K=case.K_c(V)), V)
+            if float(edge.omega) > 0:
+                assert float(edge.omega) == pytest.approx(float(found.omega_c), rel=1e-6)
+        for speed, sign in ((case.V_c, 1), (case.V_c_upper, -1)):
+            if 0 < speed < np.inf:
+                count += 1
+                below, above = (
+                    float(rs.stability(case, f * speed).growth_rate) for f in (1 - 1e-6, 1 + 1e-6)
+                )
+                assert sign * below < 0 < sign * above
+        assert case.V_c < case.V_c_upper or case.V_c_upper == np.inf
+    assert count > 10
+
+
+def test_sliding_may_be_unstable_between_two_speeds_alone():
+    """A second state that strengthens, over a long distance, wins at large speeds."""
+    between = slider("two-state-slip", b=0.0039, b2=-0.0039, Dc2=2e-4, K=1.5e8)
+    low, high = between.V_c, between.V_c_upper
+    assert 1e-3 < low < 2e-3 < 2e-2 < high < 3e-2
+    found = rs.stability(between, rs.logspace("V_lp", 1e-5, 1.0, 300))
+    inside = (low < found.V_lp) & (found.V_lp < high)
+    np.testing.assert_array_equal(found.stable, ~inside)
+    np.testing.assert_array_equal(found.growth_rate > 0, inside)
+    assert (found.V_c == low).all()
+    assert (found.V_c_upper == high).all()
+    alone = slider("two-state-slip", b=0.002, b2=0.0, Dc2=1e-5)  # strengthens at any speed
+    assert (alone.V_c, alone.V_c_upper) == (np.inf, np.inf)
+
+
+def test_critical_stiffness_depends_on_the_speed_under_a_law_with_one_of_its_own():
+    case = slider("kato-tullis")
+    with pytest.raises(rs.ParameterError, match="K_c_qs depends on the speed"):
+        _ = case.K_c_qs
+    slow, fast = (float(rs.stability(case, v).K_c_qs) for v in (1e-9, 1.0))
+    assert fast == pytest.approx(slider("slip").K_c_qs, rel=1e-12)
+    # far below V_cut ln(V theta/Dc) is W(1) = 0.567..., and theta relaxes 1 + W(1) times as fast
+    assert slow == pytest.approx(1.5671432904097838 * fast, rel=1e-4)
+
+
+@NAMES
+def test_small_cycles_grow_from_the_hopf_point_as_it_says(law):
+    """By its type and amplitude_coefficient, along K and V_lp; and how fast all else fades."""
+    case = slider(law, K=6e8)
+    by_K = rs.hopf(case, 3e-3)
+    assert float(by_K.K_c) == pytest.approx(case.K_c(3e-3), rel=1e-12)
+    assert str(by_K.type.values) == "supercritical"
+    below = rs.limit_cycle(case.replace(K=float(by_K.K_c) * (1 - 1e-4)), 3e-3)
+    expected = 1e-2 * float(by_K.amplitude_coefficient)
+    assert float(below.amplitude) == pytest.approx(expected, rel=1e-3)
+    at_edge = rs.stability(case.replace(K=float(by_K.K_c)), 3e-3).eigenvalues.values
+    others = at_edge[np.abs(at_edge.imag) < 0.5 * float(by_K.omega_c)]
+    assert float(by_K.eigenvalue_3) == pytest.approx(others.real.max(), rel=1e-9)
+    by_V = rs.hopf(case)
+    assert float(by_V.V_c) == case.V_c
+    if 0 < case.V_c < np.inf:
+        cycle = rs.limit_cycle(case, float(by_V.V_c) * (1 + 1e-4))
+        expected = 1e-2 * float(by_V.amplitude_coefficient)
+        assert float(cycle.amplitude) == pytest.approx(expected, rel=1e-3)
+
+
+def test_the_numbers_of_any_law_are_the_closed_form_of_one_length():
+    """lyapunov_1 and growth rates, from no inertia at all to much of it, within their rounding."""
+    for name, law in ONE_LENGTH.items():
+        b1, eta = (x.ravel() for x in np.meshgrid([0.01, 0.3, 30.0], [0.0, 1e-6, 0.3, 20.0]))
+        p, kappa, omega = (1 + b1,), b1 * (1 + eta), np.sqrt(b1)
+        found, rounding = hopf_of_law.lyapunov_1(law, p, kappa, eta, omega)
+        exact, _ = normal_form.lyapunov_1(eta, b1, *normal_form.law_curvatures(name))
+        assert (np.abs(found - exact) < rounding).all()
+        visible = eta > 0.1
+        np.testing.assert_allclose(found[visible], exact[visible], rtol=1e-13)
+        by_K, by_V = hopf_of_law.growth_slopes(linearisation(law, p), kappa, eta, omega)
+        expected_by_V, expected_by_K = normal_form.growth_slopes(eta, b1)
+        np.testing.assert_allclose(by_K, expected_by_K, rtol=1e-13)
+        np.testing.assert_allclose(by_V, expected_by_V, rtol=0, atol=1e-13)
+
+
+@NAMES
+def test_a_limit_cycle_is_where_a_long_run_ends(law):
+    """With as many multipliers as states, and one more; amplitude, period and speeds."""
+    case = slider(law, K=2e8)
+    cycle = rs.limit_cycle(case, V)
+    run = rs.simulate(case, rs.Loading.constant(V), 60.0, V_start=V / 10, times=[60.0], rtol=1e-10)
+    assert int(cycle.status) == 0
+    assert cycle.sizes["multiplier"] == 1 + len(LAWS[law].states)
+    assert float(cycle.error) < 1e-8
+    assert float(run.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-7)
+    assert float(run.frequency) == pytest.approx(float(cycle.frequency), rel=1e-7)
+    around = orbit(case, V)
+    assert np.ptp(around.tau.values) / 2e6 == pytest.approx(float(cycle.amplitude), rel=1e-5)
+    for name in ("tau", *LAWS[law].states):
+        start, end = np.log(around[name].values[[0, -1]])
+        assert end == pytest.approx(start, abs=1e-6), name
+
+
+def test_multipliers_of_two_states_are_those_of_one_and_of_their_difference():
+    """Equal distances: the map has those of one state, and how fast a difference of both fades."""
+    two = rs.limit_cycle(slider("two-state-slip", b=0.003, b2=0.002, Dc2=1e-5), V)
+    one = rs.limit_cycle(slider("slip"), V)
+    assert float(two.amplitude) == pytest.approx(float(one.amplitude), rel=1e-9)
+    assert float(two.period) == pytest.approx(float(one.period), rel=1e-9)
+    slip = V * float(one.period) / 1e-5  # a difference decays by e over each Dc of slip
+    found = np.sort(np.abs(two.multipliers.values))[::-1]
+    expected = np.sort(np.append(np.abs(one.multipliers.values), np.exp(-slip)))[::-1]
+    np.testing.assert_allclose(found[0], expected[0], rtol=1e-6)
+    np.testing.assert_allclose(found[1], expected[1], rtol=1e-3, atol=1e-9)
+
+
+def test_sweeps_take_a_laws_own_parameters():
+    """As axes, by name, in every function; each case as by itself."""
+    many = slider("two-state-slip", b2=xr.DataArray([-0.0005, 0.0, 0.001], dims="b2"))
+    runs = rs.simulate(many, rs.Loading.constant(V), 0.2, V_start=V / 3)
+    cycles, steady = rs.limit_cycle(many, V), rs.stability(many, V)
+    assert runs.theta2.dims == ("b2", "time")
+    for i in range(3):
+        one = slider("two-state-slip", b2=float(many.b2[i]))
+        run = rs.simulate(one, rs.Loading.constant(V), 0.2, V_start=V / 3, times=[0.2])
+        assert float(runs.theta2[i, 0]) == pytest.approx(float(run.theta2[0]), rel=1e-6)
+        assert float(cycles.period[i]) == pytest.approx(float(rs.limit_cycle(one, V).period))
+        assert float(steady.K_c[i]) == pytest.approx(one.K_c(V), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("escape", lambda s: escape(s, V)),
+        ("continue_cycle", lambda s: rs.continue_cycle(s, "K", 3e8, 2e8, V_lp=V)),
+        ("bautin", lambda s: rs.bautin(s.law, 2.0)),
+    ],
+)
+def test_functions_that_cannot_serve_a_law_say_why(name, call):
+    said = rf"law = 'nagata': {name} is for laws of one state and one length, 'slip' and 'aging'"
+    with pytest.raises(rs.ParameterError, match=said):
+        call(slider("nagata"))

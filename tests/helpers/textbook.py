@@ -1,0 +1,129 @@
+"""A plain-Python twin of the friction laws, as their papers write them, sharing no code with ours.
+
+The state is y = (tau/sigma, ln V, ln theta, ...) in SI, and SciPy's Radau takes it from there:
+
+    d tau/dt = K (V_lp - V)      M dV/dt = tau - sigma mu      mu, d theta/dt: as below.
+"""
+
+import math
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+#: name -> parameters beside the common ones, of which tests draw others
+OF_LAW = {
+    "slip": {},
+    "aging": {},
+    "two-state-slip": {"b2": 0.001, "Dc2": 5e-5},
+    "two-state-aging": {"b2": 0.001, "Dc2": 5e-5},
+    "nagata": {"c": 1.0},
+    "kato-tullis": {"V_cut": 1e-4},
+}
+
+
+def drawn(law, rng):
+    """Random parameters of a slider [SI], and its load-point speed, near the edge of stability."""
+    a = 10 ** rng.uniform(-2.7, -1.7)
+    p = {"a": a, "b": a * rng.uniform(1.1, 3.0), "Dc": 10 ** rng.uniform(-6, -4)}
+    p |= {"sigma": 10 ** rng.uniform(5.5, 7.5), "mu0": 0.6, "V0": 1e-6}
+    V = 10 ** rng.uniform(-6, -2)
+    more = {
+        "b2": p["b"] * rng.uniform(-0.3, 0.8),
+        "Dc2": p["Dc"] * 10 ** rng.uniform(-1.0, 1.0),
+        "c": rng.uniform(0.0, 2.0),
+        "V_cut": V * 10 ** rng.uniform(-1.5, 1.5),
+    }
+    p |= {symbol: more[symbol] for symbol in OF_LAW[law]}
+    p["K"] = rng.uniform(0.4, 2.5) * p["b"] * p["sigma"] / p["Dc"]
+    eta = 10 ** rng.uniform(-4, 1)
+    p["M"] = eta * a * p["sigma"] * p["Dc"] / V**2
+    return p, V
+
+
+class Textbook:
+    """A slider under a law, by name, with parameters p [SI]."""
+
+    def __init__(self, law, p):
+        self.law, self.p = law, p
+        self.b = [p["b"], p["b2"]] if "b2" in p else [p["b"]]
+        self.D = [p["Dc"], p["Dc2"]] if "b2" in p else [p["Dc"]]
+
+    def mu(self, V, theta):
+        p = self.p
+        state = sum(
+            b * math.log(p["V0"] * th / D) for b, th, D in zip(self.b, theta, self.D, strict=True)
+        )
+        return p["mu0"] + p["a"] * math.log(V / p["V0"]) + state
+
+    def steady_theta(self, V):
+        """States in steady sliding."""
+        if self.law == "kato-tullis":  # exp(-V/V_cut) = W ln W, W = V theta/Dc
+            healing = math.exp(-V / self.p["V_cut"])
+            W = brentq(lambda W: W * math.log(W) - healing, 1.0, 2.0, xtol=1e-15)
+            return [W * self.D[0] / V]
+        return [D / V for D in self.D]
+
+    def steady(self, V):
+        """y of steady sliding at V."""
+        theta = self.steady_theta(V)
+        return np.array([self.mu(V, theta), math.log(V), *map(math.log, theta)])
+
+    def evolution(self, V, theta, dmu_dt):
+        """d theta/dt of each state."""
+        W = [V * th / D for th, D in zip(theta, self.D, strict=True)]
+        if self.law in ("slip", "two-state-slip"):
+            return [-x * math.log(x) for x in W]
+        if self.law in ("aging", "two-state-aging"):
+            return [1.0 - x for x in W]
+        if self.law == "kato-tullis":
+            return [math.exp(-V / self.p["V_cut"]) - W[0] * math.log(W[0])]
+        assert self.law == "nagata"
+        return [1.0 - W[0] - self.p["c"] / self.p["b"] * theta[0] * dmu_dt]
+
+    def velocity(self, stress, theta):
+        """V where friction balances the spring, for M = 0."""
+        without = self.mu(self.p["V0"], theta)
+        return self.p["V0"] * math.exp((stress - without) / self.p["a"])
+
+    def rates(self, y, V_lp):
+        p, theta = self.p, [math.exp(x) for x in y[2:]]
+        V = math.exp(y[1]) if p["M"] > 0 else self.velocity(y[0], theta)
+        d_stress = p["K"] * (V_lp - V) / p["sigma"]
+        if p["M"] > 0:
+            d_lnV = p["sigma"] * (y[0] - self.mu(V, theta)) / (p["M"] * V)
+        d_mu = d_stress  # where M = 0 friction is the spring's stress
+        if p["M"] > 0 and self.law == "nagata":
+            # d mu/dt = a d lnV/dt + b d ln theta/dt, and d theta/dt holds it too: solved for it
+            aging = 1.0 - V * theta[0] / p["Dc"]
+            d_mu = (p["a"] * d_lnV + p["b"] * aging / theta[0]) / (1.0 + p["c"])
+        d_theta = self.evolution(V, theta, d_mu)
+        d_log = [d / th for d, th in zip(d_theta, theta, strict=True)]
+        if p["M"] == 0:
+            state = sum(b * d for b, d in zip(self.b, d_log, strict=True))
+            d_lnV = (d_stress - state) / p["a"]
+        return np.array([d_stress, d_lnV, *d_log])
+
+    def jacobian(self, y, V_lp):
+        """By central differences: SciPy's own, one-sided, make Radau stall."""
+        columns = []
+        for i in range(len(y)):
+            h = np.zeros(len(y))
+            h[i] = 1e-6 if i else 1e-6 * self.p["a"]
+            columns.append((self.rates(y + h, V_lp) - self.rates(y - h, V_lp)) / (2 * h[i]))
+        return np.array(columns).T
+
+    def solve(self, y, V_lp, times, tol=1e-10):
+        """y at the times, one a row, under a constant V_lp from y at 0 on."""
+        run = solve_ivp(
+            lambda t, y: self.rates(y, V_lp),
+            (0.0, times[-1]),
+            y,
+            "Radau",
+            times,
+            jac=lambda t, y: self.jacobian(y, V_lp),
+            rtol=tol,
+            atol=tol * np.array([self.p["a"], *np.ones(len(y) - 1)]),
+        )
+        assert run.success, run.message
+        return run.y.T
