@@ -19,6 +19,7 @@ OF_LAW = {
     "two-state-aging": {"b2": 0.001, "Dc2": 5e-5},
     "nagata": {"c": 1.0},
     "kato-tullis": {"V_cut": 1e-4},
+    "prz": {},
 }
 
 
@@ -76,6 +77,8 @@ class Textbook:
             return [-x * math.log(x) for x in W]
         if self.law in ("aging", "two-state-aging"):
             return [1.0 - x for x in W]
+        if self.law == "prz":
+            return [0.5 * (1.0 - W[0] ** 2)]
         if self.law == "kato-tullis":
             return [math.exp(-V / self.p["V_cut"]) - W[0] * math.log(W[0])]
         assert self.law == "nagata"
