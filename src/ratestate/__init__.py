@@ -26,17 +26,21 @@ if TYPE_CHECKING:
         RateStateError,
         SolverError,
     )
+    from .friction.law import FrictionLaw, Parameter
     from .model.arrays import logspace
     from .model.conversion import in_units
     from .model.loading import Loading
     from .model.slider import SpringSlider
+    from .model.user_laws import register
     from .records.fitting.fit import fit
     from .records.reading import read_lab
     from .sweeps.sweep import sweep
 
 __all__ = [
+    "FrictionLaw",
     "Loading",
     "NotConverged",
+    "Parameter",
     "ParameterError",
     "QuasiStaticInstability",
     "RateStateError",
@@ -50,6 +54,7 @@ __all__ = [
     "limit_cycle",
     "logspace",
     "read_lab",
+    "register",
     "simulate",
     "stability",
     "sweep",
@@ -59,8 +64,10 @@ __all__ = [
 _HOMES = {
     "CompilationError": "errors",
     "FitWarning": "errors",
+    "FrictionLaw": "friction.law",
     "Loading": "model.loading",
     "NotConverged": "errors",
+    "Parameter": "friction.law",
     "ParameterError": "errors",
     "QuasiStaticInstability": "errors",
     "RateStateError": "errors",
@@ -77,6 +84,7 @@ _HOMES = {
     "limit_cycle": "dynamics.cycles.limit_cycle",
     "logspace": "model.arrays",
     "read_lab": "records.reading",
+    "register": "model.user_laws",
     "simulate": "dynamics.simulation.simulate",
     "stability": "dynamics.steady_sliding",
     "sweep": "sweeps.sweep",

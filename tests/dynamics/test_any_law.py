@@ -187,6 +187,57 @@ def test_sliding_may_be_unstable_between_two_speeds_alone():
     assert (alone.V_c, alone.V_c_upper) == (np.inf, np.inf)
 
 
+def test_sliding_may_be_stable_below_both_edges():
+    """A spring that is soft enough for the second pair of roots to be stable again."""
+    shares = {"a": 0.01, "b": 0.0189, "b2": -0.009, "Dc2": 2e-5}
+    soft = slider("two-state-aging", **shares, K=1.86e6, M=1e3, sigma=5e6)
+    speeds = rs.logspace("V_lp", 1e-10, 1e2, 25)
+    stiff = rs.stability(soft.replace(K=0.5 * soft.K_c_qs), speeds)
+    found = rs.stability(soft, speeds)
+    np.testing.assert_array_equal(found.stable, found.growth_rate < 0)
+    np.testing.assert_array_equal(stiff.stable, stiff.growth_rate < 0)
+    assert bool(found.stable.all())
+    assert (soft.V_c, soft.V_c_upper) == (np.inf, np.inf)
+    assert float(stiff.V_c) == 0.0
+    np.testing.assert_array_equal(stiff.stable, speeds > stiff.V_c_upper)
+
+
+def test_neither_weakening_nor_strengthening_is_stable():
+    """b = a: friction in steady sliding is the same at all speeds, whatever the rounding."""
+    for law in LAWS:
+        own = {"b2": 0.0} if "b2" in OF_LAW[law] else {}
+        neutral = slider(law, a=0.01, b=0.01, **own)
+        if law != "kato-tullis":  # its state relaxes otherwise at each speed
+            assert neutral.K_c(V) == 0.0, law
+            assert str(rs.hopf(neutral, V).type.values) == "none"
+
+
+@NAMES
+def test_a_slider_without_mass_on_a_soft_spring_runs_away(law):
+    """With the same exception by all laws, and the run up to there."""
+    own = {"b2": 0.001} if "b2" in OF_LAW[law] else {}
+    light = slider(law, M=0.0, K=2e6, b=0.008, **own)
+    with pytest.raises(rs.QuasiStaticInstability, match="V grows without bound") as error:
+        rs.simulate(light, rs.Loading.constant(V), 1e3, V_start=V / 10)
+    assert float(error.value.best.time[-1]) > 0.01
+
+
+def test_without_mass_the_law_of_perrin_rice_and_zheng_runs_away_from_a_large_step():
+    """Its Hopf bifurcation is subcritical there: an unstable cycle parts rest from runaway."""
+    light = slider("prz", M=0.0, b=0.0045, K=1.2 * slider("prz", b=0.0045).K_c_qs)
+    edge = escape(light, V)
+    assert str(edge.outcome.values) == "runaway"
+    step = float(edge.step_up)
+    for factor, runs_away in ((0.999, False), (1.001, True)):
+        start = {"V_start": V / (factor * step)}
+        if runs_away:
+            with pytest.raises(rs.QuasiStaticInstability):
+                rs.simulate(light, rs.Loading.constant(V), 1e3, **start)
+        else:
+            run = rs.simulate(light, rs.Loading.constant(V), 10.0, times=[10.0], **start)
+            assert float(run.V[-1]) == pytest.approx(V, rel=1e-3)
+
+
 def test_critical_stiffness_depends_on_the_speed_under_a_law_with_one_of_its_own():
     case = slider("kato-tullis")
     with pytest.raises(rs.ParameterError, match="K_c_qs depends on the speed"):

@@ -1,5 +1,6 @@
 """The noun: values in, checks, derived quantities, equality."""
 
+import copy
 import dataclasses
 import re
 
@@ -130,3 +131,18 @@ def test_speeds_are_checked():
         slider.K_c("3 um")
     with pytest.raises(ParameterError, match="M and V have 3 and 2 values"):
         slider.eta(xr.DataArray([1.0, 2.0], dims="M"))
+
+
+def test_copies_of_a_slider_are_of_its_class():
+    """Also where it has a law's own parameters, and from a class of one's own."""
+
+    class Rig(SpringSlider):
+        pass
+
+    common = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 9e8}
+    rig = Rig(**common, law="two-state-slip", b2=0.001, Dc2=1e-4)
+    for same in (copy.copy(rig), copy.deepcopy(rig), rig.replace(), rig.__replace__(b2=0.001)):
+        assert type(same) is Rig
+        assert same == rig
+    assert rig.replace(b2=0.002) != rig
+    assert SpringSlider.__match_args__ == ()

@@ -10,7 +10,7 @@ lies between; without inertia it uses the path that separates runaways from orbi
 import numpy as np
 import xarray
 
-from ..engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
+from ..engine.model import FINISHED, NO_CONVERGENCE, RUNAWAY, STEADY_SLIDING
 from ..errors import SolverError
 from ..model.batch import Batch
 from ..model.slider import checked
@@ -32,7 +32,7 @@ VARIABLES = [*KINDS, "outcome", *CYCLES]
 SIZES = np.geomspace(1e-4, 27.6, 96)
 #: status of an orbit that does not come back -> its name, "unknown" for any other.  Where a
 #: slider's disturbances end in different ways, "unknown" prevails, else the later of these.
-OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles"}
+OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles", RUNAWAY: "runaway"}
 # Then the interval between two sizes is divided into so many parts, until it is this narrow.
 PARTS, ACCURACY = 16, 1e-6
 # Accuracy of the cycle that is reached, enough to know that it is one; and tolerance of a step of
@@ -122,7 +122,8 @@ def _disturbed(system, kind, size):
     step, sign = kind < 2, np.where(kind % 2 == 0, 1.0, -1.0)
     v = np.where(step, -sign * size, 0.0)
     kick = np.where(step, 0.0, sign * size)
-    return np.stack([(1.0 - system.beta) * v + kick, v, -v], axis=1)
+    at_once = np.where(system.eta == 0.0, kick, 0.0)  # without mass friction follows the stress
+    return np.stack([(1.0 - system.beta) * v + kick, v + at_once, -v], axis=1)
 
 
 def _smallest_escapes(system, kind, largest, progress):

@@ -26,7 +26,7 @@ from ..model.batch import Batch
 from ..model.names import keywords_checked
 from ..model.slider import checked
 from ..model.units import is_array, named, to_si
-from .refusals import check_one_length, refusal
+from .refusals import check_one_length, check_orders, refusal
 
 VARIABLES = (
     "V_c K_c eta omega_c frequency eigenvalue_3 lyapunov_1 type amplitude_coefficient".split()
@@ -67,8 +67,8 @@ def hopf(slider, V_lp=None):
         sqrt(|K/K_c - 1|); the attribute ``parameter`` says which ("V_lp" or "K").
 
         Degenerate is a lyapunov_1 within its rounding error of 0, which is 1e-14 of the terms
-        that sum to it: where the type changes (see `bautin`), and without mass, for which it is
-        0 at K_c_qs.  There amplitude_coefficient is inf.
+        that sum to it: where the type changes (see `bautin`), and without mass by the laws of eqs 2
+        and 3.  There amplitude_coefficient is inf.
 
         Where the type is "none" there is no bifurcation, and all else is NaN except V_c and K_c.
         Without V_lp, V_c is inf
@@ -89,6 +89,7 @@ def hopf(slider, V_lp=None):
     ('supercritical', 50.33)
     """
     law = checked(slider).friction
+    check_orders("hopf", law, 3)
     values = slider.values
     parameter = "V_lp" if V_lp is None else "K"
     other = {"K": values["K"]} if V_lp is None else {"V_lp": to_si("V_lp", V_lp)}
@@ -187,9 +188,9 @@ def _where_it_is(law, V, values):
     by_K, by_V = hopf_of_law.growth_slopes(linearisation(law, p), kappa, inertia, omega)
     if law.has_own_speed:
         by_V = _growth_by_speed(law, V, critical, values)
-    modes = eigenvalues(law, V, K=critical, **values) * unit[:, None]
-    pair = np.argsort(np.abs(np.abs(modes.imag) - omega[:, None]), axis=1)[:, :2]
-    others = modes.real.copy()
+    modes, unit = eigenvalues(law, V, K=critical, **values), unit[:, None]
+    pair = np.argsort(np.abs(np.abs(modes.imag) * unit - omega[:, None]), axis=1)[:, :2]
+    others = modes.real * unit
     np.put_along_axis(others, pair, -np.inf, axis=1)
     return _Point(omega, others.max(axis=1), coefficient, rounding, by_K, by_V, 2.0 * kappa / omega)
 

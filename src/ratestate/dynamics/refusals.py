@@ -14,6 +14,13 @@ sentence = Sentences(Path(__file__).with_suffix(".toml"))
 refusal = sentence.refusal
 
 
+def check_orders(function, law, orders):
+    """Raise ParameterError, for a function by name, where a law lacks derivatives of an order."""
+    if law.orders < orders:
+        lacks = "rate_partials_2" if orders == 2 or law.orders == 1 else "rate_partials_3"
+        raise refusal("law.orders", function=function, law=law.name, lacks=lacks)
+
+
 def check_one_length(function, law):
     """Raise ParameterError, for a function by name, unless a law, by name, is of one length."""
     if not friction_law(law).one_length:

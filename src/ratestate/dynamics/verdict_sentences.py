@@ -110,6 +110,8 @@ def _stability(v):
     stable = "stable" if v.stable else "unstable"
     values = {"compared": _compared(K / v.K_c), "stable": stable, "speeds": speeds}
     if v.V_c_upper < np.inf:
+        beyond = v.V_lp > v.V_c_upper and not v.stable
+        values["again"] = ", and again at this speed" if beyond else ""
         values["speeds"] = sentence(f"stability.{'between' if v.V_c else 'below_upper'}", v=v)
     return sentence("stability.whole" if v.V_c_upper == np.inf else "stability.only", v=v, **values)
 

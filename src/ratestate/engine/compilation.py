@@ -7,6 +7,8 @@ import atexit
 import contextlib
 import functools
 import gc
+import inspect
+import re
 import subprocess
 import sys
 from typing import Any
@@ -15,6 +17,7 @@ from numba.core import targetconfig
 
 from ..errors import CompilationError
 from ..friction.law import FrictionLaw
+from ..friction.user_law import MARK
 from .cache import report
 
 _called: set = set()  # (kernel, law): here, at least once
@@ -31,12 +34,30 @@ def call(kernel, *arguments):
             result = kernel(*arguments)
     except Exception as error:  # none of a case's: compiled code has but status codes
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        if law is not None and MARK in law.name:
+            raise CompilationError(
+                f"the law {law.name} cannot be compiled: {_why(error, law)}; its methods may hold "
+                f"arithmetic, math and what else numba knows"
+            ) from error
         raise CompilationError(
             f"the solver cannot be compiled on this machine ({reason}); no parameter is at fault: "
             f"free memory, or install ratestate and numba anew, and run the same again"
         ) from error
     _called.add((kernel, law))
     return result
+
+
+def _why(error, law):
+    """What the compiler's message names as the cause, and where in the law."""
+    text = str(error)
+    causes = re.findall(
+        r"^\s*((?:No impl|Unknown|Invalid|Cannot|Use of|Untyped|name ').*)$", text, re.M
+    )
+    reason = (causes or [line for line in text.splitlines() if line] or [type(error).__name__])[-1]
+    places = re.findall(r'File "([^"]+)", line (\d+)', text)
+    own = inspect.getfile(type(law))
+    lines = [line for file, line in places if own.endswith(file)]
+    return reason + (f" ({own}, line {lines[-1]})" if lines else "")
 
 
 def law_among(arguments):

@@ -30,7 +30,7 @@ class LawType(types.Type):
     """The type of a law, which is all that compiled code knows of it: it has no value."""
 
     def __init__(self, law):
-        super().__init__(f"{type(law).__module__}.{type(law).__qualname__}")
+        super().__init__(f"{type(law).__module__}.{type(law).__qualname__} {law.name}")
         self.law = law
         for kind in type(law).__mro__[:-1]:
             _overload_methods(kind)

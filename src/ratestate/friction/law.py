@@ -46,6 +46,8 @@ class FrictionLaw:
     name: str
     label: str  # in titles and legends
     synonyms: tuple[str, ...] = ()  # other names by which it is known, in small letters
+    #: of the derivatives that it has: 1 is enough for runs, 2 for limit cycles, 3 for `hopf`
+    orders: int = 3
     #: whether friction is that of eq. 1 in one state with d theta/dt = h(V theta/Dc), h(1) = 0 and
     #: h'(1) = -1: then eqs 6, 7 and 10 hold, and what else is known of such laws
     one_length: bool = False
@@ -218,6 +220,12 @@ class FrictionLaw:
         v = np.log(V / V0)
         psi = self.variables(v, (-v,) * len(self.states), p)
         return values["mu0"] + values["a"] * self.resistance(v, V / V0, psi, p)
+
+    def steady_friction(self, V, values):
+        """mu in steady sliding at V (n,), from parameters; values as for `reference_friction`."""
+        p = tuple(self.coefficient_array(V, values).T)
+        rest = self.resistance(0.0, 1.0, self.steady_variables(p), p)
+        return self.reference_friction(V, values) + values["a"] * rest
 
     def exponentials(self, v, w, psi, p):
         """The exponentials e of arrays or numbers, a tuple, in Python."""

@@ -24,6 +24,8 @@ from .eigenvalues import steady_modes
 
 # Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
 SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e20, 10
+# Evolution effect over direct effect, less 1, that is rounding.
+NEUTRAL = 1e-15
 # Of the roots of the polynomial, what may be rounding of a real one.
 IMAGINARY = 1e-9
 
@@ -135,7 +137,8 @@ def _edge_frequencies(linear):
     """(..., n) z = omega^2 on the edges of stability; in place of others a number not above 0."""
     R_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
     if s.shape[-1] == 1:
-        return s**2 * (r / R_v - 1.0)
+        excess = r / R_v - 1.0
+        return s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
     # R_v prod_k (z + s_k^2) - sum_k r_k s_k^2 prod_(j not k) (z + s_j^2)
     whole = _product([np.stack([np.ones_like(x), x**2], axis=-1) for x in np.moveaxis(s, -1, 0)])
     total = R_v * whole
@@ -249,7 +252,7 @@ def V_c(law, *, K, **values):
     """`CriticalSpeeds` of sliders.
 
     V_c is 0 where sliding is unstable down to rest, inf where at no speed; V_c_upper is inf where
-    it stays unstable.
+    it stays unstable.  Under a law with a speed of its own it may be unstable once more above that.
     """
     if law.one_length:
         lower = stability.V_c(K=K, **values)
@@ -273,9 +276,9 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
         speed = np.sqrt(excess / (found.mass * (M / values["Dc"] ** 2)[..., None]))
     speed = np.where(excess > rounding, speed, 0.0)
     speed = np.where((found.pairs == 0) | np.isinf(K)[..., None], np.inf, speed)
-    order = np.argsort(speed, axis=-1)
-    speed = np.take_along_axis(speed, order, axis=-1)
-    pairs = np.take_along_axis(found.pairs, order, axis=-1).cumsum(axis=-1)
+    # just above each of these speeds, how many pairs are unstable
+    passed = speed[..., None, :] <= speed[..., None]
+    pairs = (found.pairs[..., None, :] * passed).sum(axis=-1)
     lower = np.where(pairs > 0, speed, np.inf).min(axis=-1)
     later = (pairs <= 0) & (speed > lower[..., None])
     return lower, np.where(later, speed, np.inf).min(axis=-1)

@@ -40,7 +40,8 @@ def initial_state(law, batch, V_load):
 
     ParameterError where values disagree, by more than 1e-9 in x - R: V, all states and tau where
     M = 0, these but V where K = inf; for V other than V_load where K = inf; and where tau would
-    have to fix a state on which friction does not depend.  Ranges are checked by `initial_values`.
+    have to fix a state on which friction does not depend.  Of two states that are left out tau
+    fixes the first.  Ranges are checked by `initial_values`.
 
     batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
@@ -111,9 +112,10 @@ def _state_by_stress(law, x, v, states, p, k, where):
 
     found = _root(off, states[k], where)
     if not np.isfinite(found[where]).all():
+        name = list(law.states)[k]
         raise ParameterError(
-            "initial V and tau do not fix theta, on which friction does not depend (b = 0); give "
-            "theta and tau"
+            f"initial V and tau do not fix {name}, on which friction does not depend (b = 0); give "
+            f"{name} and tau"
         )
     return [*states[:k], np.where(where, found, states[k]), *states[k + 1 :]]
 

@@ -11,12 +11,13 @@ from ..friction.stability import eta, f_n
 from .arrays import check_aligned
 from .contact import parameter_to_si
 from .names import check_keywords
-from .slider_names import names_first
+from .slider_names import law_of, names_first
 from .slider_text import as_call, as_html
 from .units import is_array, named, to_si
+from .user_laws import known_again, recorded
 
 
-@dataclasses.dataclass(frozen=True, init=False, eq=False, repr=False)
+@dataclasses.dataclass(frozen=True, kw_only=True, init=False, eq=False, repr=False)
 class SpringSlider:
     """A slider under rate-and-state friction, pulled through a spring (eqs 1-4).
 
@@ -128,7 +129,7 @@ class SpringSlider:
         (2000000.0, 3000.0, 900000000.0)
         """
         known = ("area", "mass", "stiffness", "normal_force", "a", "b", "Dc", "mu0", "V0", "law")
-        known += tuple(friction_law(parameters.get("law", DEFAULT)).parameters)
+        known += tuple(law_of(parameters.get("law", DEFAULT)).parameters)
         check_keywords("SpringSlider.of_contact", parameters, known)
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
@@ -173,10 +174,10 @@ class SpringSlider:
         ParameterError
             An unknown or mistyped parameter; a value of a wrong unit or range.
         """
-        old, new = self.friction, friction_law(changes.get("law", self.law))
+        old, new = self.friction, law_of(changes.get("law", self.law))
         lost = old.parameters.keys() - new.parameters.keys()
         kept = {name: x for name, x in self.parameters.items() if name not in lost}
-        return SpringSlider(**(kept | changes))
+        return type(self)(**(kept | changes))
 
     @property
     def values(self):
@@ -212,7 +213,10 @@ class SpringSlider:
 
     @property
     def V_c_upper(self):
-        """The speed [m/s] above V_c from which steady sliding is stable again; inf if none."""
+        """The speed [m/s] above V_c from which steady sliding is stable again; inf if none.
+
+        Under a law with a speed of its own it may become unstable once more at larger speeds.
+        """
         return self._of_law("V_c_upper", V_c, "V_c_upper", **self._pick(("sigma", "K", "M")))
 
     @property
@@ -298,6 +302,12 @@ class SpringSlider:
             for x, y in pairs
         )
 
+    def __reduce__(self):
+        """With the source of a user's law, which is registered where the slider is made again."""
+        return _made_again, (type(self), recorded(self.law), self.parameters)
+
+    __replace__ = replace  # of `copy.replace`
+
     def __hash__(self):
         return hash(tuple(v.shape if is_array(v) else v for v in self.parameters.values()))
 
@@ -310,6 +320,12 @@ SpringSlider.__init__ = names_first(SpringSlider)  # type: ignore[method-assign]
 PARAMETERS = tuple(
     f.name for f in dataclasses.fields(SpringSlider) if f.name not in ("law", "area")
 )
+
+
+def _made_again(kind, record, parameters):
+    """A slider of this class, after the law of `recorded` has been made known."""
+    known_again(record)
+    return kind(**parameters)
 
 
 def checked(slider):

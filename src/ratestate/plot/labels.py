@@ -1,6 +1,5 @@
 """How pictures write quantities and laws: symbols as mathematics, values with units that fit."""
 
-import itertools
 from typing import Any, NamedTuple
 
 from ..friction.laws import LAWS as friction
@@ -32,11 +31,20 @@ class Law(NamedTuple):
 # The looks of laws, in their order, and then again.
 _COLORS = (RED, BLUE, "#2ca02c", "#9467bd", "#e08214", "#17a2b8", "#8c564b")
 _DASHES = ("-", (0, (5, 1.6)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (9, 2)))
-_looks = zip(itertools.cycle(_COLORS), itertools.cycle(_DASHES), strict=False)
+
+
+class _Looks(dict[str, Law]):
+    """Name of a friction law -> its look, found when it is needed: users add laws."""
+
+    def __missing__(self, name: str) -> Law:
+        i = list(friction).index(name)
+        color, dashes = _COLORS[i % len(_COLORS)], _DASHES[i % len(_DASHES)]
+        self[name] = Law(friction[name].label, color, dashes)
+        return self[name]
+
+
 #: name of a friction law -> its look
-LAWS = {
-    name: Law(law.label, *look) for (name, law), look in zip(friction.items(), _looks, strict=False)
-}
+LAWS = _Looks()
 
 #: power of ten -> prefix
 PREFIXES = quantities.PREFIXES | {-6: "\N{GREEK SMALL LETTER MU}"}

@@ -7,7 +7,8 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate.engine.rigid import states
-from ratestate.friction.laws import ONE_LENGTH as LAWS
+from ratestate.friction.laws import LAWS as FORMULAS
+from ratestate.paper.laws import LAWS
 
 V0 = 1e-6
 mp = mpmath.MPContext()
@@ -54,7 +55,7 @@ def test_lines_of_all_kinds(law):
         dt = slip * Dc * 2 / (V + end)
         rate = (end - V) / dt
         found, start = np.empty(1), np.zeros(1)
-        states(LAWS[law], psi, start + dt, start, start + V, start + rate, Dc, V0, found)
+        states(FORMULAS[law], psi, start + dt, start, start + V, start + rate, Dc, V0, found)
         rounding = 1e-15 * (20 + abs(psi)) + 3e-16 * max(V / end, 1.0)  # of V + rate dt
         assert abs(found[0] - exact(law, psi, V, rate, dt, Dc)) < rounding, (V, end, slip, psi)
 

@@ -7,7 +7,8 @@ from scipy.linalg import cholesky, solve_triangular
 from synthetic_records import SLIDER, STEP, correlated, record
 
 import ratestate as rs
-from ratestate.friction.laws import ONE_LENGTH as LAWS
+from ratestate.friction.laws import LAWS as FORMULAS
+from ratestate.paper.laws import LAWS
 from ratestate.records.fitting.forward import Forward, _difference
 from ratestate.records.fitting.noise import Noise, estimated_noise
 from ratestate.records.fitting.record import record_of
@@ -19,7 +20,7 @@ MASSES = {"none": 0.0, "inertial": 3e11}
 def forward(names, *, law="slip", M=0.0, loading=STEP, kind="friction", trend="slip"):
     data = record(SLIDER, loading, T).rename(friction=kind)
     seen = record_of(data, SLIDER, loading=loading, trend=trend, against="time")
-    return Forward(seen, SLIDER.replace(M=M), LAWS[law], names)
+    return Forward(seen, SLIDER.replace(M=M), FORMULAS[law], names)
 
 
 def by_scipy(t, *, V_start=1e-6, theta_start=None, level=0.6, trend=0.0, law="slip", **changes):

@@ -156,8 +156,13 @@ def _finish_at_rest(system, estimates, active, r):
 
 
 def _curvature(system):
-    """(n,) kappa - kappa_c of small cycles over the square of their amplitude r."""
+    """(n,) kappa - kappa_c of small cycles over the square of their amplitude r.
+
+    inf where the law lacks the third derivatives that it takes.
+    """
     law = system.friction
+    if law.orders < 3:
+        return np.full(len(system.kappa), np.inf)
     if law.one_length:
         return curvature(system.law, system.beta, system.eta)
     p, kappa = system.coefficients, system.kappa - system.margin

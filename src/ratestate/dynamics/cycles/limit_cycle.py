@@ -13,6 +13,7 @@ from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, checked
 from ...model.units import to_si
 from ..progress import bar
+from ..refusals import check_orders
 from ..results import provenance
 from ..simulation.cases import failure
 from ..simulation.settings import checked_rtol
@@ -111,7 +112,8 @@ def limit_cycle_call(slider, V_lp, *, rtol):
     Whether their dimensions and coordinates fit together shows in its `batch`.
     """
     rtol = checked_rtol(rtol, "1e-12", "1e-2", "1e-8")
-    return LimitCycleCall(checked(slider), to_si("V_lp", V_lp), rtol)
+    check_orders("limit_cycle", checked(slider).friction, 2)
+    return LimitCycleCall(slider, to_si("V_lp", V_lp), rtol)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -78,7 +78,7 @@ class System(NamedTuple):
 
     @property
     def stable(self):
-        """(n,) whether steady sliding is, or is on the edge of it."""
+        """(n,) whether steady sliding is; by laws of one length on the edge of it too."""
         if self.friction.one_length:
             return self.margin >= 0.0
         found = edges(self.friction, self.coefficients)
@@ -305,7 +305,7 @@ def _many_multipliers(jacobian, product):
     found = np.linalg.eigvals(np.where(finite[:, None, None], jacobian, 0.0)).astype(complex)
     found = np.take_along_axis(found, np.argsort(-np.abs(found), axis=1, kind="stable"), axis=1)
     others = np.prod(found[:, :-1], axis=1)
-    alone = np.abs(found[:, -2].imag) == 0.0  # (else it is one of a pair, and known as well as it)
+    alone = found[:, -1].imag == 0.0  # (else it is one of a pair, and known as well as that)
     with np.errstate(divide="ignore", invalid="ignore"):
         last = np.where(others == 0.0, 0.0, product / others)
     found[:, -1] = np.where(alone, last, found[:, -1])

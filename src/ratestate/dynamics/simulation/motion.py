@@ -8,7 +8,16 @@ import pandas
 import xarray
 
 from ...engine.exp import LIMIT
-from ...engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, RUNAWAY, Loads
+from ...engine.model import (
+    FINISHED,
+    NO_CONVERGENCE,
+    NOT_FINITE,
+    NUMBERS,
+    RIGID_REST,
+    RUNAWAY,
+    Loads,
+)
+from ...errors import SolverError
 from ...model.initial_state import initial_state
 from ...model.quantities import attrs
 from ...model.units import is_array
@@ -75,7 +84,11 @@ def _put_rigid(motion, i, batch, law, psi0, segments):
     """Put the motion of the case of number i, of K = inf, into that of all."""
     own = SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
     t = motion.t if motion.t.ndim == 1 else motion.t[i]
-    result = rigid.rigid_motion(law, psi0, t, segments, own)
+    try:
+        result = rigid.rigid_motion(law, psi0, t, segments, own)
+    except SolverError:
+        motion.status[i] = NOT_FINITE
+        return
     motion.status[i] = RIGID_REST if result is None else FINISHED
     if result is not None:
         motion.states[i], numbers = result

@@ -9,6 +9,7 @@ import pkgutil
 
 from ...errors import ParameterError
 from ..law import FrictionLaw
+from ..user_law import MARK
 
 #: the law of a slider that names none
 DEFAULT = "slip"
@@ -33,6 +34,14 @@ ONE_LENGTH = {name: law for name, law in LAWS.items() if law.one_length}
 LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.synonyms)}
 
 
+def add(law, own):
+    """Let a law be found by its name and, from now on, by its own one and its synonyms."""
+    LAWS[law.name] = law
+    if law.one_length:
+        ONE_LENGTH[law.name] = law
+    LAW_OF.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
+
+
 def friction_law(law):
     """The law of `LAWS` with this name or synonym; ParameterError for an unknown one."""
     return LAWS[law_name(law)]
@@ -50,5 +59,11 @@ def law_name(law):
     """A law's name as by `known_law`; ParameterError for an unknown one, or what is no string."""
     if name := known_law(law):
         return name
+    if isinstance(law, str) and MARK in law:
+        own = law.partition(MARK)[0]
+        raise ParameterError(
+            f"law = {law!r} is a user's own, and not known here: register the file that has it, "
+            f"ratestate.register('{own}.py'); after {MARK} is the hash of its source"
+        )
     names, others = " or ".join(map(repr, LAWS)), ", ".join(sorted(LAW_OF.keys() - LAWS.keys()))
     raise ParameterError(f"law = {law!r} is unknown; choose {names} (or {others})")

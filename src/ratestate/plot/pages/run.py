@@ -6,11 +6,10 @@ from ...dynamics.attributes import loading_record, number
 from ...dynamics.cycles.orbit import orbit
 from ...dynamics.cycles.regimes import classify
 from ...dynamics.results import parameter, slider_parameters
-from ...dynamics.steady_sliding import stability
+from ...dynamics.steady_sliding import stability, steady_friction
 from ...dynamics.whole_contact import whole_contact
 from ...engine.model import RUNAWAY, STEADY_SLIDING
 from ...errors import ParameterError
-from ...friction.rate_and_state import mu_ss
 from ...model.slider import SpringSlider
 from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text, with_unit
 from ..layout import ABOVE, SLIDER, figure, is_wide, letters, show_constant, styled, text_width
@@ -169,13 +168,13 @@ def _plane(runs, ax):
     V = np.geomspace(np.nanmin(speeds), np.nanmax(speeds), 50)
     steady, crosses = {}, set()
     for run, *_ in runs:
-        laws = {symbol: parameter(run, symbol) for symbol in ("a", "b", "mu0", "V0")}
-        steady[tuple(laws.values())] = laws
+        mu = steady_friction(run, V)
+        steady[tuple(mu)] = mu
         if (last := float(run.V_load[-1])) > 0.0:
-            crosses.add((float(mu_ss(last, **laws)), scale * last))
-    for i, laws in enumerate(steady.values()):
+            crosses.add((float(steady_friction(run, last)), scale * last))
+    for i, mu in enumerate(steady.values()):
         name = "_" if i else "steady states"
-        ax.plot(mu_ss(V, **laws), scale * V, color=GRAY, lw=0.9, ls="--", label=name)
+        ax.plot(mu, scale * V, color=GRAY, lw=0.9, ls="--", label=name)
     if crosses:
         x, y = np.array(sorted(crosses)).T
         cross = {"color": RED, "ms": 6, "mew": 1.3, "zorder": 5}

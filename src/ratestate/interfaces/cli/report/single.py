@@ -97,7 +97,7 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
         _critical("K_c_qs", float(result.K_c_qs), "without inertia"),
         row("V_lp", V),
         row("V_c", V_c, speeds),
-        *([row("V_c_upper", upper, "stable above")] if upper < math.inf else []),
+        *([row("V_c_upper", upper, "stable from here on")] if upper < math.inf else []),
         row("eta", result.eta, "share by which inertia raises K_c" if one_length else ""),
         row("f_n", result.f_n, "M = 0" if M == 0.0 else "K = inf" if math.isinf(K) else ""),
         row("growth_rate", growth, e_folding),

@@ -1,0 +1,115 @@
+"""The function `register`: a friction law of one's own, checked and made known."""
+
+import os
+
+from ..errors import ParameterError
+from ..friction import laws
+from ..friction.law_check import check
+from ..friction.user_law import MARK, law_of_file, law_of_text, named_law
+from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
+from .units import to_si
+
+# Of a slider under which a law is tried [SI].
+COMMON = {"a": 0.01, "b": 0.015, "Dc": 1e-5}
+
+
+def register(law):
+    """Check a friction law of your own, and make it known by its name.
+
+    Parameters
+    ----------
+    law : type or path
+        A class that derives from `ratestate.FrictionLaw`, or a Python file with one such class,
+        which is run.
+
+    Returns
+    -------
+    str
+        Its name with the first digits of a hash of its source, such as "mine@1f6ac03b": results
+        have it under this name.  Sliders take it, the class, or the law's own name, "mine", which
+        is that of the law registered last.
+
+    Raises
+    ------
+    ParameterError
+        A file that cannot be read or run, or does not hold one law; a name that a built-in law
+        has; a parameter of a name or unit that cannot be; a method that is missing; derivatives
+        that differ from differences of the order before, or steady sliding that is not steady.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> class Mine(rs.FrictionLaw):
+    ...     name = "mine"
+    ...     def rates(self, v, w, psi, e, p):
+    ...         return (-2.0 * w * (v + psi[0]),)
+    ...     def rate_partials(self, v, w, psi, e, p):
+    ...         return (-2.0 * w * (v + psi[0] + 1.0),), (-2.0 * w,)
+    >>> rs.register(Mine).partition("@")[0]
+    'mine'
+    """
+    kind = law_of_file(law) if isinstance(law, str | os.PathLike) else law
+    new = named_law(kind)
+    if new.name in laws.LAWS:
+        return new.name
+    own = new.name.partition(MARK)[0]
+    try:
+        _check_names(new, own)
+        values = COMMON | {symbol: _example(symbol, new) for symbol in new.parameters}
+        new.orders = check(new, values)
+    except ParameterError as error:
+        raise ParameterError(f"law {own!r}: {error}") from None
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise ParameterError(f"law {own!r} cannot be tried: {reason}") from error
+    add_quantities_of(new)
+    laws.add(new, own)
+    return new.name
+
+
+def _check_names(law, own):
+    """Raise ParameterError for a name that is taken, and a quantity that cannot be."""
+    for name in (own, *law.synonyms):
+        known = laws.known_law(name)
+        if known and MARK not in known:
+            raise ParameterError(f"the name {name!r} is that of a built-in law; choose another")
+    for symbol, parameter in law.parameters.items():
+        quantity = Quantity(*parameter)
+        if not symbol.isidentifier() or QUANTITIES.get(symbol, quantity) != quantity:
+            raise ParameterError(f"its parameter {symbol!r} is another quantity; rename it")
+        if quantity.unit not in KINDS or quantity.bound not in ("", "> 0", ">= 0"):
+            units = ", ".join(KINDS)
+            raise ParameterError(
+                f"its parameter {symbol} has the unit {quantity.unit!r} and the bound "
+                f"{quantity.bound!r}; units are {units}; bounds '', '> 0' and '>= 0'"
+            )
+    for state, distance in law.states.items():
+        if distance != "Dc" and getattr(law.parameters.get(distance), "unit", "") != "m":
+            raise ParameterError(f"its state {state} evolves over {distance!r}, which is no length")
+
+
+def _example(symbol, law):
+    """A value of a parameter [SI]: its own example, else 1."""
+    quantity = Quantity(*law.parameters[symbol])
+    if not quantity.example:
+        return 1.0
+    known = QUANTITIES.setdefault(symbol, quantity)
+    try:
+        return to_si(symbol, quantity.example.strip("'\""))
+    finally:
+        if known is quantity:
+            del QUANTITIES[symbol]
+
+
+def recorded(name):
+    """What makes a user's law known in another process: `known_again` takes it; None for others."""
+    if MARK not in name:
+        return None
+    kind = type(laws.LAWS[name])
+    return vars(kind).get("source") or kind
+
+
+def known_again(record):
+    """Register what `recorded` gave: the text of a law file, which is run, or a class."""
+    if record is not None:
+        register(law_of_text(record, "a law file") if isinstance(record, str) else record)

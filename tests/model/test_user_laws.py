@@ -1,0 +1,237 @@
+"""Laws of users: registered from files and classes, checked, and kept apart by their source."""
+
+import pickle
+import subprocess
+import sys
+
+import pytest
+
+import ratestate as rs
+from ratestate.friction.laws import LAWS
+
+#: the aging law where m = 1, with an exponent m else, in the first derivatives alone
+MINE = """
+import ratestate as rs
+
+class Mine(rs.FrictionLaw):
+    name = "mine"
+    parameters = {"m": rs.Parameter("1", "exponent of the state", "> 0", "1.5")}
+
+    def coefficients(self, V_ref, slider):
+        return slider.b / slider.a, slider.m
+
+    def exponents(self, v, w, psi, p):
+        return -psi[0], p[1] * (v + psi[0]) - psi[0]
+
+    def rates(self, v, w, psi, e, p):
+        return ((e[0] - e[1]) / p[1],)
+
+    def rate_partials(self, v, w, psi, e, p):
+        return (-e[1],), ((-e[0] - (p[1] - 1.0) * e[1]) / p[1],)
+"""
+#: a law in three lines, to which a test adds a mistake
+PLAIN = """
+import ratestate as rs
+
+class Plain(rs.FrictionLaw):
+    name = "plain"
+
+    def rates(self, v, w, psi, e, p):
+        return (-w * (v + psi[0]),)
+
+    def rate_partials(self, v, w, psi, e, p):
+        return (-w * (v + psi[0]) - w,), (-w,)
+"""
+COMMON = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
+
+
+@pytest.fixture
+def law_file(tmp_path):
+    """Writes a law file, and forgets what it has registered."""
+    before = set(LAWS)
+
+    def write(text, name="mine.py"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    yield write
+    for name in set(LAWS) - before:
+        del LAWS[name]
+
+
+def test_a_law_file_works_like_a_built_in_law(law_file):
+    name = rs.register(law_file(MINE))
+    own, digest = name.split("@")
+    assert own == "mine"
+    assert len(digest) == 8
+    assert rs.register(law_file(MINE)) == name  # the same source is the same law
+    slider = rs.SpringSlider(**COMMON, law="mine", m=1.0)
+    aging = slider.replace(law="aging")
+    assert slider.law == name
+    assert not hasattr(aging, "m")
+    assert slider.V_c == pytest.approx(aging.V_c, rel=1e-13)
+    assert eval(repr(slider), {"SpringSlider": rs.SpringSlider}) == slider
+    run, its = (
+        rs.simulate(one, rs.Loading.constant(4e-3), 0.05, V_start=4e-4) for one in (slider, aging)
+    )
+    assert float(run.tau[-1]) == pytest.approx(float(its.tau[-1]), rel=1e-9)
+    assert f'"law": "{name}"' in run.attrs["slider"]
+    with pytest.raises(rs.ParameterError, match=r"needs m, exponent of the state; .* such as 1.5"):
+        rs.SpringSlider(**COMMON, law="mine")
+    for function, call in (
+        ("limit_cycle", lambda: rs.limit_cycle(slider, 4e-3)),
+        ("hopf", lambda: rs.hopf(slider)),
+    ):
+        with pytest.raises(rs.ParameterError, match=rf"{function} needs .*: rate_partials_2"):
+            call()
+
+
+def test_an_edited_law_is_another_one(law_file):
+    """Sliders of the first go on by the first; the name is that of the last."""
+    first = rs.SpringSlider(**COMMON, law=rs.register(law_file(MINE)), m=1.0)
+    slower = MINE.replace("((e[0] - e[1]) / p[1],)", "((e[0] - e[1]) / p[1] / 2.0,)")
+    slower = slower.replace("(-e[1],), (", "(-e[1] / 2.0,), (")
+    slower = slower.replace("* e[1]) / p[1],)", "* e[1]) / p[1] / 2.0,)")
+    edited = rs.register(law_file(slower))
+    second = rs.SpringSlider(**COMMON, law="mine", m=1.0)
+    assert second.law == edited != first.law
+    assert second.K_c_qs == pytest.approx(0.5 * first.K_c_qs, rel=1e-12)
+    assert rs.SpringSlider(**first.parameters) == first
+
+
+def test_a_class_is_registered_when_a_slider_takes_it():
+    class Faster(rs.FrictionLaw):
+        name = "faster"
+
+        def rates(self, v, w, psi, e, p):
+            return (-2.0 * w * (v + psi[0]),)
+
+        def rate_partials(self, v, w, psi, e, p):
+            return (-2.0 * w * (v + psi[0] + 1.0),), (-2.0 * w,)
+
+        def rate_partials_2(self, v, w, psi, e, p):
+            return (-2.0 * w * (v + psi[0] + 2.0),), (-2.0 * w,), (0.0,)
+
+    slider = rs.SpringSlider(**COMMON, law=Faster)
+    assert slider.law.startswith("faster@")
+    assert slider.friction.orders == 2
+    # twice as fast is half the distance
+    half = rs.SpringSlider(**(COMMON | {"Dc": 5e-6}), law="slip")
+    assert slider.K_c(1e-3) == pytest.approx(half.K_c(1e-3), rel=1e-9)
+    del LAWS[slider.law]
+
+
+def test_a_slider_takes_its_law_along(law_file, tmp_path):
+    """To a process that does not know it, by its source; the file may be gone."""
+    path = law_file(MINE)
+    slider = rs.SpringSlider(**COMMON, law=rs.register(path), m=1.5)
+    path.unlink()
+    (tmp_path / "slider").write_bytes(pickle.dumps(slider))
+    code = "import pickle, sys; s = pickle.load(open(sys.argv[1], 'rb')); "
+    code += "print(s.law, s.m, s.K_c(1e-3))"
+    done = subprocess.run(
+        [sys.executable, "-c", code, tmp_path / "slider"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == [slider.law, "1.5", repr(slider.K_c(1e-3))]
+
+
+def test_a_law_that_is_not_registered_is_not_looked_for(law_file):
+    with pytest.raises(rs.ParameterError, match=r"not known here: register .*'mine.py'"):
+        rs.SpringSlider(**COMMON, law="mine@00000000", m=1.0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "- w,), (-w,)",
+            "- w,), (w,)",
+            r"rate_partials, tuple 2 of 2: \(1.11.*differences \(-1.11",
+        ),
+        ("- w,), (-w,)", "+ w,), (-w,)", r"rate_partials, tuple 1 of 2: .*by differences"),
+        ("(-w * (v + psi[0]),)", "(float('nan'),)", "rates must give a tuple of 1, finite"),
+        ("(-w * (v + psi[0]),)", "-w * (v + psi[0])", "rates must give a tuple of 1, finite"),
+        ("def rates(", "def rate(", "it has no method rates"),
+        ("def rate_partials(", "def partials(", "it has no method rate_partials"),
+        ('"plain"', '"slip"', "the name 'slip' is that of a built-in law"),
+        ('"plain"', '"ruina"', "the name 'ruina' is that of a built-in law"),
+        ('"plain"', '"Plain law"', "must be a name in small letters"),
+        ("import ratestate as rs", "import nothing_like_it", "line 2: ModuleNotFoundError"),
+        ("import ratestate as rs", "import ratestate as rs\n1 / 0", "line 3: ZeroDivisionError"),
+        ("class Plain", "class Plain(:", "line 4: SyntaxError"),
+        (
+            "(rs.FrictionLaw)",
+            "",
+            "one class that derives from ratestate.FrictionLaw; it holds none",
+        ),
+    ],
+)
+def test_mistakes_in_a_law_file(law_file, old, new, said):
+    """In a message of one or two lines."""
+    assert old in PLAIN
+    with pytest.raises(rs.ParameterError, match=said) as error:
+        rs.register(law_file(PLAIN.replace(old, new), "plain.py"))
+    assert len(str(error.value)) < 400
+
+
+@pytest.mark.parametrize(
+    ("method", "said"),
+    [
+        (
+            "    def resistance_partials(self, v, w, psi, p):\n        return -1.0, (p[0],)\n",
+            "friction must rise with the speed: dR/dv = -1",
+        ),
+        (
+            "    def resistance_partials(self, v, w, psi, p):\n        return 1.0, (0.0,)\n",
+            r"resistance_partials: \(1, 0\), by differences",
+        ),
+        (
+            "    def steady_variables(self, p):\n        return (p[0],)\n",
+            r"in steady sliding at V_ref the rates are \(-.*, not 0",
+        ),
+        (
+            "    def steady_variables(self, p):\n        return (p[0] * float('nan'),)\n",
+            r"in steady sliding at V_ref the rates are \(nan\), not 0",
+        ),
+        (
+            '    parameters = {"K": rs.Parameter("1", "another")}\n',
+            "its parameter 'K' is another quantity; rename it",
+        ),
+        (
+            '    parameters = {"q": rs.Parameter("furlong", "length")}\n',
+            "its parameter q has the unit 'furlong'",
+        ),
+        (
+            "    def rate_partials_2(self, v, w, psi, e, p):\n        return (w,), (-w,), (0.0,)\n",
+            "rate_partials_2, tuple 1 of 3",
+        ),
+        (
+            "    def coefficients(self, V_ref, slider):\n        return (slider.nothing,)\n",
+            "cannot be tried: AttributeError: .*nothing",
+        ),
+    ],
+)
+def test_mistakes_in_what_a_law_adds(law_file, method, said):
+    with pytest.raises(rs.ParameterError, match=said) as error:
+        rs.register(law_file(PLAIN + "\n" + method, "plain.py"))
+    assert len(str(error.value)) < 500
+
+
+def test_what_the_compiler_refuses_is_said_with_its_line(law_file):
+    text = PLAIN.replace("(-w * (v + psi[0]),)", "(-w * (v + psi[0]) * psi.__len__(),)")
+    slider = rs.SpringSlider(**COMMON, law=rs.register(law_file(text, "plain.py")))
+    with pytest.raises(rs.CompilationError, match=r"the law plain@\w+ cannot be compiled: "):
+        rs.simulate(slider, rs.Loading.constant(1e-3), 1e-4, V_start=1e-4)
+
+
+def test_files_and_folders_that_are_no_laws(tmp_path):
+    for path in (tmp_path, tmp_path / "none.py"):
+        with pytest.raises(rs.ParameterError, match="cannot be read"):
+            rs.register(path)
+    for value in (None, 3, dict):
+        with pytest.raises(rs.ParameterError, match=r"no class that derives from"):
+            rs.register(value)
