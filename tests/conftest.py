@@ -6,9 +6,9 @@ from pathlib import Path
 
 import hypothesis
 import pytest
+from textbook import OF_LAW
 
 import ratestate as rs
-from ratestate.friction.laws import ONE_LENGTH
 
 # Other examples at each run, and more of them: --hypothesis-profile=default.  A busy machine
 # breaks deadlines.
@@ -18,8 +18,8 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("reproducible")
 
 SLIDERS = [
-    rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law)
-    for law in ONE_LENGTH
+    rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law, **own)
+    for law, own in OF_LAW.items()
 ]
 #: A kernel's source -> what compiles it for a slider's law, or loads it from the cache
 KERNELS = {
