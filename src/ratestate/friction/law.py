@@ -22,12 +22,24 @@ from typing import NamedTuple
 
 
 class Parameter(NamedTuple):
-    """A parameter that a law has beside a, b, Dc, mu0 and V0: the quantity that it is."""
+    """A parameter that a law has beside a, b, Dc, mu0 and V0: the quantity that it is.
 
-    unit: str  # SI
+    Parameters
+    ----------
+    unit : str
+        SI unit, "1" of a pure number.
+    long_name : str
+        What messages and reports call it.
+    bound : {"", "> 0", ">= 0"}
+        Range of its values.
+    example : str
+        A value as a user would write it, with its unit.
+    """
+
+    unit: str
     long_name: str
-    bound: str = ""  # "", "> 0" or ">= 0"
-    example: str = ""  # a value as a user would write it
+    bound: str = ""
+    example: str = ""
 
 
 class FrictionLaw:
