@@ -126,7 +126,7 @@ def _key(table, key):
 
 def _otherwise(table, key):
     """What is taken for a parameter of the slider that is not given."""
-    from ratestate.interfaces.scenario.known_keys import NEEDED, SLIDER
+    from ratestate.interfaces.scenario.known_keys import NEEDED, COMMON
     from ratestate.model.other_units import WHOLE_CONTACT
 
     if table != "slider":
@@ -134,7 +134,7 @@ def _otherwise(table, key):
         return f"; {said}" if said else ""
     if key in WHOLE_CONTACT:
         return f"; in place of `{WHOLE_CONTACT[key]}`, with `area`"
-    return "; required" if key in NEEDED else f"; default: `{SLIDER[key]!r}`"
+    return "; required" if key in NEEDED else f"; default: `{COMMON[key]!r}`"
 
 
 def mistakes():
