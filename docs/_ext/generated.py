@@ -126,7 +126,7 @@ def _key(table, key):
 
 def _otherwise(table, key):
     """What is taken for a parameter of the slider that is not given."""
-    from ratestate.interfaces.scenario.known_keys import NEEDED, COMMON
+    from ratestate.interfaces.scenario.known_keys import COMMON, NEEDED
     from ratestate.model.other_units import WHOLE_CONTACT
 
     if table != "slider":
