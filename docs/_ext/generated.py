@@ -134,6 +134,8 @@ def _otherwise(table, key):
         return f"; {said}" if said else ""
     if key in WHOLE_CONTACT:
         return f"; in place of `{WHOLE_CONTACT[key]}`, with `area`"
+    if key not in COMMON:
+        return "; required under the laws that have it"
     return "; required" if key in NEEDED else f"; default: `{COMMON[key]!r}`"
 
 
