@@ -11,6 +11,8 @@ from .units import to_si
 SYMBOLS = ("V", *dict.fromkeys(state for law in LAWS.values() for state in law.states), "tau")
 # Differences of x - R that are due to rounding.
 AGREE = 1e-9
+# Largest ln(V/V0) of a start: the engine's exponential saturates beyond.
+LARGEST_V = 600.0
 
 
 def initial_values(initial, law):
@@ -39,9 +41,10 @@ def initial_state(law, batch, V_load):
     left out.  Where K = inf V is V_load, and friction fixes a state or tau by the others.
 
     ParameterError where values disagree, by more than 1e-9 in x - R: V, all states and tau where
-    M = 0, these but V where K = inf; for V other than V_load where K = inf; and where tau would
-    have to fix a state on which friction does not depend.  Of two states that are left out tau
-    fixes the first.  Ranges are checked by `initial_values`.
+    M = 0, these but V where K = inf; for V other than V_load where K = inf; where tau would have
+    to fix a state on which friction does not depend; and where friction would fix a speed above
+    V0 exp(600).  Of two states that are left out tau fixes the first.  Ranges are checked by
+    `initial_values`.
 
     batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
@@ -80,7 +83,9 @@ def initial_state(law, batch, V_load):
     elif "V" in given:
         x = np.where(bound, resistance(law, v, states, p), x)
     x = np.where(rigid, resistance(law, v, states, p), x)
-    v = _speed_by_stress(law, x, v, states, p, bound & ~rigid)
+    free_speed = bound & ~rigid
+    v = _speed_by_stress(law, x, v, states, p, free_speed)
+    _check_speed(v[free_speed], V0[free_speed], names)
     return np.stack([x, v, *law.variables(v, tuple(states), p)], axis=1)
 
 
@@ -129,16 +134,27 @@ def _speed_by_stress(law, x, v, states, p, where):
     return np.where(where, _root(off, v, where), v)
 
 
+def _check_speed(v, V0, names):
+    """Raise the ParameterError about a speed that is too large for double precision."""
+    if (v > LARGEST_V).any():
+        log10_V = (v + np.log(V0))[np.argmax(v)] / np.log(10.0)
+        raise ParameterError(
+            f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they fix V, at "
+            f"10^{log10_V:.6g} m/s, beyond double precision; "
+            "give values that agree with a lower speed"
+        )
+
+
 def _root(off, start, where):
     """The root of a function that is linear, or nearly so; not finite where it is constant.
 
     where : whether the root matters
     """
-    root, slope = start, off(start + 1.0) - off(start)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):  # (where it does not matter there may be no root)
+        root, slope = start, off(start + 1.0) - off(start)
         for _ in range(2):  # (the second makes up for the rounding of the slope)
             root = root - off(root) / slope
-    wrong = where & (np.abs(off(root)) > 1e-11 * np.maximum(1.0, np.abs(root)))
+        wrong = where & (np.abs(off(root)) > 1e-11 * np.maximum(1.0, np.abs(root)))
     if not wrong.any():
         return root
     from scipy.optimize import newton  # slow to import, and seldom needed

@@ -299,6 +299,26 @@ def test_initial_values_that_a_rigid_drive_refuses(initial, message, M):
         simulate(slider, Loading.constant(1e-3), 0.01, initial=initial)
 
 
+def test_a_start_at_a_speed_beyond_double_precision_is_refused():
+    slider = STIFF.replace(M=0.0)
+
+    def start(v, **parameters):
+        """The first row where friction is the stress at V = V0 exp(v), theta = Dc/V0."""
+        tau = slider.sigma * (slider.mu0 + slider.a * v)
+        initial = {"theta": slider.Dc / slider.V0, "tau": tau}
+        moving = slider.replace(**parameters)
+        return simulate(moving, Loading.constant(1e-3), 1e-300, initial=initial).isel(time=0)
+
+    # (far below V0 the slider rests)
+    assert math.log(float(start(-590.0).V) / slider.V0) == pytest.approx(-590.0, rel=1e-12)
+    with pytest.raises(rs.QuasiStaticInstability):  # accepted, to run away at once
+        start(599.9)
+    with pytest.raises(rs.ParameterError, match=r"^initial theta and tau: .* V, at 10\^251\.62"):
+        start(600.1)
+    # with mass the speed is the load point's, whatever the stress
+    assert float(start(600.1, M=1.0).V) == pytest.approx(1e-3, rel=1e-13)
+
+
 def test_slip_is_what_the_spring_says():
     loading = Loading.series([0, 0.1, 0.1, 0.3], [1e-4, 2e-3, 0, 1e-3])
     run = simulate(SLIDER, loading, 0.3, V_start=1e-4, rtol=1e-9, times=np.linspace(0, 0.3, 3001))
