@@ -15,7 +15,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import root
 
 import ratestate as rs
-from ratestate.dynamics.cycles.shooting import System
+from ratestate.dynamics.cycles.system import System
 from ratestate.friction.laws import ONE_LENGTH as LAWS
 from ratestate.friction.laws import law_name
 

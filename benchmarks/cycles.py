@@ -28,7 +28,7 @@ from timing import cpu, interleaved, one_core
 
 import ratestate as rs
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
-from ratestate.dynamics.cycles.shooting import one_length_system
+from ratestate.dynamics.cycles.system import one_length_system
 from ratestate.paper.parameters import FIG2
 
 LAWS = ("slip", "aging")

@@ -336,7 +336,6 @@ def test_sweeps_take_a_laws_own_parameters():
     ("name", "call"),
     [
         ("escape", lambda s: escape(s, V)),
-        ("continue_cycle", lambda s: rs.continue_cycle(s, "K", 3e8, 2e8, V_lp=V)),
         ("bautin", lambda s: rs.bautin(s.law, 2.0)),
     ],
 )

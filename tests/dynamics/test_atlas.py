@@ -12,14 +12,9 @@ from ratestate.dynamics.atlas import atlas
 from ratestate.dynamics.continuation.coexistence import folds
 from ratestate.dynamics.cycles.attractor import find_attractors
 from ratestate.dynamics.cycles.regimes import REGIMES, classify
-from ratestate.dynamics.cycles.shooting import (
-    multipliers,
-    one_length_system,
-    return_map,
-    small_amplitude,
-    state,
-)
+from ratestate.dynamics.cycles.shooting import multipliers, return_map
 from ratestate.dynamics.cycles.small_cycles import curvature
+from ratestate.dynamics.cycles.system import one_length_system, small_amplitude, state
 from ratestate.engine.model import FINISHED, STEADY_SLIDING
 from ratestate.paper import atlas as chart
 

@@ -19,6 +19,7 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate.dynamics.cycles import shooting
+from ratestate.dynamics.cycles.system import System, state
 from ratestate.engine import backend, cuda, dispatch
 from ratestate.engine.model import FINISHED, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
 from ratestate.engine.return_map import DERIVATIVES, RETURN_NUMBERS
@@ -113,14 +114,14 @@ def turns(law):
     eta = np.array([0.5, 2.0, 1e-3, 1e-8, 0.1, 0.0, 0.3])
     states = friction_law(law).states
     p = np.tile([1.8] if len(states) == 1 else [1.2, 0.6, 0.8], (7, 1))  # b/a, b2/a, Dc/Dc2
-    system = shooting.System(law, kappa, p, eta, np.where(eta == 0.0, 0.1, np.inf))
+    system = System(law, kappa, p, eta, np.where(eta == 0.0, 0.1, np.inf))
     psi = np.array([-0.3, 0.3, 1.0, -3.0, -0.1, 0.5, 0.3])
     u = np.stack([psi, 0.5 * psi, np.linspace(0.1, 0.4, 7)], axis=1)[:, [*range(len(states)), 2]]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(shooting, "MAX_STEPS_OF_RETURN", 700.0)
         found = shooting.return_map(
             system,
-            shooting.state(system, u),
+            state(system, u),
             RTOL,
             alone=False,
             steady_tol=np.where(np.arange(7) == 4, 0.5, 0.0),

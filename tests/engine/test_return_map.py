@@ -12,7 +12,8 @@ from dimensionless import P1, P2, P4A, P4B, jacobian, make_system, random_slider
 from scipy.integrate import solve_ivp
 
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
-from ratestate.dynamics.cycles.shooting import multipliers, return_map, state
+from ratestate.dynamics.cycles.shooting import multipliers, return_map
+from ratestate.dynamics.cycles.system import state
 from ratestate.engine import dispatch
 from ratestate.engine.model import FINISHED, NOT_FINITE, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
 from ratestate.engine.return_map import RETURN_NUMBERS, Starts
@@ -313,7 +314,8 @@ def test_alone(law):
 SCRIPT = """
 import json
 import numpy as np
-from ratestate.dynamics.cycles.shooting import one_length_system, state, return_map
+from ratestate.dynamics.cycles.shooting import return_map
+from ratestate.dynamics.cycles.system import one_length_system, state
 
 out = []
 for law in ("slip", "aging"):

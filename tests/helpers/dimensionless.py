@@ -3,7 +3,8 @@
 import numpy as np
 
 from ratestate.dynamics.cycles.attractor import steady_start
-from ratestate.dynamics.cycles.shooting import one_length_system, return_map, state
+from ratestate.dynamics.cycles.shooting import return_map
+from ratestate.dynamics.cycles.system import one_length_system, state
 
 #: kappa, beta, eta of cycles in numerics.md
 P1 = P4A = (1.5, 2.0, 0.512)

@@ -18,7 +18,7 @@ from ..model.units import to_si
 from .continuation.family import Family
 from .cycles.attractor import find_attractors
 from .cycles.measure import refine
-from .cycles.shooting import state, system_of
+from .cycles.system import state, system_of
 from .progress import bar
 from .refusals import check_one_length
 from .results import columns, provenance

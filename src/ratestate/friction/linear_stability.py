@@ -97,6 +97,25 @@ def edges(law, p):
     )
 
 
+class Critical(NamedTuple):
+    """Where steady sliding at one speed first becomes unstable as K falls, dimensionless."""
+
+    kappa: np.ndarray  # K_c Dc/(a sigma): not above 0 where it is stable at any K
+    omega: np.ndarray  # angular frequency there [V/Dc]; NaN where there is no such K
+
+
+def critical(law, p, inertia):
+    """`Critical` of steady sliding at V_ref under a law with these coefficients, for eta."""
+    if law.one_length:
+        b1 = p[0] - 1.0
+        return Critical(b1 * (1.0 + inertia), np.sqrt(np.where(b1 > 0.0, b1, np.nan)))
+    found = edges(law, p)
+    kappa = found.kappa(inertia)
+    last = kappa.argmax(axis=-1)[..., None]
+    z, kappa = (np.take_along_axis(x, last, axis=-1)[..., 0] for x in (found.z, kappa))
+    return Critical(kappa, np.sqrt(np.where(z > 0.0, z, np.nan)))
+
+
 def K_c(law, V, *, sigma, M, **values):
     """Critical stiffness [Pa/m] at V: the largest K at which steady sliding changes stability.
 
@@ -105,7 +124,7 @@ def K_c(law, V, *, sigma, M, **values):
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    kappa = edges(law, coefficients(law, V, values)).kappa(inertia).max(axis=-1)
+    kappa = critical(law, coefficients(law, V, values), inertia).kappa
     return kappa * values["a"] * sigma / values["Dc"]
 
 
@@ -113,10 +132,8 @@ def omega_c(law, V, *, sigma, M, **values):
     """Angular frequency [rad/s] on the edge of stability, at K = K_c; NaN where there is none."""
     if law.one_length:
         return stability.omega_c(V, **values)
-    found = edges(law, coefficients(law, V, values))
-    kappa = found.kappa(_inertia(V, sigma=sigma, M=M, **values))
-    z = np.take_along_axis(found.z, kappa.argmax(axis=-1)[..., None], axis=-1)[..., 0]
-    return V / values["Dc"] * np.sqrt(np.where(z > 0.0, z, np.nan))
+    inertia = _inertia(V, sigma=sigma, M=M, **values)
+    return V / values["Dc"] * critical(law, coefficients(law, V, values), inertia).omega
 
 
 def _inertia(V, *, sigma, M, **values):
@@ -194,30 +211,36 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
     """
     if law.one_length:
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
-    linear = linearisation(law, coefficients(law, V, values))
     rigid = np.isinf(K)
     kappa = np.where(rigid, 1.0, K) * values["Dc"] / (values["a"] * sigma)
-    inertia = _inertia(V, sigma=sigma, M=M, **values)
-    s = linear.rates
-    if s.shape[-1] == 1:
-        modes = _modes_of_one_state(linear, inertia, kappa)
-    else:
-        modes = _modes(linear, inertia, kappa)
-    relaxing = np.full(modes.shape, -np.inf, complex)
-    relaxing[..., : s.shape[-1]] = -np.sort(s, axis=-1)
-    modes = np.where(rigid[..., None], relaxing, modes)
+    p = coefficients(law, V, values)
+    found = modes(law, p, kappa, _inertia(V, sigma=sigma, M=M, **values))
+    relaxing = np.full(found.shape, -np.inf, complex)
+    relaxing[..., :-2] = -np.sort(linearisation(law, p).rates, axis=-1)
+    found = np.where(rigid[..., None], relaxing, found)
     rate = (V / values["Dc"])[..., None]
-    modes.real, modes.imag = modes.real * rate, modes.imag * rate  # -inf times a complex is nan
-    return modes
+    found.real, found.imag = found.real * rate, found.imag * rate  # -inf times a complex is nan
+    return found
+
+
+def modes(law, p, kappa, inertia):
+    """`eigenvalues` [V/Dc] of steady sliding at V_ref, under a law with these coefficients.
+
+    kappa, inertia : K Dc/(a sigma) < inf, and eta
+    """
+    linear = linearisation(law, p)
+    if linear.rates.shape[-1] == 1:
+        return _modes_of_one_state(linear, inertia, kappa)
+    return _modes(linear, inertia, kappa)
 
 
 def _modes_of_one_state(linear, inertia, kappa):
     """The modes of one state, by a change of units those of eq. 1 and a law of one length."""
     R_v, r, s = linear.direct, linear.evolution[..., 0], linear.rates[..., 0]
     eta, kappa, beta = inertia * s / R_v, kappa / (s * R_v), r / R_v
-    modes = steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
-    modes.real, modes.imag = modes.real * s[..., None], modes.imag * s[..., None]
-    return modes
+    found = steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
+    found.real, found.imag = found.real * s[..., None], found.imag * s[..., None]
+    return found
 
 
 def _modes(linear, inertia, kappa):
@@ -232,13 +255,13 @@ def _modes(linear, inertia, kappa):
     light = inertia == 0.0
     whole = np.concatenate([np.zeros((*slow.shape[:-1], 1)), slow], axis=-1)
     whole[..., : n + 1] += inertia[..., None] * _product(pairs)
-    modes = np.empty((*R_v.shape, n + 2), complex)
-    modes[light] = np.concatenate(
+    found = np.empty((*R_v.shape, n + 2), complex)
+    found[light] = np.concatenate(
         [_roots(slow[light]), np.full((*slow[light].shape[:-1], 1), -np.inf)], axis=-1
     )
-    modes[~light] = _roots(whole[~light])
-    order = np.lexsort((-modes.imag, -modes.real), axis=-1)
-    return np.take_along_axis(modes, order, -1)
+    found[~light] = _roots(whole[~light])
+    order = np.lexsort((-found.imag, -found.real), axis=-1)
+    return np.take_along_axis(found, order, -1)
 
 
 class CriticalSpeeds(NamedTuple):

@@ -11,8 +11,8 @@ from .units import to_si
 SYMBOLS = ("V", *dict.fromkeys(state for law in LAWS.values() for state in law.states), "tau")
 # Differences of x - R that are due to rounding.
 AGREE = 1e-9
-# Largest ln(V/V0) of a start: the engine's exponential saturates beyond.
-LARGEST_V = 600.0
+# Largest speed of a start [m/s]: the engine's exponentials saturate not far beyond.
+LARGEST_V = 1e250
 
 
 def initial_values(initial, law):
@@ -43,7 +43,7 @@ def initial_state(law, batch, V_load):
     ParameterError where values disagree, by more than 1e-9 in x - R: V, all states and tau where
     M = 0, these but V where K = inf; for V other than V_load where K = inf; where tau would have
     to fix a state on which friction does not depend; and where friction would fix a speed above
-    V0 exp(600).  Of two states that are left out tau fixes the first.  Ranges are checked by
+    1e250 m/s.  Of two states that are left out tau fixes the first.  Ranges are checked by
     `initial_values`.
 
     batch : with the slider's parameters, V_start, and what `initial_values` found
@@ -136,8 +136,9 @@ def _speed_by_stress(law, x, v, states, p, where):
 
 def _check_speed(v, V0, names):
     """Raise the ParameterError about a speed that is too large for double precision."""
-    if (v > LARGEST_V).any():
-        log10_V = (v + np.log(V0))[np.argmax(v)] / np.log(10.0)
+    log_V = v + np.log(V0)
+    if (log_V > np.log(LARGEST_V)).any():
+        log10_V = log_V.max() / np.log(10.0)
         raise ParameterError(
             f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they fix V, at "
             f"10^{log10_V:.6g} m/s, beyond double precision; "

@@ -14,7 +14,7 @@ from ...model.slider import checked
 from ...model.units import is_array, to_si
 from ..cycles.variables import VARIABLES, cycle_variables
 from ..progress import bar
-from ..refusals import check_one_length, refusal, sentence
+from ..refusals import check_orders, refusal, sentence
 from ..results import provenance
 from ..simulation.settings import checked_rtol
 from .branch_start import beginning, hopf_measures, hopf_near
@@ -41,7 +41,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     ----------
     slider : SpringSlider
         One slider, no sweep; M > 0.
-    parameter : {"V_lp", "K", "M", "sigma", "a", "b", "Dc"}
+    parameter : {"V_lp", "K", "M", "sigma", "a", "b", "Dc"} or a parameter of the law alone
         What changes along the branch.
     start, stop : float, str or pint.Quantity
         Its first and last value, > 0.
@@ -56,9 +56,9 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         In the dimension ``point``, in order along the branch: the parameter under its own name,
         the variables of `limit_cycle`, and ``special``: "hopf" (amplitude 0), "fold" (two cycles
         meet), "period_doubling", "torus", "start" or "stop" at an end that is none of these, and
-        "" everywhere else.  The attribute ``parameter`` names the parameter.  (With these two laws
-        there is no torus: the product of the multipliers is below
-        exp(-(1 + 1/eta) V_lp period/Dc).)
+        "" everywhere else.  The attribute ``parameter`` names the parameter.  Under laws of one
+        length there is no torus: the product of the multipliers is below
+        exp(-(1 + 1/eta) V_lp period/Dc).
         ``error`` bounds the difference from this branch's own cycle at exactly the parameter
         returned; at a fold, from the cycle there.  Where amplitudes change much faster than the
         parameter, as on a canard or near a Hopf point of all but no curvature, it grows in
@@ -67,8 +67,9 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     Raises
     ------
     ParameterError
-        An input that cannot be used; b <= a, where there is no instability; M = 0, K = inf;
-        steady sliding reached at `start` and no Hopf point between.
+        An input that cannot be used; a law of one length with b <= a, where there is no
+        instability; M = 0, K = inf; a law without second derivatives; steady sliding reached at
+        `start` and no Hopf point between.
     NotConverged
         The motion at `start` is neither steady sliding nor a cycle that closes after one return, or
         the Hopf point is all but degenerate (``best`` is None); or the branch could not be followed
@@ -141,7 +142,8 @@ def _dataset(family, branch, hopf, ends):
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*VARIABLES, "special"]))
     at_hopf = result.special == "hopf"
-    result["inertia"][at_hopf] = 0.5 - 0.5 / (1.0 + family.sliders(along[at_hopf]).eta)
+    there = family.sliders(along[at_hopf])
+    result["inertia"][at_hopf] = 0.5 * there.eta * there.critical.omega**2 / there.critical.kappa
     return result
 
 
@@ -155,9 +157,11 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
 
     ParameterError for any that it refuses before it looks for a cycle.
     """
-    check_one_length("continue_cycle", checked(slider).law)
-    if parameter not in PARAMETERS:
-        raise refusal("branch.parameter", parameter=parameter, names=", ".join(PARAMETERS))
+    law = checked(slider).friction
+    check_orders("continue_cycle", law, 2)
+    parameters = (*PARAMETERS, *law.parameters)
+    if parameter not in parameters:
+        raise refusal("branch.parameter", parameter=parameter, names=", ".join(parameters))
     if (parameter == "V_lp") != (V_lp is None):
         name = "V_lp_twice" if parameter == "V_lp" else "V_lp_missing"
         raise refusal(f"branch.{name}", parameter=parameter)
@@ -179,7 +183,7 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
     if ends["start"] == ends["stop"]:
         raise refusal("branch.no_length", start=ends["start"])
     family = Family(slider.law, values, parameter, rtol)
-    beta = family.system(np.log([*ends.values()])).beta
-    if (beta <= 1.0).all():
-        raise refusal("branch.strengthening", beta=beta[0])
+    system = family.system(np.log([*ends.values()]))
+    if not system.may_cycle.any():
+        raise refusal("branch.strengthening", beta=system.beta[0])
     return family, ends

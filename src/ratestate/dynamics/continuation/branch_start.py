@@ -7,7 +7,8 @@ import numpy as np
 from ...engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ...errors import NotConverged
 from ..cycles.attractor import find_attractors, steady_start
-from ..cycles.small_cycles import curvature, small_cycle
+from ..cycles.small_cycles import hopf_curvature, small_cycle
+from ..cycles.system import linear_section
 from ..refusals import refusal, sentence
 
 # Amplitude of ln V at which a branch leaves its Hopf point.
@@ -17,7 +18,7 @@ START_AMPLITUDE = 0.03
 class Beginning(NamedTuple):
     """The first cycle of a branch, and the Hopf point before it, if there is one."""
 
-    U: np.ndarray  # (2,) of the cycle, in the chart of `Family`
+    U: np.ndarray  # (k,) of the cycle, in the chart of `Family`
     p: float  # of the cycle: logarithm of the parameter
     hopf: float | None  # p of the Hopf point
 
@@ -31,8 +32,7 @@ def beginning(family, p_start, p_stop):
     closes after several returns, or the Hopf point is all but degenerate.
     """
     system = family.system(p_start)
-    unstable = system.beta[0] > 1.0
-    if unstable:
+    if system.may_cycle[0]:
         attractor = find_attractors(system, steady_start(system), family.rtol, True, None)
         status, returns = int(attractor.status[0]), int(attractor.n_returns[0])
         if status == FINISHED and returns > 1:
@@ -50,9 +50,10 @@ def beginning(family, p_start, p_stop):
 
 
 def hopf_near(family, p):
-    """p of the Hopf point, a float; NotConverged (`best` None) if none is within 82 of this p.
+    """p of a Hopf point near this one, a float; NotConverged (`best` None) if none is within 82.
 
-    There is at most one: the margin of eq. 6 is monotone in every parameter.
+    Under a law of one length there is at most one: the margin of eq. 6 is monotone in every
+    parameter.
     """
     for reach in 0.01 * 2.0 ** np.arange(14):
         low, high = p - reach, p + reach
@@ -65,30 +66,41 @@ def hopf_near(family, p):
 def _beginning_at_hopf(family, hopf):
     """`Beginning` with a small cycle beside the Hopf point, on the side where cycles exist."""
     at = family.system(hopf)
-    margin = START_AMPLITUDE**2 * float(curvature(at.law, at.beta, at.eta)[0])
+    margin = START_AMPLITUDE**2 * float(hopf_curvature(at)[0])
     step = 1e-3
     while (family.margin(hopf - step) > margin) == (family.margin(hopf + step) > margin):
         step *= 2.0
     p = _sign_change(lambda q: family.margin(q) - margin, hopf - step, hopf + step)
-    system = family.system(p)
-    cycle = small_cycle(system.law, system.kappa, system.beta, system.eta)
-    if not cycle.valid[0]:
+    u = _small_cycle(family.system(p))
+    if not np.isfinite(u).all():
         values = {"parameter": family.parameter, "value": np.exp(hopf), "eta": at.eta[0]}
         raise NotConverged(sentence("branch_begins.degenerate_hopf", **values), None)
-    u = np.stack([cycle.psi, cycle.G], axis=1)
     return Beginning(family.chart(u, [p])[0], p, hopf)
 
 
+def _small_cycle(system):
+    """(1, k) section of a cycle of about `START_AMPLITUDE`; NaN beside a degenerate Hopf point.
+
+    By harmonic balance where that knows the law, else by the linear equations: from there Newton's
+    method goes on.
+    """
+    if system.friction.one_length:
+        cycle = small_cycle(system.law, system.kappa, system.beta, system.eta)
+        return np.stack([cycle.psi, cycle.G], axis=1)
+    return START_AMPLITUDE * linear_section(system)
+
+
 def hopf_measures(family, p):
-    """Measures of the vanishing cycle at a Hopf point, as by `measure`: name -> (1,) or (1, 2).
+    """Measures of the vanishing cycle at a Hopf point, as by `measure`: name -> (1,) or (1, k).
 
     All but "u"; amplitude and speeds are 0.  That p is a Hopf point is not checked.
     """
     system = family.system(p)
-    omega = np.sqrt(system.beta - 1.0)
+    omega, modes, zero = system.critical.omega, system.modes[0], np.zeros(1)
     period = 2.0 * np.pi / omega
-    third = np.exp(-(1.0 + 1.0 / system.eta) * period)
-    zero = np.zeros(1)
+    # The two modes that oscillate become the trivial multiplier and another 1.
+    others = np.sort(np.argsort(np.abs(np.abs(modes.imag) - omega))[2:])
+    multipliers = np.append(1.0, np.exp(modes[others] * period))
     vanishing = (
         "amplitude v_max v_min v_max_error v_min_error g_max f_min xf_min slow_fraction".split()
     )
@@ -96,7 +108,7 @@ def hopf_measures(family, p):
     return values | {
         "period": period,
         "fundamental": zero + 1.0,
-        "multipliers": np.stack([zero + 1.0, third], axis=1).astype(complex),
+        "multipliers": multipliers[None],
         "residual": zero,
         "returns": zero + 1.0,
         "error": zero,

@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...friction.normal_form import growth_slopes, law_curvatures, lyapunov_1
-from ..cycles.shooting import TIGHTEST, one_length_system, return_map, state
+from ..cycles.shooting import return_map
+from ..cycles.system import TIGHTEST, one_length_system, state
 from .bifurcations import illinois
 
 # Amplitude of ln V of the first cycle tried, and ratio of the sizes of neighbours.

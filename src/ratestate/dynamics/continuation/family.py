@@ -1,8 +1,9 @@
 """A family of sliders along one parameter, as a map whose fixed points are limit cycles.
 
 The parameter enters as p, its natural logarithm, so that its values stay positive and steps are
-relative.  The points of the section are taken as U = (psi, G eta/(1 + eta)): in these the errors
-of a return are of one size, however small eta is.
+relative.  The points of the section are taken as U = (psi, G eta/(1 + eta)), with a psi less its
+steady value for each of the law's variables: in these the errors of a return are of one size,
+however small eta is.
 """
 
 from typing import NamedTuple
@@ -13,16 +14,24 @@ from ...engine.model import SLAVED
 from ...friction.laws import friction_law
 from ..cycles.attractor import single_returns
 from ..cycles.measure import measure
-from ..cycles.shooting import TIGHTEST, return_map, small_amplitude, state, system_of, tightest
+from ..cycles.shooting import return_map
+from ..cycles.system import (
+    TIGHTEST,
+    slaved_G,
+    small_amplitude,
+    state,
+    system_of,
+    tightest,
+)
 from .arclength import Steps, follow_branch
 from .newton import Problem
 from .polish import polished
 
-#: parameters along which a family may be followed
+#: parameters along which a family may be followed, beside those that a law has alone
 PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
-# Size of U above which steps and errors along a branch are relative.  The error of psi is absolute,
-# the tolerance of a return; at large eta psi is small and matters little.
-SCALE = np.array([0.02, 1e-3])
+# Sizes of psi and of G's part of U above which steps and errors along a branch are relative.  The
+# error of psi is absolute, the tolerance of a return; at large eta psi is small and matters little.
+SCALE_PSI, SCALE_G = 0.02, 1e-3
 # Divided by rtol: the tolerance of a return, and its error in units of SCALE.
 TOLERANCE, NOISE = 0.002, 0.1
 # So that a branch looks smooth.
@@ -32,8 +41,8 @@ STEPS = Steps(largest=0.06)
 class MapValues(NamedTuple):
     """The return map of m sliders, as `arclength.follow_branch` needs it; all dimensionless."""
 
-    image: np.ndarray  # (m, 2) the next U; NaN where not ok
-    jacobian: np.ndarray  # (m, 2, 2) d image/d U; means nothing where not ok
+    image: np.ndarray  # (m, k) the next U; NaN where not ok
+    jacobian: np.ndarray  # (m, k, k) d image/d U; means nothing where not ok
     ok: np.ndarray  # (m,) whether the orbit came back to the section
     measures: dict  # "period" and "tol", (m,)
 
@@ -58,14 +67,19 @@ class Family(NamedTuple):
         with np.errstate(over="ignore"):
             return self.sliders(np.exp(np.atleast_1d(p)))
 
+    @property
+    def smallest(self):
+        """(k,) size of U above which distances from it are relative."""
+        return np.append(np.full(len(friction_law(self.law).states), SCALE_PSI), SCALE_G)
+
     def scale(self, U):
-        """(m, 2) units in which distances from U (m, 2) are measured."""
-        return SCALE + np.abs(U)
+        """(m, k) units in which distances from U (m, k) are measured."""
+        return self.smallest + np.abs(U)
 
     def weights(self, U, p):
-        """(m, 3) units of distances from (psi, G, p), at U (m, 2) and p (m,)."""
+        """(m, k + 1) units of distances from (psi, G, p), at U (m, k) and p (m,)."""
         scale = self.scale(U)
-        scale[:, 1] /= _scale(self.system(p))
+        scale[:, -1] /= _scale(self.system(p))
         return np.column_stack([scale, np.ones(len(U))])
 
     def margin(self, p):
@@ -73,44 +87,46 @@ class Family(NamedTuple):
         return float(self.system(p).margin[0])
 
     def amplitude(self, U, p):
-        """Amplitude of ln V, a float, of a small cycle through U (2,) at p."""
+        """Amplitude of ln V, a float, of a small cycle through U (k,) at p."""
         return float(small_amplitude(self.system(p), self.points(U[None], p))[0])
 
     def points(self, U, p):
-        """(m, 2) u = (psi, G) of the section's points U (m, 2)."""
-        system = self.system(p)
-        psi = U[:, 0]
-        (rate,) = friction_law(self.law).rates(0.0, 1.0, (psi,), (np.exp(-psi),), (system.beta,))
-        G = np.where(system.eta < SLAVED, -system.beta * rate, U[:, 1] / _scale(system))
-        return np.stack([psi, G], axis=1)
+        """(m, k) u of the section's points U (m, k)."""
+        system, u = self.system(p), U.copy()
+        free = U[:, -1] / _scale(system)
+        u[:, -1] = np.where(system.eta < SLAVED, slaved_G(system, U[:, :-1]), free)
+        return u
 
     def chart(self, u, p):
-        """(m, 2) U of the section's points u (m, 2)."""
-        return np.stack([u[:, 0], _scale(self.system(p)) * u[:, 1]], axis=1)
+        """(m, k) U of the section's points u (m, k)."""
+        return np.column_stack([u[:, :-1], _scale(self.system(p)) * u[:, -1]])
 
     def tolerance(self, u, p):
-        """(m,) tolerance of a step at u (m, 2); a return changes a small r by some r^3."""
+        """(m,) tolerance of a step at u (m, k); a return changes a small r by some r^3."""
         system = self.system(p)
         r = np.minimum(1.0, np.abs(small_amplitude(system, u)))
         return np.maximum(TOLERANCE * self.rtol * r**3, tightest(system, u))
 
     def return_map(self, U, p):
-        """`MapValues` of m sliders at U (m, 2), p (m,); not ok where b <= a or G <= 0."""
+        """`MapValues` of m sliders at U (m, k), p (m,).
+
+        Not ok where there can be no cycle, or G <= 0.
+        """
         system, u = self.system(p), self.points(U, p)
         tol = self.tolerance(u, p)
-        usable = (system.beta > 1.0) & (u[:, 1] > 0.0) & np.isfinite(u).all(axis=1)
+        usable = system.may_cycle & (u[:, -1] > 0.0) & np.isfinite(u).all(axis=1)
         u[~usable] = np.nan
         returns = return_map(system, state(system, u), tol, alone=False)
         scale = _scale(system)
         jacobian = returns.jacobian.copy()
-        jacobian[:, 1, :] *= scale[:, None]
-        jacobian[:, :, 1] *= np.where(system.eta < SLAVED, 0.0, 1.0 / scale)[:, None]
-        image = np.stack([returns.image[:, 0], scale * returns.image[:, 1]], axis=1)
+        jacobian[:, -1, :] *= scale[:, None]
+        jacobian[:, :, -1] *= np.where(system.eta < SLAVED, 0.0, 1.0 / scale)[:, None]
+        image = np.column_stack([returns.image[:, :-1], scale * returns.image[:, -1]])
         measures = {"period": returns.numbers["period"], "tol": tol}
         return MapValues(image, jacobian, usable & returns.came_back, measures)
 
     def branch(self, U, p, *, stop, **options):
-        """`Branch` by `follow_branch` from U (2,) at p to stop.
+        """`Branch` by `follow_branch` from U (k,) at p to stop.
 
         options : fields of `Options` other than `steps`
         """
@@ -118,12 +134,12 @@ class Family(NamedTuple):
         # by some sqrt(kappa eta).
         system = self.system(np.array([p, stop]))
         amplitude = np.sqrt(np.max(np.maximum(1.0, system.kappa * system.eta)))
-        noise = max(NOISE * self.rtol, TIGHTEST * amplitude / SCALE[0])
-        problem = Problem(self.return_map, SCALE, self.rtol, noise)
+        noise = max(NOISE * self.rtol, TIGHTEST * amplitude / SCALE_PSI)
+        problem = Problem(self.return_map, self.smallest, self.rtol, noise)
         return follow_branch(problem, U, p, stop, steps=STEPS, **options)
 
     def measures(self, points, exact):
-        """The measures of the points of a branch, as by `measure`: name -> (n,) or (n, 2).
+        """The measures of the points of a branch, as by `measure`: name -> (n,) or (n, k).
 
         Also "parameter", its values (n,) [SI] to which the measures belong.
 

@@ -25,7 +25,8 @@ from ..cycles.sensitivity import (
     parameter_derivatives,
     stiffness_derivatives,
 )
-from ..cycles.shooting import change_along, effective_tolerance, select, tightest
+from ..cycles.shooting import change_along, effective_tolerance, solve_each
+from ..cycles.system import select, tightest
 
 # Corrections of one point, each with finer returns or nearer to the branch than the last.
 MAX_CORRECTIONS = 12
@@ -38,7 +39,7 @@ FARTHEST = 0.1
 class Points(NamedTuple):
     """n points of a branch; arrays change in place."""
 
-    u: np.ndarray  # (n, 2) psi and G at the stress maximum
+    u: np.ndarray  # (n, k) psi and G at the stress maximum
     parameter: np.ndarray  # (n,) [SI]
     tol: np.ndarray  # (n,) tolerance of the returns
     last: np.ndarray  # (n,) that of the returns before
@@ -50,8 +51,8 @@ class Points(NamedTuple):
 class Shape(NamedTuple):
     """The branch at each of n points, in the coordinates (psi, G, p)/weights."""
 
-    weights: np.ndarray  # (n, 3)
-    direction: np.ndarray  # (n, 3) of length 1
+    weights: np.ndarray  # (n, k + 1)
+    direction: np.ndarray  # (n, k + 1) of length 1
     curvature: np.ndarray  # (n,) |d/ds| of the direction's p component
     fixed_p: np.ndarray  # (n,) whether p is fixed
 
@@ -59,7 +60,7 @@ class Shape(NamedTuple):
 class Correction(NamedTuple):
     """One step of Newton's method at n points, and the errors that it leaves."""
 
-    step: np.ndarray  # (n, 3) of psi, G and p, onto the branch; not finite where there is none
+    step: np.ndarray  # (n, k + 1) of psi, G and p, onto the branch; not finite where there is none
     moved: np.ndarray  # (n, 4) changes of the measures, at constant p, by the step
     error: np.ndarray  # (n, 4) the same by the errors of a return
     along: np.ndarray  # (n, 4) the same by a unit of length along the branch
@@ -85,8 +86,8 @@ def polished(family, points, exact):
         near = np.abs(correction.step / shape.weights[rows]).max(axis=1) < FARTHEST
         near &= np.isfinite(correction.moved + correction.error).all(axis=1)
         rows, correction = rows[near], select(correction, near)
-        now.u[rows] += correction.step[:, :2]
-        now.parameter[rows] *= 1.0 + correction.step[:, 2]
+        now.u[rows] += correction.step[:, :-1]
+        now.parameter[rows] *= 1.0 + correction.step[:, -1]
         now.period[rows] = correction.period
         finer = correction.tol / np.maximum(now.last[rows], correction.tol)
         errors = SAFETY * (finer[:, None] * correction.moved + correction.error)
@@ -110,14 +111,15 @@ def polished(family, points, exact):
 def _as_followed(family, points, special, exact):
     """`Points` and `Shape` of the branch as it was followed, with parameters that are exact."""
     p = np.array([point.p for point in points])
-    U = np.array([point.u for point in points]).reshape(-1, 2)
-    direction = np.array([point.tangent for point in points]).reshape(-1, 3)
+    k = len(family.smallest)
+    U = np.array([point.u for point in points]).reshape(-1, k)
+    direction = np.array([point.tangent for point in points]).reshape(-1, k + 1)
     direction = direction / np.column_stack([family.scale(U), np.ones(len(p))])
     curvature = np.zeros(len(p))
     if len(p) > 1:  # over both neighbours, of which one may be all but the same point
         position = np.column_stack([U / family.scale(U), p])
         length = np.linalg.norm(np.diff(position, axis=0), axis=1)
-        change = np.abs(np.diff(direction[:, 2]))
+        change = np.abs(np.diff(direction[:, -1]))
         curvature = np.convolve(change, [1.0, 1.0]) / np.convolve(length, [1.0, 1.0])
     shape = Shape(family.weights(U, p), direction, curvature, np.isin(special, list(exact)))
     u, parameter = family.points(U, p), np.exp(p)
@@ -141,8 +143,8 @@ def _correction(family, now, shape):
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         plane = _linearised(orbits, by_p, shape)
         step = plane.closing(now.u - returns.image)
-        # As beta psi and v all but cancel where b/a is near 1, errors of either weigh more there.
-        equivalent = backward_error(system, reached * system.beta / (system.beta - 1.0))[:, None]
+        # As the effects of v and psi all but cancel where b/a is near 1, errors weigh more there.
+        equivalent = backward_error(system, reached * system.cancellation)[:, None]
         error = plane.at_p(equivalent * plane.closing(-by_K.image), equivalent * by_K.measures)
         # Errors that steps accumulate need not be equivalent to any change of K.
         error += plane.at_p(finer * plane.closing(-by_steps.image), finer * by_steps.measures)
@@ -153,27 +155,25 @@ def _correction(family, now, shape):
 class Linearised(NamedTuple):
     """The branch near n points of it, to first order in psi, G and p."""
 
-    first: np.ndarray  # (n, 3) gradient of the gap P(u, p) - u in psi
-    second: np.ndarray  # (n, 3) that in G
-    normal: np.ndarray  # (n, 3) of the plane in which a point is corrected
-    measures: np.ndarray  # (n, 4, 3) gradients of the measures
+    #: (n, k + 1, k + 1) derivatives of the gap P(u, p) - u and, last, of the distance from the
+    #: plane in which a point is corrected
+    matrix: np.ndarray
+    measures: np.ndarray  # (n, 4, k + 1) gradients of the measures
     slope: np.ndarray  # (n,) |p component| of the branch's direction, of length 1 in its weights
     along: np.ndarray  # (n, 4) changes of the measures by a unit of length along the branch
     curvature: np.ndarray  # (n,)
 
     def closing(self, gap):
-        """(n, 3) vectors in the plane that change the gap by this one (n, 2).
+        """(n, k + 1) vectors in the plane that change the gap by this one (n, k).
 
-        Not finite where the branch lies in the plane.
+        NaN where the branch lies in the plane.
         """
-        first, second, normal = self.first, self.second, self.normal
-        across = gap[:, :1] * np.cross(second, normal) + gap[:, 1:] * np.cross(normal, first)
-        return across / np.einsum("ij,ij->i", first, np.cross(second, normal))[:, None]
+        return solve_each(self.matrix, np.pad(gap, [(0, 0), (0, 1)]))
 
     def at_p(self, vector, change=0.0):
         """(n, 4) sizes of what a vector and `change` do to the measures, back along the branch."""
         across = change_along(self.measures, vector) + change
-        shift = np.abs(vector[:, 2])
+        shift = np.abs(vector[:, -1])
         steep = self.slope + np.sqrt(self.slope**2 + 2.0 * self.curvature * shift)
         back = np.where(shift > 0.0, np.minimum(2.0 * shift / steep, 1.0), 0.0)
         return np.abs(across) + back[:, None] * self.along
@@ -181,13 +181,21 @@ class Linearised(NamedTuple):
 
 def _linearised(orbits, by_p, shape):
     """`Linearised` branch at the points from which orbits begin."""
-    gap = np.concatenate([orbits.returns.jacobian - np.eye(2), by_p.image[:, :, None]], axis=2)
-    first, second = gap[:, 0], gap[:, 1]
-    constant_p = np.array([0.0, 0.0, 1.0])
+    k = orbits.returns.jacobian.shape[1]
+    gap = np.concatenate([orbits.returns.jacobian - np.eye(k), by_p.image[:, :, None]], axis=2)
+    constant_p = np.eye(k + 1)[-1]
     normal = np.where(shape.fixed_p[:, None], constant_p, shape.direction) / shape.weights
+    matrix = np.concatenate([gap, normal[:, None, :]], axis=1)
     measures = np.concatenate([orbits.by_u, by_p.measures[:, :, None]], axis=2)
-    tangent = np.cross(first, second) / shape.weights
-    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+    tangent = _null_vectors(gap * shape.weights[:, None, :])
     along = np.abs(change_along(measures, tangent * shape.weights))
-    slope = np.abs(tangent[:, 2])
-    return Linearised(first, second, normal, measures, slope, along, shape.curvature)
+    return Linearised(matrix, measures, np.abs(tangent[:, -1]), along, shape.curvature)
+
+
+def _null_vectors(matrices):
+    """(n, k + 1) vectors of length 1 that matrices (n, k, k + 1) map to 0; NaN where not finite."""
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    rows = np.where(finite[:, None, None], matrices, 0.0)
+    size = np.abs(rows).max(axis=2, keepdims=True)  # multipliers spread the rows over decades
+    vectors = np.linalg.svd(rows / np.where(size > 0.0, size, 1.0))[2][:, -1]
+    return np.where(finite[:, None], vectors, np.nan)

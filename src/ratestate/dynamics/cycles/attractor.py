@@ -10,19 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, RUNNING, STEADY_SLIDING
-from ...friction.hopf_of_law import growth_slopes, lyapunov_1
-from ...friction.linear_stability import linearisation
 from .iterates import iterated_map
 from .search_step import LARGEST_LEAP, LOOSEST, advance_search, search_type
-from .shooting import (
-    distance,
-    return_map,
-    select,
-    small_amplitude,
-    steady_sliding_at,
-    tightest,
-)
-from .small_cycles import curvature, small_cycle
+from .shooting import return_map
+from .small_cycles import hopf_curvature, small_cycle
+from .system import distance, select, small_amplitude, steady_sliding_at, tightest
 
 # Steps of the search, and returns of an orbit, after which a slider counts as never converging.
 MAX_SEARCH_STEPS, MAX_RETURNS = 400, 2000
@@ -151,24 +143,8 @@ def _finish_at_rest(system, estimates, active, r):
     which, r = active[r < STEADY], r[r < STEADY]
     if len(which):
         part = system.at(which)
-        inside = (part.margin > _curvature(part) * r**2) | (r < SMALLEST)
+        inside = (part.margin > hopf_curvature(part) * r**2) | (r < SMALLEST)
         estimates.status[which[inside]] = STEADY_SLIDING
-
-
-def _curvature(system):
-    """(n,) kappa - kappa_c of small cycles over the square of their amplitude r.
-
-    inf where the law lacks the third derivatives that it takes.
-    """
-    law = system.friction
-    if law.orders < 3:
-        return np.full(len(system.kappa), np.inf)
-    if law.one_length:
-        return curvature(system.law, system.beta, system.eta)
-    p, kappa = system.coefficients, system.kappa - system.margin
-    coefficient, _ = lyapunov_1(law, p, kappa, system.eta, system.omega)
-    by_K, _ = growth_slopes(linearisation(law, p), kappa, system.eta, system.omega)
-    return -coefficient * kappa / by_K
 
 
 def _finish_on_small_cycles(system, estimates, which):

@@ -7,7 +7,8 @@ from ...friction.laws import friction_law
 # One return of one slider; nothing is imported that this does not need.
 ANY_RETURN = """
 import numpy as np
-from ratestate.dynamics.cycles.shooting import return_map, system_of
+from ratestate.dynamics.cycles.shooting import return_map
+from ratestate.dynamics.cycles.system import system_of
 one = np.ones(1)
 system = system_of({law!r}, a=one, b=2.0 * one, Dc=one, sigma=one, K=0.5 * one, M=one, V_lp=one)
 return_map(system, np.array([[0.1, 0.0, 0.1]]), 1e-3, alone=True)

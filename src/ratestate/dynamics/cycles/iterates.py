@@ -5,7 +5,8 @@ A limit cycle that closes after m returns is a fixed point of the m-th iterate.
 
 import numpy as np
 
-from .shooting import return_map, state
+from .shooting import return_map
+from .system import state
 
 #: what adds up over several returns
 SUMS = ("period", "trace", "slow", "mean", "square", "steps")

@@ -19,7 +19,7 @@ from ..simulation.cases import failure
 from ..simulation.settings import checked_rtol
 from .attractor import find_attractors, steady_start
 from .measure import refine
-from .shooting import system_of
+from .system import system_of
 from .variables import VARIABLES, cycle_variables
 
 # Relative error beyond which an answer is refused.

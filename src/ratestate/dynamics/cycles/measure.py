@@ -12,15 +12,8 @@ from .sensitivity import (
     orbits_of_one_period,
     stiffness_sensitivity,
 )
-from .shooting import (
-    change_along,
-    distance,
-    effective_tolerance,
-    multipliers,
-    newton_step,
-    small_amplitude,
-    tightest,
-)
+from .shooting import change_along, effective_tolerance, multipliers, newton_step
+from .system import distance, small_amplitude, tightest
 
 # Of the error estimate: its safety factor, and the error of a return due to rounding.
 SAFETY, ROUNDING_OF_RETURN = 3.0, 60.0 * 2.0**-52

@@ -7,7 +7,7 @@ from ...model.loading import Loading
 from ..refusals import refusal
 from ..simulation.simulate import SimulateCall, simulate
 from .limit_cycle import limit_cycle_call
-from .shooting import state, system_of
+from .system import state, system_of
 
 # Of the period: its tolerance over that of the cycle, per amplitude of tau/(a sigma); the loosest
 # that draws smooth curves, and the tightest that is above rounding.

@@ -17,7 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .shooting import distance, multipliers, newton_step, small_amplitude, tightest, weights
+from .shooting import multipliers, newton_step
+from .system import distance, small_amplitude, tightest, weights
 
 # Returns of a cycle.
 LONGEST_PERIOD = 32

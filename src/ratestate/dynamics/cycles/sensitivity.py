@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .iterates import iterated_map
-from .shooting import Returns, System, change_along, effective_tolerance, newton_step
+from .shooting import Returns, change_along, effective_tolerance, newton_step
+from .system import System
 
 # Relative change of a parameter in difference quotients: the smallest, and divided by the tolerance
 # of a return.

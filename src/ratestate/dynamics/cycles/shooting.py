@@ -1,18 +1,10 @@
 """The return map: from one stress maximum of a steadily driven slider to the next.
 
-Everything is in units of V_lp, Dc and a sigma (V0 := V_lp in engine/model.py), so that a slider
-is kappa, eta and the coefficients p of its law, b/a first.  A return begins and ends on the section
-V = V_lp, V rising, where the stress has its maximum.  Points of the section are
-
-    u = (psi - psi_ss, G),   G = dv/dT = (x - R(psi))/eta,   x = R(psi) + eta G,
-
-with R the friction at V_lp and a psi for each of the law's variables; the steady psi_ss are 0 for
-most laws.  Nothing cancels in these, neither for small eta, where inertia is lost in rounding and G
-follows from psi (R_v G = -R_psi dpsi/dT), nor near steady sliding.  A limit cycle is a fixed point
-of the map from u to the next u, or of an iterate of it (iterates.py).
+A return begins and ends on the section V = V_lp, V rising, at points u = (psi - psi_ss, G), whose
+units and symbols system.py has.  A limit cycle is a fixed point of the map from u to the next u, or
+of an iterate of it (iterates.py).
 """
 
-import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -21,121 +13,10 @@ from ...engine import dispatch
 from ...engine.lanes import ROUNDING
 from ...engine.model import FINISHED, SLAVED
 from ...engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
-from ...friction.laws import friction_law
-from ...friction.linear_stability import edges, linearisation
-from ...friction.stability import eta
-from ..simulation.cases import V_LIMIT
+from .system import state
 
 # A hundred times what a stick-slip cycle over 20 decades of V takes.
 MAX_STEPS_OF_RETURN = 2e5
-# Tolerance of a step in x, v and psi that rounding of numbers of order 1 allows.
-TIGHTEST = 2e-14
-
-
-class System(NamedTuple):
-    """Sliders driven at V_lp; dimensionless arrays (n,), one value a slider, not checked."""
-
-    law: str
-    kappa: np.ndarray  # K Dc/(a sigma)
-    p: np.ndarray  # (n, k) coefficients of the law
-    eta: np.ndarray  # M V_lp^2/(a sigma Dc)
-    #: ln(V/V_lp) beyond which a slider that does not slow down has run away; inf if M > 0
-    v_limit: np.ndarray
-
-    def at(self, which):
-        """The sliders with these numbers, or where this is true."""
-        return select(self, which)
-
-    @property
-    def friction(self):
-        """The law itself."""
-        return friction_law(self.law)
-
-    @property
-    def coefficients(self):
-        """The law's coefficients, a tuple of arrays (n,)."""
-        return tuple(self.p.T)
-
-    @property
-    def beta(self):
-        """(n,) b/a, of a law of one length."""
-        return self.p[:, 0]
-
-    @property
-    def steady(self):
-        """(n, n_states) the law's variables in steady sliding at V_lp."""
-        if self.friction.one_length:
-            return np.zeros((len(self.kappa), 1))
-        return np.stack(self.friction.steady_variables(self.coefficients), axis=1)
-
-    @property
-    def margin(self):
-        """(n,) (K - K_c) Dc/(a sigma): negative where steady sliding is unstable (eq. 6)."""
-        if self.friction.one_length:
-            return self.kappa - (self.beta - 1.0) * (1.0 + self.eta)
-        found = edges(self.friction, self.coefficients)
-        return self.kappa - found.kappa(self.eta).max(axis=1)
-
-    @property
-    def stable(self):
-        """(n,) whether steady sliding is; by laws of one length on the edge of it too."""
-        if self.friction.one_length:
-            return self.margin >= 0.0
-        found = edges(self.friction, self.coefficients)
-        return found.unstable_pairs(self.kappa, self.eta) <= 0
-
-    @property
-    def may_cycle(self):
-        """(n,) whether there may be a cycle; under a law of one length only where b > a."""
-        weakens = self.beta > 1.0 if self.friction.one_length else True
-        return np.isfinite(self.kappa) & weakens
-
-    @property
-    def omega(self):
-        """(n,) angular frequency of the Hopf bifurcation; another where there is none."""
-        if self.friction.one_length:
-            return np.sqrt(np.maximum(self.beta - 1.0, 0.0))
-        found = edges(self.friction, self.coefficients)
-        last = found.kappa(self.eta).argmax(axis=1)[:, None]
-        z = np.take_along_axis(found.z, last, axis=1)[:, 0]
-        return np.sqrt(np.where(z > 0.0, z, 1.0))
-
-    @property
-    def cancellation(self):
-        """(n,) the sum of the evolution effects over what they exceed the direct one by."""
-        if self.friction.one_length:
-            return self.beta / (self.beta - 1.0)
-        linear = linearisation(self.friction, self.coefficients)
-        excess = np.abs(linear.evolution.sum(axis=1) - linear.direct)
-        return np.abs(linear.evolution).sum(axis=1) / excess
-
-    def slopes(self, psi):
-        """R_v (n,) and R_psi (n, n_states) at V_lp and the variables psi (n, n_states)."""
-        by_v, by_psi = self.friction.resistance_partials(0.0, 1.0, tuple(psi.T), self.coefficients)
-        n = len(self.kappa)
-        return np.broadcast_to(by_v, n), np.stack([np.broadcast_to(x, n) for x in by_psi], axis=1)
-
-
-def one_length_system(law, kappa, beta, eta, v_limit):
-    """`System` of sliders, arrays (n,), under a law of one length."""
-    return System(law, kappa, beta[:, None].copy(), eta, v_limit)
-
-
-def select(cases, which):
-    """A named tuple of arrays, at these numbers or where this is true; what is no array stays."""
-    return type(cases)(*(x[which] if isinstance(x, np.ndarray) else x for x in cases))
-
-
-def system_of(law, *, sigma, K, M, V_lp, **values):
-    """`System` of sliders with these parameters [SI], each (n,) and not checked.
-
-    Others are ignored.
-    """
-    a, Dc = values["a"], values["Dc"]
-    inertia = eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
-    v_limit = np.where(M == 0.0, np.log(V_LIMIT / V_lp), np.inf)
-    p = friction_law(law).coefficient_array(V_lp, values)
-    return System(law, K * Dc / (a * sigma), p, inertia, v_limit)
 
 
 class Returns(NamedTuple):
@@ -156,50 +37,6 @@ class Returns(NamedTuple):
     def came_back(self):
         """(n,) whether it came back to the section."""
         return self.status == FINISHED
-
-
-def state(system, u):
-    """(n, len(y)) x, v and psi of the section's points u (n, k)."""
-    psi = u[:, :-1] + system.steady
-    zero = np.zeros(len(u))
-    x = system.friction.resistance(0.0, 1.0, tuple(psi.T), system.coefficients)
-    return np.stack([x + system.eta * u[:, -1], zero, *psi.T], axis=1)
-
-
-def steady_sliding_at(system, w):
-    """(n, len(y)) x, v, psi of steady sliding at w (n,) times V_lp."""
-    law, p, v = system.friction, system.coefficients, np.log(w)
-    there = law.rescaled(p, w)
-    states = law.log_states(0.0, law.steady_variables(there), there)
-    psi = law.variables(v, tuple(state - v for state in states), p)
-    return np.stack([law.resistance(v, w, psi, p), v, *psi], axis=1)
-
-
-def weights(system):
-    """(n, k) the changes of x with each of u, at steady sliding: R_psi, and eta for G."""
-    _, by_psi = system.slopes(system.steady)
-    return np.concatenate([by_psi, system.eta[:, None]], axis=1)
-
-
-def distance(system, vectors):
-    """(n,) length of vectors (n, k) of u, measured by the changes of R and of eta G."""
-    with np.errstate(invalid="ignore"):  # without mass, where Newton's method has no step
-        return functools.reduce(np.hypot, (weights(system) * vectors).T)
-
-
-def small_amplitude(system, u):
-    """(n,) amplitude r of ln V on an orbit through u near steady sliding, of frequency omega_c.
-
-    dx/dT = -kappa v there, so that x, less that of steady sliding, is r kappa/omega_c at its
-    maximum.  Of the sign of x.
-    """
-    x = (weights(system) * u).sum(axis=1)
-    return x * system.omega / system.kappa
-
-
-def tightest(system, u):
-    """(n,) the smallest tolerance of a return that is above the rounding of x; NaN where u is."""
-    return TIGHTEST * np.maximum(1.0, distance(system, u))
 
 
 def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
@@ -330,8 +167,13 @@ def newton_step(returns, u):
         psi, G = off.T
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.stack([d * psi - b * G, a * G - c * psi], axis=1) / (a * d - b * c)[:, None]
-    solvable = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(off).all(axis=1)
-    solvable[solvable] = np.linalg.det(matrix[solvable]) != 0.0
-    step = np.full(u.shape, np.nan)
-    step[solvable] = np.linalg.solve(matrix[solvable], off[solvable][:, :, None])[:, :, 0]
-    return step
+    return solve_each(matrix, off)
+
+
+def solve_each(matrices, vectors):
+    """(n, k) solutions of n linear systems (n, k, k), (n, k); NaN where there is not just one."""
+    solvable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(vectors).all(axis=1)
+    solvable[solvable] = np.linalg.det(matrices[solvable]) != 0.0
+    solution = np.full(vectors.shape, np.nan)
+    solution[solvable] = np.linalg.solve(matrices[solvable], vectors[solvable][:, :, None])[:, :, 0]
+    return solution

@@ -8,7 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...friction.hopf_of_law import growth_slopes, lyapunov_1
 from ...friction.laws import friction_law
+from ...friction.linear_stability import linearisation
 from .harmonic_balance import (
     EVEN,
     EVEN_WAVES,
@@ -24,7 +26,7 @@ from .harmonic_balance import (
     next_balance,
     project,
 )
-from .shooting import select
+from .system import select
 
 R_MAX = 0.3  # beyond, 15 harmonics are too few and the iteration converges too slowly
 ERROR_MAX = 1e-3
@@ -89,6 +91,22 @@ def curvature(law, beta, eta):
     beta, eta = _columns(beta, eta)
     with np.errstate(all="ignore"):
         return hopf_limit(Case(beta - 1, beta, eta, friction_law(law).series)).m[:, 0]
+
+
+def hopf_curvature(system):
+    """`curvature` of a `System` under any law, (n,).
+
+    inf where the law lacks the third derivatives that it takes.
+    """
+    law = system.friction
+    if law.orders < 3:
+        return np.full(len(system.kappa), np.inf)
+    if law.one_length:
+        return curvature(system.law, system.beta, system.eta)
+    p, (kappa, omega) = system.coefficients, system.critical
+    coefficient, _ = lyapunov_1(law, p, kappa, system.eta, omega)
+    by_K, _ = growth_slopes(linearisation(law, p), kappa, system.eta, omega)
+    return -coefficient * kappa / by_K
 
 
 def _columns(*values):

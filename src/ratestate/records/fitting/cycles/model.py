@@ -7,7 +7,7 @@ import numpy as np
 from ....dynamics.cycles.attractor import find_attractors, steady_start
 from ....dynamics.cycles.limit_cycle import WORST
 from ....dynamics.cycles.measure import refine
-from ....dynamics.cycles.shooting import state, system_of
+from ....dynamics.cycles.system import state, system_of
 from ....dynamics.simulation.cases import MAX_STEPS
 from ....engine.model import FINISHED, Loads
 from ....friction.laws import friction_law

@@ -1,0 +1,196 @@
+"""Steadily driven sliders in dimensionless form, and the points of the section V = V_lp.
+
+Everything is in units of V_lp, Dc and a sigma (V0 := V_lp in engine/model.py), so that a slider
+is kappa, eta and the coefficients p of its law, b/a first.  Points of the section V = V_lp, V
+rising, where the stress has its maximum, are
+
+    u = (psi - psi_ss, G),   G = dv/dT = (x - R(psi))/eta,   x = R(psi) + eta G,
+
+with R the friction at V_lp and a psi for each of the law's variables; the steady psi_ss are 0 for
+most laws.  Nothing cancels in these, neither for small eta, where inertia is lost in rounding and G
+follows from psi (R_v G = -R_psi dpsi/dT), nor near steady sliding.
+"""
+
+import functools
+from typing import NamedTuple
+
+import numpy as np
+
+from ...friction import linear_stability
+from ...friction.laws import friction_law
+from ...friction.stability import eta
+from ..simulation.cases import V_LIMIT
+
+# Tolerance of a step in x, v and psi that rounding of numbers of order 1 allows.
+TIGHTEST = 2e-14
+
+
+class System(NamedTuple):
+    """Sliders driven at V_lp; dimensionless arrays (n,), one value a slider, not checked."""
+
+    law: str
+    kappa: np.ndarray  # K Dc/(a sigma)
+    p: np.ndarray  # (n, k) coefficients of the law
+    eta: np.ndarray  # M V_lp^2/(a sigma Dc)
+    #: ln(V/V_lp) beyond which a slider that does not slow down has run away; inf if M > 0
+    v_limit: np.ndarray
+
+    def at(self, which):
+        """The sliders with these numbers, or where this is true."""
+        return select(self, which)
+
+    @property
+    def friction(self):
+        """The law itself."""
+        return friction_law(self.law)
+
+    @property
+    def coefficients(self):
+        """The law's coefficients, a tuple of arrays (n,)."""
+        return tuple(self.p.T)
+
+    @property
+    def beta(self):
+        """(n,) b/a, of a law of one length."""
+        return self.p[:, 0]
+
+    @property
+    def steady(self):
+        """(n, n_states) the law's variables in steady sliding at V_lp."""
+        if self.friction.one_length:
+            return np.zeros((len(self.kappa), 1))
+        return np.stack(self.friction.steady_variables(self.coefficients), axis=1)
+
+    @property
+    def critical(self):
+        """`linear_stability.Critical` of steady sliding at V_lp, arrays (n,)."""
+        return linear_stability.critical(self.friction, self.coefficients, self.eta)
+
+    @property
+    def margin(self):
+        """(n,) (K - K_c) Dc/(a sigma): negative where steady sliding is unstable (eq. 6)."""
+        return self.kappa - self.critical.kappa
+
+    @property
+    def stable(self):
+        """(n,) whether steady sliding is; by laws of one length on the edge of it too."""
+        if self.friction.one_length:
+            return self.margin >= 0.0
+        found = linear_stability.edges(self.friction, self.coefficients)
+        return found.unstable_pairs(self.kappa, self.eta) <= 0
+
+    @property
+    def may_cycle(self):
+        """(n,) whether there may be a cycle; under a law of one length only where b > a."""
+        weakens = self.beta > 1.0 if self.friction.one_length else True
+        return np.isfinite(self.kappa) & weakens
+
+    @property
+    def modes(self):
+        """(n, n_states + 2) eigenvalues [V_lp/Dc] of steady sliding, least stable first."""
+        return linear_stability.modes(self.friction, self.coefficients, self.kappa, self.eta)
+
+    @property
+    def cancellation(self):
+        """(n,) the sum of the evolution effects over what they exceed the direct one by."""
+        linear = linear_stability.linearisation(self.friction, self.coefficients)
+        excess = np.abs(linear.evolution.sum(axis=1) - linear.direct)
+        return np.abs(linear.evolution).sum(axis=1) / excess
+
+    def slopes(self, psi):
+        """R_v (n,) and R_psi (n, n_states) at V_lp and the variables psi (n, n_states)."""
+        by_v, by_psi = self.friction.resistance_partials(0.0, 1.0, tuple(psi.T), self.coefficients)
+        n = len(self.kappa)
+        return np.broadcast_to(by_v, n), np.stack([np.broadcast_to(x, n) for x in by_psi], axis=1)
+
+
+def one_length_system(law, kappa, beta, eta, v_limit):
+    """`System` of sliders, arrays (n,), under a law of one length."""
+    return System(law, kappa, beta[:, None].copy(), eta, v_limit)
+
+
+def select(cases, which):
+    """A named tuple of arrays, at these numbers or where this is true; what is no array stays."""
+    return type(cases)(*(x[which] if isinstance(x, np.ndarray) else x for x in cases))
+
+
+def system_of(law, *, sigma, K, M, V_lp, **values):
+    """`System` of sliders with these parameters [SI], each (n,) and not checked.
+
+    Others are ignored.
+    """
+    a, Dc = values["a"], values["Dc"]
+    inertia = eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
+    v_limit = np.where(M == 0.0, np.log(V_LIMIT / V_lp), np.inf)
+    p = friction_law(law).coefficient_array(V_lp, values)
+    return System(law, K * Dc / (a * sigma), p, inertia, v_limit)
+
+
+def state(system, u):
+    """(n, len(y)) x, v and psi of the section's points u (n, k)."""
+    psi = u[:, :-1] + system.steady
+    zero = np.zeros(len(u))
+    x = system.friction.resistance(0.0, 1.0, tuple(psi.T), system.coefficients)
+    return np.stack([x + system.eta * u[:, -1], zero, *psi.T], axis=1)
+
+
+def steady_sliding_at(system, w):
+    """(n, len(y)) x, v, psi of steady sliding at w (n,) times V_lp."""
+    law, p, v = system.friction, system.coefficients, np.log(w)
+    there = law.rescaled(p, w)
+    states = law.log_states(0.0, law.steady_variables(there), there)
+    psi = law.variables(v, tuple(state - v for state in states), p)
+    return np.stack([law.resistance(v, w, psi, p), v, *psi], axis=1)
+
+
+def slaved_G(system, offset):
+    """(n,) G without inertia, from the variables less their steady values, offset (n, n_states)."""
+    psi = offset + system.steady
+    law, p, states = system.friction, system.coefficients, tuple(psi.T)
+    R_v, R_psi = system.slopes(psi)
+    rates = law.rates(0.0, 1.0, states, law.exponentials(0.0, 1.0, states, p), p)
+    return -sum(R_psi[:, k] * rate for k, rate in enumerate(rates)) / R_v
+
+
+def weights(system):
+    """(n, k) the changes of x with each of u, at steady sliding: R_psi, and eta for G."""
+    _, by_psi = system.slopes(system.steady)
+    return np.concatenate([by_psi, system.eta[:, None]], axis=1)
+
+
+def distance(system, vectors):
+    """(n,) length of vectors (n, k) of u, measured by the changes of R and of eta G."""
+    with np.errstate(invalid="ignore"):  # without mass, where Newton's method has no step
+        return functools.reduce(np.hypot, (weights(system) * vectors).T)
+
+
+def linear_section(system):
+    """(n, k) u of an orbit of unit amplitude in ln V, by the linear equations at frequency omega_c.
+
+    Where steady sliding is stable at any K, for a frequency of 1.
+    """
+    law, p, psi = system.friction, system.coefficients, tuple(system.steady.T)
+    omega = system.critical.omega
+    omega = np.where(omega > 0.0, omega, 1.0)
+    f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
+    # v = sin(omega T) is 0 there, and rises
+    states = [(f / (1j * omega - g)).imag for f, g in zip(f_v, f_psi, strict=True)]
+    return np.stack([*states, omega], axis=1)
+
+
+def small_amplitude(system, u):
+    """(n,) amplitude r of ln V on an orbit through u near steady sliding, of frequency omega_c.
+
+    dx/dT = -kappa v there, so that x, less that of steady sliding, is r kappa/omega_c at its
+    maximum.  With several states, whose parts of x may cancel, the largest of what each part of u
+    says.
+    """
+    cycle = linear_section(system)
+    if u.shape[1] > 2:
+        return np.abs(u / cycle).max(axis=1)
+    return (weights(system) * u).sum(axis=1) * cycle[:, -1] / system.kappa
+
+
+def tightest(system, u):
+    """(n,) the smallest tolerance of a return that is above the rounding of x; NaN where u is."""
+    return TIGHTEST * np.maximum(1.0, distance(system, u))
