@@ -335,7 +335,6 @@ def test_sweeps_take_a_laws_own_parameters():
 @pytest.mark.parametrize(
     ("name", "call"),
     [
-        ("escape", lambda s: escape(s, V)),
         ("bautin", lambda s: rs.bautin(s.law, 2.0)),
     ],
 )

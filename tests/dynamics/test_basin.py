@@ -375,3 +375,84 @@ def test_bad_input(slider, V_lp, parts):
         escape(slider, V_lp)
     for part in parts:
         assert part in str(caught.value)
+
+
+def near_its_edge(law, M, K_over_K_c, **own):
+    """A slider at this multiple of K_c at V_LP, under a law that has these parameters alone."""
+    slider = FIG2.replace(M=M, law=law, **own)
+    return slider.replace(K=K_over_K_c * slider.K_c(V_LP))
+
+
+@pytest.mark.parametrize(
+    ("law", "own"),
+    [
+        ("two-state-slip", {"b2": 0.001, "Dc2": 5e-5}),
+        ("nagata", {"c": 1.0}),
+        ("kato-tullis", {"V_cut": 1e-2}),
+    ],
+)
+def test_runaways_of_any_law_against_plain_marching(law, own):
+    """Without mass; where the law knows no edge of runaway in closed form."""
+    slider = near_its_edge(law, 0.0, 1.02, **own)
+    found = escape(slider, V_LP)
+    assert found.outcome == "runaway"
+    assert found.step_down == 0  # (nor does any run from V_c, inf, leave)
+    for name in ("step_up", *KICKS):
+        size = float(found[name])
+        sizes = size ** (1 + OFF) if name in STEPS else size * (1 + OFF)
+        loading, t_end = Loading.constant(V_LP), 3e3 * slider.Dc / V_LP
+        for k, part in enumerate(sizes):
+            start = {"V_start": V_LP / part} if name in STEPS else kicked(slider, part)
+            if OFF[k] > 0:
+                with pytest.raises(rs.QuasiStaticInstability):
+                    simulate(slider, loading, t_end, rtol=1e-9, **start)
+            else:
+                run = simulate(slider, loading, t_end, rtol=1e-9, **start)
+                assert abs(float(run.V[-1]) / V_LP - 1) < 1e-3
+
+
+OFF = np.array([-1e-2, -1e-5, 1e-5, 1e-2])
+
+
+def kicked(slider, change):
+    """Arguments of a run from steady sliding at V_LP, whose stress then changes by so much [Pa]."""
+    steady = simulate(slider, Loading.constant(V_LP), 1e-9, V_start=V_LP).isel(time=0)
+    states = {name: float(steady[name]) for name in slider.friction.states}
+    if slider.law == "nagata":  # b ln theta + c mu is continuous, not theta
+        factor = np.exp(-slider.c * change / slider.sigma / slider.b)
+        states["theta"] *= factor
+    initial = states | {"tau": float(steady.tau) + change}
+    return {"V_start": V_LP, "initial": initial}
+
+
+def test_the_cycle_beyond_under_a_law_with_a_speed_of_its_own():
+    """Between two speeds sliding is unstable; below them a cycle coexists with stable sliding."""
+    slider = near_its_edge("kato-tullis", FIG2.M, 1.0005, V_cut=1e-2)
+    found = escape(slider, V_LP)
+    assert found.outcome == "cycle"
+    cycle = continue_cycle(slider, "K", 0.98 * slider.K, slider.K, V_lp=V_LP).isel(point=-1)
+    assert float(found.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-7)
+    sizes = float(found.step_up) ** (1 + np.array([-1e-2, 1e-2]))
+    runs = disturbed(slider, V_LP, "step_up", sizes, 1600 * found.unstable_period, rtol=1e-9)
+    amplitude = runs.amplitude / found.amplitude
+    assert amplitude[0] < 0.05
+    assert float(amplitude[1]) == pytest.approx(1, abs=1e-3)
+
+
+def test_steps_where_sliding_is_stable_above_the_unstable_speeds():
+    """No step up comes from a speed at which sliding is unstable; one down may lead to runaway."""
+    slider = FIG2.replace(M=0.0, K=6.3e8, law="kato-tullis", V_cut=1e-4)
+    V_lp = 1.2 * slider.V_c_upper
+    found = escape(slider, V_lp)
+    assert found.outcome == "runaway"
+    assert found.step_up == np.inf
+    loading = Loading.constant(V_lp)
+    slowest = simulate(slider, loading, 20.0, V_start=1.0001 * slider.V_c_upper, rtol=1e-9)
+    assert float(slowest.V[-1]) == pytest.approx(V_lp, rel=1e-3)
+    with pytest.raises(rs.QuasiStaticInstability):  # from slower sliding, were it stable
+        simulate(slider, loading, 20.0, V_start=0.1 * slider.V_c_upper, rtol=1e-9)
+    down = V_lp / float(found.step_down)
+    run = simulate(slider, loading, 20.0, V_start=0.999 * down, rtol=1e-9)
+    assert float(run.V[-1]) == pytest.approx(V_lp, rel=1e-3)
+    with pytest.raises(rs.QuasiStaticInstability):
+        simulate(slider, loading, 20.0, V_start=1.001 * down, rtol=1e-9)

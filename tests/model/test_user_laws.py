@@ -4,6 +4,7 @@ import pickle
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import ratestate as rs
@@ -42,6 +43,26 @@ class Plain(rs.FrictionLaw):
 
     def rate_partials(self, v, w, psi, e, p):
         return (-w * (v + psi[0]) - w,), (-w,)
+"""
+#: slip law about another steady state, which has to be found
+CUBIC = """
+import ratestate as rs
+
+class Cubic(rs.FrictionLaw):
+    name = "cubic"
+    parameters = {"q": rs.Parameter("1", "offset", "> 0", "0.5")}
+
+    def coefficients(self, V_ref, slider):
+        return slider.b / slider.a, slider.q
+
+    def rates(self, v, w, psi, e, p):
+        z = v + psi[0]
+        return (-w * (z - p[1] + 0.1 * z**3),)
+
+    def rate_partials(self, v, w, psi, e, p):
+        z = v + psi[0]
+        slope = 1.0 + 0.3 * z * z
+        return (-w * (z - p[1] + 0.1 * z**3 + slope),), (-w * slope,)
 """
 COMMON = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
 
@@ -87,6 +108,18 @@ def test_a_law_file_works_like_a_built_in_law(law_file):
     ):
         with pytest.raises(rs.ParameterError, match=rf"{function} needs .*: rate_partials_2"):
             call()
+
+
+def test_steady_sliding_is_found_for_each_slider_of_a_sweep(law_file):
+    """psi in steady sliding, z + 0.1 z^3 = q: solved for many q at once, and in closed form."""
+    rs.register(law_file(CUBIC))
+    q = rs.logspace("q", 0.1, 30.0, 7)
+    sliders = rs.SpringSlider(**COMMON, law="cubic", q=q)
+    z = np.array([np.real(r) for x in q.values for r in np.roots([0.1, 0, 1, -x]) if r.imag == 0])
+    run = rs.simulate(sliders, rs.Loading.constant(1e-3), 1e-6, V_start=4e-3, times=[0.0])
+    np.testing.assert_allclose(np.log(4e-3 * run.theta[:, 0] / sliders.Dc), z, rtol=1e-11)
+    K_c = rs.stability(sliders.replace(M=0.0), 4e-3).K_c
+    np.testing.assert_allclose(K_c, sliders.K_c_qs * (1 + 0.3 * z**2), rtol=1e-11)
 
 
 def test_an_edited_law_is_another_one(law_file):

@@ -4,7 +4,7 @@ Where K > K_c small disturbances decay.  But where a limit cycle coexists, or a 
 inertia, large ones need not.  `escape` finds the smallest that do not, of two kinds that a
 laboratory can impose.  With inertia it follows the motion itself, and adds the unstable cycle that
 lies between; without inertia it uses the path that separates runaways from orbits that come back
-(`separatrix`).
+(`separatrix`) where the law knows it, else the motion too.
 """
 
 import numpy as np
@@ -12,15 +12,17 @@ import xarray
 
 from ..engine.model import FINISHED, NO_CONVERGENCE, RUNAWAY, STEADY_SLIDING
 from ..errors import SolverError
+from ..friction.linear_stability import V_c
+from ..friction.roots import root
 from ..model.batch import Batch
 from ..model.slider import checked
 from ..model.units import to_si
 from .continuation.family import Family
 from .cycles.attractor import find_attractors
 from .cycles.measure import refine
-from .cycles.system import state, system_of
+from .cycles.system import state, steady_sliding_at, system_of
 from .progress import bar
-from .refusals import check_one_length
+from .refusals import check_orders
 from .results import columns, provenance
 
 #: disturbances, in the order of `_disturbed`
@@ -47,7 +49,8 @@ def escape(slider, V_lp):
     """The smallest disturbances of steady sliding at V_lp from which it does not come back.
 
     A step: sliding steadily at another speed, where that is stable, until the load point's changes
-    to V_lp.  A kick: a sudden change of the spring's stress while sliding steadily at V_lp.
+    to V_lp.  A kick: a sudden change of the spring's stress while sliding steadily at V_lp.  Under
+    a law whose sliding is unstable between two speeds only, steps come from the side of V_lp.
 
     Parameters
     ----------
@@ -74,7 +77,7 @@ def escape(slider, V_lp):
     Raises
     ------
     ParameterError
-        An input that cannot be used.
+        An input that cannot be used; a law without second derivatives.
     SolverError
         An orbit could not be followed to its end; in a sweep such a case is "unknown".
 
@@ -88,17 +91,18 @@ def escape(slider, V_lp):
     >>> str(edge.outcome.values), round(float(edge.step_up), 2)
     ('cycle', 1.92)
     """
-    check_one_length("escape", checked(slider).law)
+    check_orders("escape", checked(slider).friction, 2)
     V_lp = to_si("V_lp", V_lp)
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=VARIABLES)
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
     system = system_of(slider.law, **batch.columns)
     alone = batch.shape == ()
     with bar("escape") as progress:
-        sizes, outcome, u = _thresholds(system, alone, progress)
+        largest = _largest_steps(system, batch.columns)
+        sizes, outcome, u = _thresholds(system, largest, alone, progress)
     if alone and outcome[0] == "unknown":
         raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
-    cycles = _cycles_around(system, np.flatnonzero(outcome == "cycle"), u)
+    cycles = _cycles_around(system, batch.columns, np.flatnonzero(outcome == "cycle"), u)
     p = columns(batch)
     units = {"amplitude": p.a, "period": p.Dc / p.V_lp, "multiplier": 1.0}
     with np.errstate(over="ignore"):
@@ -118,24 +122,46 @@ def escape(slider, V_lp):
 
 
 def _disturbed(system, kind, size):
-    """(n, 3) x, v, psi right after disturbances of these kinds (n,) and sizes (n,)."""
-    step, sign = kind < 2, np.where(kind % 2 == 0, 1.0, -1.0)
-    v = np.where(step, -sign * size, 0.0)
-    kick = np.where(step, 0.0, sign * size)
-    at_once = np.where(system.eta == 0.0, kick, 0.0)  # without mass friction follows the stress
-    return np.stack([(1.0 - system.beta) * v + kick, v + at_once, -v], axis=1)
+    """(n, len(y)) x, v, psi right after disturbances of these kinds (n,) and sizes (n,)."""
+    sign = np.where(kind % 2 == 0, 1.0, -1.0)
+    y = steady_sliding_at(system, np.where(kind < 2, np.exp(-sign * size), 1.0))
+    y[:, 0] += np.where(kind < 2, 0.0, sign * size)
+    at_once = (kind >= 2) & (system.eta == 0.0)  # without mass friction follows the stress
+    law, psi, p = system.friction, tuple(y[:, 2:].T), system.coefficients
+
+    def off(v):
+        return law.resistance(v, np.exp(v), psi, p) - y[:, 0]
+
+    y[:, 1] = np.where(at_once, root(off, y[:, 1], at_once), y[:, 1])
+    return y
+
+
+def _largest_steps(system, columns):
+    """(2, n) ln of the largest step up and down that leads from stable steady sliding to V_lp.
+
+    Up from V_c_upper, where V_lp is above it; down from V_c, where V_lp is below it.
+
+    columns : parameters of the sliders and V_lp, symbol -> (n,) [SI]
+    """
+    names = (*system.friction.symbols, "sigma", "K", "M")
+    lower, upper = V_c(system.friction, **{name: columns[name] for name in names})
+    V_lp, farthest = columns["V_lp"], SIZES[-1]
+    with np.errstate(divide="ignore"):  # V_c may be 0 or inf
+        up = np.where(V_lp > upper, np.log(V_lp / upper), np.inf)
+        down = np.where(V_lp < lower, np.log(lower / V_lp), np.inf)
+    return np.minimum([up, down], farthest)
 
 
 def _smallest_escapes(system, kind, largest, progress):
     """Sizes (n,) of the smallest disturbances of these kinds (n,) that leave the basin, or inf.
 
-    Also the status with which the orbits end, and their u (n, 2) if on a cycle.
+    Also the status with which the orbits end, and their u (n, k) if on a cycle.
 
     largest : (n,) largest size to try
     """
     n = len(kind)
     low, high = np.zeros(n), np.full(n, np.inf)
-    status, u = np.full(n, STEADY_SLIDING), np.full((n, 2), np.nan)
+    status, u = np.full(n, STEADY_SLIDING), _nowhere(system)
     trial, which = np.minimum(SIZES, largest[:, None]), np.arange(n)
     while len(which):
         m = trial.shape[1]
@@ -157,17 +183,22 @@ def _smallest_escapes(system, kind, largest, progress):
     return high, status, u
 
 
-def _thresholds(system, alone, progress):
-    """Smallest sizes (4, n) that leave the basin, the outcome (n,), and u (n, 2) of a cycle.
+def _nowhere(system):
+    """(n, k) points of the section that are unknown."""
+    return np.full((len(system.kappa), 1 + len(system.friction.states)), np.nan)
 
+
+def _thresholds(system, steps, alone, progress):
+    """Smallest sizes (4, n) that leave the basin, the outcome (n,), and u (n, k) of a cycle.
+
+    steps : (2, n) of the largest steps up and down
     alone : whether SolverError is raised where an edge of runaway cannot be followed
     """
-    n = len(system.beta)
-    stable = system.margin > 0.0
+    stable = system.stable & (system.margin != 0.0)
     sizes = np.where(stable, np.inf, 0.0) * np.ones((4, 1))
     outcome = np.where(stable, "none", "no steady sliding").astype("<U17")
-    u = np.full((n, 2), np.nan)
-    may_leave = stable & (system.beta > 1.0) & np.isfinite(system.kappa)
+    u = _nowhere(system)
+    may_leave = stable & system.may_cycle
     if system.friction.gives("runaway_edge"):
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
             edge = system.kappa[i], system.beta[i], SIZES[-1]
@@ -176,9 +207,7 @@ def _thresholds(system, alone, progress):
     may_leave = np.flatnonzero(may_leave)
     slider, kind = np.tile(may_leave, 4), np.repeat(np.arange(4), len(may_leave))
     part = system.at(slider)
-    with np.errstate(divide="ignore"):  # a step down is from a speed below V_c (eq. 10)
-        down = 0.5 * np.log((part.kappa / (part.beta - 1.0) - 1.0) / part.eta)
-    largest = np.where(kind == 1, np.minimum(down, SIZES[-1]), SIZES[-1])
+    largest = np.where(kind < 2, steps[np.minimum(kind, 1), slider], SIZES[-1])
     smallest, status, ends = _smallest_escapes(part, kind, largest, progress)
     lost = ~np.isin(status, [STEADY_SLIDING, *OUTCOMES])
     sizes[:, may_leave] = np.where(lost, np.nan, smallest).reshape(4, -1)
@@ -205,11 +234,14 @@ def _runaway(law, edge, alone):
     return sizes, "runaway" if np.isfinite(sizes).any() else "none"
 
 
-def _cycles_around(system, which, u):
+def _cycles_around(system, columns, which, u):
     """Measures of the stable cycles of these sliders and of unstable ones inside, name -> (n,).
 
     As the stiffness increases the two meet in a fold: the branch from the stable cycle comes back
-    to the slider's own stiffness as the unstable one.  u : (n, 2) near the stable cycles
+    to the slider's own stiffness as the unstable one.
+
+    columns : parameters of the sliders and V_lp, symbol -> (n,) [SI]
+    u : (n, k) near the stable cycles
     """
     result = {name: np.full(len(u), np.nan) for name in CYCLES}
     part = system.at(which)
@@ -218,15 +250,13 @@ def _cycles_around(system, which, u):
     result["amplitude"][which], result["period"][which] = stable["amplitude"], stable["period"]
     single = attractors.n_returns == 1  # as many as of the unstable cycle that meets it
     for i, u_i in zip(which[single], attractors.u[single], strict=True):
-        kappa, beta, eta = (float(values[i]) for values in (system.kappa, system.beta, system.eta))
-        # With V_lp = Dc = sigma = a = 1 the slider is its own dimensionless form.
-        values = {"a": 1.0, "b": beta, "Dc": 1.0, "sigma": 1.0, "K": kappa, "M": eta, "V_lp": 1.0}
-        family, p = Family(system.law, values, "K", CYCLE_RTOL), np.log(kappa)
+        values = {symbol: float(column[i]) for symbol, column in columns.items()}
+        family, p = Family(system.law, values, "K", CYCLE_RTOL), np.log(values["K"])
         branch = family.branch(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST_FOLD))
         # Close to the Hopf point p hardly changes along the branch, and noise hides the solution at
         # exactly the first p.
         if len(branch.points) > 2 and abs(branch.points[-1].p - p) <= CYCLE_RTOL:
-            measures = family.measures(branch.points[-1:], {"start": kappa})
+            measures = family.measures(branch.points[-1:], {"start": values["K"]})
             result["unstable_amplitude"][i] = measures["amplitude"][0]
             result["unstable_period"][i] = measures["period"][0]
             result["unstable_multiplier"][i] = measures["multipliers"][0, 0].real

@@ -249,15 +249,16 @@ class FrictionLaw:
         """psi_k in steady sliding at V_ref; the rate of each state knows no other."""
         import numpy as np
 
-        zero = np.zeros(np.broadcast_shapes(*map(np.shape, p)))
+        p = np.broadcast_arrays(*p)
+        zero = np.zeros(p[0].shape)
 
-        def rate(psi_k):
-            psi = tuple(psi_k if j == k else zero for j in range(len(self.states)))
+        def rate(psi_k, *p):
+            psi = tuple(psi_k if j == k else 0.0 * psi_k for j in range(len(self.states)))
             return self.rates(0.0, 1.0, psi, self.exponentials(0.0, 1.0, psi, p), p)[k]
 
-        if not np.any(rate(zero)):
+        if not np.any(rate(zero, *p)):
             return zero
         from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
 
-        found = bracket_root(rate, zero - 1.0, zero + 1.0)
-        return find_root(rate, found.bracket).x
+        found = bracket_root(rate, zero - 1.0, zero + 1.0, args=tuple(p))
+        return find_root(rate, found.bracket, args=tuple(p)).x

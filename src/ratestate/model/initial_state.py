@@ -4,6 +4,7 @@ import numpy as np
 
 from ..errors import ParameterError
 from ..friction.laws import LAWS
+from ..friction.roots import root
 from .slider import PARAMETERS
 from .units import to_si
 
@@ -115,7 +116,7 @@ def _state_by_stress(law, x, v, states, p, k, where):
     def off(state):
         return resistance(law, v, [*states[:k], state, *states[k + 1 :]], p) - x
 
-    found = _root(off, states[k], where)
+    found = root(off, states[k], where)
     if not np.isfinite(found[where]).all():
         name = list(law.states)[k]
         raise ParameterError(
@@ -131,12 +132,17 @@ def _speed_by_stress(law, x, v, states, p, where):
     def off(v):
         return resistance(law, v, states, p) - x
 
-    return np.where(where, _root(off, v, where), v)
+    return np.where(where, root(off, v, where), v)
 
 
 def _check_speed(v, V0, names):
-    """Raise the ParameterError about a speed that is too large for double precision."""
+    """Raise the ParameterError about a speed that is too large, or does not exist."""
     log_V = v + np.log(V0)
+    if np.isnan(log_V).any():
+        raise ParameterError(
+            f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they must fix V, and "
+            "friction equals the stress at no speed; give V in place of tau"
+        )
     if (log_V > np.log(LARGEST_V)).any():
         log10_V = log_V.max() / np.log(10.0)
         raise ParameterError(
@@ -144,23 +150,6 @@ def _check_speed(v, V0, names):
             f"10^{log10_V:.6g} m/s, beyond double precision; "
             "give values that agree with a lower speed"
         )
-
-
-def _root(off, start, where):
-    """The root of a function that is linear, or nearly so; not finite where it is constant.
-
-    where : whether the root matters
-    """
-    with np.errstate(all="ignore"):  # (where it does not matter there may be no root)
-        root, slope = start, off(start + 1.0) - off(start)
-        for _ in range(2):  # (the second makes up for the rounding of the slope)
-            root = root - off(root) / slope
-        wrong = where & (np.abs(off(root)) > 1e-11 * np.maximum(1.0, np.abs(root)))
-    if not wrong.any():
-        return root
-    from scipy.optimize import newton  # slow to import, and seldom needed
-
-    return np.where(wrong, newton(off, np.where(wrong, root, start), tol=1e-13), root)
 
 
 def _refuse_clash(law, batch, i, v, states, p, given):

@@ -36,6 +36,8 @@ FLIPS = -0.5
 LOOSEST = 1e-6
 # The tolerance of a return divided by the change that it has to resolve.
 FINER = 0.1
+# A multiplier this near to 1 may be 1.
+NEUTRAL = 1e-6
 # The error of a return divided by its tolerance, as Newton's method may meet it: usually, and at
 # the tightest tolerance.
 NOISE, NOISE_AT_TIGHTEST = 3.0, 1e4
@@ -167,8 +169,9 @@ def _leap(system, returns, u, local, may):
         along = distance(system, slow)
         until = 0.5 * along / np.abs(1.0 - first)
         more = np.minimum(LARGEST_LEAP * size, until) / along - 1.0
-        # Without inertia orbits are all but neutral at K_c_qs: a leap there would be a random walk.
-        may = may & (first.imag == 0.0) & (first.real > 0.0) & (system.eta > 0.0)
+        # Without inertia orbits may be neutral at K_c: a leap there would be a random walk.
+        may = may & (first.imag == 0.0) & (first.real > 0.0)
+        may &= (system.eta > 0.0) | (np.abs(1.0 - first) > NEUTRAL)
         leapt = returns.image + np.where(may, more, 0.0)[:, None] * slow
     far = may & (more > 0.0) & (leapt[:, -1] > 0.0)
     return np.where(far[:, None], leapt, returns.image)
