@@ -119,7 +119,9 @@ def test_steady_sliding_is_found_for_each_slider_of_a_sweep(law_file):
     run = rs.simulate(sliders, rs.Loading.constant(1e-3), 1e-6, V_start=4e-3, times=[0.0])
     np.testing.assert_allclose(np.log(4e-3 * run.theta[:, 0] / sliders.Dc), z, rtol=1e-11)
     K_c = rs.stability(sliders.replace(M=0.0), 4e-3).K_c
-    np.testing.assert_allclose(K_c, sliders.K_c_qs * (1 + 0.3 * z**2), rtol=1e-11)
+    closed_form = (0.006 - 0.003) * 2e6 / 1e-5 * (1 + 0.3 * z**2)
+    np.testing.assert_allclose(K_c, closed_form, rtol=1e-11)
+    np.testing.assert_allclose(sliders.K_c_qs, closed_form, rtol=1e-11)
 
 
 def test_an_edited_law_is_another_one(law_file):
