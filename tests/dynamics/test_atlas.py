@@ -235,6 +235,60 @@ def test_any_slider_is_a_point_of_it(charts, law):
             assert regime == str(classify(cycle).regime.values)
 
 
+@pytest.mark.parametrize(
+    ("law", "own", "M"),
+    [
+        ("two-state-aging", {"b2": 0.5, "Dc2": 0.2}, None),
+        ("nagata", {"c": 0.7}, None),
+        ("kato-tullis", {"V_cut": 3.0}, 1e-3),
+    ],
+)
+def test_a_slider_of_a_law_with_parameters_is_a_point_of_its_atlas(law, own, M):
+    """In SI units: b2 and Dc2 times a and Dc, and speeds times that which is 1 on the map."""
+    settings = {} if M is None else {"M": M}
+    data = atlas(2.0, law, n=8, rtol=1e-6, **settings, **own)
+    rows = "eta" if M is None else "V_lp"
+    assert data.regime.dims == (rows, "K_over_K_c_qs")
+    assert np.isnan(data.eta_bautin)
+    assert data.K_fold_over_K_c_qs.isnull().all()
+    a, Dc, sigma, unit = 0.004, 2e-5, 3e6, 1e-4
+    scales = {"b2": a, "Dc2": Dc, "c": 1.0, "V_cut": unit}
+    own = {symbol: value * scales[symbol] for symbol, value in own.items()}
+    slider = SpringSlider(a=a, b=2 * a, Dc=Dc, sigma=sigma, K=1.0, M=0.0, law=law, **own)
+    speeds = np.ones(8) * unit if M is None else data.V_lp.values * unit
+    largest = max(float(slider.K_c(V)) for V in speeds)
+    for i, j in ((1, 1), (5, 0), (6, 3), (2, 6)):
+        for suffix, stiffness in (("", "K_over_K_c_qs"), ("_close", "K_over_K_c")):
+            here = data.isel({rows: i, stiffness: j % data.sizes[stiffness]})
+            V = speeds[i]
+            moving = slider.replace(M=float(here.eta) * a * sigma * Dc / V**2)
+            moving = moving.replace(
+                K=float(here[stiffness]) * (float(moving.K_c(V)) if suffix else largest)
+            )
+            cycle = limit_cycle(moving, V, rtol=1e-6)
+            for name, value in {
+                "amplitude_over_a": cycle.amplitude / a,
+                "slip_per_cycle": V * cycle.period / Dc,
+                "V_max_over_V_lp": cycle.V_max / V,
+            }.items():
+                tolerance = {"rel": 1e-4, "abs": 1e-12, "nan_ok": True}
+                assert float(here[name + suffix]) == pytest.approx(float(value), **tolerance), name
+            assert REGIMES[int(here[f"regime{suffix}"])] == str(classify(cycle).regime.values)
+        assert float(here.K_c_over_K_c_qs) == pytest.approx(moving.K_c(V) / largest, rel=1e-12)
+
+
+def test_what_a_law_needs_for_its_atlas_is_said():
+    for options, said in (
+        ({"law": "kato-tullis", "V_cut": 1.0}, "has a speed of its own.* give M"),
+        ({"law": "aging", "M": 1.0}, "'aging' has no speed of its own.* leave M out"),
+        ({"law": "nagata"}, "needs c"),
+        ({"law": "aging", "c": 1.0}, "c"),
+        ({"law": "two-state-slip", "b2": -3.0, "Dc2": 1.0}, "stable at any stiffness"),
+    ):
+        with pytest.raises(ParameterError, match=said):
+            atlas(2.0, n=4, **options)
+
+
 def test_fast_sliders_vibrate_freely(charts):
     """At the greatest eta the frequency is the natural one, and V goes from 0 to 2 V_lp."""
     last = charts("slip").isel(eta=-1).sel(K_over_K_c_qs=slice(10.0, None))

@@ -2,7 +2,8 @@
 
 Three numbers decide what a steadily driven slider does: K/K_c_qs, eta and b/a.  For one b/a, any
 machine, rig or fault is a point of the plane of the other two.  Raising the speed tenfold moves it
-up by two decades of eta.
+up by two decades of eta.  A law with parameters of its own has these, over a, sigma and Dc, beside
+b/a; and one with a speed of its own is not the same at all speeds, so its map is over K and V_lp.
 """
 
 import numpy as np
@@ -17,28 +18,37 @@ from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import REGIMES, classify
 from .hopf import bautin, hopf
-from .refusals import check_one_length, refusal
+from .refusals import refusal
 from .results import flags, provenance
 
 #: first and last value of the axes: faults at the bottom left, brakes at the top
 ETA, STIFFNESS = (1e-16, 1e4), (1e-2, 1e3)
+#: V_lp of laws with a speed of their own
+SPEEDS = (1e-6, 1e4)
 #: first and last distance from K_c, 1 - K/K_c, of the columns that resolve the transition
 CLOSE = (0.5, 1e-5)
 
 
-def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6):
+def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
     """The limit cycles over K/K_c_qs and eta, their regimes, and how sliding loses stability.
+
+    Under a law with a speed of its own over K and V_lp.
 
     Parameters
     ----------
     b_over_a : float
         b/a [1], > 1.
     law : str
-        Friction law, one of one length.
+        Friction law.
     n : int
         Points along either axis, at least 2; half as many columns close to K_c.
     rtol : float
         Relative accuracy of the cycles.
+    M : float
+        For a law with a speed of its own, and no other: eta at V_lp = 1, >= 0.
+    **parameters : float
+        What the law needs beside a, b and Dc, in units in which a = sigma = Dc = 1: so b2 stands
+        for b2/a, and speeds have the unit of V_lp, which is free.
 
     Returns
     -------
@@ -51,13 +61,16 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6):
         ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1`` in units of V_lp/Dc and ``type`` of the Hopf
         bifurcation there, and ``K_fold_over_K_c_qs``, up to which a limit cycle coexists with
         stable steady sliding, NaN where none does.  Scalar: ``eta_bautin``, where the type
-        changes; NaN if it does nowhere.
+        changes; NaN if it does nowhere.  The last two are NaN for laws that are not of one length.
+        Under a law with a speed of its own ``V_lp`` is in place of ``eta``, which is a coordinate
+        along it, and K_c_qs is the largest at any of these speeds.
 
     Raises
     ------
     ParameterError
-        Unknown law; b_over_a that is no number > 1; n that is no integer >= 2; rtol out of the
-        range of `limit_cycle`.
+        Unknown law, or a parameter that it lacks or has not; M where it has no use, or none where
+        it has; b_over_a that is no number > 1; steady sliding that is stable at any stiffness, as
+        b2 < 0 may make it; n that is no integer >= 2; rtol out of the range of `limit_cycle`.
 
     Examples
     --------
@@ -65,37 +78,69 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6):
     >>> chart.sel(eta=1e4, K_over_K_c_qs=1.0, method="nearest").regime.item()  # quasi-harmonic
     3
     """
-    check_one_length("atlas", law)
     b_over_a = to_si("b_over_a", b_over_a)
     if is_array(b_over_a) or not b_over_a > 1:
         raise refusal("atlas.b_over_a", b_over_a=b_over_a)
-    eta, ratio = logspace("eta", *ETA, n), logspace("K_over_K_c_qs", *STIFFNESS, n)
-    gap = np.geomspace(*CLOSE, max(n // 2, 2))
-    close = xarray.DataArray(1.0 - gap, {"K_over_K_c": 1.0 - gap}, ("K_over_K_c",))
-    # With a = Dc = sigma = V_lp = 1 the slider is its own dimensionless form, and M is eta.
-    mass = eta.rename(eta="row").reset_coords(drop=True).drop_vars("row")
-    slider = SpringSlider(a=1.0, b=b_over_a, Dc=1.0, sigma=1.0, K=1.0, M=mass, law=law)
-    whole = _cycles_and_regimes(slider.replace(K=ratio * slider.K_c_qs), rtol)
-    near = _cycles_and_regimes(slider.replace(K=close * slider.K_c(1.0)), rtol)
-    near = near.rename({name: f"{name}_close" for name in near.data_vars})
-    data = whole.merge(near).merge(_transition(slider, eta)).rename(row="eta")
-    data = data.transpose("eta", ...).assign_coords(eta=eta.eta)
+    # With a = Dc = sigma = 1, and V_lp = 1 if there is no other speed, the slider is its own
+    # dimensionless form, and M is eta.
+    slider = SpringSlider(
+        a=1.0,
+        b=b_over_a,
+        Dc=1.0,
+        sigma=1.0,
+        K=1.0,
+        M=1.0 if M is None else M,
+        law=law,
+        **parameters,
+    )
+    if slider.friction.has_own_speed != (M is not None):
+        raise refusal(f"atlas.{'mass' if M is None else 'no_mass'}", law=slider.law)
+    data = _map(*_rows(slider, n), n, rtol)
     data = data.assign_coords(b_over_a=((), b_over_a, attrs("b_over_a")))
-    for name in ("K_over_K_c_qs", "K_over_K_c"):
-        data[name].attrs = attrs(name)
-    data.attrs = provenance("atlas", slider.replace(M=1.0), rtol=rtol, n=n, law=slider.law)
+    data.attrs = provenance("atlas", slider, rtol=rtol, n=n, law=slider.law)
     return data
 
 
-def _cycles_and_regimes(slider, rtol):
+def _rows(slider, n):
+    """Sliders and load-point speeds along the dimension ``row``, and its coordinates."""
+    if slider.friction.has_own_speed:
+        speeds = logspace("V_lp", *SPEEDS, n)
+        V_lp = xarray.DataArray(speeds.values, dims="row")
+        eta = ("V_lp", slider.M * speeds.values**2, attrs("eta"))
+        return slider, V_lp, {"V_lp": speeds.V_lp, "eta": eta}
+    eta = logspace("eta", *ETA, n)
+    return slider.replace(M=xarray.DataArray(eta.values, dims="row")), 1.0, {"eta": eta.eta}
+
+
+def _map(slider, V_lp, rows, n, rtol):
+    """The atlas of sliders along ``row``, with these coordinates of the rows, the first its own."""
+    critical = slider.K_c(V_lp)
+    reference = float(np.max(slider.replace(M=0.0).K_c(V_lp)))
+    if not np.min(critical) > 0.0:
+        raise refusal("atlas.stable", law=slider.law)
+    ratio = logspace("K_over_K_c_qs", *STIFFNESS, n)
+    gap = np.geomspace(*CLOSE, max(n // 2, 2))
+    close = xarray.DataArray(1.0 - gap, {"K_over_K_c": 1.0 - gap}, ("K_over_K_c",))
+    whole = _cycles_and_regimes(slider.replace(K=ratio * reference), V_lp, rtol)
+    near = _cycles_and_regimes(slider.replace(K=close * critical), V_lp, rtol)
+    near = near.rename({name: f"{name}_close" for name in near.data_vars})
+    data = whole.merge(near).merge(_transition(slider, V_lp, critical / reference))
+    dim = next(iter(rows))
+    data = data.rename(row=dim).transpose(dim, ...).assign_coords(rows)
+    for name in ("K_over_K_c_qs", "K_over_K_c"):
+        data[name].attrs = attrs(name)
+    return data
+
+
+def _cycles_and_regimes(slider, V_lp, rtol):
     """Cycles and regimes of dimensionless sliders, under the names of the atlas."""
-    cycle = limit_cycle(slider, 1.0, rtol=rtol)
+    cycle = limit_cycle(slider, V_lp, rtol=rtol)
     regimes = classify(cycle)
     values = {
         "amplitude_over_a": cycle.amplitude,
-        "slip_per_cycle": cycle.period,
+        "slip_per_cycle": V_lp * cycle.period,
         "frequency_over_f_n": cycle.frequency / slider.f_n,
-        "V_max_over_V_lp": cycle.V_max,
+        "V_max_over_V_lp": cycle.V_max / V_lp,
         **{name: cycle[name] for name in ("inertia", "fundamental", "slow_fraction")},
         "agree": regimes.agree,
     }
@@ -103,18 +148,27 @@ def _cycles_and_regimes(slider, rtol):
     data = xarray.Dataset({name: value.assign_attrs(attrs(name)) for name, value in values.items()})
     data["regime"] = (regimes.regime.dims, codes, attrs("regime") | flags(dict(enumerate(REGIMES))))
     data["status"] = cycle.status
-    return data.drop_vars(["K", "M", "V_lp"])
+    return data.drop_vars(["K", "M", "V_lp"], errors="ignore")
 
 
-def _transition(slider, eta):
-    """The Hopf bifurcation at K_c and the fold beyond it, along ``row``."""
-    point = hopf(slider, 1.0)
-    b_over_a = slider.b
-    fold = folds(slider.law, np.full(eta.size, b_over_a), eta.values).kappa / (b_over_a - 1.0)
-    change = bautin(slider.law, b_over_a)
-    data = point[["lyapunov_1", "type"]].drop_vars(["M", "V_lp"])
-    data["lyapunov_1"].attrs |= {"units": "1", "comment": "in units of V_lp/Dc"}
-    data["K_c_over_K_c_qs"] = ("row", 1.0 + eta.values, attrs("K_c_over_K_c_qs"))
+def _transition(slider, V_lp, critical):
+    """The Hopf bifurcation at K_c and the fold beyond it, along ``row``.
+
+    critical : K_c/K_c_qs
+    """
+    point = hopf(slider, V_lp)
+    data = point[["lyapunov_1", "type"]].drop_vars(["M", "V_lp"], errors="ignore")
+    data["lyapunov_1"] = data.lyapunov_1 / V_lp
+    data["lyapunov_1"].attrs = attrs("lyapunov_1") | {
+        "units": "1",
+        "comment": "in units of V_lp/Dc",
+    }
+    data["K_c_over_K_c_qs"] = ("row", np.asarray(critical), attrs("K_c_over_K_c_qs"))
+    fold, change = np.full(data.sizes["row"], np.nan), None
+    if slider.friction.one_length:
+        eta = np.asarray(slider.M)
+        fold = folds(slider.law, np.full(eta.size, slider.b), eta).kappa / (slider.b - 1.0)
+        change = bautin(slider.law, slider.b)
     data["K_fold_over_K_c_qs"] = ("row", fold, attrs("K_fold_over_K_c_qs"))
     data["eta_bautin"] = ((), np.nan if change is None else change, attrs("eta_bautin"))
     return data

@@ -17,7 +17,7 @@ LINEAR = 1e-4
 
 
 def atlas(data, ax):
-    """Draw the regimes over K/K_c_qs and eta, the curve K_c, and contours of V_max/V_lp.
+    """Draw the regimes over K/K_c_qs and eta or V_lp, the curve K_c, and contours of V_max/V_lp.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ def atlas(data, ax):
     list of matplotlib.artist.Artist
         For a legend: the regimes that occur, and the curve by type of the bifurcation.
     """
-    x, eta, _ = _contours(data, "V_max_over_V_lp", ax, 10.0 ** np.arange(1, 12), "0.35")
-    ax.set_ylabel(ETA)
-    patches = _paint(ax, x, eta, data.regime)
+    x, rows, _ = _contours(data, "V_max_over_V_lp", ax, 10.0 ** np.arange(1, 12), "0.35")
+    ax.set_ylabel(ETA if rows.name == "eta" else label(rows.name))
+    patches = _paint(ax, x, rows, data.regime)
     return [*patches, *_hopf_curve(ax, data.K_c_over_K_c_qs.values, data)]
 
 
@@ -55,13 +55,14 @@ def transition(data, ax):
     ax.set_xscale("symlog", linthresh=LINEAR, linscale=0.4)
     ax.set(yscale="log", xlim=(float(data.K_over_K_c[0]) - 1.0, 0.1))
     ax.set_xticks([-0.1, -1e-3, 0.0, 1e-3, 1e-2])
-    ax.set(xlabel=f"$K$/{label('K_c')} $-$ 1", ylabel=label("eta"))
-    patches = _paint(ax, data.K_over_K_c - 1.0, data.eta, data.regime_close)
+    rows = _rows(data)
+    ax.set(xlabel=f"$K$/{label('K_c')} $-$ 1", ylabel=label(rows.name))
+    patches = _paint(ax, data.K_over_K_c - 1.0, rows, data.regime_close)
     width = (data.K_fold_over_K_c_qs / data.K_c_over_K_c_qs - 1.0).values
     strip = {"fc": "w", "ec": RED, "hatch": "////", "lw": 0.0, "where": width > 0}
     name = "cycle and steady sliding both stable"
-    both = ax.fill_betweenx(data.eta, 0.0, width, label=name, **strip)
-    curve = _hopf_curve(ax, np.zeros(data.sizes["eta"]), data)
+    both = ax.fill_betweenx(rows, 0.0, width, label=name, **strip)
+    curve = _hopf_curve(ax, np.zeros(rows.size), data)
     return [*patches, *([both] if (width > 0).any() else []), *curve]
 
 
@@ -79,20 +80,25 @@ def contours(data, name, ax, levels):
     levels : sequence of float
         Values of the contours, increasing; the first and the last bound the colours.
     """
-    x, eta, values = _contours(data, name, ax, levels, "w")
+    x, rows, values = _contours(data, name, ax, levels, "w")
     style = {"cmap": "viridis", "shading": "nearest", "rasterized": True, "zorder": 0}
-    ax.pcolormesh(x, eta, values, norm=LogNorm(levels[0], levels[-1]), **style)
-    ax.plot(data.K_c_over_K_c_qs, eta, "k", lw=1.0)
+    ax.pcolormesh(x, rows, values, norm=LogNorm(levels[0], levels[-1]), **style)
+    ax.plot(data.K_c_over_K_c_qs, rows, "k", lw=1.0)
+
+
+def _rows(data):
+    """The coordinate of the rows: eta, or V_lp for a law with a speed of its own."""
+    return data[data.regime.dims[0]]
 
 
 def _contours(data, name, ax, levels, color):
-    """Draw labelled contours of a variable over the whole of the atlas; x, eta, and its values."""
-    x, eta, values = data.K_over_K_c_qs, data.eta, data[name].where(data.regime != STEADY)
+    """Draw labelled contours of a variable over the whole of the atlas; x, rows, and its values."""
+    x, rows, values = data.K_over_K_c_qs, _rows(data), data[name].where(data.regime != STEADY)
     ax.set(xscale="log", yscale="log", xlabel=RATIO)
-    ax.set(xlim=x.values[[0, -1]], ylim=eta.values[[0, -1]])  # labels need them beforehand
-    lines = ax.contour(x, eta, values, levels=levels, colors=color, linewidths=0.5)
+    ax.set(xlim=x.values[[0, -1]], ylim=rows.values[[0, -1]])  # labels need them beforehand
+    lines = ax.contour(x, rows, values, levels=levels, colors=color, linewidths=0.5)
     ax.clabel(lines, fmt=_round, fontsize=6.5, inline_spacing=2)
-    return x, eta, values
+    return x, rows, values
 
 
 def _round(value):
@@ -101,11 +107,11 @@ def _round(value):
     return f"{value:g}" if value < 1e3 else f"$10^{{{power}}}$"
 
 
-def _paint(ax, x, eta, regimes):
+def _paint(ax, x, rows, regimes):
     """Colour a map of regimes; for a legend, those that occur."""
     norm = BoundaryNorm(np.arange(-0.5, len(REGIMES)), len(REGIMES))
     style = {"shading": "nearest", "rasterized": True, "zorder": 0}
-    ax.pcolormesh(x, eta, regimes, cmap=ListedColormap(COLORS), norm=norm, **style)
+    ax.pcolormesh(x, rows, regimes, cmap=ListedColormap(COLORS), norm=norm, **style)
     codes = np.setdiff1d(regimes, STEADY)
     return [Patch(fc=COLORS[code], ec="0.5", lw=0.5, label=REGIMES[code]) for code in codes]
 
@@ -118,5 +124,5 @@ def _hopf_curve(ax, x, data):
         here = data.type.values == kind
         if here.any():
             style = {"color": color, "lw": 1.6, "label": f"{label('K_c')}: {how} ({kind})"}
-            lines += ax.plot(np.where(here, x, np.nan), data.eta, zorder=3, **style)
+            lines += ax.plot(np.where(here, x, np.nan), _rows(data), zorder=3, **style)
     return lines

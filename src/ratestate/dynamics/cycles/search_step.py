@@ -172,6 +172,8 @@ def _leap(system, returns, u, local, may):
         # Without inertia orbits may be neutral at K_c: a leap there would be a random walk.
         may = may & (first.imag == 0.0) & (first.real > 0.0)
         may &= (system.eta > 0.0) | (np.abs(1.0 - first) > NEUTRAL)
+        # Where faster parts of the move are larger, they hide the slow one, and the map bends.
+        may &= distance(system, move - slow) <= along
         leapt = returns.image + np.where(may, more, 0.0)[:, None] * slow
     far = may & (more > 0.0) & (leapt[:, -1] > 0.0)
     return np.where(far[:, None], leapt, returns.image)
