@@ -85,11 +85,10 @@ def escape(slider, V_lp):
     --------
     >>> import ratestate as rs
     >>> from ratestate.basin import escape
-    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="606 MPa/m",
-    ...                          M=3000, law="Dieterich")
-    >>> edge = escape(slider, "0.4 mm/s")
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="630 MPa/m", M=0)
+    >>> edge = escape(slider, "1 um/s")
     >>> str(edge.outcome.values), round(float(edge.step_up), 2)
-    ('cycle', 1.92)
+    ('runaway', 2.11)
     """
     check_orders("escape", checked(slider).friction, 2)
     V_lp = to_si("V_lp", V_lp)

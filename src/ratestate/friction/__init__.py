@@ -4,6 +4,8 @@
 ``law``              what a friction law is
 ``laws``             the built-in laws, a file each
 ``two_states``       what laws of two states have in common
+``user_law``         a law of a user's file or class, named with a hash of its source
+``law_check``        whether its derivatives and steady sliding are right
 ``rate_and_state``   friction, state and steady states in SI (eqs 1 to 3)
 ``linear_stability`` whether steady sliding is stable, by any law
 ``stability``        the same in closed form, by laws of one length (eqs 5 to 7, 10)
@@ -14,5 +16,6 @@
 ``convex``           the function in which these are written
 ``separatrix``       the edge of runaway for M = 0 where state evolves with slip alone
 ``elementwise``      functions of arrays that take floats and DataArrays too
+``roots``            roots of functions of arrays that are all but linear
 ==================== =======================================================================
 """
