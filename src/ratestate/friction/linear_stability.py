@@ -24,6 +24,8 @@ from .eigenvalues import steady_modes
 
 # Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
 SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e20, 10
+# Sliders for which they are sought at a time, which bounds the memory.
+TOGETHER = 1000
 # Evolution effect over direct effect, less 1, that is rounding.
 NEUTRAL = 1e-15
 # Of the roots of the polynomial, what may be rounding of a real one.
@@ -281,11 +283,15 @@ def V_c(law, *, K, **values):
         lower = stability.V_c(K=K, **values)
         return CriticalSpeeds(lower, np.full(np.shape(lower), np.inf))
     if law.has_own_speed:
-        shape, given = np.shape(K), {"K": K, **values}
-        each = zip(*(np.ravel(value) for value in given.values()), strict=True)
-        found = [_speeds_by_search(law, dict(zip(given, case, strict=True))) for case in each]
-        lower, upper = np.array(found).reshape(-1, 2).T
-        return CriticalSpeeds(lower.reshape(shape), upper.reshape(shape))
+        columns = {name: np.ravel(value) for name, value in {"K": K, **values}.items()}
+        parts = range(0, np.size(K), TOGETHER)
+        found = [
+            _speeds_by_search(law, {name: x[i : i + TOGETHER] for name, x in columns.items()})
+            for i in parts
+        ]
+        return CriticalSpeeds(
+            *(np.concatenate(each).reshape(np.shape(K)) for each in zip(*found, strict=True))
+        )
     return CriticalSpeeds(*_speeds_by_edges(law, K=K, **values))
 
 
@@ -307,32 +313,37 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
     return lower, np.where(later, speed, np.inf).min(axis=-1)
 
 
-def _speeds_by_search(law, given):
-    """V_c and V_c_upper of one slider, on a grid of speeds that bisection refines."""
-    if np.isinf(given["K"]):
-        return np.inf, np.inf
+def _speeds_by_search(law, columns):
+    """`CriticalSpeeds` (n,) on a grid of speeds that bisection refines.
+
+    columns : symbol -> (n,)
+    """
     decades = round(np.log10(FASTEST / SLOWEST))
-    V = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
+    grid = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
 
     def stable(V):
-        return is_stable(law, V, **{name: np.full(V.shape, x) for name, x in given.items()})
+        """Of speeds (n,) or (n, m)."""
+        rows = (x.reshape(-1, *[1] * (V.ndim - 1)) for x in columns.values())
+        values = dict(zip(columns, (np.broadcast_to(x, V.shape) for x in rows), strict=True))
+        return is_stable(law, V, **values)
 
-    unstable = ~stable(V)
-    if not unstable.any():
-        return np.inf, np.inf
-    first = int(np.argmax(unstable))
-    last = first + int(np.argmin(unstable[first:]))  # the first stable one after it, if any
-    lower = _bisect(stable, V[first - 1], V[first]) if first else 0.0
-    return lower, _bisect(stable, V[last], V[last - 1]) if last > first else np.inf
+    n = np.size(columns["K"])
+    unstable = ~stable(np.broadcast_to(grid, (n, grid.size)))
+    first = unstable.argmax(axis=1)
+    after = unstable | (np.arange(grid.size) < first[:, None])
+    last = after.argmin(axis=1)  # the first stable one after it, if any: else 0
+    lower = _bisect(stable, grid[np.maximum(first - 1, 0)], grid[first])
+    upper = _bisect(stable, grid[last], grid[np.maximum(last - 1, 0)])
+    some = unstable.any(axis=1)
+    lower = np.where(some, np.where(first > 0, lower, 0.0), np.inf)
+    return CriticalSpeeds(lower, np.where(some & (last > 0), upper, np.inf))
 
 
 def _bisect(stable, inside, outside):
-    """The speed between one that is stable, inside, and one that is not."""
+    """Speeds (n,) between those that are stable, inside, and those that are not."""
     low, high = np.log(inside), np.log(outside)
     for _ in range(64):
         middle = 0.5 * (low + high)
-        if stable(np.exp(middle)[None])[0]:
-            low = middle
-        else:
-            high = middle
-    return float(np.exp(0.5 * (low + high)))
+        is_inside = stable(np.exp(middle))
+        low, high = np.where(is_inside, middle, low), np.where(is_inside, high, middle)
+    return np.exp(0.5 * (low + high))
