@@ -78,7 +78,7 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
 
 @elementwise()
 def period(E, *, V_lp, a, b, Dc):
-    """Period [s] of sliding without inertia at K = K_c_qs, the same for both laws.
+    """Period [s] of sliding without inertia at K = K_c_qs, the same for laws of one length.
 
     2 pi/omega_c for small excursions, growing with E; V_lp times it is the slip per cycle.
 

@@ -138,7 +138,7 @@ def _one_length(law):
 
 
 def theta_ss(V, *, Dc):
-    """State in steady sliding at V, the same for both laws: Dc/V.
+    """State in steady sliding at V, under laws of one length: Dc/V.
 
     Parameters
     ----------

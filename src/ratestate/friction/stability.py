@@ -177,7 +177,7 @@ def omega_c(V, *, a, b, Dc):
 
 @elementwise("mode")
 def eigenvalues(V, *, a, b, Dc, sigma, K, M):
-    """Eigenvalues of small perturbations of steady sliding at V, for both laws.
+    """Eigenvalues of small perturbations of steady sliding at V, by laws of one length.
 
     Parameters
     ----------

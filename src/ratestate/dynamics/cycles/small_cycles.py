@@ -59,7 +59,7 @@ def small_cycle(law, kappa, beta, eta, margin=None):
     than by subtraction; r ~ sqrt(margin).  The cycles may be stable or not.  `valid` is False where
     beta <= 1, on the side of kappa_c where there is none, and where r exceeds 0.3, the estimated
     error exceeds 1e-3 or the iteration does not converge, as near a fold of cycles.  Rounding alone
-    is an error of 1e-16 sqrt((beta - 1) beta)/curvature, which for both laws grows like 1/eta at
+    is an error of 1e-16 sqrt((beta - 1) beta)/curvature, which grows like 1/eta at
     small eta.
     """
     with np.errstate(all="ignore"):
