@@ -169,9 +169,11 @@ def _leap(system, returns, u, local, may):
         along = distance(system, slow)
         until = 0.5 * along / np.abs(1.0 - first)
         more = np.minimum(LARGEST_LEAP * size, until) / along - 1.0
-        # Without inertia orbits may be neutral at K_c: a leap there would be a random walk.
+        # Without inertia orbits may be neutral at K_c, where a leap would be a random walk, and by
+        # laws of one length there is no cycle to leap to.
         may = may & (first.imag == 0.0) & (first.real > 0.0)
-        may &= (system.eta > 0.0) | (np.abs(1.0 - first) > NEUTRAL)
+        leads = system.stable | (not system.friction.one_length)
+        may &= (system.eta > 0.0) | (leads & (np.abs(1.0 - first) > NEUTRAL))
         # Where faster parts of the move are larger, they hide the slow one, and the map bends.
         may &= distance(system, move - slow) <= along
         leapt = returns.image + np.where(may, more, 0.0)[:, None] * slow
