@@ -13,7 +13,6 @@ from problems import REFERENCE
 from scipy.optimize import least_squares
 
 import ratestate as rs
-from ratestate.friction.laws import LAWS
 from ratestate.paper.parameters import FIG2
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.problem import Problem as Search
@@ -60,8 +59,8 @@ class FitProblem:
         """What `fit` minimises, without what it does beside."""
         keys = {"loading": self.loading, "trend": None, "against": "time"}
         record = record_of(self.data, self.begin, **keys)
-        unknowns = unknowns_of(record, FREE, start=False, sigma=self.slider.sigma)
-        return Search(record, self.begin, LAWS["slip"], unknowns)
+        unknowns = unknowns_of(record, self.begin, FREE, start=False)
+        return Search(record, self.begin, unknowns)
 
     @cached_property
     def start(self):

@@ -260,5 +260,6 @@ class FrictionLaw:
             return zero
         from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
 
+        # (these call it for the elements that have not converged yet)
         found = bracket_root(rate, zero - 1.0, zero + 1.0, args=tuple(p))
         return find_root(rate, found.bracket, args=tuple(p)).x

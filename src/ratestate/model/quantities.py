@@ -73,6 +73,7 @@ def add_quantities_of(law):
         QUANTITIES[symbol] = Quantity(*parameter)
     for k, state in enumerate(law.states):
         QUANTITIES.setdefault(state, Quantity("s", f"state {k + 1}", "> 0"))
+        QUANTITIES.setdefault(f"{state}_start", Quantity("s", f"state {k + 1} at a record's start"))
 
 
 for _law in LAWS.values():

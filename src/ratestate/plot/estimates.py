@@ -4,15 +4,22 @@ import numpy as np
 
 from ..model.quantities import QUANTITIES, short
 from ..records.fitting.by_law import results_by_law, value_of
-from ..records.fitting.table import STABLE_AT_ANY_K, formatted_estimate, stiffness_ratio_text
-from ..records.fitting.unknowns import FREE
+from ..records.fitting.table import (
+    NONE,
+    STABLE_AT_ANY_K,
+    estimated,
+    formatted_estimate,
+    short_name,
+    stiffness_ratio_text,
+)
+from ..records.fitting.unknowns import TRENDS
 from .labels import LAWS, in_unit, label, prefixed
 from .layout import text_width
 
-#: what the table lists; a trend is the record's alone
-LISTED = (*FREE, "mu0", "a_minus_b")
-#: those that are given in thousandths
-SMALL = ("a", "b", "a_minus_b")
+#: pure numbers that are given in thousandths if they are smaller
+SMALL = 0.1
+#: d mu_ss/d ln V, where it is more than a - b
+RATE_DEPENDENCE = r"$d\mu_{ss}/d\ln V$"
 #: height of a row [inches], size of letters [points], width that the panels' margins take [inches]
 ROW, SIZE, MARGIN = 0.17, 7.5, 0.25
 #: least space between columns [points]; how much wider bold letters are
@@ -25,11 +32,11 @@ def estimates(result, ax):
     Beside them K/K_c_qs, unless K = inf, and a measure of the misfit.  `result` is not checked.
     """
     laws = results_by_law(result)
-    symbols = [str(symbol) for symbol in result["parameter"].values if symbol in LISTED]
+    symbols = [symbol for symbol in estimated(laws) if symbol not in TRENDS]
     columns = [_column(laws, symbol) for symbol in symbols]
     if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
         cells = [
-            "$a > b$: stable" if text == STABLE_AT_ANY_K else _printed(text) for text in ratios
+            "stable" if text == STABLE_AT_ANY_K else _printed(text or NONE.value) for text in ratios
         ]
         columns.append((f"$K$/{label('K_c_qs')}", cells))
     if "aic" not in result:
@@ -67,13 +74,19 @@ def write(ax, laws, columns):
 
 def _column(laws, symbol):
     """Heading with the unit, and value with error under each law."""
-    values = [value_of(part, symbol) for part in laws.values()]
-    if symbol in SMALL:
+    has = {law: part for law, part in laws.items() if symbol in part["parameter"].values}
+    largest = max(abs(value_of(part, symbol)) for part in has.values())
+    factor, unit = prefixed(QUANTITIES[symbol].unit, largest)
+    if QUANTITIES[symbol].unit == "1" and largest < SMALL:
         factor, unit = 1e3, r"$10^{-3}$"
-    else:
-        factor, unit = prefixed(QUANTITIES[symbol].unit, max(map(abs, values)))
-    cells = [formatted_estimate(part, symbol, factor).value for part in laws.values()]
-    return in_unit(label(symbol), unit), list(map(_printed, cells))
+    cells = [
+        (formatted_estimate(part, symbol, factor) if law in has else NONE).value
+        for law, part in laws.items()
+    ]
+    heading = label(symbol)
+    if symbol == "a_minus_b" and short_name(symbol, laws) != "a - b":
+        heading = RATE_DEPENDENCE
+    return in_unit(heading, unit), list(map(_printed, cells))
 
 
 def _printed(text):

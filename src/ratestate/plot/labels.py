@@ -29,7 +29,7 @@ class Law(NamedTuple):
 
 
 # The looks of laws, in their order, and then again.
-_COLORS = (RED, BLUE, "#2ca02c", "#9467bd", "#e08214", "#17a2b8", "#8c564b")
+_COLORS = (RED, BLUE, "#2ca02c", "#9467bd", "#e08214", "#17a2b8", "#222222")
 _DASHES = ("-", (0, (5, 1.6)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (9, 2)))
 
 

@@ -4,7 +4,8 @@ import numpy as np
 
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
-from ..records.fitting.unknowns import FREE, PARAMETERS
+from ..records.fitting.table import estimated
+from ..records.fitting.unknowns import SUMS, parameter
 from .labels import GRAY, LAWS, in_unit, label, prefixed
 
 #: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)
@@ -19,16 +20,28 @@ def non_gaussian(result):
 
     Empty if there is no profile or posterior of any, under any law.
     """
-    free = [s for s in result["parameter"].values.tolist() if s in FREE]
-    parts = results_by_law(result).values()
-    if not any(_profile(p, s) or _samples(p, s) is not None for s in free for p in parts):
+    laws = results_by_law(result)
+    free = {s: _those_with(laws, s).values() for s in estimated(laws) if s not in SUMS}
+    drawn = (_profile(p, s) or _samples(p, s) is not None for s, has in free.items() for p in has)
+    if not any(drawn):
         return []
-    return [s for s in free if np.isfinite(result["standard_error"].sel(parameter=s)).all()]
+    return [
+        s for s, has in free.items() if all(np.isfinite(_standard_error(part, s)) for part in has)
+    ]
+
+
+def _those_with(laws, symbol):
+    """Of the laws (law -> part) those under which a parameter was estimated."""
+    return {law: part for law, part in laws.items() if symbol in part["parameter"].values}
+
+
+def _standard_error(part, symbol):
+    return float(part["standard_error"].sel(parameter=symbol))
 
 
 def likelihood(result, symbol, ax):
     """Draw a parameter's likelihood as a line (profile, or else Gaussian), a posterior filled."""
-    laws = results_by_law(result)
+    laws = _those_with(results_by_law(result), symbol)
     largest = max(abs(float(part[symbol])) for part in laws.values())
     factor, unit = prefixed(QUANTITIES[symbol].unit, largest)
     for law, part in laws.items():
@@ -66,8 +79,8 @@ def _profile(part, symbol):
 def _gaussian(part, symbol):
     """The same as `_profile`, of a Gaussian in the logarithm, or in what moves as itself."""
     value, z = float(part[symbol]), np.linspace(-3.0, 3.0, 200)
-    error = float(part["standard_error"].sel(parameter=symbol))
-    is_log = PARAMETERS[symbol].is_log
+    error = _standard_error(part, symbol)
+    is_log = parameter(symbol).is_log
     return (value * np.exp(error / value * z) if is_log else value + error * z), z**2
 
 

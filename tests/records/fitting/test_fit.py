@@ -333,7 +333,7 @@ def test_bounds_come_from_how_far_the_load_point_moves(slid, counts):
     friction = np.linspace(0.6, 0.4, t.size)
     data = xarray.Dataset({"friction": ("time", friction)}, {"time": t})
     checked = record_of(data, SLIDER, loading=loading, trend=None, against="time")
-    unknowns = unknowns_of(checked, ("Dc", "K"), start=False, sigma=2e7)
+    unknowns = unknowns_of(checked, SLIDER, ("Dc", "K"), start=False)
     Dc, K = 0.05 * counts, 10.0 * 2e7 * 0.2 / counts
     low, high = (np.exp(ends[:2]) for ends in (unknowns.low, unknowns.high))
     np.testing.assert_allclose(low, [1e-3 * Dc, 1e-4 * K], rtol=1e-12)

@@ -10,7 +10,6 @@ from scipy.stats import norm
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
-from ratestate.friction.laws import ONE_LENGTH as LAWS
 from ratestate.records.fitting.diagnostics.identifiability import identifiability
 from ratestate.records.fitting.diagnostics.model_comparison import compare_laws
 from ratestate.records.fitting.diagnostics.search import search_warnings
@@ -32,10 +31,9 @@ from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.record import Record, record_of
-from ratestate.records.fitting.unknowns import START, Unknowns, unknowns_of
+from ratestate.records.fitting.unknowns import Unknowns, starts_of, unknowns_of
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
-SLIP = LAWS["slip"]
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
 FREE = ("a", "b", "Dc", "K")
 STIFF = SLIDER.replace(K=5e12)
@@ -43,7 +41,7 @@ STIFF = SLIDER.replace(K=5e12)
 
 def solution_of(data, slider, free=FREE, noise=None):
     checked = record_of(data, slider, loading=None, trend="slip", against="time")
-    return least_squares_fit(checked, slider, SLIP, free, noise, "steady")
+    return least_squares_fit(checked, slider, free, noise, "steady")
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +111,6 @@ def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
         other = least_squares_fit(
             solution.problem.record,
             slider,
-            SLIP,
             ("a", "b", "Dc"),
             solution.noise,
             "steady",
@@ -547,7 +544,7 @@ def test_how_far_a_search_reaches():
     loading = rs.Loading.steps("1 um/s", (50.0, "10 um/s"))  # 550 um in all
     friction = np.where(t < 50.0, 0.6, 0.6 + 0.01 * np.log(10.0))
     found = Record(t, friction, t, None, loading, "tau", t, np.arange(t.size))
-    unknowns = unknowns_of(found, ("a", "b", "Dc", "K", "M", "lag"), start=True, sigma=2e7)
+    unknowns = unknowns_of(found, SLIDER, ("a", "b", "Dc", "K", "M", "lag"), start=True)
     K = 2e7 * 0.01 * np.log(10.0) / 55e-6
     ends = {
         "a": np.log([1e-5, 1.0]),
@@ -556,8 +553,8 @@ def test_how_far_a_search_reaches():
         "K": np.log([1e-4 * K, 1e6 * K]),
         "M": np.log([4e-8 * K, 4e4 * K]),  # K times the square of a fiftieth of the time
         "lag": (-10.0, 10.0),
-        "v_start": (-20.0, 20.0),
-        "psi_start": (-20.0, 20.0),
+        "V_start": (-20.0, 20.0),
+        "theta_start": (-20.0, 20.0),
         "level": (-np.inf, np.inf),
     }
     assert set(unknowns.names) == set(ends)
@@ -577,17 +574,15 @@ def test_which_bound_an_estimate_has_run_to():
 def test_a_start_at_its_bound_is_told_in_words(good):
     """By the names under which it is reported, with what can be done: it cannot be fixed."""
     checked = record_of(good, SLIDER, loading=None, trend="slip", against="time")
-    found = infer(
-        least_squares_fit(checked, SLIDER, SLIP, ("a",), None, "free"), None, "covariance"
-    )
+    found = infer(least_squares_fit(checked, SLIDER, ("a",), None, "free"), None, "covariance")
     assert not [*search_warnings(found)]
-    at = [found.solution.unknowns.names.index(name) for name in START]
+    at = [found.solution.unknowns.names.index(name) for name in starts_of(SLIDER.friction)]
     point = found.solution.point.copy()
     point[at] = 20.0, -20.0
     found = found._replace(solution=found.solution._replace(point=point))
     upper, lower = search_warnings(found)
     assert upper.startswith("V_start, the slider's velocity at the record's start, has run to")
     assert "the upper bound of the search, 4.852e+08 times the load point's" in upper
-    assert lower.startswith("theta_start, the state at the record's start, has run to")
+    assert lower.startswith("theta_start, a state at the record's start, has run to")
     assert "the lower bound of the search, 2.061e-09 times that of steady sliding" in lower
     assert all("give start='steady' if" in text for text in (upper, lower))

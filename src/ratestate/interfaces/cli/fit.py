@@ -27,6 +27,7 @@ def fit(
     K: str | None = None,
     M: str | None = None,
     V0: str | None = None,
+    of_law: list[str] | None = None,
     time: str | None = None,
     displacement: str | None = None,
     columns: list[str] | None = None,
@@ -66,6 +67,7 @@ def fit(
     from .report.markdown import FitRequest
     from .run_fit import fit_and_report
 
+    values |= pairs_of(of_law, "--set")
     given = {symbol: value for symbol, value in values.items() if value is not None}
     request = FitRequest(file, {k: v for k, v in reading.items() if v}, given, laws, fitting)
     if fit_and_report(request, out, json):

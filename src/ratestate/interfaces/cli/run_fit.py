@@ -9,10 +9,12 @@ import xarray
 
 from ...errors import FitWarning, ParameterError, RecordWarning
 from ...files import replace, write
+from ...friction.laws import friction_law
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
 from ...model.units import to_si
 from ...records.fitting.fit import fit
+from ...records.fitting.settings import sliders_under
 from ...records.fitting.table import law_names
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
@@ -33,7 +35,7 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     """Fit, print and write the files into the folder, if any; whether the answer carries warnings.
 
     ParameterError as of `read_lab` and `fit`, and: a report.md there that is none of these; no
-    normal stress; a, b, Dc or K neither given nor free.
+    normal stress; a, b, Dc, K or a parameter of the law neither given nor free.
     """
     if out:
         make_writable(out)
@@ -81,11 +83,16 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
         notes = [*json.loads(record.attrs["notes"]), f"{default}, for none was given"]
         record.attrs["notes"] = json.dumps(notes)
     K = STIFFNESS * to_si("sigma", given["sigma"])
-    slider = SpringSlider(**{**STARTS, "K": K, **given}, law=request.laws[0])
-    free = checked_free(request.fitting["free"], slider)
-    for symbol in ("a", "b", "Dc", "K"):
+    # of several laws the one that has the parameters of all, if any does
+    law = max(map(friction_law, request.laws), key=lambda law: len(law.parameters))
+    examples = {symbol: own.example.strip("'") for symbol, own in law.parameters.items()}
+    guesses = {symbol: value for symbol, value in examples.items() if value}
+    slider = SpringSlider(**{**STARTS, **guesses, "K": K, **given}, law=law.name)
+    free = checked_free(request.fitting["free"], sliders_under(slider, request.laws))
+    for symbol in ("a", "b", "Dc", *law.parameters, "K"):
         if symbol not in given and symbol not in free:
+            option = f"--set {symbol}=" if symbol in law.parameters else f"--{symbol} "
             raise ParameterError(
-                f"{symbol} is neither free nor given; add --{symbol} VALUE, or name it in --free"
+                f"{symbol} is neither free nor given; add {option}VALUE, or name it in --free"
             )
     return slider

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...model.conversion import in_si
-from ...records.fitting.by_law import checked_by_law, value_of
+from ...records.fitting.by_law import checked_by_law, law_of, value_of
 from ..curves import WHOLE, curves, marks, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
@@ -12,7 +12,8 @@ from .frame import finished, framed, legend
 
 #: close-ups: how many at most, the fewest samples, what is before a step over what is after it
 MOST, FEWEST, BEFORE = 3, 12, 0.3
-#: what is after it: over Dc, and over the displacement that loads the spring by the direct effect
+#: what is after it: over the longest Dc, and over the displacement that loads the spring by the
+#: direct effect
 AFTER, LOADING = 6.0, 2.0
 #: speed of slip after a hold over that of the load point, for want of a better one
 QUIET = 1e-4
@@ -124,9 +125,10 @@ def _close_ups(record):
 
 def _reach(part, change):
     """Displacement [m] in which a step is over: the spring loads, and the state evolves."""
-    a, Dc, K, sigma = (value_of(part, symbol) for symbol in ("a", "Dc", "K", "sigma"))
+    a, K, sigma = (value_of(part, symbol) for symbol in ("a", "K", "sigma"))
+    longest = max(value_of(part, symbol) for symbol in law_of(part).states.values())
     before = change.V_before or QUIET * change.V
-    return AFTER * Dc + LOADING * a * sigma / K * abs(np.log(change.V / before))
+    return AFTER * longest + LOADING * a * sigma / K * abs(np.log(change.V / before))
 
 
 def _share(column, *, named):

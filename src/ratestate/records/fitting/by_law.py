@@ -4,22 +4,23 @@ import numpy as np
 import xarray
 
 from ...dynamics.results import parameter, slider_parameters
-from ...friction.laws import law_name
-from ...friction.stability import K_c_qs
+from ...friction.laws import friction_law, law_name
+from ...friction.linear_stability import K_c
 from ...model.conversion import in_si
-from ...model.slider import SpringSlider
+from ...model.slider import PARAMETERS, SpringSlider
 from .refusals import refusal
 
+#: relative step of a difference
+STEP = 1e-5
 #: variables that every result of `fit` has
 NEEDED = ("law", "parameter", "standard_error", "interval", "friction", "time")
 
 
 def results_by_law(result):
     """dict law -> that law's part of a result of `fit` (not checked), without what is all NaN."""
-    if "law" not in result.dims:
-        return {str(result["law"].item()): _without_empty(result.drop_vars("law"))}
-    parts = {str(law): result.sel(law=law, drop=True) for law in result["law"].values}
-    return {law: _without_empty(part) for law, part in parts.items()}
+    alone = "law" not in result.dims
+    parts = [result] if alone else [result.sel(law=law) for law in result["law"].values]
+    return {str(part["law"].item()): _without_empty(part) for part in parts}
 
 
 def checked_by_law(result, caller):
@@ -33,7 +34,9 @@ def checked_by_law(result, caller):
 def _without_empty(part):
     """One law's part without variables that are all NaN: those that only other laws have."""
     empty = [name for name, v in part.data_vars.items() if v.dtype.kind == "f" and v.isnull().all()]
-    return part.drop_vars(empty)
+    part = part.drop_vars(empty)
+    own = [name for name in part["parameter"].values.tolist() if name in part.data_vars]
+    return part.sel(parameter=own, other=own)
 
 
 def warnings_of(part):
@@ -69,26 +72,62 @@ def error_of(part, symbol):
     return float(ends[0, 1] - ends[0, 0]) / 2.0
 
 
+def law_of(part):
+    """The friction law of one law's part."""
+    return friction_law(str(part["law"].item()))
+
+
+def critical_stiffness(part):
+    """K_c_qs [Pa/m] of one law's part (float); not above 0 where any K is stable.
+
+    None under a law with a speed of its own, on which it depends.
+    """
+    law = law_of(part)
+    values = {symbol: value_of(part, symbol) for symbol in (*law.symbols, "sigma")}
+    return None if law.has_own_speed else _K_c_qs(law, values)
+
+
+def _K_c_qs(law, values):
+    """K_c_qs [Pa/m] (float) of values by symbol, at any speed."""
+    of_arrays = {symbol: np.array(value) for symbol, value in values.items()}
+    return float(K_c(law, np.array(1.0), M=np.array(0.0), **of_arrays))
+
+
 def stiffness_over_critical(part):
     """(K/K_c_qs, its standard error), dimensionless; None where K_c_qs <= 0 or K = inf.
 
-    The relative errors of K, Dc and a - b (`error_of`) are propagated with their correlation: 0 if
-    none of them was estimated, inf if one is not finite.
+    The relative errors (`error_of`) of K, Dc and a - b, or of what else K_c_qs depends on under the
+    law, are propagated with their correlation: 0 if none of them was estimated, inf if one is not
+    finite.
     """
-    at = {symbol: value_of(part, symbol) for symbol in ("a", "b", "Dc", "sigma")}
-    K, critical = value_of(part, "K"), K_c_qs(**at)
-    if not (critical > 0.0 and np.isfinite(K)):
+    K, critical = value_of(part, "K"), critical_stiffness(part)
+    if critical is None or not (critical > 0.0 and np.isfinite(K)):
         return None
-    weakening, free = at["b"] - at["a"], part["parameter"].values
-    weights = {"K": 1.0 / K, "Dc": 1.0 / at["Dc"], "a_minus_b": 1.0 / weakening}
+    free = part["parameter"].values
+    weights = {"K": 1.0 / K} | _relative_slopes(part)
     names = [name for name in weights if name in free]
     if not names:
         return K / critical, 0.0
     relative = np.array([weights[name] * error_of(part, name) for name in names])
     if not np.isfinite(relative).all():
         return K / critical, np.inf
+    # those of positive parameters are correlations of logarithms, of the same sign
     correlation = part["correlation"].sel(parameter=names, other=names).values
     return K / critical, K / critical * float(np.sqrt(relative @ correlation @ relative))
+
+
+def _relative_slopes(part):
+    """symbol -> derivative of ln(1/K_c_qs) by it, of what K_c_qs depends on."""
+    law = law_of(part)
+    at = {symbol: value_of(part, symbol) for symbol in (*law.symbols, "sigma")}
+    if law.one_length:  # however little is known of a and b: it has only their difference
+        return {"Dc": 1.0 / at["Dc"], "a_minus_b": 1.0 / (at["b"] - at["a"])}
+    slopes = {}
+    for symbol in law.symbols:
+        step = STEP * (abs(at[symbol]) or 1.0)
+        up, down = (np.log(_K_c_qs(law, at | {symbol: at[symbol] + h})) for h in (step, -step))
+        slopes[symbol] = -(up - down) / (2.0 * step)
+    return slopes
 
 
 def slider_of(result, law=None):
@@ -117,5 +156,7 @@ def slider_of(result, law=None):
         choices = " or ".join(f"law={name!r}" for name in laws)
         sentence = "several_laws" if law is None else "other_law"
         raise refusal(f"result.{sentence}", law=law, choices=choices)
-    symbols = [symbol for symbol in slider_parameters(laws[law]) if symbol != "law"]
+    known = slider_parameters(laws[law])
+    of_law = (*PARAMETERS, "area", *friction_law(law).parameters)
+    symbols = [symbol for symbol in known if symbol in of_law]
     return SpringSlider(**{symbol: value_of(laws[law], symbol) for symbol in symbols}, law=law)

@@ -8,7 +8,6 @@ from threadpoolctl import ThreadpoolController
 
 from ...dynamics.results import provenance
 from ...errors import FitWarning
-from ...friction.laws import friction_law
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
 from .by_law import warnings_of
@@ -19,6 +18,7 @@ from .likelihood.uncertainty import infer, with_posteriors
 from .record import record_of
 from .result import add_comparison, dataset_of, side_by_side
 from .settings import checked_settings
+from .unknowns import free_under
 
 #: attributes of a record that its fit keeps
 RECORD_ATTRIBUTES = ("source", "columns", "found", "notes")
@@ -144,7 +144,7 @@ def fit(
         prefix = f"{name} law: " if len(results) > 1 else ""
         for text in warnings_of(result):
             warnings.warn(prefix + text, FitWarning, stacklevel=3)
-    alone = law is None or isinstance(law, str)
+    alone = law is None or isinstance(law, str | type)
     return results[settings.laws[0]] if alone else side_by_side(results)
 
 
@@ -158,7 +158,9 @@ def single_blas():
 
 def _fits_of_cycles(data, slider, settings, loading):
     """law -> Dataset of a fit of cycles."""
-    fits = {law: fit_cycles(data, slider, settings.free, law, loading) for law in settings.laws}
+    fits = {
+        one.law: fit_cycles(data, one, settings.free, one.law, loading) for one in settings.sliders
+    }
     results = {law: cycles_dataset(fit) for law, fit in fits.items()}
     if len(results) > 1:
         # errors that were enlarged for a misfit are so in the comparison as well
@@ -169,15 +171,18 @@ def _fits_of_cycles(data, slider, settings, loading):
 
 def _fits_of_samples(data, slider, settings, loading):
     """law -> Dataset of a fit of friction, sample by sample."""
-    free, laws, noise, against, trend, start, errors = settings
+    free, sliders, noise, against, trend, start, errors = settings
     record = record_of(data, slider, loading=loading, trend=trend, against=against)
-    formulas = [friction_law(law) for law in laws]
-    solutions = [least_squares_fit(record, slider, law, free, noise, start) for law in formulas]
+    solutions = []
+    for one in sliders:
+        has = free_under([one.friction])
+        of_law = tuple(name for name in free if name in has)
+        solutions.append(least_squares_fit(record, one, of_law, noise, start))
     inferences = [infer(solution, noise, errors) for solution in solutions]
     if errors == "posterior":
-        inferences = with_posteriors(inferences, laws)
+        inferences = with_posteriors(inferences)
     datasets = [dataset_of(inference, data) for inference in inferences]
-    results = dict(zip(laws, datasets, strict=True))
+    results = dict(zip(settings.laws, datasets, strict=True))
     if len(results) > 1:
         colored = any(inference.solution.noise.red for inference in inferences)
         aic = {law: float(result["aic"]) for law, result in results.items()}

@@ -11,7 +11,7 @@ import numpy as np
 from ...dynamics.simulation.cases import V_LIMIT
 from ...engine import dispatch
 from ...engine.model import FINISHED, RODAS5P, Cases, Loads
-from .unknowns import LINEAR, OF_SLIDER, PARAMETERS, START
+from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 
 RTOL = 1e-8
 #: K Dc/(a sigma) of a machine that counts as rigid: friction follows within 1e-8 Dc of slip
@@ -26,9 +26,9 @@ class Forward:
     slider : gives the parameters that are not among the names of the coordinates (unknowns.py)
     """
 
-    def __init__(self, record, slider, law, names):
-        self.record, self.law, self.names = record, law, names
-        self.fixed = {symbol: getattr(slider, symbol) for symbol in OF_SLIDER}
+    def __init__(self, record, slider, names):
+        self.record, self.law, self.names = record, slider.friction, names
+        self.fixed = {symbol: getattr(slider, symbol) for symbol in of_slider(self.law)}
         if np.isinf(slider.K) and "K" not in names:
             self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
@@ -42,8 +42,9 @@ class Forward:
         self.evaluations = 0
         # without inertia V may run away; with a free mass it cannot
         self.v_limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
+        sizes = sizes_of(record, slider)
         #: step of a central difference in each coordinate that the motion depends on
-        self.steps = {n: PARAMETERS[n].step(record) for n in names if n not in LINEAR}
+        self.steps = {n: _step(n, record, sizes[n]) for n in names if n not in LINEAR}
 
     def friction(self, points):
         """(n, m) friction at the record's samples for coordinates (n, k); NaN without a motion.
@@ -58,28 +59,44 @@ class Forward:
 
         NaN without a motion; derivatives are one-sided where there is none on the other side.
         """
-        moving = [(self.names.index(name), step) for name, step in self.steps.items()]
-        points = np.repeat(point[None], 2 * len(moving) + 1, axis=0)
-        for j, (i, step) in enumerate(moving):
-            points[2 * j + 1, i] += step
-            points[2 * j + 2, i] -= step
+        moving = [self.names.index(name) for name in self.steps]
+        above, below = self.neighbours(point)
+        points = np.concatenate([point[None], above[moving], below[moving]])
         friction, regressors = self.parts(points)
-        centre = friction[0]
+        centre, *others = friction
         columns = np.zeros((len(self.names), centre.size))
-        for j, (i, step) in enumerate(moving):
-            columns[i] = _difference(friction[2 * j + 1], centre, friction[2 * j + 2], step)
+        for i, up, down in zip(moving, others[: len(moving)], others[len(moving) :], strict=True):
+            steps = above[i, i] - point[i], point[i] - below[i, i]
+            columns[i] = _difference(up, centre, down, *steps)
         for name, regressor in regressors.items():
             if name in self.names:
                 columns[self.names.index(name)] = regressor[0]
         return centre, columns.T
 
+    def neighbours(self, point):
+        """(k, k) points above and below a point (k,), the i-th each in coordinate i alone.
+
+        By `steps`, but no further than there are values; by 1 in what friction is linear in.
+        """
+        steps = np.array([self.steps.get(name, 1.0) for name in self.names])
+        least = np.array([parameter(name).least for name in self.names])
+        down = np.minimum(steps, np.maximum(point - least, 0.0))
+        return point + np.diag(steps), point - np.diag(down)
+
     def parts(self, points):
         """`friction`, and name -> (n, m) its derivative by each linear parameter of the record."""
         values = self.values(points)
-        saved = self._motion(values)
-        a, b, K = (values[symbol][:, None] for symbol in ("a", "b", "K"))
-        x, v, psi = saved[..., 0], saved[..., 1], saved[..., 2]
-        friction = a * x if self.record.kind == "tau" else a * v + b * psi
+        p = self._coefficients(values)
+        saved = self._motion(values, p)
+        a, K = values["a"][:, None], values["K"][:, None]
+        x, v, psi = saved[..., 0], saved[..., 1], np.moveaxis(saved[..., 2:], -1, 0)
+        shown = x
+        if self.record.kind == "mu":
+            with np.errstate(over="ignore", invalid="ignore"):
+                of_samples = tuple(column[:, None] for column in p)
+                shown = self.law.resistance(v, np.exp(v), tuple(psi), of_samples)
+        steady = self.law.resistance(0.0, 1.0, self.law.steady_variables(p), p)
+        friction = a * (shown - np.reshape(steady, (-1, 1)))
         along = np.broadcast_to(self.record.trend_variable, x.shape)
         if self.record.trend == "slip":
             along = along - (a * self.sigma / K) * (x - x[:, :1])
@@ -90,36 +107,53 @@ class Forward:
         return friction, regressors
 
     def values(self, points):
-        """name -> (n,) values of all `PARAMETERS` [SI]; of `START` logarithms of ratios."""
-        fixed = dict.fromkeys(PARAMETERS, 0.0) | self.fixed
+        """name -> (n,) values [SI] of the slider's parameters, the lag, level and trend.
+
+        Of `starts_of` logarithms of ratios.
+        """
+        fixed = dict.fromkeys((*starts_of(self.law), "lag", *LINEAR), 0.0) | self.fixed
         values = {name: np.full(len(points), float(value)) for name, value in fixed.items()}
         with np.errstate(over="ignore"):
             for i, name in enumerate(self.names):
                 moved = points[:, i]
-                values[name] = np.exp(moved) if PARAMETERS[name].is_log else moved
+                values[name] = np.exp(moved) if parameter(name).is_log else moved
         if np.isinf(self.fixed["K"]) and "K" not in self.names:
             # the march has no rigid machine, but one that is practically rigid
             values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]
         return values
 
-    def _motion(self, values):
-        """(n, m, 3) x, v, psi at the samples."""
-        a, b, Dc, K, M = (values[symbol] for symbol in ("a", "b", "Dc", "K", "M"))
-        v, psi = (values[name] for name in START)
+    def start(self, values):
+        """v = ln(V/V0) (n,) at the start, and of each state ln(V0 theta/D) (n,), a tuple."""
+        V_start, *states = (values[name] for name in starts_of(self.law))
+        p = self._coefficients(values)
+        steady = self.law.log_states(0.0, self.law.steady_variables(p), p)
+        return V_start, tuple(x + y for x, y in zip(steady, states, strict=True))
+
+    def _coefficients(self, values):
+        """The law's, a tuple of (n,), for V0."""
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return tuple(self.law.coefficient_array(self.V0, values).T)
+
+    def _motion(self, values, p):
+        """(n, m, 2 + states) x, v, psi at the samples, for the law's coefficients p."""
+        a, Dc, K, M = (values[symbol] for symbol in ("a", "Dc", "K", "M"))
         times, which, end = self.record.t[None], np.zeros(a.size, np.int64), self.record.t[-1]
         if "lag" in self.names:
             # samples from before the start take the value at the start
             times, which = self.record.t - values["lag"][:, None], np.arange(a.size)
             end = np.maximum(times[:, -1], 1e-9 * end)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            v, log_states = self.start(values)
+            psi = self.law.variables(v, log_states, p)
+            x = self.law.resistance(v, np.exp(v), psi, p)
             per_stress = 1.0 / (a * self.sigma)
             cases = cases_of(
                 kappa=K * Dc * per_stress,
-                p=self.law.coefficient_array(self.V0, values),
+                p=np.stack(p, axis=1),
                 eta0=M * self.V0**2 * per_stress / Dc,
                 scale=self.V0 / Dc,
                 V0=self.V0,
-                y=np.stack([v + b / a * psi, v, psi], axis=1),
+                y=np.stack(np.broadcast_arrays(x, v, *psi), axis=1),
                 t_end=end,
                 times=which,
                 rtol=RTOL,
@@ -137,17 +171,29 @@ def cases_of(*, kappa, **columns):
 
 
 def marched(law, cases, loads, times, *, alone=False):
-    """(n, m, 3) x, v, psi (engine/model.py) of the cases at these times; NaN where a run fails."""
+    """(n, m, 2 + states) x, v, psi (engine/model.py) of the cases at these times.
+
+    NaN where a run fails.
+    """
     which = np.arange(cases.kappa.size)
     results = dispatch.run_march(RODAS5P, law, cases, loads, times, which, alone)
     results.saved[results.status != FINISHED] = np.nan
     return results.saved
 
 
-def _difference(above, centre, below, step):
-    """A derivative from both sides, or from the only one on which there is motion."""
-    if np.isfinite(above[-1]) and np.isfinite(below[-1]):
-        return (above - below) / (2.0 * step)
-    if np.isfinite(below[-1]):
-        return (centre - below) / step
-    return (above - centre) / step
+def _step(name, record, size):
+    """Step of a difference in a coordinate, of a parameter of this size."""
+    row = parameter(name)
+    return row.step(record, 1.0 if row.is_log else size)
+
+
+def _difference(above, centre, below, up, down):
+    """A derivative from both sides, by these steps, or from the only one on which there is motion.
+
+    NaN where there is none on either.
+    """
+    if not np.isfinite(above[-1]):
+        above, up = centre, 0.0
+    if not np.isfinite(below[-1]):
+        below, down = centre, 0.0
+    return (above - below) / (up + down) if up + down > 0.0 else np.full_like(centre, np.nan)

@@ -14,7 +14,7 @@ from .noise import Noise, estimated_noise
 from .problem import SAMPLES, Problem, search, starting_points
 from .refusals import refusal
 from .score import FALL, gain_of
-from .unknowns import START, Unknowns, unknowns_of
+from .unknowns import Unknowns, starts_of, unknowns_of
 
 #: most starts of the least squares, and most rounds of noise and fit
 STARTS, ROUNDS = 12, 4
@@ -52,21 +52,21 @@ class Solution(NamedTuple):
         return self.problem.record.friction - self.fitted_friction
 
 
-def least_squares_fit(record, slider, law, free, noise, start):
-    """The `Solution` of a record under a law (of `LAWS`); the noise is estimated if it is None.
+def least_squares_fit(record, slider, free, noise, start):
+    """The `Solution` of a record under a slider's law; the noise is estimated if it is None.
 
     start : {"steady", "free", "auto"}; "auto" frees the state at the start if that fits far better
 
     ParameterError where no start of the search moves through the whole record.
     """
-    unknowns = unknowns_of(record, free, start=start == "free", sigma=slider.sigma)
-    problem = Problem(record, slider, law, unknowns)
+    unknowns = unknowns_of(record, slider, free, start=start == "free")
+    problem = Problem(record, slider, unknowns)
     solution = solution_from(problem, _best_start(problem), noise)
     if start != "auto" or not _may_start_unsteady(solution):
         return solution
     # Noise may have been estimated as correlated because of the start: so search anew.
-    unknowns = unknowns_of(record, free, start=True, sigma=slider.sigma)
-    problem = Problem(record, slider, law, unknowns)
+    unknowns = unknowns_of(record, slider, free, start=True)
+    problem = Problem(record, slider, unknowns)
     starts = (_with_more_coordinates(solution, unknowns), _best_start(problem))
     solutions = [solution_from(problem, start, noise) for start in starts]
     best = max(solutions, key=lambda one: one.log_likelihood)
@@ -76,21 +76,28 @@ def least_squares_fit(record, slider, law, free, noise, start):
 
 
 def _best_start(problem):
-    """The best point that a search on a thinned record reaches from several starts."""
+    """The best point that a search on a thinned record reaches from several starts.
+
+    Of equally good ones that with the distances in the order that they have in the slider.
+    """
     thin = problem.record.thinned(max(problem.record.t.size // SAMPLES, 1))
-    thin_problem = Problem(thin, problem.slider, problem.law, problem.unknowns)
+    thin_problem = Problem(thin, problem.slider, problem.unknowns)
     points = starting_points(thin_problem, STARTS)
     noise = thin_problem.white_noise(points[0]) if len(points) else None
+    best, distances = None, problem.distances()
     searches: list = []
     for point in points:
         if result := search(thin_problem, point, noise, SEARCH_EVALUATIONS):
             searches = sorted([*searches, result], key=lambda one: one.cost)
-        # a third start hardly finds less than the least sum that two starts have led to
-        if len(searches) > 1 and searches[1].cost <= searches[0].cost * (1.0 + AGREE):
-            break
-    if not searches:
+            least = [one.x for one in searches if one.cost <= searches[0].cost * (1.0 + AGREE)]
+            in_order = [x for x in least if (np.diff(x[distances]) >= 0.0).all()]
+            best = [*in_order, *least][0]
+            # a third start hardly finds less than the least sum that two starts have led to
+            if len(least) > 1 and in_order:
+                break
+    if best is None:
         raise refusal("search.no_motion")
-    return searches[0].x
+    return best
 
 
 def _checked_search(problem, point, noise):
@@ -166,10 +173,10 @@ def _may_start_unsteady(solution):
     if solution.noise.red:
         return True
     problem = solution.problem
-    names = (*START, *problem.unknowns.names)
-    forward = Forward(problem.record, problem.slider, problem.law, names)
-    jacobian = np.nan_to_num(forward.jacobian(np.append([0.0, 0.0], solution.point))[1])
-    return gain_of(solution, jacobian[:, : len(START)])[0] > FALL
+    added = starts_of(problem.law)
+    forward = Forward(problem.record, problem.slider, (*added, *problem.unknowns.names))
+    jacobian = np.nan_to_num(forward.jacobian(np.append(np.zeros(len(added)), solution.point))[1])
+    return gain_of(solution, jacobian[:, : len(added)])[0] > FALL
 
 
 def _early_log_likelihood(solution):

@@ -72,8 +72,10 @@ def given_noise(noise):
 def estimated_noise(t, residual, jacobian):
     """`Noise` by restricted maximum likelihood: of residuals (n,) with a fit's jacobian (n, k).
 
-    White, unless a red part raises ln(likelihood) by more than `RISE`.  No column may be all 0.
+    White, unless a red part raises ln(likelihood) by more than `RISE`.  A column that is all 0, of
+    what the record does not see, does not count.
     """
+    jacobian = jacobian[:, jacobian.any(axis=0)]
     columns = np.column_stack([residual, jacobian / np.abs(jacobian).max(axis=0)])
     degrees = residual.size - jacobian.shape[1]
     lags = np.median(np.diff(t)), t[-1] - t[0]

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 
 from .forward import Forward
 from .noise import Noise
-from .unknowns import PARAMETERS, distinct, sizes_of, to_coordinate
+from .unknowns import distinct, parameter, sizes_of, to_coordinate
 
 #: most evaluations of one least-squares fit
 MOST = 200
@@ -22,11 +22,15 @@ DISTANCE = 0.7
 
 
 class Problem:
-    """Residuals of a record under a law as functions of the unknowns, and their derivatives."""
+    """Residuals of a record as functions of the unknowns, and their derivatives.
 
-    def __init__(self, record, slider, law, unknowns):
-        self.record, self.slider, self.law, self.unknowns = record, slider, law, unknowns
-        self.forward = Forward(record, slider, law, unknowns.names)
+    slider : gives the law, and what is not among the unknowns
+    """
+
+    def __init__(self, record, slider, unknowns):
+        self.record, self.slider, self.unknowns = record, slider, unknowns
+        self.law = slider.friction
+        self.forward = Forward(record, slider, unknowns.names)
 
     def difference(self, point):
         """(m,) model less record; NaN where there is no motion."""
@@ -40,6 +44,14 @@ class Problem:
         """(m, k) derivative of `residual`; 0 where it does not exist."""
         columns = self.forward.jacobian(point)[1]
         return np.nan_to_num(noise.whiten(self.record.t, columns)[0])
+
+    def distances(self):
+        """Coordinates (list of int) of the distances over which states evolve, as long as in the
+        slider: the longer, the later.
+        """
+        free = [D for D in dict.fromkeys(self.law.states.values()) if D in self.unknowns.names]
+        by_length = sorted(free, key=lambda D: getattr(self.slider, D))
+        return [self.unknowns.names.index(D) for D in by_length]
 
     def white_noise(self, point):
         """White `Noise` of the residuals' size at a point, 1e-15 or more; NaN without a motion."""
@@ -69,17 +81,20 @@ def search(problem, start, noise, most=MOST):
 
 def starting_points(problem, most):
     """(n, k) points to start from, n <= most, all distinct, the best first; n = 0 if none moves."""
-    unknowns, sizes = problem.unknowns, sizes_of(problem.record, problem.slider.sigma)
+    unknowns, sizes = problem.unknowns, sizes_of(problem.record, problem.slider)
     rng = np.random.default_rng(SEED)
     cloud = np.zeros((CLOUD + 1, len(unknowns.names)))
     distance = {}  # coordinate -> least distance of two starts
     for i, name in enumerate(unknowns.names):
-        row, size = PARAMETERS[name], sizes[name]
+        row, size = parameter(name), sizes[name]
         if row.starts:
-            drawn = rng.uniform(*row.starts, size=CLOUD + 1)
+            low, high = row.starts
+            drawn = rng.uniform(low, high, size=CLOUD + 1)
             cloud[:, i] = np.log(size * 10.0**drawn) if row.is_log else size * drawn
             cloud[0, i] = to_coordinate(name, getattr(problem.slider, name))
             distance[i] = DISTANCE * (1.0 if row.is_log else size)
+    # states that evolve alike could change places, and mean the same
+    cloud[:, problem.distances()] = np.sort(cloud[:, problem.distances()], axis=1)
     cloud = np.clip(cloud, unknowns.low, unknowns.high)
     cloud, misfit = with_best_level(problem, cloud if distance else cloud[:1])
     points = cloud[np.argsort(misfit, kind="stable")[: int(np.isfinite(misfit).sum())]]

@@ -4,12 +4,13 @@ import numpy as np
 import xarray
 
 from ...dynamics.results import record_loading
+from ...friction.laws import friction_law
 from ...model.quantities import attrs
 from .diagnostics.checks import diagnose
 from .diagnostics.model_comparison import compare_laws
 from .estimates import LEVELS, ROOTS, SIDES
 from .likelihood.posterior import prior_text
-from .unknowns import START
+from .unknowns import SUMS, free_under, starts_of
 
 
 def dataset_of(inference, data):
@@ -48,9 +49,12 @@ def add_comparison(results, aic, *, colored=False):
 
 def side_by_side(results):
     """Results under several laws (dict, law -> Dataset) as one, along ``law``; padded: NaN, ""."""
+    free = free_under([friction_law(law) for law in results])
+    of_any = {name for result in results.values() for name in result["parameter"].values.tolist()}
+    names = [name for name in (*free, *SUMS) if name in of_any]
     joined = xarray.concat(
         [
-            result.assign_coords(
+            result.reindex(parameter=names, other=names).assign_coords(
                 {d: range(result.sizes[d]) for d in result.dims if d not in result.coords}
             )
             for result in results.values()
@@ -155,12 +159,14 @@ def _statistics(solution):
         "samples": residual.size,
         "evaluations": solution.evaluations,
     }
-    if START[0] in solution.unknowns.names:
-        forward = solution.problem.forward
-        at = {name: float(value[0]) for name, value in forward.values(solution.point[None]).items()}
-        v, psi = (at[name] for name in START)
-        values["V_start"] = forward.V0 * np.exp(v)
-        values["theta_start"] = at["Dc"] / forward.V0 * np.exp(psi)
+    law, forward = solution.problem.law, solution.problem.forward
+    V_start, *states = starts_of(law)
+    if V_start in solution.unknowns.names:
+        at = forward.values(solution.point[None])
+        v, logs = forward.start(at)
+        values[V_start] = forward.V0 * np.exp(v.item())
+        for name, D, log in zip(states, law.states.values(), logs, strict=True):
+            values[name] = (at[D] / forward.V0 * np.exp(log)).item()
     return xarray.Dataset(labelled((), **values))
 
 

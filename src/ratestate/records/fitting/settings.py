@@ -3,13 +3,13 @@
 from typing import NamedTuple
 
 from ...dynamics.refusals import check_one_length
-from ...friction.laws import law_name
 from ...model.slider import checked
+from ...model.slider_names import law_of
 from ...model.units import is_array
 from .likelihood.uncertainty import ERRORS
 from .noise import Noise, given_noise
 from .refusals import refusal
-from .unknowns import checked_free
+from .unknowns import LINEAR, PARAMETERS, SUMS, checked_free, starts_of
 
 #: setting -> what it may be, the default first
 CHOICES: dict[str, tuple] = {
@@ -24,12 +24,17 @@ class Settings(NamedTuple):
     """The settings of `fit`."""
 
     free: tuple
-    laws: list
+    sliders: list  # one for each law, in the order of the laws
     noise: Noise | None
     against: str
     trend: str | None
     start: str
     errors: str
+
+    @property
+    def laws(self):
+        """Names of the laws."""
+        return [slider.law for slider in self.sliders]
 
     @property
     def recorded(self):
@@ -40,29 +45,46 @@ class Settings(NamedTuple):
 def checked_settings(slider, *, free, law, noise, **choices):
     """The `Settings` of these arguments of `fit`.
 
-    ParameterError: no slider, or many; what cannot be free; a law, noise or choice that is none;
-    what a fit of cycles has no use for.
+    ParameterError: no slider, or many; what cannot be free; a law, noise or choice that is none; a
+    law with parameters that the slider does not have; what a fit of cycles has no use for.
     """
     checked(slider)
     for symbol, value in slider.values.items():
         if is_array(value):
             raise refusal("settings.slider_array", symbol=symbol)
-    free = checked_free(free, slider)
     for name, value in choices.items():
         if not (value is None or isinstance(value, str)) or value not in CHOICES[name]:
             listed = ", ".join(map(repr, CHOICES[name]))
             raise refusal("settings.unknown", name=name, value=value, choices=listed)
     noise = given_noise(noise)
-    laws = [slider.law] if law is None else [law] if isinstance(law, str) else list(law)
-    laws = [law_name(name) for name in laws]
-    for name in laws:
-        check_one_length("fit", name)
-    if not laws or len(set(laws)) < len(laws):
-        raise refusal("settings.laws", law=law)
+    sliders = sliders_under(slider, law)
+    free = checked_free(free, sliders)
     if choices["against"] == "cycles":
+        for one in sliders:
+            check_one_length("fit(..., against='cycles')", one.law)
         names = ("trend", "start", "errors")
         changed = [name for name in names if choices[name] != CHOICES[name][0]]
         changed += [] if noise is None else ["noise"]
         if changed:
             raise refusal("settings.not_for_cycles", names=", ".join(changed))
-    return Settings(free, laws, noise, **choices)
+    return Settings(free, sliders, noise, **choices)
+
+
+def sliders_under(slider, law):
+    """The slider under each law that is to be fitted (list), with the parameters of that law.
+
+    ParameterError for a law that is none, for the same twice, and for one with parameters that the
+    slider does not have, or that are called as what a fit has of its own.
+    """
+    one = law is None or isinstance(law, str | type)
+    laws = [law_of(name) for name in ([slider.law if law is None else law] if one else law)]
+    if not laws or len(set(laws)) < len(laws):
+        raise refusal("settings.laws", law=law)
+    for known in laws:
+        names = ", ".join(symbol for symbol in known.parameters if symbol not in slider.values)
+        if names:
+            raise refusal("settings.lacks", law=known.name, names=names, of=slider.law)
+        for symbol in known.parameters:
+            if symbol in (*PARAMETERS, *LINEAR, *SUMS, *starts_of(known)):
+                raise refusal("settings.name_taken", law=known.name, symbol=symbol)
+    return [slider.replace(law=known.name) for known in laws]

@@ -1,23 +1,23 @@
 """The table of estimates as text: values, errors and intervals under each law, in one unit."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 import xarray
 
+from ...friction.law import FrictionLaw
 from ...model.quantities import QUANTITIES, power_of, prefixed_unit, readable, rounded
-from .by_law import error_of, stiffness_over_critical, value_of
+from .by_law import critical_stiffness, error_of, law_of, stiffness_over_critical, value_of
 
 #: law -> its part of a result, as from `results_by_law`
 Laws = dict[str, xarray.Dataset]
-#: short names of quantities with a longer symbol
-NAMES = {"a_minus_b": "a - b"}
 #: white noise below this part of the correlated noise is not mentioned
 NEGLIGIBLE = 0.05
 #: relative error that sets the digits of K/K_c_qs where its own error is not finite
 ERROR_FOR_DIGITS = 0.1
 #: text in place of K/K_c_qs where K_c_qs is not positive
-STABLE_AT_ANY_K = "a > b: stable at any K"
+STABLE_AT_ANY_K = "stable at any K"
 
 
 class FormattedEstimate(NamedTuple):
@@ -25,6 +25,10 @@ class FormattedEstimate(NamedTuple):
 
     value: str
     intervals: tuple[str, ...]  # one for each level
+
+
+#: under a law that does not have the quantity
+NONE = FormattedEstimate("-", ())
 
 
 class Row(NamedTuple):
@@ -43,8 +47,7 @@ class Row(NamedTuple):
 
 def estimate_rows(laws: Laws) -> list[Row]:
     """Rows of all estimates, of K/sigma if K is one, and of K/K_c_qs if any law has a text."""
-    first = next(iter(laws.values()))
-    symbols = [str(symbol) for symbol in first["parameter"].values]
+    symbols = estimated(laws)
     rows = [_row(laws, symbol) for symbol in symbols]
     if "K" in symbols:
         # the stiffness per normal stress, as other programs have it
@@ -52,9 +55,16 @@ def estimate_rows(laws: Laws) -> list[Row]:
         cells = tuple(formatted_estimate(part, "K", factors[law]) for law, part in laws.items())
         rows.append(Row("K/sigma", "1/um", "stiffness, in friction per displacement", cells))
     if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
-        cells = tuple(FormattedEstimate(text or "-", ()) for text in ratios)
+        cells = tuple(FormattedEstimate(text, ()) if text else NONE for text in ratios)
         rows.append(Row("K/K_c_qs", "", "above 1: steady sliding is stable", cells))
     return rows
+
+
+def estimated(laws: Laws) -> list[str]:
+    """Symbols of what was estimated under any of these laws, in the order of the result."""
+    parts = sorted(laws.values(), key=lambda part: -part.sizes["parameter"])
+    names = dict.fromkeys(str(name) for part in parts for name in part["parameter"].values)
+    return [*names]
 
 
 def estimate_cells(laws: Laws, meaning: bool) -> list[list[str]]:
@@ -70,8 +80,12 @@ def estimate_cells(laws: Laws, meaning: bool) -> list[list[str]]:
 
 
 def stiffness_ratio_text(part: xarray.Dataset) -> str:
-    """K/K_c_qs +- error if finite; `STABLE_AT_ANY_K` if a > b; "" if K = inf or a = b."""
-    if value_of(part, "a") > value_of(part, "b"):
+    """K/K_c_qs +- error if finite; `STABLE_AT_ANY_K` if K_c_qs <= 0.
+
+    "" if K = inf, and under a law with a speed of its own, on which K_c_qs depends.
+    """
+    critical = critical_stiffness(part)
+    if critical is not None and critical <= 0.0:
         return STABLE_AT_ANY_K
     if (ratio_and_error := stiffness_over_critical(part)) is None:
         return ""
@@ -110,19 +124,34 @@ def law_names(laws: Laws | tuple[str, ...]) -> str:
     >>> law_names(("mine",)), law_names(("mine", "yours"))
     ('mine law', 'mine and yours laws')
     """
-    return f"{' and '.join(laws)} {'law' if len(laws) == 1 else 'laws'}"
+    *others, last = laws
+    return f"{', '.join(others)} and {last} laws" if others else f"{last} law"
+
+
+def short_name(symbol: str, laws: Laws) -> str:
+    """A quantity as tables call it: by its symbol, or "a - b" where it has a longer one."""
+    return rate_dependence_text(map(law_of, laws.values())) if symbol == "a_minus_b" else symbol
+
+
+def rate_dependence_text(laws: Iterable[FrictionLaw]) -> str:
+    """What "a_minus_b" is under these laws: a - b unless one has more states, or other friction."""
+    return "a - b" if all(law.one_length for law in laws) else "d mu_ss/d ln V"
 
 
 def _row(laws: Laws, symbol: str) -> Row:
     """The row of a parameter."""
     quantity = QUANTITIES[symbol]
-    power = power_of(quantity.unit, max(abs(value_of(part, symbol)) for part in laws.values()))
+    has = {law: part for law, part in laws.items() if symbol in part["parameter"].values}
+    power = power_of(quantity.unit, max(abs(value_of(part, symbol)) for part in has.values()))
     unit = "" if quantity.unit == "1" else prefixed_unit(quantity.unit, power)
     return Row(
-        NAMES.get(symbol, symbol),
+        short_name(symbol, laws),
         unit,
         quantity.long_name.removesuffix(", a - b"),
-        tuple(formatted_estimate(part, symbol, 10.0**-power) for part in laws.values()),
+        tuple(
+            formatted_estimate(part, symbol, 10.0**-power) if law in has else NONE
+            for law, part in laws.items()
+        ),
     )
 
 

@@ -5,9 +5,9 @@ import textwrap
 
 from ...dynamics import attributes
 from ...model.quantities import readable
-from .by_law import checked_by_law, value_of, warnings_of
+from .by_law import checked_by_law, law_of, value_of, warnings_of
 from .table import estimate_cells, law_names, quality_text
-from .unknowns import OF_SLIDER
+from .unknowns import of_slider
 
 #: columns of the text
 WIDTH = 96
@@ -64,10 +64,12 @@ def remarks(result, laws):
 
 
 def fixed_parameters(laws):
-    """A sentence with the parameters that were given, and their values."""
-    part = next(iter(laws.values()))
-    symbols = [s for s in (*OF_SLIDER, "sigma", "V0") if s not in part.data_vars]
-    return f"Given: {', '.join(f'{s} = {readable(s, value_of(part, s))}' for s in symbols)}."
+    """A sentence with the parameters that were given, under any of the laws, and their values."""
+    values: dict[str, float] = {}
+    for part in laws.values():
+        given = [s for s in of_slider(law_of(part)) if s not in part.data_vars]
+        values |= {s: value_of(part, s) for s in (*given, "sigma", "V0")}
+    return f"Given: {', '.join(f'{s} = {readable(s, value)}' for s, value in values.items())}."
 
 
 def identifiability_by_law(laws):

@@ -1,20 +1,23 @@
 """The parameters that a fit may move: their coordinates, bounds, and where searches for them start.
 
-`PARAMETERS` has a row for each; whatever else names parameters derives from it.  A positive
+`parameter` gives the row of each; whatever else names parameters derives from it.  A positive
 parameter moves as its logarithm, so that steps are relative and no bound is needed at 0.  b moves
-as itself, for it may be negative.  Beside what the user frees, a record brings parameters of its
-own: its level of friction, its trend, and the state in which it begins.
+as itself, for it may be negative.  How a parameter of the law's own moves follows from the unit and
+the bound that the law gives it.  Beside what the user frees, a record brings parameters of its own:
+its level of friction, its trend, and the velocity and states in which it begins.
 """
 
+import functools
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...friction.laws import LAWS
 from .refusals import refusal
 
-#: step of a difference in a logarithm
+#: step of a difference in a logarithm, or over the size of what moves as itself
 STEP = 3e-5
 #: ln of the ratio of speeds that a hold counts as
 HOLD = 5.0
@@ -31,47 +34,92 @@ class Parameter(NamedTuple):
     is_log: bool = False  # it moves as its logarithm
     bounds: tuple[float, float] = (-math.inf, math.inf)
     starts: tuple[float, float] | None = None  # of a logarithm in powers of ten; None: 0 alone
-    step: Callable[[Any], float] = lambda record: STEP  # of a difference in the coordinate
+    #: step of a difference in the coordinate, from the record and the size of what is no logarithm
+    step: Callable[[Any, float], float] = lambda record, size: STEP * size
     irrelevant: int = 0  # -1 or 1: it ceases to matter where it is small, or large
     reported_as: str = ""  # if it is reported, but not among the free parameters
     no_part_in_cycles: str = ""  # what of it has no effect on cycles
 
+    @property
+    def least(self):
+        """The coordinate below which no value exists."""
+        return 0.0 if self.bounds[0] == 0.0 else -math.inf
 
-#: name -> `Parameter`, in the order in which they are reported
+
+#: name -> `Parameter` of those that there are under any law
 PARAMETERS = {
     "a": Parameter("slider", is_log=True, bounds=(1e-3, 1e2), starts=(-0.5, 0.5)),
-    "b": Parameter(
-        "slider", bounds=(-1e2, 1e2), starts=(-1.0, 3.0), step=lambda record: STEP * record.scale
-    ),
+    "b": Parameter("slider", bounds=(-1e2, 1e2), starts=(-1.0, 3.0)),
     "Dc": Parameter("slider", is_log=True, bounds=(1e-3, 1e3), starts=(-1.5, 0.7)),
     "K": Parameter("slider", is_log=True, bounds=(1e-4, 1e6), starts=(-0.5, 1.5), irrelevant=1),
     "M": Parameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), irrelevant=-1),
     "lag": Parameter(
         "record",
         bounds=(-0.1, 0.1),
-        step=lambda record: 0.1 * record.spacing,
+        step=lambda record, size: 0.1 * record.spacing,
         no_part_in_cycles="a delay of a load point that moves steadily",
     ),
-    # ln(V/V1) and ln(theta V1/Dc) at the start of a record that begins out of steady sliding at V1
-    "v_start": Parameter("start", bounds=(-20.0, 20.0)),
-    "psi_start": Parameter("start", bounds=(-20.0, 20.0)),
+    # ln(V/V1), at the start of a record that begins out of steady sliding at V1
+    "V_start": Parameter("start", bounds=(-20.0, 20.0)),
     "level": Parameter("linear"),
     "trend": Parameter("linear", reported_as="trend_{along}"),
 }
+#: a state at such a start, as ln(theta/theta_ss)
+STATE_START = Parameter("start", bounds=(-20.0, 20.0))
+LINEAR = ("level", "trend")
+#: what results report beside the free parameters
+TRENDS = ("trend_slip", "trend_time")
+SUMS = ("mu0", "a_minus_b", *TRENDS)
 
 
-def _names(*groups):
-    """Names of the parameters of these groups."""
-    return tuple(name for name, row in PARAMETERS.items() if row.group in groups)
+@functools.cache
+def parameter(name):
+    """The `Parameter` of this name, under any law; KeyError for none."""
+    if name in PARAMETERS:
+        return PARAMETERS[name]
+    if any(name in starts_of(law) for law in LAWS.values()):
+        return STATE_START
+    for law in LAWS.values():
+        if name in law.parameters:
+            return _of_law(law.parameters[name])
+    raise KeyError(name)
 
 
-OF_SLIDER, START, LINEAR = _names("slider"), _names("start"), _names("linear")
-#: parameters that the user may free; each fit estimates mu0 anyway
-FREE = _names("slider", "record")
+def _of_law(own):
+    """The `Parameter` of a law's own parameter, from its unit and its bound.
+
+    A length moves as Dc does, and what may have either sign as b does.
+    """
+    if own.bound == ">= 0":
+        return Parameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
+    if own.bound == "> 0" and own.unit != "m":
+        return Parameter("slider", is_log=True, bounds=(1e-6, 1e6), starts=(-2.0, 1.0))
+    return PARAMETERS["Dc" if own.bound else "b"]
 
 
-def sizes_of(record, sigma):
-    """name -> order of magnitude that the record suggests [SI]; 1 of all others."""
+def of_slider(*laws):
+    """Symbols of the slider's parameters that motion under these laws depends on, but for sigma."""
+    own = dict.fromkeys(symbol for law in laws for symbol in law.parameters)
+    return ("a", "b", "Dc", *own, "K", "M")
+
+
+def starts_of(law):
+    """Names of the velocity and the states at the start of a record, under a law."""
+    return ("V_start", *(f"{state}_start" for state in law.states))
+
+
+def free_under(laws):
+    """What the user may free under any of these laws; each fit estimates mu0 anyway."""
+    return (*of_slider(*laws), "lag")
+
+
+def sizes_of(record, slider):
+    """name -> order of magnitude that the record suggests [SI]; 1 of what is not the slider's.
+
+    Of the law's own parameters a length has the size of Dc, a speed that of the slowest sliding,
+    and a pure number of either sign that of b, or of its value if this is larger; others have the
+    size of their value, 1 if that is 0.
+    """
     speeds = record.loading.V[record.loading.V > 0.0]
     ratio = max(float(np.abs(np.log(speeds / record.loading.V[0])).max()), 1.0)
     if speeds.size < record.loading.V.size:  # in a hold the slider slows by orders of magnitude
@@ -80,10 +128,14 @@ def sizes_of(record, sigma):
     t, slow = record.t, float(speeds.min())
     distance = float(record.loading.delta_lp(t[-1:])[0] - record.loading.delta_lp(t[:1])[0])
     distance = max(distance, 10.0 * slow * record.spacing)
-    K = 10.0 * sigma * record.scale / distance
+    K = 10.0 * slider.sigma * record.scale / distance
     M = K * (t[-1] / 50.0) ** 2
     sizes = {"a": scale, "b": scale, "Dc": 0.05 * distance, "K": K, "M": M, "lag": t[-1]}
-    return dict.fromkeys(PARAMETERS, 1.0) | sizes
+    for name, own in slider.friction.parameters.items():
+        value = abs(getattr(slider, name))
+        known = {"m": sizes["Dc"], "m/s": slow, "1": value if own.bound else max(scale, value)}
+        sizes[name] = known.get(own.unit, value) or 1.0
+    return sizes | dict.fromkeys((*starts_of(slider.friction), *LINEAR), 1.0)
 
 
 class Unknowns(NamedTuple):
@@ -103,13 +155,12 @@ class Unknowns(NamedTuple):
         return dict(zip(self.names, sides.tolist(), strict=True))
 
 
-def unknowns_of(record, free, *, start, sigma):
+def unknowns_of(record, slider, free, *, start):
     """`Unknowns` of a record: free parameters, the start if that is free, level, trend."""
-    names = (*free, *(START if start else ()), *record.regressors())
-    sizes = sizes_of(record, sigma)
+    names = (*free, *(starts_of(slider.friction) if start else ()), *record.regressors())
+    sizes = sizes_of(record, slider)
     bounds = [
-        [to_coordinate(name, end * sizes[name]) for end in PARAMETERS[name].bounds]
-        for name in names
+        [to_coordinate(name, end * sizes[name]) for end in parameter(name).bounds] for name in names
     ]
     low, high = np.array(bounds).T
     return Unknowns(names, low, high)
@@ -128,41 +179,55 @@ def distinct(points, distance, most=None):
     return kept
 
 
-def checked_free(free, slider):
-    """The free parameters as a tuple, in the order of `PARAMETERS`, without mu0.
+def checked_free(free, sliders):
+    """The free parameters as a tuple, in the order of `free_under`, without mu0.
 
-    ParameterError for what cannot be free, twice the same, and for none beside mu0.
+    sliders : that of each law; what is free must be a parameter of one of them
+
+    ParameterError for what cannot be free, twice the same, and a law with none beside mu0.
     """
-    allowed = ", ".join((*FREE, "mu0"))
+    laws = [slider.friction for slider in sliders]
+    allowed = (*free_under(laws), "mu0")
+    listed = ", ".join(allowed)
     try:
         names = (free,) if isinstance(free, str) else tuple(free)
     except TypeError:
-        raise refusal("free.no_sequence", free=free, allowed=allowed) from None
+        raise refusal("free.no_sequence", free=free, allowed=listed) from None
     if not names:
-        raise refusal("free.empty", allowed=allowed)
+        raise refusal("free.empty", allowed=listed)
     for name in names:
-        if name not in (*FREE, "mu0"):
-            raise refusal("free.unknown", name=name, allowed=allowed)
+        if name not in allowed:
+            raise _not_of_these(name, laws, listed)
     if len(set(names)) < len(names):
         raise refusal("free.twice", names=names)
-    if "K" in names and math.isinf(slider.K):
+    if "K" in names and math.isinf(sliders[0].K):
         raise refusal("free.rigid")
-    if "M" in names and slider.M == 0.0:
+    if "M" in names and sliders[0].M == 0.0:
         raise refusal("free.massless")
-    chosen = tuple(name for name in FREE if name in names)
-    if not chosen:
-        raise refusal("free.only_mu0", slider=", ".join(OF_SLIDER))
-    return chosen
+    for law in laws:
+        if not set(names) & set(free_under([law])):
+            raise refusal("free.only_mu0", law=law.name, slider=", ".join(of_slider(law)))
+    return tuple(name for name in allowed[:-1] if name in names)
+
+
+def _not_of_these(name, laws, listed):
+    """The error for a name that none of these laws has: who has it, if any law does."""
+    owners = [law.name for law in LAWS.values() if name in law.parameters]
+    if not owners:
+        return refusal("free.unknown", name=name, allowed=listed)
+    compared, having = (" and ".join(map(repr, x)) for x in ([law.name for law in laws], owners))
+    return refusal("free.of_other_law", name=name, laws=compared, owners=having)
 
 
 def to_coordinate(name, value):
     """A value [SI] as the coordinate in which it moves."""
-    return np.log(value) if PARAMETERS[name].is_log else value
+    return np.log(value) if parameter(name).is_log else value
 
 
 def to_value(name, coordinate):
-    """The value [SI] of a coordinate."""
-    if not PARAMETERS[name].is_log:
-        return coordinate
+    """The value [SI] of a coordinate; the least there is for one below, an open end."""
+    row = parameter(name)
+    if not row.is_log:
+        return np.maximum(coordinate, row.least)
     with np.errstate(over="ignore"):  # an open end of an interval
         return np.exp(coordinate)

@@ -13,7 +13,7 @@ from ....model.sentences import Sentences
 from ....model.slider import SpringSlider
 from ....records.fitting.by_law import results_by_law
 from ....records.fitting.fit import fit
-from ....records.fitting.table import NAMES, estimate_rows, noise_text
+from ....records.fitting.table import estimate_rows, noise_text, short_name
 from ....records.fitting.text import fixed_parameters, identifiability_by_law, labelled_warnings
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
@@ -89,7 +89,7 @@ def _kinds(laws: Laws) -> str:
     """Sentences on the intervals that are not from the covariance."""
     sentences = ""
     for law, part in laws.items():
-        names = [NAMES.get(symbol, symbol) for symbol in part["parameter"].values.tolist()]
+        names = [short_name(symbol, {law: part}) for symbol in part["parameter"].values.tolist()]
         symbols: dict[str, list[str]] = {}
         for name, kind in zip(names, part["interval_kind"].values.tolist(), strict=True):
             symbols.setdefault(kind, []).append(name)

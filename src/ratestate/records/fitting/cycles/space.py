@@ -13,7 +13,7 @@ import numpy as np
 
 from ....friction.stability import K_c, a_of_K_c, b_of_K_c
 from ..refusals import refusal
-from ..unknowns import OF_SLIDER, PARAMETERS, checked_free
+from ..unknowns import checked_free, of_slider, parameter
 
 # Largest distance of a coordinate from its start: a run that gets there does not converge.
 FAR = 12.0
@@ -38,11 +38,12 @@ class Space:
     """
 
     def __init__(self, slider, free, V_lp):
-        self.names = checked_free(free, slider)
+        self.names = checked_free(free, [slider])
         for name in self.names:
-            if what := PARAMETERS[name].no_part_in_cycles:
+            if what := parameter(name).no_part_in_cycles:
                 raise refusal("cycles.no_part", name=name, what=what)
-        self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in OF_SLIDER}
+        symbols = of_slider(slider.friction)
+        self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in symbols}
         if self.fixed["M"] == 0.0:
             raise refusal("cycles.massless")
         if np.isinf(self.fixed["K"]):
@@ -54,7 +55,7 @@ class Space:
         self.replaced = "b" if "b" in self.names else "a" if "a" in self.names else None
 
     def values(self, q):
-        """Symbol -> (n,) of all of `OF_SLIDER` [SI] at coordinates q (n, k)."""
+        """Symbol -> (n,) [SI] of all that the motion depends on at coordinates q (n, k)."""
         n = len(q)
         values = {symbol: np.full(n, value) for symbol, value in self.fixed.items()}
         values |= zip(self.names, np.exp(np.clip(q.T, -700.0, 700.0)), strict=True)

@@ -9,7 +9,7 @@ from ....model.quantities import readable
 from ....model.sentences import Sentences
 from ..forward import Forward
 from ..score import CHANCE, FALL, gain_of, responds, response
-from ..unknowns import OF_SLIDER
+from ..unknowns import of_slider
 from .identifiability import identifiability
 from .search import search_warnings
 
@@ -41,13 +41,13 @@ def diagnose(inference, data):
         warning = _no_response(solution)
         return f"Nothing is determined: {warning}.", [warning]
     note, warnings = identifiability(inference)
-    Dc, high = _Dc_and_upper_end(inference.estimates, solution.problem.slider)
+    name, D, high = _longest_distance(inference.estimates, solution.problem.slider)
     return note, [
         *search_warnings(inference),
         *warnings,
-        *_ends_early(solution.problem.record, Dc, high),
+        *_ends_early(solution.problem.record, name, D, high),
         *_noise_too_small(solution),
-        *_misfit(solution, Dc),
+        *_misfit(solution, name, D),
         *_normal_stress(solution.problem, data),
         *_later_or_earlier(solution),
         *_inert(solution),
@@ -59,7 +59,7 @@ def _no_response(solution):
     gain, free = response(solution)
     slider = solution.problem.slider
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
-    given = [symbol for symbol in OF_SLIDER if symbol not in solution.unknowns.names]
+    given = [s for s in of_slider(slider.friction) if s not in solution.unknowns.names]
     given = [s for s in given if s != "M" or slider.M > 0.0]
     return SENTENCES(
         f"response.{'unsuited' if given else 'noise'}",
@@ -69,25 +69,36 @@ def _no_response(solution):
     )
 
 
-def _Dc_and_upper_end(estimates, slider):
-    """Dc and the upper end of its 95 % interval, both the slider's if it was given."""
-    if "Dc" not in estimates.names:
-        return float(slider.Dc), float(slider.Dc)
-    Dc = estimates.of("Dc")
-    return Dc.value, float(Dc.interval[-1, 1])
+def _longest_distance(estimates, slider):
+    """Symbol of the longest distance over which a state evolves, its value, and the upper end of
+    its 95 % interval; the slider's value if it was given.
+    """
+    found = []
+    for symbol in slider.friction.states.values():
+        given = float(getattr(slider, symbol))
+        if symbol in estimates.names:
+            estimate = estimates.of(symbol)
+            found.append((estimate.value, float(estimate.interval[-1, 1]), symbol))
+        else:
+            found.append((given, given, symbol))
+    value, high, symbol = max(found)
+    return symbol, value, high
 
 
-def _ends_early(record, Dc, high):
-    """A warning if the record ends before friction is steady after the last step."""
+def _ends_early(record, name, D, high):
+    """A warning if the record ends before friction is steady after the last step.
+
+    name : symbol of the distance D [m] over which it becomes so; high : the largest likely one
+    """
     loading = record.loading
     slip = float(np.diff(loading.delta_lp(np.array([loading.t[-1], record.t[-1]])))[0])
     if loading.V[-1] == 0.0 or slip >= STEADY * high:
         return
-    if slip >= STEADY * Dc:
-        most = f"as large as {readable('Dc', high, 2)}" if np.isfinite(high) else "of any size"
-        yield SENTENCES("end.uncertain", slip=slip, most=most)
+    if slip >= STEADY * D:
+        most = f"as large as {readable(name, high, 2)}" if np.isfinite(high) else "of any size"
+        yield SENTENCES("end.uncertain", slip=slip, name=name, most=most)
     else:
-        yield SENTENCES("end.early", slip=slip, over_Dc=slip / Dc, wanted=STEADY * Dc)
+        yield SENTENCES("end.early", slip=slip, name=name, over_D=slip / D, wanted=STEADY * D)
 
 
 def _noise_too_small(solution):
@@ -97,12 +108,12 @@ def _noise_too_small(solution):
         yield SENTENCES("residuals.above_noise", ratio=ratio)
 
 
-def _misfit(solution, Dc):
+def _misfit(solution, name, D):
     """A warning if residuals are larger after steps, or last about as long as a transient."""
     record, noise, residual = solution.problem.record, solution.noise, solution.residual
     white = noise.whiten(record.t, residual)[0][:, 0]
     loading = record.loading
-    durations = Dc / np.maximum(loading.V[1:], 1e-3 * loading.V.max())
+    durations = D / np.maximum(loading.V[1:], 1e-3 * loading.V.max())
     after = np.zeros(record.t.size, bool)
     for t, duration in zip(loading.t[1:], durations, strict=True):
         after |= (record.t >= t) & (record.t < t + AFTER * duration)
@@ -120,7 +131,9 @@ def _misfit(solution, Dc):
     colored = float(np.mean(residual**2)) / (np.var(np.diff(residual)) / 2.0)
     duration = float(durations.min())
     if noise.red and colored > COLORED and noise.time > LONG * duration:
-        yield SENTENCES("residuals.correlated", red=noise.red, time=noise.time, duration=duration)
+        yield SENTENCES(
+            "residuals.correlated", red=noise.red, time=noise.time, name=name, duration=duration
+        )
 
 
 def _normal_stress(problem, data):
@@ -143,7 +156,7 @@ def _later_or_earlier(solution):
     problem, names = solution.problem, solution.unknowns.names
     if "lag" in names:
         return
-    forward = Forward(problem.record, problem.slider, problem.law, (*names, "lag"))
+    forward = Forward(problem.record, problem.slider, (*names, "lag"))
     step = forward.steps["lag"]
     points = np.array([np.append(solution.point, lag) for lag in (step, -step)])
     above, below = forward.friction(points)
@@ -162,7 +175,7 @@ def _inert(solution):
     at = problem.forward.values(solution.point[None])
     unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / problem.record.loading.V.max() ** 2
     massive = slider.replace(M=LIGHT * unit)
-    heavy = Forward(problem.record, massive, problem.law, solution.unknowns.names)
+    heavy = Forward(problem.record, massive, solution.unknowns.names)
     friction = heavy.friction(solution.point[None])[0]
     by_eta = np.nan_to_num((friction - solution.fitted_friction) / LIGHT)
     gain, (eta,) = gain_of(solution, by_eta[:, None])

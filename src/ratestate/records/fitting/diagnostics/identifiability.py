@@ -6,7 +6,8 @@ import numpy as np
 
 from ....model.quantities import readable
 from ....model.sentences import Sentences
-from ..unknowns import OF_SLIDER, PARAMETERS, START
+from ..table import rate_dependence_text
+from ..unknowns import parameter, starts_of
 from .tradeoffs import correlated_groups, percent, tradeoff_text
 
 #: standard error of a logarithm above which a parameter counts as hardly determined
@@ -22,12 +23,13 @@ def identifiability(inference):
     determined = [text for text, warning in each if not warning]
     undetermined = [text for text, warning in each if warning]
     sentences = [_determined_or_not(inference, determined, undetermined)]
-    for text, loose in _tradeoffs(inference.estimates):
+    for text, loose in _tradeoffs(inference):
         if loose:
             warnings.append(SENTENCES("warning.tradeoff", tradeoff=text))
         sentences.append(SENTENCES(f"note.{'loose' if loose else 'tight'}", tradeoff=text))
     sentences += _edges(inference)
-    if START[0] in inference.solution.unknowns.names:
+    solution = inference.solution
+    if starts_of(solution.problem.law)[0] in solution.unknowns.names:
         sentences.append(SENTENCES("note.start"))
     return " ".join(sentences), warnings
 
@@ -40,9 +42,9 @@ def _determination(inference, quantity):
     bounds = bounds_of(inference, quantity)
     if None in bounds:
         return _one_sided(name, bounds)
-    if name not in OF_SLIDER:
+    if parameter(name).group != "slider":
         return f"{name} to {readable(name, estimate.error, 2)}", ""
-    error, is_log = _relative_error(name, estimate), PARAMETERS[name].is_log
+    error, is_log = _relative_error(name, estimate), parameter(name).is_log
     size = percent(error) if is_log else f"{error:.2g} times its value"
     if is_log and np.isinf(estimate.interval[-1, 1]):
         return name, SENTENCES("warning.unconstrained", name=name, size=size)
@@ -61,14 +63,16 @@ def _determined_or_not(inference, determined, undetermined):
     return SENTENCES(f"note.{which}", law=law, **lists)
 
 
-def _tradeoffs(estimates):
+def _tradeoffs(inference):
     """`tradeoff_text` of parameters whose error is about that from the covariance."""
-    names = []
-    for name in (name for name in OF_SLIDER if name in estimates.names):
+    estimates, names = inference.estimates, []
+    free = [quantity.name for quantity in inference.quantities if quantity.is_coordinate]
+    for name in (name for name in free if parameter(name).group == "slider"):
         estimate = estimates.of(name)
         if 0.5 < _relative_error(name, estimate) / estimate.relative_error < 2.0:
             names.append(name)
-    return [tradeoff_text(estimates, group) for group in correlated_groups(estimates, names)]
+    rate = rate_dependence_text([inference.solution.problem.law])
+    return [tradeoff_text(estimates, group, rate) for group in correlated_groups(estimates, names)]
 
 
 def bounds_of(inference, quantity):
@@ -88,7 +92,7 @@ def _relative_error(name, estimate):
         return estimate.relative_error
     low, high = estimate.interval[-1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        is_log = PARAMETERS[name].is_log
+        is_log = parameter(name).is_log
         width = np.log(high / low) if is_log else (high - low) / abs(estimate.value)
     return float(width / 3.92)
 
@@ -99,7 +103,7 @@ def _one_sided(name, bounds):
     if low is None and high is None:
         return name, SENTENCES("warning.undetermined", name=name)
     bound = f"> {readable(name, low, 3)}" if high is None else f"< {readable(name, high, 3)}"
-    is_irrelevant = PARAMETERS[name].irrelevant == (1 if high is None else -1)
+    is_irrelevant = parameter(name).irrelevant == (1 if high is None else -1)
     why = SENTENCES(f"why.{name}") if is_irrelevant else ""
     return f"{name} ({bound})", SENTENCES("warning.one_sided", name=name, bound=bound, why=why)
 

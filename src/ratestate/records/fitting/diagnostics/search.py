@@ -6,7 +6,7 @@ import numpy as np
 
 from ....model.quantities import readable
 from ....model.sentences import Sentences
-from ..unknowns import START, to_value
+from ..unknowns import NEAR, parameter, to_value
 from .identifiability import bounds_of
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
@@ -27,11 +27,17 @@ def search_warnings(inference):
     is_open = [q.name for q in coordinates if None in bounds_of(inference, q)]
     sides = solution.unknowns.sides(solution.point)
     for point, (name, side) in zip(solution.point, sides.items(), strict=True):
-        if side and name in START:
-            yield SENTENCES(f"start.{name}", ratio=np.exp(point), side=SIDES[side])
-        elif side and name not in is_open:
+        if side and parameter(name).group == "start":
+            which = "speed" if name == "V_start" else "state"
+            yield SENTENCES(f"start.{which}", name=name, ratio=np.exp(point), side=SIDES[side])
+        elif side and name not in is_open and not _above_zero(inference, name, point):
             shown = readable(name, to_value(name, point), 3)
             yield SENTENCES("search.at_bound", name=name, value=shown, side=SIDES[side])
+
+
+def _above_zero(inference, name, point):
+    """Whether what cannot be negative is near to 0, but not for being held there."""
+    return parameter(name).least == 0.0 and point > NEAR * inference.estimates.of(name).error
 
 
 def _posterior_warnings(posterior, quantities):

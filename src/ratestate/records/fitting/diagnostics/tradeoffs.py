@@ -19,10 +19,10 @@ def correlated_groups(estimates, names):
     return sorted(group for group in groups if len(group) > 1)
 
 
-def tradeoff_text(estimates, which):
+def tradeoff_text(estimates, which, rate="a - b"):
     """A text on the best-constrained combination of a group, and whether another is loose (bool).
 
-    Combinations are the axes of the covariance of the logarithms.
+    Combinations are the axes of the covariance of the logarithms.  `rate` is what "a_minus_b" is.
     """
     group = [estimates.of(name) for name in which]
     errors = np.array([one.relative_error for one in group])
@@ -34,7 +34,7 @@ def tradeoff_text(estimates, which):
     best_text = f"{product(which, axes[:, 0])} to {percent(best)}"
     if "a" in which and "b" in which:
         difference = estimates.of("a_minus_b")
-        best_text += f", and a - b = {with_error(difference.value, difference.error)}"
+        best_text += f", and {rate} = {with_error(difference.value, difference.error)}"
     if worst < LOOSE:
         return best_text, False
     pairs = correlation[np.triu_indices(len(which), 1)]

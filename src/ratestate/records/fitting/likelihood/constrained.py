@@ -4,7 +4,7 @@ import numpy as np
 
 from ..generalized_least_squares import SEARCH_EVALUATIONS
 from ..problem import search
-from ..unknowns import Unknowns
+from ..unknowns import Unknowns, parameter, to_coordinate
 
 
 class ConstrainedProblem:
@@ -13,12 +13,16 @@ class ConstrainedProblem:
     def __init__(self, problem, quantity, value):
         self.problem, self.quantity, self.value = problem, quantity, value
         names, low, high = problem.unknowns
+        name = names[quantity.eliminated]
+        #: where Newton's method for the eliminated coordinate starts; not every law allows 0
+        own = getattr(problem.slider, name) if parameter(name).group == "slider" else 0.0
+        self.start = to_coordinate(name, own)
         rest = self.rest = [i for i in range(len(names)) if i != quantity.eliminated]
         self.unknowns = Unknowns(tuple(names[i] for i in rest), low[rest], high[rest])
 
     def point(self, rest):
         """The point (k,) with these values (k - 1,) of the others; NaN if only a < 0 would do."""
-        point = np.insert(rest, self.quantity.eliminated, 0.0)
+        point = np.insert(rest, self.quantity.eliminated, self.start)
         return self.quantity.constrained(point, self.value)
 
     def residual(self, rest, noise):

@@ -16,7 +16,7 @@ from ....model.quantities import QUANTITIES
 from ....model.sentences import Sentences
 from ..estimates import LEVELS
 from ..refusals import refusal
-from ..unknowns import FREE, LINEAR, PARAMETERS
+from ..unknowns import LINEAR, parameter
 
 LIVE, SEED = 400, 20190101
 #: gain of ln(evidence) still possible when sampling ends; most evaluations
@@ -53,7 +53,7 @@ class Posterior(NamedTuple):
 
     def samples_of(self, quantity):
         """(KEPT,) samples of a `ReportedQuantity`, as its `value`."""
-        return np.array([quantity.value(point) for point in self.points])
+        return quantity.values(self.points)
 
     def interval(self, quantity):
         """(levels, sides) quantiles of `samples_of`."""
@@ -93,7 +93,7 @@ def _prior_ends(name, estimate, lower, upper):
 
     On an open side the estimate means nothing: a logarithm's prior then reaches from the other end.
     """
-    is_log = PARAMETERS[name].is_log
+    is_log = parameter(name).is_log
     far = FARTHEST if is_log else math.inf
     below, above = REACH * (estimate - lower), REACH * (upper - estimate)
     if is_log and math.isinf(above) and math.isfinite(below):
@@ -107,10 +107,11 @@ def prior_text(prior):
     """A sentence that describes the prior."""
     sides = []
     for name, (low, high) in prior.items():
-        if PARAMETERS[name].is_log:
+        row = parameter(name)
+        if row.is_log:
             sides.append(SENTENCES("prior.log", name=name, low=math.exp(low), high=math.exp(high)))
         else:
-            unit = QUANTITIES[name].unit if name in FREE else "1"
+            unit = "1" if row.group == "start" else QUANTITIES[name].unit
             unit = "" if unit == "1" else f" {unit}"
             sides.append(SENTENCES("prior.plain", name=name, low=low, high=high, unit=unit))
     return SENTENCES("prior.all", sides=", ".join(sides), linear=" and ".join(LINEAR))

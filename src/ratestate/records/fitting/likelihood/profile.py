@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from ..estimates import ROOTS
-from ..unknowns import PARAMETERS
+from ..unknowns import parameter
 from .constrained import constrained_fit
 
 #: root of the deviance where a profile may end
@@ -102,7 +102,7 @@ class _Side:
         if quantity.is_coordinate:
             low, high = (float(end[quantity.eliminated]) for end in solution.unknowns[1:])
             self.limit = high if sign > 0 else low
-            if PARAMETERS[quantity.name].irrelevant == sign:
+            if parameter(quantity.name).irrelevant == sign:
                 far = self.values[0] + sign * FARTHEST
                 self.limit = sign * min(sign * self.limit, sign * far)
             if np.isfinite(high - low):
@@ -139,7 +139,7 @@ class _Side:
         """Whether another coordinate is at a bound: then the search ends, not the motion."""
         sides = self.solution.unknowns.sides(point)
         own = self.quantity.names[self.quantity.eliminated]
-        return any(s and n != own and PARAMETERS[n].irrelevant != s for n, s in sides.items())
+        return any(s and n != own and parameter(n).irrelevant != s for n, s in sides.items())
 
     def _starts(self, value, moved):
         """Points to start from: ahead of the last point, and the nearest other fit."""

@@ -63,15 +63,16 @@ def infer(solution, noise, errors):
     return Inference(solution, quantities, estimates, profiles, None, still_improving)
 
 
-def with_posteriors(inferences, laws):
+def with_posteriors(inferences):
     """Each `Inference` with its posterior (list), under one prior; ParameterError without dynesty.
 
     Its intervals are those of the posterior only if that is reliable.
     """
     prior = common_prior(inferences)
     completed = []
-    for inference, law in zip(inferences, laws, strict=True):
-        posterior = sample_posterior(inference.solution, prior, f"posterior of the {law} law")
+    for inference in inferences:
+        label = f"posterior of the {inference.solution.problem.law.name} law"
+        posterior = sample_posterior(inference.solution, prior, label)
         estimates = inference.estimates
         if posterior.reliable:
             ends = {q.name: q.si(posterior.interval(q)) for q in inference.quantities}
