@@ -197,14 +197,14 @@ def test_profiles_and_posteriors_have_a_row_of_their_own(both, looks_as_before):
     x, y = drawn[0].lines[0].get_data()  # no profile: the Gaussian of the logarithm
     part = results_by_law(both)["slip"]
     spread = float(part.standard_error.sel(parameter="a") / part.a)
-    np.testing.assert_allclose(y, np.exp(-0.5 * (np.log(x / float(part.a)) / spread) ** 2))
+    np.testing.assert_allclose(y, np.exp(-0.5 * (np.log(1e-3 * x / float(part.a)) / spread) ** 2))
     sampled = more.assign(posterior=(("law", "sample", "parameter"), samples))
     assert non_gaussian(sampled) == ["a", "b", "Dc", "K"]
     ax = Figure().subplots()
     likelihood(sampled, "a", ax)
     heights, edges, _ = ax.patches[0].get_data()
     assert heights.max() == 1.0
-    assert edges[[0, -1]] == pytest.approx([1 - 0.029, 1 + 0.029], abs=0.006)
+    assert 1e-3 * edges[[0, -1]] == pytest.approx([1 - 0.029, 1 + 0.029], abs=0.006)
 
 
 def test_the_page_of_cycles(both, looks_as_before):

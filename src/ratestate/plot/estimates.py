@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..model.quantities import QUANTITIES, short
+from ..model.quantities import short
 from ..records.fitting.by_law import results_by_law, value_of
 from ..records.fitting.table import (
     NONE,
@@ -13,11 +13,9 @@ from ..records.fitting.table import (
     stiffness_ratio_text,
 )
 from ..records.fitting.unknowns import TRENDS
-from .labels import LAWS, in_unit, label, prefixed
+from .labels import LAWS, in_unit, label, scaled
 from .layout import text_width
 
-#: pure numbers that are given in thousandths if they are smaller
-SMALL = 0.1
 #: d mu_ss/d ln V, where it is more than a - b
 RATE_DEPENDENCE = r"$d\mu_{ss}/d\ln V$"
 #: height of a row [inches], size of letters [points], width that the panels' margins take [inches]
@@ -76,9 +74,7 @@ def _column(laws, symbol):
     """Heading with the unit, and value with error under each law."""
     has = {law: part for law, part in laws.items() if symbol in part["parameter"].values}
     largest = max(abs(value_of(part, symbol)) for part in has.values())
-    factor, unit = prefixed(QUANTITIES[symbol].unit, largest)
-    if QUANTITIES[symbol].unit == "1" and largest < SMALL:
-        factor, unit = 1e3, r"$10^{-3}$"
+    factor, unit = scaled(symbol, largest)
     cells = [
         (formatted_estimate(part, symbol, factor) if law in has else NONE).value
         for law, part in laws.items()

@@ -48,6 +48,8 @@ LAWS = _Looks()
 
 #: power of ten -> prefix
 PREFIXES = quantities.PREFIXES | {-6: "\N{GREEK SMALL LETTER MU}"}
+#: pure numbers below this are given in thousandths
+SMALL = 0.1
 #: symbol -> how a label writes it, where it is more than one letter
 LETTERS = {
     "Dc": "D_c",
@@ -103,6 +105,17 @@ def prefixed(unit, value):
     power = quantities.power_of(unit, value)
     text = quantities.prefixed_unit(unit, power, PREFIXES).replace("^2", "$^2$")
     return 10.0**-power, "" if unit == "1" else text
+
+
+def scaled(symbol, largest):
+    """What values of a quantity, up to this one [SI], are multiplied by, and the unit with that.
+
+    As `prefixed`; small pure numbers, such as a and b, are in thousandths.
+    """
+    unit = QUANTITIES[symbol].unit
+    if unit == "1" and abs(largest) < SMALL:
+        return 1e3, "$10^{-3}$"
+    return prefixed(unit, largest)
 
 
 def label(symbol):

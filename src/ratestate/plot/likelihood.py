@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
 from ..records.fitting.table import estimated
 from ..records.fitting.unknowns import SUMS, parameter
-from .labels import GRAY, LAWS, in_unit, label, prefixed
+from .labels import GRAY, LAWS, in_unit, label, scaled
 
 #: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)
 END_95 = 0.1465
@@ -43,7 +42,7 @@ def likelihood(result, symbol, ax):
     """Draw a parameter's likelihood as a line (profile, or else Gaussian), a posterior filled."""
     laws = _those_with(results_by_law(result), symbol)
     largest = max(abs(float(part[symbol])) for part in laws.values())
-    factor, unit = prefixed(QUANTITIES[symbol].unit, largest)
+    factor, unit = scaled(symbol, largest)
     for law, part in laws.items():
         color = LAWS[law].color
         if (samples := _samples(part, symbol)) is not None:

@@ -44,3 +44,20 @@ def test_sepiolite_from_0_2_to_2_um_s():
     # undulations over tens of seconds are noise, not signal: errors know of them
     assert float(result.noise_time) > 20.0
     assert float(result.standard_error.sel(parameter="a_minus_b")) > 2e-4
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_sepiolite_has_two_distances():
+    """AIC prefers a second state, over ten times the distance; both strengthen."""
+    record = read("velstep3_TR2_exp013_sepiolite.txt")
+    own = {"law": "two-state-slip", "b2": 0.002, "Dc2": "100 um"}
+    slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="30 MPa", K="40 GPa/m", **own)
+    free = (*FREE, "b2", "Dc2")
+    both = rs.fit(record, slider, free, law=("slip", "two-state-slip"), errors="covariance")
+    assert 15.0 < float(both.aic_difference.sel(law="slip")) < 35.0
+    two = both.sel(law="two-state-slip")
+    assert -0.010 < float(two.b) < -0.004
+    assert -0.011 < float(two.b2) < -0.005
+    assert 12e-6 < float(two.Dc) < 40e-6
+    assert 15e-5 < float(two.Dc2) < 65e-5
+    assert float(two.a_minus_b) == pytest.approx(0.024, abs=0.003)

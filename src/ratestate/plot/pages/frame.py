@@ -9,6 +9,8 @@ from ..labels import LAWS, label
 from ..layout import ABOVE, figure, letters
 from ..likelihood import likelihood, non_gaussian
 
+#: laws that the title names; the legend names more
+NAMED = 2
 #: heights [inches]: of a likelihood, of axes' labels, of the title and the space under the table
 LIKELIHOOD, LABELS, TITLE = 1.3, 1.0, 0.45
 
@@ -22,9 +24,10 @@ def framed(result, laws, height):
     heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
     symbols = " ".join(s for s in "sigma M a b Dc K V0".split() if s not in result)
     source = attributes.text(result, "source", "")
+    which = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"
     title = (
         f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "
-        f"under the {law_names(laws)}"
+        f"under {which}"
     )
     fig = figure(result, sum(heights) + TITLE, symbols, title=title)
     return fig, list(fig.subfigures(len(heights), 1, height_ratios=heights))

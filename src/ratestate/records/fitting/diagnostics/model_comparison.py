@@ -58,7 +58,8 @@ def _by_likelihood(aic, weight, laws):
     ranked = _ranked(aic, laws)
     half = 0.5 * ranked["difference"]
     which = "undecided" if half < UNDECIDED else "clearly" if half > CLEAR else "somewhat"
-    weights = " and ".join(f"{_share(w)} ({law})" for law, w in zip(laws, weight, strict=True))
+    *others, last = (f"{_share(w)} ({law})" for law, w in zip(laws, weight, strict=True))
+    weights = f"{', '.join(others)} and {last}"
     return SENTENCES(f"likelihood.{which}", **ranked, half=half, weights=weights)
 
 

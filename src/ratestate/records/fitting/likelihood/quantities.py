@@ -41,7 +41,7 @@ class ReportedQuantity(NamedTuple):
         return self.is_coordinate and parameter(self.name).is_log
 
     def values(self, points):
-        """(n,) the quantity at points (n, k): its coordinate, a logarithm if `is_log`; else in SI."""
+        """(n,) the quantity at points (n, k): its coordinate, with logarithms; else in SI."""
         if self.function is None:
             return points[:, self.eliminated]
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):

@@ -1,0 +1,315 @@
+"""Fits under any law: parameters of the law's own, several states, a user's law, laws compared."""
+
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from synthetic_records import SLIDER, record
+
+import ratestate as rs
+from ratestate.friction.law import FrictionLaw, Parameter
+from ratestate.model.quantities import with_error
+from ratestate.records import fitting
+from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical
+from ratestate.records.fitting.forward import Forward
+from ratestate.records.fitting.generalized_least_squares import least_squares_fit
+from ratestate.records.fitting.likelihood.quantities import reported_quantities
+from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.unknowns import checked_free, of_slider, parameter, unknowns_of
+
+STEP = rs.Loading.steps("1 um/s", (60.0, "10 um/s"))
+T = np.concatenate([np.linspace(0.0, 59.0, 60), np.linspace(60.1, 160.0, 600)])
+COMMON = {s: getattr(SLIDER, s) for s in ("a", "b", "Dc", "sigma", "K", "V0")}
+TWO = rs.SpringSlider(**COMMON | {"b": 0.008}, law="two-state-slip", b2=0.004, Dc2=1.2e-4)
+NAGATA = rs.SpringSlider(**COMMON, law="nagata", c=1.0)
+KATO = rs.SpringSlider(**COMMON, law="kato-tullis", V_cut=3e-8)
+FREE = ("a", "b", "Dc", "b2", "Dc2", "K")
+START = TWO.replace(a=0.006, b=0.005, Dc="20 um", b2=0.002, Dc2="80 um", K=4e10)
+
+
+class Stronger(FrictionLaw):
+    """The slip law, by a state that evolves e^shift as fast and is exp(shift) Dc/V if steady."""
+
+    name = "stronger"
+    parameters = MappingProxyType(
+        {
+            "h_n": Parameter("1", "shift of the steady state", example="0.5"),
+            "r_n": Parameter("1", "rate of the state", "> 0", example="1.0"),
+        }
+    )
+
+    def coefficients(self, V_ref, slider):
+        return slider.b / slider.a, slider.h_n + 0.0 * slider.a, slider.r_n + 0.0 * slider.a
+
+    def rates(self, v, w, psi, e, p):
+        return (-p[2] * w * (v + psi[0] - p[1]),)
+
+    def rate_partials(self, v, w, psi, e, p):
+        return (-p[2] * w * (v + psi[0] - p[1] + 1.0),), (-p[2] * w,)
+
+
+def by_scipy(slider, t):
+    """tau/sigma of a massless slider with two states at times t, from ln V and ln(V theta/D)."""
+    rate = {"two-state-slip": lambda y: -y, "two-state-aging": lambda y: np.exp(-y) - 1.0}
+    D, b = np.array([slider.Dc, slider.Dc2]), np.array([slider.b, slider.b2])
+    k = slider.K / slider.sigma
+
+    def rhs(_, y, V_lp):
+        V = np.exp(y[0])
+        by_state = V / D * rate[slider.law](y[1:])  # d ln(theta)/dt
+        dv = (k * (V_lp - V) - b @ by_state) / slider.a
+        return [dv, *(by_state + dv)]
+
+    settings = {"method": "LSODA", "rtol": 1e-11, "atol": 1e-12, "dense_output": True}
+    y = solve_ivp(rhs, (60.0, t[-1]), [np.log(1e-6), 0.0, 0.0], args=(1e-5,), **settings).sol(
+        np.maximum(t, 60.0)
+    )
+    v = y[0] - np.log(slider.V0)
+    return slider.mu0 + slider.a * v + b @ (y[1:] - v)
+
+
+@pytest.fixture(scope="module")
+def noisy():
+    return record(TWO, STEP, T, noise=1e-4, seed=3)
+
+
+@pytest.fixture(scope="module")
+def compared(noisy):
+    with pytest.warns(rs.FitWarning, match=r"^slip law: "):
+        return rs.fit(noisy, START, FREE, law=("slip", "two-state-slip"))
+
+
+@pytest.mark.parametrize("law", ["two-state-slip", "two-state-aging"])
+def test_two_states_are_found_in_what_scipy_computes(law):
+    """No noise: to the tolerance of the march; the start is far off, and has b2 of another sign."""
+    truth = TWO.replace(law=law, b2=-0.003)
+    delta_lp = 1e-6 * np.minimum(T, 60.0) + 1e-5 * np.maximum(T - 60.0, 0.0)
+    columns = {"friction": ("time", by_scipy(truth, T)), "delta_lp": ("time", delta_lp)}
+    data = rs.simulate(truth, STEP, T[-1], times=T)[["delta_lp"]].assign(columns)
+    result = rs.fit(data, START.replace(law=law), FREE)
+    for name in FREE:
+        assert float(result[name]) == pytest.approx(getattr(truth, name), rel=1e-4), name
+    assert float(result.a_minus_b) == pytest.approx(0.01 - 0.008 + 0.003, rel=1e-4)
+    assert float(result.rms) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("truth", "name", "off"), [(NAGATA, "c", 3.0), (NAGATA, "c", 0.0), (KATO, "V_cut", 10.0)]
+)
+def test_a_law_s_own_parameter_is_found(truth, name, off):
+    """In a hold, too, where the state heals; from a wrong start, or from its bound 0."""
+    loading = rs.Loading.steps("1 um/s", (40.0, 0.0), (340.0, "1 um/s"), (400.0, "10 um/s"))
+    t = np.concatenate([np.linspace(0.0, 339.0, 200), np.linspace(340.5, 440.0, 500)])
+    data = record(truth, loading, t, noise=2e-5, seed=1)
+    start = truth.replace(a=0.006, Dc="20 um", **{name: off * getattr(truth, name)})
+    free = ("a", "b", "Dc", "K", name)
+    result = rs.fit(data, start, free)
+    for symbol in free:
+        error, value = float(result.standard_error.sel(parameter=symbol)), getattr(truth, symbol)
+        assert abs(float(result[symbol]) - value) < 3.5 * error < 0.6 * value, symbol
+
+
+def test_a_user_s_law_is_fitted():
+    """Its steady state is found numerically, and its parameter moves as its unit and bound say."""
+    own = rs.SpringSlider(**COMMON, law=Stronger, h_n=0.7, r_n=2.0)
+    data = record(own, STEP, T, noise=1e-4, seed=2)
+    result = rs.fit(data, own.replace(a=0.006, r_n=0.5), ("a", "b", "r_n", "K"), law=Stronger)
+    for name in ("a", "b", "r_n", "K"):
+        error = float(result.standard_error.sel(parameter=name))
+        assert abs(float(result[name]) - getattr(own, name)) < 3.5 * error, name
+        assert error < 0.1 * getattr(own, name), name
+    # mu0 is not that of steady sliding at V0, which the shift raises by b h_n
+    assert float(result.mu0) == pytest.approx(0.6, abs=2e-4)
+    assert float(result.friction_fit[0]) == pytest.approx(0.6 + 0.014 * 0.7, abs=2e-4)
+    found = fitting.slider_of(result)
+    assert (found.law, found.h_n, found.r_n) == (own.law, 0.7, float(result.r_n))
+
+
+def test_parameters_move_as_their_unit_and_bound_say():
+    assert parameter("Dc2") == parameter("Dc")
+    assert parameter("b2") == parameter("b")
+    assert (parameter("V_cut").is_log, parameter("V_cut").least) == (True, -np.inf)
+    assert (parameter("c").is_log, parameter("c").least) == (False, 0.0)
+    assert parameter("theta2_start").group == "start"
+    with pytest.raises(KeyError, match="nothing"):
+        parameter("nothing")
+
+
+def test_how_far_a_law_s_own_parameters_may_move(noisy):
+    """Dc2 as Dc; b2 as b, and farther if it starts so; c by its value; V_cut by the slowest V."""
+
+    def ends(slider, name):
+        data = record_of(noisy, slider, loading=None, trend=None, against="time")
+        _, low, high = unknowns_of(data, slider, (name,), start=False)
+        return np.array([low[0], high[0]])
+
+    np.testing.assert_array_equal(ends(TWO, "Dc2"), ends(TWO, "Dc"))
+    np.testing.assert_array_equal(ends(TWO, "b2"), ends(TWO, "b"))
+    np.testing.assert_allclose(ends(TWO.replace(b2=-0.5), "b2"), [-50.0, 50.0])
+    np.testing.assert_allclose(ends(NAGATA, "c"), [0.0, 1e3])
+    np.testing.assert_allclose(ends(NAGATA.replace(c=0.0), "c"), [0.0, 1e3])
+    np.testing.assert_allclose(ends(NAGATA.replace(c=4.0), "c"), [0.0, 4e3])
+    np.testing.assert_allclose(ends(KATO, "V_cut"), np.log([1e-12, 1.0]), rtol=1e-4)
+
+
+@pytest.mark.parametrize("slider", [TWO, NAGATA, KATO], ids=lambda slider: slider.law)
+@pytest.mark.parametrize(("kind", "M"), [("friction", 0.0), ("friction", 2e11), ("mu", 2e11)])
+def test_friction_is_that_of_simulate(slider, kind, M, noisy):
+    """From steady sliding of a slider with mass, or without it from some velocity and states."""
+    slider = slider.replace(M=M)
+    data = record_of(noisy.rename(friction=kind), slider, loading=STEP, trend=None, against="time")
+    names = ("V_start", *(f"{state}_start" for state in slider.friction.states))
+    ratios = (0.5, 0.3, -0.4)[: len(names)] if M == 0.0 else (0.0,) * len(names)
+    steady = rs.simulate(slider, STEP, 1.0, times=[0.0]).isel(time=0)
+    begin = {
+        symbol.removesuffix("_start"): float(steady[symbol.removesuffix("_start")]) * np.exp(ratio)
+        for symbol, ratio in zip(names, ratios, strict=True)
+    }
+    initial = None if M else begin
+    run = rs.simulate(slider, STEP, T[-1], times=T, rtol=1e-10, initial=initial)
+    expected = run.mu if kind == "mu" else run.tau / slider.sigma
+    point = np.array([[*ratios, float(steady.mu)]])
+    found = Forward(data, slider, (*names, "level")).friction(point)[0]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=2e-8)
+    assert abs(float(expected[0]) - float(steady.mu)) > (1e-3 if M == 0.0 else -1.0)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_a_start_out_of_steady_sliding_has_each_state():
+    loading = rs.Loading.steps("4 um/s", (10.0, "1 um/s"), (90.0, "10 um/s"))
+    t = np.concatenate([np.linspace(0.0, 89.0, 300), np.linspace(90.1, 190.0, 600)])
+    late = record(TWO, loading, t, noise=3e-5).sel(time=slice(11.0, None))
+    found = rs.fit(late, START, FREE)
+    run = rs.simulate(TWO, loading, 12.0, times=[float(late.time[0])])
+    for name in ("V", "theta", "theta2"):
+        assert float(found[f"{name}_start"]) == pytest.approx(float(run[name][0]), rel=0.1), name
+        assert found[f"{name}_start"].attrs["units"] == ("m/s" if name == "V" else "s")
+    for name in FREE:
+        error = float(found.standard_error.sel(parameter=name))
+        assert abs(float(found[name]) - getattr(TWO, name)) < 4.0 * error, name
+
+
+def test_states_keep_the_order_of_their_distances(noisy):
+    """Which of two like states is the first is the slider's choice: its distances say."""
+    other = START.replace(b=0.002, Dc="80 um", b2=0.005, Dc2="20 um")
+    one, two = (rs.fit(noisy, start, FREE, errors="covariance") for start in (START, other))
+    assert float(one.Dc) < float(one.Dc2)
+    for first, second in (("b", "b2"), ("Dc", "Dc2"), ("b2", "b"), ("Dc2", "Dc"), ("K", "K")):
+        assert float(two[first]) == pytest.approx(float(one[second]), rel=1e-3), first
+
+
+def test_laws_compared_have_each_its_own_parameters(noisy, compared):
+    """The first has neither b2 nor Dc2; both are what each law alone gives."""
+    slip, two = (compared.sel(law=law) for law in ("slip", "two-state-slip"))
+    order = [*FREE[:5], "K", "mu0", "a_minus_b", "trend_slip"]
+    assert compared.parameter.values.tolist() == order
+    for name in ("b2", "Dc2"):
+        assert np.isnan(slip[name])
+        assert np.isnan(slip.standard_error.sel(parameter=name))
+        assert abs(float(two[name]) - getattr(TWO, name)) < 4.0 * float(
+            two.standard_error.sel(parameter=name)
+        )
+    alone = rs.fit(noisy, START.replace(law="two-state-slip"), FREE)
+    assert float(two.log_likelihood) == float(alone.log_likelihood)
+    counted = (compared.aic + 2.0 * compared.log_likelihood).values / 2.0
+    white = [2 if red > 0.0 else 0 for red in compared.noise_red.values]
+    # a, b, Dc, K, level, trend and the noise's one or three; and b2, Dc2
+    np.testing.assert_allclose(counted, [7 + white[0], 9 + white[1]])
+    assert float(compared.aic_difference.sel(law="slip")) > 100.0
+    assert "The two-state-slip law fits clearly better than the slip law" in compared.comparison
+
+
+def test_the_table_of_compared_laws_has_gaps(compared):
+    text = fitting.summary(compared)
+    rows = {line.split("  ")[0]: line for line in text.splitlines() if "  " in line}
+    two = results_by_law(compared)["two-state-slip"]
+    error = 1e6 * float(two.standard_error.sel(parameter="Dc2"))
+    assert rows["Dc2 [um]"].split()[2] == "-"
+    assert with_error(1e6 * float(two.Dc2), error) in rows["Dc2 [um]"]
+    assert "d mu_ss/d ln V" in rows
+    assert "Given: M = 0 kg/m^2, sigma = 20 MPa, V0 = 1 um/s." in text
+    held = rs.fit(record(TWO, STEP, T, noise=1e-4), TWO, ("a", "b"), errors="covariance")
+    given = "Given: Dc = 10 um, b2 = 0.004, Dc2 = 120 um, K = 64 GPa/m, M = 0 kg/m^2, "
+    assert given in fitting.summary(held)
+
+
+def test_each_law_s_slider(compared):
+    slip, two = (fitting.slider_of(compared, law) for law in ("slip", "two-state-slip"))
+    assert set(two.parameters) - set(slip.parameters) == {"b2", "Dc2"}
+    assert two.Dc2 == float(compared.Dc2.sel(law="two-state-slip"))
+    assert slip.law == "slip"
+
+
+def test_stiffness_over_critical_with_two_states(compared):
+    """Its error by sampling the Gaussian of the fit."""
+    part = results_by_law(compared)["two-state-slip"]
+    ratio, error = stiffness_over_critical(part)
+    slider = fitting.slider_of(compared, "two-state-slip")
+    assert ratio == pytest.approx(slider.K / slider.K_c_qs, rel=1e-10)
+    names, rng = list(FREE), np.random.default_rng(1)
+    correlation = part.correlation.sel(parameter=names, other=names).values
+    errors = part.standard_error.sel(parameter=names).values
+    drawn = rng.multivariate_normal(np.zeros(6), correlation, size=400) * errors
+    sampled = []
+    for row in drawn:
+        values = {name: getattr(slider, name) + x for name, x in zip(names, row, strict=True)}
+        moved = slider.replace(**values)
+        sampled.append(moved.K / moved.K_c_qs)
+    assert error == pytest.approx(np.std(sampled), rel=0.15)
+
+
+def test_reported_sums_have_their_gradient_and_can_be_constrained(noisy):
+    """The rate dependence a - b - b2 by b2 alone, mu0, of another V0; of V_cut its own formula."""
+    data = record_of(noisy, TWO, loading=None, trend="slip", against="time")
+    solution = least_squares_fit(data, TWO.replace(V0=1e-8), ("Dc", "b2"), None, "steady")
+    by_name = {quantity.name: quantity for quantity in reported_quantities(solution.problem)}
+    rate, mu0 = by_name["a_minus_b"], by_name["mu0"]
+    at = dict(zip(solution.unknowns.names, solution.point, strict=True))
+    expected = 0.01 - 0.008 - at["b2"]
+    assert rate.value(solution.point) == pytest.approx(expected, rel=1e-9)
+    height = np.log(data.loading.V[0] / 1e-8)
+    level = at["level"] - expected * height
+    assert mu0.value(solution.point) == pytest.approx(level, rel=1e-12)
+    index = solution.unknowns.names.index("b2")
+    assert rate.gradient(solution.point)[index] == pytest.approx(-1.0, rel=1e-9)
+    assert mu0.gradient(solution.point)[index] == pytest.approx(height, rel=1e-8)
+    moved = rate.constrained(solution.point, 0.001)
+    assert moved[index] == pytest.approx(0.001, rel=1e-9)
+    without = least_squares_fit(data, TWO, ("Dc", "K"), None, "steady")
+    assert "a_minus_b" not in [quantity.name for quantity in reported_quantities(without.problem)]
+
+
+REFUSED = {
+    "own": ((SLIDER, ("a", "b2")), {}, r"free has 'b2', which belongs to 'two-state-aging' and"),
+    "none": ((TWO, ("a", "b3")), {}, "free has 'b3', which is none of a, b, Dc, b2, Dc2, K, M"),
+    "lacks": (
+        (SLIDER, ("a",)),
+        {"law": ("slip", "two-state-slip")},
+        "law = 'two-state-slip' needs b2, Dc2, which the slider, of the law 'slip', does not have",
+    ),
+    "nothing": ((TWO, ("b2",)), {"law": ("slip", "two-state-slip")}, "'slip' only mu0 is free"),
+    "cycles": ((TWO, ("a",)), {"against": "cycles"}, r"law = 'two-state-slip': fit\(..., against="),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_a_law_does_not_have_is_refused(case, noisy):
+    arguments, options, message = REFUSED[case]
+    with pytest.raises(rs.ParameterError, match=message):
+        rs.fit(noisy, *arguments, **options)
+
+
+@pytest.mark.parametrize("name", ["level", "trend", "a_minus_b"])
+def test_a_law_with_a_name_of_the_fit_s_own_is_refused(name, noisy, monkeypatch):
+    own = {**TWO.friction.parameters, name: Parameter("1", "any")}
+    monkeypatch.setattr(type(TWO.friction), "parameters", own)
+    monkeypatch.setattr(rs.SpringSlider, name, 1.0, raising=False)
+    with pytest.raises(rs.ParameterError, match=f"has a parameter {name}, which fits have of"):
+        rs.fit(noisy, TWO, ("a",))
+
+
+def test_what_may_be_free_under_laws():
+    assert of_slider(TWO.friction) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
+    both = [SLIDER, TWO]
+    assert checked_free(["K", "b2", "a", "mu0"], both) == ("a", "b2", "K")
