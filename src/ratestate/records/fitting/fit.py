@@ -54,10 +54,12 @@ def fit(
         The parameters that are not free (sigma always), and the search's initial guess of the free
         ones; one case.
     free : sequence of str
-        Any of a, b, Dc, K, M and lag, the delay [s] of the load point's motion behind its record.
-        "mu0" may be among them, but every fit estimates it anyway.
-    law : str or a sequence of str, optional
-        Friction law; the slider's by default.  Several are fitted side by side.
+        Any of a, b, Dc, K, M, the parameters that the law has beside these, and lag, the delay [s]
+        of the load point's motion behind its record.  "mu0" may be among them, but every fit
+        estimates it anyway.
+    law : str, class or a sequence of these, optional
+        Friction law; the slider's by default.  Several are fitted side by side: each has those of
+        the slider's parameters, free or not, that belong to it, so the slider needs those of all.
     against : {"time", "displacement", "cycles"}
         Friction is compared at equal times, or at equal displacements of the load point (steps
         only), or, in a record of stick-slip or vibration, by the features of its cycles.
@@ -83,9 +85,11 @@ def fit(
     -------
     xarray.Dataset
         A scalar under the name of each free parameter [SI], ``mu0``, ``a_minus_b`` and
-        ``trend_slip`` [1/m] or ``trend_time`` [1/s]; ``V_start`` and ``theta_start`` if free.
-        Along ``parameter``: ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``)
-        [SI], ``interval_kind``, ``correlation`` (with ``other``; of the logarithms, but for b).
+        ``trend_slip`` [1/m] or ``trend_time`` [1/s]; if free, ``V_start``, ``theta_start`` and what
+        other states the law has.  ``a_minus_b`` is d mu_ss/d ln V at the record's first speed: a - b
+        in one state.  Along ``parameter``: ``standard_error`` and ``interval`` (``level`` 0.68 and
+        0.95, ``side``) [SI], ``interval_kind``, ``correlation`` (with ``other``; of the logarithms
+        of what is positive).
         An open interval ends at inf or 0.  Along ``time``:
         ``friction``, ``friction_fit``, ``residual``, ``fit_error``, ``band`` (95 % of samples lie
         in it).  ``noise_white``, ``noise_red``, ``noise_time``, ``rms``, ``chi2_white``,
@@ -102,7 +106,8 @@ def fit(
     ------
     ParameterError
         A record without steps, too short, constant or with values missing; a parameter that
-        cannot be free; a setting out of range.
+        cannot be free; a law that needs a parameter which the slider does not have; a setting out
+        of range.  Against cycles a law with more than one state or length.
 
     Warns
     -----
