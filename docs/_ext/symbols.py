@@ -35,6 +35,7 @@ def _of_laws(told):
     owners = {}
     for name, law in LAWS.items():
         owned = dict.fromkeys(law.parameters, "A parameter") | dict.fromkeys(law.states, "A state")
+        owned |= {f"{state}_start": "Fitted as `theta_start` is: a state" for state in law.states}
         for symbol, kind in owned.items():
             owners.setdefault(symbol, (kind, []))[1].append(f"`{name}`")
     return {

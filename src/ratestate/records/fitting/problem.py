@@ -46,8 +46,9 @@ class Problem:
         return np.nan_to_num(noise.whiten(self.record.t, columns)[0])
 
     def distances(self):
-        """Coordinates (list of int) of the distances over which states evolve, as long as in the
-        slider: the longer, the later.
+        """Coordinates (list of int) of the free distances over which states evolve.
+
+        In the order of the slider's values, the longest last.
         """
         free = [D for D in dict.fromkeys(self.law.states.values()) if D in self.unknowns.names]
         by_length = sorted(free, key=lambda D: getattr(self.slider, D))

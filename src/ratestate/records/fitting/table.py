@@ -147,7 +147,7 @@ def _row(laws: Laws, symbol: str) -> Row:
     return Row(
         short_name(symbol, laws),
         unit,
-        quantity.long_name.removesuffix(", a - b"),
+        quantity.long_name,
         tuple(
             formatted_estimate(part, symbol, 10.0**-power) if law in has else NONE
             for law, part in laws.items()

@@ -212,7 +212,7 @@ def checked_free(free, sliders):
 
 def _not_of_these(name, laws, listed):
     """The error for a name that none of these laws has: who has it, if any law does."""
-    owners = [law.name for law in LAWS.values() if name in law.parameters]
+    owners = [law.name for law in LAWS.values() if name in list(law.parameters)]
     if not owners:
         return refusal("free.unknown", name=name, allowed=listed)
     compared, having = (" and ".join(map(repr, x)) for x in ([law.name for law in laws], owners))
