@@ -194,3 +194,20 @@ def test_parameters_that_a_law_refuses(law, changes, said):
     with pytest.raises(rs.ParameterError) as error:
         slider(law, **changes)
     assert said in str(error.value)
+
+
+def test_steady_states_of_many_sliders_are_found_where_no_law_knows_them():
+    """Some converge sooner than others: exp(-psi) r = 1, so that psi = ln r."""
+
+    class Healing(FrictionLaw):
+        def coefficients(self, V_ref, slider):
+            return slider.b / slider.a, slider.r
+
+        def rates(self, v, w, psi, e, p):
+            return (p[1] * np.exp(-psi[0]) - w,)
+
+    r = np.array([0.5, 1.0, 2.0, 3.0, 900.0, 1e-8])
+    (psi,) = Healing().steady_variables((np.full(6, 1.2), r))
+    np.testing.assert_allclose(psi, np.log(r), atol=1e-12)
+    (one,) = Healing().steady_variables((1.2, np.array(2.0)))
+    assert one == pytest.approx(np.log(2.0), rel=1e-12)

@@ -172,3 +172,23 @@ def test_a_report_of_others_is_not_replaced(tmp_path):
     assert "is no report of ratestate fit" in done.stderr
     assert (tmp_path / "report.md").read_text() == "# Minutes of a meeting\n"
     assert not (tmp_path / "fit.nc").exists()
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_parameters_of_the_law_are_set_or_free(folder):
+    """Of two laws one has them; what is neither is asked for, what no law has is refused."""
+    path, _ = folder
+    both = (path / "step.txt", "--law", "slip,two-state-slip", *WINDOW, "--errors", "covariance")
+    done = call(*both, "--free", "a,b,Dc,K,b2", "--set", "Dc2=120 um", "--json")
+    answer = json.loads(done.stdout)
+    assert answer["attrs"]["slider"]["Dc2"] == 1.2e-4
+    assert answer["attrs"]["free"] == ["a", "b", "Dc", "b2", "K"]
+    slip, two = answer["data_vars"]["b2"]["data"]
+    assert slip is None
+    assert abs(two) < 2e-3  # the record has one state
+    lacking = call(*both, "--free", "a,b,Dc,K,b2")
+    assert "Dc2 is neither free nor given; add --set Dc2=VALUE, or name it" in lacking.stderr
+    foreign = call(*both, "--set", "c=1")
+    assert "law = 'two-state-slip' has no parameter c, which belongs to 'nagata'" in foreign.stderr
+    unnamed = call(*both, "--set", "120 um")
+    assert "'120 um' has no NAME=..." in " ".join(unnamed.stderr.split())

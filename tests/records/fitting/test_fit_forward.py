@@ -201,6 +201,13 @@ def test_correlation_counts_where_it_explains_more_than_two_numbers_would(seed, 
     assert (4.0 < rise < 6.0) if counts else (1.5 < rise < 2.9)
 
 
+def test_noise_is_that_without_what_the_record_does_not_see():
+    rng, t = np.random.default_rng(4), np.arange(200.0)
+    y, X = 1e-4 * rng.normal(size=200), np.stack([np.ones(200), t], axis=1)
+    unseen = np.column_stack([X, np.zeros(200)])
+    assert estimated_noise(t, y, unseen) == estimated_noise(t, y, X)
+
+
 def test_white_noise_is_called_white():
     rng = np.random.default_rng(3)
     t = times(500, rng)

@@ -1,6 +1,6 @@
 """Fits under any law: parameters of the law's own, several states, a user's law, laws compared."""
 
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,10 +11,12 @@ import ratestate as rs
 from ratestate.friction.law import FrictionLaw, Parameter
 from ratestate.model.quantities import with_error
 from ratestate.records import fitting
+from ratestate.records.fitting import generalized_least_squares
 from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical
 from ratestate.records.fitting.forward import Forward
 from ratestate.records.fitting.generalized_least_squares import least_squares_fit
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
+from ratestate.records.fitting.problem import Problem, starting_points
 from ratestate.records.fitting.record import record_of
 from ratestate.records.fitting.unknowns import checked_free, of_slider, parameter, unknowns_of
 
@@ -24,6 +26,7 @@ COMMON = {s: getattr(SLIDER, s) for s in ("a", "b", "Dc", "sigma", "K", "V0")}
 TWO = rs.SpringSlider(**COMMON | {"b": 0.008}, law="two-state-slip", b2=0.004, Dc2=1.2e-4)
 NAGATA = rs.SpringSlider(**COMMON, law="nagata", c=1.0)
 KATO = rs.SpringSlider(**COMMON, law="kato-tullis", V_cut=3e-8)
+FAST = KATO.replace(V_cut=1e-6)  # whose steady state is not that of other laws
 FREE = ("a", "b", "Dc", "b2", "Dc2", "K")
 START = TWO.replace(a=0.006, b=0.005, Dc="20 um", b2=0.002, Dc2="80 um", K=4e10)
 
@@ -153,7 +156,7 @@ def test_how_far_a_law_s_own_parameters_may_move(noisy):
     np.testing.assert_allclose(ends(KATO, "V_cut"), np.log([1e-12, 1.0]), rtol=1e-4)
 
 
-@pytest.mark.parametrize("slider", [TWO, NAGATA, KATO], ids=lambda slider: slider.law)
+@pytest.mark.parametrize("slider", [TWO, NAGATA, FAST], ids=lambda slider: slider.law)
 @pytest.mark.parametrize(("kind", "M"), [("friction", 0.0), ("friction", 2e11), ("mu", 2e11)])
 def test_friction_is_that_of_simulate(slider, kind, M, noisy):
     """From steady sliding of a slider with mass, or without it from some velocity and states."""
@@ -197,6 +200,39 @@ def test_states_keep_the_order_of_their_distances(noisy):
     assert float(one.Dc) < float(one.Dc2)
     for first, second in (("b", "b2"), ("Dc", "Dc2"), ("b2", "b"), ("Dc2", "Dc"), ("K", "K")):
         assert float(two[first]) == pytest.approx(float(one[second]), rel=1e-3), first
+
+
+def problem_of(data, slider):
+    checked = record_of(data, slider, loading=None, trend=None, against="time")
+    return Problem(checked, slider, unknowns_of(checked, slider, FREE, start=False))
+
+
+def test_searches_start_in_that_order(noisy):
+    for slider, sign in ((START, 1.0), (START.replace(Dc="80 um", Dc2="20 um"), -1.0)):
+        problem = problem_of(noisy, slider)
+        points = starting_points(problem, 12)
+        at = [problem.unknowns.names.index(name) for name in ("Dc", "Dc2")]
+        assert len(points) == 12
+        assert (sign * np.diff(points[:, at]) >= 0.0).all()
+
+
+@pytest.mark.parametrize(("cost", "taken"), [(1.0009, 1), (1.002, 0)])
+def test_of_equal_minima_that_in_order_is_taken(noisy, monkeypatch, cost, taken):
+    """The first search ends with the distances the other way round, all others do not."""
+    problem = problem_of(noisy, START)
+    points = starting_points(problem, 2)
+    at = [problem.unknowns.names.index(name) for name in ("Dc", "Dc2")]
+    crossed = points[0].copy()
+    crossed[at] = points[0][at[::-1]]
+    ends = iter([(1.0, crossed)] + 20 * [(cost, points[1])])
+
+    def search(*_):
+        end = next(ends)
+        return SimpleNamespace(cost=end[0], x=end[1])
+
+    monkeypatch.setattr(generalized_least_squares, "search", search)
+    found = generalized_least_squares._best_start(problem)
+    np.testing.assert_array_equal(found, (crossed, points[1])[taken])
 
 
 def test_laws_compared_have_each_its_own_parameters(noisy, compared):

@@ -86,10 +86,10 @@ def fit(
     xarray.Dataset
         A scalar under the name of each free parameter [SI], ``mu0``, ``a_minus_b`` and
         ``trend_slip`` [1/m] or ``trend_time`` [1/s]; if free, ``V_start``, ``theta_start`` and what
-        other states the law has.  ``a_minus_b`` is d mu_ss/d ln V at the record's first speed: a - b,
-        unless the law has more states or steady states of its own.  Along ``parameter``: ``standard_error`` and ``interval`` (``level`` 0.68 and
-        0.95, ``side``) [SI], ``interval_kind``, ``correlation`` (with ``other``; of the logarithms
-        of what is positive).
+        other states the law has.  ``a_minus_b`` is d mu_ss/d ln V at the record's first speed:
+        a - b, unless the law has more states or steady states of its own.  Along ``parameter``:
+        ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``) [SI],
+        ``interval_kind``, ``correlation`` (with ``other``; of the logarithms of what is positive).
         An open interval ends at inf or 0.  Along ``time``:
         ``friction``, ``friction_fit``, ``residual``, ``fit_error``, ``band`` (95 % of samples lie
         in it).  ``noise_white``, ``noise_red``, ``noise_time``, ``rms``, ``chi2_white``,

@@ -86,7 +86,7 @@ class Forward:
     def parts(self, points):
         """`friction`, and name -> (n, m) its derivative by each linear parameter of the record."""
         values = self.values(points)
-        p = self._coefficients(values)
+        p = self.coefficients(values)
         saved = self._motion(values, p)
         a, K = values["a"][:, None], values["K"][:, None]
         x, v, psi = saved[..., 0], saved[..., 1], np.moveaxis(saved[..., 2:], -1, 0)
@@ -122,20 +122,19 @@ class Forward:
             values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]
         return values
 
-    def start(self, values):
+    def start(self, values, p):
         """v = ln(V/V0) (n,) at the start, and of each state ln(V0 theta/D) (n,), a tuple."""
         V_start, *states = (values[name] for name in starts_of(self.law))
-        p = self._coefficients(values)
         steady = self.law.log_states(0.0, self.law.steady_variables(p), p)
         return V_start, tuple(x + y for x, y in zip(steady, states, strict=True))
 
-    def _coefficients(self, values):
-        """The law's, a tuple of (n,), for V0."""
+    def coefficients(self, values):
+        """The law's coefficients p for V0, a tuple of (n,)."""
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return tuple(self.law.coefficient_array(self.V0, values).T)
 
     def _motion(self, values, p):
-        """(n, m, 2 + states) x, v, psi at the samples, for the law's coefficients p."""
+        """(n, m, 2 + states) x, v, psi at the samples."""
         a, Dc, K, M = (values[symbol] for symbol in ("a", "Dc", "K", "M"))
         times, which, end = self.record.t[None], np.zeros(a.size, np.int64), self.record.t[-1]
         if "lag" in self.names:
@@ -143,7 +142,7 @@ class Forward:
             times, which = self.record.t - values["lag"][:, None], np.arange(a.size)
             end = np.maximum(times[:, -1], 1e-9 * end)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            v, log_states = self.start(values)
+            v, log_states = self.start(values, p)
             psi = self.law.variables(v, log_states, p)
             x = self.law.resistance(v, np.exp(v), psi, p)
             per_stress = 1.0 / (a * self.sigma)

@@ -163,7 +163,7 @@ def _statistics(solution):
     V_start, *states = starts_of(law)
     if V_start in solution.unknowns.names:
         at = forward.values(solution.point[None])
-        v, logs = forward.start(at)
+        v, logs = forward.start(at, forward.coefficients(at))
         values[V_start] = forward.V0 * np.exp(v.item())
         for name, D, log in zip(states, law.states.values(), logs, strict=True):
             values[name] = (at[D] / forward.V0 * np.exp(log)).item()

@@ -121,8 +121,8 @@ def quality_text(part: xarray.Dataset) -> str:
 def law_names(laws: Laws | tuple[str, ...]) -> str:
     """The laws by name.
 
-    >>> law_names(("mine",)), law_names(("mine", "yours"))
-    ('mine law', 'mine and yours laws')
+    >>> law_names(("mine",)), law_names(("mine", "yours", "theirs"))
+    ('mine law', 'mine, yours and theirs laws')
     """
     *others, last = laws
     return f"{', '.join(others)} and {last} laws" if others else f"{last} law"
