@@ -52,7 +52,8 @@ def exit_codes():
 
 #: keys of a scenario file that are no quantity, and what stands there
 WORDS = {
-    "law": "evolution law",
+    "law": "friction law",
+    "law_file": "Python file with a friction law of your own",
     "steps": "steps, holds and ramps",
     **dict.fromkeys(SHAPES, "oscillation about `V_lp`"),
     "file loading": "file with a record",
@@ -74,6 +75,7 @@ FORMS = {
     "columns": '`["time [s]", "V_lp [um/s]"]`, or numbers from 1 on',
     "units": '`["s", "um/s"]`',
     "t": '`[0, 10, "20 s"]`',
+    "law_file": '`"mylaw.py"`, by its path from this file',
     "initial": '`{ V = "1 um/s", theta = "10 s" }`; also `tau`',
     "times": '`[0.5, "1 s"]`, or `{ from = 0, to = "200 s", n = 2001 }`',
 }
@@ -95,11 +97,10 @@ def keys(table):
     """A writer of the keys of a table, as the reader of scenario files knows them."""
 
     def write():
-        from ratestate.interfaces.scenario.known_keys import TABLES
+        from ratestate.interfaces.scenario.known_keys import TABLES, keys_of
 
-        known = TABLES[table]
-        if table == "sweep":  # whose other keys are those of [slider]
-            known = [key for key in known if key not in TABLES["slider"]]
+        # the other keys of [sweep] are those of [slider]
+        known = TABLES[table] if table == "sweep" else keys_of(table)
         rows = [_key(table, key) for key in known]
         if table == "sweep":
             rows.append("| any key of `[slider]` | | one value or many |")
@@ -110,15 +111,15 @@ def keys(table):
 
 def _key(table, key):
     """A row: what the key stands for, and what is expected."""
-    from ratestate.interfaces.scenario.known_keys import CHOICES, ENDINGS
+    from ratestate.interfaces.scenario.known_keys import ENDINGS, choices
     from ratestate.model.quantities import QUANTITIES, expected
 
     said = WORDS.get(f"{key} {table}", WORDS.get(key))
     wanted = FORMS.get(f"{key} {table}", FORMS.get(key, ""))
     if said is None:
         said, wanted = QUANTITIES[key].long_name, expected(key).removeprefix("expected ")
-    elif key in CHOICES:
-        wanted = " or ".join(f'`"{word}"`' for word in CHOICES[key])
+    elif words := choices(key):
+        wanted = " or ".join(f'`"{word}"`' for word in words)
     elif table == "output":
         wanted = "a name ending in " + ", ".join(f"`{end}`" for end in ENDINGS[key])
     return f"| `{key}` | {said} | {wanted}{_otherwise(table, key)} |"
@@ -132,6 +133,8 @@ def _otherwise(table, key):
     if table != "slider":
         said = OTHERWISE.get(f"{key} {table}")
         return f"; {said}" if said else ""
+    if key == "law_file":
+        return "; its law is then the default of `law`"
     if key in WHOLE_CONTACT:
         return f"; in place of `{WHOLE_CONTACT[key]}`, with `area`"
     if key not in COMMON:

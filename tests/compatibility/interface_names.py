@@ -82,8 +82,8 @@ def is_key(table, key):
 
 def keys():
     """Table -> the keys that may stand in it, of all that stand in any."""
-    tables = importlib.import_module("ratestate.interfaces.scenario.known_keys").TABLES
-    words = sorted({key for names in tables.values() for key in names})
+    known = importlib.import_module("ratestate.interfaces.scenario.known_keys")
+    words = sorted({key for table in TABLES for key in known.keys_of(table)})
     return {table: [key for key in words if is_key(table, key)] for table in TABLES}
 
 

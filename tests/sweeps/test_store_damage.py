@@ -245,14 +245,14 @@ def test_without_sweep_a_lost_file_shows(path):
 
 
 def test_status_says_what_is_damaged(path, capsys):
-    print_status(path, None, json=False, verify=True)
+    print_status(path, None, None, json=False, verify=True)
     assert "verified  all files are as they were written" in capsys.readouterr().out
     lose(path / "growth_rate/c/2/1")
-    print_status(path, None, json=False)
+    print_status(path, None, None, json=False)
     assert "verified" not in capsys.readouterr().out
     for as_json in (False, True):
         with pytest.raises(StoreError, match=r"chunk 5 \(growth_rate/c/2/1\) is missing"):
-            print_status(path, None, json=as_json, verify=True)
+            print_status(path, None, None, json=as_json, verify=True)
     said, document = capsys.readouterr().out.split("{", 1)
     assert "verified  damaged or missing files: 1\n" in said
     assert len(json.loads("{" + document)["flaws"]) == 1

@@ -4,10 +4,9 @@ import dataclasses
 from typing import Any
 
 import numpy as np
-import xarray
 
 from ..engine.model import STEADY_SLIDING
-from ..errors import NotConverged, QuasiStaticInstability, SolverError
+from ..errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ..model.conversion import in_si
 from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
@@ -161,11 +160,23 @@ def verdict(slider, V_lp):
     V_lp = to_si("V_lp", V_lp)
     if is_array(V_lp) or any(map(is_array, checked(slider).values.values())):
         raise refusal("verdict.of_sweep", slider=slider)
-    try:
-        cycle: xarray.Dataset | SolverError = limit_cycle(slider, V_lp)
-    except SolverError as error:
-        cycle = error
+    cycle = result_or_error(slider, lambda: limit_cycle(slider, V_lp))
     return verdict_of_cycle(slider, V_lp, cycle)
+
+
+def result_or_error(slider, search):
+    """What a search for the slider's limit cycle returns, or the SolverError that it raises.
+
+    One too where the law lacks the derivatives for such a search.
+    """
+    try:
+        return search()
+    except SolverError as error:
+        return error
+    except ParameterError as error:
+        if slider.friction.orders >= 2:
+            raise
+        return SolverError(str(error))
 
 
 def verdict_of_cycle(slider, V_lp, cycle):

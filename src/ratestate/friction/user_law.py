@@ -24,9 +24,12 @@ def law_of_file(path):
     """The class of laws in a Python file, which is run; ParameterError unless there is just one."""
     try:
         text = Path(path).read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ParameterError(f"law file {path} cannot be read: {error}") from None
-    return law_of_text(text, path)
+    except (OSError, ValueError) as error:  # (another encoding, or a null character in the path)
+        reason = getattr(error, "strerror", None) or error
+        raise ParameterError(f"law file {path} cannot be read: {reason}") from None
+    kind = law_of_text(text, path)
+    kind.file = Path(path).resolve()
+    return kind
 
 
 def law_of_text(text, path):

@@ -3,13 +3,10 @@
 import numpy as np
 
 from ..errors import ParameterError
-from ..friction.laws import LAWS
 from ..friction.roots import root
 from .slider import PARAMETERS
 from .units import to_si
 
-#: what may be given for t = 0, under any law
-SYMBOLS = ("V", *dict.fromkeys(state for law in LAWS.values() for state in law.states), "tau")
 # Differences of x - R that are due to rounding.
 AGREE = 1e-9
 # Largest speed of a start [m/s]: the engine's exponentials saturate not far beyond.

@@ -48,23 +48,28 @@ def register(law):
     >>> rs.register(Mine).partition("@")[0]
     'mine'
     """
-    kind = law_of_file(law) if isinstance(law, str | os.PathLike) else law
-    new = named_law(kind)
-    if new.name in laws.LAWS:
-        return new.name
+    new = named_law(law_of_file(law) if isinstance(law, str | os.PathLike) else law)
     own = new.name.partition(MARK)[0]
+    if new.name in laws.LAWS:
+        laws.add(laws.LAWS[new.name], own)
+        return new.name
     try:
         _check_names(new, own)
         values = COMMON | {symbol: _example(symbol, new) for symbol in new.parameters}
         new.orders = check(new, values)
     except ParameterError as error:
-        raise ParameterError(f"law {own!r}: {error}") from None
+        raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
-        raise ParameterError(f"law {own!r} cannot be tried: {reason}") from error
+        raise ParameterError(f"law {own!r}{_of(law)} cannot be tried: {reason}") from error
     add_quantities_of(new)
     laws.add(new, own)
     return new.name
+
+
+def _of(law):
+    """Where a law came from, in messages; "" of a class."""
+    return "" if isinstance(law, type) else f" of {law}"
 
 
 def _check_names(law, own):
@@ -99,6 +104,11 @@ def _example(symbol, law):
     finally:
         if known is quantity:
             del QUANTITIES[symbol]
+
+
+def file_of(name):
+    """The file from which the law of this name was registered, a Path; None of any other law."""
+    return vars(type(laws.LAWS[name])).get("file")
 
 
 def recorded(name):

@@ -24,9 +24,7 @@ SLIDER = {
     "sigma": '"2 MPa"',
     "K": '"900 MPa/m"',
 }
-PARAMETERS = (
-    "a, b, Dc, sigma, K, M, mu0, V0, law, area, V_cut, c, b2, Dc2, normal_force, stiffness, mass"
-)
+PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law, area, V_cut, c, b2, Dc2, normal_force, stiffness, mass, law_file"
 NAMES = ", ".join(LAWS)
 LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
 TABLES = "[slider], [loading], [run], [sweep], [output]"

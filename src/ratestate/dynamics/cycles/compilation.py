@@ -3,23 +3,33 @@
 from ...engine.compilation import compile_elsewhere
 from ...engine.return_map import march_to_section
 from ...friction.laws import friction_law
+from ...model.user_laws import recorded
 
 # One return of one slider; nothing is imported that this does not need.
 ANY_RETURN = """
 import numpy as np
 from ratestate.dynamics.cycles.shooting import return_map
 from ratestate.dynamics.cycles.system import system_of
+from ratestate.model.user_laws import known_again
+known_again({record!r})
 one = np.ones(1)
-system = system_of({law!r}, a=one, b=2.0 * one, Dc=one, sigma=one, K=0.5 * one, M=one, V_lp=one)
-return_map(system, np.array([[0.1, 0.0, 0.1]]), 1e-3, alone=True)
+own = dict.fromkeys({own!r}, one)
+common = dict(a=one, b=2.0 * one, Dc=one, sigma=one, K=0.5 * one, M=one, V_lp=one)
+system = system_of({law!r}, **common, **own)
+return_map(system, np.full((1, {n}), 0.1), 1e-3, alone=True)
 """
 
 
 def compile_cycles_elsewhere(law):
     """Let another process compile what `limit_cycle` needs, which then waits for it.
 
-    Without effect where that is compiled already.  ParameterError for an unknown law.
+    Without effect where that is compiled already, and for a user's class of laws, which has no file
+    that the other process could run.  ParameterError for an unknown law.
 
-    law : str, name of an evolution law
+    law : str, name of a friction law
     """
-    compile_elsewhere(march_to_section, friction_law(law), ANY_RETURN.format(law=law))
+    friction, record = friction_law(law), recorded(law)
+    if record is None or isinstance(record, str):
+        own, n = [*friction.parameters], 2 + len(friction.states)
+        statement = ANY_RETURN.format(law=law, record=record, own=own, n=n)
+        compile_elsewhere(march_to_section, friction, statement)

@@ -6,13 +6,17 @@ from typing import Any
 
 import typer
 
+from .command import register_file
+
 Written = Path | None  # a file to write
+LawFile = Path | None
 
 
 def run(
     file: Path | None = None,
     *,
     source: Path | None = None,
+    law_file: LawFile = None,
     out: Written = None,
     plot: Written = None,
     units: list[str] | None = None,
@@ -31,9 +35,10 @@ def run(
         from ...files import read
         from ..scenario import from_result
 
+        register_file(law_file)
         scenario = from_result(read(source))
     elif file is not None and source is None:
-        scenario = load_scenario(file)
+        scenario = load_scenario(file, None, law_file)
         note_sweep(scenario)
     else:
         raise typer.BadParameter("give either a file or --from RESULT", param_hint="FILE.toml")
@@ -43,6 +48,7 @@ def run(
 def stability(
     file: Path,
     *,
+    law_file: LawFile = None,
     out: Written = None,
     plot: Written = None,
     units: list[str] | None = None,
@@ -52,12 +58,13 @@ def stability(
 
     Example: ratestate stability lab.toml
     """
-    _do(file, "stability", out, plot, units, json)
+    _do(file, "stability", law_file, out, plot, units, json)
 
 
 def cycle(
     file: Path,
     *,
+    law_file: LawFile = None,
     out: Written = None,
     plot: Written = None,
     units: list[str] | None = None,
@@ -67,7 +74,7 @@ def cycle(
 
     Example: ratestate cycle brake.toml --plot cycle.png
     """
-    _do(file, "limit_cycle", out, plot, units, json)
+    _do(file, "limit_cycle", law_file, out, plot, units, json)
 
 
 def branch(
@@ -76,6 +83,7 @@ def branch(
     parameter: str | None = None,
     start: str | None = None,
     stop: str | None = None,
+    law_file: LawFile = None,
     out: Written = None,
     plot: Written = None,
     units: list[str] | None = None,
@@ -86,17 +94,18 @@ def branch(
     Example: ratestate branch brake.toml --start "50 mm/s" --stop "3 cm/s"
     """
     if parameter is start is stop is None:
-        _do(file, "continue_cycle", out, plot, units, json)
+        _do(file, "continue_cycle", law_file, out, plot, units, json)
     elif start is None or stop is None:
         raise typer.BadParameter("both are needed", param_hint="--start and --stop")
     else:
         changes = {"parameter": parameter or "V_lp", "start": start, "stop": stop}
-        _do(file, "limit_cycle", out, plot, units, json, **changes)
+        _do(file, "limit_cycle", law_file, out, plot, units, json, **changes)
 
 
 def _do(
     file: Path,
     verb: str,
+    law_file: LawFile,
     out: Written,
     plot: Written,
     units: list[str] | None,
@@ -108,7 +117,7 @@ def _do(
     from .run_scenario import do, load_scenario, note_sweep, wanted_units
 
     own_units = wanted_units(units)
-    scenario = dataclasses.replace(load_scenario(file, verb), output=Output())
+    scenario = dataclasses.replace(load_scenario(file, verb, law_file), output=Output())
     if changes:  # from a limit cycle to a branch
         settings = scenario.settings | changes
         if changes["parameter"] == "V_lp":

@@ -6,7 +6,7 @@ import inspect
 import itertools
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -77,8 +77,35 @@ def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[
     return named
 
 
-def law_of(text: str) -> str:
-    """The evolution law that the option --law names; `typer.BadParameter` for none."""
+def laws_of(
+    texts: Iterable[str], law_file: Path | None, defaults: Iterable[str]
+) -> tuple[str, ...]:
+    """The friction laws of the options --law, by name, and --law-file, which is run; each once.
+
+    `typer.BadParameter` for an unknown law, and if they lack that of the file.
+    """
+    own = register_file(law_file)
+    names = tuple(dict.fromkeys(map(_law_of, texts)))
+    if own and names and own not in names:
+        raise typer.BadParameter(
+            f"{', '.join(map(repr, names))}: the law of {law_file} is {own!r}; name it too, or "
+            f"leave --law out",
+            param_hint="'--law'",
+        )
+    return names or ((own,) if own else tuple(defaults))
+
+
+def register_file(law_file: Path | None) -> str:
+    """Register the law of the option --law-file; its name, "" without a file."""
+    if law_file is None:
+        return ""
+    from ...model.user_laws import register
+
+    return register(law_file)
+
+
+def _law_of(text: str) -> str:
+    """The friction law of this name; `typer.BadParameter` for none."""
     try:
         return law_name(text)
     except ParameterError as error:

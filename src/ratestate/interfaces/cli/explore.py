@@ -6,10 +6,17 @@ from pathlib import Path
 import typer
 
 from ...errors import ParameterError
+from .command import register_file
 from .exits import INTERRUPTED
 
 
-def explore(file: Path | None = None, *, port: int | None = None, no_browser: bool = False) -> None:
+def explore(
+    file: Path | None = None,
+    *,
+    law_file: Path | None = None,
+    port: int | None = None,
+    no_browser: bool = False,
+) -> None:
     """Serve the explorer: sliders, live pictures and the map of regimes, in the browser.
 
     Nothing leaves this machine.  Ctrl-C ends it.
@@ -19,11 +26,13 @@ def explore(file: Path | None = None, *, port: int | None = None, no_browser: bo
     from ..explorer import serve
 
     fragment = ""
-    if file:
+    if file is None:
+        register_file(law_file)
+    else:
         from ..explorer import fragment_of
         from .run_scenario import load_scenario, swept_dims
 
-        scenario = load_scenario(file, "stability")
+        scenario = load_scenario(file, "stability", law_file)
         if swept := swept_dims(scenario):
             raise ParameterError(
                 f"[sweep]: the file has a sweep over {', '.join(swept)}, and the explorer shows "

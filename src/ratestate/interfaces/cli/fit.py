@@ -6,7 +6,7 @@ from typing import Any, Literal
 import typer
 
 from ...friction.laws import DEFAULT
-from .command import law_of, pairs_of
+from .command import laws_of, pairs_of
 from .exits import SOME_FAILED
 
 Against = Literal["time", "displacement", "cycles"]
@@ -19,6 +19,7 @@ def fit(
     file: Path,
     *,
     law: list[str] | None = None,
+    law_file: Path | None = None,
     free: str = "a,b,Dc,K",
     sigma: str | None = None,
     a: str | None = None,
@@ -54,7 +55,8 @@ def fit(
         "displacement": _window(displacement, "--displacement"),
     }
     values = {"sigma": sigma, "a": a, "b": b, "Dc": Dc, "K": K, "M": M, "V0": V0}
-    laws = _laws(law)
+    named = (name.strip() for text in law or () for name in text.split(","))
+    laws = laws_of(named, law_file, [DEFAULT])
     fitting = {
         "free": tuple(name.strip() for name in free.split(",") if name.strip()),
         "law": laws if len(laws) > 1 else laws[0],
@@ -72,12 +74,6 @@ def fit(
     request = FitRequest(file, {k: v for k, v in reading.items() if v}, given, laws, fitting)
     if fit_and_report(request, out, json):
         raise typer.Exit(SOME_FAILED)
-
-
-def _laws(texts: list[str] | None) -> tuple[str, ...]:
-    """The laws, each once, from strings with one or several laws separated by commas."""
-    names = [name.strip() for text in texts or [DEFAULT] for name in text.split(",")]
-    return tuple(dict.fromkeys(map(law_of, names)))
 
 
 def _window(text: str | None, option: str) -> tuple[str | None, str | None] | None:

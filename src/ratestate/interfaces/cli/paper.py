@@ -6,14 +6,19 @@ import typer
 
 from ...paper.figures import FIGURES
 from ...paper.laws import LAWS
-from .command import law_of
+from .command import laws_of
 from .output import make_writable, print_json, print_rich, reporting_files
 
 OUT = Path("figures")
 
 
 def figures(
-    which: list[str] | None = None, *, law: str = LAWS[0], out: Path = OUT, json: bool = False
+    which: list[str] | None = None,
+    *,
+    law: str | None = None,
+    law_file: Path | None = None,
+    out: Path = OUT,
+    json: bool = False,
 ) -> None:
     """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
 
@@ -21,7 +26,7 @@ def figures(
 
     Example: ratestate figures 2 4 --out figures
     """
-    law = law_of(law)
+    (law,) = laws_of([law] if law else [], law_file, LAWS[:1])
     names = which or ["all"]
     if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
         raise typer.BadParameter(
@@ -53,6 +58,7 @@ def atlas(
     *,
     b_over_a: float = 2.0,
     law: str | None = None,
+    law_file: Path | None = None,
     n: int = 200,
     out: Path = OUT,
     json: bool = False,
@@ -64,7 +70,7 @@ def atlas(
 
     Example: ratestate atlas --b-over-a 1.6 --out figures
     """
-    laws = [law_of(law)] if law else [*LAWS]
+    laws = laws_of([law] if law else [], law_file, LAWS)
     make_writable(out)
     from ...paper.atlas import make
 

@@ -28,12 +28,12 @@ from .verdict_text import VerdictText, speed_of_verdict, verdict_text
 MOST_BYTES = 3 * 10**9
 
 
-def load_scenario(file: Path, verb: str | None = None) -> Scenario:
+def load_scenario(file: Path, verb: str | None, law_file: Path | None) -> Scenario:
     """The scenario of a file, or of standard input for "-"; ParameterError if it has problems."""
     if file != Path("-"):
-        return scenarios.load(file, verb)
+        return scenarios.load(file, verb, law_file=law_file)
     text = typer.get_binary_stream("stdin").read(scenarios.LARGEST + 1)
-    return scenarios.loads(text, verb, name="standard input")
+    return scenarios.loads(text, verb, name="standard input", law_file=law_file)
 
 
 def do(
@@ -114,7 +114,8 @@ def compile_ahead(scenario: Scenario) -> None:
     """Let what the verdict on a run needs be compiled beside what the run needs."""
     if scenario.verb == "simulate" and not swept_dims(scenario):
         slider, V_lp = scenario.slider, speed_of_verdict(scenario.settings["loading"])
-        if V_lp and slider.b > slider.a and float("inf") != slider.K:  # else no cycle is sought
+        sought = slider.b > slider.a and float("inf") != slider.K and slider.friction.orders >= 2
+        if V_lp and sought:
             compile_cycles_elsewhere(slider.law)
 
 

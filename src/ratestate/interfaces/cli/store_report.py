@@ -30,7 +30,9 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     return status.failed
 
 
-def print_status(store: Path, file: Path | None, json: bool, verify: bool = False) -> None:
+def print_status(
+    store: Path, file: Path | None, law_file: Path | None, json: bool, verify: bool = False
+) -> None:
     """Print the status of a store, and whether a file has its sweep.
 
     verify : read all files; if any is damaged, a StoreError follows what is printed
@@ -39,7 +41,7 @@ def print_status(store: Path, file: Path | None, json: bool, verify: bool = Fals
     from ...sweeps.status import store_status
 
     status = store_status(store, verify)
-    differences = _differences(store, file) if file else []
+    differences = _differences(store, file, law_file) if file else []
     if json:
         _print_json(status, **({"differences": differences} if file else {}))
     else:
@@ -103,14 +105,14 @@ def _size(size: int) -> str:
     return f"{size / 1000**power:.3g} {['B', 'kB', 'MB', 'GB'][power]}"
 
 
-def _differences(store: Path, file: Path) -> list[str]:
+def _differences(store: Path, file: Path, law_file: Path | None) -> list[str]:
     """Differences of a file's sweep from a store's, as lines."""
     from ...sweeps.calls import call_of
     from ...sweeps.inputs import input_differences, inputs_of
     from ...sweeps.store import read_record
     from .run_scenario import load_scenario
 
-    scenario = load_scenario(file)
+    scenario = load_scenario(file, None, law_file)
     call = call_of(scenario.verb, scenario.slider, scenario.settings)
     return input_differences(read_record(store)[1], inputs_of(*call))
 

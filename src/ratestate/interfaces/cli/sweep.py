@@ -17,6 +17,7 @@ def sweep(
     file: Path | None = None,
     *,
     store: Path,
+    law_file: Path | None = None,
     chunk: int | None = None,
     status: bool = False,
     verify: bool = False,
@@ -50,7 +51,7 @@ def sweep(
             with job_cluster(slurm, start=False) as cluster:
                 print_line(cluster.job_script())
         elif status:
-            print_status(store, file, json, verify)
+            print_status(store, file, law_file, json, verify)
         elif file is None:
             raise typer.BadParameter(
                 "missing; only --status can do without", param_hint="FILE.toml"
@@ -67,7 +68,7 @@ def sweep(
             )
 
             own_units = wanted_units(units)
-            scenario = load_scenario(file)
+            scenario = load_scenario(file, None, law_file)
             output = output_paths(scenario, out, plot)
             with _client(scheduler, slurm) as client:
                 how: dict[str, Any] = {"client": client, "chunk": chunk, "device": device}

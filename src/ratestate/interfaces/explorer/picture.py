@@ -7,7 +7,7 @@ import xarray
 
 from ...dynamics.cycles.orbit import cycle_and_orbit
 from ...dynamics.simulation.cases import failure
-from ...dynamics.verdict import Verdict, verdict_of_cycle
+from ...dynamics.verdict import Verdict, result_or_error, verdict_of_cycle
 from ...engine.model import FINISHED
 from ...errors import SolverError
 from ...friction.rate_and_state import mu_ss
@@ -87,9 +87,10 @@ def _attractor(slider, V, deadline):
     """The limit cycle and its orbit; or the SolverError why there is none, and None."""
     try:
         with deadline.part():
-            return cycle_and_orbit(slider, V, rtol=RTOL, progress=deadline)
-    except SolverError as error:
-        return error, None
+            found = result_or_error(
+                slider, lambda: cycle_and_orbit(slider, V, rtol=RTOL, progress=deadline)
+            )
+            return (found, None) if isinstance(found, SolverError) else found
     except TimeUp:
         return SolverError(
             f"the search was ended after {deadline.seconds:g} s; limit_cycle in Python has no such "

@@ -1,12 +1,15 @@
 """A scenario as Python lines."""
 
+import json
 from typing import Any
 
 import numpy as np
 
+from ...friction.user_law import MARK
 from ...model.loading import Loading
 from ...model.loading.written import events_of, rows_of
 from ...model.units import is_array
+from ...model.user_laws import file_of
 from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import Scenario
 
@@ -14,7 +17,8 @@ from .model import Scenario
 def python(scenario: Scenario) -> str:
     """Python lines that run a scenario and assign its Dataset to ``result``.
 
-    They are complete, imports included, and reproduce the result bit-for-bit.
+    They are complete, imports included, and reproduce the result bit-for-bit; a user's law is
+    registered from the file that it came from.
 
     Parameters
     ----------
@@ -28,7 +32,10 @@ def python(scenario: Scenario) -> str:
     """
     settings = dict(scenario.settings)
     parameters = scenario.slider.parameters.items()
-    lines = ["slider = " + _call("rs.SpringSlider", [f"{k}={_value(k, v)}" for k, v in parameters])]
+    lines = [*registration(scenario.slider.law)]
+    lines += [
+        "slider = " + _call("rs.SpringSlider", [f"{k}={_value(k, v)}" for k, v in parameters])
+    ]
     arguments = ["slider"]
     if "loading" in settings:
         lines += ["loading = " + _loading(settings.pop("loading"))]
@@ -39,6 +46,15 @@ def python(scenario: Scenario) -> str:
     needed = [("numpy as np", "np."), ("xarray", "xarray."), ("ratestate as rs", "rs.")]
     imports = [f"import {name}" for name, used in needed if used in text]
     return "\n".join([*imports, "", text]) + "\n"
+
+
+def registration(law: str) -> list[str]:
+    """Lines that make a user's law known: none for a built-in one, a comment without a file."""
+    if MARK not in law:
+        return []
+    if file := file_of(law):
+        return [f"rs.register({json.dumps(file.as_posix(), ensure_ascii=False)})"]
+    return [f"# {law} is a user's law: register its class or its file first"]
 
 
 def _call(name: str, arguments: list[str], longest: int = 0) -> str:

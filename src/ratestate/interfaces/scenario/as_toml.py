@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 
 from ...errors import ParameterError
+from ...friction.user_law import MARK
 from ...model.loading import Loading
 from ...model.loading.written import Event, events_of, rows_of
 from ...model.other_units import OTHER_QUANTITIES
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array
+from ...model.user_laws import file_of
 from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import FUNCTIONS, Scenario
 
@@ -35,6 +37,8 @@ def toml(scenario: Scenario) -> str:
 
     Notes
     -----
+    A law that was registered from a file is named with the hash of its source, and its file by its
+    whole path.
     Values whose magnitude `load` refuses (`scenario.values`) are written nevertheless; `load`
     then names them.
     """
@@ -56,7 +60,8 @@ def toml(scenario: Scenario) -> str:
     output = {"file": scenario.output.file, "plot": scenario.output.plot}
     named = {"verb": f'"{verb}"'}
     tables = {
-        "slider": {k: _literal(k, v) for k, v in slider.items() if k not in swept},
+        "slider": {k: _literal(k, v) for k, v in slider.items() if k not in swept}
+        | _law(scenario.slider.law),
         "loading": loading,
         "run": run if axes or verb == "simulate" else named | run,
         "sweep": named | axes if axes else {},
@@ -67,6 +72,14 @@ def toml(scenario: Scenario) -> str:
         if table:
             lines += ["", f"[{name}]", *(f"{key} = {value}" for key, value in table.items())]
     return "\n".join(lines) + "\n"
+
+
+def _law(name: str) -> dict[str, str]:
+    """The keys for the friction law: with its file, if that is a user's."""
+    if file := file_of(name):
+        return {"law": _literal("law", name), "law_file": _literal("law_file", file)}
+    unknown = "  # a user's: law_file names the file that has it" if MARK in name else ""
+    return {"law": _literal("law", name) + unknown}
 
 
 def _loading(loading: Loading) -> tuple[dict[str, str], Any]:

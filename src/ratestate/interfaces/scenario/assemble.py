@@ -10,7 +10,7 @@ from ...model.contact import parameter_to_si
 from ...model.other_units import OTHER_QUANTITIES
 from ...model.slider import SpringSlider
 from .checks import check_rtol, check_run
-from .known_keys import NEEDED, SLIDER, example
+from .known_keys import NEEDED, example, parameter_keys
 from .loading_table import LoadingTable
 from .model import FUNCTIONS, Output, Scenario
 from .problems import Place, expected, message
@@ -45,7 +45,8 @@ def assemble(tables: Tables) -> Scenario | None:
     if swept.get("V_lp") is not None and tables.loading.is_record:
         tables.place("V_lp").add("loading.of_record", like=example("V_lp"))
     _note_missing_speed(tables)
-    settings = tables.run | {k: v for k, v in swept.items() if k not in SLIDER}
+    of_slider = parameter_keys()
+    settings = tables.run | {k: v for k, v in swept.items() if k not in of_slider}
     if own != verb and "rtol" not in swept:  # the meaning of rtol differs between functions
         settings.pop("rtol", None)
     if verb == "simulate":
@@ -84,7 +85,8 @@ def _in_si(branch: dict[str, Any], slider: SpringSlider | None) -> dict[str, Any
 
 def _slider(tables: Tables) -> SpringSlider | None:
     """The slider, or None if it cannot be made."""
-    values = tables.slider | {k: v for k, v in tables.sweep.values.items() if k in SLIDER}
+    of_slider = parameter_keys()
+    values = tables.slider | {k: v for k, v in tables.sweep.values.items() if k in of_slider}
     followed = tables.sweep.branch
     if followed.get("parameter") in NEEDED:  # the branch begins there
         values = {followed["parameter"]: followed["start"]} | values

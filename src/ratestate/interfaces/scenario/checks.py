@@ -13,7 +13,7 @@ from ...model.initial_state import initial_state, initial_values
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from .known_keys import INITIAL
+from .known_keys import INITIAL_LIKE
 from .model import ANY, FUNCTIONS
 from .problems import Place, expected, message
 
@@ -51,7 +51,7 @@ def check_run(
         place("initial").noting(
             lambda: _check_initial(slider, values, loading),
             wanted=message("run.initial_wanted"),
-            like=INITIAL.like,
+            like=INITIAL_LIKE,
         )
     if loading is None or slider is None or t_end is None:
         return

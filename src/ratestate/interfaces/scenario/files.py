@@ -8,6 +8,7 @@ from typing import Any
 from ...model.names import one_of
 from .assemble import Tables, assemble
 from .known_keys import TABLES, example, tables_with
+from .law_file import take_law_file
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
 from .problems import Place, choice, message, refusal, report, toml_key
@@ -18,7 +19,9 @@ DEEPEST = 50  # keys with dots between them: time and memory go with the square
 MOST_TABLES = 100
 
 
-def load(path: str | Path, verb: str | None = None) -> Scenario:
+def load(
+    path: str | Path, verb: str | None = None, *, law_file: str | Path | None = None
+) -> Scenario:
     """Read a scenario file.
 
     Parameters
@@ -29,6 +32,9 @@ def load(path: str | Path, verb: str | None = None) -> Scenario:
     verb : str, optional
         Function to call in place of the file's own, which [sweep] or [run] names, or which is
         "simulate".  Keys that it does not take are read and checked, but left out.
+    law_file : str or Path, optional
+        Python file with the friction law, in place of the key law_file of the scenario.  A law file
+        is code, which is run.
 
     Returns
     -------
@@ -39,10 +45,11 @@ def load(path: str | Path, verb: str | None = None) -> Scenario:
     ------
     ParameterError
         The file cannot be read or used.  Every problem in it is a line of the message:
-        ``[table] key: what is wrong, expected what, such as an example``.
+        ``[table] key: what is wrong, expected what, such as an example``.  Or the law file given
+        cannot be used.
     """
     path = Path(path)
-    return loads(_bytes(path), verb, name=str(path), folder=path.parent)
+    return loads(_bytes(path), verb, name=str(path), folder=path.parent, law_file=law_file)
 
 
 def loads(
@@ -51,6 +58,7 @@ def loads(
     *,
     name: str = "the text",
     folder: Path | None = None,
+    law_file: str | Path | None = None,
 ) -> Scenario:
     """Read the text of a scenario file.
 
@@ -63,7 +71,10 @@ def loads(
     name : str
         Name of the text in messages.
     folder : Path, optional
-        Folder to which paths of records are relative; by default the current directory.
+        Folder to which paths of records and of a law file are relative.  By default the current
+        directory; then a law file that the text names is not run, but refused.
+    law_file : str or Path, optional
+        As for `load`.
 
     Returns
     -------
@@ -79,12 +90,16 @@ def loads(
     problems: list[str] = []
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     parsed = _tables(_parse(data, name), problems)
+    is_law_known = take_law_file(parsed, law_file, folder, problems)
     run = plain_table("run", parsed.get("run", {}), problems)
     verb_of_run = run.pop("verb", None)
+    slider = plain_table("slider", parsed.get("slider", {}), problems)
+    if not is_law_known:
+        slider["law"] = None
     tables = Tables(
         problems=problems,
         names=frozenset(parsed),
-        slider=plain_table("slider", parsed.get("slider", {}), problems),
+        slider=slider,
         loading=loading_table(parsed.get("loading", {}), folder or Path(), problems),
         run=run,
         sweep=sweep_table(parsed.get("sweep"), verb, verb_of_run, problems),

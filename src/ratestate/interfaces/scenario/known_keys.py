@@ -1,4 +1,7 @@
-"""The tables of a scenario file, their keys, and which of them each function needs."""
+"""The tables of a scenario file, their keys, and which of them each function needs.
+
+What depends on the friction laws that are known is a function: users add laws.
+"""
 
 import dataclasses
 import itertools
@@ -8,7 +11,6 @@ from typing import Any
 from ...engine.model import METHODS
 from ...files import NUMBERS, PICTURES
 from ...friction.laws import DEFAULT, LAWS
-from ...model.initial_state import SYMBOLS
 from ...model.loading.shapes import SHAPES
 from ...model.names import nearest, one_of
 from ...model.other_units import WHOLE_CONTACT
@@ -24,39 +26,36 @@ MOST_KEYS = 1000
 COMMON = {field.name: field.default for field in dataclasses.fields(SpringSlider)}
 #: those that must be given
 NEEDED = [key for key, default in COMMON.items() if default is dataclasses.MISSING]
-#: parameters of any slider: with those that only some laws have, and then need
-SLIDER = (*COMMON, *dict.fromkeys(symbol for law in LAWS.values() for symbol in law.parameters))
 #: keys of [sweep] for all functions, those of the function with most of them first
 SETTINGS = dict.fromkeys(
     itertools.chain(*sorted((row.keys for row in FUNCTIONS.values()), key=len, reverse=True))
 )
-#: table -> its keys
+#: table -> its keys, but for those of `slider_keys`
 TABLES = {
-    "slider": (*SLIDER, *WHOLE_CONTACT),
+    "slider": ("law_file",),
     "loading": ("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
     "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt"),
-    "sweep": ("verb", *SETTINGS, *SLIDER, *WHOLE_CONTACT),
+    "sweep": ("verb", *SETTINGS),
     "output": ("file", "plot"),
 }
-#: key -> the names that it may have as a value
-CHOICES = {"law": tuple(LAWS), "method": tuple(METHODS), "verb": tuple(FUNCTIONS)}
 #: key -> the endings that its file may have
 ENDINGS = {"file": NUMBERS, "plot": PICTURES}
-#: keys that may have many values in [sweep]
-AXES = {*TABLES["sweep"]} - {"verb", "law", "rtol", "times"}
+#: keys of [sweep] that have one value
+ONE_VALUE = ("verb", "law", "rtol", "times")
 STEP = InlineTable(
     {"t": ("t", "> 0"), "V_lp": ("V_lp", ">= 0"), "hold": ("t", "> 0"), "ramp": ("t", "> 0")},
     '[ { t = "1 s", V_lp = "3.2 mm/s" }, { t = "2 s", hold = "100 s" } ]',
 )
 PERIODIC = {kind: InlineTable(shape.arguments, shape.example) for kind, shape in SHAPES.items()}
-INITIAL = InlineTable({symbol: (symbol, None) for symbol in SYMBOLS}, "{ theta = '10 s' }")
+INITIAL_LIKE = "{ theta = '10 s' }"
 SPEEDS_LIKE = "['1 um/s', '1 um/s', '3 um/s', 0]"
 #: key, or key and table -> an example of its value, where that is no quantity
 LIKE = {
     "law": repr(DEFAULT),
+    "law_file": "'mylaw.py'",
     "verb": "'limit_cycle'",
     "method": "'rodas5p'",
-    "initial": INITIAL.like,
+    "initial": INITIAL_LIKE,
     "times": "[0.5, '1 s']",
     "steps": STEP.like,
     **{kind: table.like for kind, table in PERIODIC.items()},
@@ -67,6 +66,45 @@ LIKE = {
     "file": "'out.nc'",
     "plot": "'out.png'",
 }
+
+
+def parameter_keys() -> tuple[str, ...]:
+    """Parameters of any slider: with those that only some laws have, and then need."""
+    of_laws = (symbol for law in LAWS.values() for symbol in law.parameters)
+    return (*COMMON, *dict.fromkeys(of_laws))
+
+
+def slider_keys() -> tuple[str, ...]:
+    """What describes a slider, in [slider] and [sweep]: its parameters, per area or in whole."""
+    return (*parameter_keys(), *WHOLE_CONTACT)
+
+
+def keys_of(table: str) -> tuple[str, ...]:
+    """The keys of a table."""
+    match table:
+        case "slider":
+            return (*slider_keys(), *TABLES[table])
+        case "sweep":
+            return (*TABLES[table], *slider_keys())
+        case _:
+            return TABLES[table]
+
+
+def is_axis(key: str) -> bool:
+    """Whether a key may have many values in [sweep]."""
+    return key in keys_of("sweep") and key not in ONE_VALUE
+
+
+def choices(key: str) -> tuple[str, ...]:
+    """The names that a key may have as a value; () if it has no name."""
+    names = {"law": LAWS, "method": METHODS, "verb": FUNCTIONS}
+    return tuple(names.get(key, ()))
+
+
+def initial() -> InlineTable:
+    """The table of values at t = 0, under any law."""
+    states = (state for law in LAWS.values() for state in law.states)
+    return InlineTable({symbol: (symbol, None) for symbol in ("V", *states, "tau")}, INITIAL_LIKE)
 
 
 def example(key: str, table: str = "") -> str:
@@ -82,7 +120,7 @@ def known_items(
     table: str, given: dict[str, Any], place: Place, verb: str = ""
 ) -> Iterator[tuple[str, Any]]:
     """The known keys of a table with their values; others are noted, unless there are too many."""
-    keys = TABLES[table]
+    keys = keys_of(table)
     if len(given) > MOST_KEYS:
         like = example(keys[0], table)
         place.add("table.too_long", n=len(given), keys=", ".join(keys), like=like)
@@ -98,9 +136,9 @@ def _note_unknown(table: str, key: str, place: Place, verb: str) -> None:
     if homes := tables_with(key, table):
         place.add("key.misplaced", tables=homes, like=example(key))
         return
-    keys = TABLES[table]
+    keys = keys_of(table)
     own = nearest(key, keys)
-    near = None if own else nearest(key, {k for t in TABLES.values() for k in t})
+    near = None if own else nearest(key, {k for t in TABLES for k in keys_of(t)})
     meant = f"; did you mean {near} in {tables_with(near, table)}?" if near else ""
     wanted = one_of(keys, key, example(own or keys[0], table)) + meant
     place.add("key.no_parameter" if verb else "key.unknown", verb=verb, wanted=wanted)
@@ -108,5 +146,5 @@ def _note_unknown(table: str, key: str, place: Place, verb: str) -> None:
 
 def tables_with(key: str, but: str = "") -> str:
     """The tables that have a key, except one; "" if there are none."""
-    homes = [f"[{name}]" for name, keys in TABLES.items() if key in keys and name != but]
+    homes = [f"[{name}]" for name in TABLES if key in keys_of(name) and name != but]
     return " or ".join(homes)

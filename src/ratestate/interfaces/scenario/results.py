@@ -9,7 +9,8 @@ import xarray
 from ...dynamics import attributes
 from ...dynamics.results import parameter
 from ...errors import ParameterError
-from ...friction.laws import DEFAULT, friction_law
+from ...friction.laws import DEFAULT, friction_law, known_law
+from ...friction.user_law import MARK
 from ...model.conversion import in_si
 from ...model.loading import Loading
 from ...model.loading.shapes import SHAPES
@@ -79,7 +80,10 @@ def _check(scenario: Scenario) -> None:
 def _slider(result: Any) -> SpringSlider:
     """The slider, with the cases that the result still has."""
     values = attributes.from_json(result, "slider", dict)
-    of_law = friction_law(values.get("law", DEFAULT)).parameters
+    law = values.get("law", DEFAULT)
+    if isinstance(law, str) and MARK in law and not known_law(law):
+        raise ParameterError(_unknown_law(law))
+    of_law = friction_law(law).parameters
     wanted = COMMON.keys() | of_law.keys()
     if odd := (wanted ^ values.keys()) - {"area"}:
         raise ParameterError(
@@ -89,6 +93,18 @@ def _slider(result: Any) -> SpringSlider:
     followed = result.attrs.get("parameter")
     swept = {k: _swept(result, "slider", k, v) for k, v in values.items() if k != followed}
     return SpringSlider(**values | swept)
+
+
+def _unknown_law(law: str) -> str:
+    """What to do about a user's law that is not known."""
+    own = law.partition(MARK)[0]
+    text = (
+        f"the result is of the law {law!r}, a user's own that is not known here: give its file, "
+        f"--law-file {own}.py or ratestate.register('{own}.py')"
+    )
+    if other := known_law(own):
+        text += f"; the {own} that is known is {other!r}, from another source, as of an edited file"
+    return text
 
 
 def _swept(result: Any, name: str, symbol: str, recorded: Any) -> Any:

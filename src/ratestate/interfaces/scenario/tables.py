@@ -6,18 +6,19 @@ from typing import Any, NamedTuple
 
 from ...dynamics.continuation.family import PARAMETERS
 from ...friction.laws import known_law
+from ...friction.user_law import MARK
 from ...model.names import one_of
 from ...model.other_units import WHOLE_CONTACT
 from ...model.quantities import QUANTITIES
 from .known_keys import (
-    AXES,
-    CHOICES,
     ENDINGS,
-    INITIAL,
-    SLIDER,
-    TABLES,
+    SETTINGS,
+    choices,
     example,
+    initial,
+    is_axis,
     known_items,
+    slider_keys,
 )
 from .model import FUNCTIONS
 from .problems import Place, choice, message, refusal, shown
@@ -56,18 +57,21 @@ def read_value(key: str, value: Any, place: Place) -> Any:
     """
     if key == "initial":
         before = len(place.problems)
-        values = INITIAL.read(value, place, "one ")
+        values = initial().read(value, place, "one ")
         return values if len(place.problems) == before else None
     if key == "times":
         many = read_values(key, value, place)
         return None if many is None else as_array(key, many)
-    if isinstance(value, dict | list) and key in AXES:
+    if isinstance(value, dict | list) and is_axis(key):
         place.add("key.no_axis", given=value, like=example(key))
         return None
     if key == "law":
         value = known_law(value) or value
-    if key in CHOICES:
-        return place.noting(lambda: choice(value, CHOICES[key]))
+        if isinstance(value, str) and MARK in value and not known_law(value):
+            place.add("law_file.unknown", given=value, own=value.partition(MARK)[0])
+            return None
+    if names := choices(key):
+        return place.noting(lambda: choice(value, names))
     if key in ENDINGS:
         return place.noting(lambda: _path(key, value))
     return read_number(key, value, place)
@@ -114,10 +118,9 @@ def sweep_table(
         return Sweep(verb, own, {}, {})
     own = _verb(table, requested, of_run, place)
     verb = requested or own
-    of_verb = {
-        name: [*SLIDER, *WHOLE_CONTACT, *function.keys] for name, function in FUNCTIONS.items()
-    }
-    known = of_verb.get(own) or [key for key in TABLES["sweep"] if key != "verb"]
+    of_slider = slider_keys()
+    of_verb = {name: [*of_slider, *function.keys] for name, function in FUNCTIONS.items()}
+    known = of_verb.get(own) or [*SETTINGS, *of_slider]
     given = {}
     for key, value in known_items("sweep", table, place, own or "any verb"):
         if key in known:
@@ -150,16 +153,16 @@ def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> di
     """The values of all keys; axes only if there are not too many cases."""
     values: dict[str, Any] = {}
     for key, value in given.items():
-        if key in AXES:
+        if is_axis(key):
             bound = ">= 0" if key == "V_lp" and verb == "simulate" else None
             values[key] = read_values(key, value, place.at(key), bound)
         else:
             values[key] = read_value(key, value, place.at(key))
     values = _per_area(values, place)
-    many = {key for key, value in given.items() if isinstance(value, dict | list)}
-    if not is_branch and not many & AXES:
+    many = [key for key, value in given.items() if isinstance(value, dict | list)]
+    if not is_branch and not any(map(is_axis, many)):
         place.add("sweep.no_axis", like=AXIS)
-    axes = {k: v for k, v in values.items() if isinstance(v, Many) and k in AXES}
+    axes = {k: v for k, v in values.items() if isinstance(v, Many) and is_axis(k)}
     if (cases := math.prod(axis.size for axis in axes.values())) > MOST_CASES:
         product = " x ".join(f"{axis.size} {key}" for key, axis in axes.items())
         place.add("sweep.too_many", product=product, cases=cases, most=MOST_CASES, like=AXIS)
