@@ -9,15 +9,21 @@ from paths import TEMPLATES as FOLDER
 
 import ratestate as rs
 from ratestate import ParameterError
+from ratestate.friction.laws import DEFAULT, ONE_LENGTH
 from ratestate.friction.stability import omega_c
-from ratestate.interfaces.scenario import TEMPLATES, load, run, template
-from ratestate.interfaces.templates import commands, description, files_of
+from ratestate.interfaces.scenario import TEMPLATES, loads, run, template
+from ratestate.interfaces.templates import LAW, commands, description, files_of
 from ratestate.model.quantities import QUANTITIES
+
+
+def of_template(name, verb=None):
+    """The scenario of a template."""
+    return loads(template(name), verb, folder=FOLDER)
 
 
 def done(name):
     """The scenario of a template, and its result."""
-    scenario = load(FOLDER / f"{name}.toml")
+    scenario = of_template(name)
     return scenario, run(scenario)
 
 
@@ -41,11 +47,24 @@ def test_a_template_says_what_it_is_and_what_to_try(name):
     assert first == f"# {description(name)}."
     assert 20 < len(description(name)) <= 62
     assert all(len(line) <= 100 for line in template(name).split("\n"))
-    many = any(value.ndim for value in swept(load(FOLDER / f"{name}.toml")))
+    many = any(value.ndim for value in swept(of_template(name)))
     tried = [shlex.split(command.partition("    ")[0]) for command in commands(name)]
     assert ("sweep" if many else "run") in {words[1] for words in tried}
     assert all({*words} & set(files_of(name)) for words in tried)
     assert all(re.search(r" {4,}\w.*\w$", command) for command in commands(name))
+
+
+def test_its_law_is_filled_in():
+    """In the file that users get; it is a law that needs no parameter of its own, as are others."""
+    for name in TEMPLATES:
+        text, law = template(name), of_template(name).slider.law
+        assert "$" not in text
+        assert law == LAW.get(name, DEFAULT)
+        assert text.count(f'law = "{law}"') == (name != "million")
+    others = re.search(r'^law = "aging" +# or (.*)$', template("lab"), re.MULTILINE)[1]
+    found = others.replace('"', "").split(" or ")
+    assert found == [law for law in ONE_LENGTH if law != "aging"]
+    assert "Add --law slip,aging to compare laws" in template("record")
 
 
 def test_an_unknown_template_is_refused():
@@ -115,7 +134,7 @@ def test_fig6():
 
 
 def test_million():
-    scenario = load(FOLDER / "million.toml")
+    scenario = of_template("million")
     assert scenario.slider.M.size * scenario.settings["V_lp"].size == 10**6
     assert scenario.slider.K_c_qs > scenario.slider.K
 
@@ -197,9 +216,9 @@ def test_lab():
     """Stick-slip that heals in the rest and loses stress with speed."""
     scenario, result = done("lab")
     slider, sigma = scenario.slider, float(scenario.slider.sigma)
-    assert not run(load(FOLDER / "lab.toml", "stability")).stable
+    assert not run(of_template("lab", "stability")).stable
     assert slider.K_c_qs == pytest.approx(12e9, rel=1e-12)  # as the comment says
-    cycle = run(load(FOLDER / "lab.toml", "limit_cycle"))
+    cycle = run(of_template("lab", "limit_cycle"))
     assert 0.05 < float(cycle.amplitude) < 0.15
     assert 5 < float(cycle.period) < 10
     assert 0.01 < float(cycle.V_max) < 1
@@ -219,7 +238,7 @@ def test_lab():
 
 def test_brake():
     scenario, result = done("brake")
-    slider, theory = scenario.slider, run(load(FOLDER / "brake.toml", "stability"))
+    slider, theory = scenario.slider, run(of_template("brake", "stability"))
     assert float(slider.eta(20e-3)) < 1 < float(theory.eta)
     assert slider.K_c(20e-3) < slider.K < slider.K_c(50e-3)
     assert 0.5 < float(result.frequency) / slider.f_n < 1
@@ -230,7 +249,7 @@ def test_brake():
 
 def test_fault():
     _, result = done("fault")
-    cycle = run(load(FOLDER / "fault.toml", "limit_cycle"))
+    cycle = run(of_template("fault", "limit_cycle"))
     assert float(result.cycles) == 4
     assert 0.1 < float(result.V_max) < 10  # earthquakes
     year = 365.25 * 86400

@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from paths import TEMPLATES
+from paths import TEMPLATES as FOLDER
 from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate import files
 from ratestate.dynamics.verdict import verdict
 from ratestate.interfaces.cli import main, run_scenario
-from ratestate.interfaces.scenario import load, model
+from ratestate.interfaces.scenario import TEMPLATES, load, loads, model, template
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.solve import bytes_per_case, form_of
 
@@ -512,7 +512,7 @@ def test_who_cannot_write_hears_of_the_file_that_was_asked_for(lab):
 
 
 def test_an_error_of_reading_is_not_called_one_of_writing(lab, monkeypatch):
-    def unreadable(*_):
+    def unreadable(*_, **__):
         raise PermissionError(13, "Permission denied", "lab.toml")
 
     monkeypatch.setattr("ratestate.interfaces.scenario.load", unreadable)
@@ -697,9 +697,9 @@ NEEDED |= {name: [] for name in ("recorded-loading", "fig3", "rigid", "stability
 def test_what_the_verdict_on_a_run_needs_is_compiled_beside_the_run(name, laws, monkeypatch):
     asked = []
     monkeypatch.setattr(run_scenario, "compile_cycles_elsewhere", asked.append)
-    file = TEMPLATES / f"{name}.toml"
-    file = file if file.exists() else TEMPLATES / "lab.toml"
-    scenario = load(file, "stability" if name == "stability" else None)
+    text = template(name if name in TEMPLATES else "lab")
+    verb = "stability" if name == "stability" else None
+    scenario = loads(text, verb, folder=FOLDER)
     if name == "rigid":
         scenario = dataclasses.replace(scenario, slider=scenario.slider.replace(K=math.inf))
     if name == "strengthening":

@@ -8,12 +8,11 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paths import TEMPLATES
 
 import ratestate as rs
 from ratestate import ParameterError, SpringSlider
 from ratestate.friction.laws import LAWS
-from ratestate.interfaces.scenario import load
+from ratestate.interfaces.scenario import load, loads, template
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP
 
@@ -24,7 +23,10 @@ SLIDER = {
     "sigma": '"2 MPa"',
     "K": '"900 MPa/m"',
 }
-PARAMETERS = "a, b, Dc, sigma, K, M, mu0, V0, law, area, V_cut, c, b2, Dc2, normal_force, stiffness, mass, law_file"
+PARAMETERS = (
+    "a, b, Dc, sigma, K, M, mu0, V0, law, area, V_cut, c, b2, Dc2, "
+    "normal_force, stiffness, mass, law_file"
+)
 NAMES = ", ".join(LAWS)
 LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
 TABLES = "[slider], [loading], [run], [sweep], [output]"
@@ -56,7 +58,7 @@ def read(tmp_path_factory):
 
 
 def test_the_template_is_fig_3():
-    scenario = load(TEMPLATES / "fig3.toml")
+    scenario = loads(template("fig3"))
     assert scenario.verb == "limit_cycle"
     assert scenario.slider == FIG2.replace(M=rs.logspace("M", *FIG3_M))
     assert scenario.settings.keys() == {"V_lp"}

@@ -1,12 +1,13 @@
-"""The atlas behind the map: coarse, and cached for each law and b/a."""
+"""What is behind the map: K_c, and the atlas, which is coarse, and cached for each law and b/a."""
 
 import functools
 
 import numpy as np
+import xarray
 
 from ...dynamics.atlas import ETA, STIFFNESS, atlas
+from ...dynamics.refusals import check_one_length
 from ...errors import ParameterError
-from ...friction.stability import K_c
 from .budget import TimeUp
 
 #: points along either axis: first a coarse chart, then a finer one
@@ -16,16 +17,28 @@ RTOL = 1e-4
 SECONDS, CACHED_CHARTS = 8.0, 40
 
 
-def frame():
-    """Header and arrays common to all maps: the range, and K_c over K_c_qs along eta (eq. 6)."""
-    eta = np.geomspace(*ETA, 241)
-    # a = Dc = sigma = V = 1 and b = 2: K_c_qs is 1, and M is eta.
-    ratio = K_c(1.0, a=1.0, b=2.0, Dc=1.0, sigma=1.0, M=eta)
-    return {"eta": ETA, "ratio": STIFFNESS}, {"line_eta": eta, "line_ratio": ratio}
+#: the range of the map
+SPAN = {"eta": ETA, "ratio": STIFFNESS}
+#: points of the line of K_c
+POINTS = 241
+
+
+def line(slider, V_lp, K_c_qs):
+    """Arrays of K_c over K_c_qs > 0 along eta, which M changes; empty where K_c_qs <= 0."""
+    if K_c_qs <= 0.0:
+        return {"line_eta": np.empty(0), "line_ratio": np.empty(0)}
+    eta = np.geomspace(*ETA, POINTS)
+    M = xarray.DataArray(eta * (slider.sigma * slider.a * slider.Dc / V_lp**2), dims="eta")
+    return {"line_eta": eta, "line_ratio": slider.replace(M=M).K_c(V_lp).values / K_c_qs}
 
 
 def key_of(slider):
-    """(law, b/a with (b - a)/a to 3 digits), which select a slider's chart; None where b <= a."""
+    """What selects a slider's chart: law, and b/a with (b - a)/a to 3 digits; None where b <= a.
+
+    The law alone, where there is no chart for it.
+    """
+    if not slider.friction.one_length:
+        return (slider.law,)
     weakening = float(f"{(slider.b - slider.a) / slider.a:.3g}")
     return (slider.law, 1.0 + weakening) if 1.0 + weakening > 1.0 else None
 
@@ -33,8 +46,10 @@ def key_of(slider):
 def chart(slider, size, deadline):
     """Header and arrays of the answer to "chart" (wire.py).
 
-    ParameterError where b <= a, and where it takes too long; backend.Stopped if it was cancelled.
+    ParameterError where b <= a, for a law that has no chart, and where it takes too long;
+    backend.Stopped if it was cancelled.
     """
+    check_one_length("the map of regimes", slider.law)
     if (key := key_of(slider)) is None:
         raise ParameterError("b <= a: friction never weakens, and there are no regimes to map")
     try:

@@ -7,13 +7,14 @@ from urllib.parse import urlencode
 import numpy as np
 
 from ...errors import ParameterError
-from ...friction.laws import ONE_LENGTH
-from ...model.quantities import POWERS, QUANTITIES, expected, prefixed_unit, readable
+from ...friction.laws import LAW_OF, LAWS, friction_law, known_law
+from ...friction.user_law import MARK
+from ...model.quantities import KINDS, POWERS, QUANTITIES, expected, prefixed_unit, readable
 from ...model.slider import SpringSlider
 from ...model.units import to_si
 from ...paper import parameters as paper
 
-#: the fields of the page, in its order
+#: the fields of the page for every law, in its order
 SYMBOLS = ("a", "b", "Dc", "sigma", "M", "K", "V_lp", "mu0", "V0")
 LONGEST = 64  # characters of an entry
 # Magnitudes [SI] beyond which nothing exists, and numbers overflow.
@@ -21,6 +22,8 @@ SMALLEST, LARGEST = 1e-20, 1e20
 # Digits of values that are not the paper's: all that survive a change of unit.
 DIGITS = 15
 FIG1_STEP = float(np.e * paper.FIG1.V0)
+#: key of scenario files that entries must not have
+LAW_FILE = "law_file"
 _BARE = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf)")
 
 
@@ -50,24 +53,44 @@ def state_of(entries: Any) -> PageState:
     """The `PageState` that these entries describe; `BadEntries` with all that is wrong with them.
 
     entries : dict of strings as typed, symbol -> string, where a number without a unit is in SI;
-        also "law", and perhaps "V_from"
+        also "law", perhaps "V_from", and with others that are not read
     """
     if not isinstance(entries, dict):
         raise BadEntries({"": "entries must be an object of texts, such as {'a': '0.003'}"})
     values: dict[str, float] = {}
     problems: dict[str, str] = {}
-    for field in SYMBOLS if entries.get("V_from") is None else (*SYMBOLS, "V_from"):
+    law = law_of(entries)
+    fields = [*SYMBOLS, *(friction_law(law).parameters if law else ())]
+    for field in fields if entries.get("V_from") is None else [*fields, "V_from"]:
         try:
             values[field] = _value(field, entries.get(field))
         except ParameterError as error:
             problems[field] = str(error)
-    law = str(entries.get("law"))
-    if law not in ONE_LENGTH:
-        problems["law"] = f"law = {law[:LONGEST]!r} is unknown; choose {' or '.join(ONE_LENGTH)}"
+    if law is None or LAW_FILE in entries:
+        problems["law"] = _problem_of_law(entries)
     if problems:
         raise BadEntries(problems)
     V_lp, V_from = values.pop("V_lp"), values.pop("V_from", None)
-    return PageState(SpringSlider(law=law, **values), V_lp, V_from)
+    try:
+        return PageState(SpringSlider(law=law, **values), V_lp, V_from)
+    except ParameterError as error:  # parameters of the law that do not go together
+        raise BadEntries({"law": str(error)}) from None
+
+
+def law_of(entries):
+    """The name of the law in these entries; None if they have none that is known."""
+    return known_law(entries.get("law")) if isinstance(entries, dict) else None
+
+
+def _problem_of_law(entries):
+    """What is wrong with the law: it is not known, or in a file, which no page can have run."""
+    law = str(entries.get("law"))[:LONGEST]
+    if LAW_FILE in entries or MARK in law:
+        return (
+            f"law = {law!r}: the page runs no law file, which is code; end the explorer, and start "
+            f"it with ratestate explore --law-file FILE.py"
+        )
+    return f"law = {law!r} is unknown; choose {' or '.join(LAWS)}"
 
 
 def values_of(entries):
@@ -79,10 +102,36 @@ def values_of(entries):
 
 
 def fields(usual):
-    """list of dicts: symbol, name, unit and usual value [SI], the centre of the field's control."""
-    names = ("symbol", "name", "unit", "usual")
-    rows = [(s, QUANTITIES[s].long_name, QUANTITIES[s].unit, usual[s]) for s in SYMBOLS]
-    return [dict(zip(names, row, strict=True)) for row in rows]
+    """list of dicts: symbol, name, unit and usual value [SI], the centre of the field's control.
+
+    Of a law's own parameters, which follow, the text too with which the field begins.
+    """
+    own = dict.fromkeys(symbol for law in LAWS.values() for symbol in law.parameters)
+    rows = [{"symbol": symbol, "usual": usual[symbol]} for symbol in SYMBOLS]
+    rows += [{"symbol": s, "usual": _value(s, example(s)), "text": example(s)} for s in own]
+    for row in rows:
+        quantity = QUANTITIES[row["symbol"]]
+        row |= {"name": quantity.long_name, "unit": quantity.unit}
+    return rows
+
+
+def example(symbol):
+    """A value of a quantity as a user would type it."""
+    quantity = QUANTITIES[symbol]
+    return (quantity.example or KINDS[quantity.unit][1]).strip("'\"")
+
+
+def menu():
+    """list of dicts, of each law: name, all its names, label and symbols of its own parameters."""
+    return [
+        {
+            "name": name,
+            "names": [known for known, its in LAW_OF.items() if its == name],
+            "label": law.label,
+            "parameters": [*law.parameters],
+        }
+        for name, law in LAWS.items()
+    ]
 
 
 def prefixes():
@@ -135,7 +184,8 @@ def presets():
 def entries_of(slider, V_lp, V_from=None, digits=6):
     """symbol -> text with unit, rounded to `digits`, and law: what `state_of` reads."""
     values = {**slider.values, "V_lp": V_lp}
-    texts = {symbol: readable(symbol, values[symbol], digits) for symbol in SYMBOLS}
+    symbols = (*SYMBOLS, *slider.friction.parameters)
+    texts = {symbol: readable(symbol, values[symbol], digits) for symbol in symbols}
     texts["law"] = slider.law
     return texts | ({} if V_from is None else {"V_from": readable("V_lp", V_from, digits)})
 

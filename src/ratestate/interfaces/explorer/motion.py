@@ -16,7 +16,7 @@ START = 0.1
 FEWEST_CYCLES, MOST_CYCLES, DECAYS = 6.0, 40.0, 1.5
 # Saved points of the cycles shown, at most.
 MOST_POINTS = 12000
-# Slip shown where the motion has no time scale of its own, in Dc.
+# Slip shown where the motion has no time scale of its own, in the longest distance of a state.
 SLIP = 100.0
 # Part of the shown time that comes before a step; at most this many cycles.
 LEAD, LEAD_CYCLES = 0.2, 3
@@ -77,7 +77,8 @@ def _durations(verdict, orbit):
         decay = 3.0 * DECAYS * np.log(10.0) / -verdict.growth_rate
         rings = MOST_CYCLES * 2.0 * np.pi / verdict.omega if verdict.omega > 0.0 else np.inf
         return decay, rings
-    time = SLIP * verdict.slider.Dc / verdict.V_lp
+    slider = verdict.slider
+    time = SLIP * max(map(slider.values.get, slider.friction.states.values())) / verdict.V_lp
     return time, time
 
 
@@ -89,7 +90,7 @@ def _start_settings(slider, V_from, cycle, lead):
     period = times[-1]
     lead = min(lead, LEAD_CYCLES * period)
     i = int(np.argmin(np.abs(times[:-1] - (-lead) % period)))
-    names = ("V", "theta", "tau") if slider.M > 0.0 else ("V", "theta")
+    names = ("V", *slider.friction.states, *(("tau",) if slider.M > 0.0 else ()))
     # the step comes at the stress maximum
     initial = {name: float(cycle[name][i]) for name in names}
     whole = np.floor(lead / period) * period

@@ -10,9 +10,8 @@ from ...dynamics.simulation.cases import failure
 from ...dynamics.verdict import Verdict, result_or_error, verdict_of_cycle
 from ...engine.model import FINISHED
 from ...errors import SolverError
-from ...friction.rate_and_state import mu_ss
+from . import charts
 from .budget import TimeUp
-from .charts import key_of
 from .motion import Plan, plan_of, transient_note
 
 RTOL = 1e-8  # of the cycle
@@ -65,13 +64,15 @@ def picture(state, deadline):
     arrays = _curves("run", run, slider.sigma, study.plan.t_step)
     if verdict.period:
         arrays |= _curves("cycle", study.orbit, slider.sigma, 0.0)
+    arrays |= charts.line(slider, state.V_lp, verdict.K_c_qs)
+    values = {symbol: np.atleast_1d(x) for symbol, x in slider.values.items()}
     header = {
         "values": state.values,
         "numbers": {name: getattr(verdict, name) for name in NUMBERS},
         "sentences": verdict.sentences,
-        "steady": mu_ss(state.V_lp, a=slider.a, b=slider.b, mu0=slider.mu0, V0=slider.V0),
+        "steady": slider.friction.steady_friction(np.array([state.V_lp]), values).item(),
         "notes": study.notes + notes,
-        "chart": key_of(slider),
+        "chart": charts.key_of(slider),
     }
     return header, arrays
 

@@ -34,12 +34,12 @@ class QuestionQueue:
             asyncio.get_running_loop().call_later(self.patience, self.deadline.set)
         return dropped
 
-    async def work(self, ready, send):
-        """Answer questions until cancelled, from the event `ready` on, by the coroutine `send`."""
-        await ready.wait()
+    async def work(self, prepare, send):
+        """Answer questions until cancelled, each after `prepare` (question), by `send` (bytes)."""
         loop = asyncio.get_running_loop()
         while True:
             question = await self.waiting.get()
+            await prepare(question)
             for job in self.jobs:
                 deadline = self.deadline = Deadline(self.seconds, self.whole)
                 deadline.start()

@@ -4,25 +4,21 @@
 """
 
 import asyncio
-import contextlib
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 from starlette.websockets import WebSocketDisconnect
 
-from ...engine.backend import Stopped
 from ...errors import RateStateError
-from ...friction.laws import ONE_LENGTH
+from ...friction.laws import friction_law
 from . import charts, picture, wire
-from .budget import Deadline
-from .entries import fields, prefixes, presets, state_of
+from .entries import example, fields, law_of, menu, prefixes, presets, state_of
 from .exports import NAMES, export
+from .kernels import Kernels
 from .question_queue import QuestionQueue, run_job
 
 # Downloads: how many may wait; seconds for one, and for each part of its work.
 CAPACITY, SECONDS, PART_SECONDS = 8, 10.0, 2.0
-# Seconds that loading the kernels may take: on some machines they are compiled.
-PREPARING = 300.0
 # After so many invalid messages in a row the connection is closed.
 NONSENSE, REFUSED = 20, 1008
 # Seconds for which a picture is still computed after a newer one is requested.
@@ -30,26 +26,23 @@ PATIENCE = 0.4
 
 
 class SharedWork:
-    """Shared by all pages: threads, and whether the kernels are ready."""
+    """Shared by all pages: threads, and the kernels."""
 
     def __init__(self):
         self.pool = ThreadPoolExecutor(2, "explorer")
         self.chart_pool = ThreadPoolExecutor(1, "explorer-chart")
         self.file_pool = ThreadPoolExecutor(1, "explorer-file")
-        self.preparing = Deadline(PREPARING)
-        self.ready = asyncio.Event()
+        self.kernels = Kernels(self.pool, warm_up)
         self.sessions: set[Session] = set()
 
     async def warm(self):
-        """Load the kernels, or compile them, by doing once what pages ask for."""
-        await asyncio.get_running_loop().run_in_executor(self.pool, _warm_up, self.preparing)
-        self.ready.set()
-        greetings = (session.send(wire.answer(None, "ready")) for session in self.sessions)
-        await asyncio.gather(*greetings, return_exceptions=True)  # a page may be gone by then
+        """Prepare the laws of the presets."""
+        for law in dict.fromkeys(law_of(preset["entries"]) for preset in presets()):
+            await self.kernels.prepare(law)
 
     def close(self):
         """End all work."""
-        self.preparing.set()
+        self.kernels.close()
         for session in self.sessions:
             session.stop()
         for pool in (self.pool, self.chart_pool, self.file_pool):
@@ -75,10 +68,10 @@ class Session:
     async def serve(self):
         """Answer until the page is gone."""
         self.shared.sessions.add(self)
-        ready = self.shared.ready
-        tasks = [asyncio.create_task(x.work(ready, self.send)) for x in {*self.queues.values()}]
+        queues = {*self.queues.values()}
+        tasks = [asyncio.create_task(queue.work(self.prepare, self.send)) for queue in queues]
         try:
-            await self.send(_greeting(ready.is_set()))
+            await self.send(_greeting())
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")
         except WebSocketDisconnect:
@@ -89,6 +82,15 @@ class Session:
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def prepare(self, question):
+        """Wait for the kernels of the law of a question, and tell the page so."""
+        law, kernels = law_of(question.entries), self.shared.kernels
+        if law is None or kernels.are_ready(law):
+            return
+        await self.send(wire.answer(None, "preparing"))
+        await kernels.prepare(law)
+        await self.send(wire.answer(None, "ready"))
 
     async def take(self, text):
         """Put a question into its queue; answer an invalid message with its problem."""
@@ -118,12 +120,12 @@ class Session:
             queue.deadline.set()
 
 
-def _greeting(ready):
+def _greeting():
     """The message to a page that was opened."""
-    (span, line), starts = charts.frame(), presets()
+    starts = presets()
     usual = fields(state_of(starts[0]["entries"]).values)
-    header = {"fields": usual, "laws": [*ONE_LENGTH], "prefixes": prefixes(), "presets": starts}
-    return wire.answer(None, "hello", line, ready=ready, span=span, **header)
+    header = {"fields": usual, "laws": menu(), "prefixes": prefixes(), "presets": starts}
+    return wire.answer(None, "hello", span=charts.SPAN, **header)
 
 
 def answer_picture(question, deadline):
@@ -148,11 +150,9 @@ def answer_file(question, deadline):
     return wire.answer(question.id, "file", **text)
 
 
-def _warm_up(deadline):
-    """Do every kind of work once, unless cancelled."""
-    entries = presets()[0]["entries"]
-    for law in ONE_LENGTH:
-        for job in (answer_picture, partial(answer_chart, size=2)):
-            question = wire.Question(0, "picture", entries | {"law": law})
-            with contextlib.suppress(Stopped):
-                run_job(job, question, deadline)
+def warm_up(law, deadline):
+    """Do every kind of work once for a law; backend.Stopped if it was cancelled."""
+    own = {symbol: example(symbol) for symbol in friction_law(law).parameters}
+    question = wire.Question(0, "picture", presets()[0]["entries"] | own | {"law": law})
+    for job in (answer_picture, partial(answer_chart, size=2)):
+        run_job(job, question, deadline)

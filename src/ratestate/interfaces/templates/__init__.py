@@ -1,11 +1,15 @@
 """Scenario files to start from, with the data that they need beside them.
 
 `ratestate init` writes them.  A file begins with a comment: its first line says what the file is,
-and lines that begin with ``ratestate`` are commands to try, each with what it shows.
+and lines that begin with ``ratestate`` are commands to try, each with what it shows.  A file leaves
+its friction law to `template`: $law stands for it, $others for those that may take its place.
 """
 
 import re
+import string
 from importlib import resources
+
+from ...friction.laws import DEFAULT, LAWS
 
 #: what there is, in the order of `ratestate init --list`
 TEMPLATES = (
@@ -13,6 +17,12 @@ TEMPLATES = (
     *("slide-hold-slide", "stiff-rig", "sinusoid", "recorded-loading", "brake-map"),
     *("fig2", "fig3", "fig4", "fig6", "million"),
 )
+
+#: template -> its friction law, where that is not the default one
+LAW = dict.fromkeys(("lab", "fault", "slide-hold-slide", "recorded-loading", "fig6"), "aging")
+
+# Laws with the parameters of every slider alone.
+_LAWS = [name for name, law in LAWS.items() if not law.parameters]
 
 
 def template(name: str) -> str:
@@ -38,7 +48,10 @@ def template(name: str) -> str:
         from ..scenario.problems import choice  # which takes a second to import
 
         choice(name, TEMPLATES)
-    return _text(f"{name}.toml")
+    own = LAW.get(name, DEFAULT)
+    others = [law for law in _LAWS if law != own]
+    named = {"law": own, "other": others[0], "others": " or ".join(f'"{law}"' for law in others)}
+    return string.Template(_text(f"{name}.toml")).substitute(named)
 
 
 def files_of(name: str) -> dict[str, str]:

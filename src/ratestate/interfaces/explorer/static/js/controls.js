@@ -1,9 +1,10 @@
 // Everything that is set by hand: fields, law, preset, velocity step; and what is wrong with it.
 
-import { $, element } from "./dom.js";
+import { $ } from "./dom.js";
 import { Field } from "./fields.js";
 import { entry, shown } from "./numbers.js";
 import { number } from "./wire.js";
+import { learnSymbols } from "./words.js";
 
 const REFERENCE = ["mu0", "V0"];
 
@@ -14,15 +15,17 @@ export class Controls {
    */
   constructor(specs, laws, presets, entries, ask, whenRead) {
     Object.assign(this, { presets, entries, ask, whenRead, fields: {} });
+    this.ofLaw = Object.fromEntries(laws.flatMap(({ names, parameters }) => names.map((name) => [name, parameters])));
+    this.own = new Set(laws.flatMap(({ parameters }) => parameters));
+    this.texts = {}; // of the laws' own parameters, those of laws that are not shown too
+    learnSymbols(this.own);
     for (const spec of specs) {
       const field = new Field(spec, (name, text, stamp) => this.change({ [name]: text }, stamp));
       this.fields[spec.symbol] = field;
-      $(REFERENCE.includes(spec.symbol) ? "reference" : "fields").append(field.element);
+      $(REFERENCE.includes(spec.symbol) ? "reference" : this.own.has(spec.symbol) ? "own" : "fields").append(field.element);
+      if (this.own.has(spec.symbol)) this.texts[spec.symbol] = spec.text;
     }
-    for (const law of laws) {
-      const radio = element("input", { type: "radio", name: "law", value: law });
-      $("law-problem").before(element("label", {}, radio, ` ${law}`), " ");
-    }
+    for (const { name, label } of laws) $("law").add(new Option(label, name));
     presets.forEach(({ title }, i) => $("presets").add(new Option(title, i)));
     this.listen();
     const linked = entries.linked();
@@ -35,9 +38,10 @@ export class Controls {
       const chosen = this.presets[event.target.value];
       if (chosen) this.take({ V_from: null, ...chosen.entries }, event.timeStamp);
     });
-    for (const radio of document.getElementsByName("law")) {
-      radio.addEventListener("change", (event) => this.change({ law: radio.value }, event.timeStamp));
-    }
+    $("law").addEventListener("change", (event) => {
+      $("presets").value = "";
+      this.take({ law: event.target.value }, event.timeStamp);
+    });
     // The second click of a double one is no second step.
     $("step").addEventListener("click", (event) => event.detail < 2 && this.whenRead(() => this.step(event)));
     $("unstep").addEventListener("click", (event) => this.whenRead(() => this.unstep(event)));
@@ -64,9 +68,20 @@ export class Controls {
   }
 
   show(texts) {
-    this.entries.set(texts);
-    for (const [name, field] of Object.entries(this.fields)) field.show(this.entries.texts[name] ?? "");
-    for (const radio of document.getElementsByName("law")) radio.checked = radio.value === this.entries.texts.law;
+    this.entries.set(this.withOwn(texts));
+    for (const [name, field] of Object.entries(this.fields)) {
+      field.show(this.entries.texts[name] ?? "");
+      field.element.hidden = !(name in this.entries.texts) && this.own.has(name);
+    }
+    $("law").value = this.entries.texts.law;
+  }
+
+  /** These texts, with those of the law's own parameters, and without those of other laws'. */
+  withOwn(texts) {
+    const law = texts.law ?? this.entries.texts.law;
+    for (const name of this.own) this.texts[name] = texts[name] ?? this.entries.texts[name] ?? this.texts[name];
+    const own = [...this.own].map((name) => [name, this.ofLaw[law]?.includes(name) ? this.texts[name] : null]);
+    return { ...texts, ...Object.fromEntries(own) };
   }
 
   /** Step the load point's speed from where it is. */
@@ -107,7 +122,9 @@ export class Controls {
     this.values = values;
     this.entries.accept();
     this.explainAll();
+    if (values.law !== this.entries.texts.law && !("law" in this.entries.refused)) this.show({ law: values.law });
     for (const [name, field] of Object.entries(this.fields)) {
+      if (!(name in values)) continue;
       field.place(number(values[name]));
       if (!(name in this.entries.refused)) this.rename(name, field.complete());
     }

@@ -18,7 +18,7 @@ export class Entries {
 
   /** The server can use what was asked for. */
   accept() {
-    this.valid = this.asked();
+    this.valid = { ...this.valid, V_from: undefined, ...this.asked() };
   }
 
   /** The server cannot use these: name -> why; whether that is new. */

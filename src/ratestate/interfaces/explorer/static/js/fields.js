@@ -15,6 +15,7 @@ export class Field {
   constructor(spec, change) {
     this.spec = spec;
     this.change = change;
+    this.sign = 1; // of the value: the slider sets its size
     this.element = this.build();
   }
 
@@ -50,7 +51,7 @@ export class Field {
       typed(event);
     });
     this.slider.addEventListener("input", (event) => {
-      this.input.value = entry(10 ** Number(this.slider.value), this.spec.unit);
+      this.input.value = entry(this.sign * 10 ** Number(this.slider.value), this.spec.unit);
       this.tell(this.input.value, event.timeStamp);
     });
     this.slider.addEventListener("change", () => this.recentre(Number(this.slider.value)));
@@ -84,7 +85,8 @@ export class Field {
   place(value) {
     this.value = value;
     if (document.activeElement === this.slider && this.slider.matches(":active")) return;
-    const at = Math.log10(value);
+    this.sign = value < 0 ? -1 : 1;
+    const at = Math.log10(Math.abs(value));
     if (!Number.isFinite(at)) {
       this.slider.value = value > 0 ? this.slider.max : this.slider.min;
     } else {

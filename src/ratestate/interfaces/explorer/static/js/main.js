@@ -95,18 +95,23 @@ function askChart() {
 // ---- answers
 
 function answer(found) {
-  ({ hello, ready: () => say(""), picture: arrived, chart, file, problem })[found.kind](found);
+  ({ hello, preparing, ready: () => say(""), picture: arrived, chart, file, problem })[found.kind](found);
 }
 
-function hello({ fields, laws, prefixes, presets, ready, span, arrays }) {
+function hello({ fields, laws, prefixes, presets, span }) {
   learnPrefixes(prefixes);
-  map.open(span, arrays);
+  map.open(span);
   const names = [...fields.map((field) => field.symbol), "law", "V_from"];
-  controls ??= new Controls(fields, laws, presets, new Entries(names, presets[0].entries), ask, whenRead);
+  const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
+  controls ??= new Controls(fields, laws, presets, new Entries(names, { ...own, ...presets[0].entries }), ask, whenRead);
   waiting = [];
-  say(ready ? "" : "Preparing the solver for this machine, up to a minute, once \u2026");
+  say("");
   chartKey = "";
   ask();
+}
+
+function preparing() {
+  say("Preparing the solver for this law on this machine, up to a minute, once \u2026");
 }
 
 function arrived(found) {
@@ -158,7 +163,7 @@ function say(text, isLost = false) {
 
 function draw() {
   frame = 0;
-  const { values, numbers, id } = picture;
+  const { values, numbers, arrays, id } = picture;
   if (id === pending) {
     say("");
     controls.accept(values);
@@ -166,7 +171,7 @@ function draw() {
   tell(picture, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") });
   traces.draw(picture);
   phase.draw(picture);
-  map.draw(numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null);
+  map.draw(numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null, arrays);
   describe(picture);
   document.body.dataset.drawn = id;
   drawn(id);

@@ -1,4 +1,4 @@
-// The map of all sliders of one b/a: K/K_c_qs and eta, with the atlas behind, and the user's as a dot.
+// The map: K/K_c_qs and eta, with K_c, the atlas behind where there is one, and the user's slider as a dot.
 
 import { writeLabel } from "./labels.js";
 import { Legend, REGIMES } from "./legend.js";
@@ -24,11 +24,10 @@ export class StabilityMap {
     onTheme(() => this.paint());
   }
 
-  /** The axes, and K_c along them. */
-  open(span, line) {
+  /** The axes. */
+  open(span) {
     [this.plane.x.low, this.plane.x.high] = span.ratio;
     [this.plane.y.low, this.plane.y.high] = span.eta;
-    this.line = line;
   }
 
   /** The atlas for the law and b/a shown; null while it is not known. */
@@ -56,10 +55,13 @@ export class StabilityMap {
     this.image = image;
   }
 
-  /** at: {ratio, eta} of the slider shown, or null where there is no K_c_qs */
-  draw(at = this.at) {
-    this.at = at;
-    if (!this.line) return;
+  /**
+   * at: {ratio, eta} of the slider shown, or null where there is no K_c_qs
+   * line: {line_eta, line_ratio}, K_c over K_c_qs along eta
+   */
+  draw(at = this.at, line = this.line) {
+    Object.assign(this, { at, line });
+    if (!line) return;
     const { plane } = this;
     plane.begin();
     if (this.chart) this.backdrop();
@@ -69,8 +71,8 @@ export class StabilityMap {
         c.font = `13px ${FONT}`;
         c.textAlign = "center";
         c.fillStyle = color("muted");
-        c.fillText("b \u2264 a: friction never weakens,", plane.box.left + plane.box.width / 2, plane.box.top + plane.box.height / 2 - 10);
-        c.fillText("and sliding is steady everywhere", plane.box.left + plane.box.width / 2, plane.box.top + plane.box.height / 2 + 10);
+        c.fillText("Friction does not weaken with velocity,", plane.box.left + plane.box.width / 2, plane.box.top + plane.box.height / 2 - 10);
+        c.fillText("and sliding is steady at any stiffness", plane.box.left + plane.box.width / 2, plane.box.top + plane.box.height / 2 + 10);
         return;
       }
       plane.curve(this.line.line_ratio, this.line.line_eta, color("text"), 1.8);

@@ -20,7 +20,7 @@ export function describe({ sentences, numbers, values }) {
 }
 
 function place({ K_c_qs, eta, regime }, { K }) {
-  if (!(K_c_qs > 0)) return "there are none: b <= a";
+  if (!(K_c_qs > 0)) return "there are none: friction does not weaken";
   return `K/K_c_qs is ${plain(number(K) / K_c_qs)}, eta ${plain(number(eta))}, the regime ${regime}`;
 }
 

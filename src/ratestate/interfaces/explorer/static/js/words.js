@@ -27,9 +27,22 @@ const SYMBOLS = {
 const NAMES = Object.keys(SYMBOLS).filter((name) => !["a", "f"].includes(name));
 const PATTERN = new RegExp(`(?<![\\w/'"])(${NAMES.join("|")})(?![\\w/'"^])`);
 
+// A symbol of a law's own: that of another quantity or a letter, and what is below the line.
+const OWN = new RegExp(`^(${Object.keys(SYMBOLS).filter((name) => /^\w+$/.test(name)).sort((a, b) => b.length - a.length).join("|")}|[A-Za-z])_?([A-Za-z0-9]*)$`);
+const own = new Set();
+
+/** Take the symbols of the laws' own parameters. */
+export function learnSymbols(names) {
+  for (const name of names) own.add(name);
+}
+
 /** A symbol as [[tag, text], ...]; of what is no known symbol, its own letters. */
 export function parts(name) {
-  return Object.hasOwn(SYMBOLS, name) ? SYMBOLS[name] : [["", name]];
+  if (Object.hasOwn(SYMBOLS, name)) return SYMBOLS[name];
+  const found = own.has(name) && name.match(OWN);
+  if (!found) return [["", name]];
+  const known = SYMBOLS[found[1]] ?? [["i", found[1]]];
+  return found[2] ? [...known, ["sub", found[2]]] : known;
 }
 
 /** The same as nodes. */
