@@ -9,6 +9,8 @@ import pytest
 from textbook import OF_LAW
 
 import ratestate as rs
+from ratestate.friction.laws import LAW_OF, LAWS, ONE_LENGTH
+from ratestate.model.quantities import QUANTITIES
 
 # Other examples at each run, and more of them: --hypothesis-profile=default.  A busy machine
 # breaks deadlines.
@@ -30,6 +32,22 @@ KERNELS = {
 
 def pytest_addoption(parser):
     parser.addoption("--draw-anew", action="store_true", help="take pictures as they are for right")
+
+
+@pytest.fixture
+def law_file(tmp_path):
+    """Writes a law file, and forgets what it has registered."""
+    before = [(table, dict(table)) for table in (LAWS, LAW_OF, ONE_LENGTH, QUANTITIES)]
+
+    def write(text, name="mine.py"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    yield write
+    for table, old in before:
+        table.clear()
+        table.update(old)
 
 
 @pytest.fixture

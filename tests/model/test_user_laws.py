@@ -6,81 +6,11 @@ import sys
 
 import numpy as np
 import pytest
+from user_laws import CUBIC, MINE, PLAIN
 
 import ratestate as rs
-from ratestate.friction.laws import LAW_OF, LAWS, ONE_LENGTH
-from ratestate.model.quantities import QUANTITIES
 
-#: the aging law where m = 1, with an exponent m else, in the first derivatives alone
-MINE = """
-import ratestate as rs
-
-class Mine(rs.FrictionLaw):
-    name = "mine"
-    parameters = {"m": rs.Parameter("1", "exponent of the state", "> 0", "1.5")}
-
-    def coefficients(self, V_ref, slider):
-        return slider.b / slider.a, slider.m
-
-    def exponents(self, v, w, psi, p):
-        return -psi[0], p[1] * (v + psi[0]) - psi[0]
-
-    def rates(self, v, w, psi, e, p):
-        return ((e[0] - e[1]) / p[1],)
-
-    def rate_partials(self, v, w, psi, e, p):
-        return (-e[1],), ((-e[0] - (p[1] - 1.0) * e[1]) / p[1],)
-"""
-#: a law in three lines, to which a test adds a mistake
-PLAIN = """
-import ratestate as rs
-
-class Plain(rs.FrictionLaw):
-    name = "plain"
-
-    def rates(self, v, w, psi, e, p):
-        return (-w * (v + psi[0]),)
-
-    def rate_partials(self, v, w, psi, e, p):
-        return (-w * (v + psi[0]) - w,), (-w,)
-"""
-#: slip law about another steady state, which has to be found
-CUBIC = """
-import ratestate as rs
-
-class Cubic(rs.FrictionLaw):
-    name = "cubic"
-    parameters = {"q": rs.Parameter("1", "offset", "> 0", "0.5")}
-
-    def coefficients(self, V_ref, slider):
-        return slider.b / slider.a, slider.q
-
-    def rates(self, v, w, psi, e, p):
-        z = v + psi[0]
-        return (-w * (z - p[1] + 0.1 * z**3),)
-
-    def rate_partials(self, v, w, psi, e, p):
-        z = v + psi[0]
-        slope = 1.0 + 0.3 * z * z
-        return (-w * (z - p[1] + 0.1 * z**3 + slope),), (-w * slope,)
-"""
 COMMON = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
-
-
-@pytest.fixture
-def law_file(tmp_path):
-    """Writes a law file, and forgets what it has registered."""
-    before = [(table, dict(table)) for table in (LAWS, LAW_OF, ONE_LENGTH, QUANTITIES)]
-
-    def write(text, name="mine.py"):
-        path = tmp_path / name
-        path.write_text(text)
-        return path
-
-    yield write
-    for table, old in before:
-        table.clear()
-        table.update(old)
 
 
 def test_a_law_file_works_like_a_built_in_law(law_file):

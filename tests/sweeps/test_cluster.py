@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import xarray
 from misbehaving import BAD, Deadly, Ending, Raising, Slow, bad
+from user_laws import MINE
 
 import ratestate as rs
 from ratestate.dynamics.cycles.limit_cycle import LimitCycleCall, limit_cycle, limit_cycle_call
@@ -192,6 +193,23 @@ def test_the_same_bits_as_here(client, verb, store, tmp_path):
     path = tmp_path / "x.zarr" if store else None
     found = sweep(verb, client=client, chunk=5, store=path)
     xarray.testing.assert_identical(found.load(), sweep(verb))
+
+
+def test_workers_are_given_a_users_law(client, law_file):
+    """By its source, on a cluster and in a process of their own: its file may be gone."""
+    path = law_file(MINE)
+    slider = SLIDER.replace(law=rs.register(path), m=xarray.DataArray([1.0, 1.5], dims="m"))
+    path.unlink()
+    how = {"V_lp": 3e-3, "progress": False}
+    here = rs.sweep("stability", slider, **how)
+    assert "@" in json.loads(here.attrs["slider"])["law"]
+    found = rs.sweep("stability", slider, client=client, chunk=5, **how)
+    xarray.testing.assert_identical(found.load(), here)
+    _, call = calls.call_of("stability", slider, {"V_lp": 3e-3})
+    specs = form_of(call).specs
+    with contextlib.closing(subprocesses._Process("cpu", specs)) as process:
+        answer = process.solve(cut(call, {"M": slice(0, 2)}))
+    np.testing.assert_array_equal(answer["K_c"].values, here.K_c.isel(M=slice(0, 2)).values)
 
 
 def test_chunks_by_a_probe(client, alone):

@@ -11,12 +11,15 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from user_laws import MINE
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import ratestate as rs
 from ratestate.dynamics.simulation.simulate import SimulateCall
 from ratestate.engine.backend import Stopped
+from ratestate.friction.laws import LAWS
+from ratestate.interfaces import scenario
 from ratestate.interfaces.explorer import (
     charts,
     entries,
@@ -30,6 +33,7 @@ from ratestate.interfaces.explorer import (
 from ratestate.interfaces.explorer.app import MOST_PAGES, Guard
 from ratestate.interfaces.explorer.budget import Deadline
 from ratestate.interfaces.explorer.entries import entries_of, presets
+from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG4
 
 STICK_SLIP = presets()[0]["entries"]
@@ -99,6 +103,98 @@ class TestEntries:
     def test_presets_are_the_papers(self):
         assert all(entries.state_of(preset["entries"]) for preset in presets())
         assert entries.state_of(STICK_SLIP).slider == FIG4
+
+
+#: law -> texts of its own parameters
+OWN = {name: {s: entries.example(s) for s in law.parameters} for name, law in LAWS.items()}
+
+
+class TestLaws:
+    @pytest.mark.parametrize("law", LAWS)
+    def test_every_law_is_shown(self, law):
+        """The page shows what the library finds, from a step between two motions."""
+        texts = STICK_SLIP | OWN[law] | {"law": law, "K": "300 MPa/m", "V_from": "50 um/s"}
+        state = entries.state_of(texts)
+        assert {s: state.values[s] for s in OWN[law]} == {
+            s: to_si(s, text) for s, text in OWN[law].items()
+        }
+        header, arrays = painted(texts)
+        cycle = rs.limit_cycle(state.slider, state.V_lp)
+        assert header["numbers"]["regime"] == "stick-slip"
+        assert header["numbers"]["period"] == pytest.approx(float(cycle.period), rel=1e-6)
+        assert header["values"]["law"] == law
+        steady = rs.stability(state.slider, state.V_lp)
+        assert header["numbers"]["K_c"] == float(steady.K_c)
+        stiff = state.slider.replace(K=1e13)
+        settled = rs.simulate(stiff, rs.Loading.constant(1e-4), 1e-3, V_start=1e-4)
+        assert header["steady"] == pytest.approx(float(settled.mu[0]), rel=1e-12)
+        # it starts on the cycle at the speed before the step
+        before = arrays["run_time"] < 0.0
+        assert np.ptp(arrays["run_stress"][before]) > 0.01
+        text = exports.export("scenario", state, Deadline(20.0))["text"]
+        assert scenario.loads(text).slider == state.slider
+
+    @pytest.mark.parametrize("law", LAWS)
+    def test_the_map_has_its_K_c(self, law):
+        state = entries.state_of(VIBRATION | OWN[law] | {"law": law})
+        steady = rs.stability(state.slider, state.V_lp)
+        line = charts.line(state.slider, state.V_lp, float(steady.K_c_qs))
+        at = np.interp(np.log(float(steady.eta)), np.log(line["line_eta"]), line["line_ratio"])
+        assert at == pytest.approx(float(steady.K_c / steady.K_c_qs), rel=1e-2)
+
+    def test_the_map_of_regimes_says_for_which_laws_it_is(self):
+        state = entries.state_of(VIBRATION | OWN["nagata"] | {"law": "nagata"})
+        assert charts.key_of(state.slider) == ("nagata",)
+        with pytest.raises(rs.ParameterError, match="the map of regimes is for laws of one state"):
+            charts.chart(state.slider, 4, Deadline(60.0))
+
+    def test_laws_and_their_fields_are_told(self, law_file):
+        name = rs.register(law_file(MINE))
+        told = {row["name"]: row for row in entries.menu()}
+        assert list(told) == [*LAWS]
+        assert told["two-state-slip"]["parameters"] == ["b2", "Dc2"]
+        assert told["two-state-slip"]["label"] == LAWS["two-state-slip"].label
+        assert {"aging", "dieterich"} <= {*told["aging"]["names"]}
+        assert told[name]["names"] == [name, "mine"]
+        fields = {row["symbol"]: row for row in entries.fields(entries.state_of(VIBRATION).values)}
+        assert list(fields)[: len(entries.SYMBOLS)] == [*entries.SYMBOLS]
+        assert fields["Dc2"] == {
+            "symbol": "Dc2",
+            "name": "critical slip distance of the second state",
+            "unit": "m",
+            "usual": 1e-4,
+            "text": "100 um",
+        }
+        assert fields["m"]["text"] == "1.5"
+
+    def test_a_users_law_is_known_if_it_was_registered(self, law_file):
+        path = law_file(MINE)
+        texts = VIBRATION | {"law": "mine", "m": "1.5"}
+        with pytest.raises(entries.BadEntries, match="law = 'mine' is unknown; choose slip or"):
+            entries.state_of(texts)
+        name = rs.register(path)
+        slider = entries.state_of(texts).slider
+        assert (slider.law, slider.m) == (name, 1.5)
+        header, arrays = painted(entries_of(slider, 1e-3))
+        assert "limit_cycle needs derivatives that the law does not give" in header["sentences"][0]
+        assert arrays["run_time"].size > 10  # the run is shown all the same
+
+    @pytest.mark.parametrize("more", [{"law": "mine@12345678"}, {"law_file": "mine.py"}])
+    def test_no_page_has_a_law_file_run(self, more, law_file, tmp_path, monkeypatch):
+        law_file("raise SystemExit")
+        monkeypatch.chdir(tmp_path)
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | more)
+        (said,) = caught.value.problems.values()
+        assert said.startswith(f"law = '{more.get('law', 'slip')}': the page runs no law file")
+        assert said.endswith("start it with ratestate explore --law-file FILE.py")
+
+    def test_parameters_that_do_not_go_together_are_said_of_the_law(self):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | {"law": "nagata", "c": "2.0", "b": "0"})
+        assert caught.value.problems == {
+            "law": "law = 'nagata': b = 0 where c > 0; give another b, or c = 0"
+        }
 
 
 class TestWire:
@@ -290,8 +386,6 @@ class TestExports:
         texts = {ask: exports.export(ask, state, Deadline(20.0))["text"] for ask in exports.NAMES}
         file = tmp_path / "ratestate.toml"
         file.write_text(texts["scenario"])
-        from ratestate.interfaces import scenario
-
         loaded = scenario.run(scenario.load(file))
         lines: dict = {}
         exec(texts["python"], lines)

@@ -22,10 +22,10 @@ EXPLORE = [
 
 
 @contextlib.contextmanager
-def serving(port=0):
+def serving(port=0, *options):
     """An explorer in a process of its own, ended by Ctrl-C."""
     process = subprocess.Popen(
-        [sys.executable, *EXPLORE, str(port)],
+        [sys.executable, *EXPLORE, str(port), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -9,6 +9,7 @@ import latency
 import numpy as np
 import pytest
 from conftest import serving
+from user_laws import MINE
 
 import ratestate as rs
 from ratestate.interfaces import scenario
@@ -18,6 +19,7 @@ DRAWN = """() => { const { asked, drawn } = document.body.dataset;
     return asked && Number(drawn) >= Number(asked) }"""
 NUMBERS = """() => Object.fromEntries([...document.querySelectorAll('#numbers div')].map(
     group => [group.firstChild.textContent, group.lastChild.textContent]))"""
+INNER = "all => all.map(e => e.innerHTML)"
 DOT = """() => { const box = document.querySelector('#dot').getBoundingClientRect();
     return [box.x + box.width / 2, box.y + box.height / 2] }"""
 
@@ -330,6 +332,57 @@ def test_a_velocity_step_and_back(show):
     shown.wait()
     assert shown.entry("V_lp") == "100 um/s"
     assert not shown.page.is_visible("#stepped")
+
+
+def test_a_law_has_its_own_fields(show):
+    shown = show()
+    own = ["b2", "Dc2"]
+    assert not any(shown.page.is_visible(f"#entry-{symbol}") for symbol in own)
+    shown.page.select_option("#law", label="two-state slip law")
+    shown.wait()
+    assert [shown.entry(symbol) for symbol in own] == ["0.002", "100 um"]
+    labels = shown.page.eval_on_selector_all("#own .field:not([hidden]) .symbol", INNER)
+    assert labels == ["<i>b</i><sub>2</sub>", "<i>D</i><sub>c</sub><sub>2</sub>"]
+    shown.type("b2", "-0.001")
+    shown.wait()
+    slider = FIG4.replace(law="two-state-slip", b2=-0.001, Dc2=1e-4)
+    K_c = float(rs.stability(slider, 1e-4).K_c)
+    assert shown.numbers["Kc"] == f"{K_c / 1e9:.4g} GPa/m"
+    shown.page.focus("#slider-b2")
+    shown.page.keyboard.press("PageUp")  # larger, of the same sign
+    shown.wait()
+    assert float(shown.entry("b2")) < -0.001
+    assert "the map of regimes is for laws of one state" in shown.text("#map-note")
+    shown.type("Dc2", "2 MPa")
+    shown.page.wait_for_selector("#problem-Dc2:not([hidden])")
+    shown.type("Dc2", "0.2 mm")
+    shown.page.wait_for_timeout(300)
+    link = shown.page.evaluate("location.href")
+    assert "Dc2=0.2+mm" in link
+    # another law has none of them, nor has the link; and they come back as they were
+    shown.page.select_option("#law", "aging")
+    shown.wait()
+    shown.page.wait_for_timeout(300)
+    assert not any(shown.page.is_visible(f"#entry-{symbol}") for symbol in own)
+    assert "Dc2" not in shown.page.evaluate("location.href")
+    shown.page.select_option("#law", "two-state-slip")
+    shown.wait()
+    assert shown.entry("Dc2") == "0.2 mm"
+    other = show(link.partition("#")[2])
+    assert other.page.input_value("#law") == "two-state-slip"
+    assert other.entry("Dc2") == "0.2 mm"
+
+
+def test_a_law_file_is_in_the_menu(browser, law_file):
+    with serving("0", "--law-file", str(law_file(MINE))) as server:
+        shown = Shown(browser, server.address)
+        name = shown.page.eval_on_selector("#law option[value^=mine]", "o => o.value")
+        shown.page.select_option("#law", name)
+        shown.wait()
+        assert shown.entry("m") == "1.5"
+        assert "limit_cycle needs derivatives" in shown.text("#headline")
+        shown.context.close()
+        assert shown.complaints == []
 
 
 def test_a_link_holds_everything(show):

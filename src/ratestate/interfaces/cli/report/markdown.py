@@ -15,6 +15,7 @@ from ....records.fitting.by_law import results_by_law
 from ....records.fitting.fit import fit
 from ....records.fitting.table import estimate_rows, noise_text, short_name
 from ....records.fitting.text import fixed_parameters, identifiability_by_law, labelled_warnings
+from ...scenario.as_python import registration
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 #: how each report begins
@@ -147,7 +148,9 @@ def _python(request: FitRequest, slider: SpringSlider, result: xarray.Dataset) -
     best = (
         request.laws[int(result["aic_difference"].values.argmin())] if len(request.laws) > 1 else ""
     )
+    registered = [line for law in request.laws for line in registration(law)]
     return {
+        "registration": "".join(f"{line}\n" for line in registered),
         "reading": ", ".join([repr(request.file.as_posix()), *_arguments(request.reading)]),
         "slider": repr(slider)
         .replace("(", "(\n    ")

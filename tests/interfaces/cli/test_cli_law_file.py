@@ -1,0 +1,143 @@
+"""Commands with a friction law in a file of the user's."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+from user_laws import MINE
+
+import ratestate as rs
+from ratestate import files
+from ratestate.friction.laws import LAW_OF, LAWS
+from ratestate.interfaces import explorer
+from ratestate.interfaces.cli import main, run_fit
+from ratestate.interfaces.cli.report.markdown import _python
+from ratestate.paper import atlas, figures
+
+TEXT = """[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "2 MPa"
+K = "900 MPa/m"
+M = 3000
+m = 1.5
+
+[loading]
+V_lp = "1 mm/s"
+
+[run]
+t_end = "0.05 s"
+"""
+
+
+@pytest.fixture
+def mine(law_file, tmp_path, monkeypatch):
+    """The name of the law of mine.py, which lies in the current folder beside mine.toml."""
+    name = rs.register(law_file(MINE))
+    forget(name)
+    (tmp_path / "mine.toml").write_text(TEXT)
+    monkeypatch.chdir(tmp_path)
+    return name
+
+
+def forget(name):
+    """Let a law be one that is not known."""
+    del LAWS[name], LAW_OF[name], LAW_OF[name.partition("@")[0]]
+
+
+def call(*arguments, **how):
+    return CliRunner().invoke(main, [*map(str, arguments)], **how)
+
+
+def words(text):
+    """A message without the frame and the line breaks that typer gives it."""
+    return " ".join(re.sub(r"[^\x00-\x7f]", " ", text).split())
+
+
+def test_a_run_takes_its_law_from_the_option_and_is_repeated_by_it(mine):
+    done = call("run", "mine.toml", "--law-file", "mine.py", "--out", "first.nc")
+    assert done.exit_code == 0
+    assert "whether a large disturbance" in done.stdout  # though the law cannot have it sought
+    assert f"law = '{mine}': limit_cycle needs derivatives" in done.stdout
+    first = files.read("first.nc")
+    assert json.loads(first.attrs["slider"])["law"] == mine
+    forget(mine)
+    refused = call("run", "--from", "first.nc")
+    assert refused.exit_code == 2
+    assert refused.stderr.startswith(f"error: the result is of the law '{mine}', a user's own")
+    assert mine not in LAWS  # no code was run
+    assert (
+        call("run", "--from", "first.nc", "--law-file", "mine.py", "--out", "b.nc").exit_code == 0
+    )
+    np.testing.assert_array_equal(files.read("b.nc").tau, first.tau)
+
+
+def test_standard_input_takes_no_law_file_but_that_of_the_option(mine):
+    text = TEXT.replace("m = 1.5", 'm = 1.5\nlaw_file = "mine.py"')
+    refused = call("stability", "-", input=text)
+    assert "'mine.py' is code, which is run for a scenario file only" in refused.stderr
+    assert mine not in LAWS
+    done = call("stability", "-", "--law-file", "mine.py", "--json", input=text)
+    assert json.loads(done.stdout)["attrs"]["slider"]["law"] == mine
+
+
+def test_a_store_is_of_the_law_by_its_hash(mine, law_file):
+    text = TEXT.replace("m = 1.5", 'law_file = "mine.py"').partition("[run]")[0]
+    Path("mine.toml").write_text(f"{text}[sweep]\nverb = 'stability'\nm = [1.0, 1.5]\n")
+    done = call("sweep", "mine.toml", "--store", "s.zarr")
+    assert (done.exit_code, "2 finished" in done.stdout) == (0, True)
+    forget(mine)
+    assert call("sweep", "--status", "--store", "s.zarr").exit_code == 0  # needs no law
+    assert mine not in LAWS
+    law_file(MINE + "\n")
+    status = call("sweep", "mine.toml", "--status", "--store", "s.zarr")
+    assert f"law: {mine} in the store, mine@" in status.stdout
+
+
+@pytest.mark.parametrize("command", ["stability", "cycle", "sweep", "branch"])
+def test_a_file_that_is_not_there_is_named(command, mine):
+    more = ["--store", "s.zarr"] if command == "sweep" else []
+    done = call(command, "mine.toml", "--law-file", "none.py", *more)
+    assert done.exit_code == 2
+    assert done.stderr == "error: law file none.py cannot be read: No such file or directory\n"
+
+
+def test_figures_and_the_atlas_are_of_the_law_of_the_file(mine, monkeypatch, tmp_path):
+    asked = []
+    monkeypatch.setattr(figures, "make", lambda key, law, out: asked.append(law) or [])
+    monkeypatch.setattr(atlas, "make", lambda law, out, **_: asked.append(law) or [])
+    for command in (["figures", "2"], ["atlas"]):
+        assert call(*command, "--law-file", "mine.py").exit_code == 0
+        assert call(*command, "--law-file", "mine.py", "--law", "mine").exit_code == 0
+        other = call(*command, "--law-file", "mine.py", "--law", "prz")
+        assert other.exit_code == 2
+        said = f"'prz': the law of mine.py is '{mine}'; name it too, or leave --law out"
+        assert said in words(other.stderr)
+    assert asked == [mine] * 4
+
+
+def test_a_fit_is_of_the_law_of_the_file_and_its_report_registers_it(mine, monkeypatch, tmp_path):
+    asked = []
+    monkeypatch.setattr(run_fit, "fit_and_report", lambda request, *_: asked.append(request))
+    for laws in ([], ["--law", "prz,mine"]):
+        assert call("fit", "x.txt", "--law-file", "mine.py", *laws).exit_code == 0
+    assert [request.laws for request in asked] == [(mine,), ("prz", mine)]
+    slider = rs.SpringSlider(a=0.01, b=0.01, Dc=1e-5, sigma=1e6, K=1e9, law=mine, m=1.0)
+    lines = _python(asked[0], slider, None)["registration"]
+    assert lines == f'rs.register("{tmp_path / "mine.py"}")\n'
+    assert _python(asked[0]._replace(laws=("prz",)), slider, None)["registration"] == ""
+
+
+def test_the_explorer_opens_with_the_law_of_the_file(mine, monkeypatch):
+    opened = []
+    monkeypatch.setattr(explorer, "serve", lambda **how: opened.append(how["fragment"]))
+    assert call("explore", "mine.toml", "--law-file", "mine.py").exit_code == 0
+    assert f"law={mine.replace('@', '%40')}&" in opened[0] + "&"
+    assert "m=1.5" in opened[0]
+    forget(mine)
+    assert call("explore", "--law-file", "mine.py").exit_code == 0
+    assert mine in LAWS

@@ -1,0 +1,171 @@
+"""Scenarios whose friction law is in a file of the user's."""
+
+import pytest
+from user_laws import MINE, PLAIN
+
+import ratestate as rs
+from ratestate import ParameterError
+from ratestate.friction.laws import LAW_OF, LAWS
+from ratestate.interfaces.scenario import from_result, load, loads, python, toml
+
+TEXT = """[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+sigma = "2 MPa"
+K = "900 MPa/m"
+M = 3000
+law_file = "mine.py"
+m = 1.5
+
+[loading]
+V_lp = "1 mm/s"
+
+[run]
+t_end = "0.05 s"
+"""
+
+
+@pytest.fixture
+def write(law_file, tmp_path):
+    """Writes a scenario, changed by pairs of texts, beside the law file."""
+    law_file(MINE)
+
+    def written(*changes):
+        text = TEXT
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        path = tmp_path / "mine.toml"
+        path.write_text(text)
+        return path
+
+    return written
+
+
+def problems(path, **how):
+    """What is wrong with a scenario, a line each."""
+    with pytest.raises(ParameterError) as caught:
+        load(path, **how)
+    return str(caught.value).splitlines()[1:]
+
+
+def test_the_law_of_the_file_is_the_slider_s(write, monkeypatch):
+    path = write()
+    monkeypatch.chdir("/")  # its path is relative to the scenario
+    slider = load(path).slider
+    assert slider.law.partition("@")[0] == "mine"
+    assert slider.m == 1.5
+    for law in ("mine", "Mine", slider.law):
+        assert load(write(("law_file", f'law = "{law}"\nlaw_file'))).slider == slider
+    swept = load(write(("[loading]", '[sweep]\nverb = "stability"\nm = [1, 2]\n[loading]')))
+    assert swept.slider.m.values.tolist() == [1.0, 2.0]
+
+
+def test_what_is_wrong_with_the_file_is_said_with_all_else(write, tmp_path):
+    """And keys that may be the law's own are not."""
+    path = write(('"mine.py"', '"main.py"'), ("a = 0.003", "a = -0.003"))
+    assert sorted(problems(path)) == [
+        "[slider] a: -0.003 must be > 0, expected a pure number such as 0.003",
+        f"[slider] law_file: law file {tmp_path / 'main.py'} cannot be read: No such file or "
+        "directory, expected a Python file with one friction law, by its path from the folder of "
+        "this file, such as law_file = 'mylaw.py'",
+    ]
+    (tmp_path / "wrong.py").write_text(MINE.replace("(-e[1],), (", "(e[1],), ("))
+    (line,) = problems(write(('"mine.py"', '"wrong.py"')))
+    start = f"[slider] law_file: law 'mine' of {tmp_path / 'wrong.py'}: rate_partials, tuple 1 of 2"
+    assert line.startswith(start)
+    (line,) = problems(write(('"mine.py"', "3")))
+    assert line.startswith("[slider] law_file: 3 is no file's name, expected a Python file")
+    (line,) = problems(write(("m = 1.5\n", "")))
+    assert "needs m, exponent of the state, expected a pure number such as 1.5" in line
+
+
+def test_another_law_beside_the_file_is_refused(write):
+    wanted = "expected that one or none such as law = 'mine'"
+    for table in ("slider", "sweep"):
+        law = {"slider": ("law_file", 'law = "aging"\nlaw_file')}.get(
+            table, ("[loading]", '[sweep]\nverb = "stability"\nlaw = "aging"\nK = [1e9]\n[loading]')
+        )
+        assert problems(write(law)) == [
+            f"[{table}] law: 'aging' is not the law in 'mine.py', {wanted}"
+        ]
+    (line,) = problems(write(("law_file", 'law = "mine@12345678"\nlaw_file')))
+    assert "[slider] law: 'mine@12345678' is not what 'mine.py' holds now, mine@" in line
+
+
+def test_a_file_given_comes_before_that_of_the_scenario(write, law_file):
+    other = law_file(MINE.replace('name = "mine"', 'name = "other"'), "other.py")
+    slider = load(write(('"mine.py"', '"gone.py"')), law_file=other).slider
+    assert slider.law.startswith("other@")
+    with pytest.raises(ParameterError, match=r"^law file none\.py cannot be read: No such file"):
+        load(write(), law_file="none.py")
+
+
+def test_the_code_of_a_text_is_not_run(write, law_file, monkeypatch, tmp_path):
+    """Nor that of a law that is known by its hash."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(
+        ParameterError, match=r"'mine.py' is code, which is run for a scenario file"
+    ):
+        loads(TEXT)
+    assert [law for law in LAWS if "@" in law] == []
+    slider = loads(TEXT, law_file="mine.py").slider
+    law_file("raise RuntimeError")
+    assert loads(TEXT.replace("law_file", f'law = "{slider.law}"\nlaw_file')).slider == slider
+
+
+def test_a_law_that_is_not_known_is_asked_for(write):
+    (line,) = problems(write(('law_file = "mine.py"', 'law = "mine@12345678"'), ("m = 1.5", "")))
+    assert line == (
+        "[slider] law: 'mine@12345678' is a user's own law that is not known here, expected its "
+        "file such as law_file = 'mine.py'"
+    )
+
+
+def test_written_down_it_names_the_file(write, tmp_path):
+    scenario = load(write())
+    text, law = toml(scenario), scenario.slider.law
+    assert f'law = "{law}"\n' in text
+    assert f'law_file = "{tmp_path / "mine.py"}"\n' in text
+    assert loads(text).slider == scenario.slider
+    lines = python(scenario)
+    assert f'rs.register("{tmp_path / "mine.py"}")\n' in lines
+    made = {}
+    exec(lines.partition("result =")[0], made)
+    assert made["slider"] == scenario.slider
+
+
+def test_written_down_a_class_of_laws_is_named(law_file):
+    made = {}
+    exec(PLAIN, made)
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, law=made["Plain"])
+    scenario = from_result(rs.stability(slider, 1e-3))
+    assert f'law = "{slider.law}"  # a user\'s: law_file names' in toml(scenario)
+    assert loads(toml(scenario)).slider == slider
+    assert f"# {slider.law} is a user's law: register its class" in python(scenario)
+
+
+def test_a_result_of_a_law_that_is_not_known_says_what_to_give(write, law_file):
+    slider = load(write()).slider
+    result, name = rs.stability(slider, 1e-3), slider.law
+    assert from_result(result).slider == slider
+    edited = rs.register(law_file(MINE + "\n"))
+    LAWS.pop(name)
+    LAW_OF.pop(name)
+    with pytest.raises(ParameterError) as caught:
+        from_result(result)
+    assert str(caught.value) == (
+        f"the result is of the law {name!r}, a user's own that is not known here: give its file, "
+        f"--law-file mine.py or ratestate.register('mine.py'); the mine that is known is "
+        f"{edited!r}, from another source, as of an edited file"
+    )
+
+
+def test_keys_follow_the_laws_that_are_known(write):
+    """A state's name too: `initial` takes those of any law."""
+    text = MINE.replace('"1.5")}', '"1.5")}\n    states = {"phi": "Dc"}')
+    path = write(("[run]", "[run]\ninitial = { phi = 0.01 }"))
+    assert "initial.phi: unknown key, expected one of V, theta, theta2, tau" in problems(path)[0]
+    (path.parent / "mine.py").write_text(text)
+    assert load(path).settings["initial"] == {"phi": 0.01}
