@@ -352,6 +352,7 @@ def test_a_law_has_its_own_fields(show):
     shown.page.keyboard.press("PageUp")  # larger, of the same sign
     shown.wait()
     assert float(shown.entry("b2")) < -0.001
+    shown.page.wait_for_selector("#map-note:not([hidden])")
     assert "the map of regimes is for laws of one state" in shown.text("#map-note")
     shown.type("Dc2", "2 MPa")
     shown.page.wait_for_selector("#problem-Dc2:not([hidden])")
