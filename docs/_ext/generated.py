@@ -76,7 +76,7 @@ FORMS = {
     "units": '`["s", "um/s"]`',
     "t": '`[0, 10, "20 s"]`',
     "law_file": '`"mylaw.py"`, by its path from this file',
-    "initial": '`{ V = "1 um/s", theta = "10 s" }`; also `tau`',
+    "initial": '`{ V = "1 um/s", theta = "10 s" }`; also `tau`, and other states of the law',
     "times": '`[0.5, "1 s"]`, or `{ from = 0, to = "200 s", n = 2001 }`',
 }
 #: what a key stands for that is not given

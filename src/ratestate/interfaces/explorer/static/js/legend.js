@@ -38,6 +38,11 @@ export class Legend {
     this.size.textContent = `coarse: ${size} \u00d7 ${size} sliders`;
   }
 
+  /** Nothing occurs. */
+  clear() {
+    for (const item of [...this.regimes, this.jump, this.size]) item.hidden = true;
+  }
+
   /** Whether the slider is beyond the map. */
   place(beyond) {
     this.beyond.hidden = !beyond;

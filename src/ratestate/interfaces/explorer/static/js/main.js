@@ -134,8 +134,10 @@ function problem({ id, problems, values }) {
     ask(); // for what can be used
     return;
   }
-  if (problems.map) sayOfMap(problems.map);
-  else if (id === null || id === pending || files.has(id)) say(Object.values(problems).join("; "));
+  if (problems.map) {
+    sayOfMap(problems.map);
+    map.missing();
+  } else if (id === null || id === pending || files.has(id)) say(Object.values(problems).join("; "));
   if (id !== pending) return;
   if (values) controls.accept(values);
   settle();

@@ -38,6 +38,11 @@ export class StabilityMap {
     this.draw();
   }
 
+  /** No atlas will come, unless one is there already. */
+  missing() {
+    if (!this.chart) this.legend.clear();
+  }
+
   paint() {
     if (!this.chart) return;
     const { K_over_K_c_qs: x, eta: y, regime } = this.chart.arrays;
