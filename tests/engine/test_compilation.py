@@ -5,13 +5,15 @@ import sys
 
 import pytest
 from numba.core.compiler import Flags
+from textbook import OF_LAW
+from user_laws import MINE, PLAIN
 
 import ratestate as rs
-from ratestate.dynamics.cycles.compilation import ANY_RETURN, compile_cycles_elsewhere
+from ratestate.dynamics.cycles.compilation import any_return, compile_cycles_elsewhere
 from ratestate.engine import compilation, jit
 from ratestate.engine.return_map import march_to_section
 from ratestate.errors import ParameterError
-from ratestate.friction.laws import ONE_LENGTH as LAWS
+from ratestate.friction.laws import LAWS
 
 FIRST = "ratestate: compiling the solver for this machine, once, about 10 s\n"
 SLIP, AGING = LAWS["slip"], LAWS["aging"]
@@ -117,12 +119,21 @@ def test_the_statement_calls_what_a_limit_cycle_needs(law, monkeypatch):
     monkeypatch.undo()  # with the kernels that are compiled
     before = set(compilation._called)
     compilation._called.discard((march_to_section, LAWS[law]))
-    exec(ANY_RETURN.format(law=law), {})
+    exec(any_return(law), {})
     assert (march_to_section, LAWS[law]) in compilation._called
     compiled = len(march_to_section.signatures)
-    rs.limit_cycle(rs.SpringSlider(a=0.01, b=0.02, Dc=1e-5, sigma=1e7, K=5e9, M=1e3, law=law), 1e-3)
+    common = {"a": 0.01, "b": 0.02, "Dc": 1e-5, "sigma": 1e7, "K": 5e9, "M": 1e3}
+    rs.limit_cycle(rs.SpringSlider(**common, law=law, **OF_LAW[law]), 1e-3)
     assert len(march_to_section.signatures) == compiled
     compilation._called.update(before)
+
+
+def test_a_users_law_is_made_known_elsewhere(law_file):
+    """From the text of its file; a class has none."""
+    name, made = rs.register(law_file(MINE)), {}
+    assert f"known_again({MINE!r})" in any_return(name)
+    exec(PLAIN, made)
+    assert any_return(rs.register(made["Plain"])) == ""
 
 
 def test_what_is_compiled_elsewhere_is_of_a_known_law(monkeypatch):
@@ -132,7 +143,7 @@ def test_what_is_compiled_elsewhere_is_of_a_known_law(monkeypatch):
     compile_cycles_elsewhere("Dieterich")
     kernel, law, statement = asked[0]
     assert (kernel, law) == (march_to_section, AGING)
-    assert "system_of('Dieterich', " in statement
+    assert "system_of('aging', " in statement
     with pytest.raises(ParameterError, match="law = 'nope' is unknown"):
         compile_cycles_elsewhere("nope")
 

@@ -201,3 +201,22 @@ def test_files_and_folders_that_are_no_laws(tmp_path):
     for value in (None, 3, dict):
         with pytest.raises(rs.ParameterError, match=r"no class that derives from"):
             rs.register(value)
+
+
+def test_a_law_of_one_length_has_its_series(law_file):
+    """Without it limit cycles near K_c would not be its own; and it has the friction of eq. 1."""
+    one = PLAIN.replace("    name", "    one_length = True\n    {}\n    name")
+    cubic = one.replace("(-w * (v + psi[0]),)", "(-w * (v + psi[0]) * (1.0 + 0.5 * (v + psi[0])),)")
+    cubic = cubic.replace(
+        "-w * (v + psi[0]) - w,",
+        "-w * (v + psi[0]) * (1.0 + 0.5 * (v + psi[0])) - w * (1.0 + v + psi[0]),",
+    )
+    cubic = cubic.replace("(-w,)", "(-w * (1.0 + v + psi[0]),)")
+    assert rs.register(law_file(one.format("series = ()")))  # of which there are no more terms
+    assert rs.register(law_file(cubic.format("series = (-0.5,)")))
+    for series in ("", "series = (0.5,)"):
+        with pytest.raises(rs.ParameterError, match=r"z = -0\.4 rates is 0\.32, .* z\^3 .* 0\.4"):
+            rs.register(law_file(cubic.format(series)))
+    more = "    def resistance(self, v, w, psi, p):\n        return v + p[0] * psi[0]\n"
+    with pytest.raises(rs.ParameterError, match=r"one state, theta, and the friction of eq\. 1"):
+        rs.register(law_file(one.format("") + more))

@@ -207,7 +207,7 @@ def verdict_of_cycle(slider, V_lp, cycle):
             values["returns"] = int(cycle.returns)
         values |= {name: float(cycle[name]) for name in names}
     near = values["stable"] and 0.0 < slider.K < FOLDS_BELOW * values["K_c"]
-    if near and slider.friction.one_length:
+    if near and slider.friction.one_length and slider.friction.orders == 3:
         kappa = float(folds(slider.law, slider.b / slider.a, [values["eta"]]).kappa[0])
         if np.isfinite(kappa):
             values["K_fold"] = kappa * slider.a * slider.sigma / slider.Dc

@@ -20,6 +20,8 @@ IMAGINARY, REAL = 1e-30, 1e-3
 ROUNDING = {True: 1e-9, False: 1e-5}
 # Rate in steady sliding, over the terms of which it is the sum.
 STEADY = 1e-9
+# Difference of the series of a law of one length from its rate.
+SERIES = 1e-9
 #: states and parameters at which a law is tried, in each of which they are drawn anew
 TRIALS = 12
 
@@ -60,6 +62,8 @@ def check(law, values):
     for method in ("rates", "rate_partials"):
         if not law.gives(method):
             raise ParameterError(f"it has no method {method}")
+    if law.one_length:
+        _check_one_length(law, values)
     rng = np.random.default_rng(0)
     orders = 3
     for _ in range(TRIALS):
@@ -202,6 +206,24 @@ def _check_steady(law, p):
             f"in steady sliding at V_ref the rates are {_shown(rates)}, not 0, where "
             f"steady_variables gives {_shown([float(x[0]) for x in psi])} (p = {_shown(p)})"
         )
+
+
+def _check_one_length(law, values):
+    """Raise ParameterError unless a law that says so has one length, and the series of its rate."""
+    if law.gives("resistance") or dict(law.states) != {"theta": "Dc"}:
+        raise ParameterError(
+            "one_length = True is for one state, theta, and the friction of eq. 1; leave it out"
+        )
+    p = _coefficients(law, values)
+    for z in (-0.4, 0.4):
+        (rate,) = law.rates(0.0, 1.0, (z,), law.exponentials(0.0, 1.0, (z,), p), p)
+        series = -z + sum(c * z**k for k, c in enumerate(law.series, 2))
+        if not abs(rate - series) <= SERIES:
+            raise ParameterError(
+                f"one_length = True needs series = (c2, c3, ...): at v = 0 and psi = z = {z} rates "
+                f"is {float(rate):.6g}, -z + c2 z^2 + c3 z^3 + ... {series:.6g}; mend it, or leave "
+                f"one_length out"
+            )
 
 
 def _of_complex_numbers(law):

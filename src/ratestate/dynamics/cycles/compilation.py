@@ -28,8 +28,15 @@ def compile_cycles_elsewhere(law):
 
     law : str, name of a friction law
     """
-    friction, record = friction_law(law), recorded(law)
-    if record is None or isinstance(record, str):
-        own, n = [*friction.parameters], 2 + len(friction.states)
-        statement = ANY_RETURN.format(law=law, record=record, own=own, n=n)
-        compile_elsewhere(march_to_section, friction, statement)
+    if statement := any_return(law):
+        compile_elsewhere(march_to_section, friction_law(law), statement)
+
+
+def any_return(law):
+    """The statement of one return under a law; "" for a user's class of laws."""
+    friction = friction_law(law)
+    record = recorded(friction.name)
+    if not (record is None or isinstance(record, str)):
+        return ""
+    own, n = [*friction.parameters], 2 + len(friction.states)
+    return ANY_RETURN.format(law=friction.name, record=record, own=own, n=n)
