@@ -220,3 +220,24 @@ def test_a_law_of_one_length_has_its_series(law_file):
     more = "    def resistance(self, v, w, psi, p):\n        return v + p[0] * psi[0]\n"
     with pytest.raises(rs.ParameterError, match=r"one state, theta, and the friction of eq\. 1"):
         rs.register(law_file(one.format("") + more))
+
+
+@pytest.mark.parametrize(
+    ("path", "why"),
+    [
+        ("none.py", "No such file or directory"),
+        ("/dev/zero", "it is no file"),
+        ("a\0b", "embedded null"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_named(path, why):
+    with pytest.raises(rs.ParameterError, match=rf"^law file {path} cannot be read: .*{why}"):
+        rs.register(path)
+
+
+def test_a_name_is_that_of_the_law_registered_last(law_file):
+    """Also where that was known before."""
+    first, second = rs.register(law_file(PLAIN)), rs.register(law_file(PLAIN + "\n"))
+    assert rs.SpringSlider(**COMMON, law="plain").law == second
+    assert rs.register(law_file(PLAIN)) == first
+    assert rs.SpringSlider(**COMMON, law="plain").law == first

@@ -23,6 +23,8 @@ NAME = re.compile(r"[a-z][a-z0-9-]*")
 def law_of_file(path):
     """The class of laws in a Python file, which is run; ParameterError unless there is just one."""
     try:
+        if Path(path).exists() and not Path(path).is_file():  # a folder, or a device without end
+            raise OSError(0, "it is no file")
         text = Path(path).read_text("utf-8")
     except (OSError, ValueError) as error:  # (another encoding, or a null character in the path)
         reason = getattr(error, "strerror", None) or error

@@ -63,8 +63,9 @@ def test_the_law_of_the_file_is_the_slider_s(write, monkeypatch):
 
 
 def test_what_is_wrong_with_the_file_is_said_with_all_else(write, tmp_path):
-    """And keys that may be the law's own are not."""
-    path = write(('"mine.py"', '"main.py"'), ("a = 0.003", "a = -0.003"))
+    """And what may be right under that law is not."""
+    of_law = "[run]\ninitial = { phi = 1 }"
+    path = write(('"mine.py"', '"main.py"'), ("a = 0.003", "a = -0.003"), ("[run]", of_law))
     assert sorted(problems(path)) == [
         "[slider] a: -0.003 must be > 0, expected a pure number such as 0.003",
         f"[slider] law_file: law file {tmp_path / 'main.py'} cannot be read: No such file or "

@@ -90,16 +90,13 @@ def loads(
     problems: list[str] = []
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     parsed = _tables(_parse(data, name), problems)
-    is_law_known = take_law_file(parsed, law_file, folder, problems)
+    take_law_file(parsed, law_file, folder, problems)
     run = plain_table("run", parsed.get("run", {}), problems)
     verb_of_run = run.pop("verb", None)
-    slider = plain_table("slider", parsed.get("slider", {}), problems)
-    if not is_law_known:
-        slider["law"] = None
     tables = Tables(
         problems=problems,
         names=frozenset(parsed),
-        slider=slider,
+        slider=plain_table("slider", parsed.get("slider", {}), problems),
         loading=loading_table(parsed.get("loading", {}), folder or Path(), problems),
         run=run,
         sweep=sweep_table(parsed.get("sweep"), verb, verb_of_run, problems),

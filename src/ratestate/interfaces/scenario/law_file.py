@@ -18,11 +18,11 @@ def take_law_file(
     given: str | Path | None,
     folder: Path | None,
     problems: list[str],
-) -> bool:
+) -> None:
     """Make the law of a law file the law of the slider, in tables as they are parsed.
 
-    False where it cannot be known, which is noted: then keys that may be the law's own are taken
-    out.  ParameterError for a given file that cannot be used.
+    A file that cannot be used is noted, and keys that may be of its law are taken out; if it is the
+    given one, it is a ParameterError.
 
     given : a law file in place of the scenario's own, or None
     folder : where law files lie that the scenario names; None: those are not run
@@ -31,16 +31,13 @@ def take_law_file(
     named = slider.pop(KEY, None)
     if given is not None:
         _settle(tables, register(given), str(given), problems)
-        return True
-    if named is None or _names_known_source(slider.get("law")):
-        return True
-    place, wanted = Place(f"[slider] {KEY}", problems), message("law_file.wanted")
-    name = place.noting(lambda: _registered(named, folder), wanted=wanted, like=example(KEY))
-    if name is None:
-        _take_out_unknown(tables)
-        return False
-    _settle(tables, name, named, problems)
-    return True
+    elif named is not None and not _names_known_source(slider.get("law")):
+        place, wanted = Place(f"[slider] {KEY}", problems), message("law_file.wanted")
+        name = place.noting(lambda: _registered(named, folder), wanted=wanted, like=example(KEY))
+        if name is None:
+            _take_out_unknown(tables)
+        else:
+            _settle(tables, name, named, problems)
 
 
 def _registered(named: Any, folder: Path | None) -> str:
@@ -61,21 +58,20 @@ def _settle(tables: dict[str, dict[str, Any]], name: str, file: str, problems: l
     """Make the law of this name that of the slider; a key law that names another one is noted."""
     law, own = friction_law(name), name.partition(MARK)[0]
     for table in ("slider", "sweep"):
-        given = tables.get(table, {}).pop("law", None)
-        if given is None or (
-            isinstance(given, str) and given.lower() in (name, own, *law.synonyms)
-        ):
-            continue
-        edited = isinstance(given, str) and given.lower().partition(MARK)[0] == own
-        kind = "law_file.edited" if edited else "law_file.other"
-        Place(f"[{table}] law", problems).add(kind, given=given, file=file, name=name, own=own)
+        given = tables.get(table, {}).pop("law", name)
+        text = str(given).lower()
+        if text not in (name, own, *law.synonyms):
+            is_edited = text.partition(MARK)[0] == own
+            kind = "law_file.edited" if is_edited else "law_file.other"
+            Place(f"[{table}] law", problems).add(kind, given=given, file=file, name=name, own=own)
     tables["slider"]["law"] = name
 
 
 def _take_out_unknown(tables: dict[str, dict[str, Any]]) -> None:
-    """Take out the law, and keys that may be its parameters: those of no table."""
+    """Take out the law, and what may be of it: keys of no table, and the states at t = 0."""
     for name in ("slider", "sweep"):
         table, known = tables.get(name, {}), keys_of(name)
         for key in [key for key in table if key not in known and not tables_with(key)]:
             del table[key]
         table.pop("law", None)
+    tables.get("run", {}).pop("initial", None)
