@@ -10,6 +10,7 @@ import sys
 import types
 
 import pytest
+from user_laws import MINE
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 EXPLORE = [
@@ -53,8 +54,11 @@ def browsing():
 
 
 @pytest.fixture(scope="module")
-def server():
-    with serving() as found:
+def server(tmp_path_factory):
+    """With a user's law."""
+    path = tmp_path_factory.mktemp("laws") / "mine.py"
+    path.write_text(MINE)
+    with serving(0, "--law-file", str(path)) as found:
         yield found
 
 

@@ -9,7 +9,6 @@ import latency
 import numpy as np
 import pytest
 from conftest import serving
-from user_laws import MINE
 
 import ratestate as rs
 from ratestate.interfaces import scenario
@@ -374,16 +373,13 @@ def test_a_law_has_its_own_fields(show):
     assert other.entry("Dc2") == "0.2 mm"
 
 
-def test_a_law_file_is_in_the_menu(browser, law_file):
-    with serving("0", "--law-file", str(law_file(MINE))) as server:
-        shown = Shown(browser, server.address)
-        name = shown.page.eval_on_selector("#law option[value^=mine]", "o => o.value")
-        shown.page.select_option("#law", name)
-        shown.wait()
-        assert shown.entry("m") == "1.5"
-        assert "limit_cycle needs derivatives" in shown.text("#headline")
-        shown.context.close()
-        assert shown.complaints == []
+def test_a_law_file_is_in_the_menu(show):
+    shown = show()
+    name = shown.page.eval_on_selector("#law option[value^=mine]", "option => option.value")
+    shown.page.select_option("#law", name)
+    shown.wait()
+    assert shown.entry("m") == "1.5"
+    assert "limit_cycle needs derivatives" in shown.text("#headline")
 
 
 def test_a_link_holds_everything(show):
