@@ -95,7 +95,8 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
     )
     if slider.friction.has_own_speed != (M is not None):
         raise refusal(f"atlas.{'mass' if M is None else 'no_mass'}", law=slider.law)
-    data = _map(*_rows(slider, n), n, rtol)
+    sliders, V_lp, rows = _rows(slider, n)
+    data = _map(sliders, V_lp, rows, n, rtol)
     data = data.assign_coords(b_over_a=((), b_over_a, attrs("b_over_a")))
     data.attrs = provenance("atlas", slider, rtol=rtol, n=n, law=slider.law)
     return data

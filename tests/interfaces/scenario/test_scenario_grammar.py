@@ -652,6 +652,18 @@ def test_no_cycle_at_rest(told, verb, table, place):
     )
 
 
+def test_a_branch_along_a_parameter_of_the_law(read, told):
+    """Where the slider's law has it."""
+    sweep = '[sweep]\nverb = "continue_cycle"\nV_lp = "3 mm/s"\nb2 = { from = 2e-3, to = 1e-3 }'
+    of_law = 'law = "two-state-slip"\nb2 = 1e-3\nDc2 = "50 um"\n'
+    scenario = read(sweep, slider=SLIDER + of_law)
+    assert scenario.settings == {"parameter": "b2", "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
+    (line,) = told(sweep)
+    assert line.startswith(
+        "[sweep] b2: parameter = 'b2' must be one of V_lp, K, M, sigma, a, b, Dc,"
+    )
+
+
 def test_a_branch(read, told):
     sweep = '[sweep]\nverb = "continue_cycle"\nV_lp = "3 mm/s"\nK = { from = 7e8, to = 3e8 }'
     scenario = read(sweep)

@@ -70,8 +70,12 @@ LIKE = {
 
 def parameter_keys() -> tuple[str, ...]:
     """Parameters of any slider: with those that only some laws have, and then need."""
-    of_laws = (symbol for law in LAWS.values() for symbol in law.parameters)
-    return (*COMMON, *dict.fromkeys(of_laws))
+    return (*COMMON, *own_keys())
+
+
+def own_keys() -> tuple[str, ...]:
+    """Parameters that only some laws have."""
+    return tuple(dict.fromkeys(symbol for law in LAWS.values() for symbol in law.parameters))
 
 
 def slider_keys() -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from .known_keys import (
     initial,
     is_axis,
     known_items,
+    own_keys,
     slider_keys,
 )
 from .model import FUNCTIONS
@@ -180,8 +181,9 @@ def _branch(values: dict[str, Any], own: str, place: Place) -> dict[str, Any]:
         return nothing
     (key,) = followed
     table = values.pop(key)
-    if key not in PARAMETERS:
-        place.at(key).add("branch.cannot_follow", wanted=one_of(PARAMETERS, like=BRANCH))
+    known = dict.fromkeys((*PARAMETERS, *own_keys()))  # whether the law has it shows later
+    if key not in known:
+        place.at(key).add("branch.cannot_follow", wanted=one_of(known, like=BRANCH))
         return nothing
     if own == "continue_cycle" and (more := table.keys() - {"from", "to"}):
         keys = ", ".join(map(shown, sorted(more)))
