@@ -119,18 +119,19 @@ class TestLaws:
         assert {s: state.values[s] for s in OWN[law]} == {
             s: to_si(s, text) for s, text in OWN[law].items()
         }
-        header, arrays = painted(texts)
+        # (also compiles what the picture, of which the time is limited, needs)
         cycle = rs.limit_cycle(state.slider, state.V_lp)
+        largest = float(orbit(state.slider, state.V_from).tau.max() / state.slider.sigma)
+        stiff = state.slider.replace(K=1e13)
+        settled = rs.simulate(stiff, rs.Loading.constant(1e-4), 1e-3, V_start=1e-4)
+        steady = rs.stability(state.slider, state.V_lp)
+        header, arrays = painted(texts)
         assert header["numbers"]["regime"] == "stick-slip"
         assert header["numbers"]["period"] == pytest.approx(float(cycle.period), rel=1e-6)
         assert header["values"]["law"] == law
-        steady = rs.stability(state.slider, state.V_lp)
         assert header["numbers"]["K_c"] == float(steady.K_c)
-        stiff = state.slider.replace(K=1e13)
-        settled = rs.simulate(stiff, rs.Loading.constant(1e-4), 1e-3, V_start=1e-4)
         assert header["steady"] == pytest.approx(float(settled.mu[0]), rel=1e-12)
         # until the step, at the stress maximum, it is on the cycle at the speed before
-        largest = float(orbit(state.slider, state.V_from).tau.max() / state.slider.sigma)
         step = np.searchsorted(arrays["run_time"], 0.0)
         assert arrays["run_stress"][step] == pytest.approx(largest, rel=1e-6)
         text = exports.export("scenario", state, Deadline(20.0))["text"]
@@ -177,7 +178,7 @@ class TestLaws:
         name = rs.register(path)
         slider = entries.state_of(texts).slider
         assert (slider.law, slider.m) == (name, 1.5)
-        header, arrays = painted(entries_of(slider, 1e-3))
+        header, arrays = painted(entries_of(slider, 1e-3), seconds=120.0)  # it may be compiled
         assert "limit_cycle needs derivatives that the law does not give" in header["sentences"][0]
         assert arrays["run_time"].size > 10  # the run is shown all the same
 
