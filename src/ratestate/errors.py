@@ -13,7 +13,7 @@
     UserWarning
     |-- FitWarning                              an answer that must not be used unread
     |-- RecordWarning                           rows of a record left out, or odd
-    `-- RunWarning                              a start from which nothing visible happens
+    `-- RunWarning                              a run without visible motion, or a slow one
 """
 
 
@@ -76,4 +76,4 @@ class RecordWarning(UserWarning):
 
 
 class RunWarning(UserWarning):
-    """A run starts on steady sliding that is unstable, and nothing disturbs it."""
+    """A run starts on unstable steady sliding undisturbed, or takes a law that is slow."""

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import subprocess
 import sys
 import threading
@@ -13,11 +12,12 @@ import pytest
 import xarray as xr
 from numba import njit
 from synthetic_records import SLIDER, STEP, record
+from textbook import OF_LAW
 
 import ratestate as rs
 from ratestate.dynamics.basin import escape
 from ratestate.dynamics.simulation.simulate import SimulateCall
-from ratestate.engine import backend, dispatch, lanes, return_lanes
+from ratestate.engine import backend, dispatch, lanes
 from ratestate.engine import rows as R
 from ratestate.engine.march import march
 from ratestate.engine.return_map import march_to_section
@@ -229,26 +229,15 @@ def test_without_the_compiler(case, plain):
     assert script["runs"](*case)[1] == plain[case][1]
 
 
-@njit
-def march_lanes(s, law, n):
-    lanes.advance(s, law, n)
-    lanes.commit(s, law, n)
-
-
-@njit
-def return_map_lanes(s, law, n):
-    return_lanes.advance(s, law, n)
-    return_lanes.commit(s, law, n)
-
-
-@pytest.mark.skipif(not hasattr(march_lanes, "inspect_llvm"), reason="the compiler is off")
-@pytest.mark.parametrize("law", FORMULAS.values(), ids=FORMULAS)
-@pytest.mark.parametrize("loops", [march_lanes, return_map_lanes])
-def test_loops_over_lanes_are_vectorised(loops, law):
-    """For each product of numbers of a single lane, left for the remainder, one of vectors."""
-    rows = R.rows_of(law)
-    loops(np.ones(max(rows.march_size, rows.return_size)), law, 1)
-    code = loops.inspect_llvm(loops.signatures[-1])
-    alone = len(re.findall(r"= fmul (?:contract )?double", code))
-    vectors = len(re.findall(r"= fmul (?:contract )?<\d+ x double>", code))
-    assert vectors > 0.9 * alone > 500
+@pytest.mark.skipif(not hasattr(march, "_cache"), reason="the compiler is off")
+@pytest.mark.parametrize("law", OF_LAW)
+def test_loops_over_lanes_are_vectorised(law):
+    """By the code that was compiled: a product of vectors for each left for single lanes."""
+    slider = rs.SpringSlider(
+        a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law, **OF_LAW[law]
+    )
+    rs.simulate(slider, rs.Loading.constant(1e-2), 1e-4, V_start=1e-3)
+    rs.limit_cycle(slider, 1e-2, rtol=1e-3)
+    for kernel in (march, march_to_section):
+        alone, vectors = kernel._cache.products[FORMULAS[law]]
+        assert vectors > 0.98 * alone > 490

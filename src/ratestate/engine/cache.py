@@ -4,7 +4,8 @@ numba's own cache goes stale when a function in another file changes, loads mach
 look at it, and ends a call for a file that is damaged or a disk that is full.  Here the folder's
 name is a hash of all the kernels' sources, a file's name one of all else that the machine code
 depends on, and a file begins with the SHA-256 of its content.  A kernel that cannot be loaded is
-compiled anew; one that cannot be kept is used all the same.
+compiled anew; one that cannot be kept is used all the same.  With the code goes what was counted in
+it when it was compiled: machine code that is loaded has no text.
 """
 
 import contextlib
@@ -26,6 +27,8 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
+
+from .vectorisation import products
 
 CHECKSUM = hashlib.sha256().digest_size
 #: what machine code depends on, beside its sources, the types of its arguments and the processor
@@ -55,6 +58,8 @@ class KernelCache(_Cache):
     def __init__(self, function):
         self._name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
         self._enabled = True
+        #: law, None of none -> `vectorisation.products` of the code that was compiled or loaded
+        self.products: dict[Any, tuple[int, int]] = {}
 
     @property
     def cache_path(self):
@@ -79,15 +84,19 @@ class KernelCache(_Cache):
             checksum, code = content[:CHECKSUM], content[CHECKSUM:]
             if hashlib.sha256(code).digest() == checksum:
                 with contextlib.suppress(Exception):  # of another build of numba, say
-                    return CompileResult._rebuild(target_context, *pickle.loads(code))
+                    counted, parts = pickle.loads(code)
+                    result = CompileResult._rebuild(target_context, *parts)
+                    self.products[_law(sig)] = counted
+                    return result
             say(f"the compiled kernel {path} is damaged; it is compiled anew")
         return None
 
     def save_overload(self, sig, data):
         """Keep compiled code in the first folder that takes it; tell on stderr which do not."""
+        counted = self.products[_law(sig)] = products(data.library)
         if not self._enabled or data.library.has_dynamic_globals:  # (addresses of this process)
             return
-        code = dumps(data._reduce())
+        code = dumps((counted, data._reduce()))
         content = hashlib.sha256(code).digest() + code
         refusals = []
         for folder in _folders():
@@ -116,8 +125,9 @@ class KernelCache(_Cache):
         return any(any(folder.glob(files)) for folder in _readable())
 
     def _file(self, sig, codegen):
-        laws = [f"-{one.law.name}" for one in sig if hasattr(one, "law")]
-        return f"{self._name}{''.join(laws)}-{_machine(codegen)}-{_short_hash(sig)}.nbc"
+        law = _law(sig)
+        name = f"{self._name}-{law.name}" if law else self._name
+        return f"{name}-{_machine(codegen)}-{_short_hash(sig)}.nbc"
 
     def enable(self):
         """Load and keep code from now on."""
@@ -132,6 +142,11 @@ class KernelCache(_Cache):
         for folder in _readable():
             for path in folder.glob(f"{self._name}-*.nbc"):
                 path.unlink(missing_ok=True)
+
+
+def _law(sig):
+    """The law among the types of a kernel's arguments; None where it takes none."""
+    return next((one.law for one in sig if hasattr(one, "law")), None)
 
 
 def _machine(codegen):

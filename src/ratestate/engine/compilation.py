@@ -11,22 +11,29 @@ import inspect
 import re
 import subprocess
 import sys
+import warnings
 from typing import Any
 
 from numba.core import targetconfig
 
-from ..errors import CompilationError
+from ..errors import CompilationError, RunWarning
 from ..friction.law import FrictionLaw
 from ..friction.user_law import MARK
 from .cache import report
+from .vectorisation import is_vectorised
 
 _called: set = set()  # (kernel, law): here, at least once
 _announced: set = set()  # those of which `announce` has said something
+_slow: set = set()  # laws of which `call` has warned
 _elsewhere: dict = {}  # (kernel, law) -> the process that compiles it
 
 
 def call(kernel, *arguments):
-    """What a kernel returns; any exception becomes a `CompilationError`: compiled code has none."""
+    """What a kernel returns; any exception becomes a `CompilationError`: compiled code has none.
+
+    `RunWarning`, once, for a user's law for which the loops over lanes are compiled but not
+    vectorised.
+    """
     law = law_among(arguments)
     known = (kernel, law) in _called
     try:
@@ -44,7 +51,23 @@ def call(kernel, *arguments):
             f"free memory, or install ratestate and numba anew, and run the same again"
         ) from error
     _called.add((kernel, law))
+    if not known and (kernel, law) in _announced:
+        _warn_of_slow_loops(kernel, law)
     return result
+
+
+def _warn_of_slow_loops(kernel, law):
+    """Warn where a user's law has kept a kernel from being vectorised, once a law."""
+    if MARK not in law.name or law in _slow or is_vectorised(kernel._cache.products[law]):
+        return
+    _slow.add(law)
+    text = (
+        f"law {law.name}: the compiled loop over sliders is not vectorised, so that sweeps take "
+        f"several times as long as with a built-in law; most often a function such as math.log or "
+        f"math.exp in its methods is the cause (exponentials belong in `exponents`), more rarely a "
+        f"branch (if)"
+    )
+    warnings.warn(text, RunWarning, stacklevel=3)
 
 
 def _why(error, law):
