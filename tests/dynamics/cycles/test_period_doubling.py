@@ -335,3 +335,81 @@ def test_multipliers_of_the_whole_period():
     )
     single = return_map(system, state(system, found["u"]), 1e-11, alone=True)
     assert np.abs(single.image - found["u"]).max() > 0.1
+
+
+# Two states without mass, beta1 = 1, beta2 = 0.84, rho = 0.048 (Gu et al., 1984), just below K_c.
+TWO = {"a": 0.01, "b": 0.01, "b2": 0.0084, "Dc": 4.8e-6, "Dc2": 1e-4, "sigma": 5e6, "K": 1e9}
+TWO_V = 1e-6
+
+
+def two_states(ratio):
+    slider = rs.SpringSlider(**TWO, law="two-state-slip")
+    return slider.replace(K=ratio * slider.K_c(TWO_V))
+
+
+def test_critical_stiffness_of_gu_and_others():
+    """K_c Dc/(a sigma) as in the literature on these parameters, 0.08028."""
+    K_c = two_states(1.0).K
+    assert K_c * TWO["Dc"] / (TWO["a"] * TWO["sigma"]) == pytest.approx(0.08028, abs=5e-6)
+
+
+def test_periods_of_two_states_double_and_double_again():
+    """By Newton's method and by plain runs, which count returns and measure amplitudes."""
+    ratios = xr.DataArray([0.88, 0.862, 0.856, 0.8552], dims="K")
+    slider, start = two_states(ratios), {"V_start": TWO_V / 1.3}
+    cycles = rs.limit_cycle(slider, TWO_V, **start)
+    assert cycles.returns.values.tolist() == [1, 2, 4, 8]
+    assert (cycles.error < 1e-7).all()
+    end = 300 * 145.0
+    run = rs.simulate(slider, rs.Loading.constant(TWO_V), end, times=[end], rtol=1e-8, **start)
+    assert run.returns.values.tolist() == [1, 2, 4, 8]
+    np.testing.assert_allclose(run.amplitude, cycles.amplitude, rtol=1e-5)
+    np.testing.assert_allclose(run.frequency, cycles.frequency, rtol=1e-5)
+
+
+def test_doubling_is_where_a_multiplier_is_minus_one():
+    """On both sides of the first one, beside which the cycle of two returns is small."""
+    above, below = (
+        rs.limit_cycle(two_states(x), TWO_V, V_start=TWO_V / 1.3) for x in (0.8664, 0.8660)
+    )
+    assert (int(above.returns), int(below.returns)) == (1, 2)
+    assert -1.0 < float(above.multipliers[0].real) < -0.99
+    assert 0.9 < float(below.multipliers[0].real) < 1.0
+
+
+def test_chaos_of_two_states_is_no_cycle():
+    """A run counts none, and two that start next to each other part."""
+    slider, end = two_states(0.853), 60 * 145.0
+    starts = xr.DataArray([TWO_V / 1.3, TWO_V / 1.3 * (1.0 + 1e-8)], dims="V_start")
+    times = np.linspace(0.0, end, 31)
+    loading = rs.Loading.constant(TWO_V)
+    runs = rs.simulate(slider, loading, end, V_start=starts, times=times, rtol=1e-11)
+    assert (runs.returns == 0).all()
+    apart = np.abs(np.diff(runs.tau, axis=0))[0] / (TWO["a"] * TWO["sigma"])
+    assert apart[1:4].max() < 1e-5
+    assert apart[-8:].max() > 1e-3
+
+
+def test_the_start_decides_between_a_cycle_and_runaway():
+    """From V_lp/10, the usual start, the same slider runs away."""
+    slider = two_states(0.862)
+    with pytest.raises(rs.QuasiStaticInstability):
+        rs.limit_cycle(slider, TWO_V)
+    starts = xr.DataArray([TWO_V / 10.0, TWO_V / 1.3, 1.01 * TWO_V], dims="V_start")
+    found = rs.limit_cycle(slider, TWO_V, V_start=starts)
+    assert found.returns.values.tolist() == [0, 2, 2]
+    assert float(found.amplitude[1]) == pytest.approx(float(found.amplitude[2]), rel=1e-9)
+    usual = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3)
+    xr.testing.assert_equal(
+        rs.limit_cycle(usual, 3.2e-3).drop_attrs(),
+        rs.limit_cycle(usual, 3.2e-3, V_start=3.2e-4).drop_attrs(),
+    )
+
+
+def test_slow_orbits_without_mass_arrive():
+    """Close to K_c the multiplier is 0.996: cycles are as large as the Hopf point says."""
+    slider = two_states(0.999)
+    hopf = rs.hopf(two_states(1.0), TWO_V)
+    found = rs.limit_cycle(slider, TWO_V, V_start=TWO_V / 1.3)
+    expected = np.sqrt(1e-3) * float(hopf.amplitude_coefficient)
+    assert float(found.amplitude) == pytest.approx(expected, rel=1e-3)

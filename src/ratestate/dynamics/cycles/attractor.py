@@ -26,7 +26,7 @@ CLOSES = 1e-4
 STEADY, SMALL = 1e-2, 2e-2
 # Below this one no unstable cycle is looked for beside stable steady sliding.
 SMALLEST = 1e-5
-# V_lp over the speed of the steady sliding from which a search starts.
+# V_lp over the speed of the steady sliding from which a search starts, unless asked otherwise.
 SLOWER = 10.0
 # Loosest relative accuracy of a cycle: a looser one would not be cheaper.
 LOOSEST_ANSWER = 1e-5
@@ -62,9 +62,9 @@ def single_returns(u, tol, period, error=0.0, status=FINISHED):
     return CycleEstimates(*values)
 
 
-def steady_start(system):
-    """(n, len(y)) x, v, psi from which a search starts: steady sliding at V_lp/`SLOWER`."""
-    return steady_sliding_at(system, np.full(len(system.kappa), 1.0 / SLOWER))
+def steady_start(system, slower=SLOWER):
+    """(n, len(y)) x, v, psi from which a search starts: steady sliding at V_lp/slower."""
+    return steady_sliding_at(system, np.full(len(system.kappa), 1.0 / slower))
 
 
 def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):

@@ -13,11 +13,11 @@ from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, checked
 from ...model.units import to_si
 from ..progress import bar
-from ..refusals import check_orders
+from ..refusals import check_orders, refusal
 from ..results import provenance
 from ..simulation.cases import failure
 from ..simulation.settings import checked_rtol
-from .attractor import find_attractors, steady_start
+from .attractor import SLOWER, find_attractors, steady_start
 from .measure import refine
 from .system import system_of
 from .variables import VARIABLES, cycle_variables
@@ -29,8 +29,8 @@ CHUNK = 1 << 15
 
 
 @keywords_checked
-def limit_cycle(slider, V_lp, *, rtol=1e-8):
-    """The cycle that a slider reaches from steady sliding at V_lp/10.
+def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
+    """The cycle that a slider reaches from steady sliding at V_start.
 
     By shooting: Newton's method on the return map of the section V = V_lp, where the stress has
     its maximum, with the map's derivative from the variational equations.  The motion from the
@@ -43,6 +43,10 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
         Parameters that are named DataArrays make a sweep.
     V_lp : float, str, pint.Quantity or DataArray
         Load-point velocity [m/s], > 0.
+    V_start : float, str, pint.Quantity or DataArray, optional
+        Slip velocity of the steady sliding from which the motion starts [m/s], > 0 and not V_lp;
+        V_lp/10 by default.  From others a slider may come to another cycle, or without mass not
+        run away.
     rtol : float
         Relative accuracy of amplitude and period, from 1e-12 to 1e-2.
 
@@ -97,7 +101,7 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     >>> round(float(cycle.multipliers[0].real), 4)  # of a disturbance, left after a period
     0.9706
     """
-    call = limit_cycle_call(slider, V_lp, rtol=rtol)
+    call = limit_cycle_call(slider, V_lp, V_start=V_start, rtol=rtol)
     into_store = "sweep into a store: sweep(limit_cycle, ..., store='x.zarr')"
     call.batch.check_fits(len(VARIABLES), into_store)
     with bar("limit_cycle") as progress:
@@ -106,14 +110,19 @@ def limit_cycle(slider, V_lp, *, rtol=1e-8):
     return result
 
 
-def limit_cycle_call(slider, V_lp, *, rtol):
+def limit_cycle_call(slider, V_lp, *, V_start=None, rtol):
     """`LimitCycleCall` with these arguments of `limit_cycle`; ParameterError where one is wrong.
 
     Whether their dimensions and coordinates fit together shows in its `batch`.
     """
     rtol = checked_rtol(rtol, "1e-12", "1e-2", "1e-8")
     check_orders("limit_cycle", checked(slider).friction, 2)
-    return LimitCycleCall(slider, to_si("V_lp", V_lp), rtol)
+    V_lp = to_si("V_lp", V_lp)
+    if V_start is not None:
+        V_start = to_si("V_start", V_start)
+        if np.any(V_start == V_lp):
+            raise refusal("cycles.undisturbed")
+    return LimitCycleCall(slider, V_lp, V_start, rtol)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -122,15 +131,17 @@ class LimitCycleCall:
 
     slider: SpringSlider
     V_lp: Any
+    V_start: Any  # None for the usual one
     rtol: float
 
     @functools.cached_property
     def batch(self):
-        """`Batch` of the slider's parameters and V_lp.
+        """`Batch` of the slider's parameters, V_lp and V_start.
 
         ParameterError where dimensions or coordinates clash with each other or with the result's.
         """
-        return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=VARIABLES)
+        start = {} if self.V_start is None else {"V_start": self.V_start}
+        return Batch({**self.slider.values, "V_lp": self.V_lp, **start}, taken=VARIABLES)
 
     def blank(self):
         """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
@@ -166,7 +177,8 @@ class LimitCycleCall:
             part = system.at(which)
             before, share = first / len(may_cycle), len(which) / len(may_cycle)
             advance = progress and (lambda done, b=before, s=share: progress(b + s * done))
-            attractors = find_attractors(part, steady_start(part), self.rtol, alone, advance)
+            start = steady_start(part, self._slower(which))
+            attractors = find_attractors(part, start, self.rtol, alone, advance)
             status[which] = attractors.status
             cycle = attractors.status == FINISHED
             cycle |= alone & (attractors.status == NO_CONVERGENCE)
@@ -183,9 +195,16 @@ class LimitCycleCall:
                 value[doubtful] = np.nan
         return status, measures
 
+    def _slower(self, which):
+        """V_lp over V_start of these cases, (n,) or one number."""
+        if self.V_start is None:
+            return SLOWER
+        return (self.batch.flat("V_lp") / self.batch.flat("V_start"))[which]
+
     def dataset(self, variables):
         """These variables of all cases as a Dataset with coordinates and provenance."""
-        attrs = provenance("limit_cycle", self.slider, rtol=self.rtol, V_lp=self.V_lp)
+        settings = {"rtol": self.rtol, "V_lp": self.V_lp, "V_start": self.V_start}
+        attrs = provenance("limit_cycle", self.slider, **settings)
         return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attrs)
 
     def refuse_failure(self, result):

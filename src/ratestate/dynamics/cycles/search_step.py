@@ -25,6 +25,9 @@ LONGEST_PERIOD = 32
 # Longest leap, and longest step of Newton's method that is trusted, relative to the distance from
 # u = 0.
 LARGEST_LEAP = 0.3
+# Longest leap without mass where steady sliding is unstable: a motion that is disturbed may run
+# away.
+LARGEST_LEAP_WITHOUT_MASS = 0.03
 # Share of the linear contraction by which the map may be nonlinear on the way to a fixed point.
 NONLINEAR = 0.5
 # Reversals in a row after which an orbit counts as alternating.
@@ -168,11 +171,14 @@ def _leap(system, returns, u, local, may):
         slow = slow.real
         along = distance(system, slow)
         until = 0.5 * along / np.abs(1.0 - first)
-        more = np.minimum(LARGEST_LEAP * size, until) / along - 1.0
+        stable = system.stable
+        bold = stable | (system.eta > 0.0)
+        largest = np.where(bold, LARGEST_LEAP, LARGEST_LEAP_WITHOUT_MASS)
+        more = np.minimum(largest * size, until) / along - 1.0
         # Without inertia orbits may be neutral at K_c, where a leap would be a random walk, and by
         # laws of one length there is no cycle to leap to.
         may = may & (first.imag == 0.0) & (first.real > 0.0)
-        leads = system.stable | (not system.friction.one_length)
+        leads = stable | (not system.friction.one_length)
         may &= (system.eta > 0.0) | (leads & (np.abs(1.0 - first) > NEUTRAL))
         # Where faster parts of the move are larger, they hide the slow one, and the map bends.
         may &= distance(system, move - slow) <= along
