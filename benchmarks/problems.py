@@ -75,11 +75,17 @@ def lone():
     }
 
 
+def own_parameters(law):
+    """Values of the parameters that a law, by name, has beside the common ones: its examples."""
+    known = LAWS[law].parameters
+    return {symbol: parameter.example.strip("'") for symbol, parameter in known.items()}
+
+
 def fig3(law, finer=1):
     """Fig. 3: 12 masses, 13 loading velocities, 10 s each from steady sliding at 0.1 mm/s.
 
     finer : how many times more of both, over the same ranges
     """
     masses, speeds = ((*ends, finer * n) for *ends, n in (FIG3_M, FIG3_V_LP))
-    slider = FIG2.replace(law=law, M=logspace("M", *masses))
+    slider = FIG2.replace(law=law, M=logspace("M", *masses), **own_parameters(law))
     return Problem(slider, logspace("V_lp", *speeds), 1e-4, 10.0)

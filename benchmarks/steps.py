@@ -5,6 +5,7 @@ from report import Part
 from timing import interleaved, one_core
 
 from ratestate.engine.model import NUMBERS
+from ratestate.friction.laws import LAWS
 
 STEPS, REJECTED = NUMBERS.index("steps"), NUMBERS.index("rejected")
 
@@ -15,7 +16,7 @@ def run(_rivals):
         "(a) CPU time of an accepted step per slider, rtol 1e-6, one core",
         ["what", "ns", "ns with extremes", "steps", "of them rejected"],
     )
-    problems = {f"in lanes, Fig. 3, {law} law": fig3(law) for law in ("slip", "aging")}
+    problems = {f"in lanes, Fig. 3, {law} law": fig3(law) for law in LAWS}
     problems |= {f"alone, {name}": problem for name, problem in lone().items()}
     jobs = {
         (name, observe): problem.job(observe=observe)
