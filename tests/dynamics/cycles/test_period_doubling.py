@@ -367,14 +367,17 @@ def test_periods_of_two_states_double_and_double_again():
     np.testing.assert_allclose(run.frequency, cycles.frequency, rtol=1e-5)
 
 
-def test_doubling_is_where_a_multiplier_is_minus_one():
-    """On both sides of the first one, beside which the cycle of two returns is small."""
-    above, below = (
-        rs.limit_cycle(two_states(x), TWO_V, V_start=TWO_V / 1.3) for x in (0.8664, 0.8660)
-    )
-    assert (int(above.returns), int(below.returns)) == (1, 2)
-    assert -1.0 < float(above.multipliers[0].real) < -0.99
-    assert 0.9 < float(below.multipliers[0].real) < 1.0
+def test_doublings_come_closer_by_feigenbaums_number():
+    """Both sides of each: a multiplier of -1 above it, and a smaller cycle of twice the returns."""
+    edges, off = np.array([0.866259, 0.857039, 0.855393, 0.855050]), 2e-5
+    ratios = xr.DataArray(np.ravel([edges + off, edges - off], order="F"), dims="K")
+    found = rs.limit_cycle(two_states(ratios), TWO_V, V_start=0.77 * TWO_V)
+    assert found.returns.values.tolist() == [1, 2, 2, 4, 4, 8, 8, 16]
+    first = found.multipliers[:, 0].values.real
+    assert ((first[::2] > -1.0) & (first[::2] < -0.85)).all()
+    assert (first[1::2] < 1.0).all()
+    gaps = -np.diff(edges)
+    np.testing.assert_allclose(gaps[:-1] / gaps[1:], [5.60, 4.79], atol=0.05)
 
 
 def test_chaos_of_two_states_is_no_cycle():
