@@ -273,3 +273,15 @@ def test_the_lines_of_residuals_hold_95_percent_of_the_noise(both, drawn):
         flat = [line.get_ydata() for line in panels(drawn)[f"{law} record"].lines[1:4]]
         heights = sorted(float(y[0]) for y in flat)
         np.testing.assert_allclose(heights, [-1e3 * level, 0.0, 1e3 * level], rtol=1e-4)
+
+
+def test_a_long_legend_has_two_rows_beside_a_close_up(both):
+    """The laws' names are as long as they are; a held parameter of a law is in the title."""
+    own = {"law": "two-state-slip", "b2": 0.0, "Dc2": "12 um"}
+    data = record(SLIDER, STEP, np.linspace(0.0, 140.0, 701), noise=3e-4)
+    laws = ("slip", "two-state-slip")
+    result = rs.fit(data, SLIDER.replace(**own), ("a", "b"), law=laws, errors="covariance")
+    fig = plot.fit(result)
+    assert panels(fig)["record"].get_legend()._ncols == 2
+    assert "$D_{c2}$ = 12" in fig.get_suptitle()
+    assert panels(plot.fit(both))["record"].get_legend()._ncols == 4

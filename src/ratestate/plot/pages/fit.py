@@ -83,7 +83,7 @@ def fit_page(result, x=None):
                 marks(record, panel)
                 column.append(panel)
         _share(column, named=name == "record" or len(column) == 1)
-    legend(axes["record"], laws)
+    legend(axes["record"], laws, narrow=len(close) == 1)
     for law in laws:
         panel = axes[f"{law} record"]
         at = {"transform": panel.transAxes, "va": "top", "fontsize": 7, "color": LAWS[law].color}

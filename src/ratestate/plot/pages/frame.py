@@ -3,12 +3,15 @@
 from matplotlib.patches import Patch
 
 from ...dynamics import attributes
+from ...friction.laws import friction_law
 from ...records.fitting.table import law_names
 from ..estimates import ROW, estimates
 from ..labels import LAWS, label
 from ..layout import ABOVE, figure, letters
 from ..likelihood import likelihood, non_gaussian
 
+#: letters of a legend for which a panel has room that has another beside it
+ROOM = 45
 #: laws that the title names; the legend names more
 NAMED = 2
 #: heights [inches]: of a likelihood, of axes' labels, of the title and the space under the table
@@ -22,7 +25,8 @@ def framed(result, laws, height):
     """
     middle = [LIKELIHOOD] if non_gaussian(result) else []
     heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
-    symbols = " ".join(s for s in "sigma M a b Dc K V0".split() if s not in result)
+    own = dict.fromkeys(symbol for law in laws for symbol in friction_law(law).parameters)
+    symbols = " ".join(s for s in (*"sigma M a b Dc K V0".split(), *own) if s not in result)
     source = attributes.text(result, "source", "")
     which = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"
     title = (
@@ -44,12 +48,13 @@ def finished(result, parts, first):
     estimates(result, parts[-1].subplots())
 
 
-def legend(ax, laws, *, band=True):
-    """What the lines are, above the record."""
+def legend(ax, laws, *, band=True, narrow=False):
+    """What the lines are, above the record; in two rows if a narrow panel has no room for one."""
     handles, names = ax.get_legend_handles_labels()
     if band:
         color = LAWS[next(iter(laws))].color if len(laws) == 1 else "0.5"
         handles.append(Patch(color=color, alpha=0.3, lw=0.0))
         names.append("95 % of samples")
     look = {"fontsize": 7, "handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 0.7}
-    ax.legend(handles, names, ncols=len(names), **look, **ABOVE)
+    rows = 2 if narrow and sum(map(len, names)) > ROOM else 1
+    ax.legend(handles, names, ncols=-(-len(names) // rows), **look, **ABOVE)
