@@ -78,5 +78,5 @@ left.set(xlabel="Stiffness $K/K_c$", ylabel=r"Stress maxima $\tau/\sigma$", xlim
 right.plot(x, y, ".", color="k", ms=2)
 right.plot([x.min(), x.max()], [x.min(), x.max()], color=plot.BLUE, lw=0.8)
 right.set(xlabel="One maximum", ylabel="The next")
-right.set_title(f"Lyapunov exponent {exponent:.1f} a return")
+right.text(0.06, 0.08, f"Lyapunov exponent\n{exponent:.1f} a return", transform=right.transAxes)
 plt.show()
