@@ -33,7 +33,7 @@ def counted(value, function="advance"):
     compiled = jit.kernel(getattr(module, function))
     compiled._cache.disable()
     compiled.compile("(float64[::1], int64)")
-    return compiled._cache.products[None]
+    return compiled._cache.products[""]
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="the compiler is off")
@@ -57,7 +57,7 @@ class Kernel:
     """One of which products of single numbers and of vectors are told."""
 
     def __init__(self, law, products):
-        self._cache = types.SimpleNamespace(products={law: products})
+        self._cache = types.SimpleNamespace(products={law.name: products})
 
     def __call__(self, law):
         return law

@@ -58,8 +58,8 @@ class KernelCache(_Cache):
     def __init__(self, function):
         self._name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
         self._enabled = True
-        #: law, None of none -> `vectorisation.products` of the code that was compiled or loaded
-        self.products: dict[Any, tuple[int, int]] = {}
+        #: name of a law, "" of none -> `vectorisation.products` of the code compiled or loaded
+        self.products: dict[str, tuple[int, int]] = {}
 
     @property
     def cache_path(self):
@@ -86,14 +86,14 @@ class KernelCache(_Cache):
                 with contextlib.suppress(Exception):  # of another build of numba, say
                     counted, parts = pickle.loads(code)
                     result = CompileResult._rebuild(target_context, *parts)
-                    self.products[_law(sig)] = counted
+                    self.products[_law_name(sig)] = counted
                     return result
             say(f"the compiled kernel {path} is damaged; it is compiled anew")
         return None
 
     def save_overload(self, sig, data):
         """Keep compiled code in the first folder that takes it; tell on stderr which do not."""
-        counted = self.products[_law(sig)] = products(data.library)
+        counted = self.products[_law_name(sig)] = products(data.library)
         if not self._enabled or data.library.has_dynamic_globals:  # (addresses of this process)
             return
         code = dumps((counted, data._reduce()))
@@ -125,8 +125,8 @@ class KernelCache(_Cache):
         return any(any(folder.glob(files)) for folder in _readable())
 
     def _file(self, sig, codegen):
-        law = _law(sig)
-        name = f"{self._name}-{law.name}" if law else self._name
+        law = _law_name(sig)
+        name = f"{self._name}-{law}" if law else self._name
         return f"{name}-{_machine(codegen)}-{_short_hash(sig)}.nbc"
 
     def enable(self):
@@ -144,9 +144,9 @@ class KernelCache(_Cache):
                 path.unlink(missing_ok=True)
 
 
-def _law(sig):
-    """The law among the types of a kernel's arguments; None where it takes none."""
-    return next((one.law for one in sig if hasattr(one, "law")), None)
+def _law_name(sig):
+    """The name of the law among the types of a kernel's arguments; "" where it takes none."""
+    return next((one.law.name for one in sig if hasattr(one, "law")), "")
 
 
 def _machine(codegen):

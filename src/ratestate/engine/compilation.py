@@ -58,7 +58,7 @@ def call(kernel, *arguments):
 
 def _warn_of_slow_loops(kernel, law):
     """Warn where a user's law has kept a kernel from being vectorised, once a law."""
-    if MARK not in law.name or law in _slow or is_vectorised(kernel._cache.products[law]):
+    if MARK not in law.name or law in _slow or is_vectorised(kernel._cache.products[law.name]):
         return
     _slow.add(law)
     text = (
