@@ -53,3 +53,26 @@ class Cubic(rs.FrictionLaw):
         slope = 1.0 + 0.3 * z * z
         return (-w * (z - p[1] + 0.1 * z**3 + slope),), (-w * slope,)
 """
+#: the same law, written for numbers alone
+NUMBERS = """
+import math
+import ratestate as rs
+
+class Numbers(rs.FrictionLaw):
+    name = "numbers"
+    parameters = {"q": rs.Parameter("1", "offset", "> 0", "0.5")}
+
+    def coefficients(self, V_ref, parameters):
+        return parameters.b / parameters.a, math.exp(math.log(parameters.q))
+
+    def rates(self, v, w, psi, e, p):
+        z = v + psi[0]
+        if z > p[1]:
+            return (-w * (z - p[1] + 0.1 * z * z * z),)
+        return (w * (p[1] - z - 0.1 * z * z * z),)
+
+    def rate_partials(self, v, w, psi, e, p):
+        z = v + psi[0]
+        slope = 1.0 + 0.3 * z * z
+        return (-w * (z - p[1] + 0.1 * z**3 + slope),), (-w * slope,)
+"""

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from user_laws import CUBIC, MINE, PLAIN
+from user_laws import CUBIC, MINE, NUMBERS, PLAIN
 
 import ratestate as rs
 
@@ -52,6 +52,24 @@ def test_steady_sliding_is_found_for_each_slider_of_a_sweep(law_file):
     closed_form = (0.006 - 0.003) * 2e6 / 1e-5 * (1 + 0.3 * z**2)
     np.testing.assert_allclose(K_c, closed_form, rtol=1e-11)
     np.testing.assert_allclose(sliders.K_c_qs, closed_form, rtol=1e-11)
+
+
+def test_a_law_may_be_written_for_numbers(law_file):
+    """With functions of math and branches: the slip law, about another steady state."""
+    for text in (NUMBERS, CUBIC):
+        rs.register(law_file(text))
+    q = rs.logspace("q", 0.1, 3.0, 5)
+    common = COMMON | {"b": 0.006 * (1 + 0.1 * q), "q": q}
+    numbers, arrays = (rs.SpringSlider(**common, law=law) for law in ("numbers", "cubic"))
+    one, other = (rs.stability(slider, 4e-3) for slider in (numbers, arrays))
+    for name in ("K_c", "V_c", "eigenvalues", "omega_c"):
+        np.testing.assert_allclose(one[name], other[name], rtol=1e-12, err_msg=name)
+    alone = rs.stability(numbers.replace(b=0.006, q=0.3), 4e-3)
+    assert float(alone.K_c) == pytest.approx(
+        float(rs.stability(arrays.replace(b=0.006, q=0.3), 4e-3).K_c), rel=1e-12
+    )
+    law = numbers.friction  # of which the engine compiles what was written
+    assert law.rates.__wrapped__.__func__ is vars(type(law))["rates"]
 
 
 def test_an_edited_law_is_another_one(law_file):

@@ -6,6 +6,7 @@
 ``two_states``       what laws of two states have in common
 ``user_law``         a law of a user's file or class, named with a hash of its source
 ``law_check``        whether its derivatives and steady sliding are right
+``law_arrays``       its methods for arrays, where they are written for numbers
 ``rate_and_state``   friction, state and steady states in SI (eqs 1 to 3)
 ``linear_stability`` whether steady sliding is stable, by any law
 ``stability``        the same in closed form, by laws of one length (eqs 5 to 7, 10)

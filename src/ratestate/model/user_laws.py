@@ -4,6 +4,7 @@ import os
 
 from ..errors import ParameterError
 from ..friction import laws
+from ..friction.law_arrays import take_arrays
 from ..friction.law_check import check
 from ..friction.user_law import MARK, law_of_file, law_of_text, named_law
 from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
@@ -56,6 +57,7 @@ def register(law):
     try:
         _check_names(new, own)
         values = COMMON | {symbol: _example(symbol, new) for symbol in new.parameters}
+        take_arrays(new, values)
         new.orders = check(new, values)
     except ParameterError as error:
         raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
