@@ -8,7 +8,7 @@ import pytest
 
 import ratestate as rs
 from ratestate import Loading, ParameterError
-from ratestate.interfaces.scenario import Output, load, run
+from ratestate.interfaces.scenario import Output, from_result, load, loads, run, toml
 
 SLIDER = """
 [slider]
@@ -650,6 +650,33 @@ def test_no_cycle_at_rest(told, verb, table, place):
         f"[loading] {place}: 0 m/s, a loading that ends at rest, has no {verb}, "
         f"expected a speed such as '3.2 mm/s'"
     )
+
+
+def test_the_start_of_a_limit_cycle_is_its_own(read):
+    """V_start of a file that asks for a run is the run's; the cycle's stands beside its verb."""
+    loading, start = '[loading]\nV_lp = "3 mm/s"\n', 'V_start = "1 mm/s"\n'
+    axis = "b = [0.006, 0.007]\n"
+    for text, given in [
+        (f'[run]\nverb = "limit_cycle"\n{start}', True),
+        (f'[sweep]\nverb = "limit_cycle"\n{axis}{start}', True),
+        (f'[run]\nt_end = "1 s"\n{start}', False),
+        (f'[run]\n{start}[sweep]\nverb = "limit_cycle"\n{axis}', False),
+        (f'[sweep]\nverb = "simulate"\nt_end = "1 s"\n{axis}{start}', False),
+    ]:
+        scenario = read(loading + text, "limit_cycle")
+        assert scenario.settings == {"V_lp": 3e-3} | ({"V_start": 1e-3} if given else {}), text
+
+
+@pytest.mark.parametrize("b", [0.006, rs.logspace("b", 0.006, 0.007, 2)])
+def test_a_limit_cycle_says_from_which_start(b):
+    slider = rs.SpringSlider(a=0.003, b=b, Dc=1e-5, sigma=2e6, K=9e8, M=3e3)
+    cycle = rs.limit_cycle(slider, 4e-3, V_start=3e-3, rtol=1e-4)
+    again = loads(toml(from_result(cycle)))
+    assert again.settings == {"V_lp": 4e-3, "V_start": 3e-3, "rtol": 1e-4}
+    usual = from_result(rs.limit_cycle(slider, 4e-3, rtol=1e-4))
+    assert usual.settings == {"V_lp": 4e-3, "rtol": 1e-4}
+    del cycle.attrs["V_start"]  # as of versions before
+    assert "V_start" not in from_result(cycle).settings
 
 
 def test_a_branch_along_a_parameter_of_the_law(read, told):

@@ -55,7 +55,9 @@ def toml(scenario: Scenario) -> str:
         symbol = settings["parameter"]
         ends = {"from": settings["start"], "to": settings["stop"]}
         axes[symbol] = _inline({key: quantity(symbol, end) for key, end in ends.items()})
-    elsewhere = {"V_lp", "parameter", "start", "stop", *swept}
+    if verb == "limit_cycle" and axes and "V_start" in settings and "V_start" not in swept:
+        axes["V_start"] = _literal("V_start", settings["V_start"])
+    elsewhere = {"V_lp", "parameter", "start", "stop", *axes}
     run = {k: _literal(k, v) for k, v in settings.items() if k not in elsewhere}
     output = {"file": scenario.output.file, "plot": scenario.output.plot}
     named = {"verb": f'"{verb}"'}

@@ -46,9 +46,12 @@ def assemble(tables: Tables) -> Scenario | None:
         tables.place("V_lp").add("loading.of_record", like=example("V_lp"))
     _note_missing_speed(tables)
     of_slider = parameter_keys()
-    settings = tables.run | {k: v for k, v in swept.items() if k not in of_slider}
-    if own != verb and "rtol" not in swept:  # the meaning of rtol differs between functions
-        settings.pop("rtol", None)
+    run = dict(tables.run)
+    if own != verb:  # the meaning of rtol differs between functions
+        run.pop("rtol", None)
+    if verb == "limit_cycle" and (own != verb or "sweep" in tables.names):
+        run.pop("V_start", None)  # of the run
+    settings = run | {k: v for k, v in swept.items() if k not in of_slider}
     if verb == "simulate":
         V_last = settings.pop("V_lp", None)
         if "t_end" not in settings:

@@ -29,7 +29,7 @@ class Function(NamedTuple):
 FUNCTIONS = {
     "limit_cycle": Function(
         *SWEPT["limit_cycle"],
-        keys=("V_lp", "rtol"),
+        keys=("V_lp", "V_start", "rtol"),
         commands=("cycle", "sweep"),
         check_rtol=lambda rtol: limit_cycle_call(ANY, 1.0, rtol=rtol),
     ),

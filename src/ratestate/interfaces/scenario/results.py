@@ -153,18 +153,18 @@ def _settings(verb: str, result: Any) -> dict[str, Any]:
     """The function's arguments but for the slider, and without those equal to its defaults."""
     settings = {}
     for key, argument in list(inspect.signature(FUNCTIONS[verb].call).parameters.items())[1:]:
-        value = _setting(result, key)
+        value = _setting(verb, result, key)
         many = is_array(value) or isinstance(value, np.ndarray)
         if many or not (value is None or value == {} or value == argument.default):
             settings[key] = value
-    if "V_start" in settings:
+    if "loading" in settings and "V_start" in settings:
         first, start = map(xarray.DataArray, (settings["loading"].V_first, settings["V_start"]))
         if first.equals(start):
             del settings["V_start"]
     return settings
 
 
-def _setting(result: Any, key: str) -> Any:
+def _setting(verb: str, result: Any, key: str) -> Any:
     """The value of an argument; None for one that was not given."""
     attrs = result.attrs
     if key == "loading":
@@ -180,6 +180,8 @@ def _setting(result: Any, key: str) -> Any:
             return None
         own = "t" in result.coords and "time" in result.coords["t"].dims
         return result.coords["t"].drop_vars("t") if own else result["time"].values
+    if key == "V_start" and verb == "limit_cycle" and key not in attrs:
+        return None
     if key in ("V_lp", "V_start", "t_end"):
         follows = attrs.get("parameter") == key  # what a branch follows is between two ends
         return None if follows else _swept(result, key, key, attributes.from_json(result, key))

@@ -132,8 +132,8 @@ def sweep_table(
     branch = _branch(given, own, place) if verb == "continue_cycle" else {}
     values = _read(given, own, place, bool(branch))
     kept = {*of_verb.get(verb, known)}
-    if own and own != verb:  # the meaning of rtol differs between functions
-        kept -= {"rtol"}
+    if own and own != verb:  # their meaning differs between functions
+        kept -= {"rtol", "V_start"}
     return Sweep(verb, own, {k: v for k, v in values.items() if k in kept}, branch)
 
 
