@@ -284,6 +284,9 @@ def test_what_a_law_needs_for_its_atlas_is_said():
         ({"law": "nagata"}, "needs c"),
         ({"law": "aging", "c": 1.0}, "c"),
         ({"law": "two-state-slip", "b2": -3.0, "Dc2": 1.0}, "stable at any stiffness"),
+        ({"law": "two-state-slip", "b2": 0.5, "Dc2": "10 um"}, "Dc2 = '10 um' must be a plain"),
+        ({"law": "kato-tullis", "V_cut": 1.0, "M": "1 kg/m^2"}, "M = '1 kg/m\\^2' must be a plain"),
+        ({"law": "slip", "sigma": 2.0}, "sigma is no parameter that law = 'slip' has beside"),
     ):
         with pytest.raises(ParameterError, match=said):
             atlas(2.0, n=4, **options)

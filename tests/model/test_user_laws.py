@@ -46,12 +46,22 @@ def test_steady_sliding_is_found_for_each_slider_of_a_sweep(law_file):
     q = rs.logspace("q", 0.1, 30.0, 7)
     sliders = rs.SpringSlider(**COMMON, law="cubic", q=q)
     z = np.array([np.real(r) for x in q.values for r in np.roots([0.1, 0, 1, -x]) if r.imag == 0])
-    run = rs.simulate(sliders, rs.Loading.constant(1e-3), 1e-6, V_start=4e-3, times=[0.0])
-    np.testing.assert_allclose(np.log(4e-3 * run.theta[:, 0] / sliders.Dc), z, rtol=1e-11)
     K_c = rs.stability(sliders.replace(M=0.0), 4e-3).K_c
     closed_form = (0.006 - 0.003) * 2e6 / 1e-5 * (1 + 0.3 * z**2)
     np.testing.assert_allclose(K_c, closed_form, rtol=1e-11)
     np.testing.assert_allclose(sliders.K_c_qs, closed_form, rtol=1e-11)
+
+
+def test_a_parameter_may_be_corrected_in_the_file(law_file):
+    """Of the law itself; another law's is another quantity."""
+    rs.register(law_file(CUBIC))
+    edited = rs.register(
+        law_file(CUBIC.replace('"offset", "> 0"', '"offset of the state", ">= 0"'))
+    )
+    assert rs.SpringSlider(**COMMON, law=edited, q=0.0).q == 0
+    other = CUBIC.replace('"cubic"', '"other"').replace('"offset"', '"something"')
+    with pytest.raises(rs.ParameterError, match="its parameter 'q' is another quantity"):
+        rs.register(law_file(other))
 
 
 def test_a_law_may_be_written_for_numbers(law_file):
@@ -146,6 +156,7 @@ def test_a_law_that_is_not_registered_is_not_looked_for(law_file):
         ('"plain"', '"Plain law"', "must be a name in small letters"),
         ("import ratestate as rs", "import nothing_like_it", "line 2: ModuleNotFoundError"),
         ("import ratestate as rs", "import ratestate as rs\n1 / 0", "line 3: ZeroDivisionError"),
+        ("import ratestate as rs", "import ratestate as rs\nexit(3)", "line 3: SystemExit: 3"),
         ("class Plain", "class Plain(:", "line 4: SyntaxError"),
         (
             "(rs.FrictionLaw)",
@@ -185,6 +196,21 @@ def test_mistakes_in_a_law_file(law_file, old, new, said):
             '    parameters = {"K": rs.Parameter("1", "another")}\n',
             "its parameter 'K' is another quantity; rename it",
         ),
+        (
+            '    parameters = {"law": rs.Parameter("1", "another")}\n',
+            "its parameter 'law' is another quantity; rename it",
+        ),
+        (
+            '    parameters = {"theta2": rs.Parameter("s", "state 2", "> 0")}\n',
+            "its parameter 'theta2' is another quantity; rename it",
+        ),
+        (
+            '    parameters = {"q": rs.Parameter("m", "length", "> 0", "3 kg")}\n',
+            r"the example of its parameter q is wrong: q = '3 kg' is a mass \[kg\]",
+        ),
+        ('    states = {"tau": "Dc"}\n', "its state 'tau' is another quantity, or no name"),
+        ('    states = {"my state": "Dc"}\n', "its state 'my state' is another quantity, or no"),
+        ("    states = {}\n", "it has no states"),
         (
             '    parameters = {"q": rs.Parameter("furlong", "length")}\n',
             "its parameter q has the unit 'furlong'",

@@ -71,8 +71,8 @@ def cycles(monkeypatch):
     """Have limit cycles found by another class."""
 
     def by(kind):
-        def call(slider, V_lp, *, rtol=1e-8):
-            return kind(**vars(limit_cycle_call(slider, V_lp, rtol=rtol)))
+        def call(slider, V_lp, **settings):
+            return kind(**vars(limit_cycle_call(slider, V_lp, **settings)))
 
         monkeypatch.setitem(calls.FUNCTIONS, "limit_cycle", (limit_cycle, call))
 

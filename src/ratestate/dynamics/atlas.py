@@ -9,7 +9,7 @@ b/a; and one with a speed of its own is not the same at all speeds, so its map i
 import numpy as np
 import xarray
 
-from ..friction.laws import DEFAULT
+from ..friction.laws import DEFAULT, friction_law
 from ..model.arrays import logspace
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider
@@ -18,7 +18,7 @@ from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import REGIMES, classify
 from .hopf import bautin, hopf
-from .refusals import refusal
+from .refusals import check_orders, refusal
 from .results import flags, provenance
 
 #: first and last value of the axes: faults at the bottom left, brakes at the top
@@ -78,6 +78,13 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
     >>> chart.sel(eta=1e4, K_over_K_c_qs=1.0, method="nearest").regime.item()  # quasi-harmonic
     3
     """
+    friction = friction_law(law)
+    check_orders("atlas", friction, 3)
+    for symbol, value in {**parameters, **({} if M is None else {"M": M})}.items():
+        if symbol not in (*friction.parameters, "M"):
+            raise refusal("atlas.parameter", law=friction.name, symbol=symbol)
+        if not isinstance(value, int | float):
+            raise refusal("atlas.number", symbol=symbol, value=value)
     b_over_a = to_si("b_over_a", b_over_a)
     if is_array(b_over_a) or not b_over_a > 1:
         raise refusal("atlas.b_over_a", b_over_a=b_over_a)

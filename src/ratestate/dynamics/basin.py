@@ -65,7 +65,8 @@ def escape(slider, V_lp):
         ``step_up`` and ``step_down`` [1]: ratio of V_lp to the speed before, > 1 and < 1;
         ``kick_up`` > 0 and ``kick_down`` < 0 [Pa]: change of tau.  Where no disturbance of up to
         12 decades of V, or 27 a sigma, leaves the basin, step_up = kick_up = inf, step_down = 0
-        and kick_down = -inf; where steady sliding is unstable (K <= K_c), steps are 1, kicks 0.
+        and kick_down = -inf (steps come from no speed beyond V_c, or V_c_upper); where steady
+        sliding is unstable (K <= K_c), steps are 1, kicks 0.
         ``outcome``: the motion beyond, "cycle", "irregular cycles" (they do not repeat), "runaway"
         (M = 0), "none", "no steady sliding" where that is unstable, or "unknown" in a sweep where
         an orbit could not be followed (the size concerned is NaN); else "irregular cycles" where

@@ -20,6 +20,9 @@ from collections.abc import Mapping
 from types import MappingProxyType, SimpleNamespace
 from typing import NamedTuple
 
+# Newton steps towards steady sliding, before it is bracketed.
+STEADY_ITERATIONS = 20
+
 
 class Parameter(NamedTuple):
     """A parameter that a law has beside a, b, Dc, mu0 and V0: the quantity that it is.
@@ -256,8 +259,18 @@ class FrictionLaw:
             psi = tuple(psi_k if j == k else 0.0 * psi_k for j in range(len(self.states)))
             return self.rates(0.0, 1.0, psi, self.exponentials(0.0, 1.0, psi, p), p)[k]
 
-        if not np.any(rate(zero, *p)):
-            return zero
+        found = zero
+        with np.errstate(all="ignore"):  # of steps that lead nowhere
+            for _ in range(STEADY_ITERATIONS):
+                value = rate(found, *p)
+                if not np.any(value):
+                    return found
+                psi = tuple(found if j == k else zero for j in range(len(self.states)))
+                e = self.exponentials(0.0, 1.0, psi, p)
+                step = value / self.rate_partials(0.0, 1.0, psi, e, p)[1][k]
+                found = found - step
+                if np.all(np.abs(step) <= 1e-15 * np.maximum(1.0, np.abs(found))):
+                    return found
         from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
 
         # (these call it for the elements that have not converged yet)

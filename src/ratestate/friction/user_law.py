@@ -41,10 +41,11 @@ def law_of_text(text, path):
     sys.modules[module.__name__] = module  # where pickle looks for its class
     try:
         exec(compile(text, str(path), "exec"), module.__dict__)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         del sys.modules[module.__name__]
-        last = traceback.extract_tb(error.__traceback__)[-1]
-        line = getattr(error, "lineno", None) or last.lineno
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [frame.lineno for frame in frames if frame.filename == str(path)]
+        line = getattr(error, "lineno", None) or (lines[-1] if lines else 1)
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
         raise ParameterError(f"law file {path} cannot be loaded, line {line}: {reason}") from None
     found = [x for x in vars(module).values() if _is_law(x) and x.__module__ == module.__name__]

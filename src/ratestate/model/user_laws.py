@@ -1,5 +1,6 @@
 """The function `register`: a friction law of one's own, checked and made known."""
 
+import keyword
 import os
 
 from ..errors import ParameterError
@@ -10,6 +11,11 @@ from ..friction.user_law import MARK, law_of_file, law_of_text, named_law
 from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
 from .units import to_si
 
+#: words that sliders, scenario files and results use for other things than quantities
+TAKEN = frozenset(
+    "law law_file area values parameters friction replace slider loading method verb file plot"
+    " steps times initial parameter start stop point case columns units".split()
+)
 # Of a slider under which a law is tried [SI].
 COMMON = {"a": 0.01, "b": 0.015, "Dc": 1e-5}
 
@@ -82,7 +88,7 @@ def _check_names(law, own):
             raise ParameterError(f"the name {name!r} is that of a built-in law; choose another")
     for symbol, parameter in law.parameters.items():
         quantity = Quantity(*parameter)
-        if not symbol.isidentifier() or QUANTITIES.get(symbol, quantity) != quantity:
+        if not _is_name(symbol) or _is_another(symbol, quantity, own):
             raise ParameterError(f"its parameter {symbol!r} is another quantity; rename it")
         if quantity.unit not in KINDS or quantity.bound not in ("", "> 0", ">= 0"):
             units = ", ".join(KINDS)
@@ -90,9 +96,30 @@ def _check_names(law, own):
                 f"its parameter {symbol} has the unit {quantity.unit!r} and the bound "
                 f"{quantity.bound!r}; units are {units}; bounds '', '> 0' and '>= 0'"
             )
+    if not law.states:
+        raise ParameterError("it has no states; leave states out for theta alone")
+    known = {state for one in laws.LAWS.values() for state in one.states}
     for state, distance in law.states.items():
+        if not _is_name(state) or (state in QUANTITIES and state not in known):
+            raise ParameterError(
+                f"its state {state!r} is another quantity, or no name; rename it, as to theta2"
+            )
         if distance != "Dc" and getattr(law.parameters.get(distance), "unit", "") != "m":
             raise ParameterError(f"its state {state} evolves over {distance!r}, which is no length")
+
+
+def _is_name(text):
+    """Whether a parameter or state may be called so."""
+    return text.isidentifier() and not keyword.iskeyword(text) and text not in TAKEN
+
+
+def _is_another(symbol, quantity, own):
+    """Whether a symbol stands for another quantity, elsewhere than in this law before an edit."""
+    owners = [name for name, law in laws.LAWS.items() if symbol in law.parameters]
+    if not owners:
+        return symbol in QUANTITIES
+    others = [name for name in owners if name.partition(MARK)[0] != own]
+    return bool(others) and QUANTITIES[symbol] != quantity
 
 
 def _example(symbol, law):
@@ -100,12 +127,16 @@ def _example(symbol, law):
     quantity = Quantity(*law.parameters[symbol])
     if not quantity.example:
         return 1.0
-    known = QUANTITIES.setdefault(symbol, quantity)
+    before = QUANTITIES.get(symbol)
+    QUANTITIES[symbol] = quantity._replace(example="")
     try:
         return to_si(symbol, quantity.example.strip("'\""))
+    except ParameterError as error:
+        raise ParameterError(f"the example of its parameter {symbol} is wrong: {error}") from None
     finally:
-        if known is quantity:
-            del QUANTITIES[symbol]
+        del QUANTITIES[symbol]
+        if before is not None:
+            QUANTITIES[symbol] = before
 
 
 def file_of(name):

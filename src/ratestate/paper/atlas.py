@@ -17,12 +17,13 @@ MAPS = {
 }
 
 
-def make(law, out, *, b_over_a=2.0, n=200):
+def make(law, out, *, b_over_a=2.0, n=200, **parameters):
     """Compute and draw the atlas for one law, and `write` it; list of paths.
 
     n : points along either axis; see `ratestate.atlas.atlas`
+    parameters : those of the law's own, and M, as there
     """
-    data = atlas(b_over_a, law, n=n)
+    data = atlas(b_over_a, law, n=n, **parameters)
     return write(data, draw(data), out, f"atlas_{law}")
 
 
@@ -30,34 +31,41 @@ def make(law, out, *, b_over_a=2.0, n=200):
 def draw(data):
     """(a) regimes; (b) the same close to K_c; (c-e) amplitude, slip per cycle, largest velocity."""
     title = f"Limit cycles of a spring-slider, {LAWS[data.attrs['law']].name}"
+    by_eta = "eta" in data.dims  # else a law with a speed of its own
+    up = "two decades up" if by_eta else "one decade up"
     more = (
         f"$b/a$ = {float(data.b_over_a):g}.  A machine, rig or fault is a point; "
-        "ten times its speed is two decades up."
+        f"ten times its speed is {up}."
     )
     fig = figure(data, 8.2, "", more, title)
     axes = fig.subplot_mosaic([["main"] * 3, [*MAPS]], height_ratios=(1.75, 1))
     main = axes.pop("main")
     artists = plot.atlas(data, main)
-    speed = main.secondary_yaxis("right", functions=(np.sqrt, np.square))
-    speed.set_ylabel(r"$V_{lp}$ over that at which $\eta = 1$")
-    for x, y, text in (
-        *((0.03, 1e-3, "stick-slip"), (6.0, 1e2, "quasi-harmonic vibration")),
-        (30.0, 1e-1, "steady sliding"),
-    ):
-        main.text(x, y, text, ha="center", fontsize=9, style="italic")
-    sliders = _references(main)
+    sliders = [_name_regimes(main)] if by_eta else []
     near = main.inset_axes((0.555, 0.11, 0.43, 0.42))
     artists += plot.transition(data, near)
-    near.set(ylim=(1e-9, 1e2))
+    near.set(ylim=(1e-9, 1e2) if by_eta else main.get_ylim())
     letters([main, near], "regimes, and contours of $V_{max}/V_{lp}$", "close to $K_c$")
-    legend = {artist.get_label(): artist for artist in [*artists, sliders]}
+    legend = {artist.get_label(): artist for artist in [*artists, *sliders]}
     box = {"frameon": True, "framealpha": 1.0, "edgecolor": "0.7"}
     main.legend(handles=[*legend.values()], loc="lower left", fontsize=6.5, **box)
     for name, ax in axes.items():
         plot.contours(data, name, ax, MAPS[name][1])
     letters(axes.values(), *(text for text, _ in MAPS.values()), first="c")
-    axes["amplitude_over_a"].set_ylabel(r"$\eta$")
+    axes["amplitude_over_a"].set_ylabel(r"$\eta$" if by_eta else main.get_ylabel())
     return fig
+
+
+def _name_regimes(ax):
+    """Write the regimes where they are, speeds, and the paper's sliders; a line for a legend."""
+    speed = ax.secondary_yaxis("right", functions=(np.sqrt, np.square))
+    speed.set_ylabel(r"$V_{lp}$ over that at which $\eta = 1$")
+    for x, y, text in (
+        *((0.03, 1e-3, "stick-slip"), (6.0, 1e2, "quasi-harmonic vibration")),
+        (30.0, 1e-1, "steady sliding"),
+    ):
+        ax.text(x, y, text, ha="center", fontsize=9, style="italic")
+    return _references(ax)
 
 
 def _references(ax):

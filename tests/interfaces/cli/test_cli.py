@@ -395,6 +395,25 @@ def test_atlas_is_of_both_laws_unless_one_is_named(charted, tmp_path):
     charted.clear()
     result = call("atlas", "--law", "slip", "--b-over-a", 1.6, "--n", 50, "--out", tmp_path)
     assert charted == [("slip", {"b_over_a": 1.6, "n": 50})]
+    charted.clear()
+    own = ("--set", "V_cut=2", "--set", "M=1e-3")
+    result = call("atlas", "--law", "kato-tullis", *own, "--out", tmp_path)
+    assert charted == [("kato-tullis", {"b_over_a": 2.0, "n": 200, "V_cut": 2.0, "M": 1e-3})]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["atlas", "--law", "nagata", "--set", "q=1"], "no parameter of the law's own; expected c"),
+        (["atlas", "--law", "nagata", "--set", "c=1 um"], "give plain numbers"),
+        (["figures", "--law", "nagata"], "'nagata' needs c, which the paper does not give"),
+    ],
+)
+def test_values_of_a_law_that_no_map_or_figure_has(charted, tmp_path, arguments, said):
+    result = call(*arguments, "--out", tmp_path)
+    assert result.exit_code == 2
+    assert said in " ".join(result.stderr.replace("│", " ").split())
+    assert charted == []
 
 
 @pytest.mark.parametrize("arguments", [["--n", "1"], ["--law", "sloth"], ["--b-over-a", "two"]])

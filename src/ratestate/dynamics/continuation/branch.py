@@ -179,7 +179,9 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
     for symbol, value in {**values, **ends}.items():
         if symbol in (*PARAMETERS, "start", "stop") and symbol != "b" and not 0 < value < np.inf:
             unit = QUANTITIES[symbol if symbol in QUANTITIES else parameter].unit
-            raise refusal("branch.range", symbol=symbol, value=value, unit=unit)
+            needed = symbol in ("K", "M") or parameter in ("K", "M")
+            reason = sentence(f"branch_range.{'needed' if needed else 'followed'}")
+            raise refusal("branch.range", symbol=symbol, value=value, unit=unit, reason=reason)
     if ends["start"] == ends["stop"]:
         raise refusal("branch.no_length", start=ends["start"])
     family = Family(slider.law, values, parameter, rtol)

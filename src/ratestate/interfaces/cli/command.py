@@ -77,6 +77,17 @@ def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[
     return named
 
 
+def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str]:
+    """The option --set, NAME=VALUE each, as a dict; `typer.BadParameter` for another symbol."""
+    values, known = pairs_of(texts, "--set"), [*dict.fromkeys(symbols)]
+    if unknown := [name for name in values if name not in known]:
+        wanted = f"expected {' or '.join(known)}" if known else "it has none"
+        raise typer.BadParameter(
+            f"{unknown[0]!r} is no parameter of the law's own; {wanted}", param_hint="--set"
+        )
+    return values
+
+
 def laws_of(
     texts: Iterable[str], law_file: Path | None, defaults: Iterable[str]
 ) -> tuple[str, ...]:

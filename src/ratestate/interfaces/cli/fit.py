@@ -5,8 +5,8 @@ from typing import Any, Literal
 
 import typer
 
-from ...friction.laws import DEFAULT
-from .command import laws_of, pairs_of
+from ...friction.laws import DEFAULT, friction_law
+from .command import laws_of, own_values, pairs_of
 from .exits import SOME_FAILED
 
 Against = Literal["time", "displacement", "cycles"]
@@ -69,7 +69,8 @@ def fit(
     from .report.markdown import FitRequest
     from .run_fit import fit_and_report
 
-    values |= pairs_of(of_law, "--set")
+    own = [symbol for name in laws for symbol in friction_law(name).parameters]
+    values |= own_values(of_law, own)
     given = {symbol: value for symbol, value in values.items() if value is not None}
     request = FitRequest(file, {k: v for k, v in reading.items() if v}, given, laws, fitting)
     if fit_and_report(request, out, json):

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import typer
 
+from ...friction.laws import friction_law
 from ...paper.figures import FIGURES
 from ...paper.laws import LAWS
-from .command import laws_of
+from .command import laws_of, own_values
 from .output import make_writable, print_json, print_rich, reporting_files
 
 OUT = Path("figures")
@@ -27,6 +28,10 @@ def figures(
     Example: ratestate figures 2 4 --out figures
     """
     (law,) = laws_of([law] if law else [], law_file, LAWS[:1])
+    if own := friction_law(law).parameters:
+        raise typer.BadParameter(
+            f"{law!r} needs {', '.join(own)}, which the paper does not give", param_hint="--law"
+        )
     names = which or ["all"]
     if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
         raise typer.BadParameter(
@@ -59,6 +64,7 @@ def atlas(
     b_over_a: float = 2.0,
     law: str | None = None,
     law_file: Path | None = None,
+    of_law: list[str] | None = None,
     n: int = 200,
     out: Path = OUT,
     json: bool = False,
@@ -66,18 +72,24 @@ def atlas(
     """Map the regimes of any spring-slider over its stiffness and speed.
 
     Writes, for each law, atlas_LAW.png and .pdf (the map) and .nc (its numbers).  A machine, rig or
-    fault with this b/a is a point on the map, at K/K_c_qs and eta.
+    fault with this b/a is a point on the map, at K/K_c_qs and eta; under a law with a speed of its
+    own, at K and V_lp.
 
     Example: ratestate atlas --b-over-a 1.6 --out figures
     """
     laws = laws_of([law] if law else [], law_file, LAWS)
+    own = [symbol for each in laws for symbol in friction_law(each).parameters]
+    try:
+        values = {symbol: float(x) for symbol, x in own_values(of_law, [*own, "M"]).items()}
+    except ValueError as error:
+        raise typer.BadParameter(f"{error}: give plain numbers", param_hint="--set") from None
     make_writable(out)
     from ...paper.atlas import make
 
     files = list[Path]()
     for each in laws:
         with reporting_files(f"atlas, {each} law, b/a = {b_over_a:g}") as made:
-            made += make(each, out, b_over_a=b_over_a, n=n)
+            made += make(each, out, b_over_a=b_over_a, n=n, **values)
         files += made
     if json:
         print_json({"files": [str(path) for path in files]})

@@ -7,7 +7,6 @@ the bound that the law gives it.  Beside what the user frees, a record brings pa
 its level of friction, its trend, and the velocity and states in which it begins.
 """
 
-import functools
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -72,7 +71,6 @@ TRENDS = ("trend_slip", "trend_time")
 SUMS = ("mu0", "a_minus_b", *TRENDS)
 
 
-@functools.cache
 def parameter(name):
     """The `Parameter` of this name, under any law; KeyError for none."""
     if name in PARAMETERS:
