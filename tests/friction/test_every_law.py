@@ -206,6 +206,9 @@ def test_steady_states_of_many_sliders_are_found_where_no_law_knows_them():
         def rates(self, v, w, psi, e, p):
             return (p[1] * np.exp(-psi[0]) - w,)
 
+        def rate_partials(self, v, w, psi, e, p):
+            return (-w,), (-p[1] * np.exp(-psi[0]),)
+
     r = np.array([0.5, 1.0, 2.0, 3.0, 900.0, 1e-8])
     (psi,) = Healing().steady_variables((np.full(6, 1.2), r))
     np.testing.assert_allclose(psi, np.log(r), atol=1e-12)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from user_laws import MINE
+from user_laws import MINE, PLAIN
 
 import ratestate as rs
 from ratestate import files
@@ -15,6 +15,7 @@ from ratestate.friction.laws import LAW_OF, LAWS
 from ratestate.interfaces import explorer
 from ratestate.interfaces.cli import main, run_fit
 from ratestate.interfaces.cli.report.markdown import _python
+from ratestate.model.quantities import QUANTITIES
 from ratestate.paper import atlas, figures
 
 TEXT = """[slider]
@@ -46,6 +47,8 @@ def mine(law_file, tmp_path, monkeypatch):
 
 def forget(name):
     """Let a law be one that is not known."""
+    for symbol in LAWS[name].parameters:
+        del QUANTITIES[symbol]
     del LAWS[name], LAW_OF[name], LAW_OF[name.partition("@")[0]]
 
 
@@ -106,18 +109,23 @@ def test_a_file_that_is_not_there_is_named(command, mine):
     assert done.stderr == "error: law file none.py cannot be read: No such file or directory\n"
 
 
-def test_figures_and_the_atlas_are_of_the_law_of_the_file(mine, monkeypatch, tmp_path):
-    asked = []
+def test_figures_and_the_atlas_are_of_the_law_of_the_file(mine, law_file, monkeypatch, tmp_path):
+    """Figures of a law without parameters of its own, which the paper does not give."""
+    plain, asked = rs.register(law_file(PLAIN, "plain.py")), []
     monkeypatch.setattr(figures, "make", lambda key, law, out: asked.append(law) or [])
-    monkeypatch.setattr(atlas, "make", lambda law, out, **_: asked.append(law) or [])
-    for command in (["figures", "2"], ["atlas"]):
-        assert call(*command, "--law-file", "mine.py").exit_code == 0
-        assert call(*command, "--law-file", "mine.py", "--law", "mine").exit_code == 0
-        other = call(*command, "--law-file", "mine.py", "--law", "prz")
-        assert other.exit_code == 2
-        said = f"'prz': the law of mine.py is '{mine}'; name it too, or leave --law out"
-        assert said in words(other.stderr)
-    assert asked == [mine] * 4
+    monkeypatch.setattr(atlas, "make", lambda law, out, **own: asked.append((law, own)) or [])
+    assert call("figures", "2", "--law-file", "plain.py").exit_code == 0
+    refused = call("figures", "2", "--law-file", "mine.py")
+    assert f"'{mine}' needs m, which the paper does not give" in words(refused.stderr)
+    given = ("--law-file", "mine.py", "--set", "m=1.5")
+    assert call("atlas", *given).exit_code == 0
+    assert call("atlas", *given, "--law", "mine").exit_code == 0
+    other = call("atlas", *given, "--law", "prz")
+    assert other.exit_code == 2
+    said = f"'prz': the law of mine.py is '{mine}'; name it too, or leave --law out"
+    assert said in words(other.stderr)
+    settings = {"b_over_a": 2.0, "n": 200, "m": 1.5}
+    assert asked == [plain, (mine, settings), (mine, settings)]
 
 
 def test_a_fit_is_of_the_law_of_the_file_and_its_report_registers_it(mine, monkeypatch, tmp_path):
