@@ -35,19 +35,25 @@ def pytest_addoption(parser):
 
 
 @pytest.fixture
-def law_file(tmp_path):
-    """Writes a law file, and forgets what it has registered."""
+def laws_as_before():
+    """Forget, afterwards, the laws that a test has registered."""
     before = [(table, dict(table)) for table in (LAWS, LAW_OF, ONE_LENGTH, QUANTITIES)]
+    yield
+    for table, old in before:
+        table.clear()
+        table.update(old)
+
+
+@pytest.fixture
+def law_file(tmp_path, laws_as_before):
+    """Write a law file; what it registers is forgotten."""
 
     def write(text, name="mine.py"):
         path = tmp_path / name
         path.write_text(text)
         return path
 
-    yield write
-    for table, old in before:
-        table.clear()
-        table.update(old)
+    return write
 
 
 @pytest.fixture
