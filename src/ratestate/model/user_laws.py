@@ -67,7 +67,7 @@ def register(law):
         new.orders = check(new, values)
     except ParameterError as error:
         raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
-    except Exception as error:
+    except Exception as error:  # of the user's code, which may raise anything
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
         raise ParameterError(f"law {own!r}{_of(law)} cannot be tried: {reason}") from error
     add_quantities_of(new)

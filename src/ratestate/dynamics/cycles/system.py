@@ -170,8 +170,7 @@ def linear_section(system):
     Where steady sliding is stable at any K, for a frequency of 1.
     """
     law, p, psi = system.friction, system.coefficients, tuple(system.steady.T)
-    omega = system.critical.omega
-    omega = np.where(omega > 0.0, omega, 1.0)
+    omega = _frequency(system)
     f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
     # v = sin(omega T) is 0 there, and rises
     states = [(f / (1j * omega - g)).imag for f, g in zip(f_v, f_psi, strict=True)]
@@ -185,10 +184,15 @@ def small_amplitude(system, u):
     maximum.  With several states, whose parts of x may cancel, the largest of what each part of u
     says.
     """
-    cycle = linear_section(system)
     if u.shape[1] > 2:
-        return np.abs(u / cycle).max(axis=1)
-    return (weights(system) * u).sum(axis=1) * cycle[:, -1] / system.kappa
+        return np.abs(u / linear_section(system)).max(axis=1)
+    return (weights(system) * u).sum(axis=1) * _frequency(system) / system.kappa
+
+
+def _frequency(system):
+    """(n,) omega_c [V_lp/Dc]; 1 where steady sliding is stable at any K."""
+    omega = system.critical.omega
+    return np.where(omega > 0.0, omega, 1.0)
 
 
 def tightest(system, u):
