@@ -25,7 +25,7 @@ def at_random(name, seed):
     law, rng = LAWS[name], np.random.default_rng(seed)
     parameters, V = drawn(name, rng)
     values = {symbol: np.array([x]) for symbol, x in parameters.items()}
-    p = tuple(law.coefficient_array(V, values)[0].tolist())
+    p = tuple(float(x[0]) for x in law.coefficient_arrays(V, values))
     return law, rng.normal(), tuple(rng.normal(size=len(law.states))), p
 
 
@@ -82,7 +82,7 @@ def test_friction_and_evolution_are_those_of_the_textbook(name, seed):
     parameters, V0 = drawn(name, rng)
     law, twin = LAWS[name], Textbook(name, parameters)
     values = {k: np.array([x]) for k, x in parameters.items()}
-    p = tuple(float(x[0]) for x in law.coefficient_array(V0, values).T)
+    p = tuple(float(x[0]) for x in law.coefficient_arrays(V0, values))
     v, theta = rng.normal(), [D / V0 * math.exp(rng.normal()) for D in twin.D]
     V, logs = (
         V0 * math.exp(v),
@@ -116,7 +116,7 @@ def test_steady_sliding_is_steady(name):
     for _ in range(20):
         parameters, V = drawn(name, rng)
         values = {k: np.array([x]) for k, x in parameters.items()}
-        p = tuple(law.coefficient_array(V, values).T)
+        p = law.coefficient_arrays(V, values)
         psi = law.steady_variables(p)
         rates = law.rates(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
         np.testing.assert_allclose(rates, 0.0, atol=4e-16)

@@ -12,7 +12,7 @@ import xarray
 
 from ..engine.model import FINISHED, NO_CONVERGENCE, RUNAWAY, STEADY_SLIDING
 from ..errors import SolverError
-from ..friction.linear_stability import V_c
+from ..friction.critical_speeds import V_c
 from ..friction.roots import root
 from ..model.batch import Batch
 from ..model.slider import checked

@@ -6,14 +6,8 @@ import numpy as np
 import xarray
 
 from ..friction import hopf_of_law
-from ..friction.linear_stability import (
-    K_c,
-    V_c,
-    coefficients,
-    eigenvalues,
-    linearisation,
-    omega_c,
-)
+from ..friction.critical_speeds import V_c
+from ..friction.linear_stability import K_c, beside_the_pair, eigenvalues, linearisation, omega_c
 from ..friction.normal_form import (
     growth_slopes,
     law_curvatures,
@@ -183,16 +177,14 @@ def _where_it_is(law, V, values):
     critical = K_c(law, V, **values)
     inertia = eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
     kappa = critical * values["Dc"] / (values["a"] * sigma)
-    omega, p = omega_c(law, V, **values) * unit, coefficients(law, V, of_law)
+    omega, p = omega_c(law, V, **values) * unit, law.coefficient_arrays(V, of_law)
     coefficient, rounding = hopf_of_law.lyapunov_1(law, p, kappa, inertia, omega)
     by_K, by_V = hopf_of_law.growth_slopes(linearisation(law, p), kappa, inertia, omega)
     if law.has_own_speed:
         by_V = _growth_by_speed(law, V, critical, values)
-    modes, unit = eigenvalues(law, V, K=critical, **values), unit[:, None]
-    pair = np.argsort(np.abs(np.abs(modes.imag) * unit - omega[:, None]), axis=1)[:, :2]
-    others = modes.real * unit
-    np.put_along_axis(others, pair, -np.inf, axis=1)
-    return _Point(omega, others.max(axis=1), coefficient, rounding, by_K, by_V, 2.0 * kappa / omega)
+    modes = eigenvalues(law, V, K=critical, **values)
+    third = beside_the_pair(modes, omega / unit).real.max(axis=1) * unit
+    return _Point(omega, third, coefficient, rounding, by_K, by_V, 2.0 * kappa / omega)
 
 
 def _growth_by_speed(law, V, K, values):

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import xarray
 
+from ..friction.critical_speeds import V_c
 from ..friction.elementwise import call_elementwise
 from ..friction.laws import friction_law
-from ..friction.linear_stability import K_c, V_c, eigenvalues, is_stable, omega_c
+from ..friction.linear_stability import K_c, eigenvalues, is_stable, omega_c
 from ..friction.stability import eta, f_n
 from ..model.batch import Batch
 from ..model.names import keywords_checked

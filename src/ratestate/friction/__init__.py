@@ -8,7 +8,10 @@
 ``law_check``        whether its derivatives and steady sliding are right
 ``law_arrays``       its methods for arrays, where they are written for numbers
 ``rate_and_state``   friction, state and steady states in SI (eqs 1 to 3)
+``steady_state``     steady sliding by root finding, under a law that does not know it
 ``linear_stability`` whether steady sliding is stable, by any law
+``critical_speeds``  the speeds at which that changes
+``polynomials``      products and roots of polynomials in arrays
 ``stability``        the same in closed form, by laws of one length (eqs 5 to 7, 10)
 ``eigenvalues``      the three modes of steady sliding with one state
 ``hopf_of_law``      whether the Hopf bifurcation is super- or subcritical, by any law

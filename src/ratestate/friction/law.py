@@ -20,9 +20,6 @@ from collections.abc import Mapping
 from types import MappingProxyType, SimpleNamespace
 from typing import NamedTuple
 
-# Newton steps towards steady sliding, before it is bracketed.
-STEADY_ITERATIONS = 20
-
 
 class Parameter(NamedTuple):
     """A parameter that a law has beside a, b, Dc, mu0 and V0: the quantity that it is.
@@ -98,7 +95,9 @@ class FrictionLaw:
 
     def steady_variables(self, p):
         """psi in steady sliding at V_ref, a tuple; found numerically, unless a law knows it."""
-        return tuple(self._steady(k, p) for k in range(len(self.states)))
+        from .steady_state import steady_variables  # NumPy is slow to import
+
+        return steady_variables(self, p)
 
     # In compiled code
 
@@ -213,15 +212,23 @@ class FrictionLaw:
         """Whether the law has a method, by name, that not every law has."""
         return getattr(type(self), method) is not getattr(FrictionLaw, method)
 
-    def coefficient_array(self, V_ref, values):
-        """`coefficients` of n sliders as an array (n, k), from their parameters.
+    def coefficient_arrays(self, V_ref, values):
+        """`coefficients` of many sliders, a tuple of arrays of one shape, from their parameters.
 
-        values : symbol -> (n,), with others among them that no law needs
+        values : symbol -> array, with others among them that no law needs
         """
         import numpy as np  # slow to import, and `ratestate --help` needs the names of laws alone
 
         p = self.coefficients(V_ref, SimpleNamespace(**values))
-        return np.stack(np.broadcast_arrays(*p), axis=-1)
+        return tuple(np.broadcast_arrays(*p, V_ref)[:-1])
+
+    def steady_log_states(self, p):
+        """`log_states` in steady sliding at V_ref, a tuple."""
+        return self.log_states(0.0, self.steady_variables(p), p)
+
+    def steady_resistance(self, p):
+        """`resistance` in steady sliding at V_ref; 0 for most laws."""
+        return self.resistance(0.0, 1.0, self.steady_variables(p), p)
 
     def reference_friction(self, V, values):
         """mu at V (n,) and theta_k = D_k/V, from parameters; that of steady sliding for most laws.
@@ -231,15 +238,14 @@ class FrictionLaw:
         import numpy as np
 
         V0 = values["V0"]
-        p = tuple(self.coefficient_array(V0, values).T)
+        p = self.coefficient_arrays(V0, values)
         v = np.log(V / V0)
         psi = self.variables(v, (-v,) * len(self.states), p)
         return values["mu0"] + values["a"] * self.resistance(v, V / V0, psi, p)
 
     def steady_friction(self, V, values):
         """mu in steady sliding at V (n,), from parameters; values as for `reference_friction`."""
-        p = tuple(self.coefficient_array(V, values).T)
-        rest = self.resistance(0.0, 1.0, self.steady_variables(p), p)
+        rest = self.steady_resistance(self.coefficient_arrays(V, values))
         return self.reference_friction(V, values) + values["a"] * rest
 
     def exponentials(self, v, w, psi, p):
@@ -247,32 +253,3 @@ class FrictionLaw:
         import numpy as np
 
         return tuple(np.exp(x) for x in self.exponents(v, w, psi, p))
-
-    def _steady(self, k, p):
-        """psi_k in steady sliding at V_ref; the rate of each state knows no other."""
-        import numpy as np
-
-        p = np.broadcast_arrays(*p)
-        zero = np.zeros(p[0].shape)
-
-        def rate(psi_k, *p):
-            psi = tuple(psi_k if j == k else 0.0 * psi_k for j in range(len(self.states)))
-            return self.rates(0.0, 1.0, psi, self.exponentials(0.0, 1.0, psi, p), p)[k]
-
-        found = zero
-        with np.errstate(all="ignore"):  # of steps that lead nowhere
-            for _ in range(STEADY_ITERATIONS):
-                value = rate(found, *p)
-                if not np.any(value):
-                    return found
-                psi = tuple(found if j == k else zero for j in range(len(self.states)))
-                e = self.exponentials(0.0, 1.0, psi, p)
-                step = value / self.rate_partials(0.0, 1.0, psi, e, p)[1][k]
-                found = found - step
-                if np.all(np.abs(step) <= 1e-15 * np.maximum(1.0, np.abs(found))):
-                    return found
-        from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
-
-        # (these call it for the elements that have not converged yet)
-        found = bracket_root(rate, zero - 1.0, zero + 1.0, args=tuple(p))
-        return find_root(rate, found.bracket, args=tuple(p)).x

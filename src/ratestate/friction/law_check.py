@@ -82,8 +82,9 @@ def check(law, values):
 
 def _coefficients(law, values):
     """The law's coefficients, a tuple of floats."""
-    arrays = {symbol: np.array([x]) for symbol, x in values.items()}
-    p, faster = (tuple(law.coefficient_array(V, arrays)[0].tolist()) for V in (1e-6, 2e-6))
+    arrays = {symbol: np.array(x) for symbol, x in values.items()}
+    found = (law.coefficient_arrays(V, arrays) for V in (1e-6, 2e-6))
+    p, faster = (tuple(float(x) for x in each) for each in found)
     rescaled = tuple(float(x) for x in law.rescaled(p, 2.0))
     if not np.allclose(rescaled, faster, rtol=1e-12, atol=0.0):
         raise ParameterError(

@@ -14,18 +14,14 @@ For laws of one length this is eq. 6, and the closed forms of stability.py are u
 Functions take NumPy arrays of one shape, SI units, by their symbols, and check no range.
 """
 
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from . import stability
 from .eigenvalues import steady_modes
+from .polynomials import product, roots
 
-# Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
-SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e20, 10
-# Sliders for which they are sought at a time, which bounds the memory.
-TOGETHER = 1000
 # Evolution effect over direct effect, less 1, that is rounding.
 NEUTRAL = 1e-15
 # Of the roots of the polynomial, what may be rounding of a real one.
@@ -38,12 +34,6 @@ class Linearisation(NamedTuple):
     direct: np.ndarray  # R_v
     evolution: np.ndarray  # (..., n) r_k
     rates: np.ndarray  # (..., n) s_k
-
-
-def coefficients(law, V, values):
-    """The law's coefficients with V_ref = V, a tuple of arrays; values : symbol -> array."""
-    p = law.coefficients(V, SimpleNamespace(**values))
-    return tuple(np.broadcast_arrays(*p, V))[:-1]
 
 
 def linearisation(law, p):
@@ -126,7 +116,7 @@ def K_c(law, V, *, sigma, M, **values):
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    kappa = critical(law, coefficients(law, V, values), inertia).kappa
+    kappa = critical(law, law.coefficient_arrays(V, values), inertia).kappa
     return kappa * values["a"] * sigma / values["Dc"]
 
 
@@ -135,7 +125,7 @@ def omega_c(law, V, *, sigma, M, **values):
     if law.one_length:
         return stability.omega_c(V, **values)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    return V / values["Dc"] * critical(law, coefficients(law, V, values), inertia).omega
+    return V / values["Dc"] * critical(law, law.coefficient_arrays(V, values), inertia).omega
 
 
 def _inertia(V, *, sigma, M, **values):
@@ -149,7 +139,7 @@ def is_stable(law, V, *, sigma, K, M, **values):
         return stability.K_c(V, sigma=sigma, M=M, **values) < K
     stiffness = K * values["Dc"] / (values["a"] * sigma)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    return edges(law, coefficients(law, V, values)).unstable_pairs(stiffness, inertia) <= 0
+    return edges(law, law.coefficient_arrays(V, values)).unstable_pairs(stiffness, inertia) <= 0
 
 
 def _edge_frequencies(linear):
@@ -159,51 +149,15 @@ def _edge_frequencies(linear):
         excess = r / R_v - 1.0
         return s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
     # R_v prod_k (z + s_k^2) - sum_k r_k s_k^2 prod_(j not k) (z + s_j^2)
-    whole = _product([np.stack([np.ones_like(x), x**2], axis=-1) for x in np.moveaxis(s, -1, 0)])
+    whole = product([np.stack([np.ones_like(x), x**2], axis=-1) for x in np.moveaxis(s, -1, 0)])
     total = R_v * whole
     for k in range(s.shape[-1]):
         rest = [x for j, x in enumerate(np.moveaxis(s, -1, 0)) if j != k]
-        part = _product([np.stack([np.ones_like(x), x**2], axis=-1) for x in rest])
+        part = product([np.stack([np.ones_like(x), x**2], axis=-1) for x in rest])
         total[..., 1:] -= (r * s**2)[..., k, None] * part
-    z = _roots(total)
+    z = roots(total)
     real = np.abs(z.imag) <= IMAGINARY * np.abs(z)
     return np.where(real, z.real, 0.0)
-
-
-def _product(factors):
-    """The product of polynomials, coefficients along the last axis, highest first."""
-    product = factors[0]
-    for factor in factors[1:]:
-        size = product.shape[-1] + factor.shape[-1] - 1
-        longer = np.zeros((*product.shape[:-1], size), product.dtype)
-        for i in range(factor.shape[-1]):
-            longer[..., i : i + product.shape[-1]] += factor[..., i, None] * product
-        product = longer
-    return product
-
-
-def _roots(c):
-    """(..., n) complex roots of polynomials, coefficients (..., n + 1), highest first, not 0.
-
-    Eigenvalues of the companion matrix, polished by Newton's method.
-    """
-    n = c.shape[-1] - 1
-    companion = np.zeros((*c.shape[:-1], n, n))
-    companion[..., 0, :] = -c[..., 1:] / c[..., :1]
-    companion[..., range(1, n), range(n - 1)] = 1.0
-    finite = np.isfinite(companion).all(axis=(-2, -1))
-    companion[~finite] = 0.0
-    z = np.linalg.eigvals(companion).astype(complex)
-    for _ in range(3):
-        value, slope = np.zeros_like(z), np.zeros_like(z)
-        for k in range(n + 1):
-            slope = slope * z + value
-            value = value * z + c[..., k, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = value / slope
-        z = np.where(np.isfinite(step) & (np.abs(step) < 1e-4 * np.abs(z)), z - step, z)
-    z[~finite] = np.nan
-    return z
 
 
 def eigenvalues(law, V, *, sigma, K, M, **values):
@@ -215,7 +169,7 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
     rigid = np.isinf(K)
     kappa = np.where(rigid, 1.0, K) * values["Dc"] / (values["a"] * sigma)
-    p = coefficients(law, V, values)
+    p = law.coefficient_arrays(V, values)
     found = modes(law, p, kappa, _inertia(V, sigma=sigma, M=M, **values))
     relaxing = np.full(found.shape, -np.inf, complex)
     relaxing[..., :-2] = -np.sort(linearisation(law, p).rates, axis=-1)
@@ -236,6 +190,12 @@ def modes(law, p, kappa, inertia):
     return _modes(linear, inertia, kappa)
 
 
+def beside_the_pair(modes, omega):
+    """(n, k - 2) of `modes` (n, k) those but the pair that is nearest to oscillating at omega."""
+    order = np.argsort(np.abs(np.abs(modes.imag) - omega[:, None]), axis=1)
+    return np.take_along_axis(modes, np.sort(order[:, 2:], axis=1), axis=1)
+
+
 def _modes_of_one_state(linear, inertia, kappa):
     """The modes of one state, by a change of units those of eq. 1 and a law of one length."""
     R_v, r, s = linear.direct, linear.evolution[..., 0], linear.rates[..., 0]
@@ -250,100 +210,17 @@ def _modes(linear, inertia, kappa):
     R_v, s, rs = linear.direct, linear.rates, linear.evolution * linear.rates
     pairs = [np.stack([np.ones_like(x), x], axis=-1) for x in np.moveaxis(s, -1, 0)]
     n = len(pairs)
-    slow = _product([np.stack([R_v, kappa], axis=-1), *pairs])
+    slow = product([np.stack([R_v, kappa], axis=-1), *pairs])
     for k in range(n):
-        part = _product([pair for j, pair in enumerate(pairs) if j != k])
+        part = product([pair for j, pair in enumerate(pairs) if j != k])
         slow[..., 1:-1] -= rs[..., k, None] * part
     light = inertia == 0.0
     whole = np.concatenate([np.zeros((*slow.shape[:-1], 1)), slow], axis=-1)
-    whole[..., : n + 1] += inertia[..., None] * _product(pairs)
+    whole[..., : n + 1] += inertia[..., None] * product(pairs)
     found = np.empty((*R_v.shape, n + 2), complex)
     found[light] = np.concatenate(
-        [_roots(slow[light]), np.full((*slow[light].shape[:-1], 1), -np.inf)], axis=-1
+        [roots(slow[light]), np.full((*slow[light].shape[:-1], 1), -np.inf)], axis=-1
     )
-    found[~light] = _roots(whole[~light])
+    found[~light] = roots(whole[~light])
     order = np.lexsort((-found.imag, -found.real), axis=-1)
     return np.take_along_axis(found, order, -1)
-
-
-class CriticalSpeeds(NamedTuple):
-    """Speeds [m/s] at which steady sliding changes stability."""
-
-    V_c: np.ndarray  # the lowest above which it is unstable
-    V_c_upper: np.ndarray  # that above it from which it is stable again
-
-
-def V_c(law, *, K, **values):
-    """`CriticalSpeeds` of sliders.
-
-    V_c is 0 where sliding is unstable down to rest, inf where at no speed; V_c_upper is inf where
-    it stays unstable.  Under a law with a speed of its own it may be unstable once more above that.
-    """
-    if law.one_length:
-        lower = stability.V_c(K=K, **values)
-        return CriticalSpeeds(lower, np.full(np.shape(lower), np.inf))
-    if law.has_own_speed:
-        columns = {name: np.ravel(value) for name, value in {"K": K, **values}.items()}
-        parts = range(0, np.size(K), TOGETHER)
-        found = [
-            _speeds_by_search(law, {name: x[i : i + TOGETHER] for name, x in columns.items()})
-            for i in parts
-        ]
-        return CriticalSpeeds(
-            *(np.concatenate(each).reshape(np.shape(K)) for each in zip(*found, strict=True))
-        )
-    return CriticalSpeeds(*_speeds_by_edges(law, K=K, **values))
-
-
-def _speeds_by_edges(law, *, sigma, K, M, **values):
-    """V_c and V_c_upper, where the edges are at the same z and kappa/eta at all speeds."""
-    found = edges(law, coefficients(law, np.ones(np.shape(K)), values))
-    unit = values["a"] * sigma / values["Dc"]
-    excess = K[..., None] - found.quasi_static * unit[..., None]
-    rounding = stability.ROUNDING * np.abs(K)[..., None]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        speed = np.sqrt(excess / (found.mass * (M / values["Dc"] ** 2)[..., None]))
-    speed = np.where(excess > rounding, speed, 0.0)
-    speed = np.where((found.pairs == 0) | np.isinf(K)[..., None], np.inf, speed)
-    # just above each of these speeds, how many pairs are unstable
-    passed = speed[..., None, :] <= speed[..., None]
-    pairs = (found.pairs[..., None, :] * passed).sum(axis=-1)
-    lower = np.where(pairs > 0, speed, np.inf).min(axis=-1)
-    later = (pairs <= 0) & (speed > lower[..., None])
-    return lower, np.where(later, speed, np.inf).min(axis=-1)
-
-
-def _speeds_by_search(law, columns):
-    """`CriticalSpeeds` (n,) on a grid of speeds that bisection refines.
-
-    columns : symbol -> (n,)
-    """
-    decades = round(np.log10(FASTEST / SLOWEST))
-    grid = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
-
-    def stable(V):
-        """Of speeds (n,) or (n, m)."""
-        rows = (x.reshape(-1, *[1] * (V.ndim - 1)) for x in columns.values())
-        values = dict(zip(columns, (np.broadcast_to(x, V.shape) for x in rows), strict=True))
-        return is_stable(law, V, **values)
-
-    n = np.size(columns["K"])
-    unstable = ~stable(np.broadcast_to(grid, (n, grid.size)))
-    first = unstable.argmax(axis=1)
-    after = unstable | (np.arange(grid.size) < first[:, None])
-    last = after.argmin(axis=1)  # the first stable one after it, if any: else 0
-    lower = _bisect(stable, grid[np.maximum(first - 1, 0)], grid[first])
-    upper = _bisect(stable, grid[last], grid[np.maximum(last - 1, 0)])
-    some = unstable.any(axis=1)
-    lower = np.where(some, np.where(first > 0, lower, 0.0), np.inf)
-    return CriticalSpeeds(lower, np.where(some & (last > 0), upper, np.inf))
-
-
-def _bisect(stable, inside, outside):
-    """Speeds (n,) between those that are stable, inside, and those that are not."""
-    low, high = np.log(inside), np.log(outside)
-    for _ in range(64):
-        middle = 0.5 * (low + high)
-        is_inside = stable(np.exp(middle))
-        low, high = np.where(is_inside, middle, low), np.where(is_inside, high, middle)
-    return np.exp(0.5 * (low + high))

@@ -50,7 +50,7 @@ def initial_state(law, batch, V_load):
     a, _, _, sigma, K, M, mu0, V0 = map(batch.flat, PARAMETERS)
     names = [s for s in ("V", *law.states, "tau") if f"{s}_initial" in batch.values]
     given = {s: batch.flat(f"{s}_initial") for s in names}
-    p = tuple(law.coefficient_array(V0, batch.columns).T)
+    p = law.coefficient_arrays(V0, batch.columns)
     v, states = steady_state(law, batch, batch.flat("V_start"))
     x = resistance(law, v, states, p)
     if "V" in given:
@@ -89,7 +89,7 @@ def initial_state(law, batch, V_load):
 
 def steady_sliding_state(law, batch, V):
     """(n, len(y)) x, v and the law's variables, in steady sliding at V (n,)."""
-    p = tuple(law.coefficient_array(batch.flat("V0"), batch.columns).T)
+    p = law.coefficient_arrays(batch.flat("V0"), batch.columns)
     v, states = steady_state(law, batch, V)
     x = resistance(law, v, states, p)
     return np.stack([x, v, *law.variables(v, tuple(states), p)], axis=1)
@@ -97,9 +97,9 @@ def steady_sliding_state(law, batch, V):
 
 def steady_state(law, batch, V):
     """v = ln(V/V0) and ln(V0 theta/D) of each state, a list, in steady sliding at V (n,)."""
-    p = tuple(law.coefficient_array(V, batch.columns).T)
+    p = law.coefficient_arrays(V, batch.columns)
     v = np.log(V / batch.flat("V0"))
-    return v, [state - v for state in law.log_states(0.0, law.steady_variables(p), p)]
+    return v, [state - v for state in law.steady_log_states(p)]
 
 
 def resistance(law, v, log_states, p):

@@ -4,9 +4,10 @@ import dataclasses
 from typing import Any
 
 from ..errors import ParameterError
+from ..friction.critical_speeds import V_c
 from ..friction.elementwise import call_elementwise
 from ..friction.laws import DEFAULT, friction_law
-from ..friction.linear_stability import K_c, V_c
+from ..friction.linear_stability import K_c
 from ..friction.stability import eta, f_n
 from .arrays import check_aligned
 from .contact import parameter_to_si
@@ -267,7 +268,7 @@ class SpringSlider:
         return named("eta", eta(self._speed(V), **self._pick(("a", "Dc", "sigma", "M"))))
 
     def _of_law(self, symbol, function, part=None, **given):
-        """The result of a function of `linear_stability`, or a part of it, under its symbol."""
+        """The result of a function of linear stability, or a part of it, under its symbol."""
         values = given | self._pick(self.friction.symbols)
 
         def of_arrays(**arrays):

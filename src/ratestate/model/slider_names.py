@@ -4,7 +4,7 @@ import dataclasses
 import functools
 
 from ..errors import ParameterError
-from ..friction.laws import DEFAULT, LAWS, friction_law
+from ..friction.laws import DEFAULT, friction_law, owners
 from .names import check_keywords
 from .quantities import QUANTITIES, expected
 from .user_laws import register
@@ -46,11 +46,11 @@ def check_names(friction, given, common, methods):
             f"rename it"
         )
     for name in given:
-        owners = [law.name for law in LAWS.values() if name in law.parameters]
-        if owners and name not in friction.parameters:
+        having = owners(name)
+        if having and name not in friction.parameters:
             raise ParameterError(
                 f"law = {friction.name!r} has no parameter {name}, which belongs to "
-                f"{' and '.join(map(repr, owners))}; leave {name} out, or choose such a law"
+                f"{' and '.join(map(repr, having))}; leave {name} out, or choose such a law"
             )
     check_keywords("SpringSlider", given, names)
     for name in friction.parameters:

@@ -115,10 +115,10 @@ def _is_name(text):
 
 def _is_another(symbol, quantity, own):
     """Whether a symbol stands for another quantity, elsewhere than in this law before an edit."""
-    owners = [name for name, law in laws.LAWS.items() if symbol in law.parameters]
-    if not owners:
+    having = laws.owners(symbol)
+    if not having:
         return symbol in QUANTITIES
-    others = [name for name in owners if name.partition(MARK)[0] != own]
+    others = [name for name in having if name.partition(MARK)[0] != own]
     return bool(others) and QUANTITIES[symbol] != quantity
 
 

@@ -122,7 +122,7 @@ def system_of(law, *, sigma, K, M, V_lp, **values):
     a, Dc = values["a"], values["Dc"]
     inertia = eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
     v_limit = np.where(M == 0.0, np.log(V_LIMIT / V_lp), np.inf)
-    p = friction_law(law).coefficient_array(V_lp, values)
+    p = np.stack(friction_law(law).coefficient_arrays(V_lp, values), axis=-1)
     return System(law, K * Dc / (a * sigma), p, inertia, v_limit)
 
 
@@ -138,7 +138,7 @@ def steady_sliding_at(system, w):
     """(n, len(y)) x, v, psi of steady sliding at w (n,) times V_lp."""
     law, p, v = system.friction, system.coefficients, np.log(w)
     there = law.rescaled(p, w)
-    states = law.log_states(0.0, law.steady_variables(there), there)
+    states = law.steady_log_states(there)
     psi = law.variables(v, tuple(state - v for state in states), p)
     return np.stack([law.resistance(v, w, psi, p), v, *psi], axis=1)
 

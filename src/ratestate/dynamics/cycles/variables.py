@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...engine.model import STEADY_SLIDING
-from ...friction.linear_stability import coefficients, is_stable
+from ...friction.linear_stability import is_stable
 from ..domain import domain_variables
 from ..results import columns, status_variable
 from ..simulation.cases import speed
@@ -53,8 +53,8 @@ def cycle_variables(law, batch, status, measures, stable):
             "returns": np.nan_to_num(measured("returns", 0.0)).astype(np.int16),
         }
     variables = {name: batch.variable(value, name) for name, value in values.items()}
-    mu, p_lp = law.reference_friction(V, batch.columns), coefficients(law, V, of_law)
-    rest = law.resistance(0.0, 1.0, law.steady_variables(p_lp), p_lp)
+    mu = law.reference_friction(V, batch.columns)
+    rest = law.steady_resistance(law.coefficient_arrays(V, of_law))
     lowest = mu + p.a * measured("f_min", rest), 2.0 * mu + p.a * measured("xf_min", 2.0 * rest)
     variables |= domain_variables(batch, *lowest)
     multipliers = measures.get(

@@ -38,7 +38,7 @@ def engine_cases(law, batch, y0, *, t_end, loading, times, dt=None, rtol, observ
         v_limit = np.where(p.M == 0.0, np.log(V_LIMIT / p.V0), np.inf)
     return Cases(
         kappa=p.K * p.Dc / (p.a * p.sigma),
-        p=law.coefficient_array(p.V0, batch.columns),
+        p=np.stack(law.coefficient_arrays(p.V0, batch.columns), axis=-1),
         eta0=eta0,
         scale=p.V0 / p.Dc,
         V0=p.V0,

@@ -170,7 +170,7 @@ def _series(law, batch, loading, motion):
     p = SimpleNamespace(**{symbol: values[:, None] for symbol, values in batch.columns.items()})
     x, v, *psi = np.moveaxis(motion.states, -1, 0)
     psi = tuple(psi)
-    coefficients = tuple(law.coefficient_array(batch.flat("V0"), batch.columns).T[:, :, None])
+    coefficients = law.coefficient_arrays(p.V0, vars(p))
     t = np.broadcast_to(motion.t, x.shape)
     tau = p.sigma * (p.mu0 + p.a * x)
     delta_lp = batch.of(loading.delta_lp, t)

@@ -42,6 +42,16 @@ def add(law, own):
     LAW_OF.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
 
 
+def own_parameters(laws):
+    """Symbols of the parameters that any of these laws has of its own, a tuple, each once."""
+    return tuple(dict.fromkeys(symbol for law in laws for symbol in law.parameters))
+
+
+def owners(symbol):
+    """Names of the laws that have a parameter of their own, a list."""
+    return [law.name for law in LAWS.values() if symbol in law.parameters]
+
+
 def friction_law(law):
     """The law of `LAWS` with this name or synonym; ParameterError for an unknown one."""
     return LAWS[law_name(law)]

@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 import numpy as np
 
 from ...errors import ParameterError
-from ...friction.laws import LAW_OF, LAWS, friction_law, known_law
+from ...friction.laws import LAW_OF, LAWS, friction_law, known_law, own_parameters
 from ...friction.user_law import MARK
 from ...model.quantities import KINDS, POWERS, QUANTITIES, expected, prefixed_unit, readable
 from ...model.slider import SpringSlider
@@ -106,7 +106,7 @@ def fields(usual):
 
     Of a law's own parameters, which follow, the text too with which the field begins.
     """
-    own = dict.fromkeys(symbol for law in LAWS.values() for symbol in law.parameters)
+    own = own_parameters(LAWS.values())
     rows = [{"symbol": symbol, "usual": usual[symbol]} for symbol in SYMBOLS]
     rows += [{"symbol": s, "usual": _value(s, example(s)), "text": example(s)} for s in own]
     for row in rows:

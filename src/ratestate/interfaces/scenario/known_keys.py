@@ -10,7 +10,7 @@ from typing import Any
 
 from ...engine.model import METHODS
 from ...files import NUMBERS, PICTURES
-from ...friction.laws import DEFAULT, LAWS
+from ...friction.laws import DEFAULT, LAWS, own_parameters
 from ...model.loading.shapes import SHAPES
 from ...model.names import nearest, one_of
 from ...model.other_units import WHOLE_CONTACT
@@ -75,7 +75,7 @@ def parameter_keys() -> tuple[str, ...]:
 
 def own_keys() -> tuple[str, ...]:
     """Parameters that only some laws have."""
-    return tuple(dict.fromkeys(symbol for law in LAWS.values() for symbol in law.parameters))
+    return own_parameters(LAWS.values())
 
 
 def slider_keys() -> tuple[str, ...]:

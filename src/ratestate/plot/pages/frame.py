@@ -3,7 +3,7 @@
 from matplotlib.patches import Patch
 
 from ...dynamics import attributes
-from ...friction.laws import friction_law
+from ...friction.laws import friction_law, own_parameters
 from ...records.fitting.table import law_names
 from ..estimates import ROW, estimates
 from ..labels import LAWS, label
@@ -25,7 +25,7 @@ def framed(result, laws, height):
     """
     middle = [LIKELIHOOD] if non_gaussian(result) else []
     heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
-    own = dict.fromkeys(symbol for law in laws for symbol in friction_law(law).parameters)
+    own = own_parameters(map(friction_law, laws))
     symbols = " ".join(s for s in (*"sigma M a b Dc K V0".split(), *own) if s not in result)
     source = attributes.text(result, "source", "")
     which = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"

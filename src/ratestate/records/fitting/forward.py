@@ -95,7 +95,7 @@ class Forward:
             with np.errstate(over="ignore", invalid="ignore"):
                 of_samples = tuple(column[:, None] for column in p)
                 shown = self.law.resistance(v, np.exp(v), tuple(psi), of_samples)
-        steady = self.law.resistance(0.0, 1.0, self.law.steady_variables(p), p)
+        steady = self.law.steady_resistance(p)
         friction = a * (shown - np.reshape(steady, (-1, 1)))
         along = np.broadcast_to(self.record.trend_variable, x.shape)
         if self.record.trend == "slip":
@@ -125,13 +125,13 @@ class Forward:
     def start(self, values, p):
         """v = ln(V/V0) (n,) at the start, and of each state ln(V0 theta/D) (n,), a tuple."""
         V_start, *states = (values[name] for name in starts_of(self.law))
-        steady = self.law.log_states(0.0, self.law.steady_variables(p), p)
+        steady = self.law.steady_log_states(p)
         return V_start, tuple(x + y for x, y in zip(steady, states, strict=True))
 
     def coefficients(self, values):
         """The law's coefficients p for V0, a tuple of (n,)."""
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return tuple(self.law.coefficient_array(self.V0, values).T)
+            return self.law.coefficient_arrays(self.V0, values)
 
     def _motion(self, values, p):
         """(n, m, 2 + states) x, v, psi at the samples."""

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...friction.laws import LAWS
+from ...friction.laws import LAWS, own_parameters, owners
 from .refusals import refusal
 
 #: step of a difference in a logarithm, or over the size of what moves as itself
@@ -97,8 +97,7 @@ def _of_law(own):
 
 def of_slider(*laws):
     """Symbols of the slider's parameters that motion under these laws depends on, but for sigma."""
-    own = dict.fromkeys(symbol for law in laws for symbol in law.parameters)
-    return ("a", "b", "Dc", *own, "K", "M")
+    return ("a", "b", "Dc", *own_parameters(laws), "K", "M")
 
 
 def starts_of(law):
@@ -210,10 +209,9 @@ def checked_free(free, sliders):
 
 def _not_of_these(name, laws, listed):
     """The error for a name that none of these laws has: who has it, if any law does."""
-    owners = [law.name for law in LAWS.values() if name in list(law.parameters)]
-    if not owners:
+    if not (having := owners(name)):
         return refusal("free.unknown", name=name, allowed=listed)
-    compared, having = (" and ".join(map(repr, x)) for x in ([law.name for law in laws], owners))
+    compared, having = (" and ".join(map(repr, x)) for x in ([law.name for law in laws], having))
     return refusal("free.of_other_law", name=name, laws=compared, owners=having)
 
 

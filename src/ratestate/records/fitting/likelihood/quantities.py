@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....friction.linear_stability import coefficients, linearisation
+from ....friction.linear_stability import linearisation
 from ..forward import Forward
 from ..unknowns import LINEAR, parameter, starts_of, to_coordinate, to_value
 
@@ -98,7 +98,7 @@ def reported_quantities(problem):
 
     def rate_dependence(values):
         """d mu_ss/d ln V at `V`; a - b, unless the law has more states or friction of its own."""
-        linear = linearisation(law, coefficients(law, V, values))
+        linear = linearisation(law, law.coefficient_arrays(V, values))
         return values["a"] * (linear.direct - linear.evolution.sum(axis=-1))
 
     aside = (*starts_of(law), "lag", *LINEAR)

@@ -1,0 +1,99 @@
+"""The speeds at which steady sliding changes stability, under any friction law.
+
+Functions take NumPy arrays of one shape, SI units, by their symbols, and check no range.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from . import stability
+from .linear_stability import edges, is_stable
+
+# Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
+SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e20, 10
+# Sliders for which they are sought at a time, which bounds the memory.
+TOGETHER = 1000
+
+
+class CriticalSpeeds(NamedTuple):
+    """Speeds [m/s] at which steady sliding changes stability."""
+
+    V_c: np.ndarray  # the lowest above which it is unstable
+    V_c_upper: np.ndarray  # that above it from which it is stable again
+
+
+def V_c(law, *, K, **values):
+    """`CriticalSpeeds` of sliders.
+
+    V_c is 0 where sliding is unstable down to rest, inf where at no speed; V_c_upper is inf where
+    it stays unstable.  Under a law with a speed of its own it may be unstable once more above that.
+    """
+    if law.one_length:
+        lower = stability.V_c(K=K, **values)
+        return CriticalSpeeds(lower, np.full(np.shape(lower), np.inf))
+    if law.has_own_speed:
+        columns = {name: np.ravel(value) for name, value in {"K": K, **values}.items()}
+        parts = range(0, np.size(K), TOGETHER)
+        found = [
+            _speeds_by_search(law, {name: x[i : i + TOGETHER] for name, x in columns.items()})
+            for i in parts
+        ]
+        return CriticalSpeeds(
+            *(np.concatenate(each).reshape(np.shape(K)) for each in zip(*found, strict=True))
+        )
+    return CriticalSpeeds(*_speeds_by_edges(law, K=K, **values))
+
+
+def _speeds_by_edges(law, *, sigma, K, M, **values):
+    """V_c and V_c_upper, where the edges are at the same z and kappa/eta at all speeds."""
+    found = edges(law, law.coefficient_arrays(np.ones(np.shape(K)), values))
+    unit = values["a"] * sigma / values["Dc"]
+    excess = K[..., None] - found.quasi_static * unit[..., None]
+    rounding = stability.ROUNDING * np.abs(K)[..., None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed = np.sqrt(excess / (found.mass * (M / values["Dc"] ** 2)[..., None]))
+    speed = np.where(excess > rounding, speed, 0.0)
+    speed = np.where((found.pairs == 0) | np.isinf(K)[..., None], np.inf, speed)
+    # just above each of these speeds, how many pairs are unstable
+    passed = speed[..., None, :] <= speed[..., None]
+    pairs = (found.pairs[..., None, :] * passed).sum(axis=-1)
+    lower = np.where(pairs > 0, speed, np.inf).min(axis=-1)
+    later = (pairs <= 0) & (speed > lower[..., None])
+    return lower, np.where(later, speed, np.inf).min(axis=-1)
+
+
+def _speeds_by_search(law, columns):
+    """`CriticalSpeeds` (n,) on a grid of speeds that bisection refines.
+
+    columns : symbol -> (n,)
+    """
+    decades = round(np.log10(FASTEST / SLOWEST))
+    grid = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
+
+    def stable(V):
+        """Of speeds (n,) or (n, m)."""
+        rows = (x.reshape(-1, *[1] * (V.ndim - 1)) for x in columns.values())
+        values = dict(zip(columns, (np.broadcast_to(x, V.shape) for x in rows), strict=True))
+        return is_stable(law, V, **values)
+
+    n = np.size(columns["K"])
+    unstable = ~stable(np.broadcast_to(grid, (n, grid.size)))
+    first = unstable.argmax(axis=1)
+    after = unstable | (np.arange(grid.size) < first[:, None])
+    last = after.argmin(axis=1)  # the first stable one after it, if any: else 0
+    lower = _bisect(stable, grid[np.maximum(first - 1, 0)], grid[first])
+    upper = _bisect(stable, grid[last], grid[np.maximum(last - 1, 0)])
+    some = unstable.any(axis=1)
+    lower = np.where(some, np.where(first > 0, lower, 0.0), np.inf)
+    return CriticalSpeeds(lower, np.where(some & (last > 0), upper, np.inf))
+
+
+def _bisect(stable, inside, outside):
+    """Speeds (n,) between those that are stable, inside, and those that are not."""
+    low, high = np.log(inside), np.log(outside)
+    for _ in range(64):
+        middle = 0.5 * (low + high)
+        is_inside = stable(np.exp(middle))
+        low, high = np.where(is_inside, middle, low), np.where(is_inside, high, middle)
+    return np.exp(0.5 * (low + high))
