@@ -1,6 +1,7 @@
 """Seeds that are the same each time; kernels that parallel workers compile once."""
 
 import fcntl
+import gc
 import os
 from pathlib import Path
 
@@ -62,6 +63,12 @@ def looks_as_before(request):
     import pictures  # with it comes matplotlib
 
     return lambda fig, name: pictures.check(fig, name, request.config.getoption("--draw-anew"))
+
+
+def pytest_collection_finish():
+    """Let no collection of garbage look through thousands of tests and what they import."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_sessionstart():

@@ -1,5 +1,6 @@
 """What every friction law can do: runs, stability of steady sliding, limit cycles."""
 
+import mpmath
 import numpy as np
 import pytest
 import xarray as xr
@@ -21,6 +22,11 @@ V = 1e-3
 
 def slider(law, **changes):
     return rs.SpringSlider(**(COMMON | OF_LAW[law] | changes), law=law)
+
+
+def together(parameters):
+    """Parameters of sliders, a list of dicts, as those of one sweep along `slider`."""
+    return {s: xr.DataArray([p[s] for p in parameters], dims="slider") for s in parameters[0]}
 
 
 def off(run, exact, twin, law):
@@ -143,34 +149,58 @@ def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
             assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * size
 
 
+@pytest.mark.parametrize("V", 10.0 ** np.arange(-30, 5, 5))
+def test_eigenvalues_of_two_states_have_their_digits_at_any_speed(V):
+    """Those of eta L + 1 + kappa/L = sum r s/(L + s), to 1e-9 each, over 50 orders of magnitude."""
+    case = slider("two-state-slip")
+    with mpmath.workdps(300):
+        eta, kappa = (
+            mpmath.mpf(float(case.eta(V))),
+            mpmath.mpf(case.K * case.Dc) / (case.a * case.sigma),
+        )
+        (r, s), (r2, s2) = (case.b / case.a, 1.0), (case.b2 / case.a, case.Dc / case.Dc2)
+        r, s, r2, s2 = map(mpmath.mpf, (r, s, r2, s2))
+        whole = [eta, 1 + eta * (s + s2), eta * s * s2 + s + s2 + kappa, s * s2 + kappa * (s + s2)]
+        whole[2] -= r * s + r2 * s2
+        whole[3] -= (r + r2) * s * s2
+        whole = [kappa * s * s2, *reversed(whole)]
+        exact = mpmath.polyroots(whole, maxsteps=500, extraprec=3000, asc=True)
+        exact = np.array([complex(z) for z in exact]) * V / case.Dc
+    found = rs.stability(case, V).eigenvalues.values
+    for z in exact:
+        assert np.abs(found - z).min() < 1e-9 * abs(z)
+
+
 @NAMES
 def test_critical_stiffness_and_speeds_are_where_eigenvalues_cross(law):
     """On both sides of each; the slider's and the function's are one."""
     rng = np.random.default_rng(10)
+    parameters, V = zip(*(drawn(law, rng) for _ in range(30)), strict=True)
+    V = xr.DataArray(list(V), dims="slider")
+    case = rs.SpringSlider(**together(parameters), law=law)
+    found, K_c = rs.stability(case, V), case.K_c(V)
+    np.testing.assert_allclose(K_c, found.K_c, rtol=1e-10)
+    np.testing.assert_array_equal(found.stable, found.growth_rate < 0)
+    may = (K_c > 0).values
+    stiffer, edge, softer = (
+        rs.stability(case.replace(K=np.abs(f * K_c)), V)[{"slider": may}]
+        for f in (1 + 1e-6, 1.0, 1 - 1e-6)
+    )
+    assert (stiffer.growth_rate < 0).all()
+    assert (softer.growth_rate > 0).all()
+    turns = (edge.omega > 0).values
+    np.testing.assert_allclose(edge.omega[turns], found.omega_c[may][turns], rtol=1e-6)
     count = 0
-    for _ in range(30):
-        parameters, V = drawn(law, rng)
-        case = rs.SpringSlider(**parameters, law=law)
-        found = rs.stability(case, V)
-        assert case.K_c(V) == pytest.approx(float(found.K_c), rel=1e-10)
-        assert bool(found.stable) == (float(found.growth_rate) < 0)
-        if case.K_c(V) > 0:
-            rates = [
-                float(rs.stability(case.replace(K=f * case.K_c(V)), V).growth_rate)
-                for f in (1 + 1e-6, 1 - 1e-6)
-            ]
-            assert rates[0] < 0 < rates[1]
-            edge = rs.stability(case.replace(K=case.K_c(V)), V)
-            if float(edge.omega) > 0:
-                assert float(edge.omega) == pytest.approx(float(found.omega_c), rel=1e-6)
-        for speed, sign in ((case.V_c, 1), (case.V_c_upper, -1)):
-            if 0 < speed < np.inf:
-                count += 1
-                below, above = (
-                    float(rs.stability(case, f * speed).growth_rate) for f in (1 - 1e-6, 1 + 1e-6)
-                )
-                assert sign * below < 0 < sign * above
-        assert case.V_c < case.V_c_upper or case.V_c_upper == np.inf
+    for speed, sign in ((case.V_c, 1), (case.V_c_upper, -1)):
+        there = ((speed > 0) & np.isfinite(speed)).values
+        count += there.sum()
+        below, above = (
+            rs.stability(case, (f * speed).where(there, V)).growth_rate[there]
+            for f in (1 - 1e-6, 1 + 1e-6)
+        )
+        assert (sign * below < 0).all()
+        assert (sign * above > 0).all()
+    assert ((case.V_c < case.V_c_upper) | (case.V_c_upper == np.inf)).all()
     assert count > 5
 
 

@@ -396,7 +396,7 @@ def test_branches_share_axes_and_legend():
     slider = SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=6.06e8, law="aging")
     ax = Figure().subplots()
     for law, color in (("aging", "tab:red"), ("slip", "tab:green")):
-        found = rs.continue_cycle(slider.replace(law=law), "V_lp", 0.01, 1e-5, rtol=1e-6)
+        found = rs.continue_cycle(slider.replace(law=law), "V_lp", 1e-3, 1e-5, rtol=1e-6)
         plot.branch(found, ax, color=color, label=law)
     named = [text.get_text() for text in ax.get_legend().get_texts()]
     assert len(named) == len(set(named))

@@ -5,7 +5,6 @@ compiler takes them too is tried where numba-cuda and its toolkit are installed.
 """
 
 import importlib.util
-import itertools
 import os
 import re
 import subprocess
@@ -31,7 +30,8 @@ OF_LAW = {"b2": 1e-3, "Dc2": 5e-5}
 JOBS = pytest.mark.parametrize(
     ("job", "law"),
     [
-        *itertools.product(["simulations", "turns"], ["slip", "aging"]),
+        ("simulations", "slip"),
+        ("turns", "aging"),
         ("simulations", "two-state-slip"),
         ("turns", "two-state-aging"),
     ],

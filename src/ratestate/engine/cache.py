@@ -53,10 +53,11 @@ class KernelCache(_Cache):
     Parameters
     ----------
     function : the function that is compiled
+    name : by which its code is kept
     """
 
-    def __init__(self, function):
-        self._name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
+    def __init__(self, function, name):
+        self._name = f"{function.__module__.rpartition('.')[2]}.{name}"
         self._enabled = True
         #: name of a law, "" of none -> `vectorisation.products` of the code compiled or loaded
         self.products: dict[str, tuple[int, int]] = {}

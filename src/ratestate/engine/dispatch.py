@@ -10,8 +10,8 @@ from . import backend
 from . import rows as R
 from .compilation import announce, call, law_among
 from .lane_case import IDLE
-from .march import march
-from .model import NUMBERS, STEP_LIMIT, empty_results
+from .march import march, march_im2017
+from .model import NUMBERS, RODAS5P, STEP_LIMIT, empty_results
 from .return_map import empty_return_results, march_to_section
 
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
@@ -42,10 +42,16 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
     fixed = (cases, loads, save_times, results, np.empty((0, 1 + cases.y.shape[1])))
 
     def worker(queue):
-        return _Worker(march, R.rows_of(law).march_size, (method, law, alone), queue, fixed)
+        size = R.rows_of(law).march_size
+        return _Worker(_march(method), size, (method, law, alone), queue, fixed)
 
     _share(order, worker, progress)
     return results
+
+
+def _march(method):
+    """The kernel that marches by this method."""
+    return march if method is RODAS5P else march_im2017
 
 
 def run_returns(law, starts, alone):
@@ -114,7 +120,7 @@ def run_path(method, law, cases, loads, progress=None):
     buffer = np.empty((PATH_ROWS, 1 + cases.y.shape[1]))
     fixed = (cases, loads, np.empty((1, 0)), results, buffer)
     size = R.rows_of(law).march_size
-    worker = _Worker(march, size, (method, law, True), np.zeros(1, np.int64), fixed)
+    worker = _Worker(_march(method), size, (method, law, True), np.zeros(1, np.int64), fixed)
     pieces = [np.array([[0.0, *cases.y[0]]])]
     done = False
     rows = 0

@@ -12,9 +12,15 @@ from numba import njit
 from numba.extending import overload
 
 from .cache import KernelCache
+from .pipeline import InnerCompiler
 
 _overload: Any = overload  # (its declared arguments lack jit_options)
-_INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_INNER: Any = {
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "pipeline_class": InnerCompiler,
+}
 
 INLINED: Any = {"forceinline": True, "fastmath": {"contract"}, **_INNER}
 
@@ -40,9 +46,12 @@ def recursive(function):
     return function
 
 
-def kernel(function):
-    """What Python calls: compiled, and kept on disk; unchanged where the compiler is off."""
+def kernel(function, name=None):
+    """What Python calls: compiled, and kept on disk; unchanged where the compiler is off.
+
+    name : by which it is kept, if it is not the function's
+    """
     compiled: Any = njit(nogil=True, error_model="numpy")(function)
     if compiled is not function:  # where the compiler is off it is
-        compiled._cache = KernelCache(function)
+        compiled._cache = KernelCache(function, name or function.__qualname__)
     return compiled

@@ -8,7 +8,7 @@ from .jit import inner
 from .lanes import TOO_MANY_FAILURES
 from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW
 from .rows import rows_of
-from .tuples import read_rows, sum_of_sizes, write_rows
+from .tuples import load_rows, read_rows, sum_of_sizes, write_rows
 
 # The case of a lane that is free.
 IDLE = -1.0
@@ -31,8 +31,8 @@ def fill(s, l, law, i, size, cases):
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
     rows = rows_of(law)
     s[R.KAPPA + l] = cases.kappa[i]
-    write_rows(s, rows.p, l, cases.p[i])
-    write_rows(s, rows.y, l, cases.y[i])
+    load_rows(s, rows.p, l, cases.p[i])
+    load_rows(s, rows.y, l, cases.y[i])
     p, y, w = read_rows(s, rows.p, l), read_rows(s, rows.y, l), exp_alone(s[R.V + l])
     s[R.W + l] = w
     write_rows(s, rows.e, l, exp_each_alone(law.exponents(y[1], w, y[2:], p)))

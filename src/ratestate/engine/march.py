@@ -15,7 +15,7 @@ from .events import handle_events
 from .im2017 import take_step as take_im2017_step
 from .jit import inner, kernel
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
-from .model import FINISHED, RODAS5P, RUNNING, Numbers
+from .model import FINISHED, RUNNING, Numbers
 from .periodicity import last_period
 from .rows import rows_of
 from .tuples import read_rows, write
@@ -60,7 +60,7 @@ def load(s, l, law, i, cases, loads, save_times, results):
     enter_segment(s, l, law, scale, cases.V0[i], loads, cases.loading[i])
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
-        results.saved[i, n] = cases.y[i]
+        write(results.saved[i, n], 0, read_rows(s, rows_of(law).y, l))
         n += 1
     await_save(s, l, n, save_times, row, scale)
 
@@ -137,11 +137,10 @@ def end_segment(s, l, law, cases, loads):
         enter_segment(s, l, law, cases.scale[i], cases.V0[i], loads, cases.loading[i])
 
 
-@kernel
-def march(method, law, alone, s, queue, position, cases, loads, save_times, results, path, budget):
+def _march(method, law, alone, s, queue, position, cases, loads, save_times, results, path, budget):
     """March cases until the queue is empty (True), `path` is full or the budget is spent (False).
 
-    method : int, a code (model.py)
+    method : a code (model.py); by its type the compiler leaves out Rodas5P, or all else
     law : of `friction.laws.LAWS`, for which this is compiled
     alone : bool, whether to march in lane 0 only, by the scalar path
     s : (march_size,) the lanes; CASE = IDLE in those that are free
@@ -164,12 +163,12 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
             if active == 0:
                 return True
             vacant = False
-        if method != RODAS5P:
+        if method is None:
+            L.advance(s, law, width)
+        else:
             for l in range(width):
                 if s[R.CASE + l] != IDLE:
                     take_im2017_step(s, l, law, method)
-        else:
-            L.advance(s, law, width)
         for l in range(width):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 handle_events(s, l, law)
@@ -190,3 +189,9 @@ def march(method, law, alone, s, queue, position, cases, loads, save_times, resu
         if path.size > 0 and position[2] == path.shape[0]:
             return False
     return False
+
+
+#: the march by Rodas5P, its method None
+march = kernel(_march, "march")
+#: and by the paper's scheme, which few users need: it is compiled apart
+march_im2017 = kernel(_march, "march_im2017")

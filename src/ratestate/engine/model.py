@@ -38,7 +38,8 @@ _TABLE = tomllib.loads(Path(__file__).with_name("statuses.toml").read_text("utf-
 #: status code -> (name, what happened and what helps)
 STATUSES = {row["code"]: (name, row["message"]) for name, row in _TABLE.items()}
 
-RODAS5P, IM2017, IM2017_EULER = 0, 1, 2
+# Codes of methods; of None the compiler knows at once which it is.
+RODAS5P, IM2017, IM2017_EULER = None, 0, 1
 
 
 class Method(NamedTuple):
@@ -47,7 +48,7 @@ class Method(NamedTuple):
     `simulate` checks that it has that; the engine does not.
     """
 
-    code: int
+    code: int | None
     needs_dt: bool = False  # it does not choose its steps itself
     needs_mass: bool = False  # and a spring: it steps by sqrt(K/M)
     needs_law: str = ""  # a method of the law's

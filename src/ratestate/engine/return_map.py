@@ -17,9 +17,9 @@ from .jit import inner, kernel, recursive
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
 from .model import RUNNING
 from .return_events import handle_events, rates
-from .return_lanes import advance, commit, load_each, store_each
+from .return_lanes import advance, commit, load_each
 from .rows import rows_of
-from .tuples import full, of_each, plus, read_rows, times, write, write_rows
+from .tuples import load_rows, of_each, plus, read_rows, times, write
 
 
 class Starts(NamedTuple):
@@ -81,15 +81,17 @@ def load(s, l, law, i, starts):
     rows = rows_of(law)
     fill(s, l, law, i, rows.return_size, starts)
     s[R.ETA0 + l], s[R.TOLERANCE + l] = starts.eta[i], starts.atol[i]
-    store_each(s, rows.z, l, starts.along[i])
-    write_rows(s, rows.steady, l, starts.steady[i])
+    for k in range(len(rows.z)):
+        load_rows(s, rows.z[k], l, starts.along[i, k])
+    load_rows(s, rows.steady, l, starts.steady[i])
     s[R.UNSTABLE + l] = starts.unstable[i]
     s[R.W_LP + l] = 1.0
     s[R.T_END + l] = s[R.BREAKPOINT + l] = s[R.SAVE_AT + l] = math.inf
     s[R.STEADY + l], s[R.GUESS + l] = starts.steady_tol[i], starts.period[i]
     s[R.EVERY_STEP + l] = starts.observe[i]
     s[R.X_LOW + l] = math.nan
-    write_rows(s, rows.x_low, l, full(rows.x_low, math.nan))
+    for row in rows.x_low:
+        s[row + l] = math.nan
     # A start on the section is a crossing already made: the step from it leads to no other.
     s[R.SINCE + l] = 0.0 if s[R.V + l] == 0.0 else 1.0
     choose_first_step(s, l, law)

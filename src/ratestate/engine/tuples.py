@@ -7,7 +7,7 @@ over lanes does not vectorise.
 
 import numpy as np
 
-from .jit import inlined, recursive
+from .jit import inlined, inner, recursive
 
 
 @recursive
@@ -129,6 +129,13 @@ def write_rows(s, rows, l, values):
     if len(rows) > 0:
         s[np.uintp(rows[0] + l)] = values[0]
         write_rows(s, rows[1:], l, values[1:])
+
+
+@inner
+def load_rows(s, rows, l, values):
+    """Put the numbers of an array into these rows of lane l."""
+    for k in range(len(rows)):
+        s[rows[k] + l] = values[k]
 
 
 @recursive

@@ -51,8 +51,8 @@ def across(parameter, law):
 
 @functools.cache
 def strip(forth=True):
-    """The branch through hopf, fold and on to 1 cm/s, or from there."""
-    return continue_cycle(STRIP, "V_lp", *((1e-4, 1e-2) if forth else (1e-2, 1e-4)))
+    """The branch through hopf, fold and on to 1 mm/s, or from there."""
+    return continue_cycle(STRIP, "V_lp", *((1e-4, 1e-3) if forth else (1e-3, 1e-4)))
 
 
 def specials(branch):
@@ -503,7 +503,7 @@ def test_too_many_points(monkeypatch):
     whole = strip()
     monkeypatch.setattr("ratestate.dynamics.continuation.branch.MAX_POINTS", 7)
     with pytest.raises(NotConverged, match="max_points") as caught:
-        continue_cycle(STRIP, "V_lp", 1e-4, 1e-2)
+        continue_cycle(STRIP, "V_lp", 1e-4, 1e-3)
     best = caught.value.best
     assert specials(best) == ["hopf"]
     assert best.sizes["point"] == 8

@@ -1,0 +1,77 @@
+"""Roots of polynomials: each with its own digits, however unlike they are."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from ratestate.friction.polynomials import product, roots
+
+
+def coefficients(of):
+    """Real coefficients, highest first, rounded once, of the polynomial with these roots."""
+    with mpmath.workdps(400):
+        c = [mpmath.mpf(1)]
+        for root in of:
+            c = [x - root * y for x, y in zip([*c, 0], [0, *c], strict=True)]
+        return [float(mpmath.re(x)) for x in c]
+
+
+def exact(c):
+    """The roots of a polynomial of these very coefficients, to 100 digits."""
+    with mpmath.workdps(400):
+        found = mpmath.polyroots(
+            [mpmath.mpf(x) for x in reversed(c)], maxsteps=500, extraprec=3000, asc=True
+        )
+        return np.array([complex(z) for z in found])
+
+
+def off(found, expected):
+    """Largest relative distance of an expected root from the nearest one found."""
+    return max(np.abs(found - z).min() / abs(z) for z in expected)
+
+
+def test_roots_of_unlike_sizes():
+    """Real ones and pairs, over 80 orders of magnitude."""
+    rng = np.random.default_rng(1)
+    polynomials = []
+    for _ in range(60):
+        size = 10.0 ** rng.uniform(-40, 40, 3)
+        pair = size[0] * np.exp(1j * rng.uniform(0.3, 2.8))
+        polynomials.append(coefficients([pair, pair.conjugate(), size[1], -size[2]]))
+    for c, found in zip(polynomials, roots(np.array(polynomials)), strict=True):
+        assert off(found, exact(c)) < 1e-12
+        is_real = found.imag == 0.0
+        assert is_real.sum() == 2
+        assert found[~is_real].sum().imag == 0.0
+
+
+def test_roots_of_like_sizes_are_those_of_numpy():
+    rng = np.random.default_rng(2)
+    c = rng.normal(size=(3, 40, 6))
+    found = roots(c)
+    assert found.shape == (3, 40, 5)
+    for one, z in zip(c.reshape(-1, 6), found.reshape(-1, 5), strict=True):
+        assert off(z, np.roots(one)) < 1e-9
+        np.testing.assert_allclose(np.poly(z) * one[0], one, rtol=1e-11, atol=1e-12)
+
+
+def test_roots_that_are_zero_or_coincide():
+    found = roots(np.array([[1.0, -3.0, 2.0, 0.0], [2.0, 0.0, 0.0, 0.0], [1.0, -3.0, 3.0, -1.0]]))
+    np.testing.assert_allclose(np.sort_complex(found[0]), [0.0, 1.0, 2.0], rtol=1e-15)
+    np.testing.assert_array_equal(found[1], 0.0)
+    assert off(found[2], [1.0]) < 3e-5  # a third of the digits
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_what_is_not_finite_has_no_roots(bad):
+    found = roots(np.array([[1.0, bad, 2.0], [1.0, -3.0, 2.0]]))
+    assert np.isnan(found[0]).all()
+    np.testing.assert_allclose(np.sort_complex(found[1]), [1.0, 2.0], rtol=1e-15)
+
+
+def test_products():
+    rng = np.random.default_rng(3)
+    one, two, three = (rng.normal(size=(7, n)) for n in (2, 3, 1))
+    for found, *factors in zip(product([one, two, three]), one, two, three, strict=True):
+        expected = np.polymul(np.polymul(*factors[:2]), factors[2])
+        np.testing.assert_allclose(found, expected, rtol=1e-14)
