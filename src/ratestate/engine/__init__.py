@@ -5,6 +5,7 @@
 ``dispatch``, ``backend``             kernels run from Python: threads, time limits, progress
 ``cuda``, ``cuda_kernels``            the same on a GPU
 ``jit``, ``compilation``, ``cache``   how kernels are compiled, and when; where they are kept
+``pipeline``                          numba's compiler, for what compiled code alone calls
 ``vectorisation``                     whether their loops over lanes are SIMD code
 ``law_methods``                       laws as types inside compiled code
 ``march``                             a run from start to end: segments, saved times, events

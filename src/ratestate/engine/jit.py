@@ -12,7 +12,7 @@ from numba import njit
 from numba.extending import overload
 
 from .cache import KernelCache
-from .pipeline import InnerCompiler
+from .pipeline import InnerCompiler, LawCompiler
 
 _overload: Any = overload  # (its declared arguments lack jit_options)
 _INNER: Any = {
@@ -23,6 +23,8 @@ _INNER: Any = {
 }
 
 INLINED: Any = {"forceinline": True, "fastmath": {"contract"}, **_INNER}
+#: methods of laws, whose source may be a user's
+LAW_METHODS: Any = INLINED | {"pipeline_class": LawCompiler}
 
 #: arithmetic that must end up inside a vectorised loop
 inlined = njit(**INLINED)

@@ -20,10 +20,10 @@ from numba.extending import (
 )
 
 from ..friction.law import FrictionLaw
-from .jit import INLINED
+from .jit import LAW_METHODS
 from .rows import rows_of
 
-_inlined: Any = {"jit_options": INLINED}  # (which the decorators do not declare)
+_inlined: Any = {"jit_options": LAW_METHODS}  # (which the decorators do not declare)
 
 
 class LawType(types.Type):
