@@ -189,6 +189,8 @@ def test_critical_stiffness_and_speeds_are_where_eigenvalues_cross(law):
     assert (stiffer.growth_rate < 0).all()
     assert (softer.growth_rate > 0).all()
     turns = (edge.omega > 0).values
+    assert may.sum() > 10
+    assert turns.sum() > 5
     np.testing.assert_allclose(edge.omega[turns], found.omega_c[may][turns], rtol=1e-6)
     count = 0
     for speed, sign in ((case.V_c, 1), (case.V_c_upper, -1)):

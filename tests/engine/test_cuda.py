@@ -27,15 +27,14 @@ from ratestate.sweeps.calls import call_of
 
 OF_LAW = {"b2": 1e-3, "Dc2": 5e-5}
 #: under laws of one state and of two, with and without exponentials in their rates
-JOBS = pytest.mark.parametrize(
-    ("job", "law"),
-    [
-        ("simulations", "slip"),
-        ("turns", "aging"),
-        ("simulations", "two-state-slip"),
-        ("turns", "two-state-aging"),
-    ],
-)
+PAIRS = [
+    ("simulations", "slip"),
+    ("turns", "aging"),
+    ("simulations", "two-state-slip"),
+    ("turns", "two-state-aging"),
+]
+OTHERS = [("simulations", "aging"), ("turns", "slip")]
+SOME, ALL = (pytest.mark.parametrize(("job", "law"), jobs) for jobs in (PAIRS, PAIRS + OTHERS))
 HAS_COMPILER = importlib.util.find_spec("numba_cuda") is not None
 RTOL, CLOSE = 1e-10, 1e-9
 N = 22  # sliders simulated
@@ -182,7 +181,7 @@ def same(found, expected):
 # In the simulator ---------------------------------------------------------------------------------
 
 
-@JOBS
+@SOME
 def test_simulator(job, law, tmp_path):
     expected = globals()[job](law)
     fates = set(expected["status"].tolist())
@@ -207,7 +206,7 @@ def test_progress_and_interruption(tmp_path):
 
 
 @pytest.mark.skipif(not HAS_COMPILER or bool(cuda._missing()), reason="needs a GPU")
-@JOBS
+@ALL
 def test_gpu(job, law, tmp_path):
     same(on_gpu(job, law, tmp_path, simulator=False), globals()[job](law))
 
@@ -217,7 +216,7 @@ class Launched(Exception):
 
 
 @pytest.mark.skipif(not HAS_COMPILER, reason="needs numba-cuda")
-@JOBS
+@ALL
 def test_compiler(job, law, monkeypatch):
     """The kernels compile without a GPU: in double precision, the steps without a call."""
     from numba import cuda as numba_cuda

@@ -37,7 +37,9 @@ METHODS = {
     "comprehension": "z = [v + x for x in psi]\n        return (-w * z[0],)",
     "loop": "z = v\n        for x in psi:\n            z += x\n        return (-w * z,)",
     "branch": "if v == 9.0:\n            return (0.0,)\n        return (-w * (v + psi[0]),)",
-    "assertion": "assert w > 0.0\n        return (-w * (v + psi[0]),)",
+    "function": "def z(x):\n            return v + x\n        return (-w * z(psi[0]),)",
+    "exception": "if w < 0: raise ValueError('w', w)\n        return (-w * (v + psi[0]),)",
+    "print": "print('w', w)\n        return (-w * (v + psi[0]),)",
 }
 
 
@@ -45,8 +47,12 @@ METHODS = {
 def test_methods_of_laws_may_hold_what_numba_knows(law_file, source):
     law = LAWS[rs.register(law_file(PLAIN.replace("return (-w * (v + psi[0]),)", source, 1)))]
 
+    @inner
+    def between(law, v, w, psi, e, p):
+        return law.rates(v, w, psi, e, p)
+
     @numba.njit
     def rates(law, v, w, psi, e, p):
-        return law.rates(v, w, psi, e, p)
+        return between(law, v, w, psi, e, p)
 
     assert rates(law, 0.5, 2.0, (1.0,), (), (1.2,)) == (-3.0,)

@@ -62,11 +62,37 @@ def test_roots_that_are_zero_or_coincide():
     assert off(found[2], [1.0]) < 3e-5  # a third of the digits
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_what_is_not_finite_has_no_roots(bad):
-    found = roots(np.array([[1.0, bad, 2.0], [1.0, -3.0, 2.0]]))
+def test_roots_are_real_or_in_conjugate_pairs():
+    """Where several all but coincide, too."""
+    rng = np.random.default_rng(4)
+    c = np.array([np.poly(rng.choice([1.0, -2.0, 3.0], 4)) for _ in range(200)])
+    found = roots(c)
+    np.testing.assert_array_equal(np.sort_complex(found), np.sort_complex(found.conj()))
+    back = np.array([np.poly(z) for z in found])
+    np.testing.assert_allclose(back, c, atol=2e-3 * np.abs(c).max())
+
+
+def test_quadratic_polynomials():
+    c = np.array(
+        [[1.0, -1e9, 1.0], [1e-30, 1.0, 1.0], [1.0, 2.0, 5.0], [2.0, 0.0, -8.0], [1, 0, 0]]
+    )
+    expected = [[1e-9, 1e9], [-1e30, -1.0], [-1 - 2j, -1 + 2j], [-2.0, 2.0], [0.0, 0.0]]
+    found = np.sort_complex(roots(c))
+    np.testing.assert_allclose(found, expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize("size", [1e-300, 1.0, 1e307])
+def test_the_size_of_the_coefficients_does_not_matter(size):
+    found = np.sort_complex(roots(size * np.array([1.0, -6.0, 11.0, -6.0])))
+    np.testing.assert_allclose(found, [1.0, 2.0, 3.0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("first", [[1.0, np.nan], [1.0, np.inf], [0.0, 1.0], [5e-324, 1.0]])
+def test_where_a_root_or_a_coefficient_is_not_finite_there_are_none(first):
+    found = roots(np.array([[*first, 2.0, 1.0], [1.0, -6.0, 11.0, -6.0]]))
     assert np.isnan(found[0]).all()
-    np.testing.assert_allclose(np.sort_complex(found[1]), [1.0, 2.0], rtol=1e-15)
+    np.testing.assert_allclose(np.sort_complex(found[1]), [1.0, 2.0, 3.0], rtol=1e-14)
+    assert roots(np.empty((0, 4))).shape == (0, 3)
 
 
 def test_products():

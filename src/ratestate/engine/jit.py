@@ -1,30 +1,36 @@
 """How the kernels are compiled.
 
 Contraction (a*b + c in one rounding) is the only liberty taken: numbers are never assumed finite,
-nor sums associative.  What compiled code alone calls goes without the wrappers through which
-Python would call it; compiling takes a third less.
+nor sums associative.  What compiled code alone calls goes without all that only Python would need
+(pipeline.py); compiling takes half as long.
 """
 
 import functools
 from typing import Any
 
+import numba
 from numba import njit
 from numba.extending import overload
 
 from .cache import KernelCache
-from .pipeline import InnerCompiler, LawCompiler
 
 _overload: Any = overload  # (its declared arguments lack jit_options)
-_INNER: Any = {
-    "error_model": "numpy",
-    "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
-    "pipeline_class": InnerCompiler,
-}
 
-INLINED: Any = {"forceinline": True, "fastmath": {"contract"}, **_INNER}
+
+def _compiler():
+    """The option of compiling by `InnerCompiler`, where numba has the parts that this takes."""
+    if not numba.__version__.startswith("0.68."):
+        return {}
+    from .pipeline import InnerCompiler
+
+    return {"pipeline_class": InnerCompiler}
+
+
+_BARE: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_INNER: Any = _BARE | _compiler()
 #: methods of laws, whose source may be a user's
-LAW_METHODS: Any = INLINED | {"pipeline_class": LawCompiler}
+LAW_METHODS: Any = {"forceinline": True, "fastmath": {"contract"}, **_BARE}
+INLINED: Any = LAW_METHODS | _INNER
 
 #: arithmetic that must end up inside a vectorised loop
 inlined = njit(**INLINED)

@@ -38,7 +38,7 @@ _TABLE = tomllib.loads(Path(__file__).with_name("statuses.toml").read_text("utf-
 #: status code -> (name, what happened and what helps)
 STATUSES = {row["code"]: (name, row["message"]) for name, row in _TABLE.items()}
 
-# Codes of methods; of None the compiler knows at once which it is.
+# Codes of methods.  None is of a type of its own, for which numba leaves out the other methods.
 RODAS5P, IM2017, IM2017_EULER = None, 0, 1
 
 

@@ -1,8 +1,9 @@
 """How numba compiles what compiled code alone calls: without what only Python would need.
 
 Such a function is inlined, or at least linked, into the kernel that calls it, and so gets no
-machine code of its own.  numba's passes for closures, exceptions, array expressions and listings
-are left out, of which the engine has none; laws, which users write, go through all.
+machine code of its own.  numba's passes for closures, literals, exceptions with arguments, array
+expressions and listings are left out, of which the engine has none.  What laws hold, which users
+write, may need them, and Python objects (of a `print`, say): that is compiled by numba alone.
 """
 
 from typing import Any
@@ -11,7 +12,7 @@ import numba
 from numba.core import typed_passes as typed
 from numba.core import untyped_passes as untyped
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler import CompilerBase
 from numba.core.compiler_machinery import PassManager, register_pass
 
 #: numba's own, in their order, that the engine needs before it is lowered
@@ -67,24 +68,8 @@ class InnerCompiler(CompilerBase):
 
     def define_pipelines(self):
         """The only one."""
-        return [_lowered(PASSES)]
-
-
-class LawCompiler(CompilerBase):
-    """The compiler of the methods of laws."""
-
-    def define_pipelines(self):
-        """The only one."""
-        untyped_passes = DefaultPassBuilder.define_untyped_pipeline(self.state).passes
-        typed_passes = DefaultPassBuilder.define_typed_pipeline(self.state).passes
-        passes = [one for one, _ in (*untyped_passes, *typed_passes)]
-        return [_lowered([*passes, typed.NoPythonSupportedFeatureValidation, typed.IRLegalization])]
-
-
-def _lowered(passes):
-    """numba's `PassManager` of these passes and of what makes code of their result."""
-    manager = PassManager("ratestate")
-    for one in [*passes, LinkedLowering, typed.NoPythonBackend]:
-        manager.add_pass(one, one._name)
-    manager.finalize()
-    return manager
+        manager = PassManager("ratestate")
+        for one in [*PASSES, LinkedLowering, typed.NoPythonBackend]:
+            manager.add_pass(one, one._name)
+        manager.finalize()
+        return [manager]

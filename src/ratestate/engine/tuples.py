@@ -2,7 +2,7 @@
 
 The length of a tuple is known to the compiler, which leaves out what does not apply: so each of
 these is straight-line code in the end.  An index that is computed has to be unsigned, or a loop
-over lanes does not vectorise.
+over lanes does not vectorise.  (`load_rows`, of arrays, is for no such loop.)
 """
 
 import numpy as np

@@ -227,7 +227,7 @@ class FrictionLaw:
         return self.log_states(0.0, self.steady_variables(p), p)
 
     def steady_resistance(self, p):
-        """`resistance` in steady sliding at V_ref; 0 for most laws."""
+        """`resistance` in steady sliding at V_ref, 0 for most laws: theta_k is D_k/V_ref there."""
         return self.resistance(0.0, 1.0, self.steady_variables(p), p)
 
     def reference_friction(self, V, values):

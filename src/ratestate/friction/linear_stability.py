@@ -22,6 +22,8 @@ from . import stability
 from .eigenvalues import steady_modes
 from .polynomials import product, roots
 
+# eta below which inertia is none: the fastest mode is beyond all numbers.
+LIGHTEST = 1e-290
 # Evolution effect over direct effect, less 1, that is rounding.
 NEUTRAL = 1e-15
 # Of the roots of the polynomial, what may be rounding of a real one.
@@ -191,7 +193,7 @@ def modes(law, p, kappa, inertia):
 
 
 def beside_the_pair(modes, omega):
-    """(n, k - 2) of `modes` (n, k) those but the pair that is nearest to oscillating at omega."""
+    """(n, k - 2) the `modes` (n, k) but the two whose frequency is nearest to omega (n,)."""
     order = np.argsort(np.abs(np.abs(modes.imag) - omega[:, None]), axis=1)
     return np.take_along_axis(modes, np.sort(order[:, 2:], axis=1), axis=1)
 
@@ -214,7 +216,7 @@ def _modes(linear, inertia, kappa):
     for k in range(n):
         part = product([pair for j, pair in enumerate(pairs) if j != k])
         slow[..., 1:-1] -= rs[..., k, None] * part
-    light = inertia == 0.0
+    light = inertia < LIGHTEST
     whole = np.concatenate([np.zeros((*slow.shape[:-1], 1)), slow], axis=-1)
     whole[..., : n + 1] += inertia[..., None] * product(pairs)
     found = np.empty((*R_v.shape, n + 2), complex)

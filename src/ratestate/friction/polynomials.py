@@ -4,6 +4,8 @@ import numpy as np
 
 # Steps of the iteration for roots; some ten are needed, more where roots are all but equal.
 MAX_STEPS = 60
+# Relative length of a step after which the next would be of rounding alone.
+CONVERGED = 1e-14
 
 
 def product(factors):
@@ -19,65 +21,81 @@ def product(factors):
 
 
 def roots(c):
-    """(..., n) complex roots of polynomials, coefficients (..., n + 1), highest first, not 0.
+    """(..., n) complex roots of polynomials, coefficients (..., n + 1), highest first, n > 0.
 
-    By the iteration of Ehrlich and Aberth from the moduli that Newton's polygon gives, as in Bini
-    (1996, doi:10.1007/BF02207694): roots may differ by many orders of magnitude, and each has its
-    own digits.  Those of a complex pair are conjugate, and a real root is exactly so.  NaN where
-    a coefficient is not finite.
+    Of degree 2 in closed form, else by the iteration of Ehrlich and Aberth from the moduli that
+    Newton's polygon gives, as in Bini (1996, doi:10.1007/BF02207694): roots may differ by many
+    orders of magnitude, and each has its own digits.  They are real, or in conjugate pairs.  All
+    are NaN where a coefficient is not finite, or so small a first one that a root is not.
     """
-    found = np.full((*c.shape[:-1], c.shape[-1] - 1), np.nan, complex)
-    finite = np.isfinite(c).all(axis=-1)
-    found[finite] = _conjugate(_iterated(c[finite]))
+    n = c.shape[-1] - 1
+    found = np.full((*c.shape[:-1], n), np.nan, complex)
+    usable = np.isfinite(c).all(axis=-1) & (c[..., 0] != 0.0)
+    c = c[usable]
+    # (a power of 2, which leaves the digits, lest sums overflow)
+    c = np.ldexp(c, -np.frexp(np.abs(c).max(axis=-1, keepdims=True, initial=1e-300))[1])
+    with np.errstate(all="ignore"):  # of roots that are 0, or not finite
+        z = _quadratic(c) if n == 2 else _conjugate(_iterated(c))
+        z[~np.isfinite(z).all(axis=-1)] = np.nan
+    found[usable] = z
     return found
 
 
+def _quadratic(c):
+    """(m, 2) roots of polynomials (m, 3), neither as a difference of like numbers."""
+    a, b, last = c.T
+    root = np.sqrt((b * b - 4.0 * a * last).astype(complex))
+    larger = -0.5 * (b + np.where(b < 0.0, -root, root))
+    return np.stack([larger / a, np.where(larger == 0.0, 0.0, last / larger)], axis=-1)
+
+
 def _iterated(c):
-    """`roots` of polynomials (m, n + 1)."""
-    z, moving = _starts(c), np.arange(len(c))
-    with np.errstate(all="ignore"):  # of roots that are 0
-        for _ in range(MAX_STEPS):
-            now = z[moving]
-            newton = _newton_step(c[moving], now)
-            apart = now[:, :, None] - now[:, None, :]
-            repulsion = np.where(apart == 0.0, 0.0, 1.0 / apart).sum(axis=-1)
-            step = newton / (1.0 - newton * repulsion)
-            step[~np.isfinite(step)] = 0.0
-            z[moving] = now - step
-            moving = moving[(np.abs(step) > 2e-16 * np.abs(now)).any(axis=-1)]
-            if not len(moving):
-                break
+    """`roots` of polynomials (m, n + 1); NaN where one is beyond all numbers."""
+    z = _starts(c)
+    z[~np.isfinite(z).all(axis=-1)] = np.nan
+    moving = np.arange(len(c))
+    for _ in range(MAX_STEPS):
+        now = z[moving]
+        apart = now[:, :, None] - now[:, None, :]
+        repulsion = np.where(apart == 0.0, 0.0, 1.0 / apart).sum(axis=-1)
+        step = 1.0 / (_slope_over_value(c[moving], now) - repulsion)
+        step[~np.isfinite(step)] = 0.0  # where the value is 0, or all but
+        z[moving] = now - step
+        moving = moving[(np.abs(step) > CONVERGED * np.abs(now)).any(axis=-1)]
+        if not len(moving):
+            break
     return z
 
 
 def _starts(c):
     """(m, n) numbers of about the moduli of the roots: slopes of the hull of ln |c_k| over k."""
     n = c.shape[-1] - 1
-    with np.errstate(divide="ignore"):
-        height = np.log(np.abs(c))
+    height = np.log(np.abs(c))
     hull = height.copy()
     for k in range(1, n):
         for i in range(k):
             for j in range(k + 1, n + 1):
                 between = ((j - k) * height[:, i] + (k - i) * height[:, j]) / (j - i)
                 hull[:, k] = np.maximum(hull[:, k], between)
-    with np.errstate(invalid="ignore"):
-        modulus = np.exp(np.nan_to_num(np.diff(hull), nan=-np.inf, posinf=np.inf, neginf=-np.inf))
+    slope = np.diff(hull)  # -inf for roots that are 0, NaN after the first of them
+    modulus = np.exp(np.where(np.isnan(slope), -np.inf, slope))
     return modulus * np.exp(1j * (0.7 + 2.0 * np.pi * np.arange(n) / n))
 
 
-def _newton_step(c, z):
-    """(m, n) p/p' at z, by the reversed polynomial where |z| > 1, so that nothing overflows."""
+def _slope_over_value(c, z):
+    """p'/p at z, (m, n); where |z| > 1 by the reversed polynomial, lest p overflow."""
     n, large = c.shape[-1] - 1, np.abs(z) > 1.0
     x = np.where(large, 1.0 / z, z)
     value, slope = np.zeros_like(z), np.zeros_like(z)
     for k in range(n + 1):
         slope = slope * x + value
         value = value * x + np.where(large, c[:, None, n - k], c[:, None, k])
-    return np.where(large, z / (n - x * slope / value), value / slope)
+    return np.where(large, x * (n - x * slope / value), slope / value)
 
 
 def _conjugate(z):
-    """Roots (m, n) made real, or conjugate to another one, whichever is nearer."""
+    """Roots (m, n) in conjugate pairs, each nearest to the other's conjugate; all others real."""
     other = np.abs(z[:, :, None].conj() - z[:, None, :]).argmin(axis=-1)
-    return 0.5 * (z + np.take_along_axis(z, other, axis=-1).conj())
+    paired = np.take_along_axis(other, other, axis=-1) == np.arange(z.shape[-1])
+    mean = 0.5 * z + 0.5 * np.take_along_axis(z, other, axis=-1).conj()
+    return np.where(paired, mean, z.real)

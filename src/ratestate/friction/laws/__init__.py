@@ -48,7 +48,7 @@ def own_parameters(laws):
 
 
 def owners(symbol):
-    """Names of the laws that have a parameter of their own, a list."""
+    """Names of the laws that have this symbol among the parameters of their own, a list."""
     return [law.name for law in LAWS.values() if symbol in law.parameters]
 
 
