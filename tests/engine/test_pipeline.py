@@ -5,6 +5,7 @@ import pytest
 from user_laws import PLAIN
 
 import ratestate as rs
+from ratestate.engine import law_methods  # noqa: F401  (compiled code calls methods of laws)
 from ratestate.engine.jit import inlined, inner, lanewise
 from ratestate.engine.pipeline import LinkedLibrary
 from ratestate.friction.laws import LAWS
