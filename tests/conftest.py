@@ -66,9 +66,10 @@ def looks_as_before(request):
 
 
 def pytest_collection_finish():
-    """Let no collection of garbage look through thousands of tests and what they import."""
+    """Collect garbage seldom, and never among thousands of tests and what they import."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(100_000, 20, 20)
 
 
 def pytest_sessionstart():
