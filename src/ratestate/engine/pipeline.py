@@ -31,6 +31,7 @@ PASSES: list[Any] = [
 ]
 
 
+# what numba itself makes of code that Python can call; compiled, so that no type is declared
 make_function: Any = numba._dynfunc.make_function  # type: ignore[attr-defined]
 
 

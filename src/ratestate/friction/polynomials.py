@@ -35,7 +35,7 @@ def roots(c):
     # (a power of 2, which leaves the digits, lest sums overflow)
     c = np.ldexp(c, -np.frexp(np.abs(c).max(axis=-1, keepdims=True, initial=1e-300))[1])
     with np.errstate(all="ignore"):  # of roots that are 0, or not finite
-        z = _quadratic(c) if n == 2 else _conjugate(_iterated(c))
+        z = _conjugate(_quadratic(c) if n == 2 else _iterated(c))
         z[~np.isfinite(z).all(axis=-1)] = np.nan
     found[usable] = z
     return found

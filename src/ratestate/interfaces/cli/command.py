@@ -79,7 +79,7 @@ def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[
 
 def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str]:
     """The option --set, NAME=VALUE each, as a dict; `typer.BadParameter` for another symbol."""
-    values, known = pairs_of(texts, "--set"), [*dict.fromkeys(symbols)]
+    values, known = pairs_of(texts, "--set"), [*symbols]
     if unknown := [name for name in values if name not in known]:
         wanted = f"expected {' or '.join(known)}" if known else "it has none"
         raise typer.BadParameter(

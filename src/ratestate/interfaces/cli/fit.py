@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import typer
 
-from ...friction.laws import DEFAULT, friction_law
+from ...friction.laws import DEFAULT, friction_law, own_parameters
 from .command import laws_of, own_values, pairs_of
 from .exits import SOME_FAILED
 
@@ -69,8 +69,7 @@ def fit(
     from .report.markdown import FitRequest
     from .run_fit import fit_and_report
 
-    own = [symbol for name in laws for symbol in friction_law(name).parameters]
-    values |= own_values(of_law, own)
+    values |= own_values(of_law, own_parameters(map(friction_law, laws)))
     given = {symbol: value for symbol, value in values.items() if value is not None}
     request = FitRequest(file, {k: v for k, v in reading.items() if v}, given, laws, fitting)
     if fit_and_report(request, out, json):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import typer
 
-from ...friction.laws import friction_law
+from ...friction.laws import friction_law, own_parameters
 from ...paper.figures import FIGURES
 from ...paper.laws import LAWS
 from .command import laws_of, own_values
@@ -78,7 +78,7 @@ def atlas(
     Example: ratestate atlas --b-over-a 1.6 --out figures
     """
     laws = laws_of([law] if law else [], law_file, LAWS)
-    own = [symbol for each in laws for symbol in friction_law(each).parameters]
+    own = own_parameters(map(friction_law, laws))
     try:
         values = {symbol: float(x) for symbol, x in own_values(of_law, [*own, "M"]).items()}
     except ValueError as error:
