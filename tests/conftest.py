@@ -35,9 +35,9 @@ def pytest_addoption(parser):
     parser.addoption("--draw-anew", action="store_true", help="take pictures as they are for right")
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def laws_as_before():
-    """Forget, afterwards, the laws that a test has registered."""
+    """Forget, after each test, the laws that it has registered: others list all laws there are."""
     before = [(table, dict(table)) for table in (LAWS, LAW_OF, ONE_LENGTH, QUANTITIES)]
     yield
     for table, old in before:
@@ -46,8 +46,8 @@ def laws_as_before():
 
 
 @pytest.fixture
-def law_file(tmp_path, laws_as_before):
-    """Write a law file; what it registers is forgotten."""
+def law_file(tmp_path):
+    """Write a law file."""
 
     def write(text, name="mine.py"):
         path = tmp_path / name

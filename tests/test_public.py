@@ -109,5 +109,5 @@ print("ratestate" in sys.modules)
 
 
 @pytest.mark.parametrize("home", sorted(set(ratestate._HOMES.values())))
-def test_examples_in_docstrings(home, laws_as_before):
+def test_examples_in_docstrings(home):
     assert doctest.testmod(importlib.import_module(f"ratestate.{home}")).failed == 0
