@@ -81,6 +81,19 @@ def test_a_branch_along_a_parameter_of_the_law(law, parameter, stop):
     agree(branch, case, parameter, (0, branch.point.size // 2, branch.point.size - 1), 1e-6)
 
 
+def test_where_the_return_map_varies_fast_with_the_parameter():
+    """V_cut matters at the slowest speed alone, and one multiplier is 385: at any accuracy."""
+    case = slider("kato-tullis", K=3e8, V_cut=1e-8)
+    folds = []
+    for rtol in (1e-5, 1e-6):
+        branch = rs.continue_cycle(case, "V_cut", 1e-6, 1e-4, V_lp=1e-3, rtol=rtol)
+        assert str(branch.special[-1].values) == "stop"
+        assert 380.0 < float(np.abs(branch.multipliers).max()) < 390.0
+        folds.append(branch.V_cut[branch.special == "fold"].values)
+    assert folds[1] == pytest.approx([1.3016e-5, 1.1253e-6], rel=1e-3)
+    np.testing.assert_allclose(folds[0], folds[1], rtol=1e-5)
+
+
 def test_a_branch_where_the_stress_maximum_is_that_of_steady_sliding():
     """Effects of two states cancel at b2 = 0.0155: no sign of a Hopf point; then period doubles."""
     case = slider("two-state-slip", K=8e8)

@@ -18,6 +18,8 @@ MAX_ITERATIONS = 10
 # Change of the image between neighbouring p, in weights, that counts as a jump; a kink, as where
 # orbits graze a stop, is none.
 JUMP = 0.01
+# Of the step over which p is varied: where the map bends over the whole step.
+SHORTER = 1 / 16
 
 
 class Point(NamedTuple):
@@ -111,20 +113,26 @@ def _linearised(problem, y, weights):
     dP/dp is a central difference, or a one-sided one at the edge of where the map is defined.
     Its error slows Newton's method, but changes no fixed point and no fold of the branch, where
     the p component of the tangent vanishes whatever dP/dp is.  So its step is not the third root
-    of the noise but the square root, which suits maps that vary fast with p.
+    of the noise but the square root, which suits maps that vary fast with p; and less where the
+    map bends so much over this step that noise matters less over a shorter one.
     """
     n = len(y) - 1
-    p = y[-1] + np.sqrt(problem.noise) * np.array([0.0, 1.0, -1.0])
-    orbit = problem.evaluate(np.tile(y[:-1], (3, 1)), p)
+    step = np.sqrt(problem.noise)
+    p = y[-1] + step * np.array([0.0, 1.0, -1.0, SHORTER, -SHORTER])
+    orbit = problem.evaluate(np.tile(y[:-1], (len(p), 1)), p)
     defined = orbit.ok & np.isfinite(orbit.image).all(axis=1)
-    if not (defined[0] and defined[1:].any() and np.isfinite(orbit.jacobian[0]).all()):
+    if not (defined[0] and defined[1:3].any() and np.isfinite(orbit.jacobian[0]).all()):
         raise StepFailed(NO_RETURN)
     above, below = (1 if defined[1] else 0), (2 if defined[2] else 0)
     change, one_sided = orbit.image[above] - orbit.image[below], orbit.image[0] - orbit.image[below]
     unequal = np.abs(change - 2 * one_sided) > 0.9 * np.abs(change) + JUMP * weights[:-1]
-    if defined.all() and unequal.any():
+    if defined[1:3].all() and unequal.any():
         raise StepFailed(NO_CONVERGENCE)  # a jump, which looks like a steep slope
     dP_dp = change / (p[above] - p[below])
+    if defined.all():
+        nearby = (orbit.image[3] - orbit.image[4]) / (p[3] - p[4])
+        noise = problem.noise * weights[:-1] / (SHORTER * step)
+        dP_dp = np.where(np.abs(nearby - dP_dp) > noise, nearby, dP_dp)
     return orbit, np.column_stack([orbit.jacobian[0] - np.eye(n), dP_dp]) * weights
 
 
