@@ -327,7 +327,7 @@ def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
 
 
 def test_an_edge_of_runaway_that_is_lost_harms_no_other(monkeypatch):
-    kind = type(MASSLESS.friction)
+    kind = type(MASSLESS.friction_law)
     whole = kind.runaway_edge
 
     def lost(law, kappa, beta, largest):
@@ -417,7 +417,7 @@ OFF = np.array([-1e-2, -1e-5, 1e-5, 1e-2])
 def kicked(slider, change):
     """Arguments of a run from steady sliding at V_LP, whose stress then changes by so much [Pa]."""
     steady = simulate(slider, Loading.constant(V_LP), 1e-9, V_start=V_LP).isel(time=0)
-    states = {name: float(steady[name]) for name in slider.friction.states}
+    states = {name: float(steady[name]) for name in slider.friction_law.states}
     if slider.law == "nagata":  # b ln theta + c mu is continuous, not theta
         factor = np.exp(-slider.c * change / slider.sigma / slider.b)
         states["theta"] *= factor

@@ -8,6 +8,7 @@ from ratestate.engine import (
     dense_output,
     law_methods,  # noqa: F401  (compiled code calls methods of laws)
 )
+from ratestate.friction.composition import with_damping
 from ratestate.friction.laws.slip import SlipLaw
 
 
@@ -78,8 +79,8 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
 
 
 @njit
-def extreme_force(c, x_part, f_part, law, p):
-    return dense_output.extreme_force(c, x_part, f_part, law, p)
+def extreme_force(c, x_part, S_part, f_part, law, p):
+    return dense_output.extreme_force(c, x_part, S_part, f_part, law, p)
 
 
 class Viscous(SlipLaw):
@@ -95,20 +96,22 @@ class Viscous(SlipLaw):
 
 
 @pytest.mark.parametrize("law", [SlipLaw(), Viscous()], ids=["slip", "viscous"])
+@pytest.mark.parametrize("damped", [False, True])
 @pytest.mark.parametrize(
-    ("x_part", "f_part"), [(1.0, -1.0), (0.0, 1.0), (1.0, 1.0)], ids=["x - f", "f", "x + f"]
+    "parts", [(1.0, -1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 1.0)], ids=["x - S", "f", "x + f"]
 )
-def test_extreme_forces_are_those_of_a_dense_grid(law, x_part, f_part):
+def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
     """Where the slope has one sign at both ends, that at the end where it is nearer to zero."""
-    rng = np.random.default_rng(12)
+    rng, law = np.random.default_rng(12), with_damping(law) if damped else law
     s = np.linspace(0.0, 1.0, 100_001)
     changes = {0: 0, 1: 0, 3: 0}
     for _ in range(200):
-        c, p = rng.normal(size=(3, 5)), (rng.uniform(1.1, 5.0),)
+        c, p = rng.normal(size=(3, 5)), (rng.uniform(1.1, 5.0), *([0.2] if damped else []))
         x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
-        friction = v + p[0] * psi + (0.3 * np.exp(v) if law.name == "viscous" else 0.0)
-        force = x_part * x + f_part * friction
-        found = extreme_force(tuple(map(tuple, c)), x_part, f_part, law, p)
+        friction = v + p[0] * psi + (0.3 * np.exp(v) if isinstance(law, Viscous) else 0.0)
+        stress = friction + (0.2 * np.exp(v) if damped else 0.0)
+        force = parts[0] * x + parts[1] * stress + parts[2] * friction
+        found = extreme_force(tuple(map(tuple, c)), *parts, law, p)
         rises = np.diff(force) > 0.0
         if rises[0] == rises[-1]:
             changes[0] += 1

@@ -2,7 +2,7 @@
 
 The state is y = (tau/sigma, ln V, ln theta, ...) in SI, and SciPy's Radau takes it from there:
 
-    d tau/dt = K (V_lp - V)      M dV/dt = tau - sigma mu      mu, d theta/dt: as below.
+    d tau/dt = K (V_lp - V)      M dV/dt = tau - sigma mu - damping V      mu, d theta/dt: as below.
 """
 
 import math
@@ -85,27 +85,36 @@ class Textbook:
         return [1.0 - W[0] - self.p["c"] / self.p["b"] * theta[0] * dmu_dt]
 
     def velocity(self, stress, theta):
-        """V where friction balances the spring, for M = 0."""
+        """V where friction and damping balance the spring, for M = 0."""
         without = self.mu(self.p["V0"], theta)
-        return self.p["V0"] * math.exp((stress - without) / self.p["a"])
+        free = self.p["V0"] * math.exp(min((stress - without) / self.p["a"], 600.0))
+        damping = self.p.get("damping", 0.0) / self.p["sigma"]
+        if damping == 0.0:
+            return free
+
+        def off(lnV):
+            return self.mu(math.exp(lnV), theta) + damping * math.exp(lnV) - stress
+
+        # (with damping it is slower)
+        low = min(math.log(free), math.log(self.p["a"] / damping)) - 700.0 * self.p["a"] - 50.0
+        return math.exp(brentq(off, low, math.log(free) + 1e-9, xtol=1e-14, rtol=1e-15))
 
     def rates(self, y, V_lp):
         p, theta = self.p, [math.exp(x) for x in y[2:]]
         V = math.exp(y[1]) if p["M"] > 0 else self.velocity(y[0], theta)
+        dashpot = p.get("damping", 0.0) * V / p["sigma"]
         d_stress = p["K"] * (V_lp - V) / p["sigma"]
+        # as if mu were constant: by the law of nagata d theta/dt holds d mu/dt too, solved for here
+        c = p["c"] if self.law == "nagata" else 0.0
+        still = self.evolution(V, theta, 0.0)
+        state = sum(b * d / th for b, d, th in zip(self.b, still, theta, strict=True))
         if p["M"] > 0:
-            d_lnV = p["sigma"] * (y[0] - self.mu(V, theta)) / (p["M"] * V)
-        d_mu = d_stress  # where M = 0 friction is the spring's stress
-        if p["M"] > 0 and self.law == "nagata":
-            # d mu/dt = a d lnV/dt + b d ln theta/dt, and d theta/dt holds it too: solved for it
-            aging = 1.0 - V * theta[0] / p["Dc"]
-            d_mu = (p["a"] * d_lnV + p["b"] * aging / theta[0]) / (1.0 + p["c"])
+            d_lnV = (p["sigma"] * (y[0] - self.mu(V, theta) - dashpot)) / (p["M"] * V)
+        else:  # the spring's stress is that of friction and the dashpot
+            d_lnV = ((1.0 + c) * d_stress - state) / (p["a"] + (1.0 + c) * dashpot)
+        d_mu = (p["a"] * d_lnV + state) / (1.0 + c)
         d_theta = self.evolution(V, theta, d_mu)
-        d_log = [d / th for d, th in zip(d_theta, theta, strict=True)]
-        if p["M"] == 0:
-            state = sum(b * d for b, d in zip(self.b, d_log, strict=True))
-            d_lnV = (d_stress - state) / p["a"]
-        return np.array([d_stress, d_lnV, *d_log])
+        return np.array([d_stress, d_lnV, *(d / th for d, th in zip(d_theta, theta, strict=True))])
 
     def jacobian(self, y, V_lp):
         """By central differences: SciPy's own, one-sided, make Radau stall."""

@@ -70,8 +70,8 @@ def test_frozen():
         slider.K = 1.0
     with pytest.raises(TypeError):
         SpringSlider(0.003, 0.006)
-    with pytest.raises(ParameterError, match="damping"):
-        slider.replace(damping=1.0)
+    with pytest.raises(ParameterError, match="viscosity"):
+        slider.replace(viscosity=1.0)
 
 
 def test_equality_and_hash():

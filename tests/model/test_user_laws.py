@@ -78,7 +78,7 @@ def test_a_law_may_be_written_for_numbers(law_file):
     assert float(alone.K_c) == pytest.approx(
         float(rs.stability(arrays.replace(b=0.006, q=0.3), 4e-3).K_c), rel=1e-12
     )
-    law = numbers.friction  # of which the engine compiles what was written
+    law = numbers.friction_law  # of which the engine compiles what was written
     assert law.rates.__wrapped__.__func__ is vars(type(law))["rates"]
 
 
@@ -110,7 +110,7 @@ def test_a_class_is_registered_when_a_slider_takes_it(law_file):
 
     slider = rs.SpringSlider(**COMMON, law=Faster)
     assert slider.law.startswith("faster@")
-    assert slider.friction.orders == 2
+    assert slider.friction_law.orders == 2
     # twice as fast is half the distance
     half = rs.SpringSlider(**(COMMON | {"Dc": 5e-6}), law="slip")
     assert slider.K_c(1e-3) == pytest.approx(half.K_c(1e-3), rel=1e-9)

@@ -100,7 +100,7 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
         law=law,
         **parameters,
     )
-    if slider.friction.has_own_speed != (M is not None):
+    if slider.friction_law.has_own_speed != (M is not None):
         raise refusal(f"atlas.{'mass' if M is None else 'no_mass'}", law=slider.law)
     sliders, V_lp, rows = _rows(slider, n)
     data = _map(sliders, V_lp, rows, n, rtol)
@@ -111,7 +111,7 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
 
 def _rows(slider, n):
     """Sliders and load-point speeds along the dimension ``row``, and its coordinates."""
-    if slider.friction.has_own_speed:
+    if slider.friction_law.has_own_speed:
         speeds = logspace("V_lp", *SPEEDS, n)
         V_lp = xarray.DataArray(speeds.values, dims="row")
         eta = ("V_lp", slider.M * speeds.values**2, attrs("eta"))
@@ -173,7 +173,7 @@ def _transition(slider, V_lp, critical):
     }
     data["K_c_over_K_c_qs"] = ("row", np.asarray(critical), attrs("K_c_over_K_c_qs"))
     fold, change = np.full(data.sizes["row"], np.nan), None
-    if slider.friction.one_length:
+    if slider.friction_law.one_length:
         eta = np.asarray(slider.M)
         fold = folds(slider.law, np.full(eta.size, slider.b), eta).kappa / (slider.b - 1.0)
         change = bautin(slider.law, slider.b)

@@ -91,11 +91,11 @@ def escape(slider, V_lp):
     >>> str(edge.outcome.values), round(float(edge.step_up), 2)
     ('runaway', 2.11)
     """
-    check_orders("escape", checked(slider).friction, 2)
+    check_orders("escape", checked(slider).friction_law, 2)
     V_lp = to_si("V_lp", V_lp)
     batch = Batch({**slider.values, "V_lp": V_lp}, taken=VARIABLES)
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
-    system = system_of(slider.law, **batch.columns)
+    system = system_of(slider.friction_law.name, **batch.columns)
     alone = batch.shape == ()
     with bar("escape") as progress:
         largest = _largest_steps(system, batch.columns)
@@ -127,10 +127,10 @@ def _disturbed(system, kind, size):
     y = steady_sliding_at(system, np.where(kind < 2, np.exp(-sign * size), 1.0))
     y[:, 0] += np.where(kind < 2, 0.0, sign * size)
     at_once = (kind >= 2) & (system.eta == 0.0)  # without mass friction follows the stress
-    law, psi, p = system.friction, tuple(y[:, 2:].T), system.coefficients
+    law, psi, p = system.friction_law, tuple(y[:, 2:].T), system.coefficients
 
     def off(v):
-        return law.resistance(v, np.exp(v), psi, p) - y[:, 0]
+        return law.stress(v, np.exp(v), psi, p) - y[:, 0]
 
     y[:, 1] = np.where(at_once, root(off, y[:, 1], at_once), y[:, 1])
     return y
@@ -143,8 +143,8 @@ def _largest_steps(system, columns):
 
     columns : parameters of the sliders and V_lp, symbol -> (n,) [SI]
     """
-    names = (*system.friction.symbols, "sigma", "K", "M")
-    lower, upper = V_c(system.friction, **{name: columns[name] for name in names})
+    names = (*system.friction_law.symbols, "sigma", "K", "M")
+    lower, upper = V_c(system.friction_law, **{name: columns[name] for name in names})
     V_lp, farthest = columns["V_lp"], SIZES[-1]
     with np.errstate(divide="ignore"):  # V_c may be 0 or inf
         up = np.where(V_lp > upper, np.log(V_lp / upper), np.inf)
@@ -185,7 +185,7 @@ def _smallest_escapes(system, kind, largest, progress):
 
 def _nowhere(system):
     """(n, k) points of the section that are unknown."""
-    return np.full((len(system.kappa), 1 + len(system.friction.states)), np.nan)
+    return np.full((len(system.kappa), 1 + len(system.friction_law.states)), np.nan)
 
 
 def _thresholds(system, steps, alone, progress):
@@ -199,10 +199,10 @@ def _thresholds(system, steps, alone, progress):
     outcome = np.where(stable, "none", "no steady sliding").astype("<U17")
     u = _nowhere(system)
     may_leave = stable & system.may_cycle
-    if system.friction.gives("runaway_edge"):
+    if system.friction_law.gives("runaway_edge"):
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
             edge = system.kappa[i], system.beta[i], SIZES[-1]
-            sizes[:, i], outcome[i] = _runaway(system.friction, edge, alone)
+            sizes[:, i], outcome[i] = _runaway(system.friction_law, edge, alone)
         may_leave &= system.eta > 0.0
     may_leave = np.flatnonzero(may_leave)
     slider, kind = np.tile(may_leave, 4), np.repeat(np.arange(4), len(may_leave))

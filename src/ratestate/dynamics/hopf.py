@@ -82,7 +82,7 @@ def hopf(slider, V_lp=None):
     >>> str(point.type.values), round(float(point.frequency), 2)  # Hz
     ('supercritical', 50.33)
     """
-    law = checked(slider).friction
+    law = checked(slider).friction_law
     check_orders("hopf", law, 3)
     values = slider.values
     parameter = "V_lp" if V_lp is None else "K"
@@ -173,11 +173,10 @@ def _any(law, V, rest):
 def _where_it_is(law, V, values):
     """`_Point` at the speeds V, at each of which there is one."""
     M, sigma, unit = values["M"], values["sigma"], values["Dc"] / V
-    of_law = {symbol: values[symbol] for symbol in law.symbols}
     critical = K_c(law, V, **values)
     inertia = eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
     kappa = critical * values["Dc"] / (values["a"] * sigma)
-    omega, p = omega_c(law, V, **values) * unit, law.coefficient_arrays(V, of_law)
+    omega, p = omega_c(law, V, **values) * unit, law.coefficient_arrays(V, values)
     coefficient, rounding = hopf_of_law.lyapunov_1(law, p, kappa, inertia, omega)
     by_K, by_V = hopf_of_law.growth_slopes(linearisation(law, p), kappa, inertia, omega)
     if law.has_own_speed:

@@ -6,7 +6,8 @@ status of the engine, whose text is engine/statuses.toml's (`simulation.cases.fa
 
 from pathlib import Path
 
-from ..friction.laws import ONE_LENGTH, friction_law
+from ..friction.composition import composed_law
+from ..friction.laws import ONE_LENGTH
 from ..model.sentences import Sentences
 
 sentence = Sentences(Path(__file__).with_suffix(".toml"))
@@ -23,6 +24,6 @@ def check_orders(function, law, orders):
 
 def check_one_length(function, law):
     """Raise ParameterError, for a function by name, unless a law, by name, is of one length."""
-    if not friction_law(law).one_length:
+    if not composed_law(law).one_length:
         names = " and ".join(map(repr, ONE_LENGTH))
-        raise refusal("law.one_length", function=function, law=friction_law(law).name, names=names)
+        raise refusal("law.one_length", function=function, law=composed_law(law).name, names=names)

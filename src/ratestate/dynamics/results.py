@@ -9,6 +9,8 @@ import numpy as np
 
 from ..engine.cache import DIGEST
 from ..engine.model import STATUSES
+from ..friction.composition import with_damping
+from ..friction.laws import friction_law
 from ..model.conversion import in_si
 from ..model.slider import PARAMETERS
 from ..model.units import is_array
@@ -85,7 +87,7 @@ def parameter(result, symbol):
     result : xarray.Dataset
         A result of any function.
     symbol : str
-        The parameter's symbol, such as "K", or "law" or "V_lp".
+        The parameter's symbol, such as "K", or "law" or "V_lp"; damping is 0 where there is none.
 
     Returns
     -------
@@ -105,6 +107,8 @@ def parameter(result, symbol):
     name = "V_lp" if symbol == "V_lp" else "slider"
     value = attributes.from_json(result, name)
     if name == "slider":
+        if symbol == "damping" and isinstance(value, dict):
+            value = {"damping": 0.0} | value
         if not isinstance(value, dict) or symbol not in value:
             raise refusal("attributes.no_parameter", symbol=symbol)
         value = value[symbol]
@@ -116,6 +120,12 @@ def parameter(result, symbol):
     if value is None:
         raise refusal("attributes.no_coordinate", symbol=symbol)
     return value
+
+
+def law_of_result(result):
+    """The friction law of the slider that a result was made with, with damping if it has some."""
+    law = friction_law(parameter(result, "law"))
+    return with_damping(law) if "damping" in slider_parameters(result) else law
 
 
 def slider_parameters(result):

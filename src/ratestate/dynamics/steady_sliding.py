@@ -87,7 +87,7 @@ class StabilityCall:
 
         progress : not called
         """
-        law, V, values = self.slider.friction, self.V_lp, self.batch.values
+        law, V, values = self.slider.friction_law, self.V_lp, self.batch.values
         pick = {symbol: values[symbol] for symbol in (*law.symbols, "sigma", "K", "M")}
         of_spring = {"V": V} | pick
         of_mass = {symbol: x for symbol, x in of_spring.items() if symbol != "K"}
@@ -123,7 +123,7 @@ class StabilityCall:
 
     def _quasi_static(self, given):
         """The same without mass; and at any speed, where it makes no difference."""
-        any_speed = {} if self.slider.friction.has_own_speed else {"V": 1.0}
+        any_speed = {} if self.slider.friction_law.has_own_speed else {"V": 1.0}
         return given | any_speed | {"M": 0.0}
 
     def dataset(self, variables):

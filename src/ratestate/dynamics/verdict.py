@@ -174,7 +174,7 @@ def result_or_error(slider, search):
     except SolverError as error:
         return error
     except ParameterError as error:
-        if slider.friction.orders >= 2:
+        if slider.friction_law.orders >= 2:
             raise
         return SolverError(str(error))
 
@@ -207,7 +207,7 @@ def verdict_of_cycle(slider, V_lp, cycle):
             values["returns"] = int(cycle.returns)
         values |= {name: float(cycle[name]) for name in names}
     near = values["stable"] and 0.0 < slider.K < FOLDS_BELOW * values["K_c"]
-    if near and slider.friction.one_length and slider.friction.orders == 3:
+    if near and slider.friction_law.one_length and slider.friction_law.orders == 3:
         kappa = float(folds(slider.law, slider.b / slider.a, [values["eta"]]).kappa[0])
         if np.isfinite(kappa):
             values["K_fold"] = kappa * slider.a * slider.sigma / slider.Dc

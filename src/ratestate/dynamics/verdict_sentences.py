@@ -98,7 +98,7 @@ def _stability(v):
     if np.isinf(K):
         return sentence("stability.rigid")
     if v.K_c <= 0.0:
-        name = "strengthening" if v.slider.friction.one_length else "at_any_stiffness"
+        name = "strengthening" if v.slider.friction_law.one_length else "at_any_stiffness"
         return sentence(f"stability.{name}", v=v)
     if v.on_edge:
         return sentence("stability.on_edge", v=v)
@@ -124,7 +124,7 @@ def _inertia(v):
     if v.regime == HARMONIC:
         vibration = sentence("inertia.vibration", v=v, share=_vibration(v) / v.f_n)
     away = abs(v.slider.K / v.K_c_qs - 1.0)
-    rise = v.eta if v.slider.friction.one_length else v.K_c / v.K_c_qs - 1.0
+    rise = v.eta if v.slider.friction_law.one_length else v.K_c / v.K_c_qs - 1.0
     if rise < min(NEGLIGIBLE_ETA, NEGLIGIBLE_PART * away):
         name = "negligible"
     else:

@@ -39,7 +39,7 @@ def _digest():
     """A hash of all sources of the kernels."""
     here = Path(__file__).parent
     laws = here.parent / "friction"
-    shared = [laws / "law.py", laws / "two_states.py"]  # by laws of several files
+    shared = [laws / f"{name}.py" for name in ("law", "two_states", "damping")]
     sources = [*shared, *sorted(laws.glob("laws/*.py")), *sorted(here.glob("*.py"))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
 

@@ -118,30 +118,39 @@ def crossing(c, w_lp, dw, log_w_lp):
 
 
 @inner
-def force_and_slope(c, s, x_part, f_part, law, p):
-    """x_part x + f_part f, f the friction, at s on the polynomials c of (x, v, psi); its slope."""
+def force_and_slope(c, s, x_part, S_part, f_part, law, p):
+    """x_part x + S_part S + f_part f at s on the polynomials c of (x, v, psi); its slope.
+
+    S is the stress that opposes motion, f the friction.
+    """
     y, slope = polynomials(c, s), derivatives(c, s)
     w = exp_alone(y[1])
+    S_v, S_psi = law.stress_partials(y[1], w, y[2:], p)
     R_v, R_psi = law.resistance_partials(y[1], w, y[2:], p)
-    force = x_part * y[0] + f_part * law.resistance(y[1], w, y[2:], p)
-    return force, x_part * slope[0] + f_part * dot_onto(R_v * slope[1], R_psi, slope[2:])
+    force = x_part * y[0] + S_part * law.stress(y[1], w, y[2:], p)
+    force += f_part * law.resistance(y[1], w, y[2:], p)
+    by_S, by_f = (
+        dot_onto(S_v * slope[1], S_psi, slope[2:]),
+        dot_onto(R_v * slope[1], R_psi, slope[2:]),
+    )
+    return force, x_part * slope[0] + S_part * by_S + f_part * by_f
 
 
 @inner
-def extreme_force(c, x_part, f_part, law, p):
+def extreme_force(c, x_part, S_part, f_part, law, p):
     """The value of `force_and_slope` where in 0..1 its slope vanishes (regula falsi, Illinois).
 
     Where the slope has one sign at both ends, that at the end where it is smaller in size.
     """
     low, high = 0.0, 1.0
-    at_low, d_low = force_and_slope(c, low, x_part, f_part, law, p)
-    force, d_high = force_and_slope(c, high, x_part, f_part, law, p)
+    at_low, d_low = force_and_slope(c, low, x_part, S_part, f_part, law, p)
+    force, d_high = force_and_slope(c, high, x_part, S_part, f_part, law, p)
     if (d_low < 0.0) == (d_high < 0.0):
         return at_low if abs(d_low) < abs(d_high) else force
     side, last = 0, 2.0
     for _ in range(100):
         s = (low * d_high - high * d_low) / (d_high - d_low)
-        force, d = force_and_slope(c, s, x_part, f_part, law, p)
+        force, d = force_and_slope(c, s, x_part, S_part, f_part, law, p)
         if d == 0.0 or abs(s - last) < 1e-14:
             return force
         last = s

@@ -32,11 +32,11 @@ def observe(s, l, law, c):
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_extremum:
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(extreme_force(c, 1.0, -1.0, law, p)))
+        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(extreme_force(c, 1.0, -1.0, 0.0, law, p)))
     if f_extremum:
-        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_force(c, 0.0, 1.0, law, p))
+        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_force(c, 0.0, 0.0, 1.0, law, p))
     if xf_extremum:
-        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_force(c, 1.0, 1.0, law, p))
+        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_force(c, 1.0, 0.0, 1.0, law, p))
     return at
 
 

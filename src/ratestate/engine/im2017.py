@@ -1,11 +1,11 @@
 """One step of the paper's own scheme (eqs 8 and 9), at a fixed time step; order 1.
 
-The motion over a step is the exact oscillation of mass and spring under the friction of the
+The motion over a step is the exact oscillation of mass and spring under the stress S of the
 step's end; velocity, friction and state there are solved together (Im et al., 2017,
 doi:10.1002/2017JB014476).  In the variables of `model`, with c and s the cosine and sine of
 omega dt, omega = sqrt(K/M):
 
-    x_new = (1 - c) R(v_new, psi_new) + c (x + kappa d_lp) - (kappa w/omega) s      (eq. 8)
+    x_new = (1 - c) S(v_new, psi_new) + c (x + kappa d_lp) - (kappa w/omega) s      (eq. 8)
     w_new = (2/h) (d_lp - (x_new - x)/kappa) - w                                         (eq. 9)
 
 where d_lp is the load point's advance.  One unknown, v_new, remains.  The state is advanced
@@ -52,14 +52,14 @@ def solve_force_balance(law, method, kappa, p, y, w, d_lp, h, omega):
     for _ in range(MAX_ITERATIONS):
         w_new = exp_alone(v_new)
         psi_new, slope = advance_state(law, method, y[2:], v_new, w_new, h, p)
-        x_new = one_c * law.resistance(v_new, w_new, psi_new, p) + fixed
-        R_v, R_psi = law.resistance_partials(v_new, w_new, psi_new, p)
+        x_new = one_c * law.stress(v_new, w_new, psi_new, p) + fixed
+        S_v, S_psi = law.stress_partials(v_new, w_new, psi_new, p)
         mismatch = w_new + w - (2.0 / h) * (d_lp - (x_new - x) / kappa)
         if mismatch < 0.0:
             low = v_new
         else:
             high = v_new
-        gradient = w_new + (2.0 / (h * kappa)) * one_c * dot_onto(R_v, R_psi, slope)
+        gradient = w_new + (2.0 / (h * kappa)) * one_c * dot_onto(S_v, S_psi, slope)
         move = -mismatch / gradient if gradient > 0.0 else (2.0 if mismatch < 0.0 else -2.0)
         move = min(max(move, -2.0), 2.0)
         # Rounding in x can hide the root below 1e-13 of v: a move that small is the answer even
@@ -99,8 +99,8 @@ def take_step(s, l, law, method):
     s[R.X_1 + l] = h * kappa * (w_lp - w) - rise
     s[R.X_2 + l] = rise - h * kappa * (w_lp + dw - w_new) - s[R.X_1 + l]
     s[R.D_LOAD + l] = 0.5 * h * (x * w_lp + x_new * (w_lp + dw))
-    friction = law.resistance(y[1], w, y[2:], p), law.resistance(y_new[1], w_new, y_new[2:], p)
-    s[R.D_FRICTION + l] = 0.5 * h * (friction[0] * w + friction[1] * w_new)
+    stress = law.stress(y[1], w, y[2:], p), law.stress(y_new[1], w_new, y_new[2:], p)
+    s[R.D_FRICTION + l] = 0.5 * h * (stress[0] * w + stress[1] * w_new)
     s[R.OK + l] = 1.0 if solved else 0.0
     s[R.H_USED + l], s[R.H_NEXT + l], s[R.MEMORY_NEW + l] = h, s[R.DT + l], 1.0
     L.has_event(s, l, law)

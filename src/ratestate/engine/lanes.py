@@ -27,18 +27,20 @@ ROUNDING_OF_FORCE = 1e-13
 def extremum_conditions(y, f_x, f_psi, w, system):
     """Four numbers with the signs of dv/dT, dg/dT, df/dT and d(x + f)/dT.
 
-    dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - R_psi f_psi; then x = f.
-    The others follow from eta0 w dv/dT = g, f = R(v, psi) and g = x - f.
+    dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - S_psi f_psi; then x = S.
+    The others follow from eta0 w dv/dT = g, friction f = R(v, psi) and g = x - S.
     """
     law, _, eta0, p = system
-    g, R_v, R_psi = inertial_force(y, w, law, p)
+    g, S_v, S_psi = inertial_force(y, w, law, p)
+    R_v, R_psi = law.resistance_partials(y[1], w, y[2:], p)
     evolution = dot(R_psi, f_psi)
-    drive = f_x - evolution
-    lost = abs(g) <= ROUNDING_OF_FORCE * (abs(y[0]) + abs(R_v * y[1]) + size_of(R_psi, y[2:]))
+    drive = f_x - dot(S_psi, f_psi)
+    lost = abs(g) <= ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
     m = eta0 * w
-    friction = f_x if lost else m * evolution + R_v * g
-    both = f_x if lost else m * (f_x + evolution) + R_v * g
-    return (drive if lost else g), m * drive - R_v * g, friction, both
+    # (dv/dT is drive/S_v where inertia is lost)
+    friction = R_v * drive + S_v * evolution if lost else m * evolution + R_v * g
+    both = friction + (S_v * f_x if lost else m * f_x)
+    return (drive if lost else g), m * drive - S_v * g, friction, both
 
 
 @inlined
@@ -154,8 +156,9 @@ def commit_lane(s, l, law):
     steps, rejected, failures = s[R.STEPS + l], s[R.REJECTED + l], s[R.FAILURES + l]
     v_high, v_low, g_high = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
     f_low, xf_low = s[R.F_LOW + l], s[R.XF_LOW + l]
-    f1 = law.resistance(v1, w1, y1[2:], read_rows(s, rows.p, l))
-    g1, xf1 = abs(y1[0] - f1), y1[0] + f1
+    p = read_rows(s, rows.p, l)
+    f1, s1 = law.resistance(v1, w1, y1[2:], p), law.stress(v1, w1, y1[2:], p)
+    g1, xf1 = abs(y1[0] - s1), y1[0] + f1
     t_break, status, max_steps = s[R.BREAKPOINT + l], s[R.STATUS + l], s[R.MAX_STEPS + l]
     increment = low + h
     t1 = t + increment

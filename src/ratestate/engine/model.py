@@ -3,12 +3,13 @@
 With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu0)/a and T = t V0/Dc,
 
     dx/dT   = kappa (w_lp - w)               kappa = K Dc/(a sigma)
-    dv/dT   = (x - R(v, psi))/(eta0 w)       eta0  = M V0**2/(a sigma Dc)
+    dv/dT   = (x - S(v, psi))/(eta0 w)       eta0  = M V0**2/(a sigma Dc)
     dpsi/dT = f(v, psi)
 
-which is eqs 1-4 of Im, Marone & Elsworth (2019).  R, the friction (mu - mu0)/a, and the rates f
-are the friction law's (friction/law.py), with one psi or more: y = (x, v, psi) has as many numbers.
-g = x - R is the inertial force, (tau/sigma - mu)/a.
+which is eqs 1-4 of Im, Marone & Elsworth (2019).  The stress S that opposes motion, which is the
+friction R = (mu - mu0)/a unless there is damping too, and the rates f are the friction law's
+(friction/law.py), with one psi or more: y = (x, v, psi) has as many numbers.  g = x - S is the
+inertial force over a sigma.
 """
 
 import tomllib
@@ -30,8 +31,8 @@ RIGID_REST = 8
 CRASHED = 9
 RUNNING = -1
 
-# Below this eta, G = dv/dT on the section is better known from the rates of psi, as -R_psi f/R_v,
-# which it is to within eta of itself, than from x - R, whose rounding is divided by eta.
+# Below this eta, G = dv/dT on the section is better known from the rates of psi, as -S_psi f/S_v,
+# which it is to within eta of itself, than from x - S, whose rounding is divided by eta.
 SLAVED = 1e-7
 
 _TABLE = tomllib.loads(Path(__file__).with_name("statuses.toml").read_text("utf-8"))

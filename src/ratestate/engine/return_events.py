@@ -32,8 +32,8 @@ def rates(s, l, law, y, w, e):
     _, kappa, eta, p = system_of(s, l, law)
     f_x = kappa * (1.0 - w)
     f_psi = law.rates(y[1], w, y[2:], e, p)
-    g, R_v, R_psi = inertial_force(y, w, law, p)
-    f_v = (f_x - dot(R_psi, f_psi)) / R_v if eta < SLAVED else g / (eta * w)
+    g, S_v, S_psi = inertial_force(y, w, law, p)
+    f_v = (f_x - dot(S_psi, f_psi)) / S_v if eta < SLAVED else g / (eta * w)
     return f_x, f_v, *f_psi
 
 

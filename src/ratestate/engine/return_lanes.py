@@ -83,10 +83,10 @@ def commit_lane(s, l, law):
     y, w = read_rows(s, rows.y, l), s[R.W + l]
     f_x = system[1] * (1.0 - w)
     f_psi = law.rates(y[1], w, y[2:], read_rows(s, rows.e, l), system[3])
-    g, R_v, R_psi = inertial_force(y, w, law, system[3])
-    rounding = L.ROUNDING_OF_FORCE * (abs(y[0]) + abs(R_v * y[1]) + size_of(R_psi, y[2:]))
+    g, S_v, S_psi = inertial_force(y, w, law, system[3])
+    rounding = L.ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
     m = s[R.ETA0 + l] * w
-    f_v = (f_x - dot(R_psi, f_psi)) / R_v if (abs(g) <= rounding) | (m == 0.0) else g / m
+    f_v = (f_x - dot(S_psi, f_psi)) / S_v if (abs(g) <= rounding) | (m == 0.0) else g / m
     pace = max(max(abs(f_x), abs(f_v)), max(largest(f_psi), 1e-300))
     direction = (f_x / pace, f_v / pace, *times(1.0 / pace, f_psi))
     share = 1.0 / dot(direction, direction)

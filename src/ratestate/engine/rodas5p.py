@@ -6,7 +6,7 @@ of the law's variables.  Two things are done with its shape.
 * J is an arrow (x and each psi couple to v alone), so one scalar pivot solves each stage.
 * The v row is multiplied by m = eta0 w(v at the start), which turns dv/dT = g/(eta0 w) into
   m dv/dT = g w_start/w.  Nothing overflows as V -> 0, and eta0 = 0 is a regular case: the row
-  then reads R_v k_v = k_x - R_psi k_psi and a linearly implicit method keeps x = R(v, psi).
+  then reads S_v k_v = k_x - S_psi k_psi and a linearly implicit method keeps x = S(v, psi).
   What remains is this same method on the other variables, so the quasi-static limit needs no code
   of its own.
 
@@ -30,9 +30,9 @@ def exponentials(u, law, p):
 
 @inlined
 def inertial_force(y, w, law, p):
-    """g = x - R, and the derivatives of R by v and by psi, at y = (x, v, psi)."""
-    R_v, R_psi = law.resistance_partials(y[1], w, y[2:], p)
-    return y[0] - law.resistance(y[1], w, y[2:], p), R_v, R_psi
+    """g = x - S, and the derivatives of the stress S by v and by psi, at y = (x, v, psi)."""
+    S_v, S_psi = law.stress_partials(y[1], w, y[2:], p)
+    return y[0] - law.stress(y[1], w, y[2:], p), S_v, S_psi
 
 
 @inlined
@@ -40,19 +40,19 @@ def prepare(y, w, e, h, system):
     """What the first point y of a step fixes: the arrow matrix, and its pivot.
 
     With f_v and f_psi the derivatives of the law's rates, these numbers and tuples: w, m = eta0 w,
-    gamma h, kappa w, f_v, R_psi, a_psi = gamma h/(1 - gamma h f_psi), and one over the pivot.
+    gamma h, kappa w, f_v, S_psi, a_psi = gamma h/(1 - gamma h f_psi), and one over the pivot.
     """
     law, kappa, eta0, p = system
     f_v, f_psi = law.rate_partials(y[1], w, y[2:], e, p)
-    g, R_v, R_psi = inertial_force(y, w, law, p)
+    g, S_v, S_psi = inertial_force(y, w, law, p)
     gamma_h = GAMMA * h
     m = eta0 * w
     kappa_w = kappa * w
     a_psi = leaves(gamma_h, f_psi)
     # -(eta0 w) d/dv of g/(eta0 w); at rest w is a constant (exp.py)
-    diagonal = R_v + (g if y[1] > -LIMIT else 0.0)
-    pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_w, product(R_psi, a_psi), f_v)
-    return w, m, gamma_h, kappa_w, f_v, R_psi, a_psi, pivot
+    diagonal = S_v + (g if y[1] > -LIMIT else 0.0)
+    pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_w, product(S_psi, a_psi), f_v)
+    return w, m, gamma_h, kappa_w, f_v, S_psi, a_psi, pivot
 
 
 @recursive
@@ -66,8 +66,8 @@ def leaves(gamma_h, f_psi):
 @inlined
 def solve_arrow(r, start):
     """The k that solves the arrow matrix of `prepare` for this right-hand side (x, v, psi)."""
-    _, _, gamma_h, kappa_w, f_v, R_psi, a_psi, pivot = start
-    k_v = pivot * minus_dot(r[1] + gamma_h * r[0], product(R_psi, a_psi), r[2:])
+    _, _, gamma_h, kappa_w, f_v, S_psi, a_psi, pivot = start
+    k_v = pivot * minus_dot(r[1] + gamma_h * r[0], product(S_psi, a_psi), r[2:])
     return gamma_h * (r[0] - kappa_w * k_v), k_v, *product(a_psi, plus(r[2:], k_v, f_v))
 
 
@@ -81,9 +81,9 @@ def on_manifold(y, w, v_start, h, system):
     w : e**v, near the end of the step
     """
     law, _, eta0, p = system
-    g, R_v, _ = inertial_force(y, w, law, p)
+    g, S_v, _ = inertial_force(y, w, law, p)
     negligible = eta0 * w * max(1.0, abs(y[1] - v_start)) < 1e-14 * h
-    v = y[1] + g / R_v if negligible else y[1]
+    v = y[1] + g / S_v if negligible else y[1]
     return (y[0], v, *y[2:]), negligible
 
 
@@ -95,7 +95,7 @@ def increment(u, at, w_lp, rest, system, start):
     """
     law, kappa, _, p = system
     w, w_inverse, e = at
-    g = u[0] - law.resistance(u[1], w, u[2:], p)
+    g = u[0] - law.stress(u[1], w, u[2:], p)
     r_x = kappa * (w_lp - w) + rest[0]
     r_v = g * (start[0] * w_inverse) + start[1] * rest[1]
     return solve_arrow((r_x, r_v, *plus(law.rates(u[1], w, u[2:], e, p), 1.0, rest[2:])), start)
@@ -151,8 +151,8 @@ def end_of_step(y, k, w, h, system):
 
 @inlined
 def works(u, w, w_lp, system):
-    """Powers per a sigma V0 beyond their mu0 part: of the load point, x w_lp; of friction."""
-    return u[0] * w_lp, system[0].resistance(u[1], w, u[2:], system[3]) * w
+    """Powers per a sigma V0 beyond their mu0 part: of the load point; of what opposes motion."""
+    return u[0] * w_lp, system[0].stress(u[1], w, u[2:], system[3]) * w
 
 
 @inlined
@@ -185,8 +185,8 @@ def step(y, w, e, w_lp, ramp, h, system):
     dy = sum_of(B, k)
     load_1, friction_1 = sum_of(B[:4], powers[:4])
     load_2, friction_2 = sum_of(B[4:], powers[4:])
-    R = law.resistance(y[1], w, y[2:], p)
-    R_v, R_psi = law.resistance_partials(y[1], w, y[2:], p)
+    S = law.stress(y[1], w, y[2:], p)
+    S_v, S_psi = law.stress_partials(y[1], w, y[2:], p)
     load_work = w_lp * dy[0] + DRIFT * dw * y[0] + load_1 + load_2
-    dissipation = w * dot_onto((R_v + R) * dy[1], R_psi, dy[2:]) + friction_1 + friction_2
+    dissipation = w * dot_onto((S_v + S) * dy[1], S_psi, dy[2:]) + friction_1 + friction_2
     return new, error, dense, h * load_work, h * dissipation

@@ -28,9 +28,9 @@ from .tuples import dot, dot_each, minus_dot, plus, plus_sum, product, sum_of, t
 
 
 @inlined
-def change_of_g(z, R_v, R_psi):
-    """How g = x - R changes in the direction z."""
-    return minus_dot(z[0] - R_v * z[1], R_psi, z[2:])
+def change_of_g(z, S_v, S_psi):
+    """How g = x - S changes in the direction z."""
+    return minus_dot(z[0] - S_v * z[1], S_psi, z[2:])
 
 
 @inlined
@@ -42,14 +42,14 @@ def second_derivatives(y, w, e, z, system):
     """
     law, kappa, _, p = system
     s_vv, s_vpsi, s_psipsi = law.rate_partials_2(y[1], w, y[2:], e, p)
-    R_vv, R_vpsi, R_psipsi = law.resistance_partials_2(y[1], w, y[2:], p)
-    g, R_v, R_psi = inertial_force(y, w, law, p)
+    S_vv, S_vpsi, S_psipsi = law.stress_partials_2(y[1], w, y[2:], p)
+    g, S_v, S_psi = inertial_force(y, w, law, p)
     moves = y[1] > -LIMIT
     dv = z[1] if moves else 0.0
-    dR_v = R_vv * z[1] + dot(R_vpsi, z[2:])
-    dR_psi = plus(times(z[1], R_vpsi), 1.0, dot_each(R_psipsi, z[2:]))
-    v_v = (R_v + g) * dv - (dR_v + change_of_g(z, R_v, R_psi)) if moves else 0.0
-    v_psi = plus(times(dv, R_psi), -1.0, dR_psi)
+    dS_v = S_vv * z[1] + dot(S_vpsi, z[2:])
+    dS_psi = plus(times(z[1], S_vpsi), 1.0, dot_each(S_psipsi, z[2:]))
+    v_v = (S_v + g) * dv - (dS_v + change_of_g(z, S_v, S_psi)) if moves else 0.0
+    v_psi = plus(times(dv, S_psi), -1.0, dS_psi)
     s_v = plus(times(z[1], s_vv), 1.0, product(s_vpsi, z[2:]))
     s_psi = plus(times(z[1], s_vpsi), 1.0, product(s_psipsi, z[2:]))
     return kappa * w * dv, dv, v_v, v_psi, s_v, s_psi
@@ -64,10 +64,10 @@ def slopes(u, at, system, start):
     w, w_inverse, e = at
     law, kappa, eta0, p = system
     f_v, f_psi = law.rate_partials(u[1], w, u[2:], e, p)
-    g, R_v, R_psi = inertial_force(u, w, law, p)
+    g, S_v, S_psi = inertial_force(u, w, law, p)
     g = g if u[1] > -LIMIT else 0.0
-    trace = total(f_psi) - (R_v + g) * (w_inverse / eta0)
-    return (start[0] * w_inverse, g, kappa * w, R_v, R_psi, f_v, f_psi), trace
+    trace = total(f_psi) - (S_v + g) * (w_inverse / eta0)
+    return (start[0] * w_inverse, g, kappa * w, S_v, S_psi, f_v, f_psi), trace
 
 
 @inlined
@@ -84,9 +84,9 @@ def tangent(du, at, k, rest, curvature, r, start):
     r          1/h
     =========  ==============================================================
     """
-    ratio, g, kappa_w, R_v, R_psi, f_v, f_psi = at
+    ratio, g, kappa_w, S_v, S_psi, f_v, f_psi = at
     x_v, v_x, v_v, v_psi, s_v, s_psi = curvature
-    dg = change_of_g(du, R_v, R_psi)
+    dg = change_of_g(du, S_v, S_psi)
     r_x = r * rest[0] - kappa_w * du[1] - x_v * k[1]
     r_v = (dg - g * du[1]) * ratio + (start[1] * r) * rest[1]
     r_v += v_v * k[1] + dot(v_psi, k[2:]) - v_x * k[0]
@@ -141,13 +141,13 @@ def stages(k, dk, traces, y, z, w_lp, curvatures, r, system, start):
 
 
 @recursive
-def perturbed(z, dk, held, R_v, R_psi):
+def perturbed(z, dk, held, S_v, S_psi):
     """The perturbations at the end of the step: v's follows the others' where v is held."""
     if len(z) == 0:
         return ()
     end = plus_sum(z[0], A[8], dk[0])
-    v = minus_dot(end[0], R_psi, end[2:]) / R_v if held else end[1]
-    return (end[0], v, *end[2:]), *perturbed(z[1:], dk[1:], held, R_v, R_psi)
+    v = minus_dot(end[0], S_psi, end[2:]) / S_v if held else end[1]
+    return (end[0], v, *end[2:]), *perturbed(z[1:], dk[1:], held, S_v, S_psi)
 
 
 @inlined
@@ -179,8 +179,8 @@ def step(y, w, e, z, w_lp, h, system):
     dk = first_tangents(z, slope, first, curvatures, r, start)
     k, dk, traces, w8 = stages((first,), dk, (trace,), y, z, w_lp, curvatures, r, system, start)
     new, held, error, dense = end_of_step(y, k, w8, h, system)
-    R_v, R_psi = law.resistance_partials(new[0][1], new[1], new[0][2:], p)
-    z_new = perturbed(z, dk, held, R_v, R_psi)
+    S_v, S_psi = law.stress_partials(new[0][1], new[1], new[0][2:], p)
+    z_new = perturbed(z, dk, held, S_v, S_psi)
 
     # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.
     dy = sum_of(B, k)

@@ -47,7 +47,7 @@ def V_c(law, *, K, **values):
 
 def _speeds_by_edges(law, *, sigma, K, M, **values):
     """V_c and V_c_upper, where the edges are at the same z and kappa/eta at all speeds."""
-    found = edges(law, law.coefficient_arrays(np.ones(np.shape(K)), values))
+    found = edges(law, law.coefficient_arrays(np.ones(np.shape(K)), {"sigma": sigma, **values}))
     unit = values["a"] * sigma / values["Dc"]
     excess = K[..., None] - found.quasi_static * unit[..., None]
     rounding = stability.ROUNDING * np.abs(K)[..., None]

@@ -14,7 +14,7 @@ y, z     vectors (x, v, psi_1, ...), tuples of complex arrays
 q, p     eigenvectors of A and of its transpose to i omega, q scaled to 1 in v, p q = 1
 =======  ========================================================================
 
-Without mass x = R(v, psi), and v is a function of the other variables.
+Without mass x = S(v, psi), and v is a function of the other variables.
 """
 
 import functools
@@ -31,7 +31,7 @@ class System(NamedTuple):
 
     kappa: np.ndarray
     eta: np.ndarray
-    resistance: tuple  # its derivatives of order 1, 2 and 3, as of the law's methods
+    stress: tuple  # its derivatives of order 1, 2 and 3, as of the law's methods
     rates: tuple  # likewise
 
     @property
@@ -85,10 +85,10 @@ def _system(law, p, kappa, eta):
     rates = [
         getattr(law, f"rate_partials{order}")(0.0, 1.0, psi, e, p) for order in ("", "_2", "_3")
     ]
-    friction = [
-        getattr(law, f"resistance_partials{order}")(0.0, 1.0, psi, p) for order in ("", "_2", "_3")
+    stress = [
+        getattr(law, f"stress_partials{order}")(0.0, 1.0, psi, p) for order in ("", "_2", "_3")
     ]
-    return System(_long(kappa), _long(eta), _nested(friction), _nested(rates))
+    return System(_long(kappa), _long(eta), _nested(stress), _nested(rates))
 
 
 def _nested(values):
@@ -103,16 +103,16 @@ def _solve(system, L, r, sign):
 
     With s = L - f_psi of each state: x = (r_x - kappa v)/L and psi = (r_psi + f_v v)/s.
     """
-    (R_v, R_psi), (f_v, f_psi) = system.resistance[0], system.rates[0]
+    (S_v, S_psi), (f_v, f_psi) = system.stress[0], system.rates[0]
     s = [L - f for f in f_psi]
     # L may be 0: the row of v times eta L
-    held = r[0] - L * sum(R * rest / one for R, rest, one in zip(R_psi, r[2:], s, strict=True))
-    stiff = system.kappa + L * (system.eta * L + R_v)
-    stiff = stiff + L * sum(R * f / one for R, f, one in zip(R_psi, f_v, s, strict=True))
+    held = r[0] - L * sum(S * rest / one for S, rest, one in zip(S_psi, r[2:], s, strict=True))
+    stiff = system.kappa + L * (system.eta * L + S_v)
+    stiff = stiff + L * sum(S * f / one for S, f, one in zip(S_psi, f_v, s, strict=True))
     v = (held + L * r[1]) / stiff
     psi = [(rest + f * v) / one for rest, f, one in zip(r[2:], f_v, s, strict=True)]
-    x = system.eta * L * v + R_v * v - r[1]
-    x = x + sum(R * state for R, state in zip(R_psi, psi, strict=True))
+    x = system.eta * L * v + S_v * v - r[1]
+    x = x + sum(S * state for S, state in zip(S_psi, psi, strict=True))
     return tuple(sign * part for part in (x, v, *psi))
 
 
@@ -125,9 +125,9 @@ def _eigenvector(system, L):
 
 def _left_eigenvector(system, L):
     """p, which multiplies what `_second` and `_third` give: of the row of v times eta."""
-    (_, R_psi), (_, f_psi) = system.resistance[0], system.rates[0]
+    (_, S_psi), (_, f_psi) = system.stress[0], system.rates[0]
     one = np.ones_like(L)
-    left = (one / L, one, *(-R / (L - g) for R, g in zip(R_psi, f_psi, strict=True)))
+    left = (one / L, one, *(-S / (L - g) for S, g in zip(S_psi, f_psi, strict=True)))
     q = _eigenvector(system, L)
     norm = left[0] * q[0] + system.eta * left[1] * q[1]
     norm = norm + sum(a * b for a, b in zip(left[2:], q[2:], strict=True))
@@ -137,7 +137,7 @@ def _left_eigenvector(system, L):
 def _second(system, y, z):
     """The second derivative of the equations along y and z; the row of v times eta."""
     f_vv, f_vpsi, f_psipsi = system.rates[1]
-    bend = _bend_of_friction(system, y, z)
+    bend = _bend_of_stress(system, y, z)
     rates = (
         f_vv[k] * y[1] * z[1]
         + f_vpsi[k] * (y[1] * z[2 + k] + y[2 + k] * z[1])
@@ -150,27 +150,27 @@ def _second(system, y, z):
 
 def _change_of_g(system, y):
     """How the inertial force changes along y."""
-    R_v, R_psi = system.resistance[0]
-    return y[0] - R_v * y[1] - sum(R * state for R, state in zip(R_psi, y[2:], strict=True))
+    S_v, S_psi = system.stress[0]
+    return y[0] - S_v * y[1] - sum(S * state for S, state in zip(S_psi, y[2:], strict=True))
 
 
 def _third(system, y, z, u):
     """The third derivative of the equations along y, z and u; the row of v times eta."""
-    R_vvv, R_vvpsi, R_vpsipsi, R_psi3 = system.resistance[2]
+    S_vvv, S_vvpsi, S_vpsipsi, S_psi3 = system.stress[2]
     f_vvv, f_vvpsi, f_vpsipsi, f_psi3 = system.rates[2]
     n, vectors = range(system.n), (y, z, u)
     turns = [(vectors[i], vectors[i - 1], vectors[i - 2]) for i in range(3)]
-    bend = R_vvv * y[1] * z[1] * u[1]
+    bend = S_vvv * y[1] * z[1] * u[1]
     for a, b, c in turns:
-        bend = bend + sum(R_vvpsi[k] * a[2 + k] * b[1] * c[1] for k in n)
-        bend = bend + sum(R_vpsipsi[j][k] * a[1] * b[2 + j] * c[2 + k] for j in n for k in n)
+        bend = bend + sum(S_vvpsi[k] * a[2 + k] * b[1] * c[1] for k in n)
+        bend = bend + sum(S_vpsipsi[j][k] * a[1] * b[2 + j] * c[2 + k] for j in n for k in n)
     bend = bend + sum(
-        R_psi3[i][j][k] * y[2 + i] * z[2 + j] * u[2 + k] for i in n for j in n for k in n
+        S_psi3[i][j][k] * y[2 + i] * z[2 + j] * u[2 + k] for i in n for j in n for k in n
     )
     force = -bend
     for a, b, c in turns:
         force = force + _change_of_g(system, a) * b[1] * c[1]
-        force = force + _bend_of_friction(system, a, b) * c[1]
+        force = force + _bend_of_stress(system, a, b) * c[1]
     rates = []
     for k in n:
         rate = f_vvv[k] * y[1] * z[1] * u[1] + f_psi3[k] * y[2 + k] * z[2 + k] * u[2 + k]
@@ -181,10 +181,10 @@ def _third(system, y, z, u):
     return -system.kappa * y[1] * z[1] * u[1], force, *rates
 
 
-def _bend_of_friction(system, y, z):
-    """The second derivative of friction along y and z."""
-    R_vv, R_vpsi, R_psipsi = system.resistance[1]
+def _bend_of_stress(system, y, z):
+    """The second derivative of the stress along y and z."""
+    S_vv, S_vpsi, S_psipsi = system.stress[1]
     n = range(system.n)
-    bend = R_vv * y[1] * z[1]
-    bend = bend + sum(R_vpsi[k] * (y[1] * z[2 + k] + y[2 + k] * z[1]) for k in n)
-    return bend + sum(R_psipsi[j][k] * y[2 + j] * z[2 + k] for j in n for k in n)
+    bend = S_vv * y[1] * z[1]
+    bend = bend + sum(S_vpsi[k] * (y[1] * z[2 + k] + y[2 + k] * z[1]) for k in n)
+    return bend + sum(S_psipsi[j][k] * y[2 + j] * z[2 + k] for j in n for k in n)

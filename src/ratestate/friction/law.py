@@ -10,6 +10,8 @@ for one slider, in numbers, and the engine compiles this same source: so a metho
 
     resistance R = (mu - mu_ref)/a,   x = (tau/sigma - mu_ref)/a,
 
+and so is the `stress` that opposes motion, friction and what else there is (`composition`),
+
 with mu_ref the friction at V_ref and theta_k = D_k/V_ref.  So a law knows no velocity but V_ref,
 which may be chosen freely, and its own.
 
@@ -73,7 +75,7 @@ class FrictionLaw:
     def coefficients(self, V_ref, slider):
         """The dimensionless numbers p that the other methods are given, a tuple.
 
-        slider : with the parameters [SI] as attributes, a, b, Dc and those of the law among them
+        slider : with parameters [SI] as attributes, `symbols` and sigma among them
         """
         return (slider.b / slider.a,)
 
@@ -116,6 +118,18 @@ class FrictionLaw:
     def resistance_partials_2(self, v, w, psi, p):
         """Second derivatives of `resistance`: vv; v psi_k, a tuple; psi_j psi_k, of tuples."""
         return 0.0, (0.0,), ((0.0,),)
+
+    def stress(self, v, w, psi, p):
+        """What opposes the motion, as x is counted: friction, unless there is more."""
+        return self.resistance(v, w, psi, p)
+
+    def stress_partials(self, v, w, psi, p):
+        """Derivatives of `stress`, as those of `resistance`."""
+        return self.resistance_partials(v, w, psi, p)
+
+    def stress_partials_2(self, v, w, psi, p):
+        """Second derivatives of `stress`, as those of `resistance`."""
+        return self.resistance_partials_2(v, w, psi, p)
 
     def rates(self, v, w, psi, e, p):
         """d psi/dT of each state, a tuple."""
@@ -185,6 +199,10 @@ class FrictionLaw:
         by_psi_psi = tuple(tuple(0.0 for _ in n) for _ in n)
         return 0.0, tuple(0.0 for _ in n), by_psi_psi, tuple(by_psi_psi for _ in n)
 
+    def stress_partials_3(self, v, w, psi, p):
+        """Third derivatives of `stress`, as those of `resistance`."""
+        return self.resistance_partials_3(v, w, psi, p)
+
     # Of the law itself
 
     @property
@@ -194,13 +212,14 @@ class FrictionLaw:
 
     @property
     def symbols(self):
-        """Symbols of the parameters that `coefficients` is given."""
+        """Symbols of the parameters that `coefficients` is given, beside sigma."""
         return ("a", "b", "Dc", *self.parameters)
 
     @property
     def n_coefficients(self):
         """How many `coefficients` there are."""
-        return len(self.coefficients(1.0, SimpleNamespace(**dict.fromkeys(self.symbols, 1.0))))
+        ones = dict.fromkeys((*self.symbols, "sigma"), 1.0)
+        return len(self.coefficients(1.0, SimpleNamespace(**ones)))
 
     @property
     def n_exponents(self):
@@ -215,7 +234,7 @@ class FrictionLaw:
     def coefficient_arrays(self, V_ref, values):
         """`coefficients` of many sliders, a tuple of arrays of one shape, from their parameters.
 
-        values : symbol -> array, with others among them that no law needs
+        values : symbol -> array, of sigma too, with others among them that no law needs
         """
         import numpy as np  # slow to import, and `ratestate --help` needs the names of laws alone
 
@@ -229,6 +248,10 @@ class FrictionLaw:
     def steady_resistance(self, p):
         """`resistance` in steady sliding at V_ref, 0 for most laws: theta_k is D_k/V_ref there."""
         return self.resistance(0.0, 1.0, self.steady_variables(p), p)
+
+    def steady_stress(self, p):
+        """`stress` in steady sliding at V_ref."""
+        return self.stress(0.0, 1.0, self.steady_variables(p), p)
 
     def reference_friction(self, V, values):
         """mu at V (n,) and theta_k = D_k/V, from parameters; that of steady sliding for most laws.

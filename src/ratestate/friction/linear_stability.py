@@ -2,13 +2,13 @@
 
 Linearised at V, with times in Dc/V and e to the power of L T, small perturbations obey
 
-    eta L + R_v + kappa/L - sum_k r_k s_k/(L + s_k) = 0,
+    eta L + S_v + kappa/L - sum_k r_k s_k/(L + s_k) = 0,
 
 eta = M V^2/(a sigma Dc) (eq. 7), kappa = K Dc/(a sigma), where s_k is the rate at which the k-th
-state relaxes, R_v the direct effect and r_k the evolution effect of that state, over a.  On the
-edge of stability L = i omega, with z = omega^2,
+state relaxes, S_v the direct effect, with that of damping, and r_k the evolution effect of that
+state, over a.  On the edge of stability L = i omega, with z = omega^2,
 
-    sum_k r_k s_k^2/(z + s_k^2) = R_v,      kappa = z (eta + sum_k r_k s_k/(z + s_k^2)).
+    sum_k r_k s_k^2/(z + s_k^2) = S_v,      kappa = z (eta + sum_k r_k s_k/(z + s_k^2)).
 
 For laws of one length this is eq. 6, and the closed forms of stability.py are used.
 Functions take NumPy arrays of one shape, SI units, by their symbols, and check no range.
@@ -33,7 +33,7 @@ IMAGINARY = 1e-9
 class Linearisation(NamedTuple):
     """Of steady sliding, dimensionless, in arrays of one shape, states along a last axis."""
 
-    direct: np.ndarray  # R_v
+    direct: np.ndarray  # S_v
     evolution: np.ndarray  # (..., n) r_k
     rates: np.ndarray  # (..., n) s_k
 
@@ -42,13 +42,13 @@ def linearisation(law, p):
     """The `Linearisation` of steady sliding at V_ref, under a law with these coefficients."""
     psi = law.steady_variables(p)
     by_v, by_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
-    R_v, R_psi = law.resistance_partials(0.0, 1.0, psi, p)
+    S_v, S_psi = law.stress_partials(0.0, 1.0, psi, p)
     shape = np.shape(p[0])
-    by_v, by_psi, R_psi = (
+    by_v, by_psi, S_psi = (
         np.stack([np.broadcast_to(x, shape) for x in parts], axis=-1)
-        for parts in (by_v, by_psi, R_psi)
+        for parts in (by_v, by_psi, S_psi)
     )
-    return Linearisation(np.broadcast_to(R_v, shape), R_psi * by_v / by_psi, -by_psi)
+    return Linearisation(np.broadcast_to(S_v, shape), S_psi * by_v / by_psi, -by_psi)
 
 
 class Edges(NamedTuple):
@@ -118,7 +118,7 @@ def K_c(law, V, *, sigma, M, **values):
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    kappa = critical(law, law.coefficient_arrays(V, values), inertia).kappa
+    kappa = critical(law, law.coefficient_arrays(V, {"sigma": sigma, **values}), inertia).kappa
     return kappa * values["a"] * sigma / values["Dc"]
 
 
@@ -127,7 +127,11 @@ def omega_c(law, V, *, sigma, M, **values):
     if law.one_length:
         return stability.omega_c(V, **values)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    return V / values["Dc"] * critical(law, law.coefficient_arrays(V, values), inertia).omega
+    return (
+        V
+        / values["Dc"]
+        * critical(law, law.coefficient_arrays(V, {"sigma": sigma, **values}), inertia).omega
+    )
 
 
 def _inertia(V, *, sigma, M, **values):
@@ -141,18 +145,23 @@ def is_stable(law, V, *, sigma, K, M, **values):
         return stability.K_c(V, sigma=sigma, M=M, **values) < K
     stiffness = K * values["Dc"] / (values["a"] * sigma)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    return edges(law, law.coefficient_arrays(V, values)).unstable_pairs(stiffness, inertia) <= 0
+    return (
+        edges(law, law.coefficient_arrays(V, {"sigma": sigma, **values})).unstable_pairs(
+            stiffness, inertia
+        )
+        <= 0
+    )
 
 
 def _edge_frequencies(linear):
     """(..., n) z = omega^2 on the edges of stability; in place of others a number not above 0."""
-    R_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
+    S_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
     if s.shape[-1] == 1:
-        excess = r / R_v - 1.0
+        excess = r / S_v - 1.0
         return s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
-    # R_v prod_k (z + s_k^2) - sum_k r_k s_k^2 prod_(j not k) (z + s_j^2)
+    # S_v prod_k (z + s_k^2) - sum_k r_k s_k^2 prod_(j not k) (z + s_j^2)
     whole = product([np.stack([np.ones_like(x), x**2], axis=-1) for x in np.moveaxis(s, -1, 0)])
-    total = R_v * whole
+    total = S_v * whole
     for k in range(s.shape[-1]):
         rest = [x for j, x in enumerate(np.moveaxis(s, -1, 0)) if j != k]
         part = product([np.stack([np.ones_like(x), x**2], axis=-1) for x in rest])
@@ -171,7 +180,7 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
     rigid = np.isinf(K)
     kappa = np.where(rigid, 1.0, K) * values["Dc"] / (values["a"] * sigma)
-    p = law.coefficient_arrays(V, values)
+    p = law.coefficient_arrays(V, {"sigma": sigma, **values})
     found = modes(law, p, kappa, _inertia(V, sigma=sigma, M=M, **values))
     relaxing = np.full(found.shape, -np.inf, complex)
     relaxing[..., :-2] = -np.sort(linearisation(law, p).rates, axis=-1)
@@ -200,8 +209,8 @@ def beside_the_pair(modes, omega):
 
 def _modes_of_one_state(linear, inertia, kappa):
     """The modes of one state, by a change of units those of eq. 1 and a law of one length."""
-    R_v, r, s = linear.direct, linear.evolution[..., 0], linear.rates[..., 0]
-    eta, kappa, beta = inertia * s / R_v, kappa / (s * R_v), r / R_v
+    S_v, r, s = linear.direct, linear.evolution[..., 0], linear.rates[..., 0]
+    eta, kappa, beta = inertia * s / S_v, kappa / (s * S_v), r / S_v
     found = steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
     found.real, found.imag = found.real * s[..., None], found.imag * s[..., None]
     return found
@@ -209,17 +218,17 @@ def _modes_of_one_state(linear, inertia, kappa):
 
 def _modes(linear, inertia, kappa):
     """The modes of two states or more, as roots of the characteristic polynomial."""
-    R_v, s, rs = linear.direct, linear.rates, linear.evolution * linear.rates
+    S_v, s, rs = linear.direct, linear.rates, linear.evolution * linear.rates
     pairs = [np.stack([np.ones_like(x), x], axis=-1) for x in np.moveaxis(s, -1, 0)]
     n = len(pairs)
-    slow = product([np.stack([R_v, kappa], axis=-1), *pairs])
+    slow = product([np.stack([S_v, kappa], axis=-1), *pairs])
     for k in range(n):
         part = product([pair for j, pair in enumerate(pairs) if j != k])
         slow[..., 1:-1] -= rs[..., k, None] * part
     light = inertia < LIGHTEST
     whole = np.concatenate([np.zeros((*slow.shape[:-1], 1)), slow], axis=-1)
     whole[..., : n + 1] += inertia[..., None] * product(pairs)
-    found = np.empty((*R_v.shape, n + 2), complex)
+    found = np.empty((*S_v.shape, n + 2), complex)
     found[light] = np.concatenate(
         [roots(slow[light]), np.full((*slow[light].shape[:-1], 1), -np.inf)], axis=-1
     )

@@ -1,12 +1,10 @@
-"""Roots of functions of arrays that are linear, or nearly so, as friction is in ln V."""
-
-import warnings
+"""Roots of increasing functions of arrays, most of them nearly linear, as friction is in ln V."""
 
 import numpy as np
 
 
 def root(off, start, where):
-    """The root (n,) of a function, linear or nearly so; not finite where none is found.
+    """The root (n,) of an increasing function; not finite where none is found.
 
     off : of (n,), giving (n,)
     start : (n,) near the root
@@ -16,16 +14,20 @@ def root(off, start, where):
         found, slope = start, off(start + 1.0) - off(start)
         for _ in range(2):  # (the second makes up for the rounding of the slope)
             found = found - off(found) / slope
-        wrong = where & (np.abs(off(found)) > 1e-11 * np.maximum(1.0, np.abs(found)))
-    if not wrong.any():
-        return found
-    from scipy.optimize import newton  # slow to import, and seldom needed
+        wrong = where & ~(np.abs(off(found)) <= 1e-11 * np.maximum(1.0, np.abs(found)))
+    return np.where(wrong, _bisected(off, start), found) if wrong.any() else found
 
-    guess = np.where(wrong & np.isfinite(found), found, start)
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", RuntimeWarning)  # of those that do not matter
-        try:
-            found, converged, _ = newton(off, guess, tol=1e-13, full_output=True)
-        except RuntimeError:  # none has converged
-            converged = np.zeros(start.shape, bool)
-    return np.where(converged, found, np.nan)
+
+def _bisected(off, start):
+    """`root` of functions that are not nearly linear."""
+    low, high = start - 1.0, start + 1.0
+    with np.errstate(all="ignore"):
+        for width in 2.0 ** np.arange(12):
+            low = np.where(off(low) > 0.0, low - width, low)
+            high = np.where(off(high) < 0.0, high + width, high)
+        inside = (off(low) <= 0.0) & (off(high) >= 0.0)
+        for _ in range(70):
+            middle = 0.5 * (low + high)
+            below = off(middle) < 0.0
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return np.where(inside, 0.5 * (low + high), np.nan)

@@ -7,7 +7,7 @@ from ..friction.roots import root
 from .slider import PARAMETERS
 from .units import to_si
 
-# Differences of x - R that are due to rounding.
+# Differences of x - S that are due to rounding.
 AGREE = 1e-9
 # Largest speed of a start [m/s]: the engine's exponentials saturate not far beyond.
 LARGEST_V = 1e250
@@ -38,7 +38,7 @@ def initial_state(law, batch, V_load):
     Steady sliding at V_start, but for what `initial` gives.  Where M = 0 friction fixes what is
     left out.  Where K = inf V is V_load, and friction fixes a state or tau by the others.
 
-    ParameterError where values disagree, by more than 1e-9 in x - R: V, all states and tau where
+    ParameterError where values disagree, by more than 1e-9 in x - S: V, all states and tau where
     M = 0, these but V where K = inf; for V other than V_load where K = inf; where tau would have
     to fix a state on which friction does not depend; and where friction would fix a speed above
     1e250 m/s.  Of two states that are left out tau fixes the first.  Ranges are checked by
@@ -52,7 +52,7 @@ def initial_state(law, batch, V_load):
     given = {s: batch.flat(f"{s}_initial") for s in names}
     p = law.coefficient_arrays(V0, batch.columns)
     v, states = steady_state(law, batch, batch.flat("V_start"))
-    x = resistance(law, v, states, p)
+    x = stress(law, v, states, p)
     if "V" in given:
         v = np.log(given["V"] / V0)
     states = [
@@ -72,15 +72,15 @@ def initial_state(law, batch, V_load):
             f"leave V out{others}"
         )
     fixed = bound if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
-    clash = fixed & (np.abs(x - resistance(law, v, states, p)) > AGREE)
+    clash = fixed & (np.abs(x - stress(law, v, states, p)) > AGREE)
     if "tau" in given and not free and clash.any():
         _refuse_clash(law, batch, int(np.argmax(clash)), v, states, p, given)
     by_stress = bound & (("V" in given) | rigid)
     if "tau" in given and free and by_stress.any():
         states = _state_by_stress(law, x, v, states, p, free[0], by_stress)
     elif "V" in given:
-        x = np.where(bound, resistance(law, v, states, p), x)
-    x = np.where(rigid, resistance(law, v, states, p), x)
+        x = np.where(bound, stress(law, v, states, p), x)
+    x = np.where(rigid, stress(law, v, states, p), x)
     free_speed = bound & ~rigid
     v = _speed_by_stress(law, x, v, states, p, free_speed)
     _check_speed(v[free_speed], V0[free_speed], names)
@@ -91,7 +91,7 @@ def steady_sliding_state(law, batch, V):
     """(n, len(y)) x, v and the law's variables, in steady sliding at V (n,)."""
     p = law.coefficient_arrays(batch.flat("V0"), batch.columns)
     v, states = steady_state(law, batch, V)
-    x = resistance(law, v, states, p)
+    x = stress(law, v, states, p)
     return np.stack([x, v, *law.variables(v, tuple(states), p)], axis=1)
 
 
@@ -102,16 +102,16 @@ def steady_state(law, batch, V):
     return v, [state - v for state in law.steady_log_states(p)]
 
 
-def resistance(law, v, log_states, p):
-    """The friction (mu - mu0)/a by the states as they are reported."""
-    return law.resistance(v, np.exp(v), law.variables(v, tuple(log_states), p), p)
+def stress(law, v, log_states, p):
+    """What opposes the motion, as x is counted, by the states as they are reported."""
+    return law.stress(v, np.exp(v), law.variables(v, tuple(log_states), p), p)
 
 
 def _state_by_stress(law, x, v, states, p, k, where):
     """The states, of which the k-th is such, where this is true, that friction is x."""
 
     def off(state):
-        return resistance(law, v, [*states[:k], state, *states[k + 1 :]], p) - x
+        return stress(law, v, [*states[:k], state, *states[k + 1 :]], p) - x
 
     found = root(off, states[k], where)
     if not np.isfinite(found[where]).all():
@@ -127,7 +127,7 @@ def _speed_by_stress(law, x, v, states, p, where):
     """v, such that friction is x where this is true."""
 
     def off(v):
-        return resistance(law, v, states, p) - x
+        return stress(law, v, states, p) - x
 
     return np.where(where, root(off, v, where), v)
 
@@ -152,7 +152,7 @@ def _check_speed(v, V0, names):
 def _refuse_clash(law, batch, i, v, states, p, given):
     """Raise the ParameterError about values that do not agree in case i."""
     a, sigma, mu0, K = (batch.flat(symbol)[i] for symbol in ("a", "sigma", "mu0", "K"))
-    tau = sigma * (mu0 + a * resistance(law, v, states, p)[i])
+    tau = sigma * (mu0 + a * stress(law, v, states, p)[i])
     names = " and ".join(law.states)
     where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
     if np.isinf(K):

@@ -1,7 +1,7 @@
 """Quantities as which a parameter of the slider may be given too.
 
-K, M and sigma are per area.  A data sheet has them for the whole contact, which has an area, and a
-laboratory knows its stiffness as friction per length, K/sigma.
+K, M, damping and sigma are per area.  A data sheet has them for the whole contact, which has an
+area, and a laboratory knows its stiffness as friction per length, K/sigma.
 """
 
 import operator
@@ -17,6 +17,7 @@ OTHER_QUANTITIES = {
         "K_over_sigma": (operator.mul, "sigma"),
     },
     "M": {"mass": (operator.truediv, "area")},
+    "damping": {"dashpot": (operator.truediv, "area")},
 }
 #: quantity of the whole contact -> the parameter that it is, once divided by the area
 WHOLE_CONTACT = {

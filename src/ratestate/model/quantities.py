@@ -26,6 +26,8 @@ KINDS = {
     "N": ("a force", "'4 kN'"),
     "N/m": ("a stiffness of the whole contact", "'2 MN/m'"),
     "kg": ("a mass", "'6 kg'"),
+    "Pa s/m": ("a damping", "'5 MPa s/m'"),
+    "N s/m": ("a damping of the whole contact", "'10 kN s/m'"),
     "Hz": ("a frequency", "'390 Hz'"),
     "1/s": ("a rate", "'1 1/s'"),
     "1/m": ("a rate per length", "'1 1/m'"),
@@ -44,6 +46,8 @@ POWERS = {
     "Pa/m": (9, 6, 3, 0),
     "N": (6, 3, 0, -3),
     "N/m": (9, 6, 3, 0),
+    "Pa s/m": (9, 6, 3, 0),
+    "N s/m": (6, 3, 0),
     "Hz": (3, 0, -3, -6),
 }
 #: name of a long time -> seconds

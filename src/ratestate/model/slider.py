@@ -4,6 +4,7 @@ import dataclasses
 from typing import Any
 
 from ..errors import ParameterError
+from ..friction.composition import with_damping
 from ..friction.critical_speeds import V_c
 from ..friction.elementwise import call_elementwise
 from ..friction.laws import DEFAULT, friction_law
@@ -48,9 +49,13 @@ class SpringSlider:
     law : str
         Friction law, a name of `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
         or "Dieterich" (eq. 2), in any capitals; the attribute is the law's name.
+    damping : float, str or DataArray
+        Damping [Pa s/m], >= 0, by default 0: of a dashpot beside friction, or by radiated shear
+        waves, G/(2 c_s).  With it a slider without mass is quasi-dynamic: it slips, however fast.
     area : float, str or DataArray, optional
-        Area of the contact [m^2], > 0.  The motion does not depend on it, but with it sigma, K and
-        M may be given for the whole contact [N, N/m, kg], and reports and figures show forces.
+        Area of the contact [m^2], > 0.  The motion does not depend on it, but with it sigma, K, M
+        and damping may be given for the whole contact [N, N/m, kg, N s/m], and reports and figures
+        show forces.
     **of_law : float, str or DataArray
         Parameters that the law has beside these, all of them: such as b2 and Dc2 of
         "two-state-slip".
@@ -77,16 +82,30 @@ class SpringSlider:
     mu0: Any = 0.6
     V0: Any = 1e-6
     law: str = DEFAULT
+    damping: Any = 0.0
     area: Any = None
 
     def __init__(
-        self, *, a, b, Dc, sigma, K, M=0.0, mu0=0.6, V0=1e-6, law=DEFAULT, area=None, **of_law
+        self,
+        *,
+        a,
+        b,
+        Dc,
+        sigma,
+        K,
+        M=0.0,
+        mu0=0.6,
+        V0=1e-6,
+        law=DEFAULT,
+        damping=0.0,
+        area=None,
+        **of_law,
     ):
         friction = friction_law(law)
         common = {"a": a, "b": b, "Dc": Dc, "sigma": sigma, "K": K, "M": M, "mu0": mu0, "V0": V0}
         area = {} if area is None else {"area": area}
         given: dict[str, Any] = {}  # area and sigma come before what needs them
-        for symbol, value in (area | common | of_law).items():
+        for symbol, value in (area | common | of_law | {"damping": damping}).items():
             given[symbol] = parameter_to_si(symbol, value, given)
         for name, value in ({"law": friction.name, "area": None} | given).items():
             object.__setattr__(self, name, value)
@@ -109,7 +128,8 @@ class SpringSlider:
         normal_force : float, str or DataArray
             Normal force [N], > 0.
         **parameters
-            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law, and those of the law.
+            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law and those of the law, and
+            damping, which may be given for the whole contact [N s/m] too.
 
         Returns
         -------
@@ -129,7 +149,8 @@ class SpringSlider:
         >>> slider.sigma, slider.M, slider.K
         (2000000.0, 3000.0, 900000000.0)
         """
-        known = ("area", "mass", "stiffness", "normal_force", "a", "b", "Dc", "mu0", "V0", "law")
+        known: tuple[str, ...] = ("area", "mass", "stiffness", "normal_force")
+        known += ("a", "b", "Dc", "mu0", "V0", "law", "damping")
         known += tuple(law_of(parameters.get("law", DEFAULT)).parameters)
         check_keywords("SpringSlider.of_contact", parameters, known)
         mass = 0.0 if mass is None else mass
@@ -144,16 +165,18 @@ class SpringSlider:
     def parameters(self):
         """All parameters, symbol -> value, with which to build the slider again.
 
-        Without the area, if it has none.
+        Without the area, or the damping, if it has none.
         """
-        names = [field.name for field in dataclasses.fields(self)]
-        names = [name for name in names if name != "area" or self.has_area]
-        return {name: getattr(self, name) for name in (*names, *self.friction.parameters)}
+        area = ("area",) if self.has_area else ()
+        names = (*PARAMETERS, "law", *area, *self.friction_law.parameters)
+        return {name: getattr(self, name) for name in names}
 
     @property
-    def friction(self):
-        """The friction law itself, a `ratestate.friction.law.FrictionLaw`."""
-        return friction_law(self.law)
+    def friction_law(self):
+        """The friction law itself, with damping if there is some: a `FrictionLaw`."""
+        damped = is_array(self.damping) or self.damping != 0.0
+        law = friction_law(self.law)
+        return with_damping(law) if damped else law
 
     def replace(self, **changes):
         """A slider with some parameters changed, and checked like any other.
@@ -175,7 +198,7 @@ class SpringSlider:
         ParameterError
             An unknown or mistyped parameter; a value of a wrong unit or range.
         """
-        old, new = self.friction, law_of(changes.get("law", self.law))
+        old, new = friction_law(self.law), law_of(changes.get("law", self.law))
         lost = old.parameters.keys() - new.parameters.keys()
         kept = {name: x for name, x in self.parameters.items() if name not in lost}
         return type(self)(**(kept | changes))
@@ -183,7 +206,8 @@ class SpringSlider:
     @property
     def values(self):
         """The parameters that are quantities: `parameters` but for the law, the area first."""
-        symbols = (*(("area",) if self.has_area else ()), *PARAMETERS, *self.friction.parameters)
+        area = ("area",) if self.has_area else ()
+        symbols = (*area, *PARAMETERS, *self.friction_law.parameters)
         return {symbol: getattr(self, symbol) for symbol in symbols}
 
     @property
@@ -195,11 +219,16 @@ class SpringSlider:
     def K_c_qs(self):
         """Quasi-static critical stiffness [Pa/m], where all sizes of M are 0; (b - a) sigma/Dc.
 
-        ParameterError where it depends on the speed, by a law with a speed of its own.
+        ParameterError where it depends on the speed, by damping or a law with a speed of its own.
         """
-        if self.friction.has_own_speed:
+        if self.friction_law.has_own_speed:
+            cause = (
+                f"under the law {self.law!r}"
+                if self.law == self.friction_law.name
+                else "with damping"
+            )
             raise ParameterError(
-                f"under the law {self.law!r} K_c_qs depends on the speed; "
+                f"{cause} K_c_qs depends on the speed; "
                 f"stability(slider, V_lp).K_c_qs is that at V_lp"
             )
         return self._of_law("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
@@ -269,10 +298,10 @@ class SpringSlider:
 
     def _of_law(self, symbol, function, part=None, **given):
         """The result of a function of linear stability, or a part of it, under its symbol."""
-        values = given | self._pick(self.friction.symbols)
+        values = given | self._pick(self.friction_law.symbols)
 
         def of_arrays(**arrays):
-            result = function(self.friction, **arrays)
+            result = function(self.friction_law, **arrays)
             return result if part is None else getattr(result, part)
 
         return named(symbol, call_elementwise(of_arrays, values))
@@ -316,10 +345,12 @@ class SpringSlider:
 # (a wrong name is told before Python tells of a missing one)
 SpringSlider.__init__ = names_first(SpringSlider)  # type: ignore[method-assign]
 
-#: symbols of the quantities that the motion depends on: a, b, Dc, sigma, K, M, mu0, V0; beside
-#: them there are those of the law
+#: symbols of what only some sliders have
+OPTIONAL = ("area", "damping")
+#: symbols of the quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0; beside
+#: them there are those of the law, and damping
 PARAMETERS = tuple(
-    f.name for f in dataclasses.fields(SpringSlider) if f.name not in ("law", "area")
+    f.name for f in dataclasses.fields(SpringSlider) if f.name not in ("law", *OPTIONAL)
 )
 
 

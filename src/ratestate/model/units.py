@@ -20,9 +20,9 @@ from .quantities import KINDS, POWERS, QUANTITIES, attrs, expected, prefixed_uni
 RESERVED = {"time", "mode", "segment"}
 _PREFIXES = dict(zip("nuµμmckMG", (-9, -6, -6, -6, -3, -2, 3, 6, 9), strict=True)) | {"": 0}
 #: units that begin with one that takes a prefix
-_PREFIXED = {"m", "s", "m/s", "m/s^2", "Pa", "Pa/m", "Hz", "N", "N/m"}
+_PREFIXED = {"m", "s", "m/s", "m/s^2", "Pa", "Pa/m", "Pa s/m", "Hz", "N", "N/m", "N s/m"}
 #: units of what data sheets give for a whole machine, in N/m, kg or N; the complaint about these
-_PER_AREA = ("Pa/m", "kg/m^2", "Pa")
+_PER_AREA = ("Pa/m", "kg/m^2", "Pa", "Pa s/m")
 OF_WHOLE_CONTACT = "is of the whole contact, and to be divided by its area"
 # A number goes as far as it can, and nothing like a second one may touch it: no "1e1e1 um".
 _NUMBER = re.compile(

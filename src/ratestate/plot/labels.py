@@ -69,6 +69,7 @@ LETTERS = {
     "theta": r"\theta",
     "a_minus_b": "a-b",
     "area": "A",
+    "damping": r"\mathrm{damping}",
     "force_amplitude": "F_{pp}",
     "displacement_amplitude": r"\delta_{pp}",
     "acceleration_max": r"|\dot{V}|_{\max}",

@@ -8,6 +8,7 @@ from ..dynamics.results import parameter, slider_parameters
 from ..engine.model import FINISHED
 from ..errors import ParameterError
 from ..model.conversion import in_si
+from ..model.slider import OPTIONAL
 from .axis import axis_of
 from .labels import LAWS, value_text
 from .layout import shades
@@ -91,7 +92,8 @@ def _differences(runs):
     parts: list[list[str]] = [[] for _ in runs]
     each = [slider_parameters(run) for run in runs]
     shared = [symbol for symbol in each[0] if all(symbol in one for one in each)]
-    for symbol in ("law", *(symbol for symbol in shared if symbol not in ("law", "area")), "V_lp"):
+    shared = [symbol for symbol in shared if symbol not in ("law", *OPTIONAL)]
+    for symbol in ("law", *shared, "damping", "V_lp"):
         values = [
             float(run.V_load[-1]) if symbol == "V_lp" else parameter(run, symbol) for run in runs
         ]

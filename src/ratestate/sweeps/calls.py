@@ -81,7 +81,7 @@ def check_cases(call, chunks):
         for slices in chunks:
             part = cut(call, slices)
             table, rows = part.batch.rows(part.loading.V)
-            initial_state(part.slider.friction, part.batch, table[rows, 0])
+            initial_state(part.slider.friction_law, part.batch, table[rows, 0])
 
 
 def undisturbed(name, call):

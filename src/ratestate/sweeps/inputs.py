@@ -49,9 +49,8 @@ def _label_summary(labels):
 def _leaves(value, name=""):
     """Yield (name, value) for all fields of a call, those of nested dataclasses included."""
     if dataclasses.is_dataclass(value):
-        of_law = getattr(value, "parameters", {})  # of a slider, with what only its law has
         own = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
-        value = own | of_law
+        value = getattr(value, "parameters", own)  # those of a slider, with what only its law has
     if not isinstance(value, dict):
         yield name, value
         return

@@ -155,7 +155,7 @@ class TestLaws:
         name = rs.register(law_file(MINE))
         told = {row["name"]: row for row in entries.menu()}
         assert list(told) == [*LAWS]
-        assert told["two-state-slip"]["parameters"] == ["b2", "Dc2"]
+        assert told["two-state-slip"]["parameters"] == ["b2", "Dc2", "damping"]
         assert told["two-state-slip"]["label"] == LAWS["two-state-slip"].label
         assert {"aging", "dieterich"} <= {*told["aging"]["names"]}
         assert told[name]["names"] == [name, "mine"]

@@ -24,8 +24,8 @@ SLIDER = {
     "K": '"900 MPa/m"',
 }
 PARAMETERS = (
-    "a, b, Dc, sigma, K, M, mu0, V0, law, area, V_cut, c, b2, Dc2, "
-    "normal_force, stiffness, mass, law_file"
+    "a, b, Dc, sigma, K, M, mu0, V0, law, damping, area, V_cut, c, b2, Dc2, "
+    "normal_force, stiffness, mass, dashpot, law_file"
 )
 NAMES = ", ".join(LAWS)
 LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'

@@ -576,7 +576,7 @@ def test_a_start_at_its_bound_is_told_in_words(good):
     checked = record_of(good, SLIDER, loading=None, trend="slip", against="time")
     found = infer(least_squares_fit(checked, SLIDER, ("a",), None, "free"), None, "covariance")
     assert not [*search_warnings(found)]
-    at = [found.solution.unknowns.names.index(name) for name in starts_of(SLIDER.friction)]
+    at = [found.solution.unknowns.names.index(name) for name in starts_of(SLIDER.friction_law)]
     point = found.solution.point.copy()
     point[at] = 20.0, -20.0
     found = found._replace(solution=found.solution._replace(point=point))

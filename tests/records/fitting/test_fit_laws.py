@@ -162,7 +162,7 @@ def test_friction_is_that_of_simulate(slider, kind, M, noisy):
     """From steady sliding of a slider with mass, or without it from some velocity and states."""
     slider = slider.replace(M=M)
     data = record_of(noisy.rename(friction=kind), slider, loading=STEP, trend=None, against="time")
-    names = ("V_start", *(f"{state}_start" for state in slider.friction.states))
+    names = ("V_start", *(f"{state}_start" for state in slider.friction_law.states))
     ratios = (0.5, 0.3, -0.4)[: len(names)] if M == 0.0 else (0.0,) * len(names)
     steady = rs.simulate(slider, STEP, 1.0, times=[0.0]).isel(time=0)
     begin = {
@@ -338,14 +338,14 @@ def test_what_a_law_does_not_have_is_refused(case, noisy):
 
 @pytest.mark.parametrize("name", ["level", "trend", "a_minus_b"])
 def test_a_law_with_a_name_of_the_fit_s_own_is_refused(name, noisy, monkeypatch):
-    own = {**TWO.friction.parameters, name: Parameter("1", "any")}
-    monkeypatch.setattr(type(TWO.friction), "parameters", own)
+    own = {**TWO.friction_law.parameters, name: Parameter("1", "any")}
+    monkeypatch.setattr(type(TWO.friction_law), "parameters", own)
     monkeypatch.setattr(rs.SpringSlider, name, 1.0, raising=False)
     with pytest.raises(rs.ParameterError, match=f"has a parameter {name}, which fits have of"):
         rs.fit(noisy, TWO, ("a",))
 
 
 def test_what_may_be_free_under_laws():
-    assert of_slider(TWO.friction) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
+    assert of_slider(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
     both = [SLIDER, TWO]
     assert checked_free(["K", "b2", "a", "mu0"], both) == ("a", "b2", "K")

@@ -5,7 +5,7 @@ import xarray
 
 from ...engine.model import FINISHED
 from ...errors import NotConverged
-from ...friction.laws import friction_law
+from ...friction.composition import composed_law
 from ...model.batch import Batch
 from ...model.contact import parameter_to_si
 from ...model.names import keywords_checked
@@ -138,7 +138,7 @@ def _dataset(family, branch, hopf, ends):
     batch = Batch(values, taken=VARIABLES)
     status = np.full(len(along), FINISHED)
     stable = np.abs(measures["multipliers"][:, 0]) < 1.0
-    variables = cycle_variables(friction_law(family.law), batch, status, measures, stable)
+    variables = cycle_variables(composed_law(family.law), batch, status, measures, stable)
     variables["special"] = batch.variable(np.array(special, dtype=str), "special")
     result = xarray.Dataset(variables, batch.coordinates([*VARIABLES, "special"]))
     at_hopf = result.special == "hopf"
@@ -157,7 +157,7 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
 
     ParameterError for any that it refuses before it looks for a cycle.
     """
-    law = checked(slider).friction
+    law = checked(slider).friction_law
     check_orders("continue_cycle", law, 2)
     parameters = (*PARAMETERS, *law.parameters)
     if parameter not in parameters:
@@ -184,7 +184,7 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
             raise refusal("branch.range", symbol=symbol, value=value, unit=unit, reason=reason)
     if ends["start"] == ends["stop"]:
         raise refusal("branch.no_length", start=ends["start"])
-    family = Family(slider.law, values, parameter, rtol)
+    family = Family(law.name, values, parameter, rtol)
     system = family.system(np.log([*ends.values()]))
     if not system.may_cycle.any():
         raise refusal("branch.strengthening", beta=system.beta[0])

@@ -85,7 +85,7 @@ def _small_cycle(system):
     By harmonic balance where that knows the law, else by the linear equations: from there Newton's
     method goes on.
     """
-    if system.friction.one_length:
+    if system.friction_law.one_length:
         cycle = small_cycle(system.law, system.kappa, system.beta, system.eta)
         return np.stack([cycle.psi, cycle.G], axis=1)
     return START_AMPLITUDE * linear_section(system)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.model import SLAVED
-from ...friction.laws import friction_law
+from ...friction.composition import composed_law
 from ..cycles.attractor import single_returns
 from ..cycles.measure import measure
 from ..cycles.shooting import return_map
@@ -70,7 +70,7 @@ class Family(NamedTuple):
     @property
     def smallest(self):
         """(k,) size of U above which distances from it are relative."""
-        return np.append(np.full(len(friction_law(self.law).states), SCALE_PSI), SCALE_G)
+        return np.append(np.full(len(composed_law(self.law).states), SCALE_PSI), SCALE_G)
 
     def scale(self, U):
         """(m, k) units in which distances from U (m, k) are measured."""

@@ -149,7 +149,7 @@ def _finish_at_rest(system, estimates, active, r):
 
 def _finish_on_small_cycles(system, estimates, which):
     """Put the small cycles of these sliders into the estimates, where harmonic balance has one."""
-    if not (len(which) and system.friction.one_length):
+    if not (len(which) and system.friction_law.one_length):
         return
     part = system.at(which)
     cycles = small_cycle(part.law, part.kappa, part.beta, part.eta)

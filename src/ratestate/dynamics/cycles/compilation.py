@@ -2,7 +2,7 @@
 
 from ...engine.compilation import compile_elsewhere
 from ...engine.return_map import march_to_section
-from ...friction.laws import friction_law
+from ...friction.composition import composed_law, own_name
 from ...model.user_laws import recorded
 
 # One return of one slider; nothing is imported that this does not need.
@@ -26,16 +26,16 @@ def compile_cycles_elsewhere(law):
     Without effect where that is compiled already, and for a user's class of laws, which has no file
     that the other process could run.  ParameterError for an unknown law.
 
-    law : str, name of a friction law
+    law : str, name of a friction law, or of one composed (`composition`)
     """
     if statement := any_return(law):
-        compile_elsewhere(march_to_section, friction_law(law), statement)
+        compile_elsewhere(march_to_section, composed_law(law), statement)
 
 
 def any_return(law):
     """The statement of one return under a law; "" for a user's class of laws."""
-    friction = friction_law(law)
-    record = recorded(friction.name)
+    friction = composed_law(law)
+    record = recorded(own_name(friction.name))
     if not (record is None or isinstance(record, str)):
         return ""
     own, n = [*friction.parameters], 2 + len(friction.states)

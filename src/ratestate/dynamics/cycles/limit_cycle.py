@@ -116,7 +116,7 @@ def limit_cycle_call(slider, V_lp, *, V_start=None, rtol):
     Whether their dimensions and coordinates fit together shows in its `batch`.
     """
     rtol = checked_rtol(rtol, "1e-12", "1e-2", "1e-8")
-    check_orders("limit_cycle", checked(slider).friction, 2)
+    check_orders("limit_cycle", checked(slider).friction_law, 2)
     V_lp = to_si("V_lp", V_lp)
     if V_start is not None:
         V_start = to_si("V_start", V_start)
@@ -146,7 +146,7 @@ class LimitCycleCall:
     def blank(self):
         """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
         status = np.full(self.batch.n, NO_CONVERGENCE)
-        return cycle_variables(self.slider.friction, self.batch, status, {}, stable=False)
+        return cycle_variables(self.slider.friction_law, self.batch, status, {}, stable=False)
 
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep.
@@ -159,7 +159,7 @@ class LimitCycleCall:
         """The variables of `run`, from the results of `find_cycles`."""
         # An attractor is stable, though the multipliers of the smallest cycles round to 1.
         stable = status == FINISHED
-        return cycle_variables(self.slider.friction, self.batch, status, measures, stable)
+        return cycle_variables(self.slider.friction_law, self.batch, status, measures, stable)
 
     def find_cycles(self, progress=None):
         """Status (n,) of all cases, and the measures of their cycles as by `refine`, of (n, ...).
@@ -168,7 +168,7 @@ class LimitCycleCall:
         {} where no case can have a cycle (K = inf, or steady sliding stable at any K).
         """
         n, alone = self.batch.n, self.batch.alone
-        system = system_of(self.slider.law, **self.batch.columns)
+        system = system_of(self.slider.friction_law.name, **self.batch.columns)
         status = np.full(n, STEADY_SLIDING)
         may_cycle = np.flatnonzero(system.may_cycle)
         measures: dict = {}

@@ -69,8 +69,8 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
 
 def _period(slider, call, measures, rtol, progress):
     """One period from the section on, as a run."""
-    law, columns = slider.friction, call.batch.columns
-    system, u, V_lp = system_of(slider.law, **columns), measures["u"], call.V_lp
+    law, columns = slider.friction_law, call.batch.columns
+    system, u, V_lp = system_of(law.name, **columns), measures["u"], call.V_lp
     x, _, *psi = state(system, u).T
     states = law.log_states(0.0, tuple(psi), system.coefficients)
     initial = {"V_initial": V_lp}

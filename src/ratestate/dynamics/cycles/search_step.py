@@ -178,7 +178,7 @@ def _leap(system, returns, u, local, may):
         # Without inertia orbits may be neutral at K_c, where a leap would be a random walk, and by
         # laws of one length there is no cycle to leap to.
         may = may & (first.imag == 0.0) & (first.real > 0.0)
-        leads = stable | (not system.friction.one_length)
+        leads = stable | (not system.friction_law.one_length)
         may &= (system.eta > 0.0) | (leads & (np.abs(1.0 - first) > NEUTRAL))
         # Where faster parts of the move are larger, they hide the slow one, and the map bends.
         may &= distance(system, move - slow) <= along

@@ -71,7 +71,7 @@ def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
         v_limit=system.v_limit,
         max_steps=np.full(n, MAX_STEPS_OF_RETURN),
     )
-    results = dispatch.run_returns(system.friction, starts, alone)
+    results = dispatch.run_returns(system.friction_law, starts, alone)
     numbers = dict(zip(RETURN_NUMBERS, results.numbers.T, strict=True))
     gradients = dict(zip(DERIVATIVES, np.moveaxis(results.along, -1, 0), strict=True))
     image = np.concatenate([results.psi - system.steady, numbers["G"][:, None]], axis=1)
@@ -97,17 +97,17 @@ def _jacobian(system, psi, d_x, d_psi):
 
 
 def _slaved_slope(system, psi):
-    """(n, n_states) derivatives of G = -R_psi f/R_v by psi at V_lp, with f the rates of psi."""
-    law, p, states = system.friction, system.coefficients, tuple(psi.T)
+    """(n, n_states) derivatives of G = -S_psi f/S_v by psi at V_lp, with f the rates of psi."""
+    law, p, states = system.friction_law, system.coefficients, tuple(psi.T)
     at = 0.0, 1.0, states, law.exponentials(0.0, 1.0, states, p), p
     rates, (_, f_psi) = law.rates(*at), law.rate_partials(*at)
-    R_v, R_psi = system.slopes(psi)
-    _, R_vpsi, R_psipsi = law.resistance_partials_2(0.0, 1.0, states, p)
+    S_v, S_psi = system.slopes(psi)
+    _, S_vpsi, S_psipsi = law.stress_partials_2(0.0, 1.0, states, p)
     slopes = []
     for j in range(len(states)):
-        bends = sum(row[j] * rate for row, rate in zip(R_psipsi, rates, strict=True))
-        drive = sum(R_psi[:, k] * rate for k, rate in enumerate(rates))
-        slopes.append((drive * R_vpsi[j] / R_v - bends - R_psi[:, j] * f_psi[j]) / R_v)
+        bends = sum(row[j] * rate for row, rate in zip(S_psipsi, rates, strict=True))
+        drive = sum(S_psi[:, k] * rate for k, rate in enumerate(rates))
+        slopes.append((drive * S_vpsi[j] / S_v - bends - S_psi[:, j] * f_psi[j]) / S_v)
     return np.stack(slopes, axis=1)
 
 

@@ -98,7 +98,7 @@ def hopf_curvature(system):
 
     inf where the law lacks the third derivatives that it takes.
     """
-    law = system.friction
+    law = system.friction_law
     if law.orders < 3:
         return np.full(len(system.kappa), np.inf)
     if law.one_length:

@@ -4,11 +4,11 @@ Everything is in units of V_lp, Dc and a sigma (V0 := V_lp in engine/model.py), 
 is kappa, eta and the coefficients p of its law, b/a first.  Points of the section V = V_lp, V
 rising, where the stress has its maximum, are
 
-    u = (psi - psi_ss, G),   G = dv/dT = (x - R(psi))/eta,   x = R(psi) + eta G,
+    u = (psi - psi_ss, G),   G = dv/dT = (x - S(psi))/eta,   x = S(psi) + eta G,
 
-with R the friction at V_lp and a psi for each of the law's variables; the steady psi_ss are 0 for
-most laws.  Nothing cancels in these, neither for small eta, where inertia is lost in rounding and G
-follows from psi (R_v G = -R_psi dpsi/dT), nor near steady sliding.
+with S the stress that opposes motion at V_lp and a psi for each of the law's variables; the steady
+psi_ss are 0 for most laws.  Nothing cancels in these, neither for small eta, where inertia is lost
+in rounding and G follows from psi (S_v G = -S_psi dpsi/dT), nor near steady sliding.
 """
 
 import functools
@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...friction import linear_stability
-from ...friction.laws import friction_law
+from ...friction.composition import composed_law
 from ...friction.stability import eta
 from ..simulation.cases import V_LIMIT
 
@@ -40,9 +40,9 @@ class System(NamedTuple):
         return select(self, which)
 
     @property
-    def friction(self):
+    def friction_law(self):
         """The law itself."""
-        return friction_law(self.law)
+        return composed_law(self.law)
 
     @property
     def coefficients(self):
@@ -57,14 +57,14 @@ class System(NamedTuple):
     @property
     def steady(self):
         """(n, n_states) the law's variables in steady sliding at V_lp."""
-        if self.friction.one_length:
+        if self.friction_law.one_length:
             return np.zeros((len(self.kappa), 1))
-        return np.stack(self.friction.steady_variables(self.coefficients), axis=1)
+        return np.stack(self.friction_law.steady_variables(self.coefficients), axis=1)
 
     @property
     def critical(self):
         """`linear_stability.Critical` of steady sliding at V_lp, arrays (n,)."""
-        return linear_stability.critical(self.friction, self.coefficients, self.eta)
+        return linear_stability.critical(self.friction_law, self.coefficients, self.eta)
 
     @property
     def margin(self):
@@ -74,32 +74,33 @@ class System(NamedTuple):
     @property
     def stable(self):
         """(n,) whether steady sliding is; by laws of one length on the edge of it too."""
-        if self.friction.one_length:
+        if self.friction_law.one_length:
             return self.margin >= 0.0
-        found = linear_stability.edges(self.friction, self.coefficients)
+        found = linear_stability.edges(self.friction_law, self.coefficients)
         return found.unstable_pairs(self.kappa, self.eta) <= 0
 
     @property
     def may_cycle(self):
         """(n,) whether there may be a cycle; under a law of one length only where b > a."""
-        weakens = self.beta > 1.0 if self.friction.one_length else True
+        weakens = self.beta > 1.0 if self.friction_law.one_length else True
         return np.isfinite(self.kappa) & weakens
 
     @property
     def modes(self):
         """(n, n_states + 2) eigenvalues [V_lp/Dc] of steady sliding, least stable first."""
-        return linear_stability.modes(self.friction, self.coefficients, self.kappa, self.eta)
+        return linear_stability.modes(self.friction_law, self.coefficients, self.kappa, self.eta)
 
     @property
     def cancellation(self):
         """(n,) the sum of the evolution effects over what they exceed the direct one by."""
-        linear = linear_stability.linearisation(self.friction, self.coefficients)
+        linear = linear_stability.linearisation(self.friction_law, self.coefficients)
         excess = np.abs(linear.evolution.sum(axis=1) - linear.direct)
         return np.abs(linear.evolution).sum(axis=1) / excess
 
     def slopes(self, psi):
-        """R_v (n,) and R_psi (n, n_states) at V_lp and the variables psi (n, n_states)."""
-        by_v, by_psi = self.friction.resistance_partials(0.0, 1.0, tuple(psi.T), self.coefficients)
+        """S_v (n,) and S_psi (n, n_states) at V_lp and the variables psi (n, n_states)."""
+        psi = tuple(psi.T)
+        by_v, by_psi = self.friction_law.stress_partials(0.0, 1.0, psi, self.coefficients)
         n = len(self.kappa)
         return np.broadcast_to(by_v, n), np.stack([np.broadcast_to(x, n) for x in by_psi], axis=1)
 
@@ -122,7 +123,7 @@ def system_of(law, *, sigma, K, M, V_lp, **values):
     a, Dc = values["a"], values["Dc"]
     inertia = eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
     v_limit = np.where(M == 0.0, np.log(V_LIMIT / V_lp), np.inf)
-    p = np.stack(friction_law(law).coefficient_arrays(V_lp, values), axis=-1)
+    p = np.stack(composed_law(law).coefficient_arrays(V_lp, {"sigma": sigma, **values}), axis=-1)
     return System(law, K * Dc / (a * sigma), p, inertia, v_limit)
 
 
@@ -130,36 +131,36 @@ def state(system, u):
     """(n, len(y)) x, v and psi of the section's points u (n, k)."""
     psi = u[:, :-1] + system.steady
     zero = np.zeros(len(u))
-    x = system.friction.resistance(0.0, 1.0, tuple(psi.T), system.coefficients)
+    x = system.friction_law.stress(0.0, 1.0, tuple(psi.T), system.coefficients)
     return np.stack([x + system.eta * u[:, -1], zero, *psi.T], axis=1)
 
 
 def steady_sliding_at(system, w):
     """(n, len(y)) x, v, psi of steady sliding at w (n,) times V_lp."""
-    law, p, v = system.friction, system.coefficients, np.log(w)
+    law, p, v = system.friction_law, system.coefficients, np.log(w)
     there = law.rescaled(p, w)
     states = law.steady_log_states(there)
     psi = law.variables(v, tuple(state - v for state in states), p)
-    return np.stack([law.resistance(v, w, psi, p), v, *psi], axis=1)
+    return np.stack([law.stress(v, w, psi, p), v, *psi], axis=1)
 
 
 def slaved_G(system, offset):
     """(n,) G without inertia, from the variables less their steady values, offset (n, n_states)."""
     psi = offset + system.steady
-    law, p, states = system.friction, system.coefficients, tuple(psi.T)
-    R_v, R_psi = system.slopes(psi)
+    law, p, states = system.friction_law, system.coefficients, tuple(psi.T)
+    S_v, S_psi = system.slopes(psi)
     rates = law.rates(0.0, 1.0, states, law.exponentials(0.0, 1.0, states, p), p)
-    return -sum(R_psi[:, k] * rate for k, rate in enumerate(rates)) / R_v
+    return -sum(S_psi[:, k] * rate for k, rate in enumerate(rates)) / S_v
 
 
 def weights(system):
-    """(n, k) the changes of x with each of u, at steady sliding: R_psi, and eta for G."""
+    """(n, k) the changes of x with each of u, at steady sliding: S_psi, and eta for G."""
     _, by_psi = system.slopes(system.steady)
     return np.concatenate([by_psi, system.eta[:, None]], axis=1)
 
 
 def distance(system, vectors):
-    """(n,) length of vectors (n, k) of u, measured by the changes of R and of eta G."""
+    """(n,) length of vectors (n, k) of u, measured by the changes of S and of eta G."""
     with np.errstate(invalid="ignore"):  # without mass, where Newton's method has no step
         return functools.reduce(np.hypot, (weights(system) * vectors).T)
 
@@ -169,7 +170,7 @@ def linear_section(system):
 
     Where steady sliding is stable at any K, for a frequency of 1.
     """
-    law, p, psi = system.friction, system.coefficients, tuple(system.steady.T)
+    law, p, psi = system.friction_law, system.coefficients, tuple(system.steady.T)
     omega = _frequency(system)
     f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
     # v = sin(omega T) is 0 there, and rises

@@ -54,8 +54,9 @@ def cycle_variables(law, batch, status, measures, stable):
         }
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     mu = law.reference_friction(V, batch.columns)
-    rest = law.steady_resistance(law.coefficient_arrays(V, of_law))
-    lowest = mu + p.a * measured("f_min", rest), 2.0 * mu + p.a * measured("xf_min", 2.0 * rest)
+    at_V = law.coefficient_arrays(V, batch.columns)
+    rest, both = law.steady_resistance(at_V), law.steady_resistance(at_V) + law.steady_stress(at_V)
+    lowest = mu + p.a * measured("f_min", rest), 2.0 * mu + p.a * measured("xf_min", both)
     variables |= domain_variables(batch, *lowest)
     multipliers = measures.get(
         "multipliers", np.full((batch.n, 1 + len(law.states)), np.nan, complex)

@@ -110,7 +110,7 @@ def failure(function, slider, status, t=None, best=None):
     if status == RIGID_REST:
         return ParameterError(f"{text}.\n{slider!r}")
     when = "" if t is None else f" at t = {t:.9g} s"
-    if status == RUNAWAY and not slider.friction.has_own_speed and slider.K_c_qs > 0.0:
+    if status == RUNAWAY and not slider.friction_law.has_own_speed and slider.K_c_qs > 0.0:
         text = sentence("failure.runaway", slider=slider, ratio=slider.K / slider.K_c_qs, text=text)
     message = f"{function} stopped{when} ({name}): {text}.\n{slider!r}"
     kinds = {RUNAWAY: QuasiStaticInstability, NO_CONVERGENCE: NotConverged}

@@ -48,7 +48,7 @@ def move(call, progress):
     A case that fails raises nothing.  ParameterError where initial values contradict each other.
     """
     batch, loading, times = call.batch, call.loading, call.times
-    law = call.slider.friction
+    law = call.slider.friction_law
     table, rows = batch.rows(loading.V)
     rates, _ = batch.rows(loading.rate)
     y0 = initial_state(law, batch, table[rows, 0])
@@ -154,7 +154,7 @@ def motion_variables(call, motion):
     they are NaN, but ``steps`` are those taken, ``returns`` is 0, ``outside_domain`` -1, and
     ``delta_lp`` and ``V_load`` are the loading's.
     """
-    variables = _series(call.slider.friction, call.batch, call.loading, motion)
+    variables = _series(call.slider.friction_law, call.batch, call.loading, motion)
     variables["status"] = status_variable(call.batch, motion.status)
     variables |= _observables(call.batch, motion, call.rtol)
     if motion.t.ndim == 1:

@@ -34,17 +34,18 @@ def rigid_motion(law, psi0, t, segments, p):
     psi = path.states(psi0, t, segments)
     speed = V[k] + rate[k] * (t - starts[k])
     inertia = p.M * rate / (p.a * p.sigma)
-    lowest = path.lowest_friction(psi0, [x[used] for x in segments], ends[used])
+    sampled = grid(starts, V, rate, p.t_end, p.Dc)
+    of_all = psi0, sampled, segments
     # The load point's work is friction's, by V = V_lp: no energy_residual.
     numbers = dict.fromkeys("steps energy_residual amplitude cycles returns".split(), 0.0) | {
         "t": p.t_end,
         "v_max": np.log(reached.max() / p.V0),
         "v_min": np.log(reached.min() / p.V0),
         "g_max": np.abs(inertia[used]).max(),
-        "f_min": lowest.min(),
-        "xf_min": (2.0 * lowest + inertia[used]).min(),
+        "f_min": path.lowest((1.0, 0.0), np.zeros(starts.size), *of_all),
+        "xf_min": path.lowest((1.0, 1.0), inertia, *of_all),
     }
-    x = path.friction(speed, psi) + inertia[k]
+    x = path.force((0.0, 1.0), speed, psi) + inertia[k]
     return np.stack([x, np.log(speed / p.V0), *psi], axis=-1), numbers
 
 
@@ -95,46 +96,53 @@ class _Path:
         scale = self.p.V0 / self.p.Dc
         return [scale * rate for rate in self.law.rates(v, w, psi, e, self.coefficients)]
 
-    def friction(self, speed, psi):
-        """(mu - mu0)/a at this speed [m/s]."""
-        v, w = np.log(speed / self.p.V0), speed / self.p.V0
-        return self.law.resistance(v, w, psi, self.coefficients)
+    def force(self, parts, speed, psi):
+        """These parts of friction and of the stress that opposes motion, at this speed [m/s]."""
+        at = np.log(speed / self.p.V0), speed / self.p.V0, psi, self.coefficients
+        return parts[0] * self.law.resistance(*at) + parts[1] * self.law.stress(*at)
 
-    def rise(self, speed, psi, rate):
-        """d/dt of `friction` [1/s], where the speed changes at this rate [m/s^2]."""
-        v, w = np.log(speed / self.p.V0), speed / self.p.V0
-        by_v, by_psi = self.law.resistance_partials(v, w, psi, self.coefficients)
-        evolution = zip(by_psi, self._rates(speed, psi), strict=True)
-        return by_v * rate / speed + sum(one * change for one, change in evolution)
+    def rise(self, parts, speed, psi, rate):
+        """d/dt of `force` [1/s], where the speed changes at this rate [m/s^2]."""
+        at = np.log(speed / self.p.V0), speed / self.p.V0, psi, self.coefficients
+        rates = self._rates(speed, psi)
 
-    def lowest_friction(self, psi0, segments, end):
-        """(k,) the smallest `friction` in each segment of the loading.
+        def rise(by_v, by_psi):
+            evolution = sum(one * change for one, change in zip(by_psi, rates, strict=True))
+            return by_v * rate / speed + evolution
 
-        At one of its ends, or where it has a minimum between them.
+        friction = rise(*self.law.resistance_partials(*at))
+        return parts[0] * friction + parts[1] * rise(*self.law.stress_partials(*at))
+
+    def lowest(self, parts, also, psi0, t, segments):
+        """The smallest `force` of these parts, and `also` (n,), what is added in each segment.
+
+        At one of the times t (m,), or where it has a minimum between two of them.
         """
         from scipy.optimize import brentq  # slow to import, and no other run needs it
 
-        begin, V, rate = segments
-        psi = np.array(self.states(psi0, np.append(begin, end[-1]), segments))
+        starts, V, rate = segments
+        psi = np.array(self.states(psi0, t, segments))
+        begin, end, first, then = t[:-1], t[1:], psi[:, :-1], psi[:, 1:]
+        k = np.searchsorted(starts, begin, side="right") - 1
+        V, rate, also = V[k] + rate[k] * (begin - starts[k]), rate[k], also[k]
         last = V + rate * (end - begin)
-        first, then = tuple(psi[:, :-1]), tuple(psi[:, 1:])
-        lowest = np.minimum(self.friction(V, first), self.friction(last, then))
-        dips = (self.rise(V, first, rate) < 0.0) & (self.rise(last, then, rate) > 0.0)
-        for k in np.flatnonzero(dips):
-            segment = (np.zeros(1), V[k : k + 1], rate[k : k + 1])
+        sides = (V, tuple(first)), (last, tuple(then))
+        lowest = np.minimum(*(self.force(parts, *side) for side in sides))
+        falls, rises = (self.rise(parts, *side, rate) for side in sides)
+        for i in np.flatnonzero((falls < 0.0) & (rises > 0.0)):
+            segment = (np.zeros(1), V[i : i + 1], rate[i : i + 1])
 
-            def at(t, k=k, segment=segment):
-                states = self.states(psi[:, k], np.array([t]), segment)
-                return V[k] + rate[k] * t, tuple(state[0] for state in states)
+            def at(t, i=i, segment=segment):
+                states = self.states(first[:, i], np.array([t]), segment)
+                return V[i] + rate[i] * t, tuple(state[0] for state in states)
 
-            def rise(t, k=k, at=at):
-                speed, states = at(t)
-                return self.rise(speed, states, rate[k])
+            def slope(t, i=i, at=at):
+                return self.rise(parts, *at(t), rate[i])
 
-            length = end[k] - begin[k]
-            if rise(length) > 0.0:  # (else it was rounding, at the end of a relaxation)
-                lowest[k] = self.friction(*at(brentq(rise, 0.0, length)))
-        return lowest
+            length = end[i] - begin[i]
+            if slope(length) > 0.0:  # (else it was rounding, at the end of a relaxation)
+                lowest[i] = self.force(parts, *at(brentq(slope, 0.0, length)))
+        return (lowest + also).min()
 
 
 def grid(starts, V, rate, t_end, Dc):

@@ -149,7 +149,7 @@ def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, meth
     rtol, dt = solver_settings(rtol, method, dt, slider)
     t_end = to_si("t_end", t_end)
     V_start = None if V_start is None else to_si("V_start", V_start)
-    initial = initial_values(initial, slider.friction)
+    initial = initial_values(initial, slider.friction_law)
     loading.covers(t_end)
     times = saved_times(times, t_end)
     return SimulateCall(slider, loading, t_end, V_start, initial, times, rtol, method, dt)
@@ -186,12 +186,12 @@ class SimulateCall:
     @property
     def names(self):
         """Names of the result's variables."""
-        return (*VARIABLES, *self.slider.friction.states)
+        return (*VARIABLES, *self.slider.friction_law.states)
 
     def check_fits(self):
         """Raise ParameterError if the results take more memory than there is."""
         times = 1 if self.times is None else self.times.shape[-1]
-        each = BYTES + BYTES_OF_STATE * (len(self.slider.friction.states) - 1)
+        each = BYTES + BYTES_OF_STATE * (len(self.slider.friction_law.states) - 1)
         check_fits(
             each * self.batch.n * times,
             f"the results of {self.batch.n:,} cases at {times:,} times",
@@ -221,7 +221,7 @@ class SimulateCall:
 
     def blank(self):
         """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
-        return self.variables(blank_motion(self.slider.friction, self.batch, self.times))
+        return self.variables(blank_motion(self.slider.friction_law, self.batch, self.times))
 
     def move(self, progress):
         """The `Motion` of all cases."""

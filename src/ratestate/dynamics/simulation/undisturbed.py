@@ -25,7 +25,7 @@ def undisturbed_warning(calls):
     first: dict[str, float] = {}
     for call in calls:
         V_lp = _constant_speeds(call)
-        p, law = columns(call.batch), call.slider.friction
+        p, law = columns(call.batch), call.slider.friction_law
         of_law = {symbol: call.batch.columns[symbol] for symbol in law.symbols}
         critical = K_c(law, V_lp, sigma=p.sigma, M=p.M, **of_law)
         stiffer = (1.0 + EDGE_WIDTH) * p.K
@@ -56,7 +56,7 @@ def _constant_speeds(call):
 
 def _starts_steady(call, V_lp, p):
     """Whether cases (n,) start in steady sliding at these speeds; not where one is NaN."""
-    law, constant = call.slider.friction, np.isfinite(V_lp)
+    law, constant = call.slider.friction_law, np.isfinite(V_lp)
     steady = steady_sliding_state(law, call.batch, np.where(constant, V_lp, p.V0))
     start = initial_state(law, call.batch, V_lp)
     return constant & (np.abs(start - steady).max(axis=1) < ROUNDING)

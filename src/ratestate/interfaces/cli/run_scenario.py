@@ -114,9 +114,11 @@ def compile_ahead(scenario: Scenario) -> None:
     """Let what the verdict on a run needs be compiled beside what the run needs."""
     if scenario.verb == "simulate" and not swept_dims(scenario):
         slider, V_lp = scenario.slider, speed_of_verdict(scenario.settings["loading"])
-        sought = slider.b > slider.a and float("inf") != slider.K and slider.friction.orders >= 2
+        sought = (
+            slider.b > slider.a and float("inf") != slider.K and slider.friction_law.orders >= 2
+        )
         if V_lp and sought:
-            compile_cycles_elsewhere(slider.law)
+            compile_cycles_elsewhere(slider.friction_law.name)
 
 
 def compute(scenario: Scenario) -> xarray.Dataset:

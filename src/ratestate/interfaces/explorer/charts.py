@@ -37,7 +37,7 @@ def key_of(slider):
 
     The law alone, where there is no chart for it.
     """
-    if not slider.friction.one_length:
+    if not slider.friction_law.one_length:
         return (slider.law,)
     weakening = float(f"{(slider.b - slider.a) / slider.a:.3g}")
     return (slider.law, 1.0 + weakening) if 1.0 + weakening > 1.0 else None
@@ -49,7 +49,7 @@ def chart(slider, size, deadline):
     ParameterError where b <= a, for a law that has no chart, and where it takes too long;
     backend.Stopped if it was cancelled.
     """
-    check_one_length("the map of regimes", slider.law)
+    check_one_length("the map of regimes", slider.friction_law.name)
     if (key := key_of(slider)) is None:
         raise ParameterError("b <= a: friction never weakens, and there are no regimes to map")
     try:

@@ -7,6 +7,7 @@ from urllib.parse import urlencode
 import numpy as np
 
 from ...errors import ParameterError
+from ...friction.composition import EXTRAS
 from ...friction.laws import LAW_OF, LAWS, friction_law, known_law, own_parameters
 from ...friction.user_law import MARK
 from ...model.quantities import KINDS, POWERS, QUANTITIES, expected, prefixed_unit, readable
@@ -22,6 +23,8 @@ SMALLEST, LARGEST = 1e-20, 1e20
 # Digits of values that are not the paper's: all that survive a change of unit.
 DIGITS = 15
 FIG1_STEP = float(np.e * paper.FIG1.V0)
+#: what links need not have -> what it is then
+NONE = {symbol: readable(symbol, 0.0) for symbol in EXTRAS}
 #: key of scenario files that entries must not have
 LAW_FILE = "law_file"
 _BARE = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf)")
@@ -37,8 +40,8 @@ class PageState(NamedTuple):
     @property
     def values(self):
         """dict of the values of all fields, in SI."""
-        values = self.slider.values | {"V_lp": self.V_lp, "V_from": self.V_from}
-        return values | {"law": self.slider.law}
+        values = {symbol: getattr(self.slider, symbol) for symbol in EXTRAS} | self.slider.values
+        return values | {"V_lp": self.V_lp, "V_from": self.V_from, "law": self.slider.law}
 
 
 class BadEntries(Exception):
@@ -60,10 +63,10 @@ def state_of(entries: Any) -> PageState:
     values: dict[str, float] = {}
     problems: dict[str, str] = {}
     law = law_of(entries)
-    fields = [*SYMBOLS, *(friction_law(law).parameters if law else ())]
+    fields = [*SYMBOLS, *(friction_law(law).parameters if law else ()), *EXTRAS]
     for field in fields if entries.get("V_from") is None else [*fields, "V_from"]:
         try:
-            values[field] = _value(field, entries.get(field))
+            values[field] = _value(field, entries.get(field, NONE.get(field)))
         except ParameterError as error:
             problems[field] = str(error)
     if law is None or LAW_FILE in entries:
@@ -104,11 +107,11 @@ def values_of(entries):
 def fields(usual):
     """list of dicts: symbol, name, unit and usual value [SI], the centre of the field's control.
 
-    Of a law's own parameters, which follow, the text too with which the field begins.
+    Of a law's own parameters, which follow, and damping also the text with which the field begins.
     """
-    own = own_parameters(LAWS.values())
+    begin = {symbol: example(symbol) for symbol in own_parameters(LAWS.values())} | NONE
     rows = [{"symbol": symbol, "usual": usual[symbol]} for symbol in SYMBOLS]
-    rows += [{"symbol": s, "usual": _value(s, example(s)), "text": example(s)} for s in own]
+    rows += [{"symbol": s, "usual": _value(s, example(s)), "text": x} for s, x in begin.items()]
     for row in rows:
         quantity = QUANTITIES[row["symbol"]]
         row |= {"name": quantity.long_name, "unit": quantity.unit}
@@ -122,13 +125,13 @@ def example(symbol):
 
 
 def menu():
-    """list of dicts, of each law: name, all its names, label and symbols of its own parameters."""
+    """list of dicts, of each law: name, all its names, label and symbols of its own fields."""
     return [
         {
             "name": name,
             "names": [known for known, its in LAW_OF.items() if its == name],
             "label": law.label,
-            "parameters": [*law.parameters],
+            "parameters": [*law.parameters, *EXTRAS],
         }
         for name, law in LAWS.items()
     ]
@@ -183,8 +186,8 @@ def presets():
 
 def entries_of(slider, V_lp, V_from=None, digits=6):
     """symbol -> text with unit, rounded to `digits`, and law: what `state_of` reads."""
-    values = {**slider.values, "V_lp": V_lp}
-    symbols = (*SYMBOLS, *slider.friction.parameters)
+    values = PageState(slider, V_lp, V_from).values
+    symbols = dict.fromkeys((*SYMBOLS, *slider.friction_law.parameters, *EXTRAS))
     texts = {symbol: readable(symbol, values[symbol], digits) for symbol in symbols}
     texts["law"] = slider.law
     return texts | ({} if V_from is None else {"V_from": readable("V_lp", V_from, digits)})

@@ -78,7 +78,7 @@ def _durations(verdict, orbit):
         rings = MOST_CYCLES * 2.0 * np.pi / verdict.omega if verdict.omega > 0.0 else np.inf
         return decay, rings
     slider = verdict.slider
-    time = SLIP * max(map(slider.values.get, slider.friction.states.values())) / verdict.V_lp
+    time = SLIP * max(map(slider.values.get, slider.friction_law.states.values())) / verdict.V_lp
     return time, time
 
 
@@ -90,7 +90,7 @@ def _start_settings(slider, V_from, cycle, lead):
     period = times[-1]
     lead = min(lead, LEAD_CYCLES * period)
     i = int(np.argmin(np.abs(times[:-1] - (-lead) % period)))
-    names = ("V", *slider.friction.states, *(("tau",) if slider.M > 0.0 else ()))
+    names = ("V", *slider.friction_law.states, *(("tau",) if slider.M > 0.0 else ()))
     # the step comes at the stress maximum
     initial = {name: float(cycle[name][i]) for name in names}
     whole = np.floor(lead / period) * period

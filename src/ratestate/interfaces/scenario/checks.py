@@ -85,13 +85,13 @@ def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loadin
     given = {
         **slider.values,
         "V_start": first,
-        **initial_values(values["initial"], slider.friction),
+        **initial_values(values["initial"], slider.friction_law),
     }
     batch = Batch(given, own)
     if batch.n <= FEW:
         table, rows = batch.rows(speeds.V)
         with np.errstate(divide="ignore"):
-            initial_state(slider.friction, batch, table[rows, 0])
+            initial_state(slider.friction_law, batch, table[rows, 0])
 
 
 def rests(loading: Loading, t_end: float) -> bool:

@@ -14,7 +14,7 @@ from ...friction.user_law import MARK
 from ...model.conversion import in_si
 from ...model.loading import Loading
 from ...model.loading.shapes import SHAPES
-from ...model.slider import SpringSlider
+from ...model.slider import OPTIONAL, SpringSlider
 from ...model.units import is_array
 from .known_keys import COMMON
 from .model import FUNCTIONS, Scenario
@@ -85,7 +85,7 @@ def _slider(result: Any) -> SpringSlider:
         raise ParameterError(_unknown_law(law))
     of_law = friction_law(law).parameters
     wanted = COMMON.keys() | of_law.keys()
-    if odd := (wanted ^ values.keys()) - {"area"}:
+    if odd := (wanted ^ values.keys()) - {*OPTIONAL}:
         raise ParameterError(
             f"the attribute 'slider' of the Dataset lacks, or has beside what it should, "
             f"{', '.join(sorted(odd))[:100]}; {WANTED}"

@@ -180,7 +180,7 @@ def _fits_of_samples(data, slider, settings, loading):
     record = record_of(data, slider, loading=loading, trend=trend, against=against)
     solutions = []
     for one in sliders:
-        has = free_under([one.friction])
+        has = free_under([one.friction_law])
         of_law = tuple(name for name in free if name in has)
         solutions.append(least_squares_fit(record, one, of_law, noise, start))
     inferences = [infer(solution, noise, errors) for solution in solutions]

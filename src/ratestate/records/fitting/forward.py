@@ -27,8 +27,8 @@ class Forward:
     """
 
     def __init__(self, record, slider, names):
-        self.record, self.law, self.names = record, slider.friction, names
-        self.fixed = {symbol: getattr(slider, symbol) for symbol in of_slider(self.law)}
+        self.record, self.law, self.names = record, slider.friction_law, names
+        self.fixed = {symbol: getattr(slider, symbol) for symbol in (*of_slider(self.law), "sigma")}
         if np.isinf(slider.K) and "K" not in names:
             self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
@@ -90,12 +90,12 @@ class Forward:
         saved = self._motion(values, p)
         a, K = values["a"][:, None], values["K"][:, None]
         x, v, psi = saved[..., 0], saved[..., 1], np.moveaxis(saved[..., 2:], -1, 0)
-        shown = x
-        if self.record.kind == "mu":
+        shown, of_mu = x, self.record.kind == "mu"
+        if of_mu:
             with np.errstate(over="ignore", invalid="ignore"):
                 of_samples = tuple(column[:, None] for column in p)
                 shown = self.law.resistance(v, np.exp(v), tuple(psi), of_samples)
-        steady = self.law.steady_resistance(p)
+        steady = self.law.steady_resistance(p) if of_mu else self.law.steady_stress(p)
         friction = a * (shown - np.reshape(steady, (-1, 1)))
         along = np.broadcast_to(self.record.trend_variable, x.shape)
         if self.record.trend == "slip":
@@ -144,7 +144,7 @@ class Forward:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             v, log_states = self.start(values, p)
             psi = self.law.variables(v, log_states, p)
-            x = self.law.resistance(v, np.exp(v), psi, p)
+            x = self.law.stress(v, np.exp(v), psi, p)
             per_stress = 1.0 / (a * self.sigma)
             cases = cases_of(
                 kappa=K * Dc * per_stress,

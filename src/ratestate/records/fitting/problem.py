@@ -29,7 +29,7 @@ class Problem:
 
     def __init__(self, record, slider, unknowns):
         self.record, self.slider, self.unknowns = record, slider, unknowns
-        self.law = slider.friction
+        self.law = slider.friction_law
         self.forward = Forward(record, slider, unknowns.names)
 
     def difference(self, point):

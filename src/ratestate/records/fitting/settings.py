@@ -61,7 +61,7 @@ def checked_settings(slider, *, free, law, noise, **choices):
     free = checked_free(free, sliders)
     if choices["against"] == "cycles":
         for one in sliders:
-            check_one_length("fit(..., against='cycles')", one.law)
+            check_one_length("fit(..., against='cycles')", one.friction_law.name)
         names = ("trend", "start", "errors")
         changed = [name for name in names if choices[name] != CHOICES[name][0]]
         changed += [] if noise is None else ["noise"]

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...friction.composition import EXTRAS
 from ...friction.laws import LAWS, own_parameters, owners
 from .refusals import refusal
 
@@ -77,9 +78,9 @@ def parameter(name):
         return PARAMETERS[name]
     if any(name in starts_of(law) for law in LAWS.values()):
         return STATE_START
-    for law in LAWS.values():
-        if name in law.parameters:
-            return _of_law(law.parameters[name])
+    for own in (*(law.parameters for law in LAWS.values()), EXTRAS):
+        if name in own:
+            return _of_law(own[name])
     raise KeyError(name)
 
 
@@ -128,11 +129,11 @@ def sizes_of(record, slider):
     K = 10.0 * slider.sigma * record.scale / distance
     M = K * (t[-1] / 50.0) ** 2
     sizes = {"a": scale, "b": scale, "Dc": 0.05 * distance, "K": K, "M": M, "lag": t[-1]}
-    for name, own in slider.friction.parameters.items():
+    for name, own in slider.friction_law.parameters.items():
         value = abs(getattr(slider, name))
         known = {"m": sizes["Dc"], "m/s": slow, "1": value if own.bound else max(scale, value)}
         sizes[name] = known.get(own.unit, value) or 1.0
-    return sizes | dict.fromkeys((*starts_of(slider.friction), *LINEAR), 1.0)
+    return sizes | dict.fromkeys((*starts_of(slider.friction_law), *LINEAR), 1.0)
 
 
 class Unknowns(NamedTuple):
@@ -154,7 +155,7 @@ class Unknowns(NamedTuple):
 
 def unknowns_of(record, slider, free, *, start):
     """`Unknowns` of a record: free parameters, the start if that is free, level, trend."""
-    names = (*free, *(starts_of(slider.friction) if start else ()), *record.regressors())
+    names = (*free, *(starts_of(slider.friction_law) if start else ()), *record.regressors())
     sizes = sizes_of(record, slider)
     bounds = [
         [to_coordinate(name, end * sizes[name]) for end in parameter(name).bounds] for name in names
@@ -183,7 +184,7 @@ def checked_free(free, sliders):
 
     ParameterError for what cannot be free, twice the same, and a law with none beside mu0.
     """
-    laws = [slider.friction for slider in sliders]
+    laws = [slider.friction_law for slider in sliders]
     allowed = (*free_under(laws), "mu0")
     listed = ", ".join(allowed)
     try:
@@ -193,6 +194,8 @@ def checked_free(free, sliders):
     if not names:
         raise refusal("free.empty", allowed=listed)
     for name in names:
+        if name in EXTRAS and name not in allowed:
+            raise refusal("free.undamped")
         if name not in allowed:
             raise _not_of_these(name, laws, listed)
     if len(set(names)) < len(names):

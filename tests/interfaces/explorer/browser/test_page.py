@@ -341,7 +341,8 @@ def test_a_law_has_its_own_fields(show):
     shown.wait()
     assert [shown.entry(symbol) for symbol in own] == ["0.002", "100 um"]
     labels = shown.page.eval_on_selector_all("#own .field:not([hidden]) .symbol", INNER)
-    assert labels == ["<i>b</i><sub>2</sub>", "<i>D</i><sub>c</sub><sub>2</sub>"]
+    assert labels[:2] == ["<i>b</i><sub>2</sub>", "<i>D</i><sub>c</sub><sub>2</sub>"]
+    assert len(labels) == 3  # and damping, of any law
     shown.type("b2", "-0.001")
     shown.wait()
     slider = FIG4.replace(law="two-state-slip", b2=-0.001, Dc2=1e-4)
@@ -371,6 +372,19 @@ def test_a_law_has_its_own_fields(show):
     other = show(link.partition("#")[2])
     assert other.page.input_value("#law") == "two-state-slip"
     assert other.entry("Dc2") == "0.2 mm"
+
+
+def test_damping_is_given_and_taken_away(show):
+    shown = show()
+    assert shown.entry("damping") == "0 Pa s/m"
+    shown.type("damping", "3 MPa s/m")
+    shown.wait()
+    slider = FIG4.replace(damping=3e6)
+    assert shown.numbers["Kc"] == f"{slider.K_c(1e-4) / 1e9:.4g} GPa/m"
+    assert "damping=3+MPa+s%2Fm" in shown.page.evaluate("location.href")
+    shown.page.select_option("#presets", index=2)
+    shown.wait()
+    assert shown.entry("damping") == "0 Pa s/m"
 
 
 def test_a_law_file_is_in_the_menu(show):
@@ -464,6 +478,7 @@ def test_everything_is_reached_by_keyboard(show):
     wanted = ["presets", "link", "scenario", "python", "csv", "png", "law"]
     for symbol in ("a", "b", "Dc", "sigma", "M", "K", "V_lp"):
         wanted += [f"entry-{symbol}", f"slider-{symbol}"]
+    wanted += ["entry-damping", "slider-damping"]
     assert names == [*wanted, "factor", "step", "SUMMARY", "drag", "dot", "whole"]
     assert all(style != "none" and width >= 1 for _, style, width in seen), seen
 

@@ -8,11 +8,10 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from ....dynamics.attributes import branch_parameter
-from ....dynamics.results import parameter
+from ....dynamics.results import law_of_result, parameter
 from ....dynamics.verdict_sentences import on_edge
 from ....dynamics.whole_contact import whole_contact
 from ....engine.model import STEADY_SLIDING
-from ....friction.laws import friction_law
 from ....model.quantities import readable, readable_multiplier, readable_time
 from .domain import outside_lines
 from .rows import (
@@ -84,7 +83,7 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
     upper = float(result.V_c_upper)
     speeds = ANY_SPEED.get(V_c) or f"V_lp is {V / V_c:.4g} V_c"
     speeds = speeds if upper == math.inf else "unstable from here on"
-    one_length = friction_law(parameter(result, "law")).one_length
+    one_length = law_of_result(result).one_length
     frequency, hopf = (_in_hertz(float(x)) for x in (omega, result.omega_c))
     ratio = f"{K / K_c:.4g} K_c" if K_c > 0.0 else ""
     e_folding = ""

@@ -10,7 +10,7 @@ from ....dynamics.cycles.measure import refine
 from ....dynamics.cycles.system import state, system_of
 from ....dynamics.simulation.cases import MAX_STEPS
 from ....engine.model import FINISHED, Loads
-from ....friction.laws import friction_law
+from ....friction.composition import composed_law
 from ....friction.rate_and_state import mu_ss
 from ..forward import cases_of, marched
 from .features import FEATURES, profile_features, wave_profiles
@@ -99,7 +99,7 @@ def _saved(system, u, period, phases):
     )
     loads = Loads(np.zeros(1), np.ones((1, 1)), np.zeros((1, 1)))
     times = np.ascontiguousarray(np.minimum(period[:, None] * phases, period[:, None]))
-    return marched(friction_law(system.law), cases, loads, times)[..., 0]
+    return marched(composed_law(system.law), cases, loads, times)[..., 0]
 
 
 class CycleModel:

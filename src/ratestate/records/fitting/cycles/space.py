@@ -42,7 +42,7 @@ class Space:
         for name in self.names:
             if what := parameter(name).no_part_in_cycles:
                 raise refusal("cycles.no_part", name=name, what=what)
-        symbols = of_slider(slider.friction)
+        symbols = of_slider(slider.friction_law)
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in symbols}
         if self.fixed["M"] == 0.0:
             raise refusal("cycles.massless")

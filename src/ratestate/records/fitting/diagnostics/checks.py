@@ -59,7 +59,7 @@ def _no_response(solution):
     gain, free = response(solution)
     slider = solution.problem.slider
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
-    given = [s for s in of_slider(slider.friction) if s not in solution.unknowns.names]
+    given = [s for s in of_slider(slider.friction_law) if s not in solution.unknowns.names]
     given = [s for s in given if s != "M" or slider.M > 0.0]
     return SENTENCES(
         f"response.{'unsuited' if given else 'noise'}",
@@ -74,7 +74,7 @@ def _longest_distance(estimates, slider):
     its 95 % interval; the slider's value if it was given.
     """
     found = []
-    for symbol in slider.friction.states.values():
+    for symbol in slider.friction_law.states.values():
         given = float(getattr(slider, symbol))
         if symbol in estimates.names:
             estimate = estimates.of(symbol)

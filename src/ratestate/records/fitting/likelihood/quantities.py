@@ -91,14 +91,19 @@ def reported_quantities(problem):
     """
     names, law, forward = problem.unknowns.names, problem.law, problem.forward
     V0, V = float(problem.slider.V0), forward.V0
+    friction = problem.slider.replace(damping=0.0).friction_law
 
     def mu0(values):
-        """Of steady sliding at `V` the friction is level."""
-        return values["level"] - law.steady_friction(V, values | {"mu0": 0.0, "V0": V0})
+        """In steady sliding at `V` the level is that of friction, or of the spring's stress."""
+        p = law.coefficient_arrays(V, values)
+        shown = law.steady_resistance if problem.record.kind == "mu" else law.steady_stress
+        damping = values["a"] * (shown(p) - law.steady_resistance(p))
+        friction = law.steady_friction(V, values | {"mu0": 0.0, "V0": V0})
+        return values["level"] - friction - damping
 
     def rate_dependence(values):
         """d mu_ss/d ln V at `V`; a - b, unless the law has more states or friction of its own."""
-        linear = linearisation(law, law.coefficient_arrays(V, values))
+        linear = linearisation(friction, friction.coefficient_arrays(V, values))
         return values["a"] * (linear.direct - linear.evolution.sum(axis=-1))
 
     aside = (*starts_of(law), "lag", *LINEAR)

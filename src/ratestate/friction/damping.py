@@ -1,0 +1,50 @@
+"""A dashpot beside friction: of the machine, or the waves that a fault radiates."""
+
+from .law import FrictionLaw, Parameter
+
+DAMPING = Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")
+
+
+class Damped(FrictionLaw):
+    """A friction law with damping: S = R + zeta w, with zeta = damping V_ref/(a sigma).
+
+    The last of p is zeta.  It stands before a class of laws among the bases of another, which
+    `composition` makes.
+
+    Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
+    """
+
+    one_length = False
+    undamped: FrictionLaw  # the law without the dashpot
+
+    def coefficients(self, V_ref, slider):
+        """Those of the undamped law, and zeta."""
+        zeta = slider.damping * V_ref / (slider.a * slider.sigma)
+        return (*self.undamped.coefficients(V_ref, slider), zeta)
+
+    def rescaled(self, p, ratio):
+        """`coefficients` for V_ref times `ratio`."""
+        return (*self.undamped.rescaled(p[:-1], ratio), p[-1] * ratio)
+
+    def stress(self, v, w, psi, p):
+        """What opposes the motion, R + zeta w."""
+        return self.resistance(v, w, psi, p) + p[-1] * w
+
+    def stress_partials(self, v, w, psi, p):
+        """Derivatives of `stress` by v and by each of psi, a tuple."""
+        by_v, by_psi = self.resistance_partials(v, w, psi, p)
+        return by_v + p[-1] * w, by_psi
+
+    def stress_partials_2(self, v, w, psi, p):
+        """Second derivatives of `stress`: vv; v psi_k, a tuple; psi_j psi_k, of tuples."""
+        by_vv, by_vpsi, by_psipsi = self.resistance_partials_2(v, w, psi, p)
+        return by_vv + p[-1] * w, by_vpsi, by_psipsi
+
+    def stress_partials_3(self, v, w, psi, p):
+        """Third derivatives of `stress`, as those of `resistance`."""
+        by_vvv, *others = self.resistance_partials_3(v, w, psi, p)
+        return by_vvv + p[-1] * w, *others
+
+    def runs_away(self, v, psi, kappa, p):
+        """Never: at any speed the dashpot holds what friction does not."""
+        return False

@@ -1,0 +1,318 @@
+"""A dashpot beside friction: its motion, stability and cycles under every law."""
+
+import copy
+import math
+import pickle
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from synthetic_records import record
+from textbook import OF_LAW, Textbook, drawn
+from user_laws import CUBIC, MINE, NUMBERS
+
+import ratestate as rs
+from ratestate import files
+from ratestate.dynamics.results import parameter
+from ratestate.friction.composition import composed_law
+from ratestate.friction.laws import LAWS, ONE_LENGTH
+from ratestate.interfaces import scenario
+from ratestate.records.fitting import slider_of
+
+NAMES = pytest.mark.parametrize("law", LAWS)
+RTOL = 1e-6
+FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8)
+DAMPED = FIG2.replace(damping=5e4)
+
+
+def heavy(law, rng):
+    """Parameters of a slider with about as much damping as direct effect; its speed."""
+    parameters, V = drawn(law, rng)
+    zeta = 10 ** rng.uniform(-2, 0.5)
+    return parameters | {"damping": zeta * parameters["a"] * parameters["sigma"] / V}, V
+
+
+def K_c(V, *, a, b, Dc, sigma, M, damping, **_):
+    """In closed form, for laws of one length."""
+    return (sigma * (b - a) - damping * V) / Dc * (1 + M * V**2 / (Dc * (a * sigma + damping * V)))
+
+
+@pytest.mark.parametrize("mass", [True, False])
+@NAMES
+def test_a_step_is_that_of_the_textbook(law, mass):
+    """By SciPy's Radau; without mass through what would be an instability without damping."""
+    parameters, V = heavy(law, np.random.default_rng(8))
+    parameters |= {} if mass else {"M": 0.0, "K": 0.4 * parameters["K"]}
+    twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)
+    times = np.linspace(0.0, 6.0 * parameters["Dc"] / V, 7)
+    steps = {"times": times, "V_start": V / 3.0}
+    run = rs.simulate(case, rs.Loading.constant(V), times[-1], rtol=RTOL, **steps)
+    first = twin.steady(V / 3.0)
+    first[0] += parameters["damping"] * V / 3.0 / parameters["sigma"]
+    exact = twin.solve(first, V, times)
+    for value, expected, size in (
+        (run.tau / parameters["sigma"], exact[:, 0], parameters["a"]),
+        (np.log(run.V), exact[:, 1], 1.0),
+        (np.log(run.theta), exact[:, 2], 1.0),
+        (run.mu, [twin.mu(np.exp(y[1]), np.exp(y[2:])) for y in exact], parameters["a"]),
+    ):
+        assert np.abs(value - expected).max() < 100 * RTOL * size
+    assert abs(float(run.energy_residual)) < 10 * RTOL
+
+
+@given(seed=st.integers(0, 10**6))
+def test_critical_stiffness_in_closed_form(seed):
+    rng = np.random.default_rng(seed)
+    law = rng.choice(sorted(ONE_LENGTH))
+    parameters, V = heavy(law, rng)
+    case = rs.SpringSlider(**parameters, law=law)
+    exact = K_c(V, **parameters)
+    size = parameters["sigma"] * parameters["b"] / parameters["Dc"]
+    for slider in (case, case.replace(M=0.0)):
+        exact = K_c(V, **slider.values)
+        if exact > 1e-6 * size:
+            assert slider.K_c(V) == pytest.approx(exact, rel=1e-9)
+            for ratio, stable in ((1.0 + 1e-9, True), (1.0 - 1e-9, False)):
+                there = rs.stability(slider.replace(K=exact * ratio), V)
+                assert bool(there.stable) == stable
+                assert (float(there.eigenvalues[0].real) < 0.0) == stable
+        elif exact < -1e-6 * size:
+            assert slider.K_c(V) <= 0.0
+            assert rs.stability(slider, V).stable
+
+
+@given(seed=st.integers(0, 10**6))
+def test_critical_speeds_solve_a_cubic(seed):
+    """Of K = K_c(V): by np.roots; sliding may be stable again above V_c_upper."""
+    parameters, _ = heavy("slip", np.random.default_rng(seed))
+    s = rs.SpringSlider(**parameters)
+    A, B, d, m = s.a * s.sigma, (s.b - s.a) * s.sigma, s.damping, s.M / s.Dc
+    # (B - d V)(A + d V + m V^2) = K Dc (A + d V)
+    k = s.K * s.Dc
+    roots = np.roots([-d * m, B * m - d**2, (B - A - k) * d, (B - k) * A])
+    edges = sorted(x.real for x in roots if abs(x.imag) < 1e-7 * abs(x) and x.real > 0)
+    falls = [V for V in edges if K_c(V * 0.999, **s.values) > s.K > K_c(V * 1.001, **s.values)]
+    rises = [V for V in edges if K_c(V * 0.999, **s.values) < s.K < K_c(V * 1.001, **s.values)]
+    lower = 0.0 if k < B else rises[0] if rises else math.inf
+    later = [V for V in falls if lower < V]
+    assert s.V_c == pytest.approx(lower, rel=1e-9)
+    assert s.V_c_upper == pytest.approx(later[0] if later else math.inf, rel=1e-9)
+
+
+@NAMES
+def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
+    rng = np.random.default_rng(9)
+    for _ in range(10):
+        parameters, V = heavy(law, rng)
+        twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)
+        y = twin.steady(V)
+        y[0] += parameters["damping"] * V / parameters["sigma"]
+        exact = np.linalg.eigvals(twin.jacobian(y, V))
+        for value in rs.stability(case, V).eigenvalues.values:
+            near = exact[np.argmin(np.abs(exact - value))]
+            assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("M", [3e3, 0.0])
+@pytest.mark.parametrize("law", ["slip", "kato-tullis", "two-state-aging"])
+def test_a_cycle_is_that_of_a_long_run(law, M):
+    slider = DAMPED.replace(law=law, M=M, **OF_LAW[law])
+    V = 1e-3
+    cycle = rs.limit_cycle(slider, V, rtol=1e-8)
+    assert int(cycle.status) == 0
+    run = rs.simulate(
+        slider, rs.Loading.constant(V), 40 * float(cycle.period), rtol=1e-10, V_start=V / 2
+    )
+    assert float(run.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-6)
+    assert float(run.frequency) == pytest.approx(float(cycle.frequency), rel=1e-6)
+    assert float(cycle.V_max) == pytest.approx(
+        float(run.V[run.time > 20 * cycle.period].max()), rel=1e-2
+    )
+    assert len(cycle.multipliers) == 1 + len(LAWS[law].states)
+
+
+@pytest.mark.parametrize("law", ["slip", "two-state-slip"])
+def test_cycles_begin_at_the_hopf_point_as_its_normal_form_says(law):
+    V, slider = 1e-3, DAMPED.replace(law=law, **OF_LAW[law])
+    hopf = rs.hopf(slider, V)
+    K = float(hopf.K_c)
+    assert slider.K_c(V) == pytest.approx(K, rel=1e-12)
+    assert str(hopf.type.values) == "supercritical"
+    for below in (1e-4, 1e-5):
+        cycle = rs.limit_cycle(slider.replace(K=K * (1 - below)), V, rtol=1e-8)
+        expected = float(hopf.amplitude_coefficient) * math.sqrt(below)
+        assert float(cycle.amplitude) == pytest.approx(expected, rel=30 * below)
+        assert float(cycle.frequency) == pytest.approx(float(hopf.frequency), rel=30 * below)
+
+
+def test_a_branch_along_damping_ends_where_it_makes_sliding_stable():
+    V = 1e-3
+    slider = DAMPED.replace(damping=5e5)
+    branch = rs.continue_cycle(slider, "damping", 5e5, 5e6, V_lp=V, rtol=1e-6)
+    assert str(branch.special[-1].values) == "hopf"
+    end = slider.replace(damping=float(branch.damping[-1]))
+    assert end.K_c(V) == pytest.approx(slider.K, rel=1e-9)
+
+
+def test_without_mass_it_runs_through_an_instability():
+    """Which is the end of a run without damping; V_max grows as damping falls."""
+    slider, loading = FIG2.replace(M=0.0), rs.Loading.steps(1e-3, (0.1, 3e-3))
+    with pytest.raises(rs.QuasiStaticInstability):
+        rs.simulate(slider, loading, 1.0)
+    fastest = []
+    for damping in (1e5, 1e4, 1e3):
+        run = rs.simulate(slider.replace(damping=damping), loading, 1.0)
+        assert int(run.status) == 0
+        assert abs(float(run.energy_residual)) < 1e-5
+        fastest.append(float(run.V_max) * damping / slider.sigma)
+    assert fastest[0] < fastest[1] < fastest[2] < 0.05  # the stress drop over damping, at most
+
+
+def test_the_smallest_margin_of_reversal_is_that_of_friction():
+    """tau/sigma + mu, of which the dashpot is no part, in a run and for K = inf."""
+    loading = rs.Loading.series([0.0, 0.1, 0.2], [1e-3, 3e-2, 1e-3])
+    for slider in (DAMPED, DAMPED.replace(K=math.inf)):
+        run = rs.simulate(slider, loading, 0.2, rtol=1e-9)
+        both = run.tau / slider.sigma + run.mu
+        assert float(run.mu_min) == pytest.approx(float(run.mu.min()), abs=2e-6)
+        assert float(run.reversal_margin) == pytest.approx(float(both.min()), abs=2e-6)
+        assert float(run.reversal_margin) != pytest.approx(2 * float(run.mu_min), abs=1e-5)
+
+
+def test_where_the_slider_moves_with_its_load_point_the_spring_holds_both():
+    slider = DAMPED.replace(K=math.inf)
+    run = rs.simulate(slider, rs.Loading.steps(1e-3, (0.05, 4e-3)), 0.1, times=[0.01, 0.09])
+    np.testing.assert_allclose(run.tau, 2e6 * run.mu + 5e4 * run.V, rtol=1e-13)
+    np.testing.assert_allclose(run.V, [1e-3, 4e-3], rtol=1e-15)
+
+
+def test_the_papers_scheme_has_order_1_with_damping_too():
+    loading, errors = rs.Loading.steps(1e-3, (0.01, 2e-3)), []
+    exact = rs.simulate(DAMPED, loading, 0.03, times=[0.03], rtol=1e-11)
+    for dt in (4e-6, 2e-6, 1e-6):
+        run = rs.simulate(DAMPED, loading, 0.03, times=[0.03], method="im2017", dt=dt)
+        errors.append(abs(float(run.tau[0]) - float(exact.tau[0])))
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
+    assert errors[1] / errors[2] == pytest.approx(2.0, rel=0.1)
+
+
+def test_a_start_without_mass_balances_both():
+    slider = DAMPED.replace(M=0.0)
+    loading, theta = rs.Loading.constant(1e-3), 1e-2
+    given = rs.simulate(slider, loading, 1e-6, initial={"V": 1e-2, "theta": theta}, times=[0.0])
+    tau = float(given.tau[0])
+    assert tau == pytest.approx(2e6 * float(given.mu[0]) + 5e4 * 1e-2, rel=1e-14)
+    back = rs.simulate(slider, loading, 1e-6, initial={"tau": tau, "theta": theta}, times=[0.0])
+    assert float(back.V[0]) == pytest.approx(1e-2, rel=1e-10)
+
+
+def test_no_damping_is_the_law_alone():
+    """The same kernel, and so the same bits; the slider says nothing of it."""
+    slider = FIG2.replace(damping=0.0)
+    assert slider == FIG2
+    assert slider.friction_law is LAWS["slip"]
+    assert "damping" not in repr(slider)
+    assert "damping" not in slider.parameters
+    assert DAMPED.replace(damping="0 Pa s/m") == FIG2
+    assert DAMPED.friction_law.name == "slip+damping"
+    assert DAMPED.replace(law="aging").friction_law is composed_law("aging+damping")
+    assert DAMPED.replace(law="aging").damping == 5e4
+
+
+def test_damping_may_be_swept_and_is_taken_along():
+    damping = xr.DataArray([0.0, 1e4, 5e4], dims="damping")
+    slider = FIG2.replace(damping=damping)
+    assert slider.friction_law.name == "slip+damping"
+    cycles = rs.limit_cycle(slider, 1e-3)
+    alone = rs.limit_cycle(DAMPED, 1e-3)
+    assert float(cycles.amplitude[2]) == float(alone.amplitude)
+    none = rs.limit_cycle(FIG2, 1e-3)
+    assert float(cycles.amplitude[0]) == pytest.approx(float(none.amplitude), rel=1e-9)
+    again = pickle.loads(pickle.dumps(DAMPED))
+    assert again == copy.copy(DAMPED) == DAMPED
+    law = pickle.loads(pickle.dumps(DAMPED.friction_law))
+    assert (law.name, law.states) == ("slip+damping", LAWS["slip"].states)
+
+
+def test_what_is_wrong_with_damping_is_told():
+    for value, text in (
+        (-1.0, r"damping = -1 Pa s/m must be >= 0; expected a damping \[Pa s/m\] such as '5 MPa"),
+        ("5 MPa", r"damping = '5 MPa' is a stress \[Pa\]"),
+        ("10 N s/m", r"damping = '10 N s/m' is of the whole contact.*; give the area too"),
+    ):
+        with pytest.raises(rs.ParameterError, match=text):
+            FIG2.replace(damping=value)
+    with pytest.raises(rs.ParameterError, match=r"^with damping K_c_qs depends on the speed"):
+        _ = DAMPED.K_c_qs
+    with pytest.raises(rs.ParameterError, match=r"no parameter dampng; .*did you mean damping"):
+        rs.SpringSlider(**FIG2.parameters, dampng=1.0)
+
+
+def test_damping_of_the_whole_contact():
+    rest = {"a": 0.003, "b": 0.006, "Dc": 1e-5}
+    whole = {"area": "20 cm^2", "mass": "6 kg", "stiffness": "0.8 MN/m", "normal_force": "4 kN"}
+    slider = rs.SpringSlider.of_contact(**whole, damping="100 N s/m", **rest)
+    assert slider.damping == pytest.approx(5e4, rel=1e-15)
+    assert slider.replace(damping="200 N s/m").damping == pytest.approx(1e5, rel=1e-15)
+
+
+@pytest.mark.parametrize("kind", ["friction", "mu"])
+def test_damping_is_fitted(kind):
+    """Beside all that friction has: it tells in three speeds, in tau/sigma and through K in mu."""
+    truth = rs.SpringSlider(a=0.008, b=0.010, Dc=1e-5, sigma=5e6, K=2e9, damping=1e6)
+    loading = rs.Loading.steps(1e-4, (0.2, 3e-3), (0.6, 3e-2))
+    data = record(truth, loading, np.linspace(0.0, 1.0, 800), noise=1e-4, seed=2)
+    if kind == "mu":
+        noise = np.random.default_rng(3).normal(size=data.time.size)
+        run = rs.simulate(truth, loading, 1.0, times=data.time.values)
+        data = data.drop_vars("friction").assign(mu=run.mu + 1e-4 * noise)
+    start = truth.replace(a=0.006, b=0.009, Dc=2e-5, damping=3e5, K=3e9)
+    free = ("a", "b", "Dc", "K", "damping")
+    result = rs.fit(data, start, free)
+    for name in (*free, "mu0"):
+        error = float(result.standard_error.sel(parameter=name))
+        assert abs(float(result[name]) - getattr(truth, name)) < 3.5 * error, name
+        assert error < 0.02 * getattr(truth, name), name
+    assert float(result.a_minus_b) == pytest.approx(-0.002, abs=2e-5)
+    assert slider_of(result).damping == float(result.damping)
+    with pytest.raises(rs.ParameterError, match=r"^damping is free but starts at 0 Pa s/m"):
+        rs.fit(data, start.replace(damping=0.0), ("a", "damping"))
+
+
+def test_a_users_law_may_be_damped(law_file):
+    """One of numbers alone, too, whose methods Python calls element by element."""
+    mine, cubic, numbers = (
+        DAMPED.replace(law=rs.register(law_file(text, f"{i}.py")), **own)
+        for i, (text, own) in enumerate(
+            ((MINE, {"m": 1.0}), (CUBIC, {"q": 0.5}), (NUMBERS, {"q": 0.5}))
+        )
+    )
+    steps, times = rs.Loading.steps(1e-3, (0.05, 3e-3)), np.linspace(0.0, 0.2, 5)
+    for slider, same in ((mine, DAMPED.replace(law="aging")), (numbers, cubic)):
+        assert slider.K_c(1e-3) == pytest.approx(same.K_c(1e-3), rel=1e-9)
+        both = [rs.simulate(x, steps, 0.2, times=times, rtol=1e-9) for x in (slider, same)]
+        np.testing.assert_allclose(both[0].tau, both[1].tau, rtol=1e-7)
+        again = pickle.loads(pickle.dumps(slider))
+        assert (again, again.friction_law) == (slider, slider.friction_law)
+
+
+def test_scenarios_and_stores_hold_damping(tmp_path):
+    slider = DAMPED.replace(damping=xr.DataArray([1e4, 5e4, 2e5], dims="damping"))
+    cycles = rs.sweep(rs.limit_cycle, slider, V_lp=1e-3, store=tmp_path / "x.zarr", chunk=1)
+    np.testing.assert_array_equal(cycles.amplitude, rs.limit_cycle(slider, 1e-3).amplitude)
+    run = rs.simulate(DAMPED, rs.Loading.steps(1e-3, (0.01, 3e-3)), 0.05)
+    text = scenario.toml(scenario.from_result(run))
+    assert scenario.loads(text).slider == DAMPED
+    assert 'damping = "50 kPa s/m"' in text
+    written = files.read(files.write(run, tmp_path / "run.nc"))
+    assert parameter(written, "damping") == 5e4
+    assert parameter(rs.stability(FIG2, 1e-3), "damping") == 0.0
+    text = text.replace("50 kPa s/m", "100 N s/m")
+    with pytest.raises(rs.ParameterError, match="give the area too"):
+        scenario.loads(text)
+    whole = text.replace("[slider]", '[slider]\narea = "20 cm^2"')
+    assert scenario.loads(whole).slider.damping == pytest.approx(5e4)
+    total = whole.replace('damping = "100 N s/m"', "dashpot = 100")
+    assert scenario.loads(total).slider.damping == pytest.approx(5e4)
