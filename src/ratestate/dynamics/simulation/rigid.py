@@ -137,7 +137,8 @@ class _Path:
                 return V[i] + rate[i] * t, tuple(state[0] for state in states)
 
             def slope(t, i=i, at=at):
-                return self.rise(parts, *at(t), rate[i])
+                speed, states = at(t)
+                return self.rise(parts, speed, states, rate[i])
 
             length = end[i] - begin[i]
             if slope(length) > 0.0:  # (else it was rounding, at the end of a relaxation)
