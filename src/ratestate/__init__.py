@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .dynamics.continuation.branch import continue_cycle
     from .dynamics.cycles.limit_cycle import limit_cycle
+    from .dynamics.frequency_response import frequency_response
     from .dynamics.hopf import bautin, hopf
     from .dynamics.simulation.simulate import simulate
     from .dynamics.steady_sliding import stability
@@ -49,6 +50,7 @@ __all__ = [
     "bautin",
     "continue_cycle",
     "fit",
+    "frequency_response",
     "hopf",
     "in_units",
     "limit_cycle",
@@ -79,6 +81,7 @@ _HOMES = {
     "bautin": "dynamics.hopf",
     "continue_cycle": "dynamics.continuation.branch",
     "fit": "records.fitting.fit",
+    "frequency_response": "dynamics.frequency_response",
     "hopf": "dynamics.hopf",
     "in_units": "model.conversion",
     "limit_cycle": "dynamics.cycles.limit_cycle",

@@ -2,7 +2,9 @@
 
 The state is y = (tau/sigma, ln V, ln theta, ...) in SI, and SciPy's Radau takes it from there:
 
-    d tau/dt = K (V_lp - V)      M dV/dt = tau - sigma mu - damping V      mu, d theta/dt: as below.
+    d tau/dt = K (V_lp - V)      M dV/dt = tau - sigma s mu - damping V    mu, d theta/dt: as below.
+
+s = sigma(t)/sigma is 1 unless the parameters have it, and alpha.
 """
 
 import math
@@ -84,56 +86,61 @@ class Textbook:
         assert self.law == "nagata"
         return [1.0 - W[0] - self.p["c"] / self.p["b"] * theta[0] * dmu_dt]
 
-    def velocity(self, stress, theta):
+    def velocity(self, stress, theta, s=1.0):
         """V where friction and damping balance the spring, for M = 0."""
         without = self.mu(self.p["V0"], theta)
-        free = self.p["V0"] * math.exp(min((stress - without) / self.p["a"], 600.0))
+        free = self.p["V0"] * math.exp(min((stress / s - without) / self.p["a"], 600.0))
         damping = self.p.get("damping", 0.0) / self.p["sigma"]
         if damping == 0.0:
             return free
 
         def off(lnV):
-            return self.mu(math.exp(lnV), theta) + damping * math.exp(lnV) - stress
+            return s * self.mu(math.exp(lnV), theta) + damping * math.exp(lnV) - stress
 
         # (with damping it is slower)
         low = min(math.log(free), math.log(self.p["a"] / damping)) - 700.0 * self.p["a"] - 50.0
         return math.exp(brentq(off, low, math.log(free) + 1e-9, xtol=1e-14, rtol=1e-15))
 
-    def rates(self, y, V_lp):
+    def rates(self, y, V_lp, t=0.0):
         p, theta = self.p, [math.exp(x) for x in y[2:]]
-        V = math.exp(y[1]) if p["M"] > 0 else self.velocity(y[0], theta)
-        dashpot = p.get("damping", 0.0) * V / p["sigma"]
+        s, d_lns = p["s"](t) if "s" in p else (1.0, 0.0)  # sigma(t)/sigma, d ln s/dt
+        V = math.exp(y[1]) if p["M"] > 0 else self.velocity(y[0], theta, s)
+        dashpot, mu = p.get("damping", 0.0) * V / p["sigma"], self.mu(V, theta)
         d_stress = p["K"] * (V_lp - V) / p["sigma"]
         # as if mu were constant: by the law of nagata d theta/dt holds d mu/dt too, solved for here
         c = p["c"] if self.law == "nagata" else 0.0
-        still = self.evolution(V, theta, 0.0)
+        by_s = [p.get("alpha", 0.0) / p["b"] * d_lns, *[0.0] * (len(theta) - 1)]
+        still = self.evolution(V, theta, mu * d_lns)
+        still = [d - th * by for d, th, by in zip(still, theta, by_s, strict=True)]
         state = sum(b * d / th for b, d, th in zip(self.b, still, theta, strict=True))
         if p["M"] > 0:
-            d_lnV = (p["sigma"] * (y[0] - self.mu(V, theta) - dashpot)) / (p["M"] * V)
+            d_lnV = (p["sigma"] * (y[0] - s * mu - dashpot)) / (p["M"] * V)
         else:  # the spring's stress is that of friction and the dashpot
-            d_lnV = ((1.0 + c) * d_stress - state) / (p["a"] + (1.0 + c) * dashpot)
+            push = d_stress - s * d_lns * mu
+            d_lnV = ((1.0 + c) * push - s * state) / (s * p["a"] + (1.0 + c) * dashpot)
         d_mu = (p["a"] * d_lnV + state) / (1.0 + c)
-        d_theta = self.evolution(V, theta, d_mu)
-        return np.array([d_stress, d_lnV, *(d / th for d, th in zip(d_theta, theta, strict=True))])
+        d_theta = self.evolution(V, theta, d_mu + mu * d_lns)
+        d_log = [d / th - by for d, th, by in zip(d_theta, theta, by_s, strict=True)]
+        return np.array([d_stress, d_lnV, *d_log])
 
-    def jacobian(self, y, V_lp):
+    def jacobian(self, y, V_lp, t=0.0):
         """By central differences: SciPy's own, one-sided, make Radau stall."""
         columns = []
         for i in range(len(y)):
             h = np.zeros(len(y))
             h[i] = 1e-6 if i else 1e-6 * self.p["a"]
-            columns.append((self.rates(y + h, V_lp) - self.rates(y - h, V_lp)) / (2 * h[i]))
+            columns.append((self.rates(y + h, V_lp, t) - self.rates(y - h, V_lp, t)) / (2 * h[i]))
         return np.array(columns).T
 
     def solve(self, y, V_lp, times, tol=1e-10):
         """y at the times, one a row, under a constant V_lp from y at 0 on."""
         run = solve_ivp(
-            lambda t, y: self.rates(y, V_lp),
+            lambda t, y: self.rates(y, V_lp, t),
             (0.0, times[-1]),
             y,
             "Radau",
             times,
-            jac=lambda t, y: self.jacobian(y, V_lp),
+            jac=lambda t, y: self.jacobian(y, V_lp, t),
             rtol=tol,
             atol=tol * np.array([self.p["a"], *np.ones(len(y) - 1)]),
         )

@@ -88,7 +88,12 @@ def test_no_cycle_is_the_page_of_stability():
 
 @pytest.mark.parametrize(
     ("changes", "note"),
-    [({}, ""), ({"M": 0.0}, ""), ({"K": np.inf}, "rigid"), ({"b": 0.002}, "stable everywhere")],
+    [
+        ({}, ""),
+        ({"M": 0.0}, ""),
+        ({"K": np.inf}, "rigid"),
+        ({"b": 0.002}, "stable at any stiffness"),
+    ],
 )
 def test_stability(changes, note, looks_as_before):
     slider = SLIDER.replace(**changes)
@@ -111,6 +116,57 @@ def test_stability(changes, note, looks_as_before):
         assert np.interp(3.2, V, K_c) == pytest.approx(slider.K_c(3.2e-3) / 1e6, rel=1e-3)
         (x,), (y,) = lines(left, "this slider")
         assert (x, y) == pytest.approx((3.2, 900.0))
+
+
+def test_stability_is_that_of_the_law_and_of_damping():
+    """K_c at all speeds, up to where damping makes sliding stable again."""
+    for slider in (
+        SLIDER.replace(damping=6e4, K=5e8),
+        SLIDER.replace(law="kato-tullis", V_cut=1e-4),
+        SLIDER.replace(law="two-state-slip", b2=0.002, Dc2=1e-4),
+    ):
+        found = rs.stability(slider, 1e-3)
+        fig = plot.page(found)
+        left, right, turns = drawn(fig)
+        V, K_c = lines(left, "$K_c$")
+        for speed in (0.5, 2.0):
+            exact = slider.K_c(1e-3 * speed) / 1e6
+            assert np.interp(speed, V, K_c) == pytest.approx(exact, rel=1e-3)
+        growth = curve(right)
+        assert np.interp(1.0, *growth) == pytest.approx(float(found.growth_rate), rel=1e-2, abs=0.5)
+        own = "".join(text.get_text() for text in [fig._suptitle])
+        assert ("damping" in own) == (slider.damping > 0.0)
+        assert (r"V_{cut}" in own) == (slider.law == "kato-tullis")
+    upper = rs.stability(SLIDER.replace(damping=6e4, K=5e8), 1e-3)
+    names = [line.get_label() for line in plot.page(upper).axes[0].lines]
+    assert plot.value_text("V_c_upper", float(upper.V_c_upper)) in names
+
+
+def test_a_frequency_response(looks_as_before):
+    slider = SLIDER.replace(alpha=0.2)
+    response = rs.frequency_response(slider, 1e-3, np.geomspace(0.5, 2e3, 300))
+    fig = plot.page(response)
+    looks_as_before(fig, "page_response")
+    axes = np.array(fig.axes).reshape(3, 2)
+    assert axes[0, 0].get_ylabel() == r"$|\Delta \ln V|$"
+    assert axes[2, 0].get_xlabel() == "Frequency [Hz]"
+    for column, (name, size) in enumerate((("V_lp", 1e-3), ("sigma", 2e6))):
+        f, gain = axes[0, column].lines[0].get_data()
+        exact = rs.frequency_response(slider, 1e-3, float(f[100]))
+        at = complex(exact[f"V_by_{name}"])
+        assert gain[100] == pytest.approx(abs(at) * size / 1e-3, rel=1e-12)
+        f, gain = axes[1, column].lines[0].get_data()
+        assert gain[100] == pytest.approx(float(exact[f"tau_by_{name}_gain"]) * size / 2e6)
+        degrees = axes[2, column].lines[2].get_ydata()[100]
+        assert (degrees - np.degrees(np.angle(at)) + 180.0) % 360.0 == pytest.approx(180.0)
+        assert axes[0, column].lines[1].get_xdata()[0] == pytest.approx(float(exact.resonance))
+    with pytest.raises(rs.ParameterError, match=r"several frequencies; give frequency a list"):
+        plot.page(exact)
+    swept = rs.frequency_response(
+        SLIDER.replace(K=xr.DataArray([9e8, 1e9], dims="K")), 1e-3, [1.0, 2.0]
+    )
+    with pytest.raises(rs.ParameterError, match=r"one slider's response; pick one along 'K'"):
+        plot.page(swept)
 
 
 def test_a_branch(looks_as_before):

@@ -12,7 +12,7 @@ from ..engine.model import STATUSES
 from ..friction.composition import with_damping
 from ..friction.laws import friction_law
 from ..model.conversion import in_si
-from ..model.slider import PARAMETERS
+from ..model.slider import OPTIONAL, PARAMETERS
 from ..model.units import is_array
 from . import attributes
 from .refusals import refusal
@@ -87,7 +87,8 @@ def parameter(result, symbol):
     result : xarray.Dataset
         A result of any function.
     symbol : str
-        The parameter's symbol, such as "K", or "law" or "V_lp"; damping is 0 where there is none.
+        The parameter's symbol, such as "K", or "law" or "V_lp"; damping and alpha are 0 where
+        there is none.
 
     Returns
     -------
@@ -107,8 +108,8 @@ def parameter(result, symbol):
     name = "V_lp" if symbol == "V_lp" else "slider"
     value = attributes.from_json(result, name)
     if name == "slider":
-        if symbol == "damping" and isinstance(value, dict):
-            value = {"damping": 0.0} | value
+        if symbol in OPTIONAL and symbol != "area" and isinstance(value, dict):
+            value = {symbol: 0.0} | value
         if not isinstance(value, dict) or symbol not in value:
             raise refusal("attributes.no_parameter", symbol=symbol)
         value = value[symbol]

@@ -87,6 +87,15 @@ class FrictionLaw:
         """What is wrong with its parameters together, and what helps, as text; "" if nothing."""
         return ""
 
+    def jumps_with_normal_stress(self, mu, alpha, slider):
+        """d psi_k/d ln sigma of each variable where sigma changes at once, a tuple.
+
+        By Linker & Dieterich (1992), theta of the first state falls by alpha/b.
+
+        mu : friction then; alpha : the slider's; slider : as for `coefficients`
+        """
+        return -alpha / slider.b, *(0.0 for _ in list(self.states)[1:])
+
     def log_states(self, v, psi, p):
         """ln(V_ref theta_k/D_k) of each state as it is reported, a tuple, from the variables."""
         return psi

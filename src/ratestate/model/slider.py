@@ -3,6 +3,8 @@
 import dataclasses
 from typing import Any
 
+import numpy as np
+
 from ..errors import ParameterError
 from ..friction.composition import with_damping
 from ..friction.critical_speeds import V_c
@@ -52,6 +54,9 @@ class SpringSlider:
     damping : float, str or DataArray
         Damping [Pa s/m], >= 0, by default 0: of a dashpot beside friction, or by radiated shear
         waves, G/(2 c_s).  With it a slider without mass is quasi-dynamic: it slips, however fast.
+    alpha : float or DataArray
+        Response of the state to normal stress [1], >= 0, by default 0: theta falls by alpha/b with
+        ln sigma (Linker & Dieterich 1992).  It matters where sigma varies.
     area : float, str or DataArray, optional
         Area of the contact [m^2], > 0.  The motion does not depend on it, but with it sigma, K, M
         and damping may be given for the whole contact [N, N/m, kg, N s/m], and reports and figures
@@ -83,6 +88,7 @@ class SpringSlider:
     V0: Any = 1e-6
     law: str = DEFAULT
     damping: Any = 0.0
+    alpha: Any = 0.0
     area: Any = None
 
     def __init__(
@@ -98,6 +104,7 @@ class SpringSlider:
         V0=1e-6,
         law=DEFAULT,
         damping=0.0,
+        alpha=0.0,
         area=None,
         **of_law,
     ):
@@ -105,13 +112,18 @@ class SpringSlider:
         common = {"a": a, "b": b, "Dc": Dc, "sigma": sigma, "K": K, "M": M, "mu0": mu0, "V0": V0}
         area = {} if area is None else {"area": area}
         given: dict[str, Any] = {}  # area and sigma come before what needs them
-        for symbol, value in (area | common | of_law | {"damping": damping}).items():
+        optional = {"damping": damping, "alpha": alpha}
+        for symbol, value in (area | common | of_law | optional).items():
             given[symbol] = parameter_to_si(symbol, value, given)
         for name, value in ({"law": friction.name, "area": None} | given).items():
             object.__setattr__(self, name, value)
         check_aligned(self.parameters)
         if complaint := friction.complaint(self):
             raise ParameterError(f"law = {friction.name!r}: {complaint}")
+        if self.has_alpha and np.any(np.equal(self.b, 0.0)):
+            raise ParameterError(
+                "alpha needs b: theta falls by alpha/b; give another b, or alpha = 0"
+            )
 
     @classmethod
     def of_contact(cls, *, area, mass=None, stiffness, normal_force, **parameters):
@@ -128,8 +140,8 @@ class SpringSlider:
         normal_force : float, str or DataArray
             Normal force [N], > 0.
         **parameters
-            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law and those of the law, and
-            damping, which may be given for the whole contact [N s/m] too.
+            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law and those of the law,
+            alpha, and damping, which may be given for the whole contact [N s/m] too.
 
         Returns
         -------
@@ -150,7 +162,7 @@ class SpringSlider:
         (2000000.0, 3000.0, 900000000.0)
         """
         known: tuple[str, ...] = ("area", "mass", "stiffness", "normal_force")
-        known += ("a", "b", "Dc", "mu0", "V0", "law", "damping")
+        known += ("a", "b", "Dc", "mu0", "V0", "law", "damping", "alpha")
         known += tuple(law_of(parameters.get("law", DEFAULT)).parameters)
         check_keywords("SpringSlider.of_contact", parameters, known)
         mass = 0.0 if mass is None else mass
@@ -165,11 +177,16 @@ class SpringSlider:
     def parameters(self):
         """All parameters, symbol -> value, with which to build the slider again.
 
-        Without the area, or the damping, if it has none.
+        Without area, damping or alpha, if it has none.
         """
         area = ("area",) if self.has_area else ()
-        names = (*PARAMETERS, "law", *area, *self.friction_law.parameters)
+        names = (*PARAMETERS, "law", *area, *self._more)
         return {name: getattr(self, name) for name in names}
+
+    @property
+    def _more(self):
+        """Symbols of the parameters beside those of every slider and the area."""
+        return (*self.friction_law.parameters, *(("alpha",) if self.has_alpha else ()))
 
     @property
     def friction_law(self):
@@ -207,13 +224,18 @@ class SpringSlider:
     def values(self):
         """The parameters that are quantities: `parameters` but for the law, the area first."""
         area = ("area",) if self.has_area else ()
-        symbols = (*area, *PARAMETERS, *self.friction_law.parameters)
+        symbols = (*area, *PARAMETERS, *self._more)
         return {symbol: getattr(self, symbol) for symbol in symbols}
 
     @property
     def has_area(self):
         """Whether the area of the contact is known, and so forces are."""
         return self.area is not None
+
+    @property
+    def has_alpha(self):
+        """Whether its state responds to normal stress."""
+        return is_array(self.alpha) or self.alpha != 0.0
 
     @property
     def K_c_qs(self):
@@ -346,7 +368,7 @@ class SpringSlider:
 SpringSlider.__init__ = names_first(SpringSlider)  # type: ignore[method-assign]
 
 #: symbols of what only some sliders have
-OPTIONAL = ("area", "damping")
+OPTIONAL = ("area", "damping", "alpha")
 #: symbols of the quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0; beside
 #: them there are those of the law, and damping
 PARAMETERS = tuple(

@@ -10,8 +10,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.textpath import TextPath
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, NullLocator
 
-from ..dynamics.results import parameter
+from ..dynamics.results import parameter, slider_parameters
 from ..files import replace
+from ..model.slider import PARAMETERS
 from ..model.units import is_array
 from .labels import value_text
 
@@ -46,12 +47,20 @@ styled = rc_context(
 )
 
 
-def figure(data, height, symbols=SLIDER, more="", title=None):
+def told_of(data):
+    """Symbols, as one text, of a slider's parameters that a figure tells, b2 or damping too."""
+    own = (s for s in slider_parameters(data) if s not in (*PARAMETERS, "law", "area"))
+    return " ".join([SLIDER, *own])
+
+
+def figure(data, height, symbols=None, more="", title=None):
     """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more.
 
-    symbols : of the parameters, which `data` must record; those that are swept are left out
+    symbols : of the parameters, which `data` must record; those that are swept are left out; by
+        default those of `told_of`
     title : by default that of `data`
     """
+    symbols = told_of(data) if symbols is None else symbols
     fig = Figure(figsize=(7.2, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
     listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]

@@ -93,7 +93,7 @@ def _differences(runs):
     each = [slider_parameters(run) for run in runs]
     shared = [symbol for symbol in each[0] if all(symbol in one for one in each)]
     shared = [symbol for symbol in shared if symbol not in ("law", *OPTIONAL)]
-    for symbol in ("law", *shared, "damping", "V_lp"):
+    for symbol in ("law", *shared, "damping", "alpha", "V_lp"):
         values = [
             float(run.V_load[-1]) if symbol == "V_lp" else parameter(run, symbol) for run in runs
         ]

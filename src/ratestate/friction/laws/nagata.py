@@ -32,6 +32,10 @@ class NagataLaw(FrictionLaw):
         divides = divides.any() if hasattr(divides, "any") else divides
         return "b = 0 where c > 0; give another b, or c = 0" if divides else ""
 
+    def jumps_with_normal_stress(self, mu, alpha, slider):
+        """d phi/d ln sigma: the stress on the contacts changes by mu d sigma."""
+        return (-(slider.c * mu + alpha) / slider.b,)
+
     def log_states(self, v, psi, p):
         """ln(V_ref theta/Dc) = (phi - (c a/b) v)/(1 + c)."""
         return ((psi[0] - p[2] * v) / (1.0 + p[1]),)

@@ -3,6 +3,7 @@
 ====================== ====================================================
 ``run``                runs and a limit cycle: stress, speed, phase plane
 ``stability``          K_c at all speeds, and the least stable mode
+``response``           a frequency response: gains and phases
 ``sweep``, ``regions`` lines or maps of a sweep; V_c and regimes on a map
 ``fit``                the function `fit`; which close-ups a page has
 ``cycles``, ``frame``  a fit of cycles; what pages of fits share
@@ -15,6 +16,7 @@ from ...errors import ParameterError
 from ...model.conversion import in_si
 from ..bifurcation import branch_page
 from .fit import fit_page
+from .response import response_page
 from .run import cycle_page, run_page, runs_page
 from .stability import stability_page
 from .sweep import FEW, sweep_page
@@ -24,11 +26,14 @@ SINGLE = {
     "simulate": run_page,
     "limit_cycle": cycle_page,
     "stability": stability_page,
+    "frequency_response": response_page,
     "continue_cycle": branch_page,
     "fit": fit_page,
 }
+#: function of which a page shows no sweep -> what it shows
+ONE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
 #: dimensions of results that are no axes of a sweep
-OWN = ("time", "segment", "mode", "multiplier", "point")
+OWN = ("time", "segment", "mode", "multiplier", "point", "frequency")
 
 
 def page(result):
@@ -37,9 +42,9 @@ def page(result):
     Parameters
     ----------
     result : xarray.Dataset, or list or dict of these
-        From `simulate`, `limit_cycle`, `stability`, `continue_cycle`, `fit` or `sweep`: of one
-        slider, or over one axis (lines) or two (maps; lines too where one of them has a few
-        values only).  Several runs of `simulate` are compared: a list or dict as for
+        From `simulate`, `limit_cycle`, `stability`, `frequency_response`, `continue_cycle`, `fit`
+        or `sweep`: of one slider, or over one axis (lines) or two (maps; lines too where one of
+        them has a few values only).  Several runs of `simulate` are compared: a list or dict as for
         `plot.trace`, or a few along one axis with more than their ends saved.
 
     Returns
@@ -62,8 +67,10 @@ def page(result):
         )
     result = in_si(result)
     axes = [] if function == "fit" else [dim for dim in result.sizes if dim not in OWN]
-    if axes and function == "continue_cycle":
-        raise ParameterError(f"a page shows one branch; pick one along {axes[0]!r} with .isel")
+    if axes and function in ONE:
+        raise ParameterError(
+            f"a page shows one {ONE[function]}; pick one along {axes[0]!r} with .isel"
+        )
     if len(axes) > 2:
         raise ParameterError(
             f"a page shows a sweep over one or two axes, and this one has {len(axes)} "

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
-from ...dynamics.results import parameter
-from ...friction.stability import K_c, eigenvalues
+from ...dynamics.results import law_of_result, parameter
+from ...friction.linear_stability import K_c, eigenvalues
 from ..labels import BLUE, GRAY, LAWS, RED, label, prefixed, value_text
 from ..layout import figure, letters, styled
 
@@ -14,13 +14,15 @@ DECADES = 1.5  # of speed shown on either side, at least
 @styled
 def stability_page(result):
     """Page (Figure) of one slider's steady sliding."""
-    values = {symbol: float(parameter(result, symbol)) for symbol in "a b Dc sigma M".split()}
+    law = law_of_result(result)
+    values = {s: float(parameter(result, s)) for s in (*law.symbols, "sigma", "M")}
     K, V_lp, V_c = float(parameter(result, "K")), float(result.V_lp), float(result.V_c)
+    upper = float(result.V_c_upper) if "V_c_upper" in result else np.inf
     stable = "stable" if result.stable else "unstable"
-    law = LAWS[parameter(result, "law")].name
-    title = f"Steady sliding at {value_text('V_lp', V_lp)} is {stable}; {law}"
+    name = LAWS[parameter(result, "law")].name
+    title = f"Steady sliding at {value_text('V_lp', V_lp)} is {stable}; {name}"
     fig = figure(result, 3.4, title=title)
-    near = [V_lp, V_c] if 1e-6 * V_lp < V_c < 1e6 * V_lp else [V_lp]
+    near = [V_lp, *(x for x in (V_c, upper) if 1e-6 * V_lp < x < 1e6 * V_lp)]
     V = np.geomspace(min(near) / 10**DECADES, max(near) * 10**DECADES, 401)
     factor, speed = prefixed("m/s", V_lp)
     axes = fig.subplot_mosaic([["a", "b"], ["a", "c"]])
@@ -29,28 +31,33 @@ def stability_page(result):
         ax.set(xscale="log", xlim=limits, xlabel=f"{label('V_lp')} [{speed}]")
     axes["b"].set_xlabel("")
     axes["b"].tick_params(labelbottom=False)
-    _map(axes["a"], V, factor, K, V_lp, V_c, values)
-    _mode(axes["b"], axes["c"], V, factor, K, V_lp, values)
+    values = {symbol: np.full(V.shape, value) for symbol, value in values.items()}
+    critical = K_c(law, V, **values)
+    _map(axes["a"], V, factor, K, V_lp, critical, {"V_c": V_c, "V_c_upper": upper})
+    first = eigenvalues(law, V, K=np.full(V.shape, K), **values)[:, 0]
+    _mode(axes["b"], axes["c"], V, factor, V_lp, first)
     texts = "growth rate of the least stable mode", "its frequency"
     letters(axes.values(), "stiffness beside the critical one", *texts)
     return fig
 
 
-def _map(ax, V, factor, K, V_lp, V_c, values):
-    """The plane of speed and stiffness."""
-    critical = K_c(V, **values)
+def _map(ax, V, factor, K, V_lp, critical, speeds):
+    """The plane of speed and stiffness, with the critical ones."""
     scale, unit = prefixed("Pa/m", K if np.isfinite(K) else abs(critical[0]))
-    shown = [x for x in (K, *critical[[0, -1]]) if 0.0 < x < np.inf] or [1.0]
+    critical = np.where(critical > 0.0, critical, np.nan)
+    ends = np.nan_to_num(critical[[0, -1]])
+    shown = [x for x in (K, *ends) if 0.0 < x < np.inf] or [1.0]
     low, high = min(shown) / 10.0, min(max(shown) * 30.0, 1e4 * min(shown))
     ax.set(yscale="log", ylim=(scale * low, scale * high), ylabel=f"$K$ [{unit}]")
-    if critical[-1] > 0.0:
+    if not np.isnan(critical).all():
         ax.plot(factor * V, scale * critical, color="k", lw=1.4, label=label("K_c"))
         region = {"color": "0.9", "lw": 0, "zorder": 0, "label": "unstable"}
         ax.fill_between(factor * V, scale * low, scale * critical, **region)
     else:
-        ax.text(0.97, 0.05, "$b \\leq a$: stable everywhere", transform=ax.transAxes, ha="right")
-    if V[0] < V_c < V[-1]:
-        ax.axvline(factor * V_c, color=GRAY, lw=0.8, ls=":", label=value_text("V_c", V_c))
+        ax.text(0.97, 0.05, "stable at any stiffness", transform=ax.transAxes, ha="right")
+    for (name, speed), dashes in zip(speeds.items(), (":", "-."), strict=True):
+        if V[0] < speed < V[-1]:
+            ax.axvline(factor * speed, color=GRAY, lw=0.8, ls=dashes, label=value_text(name, speed))
     if np.isfinite(K):
         ax.axhline(scale * K, color=BLUE, lw=0.8, ls="--")
         ax.plot(factor * V_lp, scale * K, "o", color=RED, ms=5, zorder=5, label="this slider")
@@ -60,9 +67,8 @@ def _map(ax, V, factor, K, V_lp, V_c, values):
         ax.legend(loc="upper left")
 
 
-def _mode(growth, frequency, V, factor, K, V_lp, values):
+def _mode(growth, frequency, V, factor, V_lp, first):
     """The growth rate against speed, over decades of either sign, and the frequency."""
-    first = eigenvalues(V, K=K, **values)[:, 0]
     most = np.abs(first.real).max()
     ten = 10.0 ** np.floor(np.log10(most))
     growth.set_yscale("asinh", linear_width=0.01 * most)

@@ -1,0 +1,140 @@
+"""The function `frequency_response`: what small oscillations do to steady sliding."""
+
+import numpy as np
+import xarray
+
+from ..friction.linear_response import responses
+from ..friction.linear_stability import eigenvalues, is_stable
+from ..friction.stability import eta
+from ..model.batch import Batch
+from ..model.names import keywords_checked
+from ..model.quantities import attrs
+from ..model.slider import checked
+from ..model.units import to_si
+from .refusals import refusal
+from .results import columns, provenance
+
+#: what answers, per what oscillates
+TRANSFER = tuple(f"{out}_by_{given}" for given in ("V_lp", "sigma") for out in ("V", "tau", "mu"))
+OF_SLIDER = ("resonance", "quality", "stable")
+VARIABLES = (
+    *TRANSFER,
+    *(f"{name}_{x}" for name in TRANSFER for x in ("gain", "phase")),
+    *OF_SLIDER,
+)
+
+
+@keywords_checked
+def frequency_response(slider, V_lp, frequency):
+    """The response of steady sliding to small sinusoids of load-point speed and normal stress.
+
+    Of a linear system: an oscillation of V_lp by the amplitude A makes one of tau by tau_by_V_lp A,
+    a complex number, whose size is the gain, and whose angle is the phase by which it leads.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        Parameters may be named DataArrays.  ``alpha`` is the response of its state to normal
+        stress, ``damping`` counts, and so does mass.
+    V_lp : float, str, pint.Quantity or DataArray
+        Load-point velocity about which all oscillates [m/s], > 0.
+    frequency : float, str, pint.Quantity, array_like or DataArray
+        Frequency [Hz], > 0; a list or a one-dimensional array is along ``frequency``.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the dimensions of the named DataArrays together, complex: ``V_by_V_lp`` [1],
+        ``tau_by_V_lp`` [Pa s/m], ``mu_by_V_lp`` [s/m], ``V_by_sigma`` [m/(Pa s)],
+        ``tau_by_sigma`` [1] and ``mu_by_sigma`` [1/Pa]; of each the ``_gain`` and the ``_phase``
+        [rad], from -pi to pi, such as ``tau_by_V_lp_gain``.  V is the slider's speed, tau the
+        spring's stress.
+
+        In the dimensions but that of frequency: ``resonance`` [Hz], the frequency at which the
+        slider oscillates by itself, and its ``quality`` [1], by which it dies away
+        (exp(-pi/quality) a period, for a large one); NaN where it does not oscillate.  They are
+        those of the least damped pair of eigenvalues l: |Im l|/(2 pi) and |l|/(2 |Re l|).  Near
+        K_c the resonance is that of the Hopf bifurcation.  ``stable``: whether steady sliding is;
+        where it is not no response settles, and all else is NaN.
+
+    Raises
+    ------
+    ParameterError
+        Wrong values or units; arrays that clash; a single slider whose steady sliding is unstable.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> response = rs.frequency_response(slider, "3 mm/s", [10.0, 50.0])
+    >>> round(float(response.resonance), 2), response.V_by_V_lp_gain.values.round(2)
+    (48.72, array([ 1.06, 24.04]))
+    """
+    frequency = _along_itself(frequency)
+    frequency = to_si("frequency", frequency, bound="> 0")
+    values = {**checked(slider).values, "V_lp": to_si("V_lp", V_lp)}
+    batch = Batch({**values, "frequency": frequency}, taken=VARIABLES)
+    batch.check_fits(4 * len(TRANSFER), "ask for fewer frequencies at a time")
+    alone = Batch(values)
+    found, stable = _of_sliders(slider.friction_law, alone)
+    if alone.alone and not stable[0]:
+        raise refusal("response.unstable", V_lp=values["V_lp"], K=slider.K)
+    variables = {name: alone.variable(value, name) for name, value in found.items()}
+    for name, value in _transfer(slider, batch).items():
+        variables[name] = batch.variable(value, name)
+        variables[f"{name}_gain"] = batch.variable(np.abs(value), name)
+        variables[f"{name}_gain"].attrs["long_name"] += ", gain"
+        phase = {"units": "rad", "long_name": f"{attrs(name)['long_name']}, phase"}
+        variables[f"{name}_phase"] = batch.variable(np.angle(value), name)
+        variables[f"{name}_phase"].attrs = phase
+    attributes = provenance("frequency_response", slider, V_lp=values["V_lp"])
+    return xarray.Dataset(variables, batch.coordinates(VARIABLES), attributes)
+
+
+def _along_itself(frequency):
+    """A list or an array of frequencies as a DataArray."""
+    if isinstance(frequency, list | tuple | np.ndarray) and np.ndim(frequency) == 1:
+        values = [to_si("frequency", f, bound="> 0") for f in frequency]
+        return xarray.DataArray(values, dims="frequency") if values else frequency
+    return frequency
+
+
+def _of_sliders(law, batch):
+    """Resonance, quality and stability of sliders, name -> (n,), and which are stable (n,)."""
+    columns = batch.columns
+    given = {symbol: columns[symbol] for symbol in (*law.symbols, "sigma", "K", "M")}
+    stable = is_stable(law, columns["V_lp"], **given)
+    modes = eigenvalues(law, columns["V_lp"], **given)
+    oscillates = (modes.imag != 0.0) & (modes.real < 0.0)
+    decay = np.where(oscillates, -modes.real, np.inf)
+    least = decay.argmin(axis=-1)[:, None]
+    mode = np.take_along_axis(modes, least, -1)[:, 0]
+    is_resonant = stable & oscillates.any(axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        resonance = np.where(is_resonant, np.abs(mode.imag) / (2.0 * np.pi), np.nan)
+        quality = np.where(is_resonant, 0.5 * np.abs(mode) / np.abs(mode.real), np.nan)
+    return {"resonance": resonance, "quality": quality, "stable": stable}, stable
+
+
+def _transfer(slider, batch):
+    """The transfer functions, name -> (n,) complex; NaN where sliding is unstable."""
+    law, p, values = slider.friction_law, columns(batch), batch.columns
+    V, unit = p.V_lp, p.a * p.sigma
+    mu = law.steady_friction(V, values)
+    h = law.jumps_with_normal_stress(mu, batch.flat("alpha") if slider.has_alpha else 0.0, p)
+    inertia = eta(V, a=p.a, Dc=p.Dc, sigma=p.sigma, M=p.M)
+    Omega = 2.0 * np.pi * batch.flat("frequency") * p.Dc / V
+    coefficients = law.coefficient_arrays(V, values)
+    kappa = p.K * p.Dc / unit
+    to_speed, to_stress = responses(law, coefficients, kappa, inertia, mu / p.a, h, Omega)
+    found = {
+        "V_by_V_lp": to_speed.v,
+        "tau_by_V_lp": unit * to_speed.x / V,
+        "mu_by_V_lp": p.a * to_speed.f / V,
+        "V_by_sigma": V * to_stress.v / p.sigma,
+        "tau_by_sigma": p.a * to_stress.x,
+        "mu_by_sigma": p.a * to_stress.f / p.sigma,
+    }
+    of_law = {symbol: values[symbol] for symbol in law.symbols}
+    stable = is_stable(law, V, sigma=p.sigma, K=p.K, M=p.M, **of_law)
+    return {name: np.where(stable, value, np.nan) for name, value in found.items()}

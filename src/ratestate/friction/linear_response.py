@@ -1,0 +1,62 @@
+"""The linear response of steady sliding to small oscillations of speed and normal stress.
+
+With times in Dc/V, frequencies Omega = omega Dc/V and sigma(t) = sigma s, small oscillations
+e^(i Omega T) of w_lp and of s about 1 move the slider as
+
+    i Omega x = kappa (w_lp - v)
+    i Omega eta v = x - S_v v - sum_k S_k psi_k - (mu/a) s
+    i Omega psi_k = f_v v + f_k psi_k + i Omega h_k s
+
+where h_k is how a state jumps with ln s: for theta -alpha/b (Linker & Dieterich 1992).  So v is the
+force that comes from outside over the mechanical impedance of the slider on its spring.
+
+Sources: Linker & Dieterich (1992) doi:10.1029/92JB00017; without mass Perfettini, Schmittbuhl, Rice
+& Cocco (2001) doi:10.1029/2000JB900336.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Response(NamedTuple):
+    """Complex amplitudes per unit of the oscillation that makes them; arrays of one shape."""
+
+    v: np.ndarray  # of V/V_lp - 1
+    x: np.ndarray  # of tau/(a sigma)
+    f: np.ndarray  # of mu/a
+
+
+def responses(law, p, kappa, inertia, mu, h, Omega):
+    """`Response` to w_lp, and to s, of steady sliding at V_ref.
+
+    law, p : the law, and its coefficients for V_ref, a tuple of arrays
+    kappa, inertia : K Dc/(a sigma), inf where the slider moves as the load point does, and eta
+    mu : friction in steady sliding, over a
+    h : tuple, d psi_k/d ln s of each variable
+    Omega : omega Dc/V_ref
+    """
+    psi = law.steady_variables(p)
+    f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
+    S_v, S_psi = law.stress_partials(0.0, 1.0, psi, p)
+    R_v, R_psi = law.resistance_partials(0.0, 1.0, psi, p)
+    i = 1j * Omega
+    by_v = [slope / (i - own) for slope, own in zip(f_v, f_psi, strict=True)]
+    by_s = [i * jump / (i - own) for jump, own in zip(h, f_psi, strict=True)]
+    resisting = i * inertia + S_v + _dot(S_psi, by_v)
+    push = mu + _dot(S_psi, by_s)
+    rigid = np.isinf(kappa)
+    spring = np.where(rigid, 1.0, kappa) / i
+
+    def of(w_lp, s):
+        v = np.where(rigid, w_lp, (spring * w_lp - push * s) / (spring + resisting))
+        x = np.where(rigid, resisting * v + push * s, spring * (w_lp - v))
+        f = (R_v + _dot(R_psi, by_v)) * v + _dot(R_psi, by_s) * s
+        return Response(v, x, f)
+
+    return of(1.0, 0.0), of(0.0, 1.0)
+
+
+def _dot(slopes, parts):
+    """sum_k slopes_k parts_k."""
+    return sum(slope * part for slope, part in zip(slopes, parts, strict=True))
