@@ -127,7 +127,7 @@ def test_stability_is_that_of_the_law_and_of_damping():
     ):
         found = rs.stability(slider, 1e-3)
         fig = plot.page(found)
-        left, right, turns = drawn(fig)
+        left, right, _ = drawn(fig)
         V, K_c = lines(left, "$K_c$")
         for speed in (0.5, 2.0):
             exact = slider.K_c(1e-3 * speed) / 1e6

@@ -5,6 +5,7 @@
 ``cycles``                         limit cycles: `limit_cycle`, `orbit`, `classify`
 ``continuation``                   branches of cycles: `continue_cycle`; K_fold
 ``steady_sliding``                 `stability`: closed forms and eigenvalues
+``frequency_response``             `frequency_response`: gain, phase, resonance and its quality
 ``hopf``                           `hopf` and `bautin`: type of the bifurcation, which is degenerate
                                    where its coefficient is within rounding of 0
 ``basin``                          `escape`: sizes of disturbances tried, accuracy of the smallest

@@ -3,6 +3,8 @@
 ==================== =======================================================================
 ``law``              what a friction law is
 ``laws``             the built-in laws, a file each
+``composition``      a law with what else stands in the balance of forces, as one law
+``damping``          a dashpot beside friction
 ``two_states``       what laws of two states have in common
 ``user_law``         a law of a user's file or class, named with a hash of its source
 ``law_check``        whether its derivatives and steady sliding are right
@@ -10,6 +12,7 @@
 ``rate_and_state``   friction, state and steady states in SI (eqs 1 to 3)
 ``steady_state``     steady sliding by root finding, under a law that does not know it
 ``linear_stability`` whether steady sliding is stable, by any law
+``linear_response``  what small oscillations do to steady sliding, by any law
 ``critical_speeds``  the speeds at which that changes
 ``polynomials``      products and roots of polynomials in arrays
 ``stability``        the same in closed form, by laws of one length (eqs 5 to 7, 10)
@@ -20,6 +23,6 @@
 ``convex``           the function in which these are written
 ``separatrix``       the edge of runaway for M = 0 where state evolves with slip alone
 ``elementwise``      functions of arrays that take floats and DataArrays too
-``roots``            roots of functions of arrays that are all but linear
+``roots``            roots of functions of arrays that increase, most of them nearly linear
 ==================== =======================================================================
 """

@@ -47,8 +47,8 @@ styled = rc_context(
 )
 
 
-def told_of(data):
-    """Symbols, as one text, of a slider's parameters that a figure tells, b2 or damping too."""
+def symbols_of(data):
+    """Symbols, as one text, of a slider's parameters below its title, b2 or damping too."""
     own = (s for s in slider_parameters(data) if s not in (*PARAMETERS, "law", "area"))
     return " ".join([SLIDER, *own])
 
@@ -57,10 +57,10 @@ def figure(data, height, symbols=None, more="", title=None):
     """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more.
 
     symbols : of the parameters, which `data` must record; those that are swept are left out; by
-        default those of `told_of`
+        default those of `symbols_of`
     title : by default that of `data`
     """
-    symbols = told_of(data) if symbols is None else symbols
+    symbols = symbols_of(data) if symbols is None else symbols
     fig = Figure(figsize=(7.2, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
     listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]

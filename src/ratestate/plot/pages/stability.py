@@ -31,10 +31,10 @@ def stability_page(result):
         ax.set(xscale="log", xlim=limits, xlabel=f"{label('V_lp')} [{speed}]")
     axes["b"].set_xlabel("")
     axes["b"].tick_params(labelbottom=False)
-    values = {symbol: np.full(V.shape, value) for symbol, value in values.items()}
-    critical = K_c(law, V, **values)
+    columns = {symbol: np.full(V.shape, value) for symbol, value in values.items()}
+    critical = K_c(law, V, **columns)
     _map(axes["a"], V, factor, K, V_lp, critical, {"V_c": V_c, "V_c_upper": upper})
-    first = eigenvalues(law, V, K=np.full(V.shape, K), **values)[:, 0]
+    first = eigenvalues(law, V, K=np.full(V.shape, K), **columns)[:, 0]
     _mode(axes["b"], axes["c"], V, factor, V_lp, first)
     texts = "growth rate of the least stable mode", "its frequency"
     letters(axes.values(), "stiffness beside the critical one", *texts)
