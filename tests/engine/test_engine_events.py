@@ -8,7 +8,7 @@ from ratestate.engine import (
     dense_output,
     law_methods,  # noqa: F401  (compiled code calls methods of laws)
 )
-from ratestate.friction.composition import with_damping
+from ratestate.friction.composition import composed
 from ratestate.friction.laws.slip import SlipLaw
 
 
@@ -102,7 +102,7 @@ class Viscous(SlipLaw):
 )
 def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
     """Where the slope has one sign at both ends, that at the end where it is nearer to zero."""
-    rng, law = np.random.default_rng(12), with_damping(law) if damped else law
+    rng, law = np.random.default_rng(12), composed(law, damped=damped)
     s = np.linspace(0.0, 1.0, 100_001)
     changes = {0: 0, 1: 0, 3: 0}
     for _ in range(200):

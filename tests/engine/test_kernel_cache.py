@@ -16,7 +16,8 @@ import pytest
 
 from ratestate.engine import cache, dispatch, jit
 from ratestate.errors import CompilationError
-from ratestate.friction.composition import with_damping
+from ratestate.friction.composition import composed
+from ratestate.friction.forms import FORMS
 from ratestate.friction.laws import LAWS
 
 CHECKSUM = hashlib.sha256().digest_size
@@ -79,7 +80,7 @@ def test_one_file_for_types_and_programs(usual, monkeypatch):
 def test_kernels_are_of_their_sources(tmp_path, monkeypatch):
     """A change of the engine, or of a law, has other files than before; no other source does."""
     package = Path(cache.__file__).parents[1]
-    folders = "engine", "friction", "friction/laws"
+    folders = "engine", "friction", "friction/laws", "friction/forms"
     sources = [path for folder in folders for path in sorted((package / folder).glob("*.py"))]
     for path in sources:
         copy = tmp_path / path.relative_to(package)
@@ -94,10 +95,14 @@ def test_kernels_are_of_their_sources(tmp_path, monkeypatch):
         name = path.relative_to(tmp_path).as_posix()
         matters |= {name} if cache._digest() != cache.DIGEST else set()
         path.write_bytes(content)
-    kinds = {kind for law in LAWS.values() for kind in type(with_damping(law)).__mro__[1:-1]}
+    kinds = {
+        kind for law in LAWS.values() for kind in type(composed(law, damped=True)).__mro__[1:-1]
+    }
     laws = {Path(inspect.getfile(kind)).relative_to(package).as_posix() for kind in kinds}
     others = {name for name in matters if name.startswith("friction")}
-    assert others == {"friction/laws/__init__.py"} | laws
+    forms = {name for name in others if name.startswith("friction/forms/")}
+    assert len(forms) == len(FORMS) + 1
+    assert others - forms == {"friction/laws/__init__.py", "friction/functions.py"} | laws
     assert len(laws) == len(LAWS) + 3  # of what laws have in common
     assert matters - others == {f"engine/{path.name}" for path in (package / "engine").glob("*.py")}
     (tmp_path / "friction" / "laws" / "another.py").write_text("# a law\n")

@@ -230,12 +230,19 @@ def test_without_the_compiler(case, plain):
 
 
 @pytest.mark.skipif(not hasattr(march, "_cache"), reason="the compiler is off")
-@pytest.mark.parametrize("law", OF_LAW)
-def test_loops_over_lanes_are_vectorised(law):
+@pytest.mark.parametrize(
+    "own",
+    [
+        *({"law": law, **more} for law, more in OF_LAW.items()),
+        {"damping": 1e5},
+        {"friction": "cut-off", "V1": 1e-2, "V2": 1.0},
+    ],
+    ids=str,
+)
+def test_loops_over_lanes_are_vectorised(own):
     """By the code that was compiled: a product of vectors for each left for single lanes."""
-    slider = rs.SpringSlider(
-        a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law, **OF_LAW[law]
-    )
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, **own)
+    law = slider.friction_law.name
     rs.simulate(slider, rs.Loading.constant(1e-2), 1e-4, V_start=1e-3)
     rs.limit_cycle(slider, 1e-2, rtol=1e-3)
     for kernel in (march, march_to_section):

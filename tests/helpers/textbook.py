@@ -54,6 +54,12 @@ class Textbook:
 
     def mu(self, V, theta):
         p = self.p
+        if "V1" in p:  # cut-offs
+            state = sum(
+                b * math.log1p(p["V2"] * th / D)
+                for b, th, D in zip(self.b, theta, self.D, strict=True)
+            )
+            return p["mu0"] - p["a"] * math.log1p(p["V1"] / V) + state
         state = sum(
             b * math.log(p["V0"] * th / D) for b, th, D in zip(self.b, theta, self.D, strict=True)
         )
@@ -86,11 +92,33 @@ class Textbook:
         assert self.law == "nagata"
         return [1.0 - W[0] - self.p["c"] / self.p["b"] * theta[0] * dmu_dt]
 
+    def effects(self, V, theta):
+        """d mu/d ln V, and d mu/d ln theta of each state."""
+        p = self.p
+        if "V1" not in p:
+            return p["a"], self.b
+        grown = [p["V2"] * th / D for th, D in zip(theta, self.D, strict=True)]
+        return p["a"] * p["V1"] / (V + p["V1"]), [
+            b * x / (1 + x) for b, x in zip(self.b, grown, strict=True)
+        ]
+
     def velocity(self, stress, theta, s=1.0):
         """V where friction and damping balance the spring, for M = 0."""
+        damping = self.p.get("damping", 0.0) / self.p["sigma"]
+        if "V1" in self.p:
+            return math.exp(
+                brentq(
+                    lambda lnV: (
+                        s * self.mu(math.exp(lnV), theta) + damping * math.exp(lnV) - stress
+                    ),
+                    -150.0,
+                    20.0,
+                    xtol=1e-14,
+                    rtol=1e-15,
+                )
+            )
         without = self.mu(self.p["V0"], theta)
         free = self.p["V0"] * math.exp(min((stress / s - without) / self.p["a"], 600.0))
-        damping = self.p.get("damping", 0.0) / self.p["sigma"]
         if damping == 0.0:
             return free
 
@@ -112,13 +140,14 @@ class Textbook:
         by_s = [p.get("alpha", 0.0) / p["b"] * d_lns, *[0.0] * (len(theta) - 1)]
         still = self.evolution(V, theta, mu * d_lns)
         still = [d - th * by for d, th, by in zip(still, theta, by_s, strict=True)]
-        state = sum(b * d / th for b, d, th in zip(self.b, still, theta, strict=True))
+        direct, effects = self.effects(V, theta)
+        state = sum(b * d / th for b, d, th in zip(effects, still, theta, strict=True))
         if p["M"] > 0:
             d_lnV = (p["sigma"] * (y[0] - s * mu - dashpot)) / (p["M"] * V)
         else:  # the spring's stress is that of friction and the dashpot
             push = d_stress - s * d_lns * mu
-            d_lnV = ((1.0 + c) * push - s * state) / (s * p["a"] + (1.0 + c) * dashpot)
-        d_mu = (p["a"] * d_lnV + state) / (1.0 + c)
+            d_lnV = ((1.0 + c) * push - s * state) / (s * direct + (1.0 + c) * dashpot)
+        d_mu = (direct * d_lnV + state) / (1.0 + c)
         d_theta = self.evolution(V, theta, d_mu + mu * d_lns)
         d_log = [d / th - by for d, th, by in zip(d_theta, theta, by_s, strict=True)]
         return np.array([d_stress, d_lnV, *d_log])

@@ -9,6 +9,7 @@ import numbers
 
 import numpy as np
 
+from ..friction.forms import form_name
 from ..friction.laws import law_name
 from ..model.quantities import QUANTITIES
 from ..model.units import to_si
@@ -66,14 +67,16 @@ def from_json(result, name, kind=object):
 
 
 def parameter_value(name, symbol, value):
-    """The value that `results.plain` put into JSON: a float or DataArray [SI], or the law's name.
+    """The value that `results.plain` put into JSON: a float or DataArray [SI], or a name.
 
     ParameterError where it is none, or out of the quantity's range.
 
-    name, symbol : of the attribute, and of the quantity, or "law"
+    name, symbol : of the attribute, and of the quantity, or "law" or "friction"
     """
     if symbol == "law":
         return law_name(value)
+    if symbol == "friction":
+        return form_name(value)
     if isinstance(value, dict):
         values = array(name, value)
         to_si(symbol, values)  # checks it

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..engine.cache import DIGEST
 from ..engine.model import STATUSES
-from ..friction.composition import with_damping
+from ..friction.composition import composed
 from ..friction.laws import friction_law
 from ..model.conversion import in_si
 from ..model.slider import OPTIONAL, PARAMETERS
@@ -87,8 +87,8 @@ def parameter(result, symbol):
     result : xarray.Dataset
         A result of any function.
     symbol : str
-        The parameter's symbol, such as "K", or "law" or "V_lp"; damping and alpha are 0 where
-        there is none.
+        The parameter's symbol, such as "K", or "law", "friction" or "V_lp"; damping and alpha
+        are 0 where there is none.
 
     Returns
     -------
@@ -108,8 +108,8 @@ def parameter(result, symbol):
     name = "V_lp" if symbol == "V_lp" else "slider"
     value = attributes.from_json(result, name)
     if name == "slider":
-        if symbol in OPTIONAL and symbol != "area" and isinstance(value, dict):
-            value = {symbol: 0.0} | value
+        if isinstance(value, dict) and OPTIONAL.get(symbol) is not None:
+            value = {symbol: OPTIONAL[symbol]} | value
         if not isinstance(value, dict) or symbol not in value:
             raise refusal("attributes.no_parameter", symbol=symbol)
         value = value[symbol]
@@ -124,9 +124,9 @@ def parameter(result, symbol):
 
 
 def law_of_result(result):
-    """The friction law of the slider that a result was made with, with damping if it has some."""
-    law = friction_law(parameter(result, "law"))
-    return with_damping(law) if "damping" in slider_parameters(result) else law
+    """The friction law of the slider that a result was made with, with all that it is made of."""
+    law, form = (parameter(result, name) for name in ("law", "friction"))
+    return composed(friction_law(law), form, "damping" in slider_parameters(result))
 
 
 def slider_parameters(result):

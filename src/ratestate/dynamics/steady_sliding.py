@@ -9,7 +9,6 @@ import xarray
 
 from ..friction.critical_speeds import V_c
 from ..friction.elementwise import call_elementwise
-from ..friction.laws import friction_law
 from ..friction.linear_stability import K_c, eigenvalues, is_stable, omega_c
 from ..friction.stability import eta, f_n
 from ..model.batch import Batch
@@ -17,7 +16,7 @@ from ..model.names import keywords_checked
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
-from .results import parameter, provenance
+from .results import law_of_result, parameter, provenance
 
 VARIABLES = "K_c K_c_qs eta V_c V_c_upper f_n eigenvalues growth_rate omega omega_c stable".split()
 
@@ -134,7 +133,7 @@ class StabilityCall:
 
 def steady_friction(result, V):
     """mu [1] in steady sliding at speeds V [m/s], (n,) or one, of the slider of a result."""
-    law = friction_law(parameter(result, "law"))
+    law = law_of_result(result)
     values = {symbol: float(parameter(result, symbol)) for symbol in (*law.symbols, "mu0", "V0")}
     mu = law.steady_friction(np.atleast_1d(np.asarray(V, float)), values)
     return mu.reshape(np.shape(V))

@@ -21,6 +21,7 @@
 ``im2017``                            the paper's own scheme
 ``rigid``                             the state where the slider moves with its load point (K = inf)
 ``exp``                               an exponential for all lanes at once
+``functions``                         others, with which forms of friction are written
 ``noise``                             noise of a record made white
 ===================================== ==============================================================
 """

@@ -20,6 +20,7 @@ from numba.extending import (
 )
 
 from ..friction.law import FrictionLaw
+from . import functions  # noqa: F401  (which methods of laws call)
 from .jit import LAW_METHODS
 from .rows import rows_of
 

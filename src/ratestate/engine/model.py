@@ -1,13 +1,13 @@
 """The contract with compiled code: the dimensionless system, its parameters, codes and statuses.
 
-With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu0)/a and T = t V0/Dc,
+With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu_ref)/a and T = t V0/Dc,
 
     dx/dT   = kappa (w_lp - w)               kappa = K Dc/(a sigma)
     dv/dT   = (x - S(v, psi))/(eta0 w)       eta0  = M V0**2/(a sigma Dc)
     dpsi/dT = f(v, psi)
 
 which is eqs 1-4 of Im, Marone & Elsworth (2019).  The stress S that opposes motion, which is the
-friction R = (mu - mu0)/a unless there is damping too, and the rates f are the friction law's
+friction R = (mu - mu_ref)/a unless there is damping too, and the rates f are the friction law's
 (friction/law.py), with one psi or more: y = (x, v, psi) has as many numbers.  g = x - S is the
 inertial force over a sigma.
 """
@@ -105,7 +105,7 @@ class Numbers(NamedTuple):
     t: float  # [s] reached
     steps: float  # accepted
     rejected: float
-    load_work: float  # this and the next beyond their mu0 part, over a sigma Dc
+    load_work: float  # this and the next beyond their mu_ref part, over a sigma Dc
     dissipation: float
     amplitude: float  # max - min of x in the last period; 0 before there is one
     period: float  # its T; inf before there is one

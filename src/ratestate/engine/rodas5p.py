@@ -151,7 +151,7 @@ def end_of_step(y, k, w, h, system):
 
 @inlined
 def works(u, w, w_lp, system):
-    """Powers per a sigma V0 beyond their mu0 part: of the load point; of what opposes motion."""
+    """Powers per a sigma V0 beyond their mu_ref part: of the load point; of what opposes motion."""
     return u[0] * w_lp, system[0].stress(u[1], w, u[2:], system[3]) * w
 
 

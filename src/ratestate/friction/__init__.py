@@ -3,6 +3,8 @@
 ==================== =======================================================================
 ``law``              what a friction law is
 ``laws``             the built-in laws, a file each
+``forms``            forms of friction beside that of eq. 1, a file each
+``functions``        what these are written with, of which the engine has its own versions
 ``composition``      a law with what else stands in the balance of forces, as one law
 ``damping``          a dashpot beside friction
 ``two_states``       what laws of two states have in common

@@ -1,27 +1,33 @@
 """A friction law with what else stands in the balance of forces, as one law.
 
-Kernels are compiled for a law, and what a slider does not have costs it nothing: a slider without
-damping is that of the law alone.
+Kernels are compiled for a law, and what a slider does not have costs it nothing: one with the
+friction of eq. 1 and without damping is that of the law of state alone.
 """
 
 import functools
 
+from ..errors import ParameterError
 from .damping import DAMPING, Damped
+from .forms import FORMS, LOG
+from .law import FrictionLaw
 from .laws import friction_law
+from .two_states import TwoStateLaw
 
 #: symbol -> what it is, of parameters that every slider has, and needs only where it is not 0
 EXTRAS = {"damping": DAMPING}
-#: between the name of a law and what it is composed with
+#: between the name of a law and of what it is composed with
 JOINT = "+"
+DAMPED = "damping"
 
 
 def composed_law(name):
-    """The law of this name, or of a name as `with_damping` gives it, such as "slip+damping".
+    """The law of this name, or of a name as `composed` gives it, such as "slip+damping".
 
     ParameterError for an unknown one.
     """
-    own, joint, _ = name.partition(JOINT) if isinstance(name, str) else (name, "", "")
-    return with_damping(friction_law(own)) if joint else friction_law(own)
+    own, *parts = name.split(JOINT) if isinstance(name, str) else (name,)
+    form = parts[0] if parts and parts[0] in FORMS else LOG
+    return composed(friction_law(own), form, DAMPED in parts)
 
 
 def own_name(name):
@@ -29,21 +35,43 @@ def own_name(name):
     return name.partition(JOINT)[0]
 
 
+def composed(law, form=LOG, damped=False):
+    """A law of `laws.LAWS` with a form of friction, by name, and damping; the law if with none.
+
+    ParameterError for a form that the law does not take.
+    """
+    if form != LOG:
+        if not takes_forms(law):
+            raise ParameterError(
+                f"friction = {form!r} does not go with law = {law.name!r}, which has a friction of "
+                f"its own; leave friction out, or choose another law"
+            )
+        law = _with(law, form)
+    return _with(law, DAMPED) if damped else law
+
+
+def takes_forms(law):
+    """Whether friction under a law of `laws.LAWS` is that of eq. 1 in the states themselves."""
+    of_eq_1 = type(law).resistance in (FrictionLaw.resistance, TwoStateLaw.resistance)
+    return of_eq_1 and not law.gives("variables")
+
+
 @functools.cache
-def with_damping(law):
-    """The law of a slider with damping: a `Damped` one of another name, else as this law."""
+def _with(law, part):
+    """A law of another name, to which a form of friction or damping is added; else as the law."""
     kind = type(law)
+    changes = Damped if part == DAMPED else FORMS[part].form_at(law.n_coefficients)
     own = {"__module__": kind.__module__, "__doc__": kind.__doc__, "__reduce__": _made_again}
-    damped = type(f"Damped{kind.__name__}", (Damped, kind), own)()
-    vars(damped).update(vars(law))  # of a user's law there are functions of arrays among them
-    for name in vars(law).keys() & vars(Damped).keys():
-        delattr(damped, name)
-    damped.name = f"{law.name}{JOINT}damping"
-    damped.parameters = {**law.parameters, "damping": DAMPING}
-    damped.undamped = law
-    return damped
+    made = type(f"{changes.__name__}{kind.__name__}", (changes, kind), own)()
+    vars(made).update(vars(law))  # of a user's law there are functions of arrays among them
+    for method in vars(law).keys() & vars(changes).keys():
+        delattr(made, method)
+    made.name = f"{law.name}{JOINT}{part}"
+    made.parameters = {**law.parameters, **changes.own}
+    made.inner, made.part = law, part
+    return made
 
 
-def _made_again(damped):
+def _made_again(law):
     """For pickle: its class is found nowhere."""
-    return with_damping, (damped.undamped,)
+    return _with, (law.inner, law.part)

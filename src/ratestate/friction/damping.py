@@ -1,5 +1,7 @@
 """A dashpot beside friction: of the machine, or the waves that a fault radiates."""
 
+from types import MappingProxyType
+
 from .law import FrictionLaw, Parameter
 
 DAMPING = Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")
@@ -14,17 +16,18 @@ class Damped(FrictionLaw):
     Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
     """
 
+    own = MappingProxyType({"damping": DAMPING})
     one_length = False
-    undamped: FrictionLaw  # the law without the dashpot
+    inner: FrictionLaw  # the law without the dashpot
 
     def coefficients(self, V_ref, slider):
         """Those of the undamped law, and zeta."""
         zeta = slider.damping * V_ref / (slider.a * slider.sigma)
-        return (*self.undamped.coefficients(V_ref, slider), zeta)
+        return (*self.inner.coefficients(V_ref, slider), zeta)
 
     def rescaled(self, p, ratio):
         """`coefficients` for V_ref times `ratio`."""
-        return (*self.undamped.rescaled(p[:-1], ratio), p[-1] * ratio)
+        return (*self.inner.rescaled(p[:-1], ratio), p[-1] * ratio)
 
     def stress(self, v, w, psi, p):
         """What opposes the motion, R + zeta w."""

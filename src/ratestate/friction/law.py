@@ -128,6 +128,10 @@ class FrictionLaw:
         """Second derivatives of `resistance`: vv; v psi_k, a tuple; psi_j psi_k, of tuples."""
         return 0.0, (0.0,), ((0.0,),)
 
+    def evolution_effects(self, p):
+        """Derivatives of the friction of eq. 1 by each of psi, a tuple: b/a."""
+        return (p[0],)
+
     def stress(self, v, w, psi, p):
         """What opposes the motion, as x is counted: friction, unless there is more."""
         return self.resistance(v, w, psi, p)

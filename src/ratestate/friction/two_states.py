@@ -24,6 +24,10 @@ class TwoStateLaw(FrictionLaw):
         """p = (b/a, b2/a, Dc/Dc2)."""
         return slider.b / slider.a, slider.b2 / slider.a, slider.Dc / slider.Dc2
 
+    def evolution_effects(self, p):
+        """Derivatives of the friction of eq. 1 by each of psi, a tuple."""
+        return p[0], p[1]
+
     def resistance(self, v, w, psi, p):
         """(mu - mu_ref)/a."""
         return v + p[0] * psi[0] + p[1] * psi[1]

@@ -33,7 +33,7 @@ def initial_values(initial, law):
 
 
 def initial_state(law, batch, V_load):
-    """(n, len(y)) x = (tau/sigma - mu0)/a, v = ln(V/V0) and the law's variables at t = 0.
+    """(n, len(y)) x = (tau/sigma - mu_ref)/a, v = ln(V/V0) and the law's variables at t = 0.
 
     Steady sliding at V_start, but for what `initial` gives.  Where M = 0 friction fixes what is
     left out.  Where K = inf V is V_load, and friction fixes a state or tau by the others.
@@ -47,7 +47,8 @@ def initial_state(law, batch, V_load):
     batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
     """
-    a, _, _, sigma, K, M, mu0, V0 = map(batch.flat, PARAMETERS)
+    a, _, _, sigma, K, M, _, V0 = map(batch.flat, PARAMETERS)
+    mu_ref = law.reference_friction(V0, batch.columns)
     names = [s for s in ("V", *law.states, "tau") if f"{s}_initial" in batch.values]
     given = {s: batch.flat(f"{s}_initial") for s in names}
     p = law.coefficient_arrays(V0, batch.columns)
@@ -60,7 +61,7 @@ def initial_state(law, batch, V_load):
         for (name, distance), state in zip(law.states.items(), states, strict=True)
     ]
     if "tau" in given:
-        x = (given["tau"] / sigma - mu0) / a
+        x = (given["tau"] / sigma - mu_ref) / a
     rigid = np.isinf(K)
     v = np.where(rigid, np.log(np.maximum(V_load, 5e-324) / V0), v)
     bound = (M == 0) | rigid  # there tau/sigma = mu, which fixes one by the others
@@ -151,8 +152,9 @@ def _check_speed(v, V0, names):
 
 def _refuse_clash(law, batch, i, v, states, p, given):
     """Raise the ParameterError about values that do not agree in case i."""
-    a, sigma, mu0, K = (batch.flat(symbol)[i] for symbol in ("a", "sigma", "mu0", "K"))
-    tau = sigma * (mu0 + a * stress(law, v, states, p)[i])
+    a, sigma, K = (batch.flat(symbol)[i] for symbol in ("a", "sigma", "K"))
+    mu_ref = law.reference_friction(batch.flat("V0"), batch.columns)[i]
+    tau = sigma * (mu_ref + a * stress(law, v, states, p)[i])
     names = " and ".join(law.states)
     where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
     if np.isinf(K):

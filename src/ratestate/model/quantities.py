@@ -9,6 +9,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import NamedTuple
 
+from ..friction.forms import FORMS
 from ..friction.laws import LAWS
 
 #: unit -> what such a value is called in a message, and an example of one
@@ -29,6 +30,9 @@ KINDS = {
     "Pa s/m": ("a damping", "'5 MPa s/m'"),
     "N s/m": ("a damping of the whole contact", "'10 kN s/m'"),
     "Hz": ("a frequency", "'390 Hz'"),
+    "s/m": ("a slowness", "'1 s/m'"),
+    "m/(Pa s)": ("a mobility", "'1 m/(Pa s)'"),
+    "1/Pa": ("a compliance", "'1 1/Pa'"),
     "1/s": ("a rate", "'1 1/s'"),
     "1/m": ("a rate per length", "'1 1/m'"),
     "rad/s": ("an angular frequency", "'1 rad/s'"),
@@ -82,6 +86,8 @@ def add_quantities_of(law):
 
 for _law in LAWS.values():
     add_quantities_of(_law)
+for _form in FORMS.values():
+    QUANTITIES |= {symbol: Quantity(*parameter) for symbol, parameter in _form.OWN.items()}
 
 
 def attrs(symbol):

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from ..friction.composition import with_damping
+from ..friction.composition import composed
 from ..friction.critical_speeds import V_c
 from ..friction.elementwise import call_elementwise
+from ..friction.forms import LOG, form_name, parameters_of
 from ..friction.laws import DEFAULT, friction_law
 from ..friction.linear_stability import K_c
 from ..friction.stability import eta, f_n
@@ -51,6 +52,9 @@ class SpringSlider:
     law : str
         Friction law, a name of `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
         or "Dieterich" (eq. 2), in any capitals; the attribute is the law's name.
+    friction : {"log", "cut-off"}
+        How friction depends on speed and state: by the logarithms of eq. 1, or cut off at high
+        speeds (V1) and at young states (V2; Okubo 1989).
     damping : float, str or DataArray
         Damping [Pa s/m], >= 0, by default 0: of a dashpot beside friction, or by radiated shear
         waves, G/(2 c_s).  With it a slider without mass is quasi-dynamic: it slips, however fast.
@@ -62,14 +66,15 @@ class SpringSlider:
         and damping may be given for the whole contact [N, N/m, kg, N s/m], and reports and figures
         show forces.
     **of_law : float, str or DataArray
-        Parameters that the law has beside these, all of them: such as b2 and Dc2 of
-        "two-state-slip".
+        Parameters that the law, or the form of friction, has beside these, all of them: such as b2
+        and Dc2 of "two-state-slip", or V1 and V2 of "cut-off".
 
     Raises
     ------
     ParameterError
         An unknown or mistyped parameter, one that the law does not have, or one of its own that is
-        missing; a value of a wrong type, unit or range, an unknown law, or arrays that clash.
+        missing; a value of a wrong type, unit or range, an unknown law or form of friction, or two
+        that do not go together; arrays that clash.
 
     Examples
     --------
@@ -87,6 +92,7 @@ class SpringSlider:
     mu0: Any = 0.6
     V0: Any = 1e-6
     law: str = DEFAULT
+    friction: str = LOG
     damping: Any = 0.0
     alpha: Any = 0.0
     area: Any = None
@@ -103,23 +109,27 @@ class SpringSlider:
         mu0=0.6,
         V0=1e-6,
         law=DEFAULT,
+        friction=LOG,
         damping=0.0,
         alpha=0.0,
         area=None,
         **of_law,
     ):
-        friction = friction_law(law)
+        of_state = friction_law(law)
         common = {"a": a, "b": b, "Dc": Dc, "sigma": sigma, "K": K, "M": M, "mu0": mu0, "V0": V0}
         area = {} if area is None else {"area": area}
         given: dict[str, Any] = {}  # area and sigma come before what needs them
         optional = {"damping": damping, "alpha": alpha}
         for symbol, value in (area | common | of_law | optional).items():
             given[symbol] = parameter_to_si(symbol, value, given)
-        for name, value in ({"law": friction.name, "area": None} | given).items():
+        form = form_name(friction)
+        composed(of_state, form)  # (if they do not go together this says so)
+        names = {"law": of_state.name, "friction": form, "area": None}
+        for name, value in (names | given).items():
             object.__setattr__(self, name, value)
         check_aligned(self.parameters)
-        if complaint := friction.complaint(self):
-            raise ParameterError(f"law = {friction.name!r}: {complaint}")
+        if complaint := of_state.complaint(self):
+            raise ParameterError(f"law = {of_state.name!r}: {complaint}")
         if self.has_alpha and np.any(np.equal(self.b, 0.0)):
             raise ParameterError(
                 "alpha needs b: theta falls by alpha/b; give another b, or alpha = 0"
@@ -162,8 +172,9 @@ class SpringSlider:
         (2000000.0, 3000.0, 900000000.0)
         """
         known: tuple[str, ...] = ("area", "mass", "stiffness", "normal_force")
-        known += ("a", "b", "Dc", "mu0", "V0", "law", "damping", "alpha")
+        known += ("a", "b", "Dc", "mu0", "V0", "law", "friction", "damping", "alpha")
         known += tuple(law_of(parameters.get("law", DEFAULT)).parameters)
+        known += tuple(parameters_of(form_name(parameters.get("friction", LOG))))
         check_keywords("SpringSlider.of_contact", parameters, known)
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
@@ -177,10 +188,13 @@ class SpringSlider:
     def parameters(self):
         """All parameters, symbol -> value, with which to build the slider again.
 
-        Without area, damping or alpha, if it has none.
+        Without area, damping or alpha, if it has none, and a form of friction that is eq. 1's.
         """
-        area = ("area",) if self.has_area else ()
-        names = (*PARAMETERS, "law", *area, *self._more)
+        area, form = (
+            ("area",) if self.has_area else (),
+            ("friction",) if self.friction != LOG else (),
+        )
+        names = (*PARAMETERS, "law", *area, *form, *self._more)
         return {name: getattr(self, name) for name in names}
 
     @property
@@ -190,10 +204,9 @@ class SpringSlider:
 
     @property
     def friction_law(self):
-        """The friction law itself, with damping if there is some: a `FrictionLaw`."""
+        """The friction law itself, of its form and with damping if any: a `FrictionLaw`."""
         damped = is_array(self.damping) or self.damping != 0.0
-        law = friction_law(self.law)
-        return with_damping(law) if damped else law
+        return composed(friction_law(self.law), self.friction, damped)
 
     def replace(self, **changes):
         """A slider with some parameters changed, and checked like any other.
@@ -202,8 +215,8 @@ class SpringSlider:
         ----------
         **changes
             New values of parameters, as for `SpringSlider`.  The others stay: K, M and sigma are
-            kept per area, whatever they were given as.  With another law the parameters that only
-            the old one has are left out.
+            kept per area, whatever they were given as.  With another law, or form of friction, the
+            parameters that only the old one has are left out.
 
         Returns
         -------
@@ -216,7 +229,9 @@ class SpringSlider:
             An unknown or mistyped parameter; a value of a wrong unit or range.
         """
         old, new = friction_law(self.law), law_of(changes.get("law", self.law))
-        lost = old.parameters.keys() - new.parameters.keys()
+        forms = self.friction, form_name(changes.get("friction", self.friction))
+        of_old, of_new = map(parameters_of, forms)
+        lost = (old.parameters | of_old).keys() - (new.parameters | of_new).keys()
         kept = {name: x for name, x in self.parameters.items() if name not in lost}
         return type(self)(**(kept | changes))
 
@@ -342,7 +357,7 @@ class SpringSlider:
 
     def _repr_html_(self):
         """A table for notebooks: symbol, name, and value in a unit that fits."""
-        return as_html(self.values, self.law)
+        return as_html(self.values, self.law, self.friction)
 
     def __eq__(self, other):
         """Whether all values, and the coordinates of arrays, are equal."""
@@ -367,8 +382,8 @@ class SpringSlider:
 # (a wrong name is told before Python tells of a missing one)
 SpringSlider.__init__ = names_first(SpringSlider)  # type: ignore[method-assign]
 
-#: symbols of what only some sliders have
-OPTIONAL = ("area", "damping", "alpha")
+#: what only some sliders have -> what it is for the others
+OPTIONAL: dict[str, Any] = {"area": None, "friction": LOG, "damping": 0.0, "alpha": 0.0}
 #: symbols of the quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0; beside
 #: them there are those of the law, and damping
 PARAMETERS = tuple(

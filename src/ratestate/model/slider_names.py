@@ -4,6 +4,7 @@ import dataclasses
 import functools
 
 from ..errors import ParameterError
+from ..friction.forms import LOG, form_name, forms_with, parameters_of
 from ..friction.laws import DEFAULT, friction_law, owners
 from .names import check_keywords
 from .quantities import QUANTITIES, expected
@@ -18,7 +19,7 @@ def names_first(kind):
     @functools.wraps(init)
     def checked(self, *args, **given):
         law = law_of(given.get("law", DEFAULT))
-        check_names(law, given, common, methods)
+        check_names(law, form_name(given.get("friction", LOG)), given, common, methods)
         given["law"] = law.name
         init(self, *args, **given)
 
@@ -33,29 +34,33 @@ def law_of(law):
     return friction_law(register(law) if isinstance(law, type) else law)
 
 
-def check_names(friction, given, common, methods):
-    """Raise ParameterError for a parameter that the law does not have, and for one that it lacks.
+def check_names(law, form, given, common, methods):
+    """Raise ParameterError for a parameter that the law or its form does not have, or lacks.
 
-    given : the names given as keywords; common, methods : those of every slider,
-        of which Python tells where one is missing, and its other attributes
+    form : the name of the form of friction; given : the names given as keywords
+    common, methods : names of the parameters of every slider, of which Python tells where one is
+        missing, and of its other attributes
     """
-    names = (*common, *friction.parameters)
-    if taken := [name for name in friction.parameters if name in methods]:
+    own = {**law.parameters, **parameters_of(form)}
+    if taken := [name for name in law.parameters if name in methods]:
         raise ParameterError(
-            f"law = {friction.name!r} has a parameter {taken[0]}, which sliders have of their own; "
+            f"law = {law.name!r} has a parameter {taken[0]}, which sliders have of their own; "
             f"rename it"
         )
     for name in given:
-        having = owners(name)
-        if having and name not in friction.parameters:
-            raise ParameterError(
-                f"law = {friction.name!r} has no parameter {name}, which belongs to "
-                f"{' and '.join(map(repr, having))}; leave {name} out, or choose such a law"
-            )
-    check_keywords("SpringSlider", given, names)
-    for name in friction.parameters:
+        for kind, chosen, having in (
+            ("law", law.name, owners(name)),
+            ("friction", form, forms_with(name)),
+        ):
+            if having and name not in own:
+                raise ParameterError(
+                    f"{kind} = {chosen!r} has no parameter {name}, which belongs to "
+                    f"{' and '.join(map(repr, having))}; leave {name} out, or choose such a {kind}"
+                )
+    check_keywords("SpringSlider", given, (*common, *own))
+    for name in own:
         if name not in given:
+            needing = f"law = {law.name!r}" if name in law.parameters else f"friction = {form!r}"
             raise ParameterError(
-                f"law = {friction.name!r} needs {name}, {QUANTITIES[name].long_name}; "
-                f"{expected(name)}"
+                f"{needing} needs {name}, {QUANTITIES[name].long_name}; {expected(name)}"
             )

@@ -2,6 +2,7 @@
 
 from html import escape
 
+from ..friction.forms import LOG
 from .quantities import QUANTITIES, exact, readable, readable_range
 from .units import is_array
 
@@ -12,10 +13,11 @@ def as_call(parameters):
     return f"SpringSlider({', '.join(shown)})"
 
 
-def as_html(values, law):
-    """A table in HTML: symbol, name, and value in a unit that fits; law : its name."""
+def as_html(values, law, friction):
+    """A table in HTML: symbol, name, and value in a unit that fits; law, friction : their names."""
     rows = [(s, QUANTITIES[s].long_name, _rounded(s, x)) for s, x in values.items()]
     rows.append(("law", "friction law", law))
+    rows += [("friction", "form of friction", friction)] if friction != LOG else []
     lines = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
     body = "".join(f"<tr>{line}</tr>" for line in lines)
     head = "<tr><th></th><th>SpringSlider</th><th>value</th></tr>"
@@ -36,7 +38,7 @@ def _show(symbol, value):
     """A parameter in the call that makes it again; of an array, its sizes and range."""
     if is_array(value):
         return _sizes_and_range(symbol, value)
-    if symbol == "law":
+    if symbol in ("law", "friction"):
         return repr(value)
     text = exact(symbol, value)
     return text if QUANTITIES[symbol].unit == "1" else repr(text)

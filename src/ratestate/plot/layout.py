@@ -49,7 +49,7 @@ styled = rc_context(
 
 def symbols_of(data):
     """Symbols, as one text, of a slider's parameters below its title, b2 or damping too."""
-    own = (s for s in slider_parameters(data) if s not in (*PARAMETERS, "law", "area"))
+    own = (s for s in slider_parameters(data) if s not in (*PARAMETERS, "law", "friction", "area"))
     return " ".join([SLIDER, *own])
 
 

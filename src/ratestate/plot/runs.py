@@ -87,19 +87,26 @@ def _with_own_time(run):
     return run.assign_coords(time=run.t.variable).drop_vars("t") if "t" in run.coords else run
 
 
+def _named(symbol, value):
+    """A parameter as a legend tells it."""
+    if symbol in ("law", "friction"):
+        return f"{value} {symbol}"
+    return value_text(symbol, value)
+
+
 def _differences(runs):
     """What tells runs apart: law, parameters, last speed of the load point; or their numbers."""
     parts: list[list[str]] = [[] for _ in runs]
     each = [slider_parameters(run) for run in runs]
     shared = [symbol for symbol in each[0] if all(symbol in one for one in each)]
     shared = [symbol for symbol in shared if symbol not in ("law", *OPTIONAL)]
-    for symbol in ("law", *shared, "damping", "alpha", "V_lp"):
+    for symbol in ("law", *shared, "friction", "damping", "alpha", "V_lp"):
         values = [
             float(run.V_load[-1]) if symbol == "V_lp" else parameter(run, symbol) for run in runs
         ]
         if len(set(values)) > 1:
             for part, value in zip(parts, values, strict=True):
-                part.append(f"{value} law" if symbol == "law" else value_text(symbol, value))
+                part.append(_named(symbol, value))
     names = [", ".join(part) for part in parts]
     return names if len(set(names)) == len(names) else [f"run {i + 1}" for i in range(len(names))]
 

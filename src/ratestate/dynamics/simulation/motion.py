@@ -72,7 +72,7 @@ def move(call, progress):
             t = saved_at(batch, times)
             states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
-    numbers["energy_residual"] = energy_residual(batch, loading, cases, y0, results)
+    numbers["energy_residual"] = energy_residual(law, batch, loading, cases, y0, results)
     motion = Motion(t, states, numbers, results.status)
     for i in np.flatnonzero(is_rigid):
         segments = (loading.t, table[rows[i]], rates[rows[i]])
@@ -117,11 +117,11 @@ def blank_motion(law, batch, times):
     return Motion(t, states, numbers, np.full(batch.n, NO_CONVERGENCE))
 
 
-def energy_residual(batch, loading, cases, y0, results):
+def energy_residual(law, batch, loading, cases, y0, results):
     """(n,) (load work - dissipation - change of stored energy)/(sum of their sizes) [1].
 
-    All of them in units of a sigma Dc per area; the parts that mu0 contributes to work, dissipation
-    and spring energy cancel exactly, since slip is delta_lp - tau/K.
+    All of them in units of a sigma Dc per area; the parts that mu_ref contributes to work,
+    dissipation and spring energy cancel exactly, since slip is delta_lp - tau/K.
     """
     x0, v0 = y0.T[:2]
     x1, v1 = results.final.T[:2]
@@ -134,7 +134,7 @@ def energy_residual(batch, loading, cases, y0, results):
         kinetic = 0.5 * cases.eta0 * (np.exp(2.0 * v1) - np.exp(2.0 * v0))
     kinetic = np.where(cases.eta0 > 0.0, kinetic, 0.0)
     spring = (x1 - x0) * (x1 + x0) / (2.0 * cases.kappa)
-    base = batch.flat("mu0") / batch.flat("a")
+    base = law.reference_friction(batch.flat("V0"), batch.columns) / batch.flat("a")
     ends = np.where(results.status == RUNAWAY, number("t"), batch.flat("t_end"))
     advance = batch.of(loading.delta_lp, ends[:, None])[:, 0] / batch.flat("Dc")
     slip = advance - (x1 - x0) / cases.kappa
@@ -156,7 +156,7 @@ def motion_variables(call, motion):
     """
     variables = _series(call.slider.friction_law, call.batch, call.loading, motion)
     variables["status"] = status_variable(call.batch, motion.status)
-    variables |= _observables(call.batch, motion, call.rtol)
+    variables |= _observables(call.slider.friction_law, call.batch, motion, call.rtol)
     if motion.t.ndim == 1:
         # (to make an index of an array, xarray would import pint)
         variables["time"] = xarray.IndexVariable("time", pandas.Index(motion.t), attrs("time"))
@@ -172,7 +172,8 @@ def _series(law, batch, loading, motion):
     psi = tuple(psi)
     coefficients = law.coefficient_arrays(p.V0, vars(p))
     t = np.broadcast_to(motion.t, x.shape)
-    tau = p.sigma * (p.mu0 + p.a * x)
+    mu_ref = law.reference_friction(p.V0, vars(p))
+    tau = p.sigma * (mu_ref + p.a * x)
     delta_lp = batch.of(loading.delta_lp, t)
     V = speed(v, p.V0)
     states = dict(zip(law.states, law.log_states(v, psi, coefficients), strict=True))
@@ -193,16 +194,17 @@ def _series(law, batch, loading, motion):
         "delta_lp": delta_lp,
         "V_load": batch.of(loading.V_load, t),
         "tau": tau,
-        "mu": np.where(in_range, p.mu0 + p.a * friction, np.nan),
+        "mu": np.where(in_range, mu_ref + p.a * friction, np.nan),
     }
     variables = {name: batch.variable(value, name, "time") for name, value in values.items()}
     variables["mu"].attrs["comment"] = "NaN where V or theta is beyond double precision"
     return variables
 
 
-def _observables(batch, motion, rtol):
+def _observables(law, batch, motion, rtol):
     """The variables that have one value a case, as name -> Variable."""
     p, numbers = columns(batch), motion.numbers
+    mu_ref = law.reference_friction(p.V0, batch.columns)
     # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.
     counts = (numbers["amplitude"] > 10.0 * rtol) & (numbers["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -214,8 +216,8 @@ def _observables(batch, motion, rtol):
         "V_max": speed(numbers["v_max"], p.V0),
         "V_min": speed(numbers["v_min"], p.V0),
         "inertial_force": p.a * numbers["g_max"],
-        "mu_min": p.mu0 + p.a * numbers["f_min"],
-        "reversal_margin": 2.0 * p.mu0 + p.a * numbers["xf_min"],
+        "mu_min": mu_ref + p.a * numbers["f_min"],
+        "reversal_margin": 2.0 * mu_ref + p.a * numbers["xf_min"],
     }
     failed = np.isnan(motion.states[:, -1]).any(axis=-1)
     values = {name: np.where(failed, np.nan, value) for name, value in values.items()}

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ParameterError
+from ...friction.forms import LOG
 from ...friction.user_law import MARK
 from ...model.loading import Loading
 from ...model.loading.written import Event, events_of, rows_of
@@ -63,7 +64,8 @@ def toml(scenario: Scenario) -> str:
     named = {"verb": f'"{verb}"'}
     tables = {
         "slider": {k: _literal(k, v) for k, v in slider.items() if k not in swept}
-        | _law(scenario.slider.law),
+        | _law(scenario.slider.law)
+        | _form(scenario.slider.friction),
         "loading": loading,
         "run": run if axes or verb == "simulate" else named | run,
         "sweep": named | axes if axes else {},
@@ -82,6 +84,11 @@ def _law(name: str) -> dict[str, str]:
         return {"law": _literal("law", name), "law_file": _literal("law_file", file)}
     unknown = "  # a user's: law_file names the file that has it" if MARK in name else ""
     return {"law": _literal("law", name) + unknown}
+
+
+def _form(name: str) -> dict[str, str]:
+    """The key for the form of friction, unless it is that of eq. 1."""
+    return {} if name == LOG else {"friction": _literal("friction", name)}
 
 
 def _loading(loading: Loading) -> tuple[dict[str, str], Any]:

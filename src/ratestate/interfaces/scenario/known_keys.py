@@ -10,6 +10,7 @@ from typing import Any
 
 from ...engine.model import METHODS
 from ...files import NUMBERS, PICTURES
+from ...friction.forms import FORMS, LOG
 from ...friction.laws import DEFAULT, LAWS, own_parameters
 from ...model.loading.shapes import SHAPES
 from ...model.names import nearest, one_of
@@ -41,7 +42,7 @@ TABLES = {
 #: key -> the endings that its file may have
 ENDINGS = {"file": NUMBERS, "plot": PICTURES}
 #: keys of [sweep] that have one value
-ONE_VALUE = ("verb", "law", "rtol", "times")
+ONE_VALUE = ("verb", "law", "friction", "rtol", "times")
 STEP = InlineTable(
     {"t": ("t", "> 0"), "V_lp": ("V_lp", ">= 0"), "hold": ("t", "> 0"), "ramp": ("t", "> 0")},
     '[ { t = "1 s", V_lp = "3.2 mm/s" }, { t = "2 s", hold = "100 s" } ]',
@@ -52,6 +53,7 @@ SPEEDS_LIKE = "['1 um/s', '1 um/s', '3 um/s', 0]"
 #: key, or key and table -> an example of its value, where that is no quantity
 LIKE = {
     "law": repr(DEFAULT),
+    "friction": "'cut-off'",
     "law_file": "'mylaw.py'",
     "verb": "'limit_cycle'",
     "method": "'rodas5p'",
@@ -74,8 +76,9 @@ def parameter_keys() -> tuple[str, ...]:
 
 
 def own_keys() -> tuple[str, ...]:
-    """Parameters that only some laws have."""
-    return own_parameters(LAWS.values())
+    """Parameters that only some laws, or forms of friction, have."""
+    of_forms = (symbol for form in FORMS.values() for symbol in form.OWN)
+    return (*own_parameters(LAWS.values()), *of_forms)
 
 
 def slider_keys() -> tuple[str, ...]:
@@ -101,7 +104,7 @@ def is_axis(key: str) -> bool:
 
 def choices(key: str) -> tuple[str, ...]:
     """The names that a key may have as a value; () if it has no name."""
-    names = {"law": LAWS, "method": METHODS, "verb": FUNCTIONS}
+    names = {"law": LAWS, "friction": (LOG, *FORMS), "method": METHODS, "verb": FUNCTIONS}
     return tuple(names.get(key, ()))
 
 

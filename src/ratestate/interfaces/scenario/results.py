@@ -9,6 +9,7 @@ import xarray
 from ...dynamics import attributes
 from ...dynamics.results import parameter
 from ...errors import ParameterError
+from ...friction.forms import LOG, parameters_of
 from ...friction.laws import DEFAULT, friction_law, known_law
 from ...friction.user_law import MARK
 from ...model.conversion import in_si
@@ -83,8 +84,8 @@ def _slider(result: Any) -> SpringSlider:
     law = values.get("law", DEFAULT)
     if isinstance(law, str) and MARK in law and not known_law(law):
         raise ParameterError(_unknown_law(law))
-    of_law = friction_law(law).parameters
-    wanted = COMMON.keys() | of_law.keys()
+    of_law = friction_law(law).parameters.keys() | parameters_of(values.get("friction", LOG)).keys()
+    wanted = COMMON.keys() | of_law
     if odd := (wanted ^ values.keys()) - {*OPTIONAL}:
         raise ParameterError(
             f"the attribute 'slider' of the Dataset lacks, or has beside what it should, "

@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 
 from ...dynamics.results import parameter, slider_parameters
-from ...friction.composition import with_damping
+from ...friction.composition import composed
 from ...friction.laws import friction_law, law_name
 from ...friction.linear_stability import K_c
 from ...model.conversion import in_si
@@ -74,9 +74,9 @@ def error_of(part, symbol):
 
 
 def law_of(part):
-    """The friction law of one law's part, with damping if its slider has some."""
-    law = friction_law(str(part["law"].item()))
-    return with_damping(law) if "damping" in slider_parameters(part) else law
+    """The friction law of one law's part, with all that it is made of."""
+    law, damped = friction_law(str(part["law"].item())), "damping" in slider_parameters(part)
+    return composed(law, parameter(part, "friction"), damped)
 
 
 def critical_stiffness(part):
@@ -159,6 +159,6 @@ def slider_of(result, law=None):
         sentence = "several_laws" if law is None else "other_law"
         raise refusal(f"result.{sentence}", law=law, choices=choices)
     known = slider_parameters(laws[law])
-    of_law = (*PARAMETERS, *OPTIONAL, *friction_law(law).parameters)
+    of_law = (*PARAMETERS, *OPTIONAL, *law_of(laws[law]).parameters)
     symbols = [symbol for symbol in known if symbol in of_law]
     return SpringSlider(**{symbol: value_of(laws[law], symbol) for symbol in symbols}, law=law)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...friction.composition import EXTRAS
+from ...friction.forms import FORMS
 from ...friction.laws import LAWS, own_parameters, owners
 from .refusals import refusal
 
@@ -78,7 +79,8 @@ def parameter(name):
         return PARAMETERS[name]
     if any(name in starts_of(law) for law in LAWS.values()):
         return STATE_START
-    for own in (*(law.parameters for law in LAWS.values()), EXTRAS):
+    of_forms = (form.OWN for form in FORMS.values())
+    for own in (*(law.parameters for law in LAWS.values()), *of_forms, EXTRAS):
         if name in own:
             return _of_law(own[name])
     raise KeyError(name)

@@ -1,0 +1,103 @@
+"""Friction whose direct effect and whose state are cut off, at high speeds and at young ages."""
+
+import functools
+from types import MappingProxyType
+
+from ..functions import (
+    bent_each,
+    diagonal,
+    logistic,
+    logistic_each,
+    softplus,
+    softplus_each,
+    weighted,
+    weighted_sum,
+    zeros_for,
+)
+from ..law import FrictionLaw, Parameter
+
+NAME = "cut-off"
+#: symbol -> what it is, of its parameters
+OWN = MappingProxyType(
+    {
+        "V1": Parameter("m/s", "cut-off speed of the direct effect", "> 0", "'1 cm/s'"),
+        "V2": Parameter("m/s", "cut-off speed of the state", "> 0", "'1 m/s'"),
+    }
+)
+
+
+@functools.cache
+def form_at(i):
+    """The class of this form whose coefficients begin at p[i], after those of a law of state."""
+    j, k = i + 1, i + 2
+
+    class CutOff(FrictionLaw):
+        """mu = mu0 - a ln(1 + V1/V) + b ln(1 + V2 theta/Dc), and of a second state b2 likewise.
+
+        At V well below V1 and theta well above Dc/V2 that is eq. 1 with another mu0.  p[i], p[j]
+        and p[k] are ln(V1/V_ref), ln(V2/V_ref) and what makes friction mu_ref at V_ref.
+
+        Source: Okubo (1989) doi:10.1029/JB094iB09p12321.
+        """
+
+        own = OWN
+        inner: FrictionLaw  # the law with the friction of eq. 1
+        one_length = False
+
+        def coefficients(self, V_ref, slider):
+            """Those of the law with the friction of eq. 1, and three more."""
+            import numpy as np
+
+            of_law = self.inner.coefficients(V_ref, slider)
+            return self._with_own(of_law, np.log(slider.V1 / V_ref), np.log(slider.V2 / V_ref))
+
+        def rescaled(self, p, ratio):
+            """`coefficients` for V_ref times `ratio`."""
+            import numpy as np
+
+            of_law = self.inner.rescaled(p[:i], ratio)
+            return self._with_own(of_law, p[i] - np.log(ratio), p[j] - np.log(ratio))
+
+        def _with_own(self, of_law, lnV1, lnV2):
+            effects = sum(self.inner.evolution_effects(of_law))
+            return (*of_law, lnV1, lnV2, softplus(lnV1) - effects * softplus(lnV2))
+
+        def reference_friction(self, V, values):
+            """mu at V (n,) and theta_k = D_k/V; values as for a law."""
+            return values["mu0"] - values["a"] * self.coefficient_arrays(V, values)[k]
+
+        def resistance(self, v, w, psi, p):
+            """(mu - mu_ref)/a."""
+            state = weighted_sum(self.evolution_effects(p), softplus_each(p[j], psi))
+            return p[k] - softplus(p[i] - v) + state
+
+        def resistance_partials(self, v, w, psi, p):
+            """Derivatives of `resistance` by v and by each of psi."""
+            by_psi = weighted(self.evolution_effects(p), logistic_each(p[j], psi))
+            return logistic(p[i] - v), by_psi
+
+        def resistance_partials_2(self, v, w, psi, p):
+            """Second derivatives of `resistance`: vv; v psi_k; psi_j psi_k, tuples."""
+            part = logistic(p[i] - v)
+            bends = weighted(self.evolution_effects(p), bent_each(logistic_each(p[j], psi)))
+            return -part * (1.0 - part), zeros_for(psi), diagonal(bends)
+
+        def resistance_partials_3(self, v, w, psi, p):
+            """Third derivatives of `resistance`, as of a law."""
+            part, on = logistic(p[i] - v), logistic_each(p[j], psi)
+            zero = zeros_for(psi)
+            own = [
+                effect * x * (1.0 - x) * (1.0 - 2.0 * x)
+                for effect, x in zip(self.evolution_effects(p), on, strict=True)
+            ]
+            by_psi = tuple(
+                diagonal(tuple(x if other == state else 0.0 for other in range(len(psi))))
+                for state, x in enumerate(own)
+            )
+            return part * (1.0 - part) * (1.0 - 2.0 * part), zero, diagonal(zero), by_psi
+
+        def runs_away(self, v, psi, kappa, p):
+            """Beyond all speeds it does: nothing there depends on speed any more."""
+            return True
+
+    return CutOff

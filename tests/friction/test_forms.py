@@ -1,0 +1,276 @@
+"""Forms of friction beside that of eq. 1: their formulas, in Python and compiled, and what takes
+them.
+"""
+
+import itertools
+import math
+import pickle
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from numba import njit
+from textbook import OF_LAW, Textbook, drawn
+
+import ratestate as rs
+from ratestate import files
+from ratestate.dynamics.results import law_of_result, parameter
+from ratestate.engine import functions as compiled
+from ratestate.friction import functions
+from ratestate.friction.composition import composed, composed_law, takes_forms
+from ratestate.friction.forms import FORMS
+from ratestate.friction.laws import LAWS
+from ratestate.interfaces import scenario
+
+TAKING = [name for name, law in LAWS.items() if takes_forms(law)]
+NAMES = pytest.mark.parametrize("law", TAKING)
+SMALL = 1e-30
+RTOL = 1e-6
+CUT = rs.SpringSlider(
+    a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8, friction="cut-off", V1=1e-2, V2=1.0
+)
+
+
+def cut(law, rng):
+    """Parameters of a slider near its edge of stability, with cut-offs about its speed."""
+    parameters, V = drawn(law, rng)
+    parameters |= {"V1": V * 10 ** rng.uniform(-0.5, 3), "V2": V * 10 ** rng.uniform(0, 4)}
+    return parameters, V
+
+
+def at_random(name, seed):
+    """The law of a slider with cut-offs, a state (v, psi), coefficients p."""
+    rng = np.random.default_rng(seed)
+    parameters, V = cut(name, rng)
+    law = composed(LAWS[name], "cut-off")
+    values = {symbol: np.array([x]) for symbol, x in parameters.items()}
+    p = tuple(float(x[0]) for x in law.coefficient_arrays(V, values))
+    return law, 3.0 * rng.normal(), tuple(3.0 * rng.normal(size=len(law.states))), p
+
+
+@njit
+def in_code(x):
+    return functions.softplus(x), functions.logistic(x)
+
+
+@given(st.floats(-700, 700))
+def test_functions_in_compiled_code(x):
+    exact = max(x, 0.0) + math.log1p(math.exp(-abs(x)))
+    found, slope = in_code(x)
+    for value in (found, float(functions.softplus(x))):
+        assert value == pytest.approx(exact, rel=4e-16, abs=3e-16)
+    exact = 1.0 / (1.0 + math.exp(-x)) if x > -690 else math.exp(x)
+    assert slope == pytest.approx(exact, rel=1e-14, abs=1e-260)
+    assert float(functions.logistic(x)) == pytest.approx(exact, rel=1e-14)
+    assert 0.5 * math.log(2.0) == compiled.LN_SQRT2
+
+
+def test_a_nan_stays_one():
+    assert all(math.isnan(x) for x in in_code(math.nan))
+
+
+@NAMES
+@given(seed=st.integers(0, 10**6))
+def test_derivatives_by_complex_steps(law, seed):
+    law, v, psi, p = at_random(law, seed)
+    n, w = range(len(psi)), math.exp(v)
+    orders = [f"resistance_partials{order}" for order in ("", "_2", "_3")]
+
+    def all_of(name, v, psi):
+        """Its numbers as one array, a derivative along each of the last axes (v, psi)."""
+        value = getattr(law, name)(v, np.exp(v), psi, p)
+        if name == "resistance":
+            return np.array(value)
+        if name == orders[0]:
+            return np.array([value[0], *value[1]])
+        if name == orders[1]:
+            by_vv, by_vpsi, by_psipsi = value
+            return np.array([[by_vv, *by_vpsi], *([by_vpsi[k], *by_psipsi[k]] for k in n)])
+        by_vvv, by_vvpsi, by_vpsipsi, by_psi_3 = value
+        first = [[by_vvv, *by_vvpsi], *([by_vvpsi[k], *by_vpsipsi[k]] for k in n)]
+        rest = [
+            [[by_vvpsi[k], *by_vpsipsi[k]], *([by_vpsipsi[k][j], *by_psi_3[k][j]] for j in n)]
+            for k in n
+        ]
+        return np.array([first, *rest])
+
+    for lower, upper in itertools.pairwise(["resistance", *orders]):
+        found = all_of(upper, v, psi)
+        steps = [np.imag(all_of(lower, v + 1j * SMALL, psi)) / SMALL]
+        for k in n:
+            moved = tuple(x + (1j * SMALL if j == k else 0.0) for j, x in enumerate(psi))
+            steps.append(np.imag(all_of(lower, v, moved)) / SMALL)
+        np.testing.assert_allclose(found, np.array(steps), rtol=1e-11, atol=1e-14)
+    assert law.resistance(0.0, 1.0, (0.0,) * len(psi), p) == pytest.approx(0.0, abs=1e-13)
+    assert w > 0
+
+
+@NAMES
+@given(seed=st.integers(0, 10**6))
+def test_friction_is_that_of_the_textbook(law, seed):
+    rng = np.random.default_rng(seed)
+    parameters, V = cut(law, rng)
+    twin, friction = Textbook(law, parameters), composed(LAWS[law], "cut-off")
+    values = {k: np.array([x]) for k, x in parameters.items()}
+    p = tuple(float(x[0]) for x in friction.coefficient_arrays(V, values))
+    v, theta = rng.normal(), [D / V * math.exp(rng.normal()) for D in twin.D]
+    psi = tuple(math.log(V * th / D) for th, D in zip(theta, twin.D, strict=True))
+    reference = friction.reference_friction(np.array([V]), values)[0]
+    mu = reference + parameters["a"] * friction.resistance(v, math.exp(v), psi, p)
+    assert mu == pytest.approx(twin.mu(V * math.exp(v), theta), abs=1e-12)
+    slower = friction.rescaled(p, 0.5)
+    exact = friction.coefficient_arrays(0.5 * V, values)
+    np.testing.assert_allclose(slower, [float(x[0]) for x in exact], rtol=1e-13)
+    steady = twin.mu(V, twin.steady_theta(V))
+    assert friction.steady_friction(np.array([V]), values)[0] == pytest.approx(steady, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "mass", "damping"),
+    [
+        ("slip", True, 0.0),
+        ("two-state-aging", True, 0.0),
+        ("slip", True, 0.3),
+        ("slip", False, 0.3),
+    ],
+)
+def test_a_step_is_that_of_the_textbook(law, mass, damping):
+    parameters, V = cut(law, np.random.default_rng(8))
+    parameters["damping"] = damping * parameters["a"] * parameters["sigma"] / V
+    parameters |= {} if mass else {"M": 0.0}
+    twin = Textbook(law, parameters)
+    case = rs.SpringSlider(**parameters, law=law, friction="cut-off")
+    times = np.linspace(0.0, 6.0 * parameters["Dc"] / V, 7)
+    start = {"times": times, "V_start": V / 3.0}
+    run = rs.simulate(case, rs.Loading.constant(V), times[-1], rtol=RTOL, **start)
+    first = twin.steady(V / 3.0)
+    first[0] += parameters["damping"] * V / 3.0 / parameters["sigma"]
+    exact = twin.solve(first, V, times)
+    for value, expected, size in (
+        (run.tau / parameters["sigma"], exact[:, 0], parameters["a"]),
+        (np.log(run.V), exact[:, 1], 1.0),
+        (np.log(run.theta), exact[:, 2], 1.0),
+        (run.mu, [twin.mu(np.exp(y[1]), np.exp(y[2:])) for y in exact], parameters["a"]),
+    ):
+        assert np.abs(value - expected).max() < 100 * RTOL * size
+    assert abs(float(run.energy_residual)) < 10 * RTOL
+    whole = rs.simulate(case, rs.Loading.constant(V), times[-1], rtol=RTOL, V_start=V / 3.0)
+    assert float(run.mu_min) == float(whole.mu_min) <= float(whole.mu.min())
+    assert float(run.mu_min) == pytest.approx(float(whole.mu.min()), abs=0.02 * parameters["a"])
+
+
+@NAMES
+def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
+    rng = np.random.default_rng(9)
+    for _ in range(10):
+        parameters, V = cut(law, rng)
+        twin = Textbook(law, parameters)
+        case = rs.SpringSlider(**parameters, law=law, friction="cut-off")
+        exact = np.linalg.eigvals(twin.jacobian(twin.steady(V), V))
+        for value in rs.stability(case, V).eigenvalues.values:
+            near = exact[np.argmin(np.abs(exact - value))]
+            assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * np.abs(exact).max()
+        K_c = case.K_c(V)
+        if K_c > 0:
+            for ratio in (1.0 + 1e-9, 1.0 - 1e-9):
+                there = case.replace(K=K_c * ratio)
+                assert bool(rs.stability(there, V).stable) == (ratio > 1.0)
+
+
+def test_a_cycle_is_that_of_a_long_run_and_begins_at_the_hopf_point():
+    V, slider = 1e-3, CUT.replace(K=2e8)
+    cycle = rs.limit_cycle(slider, V, rtol=1e-8)
+    run = rs.simulate(
+        slider, rs.Loading.constant(V), 40 * float(cycle.period), rtol=1e-10, V_start=V / 2
+    )
+    for name in ("amplitude", "frequency"):
+        assert float(run[name]) == pytest.approx(float(cycle[name]), rel=1e-6)
+    assert float(cycle.mu_min) == pytest.approx(
+        float(run.mu[run.time > 0.5 * run.time[-1]].min()), abs=1e-5
+    )
+    hopf = rs.hopf(slider, V)
+    K = float(hopf.K_c)
+    for below, rtol in ((1e-6, 2e-2), (1e-7, 2e-3)):  # (near where the type changes)
+        small = rs.limit_cycle(slider.replace(K=K * (1 - below)), V, rtol=1e-8)
+        expected = float(hopf.amplitude_coefficient) * math.sqrt(below)
+        assert float(small.amplitude) == pytest.approx(expected, rel=rtol)
+
+
+def test_far_from_the_cut_offs_it_is_eq_1_with_another_mu0():
+    V1, V2 = 1e6, 1e9
+    slider = CUT.replace(V1=V1, V2=V2)
+    offset = -0.003 * math.log(V1 / 1e-6) + 0.006 * math.log(V2 / 1e-6)
+    plain = slider.replace(friction="log", mu0=0.6 + offset)
+    assert plain.friction_law is LAWS["slip"]
+    loading = rs.Loading.steps(1e-3, (0.05, 3e-3))
+    runs = [rs.simulate(s, loading, 0.5, times=[0.2, 0.5], rtol=1e-10) for s in (slider, plain)]
+    for name in ("tau", "V", "mu"):
+        np.testing.assert_allclose(runs[0][name], runs[1][name], rtol=1e-6, err_msg=name)
+
+
+def test_without_mass_nothing_holds_it_beyond_the_cut_off():
+    """The direct effect is gone there: with damping it slips on, without it the run ends."""
+    slider, loading = CUT.replace(M=0.0, K=1e8), rs.Loading.constant(1e-3)
+    with pytest.raises(rs.QuasiStaticInstability):
+        rs.simulate(slider, loading, 5.0, V_start=5e-4)
+    run = rs.simulate(slider.replace(damping=1e4), loading, 5.0, V_start=5e-4)
+    assert int(run.status) == 0
+    assert float(run.V_max) > 0.1
+    assert abs(float(run.energy_residual)) < 1e-5
+
+
+def test_the_slider_keeps_its_form(tmp_path):
+    assert CUT.friction_law.name == "slip+cut-off"
+    assert CUT.friction_law is composed_law("slip+cut-off")
+    damped = CUT.replace(damping=1e4)
+    assert damped.friction_law is composed_law("slip+cut-off+damping")
+    assert rs.SpringSlider(**damped.parameters) == damped
+    assert pickle.loads(pickle.dumps(damped)) == damped
+    assert "friction='cut-off', V1='10 mm/s', V2='1 m/s'" in repr(CUT)
+    assert "cut-off" in CUT._repr_html_()
+    assert CUT.replace(friction="LOG").values.keys() == {*"a b Dc sigma K M mu0 V0".split()}
+    swept = CUT.replace(V1=xr.DataArray([1e-3, 1e-2], dims="V1"))
+    cycles = rs.sweep(rs.limit_cycle, swept, V_lp=1e-4, store=tmp_path / "x.zarr", chunk=1)
+    assert float(cycles.amplitude[1]) == float(rs.limit_cycle(CUT, 1e-4).amplitude)
+    run = rs.simulate(CUT, rs.Loading.constant(1e-3), 0.05, V_start=5e-4)
+    text = scenario.toml(scenario.from_result(run))
+    assert 'friction = "cut-off"' in text
+    assert scenario.loads(text).slider == CUT
+    lines: dict = {}
+    exec(scenario.python(scenario.loads(text)), lines)
+    np.testing.assert_array_equal(lines["result"].tau, run.tau)
+    again = files.read(files.write(run, tmp_path / "run.nc"))
+    assert parameter(again, "friction") == "cut-off"
+    assert law_of_result(again) is CUT.friction_law
+    assert parameter(rs.stability(CUT.replace(friction="log"), 1.0), "friction") == "log"
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"friction": "asinh"}, r"^friction = 'asinh' is unknown; choose 'log' or 'cut-off'"),
+        ({"friction": 3}, r"^friction = 3 is unknown"),
+        (
+            {"friction": "cut-off", "V1": 1.0},
+            r"^friction = 'cut-off' needs V2, cut-off speed of the state; expected a speed \[m/s\]",
+        ),
+        ({"V1": 1.0}, r"^friction = 'log' has no parameter V1, which belongs to 'cut-off'"),
+        ({"friction": "cut-off", "V1": 0.0, "V2": 1.0}, r"^V1 = 0 m/s must be > 0"),
+        (
+            {"friction": "cut-off", "V1": 1.0, "V2": 1.0, "law": "nagata", "c": 1.0},
+            r"^friction = 'cut-off' does not go with law = 'nagata'",
+        ),
+    ],
+)
+def test_what_does_not_go_together_is_told(changes, text):
+    plain = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 1e9}
+    with pytest.raises(rs.ParameterError, match=text):
+        rs.SpringSlider(**plain, **changes)
+
+
+def test_forms_are_found_by_themselves():
+    assert list(FORMS) == ["cut-off"]
+    assert {*TAKING} == {*OF_LAW} - {"nagata"}
+    assert set(FORMS["cut-off"].OWN) == {"V1", "V2"}
