@@ -1,6 +1,7 @@
 """A dashpot beside friction: its motion, stability and cycles under every law."""
 
 import copy
+import itertools
 import math
 import pickle
 
@@ -9,13 +10,19 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import minimize_scalar
 from synthetic_records import record
 from textbook import OF_LAW, Textbook, drawn
 from user_laws import CUBIC, MINE, NUMBERS
 
 import ratestate as rs
 from ratestate import files
+from ratestate.dynamics.basin import escape
+from ratestate.dynamics.cycles.regimes import classify
+from ratestate.dynamics.refusals import check_one_length
 from ratestate.dynamics.results import parameter
+from ratestate.dynamics.steady_sliding import steady_stress
+from ratestate.dynamics.whole_contact import whole_contact
 from ratestate.friction.composition import composed_law
 from ratestate.friction.laws import LAWS, ONE_LENGTH
 from ratestate.interfaces import scenario
@@ -315,3 +322,79 @@ def test_scenarios_and_stores_hold_damping(tmp_path):
     assert scenario.loads(whole).slider.damping == pytest.approx(5e4)
     total = whole.replace('damping = "100 N s/m"', "dashpot = 100")
     assert scenario.loads(total).slider.damping == pytest.approx(5e4)
+
+
+@pytest.mark.parametrize("M", [100.0, 777.0, 3e3])
+@pytest.mark.parametrize("below", [1e-2, 1e-4, 1e-6])
+def test_a_narrow_band_of_unstable_speeds_is_found(M, below):
+    """Of a slider just softer than the peak of K_c, which lies between speeds of any grid."""
+    slider = rs.SpringSlider(a=0.01, b=0.015, Dc=1e-5, sigma=5e6, M=M, damping=1e5, K=1e9)
+    peak = minimize_scalar(lambda x: -K_c(math.exp(x), **slider.values), (-4.0, -2.0), tol=1e-14)
+    K, V = -float(peak.fun), math.exp(float(peak.x))
+    soft = slider.replace(K=K * (1.0 - below))
+    assert soft.V_c < V < soft.V_c_upper < 1.3 * soft.V_c
+    for speed in (soft.V_c, soft.V_c_upper):
+        assert K_c(speed, **soft.values) == pytest.approx(soft.K, rel=1e-9)
+    assert str(rs.hopf(soft).type.values) != "none"
+    assert slider.replace(K=K * (1.0 + below)).V_c == math.inf
+
+
+def test_sliders_are_equal_from_both_sides():
+    others = FIG2, DAMPED.replace(alpha=0.3), DAMPED.replace(friction="cut-off", V1=1, V2=1)
+    for one, other in itertools.permutations([DAMPED, *others], 2):
+        assert not one == other  # noqa: SIM201  (that is what is tried)
+
+
+def test_a_push_does_not_run_away_from_a_dashpot():
+    """By the slip law, too, of which the edge of runaway without damping is known."""
+    slider = rs.SpringSlider(a=0.01, b=0.015, Dc=1e-5, sigma=5e6, K=2.6e9)
+    free = escape(slider, 1e-6)
+    assert "runaway" in str(free.outcome.values)
+    damped = escape(slider.replace(damping=5e6), 1e-6)
+    assert "runaway" not in str(damped.outcome.values)
+    run = rs.simulate(slider.replace(damping=5e6), rs.Loading.constant(1e-6), 1e4, V_start=1e-7)
+    assert float(run.V[-1]) == pytest.approx(1e-6, rel=1e-4)
+    assert float(run.V_max) > 1e-3
+
+
+def test_a_little_damping_is_enough():
+    """However fast it slips: the speed of light is no limit of a model that has none."""
+    slider = rs.SpringSlider(a=0.01, b=0.015, Dc=1e-3, sigma=5e7, K=7.5e7, damping=0.03)
+    cycle = rs.limit_cycle(slider, 1e-9)
+    assert int(cycle.status) == 0
+    assert float(cycle.V_max) > 3e8
+
+
+def test_an_earthquake_is_no_slow_stick_slip():
+    """Without mass it is the dashpot that holds it; and where it creeps both are nothing."""
+    fault = rs.SpringSlider(a=0.01, b=0.015, Dc=1e-2, sigma=5e7, K=1e6, damping=5e6, law="aging")
+    assert str(classify(rs.limit_cycle(fault, 1e-9)).regime.values) == "stick-slip"
+    near = fault.replace(K=0.98 * fault.K_c(1e-9))
+    assert str(classify(rs.limit_cycle(near, 1e-9)).regime.values) == "slow stick-slip"
+
+
+def test_acceleration_is_what_the_dashpot_leaves():
+    slider = DAMPED.replace(area=2e-3)
+    run = rs.simulate(slider, rs.Loading.steps(1e-3, (0.01, 5e-3)), 0.05, rtol=1e-8)
+    found = whole_contact(run)
+    V, t, acceleration = (x.values for x in (run.V, run.time, found.acceleration))
+    largest = np.argmax(np.abs(acceleration))
+    slope = (V[largest + 1] - V[largest - 1]) / (t[largest + 1] - t[largest - 1])
+    assert acceleration[largest] == pytest.approx(slope, rel=0.05)
+    assert float(found.acceleration_max) == pytest.approx(abs(acceleration[largest]), rel=0.05)
+
+
+def test_steady_sliding_in_the_phase_plane_holds_the_dashpot_too():
+    stiff = DAMPED.replace(K=1e9)
+    run = rs.simulate(stiff, rs.Loading.constant(1e-3), 0.05, V_start=5e-4)
+    steady = rs.simulate(stiff, rs.Loading.constant(1e-3), 1.0, initial={"V": 1e-3}, times=[0.0])
+    expected = float(steady.tau[0]) / DAMPED.sigma
+    assert float(steady_stress(run, 1e-3)) == pytest.approx(expected, rel=1e-13)
+
+
+def test_what_does_without_damping_says_so():
+    with pytest.raises(rs.ParameterError, match=r"law = 'slip' with damping: fit.*no damping"):
+        check_one_length("fit", DAMPED.friction_law.name)
+    given = {"V": 1e-2, "theta": 1e-2, "tau": 1e6}
+    with pytest.raises(rs.ParameterError, match=r"tau must be sigma mu \+ damping V = "):
+        rs.simulate(DAMPED.replace(M=0.0), rs.Loading.constant(1e-3), 1.0, initial=given)

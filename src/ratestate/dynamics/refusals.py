@@ -6,7 +6,7 @@ status of the engine, whose text is engine/statuses.toml's (`simulation.cases.fa
 
 from pathlib import Path
 
-from ..friction.composition import composed_law
+from ..friction.composition import JOINT, composed_law
 from ..friction.laws import ONE_LENGTH
 from ..model.sentences import Sentences
 
@@ -26,4 +26,6 @@ def check_one_length(function, law):
     """Raise ParameterError, for a function by name, unless a law, by name, is of one length."""
     if not composed_law(law).one_length:
         names = " and ".join(map(repr, ONE_LENGTH))
-        raise refusal("law.one_length", function=function, law=composed_law(law).name, names=names)
+        own, *parts = law.split(JOINT)
+        law = " with ".join([repr(own), *parts])
+        raise refusal("law.one_length", function=function, law=law, names=names)

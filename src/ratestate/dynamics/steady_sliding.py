@@ -131,9 +131,9 @@ class StabilityCall:
         return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attributes)
 
 
-def steady_friction(result, V):
-    """mu [1] in steady sliding at speeds V [m/s], (n,) or one, of the slider of a result."""
+def steady_stress(result, V):
+    """tau/sigma [1] in steady sliding at speeds V [m/s], (n,) or one, of a result's slider."""
     law = law_of_result(result)
-    values = {symbol: float(parameter(result, symbol)) for symbol in (*law.symbols, "mu0", "V0")}
-    mu = law.steady_friction(np.atleast_1d(np.asarray(V, float)), values)
-    return mu.reshape(np.shape(V))
+    symbols = (*law.symbols, "sigma", "mu0", "V0")
+    values = {symbol: float(parameter(result, symbol)) for symbol in symbols}
+    return law.steady_tau(np.atleast_1d(np.asarray(V, float)), values).reshape(np.shape(V))

@@ -24,7 +24,7 @@ def whole_contact(result):
     Returns
     -------
     xarray.Dataset
-        Along ``time``, of a run: ``force`` [N] of the spring, and ``acceleration`` [m/s^2], eq. 1.
+        Along ``time``, of a run: ``force`` [N] of the spring, and ``acceleration`` [m/s^2], eq. 4.
         Per case: ``force_amplitude`` [N] and ``displacement_amplitude`` [m], peak-to-peak, of the
         last cycle, the latter relative to the load point; ``acceleration_max`` [m/s^2], the
         largest one, of either sign.  Accelerations are NaN where M = 0.
@@ -41,7 +41,8 @@ def whole_contact(result):
     found = {}
     if "tau" in result:
         found["force"] = force(result["tau"], area)
-        found["acceleration"] = (result["tau"] - sigma * result["mu"]) / M
+        held = sigma * result["mu"] + parameter(result, "damping") * result["V"]
+        found["acceleration"] = (result["tau"] - held) / M
     if "amplitude" in result:
         stress = result["amplitude"] * sigma
         found["force_amplitude"] = force(stress, area)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import stability
-from .linear_stability import edges, is_stable
+from .linear_stability import K_c, edges, is_stable
 
 # Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
 SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e20, 10
@@ -66,19 +66,29 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
 def _speeds_by_search(law, columns):
     """`CriticalSpeeds` (n,) on a grid of speeds that bisection refines.
 
+    Where no speed of the grid is unstable, one beside that of the largest K_c may be.
+
     columns : symbol -> (n,)
     """
     decades = round(np.log10(FASTEST / SLOWEST))
     grid = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
 
-    def stable(V):
-        """Of speeds (n,) or (n, m)."""
+    def values_at(V):
+        """The columns in the shape of speeds (n,) or (n, m)."""
         rows = (x.reshape(-1, *[1] * (V.ndim - 1)) for x in columns.values())
-        values = dict(zip(columns, (np.broadcast_to(x, V.shape) for x in rows), strict=True))
-        return is_stable(law, V, **values)
+        return dict(zip(columns, (np.broadcast_to(x, V.shape) for x in rows), strict=True))
+
+    def stable(V):
+        return is_stable(law, V, **values_at(V))
+
+    def critical(V):
+        values = values_at(V)
+        del values["K"]
+        return K_c(law, V, **values)
 
     n = np.size(columns["K"])
-    unstable = ~stable(np.broadcast_to(grid, (n, grid.size)))
+    whole = np.broadcast_to(grid, (n, grid.size))
+    unstable = ~stable(whole)
     first = unstable.argmax(axis=1)
     after = unstable | (np.arange(grid.size) < first[:, None])
     last = after.argmin(axis=1)  # the first stable one after it, if any: else 0
@@ -86,7 +96,26 @@ def _speeds_by_search(law, columns):
     upper = _bisect(stable, grid[last], grid[np.maximum(last - 1, 0)])
     some = unstable.any(axis=1)
     lower = np.where(some, np.where(first > 0, lower, 0.0), np.inf)
-    return CriticalSpeeds(lower, np.where(some & (last > 0), upper, np.inf))
+    upper = np.where(some & (last > 0), upper, np.inf)
+    if not some.all():
+        highest = np.clip(critical(whole).argmax(axis=1), 1, grid.size - 2)
+        below, above = grid[highest - 1], grid[highest + 1]
+        peak = _maximum(critical, below, above)
+        between = ~some & ~stable(peak)
+        lower = np.where(between, _bisect(stable, below, peak), lower)
+        upper = np.where(between, _bisect(stable, above, peak), upper)
+    return CriticalSpeeds(lower, upper)
+
+
+def _maximum(function, low, high):
+    """Speeds (n,) at which a function is largest between others, to 1e-8 of themselves."""
+    low, high = np.log(low), np.log(high)
+    for _ in range(50):
+        third = (high - low) / 3.0
+        left, right = low + third, high - third
+        rises = function(np.exp(left)) < function(np.exp(right))
+        low, high = np.where(rises, left, low), np.where(rises, high, right)
+    return np.exp(0.5 * (low + high))
 
 
 def _bisect(stable, inside, outside):

@@ -10,19 +10,24 @@ DAMPING = Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")
 class Damped(FrictionLaw):
     """A friction law with damping: S = R + zeta w, with zeta = damping V_ref/(a sigma).
 
-    The last of p is zeta.  It stands before a class of laws among the bases of another, which
-    `composition` makes.
+    Not a law by itself: `composition` makes a class of this and the class of a law, in that order.
+    The last of p is zeta.
 
     Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
     """
 
     own = MappingProxyType({"damping": DAMPING})
-    one_length = False
+    # what is known of a law of one length, and of runaway without mass, is without a dashpot
+    one_length, series = False, ()
+    excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
     inner: FrictionLaw  # the law without the dashpot
 
     def coefficients(self, V_ref, slider):
-        """Those of the undamped law, and zeta."""
-        zeta = slider.damping * V_ref / (slider.a * slider.sigma)
+        """Those of the law without the dashpot, and zeta."""
+        import numpy as np
+
+        with np.errstate(over="ignore"):  # at speeds at which V_c is sought
+            zeta = slider.damping * V_ref / (slider.a * slider.sigma)
         return (*self.inner.coefficients(V_ref, slider), zeta)
 
     def rescaled(self, p, ratio):
@@ -49,5 +54,5 @@ class Damped(FrictionLaw):
         return by_vvv + p[-1] * w, *others
 
     def runs_away(self, v, psi, kappa, p):
-        """Never: at any speed the dashpot holds what friction does not."""
-        return False
+        """Never, at any speed the dashpot holds what friction does not; unless it is none."""
+        return p[-1] == 0.0 and v > 600.0

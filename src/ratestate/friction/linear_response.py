@@ -24,7 +24,7 @@ class Response(NamedTuple):
 
     v: np.ndarray  # of V/V_lp - 1
     x: np.ndarray  # of tau/(a sigma)
-    f: np.ndarray  # of mu/a
+    f: np.ndarray  # of friction, mu/a
 
 
 def responses(law, p, kappa, inertia, mu, h, Omega):
@@ -45,12 +45,12 @@ def responses(law, p, kappa, inertia, mu, h, Omega):
     by_s = [i * jump / (i - own) for jump, own in zip(h, f_psi, strict=True)]
     resisting = i * inertia + S_v + _dot(S_psi, by_v)
     push = mu + _dot(S_psi, by_s)
-    rigid = np.isinf(kappa)
-    spring = np.where(rigid, 1.0, kappa) / i
+    with np.errstate(divide="ignore"):
+        soft = i / kappa  # 0 where the slider moves as the load point does
 
     def of(w_lp, s):
-        v = np.where(rigid, w_lp, (spring * w_lp - push * s) / (spring + resisting))
-        x = np.where(rigid, resisting * v + push * s, spring * (w_lp - v))
+        v = (w_lp - soft * push * s) / (1.0 + soft * resisting)
+        x = (resisting * w_lp + push * s) / (1.0 + soft * resisting)
         f = (R_v + _dot(R_psi, by_v)) * v + _dot(R_psi, by_s) * s
         return Response(v, x, f)
 

@@ -156,10 +156,11 @@ def _refuse_clash(law, batch, i, v, states, p, given):
     mu_ref = law.reference_friction(batch.flat("V0"), batch.columns)[i]
     tau = sigma * (mu_ref + a * stress(law, v, states, p)[i])
     names = " and ".join(law.states)
+    balance = "sigma mu + damping V" if "damping" in law.parameters else "sigma mu"
     where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
     if np.isinf(K):
         where, remedy = "where K = inf", f"leave {names.replace('and', 'or')} or tau out"
     which = f"V, {names} and tau" if "V" in given else f"{names} and tau"
     raise ParameterError(
-        f"initial {which} do not agree: {where} tau must be sigma mu = {tau:.6g} Pa; {remedy}"
+        f"initial {which} do not agree: {where} tau must be {balance} = {tau:.6g} Pa; {remedy}"
     )

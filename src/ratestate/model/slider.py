@@ -26,6 +26,8 @@ from .user_laws import known_again, recorded
 class SpringSlider:
     """A slider under rate-and-state friction, pulled through a spring (eqs 1-4).
 
+    M dV/dt = tau - sigma mu - damping V, with tau the stress of the spring.
+
     Every parameter is a number in SI, a string or pint quantity with a unit, or a named
     xarray.DataArray: arrays broadcast by the names of their dimensions, and so make a sweep.
     Afterwards each attribute is a float or a DataArray, in SI.
@@ -44,7 +46,8 @@ class SpringSlider:
         Stiffness of the spring per area [Pa/m], > 0.  inf is the rigid limit: V = V_lp.  Also
         friction per length, K/sigma, such as "1e-3/um", which is multiplied by sigma.
     M : float, str or DataArray
-        Mass per area [kg/m^2], >= 0.  0 (the default) is the quasi-static limit.
+        Mass per area [kg/m^2], >= 0.  0 (the default) is the quasi-static limit, with damping the
+        quasi-dynamic one.
     mu0 : float or DataArray
         Friction coefficient in steady sliding at V0 [1], >= 0.
     V0 : float, str or DataArray
@@ -60,7 +63,7 @@ class SpringSlider:
         waves, G/(2 c_s).  With it a slider without mass is quasi-dynamic: it slips, however fast.
     alpha : float or DataArray
         Response of the state to normal stress [1], >= 0, by default 0: theta falls by alpha/b with
-        ln sigma (Linker & Dieterich 1992).  It matters where sigma varies.
+        ln sigma (Linker & Dieterich 1992).  Of `frequency_response`; sigma is constant in all else.
     area : float, str or DataArray, optional
         Area of the contact [m^2], > 0.  The motion does not depend on it, but with it sigma, K, M
         and damping may be given for the whole contact [N, N/m, kg, N s/m], and reports and figures
@@ -363,10 +366,11 @@ class SpringSlider:
         """Whether all values, and the coordinates of arrays, are equal."""
         if not isinstance(other, SpringSlider):
             return NotImplemented
-        pairs = ((x, getattr(other, name)) for name, x in self.parameters.items())
-        return self.has_area == other.has_area and all(
-            is_array(x) == is_array(y) and (x.equals(y) if is_array(x) else x == y)
-            for x, y in pairs
+        mine, its = self.parameters, other.parameters
+        return mine.keys() == its.keys() and all(
+            is_array(x) == is_array(its[name])
+            and (x.equals(its[name]) if is_array(x) else x == its[name])
+            for name, x in mine.items()
         )
 
     def __reduce__(self):

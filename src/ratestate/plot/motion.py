@@ -1,7 +1,7 @@
 """Motions: stress against time, the phase plane, the amplitude of limit cycles along a sweep."""
 
 from ..dynamics.results import parameter
-from ..dynamics.steady_sliding import steady_friction
+from ..dynamics.steady_sliding import steady_stress
 from ..dynamics.whole_contact import force, whole_contact
 from ..errors import ParameterError
 from ..model.conversion import in_si
@@ -131,7 +131,7 @@ def phase(run, ax, *, unit_of=None, **style):
     factor, unit = prefixed("m/s", unit_of or float(run.V.max()))
     (line,) = ax.plot(run.tau / parameter(run, "sigma"), factor * run.V, **{"lw": 0.5} | style)
     if V > 0:
-        ax.plot(steady_friction(run, V), factor * V, "kx", ms=5, mew=1.0, zorder=5)
+        ax.plot(steady_stress(run, V), factor * V, "kx", ms=5, mew=1.0, zorder=5)
     ax.set(xlabel=STRESS, ylabel=f"$V$ [{unit}]")
     show_constant(ax)
     return line

@@ -17,7 +17,7 @@ STEADY, SLOW, STICK_SLIP, HARMONIC, UNKNOWN = REGIMES = (
     "quasi-harmonic",
     "unknown",
 )
-# Largest inertia, |tau/sigma - mu| over the amplitude, at which it counts as negligible.
+# Largest inertial force over the amplitude at which it counts as negligible; of damping likewise.
 SLOW_INERTIA = 0.1
 # Share of the fundamental in the variance of the stress from which a cycle counts as harmonic:
 # that of a sawtooth is 6/pi^2 = 0.61, that of a sine 1.
@@ -28,7 +28,8 @@ def classify(cycle):
     """What kind of sliding each case is, by its measured cycle and by the paper's criterion.
 
     By the cycle, in this order: "steady" where there is none; "slow stick-slip" where inertia is
-    negligible throughout, ``inertia`` < 0.1; "quasi-harmonic" where the fundamental's share in the
+    negligible throughout, ``inertia`` < 0.1, and the stress of damping at V_max is too, beside the
+    amplitude; "quasi-harmonic" where the fundamental's share in the
     variance of the stress is at least 0.87; "stick-slip" otherwise; "unknown" where the cycle is
     unknown.  By the paper (sec. 4.2): stick-slip where eta < 1, quasi-harmonic where eta >= 1.
     The transitions are gradual: Figs 4 and 6 of the paper come out as it names them, and between
@@ -64,7 +65,7 @@ def classify(cycle):
     >>> str(result.regime.values), str(result.regime_by_eta.values), bool(result.agree)
     ('quasi-harmonic', 'stick-slip', False)
     """
-    required = {"inertia", "fundamental", "slow_fraction", "V_max", "status"}
+    required = {"inertia", "fundamental", "slow_fraction", "V_max", "amplitude", "status"}
     if not (isinstance(cycle, xarray.Dataset) and required <= set(cycle.data_vars)):
         raise refusal("regimes.no_cycles")
     cycle = in_si(cycle)
@@ -74,7 +75,8 @@ def classify(cycle):
     eta_of_case = _eta(cycle)
     steady = cycle.status == STEADY_SLIDING
     has_cycle = (cycle.status == FINISHED) & cycle.inertia.notnull()
-    slow = cycle.inertia < SLOW_INERTIA
+    damping = parameter(cycle, "damping") / parameter(cycle, "sigma") * cycle.V_max
+    slow = (cycle.inertia < SLOW_INERTIA) & (damping < SLOW_INERTIA * cycle.amplitude)
     harmonic = cycle.fundamental >= HARMONIC_SHARE
     regime = np.select(
         [steady, ~has_cycle, slow, harmonic], [STEADY, UNKNOWN, SLOW, HARMONIC], STICK_SLIP

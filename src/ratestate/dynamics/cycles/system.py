@@ -122,7 +122,8 @@ def system_of(law, *, sigma, K, M, V_lp, **values):
     """
     a, Dc = values["a"], values["Dc"]
     inertia = eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
-    v_limit = np.where(M == 0.0, np.log(V_LIMIT / V_lp), np.inf)
+    unlimited = (M > 0.0) | (values.get("damping", 0.0) > 0.0)
+    v_limit = np.where(unlimited, np.inf, np.log(V_LIMIT / V_lp))
     p = np.stack(composed_law(law).coefficient_arrays(V_lp, {"sigma": sigma, **values}), axis=-1)
     return System(law, K * Dc / (a * sigma), p, inertia, v_limit)
 

@@ -35,7 +35,8 @@ def engine_cases(law, batch, y0, *, t_end, loading, times, dt=None, rtol, observ
     settings = {"observe": observe, "max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol}
     with np.errstate(over="ignore"):  # overflow ends as not finite
         eta0 = p.M * p.V0**2 / (p.a * p.sigma * p.Dc)
-        v_limit = np.where(p.M == 0.0, np.log(V_LIMIT / p.V0), np.inf)
+        unlimited = (p.M > 0.0) | (getattr(p, "damping", 0.0) > 0.0)
+        v_limit = np.where(unlimited, np.inf, np.log(V_LIMIT / p.V0))
     return Cases(
         kappa=p.K * p.Dc / (p.a * p.sigma),
         p=np.stack(law.coefficient_arrays(p.V0, batch.columns), axis=-1),

@@ -94,7 +94,8 @@ def simulate(
         make that period: 1, or more, up to 32, where unequal ones follow each other in a fixed
         order; 0 where they do so in none: then amplitude is that of the later half of the last 64,
         and frequency how many there are in a second), ``V_max`` and ``V_min`` [m/s] of the run,
-        ``inertial_force`` (its largest |tau/sigma - mu|).  Without mass V_max may be inf: beyond
+        ``inertial_force`` (its largest |M dV/dt|/sigma, without damping
+        |tau/sigma - mu|).  Without mass V_max may be inf: beyond
         double precision, and yet a motion that comes back.
         ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction
         law, since friction would have to push (``mu_min``, its smallest mu, is negative), or since

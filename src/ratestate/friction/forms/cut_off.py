@@ -42,7 +42,9 @@ def form_at(i):
 
         own = OWN
         inner: FrictionLaw  # the law with the friction of eq. 1
-        one_length = False
+        # what is known of a law of one length, and of its runaway, is under eq. 1
+        one_length, series = False, ()
+        excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
 
         def coefficients(self, V_ref, slider):
             """Those of the law with the friction of eq. 1, and three more."""

@@ -70,7 +70,7 @@ def picture(state, deadline):
         "values": state.values,
         "numbers": {name: getattr(verdict, name) for name in NUMBERS},
         "sentences": verdict.sentences,
-        "steady": slider.friction_law.steady_friction(np.array([state.V_lp]), values).item(),
+        "steady": slider.friction_law.steady_tau(np.array([state.V_lp]), values).item(),
         "notes": study.notes + notes,
         "chart": charts.key_of(slider),
     }

@@ -6,7 +6,7 @@ from ...dynamics.attributes import loading_record, number
 from ...dynamics.cycles.orbit import orbit
 from ...dynamics.cycles.regimes import classify
 from ...dynamics.results import parameter, slider_parameters
-from ...dynamics.steady_sliding import stability, steady_friction
+from ...dynamics.steady_sliding import stability, steady_stress
 from ...dynamics.whole_contact import whole_contact
 from ...engine.model import RUNAWAY, STEADY_SLIDING
 from ...errors import ParameterError
@@ -168,13 +168,13 @@ def _plane(runs, ax):
     V = np.geomspace(np.nanmin(speeds), np.nanmax(speeds), 50)
     steady, crosses = {}, set()
     for run, *_ in runs:
-        mu = steady_friction(run, V)
-        steady[tuple(mu)] = mu
+        stress = steady_stress(run, V)
+        steady[tuple(stress)] = stress
         if (last := float(run.V_load[-1])) > 0.0:
-            crosses.add((float(steady_friction(run, last)), scale * last))
-    for i, mu in enumerate(steady.values()):
+            crosses.add((float(steady_stress(run, last)), scale * last))
+    for i, stress in enumerate(steady.values()):
         name = "_" if i else "steady states"
-        ax.plot(mu, scale * V, color=GRAY, lw=0.9, ls="--", label=name)
+        ax.plot(stress, scale * V, color=GRAY, lw=0.9, ls="--", label=name)
     if crosses:
         x, y = np.array(sorted(crosses)).T
         cross = {"color": RED, "ms": 6, "mew": 1.3, "zorder": 5}
