@@ -36,7 +36,6 @@ def by_the_textbook(twin, V, frequency, given):
     """
     p, omega = twin.p, 2 * math.pi * frequency
     y = twin.steady(V)
-    y[0] += p["damping"] * V / p["sigma"]
     A, h = twin.jacobian(y, V), 1e-6
     force = np.zeros(len(y), complex)
     if given == "V_lp":

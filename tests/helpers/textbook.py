@@ -76,7 +76,8 @@ class Textbook:
     def steady(self, V):
         """y of steady sliding at V."""
         theta = self.steady_theta(V)
-        return np.array([self.mu(V, theta), math.log(V), *map(math.log, theta)])
+        stress = self.mu(V, theta) + self.p.get("damping", 0.0) * V / self.p["sigma"]
+        return np.array([stress, math.log(V), *map(math.log, theta)])
 
     def evolution(self, V, theta, dmu_dt):
         """d theta/dt of each state."""
@@ -160,6 +161,15 @@ class Textbook:
             h[i] = 1e-6 if i else 1e-6 * self.p["a"]
             columns.append((self.rates(y + h, V_lp, t) - self.rates(y - h, V_lp, t)) / (2 * h[i]))
         return np.array(columns).T
+
+    def differs(self, run, exact):
+        """Largest difference of a run from y, in tau/(a sigma), ln V, ln theta and mu/a."""
+        mu = [self.mu(math.exp(y[1]), [math.exp(x) for x in y[2:]]) for y in exact]
+        found = [run.tau.values / self.p["sigma"] / self.p["a"], np.log(run.V.values)]
+        found += [np.log(run[name].values) for name in ("theta", "theta2") if name in run]
+        found += [run.mu.values / self.p["a"]]
+        wanted = [exact[:, 0] / self.p["a"], *exact[:, 1:].T, np.array(mu) / self.p["a"]]
+        return max(np.abs(x - y).max() for x, y in zip(found, wanted, strict=True))
 
     def solve(self, y, V_lp, times, tol=1e-10):
         """y at the times, one a row, under a constant V_lp from y at 0 on."""

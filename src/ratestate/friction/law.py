@@ -53,7 +53,8 @@ class FrictionLaw:
     v, w        ln(V/V_ref) and V/V_ref
     psi         tuple, a number a state
     e           tuple, e to the power of each of `exponents`
-    p           tuple, what `coefficients` gives: here (b/a,)
+    p           tuple, what `coefficients` gives: here (b/a,); with cut-offs or
+                damping more numbers follow, so take them by index
     ==========  =============================================================
     """
 

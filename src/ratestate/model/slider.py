@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from ..friction.composition import composed
+from ..friction.composition import JOINT, composed
 from ..friction.critical_speeds import V_c
 from ..friction.elementwise import call_elementwise
 from ..friction.forms import LOG, form_name, parameters_of
@@ -193,10 +193,8 @@ class SpringSlider:
 
         Without area, damping or alpha, if it has none, and a form of friction that is eq. 1's.
         """
-        area, form = (
-            ("area",) if self.has_area else (),
-            ("friction",) if self.friction != LOG else (),
-        )
+        area = ("area",) if self.has_area else ()
+        form = ("friction",) if self.friction != LOG else ()
         names = (*PARAMETERS, "law", *area, *form, *self._more)
         return {name: getattr(self, name) for name in names}
 
@@ -259,14 +257,12 @@ class SpringSlider:
     def K_c_qs(self):
         """Quasi-static critical stiffness [Pa/m], where all sizes of M are 0; (b - a) sigma/Dc.
 
-        ParameterError where it depends on the speed, by damping or a law with a speed of its own.
+        ParameterError where it depends on the speed, as with damping, cut-offs or a law with a
+        speed of its own.
         """
         if self.friction_law.has_own_speed:
-            cause = (
-                f"under the law {self.law!r}"
-                if self.law == self.friction_law.name
-                else "with damping"
-            )
+            parts = self.friction_law.name.split(JOINT)[1:]
+            cause = f"with {' and '.join(parts)}" if parts else f"under the law {self.law!r}"
             raise ParameterError(
                 f"{cause} K_c_qs depends on the speed; "
                 f"stability(slider, V_lp).K_c_qs is that at V_lp"
