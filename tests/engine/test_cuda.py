@@ -34,7 +34,9 @@ PAIRS = [
     ("turns", "two-state-aging"),
 ]
 OTHERS = [("simulations", "aging"), ("turns", "slip")]
-SOME, ALL = (pytest.mark.parametrize(("job", "law"), jobs) for jobs in (PAIRS, PAIRS + OTHERS))
+SOME, ALL = (
+    pytest.mark.parametrize(("job", "law"), jobs) for jobs in (PAIRS[::3], PAIRS + OTHERS)
+)  # (the simulator takes its time)
 HAS_COMPILER = importlib.util.find_spec("numba_cuda") is not None
 RTOL, CLOSE = 1e-10, 1e-9
 N = 22  # sliders simulated

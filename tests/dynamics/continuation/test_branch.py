@@ -448,8 +448,8 @@ BAD = {
     "b to a": ((FIG2, "b", 0.001, 0.003), {"V_lp": 1e-2}, ["b <= a"]),
     "a above b": ((FIG2, "a", 0.0065, 0.007), {"V_lp": 1e-2}, ["b <= a"]),
     "b from < 0": ((FIG2, "b", -0.001, 0.006), {"V_lp": 1e-2}, ["start = -0.001", "0 < start"]),
-    "M = 0": ((FIG2.replace(M=0), "V_lp", 1e-2, 1e-3), {}, ["M = 0", "needs inertia"]),
-    "M to 0": ((FIG2, "M", 1e3, 0), {"V_lp": 1e-2}, ["stop = 0.0", "needs inertia"]),
+    "M = 0": ((FIG2.replace(M=0), "V_lp", 1e-2, 1e-3), {}, ["M = 0", "is of sliders with mass"]),
+    "M to 0": ((FIG2, "M", 1e3, 0), {"V_lp": 1e-2}, ["stop = 0.0", "is of sliders with mass"]),
     "K = inf": ((FIG2.replace(K=np.inf), "V_lp", 1e-2, 1e-3), {}, ["K = inf", "a spring"]),
     "K to inf": ((FIG2, "K", 1e9, np.inf), {"V_lp": 1e-2}, ["stop = inf", "0 < stop < inf"]),
     "steady throughout": (
