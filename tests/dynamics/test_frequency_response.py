@@ -159,6 +159,18 @@ def test_a_slider_that_does_not_oscillate_has_no_resonance():
     assert complex(slow.tau_by_V_lp) == pytest.approx(-0.003 * 2e6 / V, rel=1e-4)
 
 
+@pytest.mark.parametrize("law", [{}, {"law": "nagata", "c": 0.0}])
+def test_a_slider_whose_state_has_no_effect(law):
+    """b = 0: a mass on a spring and a viscous stress a sigma/V, whatever the state does."""
+    slider = FIG2.replace(b=0.0, **law)
+    found = rs.frequency_response(slider, V, 40.0)
+    omega = 80.0 * math.pi
+    impedance = 1j * omega * 3e3 + 0.003 * 2e6 / V + 9e8 / (1j * omega)
+    mu = 0.6 + 0.003 * math.log(1e3)
+    assert complex(found.V_by_sigma) == pytest.approx(-mu / impedance, rel=1e-12)
+    assert complex(found.V_by_V_lp) == pytest.approx(9e8 / (1j * omega) / impedance, rel=1e-12)
+
+
 def test_gain_and_phase_sweeps_and_files(tmp_path):
     slider = FIG2.replace(K=xr.DataArray([5e8, 7e8, 9e8], dims="K"), alpha=0.2)
     found = rs.frequency_response(slider, V, ["1 Hz", "10 Hz", 100.0, 500.0])

@@ -8,7 +8,6 @@ from ..friction.linear_stability import eigenvalues, is_stable
 from ..friction.stability import eta
 from ..model.batch import Batch
 from ..model.names import keywords_checked
-from ..model.quantities import attrs
 from ..model.slider import checked
 from ..model.units import to_si
 from .refusals import refusal
@@ -76,17 +75,17 @@ def frequency_response(slider, V_lp, frequency):
     batch = Batch({**values, "frequency": frequency}, taken=VARIABLES)
     batch.check_fits(4 * len(TRANSFER), "ask for fewer frequencies at a time")
     alone = Batch(values)
-    found, stable = _of_sliders(slider.friction_law, alone)
-    if alone.alone and not stable[0]:
+    found = _of_sliders(slider.friction_law, alone)
+    if alone.alone and not found["stable"][0]:
         raise refusal("response.unstable", V_lp=values["V_lp"], K=slider.K)
     variables = {name: alone.variable(value, name) for name, value in found.items()}
     for name, value in _transfer(slider, batch).items():
-        variables[name] = batch.variable(value, name)
-        variables[f"{name}_gain"] = batch.variable(np.abs(value), name)
-        variables[f"{name}_gain"].attrs["long_name"] += ", gain"
-        phase = {"units": "rad", "long_name": f"{attrs(name)['long_name']}, phase"}
-        variables[f"{name}_phase"] = batch.variable(np.angle(value), name)
-        variables[f"{name}_phase"].attrs = phase
+        variables[name] = whole = batch.variable(value, name).where(variables["stable"])
+        text = whole.attrs["long_name"]
+        gain = whole.attrs | {"long_name": f"{text}, gain"}
+        phase = {"units": "rad", "long_name": f"{text}, phase"}
+        variables[f"{name}_gain"] = xarray.Variable(whole.dims, np.abs(whole.values), gain)
+        variables[f"{name}_phase"] = xarray.Variable(whole.dims, np.angle(whole.values), phase)
     attributes = provenance("frequency_response", slider, V_lp=values["V_lp"])
     return xarray.Dataset(variables, batch.coordinates(VARIABLES), attributes)
 
@@ -100,7 +99,7 @@ def _along_itself(frequency):
 
 
 def _of_sliders(law, batch):
-    """Resonance, quality and stability of sliders, name -> (n,), and which are stable (n,)."""
+    """Resonance, quality and stability of sliders, name -> (n,)."""
     columns = batch.columns
     given = {symbol: columns[symbol] for symbol in (*law.symbols, "sigma", "K", "M")}
     stable = is_stable(law, columns["V_lp"], **given)
@@ -113,11 +112,11 @@ def _of_sliders(law, batch):
     with np.errstate(invalid="ignore", divide="ignore"):
         resonance = np.where(is_resonant, np.abs(mode.imag) / (2.0 * np.pi), np.nan)
         quality = np.where(is_resonant, 0.5 * np.abs(mode) / np.abs(mode.real), np.nan)
-    return {"resonance": resonance, "quality": quality, "stable": stable}, stable
+    return {"resonance": resonance, "quality": quality, "stable": stable}
 
 
 def _transfer(slider, batch):
-    """The transfer functions, name -> (n,) complex; NaN where sliding is unstable."""
+    """The transfer functions, name -> (n,) complex."""
     law, p, values = slider.friction_law, columns(batch), batch.columns
     V, unit = p.V_lp, p.a * p.sigma
     mu = law.steady_friction(V, values)
@@ -127,7 +126,7 @@ def _transfer(slider, batch):
     coefficients = law.coefficient_arrays(V, values)
     kappa = p.K * p.Dc / unit
     to_speed, to_stress = responses(law, coefficients, kappa, inertia, mu / p.a, h, Omega)
-    found = {
+    return {
         "V_by_V_lp": to_speed.v,
         "tau_by_V_lp": unit * to_speed.x / V,
         "mu_by_V_lp": p.a * to_speed.f / V,
@@ -135,6 +134,3 @@ def _transfer(slider, batch):
         "tau_by_sigma": p.a * to_stress.x,
         "mu_by_sigma": p.a * to_stress.f / p.sigma,
     }
-    of_law = {symbol: values[symbol] for symbol in law.symbols}
-    stable = is_stable(law, V, sigma=p.sigma, K=p.K, M=p.M, **of_law)
-    return {name: np.where(stable, value, np.nan) for name, value in found.items()}

@@ -123,10 +123,13 @@ def parameter(result, symbol):
     return value
 
 
-def law_of_result(result):
-    """The friction law of the slider that a result was made with, with all that it is made of."""
-    law, form = (parameter(result, name) for name in ("law", "friction"))
-    return composed(friction_law(law), form, "damping" in slider_parameters(result))
+def law_of_result(result, law=None):
+    """The friction law of the slider that a result was made with, with all that it is made of.
+
+    law : its name, where the result is of several
+    """
+    law = friction_law(law or parameter(result, "law"))
+    return composed(law, parameter(result, "friction"), "damping" in slider_parameters(result))
 
 
 def slider_parameters(result):

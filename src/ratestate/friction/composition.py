@@ -7,14 +7,14 @@ friction of eq. 1 and without damping is that of the law of state alone.
 import functools
 
 from ..errors import ParameterError
-from .damping import DAMPING, Damped
+from .damping import Damped
 from .forms import FORMS, LOG
 from .law import FrictionLaw
 from .laws import friction_law
 from .two_states import TwoStateLaw
 
 #: symbol -> what it is, of parameters that every slider has, and needs only where it is not 0
-EXTRAS = {"damping": DAMPING}
+EXTRAS = Damped.own
 #: between the name of a law and of what it is composed with
 JOINT = "+"
 DAMPED = "damping"

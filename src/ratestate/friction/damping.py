@@ -4,8 +4,6 @@ from types import MappingProxyType
 
 from .law import FrictionLaw, Parameter
 
-DAMPING = Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")
-
 
 class Damped(FrictionLaw):
     """A friction law with damping: S = R + zeta w, with zeta = damping V_ref/(a sigma).
@@ -16,7 +14,7 @@ class Damped(FrictionLaw):
     Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
     """
 
-    own = MappingProxyType({"damping": DAMPING})
+    own = MappingProxyType({"damping": Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")})
     # what is known of a law of one length, and of runaway without mass, is without a dashpot
     one_length, series = False, ()
     excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge

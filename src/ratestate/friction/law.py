@@ -93,9 +93,9 @@ class FrictionLaw:
 
         By Linker & Dieterich (1992), theta of the first state falls by alpha/b.
 
-        mu : friction then; alpha : the slider's; slider : as for `coefficients`
+        mu : friction then; alpha : the slider's, 0 where b is; slider : as for `coefficients`
         """
-        return -alpha / slider.b, *(0.0 for _ in list(self.states)[1:])
+        return -alpha / (slider.b + 1.0 * (slider.b == 0.0)), *(0.0 for _ in list(self.states)[1:])
 
     def log_states(self, v, psi, p):
         """ln(V_ref theta_k/D_k) of each state as it is reported, a tuple, from the variables."""

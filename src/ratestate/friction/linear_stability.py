@@ -118,7 +118,7 @@ def K_c(law, V, *, sigma, M, **values):
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    kappa = critical(law, law.coefficient_arrays(V, {"sigma": sigma, **values}), inertia).kappa
+    kappa = critical(law, _coefficients(law, V, sigma=sigma, **values), inertia).kappa
     return kappa * values["a"] * sigma / values["Dc"]
 
 
@@ -127,11 +127,13 @@ def omega_c(law, V, *, sigma, M, **values):
     if law.one_length:
         return stability.omega_c(V, **values)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    return (
-        V
-        / values["Dc"]
-        * critical(law, law.coefficient_arrays(V, {"sigma": sigma, **values}), inertia).omega
-    )
+    p = _coefficients(law, V, sigma=sigma, **values)
+    return V / values["Dc"] * critical(law, p, inertia).omega
+
+
+def _coefficients(law, V, **values):
+    """The law's coefficients at V, a tuple of arrays."""
+    return law.coefficient_arrays(V, values)
 
 
 def _inertia(V, *, sigma, M, **values):
@@ -145,12 +147,8 @@ def is_stable(law, V, *, sigma, K, M, **values):
         return stability.K_c(V, sigma=sigma, M=M, **values) < K
     stiffness = K * values["Dc"] / (values["a"] * sigma)
     inertia = _inertia(V, sigma=sigma, M=M, **values)
-    return (
-        edges(law, law.coefficient_arrays(V, {"sigma": sigma, **values})).unstable_pairs(
-            stiffness, inertia
-        )
-        <= 0
-    )
+    found = edges(law, _coefficients(law, V, sigma=sigma, **values))
+    return found.unstable_pairs(stiffness, inertia) <= 0
 
 
 def _edge_frequencies(linear):
@@ -180,7 +178,7 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
     rigid = np.isinf(K)
     kappa = np.where(rigid, 1.0, K) * values["Dc"] / (values["a"] * sigma)
-    p = law.coefficient_arrays(V, {"sigma": sigma, **values})
+    p = _coefficients(law, V, sigma=sigma, **values)
     found = modes(law, p, kappa, _inertia(V, sigma=sigma, M=M, **values))
     relaxing = np.full(found.shape, -np.inf, complex)
     relaxing[..., :-2] = -np.sort(linearisation(law, p).rates, axis=-1)

@@ -34,7 +34,8 @@ class NagataLaw(FrictionLaw):
 
     def jumps_with_normal_stress(self, mu, alpha, slider):
         """d phi/d ln sigma: the stress on the contacts changes by mu d sigma."""
-        return (-(slider.c * mu + alpha) / slider.b,)
+        b = slider.b + 1.0 * (slider.b == 0.0)  # (where c and alpha are 0)
+        return (-(slider.c * mu + alpha) / b,)
 
     def log_states(self, v, psi, p):
         """ln(V_ref theta/Dc) = (phi - (c a/b) v)/(1 + c)."""

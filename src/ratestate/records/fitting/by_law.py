@@ -3,9 +3,8 @@
 import numpy as np
 import xarray
 
-from ...dynamics.results import parameter, slider_parameters
-from ...friction.composition import composed
-from ...friction.laws import friction_law, law_name
+from ...dynamics.results import law_of_result, parameter, slider_parameters
+from ...friction.laws import law_name
 from ...friction.linear_stability import K_c
 from ...model.conversion import in_si
 from ...model.slider import OPTIONAL, PARAMETERS, SpringSlider
@@ -75,8 +74,7 @@ def error_of(part, symbol):
 
 def law_of(part):
     """The friction law of one law's part, with all that it is made of."""
-    law, damped = friction_law(str(part["law"].item())), "damping" in slider_parameters(part)
-    return composed(law, parameter(part, "friction"), damped)
+    return law_of_result(part, str(part["law"].item()))
 
 
 def critical_stiffness(part):
