@@ -40,7 +40,9 @@ def off(run, exact, twin, law):
 
 @pytest.mark.parametrize(
     ("law", "mass"),
-    [(law, True) for law in LAWS] + [(law, False) for law in ("prz", "nagata", "two-state-aging")],
+    # (under flash heating slip reverses: test_reversal.py)
+    [(law, True) for law in LAWS if law != "flash-heating"]
+    + [(law, False) for law in ("prz", "nagata", "two-state-aging")],
 )
 def test_a_step_is_that_of_the_textbook(law, mass):
     """By SciPy's Radau, in other variables: a step of the load point by a factor of 3."""
@@ -194,7 +196,7 @@ def test_critical_stiffness_and_speeds_are_where_eigenvalues_cross(law):
     np.testing.assert_allclose(edge.omega[turns], found.omega_c[may][turns], rtol=1e-6)
     count = 0
     for speed, sign in ((case.V_c, 1), (case.V_c_upper, -1)):
-        there = ((speed > 0) & np.isfinite(speed)).values
+        there = ((speed > 0) & (speed < 1e6)).values
         count += there.sum()
         below, above = (
             rs.stability(case, (f * speed).where(there, V)).growth_rate[there]
@@ -241,7 +243,8 @@ def test_neither_weakening_nor_strengthening_is_stable():
     for law in LAWS:
         own = {"b2": 0.0} if "b2" in OF_LAW[law] else {}
         neutral = slider(law, a=0.01, b=0.01, **own)
-        if law != "kato-tullis":  # its state relaxes otherwise at each speed
+        # (of these the state relaxes otherwise at each speed, and friction weakens by heat)
+        if law not in ("kato-tullis", "flash-heating"):
             assert neutral.K_c(V) == 0.0, law
             assert str(rs.hopf(neutral, V).type.values) == "none"
 

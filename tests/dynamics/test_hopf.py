@@ -491,7 +491,7 @@ def test_bad_slider():
 @pytest.mark.parametrize(
     ("law", "ratio", "message"),
     [
-        ("nope", 2.0, "law = 'nope' is unknown; choose 'slip' or 'aging' or 'kato-tullis'"),
+        ("nope", 2.0, "law = 'nope' is unknown; choose 'slip' or 'aging' or 'flash-heating'"),
         ("nagata", 2.0, "law = 'nagata': bautin is for laws of one .*, 'slip' and 'aging'"),
         ("aging", 1.0, "b_over_a = 1 must be > 1.*no Hopf bifurcation"),
         ("slip", -2.0, "b_over_a = -2 must be > 1"),

@@ -45,7 +45,7 @@ def test_where_a_step_has_its_extreme(roots, at, sign):
 
 @njit
 def crossing(c, w_lp, dw, log_w_lp):
-    return dense_output.crossing(c, w_lp, dw, log_w_lp)
+    return dense_output.crossing_of_v(c, w_lp, dw, log_w_lp)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -79,8 +79,8 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
 
 
 @njit
-def extreme_force(c, x_part, S_part, f_part, law, p):
-    return dense_output.extreme_force(c, x_part, S_part, f_part, law, p)
+def extreme_value(c, parts, law, p):
+    return dense_output.extreme_value(c, parts, law, p)
 
 
 class Viscous(SlipLaw):
@@ -111,7 +111,7 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
         friction = v + p[0] * psi + (0.3 * np.exp(v) if isinstance(law, Viscous) else 0.0)
         stress = friction + (0.2 * np.exp(v) if damped else 0.0)
         force = parts[0] * x + parts[1] * stress + parts[2] * friction
-        found = extreme_force(tuple(map(tuple, c)), *parts, law, p)
+        found = extreme_value(tuple(map(tuple, c)), parts, law, p)
         rises = np.diff(force) > 0.0
         if rises[0] == rises[-1]:
             changes[0] += 1

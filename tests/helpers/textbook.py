@@ -22,6 +22,7 @@ OF_LAW = {
     "nagata": {"c": 1.0},
     "kato-tullis": {"V_cut": 1e-4},
     "prz": {},
+    "flash-heating": {"V_w": 0.1, "mu_w": 0.2},
 }
 
 
@@ -36,6 +37,8 @@ def drawn(law, rng):
         "Dc2": p["Dc"] * 10 ** rng.uniform(-1.0, 1.0),
         "c": rng.uniform(0.0, 2.0),
         "V_cut": V * 10 ** rng.uniform(-1.5, 1.5),
+        "V_w": V * 10 ** rng.uniform(-0.5, 1.5),
+        "mu_w": 0.6 * rng.uniform(0.1, 0.6),
     }
     p |= {symbol: more[symbol] for symbol in OF_LAW[law]}
     p["K"] = rng.uniform(0.4, 2.5) * p["b"] * p["sigma"] / p["Dc"]
@@ -52,8 +55,24 @@ class Textbook:
         self.b = [p["b"], p["b2"]] if "b2" in p else [p["b"]]
         self.D = [p["Dc"], p["Dc2"]] if "b2" in p else [p["Dc"]]
 
+    @property
+    def regularized(self):
+        """Whether friction is an inverse hyperbolic sine."""
+        return self.law == "flash-heating" or self.p.get("friction") == "regularized"
+
+    def barrier(self, theta):
+        """ln of 2 V0 over the speed at which friction is a asinh(1)."""
+        parts = zip(self.b, theta, self.D, strict=True)
+        return self.p["mu0"] / self.p["a"] + sum(
+            b / self.p["a"] * math.log(self.p["V0"] * th / D) for b, th, D in parts
+        )
+
     def mu(self, V, theta):
         p = self.p
+        if self.regularized:
+            log_of = math.log(max(abs(V), 5e-324) / p["V0"]) + self.barrier(theta)
+            size = math.asinh(0.5 * math.exp(log_of)) if log_of < 600.0 else log_of
+            return p["a"] * math.copysign(size, V)
         if "V1" in p:  # cut-offs
             state = sum(
                 b * math.log1p(p["V2"] * th / D)
@@ -71,7 +90,18 @@ class Textbook:
             healing = math.exp(-V / self.p["V_cut"])
             W = brentq(lambda W: W * math.log(W) - healing, 1.0, 2.0, xtol=1e-15)
             return [W * self.D[0] / V]
+        if self.law == "flash-heating":
+            m = self.steady_mu(V) / self.p["a"]
+            Psi = math.log(2.0 * self.p["V0"] / V) + m + math.log(-0.5 * math.expm1(-2.0 * m))
+            Psi = (self.p["a"] * Psi - self.p["mu0"]) / self.p["b"]
+            return [self.D[0] / self.p["V0"] * math.exp(Psi)]
         return [D / V for D in self.D]
+
+    def steady_mu(self, V):
+        """Steady friction under flash heating."""
+        p = self.p
+        slow = p["mu0"] - (p["b"] - p["a"]) * math.log(V / p["V0"])
+        return p["mu_w"] + (slow - p["mu_w"]) / (1.0 + (V / p["V_w"]) ** 8) ** 0.125
 
     def steady(self, V):
         """y of steady sliding at V."""
@@ -90,12 +120,17 @@ class Textbook:
             return [0.5 * (1.0 - W[0] ** 2)]
         if self.law == "kato-tullis":
             return [math.exp(-V / self.p["V_cut"]) - W[0] * math.log(W[0])]
+        if self.law == "flash-heating":
+            return [theta[0] * V / self.D[0] * math.log(self.steady_theta(V)[0] / theta[0])]
         assert self.law == "nagata"
         return [1.0 - W[0] - self.p["c"] / self.p["b"] * theta[0] * dmu_dt]
 
     def effects(self, V, theta):
         """d mu/d ln V, and d mu/d ln theta of each state."""
         p = self.p
+        if self.regularized:
+            t = math.tanh(self.mu(V, theta) / p["a"])
+            return p["a"] * t, [b * t for b in self.b]
         if "V1" not in p:
             return p["a"], self.b
         grown = [p["V2"] * th / D for th, D in zip(theta, self.D, strict=True)]
@@ -106,6 +141,8 @@ class Textbook:
     def velocity(self, stress, theta, s=1.0):
         """V where friction and damping balance the spring, for M = 0."""
         damping = self.p.get("damping", 0.0) / self.p["sigma"]
+        if self.regularized:
+            return self.reversing_velocity(stress, theta, s)
         if "V1" in self.p:
             return math.exp(
                 brentq(
@@ -129,6 +166,19 @@ class Textbook:
         # (with damping it is slower)
         low = min(math.log(free), math.log(self.p["a"] / damping)) - 700.0 * self.p["a"] - 50.0
         return math.exp(brentq(off, low, math.log(free) + 1e-9, xtol=1e-14, rtol=1e-15))
+
+    def reversing_velocity(self, stress, theta, s):
+        """As `velocity`, by friction that is finite at rest, of either sign."""
+        p, rest = self.p, 2.0 * self.p["V0"] * math.exp(-self.barrier(theta))
+        damping = p.get("damping", 0.0) * rest / p["sigma"]
+        q = stress / s / p["a"]
+        if damping > 0.0:
+
+            def off(q):
+                return s * p["a"] * q + damping * math.sinh(min(q, 700.0)) - stress
+
+            q = brentq(off, min(q, 0.0) - 1e-9, max(q, 0.0) + 1e-9, xtol=1e-15)
+        return rest * math.sinh(q)
 
     def rates(self, y, V_lp, t=0.0):
         p, theta = self.p, [math.exp(x) for x in y[2:]]
@@ -182,6 +232,72 @@ class Textbook:
             jac=lambda t, y: self.jacobian(y, V_lp, t),
             rtol=tol,
             atol=tol * np.array([self.p["a"], *np.ones(len(y) - 1)]),
+        )
+        assert run.success, run.message
+        return run.y.T
+
+
+class Reversing(Textbook):
+    """Friction by an inverse hyperbolic sine with V itself as a variable, which may be < 0."""
+
+    regularized = True
+
+    def steady(self, V):
+        y = super().steady(V)
+        y[1] = V
+        return y
+
+    def evolution(self, V, theta, dmu_dt):
+        if V == 0.0:  # slip does nothing then, and healing all it can
+            return [0.0 if "slip" in self.law or self.law == "flash-heating" else 1.0] * len(theta)
+        return super().evolution(V, theta, dmu_dt)
+
+    def rates(self, y, V_lp, t=0.0):
+        p, theta = self.p, [math.exp(x) for x in y[2:]]
+        s, d_lns = p["s"](t) if "s" in p else (1.0, 0.0)
+        V = y[1] if p["M"] > 0 else self.velocity(y[0], theta, s)
+        d_V = 0.0
+        if p["M"] > 0:
+            force = p["sigma"] * (y[0] - s * self.mu(V, theta)) - p.get("damping", 0.0) * V
+            d_V = force / p["M"]
+        d_theta = self.evolution(abs(V), theta, 0.0)
+        by_s = [p.get("alpha", 0.0) / p["b"] * d_lns, *[0.0] * (len(theta) - 1)]
+        d_log = [d / th - by for d, th, by in zip(d_theta, theta, by_s, strict=True)]
+        return np.array([p["K"] * (V_lp - V) / p["sigma"], d_V, *d_log])
+
+    def jacobian(self, y, V_lp, t=0.0):
+        theta, columns = [math.exp(x) for x in y[2:]], []
+        rest = 2.0 * self.p["V0"] * math.exp(-self.barrier(theta))
+        for i in range(len(y)):
+            h = np.zeros(len(y))
+            h[i] = (1e-6 * self.p["a"], 1e-6 * math.hypot(y[1], rest), *[1e-6] * len(theta))[i]
+            columns.append((self.rates(y + h, V_lp, t) - self.rates(y - h, V_lp, t)) / (2 * h[i]))
+        return np.array(columns).T
+
+    def differs(self, run, exact):
+        """Largest difference of a run from y: tau/(a sigma), V over the largest, ln theta, mu/a."""
+        theta = [[math.exp(x) for x in y[2:]] for y in exact]
+        V = exact[:, 1]
+        if self.p["M"] == 0:
+            V = np.array([self.velocity(y[0], th) for y, th in zip(exact, theta, strict=True)])
+        mu = np.array([self.mu(v, th) for v, th in zip(V, theta, strict=True)])
+        names = [name for name in ("theta", "theta2") if name in run]
+        off = [run.tau.values / self.p["sigma"] - exact[:, 0], run.mu.values - mu]
+        off = [x / self.p["a"] for x in off] + [(run.V.values - V) / np.abs(V).max()]
+        off += [np.log(run[name].values) - x for name, x in zip(names, exact.T[2:], strict=True)]
+        return max(np.abs(x).max() for x in off)
+
+    def solve(self, y, V_lp, times, tol=1e-10):
+        scale = np.array([self.p["a"], max(abs(y[1]), V_lp), *np.ones(len(y) - 2)])
+        run = solve_ivp(
+            lambda t, y: self.rates(y, V_lp, t),
+            (0.0, times[-1]),
+            y,
+            "Radau",
+            times,
+            jac=lambda t, y: self.jacobian(y, V_lp, t),
+            rtol=tol,
+            atol=1e-3 * tol * scale,
         )
         assert run.success, run.message
         return run.y.T

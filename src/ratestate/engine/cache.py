@@ -39,7 +39,8 @@ def _digest():
     """A hash of all sources of the kernels."""
     here = Path(__file__).parent
     laws = here.parent / "friction"
-    shared = [laws / f"{name}.py" for name in ("law", "two_states", "damping", "functions")]
+    names = "law", "kinematics", "two_states", "damping", "functions"
+    shared = [laws / f"{name}.py" for name in names]
     folders = laws / "laws", laws / "forms", here
     sources = [*shared, *(path for folder in folders for path in sorted(folder.glob("*.py")))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]

@@ -5,10 +5,13 @@ A polynomial is a tuple of 5 coefficients, the constant first.
 
 import math
 
-from .exp import exp_alone
-from .jit import inner, recursive
+from .jit import inlined, inner, recursive
+from .rodas5p import speed_alone
 from .rows import rows_of
 from .tuples import dot_onto, read_rows
+
+# Parts of x, of the stress that opposes motion, and of friction: see `force_and_slope`.
+INERTIAL_FORCE, FRICTION, WITH_STRESS = (1.0, -1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 1.0)
 
 
 @inner
@@ -91,7 +94,7 @@ def extreme(c):
 
 
 @inner
-def crossing(c, w_lp, dw, log_w_lp):
+def crossing_of_v(c, w_lp, dw, log_w_lp):
     """Where in 0..1 the polynomial c of v is ln(w_lp + dw s), which the caller has seen it cross.
 
     w_lp, dw : speed at the start of the step, > 0 at any s, and its change in the step
@@ -118,48 +121,98 @@ def crossing(c, w_lp, dw, log_w_lp):
 
 
 @inner
-def force_and_slope(c, s, x_part, S_part, f_part, law, p):
-    """x_part x + S_part S + f_part f at s on the polynomials c of (x, v, psi); its slope.
-
-    S is the stress that opposes motion, f the friction.
-    """
-    y, slope = polynomials(c, s), derivatives(c, s)
-    w = exp_alone(y[1])
-    S_v, S_psi = law.stress_partials(y[1], w, y[2:], p)
-    R_v, R_psi = law.resistance_partials(y[1], w, y[2:], p)
-    force = x_part * y[0] + S_part * law.stress(y[1], w, y[2:], p)
-    force += f_part * law.resistance(y[1], w, y[2:], p)
-    by_S, by_f = (
-        dot_onto(S_v * slope[1], S_psi, slope[2:]),
-        dot_onto(R_v * slope[1], R_psi, slope[2:]),
-    )
-    return force, x_part * slope[0] + S_part * by_S + f_part * by_f
+def force_and_slope(s, c, parts, law, p):
+    """A sum of parts of x, S and friction at s on the polynomials c of (x, v, psi); its slope."""
+    y = polynomials(c, s)
+    w, e = speed_alone(y, law, p)
+    by_x, d_omega, by_psi = slopes_along(s, c, w, e, law, p)
+    S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
+    R_v, R_psi = law.resistance_slopes(y[1], w, y[2:], e, p)
+    force = parts[0] * y[0] + parts[1] * law.stress_in_v(y[1], w, y[2:], p)
+    force += parts[2] * law.resistance_in_v(y[1], w, y[2:], p)
+    by_S, by_f = dot_onto(S_v * d_omega, S_psi, by_psi), dot_onto(R_v * d_omega, R_psi, by_psi)
+    return force, parts[0] * by_x + parts[1] * by_S + parts[2] * by_f
 
 
 @inner
-def extreme_force(c, x_part, S_part, f_part, law, p):
-    """The value of `force_and_slope` where in 0..1 its slope vanishes (regula falsi, Illinois).
+def speed_and_slope(s, c, _, law, p):
+    """w at s on the polynomials c of (x, v, psi), and its slope."""
+    w, e = speed_alone(polynomials(c, s), law, p)
+    return w, law.speed_slope(w, e) * slopes_along(s, c, w, e, law, p)[1]
 
-    Where the slope has one sign at both ends, that at the end where it is smaller in size.
+
+@inlined
+def slopes_along(s, c, w, e, law, p):
+    """Derivatives of x, omega (`kinematics`) and psi, a tuple, with respect to s."""
+    dy = derivatives(c, s)
+    shares = law.shares(e, 1.0 / law.speed_slope(w, e), p)
+    return dy[0], dot_onto(dy[1], shares, dy[2:]), dy[2:]
+
+
+@inner
+def lead(s, c, load, law, p):
+    """v at s on the polynomials c of (x, v, psi), and less that of the load point's speed there.
+
+    load : its speed at the start of the step, and its change in the step
+    """
+    y = polynomials(c, s)
+    return y[1], y[1] - law.v_at(load[0] + load[1] * s, y[2:], p)
+
+
+@inner
+def root(function, c, of, law, p):
+    """Where in 0..1 the second of what a function of s gives vanishes, and the first there.
+
+    By regula falsi (Illinois).  Where it has one sign at both ends, the end where it is smaller in
+    size.
     """
     low, high = 0.0, 1.0
-    at_low, d_low = force_and_slope(c, low, x_part, S_part, f_part, law, p)
-    force, d_high = force_and_slope(c, high, x_part, S_part, f_part, law, p)
-    if (d_low < 0.0) == (d_high < 0.0):
-        return at_low if abs(d_low) < abs(d_high) else force
-    side, last = 0, 2.0
+    first, at_low = function(low, c, of, law, p)
+    here, at_high = function(high, c, of, law, p)
+    if (at_low < 0.0) == (at_high < 0.0):
+        return (0.0, first) if abs(at_low) < abs(at_high) else (1.0, here)
+    side, s, last = 0, 1.0, 2.0
     for _ in range(100):
-        s = (low * d_high - high * d_low) / (d_high - d_low)
-        force, d = force_and_slope(c, s, x_part, S_part, f_part, law, p)
-        if d == 0.0 or abs(s - last) < 1e-14:
-            return force
+        s = (low * at_high - high * at_low) / (at_high - at_low)
+        here, off = function(s, c, of, law, p)
+        if off == 0.0 or abs(s - last) < 1e-14:
+            break
         last = s
-        if (d < 0.0) == (d_low < 0.0):
-            low, d_low = s, d
-            d_high = 0.5 * d_high if side == 1 else d_high
+        if (off < 0.0) == (at_low < 0.0):
+            low, at_low = s, off
+            at_high = 0.5 * at_high if side == 1 else at_high
             side = 1
         else:
-            high, d_high = s, d
-            d_low = 0.5 * d_low if side == -1 else d_low
+            high, at_high = s, off
+            at_low = 0.5 * at_low if side == -1 else at_low
             side = -1
-    return force
+    return s, here
+
+
+@inner
+def extreme_value(c, parts, law, p):
+    """The value of a sum of parts where in 0..1 its slope vanishes, as of `root`."""
+    return root(force_and_slope, c, parts, law, p)[1]
+
+
+@recursive
+def extreme_speed(shares, c, law, p):
+    """Where in 0..1 the speed is extreme on the polynomials c, and its `order_of_speed`.
+
+    shares : those of the law, () where v tells the speed
+    """
+    if len(shares) == 0:
+        at = extreme(c[1])
+        return at, polynomial(c[1], at)
+    return root(speed_and_slope, c, (), law, p)
+
+
+@recursive
+def crossing(shares, c, w_lp, dw, log_w_lp, law, p):
+    """Where in 0..1 the speed is that of the load point, which the caller has seen it cross.
+
+    shares : as of `extreme_speed`; w_lp, dw, log_w_lp : as of `crossing_of_v`
+    """
+    if len(shares) == 0:
+        return crossing_of_v(c[1], w_lp, dw, log_w_lp)
+    return root(lead, c, (w_lp, dw), law, p)[0]

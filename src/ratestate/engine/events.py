@@ -4,11 +4,20 @@ Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  
 crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 """
 
+from ..friction.kinematics import LIMIT
 from . import rows as R
-from .dense_output import components, crossing, extreme, extreme_force, polynomial
-from .exp import LIMIT
+from .dense_output import (
+    FRICTION,
+    INERTIAL_FORCE,
+    WITH_STRESS,
+    components,
+    crossing,
+    extreme_speed,
+    extreme_value,
+    polynomial,
+)
 from .jit import inner
-from .lanes import extrema
+from .lanes import beyond_limit, extrema
 from .model import NOT_FINITE, RUNAWAY
 from .periodicity import close_cycle
 from .rows import rows_of
@@ -23,20 +32,21 @@ def observe(s, l, law, c):
 
     c : the polynomials of x, v and psi
     """
-    p = read_rows(s, rows_of(law).p, l)
+    rows = rows_of(law)
+    p = read_rows(s, rows.p, l)
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     at = -1.0
     if v_extremum:
-        at = extreme(c[1])
-        v = polynomial(c[1], at)
+        shares = law.shares(read_rows(s, rows.e, l), 1.0, p)
+        at, v = extreme_speed(shares, c, law, p)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_extremum:
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(extreme_force(c, 1.0, -1.0, 0.0, law, p)))
+        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(extreme_value(c, INERTIAL_FORCE, law, p)))
     if f_extremum:
-        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_force(c, 0.0, 0.0, 1.0, law, p))
+        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(c, FRICTION, law, p))
     if xf_extremum:
-        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_force(c, 1.0, 0.0, 1.0, law, p))
+        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(c, WITH_STRESS, law, p))
     return at
 
 
@@ -49,9 +59,11 @@ def outrun(s, l, law):
     """
     rows = rows_of(law)
     y = read_rows(s, rows.y_new, l)
-    if law.runs_away(y[1], y[2:], s[R.KAPPA + l], read_rows(s, rows.p, l)):
+    p = read_rows(s, rows.p, l)
+    v = law.log_of_faster(y[1], y[2:], p)
+    if law.runs_away(v, y[2:], s[R.KAPPA + l], p):
         s[R.STATUS + l] = RUNAWAY
-    elif law.heals_at_rest() and y[1] > LIMIT:
+    elif law.heals_at_rest() and v > LIMIT:
         s[R.STATUS + l] = NOT_FINITE
 
 
@@ -65,10 +77,13 @@ def handle_events(s, l, law):
         observe(s, l, law, c)
     rises = s[R.W_NEW + l] >= w_lp + dw
     if (s[R.W + l] < w_lp) == rises:
-        at = crossing(c[1], w_lp, dw, s[R.LOG_W_LP + l])
+        rows = rows_of(law)
+        p = read_rows(s, rows.p, l)
+        shares = law.shares(read_rows(s, rows.e, l), 1.0, p)
+        at = crossing(shares, c, w_lp, dw, s[R.LOG_W_LP + l], law, p)
         if rises:
             close_cycle(s, l, law, s[R.T_LOW + l] + at * h, polynomial(c[0], at))
         else:
             s[R.X_LOW + l] = polynomial(c[0], at)
-    if s[R.V_NEW + l] > s[R.V_LIMIT + l]:
+    if beyond_limit(s, l, law):
         outrun(s, l, law)

@@ -7,18 +7,52 @@ accurate to 3 units in the last place between -600 and 600 and saturate outside:
 """
 
 import math
+from typing import Any
 
 import numpy as np
+from numba import types
+from numba.extending import intrinsic, overload
 
-from .jit import inlined, recursive
+from ..friction.kinematics import LIMIT
+from .jit import INLINED, inlined, recursive
 
-LIMIT = 600.0
+_overload: Any = overload  # (its declared arguments lack jit_options)
+_intrinsic: Any = intrinsic
+
 LOG2_E = 1.4426950408889634
 # ln 2 in two parts: n*LN2_HIGH is exact for every exponent n that a double can have.
 LN2_HIGH = 6.93147180369123816490e-01
 LN2_LOW = 1.90821492927058770002e-10
 # Adding 1.5*2**52 rounds to an integer and leaves that integer in the low bits of the sum.
 ROUND = 6755399441055744.0
+
+
+def limited(x):
+    """x between -LIMIT and LIMIT; NaN stays NaN."""
+    return -LIMIT if x < -LIMIT else LIMIT if x > LIMIT else x
+
+
+@_intrinsic
+def _limited(typing_context, x):
+    """As `limited`, without a branch.
+
+    Between branches no product is fused with what it is added to, and a slider alone would have
+    other bits than in a lane.
+    """
+
+    def generate(context, builder, signature, arguments):
+        (x,) = arguments
+        for limit, beyond in ((-LIMIT, "<"), (LIMIT, ">")):
+            bound = context.get_constant(types.float64, limit)
+            x = builder.select(builder.fcmp_ordered(beyond, x, bound), bound, x)
+        return x
+
+    return types.float64(types.float64), generate
+
+
+@_overload(limited, jit_options=INLINED)
+def _of_compiled(x):
+    return lambda x: _limited(x)
 
 
 @inlined
@@ -28,8 +62,7 @@ def parts(x):
     The polynomial is near-minimax of degree 11 (relative error 2e-17) and summed as a tree,
     since a lane waits for the longest chain of operations, not for their number.
     """
-    x = -LIMIT if x < -LIMIT else x
-    x = LIMIT if x > LIMIT else x
+    x = limited(x)
     shifted = x * LOG2_E + ROUND
     n = shifted - ROUND
     r = (x - n * LN2_HIGH) - n * LN2_LOW

@@ -1,36 +1,83 @@
-"""The functions of friction/functions.py in compiled code, which loops over lanes can vectorise."""
+"""The functions of friction/functions.py in compiled code, which loops over lanes can vectorise.
 
+Without branches: between them no product is fused with what it is added to, and a slider alone
+would have other bits than in a lane.
+"""
+
+import math
 from typing import Any
 
+import numpy as np
 from numba.extending import overload
 
 from ..friction import functions
-from ..friction.functions import logistic, softplus
-from .exp import exp
+from ..friction.functions import asinh_of, larger, log, logistic, softplus
+from .exp import LN2_HIGH, LN2_LOW, ROUND, exp
 from .jit import INLINED, inlined
 
 _overload: Any = overload  # (its declared arguments lack jit_options)
 
 SQRT2, LN_SQRT2 = 1.4142135623730951, 0.34657359027997264
+# Bits: of sqrt(1/2), but for its last ones; of a mantissa; of `exp.ROUND`.
+HALF_BITS = np.float64(math.sqrt(0.5)).view(np.int64)
+MANTISSA = np.int64((1 << 52) - 1)
+ROUND_BITS = np.float64(ROUND).view(np.int64)
 
 
 @inlined
-def log1p_of_part(t):
-    """ln(1 + t) for 0 <= t <= 1, to 2e-16 of 1: ln(sqrt 2) + 2 artanh z."""
-    z = ((1.0 + t) - SQRT2) / ((1.0 + t) + SQRT2)
+def artanh(z):
+    """artanh z for |z| <= 0.172, to 1e-16 of itself, by its series."""
     z2 = z * z
     z4 = z2 * z2
     z8 = z4 * z4
     low = (1.0 + z2 * (1.0 / 3.0)) + z4 * (1.0 / 5.0 + z2 * (1.0 / 7.0))
     middle = (1.0 / 9.0 + z2 * (1.0 / 11.0)) + z4 * (1.0 / 13.0 + z2 * (1.0 / 15.0))
     high = (1.0 / 17.0 + z2 * (1.0 / 19.0)) + z4 * (1.0 / 21.0)
-    return LN_SQRT2 + 2.0 * z * (low + z8 * (middle + z8 * high))
+    return z * (low + z8 * (middle + z8 * high))
+
+
+@inlined
+def log1p_of_part(t):
+    """ln(1 + t) for 0 <= t <= 1, to 2e-16 of 1."""
+    return LN_SQRT2 + 2.0 * artanh(((1.0 + t) - SQRT2) / ((1.0 + t) + SQRT2))
+
+
+@_overload(log, jit_options=INLINED)
+def _log(x):
+    def of_number(x):
+        """By x = 2**n m, sqrt(1/2) <= m < sqrt 2, from the bits of a normal x > 0."""
+        bits = np.float64(x).view(np.int64) - HALF_BITS
+        m = np.int64((bits & MANTISSA) + HALF_BITS).view(np.float64)
+        rest = 2.0 * artanh((m - 1.0) / (m + 1.0))
+        # (an integer in the low bits of a number of this size; AVX-512 alone would convert it)
+        n = np.int64((bits >> np.int64(52)) + ROUND_BITS).view(np.float64) - ROUND
+        return n * LN2_HIGH + (n * LN2_LOW + rest)
+
+    return of_number
+
+
+@_overload(larger, jit_options=INLINED)
+def _larger(x, y):
+    return lambda x, y: x if x > y else y
+
+
+@_overload(asinh_of, jit_options=INLINED)
+def _asinh_of(w, x):
+    def of_number(w, x):
+        """Of one number at a time, by the C library."""
+        if w == 0.0:
+            return 0.0
+        log_size = math.log(abs(w)) + x
+        size = math.asinh(0.5 * math.exp(log_size)) if log_size < 20.0 else log_size
+        return math.copysign(size, w)
+
+    return of_number
 
 
 @_overload(softplus, jit_options=INLINED)
 def _softplus(x):
     def of_number(x):
-        return (x if x > 0.0 else 0.0) + log1p_of_part(exp(-abs(x)))
+        return 0.5 * (x + abs(x)) + log1p_of_part(exp(-abs(x)))
 
     return of_number
 
@@ -38,10 +85,24 @@ def _softplus(x):
 @_overload(logistic, jit_options=INLINED)
 def _logistic(x):
     def of_number(x):
-        small = exp(-abs(x))
-        return (1.0 if x > 0.0 else small) / (1.0 + small)
+        return 1.0 / (1.0 + exp(-x))
 
     return of_number
+
+
+@_overload(functions.flash, jit_options=INLINED)
+def _flash(x):
+    return lambda x: exp(-0.125 * softplus(8.0 * x))
+
+
+@_overload(functions.log_2_sinh, jit_options=INLINED)
+def _log_2_sinh(x):
+    return lambda x: x + log(1.0 - exp(-2.0 * x))
+
+
+@_overload(functions.coth, jit_options=INLINED)
+def _coth(x):
+    return lambda x: 2.0 / (1.0 - exp(-2.0 * x)) - 1.0
 
 
 def _of_each(function, arguments, item):
@@ -61,6 +122,8 @@ def _of_each(function, arguments, item):
 _of_each(functions.softplus_each, "x, y", "softplus(x + y[{k}])")
 _of_each(functions.logistic_each, "x, y", "logistic(x + y[{k}])")
 _of_each(functions.bent_each, "y", "y[{k}] * (1.0 - y[{k}])")
+_of_each(functions.scaled, "x, y", "x * y[{k}]")
+_of_each(functions.added, "x, y", "x[{k}] + y[{k}]")
 _of_each(functions.weighted, "weights, y", "weights[{k}] * y[{k}]")
 _of_each(functions.zeros_for, "y", "0.0 * y[{k}]")
 

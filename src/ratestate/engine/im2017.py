@@ -17,9 +17,10 @@ import math
 
 from . import lanes as L
 from . import rows as R
-from .exp import exp_alone, exp_each_alone
+from .exp import exp_alone
 from .jit import inner, kernel
 from .model import IM2017_EULER, NO_ROOT
+from .rodas5p import exponentials_alone
 from .rows import rows_of
 from .step_control import step_size
 from .tuples import dot_onto, read_rows, total, write_rows
@@ -89,10 +90,10 @@ def take_step(s, l, law, method):
     d_lp = h * (w_lp + 0.5 * dw)
     y_new, solved = solve_force_balance(law, method, kappa, p, y, w, d_lp, h, omega)
     solved = solved and math.isfinite(y_new[0]) and math.isfinite(total(y_new[2:]))
-    w_new = exp_alone(y_new[1])
+    w_new, e_new = exponentials_alone(y_new, law, p)
     write_rows(s, rows.y_new, l, y_new)
     s[R.W_NEW + l] = w_new
-    write_rows(s, rows.e_new, l, exp_each_alone(law.exponents(y_new[1], w_new, y_new[2:], p)))
+    write_rows(s, rows.e_new, l, e_new)
     # Between its points the scheme says nothing; x is drawn as the cubic with its end slopes.
     x, x_new = y[0], y_new[0]
     rise = x_new - x

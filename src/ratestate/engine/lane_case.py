@@ -3,10 +3,10 @@
 import math
 
 from . import rows as R
-from .exp import exp_alone, exp_each_alone
 from .jit import inner
 from .lanes import TOO_MANY_FAILURES
 from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW
+from .rodas5p import exponentials_alone
 from .rows import rows_of
 from .tuples import load_rows, read_rows, sum_of_sizes, write_rows
 
@@ -33,13 +33,14 @@ def fill(s, l, law, i, size, cases):
     s[R.KAPPA + l] = cases.kappa[i]
     load_rows(s, rows.p, l, cases.p[i])
     load_rows(s, rows.y, l, cases.y[i])
-    p, y, w = read_rows(s, rows.p, l), read_rows(s, rows.y, l), exp_alone(s[R.V + l])
+    p, y = read_rows(s, rows.p, l), read_rows(s, rows.y, l)
+    w, e = exponentials_alone(y, law, p)
     s[R.W + l] = w
-    write_rows(s, rows.e, l, exp_each_alone(law.exponents(y[1], w, y[2:], p)))
+    write_rows(s, rows.e, l, e)
     s[R.OBSERVE + l], s[R.V_LIMIT + l] = cases.observe[i], cases.v_limit[i]
     s[R.MAX_STEPS + l] = cases.max_steps[i]
-    s[R.V_HIGH + l] = s[R.V_LOW + l] = s[R.V + l]
-    s[R.F_LOW + l] = law.resistance(y[1], w, y[2:], p)
+    s[R.V_HIGH + l] = s[R.V_LOW + l] = law.order_of_speed(y[1], w)
+    s[R.F_LOW + l] = law.resistance_in_v(y[1], w, y[2:], p)
     s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
 
 
@@ -49,9 +50,9 @@ def choose_first_step(s, l, law):
     w, w_lp = s[R.W + l], s[R.W_LP + l]
     f_x = s[R.KAPPA + l] * (w_lp - w)
     rows = rows_of(law)
-    y, p = read_rows(s, rows.y, l), read_rows(s, rows.p, l)
-    f_psi = law.rates(y[1], w, y[2:], read_rows(s, rows.e, l), p)
-    fastest = abs(f_x) + sum_of_sizes(f_psi) + w + w_lp
+    y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
+    f_psi = law.rates_in_v(y[1], w, y[2:], e, p)
+    fastest = abs(f_x) + sum_of_sizes(f_psi) + law.speed_slope(w, e) + abs(w_lp)
     h = 0.1 * math.sqrt(math.sqrt(s[R.TOLERANCE + l])) / fastest
     s[R.H + l], s[R.MEMORY + l] = min(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
 

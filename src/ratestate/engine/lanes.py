@@ -24,20 +24,21 @@ ROUNDING_OF_FORCE = 1e-13
 
 
 @inlined
-def extremum_conditions(y, f_x, f_psi, w, system):
-    """Four numbers with the signs of dv/dT, dg/dT, df/dT and d(x + f)/dT.
+def extremum_conditions(y, w, e, w_lp, system):
+    """Four numbers with the signs of dw/dT, dg/dT, df/dT and d(x + f)/dT.
 
-    dv/dT has the sign of g or, where inertia is lost in rounding, of f_x - S_psi f_psi; then x = S.
-    The others follow from eta0 w dv/dT = g, friction f = R(v, psi) and g = x - S.
+    dw/dT has the sign of g or, where inertia is lost in rounding, of f_x - S_psi f_psi; then x = S.
+    The others follow from eta0 dw/dT = g, friction f = R and g = x - S.
     """
-    law, _, eta0, p = system
-    g, S_v, S_psi = inertial_force(y, w, law, p)
-    R_v, R_psi = law.resistance_partials(y[1], w, y[2:], p)
+    law, kappa, eta0, p = system
+    f_x, f_psi = kappa * (w_lp - w), law.rates_in_v(y[1], w, y[2:], e, p)
+    g, S_v, S_psi = inertial_force(y, w, e, law, p)
+    R_v, R_psi = law.resistance_slopes(y[1], w, y[2:], e, p)
     evolution = dot(R_psi, f_psi)
     drive = f_x - dot(S_psi, f_psi)
     lost = abs(g) <= ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
-    m = eta0 * w
-    # (dv/dT is drive/S_v where inertia is lost)
+    m = eta0 * law.speed_slope(w, e)
+    # (d omega/dT is drive/S_v where inertia is lost)
     friction = R_v * drive + S_v * evolution if lost else m * evolution + R_v * g
     both = friction + (S_v * f_x if lost else m * f_x)
     return (drive if lost else g), m * drive - S_v * g, friction, both
@@ -47,19 +48,12 @@ def extremum_conditions(y, f_x, f_psi, w, system):
 def extrema(s, l, law):
     """Whether V and g have an extreme in the step, f and x + f a minimum: four bools."""
     rows, system = rows_of(law), system_of(s, l, law)
-    kappa, p = system[1], system[3]
     w_lp = s[R.W_LP + l]
     w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
-    y0, w0, y1, w1 = (
-        read_rows(s, rows.y, l),
-        s[R.W + l],
-        read_rows(s, rows.y_new, l),
-        s[R.W_NEW + l],
-    )
-    f0 = law.rates(y0[1], w0, y0[2:], read_rows(s, rows.e, l), p)
-    f1 = law.rates(y1[1], w1, y1[2:], read_rows(s, rows.e_new, l), p)
-    a0, b0, c0, d0 = extremum_conditions(y0, kappa * (w_lp - w0), f0, w0, system)
-    a1, b1, c1, d1 = extremum_conditions(y1, kappa * (w_lp_new - w1), f1, w1, system)
+    y0, e0 = read_rows(s, rows.y, l), read_rows(s, rows.e, l)
+    y1, e1 = read_rows(s, rows.y_new, l), read_rows(s, rows.e_new, l)
+    a0, b0, c0, d0 = extremum_conditions(y0, s[R.W + l], e0, w_lp, system)
+    a1, b1, c1, d1 = extremum_conditions(y1, s[R.W_NEW + l], e1, w_lp_new, system)
     f_extremum, xf_extremum = (c0 < 0.0) & (c1 >= 0.0), (d0 < 0.0) & (d1 >= 0.0)
     return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0), f_extremum, xf_extremum
 
@@ -85,13 +79,22 @@ def steadies(s, l, law):
 
 
 @inlined
+def beyond_limit(s, l, law):
+    """Whether the step ends at a speed beyond the lane's limit."""
+    rows = rows_of(law)
+    y_new = read_rows(s, rows.y_new, l)
+    v_new = law.log_of_faster(y_new[1], y_new[2:], read_rows(s, rows.p, l))
+    return v_new > s[R.V_LIMIT + l]
+
+
+@inlined
 def has_event(s, l, law):
     """Set CALL: whether the step is accepted and holds anything for the scalar code."""
     w_lp = s[R.W_LP + l]
     crosses = (s[R.W + l] < w_lp) != (s[R.W_NEW + l] < w_lp + s[R.H_USED + l] * s[R.RAMP + l])
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     extreme = (v_extremum | g_extremum | f_extremum | xf_extremum) & (s[R.OBSERVE + l] > 0.0)
-    runs_away = s[R.V_NEW + l] > s[R.V_LIMIT + l]
+    runs_away = beyond_limit(s, l, law)
     flag = crosses | extreme | saves(s, l) | steadies(s, l, law) | runs_away
     flag = flag | (s[R.EVERY_STEP + l] > 0.0)
     s[R.CALL + l] = 1.0 if (s[R.OK + l] > 0.0) & flag else 0.0
@@ -117,9 +120,12 @@ def record(s, l, law, h, new, error, dense):
     write_rows(s, rows.y_2, l, dense[1])
     write_rows(s, rows.y_3, l, dense[2])
     s[R.H_USED + l] = h
-    # v is far larger at rest, and means nothing there
+    # (v is far larger at rest, and means nothing there)
     size = max(abs(new[0][0]), largest(new[0][2:]))
-    s[R.ERROR + l] = largest(error) / max(s[R.TOLERANCE + l], ROUNDING * size)
+    fastest = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.W_LP + l]
+    of_v = law.error_of_v(error[1], new[1], new[2], fastest)
+    largest_error = max(max(abs(error[0]), abs(of_v)), largest(error[2:]))
+    s[R.ERROR + l] = largest_error / max(s[R.TOLERANCE + l], ROUNDING * size)
 
 
 @inlined
@@ -149,7 +155,7 @@ def commit_lane(s, l, law):
     rows = rows_of(law)
     y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
     y1, e1, w1 = read_rows(s, rows.y_new, l), read_rows(s, rows.e_new, l), s[R.W_NEW + l]
-    v1 = y1[1]
+    v1 = law.order_of_speed(y1[1], w1)
     w_lp, ramp, memory, h_next = s[R.W_LP + l], s[R.RAMP + l], s[R.MEMORY_NEW + l], s[R.H_NEXT + l]
     load, d_load = s[R.LOAD_WORK + l], s[R.D_LOAD + l]
     friction, d_friction = s[R.DISSIPATION + l], s[R.D_FRICTION + l]
@@ -157,7 +163,8 @@ def commit_lane(s, l, law):
     v_high, v_low, g_high = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
     f_low, xf_low = s[R.F_LOW + l], s[R.XF_LOW + l]
     p = read_rows(s, rows.p, l)
-    f1, s1 = law.resistance(v1, w1, y1[2:], p), law.stress(v1, w1, y1[2:], p)
+    f1 = law.resistance_in_v(y1[1], w1, y1[2:], p)
+    s1 = law.stress_in_v(y1[1], w1, y1[2:], p)
     g1, xf1 = abs(y1[0] - s1), y1[0] + f1
     t_break, status, max_steps = s[R.BREAKPOINT + l], s[R.STATUS + l], s[R.MAX_STEPS + l]
     increment = low + h

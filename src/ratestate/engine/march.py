@@ -101,6 +101,8 @@ def finish(s, l, law, cases, results):
     else:
         results.saved[i] = np.nan
     amplitude, period, returns = last_period(s, l, law)
+    rows = rows_of(law)
+    y, p = read_rows(s, rows.y, l), read_rows(s, rows.p, l)
     numbers = Numbers(
         t=(s[R.T + l] + s[R.T_LOW + l]) / cases.scale[i],
         steps=s[R.STEPS + l],
@@ -110,8 +112,8 @@ def finish(s, l, law, cases, results):
         amplitude=amplitude,
         period=period,
         cycles=s[R.CYCLES + l],
-        v_max=s[R.V_HIGH + l],
-        v_min=s[R.V_LOW + l],
+        v_max=law.v_of_order(s[R.V_HIGH + l], y[2:], p),
+        v_min=law.v_of_order(s[R.V_LOW + l], y[2:], p),
         g_max=s[R.G_HIGH + l],
         returns=float(returns),
         f_min=s[R.F_LOW + l],

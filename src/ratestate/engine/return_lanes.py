@@ -6,7 +6,18 @@ from .jit import inlined, lanewise, recursive
 from .rodas5p import inertial_force
 from .rows import rows_of
 from .tangent import step as tangent_step
-from .tuples import dot, largest, plus, read_rows, select, size_of, times, write_rows
+from .tuples import (
+    dot,
+    dot_onto,
+    largest,
+    minus_dot,
+    plus,
+    read_rows,
+    select,
+    size_of,
+    times,
+    write_rows,
+)
 
 
 @recursive
@@ -23,6 +34,14 @@ def store_each(s, rows, l, values):
     if len(rows) > 0:
         write_rows(s, rows[0], l, values[0])
         store_each(s, rows[1:], l, values[1:])
+
+
+@recursive
+def changes_of_speed(z, shares):
+    """The change of omega (`kinematics`) by each of the perturbations z."""
+    if len(z) == 0:
+        return ()
+    return dot_onto(z[0][1], shares, z[0][2:]), *changes_of_speed(z[1:], shares)
 
 
 @inlined
@@ -80,13 +99,16 @@ def commit_lane(s, l, law):
     """
     ok = s[R.OK + l] > 0.0
     rows, system = rows_of(law), L.system_of(s, l, law)
-    y, w = read_rows(s, rows.y, l), s[R.W + l]
+    y, w, e = read_rows(s, rows.y, l), s[R.W + l], read_rows(s, rows.e, l)
     f_x = system[1] * (1.0 - w)
-    f_psi = law.rates(y[1], w, y[2:], read_rows(s, rows.e, l), system[3])
-    g, S_v, S_psi = inertial_force(y, w, law, system[3])
+    f_psi = law.rates_in_v(y[1], w, y[2:], e, system[3])
+    g, S_v, S_psi = inertial_force(y, w, e, law, system[3])
     rounding = L.ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
-    m = s[R.ETA0 + l] * w
-    f_v = (f_x - dot(S_psi, f_psi)) / S_v if (abs(g) <= rounding) | (m == 0.0) else g / m
+    c = law.speed_slope(w, e)
+    m = s[R.ETA0 + l] * c
+    lost = (abs(g) <= rounding) | (m == 0.0)
+    f_omega = (f_x - dot(S_psi, f_psi)) / S_v if lost else g / m
+    f_v = minus_dot(f_omega, law.shares(e, 1.0 / c, system[3]), f_psi)
     pace = max(max(abs(f_x), abs(f_v)), max(largest(f_psi), 1e-300))
     direction = (f_x / pace, f_v / pace, *times(1.0 / pace, f_psi))
     share = 1.0 / dot(direction, direction)

@@ -17,9 +17,9 @@ from .jit import inner, kernel, recursive
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
 from .model import RUNNING
 from .return_events import handle_events, rates
-from .return_lanes import advance, commit, load_each
+from .return_lanes import advance, changes_of_speed, commit, load_each
 from .rows import rows_of
-from .tuples import load_rows, of_each, plus, read_rows, times, write
+from .tuples import dot_onto, load_rows, of_each, plus, read_rows, times, write
 
 
 class Starts(NamedTuple):
@@ -93,7 +93,8 @@ def load(s, l, law, i, starts):
     for row in rows.x_low:
         s[row + l] = math.nan
     # A start on the section is a crossing already made: the step from it leads to no other.
-    s[R.SINCE + l] = 0.0 if s[R.V + l] == 0.0 else 1.0
+    y, p = read_rows(s, rows.y, l), read_rows(s, rows.p, l)
+    s[R.SINCE + l] = 0.0 if y[1] == law.v_at(1.0, y[2:], p) else 1.0
     choose_first_step(s, l, law)
 
 
@@ -112,16 +113,18 @@ def finish(s, l, law, results):
     status = int(s[R.STATUS + l])
     results.status[i] = status if status != RUNNING else stuck(s, l)
     rows = rows_of(law)
-    y, e = read_rows(s, rows.y, l), read_rows(s, rows.e, l)
+    y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
     speeds = rates(s, l, law, y, s[R.W + l], e)
+    shares = law.shares(e, 1.0 / law.speed_slope(s[R.W + l], e), p)
+    omega = dot_onto(speeds[1], shares, speeds[2:])
     numbers = ReturnNumbers(
         period=s[R.T + l] + s[R.T_LOW + l],
         x=y[0],
-        G=speeds[1],
+        G=omega * law.speed_slope(s[R.W + l], e),
         x_low=s[R.X_LOW + l],
         trace=s[R.TRACE + l],
-        v_max=s[R.V_HIGH + l],
-        v_min=s[R.V_LOW + l],
+        v_max=law.v_of_order(s[R.V_HIGH + l], y[2:], p),
+        v_min=law.v_of_order(s[R.V_LOW + l], y[2:], p),
         g_max=s[R.G_HIGH + l],
         slow=s[R.SLOW + l],
         mean=s[R.MEAN + l],
@@ -136,7 +139,7 @@ def finish(s, l, law, results):
         results.numbers[i, k] = numbers[k]
     write(results.psi[i], 0, y[2:])
     z = load_each(s, rows.z, l)
-    shifts = times(1.0 / speeds[1], of_each(z, 1))
+    shifts = times(1.0 / omega, changes_of_speed(z, shares))
     early = read_rows(s, rows.early, l)
     derivatives = Derivatives(
         period=times(-1.0, plus(shifts, 1.0, early)),

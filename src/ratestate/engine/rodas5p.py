@@ -8,14 +8,15 @@ of the law's variables.  Two things are done with its shape.
   m dv/dT = g w_start/w.  Nothing overflows as V -> 0, and eta0 = 0 is a regular case: the row
   then reads S_v k_v = k_x - S_psi k_psi and a linearly implicit method keeps x = S(v, psi).
   What remains is this same method on the other variables, so the quasi-static limit needs no code
-  of its own.
+  of its own.  (Where slip may reverse c takes the place of w, and omega that of v: `kinematics`.)
 
 Beside the state, a step integrates the load-point work and the frictional dissipation with the
 weights `B` that the method implies for a pure quadrature.
 """
 
+from ..friction.kinematics import LIMIT
 from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
-from .exp import LIMIT, exp_and_inverse, exp_each
+from .exp import exp_alone, exp_and_inverse, exp_each, exp_each_alone
 from .jit import inlined, recursive
 from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
 from .tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, zeros
@@ -23,36 +24,57 @@ from .tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times,
 
 @inlined
 def exponentials(u, law, p):
-    """w = e**v and 1/w, and e to the power of each of the law's `exponents`."""
-    w, w_inverse = exp_and_inverse(u[1])
-    return w, w_inverse, exp_each(law.exponents(u[1], w, u[2:], p))
+    """w, 1/c and e of `kinematics` at u: e**v and e**-v, and those of laws and backward jumps."""
+    forward, inverse = exp_and_inverse(u[1])
+    back = exp_each(law.backward_exponent(u[1], u[2:], p))
+    w, c_inverse = law.net_speed(forward, inverse, back)
+    return w, c_inverse, (*back, *exp_each(law.own_exponents(u[1], w, u[2:], back, p)))
 
 
 @inlined
-def inertial_force(y, w, law, p):
-    """g = x - S, and the derivatives of the stress S by v and by psi, at y = (x, v, psi)."""
-    S_v, S_psi = law.stress_partials(y[1], w, y[2:], p)
-    return y[0] - law.stress(y[1], w, y[2:], p), S_v, S_psi
+def speed_alone(u, law, p):
+    """w, and the first of e, as of `exponentials`, of one slider alone."""
+    forward = exp_alone(u[1])
+    back = exp_each_alone(law.backward_exponent(u[1], u[2:], p))
+    w, _ = law.net_speed(forward, forward, back)
+    return w, back
+
+
+@inlined
+def exponentials_alone(u, law, p):
+    """w and e as of `exponentials`, of one slider alone."""
+    w, back = speed_alone(u, law, p)
+    return w, (*back, *exp_each_alone(law.own_exponents(u[1], w, u[2:], back, p)))
+
+
+@inlined
+def inertial_force(y, w, e, law, p):
+    """g = x - S, and the slopes of the stress S by omega and by psi, at y = (x, v, psi)."""
+    S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
+    return y[0] - law.stress_in_v(y[1], w, y[2:], p), S_v, S_psi
 
 
 @inlined
 def prepare(y, w, e, h, system):
     """What the first point y of a step fixes: the arrow matrix, and its pivot.
 
-    With f_v and f_psi the derivatives of the law's rates, these numbers and tuples: w, m = eta0 w,
-    gamma h, kappa w, f_v, S_psi, a_psi = gamma h/(1 - gamma h f_psi), and one over the pivot.
+    With f_v and f_psi the slopes of the law's rates, these numbers and tuples: c, m = eta0 c,
+    gamma h, kappa c, f_v, g_psi, a_psi = gamma h/(1 - gamma h f_psi), one over the pivot, and m
+    times `shares`.
     """
     law, kappa, eta0, p = system
-    f_v, f_psi = law.rate_partials(y[1], w, y[2:], e, p)
-    g, S_v, S_psi = inertial_force(y, w, law, p)
+    f_v, f_psi = law.rate_slopes(y[1], w, y[2:], e, p)
+    g, S_v, S_psi = inertial_force(y, w, e, law, p)
+    c = law.speed_slope(w, e)
     gamma_h = GAMMA * h
-    m = eta0 * w
-    kappa_w = kappa * w
+    m = eta0 * c
+    kappa_c = kappa * c
     a_psi = leaves(gamma_h, f_psi)
-    # -(eta0 w) d/dv of g/(eta0 w); at rest w is a constant (exp.py)
-    diagonal = S_v + (g if y[1] > -LIMIT else 0.0)
-    pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_w, product(S_psi, a_psi), f_v)
-    return w, m, gamma_h, kappa_w, f_v, S_psi, a_psi, pivot
+    # at rest w is a constant (exp.py)
+    g = g if law.log_of_faster(y[1], y[2:], p) > -LIMIT else 0.0
+    diagonal, g_psi = law.inertia_slopes(g, (S_v, S_psi), m, y[1], w, y[2:], e, p)
+    pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_c, product(g_psi, a_psi), f_v)
+    return c, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, law.shares(e, 1.0 / c, p)
 
 
 @recursive
@@ -65,24 +87,29 @@ def leaves(gamma_h, f_psi):
 
 @inlined
 def solve_arrow(r, start):
-    """The k that solves the arrow matrix of `prepare` for this right-hand side (x, v, psi)."""
-    _, _, gamma_h, kappa_w, f_v, S_psi, a_psi, pivot = start
-    k_v = pivot * minus_dot(r[1] + gamma_h * r[0], product(S_psi, a_psi), r[2:])
-    return gamma_h * (r[0] - kappa_w * k_v), k_v, *product(a_psi, plus(r[2:], k_v, f_v))
+    """The k that solves the arrow matrix of `prepare` for this right-hand side (x, v, psi).
+
+    It is an arrow in x, omega and psi, of which v's increment follows.
+    """
+    _, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, shares = start
+    r_v = dot_onto(r[1], times(m, shares), r[2:])
+    k_omega = pivot * minus_dot(r_v + gamma_h * r[0], product(g_psi, a_psi), r[2:])
+    k_psi = product(a_psi, plus(r[2:], k_omega, f_v))
+    return gamma_h * (r[0] - kappa_c * k_omega), minus_dot(k_omega, shares, k_psi), *k_psi
 
 
 @inlined
-def on_manifold(y, w, v_start, h, system):
+def on_manifold(y, w, e, v_start, h, system):
     """y with v held where friction balances the spring, and whether it is, if inertia is lost.
 
-    It is where m = eta0 w is below rounding.  Over a step in which w changes by orders of
+    It is where m = eta0 c is below rounding.  Over a step in which c changes by orders of
     magnitude, J sees a deviation at its start and not at its end.
 
-    w : e**v, near the end of the step
+    w, e : near the end of the step
     """
     law, _, eta0, p = system
-    g, S_v, _ = inertial_force(y, w, law, p)
-    negligible = eta0 * w * max(1.0, abs(y[1] - v_start)) < 1e-14 * h
+    g, S_v, _ = inertial_force(y, w, e, law, p)
+    negligible = eta0 * law.speed_slope(w, e) * max(1.0, abs(y[1] - v_start)) < 1e-14 * h
     v = y[1] + g / S_v if negligible else y[1]
     return (y[0], v, *y[2:]), negligible
 
@@ -91,14 +118,16 @@ def on_manifold(y, w, v_start, h, system):
 def increment(u, at, w_lp, rest, system, start):
     """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
 
-    at : w, 1/w and e at u; system = (law, kappa, eta0, p); start : what `prepare` gave
+    at : w, 1/c and e at u; system = (law, kappa, eta0, p); start : what `prepare` gave
     """
     law, kappa, _, p = system
-    w, w_inverse, e = at
-    g = u[0] - law.stress(u[1], w, u[2:], p)
+    w, c_inverse, e = at
+    g = u[0] - law.stress_in_v(u[1], w, u[2:], p)
+    f = law.rates_in_v(u[1], w, u[2:], e, p)
     r_x = kappa * (w_lp - w) + rest[0]
-    r_v = g * (start[0] * w_inverse) + start[1] * rest[1]
-    return solve_arrow((r_x, r_v, *plus(law.rates(u[1], w, u[2:], e, p), 1.0, rest[2:])), start)
+    r_v = g * (start[0] * c_inverse) + start[1] * rest[1]
+    r_v = minus_dot(r_v, times(start[1], law.shares(e, c_inverse, p)), f)
+    return solve_arrow((r_x, r_v, *plus(f, 1.0, rest[2:])), start)
 
 
 @inlined
@@ -118,7 +147,7 @@ def with_drift(rest, drift, k):
 
 @recursive
 def stages(k, powers, y, w_lp, dw, r, drift, system, start):
-    """The increments of all eight stages, `works` at each but the first, and w at the last.
+    """The increments of all eight stages, `works` at each but the first, and w, 1/c and e last.
 
     k, powers : those so far; r : 1/h; dw, drift : change of w_lp in the step, and kappa times it
     """
@@ -132,18 +161,18 @@ def stages(k, powers, y, w_lp, dw, r, drift, system, start):
     k_new = increment(u, at, w_lp_here, rest, system, start)
     power = works(u, at[0], w_lp_here, system)
     if len(k) == 7:
-        return (*k, k_new), (*powers, power), at[0]
+        return (*k, k_new), (*powers, power), at
     return stages((*k, k_new), (*powers, power), y, w_lp, dw, r, drift, system, start)
 
 
 @inlined
-def end_of_step(y, k, w, h, system):
+def end_of_step(y, k, last, h, system):
     """The state (y, w, e) at the end; whether v is held; the estimated error; K_1, K_2, K_3.
 
-    k : the eight increments; w : of the last stage
+    k : the eight increments; last : w, 1/c and e of the last stage
     """
     free = plus_sum(y, A[8], k)
-    y_new, held = on_manifold(free, w, y[1], h, system)
+    y_new, held = on_manifold(free, last[0], last[2], y[1], h, system)
     error = (k[7][0], k[7][1] + (y_new[1] - free[1]), *k[7][2:])
     w_new, _, e_new = exponentials(y_new, system[0], system[3])
     return (y_new, w_new, e_new), held, error, (sum_of(H[0], k), sum_of(H[1], k), sum_of(H[2], k))
@@ -152,7 +181,7 @@ def end_of_step(y, k, w, h, system):
 @inlined
 def works(u, w, w_lp, system):
     """Powers per a sigma V0 beyond their mu_ref part: of the load point; of what opposes motion."""
-    return u[0] * w_lp, system[0].stress(u[1], w, u[2:], system[3]) * w
+    return u[0] * w_lp, system[0].stress_in_v(u[1], w, u[2:], system[3]) * w
 
 
 @inlined
@@ -161,7 +190,7 @@ def step(y, w, e, w_lp, ramp, h, system):
 
     Parameters
     ----------
-    y, w, e : state, e**v and the law's exponentials at the start
+    y, w, e : state, speed and exponentials (`kinematics`) at the start
     w_lp, ramp : load-point speed at the start and its rate d w_lp/dT
     system : (law, kappa, eta0, p), p the law's coefficients
 
@@ -176,17 +205,19 @@ def step(y, w, e, w_lp, ramp, h, system):
     start = prepare(y, w, e, h, system)
     r, dw, drift = 1.0 / h, h * ramp, h * kappa * ramp
     rest = (D[0] * drift, *zeros(y[1:]))
-    first = increment(y, (w, 1.0 / w, e), w_lp, rest, system, start)
+    first = increment(y, (w, 1.0 / start[0], e), w_lp, rest, system, start)
     powers = (works(y, w, w_lp, system),)
-    k, powers, w8 = stages((first,), powers, y, w_lp, dw, r, drift, system, start)
-    new, _, error, dense = end_of_step(y, k, w8, h, system)
+    k, powers, last = stages((first,), powers, y, w_lp, dw, r, drift, system, start)
+    new, _, error, dense = end_of_step(y, k, last, h, system)
 
     # The two quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
     dy = sum_of(B, k)
     load_1, friction_1 = sum_of(B[:4], powers[:4])
     load_2, friction_2 = sum_of(B[4:], powers[4:])
-    S = law.stress(y[1], w, y[2:], p)
-    S_v, S_psi = law.stress_partials(y[1], w, y[2:], p)
+    S = law.stress_in_v(y[1], w, y[2:], p)
+    S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
+    d_omega = dot_onto(dy[1], start[8], dy[2:])
     load_work = w_lp * dy[0] + DRIFT * dw * y[0] + load_1 + load_2
-    dissipation = w * dot_onto((S_v + S) * dy[1], S_psi, dy[2:]) + friction_1 + friction_2
+    gradient = w * dot_onto(S_v * d_omega, S_psi, dy[2:]) + S * (start[0] * d_omega)
+    dissipation = gradient + friction_1 + friction_2
     return new, error, dense, h * load_work, h * dissipation

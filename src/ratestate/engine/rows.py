@@ -86,7 +86,7 @@ def rows_of(law):
         return tuple(itertools.islice(place, n))
 
     n = len(law.states)
-    p, e, e_new = take(law.n_coefficients), take(law.n_exponents), take(law.n_exponents)
+    p, e, e_new = take(law.n_coefficients), take(law.n_kept), take(law.n_kept)
     psi, psi_new, psi_1, psi_2, psi_3 = (take(n) for _ in range(5))
     steady = take(2 + n)
     start, ring = next(place), RING * LANES

@@ -8,8 +8,8 @@ import functools
 
 from ..errors import ParameterError
 from .damping import Damped
-from .forms import FORMS, LOG
-from .law import FrictionLaw
+from .forms import FORMS, form_name
+from .law import LOG, FrictionLaw
 from .laws import friction_law
 from .two_states import TwoStateLaw
 
@@ -26,7 +26,7 @@ def composed_law(name):
     ParameterError for an unknown one.
     """
     own, *parts = name.split(JOINT) if isinstance(name, str) else (name,)
-    form = parts[0] if parts and parts[0] in FORMS else LOG
+    form = parts[0] if parts and parts[0] in FORMS else None
     return composed(friction_law(own), form, DAMPED in parts)
 
 
@@ -35,17 +35,32 @@ def own_name(name):
     return name.partition(JOINT)[0]
 
 
-def composed(law, form=LOG, damped=False):
+def form_of(law, friction=None):
+    """The name of this form of friction, in any capitals; by default that which the law is for.
+
+    ParameterError for an unknown one.
+    """
+    return law.form if friction is None else form_name(friction)
+
+
+def composed(law, form=None, damped=False):
     """A law of `laws.LAWS` with a form of friction, by name, and damping; the law if with none.
 
-    ParameterError for a form that the law does not take.
+    ParameterError for a form that the law does not take.  None is that which the law is for.
     """
-    if form != LOG:
+    form = law.form if form is None else form
+    if form != law.form:
+        if law.form != LOG:
+            raise ParameterError(
+                f"friction = {form!r} does not go with law = {law.name!r}, which is for friction = "
+                f"{law.form!r}; leave friction out, or choose another law"
+            )
         if not takes_forms(law):
             raise ParameterError(
                 f"friction = {form!r} does not go with law = {law.name!r}, which has a friction of "
                 f"its own; leave friction out, or choose another law"
             )
+    if form != LOG:
         law = _with(law, form)
     return _with(law, DAMPED) if damped else law
 

@@ -51,6 +51,15 @@ class Damped(FrictionLaw):
         by_vvv, *others = self.resistance_partials_3(v, w, psi, p)
         return by_vvv + p[-1] * w, *others
 
+    def stress_in_v(self, v, w, psi, p):
+        """`stress` from the engine's v."""
+        return self.resistance_in_v(v, w, psi, p) + p[-1] * w
+
+    def stress_slopes(self, v, w, psi, e, p):
+        """Slopes of `stress_in_v`."""
+        by_omega, by_psi = self.resistance_slopes(v, w, psi, e, p)
+        return by_omega + p[-1] * self.speed_slope(w, e), by_psi
+
     def runs_away(self, v, psi, kappa, p):
         """Never, at any speed the dashpot holds what friction does not; unless it is none."""
         return p[-1] == 0.0 and v > 600.0

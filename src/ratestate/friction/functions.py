@@ -20,7 +20,72 @@ def logistic(x):
     return np.where(np.real(x) < 0.0, small, 1.0) / (1.0 + small)
 
 
+def log(x):
+    """ln x, of x > 0."""
+    import numpy as np
+
+    return np.log(x)
+
+
+def larger(x, y):
+    """The larger of both."""
+    import numpy as np
+
+    return np.maximum(x, y)
+
+
+def asinh_of_exp(x):
+    """asinh(e**x/2), which is x for large x."""
+    import numpy as np
+
+    large = np.real(x) > 0.0
+    small = np.exp(-2.0 * np.where(large, x, 0.0))
+    root = np.sqrt(1.0 + 4.0 * small)
+    # ((1 + root)/2 less 1 is small/(1 + root) times 2, without cancellation)
+    above = x + np.log1p(2.0 * small / (1.0 + root))
+    return np.where(large, above, np.arcsinh(0.5 * np.exp(np.where(large, 0.0, x))))
+
+
+def asinh_of(w, x):
+    """asinh(w e**x/2)."""
+    import numpy as np
+
+    with np.errstate(divide="ignore"):
+        return np.sign(w) * asinh_of_exp(np.log(np.abs(w)) + x)
+
+
+def flash(x):
+    """(1 + e**(8 x))**(-1/8)."""
+    import numpy as np
+
+    return np.exp(-0.125 * softplus(8.0 * x))
+
+
+def log_2_sinh(x):
+    """ln(2 sinh x), of x > 0."""
+    import numpy as np
+
+    return x + np.log(-np.expm1(-2.0 * x))
+
+
+def coth(x):
+    """1/tanh x, of x > 0: the derivative of `log_2_sinh`."""
+    import numpy as np
+
+    return -1.0 - 2.0 / np.expm1(-2.0 * x)
+
+
 # Of tuples with a number a state
+
+
+def scaled(x, y):
+    """x y_k."""
+    return tuple(x * one for one in y)
+
+
+def added(x, y):
+    """x_k + y_k."""
+    return tuple(one + other for one, other in zip(x, y, strict=True))
 
 
 def softplus_each(x, y):

@@ -22,6 +22,11 @@ from collections.abc import Mapping
 from types import MappingProxyType, SimpleNamespace
 from typing import NamedTuple
 
+from .kinematics import Forward
+
+#: the friction of eq. 1, a form by its name
+LOG = "log"
+
 
 class Parameter(NamedTuple):
     """A parameter that a law has beside a, b, Dc, mu0 and V0: the quantity that it is.
@@ -44,7 +49,7 @@ class Parameter(NamedTuple):
     example: str = ""
 
 
-class FrictionLaw:
+class FrictionLaw(Forward):
     """What laws have in common; friction is that of eq. 1, in one state, unless a law has its own.
 
     A subclass has `rates`, and their derivatives, at least.
@@ -66,10 +71,15 @@ class FrictionLaw:
     #: whether friction is that of eq. 1 in one state with d theta/dt = h(V theta/Dc), h(1) = 0 and
     #: h'(1) = -1: then eqs 6, 7 and 10 hold, and what else is known of such laws
     one_length: bool = False
+    #: the form of friction (`forms`) that it is for; one for that of eq. 1 may take others too
+    form = LOG
     #: of each state, its name in results -> the symbol of the distance D_k over which it evolves
     states: Mapping[str, str] = MappingProxyType({"theta": "Dc"})
     #: symbol -> what it is, of parameters beside a, b, Dc, mu0 and V0
     parameters: Mapping[str, Parameter] = MappingProxyType({})
+
+    #: symbols of other parameters of sliders that `coefficients` needs
+    of_slider: tuple[str, ...] = ()
 
     # Of arrays too, in Python alone
 
@@ -227,7 +237,7 @@ class FrictionLaw:
     @property
     def symbols(self):
         """Symbols of the parameters that `coefficients` is given, beside sigma."""
-        return ("a", "b", "Dc", *self.parameters)
+        return ("a", "b", "Dc", *self.parameters, *self.of_slider)
 
     @property
     def n_coefficients(self):
@@ -240,6 +250,12 @@ class FrictionLaw:
         """How many `exponents` there are."""
         psi, p = (0.0,) * len(self.states), (1.0,) * self.n_coefficients
         return len(self.exponents(0.0, 1.0, psi, p))
+
+    @property
+    def n_kept(self):
+        """How many exponentials the engine keeps, of backward jumps among them."""
+        psi, p = (0.0,) * len(self.states), (1.0,) * self.n_coefficients
+        return self.n_exponents + len(self.backward_exponent(0.0, psi, p))
 
     def gives(self, method):
         """Whether the law has a method, by name, that not every law has."""

@@ -155,7 +155,8 @@ def _edge_frequencies(linear):
     """(..., n) z = omega^2 on the edges of stability; in place of others a number not above 0."""
     S_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
     if s.shape[-1] == 1:
-        excess = r / S_v - 1.0
+        # (friction may be so regularized that none is left, in double precision)
+        excess = r / np.where(S_v == 0.0, 1.0, S_v) - 1.0
         return s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
     # S_v prod_k (z + s_k^2) - sum_k r_k s_k^2 prod_(j not k) (z + s_j^2)
     whole = product([np.stack([np.ones_like(x), x**2], axis=-1) for x in np.moveaxis(s, -1, 0)])

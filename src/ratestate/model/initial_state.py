@@ -26,14 +26,15 @@ def initial_values(initial, law):
             f"initial = {initial!r} must be a dict with any of the keys "
             f"{', '.join(symbols[:-1])} and tau, for example {{'theta': '10 s'}}"
         )
+    free = {"V": ""} if law.reverses else {}  # at rest, and backwards too
     return {
-        f"{symbol}_initial": to_si(symbol, value, label=f"initial {symbol}")
+        f"{symbol}_initial": to_si(symbol, value, label=f"initial {symbol}", bound=free.get(symbol))
         for symbol, value in initial.items()
     }
 
 
 def initial_state(law, batch, V_load):
-    """(n, len(y)) x = (tau/sigma - mu_ref)/a, v = ln(V/V0) and the law's variables at t = 0.
+    """(n, len(y)) x = (tau/sigma - mu_ref)/a, v and the law's variables at t = 0.
 
     Steady sliding at V_start, but for what `initial` gives.  Where M = 0 friction fixes what is
     left out.  Where K = inf V is V_load, and friction fixes a state or tau by the others.
@@ -54,19 +55,20 @@ def initial_state(law, batch, V_load):
     p = law.coefficient_arrays(V0, batch.columns)
     v, states = steady_state(law, batch, batch.flat("V_start"))
     x = stress(law, v, states, p)
-    if "V" in given:
-        v = np.log(given["V"] / V0)
     states = [
         np.log(V0 * given[name] / batch.flat(distance)) if name in given else state
         for (name, distance), state in zip(law.states.items(), states, strict=True)
     ]
+    psi = tuple(states)  # (for `v_at`, which depends on them only where they are the variables)
+    if "V" in given:
+        v = v_given = law.v_at(given["V"] / V0, psi, p)
     if "tau" in given:
         x = (given["tau"] / sigma - mu_ref) / a
     rigid = np.isinf(K)
-    v = np.where(rigid, np.log(np.maximum(V_load, 5e-324) / V0), v)
+    v = np.where(rigid, law.v_at(np.maximum(V_load, 5e-324) / V0, psi, p), v)
     bound = (M == 0) | rigid  # there tau/sigma = mu, which fixes one by the others
     free = [k for k, name in enumerate(law.states) if name not in given]
-    if "V" in given and (np.abs(v - np.log(given["V"] / V0)) > AGREE).any():
+    if "V" in given and (np.abs(v - v_given) > AGREE).any():
         others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not free else ""
         raise ParameterError(
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
@@ -97,15 +99,19 @@ def steady_sliding_state(law, batch, V):
 
 
 def steady_state(law, batch, V):
-    """v = ln(V/V0) and ln(V0 theta/D) of each state, a list, in steady sliding at V (n,)."""
-    p = law.coefficient_arrays(V, batch.columns)
-    v = np.log(V / batch.flat("V0"))
-    return v, [state - v for state in law.steady_log_states(p)]
+    """v and ln(V0 theta/D) of each state, a list, in steady sliding at V (n,)."""
+    V0 = batch.flat("V0")
+    log_w = np.log(V / V0)
+    states = [
+        state - log_w for state in law.steady_log_states(law.coefficient_arrays(V, batch.columns))
+    ]
+    return law.v_at(V / V0, tuple(states), law.coefficient_arrays(V0, batch.columns)), states
 
 
 def stress(law, v, log_states, p):
     """What opposes the motion, as x is counted, by the states as they are reported."""
-    return law.stress(v, np.exp(v), law.variables(v, tuple(log_states), p), p)
+    psi = law.variables(v, tuple(log_states), p)
+    return law.stress_in_v(v, law.speed(v, psi, p), psi, p)
 
 
 def _state_by_stress(law, x, v, states, p, k, where):

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from ..friction.composition import JOINT, composed
+from ..friction.composition import JOINT, composed, form_of
 from ..friction.critical_speeds import V_c
 from ..friction.elementwise import call_elementwise
-from ..friction.forms import LOG, form_name, parameters_of
+from ..friction.forms import parameters_of
+from ..friction.law import LOG
 from ..friction.laws import DEFAULT, friction_law
 from ..friction.linear_stability import K_c
 from ..friction.stability import eta, f_n
@@ -55,9 +56,11 @@ class SpringSlider:
     law : str
         Friction law, a name of `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
         or "Dieterich" (eq. 2), in any capitals; the attribute is the law's name.
-    friction : {"log", "cut-off"}
-        How friction depends on speed and state: by the logarithms of eq. 1, or cut off at high
-        speeds (V1) and at young states (V2; Okubo 1989).
+    friction : {"log", "cut-off", "regularized"}, optional
+        How friction depends on speed and state: by the logarithms of eq. 1, as by default; cut off
+        at high speeds (V1) and at young states (V2; Okubo 1989); or by an inverse hyperbolic sine
+        in their place (Rice & Ben-Zion 1996), which is finite at rest, so that slip may reverse.
+        The law "flash-heating" is for the last.
     damping : float, str or DataArray
         Damping [Pa s/m], >= 0, by default 0: of a dashpot beside friction, or by radiated shear
         waves, G/(2 c_s).  With it a slider without mass is quasi-dynamic: it slips, however fast.
@@ -112,7 +115,7 @@ class SpringSlider:
         mu0=0.6,
         V0=1e-6,
         law=DEFAULT,
-        friction=LOG,
+        friction=None,
         damping=0.0,
         alpha=0.0,
         area=None,
@@ -125,7 +128,7 @@ class SpringSlider:
         optional = {"damping": damping, "alpha": alpha}
         for symbol, value in (area | common | of_law | optional).items():
             given[symbol] = parameter_to_si(symbol, value, given)
-        form = form_name(friction)
+        form = form_of(of_state, friction)
         composed(of_state, form)  # (if they do not go together this says so)
         names = {"law": of_state.name, "friction": form, "area": None}
         for name, value in (names | given).items():
@@ -176,8 +179,9 @@ class SpringSlider:
         """
         known: tuple[str, ...] = ("area", "mass", "stiffness", "normal_force")
         known += ("a", "b", "Dc", "mu0", "V0", "law", "friction", "damping", "alpha")
-        known += tuple(law_of(parameters.get("law", DEFAULT)).parameters)
-        known += tuple(parameters_of(form_name(parameters.get("friction", LOG))))
+        law = law_of(parameters.get("law", DEFAULT))
+        known += tuple(law.parameters)
+        known += tuple(parameters_of(form_of(law, parameters.get("friction"))))
         check_keywords("SpringSlider.of_contact", parameters, known)
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
@@ -230,9 +234,12 @@ class SpringSlider:
             An unknown or mistyped parameter; a value of a wrong unit or range.
         """
         old, new = friction_law(self.law), law_of(changes.get("law", self.law))
-        forms = self.friction, form_name(changes.get("friction", self.friction))
+        # (a form that the old law is for goes with it)
+        kept_form = self.friction if old.form == LOG or new == old else None
+        forms = self.friction, form_of(new, changes.get("friction", kept_form))
         of_old, of_new = map(parameters_of, forms)
         lost = (old.parameters | of_old).keys() - (new.parameters | of_new).keys()
+        lost |= {"friction"} if kept_form is None else set()
         kept = {name: x for name, x in self.parameters.items() if name not in lost}
         return type(self)(**(kept | changes))
 

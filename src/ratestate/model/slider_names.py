@@ -4,7 +4,8 @@ import dataclasses
 import functools
 
 from ..errors import ParameterError
-from ..friction.forms import LOG, form_name, forms_with, parameters_of
+from ..friction.composition import form_of
+from ..friction.forms import forms_with, parameters_of
 from ..friction.laws import DEFAULT, friction_law, owners
 from .names import check_keywords
 from .quantities import QUANTITIES, expected
@@ -19,7 +20,7 @@ def names_first(kind):
     @functools.wraps(init)
     def checked(self, *args, **given):
         law = law_of(given.get("law", DEFAULT))
-        check_names(law, form_name(given.get("friction", LOG)), given, common, methods)
+        check_names(law, form_of(law, given.get("friction")), given, common, methods)
         given["law"] = law.name
         init(self, *args, **given)
 

@@ -2,7 +2,7 @@
 
 from html import escape
 
-from ..friction.forms import LOG
+from ..friction.law import LOG
 from .quantities import QUANTITIES, exact, readable, readable_range
 from .units import is_array
 

@@ -75,7 +75,7 @@ class TestEntries:
             ("M", "1" * 65, "longer than 64 characters"),
             ("sigma", 3, "sigma has no text"),
             ("V_from", "0 m/s", "V_from = '0 m/s' must be > 0; expected a speed"),
-            ("law", "dry", "law = 'dry' is unknown; choose slip or aging or kato-tullis"),
+            ("law", "dry", "law = 'dry' is unknown; choose slip or aging or flash-heating"),
             ("K", "1 m**9**9**9**9/Pa", "unknown unit"),
         ],
     )

@@ -24,7 +24,7 @@ SLIDER = {
     "K": '"900 MPa/m"',
 }
 PARAMETERS = (
-    "a, b, Dc, sigma, K, M, mu0, V0, law, friction, damping, alpha, area, V_cut, c, b2, "
+    "a, b, Dc, sigma, K, M, mu0, V0, law, friction, damping, alpha, area, V_w, mu_w, V_cut, c, b2, "
     "Dc2, V1, V2, normal_force, stiffness, mass, dashpot, law_file"
 )
 NAMES = ", ".join(LAWS)

@@ -38,5 +38,5 @@ def any_return(law):
     record = recorded(own_name(friction.name))
     if not (record is None or isinstance(record, str)):
         return ""
-    own, n = [*friction.parameters], 2 + len(friction.states)
+    own, n = [*friction.parameters, *friction.of_slider], 2 + len(friction.states)
     return ANY_RETURN.format(law=friction.name, record=record, own=own, n=n)

@@ -132,17 +132,18 @@ def state(system, u):
     """(n, len(y)) x, v and psi of the section's points u (n, k)."""
     psi = u[:, :-1] + system.steady
     zero = np.zeros(len(u))
-    x = system.friction_law.stress(0.0, 1.0, tuple(psi.T), system.coefficients)
-    return np.stack([x + system.eta * u[:, -1], zero, *psi.T], axis=1)
+    law, states, p = system.friction_law, tuple(psi.T), system.coefficients
+    x = law.stress(0.0, 1.0, states, p)
+    return np.stack([x + system.eta * u[:, -1], zero + law.v_at(1.0, states, p), *states], axis=1)
 
 
 def steady_sliding_at(system, w):
     """(n, len(y)) x, v, psi of steady sliding at w (n,) times V_lp."""
-    law, p, v = system.friction_law, system.coefficients, np.log(w)
+    law, p, log_w = system.friction_law, system.coefficients, np.log(w)
     there = law.rescaled(p, w)
     states = law.steady_log_states(there)
-    psi = law.variables(v, tuple(state - v for state in states), p)
-    return np.stack([law.stress(v, w, psi, p), v, *psi], axis=1)
+    psi = law.variables(log_w, tuple(state - log_w for state in states), p)
+    return np.stack([law.stress(log_w, w, psi, p), law.v_at(w, psi, p), *psi], axis=1)
 
 
 def slaved_G(system, offset):

@@ -6,7 +6,6 @@ from ...engine.model import STEADY_SLIDING
 from ...friction.linear_stability import is_stable
 from ..domain import domain_variables
 from ..results import columns, status_variable
-from ..simulation.cases import speed
 
 #: their names, which a dimension or coordinate of the sweep cannot have
 VARIABLES = (
@@ -33,6 +32,8 @@ def cycle_variables(law, batch, status, measures, stable):
         return np.where(steady, if_steady, measures.get(name, nothing))
 
     period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
+    at_V, rest = law.coefficient_arrays(V, batch.columns), (0.0,) * len(law.states)
+    steady_v = law.v_at(1.0, rest, at_V)
     of_law = {symbol: batch.columns[symbol] for symbol in law.symbols}
     steadily = is_stable(law, V, sigma=p.sigma, K=p.K, M=p.M, **of_law)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -40,8 +41,8 @@ def cycle_variables(law, batch, status, measures, stable):
             "period": period,
             "frequency": 1.0 / period,
             "amplitude": p.a * amplitude,
-            "V_max": speed(measured("v_max", 0.0), V),
-            "V_min": speed(measured("v_min", 0.0), V),
+            "V_max": V * law.speed(measured("v_max", steady_v), rest, at_V),
+            "V_min": V * law.speed(measured("v_min", steady_v), rest, at_V),
             "inertia": np.where(steady, 0.0, measured("g_max") / amplitude),
             "slow_fraction": measured("slow_fraction", 0.0),
             "fundamental": measured("fundamental"),
@@ -54,10 +55,10 @@ def cycle_variables(law, batch, status, measures, stable):
         }
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     mu = law.reference_friction(V, batch.columns)
-    at_V = law.coefficient_arrays(V, batch.columns)
-    rest, both = law.steady_resistance(at_V), law.steady_resistance(at_V) + law.steady_stress(at_V)
-    lowest = mu + p.a * measured("f_min", rest), 2.0 * mu + p.a * measured("xf_min", both)
-    variables |= domain_variables(batch, *lowest)
+    alone = law.steady_resistance(at_V)
+    both = alone + law.steady_stress(at_V)
+    lowest = mu + p.a * measured("f_min", alone), 2.0 * mu + p.a * measured("xf_min", both)
+    variables |= domain_variables(law, batch, *lowest)
     multipliers = measures.get(
         "multipliers", np.full((batch.n, 1 + len(law.states)), np.nan, complex)
     )

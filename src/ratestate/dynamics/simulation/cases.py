@@ -3,7 +3,6 @@
 import numpy as np
 
 from ...engine import dispatch
-from ...engine.exp import LIMIT
 from ...engine.model import (
     FINISHED,
     METHODS,
@@ -78,12 +77,6 @@ def run_path(method, law, cases, loads, progress=None):
         for k in (at, np.minimum(at + 1, len(breaks) - 1)):
             t = np.where(np.abs(t - breaks[k]) <= 1e-15 * breaks[k], breaks[k], t)
     return np.minimum(t, cases.t_end[0]), path[None, :, 1:], results
-
-
-def speed(v, V0):
-    """V [m/s] from v = ln(V/V0): at least exp(-600) V0, the engine's speed at rest; may be inf."""
-    with np.errstate(over="ignore"):  # without mass V may overflow, and come back
-        return V0 * np.exp(np.maximum(v, -LIMIT))
 
 
 def cost(cases, loads):

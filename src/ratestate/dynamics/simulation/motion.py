@@ -7,7 +7,6 @@ import numpy as np
 import pandas
 import xarray
 
-from ...engine.exp import LIMIT
 from ...engine.model import (
     FINISHED,
     NO_CONVERGENCE,
@@ -18,13 +17,14 @@ from ...engine.model import (
     Loads,
 )
 from ...errors import SolverError
+from ...friction.kinematics import LIMIT
 from ...model.initial_state import initial_state
 from ...model.quantities import attrs
 from ...model.units import is_array
 from ..domain import domain_variables
 from ..results import columns, status_variable
 from . import rigid
-from .cases import engine_cases, run_cases, run_path, speed
+from .cases import engine_cases, run_cases, run_path
 
 # A double below this has lost digits.
 SMALLEST = np.finfo(float).tiny
@@ -123,15 +123,17 @@ def energy_residual(law, batch, loading, cases, y0, results):
     All of them in units of a sigma Dc per area; the parts that mu_ref contributes to work,
     dissipation and spring energy cancel exactly, since slip is delta_lp - tau/K.
     """
-    x0, v0 = y0.T[:2]
-    x1, v1 = results.final.T[:2]
+    x0, v0, *psi0 = y0.T
+    x1, v1, *psi1 = results.final.T
+    p = tuple(cases.p.T)
+    w0, w1 = law.speed(v0, psi0, p), law.speed(v1, psi1, p)
 
     def number(name):
         return results.numbers[:, NUMBERS.index(name)]
 
     load, friction = number("load_work"), number("dissipation")
     with np.errstate(over="ignore", invalid="ignore"):  # for V0 beyond 1e-150 of the speeds
-        kinetic = 0.5 * cases.eta0 * (np.exp(2.0 * v1) - np.exp(2.0 * v0))
+        kinetic = 0.5 * cases.eta0 * (w1 * w1 - w0 * w0)
     kinetic = np.where(cases.eta0 > 0.0, kinetic, 0.0)
     spring = (x1 - x0) * (x1 + x0) / (2.0 * cases.kappa)
     base = law.reference_friction(batch.flat("V0"), batch.columns) / batch.flat("a")
@@ -175,16 +177,17 @@ def _series(law, batch, loading, motion):
     mu_ref = law.reference_friction(p.V0, vars(p))
     tau = p.sigma * (mu_ref + p.a * x)
     delta_lp = batch.of(loading.delta_lp, t)
-    V = speed(v, p.V0)
+    w = law.speed(v, psi, coefficients)
+    V = p.V0 * w
     states = dict(zip(law.states, law.log_states(v, psi, coefficients), strict=True))
     with np.errstate(over="ignore"):
         states = {
             name: getattr(p, law.states[name]) / p.V0 * np.exp(state)
             for name, state in states.items()
         }
-        friction = law.resistance(v, np.exp(v), psi, coefficients)
+        friction = law.resistance_in_v(v, w, psi, coefficients)
     # Beyond double precision V and theta differ from those that friction was computed from.
-    in_range = (v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V)
+    in_range = law.reverses | ((v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V))
     for theta in states.values():
         in_range &= (theta >= SMALLEST) & (theta < np.inf)
     values = {
@@ -205,6 +208,8 @@ def _observables(law, batch, motion, rtol):
     """The variables that have one value a case, as name -> Variable."""
     p, numbers = columns(batch), motion.numbers
     mu_ref = law.reference_friction(p.V0, batch.columns)
+    coefficients = law.coefficient_arrays(p.V0, batch.columns)
+    rest = (0.0,) * len(law.states)
     # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.
     counts = (numbers["amplitude"] > 10.0 * rtol) & (numbers["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -213,15 +218,15 @@ def _observables(law, batch, motion, rtol):
         "cycles": np.where(counts, numbers["cycles"], 0.0),
         "amplitude": np.where(counts, p.a * numbers["amplitude"], 0.0),
         "frequency": np.where(counts, frequency, 0.0),
-        "V_max": speed(numbers["v_max"], p.V0),
-        "V_min": speed(numbers["v_min"], p.V0),
+        "V_max": p.V0 * law.speed(numbers["v_max"], rest, coefficients),
+        "V_min": p.V0 * law.speed(numbers["v_min"], rest, coefficients),
         "inertial_force": p.a * numbers["g_max"],
         "mu_min": mu_ref + p.a * numbers["f_min"],
         "reversal_margin": 2.0 * mu_ref + p.a * numbers["xf_min"],
     }
     failed = np.isnan(motion.states[:, -1]).any(axis=-1)
     values = {name: np.where(failed, np.nan, value) for name, value in values.items()}
-    domain = domain_variables(batch, values.pop("mu_min"), values.pop("reversal_margin"))
+    domain = domain_variables(law, batch, values.pop("mu_min"), values.pop("reversal_margin"))
     values["steps"] = np.nan_to_num(numbers["steps"]).astype(np.int64)
     values["returns"] = np.where(counts & ~failed, numbers["returns"], 0.0).astype(np.int16)
     values["energy_residual"] = numbers["energy_residual"]

@@ -39,14 +39,14 @@ def rigid_motion(law, psi0, t, segments, p):
     # The load point's work is friction's, by V = V_lp: no energy_residual.
     numbers = dict.fromkeys("steps energy_residual amplitude cycles returns".split(), 0.0) | {
         "t": p.t_end,
-        "v_max": np.log(reached.max() / p.V0),
-        "v_min": np.log(reached.min() / p.V0),
+        "v_max": path.order(reached.max()),
+        "v_min": path.order(reached.min()),
         "g_max": np.abs(inertia[used]).max(),
         "f_min": path.lowest((1.0, 0.0), np.zeros(starts.size), *of_all),
         "xf_min": path.lowest((1.0, 1.0), inertia, *of_all),
     }
     x = path.force((0.0, 1.0), speed, psi) + inertia[k]
-    return np.stack([x, np.log(speed / p.V0), *psi], axis=-1), numbers
+    return np.stack([x, law.v_at(speed / p.V0, psi, path.coefficients), *psi], axis=-1), numbers
 
 
 class _Path:
@@ -95,6 +95,10 @@ class _Path:
         e = self.law.exponentials(v, w, psi, self.coefficients)
         scale = self.p.V0 / self.p.Dc
         return [scale * rate for rate in self.law.rates(v, w, psi, e, self.coefficients)]
+
+    def order(self, speed):
+        """v at psi = 0 and a speed [m/s]."""
+        return self.law.v_at(speed / self.p.V0, (0.0,) * len(self.law.states), self.coefficients)
 
     def force(self, parts, speed, psi):
         """These parts of friction and of the stress that opposes motion, at this speed [m/s]."""

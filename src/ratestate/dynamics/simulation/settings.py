@@ -43,6 +43,8 @@ def solver_settings(rtol, method, dt, slider):
             raise refusal("settings.dt_array")
     if needs.needs_mass:
         _check_oscillation(method, dt, slider)
+    if needs.needs_law and slider.friction_law.reverses:
+        raise refusal("settings.reverses", method=method, friction=slider.friction)
     if slider.law not in _laws_for(method):
         others = [name for name in METHODS if slider.law in _laws_for(name)]
         laws = " or ".join(map(repr, _laws_for(method)))

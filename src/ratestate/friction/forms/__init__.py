@@ -8,9 +8,7 @@ import importlib
 import pkgutil
 
 from ...errors import ParameterError
-
-#: the friction of eq. 1, which laws have by themselves
-LOG = "log"
+from ..law import LOG
 
 
 def _built_in():

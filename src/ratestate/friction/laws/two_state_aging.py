@@ -43,7 +43,7 @@ class TwoStateAgingLaw(TwoStateLaw):
         (b q_1 + b2 (Dc/Dc2) q_2)/a - kappa less q_1, or (Dc/Dc2) q_2.  Where b and b2 are not
         negative both rates rise with the other's y, so that they stay positive.
         """
-        b1, b2, r = p
+        b1, b2, r = p[0], p[1], p[2]
         q1, q2 = -math.expm1(-v - psi[0]), -r * math.expm1(-v - psi[1])
         drive = b1 * q1 + b2 * q2 - kappa
         grows = b1 >= 0.0 and b2 >= 0.0 and drive >= q1 and drive >= q2

@@ -42,7 +42,7 @@ class TwoStateSlipLaw(TwoStateLaw):
         it is, with V growing along the right one to one of the sides.  Elsewhere it is followed
         to speeds at which nothing else than runaway is left.
         """
-        b1, b2, r = p
+        b1, b2, r = p[0], p[1], p[2]
         c = b1 + b2 - 1.0
         if c <= 0.0:
             return v > 6000.0

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ParameterError
-from ...friction.forms import LOG
+from ...friction.law import LOG
 from ...friction.user_law import MARK
 from ...model.loading import Loading
 from ...model.loading.written import Event, events_of, rows_of

@@ -10,7 +10,8 @@ from typing import Any
 
 from ...engine.model import METHODS
 from ...files import NUMBERS, PICTURES
-from ...friction.forms import FORMS, LOG
+from ...friction.forms import FORMS
+from ...friction.law import LOG
 from ...friction.laws import DEFAULT, LAWS, own_parameters
 from ...model.loading.shapes import SHAPES
 from ...model.names import nearest, one_of

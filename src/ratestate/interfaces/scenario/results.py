@@ -9,7 +9,8 @@ import xarray
 from ...dynamics import attributes
 from ...dynamics.results import parameter
 from ...errors import ParameterError
-from ...friction.forms import LOG, parameters_of
+from ...friction.forms import parameters_of
+from ...friction.law import LOG
 from ...friction.laws import DEFAULT, friction_law, known_law
 from ...friction.user_law import MARK
 from ...model.conversion import in_si

@@ -94,7 +94,8 @@ class Forward:
         if of_mu:
             with np.errstate(over="ignore", invalid="ignore"):
                 of_samples = tuple(column[:, None] for column in p)
-                shown = self.law.resistance(v, np.exp(v), tuple(psi), of_samples)
+                w = self.law.speed(v, tuple(psi), of_samples)
+                shown = self.law.resistance_in_v(v, w, tuple(psi), of_samples)
         steady = self.law.steady_resistance(p) if of_mu else self.law.steady_stress(p)
         friction = a * (shown - np.reshape(steady, (-1, 1)))
         along = np.broadcast_to(self.record.trend_variable, x.shape)
@@ -123,7 +124,7 @@ class Forward:
         return values
 
     def start(self, values, p):
-        """v = ln(V/V0) (n,) at the start, and of each state ln(V0 theta/D) (n,), a tuple."""
+        """ln(V/V0) (n,) at the start, and of each state ln(V0 theta/D) (n,), a tuple."""
         V_start, *states = (values[name] for name in starts_of(self.law))
         steady = self.law.steady_log_states(p)
         return V_start, tuple(x + y for x, y in zip(steady, states, strict=True))
@@ -142,9 +143,10 @@ class Forward:
             times, which = self.record.t - values["lag"][:, None], np.arange(a.size)
             end = np.maximum(times[:, -1], 1e-9 * end)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            v, log_states = self.start(values, p)
-            psi = self.law.variables(v, log_states, p)
-            x = self.law.stress(v, np.exp(v), psi, p)
+            log_w, log_states = self.start(values, p)
+            psi = self.law.variables(log_w, log_states, p)
+            x = self.law.stress(log_w, np.exp(log_w), psi, p)
+            v = self.law.v_at(np.exp(log_w), psi, p)
             per_stress = 1.0 / (a * self.sigma)
             cases = cases_of(
                 kappa=K * Dc * per_stress,

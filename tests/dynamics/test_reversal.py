@@ -1,0 +1,195 @@
+"""Friction that is finite at rest: slip that reverses, and sliders that never do."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from textbook import OF_LAW, Reversing, drawn
+
+import ratestate as rs
+
+RTOL = 1e-6
+LAWS = [law for law in OF_LAW if law != "nagata"]
+#: overshoots, sticks and slides back in each cycle
+SWINGING = rs.SpringSlider(
+    a=0.01,
+    b=0.015,
+    Dc=1e-5,
+    sigma=1e6,
+    M=1e3,
+    K=1e8,
+    mu0=0.05,
+    law="aging",
+    friction="regularized",
+)
+
+
+def swinging(law, rng, mass, damping):
+    """Random parameters of weak friction on a soft spring, and the load point's speed."""
+    p, V = drawn(law, rng)
+    p |= {"mu0": p["a"] * rng.uniform(4, 12), "V0": V * 10 ** rng.uniform(-2, 0)}
+    if law == "flash-heating":
+        p["mu_w"] = p["mu0"] * rng.uniform(0.2, 0.8)
+        p["V_w"] = p["V0"] * math.exp(0.5 * p["mu0"] / (p["b"] - p["a"]))
+    p["M"] = mass * 10 ** rng.uniform(0, 2.5) * p["a"] * p["sigma"] * p["Dc"] / V**2
+    p["damping"] = damping * p["a"] * p["sigma"] / V
+    stiffness = rng.uniform(0.05, 1.0) if mass or damping else 3.0
+    return p | {"K": stiffness * p["b"] * p["sigma"] / p["Dc"]}, V
+
+
+@pytest.mark.parametrize(
+    ("law", "mass", "damping"),
+    [(law, 1, 0.0) for law in LAWS]
+    + [("slip", 1, 0.3), ("two-state-aging", 0, 0.3), ("prz", 0, 0.0)],
+)
+def test_a_slider_that_was_pulled_back_is_that_of_the_textbook(law, mass, damping):
+    """By SciPy's Radau, with V itself as a variable: it slides back, sticks, and is pulled on."""
+    p, V = swinging(law, np.random.default_rng(7), mass, damping)
+    twin, y = Reversing(law, p), Reversing(law, p).steady(V)
+    y[0] *= -3.0 if mass else -1.5
+    start = {"tau": y[0] * p["sigma"]}
+    if mass:
+        y[1] = start["V"] = 0.0
+    period = 2 * math.pi * math.sqrt(p["M"] / p["K"]) if mass else p["Dc"] / V
+    times = np.linspace(0.0, 4.0 * period, 9)
+    exact = twin.solve(y, V, times)
+    case = rs.SpringSlider(**p, law=law, friction="regularized")
+    settings = {"times": times, "V_start": V, "initial": start}
+    run = rs.simulate(case, rs.Loading.constant(V), times[-1], rtol=RTOL, **settings)
+    assert twin.differs(run, exact) < 100 * RTOL
+    assert abs(float(run.energy_residual)) < 10 * RTOL
+    assert float(run.V_min) < -0.05 * V
+    assert int(run.outside_domain) == 0
+    finer = rs.simulate(case, rs.Loading.constant(V), times[-1], rtol=1e-9, **settings)
+    assert twin.differs(finer, exact) < 1e-6
+
+
+@pytest.mark.parametrize("own", [{"law": "slip"}, {"law": "aging"}, {"damping": 1e5}])
+def test_where_it_never_reverses_friction_is_that_of_eq_1(own):
+    """The same numbers, of runs and cycles, and the same steps; the eigenvalues too."""
+    P2 = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "sigma": 4e6, "M": 100, "K": 0.96e9, "V0": 1e-9}
+    pair = [rs.SpringSlider(**P2, **own, friction=form) for form in ("log", "regularized")]
+    times = np.linspace(0.0, 60.0, 31)
+    runs = [
+        rs.simulate(s, rs.Loading.constant(1e-5), 60.0, V_start=5e-6, times=times, rtol=1e-8)
+        for s in pair
+    ]
+    assert int(runs[0].steps) == int(runs[1].steps)
+    for name in ("tau", "V", "theta", "mu", "V_max", "V_min", "amplitude", "mu_min"):
+        np.testing.assert_allclose(runs[1][name], runs[0][name], rtol=1e-8, err_msg=name)
+    if "damping" not in own:
+        cycles = [rs.limit_cycle(s, 1e-5) for s in pair]
+        for name in ("amplitude", "period", "V_max", "V_min"):
+            np.testing.assert_allclose(cycles[1][name], cycles[0][name], rtol=1e-8, err_msg=name)
+    found = [rs.stability(s, 1e-5) for s in pair]
+    np.testing.assert_allclose(found[1].eigenvalues, found[0].eigenvalues, rtol=1e-9)
+    assert float(found[1].K_c) == pytest.approx(float(found[0].K_c), rel=1e-12)
+
+
+def test_energy_is_closed_through_a_thousand_reversals():
+    cycle = rs.limit_cycle(SWINGING, 0.1)
+    period = float(cycle.period)
+    end = 520 * period
+    run = rs.simulate(SWINGING, rs.Loading.constant(0.1), end, V_start=0.05, rtol=1e-6)
+    later = run.isel(time=run.time > 0.5 * end)
+    reversals = np.count_nonzero(np.diff(np.sign(run.V.values)))
+    assert 1000 <= reversals <= 1060
+    assert abs(float(run.energy_residual)) < 1e-5
+    # back and forth in each cycle, and as far as the limit cycle says
+    assert float(cycle.V_min) < -0.01 < 0 < 0.2 < float(cycle.V_max)
+    assert float(later.V.min()) == pytest.approx(float(cycle.V_min), rel=1e-3)
+    assert float(run.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-6)
+    assert float(run.frequency) == pytest.approx(1 / period, rel=1e-6)
+    assert float(run.V_min) <= float(run.V.min())
+    assert float(run.mu_min) <= float(run.mu.min()) < float(run.mu_min) + 1e-4
+    assert int(run.outside_domain) == int(cycle.outside_domain) == 0
+
+
+def test_multipliers_of_a_cycle_that_reverses_are_how_disturbances_fade():
+    """By runs from beside the cycle, whose stress maxima are followed from one to the next."""
+    cycle = rs.limit_cycle(SWINGING, 0.1, rtol=1e-9)
+    period, multiplier = float(cycle.period), complex(cycle.multipliers[0]).real
+    assert -0.5 < multiplier < -0.1
+    times = np.linspace(7 * period, 12 * period, 100_001)
+    run = rs.simulate(
+        SWINGING, rs.Loading.constant(0.1), times[-1], V_start=0.05, rtol=1e-10, times=times
+    )
+    tau = run.tau.values / 1e6
+    peak = 1 + np.flatnonzero((tau[:-2] < tau[1:-1]) & (tau[1:-1] >= tau[2:]) & (tau[1:-1] > 0))
+    bend = tau[peak - 1] - 2 * tau[peak] + tau[peak + 1]
+    high = tau[peak] - (tau[peak + 1] - tau[peak - 1]) ** 2 / (8 * bend)
+    changes = np.diff(high)
+    assert changes[1:] / changes[:-1] == pytest.approx(multiplier, rel=0.02)
+
+
+def test_a_slider_that_rests_may_be_pulled_either_way():
+    """From V = 0, with stress below and above what friction holds; and with none at all."""
+    start = {"V": 0.0, "theta": 1e-3}
+    for tau in (-2e5, 0.0, 2e5):
+        run = rs.simulate(
+            SWINGING.replace(mu0=0.1, b=0.0101),
+            rs.Loading.constant(0.0),
+            0.05,
+            V_start=1e-3,
+            initial=start | {"tau": tau},
+            times=[0.0, 0.001, 0.05],
+        )
+        assert float(run.V[0]) == 0.0
+        assert float(run.V[1]) * tau > 0.0 or abs(float(run.V[1])) < 1e-12
+        assert abs(float(run.V[-1])) < 1e-6 * max(abs(float(run.V[1])), 1e-3)
+        if tau != 0.0:
+            assert abs(float(run.energy_residual)) < 1e-5
+    mirrored = [
+        rs.simulate(
+            SWINGING,
+            rs.Loading.constant(0.0),
+            0.01,
+            V_start=1e-3,
+            initial=start | {"tau": tau},
+            times=[0.004, 0.01],
+        )
+        for tau in (-3e5, 3e5)
+    ]
+    for name in ("tau", "V", "mu"):
+        np.testing.assert_allclose(mirrored[0][name], -mirrored[1][name], rtol=1e-5)
+
+
+def test_a_case_in_a_lane_has_the_bits_of_the_same_alone():
+    V = xr.DataArray(np.geomspace(3e-2, 0.3, 17), dims="V_lp", name="V_lp")
+    heated = {"law": "flash-heating", "friction": None, "V_w": 0.1, "mu_w": 0.02, "mu0": 0.3}
+    for slider in (SWINGING, rs.SpringSlider(**(SWINGING.parameters | heated))):
+        sweep = rs.simulate(slider, rs.Loading.constant(V), 0.05, V_start=V / 2)
+        cycles = rs.limit_cycle(slider, V[3:5])
+        for i in (0, 3, 16):
+            speed = float(V[i])
+            one = rs.simulate(
+                slider, rs.Loading.constant(speed), 0.05, V_start=speed / 2, times=[0.05]
+            )
+            for name in ("V_max", "V_min", "amplitude", "energy_residual", "mu_min"):
+                assert float(one[name]) == float(sweep[name][i])
+        alone = rs.limit_cycle(slider, float(V[3]))
+        for name in ("amplitude", "period", "V_min", "error"):
+            assert float(alone[name]) == float(cycles[name][0])
+
+
+def test_a_rigid_spring_is_the_limit_of_a_stiff_one():
+    loading = rs.Loading.series([0.0, 0.05, 0.05, 0.1, 0.3], [1e-4, 1e-4, 1e-3, 3e-3, 3e-3])
+    times = [0.02, 0.06, 0.08, 0.12, 0.3]
+    stiff, rigid = (
+        rs.simulate(SWINGING.replace(K=K, M=0.0), loading, 0.3, times=times, rtol=1e-9)
+        for K in (1e14, np.inf)
+    )
+    for name in ("V", "mu", "theta"):
+        np.testing.assert_allclose(rigid[name], stiff[name], rtol=2e-5, err_msg=name)
+    for name in ("V_max", "V_min", "mu_min"):
+        assert float(rigid[name]) == pytest.approx(float(stiff[name]), rel=2e-5)
+
+
+def test_what_does_not_reverse_says_so():
+    with pytest.raises(rs.ParameterError, match="im2017 is for slip that never reverses; use"):
+        rs.simulate(SWINGING, rs.Loading.constant(0.1), 1.0, V_start=0.05, method="im2017", dt=1e-5)
+    with pytest.raises(rs.ParameterError, match=r"^initial V = 0 m/s must be > 0"):
+        rs.simulate(
+            SWINGING.replace(friction="log"), rs.Loading.constant(0.1), 1.0, initial={"V": 0.0}
+        )
