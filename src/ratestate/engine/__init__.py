@@ -13,6 +13,7 @@
 ``lanes``, ``return_lanes``, ``rows`` loops over sliders side by side; the layout of their buffer
 ``lane_case``                         which case a lane takes, its first step, when to give up
 ``rodas5p``, ``tableau``, ``tangent`` a step, its coefficients, its derivative
+``reversing``                         the derivative where slip may reverse
 ``tuples``                            arithmetic on states of any number of variables
 ``step_control``                      whether a step is accepted, and how large the next one is
 ``dense_output``                      polynomials within a step, and where they cross

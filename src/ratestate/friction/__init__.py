@@ -1,9 +1,10 @@
 """Friction laws and the stability of steady sliding, and what is known of both in closed form.
 
-==================== =======================================================================
+==================== ============================================================================
 ``law``              what a friction law is
 ``laws``             the built-in laws, a file each
 ``forms``            forms of friction beside that of eq. 1, a file each
+``kinematics``       how fast a slider slips, by the engine's variables; whether it may reverse
 ``functions``        what these are written with, of which the engine has its own versions
 ``composition``      a law with what else stands in the balance of forces, as one law
 ``damping``          a dashpot beside friction
@@ -26,5 +27,5 @@
 ``separatrix``       the edge of runaway for M = 0 where state evolves with slip alone
 ``elementwise``      functions of arrays that take floats and DataArrays too
 ``roots``            roots of functions of arrays that increase, most of them nearly linear
-==================== =======================================================================
+==================== ============================================================================
 """

@@ -64,6 +64,7 @@ def simulate(
     initial : dict, optional
         Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override those of the steady start.
         Where M = 0 two of them fix the third: V and theta, or V and tau, or theta and tau.
+        With friction="regularized" V may be 0 or negative.
         Where K = inf V is the load point's speed, and theta or tau fixes the other.
     times : array_like or DataArray, optional
         Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
@@ -101,6 +102,7 @@ def simulate(
         law, since friction would have to push (``mu_min``, its smallest mu, is negative), or since
         the spring pulls back harder than friction can hold (``reversal_margin``, the smallest
         tau/sigma + mu, is).  Both smallest values are found between the solver's steps as well.
+        With friction="regularized" slip then reverses, V_min is negative, and nothing is outside.
         delta_lp(0) = 0 and delta(0) = -tau(0)/K (0 where K = inf).
 
     Raises
