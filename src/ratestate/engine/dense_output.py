@@ -10,6 +10,7 @@ from .rodas5p import speed_alone
 from .rows import rows_of
 from .tuples import dot_onto, read_rows
 
+FORCE, SPEED, LEAD = (), (0.0,), (0.0, 0.0)
 # Parts of x, of the stress that opposes motion, and of friction: see `force_and_slope`.
 INERTIAL_FORCE, FRICTION, WITH_STRESS = (1.0, -1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 1.0)
 
@@ -159,22 +160,35 @@ def lead(s, c, load, law, p):
     return y[1], y[1] - law.v_at(load[0] + load[1] * s, y[2:], p)
 
 
+@recursive
+def of_step(what, s, c, of, law, p):
+    """`force_and_slope`, `speed_and_slope` or `lead`: as there are 0, 1 or 2 of `what`.
+
+    (A function that is passed on has an address, with which no kernel can be kept on disk.)
+    """
+    if len(what) == 0:
+        return force_and_slope(s, c, of, law, p)
+    if len(what) == 1:
+        return speed_and_slope(s, c, of, law, p)
+    return lead(s, c, of, law, p)
+
+
 @inner
-def root(function, c, of, law, p):
-    """Where in 0..1 the second of what a function of s gives vanishes, and the first there.
+def root(what, c, of, law, p):
+    """Where in 0..1 the second of what `of_step` gives vanishes, and the first there.
 
     By regula falsi (Illinois).  Where it has one sign at both ends, the end where it is smaller in
     size.
     """
     low, high = 0.0, 1.0
-    first, at_low = function(low, c, of, law, p)
-    here, at_high = function(high, c, of, law, p)
+    first, at_low = of_step(what, low, c, of, law, p)
+    here, at_high = of_step(what, high, c, of, law, p)
     if (at_low < 0.0) == (at_high < 0.0):
         return (0.0, first) if abs(at_low) < abs(at_high) else (1.0, here)
     side, s, last = 0, 1.0, 2.0
     for _ in range(100):
         s = (low * at_high - high * at_low) / (at_high - at_low)
-        here, off = function(s, c, of, law, p)
+        here, off = of_step(what, s, c, of, law, p)
         if off == 0.0 or abs(s - last) < 1e-14:
             break
         last = s
@@ -192,7 +206,7 @@ def root(function, c, of, law, p):
 @inner
 def extreme_value(c, parts, law, p):
     """The value of a sum of parts where in 0..1 its slope vanishes, as of `root`."""
-    return root(force_and_slope, c, parts, law, p)[1]
+    return root(FORCE, c, parts, law, p)[1]
 
 
 @recursive
@@ -204,7 +218,7 @@ def extreme_speed(shares, c, law, p):
     if len(shares) == 0:
         at = extreme(c[1])
         return at, polynomial(c[1], at)
-    return root(speed_and_slope, c, (), law, p)
+    return root(SPEED, c, (), law, p)
 
 
 @recursive
@@ -215,4 +229,4 @@ def crossing(shares, c, w_lp, dw, log_w_lp, law, p):
     """
     if len(shares) == 0:
         return crossing_of_v(c[1], w_lp, dw, log_w_lp)
-    return root(lead, c, (w_lp, dw), law, p)[0]
+    return root(LEAD, c, (w_lp, dw), law, p)[0]
