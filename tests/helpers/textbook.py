@@ -203,13 +203,20 @@ class Textbook:
         d_log = [d / th - by for d, th, by in zip(d_theta, theta, by_s, strict=True)]
         return np.array([d_stress, d_lnV, *d_log])
 
+    def sizes(self, y):
+        """Of each variable, how much of it changes the motion."""
+        return np.array([self.p["a"], *np.ones(len(y) - 1)])
+
+    def tolerances(self, y, V_lp, tol):
+        """Absolute errors allowed in each variable, from a start at y."""
+        return tol * self.sizes(y)
+
     def jacobian(self, y, V_lp, t=0.0):
         """By central differences: SciPy's own, one-sided, make Radau stall."""
         columns = []
-        for i in range(len(y)):
-            h = np.zeros(len(y))
-            h[i] = 1e-6 if i else 1e-6 * self.p["a"]
-            columns.append((self.rates(y + h, V_lp, t) - self.rates(y - h, V_lp, t)) / (2 * h[i]))
+        for h in np.diag(1e-6 * self.sizes(y)):
+            change = self.rates(y + h, V_lp, t) - self.rates(y - h, V_lp, t)
+            columns.append(change / (2 * h.sum()))
         return np.array(columns).T
 
     def differs(self, run, exact):
@@ -231,7 +238,7 @@ class Textbook:
             times,
             jac=lambda t, y: self.jacobian(y, V_lp, t),
             rtol=tol,
-            atol=tol * np.array([self.p["a"], *np.ones(len(y) - 1)]),
+            atol=self.tolerances(y, V_lp, tol),
         )
         assert run.success, run.message
         return run.y.T
@@ -265,14 +272,12 @@ class Reversing(Textbook):
         d_log = [d / th - by for d, th, by in zip(d_theta, theta, by_s, strict=True)]
         return np.array([p["K"] * (V_lp - V) / p["sigma"], d_V, *d_log])
 
-    def jacobian(self, y, V_lp, t=0.0):
-        theta, columns = [math.exp(x) for x in y[2:]], []
-        rest = 2.0 * self.p["V0"] * math.exp(-self.barrier(theta))
-        for i in range(len(y)):
-            h = np.zeros(len(y))
-            h[i] = (1e-6 * self.p["a"], 1e-6 * math.hypot(y[1], rest), *[1e-6] * len(theta))[i]
-            columns.append((self.rates(y + h, V_lp, t) - self.rates(y - h, V_lp, t)) / (2 * h[i]))
-        return np.array(columns).T
+    def sizes(self, y):
+        rest = 2.0 * self.p["V0"] * math.exp(-self.barrier([math.exp(x) for x in y[2:]]))
+        return np.array([self.p["a"], math.hypot(y[1], rest), *np.ones(len(y) - 2)])
+
+    def tolerances(self, y, V_lp, tol):
+        return 1e-3 * tol * np.array([self.p["a"], max(abs(y[1]), V_lp), *np.ones(len(y) - 2)])
 
     def differs(self, run, exact):
         """Largest difference of a run from y: tau/(a sigma), V over the largest, ln theta, mu/a."""
@@ -286,18 +291,3 @@ class Reversing(Textbook):
         off = [x / self.p["a"] for x in off] + [(run.V.values - V) / np.abs(V).max()]
         off += [np.log(run[name].values) - x for name, x in zip(names, exact.T[2:], strict=True)]
         return max(np.abs(x).max() for x in off)
-
-    def solve(self, y, V_lp, times, tol=1e-10):
-        scale = np.array([self.p["a"], max(abs(y[1]), V_lp), *np.ones(len(y) - 2)])
-        run = solve_ivp(
-            lambda t, y: self.rates(y, V_lp, t),
-            (0.0, times[-1]),
-            y,
-            "Radau",
-            times,
-            jac=lambda t, y: self.jacobian(y, V_lp, t),
-            rtol=tol,
-            atol=1e-3 * tol * scale,
-        )
-        assert run.success, run.message
-        return run.y.T
