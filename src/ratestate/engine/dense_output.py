@@ -209,24 +209,38 @@ def extreme_value(c, parts, law, p):
     return root(FORCE, c, parts, law, p)[1]
 
 
-@recursive
-def extreme_speed(shares, c, law, p):
-    """Where in 0..1 the speed is extreme on the polynomials c, and its `order_of_speed`.
+@inner
+def extreme_speed(c, law, p):
+    """Where in 0..1 the speed is extreme on the polynomials c, and its `order_of_speed`."""
+    return _extreme_speed(backward(c, law, p), c, law, p)
 
-    shares : those of the law, () where v tells the speed
+
+@inner
+def crossing(c, w_lp, dw, log_w_lp, law, p):
+    """Where in 0..1 the speed is that of the load point, which the caller has seen it cross.
+
+    w_lp, dw, log_w_lp : as of `crossing_of_v`
     """
-    if len(shares) == 0:
+    return _crossing(backward(c, law, p), c, w_lp, dw, log_w_lp, law, p)
+
+
+@inlined
+def backward(c, law, p):
+    """The law's `backward_exponent` at the start of the step: () where v alone tells the speed."""
+    y = polynomials(c, 0.0)
+    return law.backward_exponent(y[1], y[2:], p)
+
+
+@recursive
+def _extreme_speed(back, c, law, p):
+    if len(back) == 0:
         at = extreme(c[1])
         return at, polynomial(c[1], at)
     return root(SPEED, c, (), law, p)
 
 
 @recursive
-def crossing(shares, c, w_lp, dw, log_w_lp, law, p):
-    """Where in 0..1 the speed is that of the load point, which the caller has seen it cross.
-
-    shares : as of `extreme_speed`; w_lp, dw, log_w_lp : as of `crossing_of_v`
-    """
-    if len(shares) == 0:
+def _crossing(back, c, w_lp, dw, log_w_lp, law, p):
+    if len(back) == 0:
         return crossing_of_v(c[1], w_lp, dw, log_w_lp)
     return root(LEAD, c, (w_lp, dw), law, p)[0]

@@ -32,13 +32,11 @@ def observe(s, l, law, c):
 
     c : the polynomials of x, v and psi
     """
-    rows = rows_of(law)
-    p = read_rows(s, rows.p, l)
+    p = read_rows(s, rows_of(law).p, l)
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     at = -1.0
     if v_extremum:
-        shares = law.shares(read_rows(s, rows.e, l), 1.0, p)
-        at, v = extreme_speed(shares, c, law, p)
+        at, v = extreme_speed(c, law, p)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_extremum:
@@ -58,8 +56,7 @@ def outrun(s, l, law):
     NOT_FINITE: a law that evolves with slip alone can still be followed there.
     """
     rows = rows_of(law)
-    y = read_rows(s, rows.y_new, l)
-    p = read_rows(s, rows.p, l)
+    y, p = read_rows(s, rows.y_new, l), read_rows(s, rows.p, l)
     v = law.log_of_faster(y[1], y[2:], p)
     if law.runs_away(v, y[2:], s[R.KAPPA + l], p):
         s[R.STATUS + l] = RUNAWAY
@@ -77,10 +74,8 @@ def handle_events(s, l, law):
         observe(s, l, law, c)
     rises = s[R.W_NEW + l] >= w_lp + dw
     if (s[R.W + l] < w_lp) == rises:
-        rows = rows_of(law)
-        p = read_rows(s, rows.p, l)
-        shares = law.shares(read_rows(s, rows.e, l), 1.0, p)
-        at = crossing(shares, c, w_lp, dw, s[R.LOG_W_LP + l], law, p)
+        p = read_rows(s, rows_of(law).p, l)
+        at = crossing(c, w_lp, dw, s[R.LOG_W_LP + l], law, p)
         if rises:
             close_cycle(s, l, law, s[R.T_LOW + l] + at * h, polynomial(c[0], at))
         else:

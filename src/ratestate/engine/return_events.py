@@ -99,10 +99,8 @@ def record_waveform(s, l, law, c):
     slow, slow_before = s[R.W_NEW + l] < SLOW_BELOW, s[R.W + l] < SLOW_BELOW
     part = 1.0 if slow else 0.0
     if slow != slow_before:
-        rows = rows_of(law)
-        p = read_rows(s, rows.p, l)
-        shares = law.shares(read_rows(s, rows.e, l), 1.0, p)
-        at = crossing(shares, c, SLOW_BELOW, 0.0, LOG_SLOW_BELOW, law, p)
+        p = read_rows(s, rows_of(law).p, l)
+        at = crossing(c, SLOW_BELOW, 0.0, LOG_SLOW_BELOW, law, p)
         part = 1.0 - at if slow else at
     s[R.SLOW + l] += part * h
     pace = 2.0 * math.pi / s[R.GUESS + l]
@@ -133,8 +131,7 @@ def handle_events(s, l, law):
     rises = s[R.W_NEW + l] >= 1.0
     if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
         p = read_rows(s, rows_of(law).p, l)
-        shares = law.shares(read_rows(s, rows_of(law).e, l), 1.0, p)
-        at = max(crossing(shares, c, 1.0, 0.0, 0.0, law, p), NEAREST)
+        at = max(crossing(c, 1.0, 0.0, 0.0, law, p), NEAREST)
         s[R.H_PLANNED + l] = s[R.H_NEXT + l]
         s[R.H_NEXT + l] = s[R.LANDING_STEP + l] = at * s[R.H_USED + l]
         s[R.EVERY_STEP + l], s[R.OK + l] = 1.0, 0.0

@@ -43,7 +43,7 @@ def slopes(u, at, system, start):
     c, t, bend, share = speeds(w, e, law)
     F = dot(effects, law.rates_in_v(u[1], w, u[2:], e, p))
     trace = total(f_psi) - (S_v + g * t) * (c_inverse / eta0) + bend * F
-    of_speed = start[0] * c_inverse, g, kappa * c, S_v, t, bend, share
+    of_speed = start.c * c_inverse, g, kappa * c, S_v, t, bend, share
     return (*of_speed, F, effects, f_v, f_psi), trace
 
 

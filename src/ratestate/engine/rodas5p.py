@@ -14,6 +14,8 @@ Beside the state, a step integrates the load-point work and the frictional dissi
 weights `B` that the method implies for a pure quadrature.
 """
 
+from typing import NamedTuple
+
 from ..friction.kinematics import LIMIT
 from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
 from .exp import exp_alone, exp_and_inverse, exp_each, exp_each_alone
@@ -54,14 +56,23 @@ def inertial_force(y, w, e, law, p):
     return y[0] - law.stress_in_v(y[1], w, y[2:], p), S_v, S_psi
 
 
+class Arrow(NamedTuple):
+    """The matrix of a step (`kinematics` has c, slopes and shares)."""
+
+    c: float
+    m: float  # eta0 c
+    gamma_h: float
+    kappa_c: float
+    f_v: tuple  # slopes of the law's rates by omega
+    g_psi: tuple  # those of -m dv/dT
+    a_psi: tuple  # gamma h/(1 - gamma h f_psi)
+    pivot: float  # one over it
+    shares: tuple
+
+
 @inlined
 def prepare(y, w, e, h, system):
-    """What the first point y of a step fixes: the arrow matrix, and its pivot.
-
-    With f_v and f_psi the slopes of the law's rates, these numbers and tuples: c, m = eta0 c,
-    gamma h, kappa c, f_v, g_psi, a_psi = gamma h/(1 - gamma h f_psi), one over the pivot, and m
-    times `shares`.
-    """
+    """What the first point y of a step fixes: the arrow matrix, and its pivot."""
     law, kappa, eta0, p = system
     f_v, f_psi = law.rate_slopes(y[1], w, y[2:], e, p)
     g, S_v, S_psi = inertial_force(y, w, e, law, p)
@@ -74,7 +85,8 @@ def prepare(y, w, e, h, system):
     g = g if law.log_of_faster(y[1], y[2:], p) > -LIMIT else 0.0
     diagonal, g_psi = law.inertia_slopes(g, (S_v, S_psi), m, y[1], w, y[2:], e, p)
     pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_c, product(g_psi, a_psi), f_v)
-    return c, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, law.shares(e, 1.0 / c, p)
+    shares = law.shares(e, 1.0 / c, p)
+    return Arrow(c, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, shares)
 
 
 @recursive
@@ -125,8 +137,8 @@ def increment(u, at, w_lp, rest, system, start):
     g = u[0] - law.stress_in_v(u[1], w, u[2:], p)
     f = law.rates_in_v(u[1], w, u[2:], e, p)
     r_x = kappa * (w_lp - w) + rest[0]
-    r_v = g * (start[0] * c_inverse) + start[1] * rest[1]
-    r_v = minus_dot(r_v, times(start[1], law.shares(e, c_inverse, p)), f)
+    r_v = g * (start.c * c_inverse) + start.m * rest[1]
+    r_v = minus_dot(r_v, times(start.m, law.shares(e, c_inverse, p)), f)
     return solve_arrow((r_x, r_v, *plus(f, 1.0, rest[2:])), start)
 
 
@@ -205,7 +217,7 @@ def step(y, w, e, w_lp, ramp, h, system):
     start = prepare(y, w, e, h, system)
     r, dw, drift = 1.0 / h, h * ramp, h * kappa * ramp
     rest = (D[0] * drift, *zeros(y[1:]))
-    first = increment(y, (w, 1.0 / start[0], e), w_lp, rest, system, start)
+    first = increment(y, (w, 1.0 / start.c, e), w_lp, rest, system, start)
     powers = (works(y, w, w_lp, system),)
     k, powers, last = stages((first,), powers, y, w_lp, dw, r, drift, system, start)
     new, _, error, dense = end_of_step(y, k, last, h, system)
@@ -216,8 +228,8 @@ def step(y, w, e, w_lp, ramp, h, system):
     load_2, friction_2 = sum_of(B[4:], powers[4:])
     S = law.stress_in_v(y[1], w, y[2:], p)
     S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
-    d_omega = dot_onto(dy[1], start[8], dy[2:])
+    d_omega = dot_onto(dy[1], start.shares, dy[2:])
     load_work = w_lp * dy[0] + DRIFT * dw * y[0] + load_1 + load_2
-    gradient = w * dot_onto(S_v * d_omega, S_psi, dy[2:]) + S * (start[0] * d_omega)
+    gradient = w * dot_onto(S_v * d_omega, S_psi, dy[2:]) + S * (start.c * d_omega)
     dissipation = gradient + friction_1 + friction_2
     return new, error, dense, h * load_work, h * dissipation

@@ -71,7 +71,7 @@ def trace_along(shares, y, w, e, dy, system):
 
 @recursive
 def slopes(shares, u, at, system, start):
-    """What `change_of_rows` needs of J at a stage's point, and the trace of J there.
+    """What `right_hand_side` needs of J at a stage's point, and the trace of J there.
 
     at : w, 1/c and e at u
     """
@@ -83,7 +83,7 @@ def slopes(shares, u, at, system, start):
     g, S_v, S_psi = inertial_force(u, w, e, law, p)
     g = g if u[1] > -LIMIT else 0.0
     trace = total(f_psi) - (S_v + g) * (w_inverse / eta0)
-    return (start[0] * w_inverse, g, kappa * w, S_v, S_psi, f_v, f_psi), trace
+    return (start.c * w_inverse, g, kappa * w, S_v, S_psi, f_v, f_psi), trace
 
 
 @recursive
@@ -117,7 +117,7 @@ def right_hand_side(shares, du, at, k, rest, curvature, r, m):
 @inlined
 def tangent(du, at, k, rest, curvature, r, start):
     """The increment of the perturbation du, as of `right_hand_side`."""
-    rows = right_hand_side(start[8], du, at, k, rest, curvature, r, start[1])
+    rows = right_hand_side(start.shares, du, at, k, rest, curvature, r, start.m)
     return solve_arrow(rows, start)
 
 
@@ -158,7 +158,7 @@ def stages(k, dk, traces, y, z, w_lp, curvatures, r, system, start):
     at = exponentials(u, system[0], system[3])
     # The stages of all go side by side: their numbers stay in the processor's registers.
     k_new = increment(u, at, w_lp, times(r, c), system, start)
-    slope, trace = slopes(start[8], u, at, system, start)
+    slope, trace = slopes(start.shares, u, at, system, start)
     dk = tangents(z, dk, slope, k_new, curvatures, r, start)
     if len(k) == 7:
         return (*k, k_new), dk, (*traces, trace), at
@@ -198,10 +198,10 @@ def step(y, w, e, z, w_lp, h, system):
     law, _, _, p = system
     start = prepare(y, w, e, h, system)
     r = 1.0 / h
-    curvatures = curvatures_of(start[8], y, w, e, z, system)
-    at = w, 1.0 / start[0], e
+    curvatures = curvatures_of(start.shares, y, w, e, z, system)
+    at = w, 1.0 / start.c, e
     first = increment(y, at, w_lp, zeros(y), system, start)
-    slope, trace = slopes(start[8], y, at, system, start)
+    slope, trace = slopes(start.shares, y, at, system, start)
     dk = first_tangents(z, slope, first, curvatures, r, start)
     k, dk, traces, last = stages((first,), dk, (trace,), y, z, w_lp, curvatures, r, system, start)
     new, held, error, dense = end_of_step(y, k, last, h, system)
@@ -211,5 +211,5 @@ def step(y, w, e, z, w_lp, h, system):
 
     # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.
     dy = sum_of(B, k)
-    integral = trace_along(start[8], y, w, e, dy, system) + dot(B, traces)
+    integral = trace_along(start.shares, y, w, e, dy, system) + dot(B, traces)
     return new, z_new, error, dense, h * integral

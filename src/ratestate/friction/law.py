@@ -240,6 +240,11 @@ class FrictionLaw(Forward):
         return ("a", "b", "Dc", *self.parameters, *self.of_slider)
 
     @property
+    def reference_state(self):
+        """psi where each theta_k is D_k/V_ref, a tuple: 0 each."""
+        return (0.0,) * len(self.states)
+
+    @property
     def n_coefficients(self):
         """How many `coefficients` there are."""
         ones = dict.fromkeys((*self.symbols, "sigma"), 1.0)
@@ -248,14 +253,13 @@ class FrictionLaw(Forward):
     @property
     def n_exponents(self):
         """How many `exponents` there are."""
-        psi, p = (0.0,) * len(self.states), (1.0,) * self.n_coefficients
-        return len(self.exponents(0.0, 1.0, psi, p))
+        return len(self.exponents(0.0, 1.0, self.reference_state, (1.0,) * self.n_coefficients))
 
     @property
     def n_kept(self):
         """How many exponentials the engine keeps, of backward jumps among them."""
-        psi, p = (0.0,) * len(self.states), (1.0,) * self.n_coefficients
-        return self.n_exponents + len(self.backward_exponent(0.0, psi, p))
+        p = (1.0,) * self.n_coefficients
+        return self.n_exponents + len(self.backward_exponent(0.0, self.reference_state, p))
 
     def gives(self, method):
         """Whether the law has a method, by name, that not every law has."""

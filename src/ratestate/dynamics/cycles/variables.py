@@ -32,8 +32,8 @@ def cycle_variables(law, batch, status, measures, stable):
         return np.where(steady, if_steady, measures.get(name, nothing))
 
     period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
-    at_V, rest = law.coefficient_arrays(V, batch.columns), (0.0,) * len(law.states)
-    steady_v = law.v_at(1.0, rest, at_V)
+    at_V, psi = law.coefficient_arrays(V, batch.columns), law.reference_state
+    steady_v = law.v_at(1.0, psi, at_V)
     of_law = {symbol: batch.columns[symbol] for symbol in law.symbols}
     steadily = is_stable(law, V, sigma=p.sigma, K=p.K, M=p.M, **of_law)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -41,8 +41,8 @@ def cycle_variables(law, batch, status, measures, stable):
             "period": period,
             "frequency": 1.0 / period,
             "amplitude": p.a * amplitude,
-            "V_max": V * law.speed(measured("v_max", steady_v), rest, at_V),
-            "V_min": V * law.speed(measured("v_min", steady_v), rest, at_V),
+            "V_max": V * law.speed(measured("v_max", steady_v), psi, at_V),
+            "V_min": V * law.speed(measured("v_min", steady_v), psi, at_V),
             "inertia": np.where(steady, 0.0, measured("g_max") / amplitude),
             "slow_fraction": measured("slow_fraction", 0.0),
             "fundamental": measured("fundamental"),

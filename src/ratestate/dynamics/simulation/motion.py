@@ -209,7 +209,6 @@ def _observables(law, batch, motion, rtol):
     p, numbers = columns(batch), motion.numbers
     mu_ref = law.reference_friction(p.V0, batch.columns)
     coefficients = law.coefficient_arrays(p.V0, batch.columns)
-    rest = (0.0,) * len(law.states)
     # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.
     counts = (numbers["amplitude"] > 10.0 * rtol) & (numbers["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -218,8 +217,8 @@ def _observables(law, batch, motion, rtol):
         "cycles": np.where(counts, numbers["cycles"], 0.0),
         "amplitude": np.where(counts, p.a * numbers["amplitude"], 0.0),
         "frequency": np.where(counts, frequency, 0.0),
-        "V_max": p.V0 * law.speed(numbers["v_max"], rest, coefficients),
-        "V_min": p.V0 * law.speed(numbers["v_min"], rest, coefficients),
+        "V_max": p.V0 * law.speed(numbers["v_max"], law.reference_state, coefficients),
+        "V_min": p.V0 * law.speed(numbers["v_min"], law.reference_state, coefficients),
         "inertial_force": p.a * numbers["g_max"],
         "mu_min": mu_ref + p.a * numbers["f_min"],
         "reversal_margin": 2.0 * mu_ref + p.a * numbers["xf_min"],

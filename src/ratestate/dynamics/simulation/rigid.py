@@ -98,7 +98,7 @@ class _Path:
 
     def order(self, speed):
         """v at psi = 0 and a speed [m/s]."""
-        return self.law.v_at(speed / self.p.V0, (0.0,) * len(self.law.states), self.coefficients)
+        return self.law.v_at(speed / self.p.V0, self.law.reference_state, self.coefficients)
 
     def force(self, parts, speed, psi):
         """These parts of friction and of the stress that opposes motion, at this speed [m/s]."""
