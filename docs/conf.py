@@ -6,6 +6,7 @@ import sys
 from importlib.metadata import version as version_of
 from pathlib import Path
 
+from jupyter_cache import get_cache
 from numpydoc.xref import DEFAULT_LINKS
 
 HERE = Path(__file__).parent
@@ -57,6 +58,7 @@ _digest = hashlib.sha256(b"".join(path.read_bytes() for path in _sources)).hexdi
 nb_execution_mode = "cache"
 nb_execution_in_temp = True  # pages write files
 nb_execution_cache_path = str(BUILD / "notebooks" / _digest)
+get_cache(nb_execution_cache_path).db  # noqa: B018  (made here: processes would make it at once)
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_merge_streams = True
