@@ -39,7 +39,10 @@ def _digest():
     """A hash of all sources of the kernels."""
     here = Path(__file__).parent
     laws = here.parent / "friction"
-    names = "law", "kinematics", "two_states", "damping", "functions"
+    names = (
+        *("law", "kinematics", "force_balance", "functions"),
+        *("two_states", "damping", "normal_stress"),
+    )
     shared = [laws / f"{name}.py" for name in names]
     folders = laws / "laws", laws / "forms", here
     sources = [*shared, *(path for folder in folders for path in sorted(folder.glob("*.py")))]

@@ -67,7 +67,7 @@ def march_kernel(law):
                     save(s, l, law, cases, save_times, results.saved)
             L.commit_lane(s, l, law)
             if s[R.BREAK + l] > 0.0:
-                end_segment(s, l, law, cases, loads)
+                end_segment(s, l, law, cases, loads, save_times, results.saved)
                 if s[R.STATUS + l] != RUNNING:
                     finish(s, l, law, cases, results)
                     cuda.atomic.add(position, 1, 1)

@@ -6,13 +6,14 @@ A polynomial is a tuple of 5 coefficients, the constant first.
 import math
 
 from .jit import inlined, inner, recursive
-from .rodas5p import speed_alone
+from .rodas5p import UNITY, speed_alone
 from .rows import rows_of
-from .tuples import dot_onto, read_rows
+from .tuples import dot_onto, read_rows, times
 
 FORCE, SPEED, LEAD = (), (0.0,), (0.0, 0.0)
-# Parts of x, of the stress that opposes motion, and of friction: see `force_and_slope`.
-INERTIAL_FORCE, FRICTION, WITH_STRESS = (1.0, -1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 1.0)
+# Parts of x, the stress S that opposes motion, the strength N and friction R: `force_and_slope`.
+INERTIAL_FORCE, FRICTION = (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
 
 
 @inner
@@ -122,17 +123,31 @@ def crossing_of_v(c, w_lp, dw, log_w_lp):
 
 
 @inner
-def force_and_slope(s, c, parts, law, p):
-    """A sum of parts of x, S and friction at s on the polynomials c of (x, v, psi); its slope."""
+def force_and_slope(s, c, of, law, p):
+    """A sum of parts of x, S, N and R at s on the polynomials c of (x, v, psi); its slope.
+
+    of : the parts, and the length of the step
+    """
+    parts, h = of
+    p = law.later(p, s * h)
     y = polynomials(c, s)
     w, e = speed_alone(y, law, p)
     by_x, d_omega, by_psi = slopes_along(s, c, w, e, law, p)
-    S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
-    R_v, R_psi = law.resistance_slopes(y[1], w, y[2:], e, p)
+    at = y[1], w, y[2:], e, p
+    drift = times(h, law.strength_drift(y[1], w, y[2:], p))
+    by_S = dot_onto(along(law.stress_slopes(*at), d_omega, by_psi), drift, UNITY)
+    by_N = dot_onto(along(law.strength_slopes(*at), d_omega, by_psi), drift, UNITY)
+    by_R = along(law.resistance_slopes(*at), d_omega, by_psi)
     force = parts[0] * y[0] + parts[1] * law.stress_in_v(y[1], w, y[2:], p)
-    force += parts[2] * law.resistance_in_v(y[1], w, y[2:], p)
-    by_S, by_f = dot_onto(S_v * d_omega, S_psi, by_psi), dot_onto(R_v * d_omega, R_psi, by_psi)
-    return force, parts[0] * by_x + parts[1] * by_S + parts[2] * by_f
+    force += parts[2] * law.strength_in_v(y[1], w, y[2:], p)
+    force += parts[3] * law.resistance_in_v(y[1], w, y[2:], p)
+    return force, parts[0] * by_x + parts[1] * by_S + parts[2] * by_N + parts[3] * by_R
+
+
+@inlined
+def along(slopes, d_omega, d_psi):
+    """The change of what has these slopes."""
+    return dot_onto(slopes[0] * d_omega, slopes[1], d_psi)
 
 
 @inner
@@ -204,9 +219,12 @@ def root(what, c, of, law, p):
 
 
 @inner
-def extreme_value(c, parts, law, p):
-    """The value of a sum of parts where in 0..1 its slope vanishes, as of `root`."""
-    return root(FORCE, c, parts, law, p)[1]
+def extreme_value(c, parts, h, law, p):
+    """The value of a sum of parts where in 0..1 its slope vanishes, as of `root`.
+
+    h : length of the step, at the start of which the coefficients are p
+    """
+    return root(FORCE, c, (parts, h), law, p)[1]
 
 
 @inner

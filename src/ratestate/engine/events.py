@@ -9,7 +9,7 @@ from . import rows as R
 from .dense_output import (
     FRICTION,
     INERTIAL_FORCE,
-    WITH_STRESS,
+    WITH_STRENGTH,
     components,
     crossing,
     extreme_speed,
@@ -26,13 +26,13 @@ from .tuples import read_rows
 
 @inner
 def observe(s, l, law, c):
-    """Extremes of V, |g|, f and x + f inside the step; `commit` sees to its end.
+    """Extremes of V, |g|, f and x + N inside the step; `commit` sees to its end.
 
     Returns where in the step, 0 to 1, V has one, or -1.
 
     c : the polynomials of x, v and psi
     """
-    p = read_rows(s, rows_of(law).p, l)
+    p, h = read_rows(s, rows_of(law).p, l), s[R.H_USED + l]
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     at = -1.0
     if v_extremum:
@@ -40,11 +40,11 @@ def observe(s, l, law, c):
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_extremum:
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(extreme_value(c, INERTIAL_FORCE, law, p)))
+        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(extreme_value(c, INERTIAL_FORCE, h, law, p)))
     if f_extremum:
-        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(c, FRICTION, law, p))
+        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(c, FRICTION, h, law, p))
     if xf_extremum:
-        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(c, WITH_STRESS, law, p))
+        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(c, WITH_STRENGTH, h, law, p))
     return at
 
 

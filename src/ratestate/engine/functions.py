@@ -105,6 +105,35 @@ def _coth(x):
     return lambda x: 2.0 / (1.0 - exp(-2.0 * x)) - 1.0
 
 
+# Taylor coefficients of sin(2 pi q), of odd powers of q: to 1e-17 where |q| <= 1/4.
+SINE = tuple(
+    (-1) ** k * (2.0 * math.pi) ** (2 * k + 1) / math.factorial(2 * k + 1) for k in range(12)
+)
+
+
+@inlined
+def cosine_of_periods(x):
+    """cos(2 pi x), off by some 1e-16 and by what 2 pi times the rounding of x makes."""
+    q = 0.25 - abs(x - ((x + ROUND) - ROUND))
+    z = q * q
+    z2 = z * z
+    z4 = z2 * z2
+    low = (SINE[0] + z * SINE[1]) + z2 * (SINE[2] + z * SINE[3])
+    middle = (SINE[4] + z * SINE[5]) + z2 * (SINE[6] + z * SINE[7])
+    high = (SINE[8] + z * SINE[9]) + z2 * (SINE[10] + z * SINE[11])
+    return q * (low + z4 * (middle + z4 * high))
+
+
+@_overload(functions.cosine, jit_options=INLINED)
+def _cosine(x):
+    return lambda x: cosine_of_periods(x)
+
+
+@_overload(functions.sine, jit_options=INLINED)
+def _sine(x):
+    return lambda x: cosine_of_periods(x - 0.25)
+
+
 def _of_each(function, arguments, item):
     """Compile a function of tuples, of the last argument's length, from an item's formula in k."""
 

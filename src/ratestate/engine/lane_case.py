@@ -39,9 +39,26 @@ def fill(s, l, law, i, size, cases):
     write_rows(s, rows.e, l, e)
     s[R.OBSERVE + l], s[R.V_LIMIT + l] = cases.observe[i], cases.v_limit[i]
     s[R.MAX_STEPS + l] = cases.max_steps[i]
-    s[R.V_HIGH + l] = s[R.V_LOW + l] = law.order_of_speed(y[1], w)
-    s[R.F_LOW + l] = law.resistance_in_v(y[1], w, y[2:], p)
-    s[R.XF_LOW + l] = s[R.X + l] + s[R.F_LOW + l]
+    s[R.V_HIGH + l], s[R.V_LOW + l] = -math.inf, math.inf
+    s[R.F_LOW + l] = s[R.XF_LOW + l] = math.inf
+    take_note(s, l, law)
+
+
+@inner
+def take_note(s, l, law):
+    """Let the extremes of V, |g|, f and x + N be those of the lane's state too."""
+    rows = rows_of(law)
+    y, w, p = read_rows(s, rows.y, l), s[R.W + l], read_rows(s, rows.p, l)
+    speed = law.order_of_speed(y[1], w)
+    s[R.V_HIGH + l], s[R.V_LOW + l] = max(s[R.V_HIGH + l], speed), min(s[R.V_LOW + l], speed)
+    friction, strength = (
+        law.resistance_in_v(y[1], w, y[2:], p),
+        law.strength_in_v(y[1], w, y[2:], p),
+    )
+    s[R.F_LOW + l] = min(s[R.F_LOW + l], friction)
+    s[R.XF_LOW + l] = min(s[R.XF_LOW + l], y[0] + strength)
+    force = y[0] - law.stress_in_v(y[1], w, y[2:], p)
+    s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(force))
 
 
 @inner
@@ -53,6 +70,7 @@ def choose_first_step(s, l, law):
     y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
     f_psi = law.rates_in_v(y[1], w, y[2:], e, p)
     fastest = abs(f_x) + sum_of_sizes(f_psi) + law.speed_slope(w, e) + abs(w_lp)
+    fastest += sum_of_sizes(law.strength_drift(y[1], w, y[2:], p))
     h = 0.1 * math.sqrt(math.sqrt(s[R.TOLERANCE + l])) / fastest
     s[R.H + l], s[R.MEMORY + l] = min(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
 

@@ -7,11 +7,21 @@ instructions, and gets the same bits, wherever it sits.
 from . import rows as R
 from .jit import inlined, lanewise
 from .model import RUNNING
-from .rodas5p import inertial_force
+from .rodas5p import UNITY, inertial_force, later
 from .rodas5p import step as rodas5p_step
 from .rows import rows_of
 from .step_control import control_step, step_size
-from .tuples import dot, largest, plus, read_rows, select, size_of, write_rows
+from .tuples import (
+    dot,
+    dot_onto,
+    largest,
+    minus_dot,
+    plus,
+    read_rows,
+    select,
+    size_of,
+    write_rows,
+)
 
 # Rejections in a row that no step size can explain: 5**-400 is below any eta0 w.
 TOO_MANY_FAILURES = 400.0
@@ -25,35 +35,38 @@ ROUNDING_OF_FORCE = 1e-13
 
 @inlined
 def extremum_conditions(y, w, e, w_lp, system):
-    """Four numbers with the signs of dw/dT, dg/dT, df/dT and d(x + f)/dT.
+    """Four numbers with the signs of dw/dT, dg/dT, df/dT and d(x + N)/dT.
 
     dw/dT has the sign of g or, where inertia is lost in rounding, of f_x - S_psi f_psi; then x = S.
-    The others follow from eta0 dw/dT = g, friction f = R and g = x - S.
+    The others follow from eta0 dw/dT = g, friction f = R, the strength N and g = x - S.
     """
     law, kappa, eta0, p = system
     f_x, f_psi = kappa * (w_lp - w), law.rates_in_v(y[1], w, y[2:], e, p)
     g, S_v, S_psi = inertial_force(y, w, e, law, p)
     R_v, R_psi = law.resistance_slopes(y[1], w, y[2:], e, p)
-    evolution = dot(R_psi, f_psi)
-    drive = f_x - dot(S_psi, f_psi)
+    N_v, N_psi = law.strength_slopes(y[1], w, y[2:], e, p)
+    drift = law.strength_drift(y[1], w, y[2:], p)
+    drive = minus_dot(f_x - dot(S_psi, f_psi), drift, UNITY)
     lost = abs(g) <= ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
     m = eta0 * law.speed_slope(w, e)
-    # (d omega/dT is drive/S_v where inertia is lost)
-    friction = R_v * drive + S_v * evolution if lost else m * evolution + R_v * g
-    both = friction + (S_v * f_x if lost else m * f_x)
-    return (drive if lost else g), m * drive - S_v * g, friction, both
+    # d omega/dT is `by` over `unit`
+    by, unit = (drive, S_v) if lost else (g, m)
+    friction = R_v * by + unit * dot(R_psi, f_psi)
+    strength = N_v * by + unit * dot_onto(dot(N_psi, f_psi), drift, UNITY)
+    return by, m * drive - S_v * g, friction, strength + unit * f_x
 
 
 @inlined
 def extrema(s, l, law):
-    """Whether V and g have an extreme in the step, f and x + f a minimum: four bools."""
+    """Whether V and g have an extreme in the step, f and x + N a minimum: four bools."""
     rows, system = rows_of(law), system_of(s, l, law)
     w_lp = s[R.W_LP + l]
     w_lp_new = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
     y0, e0 = read_rows(s, rows.y, l), read_rows(s, rows.e, l)
     y1, e1 = read_rows(s, rows.y_new, l), read_rows(s, rows.e_new, l)
     a0, b0, c0, d0 = extremum_conditions(y0, s[R.W + l], e0, w_lp, system)
-    a1, b1, c1, d1 = extremum_conditions(y1, s[R.W_NEW + l], e1, w_lp_new, system)
+    at_end = later(system, s[R.H_USED + l])
+    a1, b1, c1, d1 = extremum_conditions(y1, s[R.W_NEW + l], e1, w_lp_new, at_end)
     f_extremum, xf_extremum = (c0 < 0.0) & (c1 >= 0.0), (d0 < 0.0) & (d1 >= 0.0)
     return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0), f_extremum, xf_extremum
 
@@ -163,9 +176,10 @@ def commit_lane(s, l, law):
     v_high, v_low, g_high = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.G_HIGH + l]
     f_low, xf_low = s[R.F_LOW + l], s[R.XF_LOW + l]
     p = read_rows(s, rows.p, l)
-    f1 = law.resistance_in_v(y1[1], w1, y1[2:], p)
-    s1 = law.stress_in_v(y1[1], w1, y1[2:], p)
-    g1, xf1 = abs(y1[0] - s1), y1[0] + f1
+    p1 = law.later(p, h)
+    f1 = law.resistance_in_v(y1[1], w1, y1[2:], p1)
+    s1 = law.stress_in_v(y1[1], w1, y1[2:], p1)
+    g1, xf1 = abs(y1[0] - s1), y1[0] + law.strength_in_v(y1[1], w1, y1[2:], p1)
     t_break, status, max_steps = s[R.BREAKPOINT + l], s[R.STATUS + l], s[R.MAX_STEPS + l]
     increment = low + h
     t1 = t + increment
@@ -176,6 +190,7 @@ def commit_lane(s, l, law):
     s[R.T + l], s[R.T_LOW + l] = t1 if ok else t, low1 if ok else low
     write_rows(s, rows.y, l, select(ok, y1, y))
     write_rows(s, rows.e, l, select(ok, e1, e))
+    write_rows(s, rows.history, l, select(ok, law.history(p1), law.history(p)))
     s[R.W + l], s[R.W_LP + l] = w1 if ok else w, w_lp1 if ok else w_lp
     s[R.V_HIGH + l] = v1 if ok & (v1 > v_high) else v_high
     s[R.V_LOW + l] = v1 if ok & (v1 < v_low) else v_low

@@ -16,14 +16,20 @@ from .im2017 import take_step as take_im2017_step
 from .jit import inner, kernel
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
 from .model import FINISHED, RUNNING, Numbers
+from .normal_stress import enter_stress
 from .periodicity import last_period
 from .rows import rows_of
 from .tuples import read_rows, write
 
 
 @inner
-def enter_segment(s, l, law, scale, V0, loads, row):
-    """Put the lane at the start of the segment that holds its time (zero-length ones pass)."""
+def enter_segment(s, l, law, cases, loads):
+    """Put the lane at the start of the segment that holds its time (zero-length ones pass).
+
+    Returns whether its state jumps there, as normal stress does.
+    """
+    i = int(s[R.CASE + l])
+    scale, V0, row = cases.scale[i], cases.V0[i], cases.loading[i]
     k, last = int(s[R.SEGMENT + l]), loads.t.size - 1
     while k < last and loads.t[k + 1] * scale <= s[R.T + l]:
         k += 1
@@ -42,10 +48,13 @@ def enter_segment(s, l, law, scale, V0, loads, row):
     if k < last:
         t_break = min(t_break, loads.t[k + 1] * scale)
     s[R.BREAKPOINT + l] = t_break
-    if jump:
+    history = rows_of(law).history
+    stress_jumps = enter_stress(history, s, l, law, loads, row, k, cases.sigma[i], scale)
+    if jump or stress_jumps:
         choose_first_step(s, l, law)
         s[R.CROSS_LOW + l] = math.inf
         s[R.CYCLES + l] = 0.0
+    return stress_jumps
 
 
 @inner
@@ -56,8 +65,7 @@ def load(s, l, law, i, cases, loads, save_times, results):
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
     s[R.DT + l] = cases.dt[i] * scale
-    s[R.G_HIGH + l] = abs(s[R.X + l] - s[R.F_LOW + l])
-    enter_segment(s, l, law, scale, cases.V0[i], loads, cases.loading[i])
+    enter_segment(s, l, law, cases, loads)
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
         write(results.saved[i, n], 0, read_rows(s, rows_of(law).y, l))
@@ -125,18 +133,33 @@ def finish(s, l, law, cases, results):
 
 
 @inner
-def end_segment(s, l, law, cases, loads):
-    """At a breakpoint: enter the next segment or finish.  Elsewhere: give up, saying why."""
+def end_segment(s, l, law, cases, loads, save_times, saved):
+    """At a breakpoint: enter the next segment or finish.  Elsewhere: give up, saying why.
+
+    Returns whether the state jumps; a state saved at that time is then the one after the jump.
+    """
     if s[R.STATUS + l] != RUNNING:
-        return
+        return False
     if s[R.OK + l] == 0.0 or s[R.STEPS + l] + s[R.REJECTED + l] >= s[R.MAX_STEPS + l]:
         s[R.STATUS + l] = stuck(s, l)
-    elif s[R.BREAKPOINT + l] >= s[R.T_END + l]:
+        return False
+    if s[R.BREAKPOINT + l] >= s[R.T_END + l]:
         s[R.STATUS + l] = FINISHED
-    else:
-        s[R.T + l], s[R.T_LOW + l] = s[R.BREAKPOINT + l], 0.0
-        i = int(s[R.CASE + l])
-        enter_segment(s, l, law, cases.scale[i], cases.V0[i], loads, cases.loading[i])
+        return False
+    s[R.T + l], s[R.T_LOW + l] = s[R.BREAKPOINT + l], 0.0
+    jumps = enter_segment(s, l, law, cases, loads)
+    i, n = int(s[R.CASE + l]), int(s[R.SAVED + l])
+    if jumps and n > 0 and save_times[cases.times[i], n - 1] * cases.scale[i] == s[R.T + l]:
+        write(saved[i, n - 1], 0, read_rows(s, rows_of(law).y, l))
+    return jumps
+
+
+@inner
+def keep(s, law, path, position):
+    """Put T, x, v and psi of lane 0 at the end of a path."""
+    path[position[2], 0] = s[R.T] + s[R.T_LOW]
+    write(path[position[2]], 1, read_rows(s, rows_of(law).y, 0))
+    position[2] += 1
 
 
 def _march(method, law, alone, s, queue, position, cases, loads, save_times, results, path, budget):
@@ -148,7 +171,8 @@ def _march(method, law, alone, s, queue, position, cases, loads, save_times, res
     s : (march_size,) the lanes; CASE = IDLE in those that are free
     queue : (n,) case numbers, in the order in which to start them
     position : (3,) int64: next in queue; cases done; rows of `path` filled
-    path : (m, 1 + len(y)) T, x, v, psi after each step of lane 0; empty if not wanted
+    path : (m, 1 + len(y)) T, x, v, psi after each step of lane 0, and after each jump; empty if not
+        wanted
     budget : int, sweeps over the lanes
     """
     width = 1 if alone else R.LANES
@@ -178,18 +202,18 @@ def _march(method, law, alone, s, queue, position, cases, loads, save_times, res
                     save(s, l, law, cases, save_times, results.saved)
         L.commit(s, law, width)
         if path.size > 0 and s[R.OK] > 0.0:
-            path[position[2], 0] = s[R.T] + s[R.T_LOW]
-            write(path[position[2]], 1, read_rows(s, rows_of(law).y, 0))
-            position[2] += 1
+            keep(s, law, path, position)
         for l in range(width):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
-                end_segment(s, l, law, cases, loads)
+                jumps = end_segment(s, l, law, cases, loads, save_times, results.saved)
+                if jumps and path.size > 0:
+                    keep(s, law, path, position)
                 if s[R.STATUS + l] != RUNNING:
                     finish(s, l, law, cases, results)
                     position[1] += 1
                     vacant = True
-        if path.size > 0 and position[2] == path.shape[0]:
-            return False
+        if path.size > 0 and position[2] + 2 > path.shape[0]:
+            return False  # (a step may need two rows)
     return False
 
 

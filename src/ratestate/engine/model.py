@@ -75,6 +75,7 @@ class Cases(NamedTuple):
     y: np.ndarray  # (n, len(y)) initial x, v, psi
     t_end: np.ndarray  # [s]
     dt: np.ndarray  # [s], fixed-step methods only
+    sigma: np.ndarray  # initial normal stress [Pa]
     loading: np.ndarray  # row of the Loads tables
     times: np.ndarray  # row of the saved times
     rtol: np.ndarray
@@ -84,11 +85,17 @@ class Cases(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """Piecewise-linear load-point histories: S segments, one row a history [s, m/s, m/s^2]."""
+    """Piecewise-linear histories: S segments, one row a history [s, m/s, m/s^2, Pa].
+
+    Where normal stress varies its sinusoid, if any, is among the law's coefficients of each case.
+    """
 
     t: np.ndarray  # (S,) start times
-    V: np.ndarray  # (n, S) speed at the start of each segment
+    V: np.ndarray  # (n, S) speed of the load point at the start of each segment
     rate: np.ndarray  # (n, S) acceleration in it
+    # (n, S) normal stress at the start and end of each, but for the sinusoid; (1, 0): none
+    sigma: np.ndarray = np.empty((1, 0))
+    sigma_end: np.ndarray = np.empty((1, 0))
 
 
 class Results(NamedTuple):
@@ -116,7 +123,7 @@ class Numbers(NamedTuple):
     g_max: float  # of |g|
     returns: float  # in the last period; 0: none, or irregular (`periodicity.last_period`)
     f_min: float
-    xf_min: float  # of x + f
+    xf_min: float  # of x + N
 
 
 NUMBERS = Numbers._fields

@@ -23,6 +23,8 @@ from .jit import inlined, recursive
 from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
 from .tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, zeros
 
+UNITY = (1.0,)
+
 
 @inlined
 def exponentials(u, law, p):
@@ -127,17 +129,18 @@ def on_manifold(y, w, e, v_start, h, system):
 
 
 @inlined
-def increment(u, at, w_lp, rest, system, start):
+def increment(u, at, w_lp, rest, drift, system, start):
     """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
 
-    at : w, 1/c and e at u; system = (law, kappa, eta0, p); start : what `prepare` gave
+    at : w, 1/c and e at u; drift : of m dv/dT, h d_i times its d/dT, in a tuple
+    system = (law, kappa, eta0, p); start : what `prepare` gave
     """
     law, kappa, _, p = system
     w, c_inverse, e = at
     g = u[0] - law.stress_in_v(u[1], w, u[2:], p)
     f = law.rates_in_v(u[1], w, u[2:], e, p)
     r_x = kappa * (w_lp - w) + rest[0]
-    r_v = g * (start.c * c_inverse) + start.m * rest[1]
+    r_v = dot_onto(g * (start.c * c_inverse) + start.m * rest[1], drift, UNITY)
     r_v = minus_dot(r_v, times(start.m, law.shares(e, c_inverse, p)), f)
     return solve_arrow((r_x, r_v, *plus(f, 1.0, rest[2:])), start)
 
@@ -149,32 +152,68 @@ def next_point(y, k):
     return plus_sum(y, A[i], k), sum_of(C[i], k)
 
 
+class Drift(NamedTuple):
+    """h d/dT of the equations at the start of a step, where x, v and psi are constant."""
+
+    x: float  # of dx/dT
+    v: tuple  # of m dv/dT
+    psi: tuple  # of d psi/dT; this and v are () unless normal stress varies
+
+
 @inlined
-def with_drift(rest, drift, k):
-    """sum_j (C_ij/h) k_j + h d_i df/dT at the stage after those of the increments k."""
-    if len(k) < 5:
-        return rest[0] + D[len(k)] * drift, *rest[1:]
-    return rest  # (d_i is 0)
+def drift_of(y, w, h, ramp, system, start):
+    """The `Drift` of a step from y."""
+    law, kappa, _, p = system
+    psi = times(h, law.rate_drift(y[1], w, y[2:], p))
+    strength = times(-h, law.strength_drift(y[1], w, y[2:], p))
+    return Drift(h * kappa * ramp, less_share(strength, start, psi), psi)
 
 
 @recursive
-def stages(k, powers, y, w_lp, dw, r, drift, system, start):
+def less_share(strength, start, psi):
+    """Of m dv/dT, where it has any: the strength's, and what the states take."""
+    if len(strength) == 0:
+        return ()
+    return (minus_dot(strength[0], times(start.m, start.shares), psi),)
+
+
+@inlined
+def with_drift(rest, drift, k):
+    """sum_j (C_ij/h) k_j + h d_i df/dT at the stage after those of the increments k; v's apart."""
+    if len(k) < 5:
+        d = D[len(k)]
+        psi = with_states(rest[2:], d, drift.psi)
+        return (rest[0] + d * drift.x, rest[1], *psi), times(d, drift.v)
+    return rest, ()  # (d_i is 0)
+
+
+@recursive
+def with_states(rest, d, drift):
+    """rest + d drift, where there is a drift."""
+    if len(drift) == 0:
+        return rest
+    return plus(rest, d, drift)
+
+
+@recursive
+def stages(k, powers, y, w_lp, dw, h, drift, system, start):
     """The increments of all eight stages, `works` at each but the first, and w, 1/c and e last.
 
-    k, powers : those so far; r : 1/h; dw, drift : change of w_lp in the step, and kappa times it
+    k, powers : those so far; dw : change of w_lp in the step; drift : what `drift_of` gave
     """
     i = len(k)
     u, c = next_point(y, k)
-    at = exponentials(u, system[0], system[3])
+    here = later(system, NODES[i] * h)
+    at = exponentials(u, here[0], here[3])
     # (only now: before the branches of `exponentials` no product could be fused with what it is
     # added to, and a slider alone would have other bits than in a lane)
-    rest = with_drift(times(r, c), drift, k)
+    rest, drift_of_v = with_drift(times(1.0 / h, c), drift, k)
     w_lp_here = w_lp + NODES[i] * dw
-    k_new = increment(u, at, w_lp_here, rest, system, start)
-    power = works(u, at[0], w_lp_here, system)
+    k_new = increment(u, at, w_lp_here, rest, drift_of_v, here, start)
+    power = works(u, at[0], w_lp_here, here)
     if len(k) == 7:
         return (*k, k_new), (*powers, power), at
-    return stages((*k, k_new), (*powers, power), y, w_lp, dw, r, drift, system, start)
+    return stages((*k, k_new), (*powers, power), y, w_lp, dw, h, drift, system, start)
 
 
 @inlined
@@ -188,6 +227,13 @@ def end_of_step(y, k, last, h, system):
     error = (k[7][0], k[7][1] + (y_new[1] - free[1]), *k[7][2:])
     w_new, _, e_new = exponentials(y_new, system[0], system[3])
     return (y_new, w_new, e_new), held, error, (sum_of(H[0], k), sum_of(H[1], k), sum_of(H[2], k))
+
+
+@inlined
+def later(system, dT):
+    """The system at a time dT later."""
+    law, kappa, eta0, p = system
+    return law, kappa, eta0, law.later(p, dT)
 
 
 @inlined
@@ -213,14 +259,14 @@ def step(y, w, e, w_lp, ramp, h, system):
     dense : the dense output's K_1, K_2, K_3 (tuples)
     load_work, dissipation : integrals of `works` over the step
     """
-    law, kappa, _, p = system
+    law, _, _, p = system
     start = prepare(y, w, e, h, system)
-    r, dw, drift = 1.0 / h, h * ramp, h * kappa * ramp
-    rest = (D[0] * drift, *zeros(y[1:]))
-    first = increment(y, (w, 1.0 / start.c, e), w_lp, rest, system, start)
+    dw, drift = h * ramp, drift_of(y, w, h, ramp, system, start)
+    rest, drift_of_v = with_drift(zeros(y), drift, ())
+    first = increment(y, (w, 1.0 / start.c, e), w_lp, rest, drift_of_v, system, start)
     powers = (works(y, w, w_lp, system),)
-    k, powers, last = stages((first,), powers, y, w_lp, dw, r, drift, system, start)
-    new, _, error, dense = end_of_step(y, k, last, h, system)
+    k, powers, last = stages((first,), powers, y, w_lp, dw, h, drift, system, start)
+    new, _, error, dense = end_of_step(y, k, last, h, later(system, h))
 
     # The two quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
     dy = sum_of(B, k)
@@ -231,5 +277,8 @@ def step(y, w, e, w_lp, ramp, h, system):
     d_omega = dot_onto(dy[1], start.shares, dy[2:])
     load_work = w_lp * dy[0] + DRIFT * dw * y[0] + load_1 + load_2
     gradient = w * dot_onto(S_v * d_omega, S_psi, dy[2:]) + S * (start.c * d_omega)
+    gradient = dot_onto(
+        gradient, times(DRIFT * h * w, law.strength_drift(y[1], w, y[2:], p)), UNITY
+    )
     dissipation = gradient + friction_1 + friction_2
     return new, error, dense, h * load_work, h * dissipation

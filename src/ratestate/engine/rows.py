@@ -31,7 +31,7 @@ COMMON_ROWS = 71
     LOAD_WORK, DISSIPATION,                 # accumulated works
     STEPS, REJECTED, FAILURES,              # counts; rejections in a row
     V_HIGH, V_LOW, G_HIGH,                  # extremes of ln w and |g|
-    F_LOW, XF_LOW,                          # smallest friction f and x + f (model.py)
+    F_LOW, XF_LOW,                          # smallest friction f and x + N (model.py)
     X_LOW,                                  # last stress minimum
     STATUS, CASE, MAX_STEPS,
     # of a march
@@ -53,7 +53,8 @@ class LawRows(NamedTuple):
     y is the state (x, v, psi), with a psi for each of the law's variables.
     """
 
-    p: tuple  # the law's coefficients
+    p: tuple  # the law's coefficients,
+    history: tuple  # and the last of them, if normal stress varies
     e: tuple  # its exponentials, before and after a step
     e_new: tuple
     y: tuple  # before and after a step
@@ -87,6 +88,7 @@ def rows_of(law):
 
     n = len(law.states)
     p, e, e_new = take(law.n_coefficients), take(law.n_kept), take(law.n_kept)
+    history = law.history(p)
     psi, psi_new, psi_1, psi_2, psi_3 = (take(n) for _ in range(5))
     steady = take(2 + n)
     start, ring = next(place), RING * LANES
@@ -94,7 +96,7 @@ def rows_of(law):
     z, z_new = (tuple(take(2 + n) for _ in range(n + 1)) for _ in range(2))
     early, x_low, v_high, v_low = (take(n + 1) for _ in range(4))
     return LawRows(
-        *(p, e, e_new, (X, V, *psi), (X_NEW, V_NEW, *psi_new)),
+        *(p, history, e, e_new, (X, V, *psi), (X_NEW, V_NEW, *psi_new)),
         *((X_1, V_1, *psi_1), (X_2, V_2, *psi_2), (X_3, V_3, *psi_3), steady),
         *(start, start + ring, start + 2 * ring),
         *(z, z_new, early, x_low, v_high, v_low),

@@ -157,7 +157,7 @@ def stages(k, dk, traces, y, z, w_lp, curvatures, r, system, start):
     u, c = next_point(y, k)
     at = exponentials(u, system[0], system[3])
     # The stages of all go side by side: their numbers stay in the processor's registers.
-    k_new = increment(u, at, w_lp, times(r, c), system, start)
+    k_new = increment(u, at, w_lp, times(r, c), (), system, start)
     slope, trace = slopes(start.shares, u, at, system, start)
     dk = tangents(z, dk, slope, k_new, curvatures, r, start)
     if len(k) == 7:
@@ -200,7 +200,7 @@ def step(y, w, e, z, w_lp, h, system):
     r = 1.0 / h
     curvatures = curvatures_of(start.shares, y, w, e, z, system)
     at = w, 1.0 / start.c, e
-    first = increment(y, at, w_lp, zeros(y), system, start)
+    first = increment(y, at, w_lp, zeros(y), (), system, start)
     slope, trace = slopes(start.shares, y, at, system, start)
     dk = first_tangents(z, slope, first, curvatures, r, start)
     k, dk, traces, last = stages((first,), dk, (trace,), y, z, w_lp, curvatures, r, system, start)

@@ -7,17 +7,19 @@ friction of eq. 1 and without damping is that of the law of state alone.
 import functools
 
 from ..errors import ParameterError
-from .damping import Damped
+from . import damping
 from .forms import FORMS, form_name
 from .law import LOG, FrictionLaw
 from .laws import friction_law
+from .normal_stress import varying_at
 from .two_states import TwoStateLaw
 
 #: symbol -> what it is, of parameters that every slider has, and needs only where it is not 0
-EXTRAS = Damped.own
+EXTRAS = damping.OWN
 #: between the name of a law and of what it is composed with
 JOINT = "+"
 DAMPED = "damping"
+VARYING = "varying-sigma"
 
 
 def composed_law(name):
@@ -65,6 +67,11 @@ def composed(law, form=None, damped=False):
     return _with(law, DAMPED) if damped else law
 
 
+def under_varying_stress(law):
+    """The law, with all that it is made of, as the engine needs it where sigma varies."""
+    return _with(law, VARYING)
+
+
 def takes_forms(law):
     """Whether friction under a law of `laws.LAWS` is that of eq. 1 in the states themselves."""
     of_eq_1 = type(law).resistance in (FrictionLaw.resistance, TwoStateLaw.resistance)
@@ -73,9 +80,8 @@ def takes_forms(law):
 
 @functools.cache
 def _with(law, part):
-    """A law of another name, to which a form of friction or damping is added; else as the law."""
-    kind = type(law)
-    changes = Damped if part == DAMPED else FORMS[part].form_at(law.n_coefficients)
+    """A law of another name, to which a part of the force balance is added; else as the law."""
+    kind, changes = type(law), _changes(law, part)
     own = {"__module__": kind.__module__, "__doc__": kind.__doc__, "__reduce__": _made_again}
     made = type(f"{changes.__name__}{kind.__name__}", (changes, kind), own)()
     vars(made).update(vars(law))  # of a user's law there are functions of arrays among them
@@ -85,6 +91,15 @@ def _with(law, part):
     made.parameters = {**law.parameters, **changes.own}
     made.inner, made.part = law, part
     return made
+
+
+def _changes(law, part):
+    """The class that adds this part."""
+    if part == DAMPED:
+        return damping.damped_at(law.n_coefficients)
+    if part == VARYING:
+        return varying_at(law.n_coefficients, len(law.states))
+    return FORMS[part].form_at(law.n_coefficients)
 
 
 def _made_again(law):

@@ -1,65 +1,75 @@
 """A dashpot beside friction: of the machine, or the waves that a fault radiates."""
 
+import functools
 from types import MappingProxyType
 
 from .law import FrictionLaw, Parameter
 
+#: symbol -> what it is, of its parameters
+OWN = MappingProxyType({"damping": Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")})
 
-class Damped(FrictionLaw):
-    """A friction law with damping: S = R + zeta w, with zeta = damping V_ref/(a sigma).
 
-    Not a law by itself: `composition` makes a class of this and the class of a law, in that order.
-    The last of p is zeta.
+@functools.cache
+def damped_at(i):
+    """The class of laws with damping whose own coefficient is p[i], after those of a law."""
 
-    Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
-    """
+    class Damped(FrictionLaw):
+        """A friction law with damping: S = N + zeta w, with zeta = damping V_ref/(a sigma).
 
-    own = MappingProxyType({"damping": Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")})
-    # what is known of a law of one length, and of runaway without mass, is without a dashpot
-    one_length, series = False, ()
-    excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
-    inner: FrictionLaw  # the law without the dashpot
+        Not a law by itself: `composition` makes a class of this and the class of a law, in that
+        order.
 
-    def coefficients(self, V_ref, slider):
-        """Those of the law without the dashpot, and zeta."""
-        import numpy as np
+        Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
+        """
 
-        with np.errstate(over="ignore"):  # at speeds at which V_c is sought
-            zeta = slider.damping * V_ref / (slider.a * slider.sigma)
-        return (*self.inner.coefficients(V_ref, slider), zeta)
+        own = OWN
+        # what is known of a law of one length, and of runaway without mass, is without a dashpot
+        one_length, series = False, ()
+        excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
+        inner: FrictionLaw  # the law without the dashpot
 
-    def rescaled(self, p, ratio):
-        """`coefficients` for V_ref times `ratio`."""
-        return (*self.inner.rescaled(p[:-1], ratio), p[-1] * ratio)
+        def coefficients(self, V_ref, slider):
+            """Those of the law without the dashpot, and zeta."""
+            import numpy as np
 
-    def stress(self, v, w, psi, p):
-        """What opposes the motion, R + zeta w."""
-        return self.resistance(v, w, psi, p) + p[-1] * w
+            with np.errstate(over="ignore"):  # at speeds at which V_c is sought
+                zeta = slider.damping * V_ref / (slider.a * slider.sigma)
+            return (*self.inner.coefficients(V_ref, slider), zeta)
 
-    def stress_partials(self, v, w, psi, p):
-        """Derivatives of `stress` by v and by each of psi, a tuple."""
-        by_v, by_psi = self.resistance_partials(v, w, psi, p)
-        return by_v + p[-1] * w, by_psi
+        def rescaled(self, p, ratio):
+            """`coefficients` for V_ref times `ratio`."""
+            return (*self.inner.rescaled(p[:i], ratio), p[i] * ratio)
 
-    def stress_partials_2(self, v, w, psi, p):
-        """Second derivatives of `stress`: vv; v psi_k, a tuple; psi_j psi_k, of tuples."""
-        by_vv, by_vpsi, by_psipsi = self.resistance_partials_2(v, w, psi, p)
-        return by_vv + p[-1] * w, by_vpsi, by_psipsi
+        def stress(self, v, w, psi, p):
+            """What opposes the motion, R + zeta w."""
+            return self.resistance(v, w, psi, p) + p[i] * w
 
-    def stress_partials_3(self, v, w, psi, p):
-        """Third derivatives of `stress`, as those of `resistance`."""
-        by_vvv, *others = self.resistance_partials_3(v, w, psi, p)
-        return by_vvv + p[-1] * w, *others
+        def stress_partials(self, v, w, psi, p):
+            """Derivatives of `stress` by v and by each of psi, a tuple."""
+            by_v, by_psi = self.resistance_partials(v, w, psi, p)
+            return by_v + p[i] * w, by_psi
 
-    def stress_in_v(self, v, w, psi, p):
-        """`stress` from the engine's v."""
-        return self.resistance_in_v(v, w, psi, p) + p[-1] * w
+        def stress_partials_2(self, v, w, psi, p):
+            """Second derivatives of `stress`: vv; v psi_k, a tuple; psi_j psi_k, of tuples."""
+            by_vv, by_vpsi, by_psipsi = self.resistance_partials_2(v, w, psi, p)
+            return by_vv + p[i] * w, by_vpsi, by_psipsi
 
-    def stress_slopes(self, v, w, psi, e, p):
-        """Slopes of `stress_in_v`."""
-        by_omega, by_psi = self.resistance_slopes(v, w, psi, e, p)
-        return by_omega + p[-1] * self.speed_slope(w, e), by_psi
+        def stress_partials_3(self, v, w, psi, p):
+            """Third derivatives of `stress`, as those of `resistance`."""
+            by_vvv, *others = self.resistance_partials_3(v, w, psi, p)
+            return by_vvv + p[i] * w, *others
 
-    def runs_away(self, v, psi, kappa, p):
-        """Never, at any speed the dashpot holds what friction does not; unless it is none."""
-        return p[-1] == 0.0 and v > 600.0
+        def stress_in_v(self, v, w, psi, p):
+            """S from the engine's v."""
+            return self.strength_in_v(v, w, psi, p) + p[i] * w
+
+        def stress_slopes(self, v, w, psi, e, p):
+            """Slopes of `stress_in_v`."""
+            by_omega, by_psi = self.strength_slopes(v, w, psi, e, p)
+            return by_omega + p[i] * self.speed_slope(w, e), by_psi
+
+        def runs_away(self, v, psi, kappa, p):
+            """Never, at any speed the dashpot holds what friction does not; unless it is none."""
+            return p[i] == 0.0 and v > 600.0
+
+    return Damped

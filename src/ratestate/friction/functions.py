@@ -75,6 +75,18 @@ def coth(x):
     return -1.0 - 2.0 / np.expm1(-2.0 * x)
 
 
+def sine(x):
+    """sin(2 pi x)."""
+    import numpy as np
+
+    return np.sin(2.0 * np.pi * (x - np.round(x)))
+
+
+def cosine(x):
+    """cos(2 pi x)."""
+    return sine(x + 0.25)
+
+
 # Of tuples with a number a state
 
 

@@ -15,6 +15,7 @@ c = dw/dv, the sum of all jumps.  Where nothing reverses c is w, and omega is v.
 import math
 from typing import Any
 
+from .force_balance import ConstantNormalStress
 from .functions import (
     added,
     asinh_of,
@@ -32,7 +33,7 @@ LIMIT = 600.0
 SMALLEST, LEAST = 1e-16, 1e-6
 
 
-class Forward:
+class Forward(ConstantNormalStress):
     """Slip that never reverses.
 
     ==========  ================================================================
@@ -106,14 +107,6 @@ class Forward:
         """Slopes of `resistance_in_v`: by omega and by each of psi, a tuple."""
         return self.resistance_partials(v, w, psi, p)
 
-    def stress_in_v(self, v, w, psi, p):
-        """The law's `stress`."""
-        return self.resistance_in_v(v, w, psi, p)
-
-    def stress_slopes(self, v, w, psi, e, p):
-        """Slopes of `stress_in_v`."""
-        return self.resistance_slopes(v, w, psi, e, p)
-
     def inertia_slopes(self, g, slopes, m, v, w, psi, e, p):
         """Slopes of -m dv/dT, where dv/dT = g/(eta0 c) - sum_k s_k dpsi_k/dT.
 
@@ -122,12 +115,12 @@ class Forward:
         by_v, by_psi = slopes
         return by_v + g, by_psi
 
-    def rates_in_v(self, v, w, psi, e, p):
+    def evolution(self, v, w, psi, e, p):
         """The law's `rates`."""
         return self.rates(v, w, psi, e, p)
 
-    def rate_slopes(self, v, w, psi, e, p):
-        """Slopes of `rates_in_v`: by omega, a tuple, and each by its own state, a tuple."""
+    def evolution_slopes(self, v, w, psi, e, p):
+        """Slopes of `evolution`: by omega, a tuple, and each by its own state, a tuple."""
         return self.rate_partials(v, w, psi, e, p)
 
     def v_at(self, w, psi, p):
@@ -224,13 +217,13 @@ class Reversing(Forward):
         drop = scaled(-bend * (g + evolution * t), effects)
         return by_omega + g * t - evolution * bend, added(by_psi, drop)
 
-    def rates_in_v(self, v, w, psi, e, p):
+    def evolution(self, v, w, psi, e, p):
         """The law's `rates` at |V|."""
         size = self.size(w, e)
         return self.rates(log(size), size, psi, e[1:], p)
 
-    def rate_slopes(self, v, w, psi, e, p):
-        """Slopes of `rates_in_v`: by omega, a tuple, and each by its own state, a tuple."""
+    def evolution_slopes(self, v, w, psi, e, p):
+        """Slopes of `evolution`: by omega, a tuple, and each by its own state, a tuple."""
         size = self.size(w, e)
         by_log, by_psi = self.rate_partials(log(size), size, psi, e[1:], p)
         return scaled(self.log_slope(w, e), by_log), by_psi
@@ -241,7 +234,7 @@ class Reversing(Forward):
         return (c if w > 0.0 else -c) / self.size(w, e)
 
     def rates_bent(self, w, psi, e, p, one, other, bend_of_w):
-        """Second derivatives of `rates_in_v` in two directions.
+        """Second derivatives of `evolution` in two directions.
 
         one, other : d omega and d psi of each; bend_of_w : of w the second derivative, over c
         """

@@ -158,3 +158,23 @@ def running_sum(x):
     lost = (before - (after - seen)) + (x[..., 1:] - seen)
     total[..., 1:] += np.cumsum(lost, axis=-1)
     return total
+
+
+def appended(column, values, symbol):
+    """A column, ``segment`` last, with more values, floats or DataArrays, at its end.
+
+    ParameterError where DataArrays clash; symbol : what the values are
+    """
+    if not any(map(is_array, (column, *values))):
+        return np.append(column, values)
+    import xarray
+
+    column = column if is_array(column) else xarray.DataArray(column, dims="segment")
+    ends = [xarray.DataArray(value).expand_dims("segment") for value in values]
+    named = {f"{symbol} {i}": value for i, value in enumerate(values)}
+    check_aligned({f"{symbol} before": column.isel(segment=-1), **named})
+    apart = xarray.broadcast(column, *ends, exclude=["segment"])
+    parts = [part.transpose(..., "segment") for part in apart]
+    data = np.concatenate([part.values for part in parts], axis=-1)
+    coords = {name: c for part in parts for name, c in part.coords.items()}
+    return xarray.DataArray(data, coords, parts[0].dims)

@@ -42,6 +42,7 @@ def engine_cases(law, batch, y0, *, t_end, loading, times, dt=None, rtol, observ
         eta0=eta0,
         scale=p.V0 / p.Dc,
         V0=p.V0,
+        sigma=p.sigma,
         y=np.ascontiguousarray(y0),
         t_end=np.asarray(t_end, float),
         loading=loading,
@@ -76,7 +77,9 @@ def run_path(method, law, cases, loads, progress=None):
         at = np.clip(np.searchsorted(breaks, t), 1, len(breaks)) - 1
         for k in (at, np.minimum(at + 1, len(breaks) - 1)):
             t = np.where(np.abs(t - breaks[k]) <= 1e-15 * breaks[k], breaks[k], t)
-    return np.minimum(t, cases.t_end[0]), path[None, :, 1:], results
+    t = np.minimum(t, cases.t_end[0])
+    before = np.append(t[1:] == t[:-1], False)  # where the state jumps, the last time before it
+    return np.where(before, np.nextafter(t, 0.0), t), path[None, :, 1:], results
 
 
 def cost(cases, loads):

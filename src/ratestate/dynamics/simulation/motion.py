@@ -1,5 +1,6 @@
 """A batch of runs: converted for the engine, run, and converted back to units."""
 
+from functools import partial
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -14,7 +15,6 @@ from ...engine.model import (
     NUMBERS,
     RIGID_REST,
     RUNAWAY,
-    Loads,
 )
 from ...errors import SolverError
 from ...friction.kinematics import LIMIT
@@ -25,6 +25,7 @@ from ..domain import domain_variables
 from ..results import columns, status_variable
 from . import rigid
 from .cases import engine_cases, run_cases, run_path
+from .loads import engine_loads
 
 # A double below this has lost digits.
 SMALLEST = np.finfo(float).tiny
@@ -48,15 +49,13 @@ def move(call, progress):
     A case that fails raises nothing.  ParameterError where initial values contradict each other.
     """
     batch, loading, times = call.batch, call.loading, call.times
-    law = call.slider.friction_law
-    table, rows = batch.rows(loading.V)
-    rates, _ = batch.rows(loading.rate)
-    y0 = initial_state(law, batch, table[rows, 0])
+    law = call.law
+    loads, rows = engine_loads(batch, loading)
+    y0 = initial_state(call.slider.friction_law, batch, loads.V[rows, 0])
     t_end = batch.flat("t_end")
     save_times, time_rows = batch.rows(np.empty(0) if times is None else times)
     settings = {"loading": rows, "times": time_rows, "dt": call.dt, "rtol": call.rtol}
     cases = engine_cases(law, batch, y0, t_end=t_end, **settings)
-    loads = Loads(loading.t, table, rates)
     is_rigid = np.isinf(batch.flat("K"))
     own_steps = batch.alone and times is None
     if own_steps and not is_rigid[0]:
@@ -66,7 +65,7 @@ def move(call, progress):
         alone = batch.alone
         results = run_cases(call.method, law, cases, loads, save_times, which, alone, progress)
         if own_steps:
-            t = rigid.grid(loading.t, table[0], rates[0], t_end[0], batch.flat("Dc")[0])
+            t = rigid.grid(loads, 0, t_end[0], batch.flat("Dc")[0])
             states = np.full((1, t.size, y0.shape[1]), np.nan)
         else:
             t = saved_at(batch, times)
@@ -75,17 +74,16 @@ def move(call, progress):
     numbers["energy_residual"] = energy_residual(law, batch, loading, cases, y0, results)
     motion = Motion(t, states, numbers, results.status)
     for i in np.flatnonzero(is_rigid):
-        segments = (loading.t, table[rows[i]], rates[rows[i]])
-        _put_rigid(motion, i, batch, law, y0[i, 2:], segments)
+        _put_rigid(motion, i, batch, law, y0[i, 2:], (loads, rows[i]))
     return motion
 
 
-def _put_rigid(motion, i, batch, law, psi0, segments):
+def _put_rigid(motion, i, batch, law, psi0, history):
     """Put the motion of the case of number i, of K = inf, into that of all."""
     own = SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
     t = motion.t if motion.t.ndim == 1 else motion.t[i]
     try:
-        result = rigid.rigid_motion(law, psi0, t, segments, own)
+        result = rigid.rigid_motion(law, psi0, t, *history, own)
     except SolverError:
         motion.status[i] = NOT_FINITE
         return
@@ -156,7 +154,7 @@ def motion_variables(call, motion):
     they are NaN, but ``steps`` are those taken, ``returns`` is 0, ``outside_domain`` -1, and
     ``delta_lp`` and ``V_load`` are the loading's.
     """
-    variables = _series(call.slider.friction_law, call.batch, call.loading, motion)
+    variables = _series(call.slider, call.batch, call.loading, motion)
     variables["status"] = status_variable(call.batch, motion.status)
     variables |= _observables(call.slider.friction_law, call.batch, motion, call.rtol)
     if motion.t.ndim == 1:
@@ -167,8 +165,9 @@ def motion_variables(call, motion):
     return variables
 
 
-def _series(law, batch, loading, motion):
+def _series(slider, batch, loading, motion):
     """The variables along time, as name -> Variable in the sweep's dimensions and ``time``."""
+    law, sigma = slider.friction_law, slider.sigma
     p = SimpleNamespace(**{symbol: values[:, None] for symbol, values in batch.columns.items()})
     x, v, *psi = np.moveaxis(motion.states, -1, 0)
     psi = tuple(psi)
@@ -199,6 +198,10 @@ def _series(law, batch, loading, motion):
         "tau": tau,
         "mu": np.where(in_range, mu_ref + p.a * friction, np.nan),
     }
+    if loading.normal_stress is not None:
+        # (a jump at the very end has not happened)
+        end = np.nextafter(batch.flat("t_end"), 0.0)[:, None]
+        values["sigma"] = batch.of(partial(loading.sigma, sigma=sigma), np.minimum(t, end))
     variables = {name: batch.variable(value, name, "time") for name, value in values.items()}
     variables["mu"].attrs["comment"] = "NaN where V or theta is beyond double precision"
     return variables

@@ -1,156 +1,214 @@
 """The rigid limit K = inf: V = V_lp at all times, and only the state evolves."""
 
 import itertools
+from typing import NamedTuple
 
 import numpy as np
 
 from ...engine.compilation import call
 from ...engine.rigid import states
 from ...errors import SolverError
+from ...friction.functions import weighted_sum
 
 # Of the state, where a law does not know it in closed form.
 RTOL = 1e-11
 
 
-def rigid_motion(law, psi0, t, segments, p):
+def rigid_motion(law, psi0, t, loads, row, p):
     """States (m, len(y)) x, v, psi at times t, and the numbers of a run as the engine reports them.
 
     Returns None where the load point rests at any time before t_end.  tau includes the force
     M dV_lp/dt that a ramp takes; the impulse of a jump is not shown.  SolverError where the state
     cannot be followed.
 
+    law : as the engine needs it
     psi0 : (n_states,) the law's variables at t = 0
-    segments : (k,) starts [s], speeds [m/s] and rates [m/s^2] of the loading
+    loads, row : `Loads`, and the row of this slider in its tables
     p : the slider's parameters and t_end [SI] as attributes
     """
-    starts, V, rate = segments
-    k = np.searchsorted(starts, t, side="right") - 1
-    ends = np.minimum(np.append(starts[1:], np.inf), p.t_end)
-    used = starts < p.t_end
-    reached = np.concatenate([V[used], (V + rate * (ends - starts))[used]])
-    if not (reached > 0.0).all():
+    path = _Path(law, loads, row, p)
+    if not (path.reached > 0.0).all():
         return None
-    path = _Path(law, p)
-    psi = path.states(psi0, t, segments)
-    speed = V[k] + rate[k] * (t - starts[k])
-    inertia = p.M * rate / (p.a * p.sigma)
-    sampled = grid(starts, V, rate, p.t_end, p.Dc)
-    of_all = psi0, sampled, segments
+    psi = path.states(psi0, t)
+    sampled = grid(loads, row, p.t_end, p.Dc)
+    of_all = sampled, np.array(path.states(psi0, sampled))
     # The load point's work is friction's, by V = V_lp: no energy_residual.
     numbers = dict.fromkeys("steps energy_residual amplitude cycles returns".split(), 0.0) | {
         "t": p.t_end,
-        "v_max": path.order(reached.max()),
-        "v_min": path.order(reached.min()),
-        "g_max": np.abs(inertia[used]).max(),
-        "f_min": path.lowest((1.0, 0.0), np.zeros(starts.size), *of_all),
-        "xf_min": path.lowest((1.0, 1.0), inertia, *of_all),
+        "v_max": path.order(path.reached.max()),
+        "v_min": path.order(path.reached.min()),
+        "g_max": np.abs(path.inertia[loads.t < p.t_end]).max(),
+        "f_min": path.lowest(FRICTION, *of_all),
+        "xf_min": path.lowest(WITH_STRENGTH, *of_all),
     }
-    x = path.force((0.0, 1.0), speed, psi) + inertia[k]
-    return np.stack([x, law.v_at(speed / p.V0, psi, path.coefficients), *psi], axis=-1), numbers
+    at = path.at(t, psi)
+    return np.stack([path.force(at), at.v, *psi], axis=-1), numbers
+
+
+class _Point(NamedTuple):
+    """Where a slider is on its path; arrays of one length, as of `kinematics`."""
+
+    v: np.ndarray
+    w: np.ndarray
+    psi: tuple
+    e: tuple
+    p: tuple
+    k: np.ndarray  # number of the segment
+
+
+# Sums of friction R, of the strength N, and of x: how much of each
+FRICTION, WITH_STRENGTH = (1.0, 0.0, 0.0), (0.0, 1.0, 1.0)
 
 
 class _Path:
-    """A law's state along the history of speeds of one slider, with parameters p."""
+    """A law's state along the history of one slider, with parameters p."""
 
-    def __init__(self, law, p):
-        self.law, self.p = law, p
-        self.coefficients = law.coefficients(p.V0, p)
+    def __init__(self, law, loads, row, p):
+        self.law, self.p, self.starts = law, p, loads.t
+        self.V, self.rate = loads.V[row], loads.rate[row]
+        self.coefficients, self.scale = law.coefficients(p.V0, p), p.V0 / p.Dc
+        self.varies = bool(loads.sigma.size)
+        if self.varies:
+            self.s, self.s_end = loads.sigma[row] / p.sigma, loads.sigma_end[row] / p.sigma
+        self.ends = np.minimum(np.append(self.starts[1:], np.inf), p.t_end)
+        used = self.starts < p.t_end
+        last = self.V + self.rate * (self.ends - self.starts)
+        #: speeds at the ends of all segments [m/s]
+        self.reached = np.concatenate([self.V[used], last[used]])
+        #: M dV_lp/dt over a sigma in each segment
+        self.inertia = p.M * self.rate / (p.a * p.sigma)
 
-    def states(self, psi0, t, segments):
+    def at(self, t, psi, k=None):
+        """The `_Point` at times t and in states psi, in segments k, or those that begin then."""
+        if k is None:
+            k = np.searchsorted(self.starts, t, side="right") - 1
+        law, p = self.law, self.history(t, k)
+        w = (self.V[k] + self.rate[k] * (t - self.starts[k])) / self.p.V0
+        v, psi = law.v_at(w, psi, p), tuple(psi)
+        back = tuple(np.exp(x) for x in law.backward_exponent(v, psi, p))
+        own = (np.exp(x) for x in law.own_exponents(v, w, psi, back, p))
+        return _Point(v, w, psi, (*back, *own), p, k)
+
+    def history(self, t, k):
+        """The law's coefficients at times t in segments k."""
+        if not self.varies:
+            return self.coefficients
+        lasting = np.diff(self.starts, append=np.inf)[k]
+        rate, since = (self.s_end[k] - self.s[k]) / lasting, t - self.starts[k]
+        phase = self.coefficients[-5] * self.scale * t
+        base = self.s[k] + rate * since
+        return self.law.at_time(self.coefficients, base, rate / self.scale, phase)
+
+    def states(self, psi0, t):
         """The variables psi at times t, a tuple, from psi0 at time 0 on; SolverError."""
-        if self.law.gives("relaxed"):
-            psi = np.empty(len(t))
+        if self.law.gives("relaxed") and not self.varies:
+            psi, segments = np.empty(len(t)), (self.starts, self.V, self.rate)
             call(states, self.law, psi0[0], t, *segments, self.p.Dc, self.p.V0, psi)
             return (psi,)
-        return tuple(self._integrated(psi0, t, segments).T)
+        return tuple(self._integrated(psi0, t).T)
 
-    def _integrated(self, psi0, t, segments):
-        """(m, n_states) psi, integrated over each segment."""
-        from scipy.integrate import solve_ivp  # slow to import, and some laws do without
-
+    def _integrated(self, psi0, t):
+        """(m, n_states) psi, integrated over each segment, and after a jump where there is one."""
         psi = np.array(psi0, float)
         out = np.tile(psi, (len(t), 1))  # (for the times at which a segment of no length begins)
-        starts, V, rate = segments
-        for begin, V_begin, slope, end in zip(starts, V, rate, [*starts[1:], np.inf], strict=True):
-            end = min(end, t[-1])
-            if begin >= end:
+        for k, begin in enumerate(self.starts):
+            end = min(self.ends[k], t[-1])
+            if begin > end:
+                break
+            psi = self._after_jump(k, psi)
+            out[t == begin] = psi
+            if begin == end:
                 continue
-
-            def rates(since, psi, V_begin=V_begin, slope=slope):
-                return self._rates(V_begin + slope * since, tuple(psi))
-
-            inside = (t >= begin) & (t <= end)
-            times = np.unique(np.append(t[inside], [begin, end])) - begin
-            at = {"t_eval": times, "rtol": RTOL, "atol": RTOL}
-            run = solve_ivp(rates, (0.0, times[-1]), psi, "LSODA", **at)
-            if not run.success:
-                raise SolverError(f"the state at K = inf could not be followed: {run.message}")
-            out[inside] = run.y.T[np.searchsorted(times, t[inside] - begin)]
-            psi = run.y[:, -1]
+            inside = (t > begin) & (t <= end)
+            times = np.unique(np.append(t[inside], [begin, end]))
+            run = self._followed(k, psi, times)
+            out[inside] = run[np.searchsorted(times, t[inside])]
+            psi = run[-1]
         return out
 
-    def _rates(self, speed, psi):
-        """dpsi/dt [1/s] at this speed [m/s], a tuple."""
-        v, w = np.log(speed / self.p.V0), speed / self.p.V0
-        e = self.law.exponentials(v, w, psi, self.coefficients)
-        scale = self.p.V0 / self.p.Dc
-        return [scale * rate for rate in self.law.rates(v, w, psi, e, self.coefficients)]
+    def _followed(self, k, psi, times):
+        """(m, n_states) psi at times from the first of them on, all in segment k."""
+        from scipy.integrate import solve_ivp  # slow to import, and some laws do without
+
+        def rates(since, psi):
+            at = self.at(times[0] + since, psi, k)
+            return [self.scale * rate for rate in self.law.rates_in_v(*at[:5])]
+
+        since = times - times[0]
+        run = solve_ivp(rates, (0.0, since[-1]), psi, "LSODA", t_eval=since, rtol=RTOL, atol=RTOL)
+        if not run.success:
+            raise SolverError(f"the state at K = inf could not be followed: {run.message}")
+        return run.y.T
+
+    def _after_jump(self, k, psi):
+        """psi after what normal stress does where segment k begins."""
+        if not self.varies or k == 0:
+            return psi
+        t = self.starts[k]
+        before, after = (self.at(t, psi, i) for i in (k - 1, k))
+        rise = np.log(after.p[-3] / before.p[-3])
+        return np.array(self.law.after_jump(*after[:5], rise))
 
     def order(self, speed):
         """v at psi = 0 and a speed [m/s]."""
         return self.law.v_at(speed / self.p.V0, self.law.reference_state, self.coefficients)
 
-    def force(self, parts, speed, psi):
-        """These parts of friction and of the stress that opposes motion, at this speed [m/s]."""
-        at = np.log(speed / self.p.V0), speed / self.p.V0, psi, self.coefficients
-        return parts[0] * self.law.resistance(*at) + parts[1] * self.law.stress(*at)
+    def force(self, at):
+        """x at these points."""
+        return self.law.stress_in_v(at.v, at.w, at.psi, at.p) + self.inertia[at.k]
 
-    def rise(self, parts, speed, psi, rate):
-        """d/dt of `force` [1/s], where the speed changes at this rate [m/s^2]."""
-        at = np.log(speed / self.p.V0), speed / self.p.V0, psi, self.coefficients
-        rates = self._rates(speed, psi)
+    def sums(self, parts, at):
+        """Sums of parts of R, N and x."""
+        of = at.v, at.w, at.psi, at.p
+        friction, strength = self.law.resistance_in_v(*of), self.law.strength_in_v(*of)
+        return parts[0] * friction + parts[1] * strength + parts[2] * self.force(at)
 
-        def rise(by_v, by_psi):
-            evolution = sum(one * change for one, change in zip(by_psi, rates, strict=True))
-            return by_v * rate / speed + evolution
+    def rises(self, parts, at):
+        """d/dT of `sums`."""
+        law, of = self.law, at[:5]
+        rates, d_w = law.rates_in_v(*of), self.rate[at.k] / (self.p.V0 * self.scale)
+        d_omega = d_w / law.speed_slope(at.w, at.e)
+        drift = sum(law.strength_drift(at.v, at.w, at.psi, at.p))
+        slopes = law.resistance_slopes(*of), law.strength_slopes(*of), law.stress_slopes(*of)
+        friction, strength, stress = (
+            by_omega * d_omega + weighted_sum(by_psi, rates) for by_omega, by_psi in slopes
+        )
+        return parts[0] * friction + parts[1] * (strength + drift) + parts[2] * (stress + drift)
 
-        friction = rise(*self.law.resistance_partials(*at))
-        return parts[0] * friction + parts[1] * rise(*self.law.stress_partials(*at))
-
-    def lowest(self, parts, also, psi0, t, segments):
-        """The smallest `force` of these parts, and `also` (n,), what is added in each segment.
-
-        At one of the times t (m,), or where it has a minimum between two of them.
-        """
+    def lowest(self, parts, t, psi):
+        """The smallest of `sums` of these parts, at times t (m,), or in a minimum between two."""
         from scipy.optimize import brentq  # slow to import, and no other run needs it
 
-        starts, V, rate = segments
-        psi = np.array(self.states(psi0, t, segments))
-        begin, end, first, then = t[:-1], t[1:], psi[:, :-1], psi[:, 1:]
-        k = np.searchsorted(starts, begin, side="right") - 1
-        V, rate, also = V[k] + rate[k] * (begin - starts[k]), rate[k], also[k]
-        last = V + rate * (end - begin)
-        sides = (V, tuple(first)), (last, tuple(then))
-        lowest = np.minimum(*(self.force(parts, *side) for side in sides))
-        falls, rises = (self.rise(parts, *side, rate) for side in sides)
+        begin, end, first = t[:-1], t[1:], psi[:, :-1]
+        k = np.searchsorted(self.starts, begin, side="right") - 1
+        sides = self.at(begin, first, k), self.at(end, psi[:, 1:], k)
+        lowest = np.minimum(*(self.sums(parts, side) for side in sides))
+        falls, rises = (self.rises(parts, side) for side in sides)
         for i in np.flatnonzero((falls < 0.0) & (rises > 0.0)):
-            segment = (np.zeros(1), V[i : i + 1], rate[i : i + 1])
 
-            def at(t, i=i, segment=segment):
-                states = self.states(first[:, i], np.array([t]), segment)
-                return V[i] + rate[i] * t, tuple(state[0] for state in states)
+            def slope(when, i=i):
+                return self.rises(parts, self._between(when, first[:, i], begin[i], k[i]))
 
-            def slope(t, i=i, at=at):
-                speed, states = at(t)
-                return self.rise(parts, speed, states, rate[i])
+            if slope(end[i]) > 0.0:  # (else it was rounding, at the end of a relaxation)
+                found = brentq(slope, begin[i], end[i])
+                lowest[i] = self.sums(parts, self._between(found, first[:, i], begin[i], k[i]))
+        return lowest.min()
 
-            length = end[i] - begin[i]
-            if slope(length) > 0.0:  # (else it was rounding, at the end of a relaxation)
-                lowest[i] = self.force(parts, *at(brentq(slope, 0.0, length)))
-        return (lowest + also).min()
+    def _between(self, t, psi, begin, k):
+        """The `_Point` at one time in segment k, from psi at `begin`, in the same, on."""
+        if t > begin:
+            if self.law.gives("relaxed") and not self.varies:
+                found, since = np.empty(1), np.array([t - begin])
+                V = self.V[k] + self.rate[k] * (begin - self.starts[k])
+                segment = np.zeros(1), np.array([V]), self.rate[k : k + 1]
+                call(states, self.law, psi[0], since, *segment, self.p.Dc, self.p.V0, found)
+                psi = found
+            else:
+                psi = self._followed(k, psi, np.array([begin, t]))[-1]
+        return self.at(t, tuple(psi), k)
 
 
-def grid(starts, V, rate, t_end, Dc):
+def grid(loads, row, t_end, Dc):
     """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints.
 
     (n,) distinct, from 0 to t_end: each segment in 100 parts, and in 200 its first 10 Dc at the
@@ -158,8 +216,11 @@ def grid(starts, V, rate, t_end, Dc):
     that starts at rest: the 100 parts alone.  Before each jump of V also the last time that is
     still before it, so that the motion has both of its sides.
     """
+    starts, V, rate = loads.t, loads.V[row], loads.rate[row]
     breaks = np.append(starts[starts < t_end], t_end)
     jump = ~np.isclose(V[1:], V[:-1] + rate[:-1] * np.diff(starts), rtol=1e-9, atol=0.0)
+    if loads.sigma.size:
+        jump |= ~np.isclose(loads.sigma[row, 1:], loads.sigma_end[row, :-1], rtol=1e-9, atol=0.0)
     jumps = starts[1:][jump & (starts[1:] < t_end)]
     pieces = [np.zeros(1), np.nextafter(jumps, 0.0)]
     if len(breaks) > 100:  # a sampled record: its own rows

@@ -10,6 +10,7 @@ import xarray
 
 from ...engine.model import FINISHED, RUNAWAY
 from ...errors import RunWarning
+from ...friction.composition import under_varying_stress
 from ...machine import check_fits
 from ...model.batch import Batch
 from ...model.initial_state import initial_values
@@ -85,7 +86,8 @@ def simulate(
     xarray.Dataset
         In the sweep's dimensions, then ``time``: ``V`` and ``V_load`` (slider and load point,
         [m/s]), ``theta`` [s], ``delta`` and ``delta_lp`` [m], ``tau`` [Pa] (the spring's),
-        ``mu`` (eq. 1 for these V and theta; NaN where one of them is beyond double precision).
+        ``mu`` (eq. 1 for these V and theta; NaN where one of them is beyond double precision),
+        and ``sigma`` [Pa] if the loading changes it; tau/sigma is then tau over this sigma.
         Per case: ``status`` (int8 with CF flags; 0 finished), ``steps``,
         ``energy_residual`` (load work less stored and dissipated energy, divided by the
         sum of their sizes),
@@ -96,8 +98,8 @@ def simulate(
         order; 0 where they do so in none: then amplitude is that of the later half of the last 64,
         and frequency how many there are in a second), ``V_max`` and ``V_min`` [m/s] of the run,
         ``inertial_force`` (its largest |M dV/dt|/sigma, without damping
-        |tau/sigma - mu|).  Without mass V_max may be inf: beyond
-        double precision, and yet a motion that comes back.
+        |tau/sigma - mu|; this and amplitude are over sigma at t = 0).  Without mass V_max may be
+        inf: beyond double precision, and yet a motion that comes back.
         ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction
         law, since friction would have to push (``mu_min``, its smallest mu, is negative), or since
         the spring pulls back harder than friction can hold (``reversal_margin``, the smallest
@@ -154,6 +156,10 @@ def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, meth
     V_start = None if V_start is None else to_si("V_start", V_start)
     initial = initial_values(initial, slider.friction_law)
     loading.covers(t_end)
+    if loading.normal_stress is not None:
+        if method != "rodas5p":
+            raise refusal("settings.normal_stress", method=method)
+        loading.normal_stress.check(slider.sigma, t_end)
     times = saved_times(times, t_end)
     return SimulateCall(slider, loading, t_end, V_start, initial, times, rtol, method, dt)
 
@@ -182,14 +188,26 @@ class SimulateCall:
         if not np.all(np.greater(start, 0.0)):
             raise refusal("simulate.at_rest")
         values = {**self.slider.values, "t_end": self.t_end, "V_start": start, **self.initial}
-        extra = {"V_lp": self.loading.V} if is_array(self.loading.V) else {}
+        histories = {"V_lp": self.loading.V}
+        if (stress := self.loading.normal_stress) is not None:
+            own = {"sigma_amplitude": stress.amplitude, "sigma_period": stress.period}
+            values = {"alpha": 0.0, **values, **own}
+            histories |= {"sigma at first": stress.start, "sigma at last": stress.end}
+        extra = {name: history for name, history in histories.items() if is_array(history)}
         extra |= {"time": self.times} if is_array(self.times) else {}
         return Batch(values, extra, taken=self.names)
 
     @property
+    def law(self):
+        """The friction law as the engine needs it."""
+        law = self.slider.friction_law
+        return law if self.loading.normal_stress is None else under_varying_stress(law)
+
+    @property
     def names(self):
         """Names of the result's variables."""
-        return (*VARIABLES, *self.slider.friction_law.states)
+        more = () if self.loading.normal_stress is None else ("sigma",)
+        return (*VARIABLES, *more, *self.slider.friction_law.states)
 
     def check_fits(self):
         """Raise ParameterError if the results take more memory than there is."""

@@ -1,15 +1,19 @@
 """Steps, holds and ramps: what is put at the end of a history that goes on for ever.
 
-`step`, `hold` and `ramp` return a dict of the fields that change: t, V, rate and returns.  They
-raise ParameterError for a history with an end, a time before the last event's end, a wrong unit
-or range, an array of times, and arrays that clash.
+`step`, `hold` and `ramp` return a dict of the fields that change: t, V, rate and returns; those of
+normal stress its history.  They raise ParameterError for a history with an end, a time before the
+last event's end, a wrong unit or range, an array of times, and arrays that clash.
 """
+
+import dataclasses
 
 import numpy as np
 
 from ...errors import ParameterError
-from ..arrays import check_aligned
+from ..arrays import appended, check_aligned
 from ..units import is_array, to_si
+from .normal_stress import NormalStress
+from .shapes import period_of
 
 
 def step(loading, t, V):
@@ -39,6 +43,55 @@ def ramp(loading, t, V, duration):
     return _changed(loading, t, {t: (before, rate), end: (V, 0.0)}, returns=True)
 
 
+def sigma_step(loading, t, sigma):
+    """The `NormalStress` of a `Loading`, and a step to sigma [Pa] at t [s]."""
+    before = _stress_so_far(loading)
+    t = _time_of_stress(loading, before, t)
+    return before.then(t, _stress_from(t, sigma))
+
+
+def sigma_ramp(loading, t, sigma, duration):
+    """The `NormalStress` of a `Loading`, and a ramp to sigma [Pa] from t [s] on."""
+    before = _stress_so_far(loading)
+    t = _time_of_stress(loading, before, t)
+    return before.then_ramp(t, _stress_from(t, sigma), _end(t, duration, "ramp"))
+
+
+def sigma_sinusoid(loading, amplitude, period, frequency):
+    """The `NormalStress` of a `Loading`, and a sinusoid on top of it."""
+    before = _stress_so_far(loading)
+    if not np.all(np.isinf(before.period)):
+        raise ParameterError("the normal stress has a sinusoid already; give one")
+    amplitude = to_si("sigma", amplitude, label="amplitude", bound=">= 0")
+    period = period_of("a sinusoid of sigma", period, frequency)
+    check_aligned({"amplitude": amplitude, "period": period})
+    return dataclasses.replace(before, amplitude=amplitude, period=period)
+
+
+def _stress_so_far(loading):
+    stress = loading.normal_stress or NormalStress()
+    if not np.isnan(np.asarray(stress.start)[..., 0]).all():
+        raise ParameterError(
+            "the series has a normal stress of its own; put the change into its rows"
+        )
+    return stress
+
+
+def _time_of_stress(loading, stress, t):
+    """When an event of normal stress begins [s]: after the last one, and within the history."""
+    t = one_time(t, "the time of a step")
+    if t >= loading.t_last:
+        raise ParameterError(
+            f"t = {t!r} s is not before the end of the history, {loading.t_last!r} s"
+        )
+    return _after(t, float(stress.t[-1]), stress.returns, "normal stress")
+
+
+def _stress_from(t, sigma):
+    """Normal stress [Pa], > 0, from t [s] on: float or DataArray, else ParameterError."""
+    return to_si("sigma", sigma, label=f"sigma from t = {t!r} s on", bound="> 0")
+
+
 def _time(loading, t):
     """When an event begins [s]: after the last one, or where that ends."""
     if np.isfinite(loading.t_last):
@@ -47,12 +100,16 @@ def _time(loading, t):
             f"give steps to a constant speed, or put them into the rows of the series"
         )
     t = one_time(t, "the time of a step")
-    last = float(loading.t[-1])
-    if loading.returns and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
+    return _after(t, float(loading.t[-1]), loading.returns, "the history")
+
+
+def _after(t, last, returns, what):
+    """t [s], if it comes after the last event, or where a ramp ends."""
+    if returns and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
         return last
     if t <= last:
         raise ParameterError(
-            f"t = {t!r} s must come after t = {last!r} s, where the history has come to; "
+            f"t = {t!r} s must come after t = {last!r} s, where {what} has come to; "
             f"give the steps in order of time"
         )
     return t
@@ -84,26 +141,9 @@ def _changed(loading, t, segments, returns):
     kept = loading.t < t
     starts = np.concatenate([loading.t[kept], [*segments]])
     V, rate = (
-        _appended(column[..., kept], [values[i] for values in segments.values()])
+        appended(column[..., kept], [values[i] for values in segments.values()], "V_lp")
         for i, column in enumerate((loading.V, loading.rate))
     )
     if is_array(V):  # one of them may not depend on what the other does
         rate = rate + 0.0 * V
     return {"t": starts, "V": V, "rate": rate, "returns": returns}
-
-
-def _appended(column, values):
-    """A column, ``segment`` last, with more values, floats or DataArrays, at its end."""
-    if not any(map(is_array, (column, *values))):
-        return np.append(column, values)
-    import xarray
-
-    column = column if is_array(column) else xarray.DataArray(column, dims="segment")
-    ends = [xarray.DataArray(value).expand_dims("segment") for value in values]
-    named = {f"V_lp {i}": value for i, value in enumerate(values)}
-    check_aligned({"V_lp before": column.isel(segment=-1), **named})
-    apart = xarray.broadcast(column, *ends, exclude=["segment"])
-    parts = [part.transpose(..., "segment") for part in apart]
-    data = np.concatenate([part.values for part in parts], axis=-1)
-    coords = {name: c for part in parts for name, c in part.coords.items()}
-    return xarray.DataArray(data, coords, parts[0].dims)

@@ -8,6 +8,7 @@ from ...errors import ParameterError
 from ..arrays import stack
 from ..units import is_array, to_si
 from . import events, record
+from .normal_stress import NormalStress
 from .segments import Segments
 from .shapes import Sine
 
@@ -17,7 +18,7 @@ class Loading(Segments):
     """History of the load-point velocity from t = 0 on.
 
     Made by `constant`, `steps`, `series` or `sinusoid`; the first two go on with `step`, `hold`
-    and `ramp`.
+    and `ramp`, and all with `sigma_step`, `sigma_ramp` and `sigma_sinusoid`.
 
     Attributes
     ----------
@@ -33,10 +34,13 @@ class Loading(Segments):
         What a sinusoid was made from.
     returns : True or None
         Whether the last segment only ends a hold or ramp, so that another event may begin with it.
+    normal_stress : NormalStress or None
+        How sigma changes; None where it stays that of the slider.
     """
 
     sine: Sine | None = None
     returns: bool | None = None
+    normal_stress: NormalStress | None = None
 
     @property
     def shape(self):
@@ -98,7 +102,7 @@ class Loading(Segments):
         return cls(np.array(times), V, 0.0 * V)
 
     @classmethod
-    def series(cls, t, V_lp):
+    def series(cls, t, V_lp, *, sigma=None):
         """A sampled history, such as a laboratory record, taken as piecewise linear.
 
         Parameters
@@ -107,13 +111,17 @@ class Loading(Segments):
             Times [s], not decreasing from 0.  The same time in two rows is a jump.
         V_lp : sequence of N speeds
             Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
+        sigma : sequence of N stresses, optional
+            Normal stress [Pa], > 0, likewise; the first is the slider's sigma.
 
         Raises
         ------
         ParameterError
             A wrong unit or range, times that decrease or come thrice; names the row, from 0 on.
         """
-        return cls(*record.segments(t, V_lp))
+        times, keep, V, rate = record.segments(t, V_lp)
+        stress = None if sigma is None else NormalStress.of_record(times, keep, sigma)
+        return cls(times[keep], V, rate, float(times[-1]), normal_stress=stress)
 
     @classmethod
     def sinusoid(cls, V_lp, amplitude, *, t_end, period=None, frequency=None):
@@ -215,6 +223,103 @@ class Loading(Segments):
         """
         return dataclasses.replace(self, **events.ramp(self, t, V, duration))
 
+    def sigma_step(self, t, sigma):
+        """The same history, with another normal stress from time t on.
+
+        The slider's velocity does not jump with it; without mass it is at once the one at which
+        friction balances the spring.  The state follows by the slider's alpha.
+
+        Parameters
+        ----------
+        t : float, str or pint.Quantity
+            Later than the last change of normal stress, or where a ramp of it ends [s], > 0.
+        sigma : float, str, pint.Quantity or DataArray
+            Normal stress from then on [Pa], > 0.
+
+        Returns
+        -------
+        Loading
+            The other history; this one stays as it is.
+
+        Raises
+        ------
+        ParameterError
+            A wrong unit or range; a series that has a normal stress of its own; t after the end
+            of the history.
+
+        Examples
+        --------
+        >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
+        <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
+        """
+        return dataclasses.replace(self, normal_stress=events.sigma_step(self, t, sigma))
+
+    def sigma_ramp(self, t, sigma, duration):
+        """The same history, with a steady change of normal stress to sigma.
+
+        Parameters
+        ----------
+        t : float, str or pint.Quantity
+            Its start [s], as of `sigma_step`.
+        sigma : float, str, pint.Quantity or DataArray
+            Normal stress in the end [Pa], > 0.
+        duration : float, str or pint.Quantity
+            Length of the change [s], > 0.
+
+        Returns
+        -------
+        Loading
+            The other history; this one stays as it is.
+
+        Raises
+        ------
+        ParameterError
+            As of `sigma_step`.
+        """
+        return dataclasses.replace(self, normal_stress=events.sigma_ramp(self, t, sigma, duration))
+
+    def sigma_sinusoid(self, amplitude, *, period=None, frequency=None):
+        """The same history, with amplitude sin(2 pi t/period) added to the normal stress.
+
+        Parameters
+        ----------
+        amplitude : float, str, pint.Quantity or DataArray
+            [Pa], >= 0; such that sigma stays > 0, which shows when the slider is known.
+        period, frequency : float, str, pint.Quantity or DataArray
+            One of them, > 0, [s] or [Hz].
+
+        Returns
+        -------
+        Loading
+            The other history; this one stays as it is.
+
+        Raises
+        ------
+        ParameterError
+            As of `sigma_step`; a normal stress that has a sinusoid already.
+        """
+        stress = events.sigma_sinusoid(self, amplitude, period, frequency)
+        return dataclasses.replace(self, normal_stress=stress)
+
+    def sigma(self, t, sigma):
+        """Normal stress [Pa] at times t [s] on a slider whose own is sigma; after a jump there.
+
+        Parameters
+        ----------
+        t : array or DataArray
+            Times from 0 to `t_last`, in any order.
+        sigma : float or DataArray
+            Normal stress of the slider [Pa].
+
+        Returns
+        -------
+        ndarray or DataArray
+            As of `V_load`.
+        """
+        return (self.normal_stress or NormalStress()).at(t, sigma)
+
     def __repr__(self):
+        stress = self.normal_stress
+        more = "" if stress is None else f", and {stress.t.size} of normal stress"
         sweep = f", sweep over {', '.join(self.V.dims[:-1])}" if is_array(self.V) else ""
-        return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{sweep}>"
+        return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{more}{sweep}>"

@@ -8,7 +8,7 @@ from ..units import is_array
 
 
 def segments(t, V_lp):
-    """t, V, rate and t_last of the `Loading.series` of these rows.
+    """Times of all rows, which of them start segments, and V and rate of these.
 
     ParameterError for what is no record: see `column`, `Loading.series`.
     """
@@ -26,7 +26,7 @@ def segments(t, V_lp):
         rate = (V[..., keep + 1] - np.asarray(start)) / dt[keep]
     if not np.isfinite(rate).all():
         raise ParameterError("two times are too close for a ramp; for a jump repeat the time")
-    return times[keep], start, rate, float(times[-1])
+    return times, keep, start, rate
 
 
 def _check(times, dt):

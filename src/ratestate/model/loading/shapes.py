@@ -46,21 +46,11 @@ class Shape:
     @classmethod
     def checked(cls, V_lp, amplitude, period, frequency):
         """The shape with these values of `Loading.sinusoid`; ParameterError if they make none."""
-        if (period is None) == (frequency is None):
-            raise ParameterError(
-                f"a {cls.kind} needs either its period or its frequency, such as period='2 s'"
-            )
         V_lp = to_si("V_lp", V_lp)
         amplitude = to_si("V_lp", amplitude, label="amplitude", bound=">= 0")
-        symbol, given = ("frequency", frequency) if period is None else ("period", period)
-        found = to_si(symbol, given, bound="> 0")
+        found = period_of(f"a {cls.kind}", period, frequency)
         if is_array(found):
-            raise ParameterError(f"the {symbol} of a {cls.kind} is one number, common to all cases")
-        found = 1.0 / found if period is None else found
-        if not 0.0 < found < np.inf:
-            raise ParameterError(
-                f"frequency = {given!r} is beyond any size; give one such as '0.5 Hz'"
-            )
+            raise ParameterError(f"the period of a {cls.kind} is one number, common to all cases")
         check_aligned({"V_lp": V_lp, "amplitude": amplitude})
         if np.any(np.greater(amplitude, V_lp)):
             raise ParameterError(
@@ -129,6 +119,23 @@ class Sine(Shape):
         odd = np.arange(1, 2 * cls.LINES, 2)
         half = np.sin(np.pi * odd[: cls.LINES // 2] / cls.LINES)
         return odd / (2 * cls.LINES), np.concatenate([half, -half]) / np.sinc(1 / cls.LINES) ** 2
+
+
+def period_of(what, period, frequency):
+    """The period [s] of something, given by itself or by the frequency; else ParameterError."""
+    if (period is None) == (frequency is None):
+        raise ParameterError(
+            f"{what} needs either its period or its frequency, such as period='2 s'"
+        )
+    if frequency is None:
+        return to_si("period", period, bound="> 0")
+    with np.errstate(divide="ignore"):
+        found = 1.0 / to_si("frequency", frequency, bound="> 0")
+    if not np.all((found > 0.0) & (found < np.inf)):
+        raise ParameterError(
+            f"frequency = {frequency!r} is beyond any size; give one such as '0.5 Hz'"
+        )
+    return found
 
 
 #: kind -> the shape

@@ -1,0 +1,64 @@
+"""What a loading does, as tables for the engine: speed and normal stress on one grid of times."""
+
+import numpy as np
+import xarray
+
+from ...engine.model import Loads
+from ...model.units import is_array
+
+
+def engine_loads(batch, loading):
+    """`Loads` of a loading, and the row of each case in its tables, (n,).
+
+    batch : with the slider's sigma
+    """
+    if (stress := loading.normal_stress) is None:
+        table, rows = batch.rows(loading.V)
+        return Loads(loading.t, table, batch.rows(loading.rate)[0]), rows
+    t = np.union1d(loading.t, stress.t)
+    columns = _together(*_speeds_at(loading, t), *_stresses_at(stress, batch.values["sigma"], t))
+    (V, rows), *others = (batch.rows(column) for column in columns)
+    return Loads(t, V, *(table for table, _ in others)), rows
+
+
+def _speeds_at(loading, t):
+    """Speed and acceleration in the segments that begin at t."""
+    k = np.searchsorted(loading.t, t, side="right") - 1
+    V, rate = loading.V[..., k], loading.rate[..., k]
+    return np.maximum(V + rate * (t - loading.t[k]), 0.0), rate
+
+
+def _stresses_at(stress, sigma, t):
+    """Normal stress, but for its sinusoid, at the starts and ends of the segments that begin at t.
+
+    sigma : of the slider
+    """
+    k = np.searchsorted(stress.t, t, side="right") - 1
+    lasting = np.append(np.diff(stress.t), 1.0)[k]
+    first = (t - stress.t[k]) / lasting
+    last = np.append((t[1:] - stress.t[k[:-1]]) / lasting[:-1], 1.0)
+    start, end = (_known(column[..., k], sigma) for column in (stress.start, stress.end))
+    rise = end - start
+    return start + first * rise, start + last * rise
+
+
+def _known(column, sigma):
+    """A column with the slider's sigma where it is NaN."""
+    if not np.isnan(column).any():
+        return column
+    if is_array(column) or is_array(sigma):
+        column = column if is_array(column) else xarray.DataArray(column, dims="segment")
+        return column.fillna(sigma).transpose(..., "segment")
+    return np.where(np.isnan(column), sigma, column)
+
+
+def _together(*columns):
+    """Columns of all segments, ``segment`` last, in the same dimensions, if any has others."""
+    if not any(map(is_array, columns)):
+        return columns
+    arrays = [
+        column if is_array(column) else xarray.DataArray(column, dims="segment")
+        for column in columns
+    ]
+    arrays = [array.drop_vars("segment", errors="ignore") for array in arrays]
+    return [array.transpose(..., "segment") for array in xarray.broadcast(*arrays)]

@@ -1,0 +1,155 @@
+"""Normal stress in time: steps, ramps, a record, and a sinusoid on top of them."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from ...errors import ParameterError
+from ..arrays import appended, column
+from ..units import is_array, named
+
+#: by how much, of itself, the slider's sigma may differ from that at which a record begins
+AGREE = 1e-6
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class NormalStress:
+    """Normal stress, piecewise linear in time but for a sinusoid; NaN stands for the slider's own.
+
+    Attributes
+    ----------
+    t : ndarray, shape (S,)
+        Starts of the segments [s], increasing from 0.
+    start, end : ndarray, shape (S,), or DataArray with the sweep's dimensions, then ``segment``
+        Normal stress [Pa] at the start and at the end of each; that at the end of the last one
+        holds from there on.
+    amplitude, period : float or DataArray
+        Of the sinusoid [Pa] and [s]; 0 and inf where there is none.
+    returns : bool
+        Whether the last segment only ends a ramp, so that another event may begin with it.
+    """
+
+    t: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(1))
+    start: Any = dataclasses.field(default_factory=lambda: np.array([np.nan]))
+    end: Any = dataclasses.field(default_factory=lambda: np.array([np.nan]))
+    amplitude: Any = 0.0
+    period: Any = np.inf
+    returns: bool = False
+
+    @classmethod
+    def of_record(cls, t, keep, sigma):
+        """That of a record with these times [s], of which `keep` are the starts of segments."""
+        sigma = column("sigma", sigma)
+        if sigma.shape[-1] != t.size:
+            raise ParameterError(
+                f"sigma has {sigma.shape[-1]} values for {t.size} times; give one at each time"
+            )
+        if not np.all(np.greater(sigma, 0.0)):
+            i = int(np.argmin(np.asarray(sigma).min(axis=tuple(range(sigma.ndim - 1)))))
+            raise ParameterError(
+                f"sigma[{i}] = {float(np.min(sigma)):.6g} Pa: normal stress must stay > 0; mend "
+                f"the record"
+            )
+        return cls(t[keep], sigma[..., keep], _under_own_name(sigma[..., keep + 1]))
+
+    def then(self, t, sigma):
+        """The same up to t [s], and from then on sigma [Pa]."""
+        return self._ended(t, [(t, sigma, sigma)], returns=False)
+
+    def then_ramp(self, t, sigma, end):
+        """The same up to t, then a ramp to sigma, where it comes to at `end` [s]."""
+        before = self.end[..., -1]
+        return self._ended(t, [(t, before, sigma), (end, sigma, sigma)], returns=True)
+
+    def _ended(self, t, segments, returns):
+        kept = self.t < t
+        starts, first, last = zip(*segments, strict=True)
+        return dataclasses.replace(
+            self,
+            t=np.concatenate([self.t[kept], starts]),
+            start=appended(self.start[..., kept], first, "sigma"),
+            end=appended(self.end[..., kept], last, "sigma"),
+            returns=returns,
+        )
+
+    def at(self, t, sigma):
+        """Normal stress [Pa] at times t [s], after a jump there, of a slider that begins at sigma.
+
+        As `Segments.V_load` for arrays.
+        """
+        seconds = np.asarray(t, dtype=float)
+        k = np.searchsorted(self.t, seconds, side="right") - 1
+        lasting = np.append(np.diff(self.t), 1.0)
+        part = np.minimum((seconds - self.t[k]) / lasting[k], 1.0)
+        start, end = self.start, self.end
+        if any(map(is_array, (t, sigma, start, end, self.amplitude, self.period))):
+            import xarray
+
+            frame = t if is_array(t) else xarray.DataArray(seconds, dims=["time"][: seconds.ndim])
+            place, part = frame.copy(data=k), frame.copy(data=part)
+            start, end = (
+                xarray.DataArray(x, dims=getattr(x, "dims", "segment")).isel(segment=place)
+                for x in (start, end)
+            )
+            start, end = (x.fillna(sigma) for x in (start, end))
+            seconds = frame
+        else:
+            start, end = (np.where(np.isnan(x[k]), sigma, x[k]) for x in (start, end))
+        phase = seconds / self.period
+        wave = self.amplitude * np.sin(2.0 * np.pi * (phase - np.round(phase)))
+        found = start + part * (end - start) + wave
+        return named(
+            "sigma",
+            found.transpose(..., "time", missing_dims="ignore") if is_array(found) else found,
+        )
+
+    def check(self, sigma, t_end):
+        """Raise ParameterError unless normal stress begins at sigma and is > 0 up to t_end [s].
+
+        All may be DataArrays.  A sinusoid on a ramp counts with the lowest of both.
+        """
+        first = self.start[..., 0]
+        off = np.abs(first - sigma) > AGREE * sigma
+        if np.any(off):
+            given = f"{float(np.max(first)):.9g} Pa"
+            raise ParameterError(
+                f"the series begins at sigma = {given}, and the slider has sigma = "
+                f"{float(np.max(sigma)):.9g} Pa; give the slider that of the series"
+            )
+        last = float(np.max(t_end))
+        for k in np.flatnonzero(self.t < last):
+            begin, end = (
+                self.t[k],
+                min(last, *self.t[k + 1 : k + 2]) if k + 1 < self.t.size else last,
+            )
+            base = self._lowest_base(k, sigma)
+            lowest = base + self.amplitude * _lowest_sine(begin / self.period, end / self.period)
+            if np.any(lowest <= 0.0):
+                raise ParameterError(
+                    f"sigma would fall to {float(np.min(lowest)):.6g} Pa between t = {begin:.6g} s "
+                    f"and t = {end:.6g} s; it must stay > 0: give a smaller amplitude, or a "
+                    f"larger sigma"
+                )
+
+    def _lowest_base(self, k, sigma):
+        ends = (self.start[..., k], self.end[..., k])
+        if is_array(sigma) or any(map(is_array, ends)):
+            import xarray
+
+            first, last = (xarray.DataArray(end).fillna(sigma) for end in ends)
+        else:
+            first, last = (sigma if np.isnan(end) else end for end in ends)
+        return np.minimum(first, last)
+
+
+def _under_own_name(sigma):
+    """Without the coordinates along ``segment``, if a DataArray."""
+    return sigma.drop_vars("segment", errors="ignore") if is_array(sigma) else sigma
+
+
+def _lowest_sine(begin, end):
+    """The smallest sin(2 pi x) between two x, of arrays too."""
+    trough = np.ceil(begin - 0.75) + 0.75
+    lower = np.minimum(np.sin(2.0 * np.pi * begin), np.sin(2.0 * np.pi * end))
+    return np.where(trough <= end, -1.0, lower)
