@@ -58,7 +58,7 @@ def outrun(s, l, law):
     rows = rows_of(law)
     y, p = read_rows(s, rows.y_new, l), read_rows(s, rows.p, l)
     v = law.log_of_faster(y[1], y[2:], p)
-    if law.runs_away(v, y[2:], s[R.KAPPA + l], p):
+    if law.runs_away(v, y[2:], law.stiffness(s[R.KAPPA + l], p), p):
         s[R.STATUS + l] = RUNAWAY
     elif law.heals_at_rest() and v > LIMIT:
         s[R.STATUS + l] = NOT_FINITE

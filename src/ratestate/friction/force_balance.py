@@ -58,6 +58,10 @@ class ConstantNormalStress:
         """p at a time dT later: others where normal stress varies."""
         return p
 
+    def stiffness(self, kappa, p):
+        """K Dc/(a sigma(t)), of which kappa is that at t = 0: so stiff is the spring beside N/s."""
+        return kappa
+
     def history(self, p):
         """What of p changes with time, a tuple: of the last ones."""
         return ()

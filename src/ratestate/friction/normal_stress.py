@@ -109,8 +109,8 @@ def varying_at(i, n):
             history = base, rate, amplitude, frequency, phase, base + wave, ds, dds
             return p[:last] + history  # noqa: RUF005  (numba knows one of both)
 
-        def runs_away(self, v, psi, kappa, p):
-            """At speeds that no double would follow much further: normal stress may rise again."""
-            return v > 600.0
+        def stiffness(self, kappa, p):
+            """K Dc/(a sigma(t))."""
+            return kappa / p[-3]
 
     return Varying

@@ -88,7 +88,7 @@ class NagataLaw(FrictionLaw):
         With slip D instead of time dy/dD = (b/a - 1) (1 - exp(-y)) - k, k = kappa (1 + c - c a/b),
         where V >> V_lp: as under the aging law, with another stiffness.
         """
-        beta, c, per_v = p
+        beta, c, per_v = p[0], p[1], p[2]
         k = kappa * (1.0 + c - per_v)
         y = v + (psi[0] - per_v * v) / (1.0 + c)
         return beta - 1.0 > k and y >= -math.log1p(-k / (beta - 1.0))
