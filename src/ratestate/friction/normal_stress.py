@@ -107,7 +107,7 @@ def varying_at(i, n):
             wave = amplitude * sine(phase)
             ds, dds = rate + speed * amplitude * cosine(phase), -speed * speed * wave
             history = base, rate, amplitude, frequency, phase, base + wave, ds, dds
-            return p[:last] + history  # noqa: RUF005  (numba knows one of both)
+            return p[:last] + history
 
         def stiffness(self, kappa, p):
             """K Dc/(a sigma(t))."""

@@ -1,6 +1,6 @@
 """Motions: stress against time, the phase plane, the amplitude of limit cycles along a sweep."""
 
-from ..dynamics.results import parameter
+from ..dynamics.results import normal_stress, parameter
 from ..dynamics.steady_sliding import steady_stress
 from ..dynamics.whole_contact import force, whole_contact
 from ..errors import ParameterError
@@ -61,14 +61,14 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
         return ax.plot(factor * along(run), values, **{"lw": 1.0} | style)[0]
 
     def stress(run, style):
-        return draw(run, run.tau / parameter(run, "sigma"), style | (tau or {}))
+        return draw(run, run.tau / normal_stress(run), style | (tau or {}))
 
     alone = runs[0].run
     if len(runs) > 1:
         lines = tuple(stress(one.run, {"label": one.name} | one.line) for one in runs)
         ylabel = STRESS
         ax.legend()
-    elif parameter(alone, "M") == 0.0:
+    elif parameter(alone, "M") == 0.0 and parameter(alone, "damping") == 0.0:
         lines = 2 * (stress(alone, {"color": "k", "label": rf"{STRESS} = $\mu$ ($M$ = 0)"}),)
         ylabel = rf"{STRESS} = $\mu$"
     else:
@@ -94,10 +94,10 @@ def force_axis(run, ax):
     Returns
     -------
     matplotlib.axes.Axes or None
-        The second scale; None where the slider has no area.
+        The second scale; None where the slider has no area, or normal stress varies.
     """
     forces = whole_contact(run)
-    if "force" not in forces:
+    if "force" not in forces or "sigma" in run.data_vars:
         return None
     newtons = float(force(parameter(run, "sigma"), parameter(run, "area")))  # at tau/sigma = 1
     factor, unit = prefixed("N", float(abs(forces["force"]).max()))
@@ -129,7 +129,7 @@ def phase(run, ax, *, unit_of=None, **style):
     run = in_si(run)
     V = float(run.V_load[-1])
     factor, unit = prefixed("m/s", unit_of or float(run.V.max()))
-    (line,) = ax.plot(run.tau / parameter(run, "sigma"), factor * run.V, **{"lw": 0.5} | style)
+    (line,) = ax.plot(run.tau / normal_stress(run), factor * run.V, **{"lw": 0.5} | style)
     if V > 0:
         ax.plot(steady_stress(run, V), factor * V, "kx", ms=5, mew=1.0, zorder=5)
     ax.set(xlabel=STRESS, ylabel=f"$V$ [{unit}]")

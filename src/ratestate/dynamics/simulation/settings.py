@@ -52,6 +52,18 @@ def solver_settings(rtol, method, dt, slider):
     return rtol, dt
 
 
+def check_normal_stress(loading, slider, t_end, method):
+    """Raise ParameterError for a normal stress that the loading cannot give this slider.
+
+    It must begin at the slider's, and stay > 0 up to t_end [s]; and the method must know it.
+    """
+    if loading.normal_stress is None:
+        return
+    if method != "rodas5p":
+        raise refusal("settings.normal_stress", method=method)
+    loading.normal_stress.check(slider.sigma, t_end)
+
+
 def _laws_for(method):
     """Names of the laws that a method is for."""
     needs = METHODS[method].needs_law

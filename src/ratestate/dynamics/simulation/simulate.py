@@ -23,7 +23,7 @@ from ..refusals import refusal
 from ..results import provenance, record_loading
 from .cases import failure
 from .motion import blank_motion, motion_variables, move
-from .settings import saved_times, solver_settings
+from .settings import check_normal_stress, saved_times, solver_settings
 from .undisturbed import undisturbed_warning
 
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
@@ -156,10 +156,7 @@ def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, meth
     V_start = None if V_start is None else to_si("V_start", V_start)
     initial = initial_values(initial, slider.friction_law)
     loading.covers(t_end)
-    if loading.normal_stress is not None:
-        if method != "rodas5p":
-            raise refusal("settings.normal_stress", method=method)
-        loading.normal_stress.check(slider.sigma, t_end)
+    check_normal_stress(loading, slider, t_end, method)
     times = saved_times(times, t_end)
     return SimulateCall(slider, loading, t_end, V_start, initial, times, rtol, method, dt)
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from ...friction.user_law import MARK
 from ...model.loading import Loading
-from ...model.loading.written import events_of, rows_of
+from ...model.loading.normal_stress import NormalStress
+from ...model.loading.written import events_of, has_stress_rows, rows_of, stress_events_of
 from ...model.units import is_array
 from ...model.user_laws import file_of
 from .literals import find_axis, is_own_axis, numbers, quantity
@@ -66,16 +67,30 @@ def _call(name: str, arguments: list[str], longest: int = 0) -> str:
 
 
 def _loading(loading: Loading) -> str:
-    """The call that makes a loading."""
+    """The calls that make a loading."""
+    if np.isfinite(loading.t_last) and loading.shape is None:
+        t, V, sigma = rows_of(loading)
+        texts = [f"t={numbers(t)}", f"V_lp={_column('V_lp', V)}"]
+        texts += [] if sigma is None else [f"sigma={_column('sigma', sigma)}"]
+        calls = [_call("rs.Loading.series", texts)]
+    else:
+        calls = _speed_calls(loading)
+    if loading.normal_stress is not None and not has_stress_rows(loading):
+        calls += _stress_calls(loading.normal_stress)
+    text = "".join(calls)
+    if len(calls) == 1 or len(text) < 80:
+        return text
+    return "(\n" + "".join(f"    {call}\n" for call in calls) + ")"
+
+
+def _speed_calls(loading: Loading) -> list[str]:
+    """The calls that make a history of speeds, of steps or periodic."""
     if (shape := loading.shape) is not None:
         texts = [_value("V_lp", shape.V_lp), _value("V_lp", shape.amplitude)]
         others = {key: x for key, x in shape.values.items() if key not in ("V_lp", "amplitude")}
         texts += [f"{key}={_value(shape.arguments[key][0], x)}" for key, x in others.items()]
         texts.append(f"t_end={quantity('t', loading.t_last)}")
-        return f"rs.Loading.{shape.kind}({', '.join(texts)})"
-    if np.isfinite(loading.t_last):
-        t, V = rows_of(loading)
-        return _call("rs.Loading.series", [f"t={numbers(t)}", f"V_lp={_column(V)}"])
+        return [f"rs.Loading.{shape.kind}({', '.join(texts)})"]
     start, events = events_of(loading)
     calls = []
     for event in events:
@@ -84,18 +99,29 @@ def _loading(loading: Loading) -> str:
         calls.append(f".{event.kind}({arguments})")
     if events and all(event.kind == "step" for event in events):
         pairs = [call.removeprefix(".step") for call in calls]
-        return _call("rs.Loading.steps", [_value("V_lp", start), *pairs], 61)
-    calls.insert(0, f"rs.Loading.constant({_value('V_lp', start)})")
-    text = "".join(calls)
-    return text if len(text) < 80 else "(\n" + "".join(f"    {call}\n" for call in calls) + ")"
+        return [_call("rs.Loading.steps", [_value("V_lp", start), *pairs], 61)]
+    return [f"rs.Loading.constant({_value('V_lp', start)})", *calls]
 
 
-def _column(V: Any) -> str:
-    """The speeds of a record."""
-    if not is_array(V):
-        return numbers(V)
-    rows = [V.isel(segment=i, drop=True) for i in range(V.sizes["segment"])]
-    return "[\n" + "".join(f"        {_value('V_lp', row)},\n" for row in rows) + "    ]"
+def _stress_calls(stress: NormalStress) -> list[str]:
+    """The calls that change the normal stress."""
+    calls = []
+    for event in stress_events_of(stress):
+        values = (("t", event.t), ("sigma", event.sigma), ("t", event.duration))
+        arguments = ", ".join(_value(symbol, x) for symbol, x in values if x is not None)
+        calls.append(f".{event.kind}({arguments})")
+    if not np.all(np.isinf(stress.period)):
+        amplitude, period = _value("sigma", stress.amplitude), _value("period", stress.period)
+        calls.append(f".sigma_sinusoid({amplitude}, period={period})")
+    return calls
+
+
+def _column(symbol: str, values: Any) -> str:
+    """A column of a record."""
+    if not is_array(values):
+        return numbers(values)
+    rows = [values.isel(segment=i, drop=True) for i in range(values.sizes["segment"])]
+    return "[\n" + "".join(f"        {_value(symbol, row)},\n" for row in rows) + "    ]"
 
 
 def _setting(key: str, value: Any) -> str:

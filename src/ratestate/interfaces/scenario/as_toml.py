@@ -9,7 +9,14 @@ from ...errors import ParameterError
 from ...friction.law import LOG
 from ...friction.user_law import MARK
 from ...model.loading import Loading
-from ...model.loading.written import Event, events_of, rows_of
+from ...model.loading.normal_stress import NormalStress
+from ...model.loading.written import (
+    Event,
+    events_of,
+    has_stress_rows,
+    rows_of,
+    stress_events_of,
+)
 from ...model.other_units import OTHER_QUANTITIES
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array
@@ -47,7 +54,10 @@ def toml(scenario: Scenario) -> str:
     loading: dict[str, str] = {}
     swept = {k: v for k, v in {**slider, **settings}.items() if is_array(v)}
     if "loading" in settings:
-        loading, last = _loading(settings.pop("loading"))
+        history = settings.pop("loading")
+        loading, last = _loading(history)
+        if history.normal_stress is not None and not has_stress_rows(history):
+            loading |= _normal_stress(history.normal_stress)
         swept |= {"V_lp": last} if is_array(last) else {}
     elif "V_lp" in settings and "V_lp" not in swept:
         loading = {"V_lp": quantity("V_lp", settings["V_lp"])}
@@ -101,9 +111,12 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         literals = {key: quantity(shape.arguments[key][0], x) for key, x in wave.items()}
         more = {shape.kind: _inline(literals)}
     elif np.isfinite(loading.t_last):
-        t, V = rows_of(loading)
-        _refuse_arrays("the speeds of a record", V)
-        return {"t": f"{numbers(t)}  # s", "V_lp": f"{numbers(V)}  # m/s"}, V[-1]
+        t, V, sigma = rows_of(loading)
+        _refuse_arrays("a record", V, sigma)
+        columns = {"t": f"{numbers(t)}  # s", "V_lp": f"{numbers(V)}  # m/s"}
+        if sigma is not None:
+            columns["sigma"] = f"{numbers(sigma)}  # Pa"
+        return columns, V[-1]
     else:
         first, events = events_of(loading)
         *before, last = [first, *(event.V for event in events if event.V is not None)]
@@ -112,6 +125,26 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         steps = "".join(f"    {_step(event)},\n" for event in events)
         more = {"steps": f"[\n{steps}]"} if events else {}
     return ({} if is_array(first) else {"V_lp": quantity("V_lp", first)}) | more, last
+
+
+def _normal_stress(stress: NormalStress) -> dict[str, str]:
+    """The keys of [loading] that change the normal stress."""
+    keys, steps = {}, []
+    for event in stress_events_of(stress):
+        _refuse_arrays("normal stress", event.sigma)
+        values = {
+            "t": ("t", event.t),
+            "sigma": ("sigma", event.sigma),
+            "ramp": ("t", event.duration),
+        }
+        steps.append(_inline({k: quantity(s, x) for k, (s, x) in values.items() if x is not None}))
+    if steps:
+        keys["sigma_steps"] = "[\n" + "".join(f"    {step},\n" for step in steps) + "]"
+    if not np.all(np.isinf(stress.period)):
+        _refuse_arrays("normal stress", stress.amplitude, stress.period)
+        values = {"amplitude": ("sigma", stress.amplitude), "period": ("period", stress.period)}
+        keys["sigma_sinusoid"] = _inline({key: quantity(*value) for key, value in values.items()})
+    return keys
 
 
 def _refuse_arrays(what: str, *values: Any) -> None:

@@ -1,12 +1,13 @@
 """Checks of arguments that are valid by themselves but that a function would refuse together."""
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...dynamics.simulation.cases import MAX_STEPS
-from ...dynamics.simulation.settings import saved_times, solver_settings
+from ...dynamics.simulation.settings import check_normal_stress, saved_times, solver_settings
 from ...errors import ParameterError
 from ...model.batch import Batch
 from ...model.initial_state import initial_state, initial_values
@@ -43,6 +44,12 @@ def check_run(
             place("dt").add("run.too_many_steps", **sizes, wanted=expected("dt"))
     if loading is not None and t_end is not None:
         place("t_end").noting(lambda: loading.covers(t_end), "t_end", expected("t_end"))
+    stressed = loading is not None and loading.normal_stress is not None
+    if stressed and slider is not None and t_end is not None:
+        method = values.get("method") or "rodas5p"
+        where = Place("[loading] sigma", place("K").problems)
+        check = functools.partial(check_normal_stress, loading, slider, t_end, method)
+        where.noting(check, "sigma", message("loading.stress_wanted"))
     if times is not None and t_end is not None:
         place("times").noting(
             lambda: saved_times(times, t_end), "times", message("run.times_wanted")

@@ -35,7 +35,10 @@ SETTINGS = dict.fromkeys(
 #: table -> its keys, but for those of `slider_keys`
 TABLES = {
     "slider": ("law_file",),
-    "loading": ("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
+    "loading": (
+        *("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
+        *("sigma", "sigma_steps", "sigma_sinusoid"),
+    ),
     "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt"),
     "sweep": ("verb", *SETTINGS),
     "output": ("file", "plot"),
@@ -47,6 +50,18 @@ ONE_VALUE = ("verb", "law", "friction", "rtol", "times")
 STEP = InlineTable(
     {"t": ("t", "> 0"), "V_lp": ("V_lp", ">= 0"), "hold": ("t", "> 0"), "ramp": ("t", "> 0")},
     '[ { t = "1 s", V_lp = "3.2 mm/s" }, { t = "2 s", hold = "100 s" } ]',
+)
+STRESS_STEP = InlineTable(
+    {"t": ("t", "> 0"), "sigma": ("sigma", "> 0"), "ramp": ("t", "> 0")},
+    '[ { t = "1 s", sigma = "2.1 MPa" }, { t = "2 s", sigma = "2 MPa", ramp = "0.5 s" } ]',
+)
+STRESS_SINUSOID = InlineTable(
+    {
+        "amplitude": ("sigma", ">= 0"),
+        "period": ("period", "> 0"),
+        "frequency": ("frequency", "> 0"),
+    },
+    '{ amplitude = "50 kPa", period = "2 s" }',
 )
 PERIODIC = {kind: InlineTable(shape.arguments, shape.example) for kind, shape in SHAPES.items()}
 INITIAL_LIKE = "{ theta = '10 s' }"
@@ -66,6 +81,9 @@ LIKE = {
     "columns": '["time [s]", "V_lp [um/s]"]',
     "units": '["s", "um/s"]',
     "t": "[0, 1, 1, '5 s']",
+    "sigma loading": '["2 MPa", "2 MPa", "2.1 MPa", "2.1 MPa"]',
+    "sigma_steps": STRESS_STEP.like,
+    "sigma_sinusoid": STRESS_SINUSOID.like,
     "file": "'out.nc'",
     "plot": "'out.png'",
 }

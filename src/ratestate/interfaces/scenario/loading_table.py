@@ -10,6 +10,7 @@ from ...model.loading.written import Event
 from .known_keys import LIKE, PERIODIC, SPEEDS_LIKE, STEP, example, known_items
 from .problems import Place, expected, message
 from .record import Record, read_record
+from .stress_table import StressTable, stress_table
 from .values import as_array, read_number, read_values
 
 #: keys of a loading beside its speed, of which it may have one
@@ -26,6 +27,7 @@ class LoadingTable:
     events: list[tuple[Place, Event]]  # the start, and the steps, holds and ramps, in SI
     wave: dict[str, Any] = dataclasses.field(default_factory=dict)  # of the shape, in SI
     record: Record = dataclasses.field(default_factory=Record)
+    stress: StressTable | None = None
     sound: bool = True  # whether the table has no problems
 
     @property
@@ -56,6 +58,14 @@ class LoadingTable:
 
         V_last : speed in place of the last one (of a periodic loading, the mean), or None
         """
+        before = len(self.place.problems)
+        loading = self._of_speeds(V_last, t_end)
+        if loading is not None and self.stress:
+            loading = self.stress.applied(loading)
+        return loading if len(self.place.problems) == before else None
+
+    def _of_speeds(self, V_last: Any, t_end: float | None) -> Loading | None:
+        """As `build`, under a constant normal stress, or that of a record."""
         if self.is_record:
             return self.record.loading if self.sound else None
         events = self.events.copy()
@@ -70,13 +80,12 @@ class LoadingTable:
             make = functools.partial(getattr(Loading, kind), start.V, **self.wave, t_end=t_end)
             wanted, like = f"expected a {kind}", PERIODIC[kind].like
             return self.place.at(kind).noting(make, wanted=wanted, like=like)
-        before = len(self.place.problems)
         loading = Loading.constant(1.0 if start.V is None else start.V)
         for place, event in later:
             arguments = [x for x in event[1:] if x is not None]
             make = functools.partial(getattr(loading, event.kind), *arguments)
             loading = place.noting(make, "t", "expected steps", STEP.like) or loading
-        return loading if sound and len(self.place.problems) == before else None
+        return loading if sound else None
 
 
 def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> LoadingTable:
@@ -104,6 +113,7 @@ def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> L
     loading.events = [(place, Event("step", 0.0, V_lp))]
     if "steps" in given:
         loading.events += _events(given["steps"], place.at("steps"))
+    loading.stress = stress_table(given, place)
     if kind := loading.kind:
         loading.wave = _wave(kind, given[kind], place.at(kind))
     loading.sound = len(problems) == before
@@ -122,19 +132,20 @@ def _speed(value: Any, place: Place) -> float | None:
 
 
 def _rows(given: dict[str, Any], place: Place) -> Record:
-    """A record of times and speeds in the file itself."""
+    """A record of times and speeds, and maybe normal stresses, in the file itself."""
     columns = {}
-    for key, bound in (("t", None), ("V_lp", ">= 0")):
+    wanted = {"t": None, "V_lp": ">= 0"} | ({"sigma": "> 0"} if "sigma" in given else {})
+    for key, bound in wanted.items():
         if key not in given:
             place.missing(key, message("loading.speeds_wanted", like=SPEEDS_LIKE))
         elif not isinstance(given[key], list):
             place.at(key).add("loading.no_list", given=given[key], t=LIKE["t"], V_lp=SPEEDS_LIKE)
         elif (many := read_values(key, given[key], place.at(key), bound)) is not None:
             columns[key] = as_array(key, many)
-    if len(columns) < 2:
+    if columns.keys() != wanted.keys():
         return Record()
-    wanted = f"expected times such as {LIKE['t']}"
-    loading = place.at("t").noting(lambda: Loading.series(**columns), "t", wanted)
+    like = f"expected times such as {LIKE['t']}"
+    loading = place.at("t").noting(lambda: Loading.series(**columns), "t", like)
     return Record(loading, float(columns["V_lp"][-1]) if loading else None)
 
 

@@ -1,4 +1,4 @@
-"""A loading from a text file: two columns of a table, with or without a header.
+"""A loading from a text file: two or three columns of a table, with or without a header.
 
 Cells are separated by commas, semicolons or tabs.
 """
@@ -26,7 +26,8 @@ ENDINGS = (".csv", ".tsv", ".txt")
 LARGEST = 100 * 10**6  # bytes
 LONGEST = 10**6  # rows
 BAD_LISTED = 5  # cells
-SYMBOLS = ("t", "V_lp")
+#: of columns, the last if there are three
+SYMBOLS = ("t", "V_lp", "sigma")
 Row = tuple[int, list[str]]
 
 
@@ -51,18 +52,22 @@ def read_record(table: dict[str, Any], folder: Path, place: Place) -> Record:
     Problems are noted at `place`, and the `Record` then is empty.
     """
     before = len(place.problems)
-    wanted = _pair("columns", table, str | int, place)
-    units = _pair("units", table, str, place) if "units" in table else None
+    wanted = _columns("columns", table, str | int, (2, 3), place)
+    units = None
+    if "units" in table and wanted is not None:
+        units = _columns("units", table, str, (len(wanted),), place)
     rows = place.at("file").noting(lambda: _rows_of(table["file"], folder))
     if rows is None or wanted is None:
         return Record()
     head = rows[0][1]
     # named columns need a header; of numbered ones the first cell says whether there is one
     numbered = [column - 1 for column in wanted if isinstance(column, int)]
-    cells = [head[i] for i in numbered if 0 <= i < len(head)] if len(numbered) == 2 else head
+    all_numbered = len(numbered) == len(wanted)
+    cells = [head[i] for i in numbered if 0 <= i < len(head)] if all_numbered else head
     titled = any(math.isnan(_number_in(cell)) for cell in cells)
     found = [
-        _column(i, wanted[i], units[i] if units else None, head, titled, place) for i in (0, 1)
+        _column(i, wanted[i], units[i] if units else None, head, titled, place)
+        for i in range(len(wanted))
     ]
     columns = [column for column in found if column]
     if len(place.problems) > before:
@@ -73,14 +78,16 @@ def read_record(table: dict[str, Any], folder: Path, place: Place) -> Record:
     return record or Record()
 
 
-def _pair(key: str, table: dict[str, Any], kinds: Any, place: Place) -> list[Any] | None:
-    """A pair of strings, or of integers where `kinds` allows them."""
+def _columns(
+    key: str, table: dict[str, Any], kinds: Any, lengths: tuple[int, ...], place: Place
+) -> list[Any] | None:
+    """Two or three strings, or integers where `kinds` allows them."""
     wanted = message("columns.pair_wanted", like=LIKE[key])
     value = table.get(key)
     if value is None:
         place.missing(key, wanted)
         return None
-    sound = isinstance(value, list) and len(value) == 2
+    sound = isinstance(value, list) and len(value) in lengths
     if not sound or not all(isinstance(x, kinds) and not isinstance(x, bool) for x in value):
         place.at(key).add("columns.no_pair", given=value, wanted=wanted)
         return None
@@ -152,16 +159,18 @@ def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
         place.add("record.more_no_numbers", n=len(bad) - BAD_LISTED)
     if len(bad):
         return Record()
-    t, V = (
-        xarray.DataArray(table.reshape(-1, 2)[:, i], dims="row", attrs={"units": column.unit})
-        for i, column in enumerate(columns)
-    )
-    for symbol, array in zip(SYMBOLS, (t, V), strict=True):
+    arrays = [
+        xarray.DataArray(values, dims="row", attrs={"units": column.unit})
+        for values, column in zip(table.reshape(-1, len(columns)).T, columns, strict=True)
+    ]
+    for symbol, array in zip(SYMBOLS, arrays, strict=False):
         largest = float(np.abs(to_si(symbol, array, bound="")).max())
         if sizes := unusual(symbol, max(largest, 1.0)):
             x = f"{symbol} = {largest:.6g} {QUANTITIES[symbol].unit}"
             raise refusal("value.unusual", x=x, sizes=sizes, wanted=expected(symbol))
-    return Record(Loading.series(t, V), float(to_si("V_lp", V[-1:], bound=">= 0")[0]))
+    t, V, *stress = arrays
+    loading = Loading.series(t, V, sigma=stress[0] if stress else None)
+    return Record(loading, float(to_si("V_lp", V[-1:], bound=">= 0")[0]))
 
 
 def _cell(row: list[str], column: Column) -> str:

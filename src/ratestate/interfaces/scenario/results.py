@@ -1,5 +1,6 @@
 """The scenario that made a result, from the attributes of the result."""
 
+import dataclasses
 import inspect
 from typing import Any
 
@@ -15,6 +16,7 @@ from ...friction.laws import DEFAULT, friction_law, known_law
 from ...friction.user_law import MARK
 from ...model.conversion import in_si
 from ...model.loading import Loading
+from ...model.loading.normal_stress import NormalStress
 from ...model.loading.shapes import SHAPES
 from ...model.slider import OPTIONAL, SpringSlider
 from ...model.units import is_array
@@ -191,23 +193,58 @@ def _setting(verb: str, result: Any, key: str) -> Any:
 
 
 def _loading(result: Any) -> Loading:
-    """The load-point history that a result records."""
+    """The load-point history that a result records, and that of normal stress."""
     record = attributes.loading_record(result)
+    loading = _speeds(result, record)
+    if "sigma" not in record:
+        return loading
+    return dataclasses.replace(loading, normal_stress=_normal_stress(result, record["sigma"]))
+
+
+def _speeds(result: Any, record: dict[str, Any]) -> Loading:
+    """The history of speeds that a result records."""
     t_last = np.inf if record["t_last"] is None else float(record["t_last"])
     for kind in SHAPES.keys() & record.keys():
         return getattr(Loading, kind)(**_values(result, "loading", record[kind]), t_end=t_last)
-    columns: list[Any] = []
-    for name in ("t", "V", "rate"):
-        value: Any = record[name] if name in record else result[f"loading_{name}"].variable
-        if isinstance(value, dict):
-            value = attributes.array("loading", value)
-        many = np.ndim(value) > 1
-        array = xarray.DataArray(value).astype(float) if many else np.array(value, float)
-        columns.append(_labelled(result, array) if many else array)
-    t, V, rate = columns
+    t, V, rate = (
+        _column(result, record, name, "loading_", "segment") for name in ("t", "V", "rate")
+    )
     if not _is_history(t, np.asarray(V), np.asarray(rate), t_last):
         raise ParameterError(f"the loading that the Dataset records is no history; {WANTED}")
     return Loading(t, V, rate, t_last)
+
+
+def _normal_stress(result: Any, record: Any) -> NormalStress:
+    """The history of normal stress that a result records."""
+    wave = {"amplitude": 0.0, "period": np.inf}
+    if not isinstance(record, dict):
+        raise ParameterError(f"the normal stress that the Dataset records is none; {WANTED}")
+    given = {name: x for name, x in record.items() if name in wave}
+    names = "t", "start", "end"
+    t, start, end = (
+        _column(result, record, name, "loading_sigma_", "segment_of_sigma") for name in names
+    )
+    shapes = {np.shape(start), np.shape(end)}
+    sound = t.ndim == 1 and t.size and len(shapes) == 1 and np.shape(start)[-1:] == t.shape
+    if not sound or t[0] != 0.0 or not (np.diff(t) > 0.0).all():
+        raise ParameterError(f"the normal stress that the Dataset records is none; {WANTED}")
+    if not all(
+        np.greater(column, 0.0)[np.isfinite(column)].all()
+        for column in map(np.asarray, (start, end))
+    ):
+        raise ParameterError(f"the normal stress that the Dataset records is not > 0; {WANTED}")
+    return NormalStress(t, start, end, **(wave | _values(result, "loading", given)))
+
+
+def _column(result: Any, record: dict[str, Any], name: str, prefix: str, dim: str) -> Any:
+    """A column of a history, from the record or a variable of the result; NaN for null."""
+    value: Any = record[name] if name in record else result[prefix + name].variable
+    if isinstance(value, dict):
+        value = attributes.array("loading", value)
+    if np.ndim(value) <= 1:
+        return np.array(value, float)
+    array = xarray.DataArray(value).astype(float)
+    return _labelled(result, array.rename({dim: "segment"} if dim in array.dims else {}))
 
 
 def _is_history(t: Any, V: Any, rate: Any, t_last: float) -> bool:

@@ -57,26 +57,79 @@ def events_of(loading):
     return start.V, events
 
 
+class StressEvent(NamedTuple):
+    """A call of a method of `Loading`: sigma_step(t, sigma) or sigma_ramp(t, sigma, duration)."""
+
+    kind: str
+    t: float
+    sigma: Any
+    duration: float | None = None
+
+
+def stress_events_of(stress):
+    """The list of `StressEvent`s that make a `NormalStress`, but for its sinusoid.
+
+    Of one that is no series; that is not checked here.
+    """
+    found, k = [], 1
+    while k < stress.t.size:
+        first, last = stress.start[..., k], stress.end[..., k]
+        t, sigma = float(stress.t[k]), last if is_array(last) else float(last)
+        if np.array_equal(first, last):
+            found.append(StressEvent("sigma_step", t, sigma))
+            k += 1
+            continue
+        end = float(stress.t[k + 1])
+        found.append(StressEvent("sigma_ramp", t, sigma, _lasting(t, end)))
+        after = stress.start[..., k + 1 : k + 2]
+        k += 2 if np.array_equal(after[..., 0], last) and _rests(stress, k + 1) else 1
+    return found
+
+
+def _rests(stress, k):
+    """Whether normal stress is constant in segment k."""
+    return np.array_equal(stress.start[..., k], stress.end[..., k])
+
+
+def has_stress_rows(loading):
+    """Whether the normal stress is that of a series, which `rows_of` gives."""
+    stress = loading.normal_stress
+    return stress is not None and not np.isnan(np.asarray(stress.start)[..., 0]).any()
+
+
 def rows_of(loading):
-    """Times (N,) and speeds (N,), or DataArray, that `Loading.series` makes the history from.
+    """Times (N,), speeds (N,) and normal stresses (N,) that `Loading.series` makes a history from.
+
+    Both may be DataArrays; the stresses are None where they are no series.
 
     ParameterError for a ramp that leads to no speed >= 0.  That the history has an end is not
     checked here.
     """
-    V, ends = np.asarray(loading.V), _ends(loading)
+    columns = [(loading.V, np.asarray(loading.V), _ends(loading))]
+    if has_stress_rows(loading):
+        stress = loading.normal_stress
+        columns.append((stress.start, np.asarray(stress.start), np.asarray(stress.end)))
     starts = np.append(loading.t, loading.t_last)
-    jump = (ends[..., :-1] != V[..., 1:]).any(axis=tuple(range(V.ndim - 1)))
-    # each segment's end, and where the next begins at another speed, that too
-    at = np.repeat(np.arange(V.shape[-1]), np.append(np.where(jump, 2, 1), 1))
-    first = np.append(True, np.diff(at) > 0)
-    columns = np.where(first, ends[..., at], V[..., np.minimum(at + 1, V.shape[-1] - 1)])
-    t, values = np.append(starts[0], starts[1:][at]), np.append(V[..., :1], columns, axis=-1)
-    if not is_array(loading.V):
-        return t, values
+    jump = np.zeros(loading.t.size - 1, bool)
+    for _, first, last in columns:
+        jump |= (last[..., :-1] != first[..., 1:]).any(axis=tuple(range(first.ndim - 1)))
+    # each segment's end, and where the next begins at another speed or stress, that too
+    at = np.repeat(np.arange(loading.t.size), np.append(np.where(jump, 2, 1), 1))
+    is_end = np.append(True, np.diff(at) > 0)
+    rows = [_rows(*column, at, is_end) for column in columns]
+    return np.append(starts[0], starts[1:][at]), rows[0], rows[1] if len(rows) > 1 else None
+
+
+def _rows(column, first, last, at, is_end):
+    """Values of rows, from those at the starts and ends of segments."""
+    following = first[..., np.minimum(at + 1, first.shape[-1] - 1)]
+    values = np.append(first[..., :1], np.where(is_end, last[..., at], following), axis=-1)
+    if not is_array(column):
+        return values
     import xarray
 
-    coords = {k: c for k, c in loading.V.coords.items() if "segment" not in c.dims}
-    return t, xarray.DataArray(values, coords, loading.V.dims)
+    coords = {k: c for k, c in column.coords.items() if "segment" not in c.dims}
+    return xarray.DataArray(values, coords, column.dims)
 
 
 def _ends(loading):

@@ -5,7 +5,7 @@ import numpy as np
 from ...dynamics.attributes import loading_record, number
 from ...dynamics.cycles.orbit import orbit
 from ...dynamics.cycles.regimes import classify
-from ...dynamics.results import parameter, slider_parameters
+from ...dynamics.results import normal_stress, parameter, slider_parameters
 from ...dynamics.steady_sliding import stability, steady_stress
 from ...dynamics.whole_contact import whole_contact
 from ...engine.model import RUNAWAY, STEADY_SLIDING
@@ -94,6 +94,8 @@ def _motion(run, title, result):
     trace(run, axes["a"], mu={"ls": "-"} if cycles > MANY else None)
     axes["a"].label_outer()
     force_axis(run, axes["a"])
+    if "sigma" in run.data_vars:
+        _normal_stress(run, axes["a"])
     axes["a"].legend(ncols=2, **ABOVE)
     alone = [NamedRun(run, "slider", {"color": BLUE})]
     _speed(alone, axes["b"])
@@ -106,6 +108,18 @@ def _motion(run, title, result):
         texts.append(f"the last {FEW} of {cycles} cycles")
     letters([axes[name] for name in sorted(axes)], *texts)
     return fig
+
+
+def _normal_stress(run, ax):
+    """Normal stress against time, on an axis of its own behind that of tau/sigma."""
+    factor, unit = prefixed("Pa", float(run.sigma.max()))
+    in_time, _ = prefixed("s", float(run.time.max()))
+    behind = ax.twinx()
+    behind.plot(in_time * run.time, factor * run.sigma, color=GRAY, **THIN)
+    behind.set_ylabel(rf"$\sigma$ [{unit}]", color=GRAY)
+    behind.tick_params(axis="y", colors=GRAY)
+    ax.set_zorder(behind.get_zorder() + 1)
+    ax.patch.set_visible(False)
 
 
 def _of_contact(result):
@@ -161,7 +175,7 @@ def _plane(runs, ax):
     """Speed against stress, with all steady states and the one at the last load-point velocity."""
     scale = _speed_axis(runs, ax)
     for run, name, line in runs:
-        ax.plot(run.tau / parameter(run, "sigma"), scale * run.V, label=f"_{name}", **THIN | line)
+        ax.plot(run.tau / normal_stress(run), scale * run.V, label=f"_{name}", **THIN | line)
     show_constant(ax)
     low, high = ax.get_xlim()
     speeds = np.concatenate([one.run.V.values for one in runs])

@@ -1,0 +1,79 @@
+"""The keys of the table [loading] that change the normal stress: steps, ramps and a sinusoid."""
+
+import dataclasses
+import functools
+from typing import Any
+
+from ...model.loading import Loading
+from ...model.loading.written import StressEvent
+from .known_keys import STRESS_SINUSOID, STRESS_STEP
+from .problems import Place, expected
+
+MOST_STEPS = 1000
+
+
+@dataclasses.dataclass
+class StressTable:
+    """What changes the normal stress, read; it is put onto a loading when that is built."""
+
+    place: Place  # of [loading]
+    events: list[tuple[Place, StressEvent]] = dataclasses.field(default_factory=list)
+    sinusoid: dict[str, Any] | None = None  # in SI
+
+    def applied(self, loading: Loading) -> Loading:
+        """The loading with this normal stress; changes with a problem, noted, are left out."""
+        for place, event in self.events:
+            arguments = [x for x in event[1:] if x is not None]
+            make = functools.partial(getattr(loading, event.kind), *arguments)
+            loading = place.noting(make, "t", "expected steps", STRESS_STEP.like) or loading
+        if self.sinusoid:
+            make = functools.partial(loading.sigma_sinusoid, **self.sinusoid)
+            place = self.place.at("sigma_sinusoid")
+            loading = place.noting(make, "", "expected one", STRESS_SINUSOID.like) or loading
+        return loading
+
+
+def stress_table(given: dict[str, Any], place: Place) -> StressTable:
+    """Read the keys of [loading], of which all are given; problems are noted."""
+    table = StressTable(place)
+    if "sigma_steps" in given:
+        table.events = _events(given["sigma_steps"], place.at("sigma_steps"))
+    if "sigma_sinusoid" in given:
+        table.sinusoid = _sinusoid(given["sigma_sinusoid"], place.at("sigma_sinusoid"))
+    if "sigma" in given and "t" not in given:
+        place.at("sigma").add("loading.sigma_without_t", like=STRESS_STEP.like)
+    return table
+
+
+def _events(steps: Any, place: Place) -> list[tuple[Place, StressEvent]]:
+    """Steps and ramps; those with a problem are left out."""
+    if not isinstance(steps, list) or not 1 <= len(steps) <= MOST_STEPS:
+        place.add("steps.no_list", given=steps, most=MOST_STEPS, like=STRESS_STEP.like)
+        return []
+    events = []
+    for i, step in enumerate(steps):
+        where = place.at(i)
+        values = STRESS_STEP.read(step, where)
+        missing = [key for key in ("t", "sigma") if values is not None and key not in values]
+        for key in missing:
+            where.missing(key)
+        if values and not missing and None not in values.values():
+            kind = "sigma_ramp" if "ramp" in values else "sigma_step"
+            event = StressEvent(kind, values["t"], values["sigma"], values.get("ramp"))
+            events.append((where, event))
+    return events
+
+
+def _sinusoid(table: Any, place: Place) -> dict[str, Any] | None:
+    """Its amplitude and period in SI, None with a problem."""
+    values = STRESS_SINUSOID.read(table, place)
+    if values is None:
+        return None
+    before = len(place.problems)
+    if "amplitude" not in values:
+        place.missing("amplitude", expected("sigma"))
+    if ("period" in values) == ("frequency" in values):
+        twice = "period" in values
+        place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")
+    sound = len(place.problems) == before and None not in values.values()
+    return values if sound else None
