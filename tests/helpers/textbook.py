@@ -228,20 +228,62 @@ class Textbook:
         wanted = [exact[:, 0] / self.p["a"], *exact[:, 1:].T, np.array(mu) / self.p["a"]]
         return max(np.abs(x - y).max() for x, y in zip(found, wanted, strict=True))
 
-    def solve(self, y, V_lp, times, tol=1e-10):
-        """y at the times, one a row, under a constant V_lp from y at 0 on."""
+    def solve(self, y, V_lp, times, tol=1e-10, start=0.0):
+        """y at the times, one a row, under a constant V_lp from y at the start on."""
+        inside = np.nextafter(start, np.inf), np.nextafter(times[-1], 0.0)  # of what s is there
         run = solve_ivp(
-            lambda t, y: self.rates(y, V_lp, t),
-            (0.0, times[-1]),
+            lambda t, y: self.rates(y, V_lp, min(max(t, inside[0]), inside[1])),
+            (start, times[-1]),
             y,
             "Radau",
             times,
-            jac=lambda t, y: self.jacobian(y, V_lp, t),
+            jac=lambda t, y: self.jacobian(y, V_lp, min(max(t, inside[0]), inside[1])),
             rtol=tol,
             atol=self.tolerances(y, V_lp, tol),
         )
         assert run.success, run.message
         return run.y.T
+
+    def through(self, y, V_lp, times, breaks):
+        """As `solve`, where s has kinks or jumps at these times, none of which is in `times`."""
+        rows, start = [], 0.0
+        for end in [*breaks, times[-1]]:
+            here = [t for t in times if start <= t <= end] if end == times[-1] else []
+            here = here or [t for t in times if start <= t < end]
+            found = self.solve(y, V_lp, [*here, end] if end not in here else here, start=start)
+            rows += list(found[: len(here)])
+            y, start = found[-1], end
+            if end < times[-1]:
+                y = self.jumped(y, *(self.p["s"](np.nextafter(end, x))[0] for x in (0.0, np.inf)))
+        rows = np.array(rows)
+        if self.p["M"] == 0.0:  # friction and the dashpot balance the spring
+            for t, row in zip(times, rows, strict=True):
+                row[1] = math.log(self.velocity(row[0], np.exp(row[2:]), self.p["s"](t)[0]))
+        return rows
+
+    def jumped(self, y, before, after):
+        """y where s jumps."""
+        y, p, rise = y.copy(), self.p, math.log(after / before)
+        alpha, c = p.get("alpha", 0.0), p["c"] if self.law == "nagata" else 0.0
+        if c == 0.0:
+            y[2] -= alpha / p["b"] * rise
+            return y
+        # V stays: mu + alpha/c falls in proportion; without mass it then goes where friction
+        # balances, and theta with it as c d mu/b
+        theta = np.exp(y[2:])
+        V = math.exp(y[1]) if p["M"] > 0 else self.velocity(y[0], theta, before)
+        mu = self.mu(V, theta) + alpha / c
+        y[2] += mu * math.expm1(-c / (1.0 + c) * rise) / p["b"]
+        if p["M"] == 0.0:
+            taken = c / (1.0 + c) * p["a"] / p["b"]
+
+            def off(change):
+                theta, speed = math.exp(y[2] - taken * change), V * math.exp(change)
+                dashpot = p.get("damping", 0.0) * speed / p["sigma"]
+                return after * self.mu(speed, [theta]) + dashpot - y[0]
+
+            y[2] -= taken * brentq(off, -300.0, 300.0, xtol=1e-14)
+        return y
 
 
 class Reversing(Textbook):

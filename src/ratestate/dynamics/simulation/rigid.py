@@ -70,6 +70,7 @@ class _Path:
         self.varies = bool(loads.sigma.size)
         if self.varies:
             self.s, self.s_end = loads.sigma[row] / p.sigma, loads.sigma_end[row] / p.sigma
+        self.stress_jumps = stress_jumps(loads, row)
         self.ends = np.minimum(np.append(self.starts[1:], np.inf), p.t_end)
         used = self.starts < p.t_end
         last = self.V + self.rate * (self.ends - self.starts)
@@ -180,8 +181,10 @@ class _Path:
         from scipy.optimize import brentq  # slow to import, and no other run needs it
 
         begin, end, first = t[:-1], t[1:], psi[:, :-1]
+        jumps = np.isin(end, self.starts[self.stress_jumps])  # (of times just before them)
+        last = np.where(jumps, first, psi[:, 1:])
         k = np.searchsorted(self.starts, begin, side="right") - 1
-        sides = self.at(begin, first, k), self.at(end, psi[:, 1:], k)
+        sides = self.at(begin, first, k), self.at(end, last, k)
         lowest = np.minimum(*(self.sums(parts, side) for side in sides))
         falls, rises = (self.rises(parts, side) for side in sides)
         for i in np.flatnonzero((falls < 0.0) & (rises > 0.0)):
@@ -208,6 +211,15 @@ class _Path:
         return self.at(t, tuple(psi), k)
 
 
+def stress_jumps(loads, row):
+    """(segments,) whether normal stress jumps where each begins."""
+    jumps = np.zeros(loads.t.size, bool)
+    if loads.sigma.size:
+        before, after = loads.sigma_end[row, :-1], loads.sigma[row, 1:]
+        jumps[1:] = ~np.isclose(after, before, rtol=1e-12, atol=0.0)
+    return jumps
+
+
 def grid(loads, row, t_end, Dc):
     """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints.
 
@@ -219,8 +231,7 @@ def grid(loads, row, t_end, Dc):
     starts, V, rate = loads.t, loads.V[row], loads.rate[row]
     breaks = np.append(starts[starts < t_end], t_end)
     jump = ~np.isclose(V[1:], V[:-1] + rate[:-1] * np.diff(starts), rtol=1e-9, atol=0.0)
-    if loads.sigma.size:
-        jump |= ~np.isclose(loads.sigma[row, 1:], loads.sigma_end[row, :-1], rtol=1e-9, atol=0.0)
+    jump |= stress_jumps(loads, row)[1:]
     jumps = starts[1:][jump & (starts[1:] < t_end)]
     pieces = [np.zeros(1), np.nextafter(jumps, 0.0)]
     if len(breaks) > 100:  # a sampled record: its own rows

@@ -45,7 +45,9 @@ def undisturbed_warning(calls):
 
 
 def _constant_speeds(call):
-    """(n,) speed of the load point [m/s]; NaN where it changes before t_end, or is 0."""
+    """(n,) speed of the load point [m/s]; NaN where it, or normal stress, changes, or it is 0."""
+    if call.loading.normal_stress is not None:
+        return np.full(call.batch.n, np.nan)
     table, rows = call.batch.rows(call.loading.V)
     rates, _ = call.batch.rows(call.loading.rate)
     changes = (table != table[:, :1]) | (rates != 0.0)

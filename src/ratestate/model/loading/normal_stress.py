@@ -51,7 +51,9 @@ class NormalStress:
                 f"sigma[{i}] = {float(np.min(sigma)):.6g} Pa: normal stress must stay > 0; mend "
                 f"the record"
             )
-        return cls(t[keep], sigma[..., keep], _under_own_name(sigma[..., keep + 1]))
+        rows = np.append(keep, t.size - 1)  # from the last time on it stays
+        ends = np.append(keep + 1, t.size - 1)
+        return cls(t[rows], sigma[..., rows], sigma[..., ends])
 
     def then(self, t, sigma):
         """The same up to t [s], and from then on sigma [Pa]."""
@@ -141,11 +143,6 @@ class NormalStress:
         else:
             first, last = (sigma if np.isnan(end) else end for end in ends)
         return np.minimum(first, last)
-
-
-def _under_own_name(sigma):
-    """Without the coordinates along ``segment``, if a DataArray."""
-    return sigma.drop_vars("segment", errors="ignore") if is_array(sigma) else sigma
 
 
 def _lowest_sine(begin, end):

@@ -108,7 +108,8 @@ def rows_of(loading):
     columns = [(loading.V, np.asarray(loading.V), _ends(loading))]
     if has_stress_rows(loading):
         stress = loading.normal_stress
-        columns.append((stress.start, np.asarray(stress.start), np.asarray(stress.end)))
+        first, last = (column[..., :-1] for column in (stress.start, stress.end))
+        columns.append((first, np.asarray(first), np.asarray(last)))
     starts = np.append(loading.t, loading.t_last)
     jump = np.zeros(loading.t.size - 1, bool)
     for _, first, last in columns:

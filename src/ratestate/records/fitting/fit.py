@@ -16,6 +16,7 @@ from .cycles.result import cycles_dataset
 from .generalized_least_squares import least_squares_fit
 from .likelihood.uncertainty import infer, with_posteriors
 from .record import record_of
+from .refusals import refusal
 from .result import add_comparison, dataset_of, side_by_side
 from .settings import checked_settings
 from .unknowns import free_under
@@ -54,9 +55,9 @@ def fit(
         The parameters that are not free (sigma always), and the search's initial guess of the free
         ones; one case.
     free : sequence of str
-        Any of a, b, Dc, K, M, the parameters that the law has beside these, and lag, the delay [s]
-        of the load point's motion behind its record.  "mu0" may be among them, but every fit
-        estimates it anyway.
+        Any of a, b, Dc, K, M, the parameters that the law has beside these, alpha where normal
+        stress varies, and lag, the delay [s] of the load point's motion behind its record.  "mu0"
+        may be among them, but every fit estimates it anyway.
     law : str, class or a sequence of these, optional
         Friction law; the slider's by default.  Several are fitted side by side: each has those of
         the slider's parameters, free or not, that belong to it, so the slider needs those of all.
@@ -65,7 +66,8 @@ def fit(
         only), or, in a record of stick-slip or vibration, by the features of its cycles.
     loading : Loading, optional
         The load point's history, with t = 0 at the first sample; by default the steps and holds
-        found in its displacement.
+        found in its displacement.  Normal stress varies if it does so here, or else in the
+        variable ``sigma`` [Pa] of the record, by more than 1 % of its mean.
     trend : {"slip", "time", None}
         Whether friction also drifts in proportion to slip, or to time.
     start : {"auto", "steady", "free"}
@@ -178,6 +180,8 @@ def _fits_of_samples(data, slider, settings, loading):
     """law -> Dataset of a fit of friction, sample by sample."""
     free, sliders, noise, against, trend, start, errors = settings
     record = record_of(data, slider, loading=loading, trend=trend, against=against)
+    if "alpha" in free and record.loading.normal_stress is None:
+        raise refusal("free.constant_sigma")
     solutions = []
     for one in sliders:
         has = free_under([one.friction_law])

@@ -9,8 +9,11 @@ cancel: with rtol = 1e-8 and differences of 3e-5 sensitivities are right to 1e-6
 import numpy as np
 
 from ...dynamics.simulation.cases import V_LIMIT
+from ...dynamics.simulation.loads import engine_loads
 from ...engine import dispatch
-from ...engine.model import FINISHED, RODAS5P, Cases, Loads
+from ...engine.model import FINISHED, RODAS5P, Cases
+from ...friction.composition import under_varying_stress
+from ...model.batch import Batch
 from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 
 RTOL = 1e-8
@@ -28,17 +31,16 @@ class Forward:
 
     def __init__(self, record, slider, names):
         self.record, self.law, self.names = record, slider.friction_law, names
-        self.fixed = {symbol: getattr(slider, symbol) for symbol in (*of_slider(self.law), "sigma")}
+        of_motion = (*of_slider(self.law), "sigma", "alpha")
+        self.fixed = {symbol: getattr(slider, symbol) for symbol in of_motion}
         if np.isinf(slider.K) and "K" not in names:
             self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
         loading = record.loading
         self.V0 = float(loading.V[0])  # the reference: v = 0 in steady sliding at it
-        self.loads = Loads(
-            np.ascontiguousarray(loading.t),
-            np.ascontiguousarray(loading.V, float)[None],
-            np.ascontiguousarray(loading.rate, float)[None],
-        )
+        self.loads, _ = engine_loads(Batch({"sigma": slider.sigma}), loading)
+        self.stress = loading.normal_stress
+        self.moving_law = self.law if self.stress is None else under_varying_stress(self.law)
         self.evaluations = 0
         # without inertia V may run away; with a free mass it cannot
         self.v_limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
@@ -98,6 +100,9 @@ class Forward:
                 shown = self.law.resistance_in_v(v, w, tuple(psi), of_samples)
         steady = self.law.steady_resistance(p) if of_mu else self.law.steady_stress(p)
         friction = a * (shown - np.reshape(steady, (-1, 1)))
+        if self.stress is not None and not of_mu:  # tau over sigma of the time
+            level = self.record.level
+            friction = (level + friction) / self._stress_ratio(values) - level
         along = np.broadcast_to(self.record.trend_variable, x.shape)
         if self.record.trend == "slip":
             along = along - (a * self.sigma / K) * (x - x[:, :1])
@@ -134,6 +139,22 @@ class Forward:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return self.law.coefficient_arrays(self.V0, values)
 
+    def _stress_ratio(self, values):
+        """(n, m) sigma(t)/sigma(0) at the samples, which lag behind the record as its load does."""
+        times = np.maximum(self.record.t - values["lag"][:, None], 0.0)
+        return self.stress.at(times, self.sigma) / self.sigma
+
+    def _of_motion(self, values, p):
+        """`coefficients` of the law that moves."""
+        if self.stress is None:
+            return p
+        # friction in steady sliding at V0, which the level of the record is
+        own = {"V0": self.V0, "mu0": 0.0}
+        own |= {"sigma_amplitude": self.stress.amplitude, "sigma_period": self.stress.period}
+        rest = self.law.steady_friction(self.V0, values | own)
+        own["mu0"] = self.record.level - rest
+        return self.moving_law.coefficient_arrays(self.V0, values | own)
+
     def _motion(self, values, p):
         """(n, m, 2 + states) x, v, psi at the samples."""
         a, Dc, K, M = (values[symbol] for symbol in ("a", "Dc", "K", "M"))
@@ -150,7 +171,8 @@ class Forward:
             per_stress = 1.0 / (a * self.sigma)
             cases = cases_of(
                 kappa=K * Dc * per_stress,
-                p=np.stack(p, axis=1),
+                p=np.stack(self._of_motion(values, p), axis=1),
+                sigma=self.sigma,
                 eta0=M * self.V0**2 * per_stress / Dc,
                 scale=self.V0 / Dc,
                 V0=self.V0,
@@ -161,12 +183,12 @@ class Forward:
                 v_limit=self.v_limit,
                 max_steps=MAX_STEPS_OF_FIT,
             )
-        return marched(self.law, cases, self.loads, times, alone=a.size == 1)
+        return marched(self.moving_law, cases, self.loads, times, alone=a.size == 1)
 
 
 def cases_of(*, kappa, **columns):
     """`Cases` of n sliders under one loading; a column may be one value for all of them."""
-    columns = {"dt": 0.0, "loading": 0, "observe": 0.0, "kappa": kappa} | columns
+    columns = {"dt": 0.0, "loading": 0, "observe": 0.0, "sigma": 1.0, "kappa": kappa} | columns
     each = {k: np.full(kappa.size, v) if np.ndim(v) == 0 else v for k, v in columns.items()}
     return Cases(**each)
 

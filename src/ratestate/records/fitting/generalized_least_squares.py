@@ -12,6 +12,7 @@ import numpy as np
 from .forward import Forward
 from .noise import Noise, estimated_noise
 from .problem import SAMPLES, Problem, search, starting_points
+from .record import before_changes
 from .refusals import refusal
 from .score import FALL, gain_of
 from .unknowns import Unknowns, starts_of, unknowns_of
@@ -185,6 +186,6 @@ def _early_log_likelihood(solution):
     Later samples do not count: there a free start would only make up for a mass or another law.
     """
     record = solution.problem.record
-    early = record.t < record.loading.t[1]
+    early = before_changes(record.loading, record.t)
     white, log_determinant = solution.noise.whiten(record.t[early], solution.residual[early])
     return -0.5 * (float(np.sum(white**2)) + log_determinant)

@@ -3,6 +3,7 @@
 What a fit makes of it is a `record.Record`, or the segments of a fit of cycles.
 """
 
+import dataclasses
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ import xarray
 
 from ...model.loading import Loading
 from ..reading.segments import find_segments
+from .normal_stress import recorded_stress
 from .refusals import refusal
 
 #: least samples
@@ -107,15 +109,26 @@ def _displacement(data, time):
     return None
 
 
-def loading_of(raw, loading=None):
+def loading_of(raw, loading=None, sigma=None):
     """The `Loading` from the record's first sample on: the one given, or as recorded.
+
+    With the normal stress that was recorded, if it varies and the sigma of the slider [Pa] is
+    given.
 
     ParameterError: none is recorded; it begins at rest; the one given is many, is too short, or is
     off the recorded displacement by more than `DIFFERENCE`.
     """
-    if loading is not None:
+    if loading is None:
+        loading = _recorded(raw)
+    else:
         _check_given(loading, raw)
+    if sigma is None or loading.normal_stress is not None:
         return loading
+    return dataclasses.replace(loading, normal_stress=recorded_stress(raw.data, raw.t, sigma))
+
+
+def _recorded(raw):
+    """The steps and holds of the load point."""
     data, time = raw.data, raw.time
     if raw.displacement is None:
         raise refusal("load_point.unknown", variables=_variable_names(data))

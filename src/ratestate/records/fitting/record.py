@@ -36,6 +36,11 @@ class Record(NamedTuple):
         return level | {"trend": along} if self.trend else level
 
     @property
+    def level(self):
+        """Friction before anything changes, where normal stress varies."""
+        return float(np.median(self.friction[before_changes(self.loading, self.t)]))
+
+    @property
     def scale(self):
         """Largest less smallest friction."""
         return float(np.ptp(self.friction))
@@ -49,7 +54,7 @@ class Record(NamedTuple):
         """The `Record` with one sample in `stride`, and all samples about each step."""
         keep = np.zeros(self.t.size, bool)
         keep[::stride] = True
-        for step in self.loading.t[1:]:
+        for step in changes(self.loading):
             at = np.searchsorted(self.t, step)
             keep[max(at - 5, 0) : at + 40] = True
         columns = ("t", "friction", "trend_variable", "time", "order")
@@ -69,7 +74,7 @@ def record_of(data, slider, *, loading, trend, against):
         raise refusal("record.many", samples=t.size, most=MOST, every=every)
     if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
         raise refusal("record.constant", friction=friction[0], samples=t.size)
-    loading = loading_of(raw, loading)
+    loading = loading_of(raw, loading, slider.sigma)
     order = np.arange(t.size)
     if against == "displacement":
         t, order = _times_at(raw.displacement, loading, t)
@@ -79,8 +84,23 @@ def record_of(data, slider, *, loading, trend, against):
     return Record(t, friction, trend_variable, trend, loading, raw.kind, time, order)
 
 
+def changes(loading):
+    """Times [s], after the start, at which speed or normal stress of a loading begin to change."""
+    stress = loading.normal_stress
+    return loading.t[1:] if stress is None else np.union1d(loading.t[1:], stress.t[1:])
+
+
+def before_changes(loading, t):
+    """Which of the times t (m,) are before the first change; all, if that is at the start."""
+    events = changes(loading)
+    early = t < (events[0] if events.size else np.inf)
+    return early if early.sum() >= BESIDE else np.ones(t.size, bool)
+
+
 def _check_steps(loading, t):
-    """Refuse a record at one speed, and steps too near to its ends."""
+    """Refuse a record at one speed, and steps of it too near to the ends of the record."""
+    if loading.normal_stress is not None:
+        return
     if loading.t.size < 2 and not np.any(loading.rate):
         raise refusal("load_point.no_step", V=float(loading.V[0]))
     before = int(np.searchsorted(t, loading.t[1]))

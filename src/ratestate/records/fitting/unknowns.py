@@ -20,6 +20,8 @@ from .refusals import refusal
 
 #: step of a difference in a logarithm, or over the size of what moves as itself
 STEP = 3e-5
+#: size of alpha, of which 0.2 is typical
+ALPHA = 0.2
 #: ln of the ratio of speeds that a hold counts as
 HOLD = 5.0
 #: an estimate this near to a bound, as a part of the distance between both, is at the bound
@@ -54,6 +56,7 @@ PARAMETERS = {
     "Dc": Parameter("slider", is_log=True, bounds=(1e-3, 1e3), starts=(-1.5, 0.7)),
     "K": Parameter("slider", is_log=True, bounds=(1e-4, 1e6), starts=(-0.5, 1.5), irrelevant=1),
     "M": Parameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), irrelevant=-1),
+    "alpha": Parameter("slider", bounds=(0.0, 1e2), starts=(0.0, 1.0)),
     "lag": Parameter(
         "record",
         bounds=(-0.1, 0.1),
@@ -110,7 +113,7 @@ def starts_of(law):
 
 def free_under(laws):
     """What the user may free under any of these laws; each fit estimates mu0 anyway."""
-    return (*of_slider(*laws), "lag")
+    return (*of_slider(*laws), "alpha", "lag")
 
 
 def sizes_of(record, slider):
@@ -130,7 +133,15 @@ def sizes_of(record, slider):
     distance = max(distance, 10.0 * slow * record.spacing)
     K = 10.0 * slider.sigma * record.scale / distance
     M = K * (t[-1] / 50.0) ** 2
-    sizes = {"a": scale, "b": scale, "Dc": 0.05 * distance, "K": K, "M": M, "lag": t[-1]}
+    sizes = {
+        "a": scale,
+        "b": scale,
+        "Dc": 0.05 * distance,
+        "K": K,
+        "M": M,
+        "alpha": ALPHA,
+        "lag": t[-1],
+    }
     for name, own in slider.friction_law.parameters.items():
         value = abs(getattr(slider, name))
         known = {"m": sizes["Dc"], "m/s": slow, "1": value if own.bound else max(scale, value)}

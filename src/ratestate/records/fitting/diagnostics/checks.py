@@ -8,6 +8,8 @@ from scipy.special import fdtrc
 from ....model.quantities import readable
 from ....model.sentences import Sentences
 from ..forward import Forward
+from ..normal_stress import VARIABLE
+from ..record import changes
 from ..score import CHANCE, FALL, gain_of, responds, response
 from ..unknowns import of_slider
 from .identifiability import identifiability
@@ -15,8 +17,8 @@ from .search import search_warnings
 
 #: slip after the last step, over Dc, after which friction is steady again
 STEADY = 3.0
-#: largest deviation of the normal stress from the slider's, and its largest standard deviation
-OFF, VARIABLE = 0.02, 0.01
+#: largest deviation of the mean normal stress from the slider's
+OFF = 0.02
 #: variance of residuals over that of white noise, and correlation time over Dc/V, from which
 #: correlated residuals count as misfit
 COLORED, LONG = 4.0, 0.1
@@ -91,7 +93,8 @@ def _ends_early(record, name, D, high):
     name : symbol of the distance D [m] over which it becomes so; high : the largest likely one
     """
     loading = record.loading
-    slip = float(np.diff(loading.delta_lp(np.array([loading.t[-1], record.t[-1]])))[0])
+    last = max(changes(loading), default=0.0)
+    slip = float(np.diff(loading.delta_lp(np.array([last, record.t[-1]])))[0])
     if loading.V[-1] == 0.0 or slip >= STEADY * high:
         return
     if slip >= STEADY * D:
@@ -113,9 +116,12 @@ def _misfit(solution, name, D):
     record, noise, residual = solution.problem.record, solution.noise, solution.residual
     white = noise.whiten(record.t, residual)[0][:, 0]
     loading = record.loading
-    durations = D / np.maximum(loading.V[1:], 1e-3 * loading.V.max())
+    events = changes(loading)
+    if not events.size:
+        return
+    durations = D / np.maximum(loading.V_load(events), 1e-3 * loading.V.max())
     after = np.zeros(record.t.size, bool)
-    for t, duration in zip(loading.t[1:], durations, strict=True):
+    for t, duration in zip(events, durations, strict=True):
         after |= (record.t >= t) & (record.t < t + AFTER * duration)
     count = int(after.sum())
     if not count or np.sqrt(np.mean(residual[after] ** 2)) < FINE * record.scale:
@@ -137,7 +143,12 @@ def _misfit(solution, name, D):
 
 
 def _normal_stress(problem, data):
-    """Warnings if the recorded normal stress is not the slider's, or not constant."""
+    """Warnings if the recorded normal stress is not the slider's, or not constant.
+
+    None where the model follows it.
+    """
+    if problem.record.loading.normal_stress is not None:
+        return
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return
     recorded = np.asarray(data["sigma"].values, float)[problem.record.order]

@@ -1,0 +1,70 @@
+"""Normal stress in a record: whether it varies, and its history as few straight lines."""
+
+import numpy as np
+
+from ...model.loading.normal_stress import NormalStress
+from .refusals import refusal
+
+#: standard deviation, over the mean, from which it counts as varying
+VARIABLE = 0.01
+#: of the noise, by which lines may miss samples; of the mean, if there is no noise
+NOISES, LEAST = 4.0, 1e-6
+#: tolerances by which a change from one sample to the next is a jump
+JUMP = 5.0
+#: most lines: each is a break at which all sliders stop
+MOST = 5000
+#: standard deviation of normal noise over the median of its size, and of its second differences
+OF_MEDIAN, OF_SECOND = 1.4826, np.sqrt(6.0)
+
+
+def recorded_stress(data, t, sigma):
+    """`NormalStress` of a record with a normal stress that varies, else None.
+
+    ParameterError where it does not begin at the slider's sigma, or has too many lines.
+
+    data : the Dataset, with ``sigma`` along time or not; t : (m,) times from its first sample on
+    sigma : of the slider [Pa]
+    """
+    if "sigma" not in data.variables or data["sigma"].dims != ("time",):
+        return None
+    recorded = np.asarray(data["sigma"].values, float)
+    if not np.isfinite(recorded).all() or recorded.std() <= VARIABLE * recorded.mean():
+        return None
+    noise = OF_MEDIAN * float(np.median(np.abs(np.diff(recorded, 2)))) / OF_SECOND
+    tolerance = max(NOISES * noise, LEAST * recorded.mean())
+    knots = corners(t, recorded, tolerance)
+    if knots.size > MOST:
+        raise refusal("record.stress_lines", lines=knots.size, most=MOST)
+    first = recorded[0]
+    if abs(first / sigma - 1.0) > VARIABLE:
+        raise refusal("record.stress_start", first=first, sigma=sigma)
+    values = recorded[knots] * (sigma / first)
+    end = np.append(values[1:], values[-1])
+    # from one sample to the next it jumps, and the later one is after it
+    jumps = np.diff(knots, append=t.size) == 1
+    jumps &= np.abs(end - values) > JUMP * tolerance
+    end[jumps] = values[jumps]
+    return NormalStress(t[knots], values, end)
+
+
+def corners(t, values, tolerance):
+    """Rows (k,) between which straight lines pass all values within the tolerance.
+
+    By Douglas & Peucker: the row farthest from a line between two others becomes a corner.
+    """
+    kept = np.zeros(t.size, bool)
+    kept[[0, -1]] = True
+    open_ends = [(0, t.size - 1)]
+    while open_ends:
+        first, last = open_ends.pop()
+        if last - first < 2:
+            continue
+        inside = slice(first + 1, last)
+        slope = (values[last] - values[first]) / (t[last] - t[first])
+        off = np.abs(values[inside] - values[first] - slope * (t[inside] - t[first]))
+        farthest = int(np.argmax(off))
+        if off[farthest] > tolerance:
+            middle = first + 1 + farthest
+            kept[middle] = True
+            open_ends += [(first, middle), (middle, last)]
+    return np.flatnonzero(kept)

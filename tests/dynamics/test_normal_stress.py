@@ -1,0 +1,367 @@
+"""Normal stress that varies in time, against the laws as their papers write them."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from helpers.textbook import Textbook, drawn
+
+import ratestate as rs
+
+RTOL = 1e-6
+TIMES = np.linspace(0.0, 10.0, 11)
+SLIDER = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 9e8, "M": 3e3}
+#: law, form of friction and damping, of which each has kernels of its own
+COMBINATIONS = [
+    ("slip", "log", 0.0),
+    ("nagata", "log", 1.0),
+    ("two-state-aging", "cut-off", 0.0),
+    ("aging", "regularized", 1.0),
+]
+
+
+def histories(V, p, rng):
+    """A loading, s(t) with its logarithm's slope, and where s has kinks: of each kind."""
+    unit, size = p["Dc"] / V, p["a"] * 10 ** rng.uniform(-0.5, 1.2)
+    period = unit * 10 ** rng.uniform(-1, 1)
+    omega = 2.0 * math.pi / period
+    start, lasting, target = 2.05 * unit, unit * 10 ** rng.uniform(-2, 0.5), 1.0 + size
+
+    def wave(t):
+        s = 1.0 + size * math.sin(omega * t)
+        return s, size * omega * math.cos(omega * t) / s
+
+    def ramp(t):
+        rate = (target - 1.0) / lasting if start < t < start + lasting else 0.0
+        s = 1.0 + (target - 1.0) * min(max((t - start) / lasting, 0.0), 1.0)
+        return s, rate / s
+
+    def step(t):
+        return (1.0 if t < start else 1.0 - 0.5 * size), 0.0
+
+    loading, sigma = rs.Loading.constant(V), p["sigma"]
+    yield loading.sigma_sinusoid(size * sigma, period=period), wave, []
+    yield loading.sigma_ramp(start, target * sigma, lasting), ramp, [start, start + lasting]
+    yield loading.sigma_step(start, (1.0 - 0.5 * size) * sigma), step, [start]
+
+
+@pytest.mark.parametrize("mass", [True, False])
+@pytest.mark.parametrize(("law", "form", "damped"), COMBINATIONS)
+def test_runs_are_those_of_the_textbook(law, form, damped, mass):
+    rng = np.random.default_rng([5, mass, len(law)])
+    p, V = drawn(law, rng)
+    p |= {"M": p["M"] * mass, "alpha": 0.3, "K": 3.0 * p["K"]}
+    p["damping"] = 0.1 * damped * p["a"] * p["sigma"] / V
+    own = {"friction": form} | ({"V1": 1e3 * V, "V2": 10.0 * V} if form == "cut-off" else {})
+    own = {} if form == "log" else own
+    times = TIMES * p["Dc"] / V
+    slider = rs.SpringSlider(**p, **own, law=law)
+    for loading, s, breaks in histories(V, p, rng):
+        run = rs.simulate(slider, loading, times[-1], V_start=V / 3.0, times=times, rtol=RTOL)
+        twin = Textbook(law, {**p, **own, "s": s})
+        exact = twin.through(twin.steady(V / 3.0), V, times, breaks)
+        assert twin.differs(run, exact) < 10.0 * RTOL
+        assert run.sigma.values == pytest.approx([p["sigma"] * s(t)[0] for t in times], rel=1e-12)
+        assert abs(float(run.energy_residual)) < RTOL
+        assert int(run.steps) < 20_000
+
+
+def test_work_is_stored_or_dissipated():
+    """By the trapezoidal rule on the motion itself."""
+    loading = rs.Loading.constant(1e-4).sigma_ramp(0.5, 2.2e6, 0.2).sigma_sinusoid(5e4, period=0.3)
+    slider = rs.SpringSlider(**SLIDER, alpha=0.2, damping=2e6)
+    run = rs.simulate(slider, loading, 2.0, rtol=1e-9)
+    t, V = run.time.values, run.V.values
+    spent = run.sigma.values * run.mu.values * V + slider.damping * V**2
+    work = np.trapezoid(run.tau.values * run.V_load.values, t)
+    stored = np.diff(run.tau.values[[0, -1]] ** 2)[0] / (2.0 * slider.K)
+    stored += 0.5 * slider.M * np.diff(V[[0, -1]] ** 2)[0]
+    assert work - np.trapezoid(spent, t) == pytest.approx(stored, abs=2e-5 * work)
+    assert np.ptp(run.sigma.values) > 2e5
+    assert abs(float(run.energy_residual)) < 1e-9
+
+
+@pytest.mark.parametrize("M", [3e3, 0.0])
+@pytest.mark.parametrize(("law", "own"), [("slip", {}), ("nagata", {"c": 1.5})])
+def test_a_step_changes_state_and_not_speed(law, own, M):
+    """V stays where there is mass, and friction balances the spring where there is none."""
+    slider = rs.SpringSlider(**(SLIDER | {"M": M, "K": 3e9}), law=law, alpha=0.25, **own)
+    run = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.5)
+    (k,) = np.flatnonzero(np.diff(run.sigma.values))
+    t = run.time.values
+    assert t[k + 1] == 0.3
+    assert t[k] == np.nextafter(0.3, 0.0)
+    before, after = run.isel(time=k), run.isel(time=k + 1)
+    assert (before.sigma, after.sigma) == (2e6, 2.02e6)
+    assert float(after.tau) == float(before.tau)
+    rise = math.log(1.01)
+    if law == "slip":
+        expected = -0.25 / slider.b * rise
+        assert math.log(after.theta / before.theta) == pytest.approx(expected, rel=1e-9)
+    if M:
+        assert float(after.V) == pytest.approx(float(before.V), rel=1e-14)
+        if law == "nagata":
+            c = own["c"]
+            part = math.exp(-c / (1.0 + c) * rise)
+            expected = part * (float(before.mu) + 0.25 / c)
+            assert float(after.mu) + 0.25 / c == pytest.approx(expected, rel=1e-12)
+    else:
+        assert float(after.sigma * after.mu) == pytest.approx(float(after.tau), rel=1e-12)
+        assert float(after.V) < 0.9 * float(before.V)
+    saved = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.5, times=[0.3])
+    for name in ("sigma", "theta", "V", "tau"):
+        assert float(saved[name][0]) == pytest.approx(float(after[name]), rel=1e-12), name
+    ends = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.3)
+    assert float(ends.sigma[-1]) == 2e6  # what happens then has not happened
+    assert float(ends.theta[-1]) == pytest.approx(float(before.theta), rel=1e-12)
+
+
+def test_a_step_is_a_very_short_ramp():
+    slider = rs.SpringSlider(**SLIDER, law="nagata", c=1.0, alpha=0.2)
+    steady = rs.Loading.constant(1e-4)
+    settings = {"t_end": 0.5, "times": [0.5], "rtol": 1e-10}
+    exact = rs.simulate(slider, steady.sigma_step(0.2, 2.05e6), **settings)
+    off = []
+    for lasting in (2e-6, 1e-6):
+        run = rs.simulate(slider, steady.sigma_ramp(0.2, 2.05e6, lasting), **settings)
+        off.append(abs(float(np.log(run.V[0] / exact.V[0]))))
+    assert off[0] / off[1] == pytest.approx(2.0, rel=0.05)
+    assert 1e-8 < off[1] < 1e-3
+
+
+def test_small_oscillations_are_the_frequency_response():
+    slider = rs.SpringSlider(**(SLIDER | {"K": 1.5e9}), alpha=0.2)
+    V, frequency = 1e-4, 3.0
+    response = rs.frequency_response(slider, V, frequency)
+    periods = np.arange(60, 64, 1 / 64)
+    loading = rs.Loading.constant(V).sigma_sinusoid(0.2, frequency=frequency)
+    times = periods / frequency
+    run = rs.simulate(slider, loading, times[-1], times=times, rtol=1e-11)
+    turn = np.exp(-2j * np.pi * periods)
+    for name in ("V", "tau", "mu"):
+        change = run[name].values - run[name].values.mean()
+        found = 2j * np.mean(change * turn) / 0.2
+        expected = complex(response[f"{name}_by_sigma"])
+        assert abs(found - expected) < 1e-4 * abs(expected), name
+
+
+def test_extremes_are_those_of_the_motion():
+    slider = rs.SpringSlider(**SLIDER, alpha=0.2, damping=1e6)
+    loading = rs.Loading.constant(1e-4).sigma_step(0.5, 2.1e6).sigma_sinusoid(1e5, period=0.17)
+    run = rs.simulate(slider, loading, 2.0, rtol=1e-9)
+    margin = (run.tau + run.sigma * run.mu) / 2e6
+    force = (run.tau - run.sigma * run.mu - 1e6 * run.V) / 2e6
+    pairs = {
+        "V_max": run.V.max(),
+        "V_min": run.V.min(),
+        "mu_min": run.mu.min(),
+        "reversal_margin": margin.min(),
+        "inertial_force": abs(force).max(),
+    }
+    for name, value in pairs.items():
+        assert float(run[name]) == pytest.approx(float(value), rel=1e-5), name
+    coarse = rs.simulate(slider, loading, 2.0, rtol=1e-5)
+    for name in pairs:
+        assert float(coarse[name]) == pytest.approx(float(run[name]), rel=3e-3), name
+
+
+def test_inertia_is_0_in_steady_sliding_under_a_dashpot():
+    slider = rs.SpringSlider(**(SLIDER | {"K": 3e9}), damping=1e6)
+    run = rs.simulate(slider, rs.Loading.constant(1e-4), 1.0)
+    assert float(run.inertial_force) < 1e-12
+
+
+def test_a_sweep_has_the_bits_of_its_sliders():
+    period = xr.DataArray(np.geomspace(0.1, 1.0, 20), dims="case")
+    sigma = xr.DataArray(np.linspace(2.02e6, 1.96e6, 20), dims="case")
+    slider = rs.SpringSlider(**SLIDER, alpha=0.2)
+
+    def loading(i):
+        steps = rs.Loading.steps(1e-4, (0.3, 2e-4)).sigma_step(0.25, sigma[i])
+        return steps.sigma_ramp(0.5, 2e6, 0.1).sigma_sinusoid(1e4, period=period[i])
+
+    settings = {"t_end": 0.8, "times": [0.1, 0.25, 0.55, 0.8]}
+    many = rs.simulate(slider, loading(slice(None)), **settings)
+    assert many.sigma.dims == ("case", "time")
+    for i in (0, 7, 19):
+        one = rs.simulate(slider, loading(i), **settings)
+        for name in ("V", "tau", "theta", "mu", "sigma", "V_max", "mu_min", "energy_residual"):
+            np.testing.assert_array_equal(many[name].isel(case=i), one[name], name)
+
+
+def test_axes_of_its_own_and_a_store(tmp_path):
+    """Amplitudes along one dimension, sliders along another, in parts."""
+    amplitude = xr.DataArray([0.0, 1e4, 5e4], dims="wave")
+    sigma = xr.DataArray([2e6, 3e6], dims="slider")
+    slider = rs.SpringSlider(**(SLIDER | {"sigma": sigma}), alpha=0.2)
+    loading = rs.Loading.constant(1e-4).sigma_ramp(0.1, 2.5e6, 0.1)
+    loading = loading.sigma_sinusoid(amplitude, period=0.1)
+    settings = {"loading": loading, "t_end": 0.3, "times": [0.0, 0.15, 0.3]}
+    whole = rs.simulate(slider, **settings)
+    stored = rs.sweep(
+        rs.simulate, slider, **settings, store=tmp_path / "x.zarr", chunks={"slider": 1}
+    )
+    xr.testing.assert_equal(whole.V, stored.V.compute())
+    expected = np.array([2e6, 3e6])[:, None] + 0.0 * amplitude.values
+    np.testing.assert_allclose(whole.sigma.sel(time=0.0).transpose("slider", ...), expected)
+    wave = amplitude.values * math.sin(3.0 * math.pi)
+    expected = 0.5 * (np.array([2e6, 3e6]) + 2.5e6)[:, None] + wave
+    found = whole.sigma.sel(time=0.15).transpose("slider", ...)
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
+
+
+def test_where_the_slider_moves_with_its_load_point_the_state_decays_with_slip():
+    """Under the slip law ln theta is linear: after a step mu returns as exp(-V t/Dc)."""
+    slider = rs.SpringSlider(**(SLIDER | {"K": math.inf}), alpha=0.3, damping=1e6)
+    loading, times = rs.Loading.constant(1e-4).sigma_step(0.2, 2.2e6), np.linspace(0.0, 1.0, 41)
+    run = rs.simulate(slider, loading, 1.0, times=times)
+    steady = 0.6 - 0.003 * math.log(1e-4 / 1e-6)
+    late = times >= 0.2
+    lost = 0.3 * math.log(1.1) * np.exp(-(times - 0.2) * 1e-4 / 1e-5)
+    mu = np.where(late, steady - lost, steady)
+    np.testing.assert_allclose(run.mu, mu, rtol=1e-10)
+    np.testing.assert_allclose(run.tau, run.sigma * mu + 1e6 * 1e-4, rtol=1e-10)
+    assert float(run.mu_min) == pytest.approx(steady - 0.3 * math.log(1.1), rel=1e-9)
+    own = rs.simulate(slider, loading, 1.0)
+    assert np.nextafter(0.2, 0.0) in own.time.values
+    lowest = steady - 0.3 * math.log(1.1)
+    expected = min(2.0 * steady, 2.2 * lowest) + 1e2 / 2e6
+    assert float(own.reversal_margin) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_rigid_slider_under_a_sinusoid():
+    """The state of the slip law under a forced oscillation, in closed form."""
+    slider = rs.SpringSlider(**(SLIDER | {"K": math.inf}), alpha=0.3)
+    V, amplitude, period = 1e-4, 2e2, 0.05
+    loading = rs.Loading.constant(V).sigma_sinusoid(amplitude, period=period)
+    times = np.linspace(0.8, 1.0, 81)
+    run = rs.simulate(slider, loading, 1.0, times=times)
+    omega, rate = 2.0 * math.pi / period, V / 1e-5
+    # d q/dt = -rate q - alpha d ln s/dt, for small amplitudes
+    turn = np.exp(1j * omega * times)
+    q = (-0.3 * 1j * omega / (1j * omega + rate) * amplitude / 2e6 * turn).imag
+    steady = 0.6 - 0.003 * math.log(V / 1e-6)
+    np.testing.assert_allclose(run.mu - steady, q, atol=3e-3 * np.abs(q).max())
+
+
+def test_runaway_without_mass_is_told_at_the_stiffness_of_that_time():
+    """K is above the critical one of the slider, and below that of its raised normal stress."""
+    slider = rs.SpringSlider(**(SLIDER | {"M": 0.0, "K": 7e8}))
+    loading = rs.Loading.constant(1e-4).sigma_ramp(0.5, 4e6, 2.0)
+    assert slider.K > slider.K_c_qs > 0.5 * slider.K
+    run = rs.simulate(slider, rs.Loading.constant(1e-4), 60.0, V_start=1.2e-4)
+    assert float(run.V_max) < 3e-4
+    with pytest.raises(rs.QuasiStaticInstability) as told:
+        rs.simulate(slider, loading, 60.0)
+    assert 15.0 < float(told.value.best.time[-1]) < 30.0
+
+
+def test_a_record_is_what_its_ramps_are():
+    slider, V = rs.SpringSlider(**SLIDER, alpha=0.1), [1e-4] * 5
+    series = rs.Loading.series(
+        [0, 0.2, 0.2, 0.3, 0.5], V, sigma=["2 MPa", 2e6, 2.1e6, 1.9e6, 1.9e6]
+    )
+    ramps = (
+        rs.Loading.constant(1e-4).sigma_step(0.2, 2.1e6).sigma_ramp(0.2 + 1e-9, 1.9e6, 0.1 - 1e-9)
+    )
+    times = [0.1, 0.25, 0.5]
+    one, other = (rs.simulate(slider, x, 0.5, times=times, rtol=1e-9) for x in (series, ramps))
+    np.testing.assert_allclose(one.V, other.V, rtol=1e-6)
+    np.testing.assert_allclose(one.sigma, [2e6, 2e6, 1.9e6], rtol=1e-12)
+
+
+SINUSOID = rs.Loading.constant(1e-4).sigma_sinusoid("1 MPa", period=1.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: rs.Loading.constant(1).sigma_step(1, "3 MPa s"), "sigma from t = 1.0 s on"),
+        (lambda: rs.Loading.constant(1).sigma_step(1, 0.0), "must be > 0"),
+        (lambda: rs.Loading.constant(1).sigma_step(0, 1e6), "> 0"),
+        (lambda: rs.Loading.constant(1).sigma_ramp(1, 1e6, 0), "> 0"),
+        (
+            lambda: rs.Loading.constant(1).sigma_step(2, 1e6).sigma_step(1, 2e6),
+            "t = 1.0 s must come after t = 2.0 s, where normal stress",
+        ),
+        (lambda: SINUSOID.sigma_sinusoid(1.0, period=1.0), "has a sinusoid already"),
+        (lambda: rs.Loading.constant(1).sigma_sinusoid(1.0), "either its period or its frequency"),
+        (lambda: rs.Loading.constant(1).sigma_sinusoid(-1.0, period=1), "amplitude = -1 Pa"),
+        (
+            lambda: rs.Loading.series([0, 1], [1, 1], sigma=[1e6]),
+            "sigma has 1 values for 2 times",
+        ),
+        (
+            lambda: rs.Loading.series([0, 1], [1, 1], sigma=[1e6, 0.0]),
+            "sigma[1] = 0 Pa: normal stress must stay > 0",
+        ),
+        (
+            lambda: rs.Loading.series([0, 1], [1, 1], sigma=[1e6, 1e6]).sigma_step(0.5, 2e6),
+            "the series has a normal stress of its own",
+        ),
+        (
+            lambda: rs.Loading.series([0, 1], [1, 1]).sigma_step(1.0, 2e6),
+            "t = 1.0 s is not before the end of the history, 1.0 s",
+        ),
+    ],
+)
+def test_histories_that_cannot_be(make, words):
+    with pytest.raises(rs.ParameterError) as told:
+        make()
+    assert words in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("loading", "words"),
+    [
+        (
+            rs.Loading.constant(1e-4).sigma_sinusoid("2 MPa", period=1.0),
+            "sigma would fall to 0 Pa between t = 0 s and t = 3 s",
+        ),
+        (
+            rs.Loading.constant(1e-4).sigma_step(1.0, "0.9 MPa").sigma_sinusoid(1e6, period=1.0),
+            "sigma would fall to -100000 Pa between t = 1 s",
+        ),
+        (
+            rs.Loading.series([0, 5], [1e-4, 1e-4], sigma=[2.00001e6, 2e6]),
+            "begins at sigma = 2000010 Pa, and the slider has sigma = 2000000 Pa",
+        ),
+    ],
+)
+def test_histories_that_do_not_fit_the_slider(loading, words):
+    with pytest.raises(rs.ParameterError) as told:
+        rs.simulate(rs.SpringSlider(**SLIDER), loading, 3.0)
+    assert words in str(told.value)
+
+
+def test_what_may_just_be():
+    """An amplitude just below sigma; a series within 1e-6; a trough after the end of the run."""
+    stiff = rs.SpringSlider(**(SLIDER | {"K": 1e11, "M": 0.0, "a": 0.01, "b": 0.005}), damping=1e7)
+    deep = rs.Loading.constant(1e-4).sigma_sinusoid(1.99e6, period=1.0)
+    assert float(rs.simulate(stiff, deep, 1.0, times=[0.75]).sigma[0]) == pytest.approx(1e4)
+    near = rs.Loading.series([0, 5], [1e-4, 1e-4], sigma=[2e6 * (1 + 9e-7), 2e6])
+    assert int(rs.simulate(rs.SpringSlider(**SLIDER), near, 0.1).status) == 0
+    early = rs.Loading.constant(1e-4).sigma_sinusoid(3e6, period=1.0)
+    assert int(rs.simulate(stiff, early, 0.6, times=[0.1]).status) == 0
+    with pytest.raises(rs.ParameterError, match="would fall"):
+        rs.simulate(stiff, early, 0.63)
+    with pytest.raises(rs.ParameterError, match="a constant sigma"):
+        rs.simulate(rs.SpringSlider(**SLIDER), deep, 0.1, method="im2017", dt=1e-5)
+
+
+def test_a_dimension_called_sigma_is_refused():
+    sigma = xr.DataArray([2e6, 3e6], dims="sigma")
+    slider = rs.SpringSlider(**(SLIDER | {"sigma": sigma}))
+    with pytest.raises(rs.ParameterError, match="called 'sigma' clashes"):
+        rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.1, 2.5e6), 0.2)
+
+
+def test_alpha_and_constant_normal_stress_change_nothing():
+    """Not even a bit: a slider's alpha is for normal stress that varies."""
+    runs = [
+        rs.simulate(rs.SpringSlider(**SLIDER, **more), rs.Loading.steps(1e-4, (0.1, 2e-4)), 0.5)
+        for more in ({}, {"alpha": 0.3})
+    ]
+    np.testing.assert_array_equal(runs[0].V, runs[1].V)
+    assert "sigma" not in runs[0]
