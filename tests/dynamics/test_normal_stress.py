@@ -199,9 +199,7 @@ def test_axes_of_its_own_and_a_store(tmp_path):
     loading = loading.sigma_sinusoid(amplitude, period=0.1)
     settings = {"loading": loading, "t_end": 0.3, "times": [0.0, 0.15, 0.3]}
     whole = rs.simulate(slider, **settings)
-    stored = rs.sweep(
-        rs.simulate, slider, **settings, store=tmp_path / "x.zarr", chunks={"slider": 1}
-    )
+    stored = rs.sweep(rs.simulate, slider, **settings, store=tmp_path / "x.zarr", chunk=2)
     xr.testing.assert_equal(whole.V, stored.V.compute())
     expected = np.array([2e6, 3e6])[:, None] + 0.0 * amplitude.values
     np.testing.assert_allclose(whole.sigma.sel(time=0.0).transpose("slider", ...), expected)

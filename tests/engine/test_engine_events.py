@@ -8,7 +8,7 @@ from ratestate.engine import (
     dense_output,
     law_methods,  # noqa: F401  (compiled code calls methods of laws)
 )
-from ratestate.friction.composition import composed
+from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.laws.slip import SlipLaw
 
 
@@ -79,8 +79,8 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
 
 
 @njit
-def extreme_value(c, parts, law, p):
-    return dense_output.extreme_value(c, parts, law, p)
+def extreme_value(c, parts, h, law, p):
+    return dense_output.extreme_value(c, parts, h, law, p)
 
 
 class Viscous(SlipLaw):
@@ -98,11 +98,14 @@ class Viscous(SlipLaw):
 @pytest.mark.parametrize("law", [SlipLaw(), Viscous()], ids=["slip", "viscous"])
 @pytest.mark.parametrize("damped", [False, True])
 @pytest.mark.parametrize(
-    "parts", [(1.0, -1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 1.0)], ids=["x - S", "f", "x + f"]
+    "parts",
+    [(1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 1.0, 0.0)],
+    ids=["x - S", "f", "x + N"],
 )
 def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
     """Where the slope has one sign at both ends, that at the end where it is nearer to zero."""
     rng, law = np.random.default_rng(12), composed(law, damped=damped)
+    h = 0.7
     s = np.linspace(0.0, 1.0, 100_001)
     changes = {0: 0, 1: 0, 3: 0}
     for _ in range(200):
@@ -110,8 +113,8 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
         x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
         friction = v + p[0] * psi + (0.3 * np.exp(v) if isinstance(law, Viscous) else 0.0)
         stress = friction + (0.2 * np.exp(v) if damped else 0.0)
-        force = parts[0] * x + parts[1] * stress + parts[2] * friction
-        found = extreme_value(tuple(map(tuple, c)), parts, law, p)
+        force = parts[0] * x + parts[1] * stress + (parts[2] + parts[3]) * friction
+        found = extreme_value(tuple(map(tuple, c)), parts, h, law, p)
         rises = np.diff(force) > 0.0
         if rises[0] == rises[-1]:
             changes[0] += 1
@@ -126,3 +129,25 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
             assert np.abs(force[inner] - found).min() < 1e-8 * size
     assert changes[0] > 50
     assert changes[1] > 50
+
+
+@pytest.mark.parametrize("parts", [(1.0, -1.0, 0.0, 0.0), (1.0, 0.0, 1.0, 0.0)])
+def test_extreme_forces_where_normal_stress_varies(parts):
+    """N = s R + (s - 1) mu_ref/a, s = 1.1 + 0.2 T + 0.1 sin(2 pi (0.3 + T))."""
+    rng, law = np.random.default_rng(13), under_varying_stress(SlipLaw())
+    s, h, minima = np.linspace(0.0, 1.0, 100_001), 0.4, 0
+    for _ in range(100):
+        c, beta = rng.normal(size=(3, 5)), rng.uniform(1.1, 5.0)
+        own = (beta, 3.0, 0.0, 0.0, 1.1, 0.2, 0.1, 1.0, 0.3, 1.0, 0.0, 0.0)
+        p = tuple(map(float, law.at_time(own, 1.1, 0.2, 0.3)))
+        x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
+        ratio = 1.1 + 0.2 * h * s + 0.1 * np.sin(2.0 * np.pi * (0.3 + h * s))
+        strength = ratio * (v + beta * psi) + (ratio - 1.0) * 3.0
+        force = x + (parts[1] + parts[2]) * strength
+        found = extreme_value(tuple(map(tuple, c)), parts, h, law, p)
+        rises = np.diff(force) > 0.0
+        if rises[0] != rises[-1]:
+            inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])
+            minima += 1
+            assert np.abs(force[inner] - found).min() < 1e-8 * np.abs(force).max()
+    assert minima > 30

@@ -16,7 +16,7 @@ import pytest
 
 from ratestate.engine import cache, dispatch, jit
 from ratestate.errors import CompilationError
-from ratestate.friction.composition import composed
+from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.forms import FORMS
 from ratestate.friction.laws import LAWS
 
@@ -98,7 +98,7 @@ def test_kernels_are_of_their_sources(tmp_path, monkeypatch):
     kinds = {
         kind
         for law in LAWS.values()
-        for kind in type(composed(law, damped=True)).__mro__[1:-1]
+        for kind in type(under_varying_stress(composed(law, damped=True))).__mro__[1:-1]
         if "forms" not in kind.__module__
     }
     laws = {Path(inspect.getfile(kind)).relative_to(package).as_posix() for kind in kinds}
@@ -106,7 +106,7 @@ def test_kernels_are_of_their_sources(tmp_path, monkeypatch):
     forms = {name for name in others if name.startswith("friction/forms/")}
     assert len(forms) == len(FORMS) + 1
     assert others - forms == {"friction/laws/__init__.py", "friction/functions.py"} | laws
-    assert len(laws) == len(LAWS) + 4  # of what laws have in common
+    assert len(laws) == len(LAWS) + 6  # of what laws have in common
     assert matters - others == {f"engine/{path.name}" for path in (package / "engine").glob("*.py")}
     (tmp_path / "friction" / "laws" / "another.py").write_text("# a law\n")
     assert cache._digest() != cache.DIGEST

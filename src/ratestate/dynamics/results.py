@@ -188,9 +188,8 @@ def _kept(result, columns, units, prefix, dim):
     if all(np.size(column) <= MANY for column in columns.values()):
         return {name: _listed(column) for name, column in columns.items()}
     for name, column in columns.items():
-        variable = column.variable if is_array(column) else xarray.Variable(dim, column)
-        variable = variable.rename({"segment": dim} if "segment" in variable.dims else {})
-        result[prefix + name] = variable
+        dims = (*column.dims[:-1], dim) if is_array(column) else (dim,)
+        result[prefix + name] = (dims, np.asarray(column))
         text = f"{prefix.replace('_', ' ')}{name}"
         result[prefix + name].attrs = {"units": units[name], "long_name": text}
     return {}

@@ -33,7 +33,7 @@ def varying_at(i, n):
         p[i] is mu_ref/a, then come h_k0 and h_k1 of each state, and at the end the history.
         """
 
-        own = MappingProxyType({})
+        own: MappingProxyType = MappingProxyType({})
         of_slider = ("mu0", "V0", "alpha", "sigma_amplitude", "sigma_period")
         inner: FrictionLaw  # the law under a constant sigma
 

@@ -1,5 +1,6 @@
 """Scenario to text to scenario, to Python, to result and back: always the same bits."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -13,6 +14,7 @@ from ratestate import Loading, ParameterError, SpringSlider, files
 from ratestate.interfaces.scenario import Output, Scenario, from_result, load, python, run, toml
 from ratestate.interfaces.scenario.literals import quantity
 from ratestate.interfaces.scenario.values import USUAL
+from ratestate.model.loading.normal_stress import NormalStress
 from ratestate.model.loading.written import events_of, rows_of
 from ratestate.model.quantities import QUANTITIES
 from ratestate.model.units import is_array, to_si
@@ -42,14 +44,21 @@ def executed(scenario):
 def alike(x, y):
     """Whether two settings have the same bits."""
     if isinstance(x, Loading):
-        return all(
-            alike(getattr(x, name), getattr(y, name)) for name in ("t", "V", "rate", "t_last")
-        )
+        names = ("t", "V", "rate", "t_last", "normal_stress")
+        return all(alike(getattr(x, name), getattr(y, name)) for name in names)
+    if isinstance(x, NormalStress) and isinstance(y, NormalStress):
+        names = ("t", "start", "end", "amplitude", "period")
+        return all(alike(getattr(x, name), getattr(y, name)) for name in names)
     if is_array(x) or is_array(y):
         return is_array(x) and is_array(y) and x.equals(y)
     if isinstance(x, np.ndarray):
-        return np.array_equal(x, y)
+        return np.array_equal(x, y, equal_nan=True)
     return x == y
+
+
+def as_series(loading):
+    t, V, sigma = rows_of(loading)
+    return Loading.series(t, V, sigma=sigma)
 
 
 def check(one, other):
@@ -113,14 +122,34 @@ def events(draw, last=speeds):
 @st.composite
 def records(draw):
     """Rows with jumps."""
-    t, V = [0.0], [draw(speeds)]
+    t = [0.0]
     for _ in range(draw(st.integers(1, 8))):
         if len(t) > 1 and draw(st.booleans()):
             t.append(t[-1])
-            V.append(draw(speeds))
         t.append((t[-1] + draw(times)) * (1 + 1e-9))
-        V.append(draw(speeds))
-    return Loading.series(t, V)
+    V, sigma = ([draw(kind) for _ in t] for kind in (speeds, usual("sigma")))
+    return Loading.series(t, V, sigma=draw(st.sampled_from([sigma, None])))
+
+
+@st.composite
+def stressed(draw, loading, sigma):
+    """A loading with steps, ramps and a sinusoid of normal stress, for a slider of this sigma."""
+    if loading.normal_stress is not None:  # of a record, which must begin at the slider's
+        return dataclasses.replace(loading, normal_stress=None)
+    lowest, t_last = float(np.min(sigma)), min(loading.t_last, 1e8)
+    for _ in range(draw(st.integers(0, 3))):
+        stress = loading.normal_stress
+        t = 0.0 if stress is None else float(stress.t[-1])
+        if stress is None or not stress.returns or draw(st.booleans()):
+            t += (t_last - t) * draw(st.floats(1e-3, 0.3))
+        target, lasting = draw(usual("sigma")), (t_last - t) * draw(st.floats(1e-3, 0.3))
+        lowest = min(lowest, target)
+        step = draw(st.booleans())
+        loading = loading.sigma_step(t, target) if step else loading.sigma_ramp(t, target, lasting)
+    if draw(st.booleans()):
+        amplitude = lowest * draw(st.floats(0.0, 0.99))
+        loading = loading.sigma_sinusoid(amplitude, period=draw(usual("period")))
+    return loading
 
 
 sinusoids = st.builds(
@@ -157,6 +186,7 @@ def simulations(draw):
         slider = slider.replace(K=1.0)
     if np.equal(slider.M, 0).any() and "initial" in chosen:
         del chosen["initial"]
+    chosen["loading"] = draw(stressed(loading, slider.sigma))
     return Scenario("simulate", slider, chosen)
 
 
@@ -220,7 +250,7 @@ def test_events_and_back(loading):
 @unhurried
 @given(records())
 def test_rows_and_back(loading):
-    assert alike(Loading.series(*rows_of(loading)), loading)
+    assert alike(as_series(loading), loading)
 
 
 SCENARIOS = {
@@ -514,4 +544,4 @@ def test_many_rows_and_back():
         V = 10 ** rng.uniform(-18, 2, rows.size) * (rng.random(rows.size) > 0.2)
         if (np.diff(t) > 0).all():
             loading = Loading.series(t[rows], V)
-            assert alike(Loading.series(*rows_of(loading)), loading)
+            assert alike(as_series(loading), loading)

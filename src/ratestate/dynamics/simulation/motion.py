@@ -74,16 +74,16 @@ def move(call, progress):
     numbers["energy_residual"] = energy_residual(law, batch, loading, cases, y0, results)
     motion = Motion(t, states, numbers, results.status)
     for i in np.flatnonzero(is_rigid):
-        _put_rigid(motion, i, batch, law, y0[i, 2:], (loads, rows[i]))
+        _put_rigid(motion, i, batch, law, y0[i, 2:], loads, rows[i])
     return motion
 
 
-def _put_rigid(motion, i, batch, law, psi0, history):
+def _put_rigid(motion, i, batch, law, psi0, loads, row):
     """Put the motion of the case of number i, of K = inf, into that of all."""
     own = SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
     t = motion.t if motion.t.ndim == 1 else motion.t[i]
     try:
-        result = rigid.rigid_motion(law, psi0, t, *history, own)
+        result = rigid.rigid_motion(law, psi0, t, loads, row, own)
     except SolverError:
         motion.status[i] = NOT_FINITE
         return

@@ -112,7 +112,8 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         more = {shape.kind: _inline(literals)}
     elif np.isfinite(loading.t_last):
         t, V, sigma = rows_of(loading)
-        _refuse_arrays("a record", V, sigma)
+        _refuse_arrays("the speeds of a record", V)
+        _refuse_arrays("the normal stress of a record", sigma)
         columns = {"t": f"{numbers(t)}  # s", "V_lp": f"{numbers(V)}  # m/s"}
         if sigma is not None:
             columns["sigma"] = f"{numbers(sigma)}  # Pa"

@@ -315,7 +315,13 @@ class Loading(Segments):
         -------
         ndarray or DataArray
             As of `V_load`.
+
+        Raises
+        ------
+        ParameterError
+            A time before 0 or after the end of a series.
         """
+        self.checked(t)
         return (self.normal_stress or NormalStress()).at(t, sigma)
 
     def __repr__(self):

@@ -84,27 +84,27 @@ class NormalStress:
         k = np.searchsorted(self.t, seconds, side="right") - 1
         lasting = np.append(np.diff(self.t), 1.0)
         part = np.minimum((seconds - self.t[k]) / lasting[k], 1.0)
-        start, end = self.start, self.end
-        if any(map(is_array, (t, sigma, start, end, self.amplitude, self.period))):
-            import xarray
+        values = (t, sigma, self.start, self.end, self.amplitude, self.period)
+        if not any(map(is_array, values)):
+            start, end = (np.where(np.isnan(x[k]), sigma, x[k]) for x in (self.start, self.end))
+            return start + part * (end - start) + self._wave(seconds)
+        import xarray
 
-            frame = t if is_array(t) else xarray.DataArray(seconds, dims=["time"][: seconds.ndim])
-            place, part = frame.copy(data=k), frame.copy(data=part)
-            start, end = (
-                xarray.DataArray(x, dims=getattr(x, "dims", "segment")).isel(segment=place)
-                for x in (start, end)
-            )
-            start, end = (x.fillna(sigma) for x in (start, end))
-            seconds = frame
-        else:
-            start, end = (np.where(np.isnan(x[k]), sigma, x[k]) for x in (start, end))
-        phase = seconds / self.period
-        wave = self.amplitude * np.sin(2.0 * np.pi * (phase - np.round(phase)))
-        found = start + part * (end - start) + wave
-        return named(
-            "sigma",
-            found.transpose(..., "time", missing_dims="ignore") if is_array(found) else found,
+        frame = t if is_array(t) else xarray.DataArray(seconds, dims=["time"][: seconds.ndim])
+        place = frame.copy(data=k)
+        start, end = (
+            xarray.DataArray(x, dims=getattr(x, "dims", "segment"))
+            .isel(segment=place)
+            .fillna(sigma)
+            for x in (self.start, self.end)
         )
+        found = start + frame.copy(data=part) * (end - start) + self._wave(frame)
+        return named("sigma", found.transpose(..., "time", missing_dims="ignore"))
+
+    def _wave(self, seconds):
+        """The sinusoid at these times [s]."""
+        phase = seconds / self.period
+        return self.amplitude * np.sin(2.0 * np.pi * (phase - np.round(phase)))
 
     def check(self, sigma, t_end):
         """Raise ParameterError unless normal stress begins at sigma and is > 0 up to t_end [s].

@@ -64,14 +64,19 @@ class Segments:
         V, rate, passed, elapsed = self._at(t)
         return named("delta_lp", passed + elapsed * (V + 0.5 * rate * elapsed))
 
-    def _at(self, t):
-        """V, rate, displacement so far of the segments that hold t, and the times since then."""
+    def checked(self, t):
+        """Times [s] as an ndarray; ParameterError for one outside the history."""
         seconds = np.asarray(t, dtype=float)
         outside = ~((seconds >= 0) & (seconds <= self.t_last))
         if outside.any():
             raise ParameterError(
                 f"t = {seconds[outside].flat[0]} s is outside the loading, 0 to {self.t_last!r} s"
             )
+        return seconds
+
+    def _at(self, t):
+        """V, rate, displacement so far of the segments that hold t, and the times since then."""
+        seconds = self.checked(t)
         k = np.searchsorted(self.t, seconds, side="right") - 1
         elapsed = seconds - self.t[k]
         columns = (self.V, self.rate, self._passed)
