@@ -6,7 +6,6 @@ from importlib.metadata import version
 from types import SimpleNamespace
 
 import numpy as np
-import xarray
 
 from ..engine.cache import DIGEST
 from ..engine.model import STATUSES
