@@ -11,11 +11,12 @@ import ratestate as rs
 
 RTOL = 1e-6
 TIMES = np.linspace(0.0, 10.0, 11)
-SLIDER = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 9e8, "M": 3e3}
+UNDAMPED = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 9e8, "M": 3e3}
+SLIDER = UNDAMPED | {"damping": 1e4}
 #: law, form of friction and damping, of which each has kernels of its own
 COMBINATIONS = [
-    ("slip", "log", 0.0),
-    ("nagata", "log", 1.0),
+    ("slip", "log", 1.0),
+    ("nagata", "log", 0.0),
     ("two-state-aging", "cut-off", 0.0),
     ("aging", "regularized", 1.0),
 ]
@@ -70,7 +71,7 @@ def test_runs_are_those_of_the_textbook(law, form, damped, mass):
 def test_work_is_stored_or_dissipated():
     """By the trapezoidal rule on the motion itself."""
     loading = rs.Loading.constant(1e-4).sigma_ramp(0.5, 2.2e6, 0.2).sigma_sinusoid(5e4, period=0.3)
-    slider = rs.SpringSlider(**SLIDER, alpha=0.2, damping=2e6)
+    slider = rs.SpringSlider(**(SLIDER | {"damping": 2e6}), alpha=0.2)
     run = rs.simulate(slider, loading, 2.0, rtol=1e-9)
     t, V = run.time.values, run.V.values
     spent = run.sigma.values * run.mu.values * V + slider.damping * V**2
@@ -86,7 +87,9 @@ def test_work_is_stored_or_dissipated():
 @pytest.mark.parametrize(("law", "own"), [("slip", {}), ("nagata", {"c": 1.5})])
 def test_a_step_changes_state_and_not_speed(law, own, M):
     """V stays where there is mass, and friction balances the spring where there is none."""
-    slider = rs.SpringSlider(**(SLIDER | {"M": M, "K": 3e9}), law=law, alpha=0.25, **own)
+    damping = 1e4 if law == "slip" else 0.0
+    changes = {"M": M, "K": 3e9, "damping": damping}
+    slider = rs.SpringSlider(**(SLIDER | changes), law=law, alpha=0.25, **own)
     run = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.5)
     (k,) = np.flatnonzero(np.diff(run.sigma.values))
     t = run.time.values
@@ -107,7 +110,8 @@ def test_a_step_changes_state_and_not_speed(law, own, M):
             expected = part * (float(before.mu) + 0.25 / c)
             assert float(after.mu) + 0.25 / c == pytest.approx(expected, rel=1e-12)
     else:
-        assert float(after.sigma * after.mu) == pytest.approx(float(after.tau), rel=1e-12)
+        held = float(after.sigma * after.mu + damping * after.V)
+        assert held == pytest.approx(float(after.tau), rel=1e-12)
         assert float(after.V) < 0.9 * float(before.V)
     saved = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.5, times=[0.3])
     for name in ("sigma", "theta", "V", "tau"):
@@ -118,7 +122,7 @@ def test_a_step_changes_state_and_not_speed(law, own, M):
 
 
 def test_a_step_is_a_very_short_ramp():
-    slider = rs.SpringSlider(**SLIDER, law="nagata", c=1.0, alpha=0.2)
+    slider = rs.SpringSlider(**UNDAMPED, law="nagata", c=1.0, alpha=0.2)
     steady = rs.Loading.constant(1e-4)
     settings = {"t_end": 0.5, "times": [0.5], "rtol": 1e-10}
     exact = rs.simulate(slider, steady.sigma_step(0.2, 2.05e6), **settings)
@@ -147,11 +151,11 @@ def test_small_oscillations_are_the_frequency_response():
 
 
 def test_extremes_are_those_of_the_motion():
-    slider = rs.SpringSlider(**SLIDER, alpha=0.2, damping=1e6)
+    slider = rs.SpringSlider(**(SLIDER | {"damping": 1e6}), alpha=0.2)
     loading = rs.Loading.constant(1e-4).sigma_step(0.5, 2.1e6).sigma_sinusoid(1e5, period=0.17)
     run = rs.simulate(slider, loading, 2.0, rtol=1e-9)
     margin = (run.tau + run.sigma * run.mu) / 2e6
-    force = (run.tau - run.sigma * run.mu - 1e6 * run.V) / 2e6
+    force = (run.tau - run.sigma * run.mu - slider.damping * run.V) / 2e6
     pairs = {
         "V_max": run.V.max(),
         "V_min": run.V.min(),
@@ -167,7 +171,7 @@ def test_extremes_are_those_of_the_motion():
 
 
 def test_inertia_is_0_in_steady_sliding_under_a_dashpot():
-    slider = rs.SpringSlider(**(SLIDER | {"K": 3e9}), damping=1e6)
+    slider = rs.SpringSlider(**(SLIDER | {"K": 3e9, "damping": 1e6}))
     run = rs.simulate(slider, rs.Loading.constant(1e-4), 1.0)
     assert float(run.inertial_force) < 1e-12
 
@@ -196,22 +200,25 @@ def test_axes_of_its_own_and_a_store(tmp_path):
     sigma = xr.DataArray([2e6, 3e6], dims="slider")
     slider = rs.SpringSlider(**(SLIDER | {"sigma": sigma}), alpha=0.2)
     loading = rs.Loading.constant(1e-4).sigma_ramp(0.1, 2.5e6, 0.1)
-    loading = loading.sigma_sinusoid(amplitude, period=0.1)
+    period = xr.DataArray([0.1, 0.2, 0.3, 0.4], dims="pace")
+    loading = loading.sigma_sinusoid(amplitude, period=period)
     settings = {"loading": loading, "t_end": 0.3, "times": [0.0, 0.15, 0.3]}
     whole = rs.simulate(slider, **settings)
     stored = rs.sweep(rs.simulate, slider, **settings, store=tmp_path / "x.zarr", chunk=2)
     xr.testing.assert_equal(whole.V, stored.V.compute())
     expected = np.array([2e6, 3e6])[:, None] + 0.0 * amplitude.values
+    whole = whole.isel(pace=2)
     np.testing.assert_allclose(whole.sigma.sel(time=0.0).transpose("slider", ...), expected)
-    wave = amplitude.values * math.sin(3.0 * math.pi)
+    wave = amplitude.values * math.sin(2.0 * math.pi * 0.15 / 0.3)
     expected = 0.5 * (np.array([2e6, 3e6]) + 2.5e6)[:, None] + wave
     found = whole.sigma.sel(time=0.15).transpose("slider", ...)
+    assert whole.sizes["wave"] == 3
     np.testing.assert_allclose(found, expected, rtol=1e-13)
 
 
 def test_where_the_slider_moves_with_its_load_point_the_state_decays_with_slip():
     """Under the slip law ln theta is linear: after a step mu returns as exp(-V t/Dc)."""
-    slider = rs.SpringSlider(**(SLIDER | {"K": math.inf}), alpha=0.3, damping=1e6)
+    slider = rs.SpringSlider(**(SLIDER | {"K": math.inf, "damping": 1e6}), alpha=0.3)
     loading, times = rs.Loading.constant(1e-4).sigma_step(0.2, 2.2e6), np.linspace(0.0, 1.0, 41)
     run = rs.simulate(slider, loading, 1.0, times=times)
     steady = 0.6 - 0.003 * math.log(1e-4 / 1e-6)
@@ -245,7 +252,7 @@ def test_a_rigid_slider_under_a_sinusoid():
 
 def test_runaway_without_mass_is_told_at_the_stiffness_of_that_time():
     """K is above the critical one of the slider, and below that of its raised normal stress."""
-    slider = rs.SpringSlider(**(SLIDER | {"M": 0.0, "K": 7e8}))
+    slider = rs.SpringSlider(**(UNDAMPED | {"M": 0.0, "K": 7e8}), law="nagata", c=0.0)
     loading = rs.Loading.constant(1e-4).sigma_ramp(0.5, 4e6, 2.0)
     assert slider.K > slider.K_c_qs > 0.5 * slider.K
     run = rs.simulate(slider, rs.Loading.constant(1e-4), 60.0, V_start=1.2e-4)
@@ -281,9 +288,12 @@ SINUSOID = rs.Loading.constant(1e-4).sigma_sinusoid("1 MPa", period=1.0)
         (lambda: rs.Loading.constant(1).sigma_ramp(1, 1e6, 0), "> 0"),
         (
             lambda: rs.Loading.constant(1).sigma_step(2, 1e6).sigma_step(1, 2e6),
-            "t = 1.0 s must come after t = 2.0 s, where normal stress",
+            "t = 1.0 s must come after t = 2.0 s, up to which normal stress is given",
         ),
-        (lambda: SINUSOID.sigma_sinusoid(1.0, period=1.0), "has a sinusoid already"),
+        (
+            lambda: SINUSOID.sigma_sinusoid(1.0, period=1.0),
+            "has a sinusoid already, and can have only one",
+        ),
         (lambda: rs.Loading.constant(1).sigma_sinusoid(1.0), "either its period or its frequency"),
         (lambda: rs.Loading.constant(1).sigma_sinusoid(-1.0, period=1), "amplitude = -1 Pa"),
         (
@@ -335,7 +345,8 @@ def test_histories_that_do_not_fit_the_slider(loading, words):
 
 def test_what_may_just_be():
     """An amplitude just below sigma; a series within 1e-6; a trough after the end of the run."""
-    stiff = rs.SpringSlider(**(SLIDER | {"K": 1e11, "M": 0.0, "a": 0.01, "b": 0.005}), damping=1e7)
+    changes = {"K": 1e11, "M": 0.0, "a": 0.01, "b": 0.005, "damping": 1e7}
+    stiff = rs.SpringSlider(**(SLIDER | changes))
     deep = rs.Loading.constant(1e-4).sigma_sinusoid(1.99e6, period=1.0)
     assert float(rs.simulate(stiff, deep, 1.0, times=[0.75]).sigma[0]) == pytest.approx(1e4)
     near = rs.Loading.series([0, 5], [1e-4, 1e-4], sigma=[2e6 * (1 + 9e-7), 2e6])
@@ -358,8 +369,83 @@ def test_a_dimension_called_sigma_is_refused():
 def test_alpha_and_constant_normal_stress_change_nothing():
     """Not even a bit: a slider's alpha is for normal stress that varies."""
     runs = [
-        rs.simulate(rs.SpringSlider(**SLIDER, **more), rs.Loading.steps(1e-4, (0.1, 2e-4)), 0.5)
+        rs.simulate(rs.SpringSlider(**UNDAMPED, **more), rs.Loading.steps(1e-4, (0.1, 2e-4)), 0.5)
         for more in ({}, {"alpha": 0.3})
     ]
     np.testing.assert_array_equal(runs[0].V, runs[1].V)
     assert "sigma" not in runs[0]
+
+
+def test_a_rigid_slider_is_seen_in_each_period():
+    """Where 200 periods are fewer than the points that the motion would be shown at."""
+    changes = {"a": 0.008, "mu0": 0.3, "K": math.inf, "M": 0.0, "damping": 0.0}
+    slider = rs.SpringSlider(**(SLIDER | changes), alpha=0.5)
+    loading = rs.Loading.constant(1e-5).sigma_sinusoid(1.9e6, period=0.05)
+    run = rs.simulate(slider, loading, 1.0)
+    dense = rs.simulate(slider, loading, 1.0, times=np.linspace(0.0, 1.0, 4001))
+    margin = (dense.tau + dense.sigma * dense.mu) / 2e6
+    assert float(run.mu_min) == pytest.approx(float(dense.mu.min()), abs=1e-4)
+    assert float(run.reversal_margin) == pytest.approx(float(margin.min()), abs=3e-4)
+    assert float(run.mu_min) < -0.15
+    assert int(run.outside_domain) == 3
+    with pytest.raises(rs.ParameterError, match="periods of the normal stress, and 5000"):
+        rs.simulate(slider, loading, 251.0)
+
+
+def test_a_rigid_slider_at_a_step_at_the_end():
+    slider = rs.SpringSlider(**(SLIDER | {"K": math.inf}), alpha=0.2)
+    run = rs.simulate(
+        slider, rs.Loading.constant(1e-4).sigma_step(1.0, 2.1e6), 1.0, times=[0.5, 1.0]
+    )
+    assert run.sigma.values.tolist() == [2e6, 2e6]
+    assert run.theta.values == pytest.approx([0.1, 0.1], rel=1e-12)
+
+
+def test_a_fall_beyond_all_speeds_is_no_runaway():
+    """Under velocity strengthening the motion would come back, from where no double follows."""
+    changes = {"a": 5e-4, "b": 3e-4, "M": 0.0, "damping": 0.0}
+    slider = rs.SpringSlider(**(SLIDER | changes), law="nagata", c=0.0)
+    loading = rs.Loading.constant(1e-4)
+    with pytest.raises(rs.SolverError, match="beyond double precision"):
+        rs.simulate(slider, loading.sigma_step(0.1, 1.2e6), 0.2)
+    run = rs.simulate(slider, loading.sigma_ramp(0.1, 1.2e6, 1e-6), 0.2)
+    assert 1e-3 < float(run.V_max) < math.inf
+
+
+def test_only_what_happens_before_the_end_counts():
+    """For what sigma falls to, case by case, and for whether anything disturbs steady sliding."""
+    amplitude = xr.DataArray([1e5, 3e6], dims="case")
+    t_end = xr.DataArray([20.0, 4.0], dims="case")
+    slider = rs.SpringSlider(**(SLIDER | {"K": 1e11, "a": 0.02, "M": 0.0, "damping": 1e8}))
+    swept = rs.Loading.constant(1e-4).sigma_sinusoid(amplitude, period=10.0)
+    assert rs.simulate(slider, swept, t_end).sizes["case"] == 2
+    with pytest.raises(rs.ParameterError, match="would fall"):
+        rs.simulate(slider, swept, t_end + 5.0)
+    falling = rs.Loading.constant(1e-4).sigma_ramp(1.0, 1e5, 100.0).sigma_sinusoid(2e5, period=1.0)
+    assert int(rs.simulate(slider, falling, 2.0).status) == 0
+    unstable = rs.SpringSlider(**(SLIDER | {"K": 3e8}))
+    steady = rs.Loading.constant(1e-4)
+    for late in (steady.sigma_step(2.0, 2.1e6), steady.sigma_sinusoid(0.0, period=1.0)):
+        with pytest.warns(rs.RunWarning, match="nothing disturbs it"):
+            rs.simulate(unstable, late, 1.0)
+    rs.simulate(unstable, steady.sigma_step(0.5, 2.1e6), 1.0)
+
+
+def test_alpha_is_fitted_from_a_record_of_steps():
+    """From the recorded normal stress, and from a loading that is given."""
+    true = rs.SpringSlider(a=0.010, b=0.012, Dc=1e-5, sigma=5e6, K=5e9, alpha=0.25)
+    steps = rs.Loading.constant(3e-6).sigma_step(40.0, 5.3e6).sigma_step(90.0, 5e6)
+    run = rs.simulate(true, steps, 150.0, times=np.linspace(0.0, 150.0, 1501))
+    noise = 1e-4 * np.random.default_rng(1).normal(size=1501)
+    record = run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma + noise)
+    guess, free = true.replace(a=0.008, b=0.009, alpha=0.1), ("a", "b", "Dc", "K", "alpha")
+    for data, loading in ((record, None), (record.drop_vars("sigma"), steps)):
+        result = rs.fit(data, guess, free=free, loading=loading)
+        error = float(result.standard_error.sel(parameter="alpha"))
+        assert float(result.alpha) == pytest.approx(0.25, abs=3.0 * error)
+        assert 1e-4 < error < 5e-3
+        assert result.warnings.item() == ""
+    constant = record.assign(sigma=("time", np.full(1501, 5e6)))
+    late = rs.Loading.steps(3e-6, (75.0, 1e-5))
+    with pytest.raises(rs.ParameterError, match="alpha is free, and normal stress is constant"):
+        rs.fit(constant.drop_vars("delta_lp"), guess, free=free, loading=late)

@@ -288,7 +288,10 @@ def test_events_with_named_arrays():
 @pytest.mark.parametrize(
     ("event", "message"),
     [
-        (lambda x: x.step(5, 1.0), "t = 5.0 s must come after t = 5.0 s, where the history has"),
+        (
+            lambda x: x.step(5, 1.0),
+            "t = 5.0 s must come after t = 5.0 s, up to which the history is",
+        ),
         (lambda x: x.step(4, 1.0), "t = 4.0 s must come after t = 5.0 s"),
         (lambda x: x.hold(7, 1).step(7.5, 1.0), "t = 7.5 s must come after t = 8.0 s"),
         (lambda x: x.step(6, -1.0), "V_lp from t = 6.0 s on = -1 m/s must be >= 0"),

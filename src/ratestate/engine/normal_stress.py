@@ -6,10 +6,11 @@ For a law under constant normal stress `rows.history` is (), and nothing here is
 import math
 
 from ..friction.kinematics import LIMIT
+from ..friction.normal_stress import PHASE, S
 from . import rows as R
 from .jit import inner, recursive
 from .lane_case import take_note
-from .model import RUNAWAY
+from .model import NOT_FINITE, RUNAWAY
 from .rodas5p import exponentials_alone
 from .rows import rows_of
 from .tuples import read_rows, write_rows
@@ -39,12 +40,12 @@ def _enter(s, l, law, loads, row, k, sigma, scale):
     if end != start:
         rate = (end - start) / ((loads.t[k + 1] - loads.t[k]) * scale)
     p = read_rows(s, rows.p, l)
-    before, phase = p[-3], p[-4]
+    before, phase = p[S], p[PHASE]
     p = law.at_time(p, start, rate, phase)
     write_rows(s, rows.history, l, law.history(p))
-    if abs(p[-3] - before) <= AGREE * p[-3]:
+    if abs(p[S] - before) <= AGREE * p[S]:
         return False
-    jump(s, l, law, math.log(p[-3] / before))
+    jump(s, l, law, math.log(p[S] / before))
     return True
 
 
@@ -58,8 +59,9 @@ def jump(s, l, law, rise):
     v = v_at_speed(law.backward_exponent(y[1], y[2:], p), y[1], w, psi, law, p)
     if s[R.ETA0 + l] == 0.0:
         v = balanced(y[0], v, psi, law, p)
-        if v > LIMIT:
-            s[R.STATUS + l] = RUNAWAY
+        if v > LIMIT:  # of a slider without mass or damping that nothing holds
+            away = law.runs_away(v, psi, law.stiffness(s[R.KAPPA + l], p), p)
+            s[R.STATUS + l] = RUNAWAY if away else NOT_FINITE
     after = (y[0], v, *psi)
     w, e = exponentials_alone(after, law, p)
     write_rows(s, rows.y, l, after)

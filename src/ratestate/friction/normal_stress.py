@@ -17,9 +17,9 @@ from types import MappingProxyType
 from .functions import added, cosine, scaled, sine, weighted, weighted_sum
 from .law import FrictionLaw
 
-#: numbers of a history: base, its rate, amplitude, frequency and phase [periods] of a sinusoid on
-#: it; s, ds/dT, d2s/dT2
-HISTORY = 8
+#: places, from the end of p, of a history: base, its rate, amplitude, frequency and phase [periods]
+#: of a sinusoid on it; then s, ds/dT and d2s/dT2, to which the base, a straight line, adds nothing
+BASE, RATE, AMPLITUDE, FREQUENCY, PHASE, S, DS, DDS = range(-8, 0)
 
 
 @functools.cache
@@ -50,16 +50,16 @@ def varying_at(i, n):
 
         def strength_in_v(self, v, w, psi, p):
             """N = s R + (s - 1) mu_ref/a."""
-            return p[-3] * self.resistance_in_v(v, w, psi, p) + (p[-3] - 1.0) * p[i]
+            return p[S] * self.resistance_in_v(v, w, psi, p) + (p[S] - 1.0) * p[i]
 
         def strength_slopes(self, v, w, psi, e, p):
             """Slopes of `strength_in_v`."""
             by_omega, by_psi = self.resistance_slopes(v, w, psi, e, p)
-            return p[-3] * by_omega, scaled(p[-3], by_psi)
+            return p[S] * by_omega, scaled(p[S], by_psi)
 
         def strength_drift(self, v, w, psi, p):
             """d/dT of `strength_in_v` at constant v and psi, in a tuple."""
-            return (p[-2] * (self.resistance_in_v(v, w, psi, p) + p[i]),)
+            return (p[DS] * (self.resistance_in_v(v, w, psi, p) + p[i]),)
 
         def jumps(self, v, w, psi, p):
             """d psi_k/d ln s."""
@@ -68,19 +68,19 @@ def varying_at(i, n):
         def rates_in_v(self, v, w, psi, e, p):
             """d psi/dT: the law's, and what normal stress adds."""
             jumps = self.jumps(v, w, psi, p)
-            return added(self.evolution(v, w, psi, e, p), scaled(p[-2] / p[-3], jumps))
+            return added(self.evolution(v, w, psi, e, p), scaled(p[DS] / p[S], jumps))
 
         def rate_slopes(self, v, w, psi, e, p):
             """Slopes of `rates_in_v`; only a law of one state has h_k1, so none but its own."""
             by_omega, by_psi = self.evolution_slopes(v, w, psi, e, p)
             R_omega, R_psi = self.resistance_slopes(v, w, psi, e, p)
-            by_R = scaled(p[-2] / p[-3], p[k:last])
+            by_R = scaled(p[DS] / p[S], p[k:last])
             return added(by_omega, scaled(R_omega, by_R)), added(by_psi, weighted(by_R, R_psi))
 
         def rate_drift(self, v, w, psi, p):
             """d/dT of `rates_in_v` at constant v and psi."""
-            growth = p[-2] / p[-3]
-            return scaled(p[-1] / p[-3] - growth * growth, self.jumps(v, w, psi, p))
+            growth = p[DS] / p[S]
+            return scaled(p[DDS] / p[S] - growth * growth, self.jumps(v, w, psi, p))
 
         def after_jump(self, v, w, psi, e, p, rise):
             """psi where ln s has risen at once, at constant V, from which v then follows.
@@ -93,16 +93,16 @@ def varying_at(i, n):
             return added(psi, scaled(effective, self.jumps(v, w, psi, p)))
 
         def history(self, p):
-            """The last `HISTORY` of p."""
-            return p[-8:]
+            """Those of p that belong to the history."""
+            return p[BASE:]
 
         def later(self, p, dT):
             """p at a time dT later in the same segment."""
-            return self.at_time(p, p[-8] + dT * p[-7], p[-7], p[-4] + dT * p[-5])
+            return self.at_time(p, p[BASE] + dT * p[RATE], p[RATE], p[PHASE] + dT * p[FREQUENCY])
 
         def at_time(self, p, base, rate, phase):
             """p where the base and its rate are these, and the sinusoid's phase."""
-            amplitude, frequency = p[-6], p[-5]
+            amplitude, frequency = p[AMPLITUDE], p[FREQUENCY]
             speed = 2.0 * math.pi * frequency
             wave = amplitude * sine(phase)
             ds, dds = rate + speed * amplitude * cosine(phase), -speed * speed * wave
@@ -111,6 +111,6 @@ def varying_at(i, n):
 
         def stiffness(self, kappa, p):
             """K Dc/(a sigma(t))."""
-            return kappa / p[-3]
+            return kappa / p[S]
 
     return Varying

@@ -51,6 +51,7 @@ def on_cycles(law):
         "grown": GROWN,
         "worst": 100 * _worst(best, by_scheme),
         "fastest": " ".join(map(_fastest, sliders)),
+        **_apart(sliders, best),
     }
     measures = {
         "slope": lambda slider, sweep: _line(sweep, sweep.V_lp)[0],
@@ -68,12 +69,26 @@ def on_cycles(law):
         "eta_1": exact(1e2 / math.sqrt(FIG4.eta(1.0))),
         "K_c_qs_fig4": exact(FIG4.K_c_qs / 1e9),
         "f_n": exact(*(slider.f_n for slider in sliders)),
+        "finite_at_rest": pair(lambda rtol: [_turned(s, rtol).frequency / s.f_n for s in sliders]),
     }
     rows = {name: row | {"texts": texts} for name, row in measured.items()}
     for i, K in enumerate(FIG4_K):
         minimum = at_minimum(lambda slider, V_lp: V_lp, (i,), 1e2)
         rows[f"minimum_{K / 1e9:.2f}"] = minimum | {"texts": {"above": 100 * _above(best[i])}}
     return rows
+
+
+def _turned(slider, rtol):
+    """The limit cycle at the end of the inset of Fig. 5 under friction that may reverse slip."""
+    return limit_cycle(slider.replace(friction="regularized"), float(SWEEP[-1]), rtol=rtol)
+
+
+def _apart(sliders, sweeps):
+    """What that friction changes: the amplitude, relative; and the smallest V over V_lp."""
+    turned = [_turned(slider, TIGHT) for slider in sliders]
+    pairs = zip(turned, sweeps, strict=True)
+    apart = [abs(float(one.amplitude / all_.amplitude[-1]) - 1.0) for one, all_ in pairs]
+    return {"apart": max(apart), "slowest": min(float(one.V_min) for one in turned) / SWEEP[-1]}
 
 
 def _fastest(slider):

@@ -413,7 +413,7 @@ LOADINGS = [
     ("V_lp = 1\nsteps = [{t=1, hodl=1}]", "steps[0].hodl: unknown key, * did you mean hold?"),
     (
         "V_lp = 1\nsteps = [{t=2, hold=2}, {t=3, V_lp=1}, {t=1, V_lp=1}, {t=9, V_lp=1}]",
-        "steps[1]: 3.0 s must come after t = 4.0 s, where the history has come to",
+        "steps[1]: 3.0 s must come after t = 4.0 s, up to which the history is given",
     ),
     ("V_lp = 1\nsinusoid = 3", "sinusoid: 3 is no table, expected such as { amplitude"),
     ("V_lp = 1\nsinusoid = {}", "sinusoid.amplitude: is missing, expected a speed"),

@@ -403,10 +403,11 @@ def test_each_doubt_is_a_warning(good):
     silent = good.assign(friction=0.6 + 2e-4 * xarray.zeros_like(good.friction))
     silent = silent.assign(friction=silent.friction + 2e-4 * rng.normal(size=T.size))
     pressed = good.assign(sigma=("time", np.linspace(2.05e7, 2.25e7, T.size)))
+    patchy = good.assign(sigma=pressed.sigma.where(np.arange(T.size) != 100))
     cases = {
         "does not respond to the steps by more than the noise": (silent, {"errors": "covariance"}),
         "normal stress is 21.5 MPa on average": (pressed, {}),
-        "varies by 2.7 %": (pressed, {}),
+        "varies by 2.7 %": (patchy, {}),
         "before friction is steady": (good.isel(time=T < 42.0), {"free": ("a", "K")}),
         "does not describe the record after its steps": (good, {"law": "aging"}),
         "times as large as the noise that was given": (good, {"noise": 5e-5}),

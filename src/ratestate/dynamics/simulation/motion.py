@@ -65,7 +65,8 @@ def move(call, progress):
         alone = batch.alone
         results = run_cases(call.method, law, cases, loads, save_times, which, alone, progress)
         if own_steps:
-            t = rigid.grid(loads, 0, t_end[0], batch.flat("Dc")[0])
+            own = SimpleNamespace(**{s: values[0] for s, values in batch.columns.items()})
+            t = rigid.grid(loads, 0, t_end[0], own.Dc, rigid.period_of(own))
             states = np.full((1, t.size, y0.shape[1]), np.nan)
         else:
             t = saved_at(batch, times)

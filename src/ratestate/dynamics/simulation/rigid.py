@@ -7,11 +7,19 @@ import numpy as np
 
 from ...engine.compilation import call
 from ...engine.rigid import states
-from ...errors import SolverError
+from ...errors import ParameterError, SolverError
 from ...friction.functions import weighted_sum
+from ...friction.normal_stress import FREQUENCY, S
 
 # Of the state, where a law does not know it in closed form.
 RTOL = 1e-11
+# Times in a period of the normal stress, and most periods.
+PER_PERIOD, MOST = 32, 5000
+
+
+def period_of(p):
+    """The period of the normal stress [s], inf for none; p : a case's values as attributes."""
+    return getattr(p, "sigma_period", np.inf)
 
 
 def rigid_motion(law, psi0, t, loads, row, p):
@@ -29,9 +37,11 @@ def rigid_motion(law, psi0, t, loads, row, p):
     path = _Path(law, loads, row, p)
     if not (path.reached > 0.0).all():
         return None
-    psi = path.states(psi0, t)
-    sampled = grid(loads, row, p.t_end, p.Dc)
-    of_all = sampled, np.array(path.states(psi0, sampled))
+    sampled = grid(loads, row, p.t_end, p.Dc, period_of(p))
+    times = np.union1d(t, sampled)
+    followed = np.array(path.states(psi0, times))
+    psi = followed[:, np.searchsorted(times, t)]
+    of_all = sampled, followed[:, np.searchsorted(times, sampled)]
     # The load point's work is friction's, by V = V_lp: no energy_residual.
     numbers = dict.fromkeys("steps energy_residual amplitude cycles returns".split(), 0.0) | {
         "t": p.t_end,
@@ -73,6 +83,7 @@ class _Path:
         self.stress_jumps = stress_jumps(loads, row)
         self.ends = np.minimum(np.append(self.starts[1:], np.inf), p.t_end)
         used = self.starts < p.t_end
+        self.used = self.starts[used]  # a jump at the very end has not happened
         last = self.V + self.rate * (self.ends - self.starts)
         #: speeds at the ends of all segments [m/s]
         self.reached = np.concatenate([self.V[used], last[used]])
@@ -82,7 +93,7 @@ class _Path:
     def at(self, t, psi, k=None):
         """The `_Point` at times t and in states psi, in segments k, or those that begin then."""
         if k is None:
-            k = np.searchsorted(self.starts, t, side="right") - 1
+            k = np.searchsorted(self.used, t, side="right") - 1
         law, p = self.law, self.history(t, k)
         w = (self.V[k] + self.rate[k] * (t - self.starts[k])) / self.p.V0
         v, psi = law.v_at(w, psi, p), tuple(psi)
@@ -96,7 +107,7 @@ class _Path:
             return self.coefficients
         lasting = np.diff(self.starts, append=np.inf)[k]
         rate, since = (self.s_end[k] - self.s[k]) / lasting, t - self.starts[k]
-        phase = self.coefficients[-5] * self.scale * t
+        phase = self.coefficients[FREQUENCY] * self.scale * t
         base = self.s[k] + rate * since
         return self.law.at_time(self.coefficients, base, rate / self.scale, phase)
 
@@ -112,7 +123,7 @@ class _Path:
         """(m, n_states) psi, integrated over each segment, and after a jump where there is one."""
         psi = np.array(psi0, float)
         out = np.tile(psi, (len(t), 1))  # (for the times at which a segment of no length begins)
-        for k, begin in enumerate(self.starts):
+        for k, begin in enumerate(self.used):
             end = min(self.ends[k], t[-1])
             if begin > end:
                 break
@@ -135,11 +146,11 @@ class _Path:
             at = self.at(times[0] + since, psi, k)
             return [self.scale * rate for rate in self.law.rates_in_v(*at[:5])]
 
-        since = times - times[0]
+        since, row = np.unique(times - times[0], return_inverse=True)  # (some are 1 ulp apart)
         run = solve_ivp(rates, (0.0, since[-1]), psi, "LSODA", t_eval=since, rtol=RTOL, atol=RTOL)
         if not run.success:
             raise SolverError(f"the state at K = inf could not be followed: {run.message}")
-        return run.y.T
+        return run.y.T[row]
 
     def _after_jump(self, k, psi):
         """psi after what normal stress does where segment k begins."""
@@ -147,7 +158,7 @@ class _Path:
             return psi
         t = self.starts[k]
         before, after = (self.at(t, psi, i) for i in (k - 1, k))
-        rise = np.log(after.p[-3] / before.p[-3])
+        rise = np.log(after.p[S] / before.p[S])
         return np.array(self.law.after_jump(*after[:5], rise))
 
     def order(self, speed):
@@ -178,24 +189,34 @@ class _Path:
 
     def lowest(self, parts, t, psi):
         """The smallest of `sums` of these parts, at times t (m,), or in a minimum between two."""
-        from scipy.optimize import brentq  # slow to import, and no other run needs it
-
         begin, end, first = t[:-1], t[1:], psi[:, :-1]
         jumps = np.isin(end, self.starts[self.stress_jumps])  # (of times just before them)
         last = np.where(jumps, first, psi[:, 1:])
         k = np.searchsorted(self.starts, begin, side="right") - 1
         sides = self.at(begin, first, k), self.at(end, last, k)
-        lowest = np.minimum(*(self.sums(parts, side) for side in sides))
-        falls, rises = (self.rises(parts, side) for side in sides)
-        for i in np.flatnonzero((falls < 0.0) & (rises > 0.0)):
-
-            def slope(when, i=i):
-                return self.rises(parts, self._between(when, first[:, i], begin[i], k[i]))
-
-            if slope(end[i]) > 0.0:  # (else it was rounding, at the end of a relaxation)
-                found = brentq(slope, begin[i], end[i])
-                lowest[i] = self.sums(parts, self._between(found, first[:, i], begin[i], k[i]))
+        values = [self.sums(parts, side) for side in sides]
+        slopes = [self.rises(parts, side) for side in sides]
+        lowest = np.minimum(*values)
+        inside = np.flatnonzero((slopes[0] < 0.0) & (slopes[1] > 0.0))
+        if self.varies:  # the points are dense
+            length = self.scale * (end - begin)[inside]
+            first, last, falls, rises = (x[inside] for x in (*values, *slopes))
+            between = _lowest_of_cubics(first, last, falls, rises, length)
+            return min(lowest.min(), between.min(initial=np.inf))
+        for i in inside:
+            lowest[i] = self._minimum(parts, first[:, i], begin[i], end[i], k[i])
         return lowest.min()
+
+    def _minimum(self, parts, psi, begin, end, k):
+        """The minimum of `sums` between two times in segment k, from psi at the first."""
+        from scipy.optimize import brentq  # slow to import, and no other run needs it
+
+        def slope(when):
+            return self.rises(parts, self._between(when, psi, begin, k))
+
+        # (where it does not rise there it was rounding, at the end of a relaxation)
+        at = brentq(slope, begin, end) if slope(end) > 0.0 else end
+        return self.sums(parts, self._between(at, psi, begin, k))
 
     def _between(self, t, psi, begin, k):
         """The `_Point` at one time in segment k, from psi at `begin`, in the same, on."""
@@ -211,6 +232,15 @@ class _Path:
         return self.at(t, tuple(psi), k)
 
 
+def _lowest_of_cubics(first, last, falls, rises, length):
+    """Minima of cubics that have these values and slopes, < 0 and > 0, at the ends of a length."""
+    mean = (last - first) / length
+    c, d = (3.0 * mean - 2.0 * falls - rises) / length, (falls + rises - 2.0 * mean) / length**2
+    root = np.sqrt(np.maximum(c * c - 3.0 * d * falls, 0.0))
+    at = np.clip(-falls / (c + root), 0.0, length)
+    return first + at * (falls + at * (c + at * d))
+
+
 def stress_jumps(loads, row):
     """(segments,) whether normal stress jumps where each begins."""
     jumps = np.zeros(loads.t.size, bool)
@@ -220,8 +250,10 @@ def stress_jumps(loads, row):
     return jumps
 
 
-def grid(loads, row, t_end, Dc):
+def grid(loads, row, t_end, Dc, period=np.inf):
     """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints.
+
+    And `PER_PERIOD` in each period [s] of an oscillation; ParameterError for more than `MOST`.
 
     (n,) distinct, from 0 to t_end: each segment in 100 parts, and in 200 its first 10 Dc at the
     speed of its start.  More than 100 breakpoints, 0 and t_end among them: these alone.  A segment
@@ -234,6 +266,13 @@ def grid(loads, row, t_end, Dc):
     jump |= stress_jumps(loads, row)[1:]
     jumps = starts[1:][jump & (starts[1:] < t_end)]
     pieces = [np.zeros(1), np.nextafter(jumps, 0.0)]
+    if t_end / period > MOST:
+        raise ParameterError(
+            f"K = inf: {t_end:.6g} s are {t_end / period:.6g} periods of the normal stress, and "
+            f"{MOST} at most are followed; shorten t_end, or give a large K"
+        )
+    if np.isfinite(period):
+        pieces.append(np.arange(0.0, t_end, period / PER_PERIOD))
     if len(breaks) > 100:  # a sampled record: its own rows
         return np.unique(np.concatenate([*pieces, breaks]))
     for k, (begin, end) in enumerate(itertools.pairwise(breaks)):

@@ -103,7 +103,8 @@ def simulate(
         ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction
         law, since friction would have to push (``mu_min``, its smallest mu, is negative), or since
         the spring pulls back harder than friction can hold (``reversal_margin``, the smallest
-        tau/sigma + mu, is).  Both smallest values are found between the solver's steps as well.
+        tau/sigma + mu, is; where sigma varies, of (tau + sigma mu)/sigma(0)).  Both smallest
+        values are found between the solver's steps as well.
         With friction="regularized" slip then reverses, V_min is negative, and nothing is outside.
         delta_lp(0) = 0 and delta(0) = -tau(0)/K (0 where K = inf).
 

@@ -45,14 +45,14 @@ def undisturbed_warning(calls):
 
 
 def _constant_speeds(call):
-    """(n,) speed of the load point [m/s]; NaN where it, or normal stress, changes, or it is 0."""
-    if call.loading.normal_stress is not None:
-        return np.full(call.batch.n, np.nan)
+    """(n,) speed of the load point [m/s]; NaN where it is 0 or changes, or normal stress does."""
     table, rows = call.batch.rows(call.loading.V)
     rates, _ = call.batch.rows(call.loading.rate)
     changes = (table != table[:, :1]) | (rates != 0.0)
     first = np.where(changes, call.loading.t, np.inf).min(axis=1)[rows]
     V = table[rows, 0]
+    if call.loading.normal_stress is not None:
+        first = np.minimum(first, call.loading.normal_stress.first_change)
     return np.where((first >= call.batch.flat("t_end")) & (V > 0.0), V, np.nan)
 
 

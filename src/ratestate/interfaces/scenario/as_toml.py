@@ -151,7 +151,10 @@ def _normal_stress(stress: NormalStress) -> dict[str, str]:
 def _refuse_arrays(what: str, *values: Any) -> None:
     """Raise ParameterError for values that are swept."""
     if any(map(is_array, values)):
-        raise ParameterError(f"{what} cannot be swept in a scenario file")
+        raise ParameterError(
+            f"{what} cannot be swept in a scenario file; "
+            f"ratestate.scenario.python(scenario) writes this one as Python"
+        )
 
 
 def _step(event: Event) -> str:

@@ -233,7 +233,9 @@ def _normal_stress(result: Any, record: Any) -> NormalStress:
         for column in map(np.asarray, (start, end))
     ):
         raise ParameterError(f"the normal stress that the Dataset records is not > 0; {WANTED}")
-    return NormalStress(t, start, end, **(wave | _values(result, "loading", given)))
+    ends_ramp = t.size > 1 and bool(np.any(np.not_equal(start[..., -2], end[..., -2])))
+    wave |= _values(result, "loading", given)
+    return NormalStress(t, start, end, **wave, returns=ends_ramp)
 
 
 def _column(result: Any, record: dict[str, Any], name: str, prefix: str, dim: str) -> Any:

@@ -61,7 +61,7 @@ def sigma_sinusoid(loading, amplitude, period, frequency):
     """The `NormalStress` of a `Loading`, and a sinusoid on top of it."""
     before = _stress_so_far(loading)
     if not np.all(np.isinf(before.period)):
-        raise ParameterError("the normal stress has a sinusoid already; give one")
+        raise ParameterError("the normal stress has a sinusoid already, and can have only one")
     amplitude = to_si("sigma", amplitude, label="amplitude", bound=">= 0")
     period = period_of("a sinusoid of sigma", period, frequency)
     check_aligned({"amplitude": amplitude, "period": period})
@@ -109,7 +109,7 @@ def _after(t, last, returns, what):
         return last
     if t <= last:
         raise ParameterError(
-            f"t = {t!r} s must come after t = {last!r} s, where {what} has come to; "
+            f"t = {t!r} s must come after t = {last!r} s, up to which {what} is given; "
             f"give the steps in order of time"
         )
     return t

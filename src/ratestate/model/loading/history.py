@@ -227,7 +227,8 @@ class Loading(Segments):
         """The same history, with another normal stress from time t on.
 
         The slider's velocity does not jump with it; without mass it is at once the one at which
-        friction balances the spring.  The state follows by the slider's alpha.
+        friction balances the spring.  (Without damping too, a large fall may ask for a speed beyond
+        double precision: take a short `sigma_ramp`.)  The state follows by the slider's alpha.
 
         Parameters
         ----------

@@ -75,6 +75,15 @@ class NormalStress:
             returns=returns,
         )
 
+    @property
+    def first_change(self):
+        """When normal stress first changes [s], in any case; inf for never."""
+        if np.any(np.not_equal(self.amplitude, 0.0)):
+            return 0.0
+        moves = ~_same(self.start, self.end)
+        jumps = np.append(False, ~_same(self.start[..., 1:], self.end[..., :-1]))
+        return float(min(self.t[moves | jumps], default=np.inf))
+
     def at(self, t, sigma):
         """Normal stress [Pa] at times t [s], after a jump there, of a slider that begins at sigma.
 
@@ -112,41 +121,45 @@ class NormalStress:
         All may be DataArrays.  A sinusoid on a ramp counts with the lowest of both.
         """
         first = self.start[..., 0]
-        off = np.abs(first - sigma) > AGREE * sigma
-        if np.any(off):
-            given = f"{float(np.max(first)):.9g} Pa"
+        if np.any(np.abs(first - sigma) > AGREE * sigma):
             raise ParameterError(
-                f"the series begins at sigma = {given}, and the slider has sigma = "
-                f"{float(np.max(sigma)):.9g} Pa; give the slider that of the series"
+                f"the series begins at sigma = {float(np.max(first)):.9g} Pa, and the slider has "
+                f"sigma = {float(np.max(sigma)):.9g} Pa; give the slider that of the series"
             )
-        last = float(np.max(t_end))
-        for k in np.flatnonzero(self.t < last):
-            begin, end = (
-                self.t[k],
-                min(last, *self.t[k + 1 : k + 2]) if k + 1 < self.t.size else last,
-            )
-            base = self._lowest_base(k, sigma)
-            lowest = base + self.amplitude * _lowest_sine(begin / self.period, end / self.period)
-            if np.any(lowest <= 0.0):
+        for k in np.flatnonzero(self.t < float(np.max(t_end))):
+            lowest, begin, end = self._lowest(k, sigma, t_end)
+            if lowest <= 0.0:
                 raise ParameterError(
-                    f"sigma would fall to {float(np.min(lowest)):.6g} Pa between t = {begin:.6g} s "
-                    f"and t = {end:.6g} s; it must stay > 0: give a smaller amplitude, or a "
-                    f"larger sigma"
+                    f"sigma would fall to {lowest:.6g} Pa between t = {begin:.6g} s and t = "
+                    f"{end:.6g} s; it must stay > 0: give a smaller amplitude, or a larger sigma"
                 )
 
-    def _lowest_base(self, k, sigma):
-        ends = (self.start[..., k], self.end[..., k])
-        if is_array(sigma) or any(map(is_array, ends)):
-            import xarray
+    def _lowest(self, k, sigma, t_end):
+        """The lowest normal stress [Pa] of all cases in segment k, and where that is from and to.
 
-            first, last = (xarray.DataArray(end).fillna(sigma) for end in ends)
-        else:
-            first, last = (sigma if np.isnan(end) else end for end in ends)
-        return np.minimum(first, last)
+        The segment counts up to t_end [s], and not at all where that comes before it.
+        """
+        import xarray
+
+        begin, following = self.t[k], np.append(self.t, np.inf)[k + 1]
+        start, end = (xarray.DataArray(x[..., k]).fillna(sigma) for x in (self.start, self.end))
+        until = xarray.DataArray(t_end).clip(max=following)
+        part = (until - begin) / (following - begin)
+        base = np.minimum(start, start + part * (end - start))
+        low = base + self.amplitude * _lowest_sine(begin / self.period, until / self.period)
+        low = low.where(until > begin, np.inf)
+        return float(low.min()), begin, float(until.max())
+
+
+def _same(one, other):
+    """(S,) where two columns are equal in all cases, the slider's own sigma among their values."""
+    one, other = np.asarray(one), np.asarray(other)
+    equal = (one == other) | (np.isnan(one) & np.isnan(other))
+    return equal.all(axis=tuple(range(equal.ndim - 1)))
 
 
 def _lowest_sine(begin, end):
     """The smallest sin(2 pi x) between two x, of arrays too."""
     trough = np.ceil(begin - 0.75) + 0.75
     lower = np.minimum(np.sin(2.0 * np.pi * begin), np.sin(2.0 * np.pi * end))
-    return np.where(trough <= end, -1.0, lower)
+    return lower - (1.0 + lower) * (trough <= end)  # (np.where would lose the dimensions)

@@ -20,7 +20,7 @@ OF_MEDIAN, OF_SECOND = 1.4826, np.sqrt(6.0)
 def recorded_stress(data, t, sigma):
     """`NormalStress` of a record with a normal stress that varies, else None.
 
-    ParameterError where it does not begin at the slider's sigma, or has too many lines.
+    In proportion, from the slider's sigma on.  ParameterError where it has too many lines.
 
     data : the Dataset, with ``sigma`` along time or not; t : (m,) times from its first sample on
     sigma : of the slider [Pa]
@@ -35,10 +35,7 @@ def recorded_stress(data, t, sigma):
     knots = corners(t, recorded, tolerance)
     if knots.size > MOST:
         raise refusal("record.stress_lines", lines=knots.size, most=MOST)
-    first = recorded[0]
-    if abs(first / sigma - 1.0) > VARIABLE:
-        raise refusal("record.stress_start", first=first, sigma=sigma)
-    values = recorded[knots] * (sigma / first)
+    values = recorded[knots] * (sigma / recorded[0])
     end = np.append(values[1:], values[-1])
     # from one sample to the next it jumps, and the later one is after it
     jumps = np.diff(knots, append=t.size) == 1

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...model.loading import Loading
+from .normal_stress import VARIABLE
 from .raw_record import loading_of, raw_record
 from .refusals import refusal
 
@@ -85,9 +86,12 @@ def record_of(data, slider, *, loading, trend, against):
 
 
 def changes(loading):
-    """Times [s], after the start, at which speed or normal stress of a loading begin to change."""
-    stress = loading.normal_stress
-    return loading.t[1:] if stress is None else np.union1d(loading.t[1:], stress.t[1:])
+    """Times [s], after the start, at which speed changes, or normal stress by more than 1 %."""
+    if (stress := loading.normal_stress) is None:
+        return loading.t[1:]
+    moves = np.abs(stress.end - stress.start) > VARIABLE * stress.start
+    jumps = np.abs(stress.start[1:] - stress.end[:-1]) > VARIABLE * stress.start[1:]
+    return np.union1d(loading.t[1:], stress.t[1:][jumps | moves[1:] | moves[:-1]])
 
 
 def before_changes(loading, t):
