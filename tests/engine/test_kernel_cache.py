@@ -11,10 +11,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 
+import ratestate as rs
 from ratestate.engine import cache, dispatch, jit
+from ratestate.engine.march import march
 from ratestate.errors import CompilationError
 from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.forms import FORMS
@@ -292,3 +295,26 @@ def test_a_kernel_that_cannot_be_compiled(monkeypatch):
     worker.arguments = (1.0,)
     with pytest.raises(CompilationError, match=r"the solver cannot be compiled.*TypingError"):
         worker.go()
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="the compiler is off")
+@pytest.mark.parametrize(
+    "slider",
+    [
+        {"law": "slip", "damping": 1e4},
+        {"law": "aging", "friction": "regularized", "damping": 1e4},
+        {
+            "law": "two-state-aging",
+            "b2": 0.001,
+            "Dc2": 5e-5,
+            "friction": "cut-off",
+            "V1": 1,
+            "V2": 1,
+        },
+    ],
+)
+def test_kernels_of_all_that_a_slider_is_made_of_are_kept(slider):
+    """Not so a function that was handed to another in compiled code: it has an address."""
+    made = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3, **slider)
+    rs.simulate(made, rs.Loading.constant(1e-4).sigma_step(1e-3, 2.1e6), 2e-3)
+    assert march._cache.kept(under_varying_stress(made.friction_law))

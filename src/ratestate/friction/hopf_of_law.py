@@ -69,8 +69,9 @@ def growth_slopes(linear, kappa, eta, omega):
     """
     L = 1j * omega[..., None]
     rs = linear.evolution * linear.rates
-    slope = eta - kappa / L[..., 0] ** 2 + (rs / (L + linear.rates) ** 2).sum(axis=-1)
-    by_K, by_V = -kappa / L[..., 0] / slope, -2.0 * eta * L[..., 0] / slope
+    with np.errstate(divide="ignore", invalid="ignore"):  # of sliders without a bifurcation
+        slope = eta - kappa / L[..., 0] ** 2 + (rs / (L + linear.rates) ** 2).sum(axis=-1)
+        by_K, by_V = -kappa / L[..., 0] / slope, -2.0 * eta * L[..., 0] / slope
     return by_K.real, by_V.real
 
 
