@@ -362,8 +362,11 @@ def test_what_may_just_be():
 def test_a_dimension_called_sigma_is_refused():
     sigma = xr.DataArray([2e6, 3e6], dims="sigma")
     slider = rs.SpringSlider(**(SLIDER | {"sigma": sigma}))
-    with pytest.raises(rs.ParameterError, match="called 'sigma' clashes"):
-        rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.1, 2.5e6), 0.2)
+    steps = rs.Loading.constant(1e-4).sigma_step(0.1, 2.5e6)
+    with pytest.raises(rs.ParameterError, match="call the dimension otherwise"):
+        rs.simulate(slider, steps, 0.2)
+    renamed = slider.replace(sigma=sigma.rename(sigma="sigma_0"))
+    assert rs.simulate(renamed, steps, 0.2).sigma.dims == ("sigma_0", "time")
 
 
 def test_alpha_and_constant_normal_stress_change_nothing():

@@ -3,6 +3,7 @@
 =================================== ===========================================================
 ``slider``                          `SpringSlider`: which parameters a slider may have
 ``slider_names``, ``slider_text``   its parameters by name, and itself as text
+``critical_numbers``                its critical stiffness and speeds
 ``loading``                         `Loading`: what the load point does
 ``initial_state``                   the state at t = 0, and which values for it agree
 ``quantities``, ``quantities.toml`` unit, range and name of each quantity; values as text

@@ -61,6 +61,8 @@ def check_normal_stress(loading, slider, t_end, method):
         return
     if method != "rodas5p":
         raise refusal("settings.normal_stress", method=method)
+    if "sigma" in getattr(slider.sigma, "dims", ()):
+        raise refusal("settings.sigma_axis")
     loading.normal_stress.check(slider.sigma, t_end)
 
 
