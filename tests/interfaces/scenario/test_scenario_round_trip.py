@@ -134,7 +134,8 @@ def records(draw):
 @st.composite
 def stressed(draw, loading, sigma):
     """A loading with steps, ramps and a sinusoid of normal stress, for a slider of this sigma."""
-    if loading.normal_stress is not None:  # of a record, which must begin at the slider's
+    # (that of a record must begin at the slider's, which no file can sweep beside it)
+    if loading.normal_stress is not None or is_array(sigma):
         return dataclasses.replace(loading, normal_stress=None)
     lowest, t_last = float(np.min(sigma)), min(loading.t_last, 1e8)
     for _ in range(draw(st.integers(0, 3))):
