@@ -8,6 +8,7 @@
                 exception stands for which status
 ``motion``      runs of a batch, and their results in SI: which amplitude counts as a cycle, what
                 is NaN
-``rigid``       K = inf: the motion in closed form, and the times at which it is shown
+``loads``       speed and normal stress of a loading, as tables for the engine
+``rigid``       K = inf: ``rigid_path`` has the motion, ``rigid_times`` when it is shown
 =============== ================================================================================
 """

@@ -23,9 +23,10 @@ from ...model.quantities import attrs
 from ...model.units import is_array
 from ..domain import domain_variables
 from ..results import columns, status_variable
-from . import rigid
 from .cases import engine_cases, run_cases, run_path
 from .loads import engine_loads
+from .rigid import rigid_motion
+from .rigid_times import grid, period_of
 
 # A double below this has lost digits.
 SMALLEST = np.finfo(float).tiny
@@ -66,7 +67,7 @@ def move(call, progress):
         results = run_cases(call.method, law, cases, loads, save_times, which, alone, progress)
         if own_steps:
             own = SimpleNamespace(**{s: values[0] for s, values in batch.columns.items()})
-            t = rigid.grid(loads, 0, t_end[0], own.Dc, rigid.period_of(own))
+            t = grid(loads, 0, t_end[0], own.Dc, period_of(own))
             states = np.full((1, t.size, y0.shape[1]), np.nan)
         else:
             t = saved_at(batch, times)
@@ -84,7 +85,7 @@ def _put_rigid(motion, i, batch, law, psi0, loads, row):
     own = SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
     t = motion.t if motion.t.ndim == 1 else motion.t[i]
     try:
-        result = rigid.rigid_motion(law, psi0, t, loads, row, own)
+        result = rigid_motion(law, psi0, t, loads, row, own)
     except SolverError:
         motion.status[i] = NOT_FINITE
         return

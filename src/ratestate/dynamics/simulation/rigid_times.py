@@ -1,0 +1,55 @@
+"""Times at which the motion of a rigid slider is shown, and searched for its extremes."""
+
+import itertools
+
+import numpy as np
+
+from ...errors import ParameterError
+
+# Times in a period of the normal stress, and most periods.
+PER_PERIOD, MOST = 32, 5000
+
+
+def period_of(p):
+    """The period of the normal stress [s], inf for none; p : a case's values as attributes."""
+    return getattr(p, "sigma_period", np.inf)
+
+
+def stress_jumps(loads, row):
+    """(segments,) whether normal stress jumps where each begins."""
+    jumps = np.zeros(loads.t.size, bool)
+    if loads.sigma.size:
+        before, after = loads.sigma_end[row, :-1], loads.sigma[row, 1:]
+        jumps[1:] = ~np.isclose(after, before, rtol=1e-12, atol=0.0)
+    return jumps
+
+
+def grid(loads, row, t_end, Dc, period=np.inf):
+    """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints.
+
+    And `PER_PERIOD` in each period [s] of an oscillation; ParameterError for more than `MOST`.
+
+    (n,) distinct, from 0 to t_end: each segment in 100 parts, and in 200 its first 10 Dc at the
+    speed of its start.  More than 100 breakpoints, 0 and t_end among them: these alone.  A segment
+    that starts at rest: the 100 parts alone.  Before each jump of V also the last time that is
+    still before it, so that the motion has both of its sides.
+    """
+    starts, V, rate = loads.t, loads.V[row], loads.rate[row]
+    breaks = np.append(starts[starts < t_end], t_end)
+    jump = ~np.isclose(V[1:], V[:-1] + rate[:-1] * np.diff(starts), rtol=1e-9, atol=0.0)
+    jump |= stress_jumps(loads, row)[1:]
+    jumps = starts[1:][jump & (starts[1:] < t_end)]
+    pieces = [np.zeros(1), np.nextafter(jumps, 0.0)]
+    if t_end / period > MOST:
+        raise ParameterError(
+            f"K = inf: {t_end:.6g} s are {t_end / period:.6g} periods of the normal stress, and "
+            f"{MOST} at most are followed; shorten t_end, or give a large K"
+        )
+    if np.isfinite(period):
+        pieces.append(np.arange(0.0, t_end, period / PER_PERIOD))
+    if len(breaks) > 100:  # a sampled record: its own rows
+        return np.unique(np.concatenate([*pieces, breaks]))
+    for k, (begin, end) in enumerate(itertools.pairwise(breaks)):
+        near = begin + np.linspace(0.0, 10.0 * Dc / max(V[k], 1e-300), 201)[1:]
+        pieces += [near[near < end], np.linspace(begin, end, 101)[1:]]
+    return np.unique(np.concatenate(pieces))
