@@ -126,29 +126,38 @@ class NormalStress:
                 f"the series begins at sigma = {float(np.max(first)):.9g} Pa, and the slider has "
                 f"sigma = {float(np.max(sigma)):.9g} Pa; give the slider that of the series"
             )
-        for k in np.flatnonzero(self.t < float(np.max(t_end))):
-            lowest, begin, end = self._lowest(k, sigma, t_end)
-            if lowest <= 0.0:
-                raise ParameterError(
-                    f"sigma would fall to {lowest:.6g} Pa between t = {begin:.6g} s and t = "
-                    f"{end:.6g} s; it must stay > 0: give a smaller amplitude, or a larger sigma"
-                )
+        if not np.any(np.not_equal(self.amplitude, 0.0)):
+            return  # what it goes through is > 0, each by itself
+        lowest, begin, end = self._lowest(sigma, t_end)
+        if lowest <= 0.0:
+            raise ParameterError(
+                f"sigma would fall to {lowest:.6g} Pa between t = {begin:.6g} s and t = "
+                f"{end:.6g} s; it must stay > 0: give a smaller amplitude, or a larger sigma"
+            )
 
-    def _lowest(self, k, sigma, t_end):
-        """The lowest normal stress [Pa] of all cases in segment k, and where that is from and to.
+    def _lowest(self, sigma, t_end):
+        """The lowest normal stress [Pa] of all cases, and from where to where [s] it is met.
 
-        The segment counts up to t_end [s], and not at all where that comes before it.
+        A segment counts up to t_end [s], and not at all where that comes before it.
         """
         import xarray
 
-        begin, following = self.t[k], np.append(self.t, np.inf)[k + 1]
-        start, end = (xarray.DataArray(x[..., k]).fillna(sigma) for x in (self.start, self.end))
-        until = xarray.DataArray(t_end).clip(max=following)
+        begin, following = (
+            xarray.DataArray(t, dims="segment") for t in (self.t, np.append(self.t[1:], np.inf))
+        )
+        start, end = (
+            xarray.DataArray(x, dims=getattr(x, "dims", "segment")).fillna(sigma)
+            for x in (self.start, self.end)
+        )
+        last = xarray.DataArray(t_end)
+        until = xarray.where(following < last, following, last)
         part = (until - begin) / (following - begin)
         base = np.minimum(start, start + part * (end - start))
         low = base + self.amplitude * _lowest_sine(begin / self.period, until / self.period)
         low = low.where(until > begin, np.inf)
-        return float(low.min()), begin, float(until.max())
+        each = low.min([dim for dim in low.dims if dim != "segment"])
+        k = int(each.values.argmin())
+        return float(each[k]), float(begin[k]), float(until.isel(segment=k).max())
 
 
 def _same(one, other):
