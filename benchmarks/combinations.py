@@ -151,6 +151,9 @@ def main():
         except (AssertionError, OverflowError, ValueError) as error:  # the oracle gives up
             print(f"{k}: no oracle, {str(error)[:60]!r}: {case}", flush=True)
             found = None
+        except rs.SolverError as error:
+            print(f"{k}: no run, {str(error)[:60]!r}: {case}", flush=True)
+            found = None
         if found is None:
             lost += 1
             continue
@@ -162,7 +165,8 @@ def main():
             told = f"magnification {magnification(case):.3g}"
             print(f"{k}: {error:.3g} rtol, {told}: {case}", flush=True)
     print(
-        f"{len(errors)} runs ({away} run away, {back} reverse), {lost} without an oracle: error "
+        f"{len(errors)} runs ({away} run away, {back} reverse), {lost} without an oracle or a run: "
+        f"error "
         f"over rtol median {np.median(errors):.2g}, 90 % {np.percentile(errors, 90):.2g}, worst "
         f"{max(errors):.3g}; beyond 100: {sum(x > 100 for x in errors)}; energy residual over "
         f"rtol {max(residuals):.2g} at most"
