@@ -165,10 +165,10 @@ def main():
             told = f"magnification {magnification(case):.3g}"
             print(f"{k}: {error:.3g} rtol, {told}: {case}", flush=True)
     print(
-        f"{len(errors)} runs ({away} run away, {back} reverse), {lost} without an oracle or a run: "
-        f"error over rtol median {np.median(errors):.2g}, 90 % {np.percentile(errors, 90):.2g}, worst "
-        f"{max(errors):.3g}; beyond 100: {sum(x > 100 for x in errors)}; energy residual over "
-        f"rtol {max(residuals):.2g} at most"
+        f"{len(errors)} runs ({away} run away, {back} reverse), {lost} without an oracle or a run; "
+        f"error over rtol: median {np.median(errors):.2g}, 90 % {np.percentile(errors, 90):.2g}, "
+        f"worst {max(errors):.3g}, beyond 100: {sum(x > 100 for x in errors)}; energy residual "
+        f"over rtol: {max(residuals):.2g} at most"
     )
 
 
