@@ -58,7 +58,7 @@ _digest = hashlib.sha256(b"".join(path.read_bytes() for path in _sources)).hexdi
 nb_execution_mode = "cache"
 nb_execution_in_temp = True  # pages write files
 nb_execution_cache_path = str(BUILD / "notebooks" / _digest)
-get_cache(nb_execution_cache_path).db  # noqa: B018  (made here: processes would make it at once)
+get_cache(nb_execution_cache_path).list_cache_records()  # made here, not by two processes at once
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_merge_streams = True

@@ -51,10 +51,8 @@ def take_note(s, l, law):
     y, w, p = read_rows(s, rows.y, l), s[R.W + l], read_rows(s, rows.p, l)
     speed = law.order_of_speed(y[1], w)
     s[R.V_HIGH + l], s[R.V_LOW + l] = max(s[R.V_HIGH + l], speed), min(s[R.V_LOW + l], speed)
-    friction, strength = (
-        law.resistance_in_v(y[1], w, y[2:], p),
-        law.strength_in_v(y[1], w, y[2:], p),
-    )
+    friction = law.resistance_in_v(y[1], w, y[2:], p)
+    strength = law.strength_in_v(y[1], w, y[2:], p)
     s[R.F_LOW + l] = min(s[R.F_LOW + l], friction)
     s[R.XF_LOW + l] = min(s[R.XF_LOW + l], y[0] + strength)
     force = y[0] - law.stress_in_v(y[1], w, y[2:], p)

@@ -16,7 +16,8 @@ def engine_loads(batch, loading):
         table, rows = batch.rows(loading.V)
         return Loads(loading.t, table, batch.rows(loading.rate)[0]), rows
     t = np.union1d(loading.t, stress.t)
-    columns = _together(*_speeds_at(loading, t), *_stresses_at(stress, batch.values["sigma"], t))
+    known = stress.of_slider(batch.values["sigma"])
+    columns = _together(*_speeds_at(loading, t), *_stresses_at(known, t))
     (V, rows), *others = (batch.rows(column) for column in columns)
     return Loads(t, V, *(table for table, _ in others)), rows
 
@@ -28,28 +29,15 @@ def _speeds_at(loading, t):
     return np.maximum(V + rate * (t - loading.t[k]), 0.0), rate
 
 
-def _stresses_at(stress, sigma, t):
-    """Normal stress, but for its sinusoid, at the starts and ends of the segments that begin at t.
-
-    sigma : of the slider
-    """
+def _stresses_at(stress, t):
+    """Normal stress, but for its sinusoid, at both ends of the segments that begin at t."""
     k = np.searchsorted(stress.t, t, side="right") - 1
     lasting = np.append(np.diff(stress.t), 1.0)[k]
     first = (t - stress.t[k]) / lasting
     last = np.append((t[1:] - stress.t[k[:-1]]) / lasting[:-1], 1.0)
-    start, end = (_known(column[..., k], sigma) for column in (stress.start, stress.end))
+    start, end = stress.start[..., k], stress.end[..., k]
     rise = end - start
     return start + first * rise, start + last * rise
-
-
-def _known(column, sigma):
-    """A column with the slider's sigma where it is NaN."""
-    if not np.isnan(column).any():
-        return column
-    if is_array(column) or is_array(sigma):
-        column = column if is_array(column) else xarray.DataArray(column, dims="segment")
-        return column.fillna(sigma).transpose(..., "segment")
-    return np.where(np.isnan(column), sigma, column)
 
 
 def _together(*columns):

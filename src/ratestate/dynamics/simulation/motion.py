@@ -26,7 +26,7 @@ from ..results import columns, status_variable
 from .cases import engine_cases, run_cases, run_path
 from .loads import engine_loads
 from .rigid import rigid_motion
-from .rigid_times import grid, period_of
+from .rigid_times import grid
 
 # A double below this has lost digits.
 SMALLEST = np.finfo(float).tiny
@@ -66,8 +66,7 @@ def move(call, progress):
         alone = batch.alone
         results = run_cases(call.method, law, cases, loads, save_times, which, alone, progress)
         if own_steps:
-            own = SimpleNamespace(**{s: values[0] for s, values in batch.columns.items()})
-            t = grid(loads, 0, t_end[0], own.Dc, period_of(own))
+            t = grid(loads, 0, _case(batch, 0))
             states = np.full((1, t.size, y0.shape[1]), np.nan)
         else:
             t = saved_at(batch, times)
@@ -82,7 +81,7 @@ def move(call, progress):
 
 def _put_rigid(motion, i, batch, law, psi0, loads, row):
     """Put the motion of the case of number i, of K = inf, into that of all."""
-    own = SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
+    own = _case(batch, i)
     t = motion.t if motion.t.ndim == 1 else motion.t[i]
     try:
         result = rigid_motion(law, psi0, t, loads, row, own)
@@ -94,6 +93,11 @@ def _put_rigid(motion, i, batch, law, psi0, loads, row):
         motion.states[i], numbers = result
         for name, value in numbers.items():
             motion.numbers[name][i] = value
+
+
+def _case(batch, i):
+    """The values of case i as attributes."""
+    return SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
 
 
 def saved_at(batch, times):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .rigid_path import FRICTION, WITH_STRENGTH, Path
-from .rigid_times import grid, period_of
+from .rigid_times import grid
 
 
 def rigid_motion(law, psi0, t, loads, row, p):
@@ -21,7 +21,7 @@ def rigid_motion(law, psi0, t, loads, row, p):
     path = Path(law, loads, row, p)
     if not (path.reached > 0.0).all():
         return None
-    sampled = grid(loads, row, p.t_end, p.Dc, period_of(p))
+    sampled = grid(loads, row, p)
     times = np.union1d(t, sampled)
     followed = np.array(path.states(psi0, times))
     psi = followed[:, np.searchsorted(times, t)]

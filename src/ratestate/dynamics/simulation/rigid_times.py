@@ -10,11 +10,6 @@ from ...errors import ParameterError
 PER_PERIOD, MOST = 32, 5000
 
 
-def period_of(p):
-    """The period of the normal stress [s], inf for none; p : a case's values as attributes."""
-    return getattr(p, "sigma_period", np.inf)
-
-
 def stress_jumps(loads, row):
     """(segments,) whether normal stress jumps where each begins."""
     jumps = np.zeros(loads.t.size, bool)
@@ -24,10 +19,13 @@ def stress_jumps(loads, row):
     return jumps
 
 
-def grid(loads, row, t_end, Dc, period=np.inf):
+def grid(loads, row, p):
     """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints.
 
-    And `PER_PERIOD` in each period [s] of an oscillation; ParameterError for more than `MOST`.
+    And `PER_PERIOD` in each period of the normal stress; ParameterError for more than `MOST`.
+
+    loads, row : `Loads`, and the row of this slider in its tables
+    p : the slider's parameters, t_end and, if any, sigma_period [SI] as attributes
 
     (n,) distinct, from 0 to t_end: each segment in 100 parts, and in 200 its first 10 Dc at the
     speed of its start.  More than 100 breakpoints, 0 and t_end among them: these alone.  A segment
@@ -35,6 +33,7 @@ def grid(loads, row, t_end, Dc, period=np.inf):
     still before it, so that the motion has both of its sides.
     """
     starts, V, rate = loads.t, loads.V[row], loads.rate[row]
+    t_end, period = p.t_end, getattr(p, "sigma_period", np.inf)
     breaks = np.append(starts[starts < t_end], t_end)
     jump = ~np.isclose(V[1:], V[:-1] + rate[:-1] * np.diff(starts), rtol=1e-9, atol=0.0)
     jump |= stress_jumps(loads, row)[1:]
@@ -50,6 +49,6 @@ def grid(loads, row, t_end, Dc, period=np.inf):
     if len(breaks) > 100:  # a sampled record: its own rows
         return np.unique(np.concatenate([*pieces, breaks]))
     for k, (begin, end) in enumerate(itertools.pairwise(breaks)):
-        near = begin + np.linspace(0.0, 10.0 * Dc / max(V[k], 1e-300), 201)[1:]
+        near = begin + np.linspace(0.0, 10.0 * p.Dc / max(V[k], 1e-300), 201)[1:]
         pieces += [near[near < end], np.linspace(begin, end, 101)[1:]]
     return np.unique(np.concatenate(pieces))

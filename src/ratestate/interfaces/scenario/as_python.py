@@ -8,7 +8,14 @@ import numpy as np
 from ...friction.user_law import MARK
 from ...model.loading import Loading
 from ...model.loading.normal_stress import NormalStress
-from ...model.loading.written import events_of, has_stress_rows, rows_of, stress_events_of
+from ...model.loading.written import (
+    Event,
+    StressEvent,
+    events_of,
+    has_stress_rows,
+    rows_of,
+    stress_events_of,
+)
 from ...model.units import is_array
 from ...model.user_laws import file_of
 from .literals import find_axis, is_own_axis, numbers, quantity
@@ -92,11 +99,7 @@ def _speed_calls(loading: Loading) -> list[str]:
         texts.append(f"t_end={quantity('t', loading.t_last)}")
         return [f"rs.Loading.{shape.kind}({', '.join(texts)})"]
     start, events = events_of(loading)
-    calls = []
-    for event in events:
-        values = (("t", event.t), ("V_lp", event.V), ("t", event.duration))
-        arguments = ", ".join(_value(symbol, x) for symbol, x in values if x is not None)
-        calls.append(f".{event.kind}({arguments})")
+    calls = [_event(event, "V_lp") for event in events]
     if events and all(event.kind == "step" for event in events):
         pairs = [call.removeprefix(".step") for call in calls]
         return [_call("rs.Loading.steps", [_value("V_lp", start), *pairs], 61)]
@@ -105,15 +108,18 @@ def _speed_calls(loading: Loading) -> list[str]:
 
 def _stress_calls(stress: NormalStress) -> list[str]:
     """The calls that change the normal stress."""
-    calls = []
-    for event in stress_events_of(stress):
-        values = (("t", event.t), ("sigma", event.sigma), ("t", event.duration))
-        arguments = ", ".join(_value(symbol, x) for symbol, x in values if x is not None)
-        calls.append(f".{event.kind}({arguments})")
+    calls = [_event(event, "sigma") for event in stress_events_of(stress)]
     if not np.all(np.isinf(stress.period)):
         amplitude, period = _value("sigma", stress.amplitude), _value("period", stress.period)
         calls.append(f".sigma_sinusoid({amplitude}, period={period})")
     return calls
+
+
+def _event(event: Event | StressEvent, symbol: str) -> str:
+    """The call that makes an event, of a speed or a normal stress."""
+    values = zip(("t", symbol, "t"), event[1:], strict=True)
+    arguments = ", ".join(_value(symbol, x) for symbol, x in values if x is not None)
+    return f".{event.kind}({arguments})"
 
 
 def _column(symbol: str, values: Any) -> str:

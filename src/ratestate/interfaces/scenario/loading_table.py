@@ -10,7 +10,7 @@ from ...model.loading.written import Event
 from .known_keys import LIKE, PERIODIC, SPEEDS_LIKE, STEP, example, known_items
 from .problems import Place, expected, message
 from .record import Record, read_record
-from .stress_table import StressTable, stress_table
+from .stress_table import StressTable, stress_table, wave
 from .values import as_array, read_number, read_values
 
 #: keys of a loading beside its speed, of which it may have one
@@ -115,7 +115,7 @@ def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> L
         loading.events += _events(given["steps"], place.at("steps"))
     loading.stress = stress_table(given, place)
     if kind := loading.kind:
-        loading.wave = _wave(kind, given[kind], place.at(kind))
+        loading.wave = wave(PERIODIC[kind], given[kind], place.at(kind))
     loading.sound = len(problems) == before
     return loading
 
@@ -175,17 +175,3 @@ def _event(step: Any, place: Place) -> Event | None:
     if len(place.problems) > before:
         return None
     return Event(kind, values["t"], values.get("V_lp"), values.get(kind))
-
-
-def _wave(kind: str, table: Any, place: Place) -> dict[str, Any]:
-    """The keys of a periodic loading beside its mean speed, in SI."""
-    values = PERIODIC[kind].read(table, place)
-    if values is None:
-        return {}
-    for key, (symbol, _) in PERIODIC[kind].keys.items():
-        if key not in (*values, "period", "frequency"):
-            place.missing(key, expected(symbol))
-    if ("period" in values) == ("frequency" in values):
-        twice = "period" in values
-        place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")
-    return values

@@ -8,6 +8,7 @@ from ...model.loading import Loading
 from ...model.loading.written import StressEvent
 from .known_keys import STRESS_SINUSOID, STRESS_STEP
 from .problems import Place, expected
+from .values import InlineTable
 
 MOST_STEPS = 1000
 
@@ -18,7 +19,7 @@ class StressTable:
 
     place: Place  # of [loading]
     events: list[tuple[Place, StressEvent]] = dataclasses.field(default_factory=list)
-    sinusoid: dict[str, Any] | None = None  # in SI
+    sinusoid: dict[str, Any] = dataclasses.field(default_factory=dict)  # in SI
 
     def applied(self, loading: Loading) -> Loading:
         """The loading with this normal stress; changes with a problem, noted, are left out."""
@@ -39,7 +40,7 @@ def stress_table(given: dict[str, Any], place: Place) -> StressTable:
     if "sigma_steps" in given:
         table.events = _events(given["sigma_steps"], place.at("sigma_steps"))
     if "sigma_sinusoid" in given:
-        table.sinusoid = _sinusoid(given["sigma_sinusoid"], place.at("sigma_sinusoid"))
+        table.sinusoid = wave(STRESS_SINUSOID, given["sigma_sinusoid"], place.at("sigma_sinusoid"))
     if "sigma" in given and "t" not in given:
         place.at("sigma").add("loading.sigma_without_t", like=STRESS_STEP.like)
     return table
@@ -64,16 +65,15 @@ def _events(steps: Any, place: Place) -> list[tuple[Place, StressEvent]]:
     return events
 
 
-def _sinusoid(table: Any, place: Place) -> dict[str, Any] | None:
-    """Its amplitude and period in SI, None with a problem."""
-    values = STRESS_SINUSOID.read(table, place)
+def wave(known: InlineTable, table: Any, place: Place) -> dict[str, Any]:
+    """The keys of a periodic history, given by its period or its frequency, in SI."""
+    values = known.read(table, place)
     if values is None:
-        return None
-    before = len(place.problems)
-    if "amplitude" not in values:
-        place.missing("amplitude", expected("sigma"))
+        return {}
+    for key, (symbol, _) in known.keys.items():
+        if key not in (*values, "period", "frequency"):
+            place.missing(key, expected(symbol))
     if ("period" in values) == ("frequency" in values):
         twice = "period" in values
         place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")
-    sound = len(place.problems) == before and None not in values.values()
-    return values if sound else None
+    return values

@@ -89,26 +89,26 @@ class NormalStress:
 
         As `Segments.V_load` for arrays.
         """
+        known = self.of_slider(sigma)
         seconds = np.asarray(t, dtype=float)
         k = np.searchsorted(self.t, seconds, side="right") - 1
         lasting = np.append(np.diff(self.t), 1.0)
         part = np.minimum((seconds - self.t[k]) / lasting[k], 1.0)
-        values = (t, sigma, self.start, self.end, self.amplitude, self.period)
-        if not any(map(is_array, values)):
-            start, end = (np.where(np.isnan(x[k]), sigma, x[k]) for x in (self.start, self.end))
+        if not any(map(is_array, (t, known.start, known.end, self.amplitude, self.period))):
+            start, end = known.start[k], known.end[k]
             return start + part * (end - start) + self._wave(seconds)
         import xarray
 
         frame = t if is_array(t) else xarray.DataArray(seconds, dims=["time"][: seconds.ndim])
         place = frame.copy(data=k)
-        start, end = (
-            xarray.DataArray(x, dims=getattr(x, "dims", "segment"))
-            .isel(segment=place)
-            .fillna(sigma)
-            for x in (self.start, self.end)
-        )
+        start, end = (_along_segments(x).isel(segment=place) for x in (known.start, known.end))
         found = start + frame.copy(data=part) * (end - start) + self._wave(frame)
         return named("sigma", found.transpose(..., "time", missing_dims="ignore"))
+
+    def of_slider(self, sigma):
+        """The same with this sigma [Pa] of the slider in place of NaN."""
+        start, end = (_filled(column, sigma) for column in (self.start, self.end))
+        return dataclasses.replace(self, start=start, end=end)
 
     def _wave(self, seconds):
         """The sinusoid at these times [s]."""
@@ -145,10 +145,8 @@ class NormalStress:
         begin, following = (
             xarray.DataArray(t, dims="segment") for t in (self.t, np.append(self.t[1:], np.inf))
         )
-        start, end = (
-            xarray.DataArray(x, dims=getattr(x, "dims", "segment")).fillna(sigma)
-            for x in (self.start, self.end)
-        )
+        known = self.of_slider(sigma)
+        start, end = map(_along_segments, (known.start, known.end))
         last = xarray.DataArray(t_end)
         until = xarray.where(following < last, following, last)
         part = (until - begin) / (following - begin)
@@ -158,6 +156,22 @@ class NormalStress:
         each = low.min([dim for dim in low.dims if dim != "segment"])
         k = int(each.values.argmin())
         return float(each[k]), float(begin[k]), float(until.isel(segment=k).max())
+
+
+def _along_segments(column):
+    """A column as a DataArray, with ``segment`` last."""
+    import xarray
+
+    return column if is_array(column) else xarray.DataArray(column, dims="segment")
+
+
+def _filled(column, sigma):
+    """A column with sigma, float or DataArray, where it is NaN."""
+    if not np.isnan(column).any():
+        return column
+    if is_array(column) or is_array(sigma):
+        return _along_segments(column).fillna(sigma).transpose(..., "segment")
+    return np.where(np.isnan(column), sigma, column)
 
 
 def _same(one, other):
