@@ -78,6 +78,11 @@ def takes_forms(law):
     return of_eq_1 and not law.gives("variables")
 
 
+def forms_of(law):
+    """Names of the forms of friction that a law of `laws.LAWS` takes, its own first, a list."""
+    return [law.form, *(FORMS if law.form == LOG and takes_forms(law) else ())]
+
+
 @functools.cache
 def _with(law, part):
     """A law of another name, to which a part of the force balance is added; else as the law."""

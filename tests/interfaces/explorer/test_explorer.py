@@ -25,6 +25,7 @@ from ratestate.interfaces.explorer import (
     charts,
     entries,
     exports,
+    menus,
     picture,
     question_queue,
     server,
@@ -33,12 +34,14 @@ from ratestate.interfaces.explorer import (
 )
 from ratestate.interfaces.explorer.app import MOST_PAGES, Guard
 from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.entries import entries_of, presets
+from ratestate.interfaces.explorer.entries import PageState, entries_of
+from ratestate.interfaces.explorer.kernels import Kind, kind_of
+from ratestate.interfaces.explorer.menus import presets
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG4
 
 STICK_SLIP = presets()[0]["entries"]
-VIBRATION = entries_of(FIG2, 3.2e-3)
+VIBRATION = entries_of(PageState(FIG2, 3.2e-3))
 RUNAWAY = VIBRATION | {"M": "0 kg/m^2", "K": "500 MPa/m"}
 
 
@@ -106,8 +109,11 @@ class TestEntries:
         assert entries.state_of(STICK_SLIP).slider == FIG4
 
 
-#: law -> texts of its own parameters
-OWN = {name: {s: entries.example(s) for s in law.parameters} for name, law in LAWS.items()}
+#: law -> texts of its own parameters, and the form of friction that it is for
+OWN = {
+    name: {s: menus.example(s) for s in law.parameters} | {"friction": law.form}
+    for name, law in LAWS.items()
+}
 
 
 class TestLaws:
@@ -117,7 +123,7 @@ class TestLaws:
         texts = STICK_SLIP | OWN[law] | {"law": law, "K": "300 MPa/m", "V_from": "50 um/s"}
         state = entries.state_of(texts)
         assert {s: state.values[s] for s in OWN[law]} == {
-            s: to_si(s, text) for s, text in OWN[law].items()
+            s: text if s == "friction" else to_si(s, text) for s, text in OWN[law].items()
         }
         # (also compiles what the picture, of which the time is limited, needs)
         cycle = rs.limit_cycle(state.slider, state.V_lp)
@@ -153,13 +159,20 @@ class TestLaws:
 
     def test_laws_and_their_fields_are_told(self, law_file):
         name = rs.register(law_file(MINE))
-        told = {row["name"]: row for row in entries.menu()}
+        told = {row["name"]: row for row in menus.menu()}
         assert list(told) == [*LAWS]
-        assert told["two-state-slip"]["parameters"] == ["b2", "Dc2", "damping"]
+        own = ["b2", "Dc2", "damping", "alpha"]
+        assert told["two-state-slip"]["forms"] == {
+            "log": own,
+            "cut-off": ["b2", "Dc2", "V1", "V2", "damping", "alpha"],
+            "regularized": own,
+        }
+        assert [*told["nagata"]["forms"]] == ["log"]
+        assert [*told["flash-heating"]["forms"]] == ["regularized"]
         assert told["two-state-slip"]["label"] == LAWS["two-state-slip"].label
         assert {"aging", "dieterich"} <= {*told["aging"]["names"]}
         assert told[name]["names"] == [name, "mine"]
-        fields = {row["symbol"]: row for row in entries.fields(entries.state_of(VIBRATION).values)}
+        fields = {row["symbol"]: row for row in menus.fields(entries.state_of(VIBRATION).values)}
         assert list(fields)[: len(entries.SYMBOLS)] == [*entries.SYMBOLS]
         assert fields["Dc2"] == {
             "symbol": "Dc2",
@@ -169,6 +182,7 @@ class TestLaws:
             "text": "100 um",
         }
         assert fields["m"]["text"] == "1.5"
+        assert (fields["V2"]["unit"], fields["alpha"]["text"]) == ("m/s", "0")
 
     def test_a_users_law_is_known_if_it_was_registered(self, law_file):
         path = law_file(MINE)
@@ -178,7 +192,8 @@ class TestLaws:
         name = rs.register(path)
         slider = entries.state_of(texts).slider
         assert (slider.law, slider.m) == (name, 1.5)
-        header, arrays = painted(entries_of(slider, 1e-3), seconds=120.0)  # it may be compiled
+        shown = entries_of(PageState(slider, 1e-3))
+        header, arrays = painted(shown, seconds=120.0)  # it may be compiled
         assert "limit_cycle needs derivatives that the law does not give" in header["sentences"][0]
         assert arrays["run_time"].size > 10  # the run is shown all the same
 
@@ -198,6 +213,89 @@ class TestLaws:
         assert caught.value.problems == {
             "law": "law = 'nagata': b = 0 where c > 0; give another b, or c = 0"
         }
+
+
+class TestFriction:
+    """Forms of friction, damping, and what a step of normal stress does."""
+
+    def test_a_form_of_friction_brings_its_fields(self):
+        texts = VIBRATION | {"friction": "Cut-off", "V1": "10 m/s", "V2": "1 um/s"}
+        state = entries.state_of(texts)
+        assert (state.slider.friction, state.slider.V2) == ("cut-off", 1e-6)
+        assert state.values["friction"] == "cut-off"
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | {"friction": "cut-off", "V1": "10 m/s"})
+        assert list(caught.value.problems) == ["V2"]
+
+    @pytest.mark.parametrize(
+        ("law", "friction", "said"),
+        [
+            ("slip", "asinh", "friction = 'asinh' is unknown; choose 'log' or 'cut-off'"),
+            ("slip", 3, "friction = 3 is unknown"),
+            ("slip", "x" * 900, f"friction = '{'x' * 64}' is unknown"),
+            ("nagata", "cut-off", "friction = 'cut-off' does not go with law = 'nagata'"),
+            ("flash-heating", "log", "friction = 'log' does not go with law = 'flash-heating'"),
+        ],
+    )
+    def test_one_that_does_not_go_is_said_of_its_menu(self, law, friction, said):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | OWN[law] | {"law": law, "friction": friction})
+        assert list(caught.value.problems) == ["friction"]
+        assert said in caught.value.problems["friction"]
+
+    def test_without_one_it_is_that_of_the_law(self):
+        own = OWN["flash-heating"] | {"law": "flash-heating"}
+        old, own = (
+            {name: text for name, text in texts.items() if name not in ("friction", "alpha")}
+            for texts in (VIBRATION, own)
+        )
+        assert entries.state_of(old).slider == FIG2
+        heated = entries.state_of(old | own)
+        assert heated.slider.friction == "regularized"
+
+    def test_kernels_are_those_of_what_is_shown(self):
+        plain = kind_of(entries.state_of(VIBRATION))
+        assert plain == ("slip", "log", (), False)
+        changes = [
+            {"friction": "regularized"},
+            {"damping": "1 kPa s/m"},
+            {"sigma_from": "3 MPa"},
+            {"law": "aging"},
+        ]
+        kinds = {kind_of(entries.state_of(VIBRATION | change)) for change in changes}
+        assert len(kinds | {plain}) == 5
+        assert kind_of(entries.state_of(VIBRATION | {"a": "0.004"})) == plain
+
+    def test_a_step_of_normal_stress_is_what_simulate_gives(self):
+        """From steady sliding, under Linker and Dieterich's law: friction falls at the step."""
+        slider = FIG2.replace(alpha=0.2)
+        texts = entries_of(PageState(slider, 1e-4, sigma_from=0.9 * slider.sigma))
+        state = entries.state_of(texts)
+        assert state.before == PageState(slider.replace(sigma=0.9 * slider.sigma), 1e-4)
+        header, arrays = painted(texts, seconds=120.0)  # it may be compiled
+        assert header["values"]["sigma_from"] == pytest.approx(0.9 * slider.sigma, rel=1e-15)
+        before = arrays["run_time"] < 0.0
+        steady = 0.6 - 0.003 * np.log(1e5)
+        assert arrays["run_stress"][before] == pytest.approx(steady, rel=1e-9)
+        # tau and V stay across the jump; theta falls by (sigma/sigma_from)^(-alpha/b)
+        first = np.flatnonzero(~before)[0]
+        assert arrays["run_stress"][first] == pytest.approx(0.9 * steady, rel=1e-9)
+        fall = slider.alpha * np.log(1.0 / 0.9)
+        assert arrays["run_mu"][first] == pytest.approx(steady - fall, rel=1e-9)
+        assert arrays["run_stress"][-1] == pytest.approx(steady, rel=1e-4)
+        assert exports.export("scenario", state, Deadline(60.0))["text"].count("sigma_steps") == 1
+
+    def test_speed_and_normal_stress_step_together(self):
+        texts = VIBRATION | {"V_lp": "50 um/s", "V_from": "0.1 mm/s", "sigma_from": "1.9 MPa"}
+        texts["K"] = "900 MPa/m"
+        _, arrays = painted(texts, seconds=120.0)
+        before = arrays["run_time"] < 0.0
+        assert arrays["run_V"][before] == pytest.approx(1e-4, rel=1e-6)
+        assert arrays["run_V"][-1] == pytest.approx(5e-5, rel=1e-3)
+        first = np.flatnonzero(~before)[0]
+        assert arrays["run_stress"][first] == pytest.approx(
+            arrays["run_stress"][0] * 1.9 / 2.0, rel=1e-6
+        )
 
 
 class TestWire:
@@ -300,7 +398,7 @@ class TestPicture:
 
         monkeypatch.setattr(picture, "_attractor", fails_before)
         header, _ = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
-        assert "No limit cycle was found at the speed before the step" in header["notes"][0]
+        assert "No limit cycle was found at the speed and normal stress" in header["notes"][0]
 
     def test_work_is_cut_and_that_is_said(self):
         header, arrays = painted(STICK_SLIP, seconds=0.0)
@@ -695,7 +793,7 @@ class TestServe:
         shared.close()
         begin = time.monotonic()
         with pytest.raises(Stopped):
-            session.warm_up("slip", shared.kernels.deadline)
+            session.warm_up(Kind("slip", "log", (), False), shared.kernels.deadline)
         assert time.monotonic() - begin < 10.0
         assert caplog.text == ""
 

@@ -35,10 +35,10 @@ def line(slider, V_lp, K_c_qs):
 def key_of(slider):
     """What selects a slider's chart: law, and b/a with (b - a)/a to 3 digits; None where b <= a.
 
-    The law alone, where there is no chart for it.
+    The name of the law, with what it is composed with, alone where there is no chart for it.
     """
     if not slider.friction_law.one_length:
-        return (slider.law,)
+        return (slider.friction_law.name,)
     weakening = float(f"{(slider.b - slider.a) / slider.a:.3g}")
     return (slider.law, 1.0 + weakening) if 1.0 + weakening > 1.0 else None
 

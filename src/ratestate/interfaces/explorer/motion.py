@@ -28,7 +28,7 @@ class Plan:
 
     slider: SpringSlider
     settings: dict[str, Any]  # keyword arguments of `simulate`, in SI
-    t_step: float  # s: when the load point steps to the shown speed; time 0 on the page
+    t_step: float  # s: of the step to the speed and normal stress shown; time 0 on the page
 
     def call(self, t_end=None):
         """The `SimulateCall`, up to t_end [s] or, by default, the whole run."""
@@ -42,7 +42,7 @@ class Plan:
 def plan_of(verdict, orbit, before=None):
     """The `Plan` of the run that shows a slider's motion: its `Verdict` and its cycle's orbit.
 
-    before : the speed before the step of the load point, and the orbit of the cycle there, or None;
+    before : the slider and the speed before the step, and the orbit of the cycle there, or None;
         without it the run begins in steady sliding at `START` of the speed, as for `limit_cycle`
     """
     time = _rounded(min(_durations(verdict, orbit)))
@@ -50,11 +50,15 @@ def plan_of(verdict, orbit, before=None):
         loading = Loading.constant(verdict.V_lp)
         settings = {"loading": loading, "t_end": time, "V_start": START * verdict.V_lp}
         return Plan(verdict.slider, settings, 0.0)
-    V_from, cycle = before
-    start, lead = _start_settings(verdict.slider, V_from, cycle, LEAD * time)
-    loading = Loading.steps(V_from, (lead, verdict.V_lp))
+    slider, V_from, cycle = before
+    start, lead = _start_settings(slider, V_from, cycle, LEAD * time)
+    loading = Loading.constant(V_from)
+    if verdict.V_lp != V_from:
+        loading = loading.step(lead, verdict.V_lp)
+    if verdict.slider.sigma != slider.sigma:
+        loading = loading.sigma_step(lead, verdict.slider.sigma)
     settings = {"loading": loading, "t_end": _rounded(lead + time), **start}
-    return Plan(verdict.slider, settings, lead)
+    return Plan(slider, settings, lead)
 
 
 def transient_note(verdict, orbit):

@@ -42,13 +42,14 @@ def study_of(state, deadline):
         verdict = verdict_of_cycle(state.slider, state.V_lp, cycle)
     notes = [note] if (note := transient_note(verdict, orbit)) else []
     before = None
-    if state.V_from is not None:
-        earlier, cycle_before = _attractor(state.slider, state.V_from, deadline)
-        before = state.V_from, cycle_before
+    if earlier_state := state.before:
+        slider, V_from = earlier_state.slider, earlier_state.V_lp
+        earlier, cycle_before = _attractor(slider, V_from, deadline)
+        before = slider, V_from, cycle_before
         if isinstance(earlier, SolverError):
             notes.append(
-                "No limit cycle was found at the speed before the step: the run begins in steady "
-                "sliding there, stable or not."
+                "No limit cycle was found at the speed and normal stress before the step: the run "
+                "begins in steady sliding there, stable or not."
             )
     return Study(verdict, orbit, plan_of(verdict, orbit, before), notes)
 
@@ -124,12 +125,15 @@ def _run(plan, deadline):
 
 
 def _curves(name, run, sigma, t_zero):
-    """Arrays to draw a run: time relative to t_zero, tau/sigma, mu, V; empty if run is None."""
+    """Arrays to draw a run: time relative to t_zero, tau/sigma, mu, V; empty if run is None.
+
+    sigma : the normal stress, unless it is among the variables of the run
+    """
     if run is None:
         return {f"{name}_{what}": np.empty(0) for what in ("time", "stress", "mu", "V")}
     curves = {
         "time": run.time.values - t_zero,
-        "stress": run.tau.values / sigma,
+        "stress": (run.tau / run.get("sigma", sigma)).values,
         "mu": run.mu.values,
         "V": run.V.values,
     }

@@ -10,11 +10,11 @@ from functools import partial
 from starlette.websockets import WebSocketDisconnect
 
 from ...errors import RateStateError
-from ...friction.laws import friction_law
 from . import charts, picture, wire
-from .entries import example, fields, law_of, menu, prefixes, presets, state_of
+from .entries import BEFORE, BadEntries, state_of
 from .exports import NAMES, export
-from .kernels import Kernels
+from .kernels import Kernels, kind_of
+from .menus import example, fields, menu, prefixes, presets
 from .question_queue import QuestionQueue, run_job
 
 # Downloads: how many may wait; seconds for one, and for each part of its work.
@@ -36,9 +36,9 @@ class SharedWork:
         self.sessions: set[Session] = set()
 
     async def warm(self):
-        """Prepare the laws of the presets."""
-        for law in dict.fromkeys(law_of(preset["entries"]) for preset in presets()):
-            await self.kernels.prepare(law)
+        """Prepare what the presets need."""
+        for kind in dict.fromkeys(kind_of(state_of(preset["entries"])) for preset in presets()):
+            await self.kernels.prepare(kind)
 
     def close(self):
         """End all work."""
@@ -84,12 +84,16 @@ class Session:
             await asyncio.gather(*tasks, return_exceptions=True)
 
     async def prepare(self, question):
-        """Wait for the kernels of the law of a question, and tell the page so."""
-        law, kernels = law_of(question.entries), self.shared.kernels
-        if law is None or kernels.are_ready(law):
+        """Wait for the kernels that a question needs, and tell the page so."""
+        kernels = self.shared.kernels
+        try:
+            kind = kind_of(state_of(question.entries))
+        except BadEntries:
+            return  # the answer says why
+        if kernels.are_ready(kind):
             return
         await self.send(wire.answer(None, "preparing"))
-        await kernels.prepare(law)
+        await kernels.prepare(kind)
         await self.send(wire.answer(None, "ready"))
 
     async def take(self, text):
@@ -124,8 +128,8 @@ def _greeting():
     """The message to a page that was opened."""
     starts = presets()
     usual = fields(state_of(starts[0]["entries"]).values)
-    header = {"fields": usual, "laws": menu(), "prefixes": prefixes(), "presets": starts}
-    return wire.answer(None, "hello", span=charts.SPAN, **header)
+    header = {"fields": usual, "laws": menu(), "before": BEFORE, "prefixes": prefixes()}
+    return wire.answer(None, "hello", span=charts.SPAN, presets=starts, **header)
 
 
 def answer_picture(question, deadline):
@@ -150,9 +154,12 @@ def answer_file(question, deadline):
     return wire.answer(question.id, "file", **text)
 
 
-def warm_up(law, deadline):
-    """Do every kind of work once for a law; backend.Stopped if it was cancelled."""
-    own = {symbol: example(symbol) for symbol in friction_law(law).parameters}
-    question = wire.Question(0, "picture", presets()[0]["entries"] | own | {"law": law})
+def warm_up(kind, deadline):
+    """Do all work once for a `kernels.Kind`; backend.Stopped if it was cancelled."""
+    entries = presets()[0]["entries"] | {symbol: example(symbol) for symbol in kind.own}
+    entries |= {"law": kind.law, "friction": kind.friction}
+    if kind.sigma_varies:
+        entries["sigma_from"] = example("sigma")
+    question = wire.Question(0, "picture", entries)
     for job in (answer_picture, partial(answer_chart, size=2)):
         run_job(job, question, deadline)

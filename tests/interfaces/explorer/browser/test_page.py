@@ -18,6 +18,8 @@ DRAWN = """() => { const { asked, drawn } = document.body.dataset;
     return asked && Number(drawn) >= Number(asked) }"""
 NUMBERS = """() => Object.fromEntries([...document.querySelectorAll('#numbers div')].map(
     group => [group.firstChild.textContent, group.lastChild.textContent]))"""
+#: fields of every law and form of friction that links need not have
+OF_ALL = ["damping", "alpha"]
 INNER = "all => all.map(e => e.innerHTML)"
 DOT = """() => { const box = document.querySelector('#dot').getBoundingClientRect();
     return [box.x + box.width / 2, box.y + box.height / 2] }"""
@@ -182,7 +184,7 @@ def test_one_wrong_entry_does_not_hold_up_the_others(show):
     assert shown.numbers["K/Kc"] == "0.8333"
     # steps and keys begin there
     shown.type("V_lp", "1 um/s")
-    shown.page.click("#step")
+    shown.page.click("#step-V_lp")
     shown.page.wait_for_selector("#stepped:visible")
     assert shown.entry("V_lp") == "3 um/s"
     assert "Stepped from 1 \u00b5m/s to 3 \u00b5m/s" in shown.text("#stepped")
@@ -317,20 +319,98 @@ def test_friction_that_strengthens_has_no_place_on_the_map(show):
 
 def test_a_velocity_step_and_back(show):
     shown = show()
-    shown.page.fill("#factor", "nonsense")
-    shown.page.click("#step")
-    assert "expected a number > 0" in shown.text("#factor-problem")
-    shown.page.fill("#factor", "0.5")
-    shown.page.press("#factor", "Enter")  # takes it in; the button steps, by a double click too
-    shown.page.dblclick("#step")
+    shown.page.fill("#factor-V_lp", "nonsense")
+    shown.page.click("#step-V_lp")
+    assert "expected a number > 0" in shown.text("#problem-V_from")
+    shown.page.fill("#factor-V_lp", "0.5")
+    # takes it in; the button steps, by a double click too
+    shown.page.press("#factor-V_lp", "Enter")
+    shown.page.dblclick("#step-V_lp")
     shown.wait()
     assert shown.entry("V_lp") == "50 um/s"
     assert "Stepped from 100 \u00b5m/s to 50 \u00b5m/s" in shown.text("#stepped")
-    assert not shown.page.is_visible("#factor-problem")
+    assert not shown.page.is_visible("#problem-V_from")
     shown.page.click("#unstep")
     shown.wait()
     assert shown.entry("V_lp") == "100 um/s"
     assert not shown.page.is_visible("#stepped")
+
+
+def test_a_step_of_normal_stress_and_back(show):
+    shown = show(latency.CASES["steady"])
+    shown.type("alpha", "0.2")
+    shown.wait()
+    shown.page.fill("#factor-sigma", "0")
+    shown.page.click("#step-sigma")
+    assert "factor = '0' is no use" in shown.text("#problem-sigma_from")
+    shown.page.fill("#factor-sigma", "1.05")
+    shown.page.click("#step-sigma")
+    shown.wait()
+    assert shown.entry("sigma") == "2.1 MPa"
+    assert shown.text("#stepped").startswith("Stepped from 2 MPa to 2.1 MPa at time 0.")
+    assert not shown.page.is_visible("#problem-sigma_from")
+    # a step of the speed starts from there, and has its own undoing
+    shown.page.click("#step-V_lp")
+    shown.wait()
+    assert shown.entry("sigma") == "2.1 MPa"
+    assert shown.text("#stepped").startswith("Stepped from 300 \u00b5m/s to 900 \u00b5m/s at")
+    shown.page.click("#unstep")
+    shown.wait()
+    assert [shown.entry(symbol) for symbol in ("V_lp", "sigma")] == ["300 um/s", "2.1 MPa"]
+    # a link may have both at once, and both are undone together
+    both = f"{latency.CASES['steady']}&V_from=0.1 mm/s&sigma_from=1.9 MPa"
+    other = show(both)
+    assert other.text("#stepped").startswith(
+        "Stepped from 100 \u00b5m/s to 300 \u00b5m/s, and from 1.9 MPa to 2 MPa at time 0."
+    )
+    with other.page.expect_download() as saving:
+        other.page.click("#scenario")
+    saved = scenario.loads(saving.value.path().read_text())
+    assert saved.slider.sigma == 1.9e6
+    at_end = saved.settings["loading"].sigma(saved.settings["t_end"], saved.slider.sigma)
+    assert float(at_end) == 2e6
+    other.page.click("#unstep")
+    other.wait()
+    assert [other.entry(symbol) for symbol in ("V_lp", "sigma")] == ["0.1 mm/s", "1.9 MPa"]
+    assert not other.page.is_visible("#stepped")
+
+
+def test_friction_has_forms_with_fields_of_their_own(show):
+    shown = show()
+    enabled = "#friction option:not([disabled])"
+    assert shown.page.eval_on_selector_all(enabled, INNER) == ["log", "cut-off", "regularized"]
+    assert not shown.page.is_visible("#entry-V2")
+    shown.page.select_option("#friction", "cut-off")
+    shown.wait()
+    assert shown.page.inner_html(".field:has(#entry-V2) .symbol") == "<i>V</i><sub>2</sub>"
+    shown.type("V1", "1 m/s")
+    shown.type("V2", "2 um/s")
+    shown.wait()
+    cycle = rs.limit_cycle(FIG4.replace(friction="cut-off", V1=1.0, V2=2e-6), 1e-4)
+    assert shown.numbers["amplitude of \u03c4/\u03c3"] == f"{float(cycle.amplitude):.4g}"
+    # a law that it does not go with has its own; what was typed waits for its form
+    shown.page.select_option("#law", "nagata")
+    shown.wait()
+    assert shown.page.input_value("#friction") == "log"
+    assert shown.page.eval_on_selector_all(enabled, INNER) == ["log"]
+    assert not shown.page.is_visible("#entry-V2")
+    shown.page.select_option("#law", "slip")
+    shown.page.select_option("#friction", "cut-off")
+    shown.wait()
+    assert shown.entry("V2") == "2 um/s"
+
+
+def test_a_link_whose_friction_does_not_go_with_its_law(show):
+    shown = show("law=flash-heating&friction=log")
+    assert "does not go with law = 'flash-heating'" in shown.text("#problem-friction")
+    assert shown.text("#stale") == "Shown: the last valid values; correct friction."
+    assert shown.page.is_visible("#entry-V_w")
+    shown.page.select_option("#friction", "regularized")
+    shown.wait()
+    assert not shown.page.is_visible("#problem-friction")
+    other = show("law=flash-heating")  # nor need it have any
+    assert other.page.input_value("#friction") == "regularized"
+    assert other.text("#headline") == shown.text("#headline")
 
 
 def test_a_law_has_its_own_fields(show):
@@ -342,7 +422,7 @@ def test_a_law_has_its_own_fields(show):
     assert [shown.entry(symbol) for symbol in own] == ["0.002", "100 um"]
     labels = shown.page.eval_on_selector_all("#own .field:not([hidden]) .symbol", INNER)
     assert labels[:2] == ["<i>b</i><sub>2</sub>", "<i>D</i><sub>c</sub><sub>2</sub>"]
-    assert len(labels) == 3  # and damping, of any law
+    assert labels[2:] == ["damping", "<i>\u03b1</i>"]
     shown.type("b2", "-0.001")
     shown.wait()
     slider = FIG4.replace(law="two-state-slip", b2=-0.001, Dc2=1e-4)
@@ -399,7 +479,7 @@ def test_a_law_file_is_in_the_menu(show):
 def test_a_link_holds_everything(show):
     shown = show()
     shown.type("sigma", "5 MPa")
-    shown.page.click("#step")
+    shown.page.click("#step-V_lp")
     shown.page.select_option("#law", "aging")
     shown.wait()
     shown.page.click("#link")
@@ -475,11 +555,12 @@ def test_everything_is_reached_by_keyboard(show):
         if seen[-1][0] == "whole":
             break
     names = [name for name, *_ in seen]
-    wanted = ["presets", "link", "scenario", "python", "csv", "png", "law"]
+    wanted = ["presets", "link", "scenario", "python", "csv", "png", "law", "friction"]
     for symbol in ("a", "b", "Dc", "sigma", "M", "K", "V_lp"):
         wanted += [f"entry-{symbol}", f"slider-{symbol}"]
-    wanted += ["entry-damping", "slider-damping"]
-    assert names == [*wanted, "factor", "step", "SUMMARY", "drag", "dot", "whole"]
+    wanted += [f"{control}-{symbol}" for symbol in OF_ALL for control in ("entry", "slider")]
+    wanted += [f"{part}-{stepped}" for stepped in ("V_lp", "sigma") for part in ("factor", "step")]
+    assert names == [*wanted, "SUMMARY", "drag", "dot", "whole"]
     assert all(style != "none" and width >= 1 for _, style, width in seen), seen
 
 
@@ -509,7 +590,7 @@ def test_dark_is_dark_and_nothing_moves_for_those_who_mind(show):
     shown = show(color_scheme="dark", reduced_motion="reduce")
     page, transition = shown.page.evaluate(
         """() => [getComputedStyle(document.body).backgroundColor,
-        getComputedStyle(document.querySelector('#step')).transitionDuration]"""
+        getComputedStyle(document.querySelector('#step-V_lp')).transitionDuration]"""
     )
     assert max(map(int, re.findall(r"\d+", page))) < 40
     assert transition == "0s"

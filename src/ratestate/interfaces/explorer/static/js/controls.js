@@ -1,4 +1,4 @@
-// Everything that is set by hand: fields, law, preset, velocity step; and what is wrong with it.
+// Everything that is set by hand: fields, law, friction, preset, step; and what is wrong with it.
 
 import { $ } from "./dom.js";
 import { Field } from "./fields.js";
@@ -10,14 +10,15 @@ const REFERENCE = ["mu0", "V0"];
 
 export class Controls {
   /**
+   * before: name of an entry that there is after a step -> of what it is the value before it;
    * entries: Entries; ask: function (event's time stamp), called when they have changed;
    * whenRead: function (act) that acts once the server has read all that was typed
    */
-  constructor(specs, laws, presets, entries, ask, whenRead) {
-    Object.assign(this, { presets, entries, ask, whenRead, fields: {} });
-    this.ofLaw = Object.fromEntries(laws.flatMap(({ names, parameters }) => names.map((name) => [name, parameters])));
-    this.own = new Set(laws.flatMap(({ parameters }) => parameters));
-    this.texts = {}; // of the laws' own parameters, those of laws that are not shown too
+  constructor(specs, laws, before, presets, entries, ask, whenRead) {
+    Object.assign(this, { before, presets, entries, ask, whenRead, fields: {} });
+    this.forms = Object.fromEntries(laws.flatMap(({ names, forms }) => names.map((name) => [name, forms])));
+    this.own = new Set(laws.flatMap(({ forms }) => Object.values(forms).flat()));
+    this.texts = {}; // of what only some laws and forms of friction have, those that are not shown too
     learnSymbols(this.own);
     for (const spec of specs) {
       const field = new Field(spec, (name, text, stamp) => this.change({ [name]: text }, stamp));
@@ -26,6 +27,7 @@ export class Controls {
       if (this.own.has(spec.symbol)) this.texts[spec.symbol] = spec.text;
     }
     for (const { name, label } of laws) $("law").add(new Option(label, name));
+    for (const form of new Set(laws.flatMap(({ forms }) => Object.keys(forms)))) $("friction").add(new Option(form));
     presets.forEach(({ title }, i) => $("presets").add(new Option(title, i)));
     this.listen();
     const linked = entries.linked();
@@ -36,20 +38,24 @@ export class Controls {
   listen() {
     $("presets").addEventListener("change", (event) => {
       const chosen = this.presets[event.target.value];
-      if (chosen) this.take({ V_from: null, ...chosen.entries }, event.timeStamp);
+      if (chosen) this.take({ ...this.entries.absent, ...chosen.entries }, event.timeStamp);
     });
-    $("law").addEventListener("change", (event) => {
-      $("presets").value = "";
-      this.take({ law: event.target.value }, event.timeStamp);
-    });
-    // The second click of a double one is no second step.
-    $("step").addEventListener("click", (event) => event.detail < 2 && this.whenRead(() => this.step(event)));
+    for (const name of ["law", "friction"]) {
+      $(name).addEventListener("change", (event) => {
+        $("presets").value = "";
+        this.take({ [name]: event.target.value }, event.timeStamp);
+      });
+    }
+    for (const [name, of] of Object.entries(this.before)) {
+      // The second click of a double one is no second step.
+      $(`step-${of}`).addEventListener("click", (event) => event.detail < 2 && this.whenRead(() => this.step(name, of, event)));
+    }
     $("unstep").addEventListener("click", (event) => this.whenRead(() => this.unstep(event)));
     $("controls").addEventListener("submit", (event) => event.preventDefault());
     addEventListener("hashchange", () => {
       const linked = this.entries.linked();
       if (!linked) return;
-      this.take({ V_from: null, ...linked });
+      this.take(linked);
       $("presets").value = "";
     });
   }
@@ -73,35 +79,56 @@ export class Controls {
       field.show(this.entries.texts[name] ?? "");
       field.element.hidden = !(name in this.entries.texts) && this.own.has(name);
     }
-    $("law").value = this.entries.texts.law;
+    const { law, friction } = this.entries.texts;
+    $("law").value = law;
+    for (const option of $("friction").options) option.disabled = !(option.value in (this.forms[law] ?? {}));
+    $("friction").value = friction ?? this.formOf(law);
   }
 
-  /** These texts, with those of the law's own parameters, and without those of other laws'. */
+  /** The form of friction that a law is for. */
+  formOf(law) {
+    return Object.keys(this.forms[law] ?? {})[0];
+  }
+
+  /**
+   * These texts, with those that the law with its friction has alone, and without those of others;
+   * another law without a form of friction keeps that which is shown, if it goes with it.
+   */
   withOwn(texts) {
-    const law = texts.law ?? this.entries.texts.law;
+    const { law, friction } = { ...this.entries.texts, ...texts };
+    const forms = this.forms[law] ?? {};
+    const form = friction in forms ? friction : this.formOf(law);
     for (const name of this.own) this.texts[name] = texts[name] ?? this.entries.texts[name] ?? this.texts[name];
-    const own = [...this.own].map((name) => [name, this.ofLaw[law]?.includes(name) ? this.texts[name] : null]);
-    return { ...texts, ...Object.fromEntries(own) };
+    const own = [...this.own].map((name) => [name, forms[form]?.includes(name) ? this.texts[name] : null]);
+    return { ...("law" in texts ? { friction: form } : {}), ...texts, ...Object.fromEntries(own) };
   }
 
-  /** Step the load point's speed from where it is. */
-  step(event) {
-    const factor = Number($("factor").value);
+  /** Step the speed of the load point or the normal stress from what it is. */
+  step(name, of, event) {
+    const text = $(`factor-${of}`).value;
+    const factor = Number(text);
     const usable = factor > 0 && factor !== 1 && Number.isFinite(factor);
-    const wrong = usable ? "correct V_lp first" : `factor = '${$("factor").value}' is no use; expected a number > 0 that is not 1, such as 3 or 0.1`;
-    const ready = usable && !("V_lp" in this.entries.refused);
-    this.explain("V_from", ready ? "" : wrong);
+    const wrong = usable ? `correct ${of} first` : `factor = '${text}' is no use; expected a number > 0 that is not 1, such as 3 or 0.1`;
+    const ready = usable && !(of in this.entries.refused);
+    this.explain(name, ready ? "" : wrong);
     if (!ready || !this.values) return;
-    const V = this.values.V_lp;
-    this.take({ V_from: entry(V, "m/s", 6), V_lp: entry(factor * V, "m/s", 6) }, event.timeStamp);
+    const [value, { unit }] = [number(this.values[of]), this.fields[of].spec];
+    this.take({ ...this.noStep(), [name]: entry(value, unit, 6), [of]: entry(factor * value, unit, 6) }, event.timeStamp);
     $("presets").value = "";
   }
 
-  /** Back to the speed before the step. */
+  /** Back to what there was before the step. */
   unstep(event) {
-    if (!this.entries.texts.V_from) return;
-    this.take({ V_lp: this.entries.texts.V_from, V_from: null }, event.timeStamp);
-    $("step").focus();
+    const stepped = Object.entries(this.before).filter(([name]) => this.entries.texts[name]);
+    if (!stepped.length) return;
+    const earlier = Object.fromEntries(stepped.map(([name, of]) => [of, this.entries.texts[name]]));
+    this.take({ ...earlier, ...this.noStep() }, event.timeStamp);
+    $(`step-${stepped[0][1]}`).focus();
+  }
+
+  /** The texts of no step. */
+  noStep() {
+    return Object.fromEntries(Object.keys(this.before).map((name) => [name, null]));
   }
 
   /** Put the slider onto another point of the map: K, and either V_lp or M. */
@@ -122,17 +149,18 @@ export class Controls {
     this.values = values;
     this.entries.accept();
     this.explainAll();
-    if (values.law !== this.entries.texts.law && !("law" in this.entries.refused)) this.show({ law: values.law });
+    for (const name of ["law", "friction"]) {
+      if (values[name] !== this.entries.texts[name] && !(name in this.entries.refused)) this.show({ [name]: values[name] });
+    }
     for (const [name, field] of Object.entries(this.fields)) {
       if (!(name in values)) continue;
       field.place(number(values[name]));
       if (!(name in this.entries.refused)) this.rename(name, field.complete());
     }
-    const { V_from, V_lp } = values;
-    $("stepped").hidden = V_from === null;
-    if (V_from === null) return;
-    const told = `Stepped from ${shown(V_from, "m/s")} to ${shown(V_lp, "m/s")} at time 0.`;
-    $("stepped").querySelector("span").textContent = told;
+    const stepped = Object.entries(this.before).filter(([name]) => values[name] !== null);
+    $("stepped").hidden = !stepped.length;
+    const steps = stepped.map(([name, of]) => [name, of].map((which) => shown(number(values[which]), this.fields[of].spec.unit)).join(" to "));
+    $("stepped").querySelector("span").textContent = `Stepped from ${steps.join(", and from ")} at time 0.`;
   }
 
   /** Take the same value in other words. */
@@ -152,7 +180,7 @@ export class Controls {
       this.fields[name].explain(text);
       return;
     }
-    const message = { law: $("law-problem"), V_from: $("factor-problem") }[name];
+    const message = $(`problem-${name}`);
     message.textContent = text;
     message.hidden = !text;
   }

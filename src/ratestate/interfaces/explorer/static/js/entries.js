@@ -3,9 +3,14 @@
 const WAIT = 150; // ms: browsers mind more than a hundred changes of the address in half a minute
 
 export class Entries {
-  /** valid: texts that can be used, of all names but V_from */
-  constructor(names, valid) {
-    Object.assign(this, { names, valid, texts: {}, refused: {}, timer: 0 });
+  /**
+   * names: of what there always is; optional: of what there need not be, and is not in place of a wrong one
+   * valid: texts that can be used, of names
+   */
+  constructor(names, optional, valid) {
+    this.absent = Object.fromEntries(optional.map((name) => [name, null]));
+    this.names = [...names, ...optional];
+    Object.assign(this, { valid: { ...valid, ...this.absent }, texts: {}, refused: {}, timer: 0 });
   }
 
   /** What is asked for: the texts, and in place of those known to be wrong the last valid ones. */
@@ -18,7 +23,7 @@ export class Entries {
 
   /** The server can use what was asked for. */
   accept() {
-    this.valid = { ...this.valid, V_from: undefined, ...this.asked() };
+    this.valid = { ...this.valid, ...this.asked(), ...this.absent };
   }
 
   /** The server cannot use these: name -> why; whether that is new. */
@@ -53,6 +58,6 @@ export class Entries {
   /** The texts that the address holds, of names that are known; null if it holds none. */
   linked() {
     const given = [...new URLSearchParams(location.hash.slice(1))].filter(([name]) => this.names.includes(name));
-    return given.length ? Object.fromEntries(given) : null;
+    return given.length ? { ...this.absent, ...Object.fromEntries(given) } : null;
   }
 }

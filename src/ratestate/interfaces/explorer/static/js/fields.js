@@ -22,7 +22,7 @@ export class Field {
   build() {
     const { symbol: name } = this.spec;
     const label = element("label", { className: "symbol", htmlFor: `entry-${name}` }, ...symbol(name));
-    const long = element("span", { className: "name", textContent: this.spec.name });
+    const long = element("span", { className: "name", textContent: this.spec.name === name ? "" : this.spec.name });
     this.input = element("input", { type: "text", id: `entry-${name}`, spellcheck: false });
     this.slider = element("input", { type: "range", id: `slider-${name}`, step: STEP });
     this.message = element("p", { className: "problem", id: `problem-${name}`, hidden: true });

@@ -71,7 +71,7 @@ function settle() {
   read = pending;
   const { wrong, valid } = controls.entries;
   document.body.classList.toggle("stale", picture?.id !== pending || wrong.length > 0);
-  const values = wrong.filter((name) => name in valid).map((name) => `${name} = ${valid[name]}`);
+  const values = wrong.filter((name) => valid[name]).map((name) => `${name} = ${valid[name]}`);
   write($("stale"), wrong.length ? `Shown: the last valid values${values.length ? ` (${values.join(", ")})` : ""}; correct ${wrong.join(", ")}.` : "");
   $("stale").hidden = !wrong.length;
   for (const act of waiting.splice(0)) whenRead(act);
@@ -98,12 +98,13 @@ function answer(found) {
   ({ hello, preparing, ready: () => say(""), picture: arrived, chart, file, problem })[found.kind](found);
 }
 
-function hello({ fields, laws, prefixes, presets, span }) {
+function hello({ fields, laws, before, prefixes, presets, span }) {
   learnPrefixes(prefixes);
   map.open(span);
-  const names = [...fields.map((field) => field.symbol), "law", "V_from"];
+  const names = [...fields.map((field) => field.symbol), "law"];
   const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
-  controls ??= new Controls(fields, laws, presets, new Entries(names, { ...own, ...presets[0].entries }), ask, whenRead);
+  const entries = new Entries(names, ["friction", ...Object.keys(before)], { ...own, ...presets[0].entries });
+  controls ??= new Controls(fields, laws, before, presets, entries, ask, whenRead);
   waiting = [];
   say("");
   chartKey = "";
@@ -111,7 +112,7 @@ function hello({ fields, laws, prefixes, presets, span }) {
 }
 
 function preparing() {
-  say("Preparing the solver for this law on this machine, up to a minute, once \u2026");
+  say("Preparing the solver for such a slider on this machine, up to a minute, once \u2026");
 }
 
 function arrived(found) {

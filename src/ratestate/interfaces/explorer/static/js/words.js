@@ -14,9 +14,11 @@ const SYMBOLS = {
   V_max: [["i", "V"], ["sub", "max"]],
   Dc: [["i", "D"], ["sub", "c"]],
   mu0: [["i", "\u03bc"], ["sub", "0"]],
+  mu: [["i", "\u03bc"]],
   f_n: [["i", "f"], ["sub", "n"]],
   sigma: [["i", "\u03c3"]],
   eta: [["i", "\u03b7"]],
+  alpha: [["i", "\u03b1"]],
   a: [["i", "a"]],
   b: [["i", "b"]],
   K: [["i", "K"]],
@@ -28,7 +30,7 @@ const NAMES = Object.keys(SYMBOLS).filter((name) => !["a", "f"].includes(name));
 const PATTERN = new RegExp(`(?<![\\w/'"])(${NAMES.join("|")})(?![\\w/'"^])`);
 
 // A symbol of a law's own: that of another quantity or a letter, and what is below the line.
-const OWN = new RegExp(`^(${Object.keys(SYMBOLS).filter((name) => /^\w+$/.test(name)).sort((a, b) => b.length - a.length).join("|")}|[A-Za-z])_?([A-Za-z0-9]*)$`);
+const OWN = new RegExp(`^(${Object.keys(SYMBOLS).filter((name) => /^\w+$/.test(name)).sort((a, b) => b.length - a.length).join("|")}|[A-Za-z])(?:_(\\w+)|(\\d+))?$`);
 const own = new Set();
 
 /** Take the symbols of the laws' own parameters. */
@@ -42,7 +44,8 @@ export function parts(name) {
   const found = own.has(name) && name.match(OWN);
   if (!found) return [["", name]];
   const known = SYMBOLS[found[1]] ?? [["i", found[1]]];
-  return found[2] ? [...known, ["sub", found[2]]] : known;
+  const below = found[2] ?? found[3];
+  return below ? [...known, ["sub", below]] : known;
 }
 
 /** The same as nodes. */
