@@ -8,6 +8,7 @@ import xarray as xr
 from textbook import Reversing, drawn
 
 import ratestate as rs
+from ratestate.dynamics.verdict import verdict
 
 RTOL = 1e-6
 #: overshoots, sticks and slides back in each cycle
@@ -110,6 +111,15 @@ def test_energy_is_closed_through_a_thousand_reversals():
     assert float(run.V_min) <= float(run.V.min())
     assert float(run.mu_min) <= float(run.mu.min()) < float(run.mu_min) + 1e-4
     assert int(run.outside_domain) == int(cycle.outside_domain) == 0
+
+
+def test_no_verdict_calls_a_law_that_lets_slip_reverse_outside_its_domain():
+    forward = rs.SpringSlider(**(SWINGING.parameters | {"friction": "log"}))
+    found = verdict(SWINGING, 0.1)
+    assert found.V_min < 0.0
+    assert found.reversal_margin < 0.0
+    assert "outside the domain" not in found.text
+    assert "outside the domain of the friction law" in verdict(forward, 0.1).text
 
 
 def test_multipliers_of_a_cycle_that_reverses_are_how_disturbances_fade():

@@ -7,6 +7,7 @@ status of the engine, whose text is engine/statuses.toml's (`simulation.cases.fa
 from pathlib import Path
 
 from ..friction.composition import JOINT, composed_law
+from ..friction.forms import FORMS
 from ..friction.laws import ONE_LENGTH
 from ..model.sentences import Sentences
 
@@ -27,5 +28,6 @@ def check_one_length(function, law):
     if not composed_law(law).one_length:
         names = " and ".join(map(repr, ONE_LENGTH))
         own, *parts = law.split(JOINT)
-        law = " with ".join([repr(own), *parts])
+        parts = [f"friction = {part!r}" if part in FORMS else part for part in parts]
+        law = " with ".join(filter(None, (repr(own), " and ".join(parts))))
         raise refusal("law.one_length", function=function, law=law, names=names)

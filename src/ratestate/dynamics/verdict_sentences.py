@@ -84,8 +84,8 @@ def _vibration(v):
 
 
 def _outside_domain(v):
-    """Where the motion leaves the domain of the friction law."""
-    if v.mu_min is None:
+    """Where the motion leaves the domain of the friction law, unless that lets slip reverse."""
+    if v.mu_min is None or v.slider.friction_law.reverses:
         return ""
     negative = [name for name in ("mu_min", "reversal_margin") if getattr(v, name) < 0.0]
     reasons = ", and ".join(sentence(f"outside_domain.{name}", v=v) for name in negative)

@@ -285,6 +285,14 @@ class TestFriction:
         assert arrays["run_stress"][-1] == pytest.approx(steady, rel=1e-4)
         assert exports.export("scenario", state, Deadline(60.0))["text"].count("sigma_steps") == 1
 
+    def test_the_map_is_refused_for_a_form_by_its_name(self):
+        slider = FIG2.replace(friction="regularized", damping=1e3)
+        with pytest.raises(rs.ParameterError) as caught:
+            charts.chart(slider, 4, Deadline(60.0))
+        assert str(caught.value).startswith(
+            "law = 'slip' with friction = 'regularized' and damping: the map of regimes is for"
+        )
+
     def test_speed_and_normal_stress_step_together(self):
         texts = VIBRATION | {"V_lp": "50 um/s", "V_from": "0.1 mm/s", "sigma_from": "1.9 MPa"}
         texts["K"] = "900 MPa/m"

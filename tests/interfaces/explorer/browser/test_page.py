@@ -413,6 +413,34 @@ def test_a_link_whose_friction_does_not_go_with_its_law(show):
     assert other.text("#headline") == shown.text("#headline")
 
 
+def test_slip_that_reverses_is_drawn_on_a_linear_axis(show):
+    swings = "law=aging&a=0.01&b=0.015&Dc=10 um&sigma=1 MPa&M=1000 kg/m^2&K=100 MPa/m&mu0=0.05"
+    shown = show(f"{swings}&V_lp=0.1 m/s&friction=regularized")
+    assert shown.numbers["slowest"].startswith("-")
+    # from the lowest to the highest point of the axes that V is drawn at, most of their height
+    rows = """canvas => { const c = document.querySelector(canvas);
+        const [r, g, b] = getComputedStyle(document.body).getPropertyValue('--speed').trim()
+            .match(/[0-9a-f]{2}/g).map(h => parseInt(h, 16));
+        const copy = new OffscreenCanvas(c.width, c.height).getContext('2d');
+        copy.drawImage(c, 0, 0);
+        const { data } = copy.getImageData(0, 0, c.width, c.height);
+        const drawn = [];
+        for (let i = 0; i < data.length; i += 4)
+            if (data[i] === r && data[i + 1] === g && data[i + 2] === b)
+                drawn.push(Math.floor(i / 4 / c.width));
+        return [Math.min(...drawn) / c.height, Math.max(...drawn) / c.height, drawn.length] }"""
+    for chart in ("#speed-chart canvas", "#phase-canvas"):
+        top, bottom, count = shown.page.evaluate(f"({rows})('{chart}')")
+        assert top < 0.2, chart
+        assert 0.6 < bottom < 0.95, chart
+        assert count > 100, chart
+    # and back on a logarithmic one
+    shown.page.select_option("#friction", "log")
+    shown.wait()
+    assert not shown.numbers["slowest"].startswith("-")
+    assert "outside the domain" in shown.text("#reasons")
+
+
 def test_a_law_has_its_own_fields(show):
     shown = show()
     own = ["b2", "Dc2"]

@@ -1,8 +1,8 @@
-// The phase plane: V on a logarithmic axis against tau/sigma.
+// The phase plane: V against tau/sigma, on a logarithmic axis, or a linear one where slip reverses.
 
 import { Plane } from "./plane.js";
 import { color } from "./theme.js";
-import { counted, speeds } from "./ticks.js";
+import { backward, counted, speeds } from "./ticks.js";
 import { parts } from "./words.js";
 
 const PADDING = 0.07;
@@ -47,9 +47,11 @@ export class Phase {
     const stresses = (wanted) => counted(across.low, across.high, wanted);
     const label = [["i", "\u03c4"], ["", " / "], ["i", "\u03c3"], ["", stresses(5)[1]]];
     Object.assign(this.plane.x, across, { ticks: (wanted) => stresses(wanted)[0], label });
-    const [slow, fast] = extremes(shown.map(([, V]) => V)).map(Math.log);
+    const ends = extremes(shown.map(([, V]) => V));
+    const log = !backward(ends[0]);
+    const [slow, fast] = log ? ends.map(Math.log) : ends;
     const room = Math.max(PADDING * (fast - slow), 1e-6);
-    const range = { low: Math.exp(Math.max(slow - room, -700)), high: Math.exp(fast + room) };
+    const range = log ? { log, low: Math.exp(Math.max(slow - room, -700)), high: Math.exp(fast + room) } : { log, low: slow - room, high: fast + room };
     const [, unit] = speeds(range.low, range.high, 5);
     const ticks = (wanted) => speeds(range.low, range.high, wanted)[0];
     Object.assign(this.plane.y, range, { ticks, label: ["V", unit].flatMap(parts) });

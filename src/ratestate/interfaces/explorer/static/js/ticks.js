@@ -44,10 +44,13 @@ export function counted(low, high, wanted, unit = "") {
   return [ticks.map(([value, tick]) => [base + value * size, tick]), label];
 }
 
-/** The same of speeds [m/s] on a logarithmic axis: over less than a decade in a fitting unit. */
+/** Whether a speed has no place on a logarithmic axis. */
+export const backward = (V) => V <= 0;
+
+/** The same of speeds [m/s] on a logarithmic axis: over less than a decade, or back too, in a fitting unit. */
 export function speeds(low, high, wanted) {
-  if (high > 10 * low) return [logarithmic(low, high, wanted), "  [m/s]"];
-  const [power, prefix] = prefixOf(high, "m/s");
+  if (!backward(low) && high > 10 * low) return [logarithmic(low, high, wanted), "  [m/s]"];
+  const [power, prefix] = prefixOf(Math.max(-low, high), "m/s");
   const [ticks, label] = counted(low / 10 ** power, high / 10 ** power, Math.min(wanted, 5), micro(`${prefix}m/s`));
   return [ticks.map(([value, text]) => [value * 10 ** power, text]), label];
 }

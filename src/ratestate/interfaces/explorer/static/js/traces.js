@@ -1,19 +1,21 @@
-// The motion against time: tau/sigma with mu, and V on a logarithmic axis.
+// The motion against time: tau/sigma with mu, and V on a logarithmic axis, or a linear one where slip reverses.
 
 import uPlot from "../vendor/uPlot.js";
 import { element } from "./dom.js";
 import { round, shown, timeUnit } from "./numbers.js";
 import { FONT, color, onTheme } from "./theme.js";
-import { counted, linear, speeds } from "./ticks.js";
+import { backward, counted, linear, speeds } from "./ticks.js";
 
 const AXIS_WIDTH = 44;
 const PADDING = 0.06;
+const LOGARITHMIC = { distr: 3, range: (_, low, high) => padded(Math.log(low), Math.log(high)).map(Math.exp) };
 
 export class Traces {
   /** readout: element that tells values at the pointer, and what the lines are */
   constructor(stressBox, speedBox, readout) {
     Object.assign(this, { stressBox, speedBox, readout });
     this.unit = [1, "s"];
+    this.reverses = false;
     this.build();
     new ResizeObserver(() => this.fit()).observe(stressBox);
     onTheme(() => {
@@ -52,7 +54,7 @@ export class Traces {
     this.speed = new uPlot(
       {
         ...common,
-        scales: { x: { time: false }, y: { distr: 3, range: (_, low, high) => padded(Math.log(low), Math.log(high)).map(Math.exp) } },
+        scales: { x: { time: false }, y: this.reverses ? { range: (_, low, high) => padded(low, high) } : LOGARITHMIC },
         axes: [axis({ size: 24, label: "Time", ...this.times() }), y(ticking(rates, 34), "V  [m/s]")],
         series: [{}, line("run", { width: 1, dash: [5, 4], paths: uPlot.paths.stepped({ align: 1 }) }), line("speed")],
       },
@@ -80,17 +82,22 @@ export class Traces {
     const span = time.length ? time.at(-1) - time[0] : 1;
     this.unit = timeUnit(Math.max(span / 2, 1e-300));
     const t = time.map((value) => value / this.unit[0]);
-    const load = time.map((value) => (value < 0 ? picture.values.V_from : picture.values.V_lp));
+    const { V_from, V_lp } = picture.values;
+    const load = time.map((value) => (value < 0 ? (V_from ?? V_lp) : V_lp));
     this.data = { t, stress, mu, V, load };
+    if (this.reverses !== V.some(backward)) {
+      this.reverses = !this.reverses;
+      this.build();
+    }
     this.speed.axes[0].label = `Time  [${this.unit[1]}]`;
     this.stress.setData([t, stress, mu]);
     this.speed.setData([t, load, V]);
     this.tell(null);
   }
 
-  /** A line where the load point steps. */
+  /** A line where the load point or the normal stress steps: what is before it has times below 0. */
   stepLine(plot) {
-    if (!this.picture || this.picture.values.V_from === null) return;
+    if (!(this.data?.t[0] < 0)) return;
     const x = Math.round(plot.valToPos(0, "x", true));
     const { top, height } = plot.bbox;
     plot.ctx.save();
