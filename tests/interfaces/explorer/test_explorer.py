@@ -373,8 +373,20 @@ class TestPicture:
             arrays["run_stress"][at], rel=1e-6
         )
         assert -arrays["run_time"][0] <= 3.0 * float(cycle.period) * (1 + 1e-5)
-        # a fifth of the time shown, to a step of the cycle
-        assert -arrays["run_time"][0] / arrays["run_time"][-1] == pytest.approx(0.2, rel=0.05)
+
+    @pytest.mark.parametrize("V_from", ["50 um/s", "10 nm/s", "1 nm/s", "1e-12 m/s", "1e-15 m/s"])
+    def test_a_fifth_of_the_time_shown_is_before_a_step(self, V_from):
+        """However slow the motion before: there it rests at its stress maximum."""
+        _, arrays = painted(STICK_SLIP | {"V_from": V_from})
+        time, tau = arrays["run_time"], arrays["run_stress"]
+        assert -time[0] / np.ptp(time) == pytest.approx(0.2, rel=1e-4)
+        before = orbit(FIG4, to_si("V_lp", V_from))
+        at = np.searchsorted(time, 0.0)
+        assert time[at] == 0.0
+        assert tau[at] == pytest.approx(float(before.tau[0] / FIG4.sigma), rel=1e-6)
+        assert arrays["run_V"][at] == pytest.approx(to_si("V_lp", V_from), rel=1e-3)
+        # what comes after the step is seen: slips of the cycle
+        assert arrays["run_V"][time > 0.0].max() > 1e-2
 
     def test_a_runaway_is_shown_as_far_as_it_comes(self):
         header, arrays = painted(RUNAWAY)

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics.simulation.simulate import simulate_call
+from ...dynamics.simulation.simulate import simulate, simulate_call
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 
-RTOL = 1e-6
+RTOL, RTOL_BEFORE = 1e-6, 1e-9  # of the run shown, and of the motion up to its start
 # Speed of the steady sliding in which a run begins, over V_lp: as for `limit_cycle`.
 START = 0.1
 # Cycles shown: at least, at most; and by how many decades a disturbance decays meanwhile.
@@ -51,7 +51,7 @@ def plan_of(verdict, orbit, before=None):
         settings = {"loading": loading, "t_end": time, "V_start": START * verdict.V_lp}
         return Plan(verdict.slider, settings, 0.0)
     slider, V_from, cycle = before
-    start, lead = _start_settings(slider, V_from, cycle, LEAD * time)
+    start, lead = _start_settings(slider, V_from, cycle, time * LEAD / (1.0 - LEAD))
     loading = Loading.constant(V_from)
     if verdict.V_lp != V_from:
         loading = loading.step(lead, verdict.V_lp)
@@ -87,18 +87,26 @@ def _durations(verdict, orbit):
 
 
 def _start_settings(slider, V_from, cycle, lead):
-    """Settings of a run that starts in steady sliding or a cycle; the time of the step."""
+    """Settings of a run that starts in steady sliding or on a cycle; the time of the step.
+
+    A cycle, whose orbit begins at its stress maximum, starts where it has that at the step.
+    """
     if cycle is None or cycle.sizes["time"] < 2:
         return {"V_start": V_from}, _rounded(lead)
-    times = cycle.time.values
-    period = times[-1]
-    lead = min(lead, LEAD_CYCLES * period)
-    i = int(np.argmin(np.abs(times[:-1] - (-lead) % period)))
+    period = float(cycle.time[-1])
+    lead = _rounded(min(lead, LEAD_CYCLES * period))
     names = ("V", *slider.friction_law.states, *(("tau",) if slider.M > 0.0 else ()))
-    # the step comes at the stress maximum
-    initial = {name: float(cycle[name][i]) for name in names}
-    whole = np.floor(lead / period) * period
-    return {"initial": initial}, _rounded(whole + (period - times[i] if i else 0.0) or period)
+    initial = {name: float(cycle[name][0]) for name in names}
+    since = -lead % period  # time from the maximum before the start to the start
+    run = simulate(
+        slider,
+        Loading.constant(V_from),
+        since or period,
+        initial=initial,
+        times=[since],
+        rtol=RTOL_BEFORE,
+    )
+    return {"initial": {name: float(run[name][-1]) for name in names}}, lead
 
 
 def _rounded(time):

@@ -35,7 +35,7 @@ class Study(NamedTuple):
 def study_of(state, deadline):
     """The `Study` of a `PageState`; a search that fails or takes too long is no error, but noted.
 
-    `TimeUp` if the verdict takes too long, backend.Stopped if it was cancelled.
+    `TimeUp` if the verdict or the run's start takes too long, backend.Stopped if it was cancelled.
     """
     cycle, orbit = _attractor(state.slider, state.V_lp, deadline)
     with deadline.part():
@@ -51,7 +51,9 @@ def study_of(state, deadline):
                 "No limit cycle was found at the speed and normal stress before the step: the run "
                 "begins in steady sliding there, stable or not."
             )
-    return Study(verdict, orbit, plan_of(verdict, orbit, before), notes)
+    with deadline.part():
+        plan = plan_of(verdict, orbit, before)
+    return Study(verdict, orbit, plan, notes)
 
 
 def picture(state, deadline):
