@@ -2,6 +2,7 @@
 
 ==================== ============================================================================
 ``law``              what a friction law is
+``law_properties``   what follows from it: numbers of its arguments, steady sliding
 ``laws``             the built-in laws, a file each
 ``forms``            forms of friction beside that of eq. 1, a file each
 ``kinematics``       how fast a slider slips, by the engine's variables; whether it may reverse
