@@ -5,8 +5,9 @@ A polynomial is a tuple of 5 coefficients, the constant first.
 
 import math
 
+from .drift import UNITY
+from .equations import speed_alone
 from .jit import inlined, inner, recursive
-from .rodas5p import UNITY, speed_alone
 from .rows import rows_of
 from .tuples import dot_onto, read_rows, times
 
