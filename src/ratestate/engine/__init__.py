@@ -18,7 +18,8 @@
 ``reversing``                         the derivative where slip may reverse
 ``tuples``                            arithmetic on states of any number of variables
 ``step_control``                      whether a step is accepted, and how large the next one is
-``dense_output``                      polynomials within a step, and where they cross
+``dense_output``                      polynomials within a step
+``extremes``                          where in it forces and speeds are extreme, and speeds cross
 ``events``, ``return_events``         what happens within a step: extremes, returns, runaway
 ``periodicity``                       which period a run has, or that it has none
 ``im2017``                            the paper's own scheme

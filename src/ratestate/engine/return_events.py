@@ -7,9 +7,10 @@ is as accurate as the steps are.
 import math
 
 from . import rows as R
-from .dense_output import components, crossing, polynomial
+from .dense_output import components, polynomial
 from .equations import exponentials_alone, inertial_force
 from .events import observe, outrun
+from .extremes import crossing
 from .jit import inner
 from .lanes import beyond_limit, steadies, system_of
 from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING
