@@ -5,6 +5,7 @@ Public is what docs/reference/api.rst names: a summary, every parameter and what
 
 import functools
 import importlib
+import inspect
 import re
 import sys
 import types
@@ -29,7 +30,7 @@ def public_objects():
         value = find(name)
         yield name, value
         if members:
-            for member, function in vars(value).items():
+            for member, function in inspect.getmembers_static(value):
                 if not member.startswith("_") and isinstance(function, METHODS):
                     yield f"{name}.{member}", getattr(value, member)
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate import Loading, ParameterError, continue_cycle, limit_cycle, simulate
-from ratestate.dynamics import basin
+from ratestate.dynamics import disturbances
 from ratestate.dynamics.basin import escape
 from ratestate.engine.model import FINISHED, NO_CONVERGENCE, STEP_LIMIT
 from ratestate.friction.quasi_static import (
@@ -311,7 +311,7 @@ def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
     def escapes(system, kind, largest, progress):
         return np.arange(1.0, 5.0), np.array(ends), np.full((4, 2), 0.1)
 
-    monkeypatch.setattr(basin, "_smallest_escapes", escapes)
+    monkeypatch.setattr(disturbances, "_search", escapes)
     stiff = STRIP.replace(K=xr.DataArray([6.06e8, 5e8], dims="K"))  # the second has nothing to lose
     found = escape(stiff, V_LP)
     assert found.outcome.values.tolist() == [outcome, "no steady sliding"]

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from load_step import load_step
 from scipy.optimize import minimize_scalar
 from synthetic_records import record
 from textbook import Textbook, drawn
@@ -52,11 +53,8 @@ def test_a_step_is_that_of_the_textbook(law, mass):
     """By SciPy's Radau; without mass through what would be an instability without damping."""
     parameters, V = heavy(law, np.random.default_rng(8))
     parameters |= {} if mass else {"M": 0.0, "K": 0.4 * parameters["K"]}
-    twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)
-    times = np.linspace(0.0, 6.0 * parameters["Dc"] / V, 7)
-    steps = {"times": times, "V_start": V / 3.0}
-    run = rs.simulate(case, rs.Loading.constant(V), times[-1], rtol=RTOL, **steps)
-    exact = twin.solve(twin.steady(V / 3.0), V, times)
+    simulate, times, twin, exact = load_step(law, parameters, V)
+    run = simulate(times=times, rtol=RTOL)
     assert twin.differs(run, exact) < 100 * RTOL
     assert abs(float(run.energy_residual)) < 10 * RTOL
 

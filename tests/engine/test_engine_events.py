@@ -6,6 +6,7 @@ from numba import njit
 
 from ratestate.engine import (
     dense_output,
+    extremes,
     law_methods,  # noqa: F401  (compiled code calls methods of laws)
 )
 from ratestate.friction.composition import composed, under_varying_stress
@@ -45,7 +46,7 @@ def test_where_a_step_has_its_extreme(roots, at, sign):
 
 @njit
 def crossing(c, w_lp, dw, log_w_lp):
-    return dense_output.crossing_of_v(c, w_lp, dw, log_w_lp)
+    return extremes.crossing_of_v(c, w_lp, dw, log_w_lp)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -80,7 +81,7 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
 
 @njit
 def extreme_value(c, parts, h, law, p):
-    return dense_output.extreme_value(c, parts, h, law, p)
+    return extremes.extreme_value(c, parts, h, law, p)
 
 
 class Viscous(SlipLaw):

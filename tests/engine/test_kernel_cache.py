@@ -109,7 +109,7 @@ def test_kernels_are_of_their_sources(tmp_path, monkeypatch):
     forms = {name for name in others if name.startswith("friction/forms/")}
     assert len(forms) == len(FORMS) + 1
     assert others - forms == {"friction/laws/__init__.py", "friction/functions.py"} | laws
-    assert len(laws) == len(LAWS) + 6  # of what laws have in common
+    assert len(laws) == len(LAWS) + 8  # of what laws have in common
     assert matters - others == {f"engine/{path.name}" for path in (package / "engine").glob("*.py")}
     (tmp_path / "friction" / "laws" / "another.py").write_text("# a law\n")
     assert cache._digest() != cache.DIGEST

@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from load_step import load_step
 from numba import njit
 from textbook import OF_LAW, Textbook, drawn
 
@@ -192,16 +193,12 @@ def test_friction_is_that_of_the_textbook(law, form, seed):
 def test_a_step_is_that_of_the_textbook(law, mass, damping):
     parameters, V = cut(law, np.random.default_rng(8))
     parameters["damping"] = damping * parameters["a"] * parameters["sigma"] / V
-    parameters |= {} if mass else {"M": 0.0}
-    twin = Textbook(law, parameters)
-    case = rs.SpringSlider(**parameters, law=law, friction="cut-off")
-    times = np.linspace(0.0, 6.0 * parameters["Dc"] / V, 7)
-    start = {"times": times, "V_start": V / 3.0}
-    run = rs.simulate(case, rs.Loading.constant(V), times[-1], rtol=RTOL, **start)
-    exact = twin.solve(twin.steady(V / 3.0), V, times)
+    parameters |= {"friction": "cut-off"} | ({} if mass else {"M": 0.0})
+    simulate, times, twin, exact = load_step(law, parameters, V)
+    run = simulate(times=times, rtol=RTOL)
     assert twin.differs(run, exact) < 100 * RTOL
     assert abs(float(run.energy_residual)) < 10 * RTOL
-    whole = rs.simulate(case, rs.Loading.constant(V), times[-1], rtol=RTOL, V_start=V / 3.0)
+    whole = simulate(rtol=RTOL)
     assert float(run.mu_min) == float(whole.mu_min) <= float(whole.mu.min())
     assert float(run.mu_min) == pytest.approx(float(whole.mu.min()), abs=0.02 * parameters["a"])
 

@@ -8,7 +8,7 @@
 ``frequency_response``             `frequency_response`: gain, phase, resonance and its quality
 ``hopf``                           `hopf` and `bautin`: type of the bifurcation, which is degenerate
                                    where its coefficient is within rounding of 0
-``basin``                          `escape`: sizes of disturbances tried, accuracy of the smallest
+``basin``, ``disturbances``        `escape`; sizes of disturbances tried, accuracy of the smallest
 ``atlas``                          `atlas`: range and density of its axes
 ``verdict``                        `verdict`: regimes without mass, K up to which a fold is sought
 ``verdict_sentences``              its text: which sentences hold, when K counts as K_c, and when

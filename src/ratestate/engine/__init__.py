@@ -12,11 +12,14 @@
 ``return_map``                        from one point of the section V = V_lp to the next
 ``lanes``, ``return_lanes``, ``rows`` loops over sliders side by side; the layout of their buffer
 ``lane_case``                         which case a lane takes, its first step, when to give up
+``equations``                         the equations at one point: speed, force, power
 ``rodas5p``, ``tableau``, ``tangent`` a step, its coefficients, its derivative
+``drift``                             what a step takes from equations that change in time
 ``reversing``                         the derivative where slip may reverse
 ``tuples``                            arithmetic on states of any number of variables
 ``step_control``                      whether a step is accepted, and how large the next one is
-``dense_output``                      polynomials within a step, and where they cross
+``dense_output``                      polynomials within a step
+``extremes``                          where in it forces and speeds are extreme, and speeds cross
 ``events``, ``return_events``         what happens within a step: extremes, returns, runaway
 ``periodicity``                       which period a run has, or that it has none
 ``im2017``                            the paper's own scheme

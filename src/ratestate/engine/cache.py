@@ -40,7 +40,7 @@ def _digest():
     here = Path(__file__).parent
     laws = here.parent / "friction"
     names = (
-        *("law", "kinematics", "force_balance", "functions"),
+        *("law", "law_properties", "kinematics", "reversing", "force_balance", "functions"),
         *("two_states", "damping", "normal_stress"),
     )
     shared = [laws / f"{name}.py" for name in names]

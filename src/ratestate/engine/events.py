@@ -6,15 +6,14 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 
 from ..friction.kinematics import LIMIT
 from . import rows as R
-from .dense_output import (
+from .dense_output import components, polynomial
+from .extremes import (
     FRICTION,
     INERTIAL_FORCE,
     WITH_STRENGTH,
-    components,
     crossing,
     extreme_speed,
     extreme_value,
-    polynomial,
 )
 from .jit import inner
 from .lanes import beyond_limit, extrema

@@ -17,10 +17,10 @@ import math
 
 from . import lanes as L
 from . import rows as R
+from .equations import exponentials_alone
 from .exp import exp_alone
 from .jit import inner, kernel
 from .model import IM2017_EULER, NO_ROOT
-from .rodas5p import exponentials_alone
 from .rows import rows_of
 from .step_control import step_size
 from .tuples import dot_onto, read_rows, total, write_rows

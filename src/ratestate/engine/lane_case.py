@@ -3,10 +3,10 @@
 import math
 
 from . import rows as R
+from .equations import exponentials_alone
 from .jit import inner
 from .lanes import TOO_MANY_FAILURES
 from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW
-from .rodas5p import exponentials_alone
 from .rows import rows_of
 from .tuples import load_rows, read_rows, sum_of_sizes, write_rows
 

@@ -5,9 +5,10 @@ instructions, and gets the same bits, wherever it sits.
 """
 
 from . import rows as R
+from .drift import UNITY
+from .equations import inertial_force, later
 from .jit import inlined, lanewise
 from .model import RUNNING
-from .rodas5p import UNITY, inertial_force, later
 from .rodas5p import step as rodas5p_step
 from .rows import rows_of
 from .step_control import control_step, step_size

@@ -8,10 +8,10 @@ import math
 from ..friction.kinematics import LIMIT
 from ..friction.normal_stress import PHASE, S
 from . import rows as R
+from .equations import exponentials_alone
 from .jit import inner, recursive
 from .lane_case import take_note
 from .model import NOT_FINITE, RUNAWAY
-from .rodas5p import exponentials_alone
 from .rows import rows_of
 from .tuples import read_rows, write_rows
 

@@ -7,13 +7,14 @@ is as accurate as the steps are.
 import math
 
 from . import rows as R
-from .dense_output import components, crossing, polynomial
+from .dense_output import components, polynomial
+from .equations import exponentials_alone, inertial_force
 from .events import observe, outrun
+from .extremes import crossing
 from .jit import inner
 from .lanes import beyond_limit, steadies, system_of
 from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING
 from .return_lanes import changes_of_speed, load_each, step_of_lane
-from .rodas5p import exponentials_alone, inertial_force
 from .rows import rows_of
 from .tuples import dot, dot_onto, minus_dot, of_each, plus, read_rows, times, write_rows
 

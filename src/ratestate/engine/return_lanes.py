@@ -2,8 +2,8 @@
 
 from . import lanes as L
 from . import rows as R
+from .equations import inertial_force
 from .jit import inlined, lanewise, recursive
-from .rodas5p import inertial_force
 from .rows import rows_of
 from .tangent import step as tangent_step
 from .tuples import (

@@ -10,8 +10,8 @@ r            change of ln c, t q - sigma
 """
 
 from ..friction.kinematics import LIMIT
+from .equations import inertial_force
 from .jit import inlined
-from .rodas5p import inertial_force
 from .tuples import dot, plus, product, times, total
 
 

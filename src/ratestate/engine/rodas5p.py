@@ -17,45 +17,11 @@ weights `B` that the method implies for a pure quadrature.
 from typing import NamedTuple
 
 from ..friction.kinematics import LIMIT
-from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
-from .exp import exp_alone, exp_and_inverse, exp_each, exp_each_alone
+from .drift import UNITY, drift_of, with_drift
+from .equations import exponentials, inertial_force, later, works
 from .jit import inlined, recursive
-from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
+from .tableau import DRIFT, GAMMA, NODES, A, B, C, H
 from .tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, zeros
-
-UNITY = (1.0,)
-
-
-@inlined
-def exponentials(u, law, p):
-    """w, 1/c and e of `kinematics` at u: e**v and e**-v, and those of laws and backward jumps."""
-    forward, inverse = exp_and_inverse(u[1])
-    back = exp_each(law.backward_exponent(u[1], u[2:], p))
-    w, c_inverse = law.net_speed(forward, inverse, back)
-    return w, c_inverse, (*back, *exp_each(law.own_exponents(u[1], w, u[2:], back, p)))
-
-
-@inlined
-def speed_alone(u, law, p):
-    """w, and the first of e, as of `exponentials`, of one slider alone."""
-    forward = exp_alone(u[1])
-    back = exp_each_alone(law.backward_exponent(u[1], u[2:], p))
-    w, _ = law.net_speed(forward, forward, back)
-    return w, back
-
-
-@inlined
-def exponentials_alone(u, law, p):
-    """w and e as of `exponentials`, of one slider alone."""
-    w, back = speed_alone(u, law, p)
-    return w, (*back, *exp_each_alone(law.own_exponents(u[1], w, u[2:], back, p)))
-
-
-@inlined
-def inertial_force(y, w, e, law, p):
-    """g = x - S, and the slopes of the stress S by omega and by psi, at y = (x, v, psi)."""
-    S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
-    return y[0] - law.stress_in_v(y[1], w, y[2:], p), S_v, S_psi
 
 
 class Arrow(NamedTuple):
@@ -152,49 +118,6 @@ def next_point(y, k):
     return plus_sum(y, A[i], k), sum_of(C[i], k)
 
 
-class Drift(NamedTuple):
-    """h d/dT of the equations at the start of a step, where x, v and psi are constant."""
-
-    x: float  # of dx/dT
-    v: tuple  # of m dv/dT
-    psi: tuple  # of d psi/dT; this and v are () unless normal stress varies
-
-
-@inlined
-def drift_of(y, w, h, ramp, system, start):
-    """The `Drift` of a step from y."""
-    law, kappa, _, p = system
-    psi = times(h, law.rate_drift(y[1], w, y[2:], p))
-    strength = times(-h, law.strength_drift(y[1], w, y[2:], p))
-    return Drift(h * kappa * ramp, less_share(strength, start, psi), psi)
-
-
-@recursive
-def less_share(strength, start, psi):
-    """Of m dv/dT, where it has any: the strength's, and what the states take."""
-    if len(strength) == 0:
-        return ()
-    return (minus_dot(strength[0], times(start.m, start.shares), psi),)
-
-
-@inlined
-def with_drift(rest, drift, k):
-    """sum_j (C_ij/h) k_j + h d_i df/dT at the stage after those of the increments k; v's apart."""
-    if len(k) < 5:
-        d = D[len(k)]
-        psi = with_states(rest[2:], d, drift.psi)
-        return (rest[0] + d * drift.x, rest[1], *psi), times(d, drift.v)
-    return rest, ()  # (d_i is 0)
-
-
-@recursive
-def with_states(rest, d, drift):
-    """rest + d drift, where there is a drift."""
-    if len(drift) == 0:
-        return rest
-    return plus(rest, d, drift)
-
-
 @recursive
 def stages(k, powers, y, w_lp, dw, h, drift, system, start):
     """The increments of all eight stages, `works` at each but the first, and w, 1/c and e last.
@@ -227,19 +150,6 @@ def end_of_step(y, k, last, h, system):
     error = (k[7][0], k[7][1] + (y_new[1] - free[1]), *k[7][2:])
     w_new, _, e_new = exponentials(y_new, system[0], system[3])
     return (y_new, w_new, e_new), held, error, (sum_of(H[0], k), sum_of(H[1], k), sum_of(H[2], k))
-
-
-@inlined
-def later(system, dT):
-    """The system at a time dT later."""
-    law, kappa, eta0, p = system
-    return law, kappa, eta0, law.later(p, dT)
-
-
-@inlined
-def works(u, w, w_lp, system):
-    """Powers per a sigma V0 beyond their mu_ref part: of the load point; of what opposes motion."""
-    return u[0] * w_lp, system[0].stress_in_v(u[1], w, u[2:], system[3]) * w
 
 
 @inlined

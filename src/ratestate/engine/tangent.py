@@ -14,16 +14,9 @@ the logarithm of a volume of states grows.
 
 from ..friction.kinematics import LIMIT
 from . import reversing
+from .equations import exponentials, inertial_force
 from .jit import inlined, recursive
-from .rodas5p import (
-    end_of_step,
-    exponentials,
-    increment,
-    inertial_force,
-    next_point,
-    prepare,
-    solve_arrow,
-)
+from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
 from .tableau import A, B
 from .tuples import dot, dot_each, minus_dot, plus, plus_sum, product, sum_of, times, total, zeros
 

@@ -2,9 +2,11 @@
 
 ==================== ============================================================================
 ``law``              what a friction law is
+``law_properties``   what follows from it: numbers of its arguments, steady sliding
 ``laws``             the built-in laws, a file each
 ``forms``            forms of friction beside that of eq. 1, a file each
-``kinematics``       how fast a slider slips, by the engine's variables; whether it may reverse
+``kinematics``       how fast a slider slips, by the engine's variables
+``reversing``        the same where slip may reverse
 ``functions``        what these are written with, of which the engine has its own versions
 ``composition``      a law with what else stands in the balance of forces, as one law
 ``damping``          a dashpot beside friction

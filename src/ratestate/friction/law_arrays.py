@@ -11,11 +11,12 @@ from types import SimpleNamespace
 import numpy as np
 
 from .law import FrictionLaw
+from .law_properties import LawProperties
 
 #: methods that Python calls with arrays
 METHODS = [
     name
-    for name, method in vars(FrictionLaw).items()
+    for name, method in (vars(FrictionLaw) | vars(LawProperties)).items()
     if inspect.isfunction(method)
     and {"p", "slider"} & {*inspect.signature(method).parameters}
     and name != "complaint"

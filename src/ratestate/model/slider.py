@@ -39,7 +39,7 @@ class SpringSlider(CriticalNumbers):
     Dc : float, str or DataArray
         Critical slip distance [m], > 0.
     sigma : float, str or DataArray
-        Normal stress [Pa], > 0.
+        Normal stress [Pa], > 0; that at t = 0, where the loading changes it.
     K : float, str or DataArray
         Stiffness of the spring per area [Pa/m], > 0.  inf is the rigid limit: V = V_lp.  Also
         friction per length, K/sigma, such as "1e-3/um", which is multiplied by sigma.
@@ -63,7 +63,9 @@ class SpringSlider(CriticalNumbers):
         waves, G/(2 c_s).  With it a slider without mass is quasi-dynamic: it slips, however fast.
     alpha : float or DataArray
         Response of the state to normal stress [1], >= 0, by default 0: theta falls by alpha/b with
-        ln sigma (Linker & Dieterich 1992).  Of `frequency_response`; sigma is constant in all else.
+        ln sigma (Linker & Dieterich 1992).  It acts where sigma varies: in `frequency_response`,
+        and in `simulate` and `fit` under a loading that changes it, by `Loading.sigma_step`, say.
+        For all else, `stability` and `limit_cycle` among it, sigma is constant.
     area : float, str or DataArray, optional
         Area of the contact [m^2], > 0.  The motion does not depend on it, but with it sigma, K, M
         and damping may be given for the whole contact [N, N/m, kg, N s/m], and reports and figures

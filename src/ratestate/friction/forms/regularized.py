@@ -4,8 +4,8 @@ import functools
 from types import MappingProxyType
 
 from ..functions import asinh_of_exp, scaled, weighted_sum
-from ..kinematics import Reversing
 from ..law import FrictionLaw
+from ..reversing import Reversing
 
 NAME = "regularized"
 #: symbol -> what it is, of its parameters: none

@@ -1,19 +1,15 @@
 """Steps, holds and ramps: what is put at the end of a history that goes on for ever.
 
-`step`, `hold` and `ramp` return a dict of the fields that change: t, V, rate and returns; those of
-normal stress its history.  They raise ParameterError for a history with an end, a time before the
-last event's end, a wrong unit or range, an array of times, and arrays that clash.
+They return a dict of the fields that change: t, V, rate and returns.  They raise ParameterError for
+a history with an end, a time before the last event's end, a wrong unit or range, an array of times,
+and arrays that clash.
 """
-
-import dataclasses
 
 import numpy as np
 
 from ...errors import ParameterError
 from ..arrays import appended, check_aligned
 from ..units import is_array, to_si
-from .normal_stress import NormalStress
-from .shapes import period_of
 
 
 def step(loading, t, V):
@@ -25,7 +21,7 @@ def step(loading, t, V):
 def hold(loading, t, duration):
     """The fields of a `Loading` that change by a hold from t [s] on, for a duration [s]."""
     t = _time(loading, t)
-    end = _end(t, duration, "hold")
+    end = end_of(t, duration, "hold")
     after = loading.V[..., -1]
     return _changed(loading, t, {t: (0.0, 0.0), end: (after, 0.0)}, returns=True)
 
@@ -33,7 +29,7 @@ def hold(loading, t, duration):
 def ramp(loading, t, V, duration):
     """The fields of a `Loading` that change by a ramp from t [s] on, to V within a duration [s]."""
     t, V = _time(loading, t), speed_from(t, V)
-    end = _end(t, duration, "ramp")
+    end = end_of(t, duration, "ramp")
     before = loading.V[..., -1]
     check_aligned({"V_lp before": before, f"V_lp from t = {end!r} s on": V})
     with np.errstate(over="ignore"):
@@ -41,55 +37,6 @@ def ramp(loading, t, V, duration):
     if not np.isfinite(rate).all():
         raise ParameterError(f"ramp = {duration!r} is too short; for a jump leave it out")
     return _changed(loading, t, {t: (before, rate), end: (V, 0.0)}, returns=True)
-
-
-def sigma_step(loading, t, sigma):
-    """The `NormalStress` of a `Loading`, and a step to sigma [Pa] at t [s]."""
-    before = _stress_so_far(loading)
-    t = _time_of_stress(loading, before, t)
-    return before.then(t, _stress_from(t, sigma))
-
-
-def sigma_ramp(loading, t, sigma, duration):
-    """The `NormalStress` of a `Loading`, and a ramp to sigma [Pa] from t [s] on."""
-    before = _stress_so_far(loading)
-    t = _time_of_stress(loading, before, t)
-    return before.then_ramp(t, _stress_from(t, sigma), _end(t, duration, "ramp"))
-
-
-def sigma_sinusoid(loading, amplitude, period, frequency):
-    """The `NormalStress` of a `Loading`, and a sinusoid on top of it."""
-    before = _stress_so_far(loading)
-    if not np.all(np.isinf(before.period)):
-        raise ParameterError("the normal stress has a sinusoid already, and can have only one")
-    amplitude = to_si("sigma", amplitude, label="amplitude", bound=">= 0")
-    period = period_of("a sinusoid of sigma", period, frequency)
-    check_aligned({"amplitude": amplitude, "period": period})
-    return dataclasses.replace(before, amplitude=amplitude, period=period)
-
-
-def _stress_so_far(loading):
-    stress = loading.normal_stress or NormalStress()
-    if not np.isnan(np.asarray(stress.start)[..., 0]).all():
-        raise ParameterError(
-            "the series has a normal stress of its own; put the change into its rows"
-        )
-    return stress
-
-
-def _time_of_stress(loading, stress, t):
-    """When an event of normal stress begins [s]: after the last one, and within the history."""
-    t = one_time(t, "the time of a step")
-    if t >= loading.t_last:
-        raise ParameterError(
-            f"t = {t!r} s is not before the end of the history, {loading.t_last!r} s"
-        )
-    return _after(t, float(stress.t[-1]), stress.returns, "normal stress")
-
-
-def _stress_from(t, sigma):
-    """Normal stress [Pa], > 0, from t [s] on: float or DataArray, else ParameterError."""
-    return to_si("sigma", sigma, label=f"sigma from t = {t!r} s on", bound="> 0")
 
 
 def _time(loading, t):
@@ -100,10 +47,10 @@ def _time(loading, t):
             f"give steps to a constant speed, or put them into the rows of the series"
         )
     t = one_time(t, "the time of a step")
-    return _after(t, float(loading.t[-1]), loading.returns, "the history")
+    return time_after(t, float(loading.t[-1]), loading.returns, "the history")
 
 
-def _after(t, last, returns, what):
+def time_after(t, last, returns, what):
     """t [s], if it comes after the last event, or where a ramp ends."""
     if returns and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
         return last
@@ -128,7 +75,7 @@ def speed_from(t, V):
     return to_si("V_lp", V, label=f"V_lp from t = {t!r} s on", bound=">= 0")
 
 
-def _end(t, duration, label):
+def end_of(t, duration, label):
     """When an event is over [s]."""
     lasting = one_time(duration, f"the duration of a {label}", label)
     if not t < t + lasting < np.inf:

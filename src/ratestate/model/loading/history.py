@@ -9,12 +9,12 @@ from ..arrays import stack
 from ..units import is_array, to_si
 from . import events, record
 from .normal_stress import NormalStress
-from .segments import Segments
 from .shapes import Sine
+from .stress_history import StressHistory
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Loading(Segments):
+class Loading(StressHistory):
     """History of the load-point velocity from t = 0 on.
 
     Made by `constant`, `steps`, `series` or `sinusoid`; the first two go on with `step`, `hold`
@@ -40,7 +40,6 @@ class Loading(Segments):
 
     sine: Sine | None = None
     returns: bool | None = None
-    normal_stress: NormalStress | None = None
 
     @property
     def shape(self):
@@ -222,108 +221,6 @@ class Loading(Segments):
             A wrong unit or range; a history with an end, such as a series.
         """
         return dataclasses.replace(self, **events.ramp(self, t, V, duration))
-
-    def sigma_step(self, t, sigma):
-        """The same history, with another normal stress from time t on.
-
-        The slider's velocity does not jump with it; without mass it is at once the one at which
-        friction balances the spring.  (Without damping too, a large fall may ask for a speed beyond
-        double precision: take a short `sigma_ramp`.)  The state follows by the slider's alpha.
-
-        Parameters
-        ----------
-        t : float, str or pint.Quantity
-            Later than the last change of normal stress, or where a ramp of it ends [s], > 0.
-        sigma : float, str, pint.Quantity or DataArray
-            Normal stress from then on [Pa], > 0.
-
-        Returns
-        -------
-        Loading
-            The other history; this one stays as it is.
-
-        Raises
-        ------
-        ParameterError
-            A wrong unit or range; a series that has a normal stress of its own; t after the end
-            of the history.
-
-        Examples
-        --------
-        >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
-        <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
-        """
-        return dataclasses.replace(self, normal_stress=events.sigma_step(self, t, sigma))
-
-    def sigma_ramp(self, t, sigma, duration):
-        """The same history, with a steady change of normal stress to sigma.
-
-        Parameters
-        ----------
-        t : float, str or pint.Quantity
-            Its start [s], as of `sigma_step`.
-        sigma : float, str, pint.Quantity or DataArray
-            Normal stress in the end [Pa], > 0.
-        duration : float, str or pint.Quantity
-            Length of the change [s], > 0.
-
-        Returns
-        -------
-        Loading
-            The other history; this one stays as it is.
-
-        Raises
-        ------
-        ParameterError
-            As of `sigma_step`.
-        """
-        return dataclasses.replace(self, normal_stress=events.sigma_ramp(self, t, sigma, duration))
-
-    def sigma_sinusoid(self, amplitude, *, period=None, frequency=None):
-        """The same history, with amplitude sin(2 pi t/period) added to the normal stress.
-
-        Parameters
-        ----------
-        amplitude : float, str, pint.Quantity or DataArray
-            [Pa], >= 0; such that sigma stays > 0, which shows when the slider is known.
-        period, frequency : float, str, pint.Quantity or DataArray
-            One of them, > 0, [s] or [Hz].
-
-        Returns
-        -------
-        Loading
-            The other history; this one stays as it is.
-
-        Raises
-        ------
-        ParameterError
-            As of `sigma_step`; a normal stress that has a sinusoid already.
-        """
-        stress = events.sigma_sinusoid(self, amplitude, period, frequency)
-        return dataclasses.replace(self, normal_stress=stress)
-
-    def sigma(self, t, sigma):
-        """Normal stress [Pa] at times t [s] on a slider whose own is sigma; after a jump there.
-
-        Parameters
-        ----------
-        t : array or DataArray
-            Times from 0 to `t_last`, in any order.
-        sigma : float or DataArray
-            Normal stress of the slider [Pa].
-
-        Returns
-        -------
-        ndarray or DataArray
-            As of `V_load`.
-
-        Raises
-        ------
-        ParameterError
-            A time before 0 or after the end of a series.
-        """
-        self.checked(t)
-        return (self.normal_stress or NormalStress()).at(t, sigma)
 
     def __repr__(self):
         stress = self.normal_stress

@@ -26,7 +26,18 @@ class Segments:
         return named("V_load", self.V[..., 0])
 
     def covers(self, t_end):
-        """Raise ParameterError unless the history reaches to t_end [s] (float or DataArray)."""
+        """Refuse a time that the history does not reach.
+
+        Parameters
+        ----------
+        t_end : float or DataArray
+            Time [s].
+
+        Raises
+        ------
+        ParameterError
+            The history ends before it.
+        """
         if (last := float(np.max(t_end))) > self.t_last:
             raise ParameterError(
                 f"t_end = {last!r} s is beyond the end of the loading series, {self.t_last!r} s; "
@@ -56,15 +67,30 @@ class Segments:
         return named("V_load", np.maximum(V + rate * elapsed, 0.0))  # rounding may pass 0
 
     def delta_lp(self, t):
-        """Displacement of the load point [m] from t = 0 to times t [s], as `V_load`.
+        """Displacement of the load point [m] from t = 0 to times t [s].
 
         The exact integral of the piecewise linear speed, to a few units in the last place
         however many segments there are.
+
+        Parameters
+        ----------
+        t : array or DataArray
+            As of `V_load`.
+
+        Returns
+        -------
+        ndarray or DataArray
+            As of `V_load`.
+
+        Raises
+        ------
+        ParameterError
+            As of `V_load`.
         """
         V, rate, passed, elapsed = self._at(t)
         return named("delta_lp", passed + elapsed * (V + 0.5 * rate * elapsed))
 
-    def checked(self, t):
+    def _checked(self, t):
         """Times [s] as an ndarray; ParameterError for one outside the history."""
         seconds = np.asarray(t, dtype=float)
         outside = ~((seconds >= 0) & (seconds <= self.t_last))
@@ -76,7 +102,7 @@ class Segments:
 
     def _at(self, t):
         """V, rate, displacement so far of the segments that hold t, and the times since then."""
-        seconds = self.checked(t)
+        seconds = self._checked(t)
         k = np.searchsorted(self.t, seconds, side="right") - 1
         elapsed = seconds - self.t[k]
         columns = (self.V, self.rate, self._passed)

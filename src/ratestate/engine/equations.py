@@ -1,0 +1,54 @@
+"""The equations at one point: its speed and exponentials, the force there, and its power.
+
+A point is u or y = (x, v, psi), with a psi for each of the law's variables; the equations are those
+of `model`.
+"""
+
+from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
+from .exp import exp_alone, exp_and_inverse, exp_each, exp_each_alone
+from .jit import inlined
+
+
+@inlined
+def exponentials(u, law, p):
+    """w, 1/c and e of `kinematics` at u: e**v and e**-v, and those of laws and backward jumps."""
+    forward, inverse = exp_and_inverse(u[1])
+    back = exp_each(law.backward_exponent(u[1], u[2:], p))
+    w, c_inverse = law.net_speed(forward, inverse, back)
+    return w, c_inverse, (*back, *exp_each(law.own_exponents(u[1], w, u[2:], back, p)))
+
+
+@inlined
+def speed_alone(u, law, p):
+    """w, and the first of e, as of `exponentials`, of one slider alone."""
+    forward = exp_alone(u[1])
+    back = exp_each_alone(law.backward_exponent(u[1], u[2:], p))
+    w, _ = law.net_speed(forward, forward, back)
+    return w, back
+
+
+@inlined
+def exponentials_alone(u, law, p):
+    """w and e as of `exponentials`, of one slider alone."""
+    w, back = speed_alone(u, law, p)
+    return w, (*back, *exp_each_alone(law.own_exponents(u[1], w, u[2:], back, p)))
+
+
+@inlined
+def inertial_force(y, w, e, law, p):
+    """g = x - S, and the slopes of the stress S by omega and by psi, at y = (x, v, psi)."""
+    S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
+    return y[0] - law.stress_in_v(y[1], w, y[2:], p), S_v, S_psi
+
+
+@inlined
+def later(system, dT):
+    """The system at a time dT later."""
+    law, kappa, eta0, p = system
+    return law, kappa, eta0, law.later(p, dT)
+
+
+@inlined
+def works(u, w, w_lp, system):
+    """Powers per a sigma V0 beyond their mu_ref part: of the load point; of what opposes motion."""
+    return u[0] * w_lp, system[0].stress_in_v(u[1], w, u[2:], system[3]) * w

@@ -1,0 +1,186 @@
+"""Where in a step, by its dense output, forces and speeds are extreme, and speeds cross.
+
+Places are fractions of the step, 0 to 1, and c are the polynomials of x, v and psi.
+"""
+
+import math
+
+from .dense_output import derivative, derivatives, extreme, polynomial, polynomials
+from .drift import UNITY
+from .equations import speed_alone
+from .jit import inlined, inner, recursive
+from .tuples import dot_onto, times
+
+FORCE, SPEED, LEAD = (), (0.0,), (0.0, 0.0)
+# Parts of x, the stress S that opposes motion, the strength N and friction R: `force_and_slope`.
+INERTIAL_FORCE, FRICTION = (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
+
+
+@inner
+def crossing_of_v(c, w_lp, dw, log_w_lp):
+    """Where in 0..1 the polynomial c of v is ln(w_lp + dw s), which the caller has seen it cross.
+
+    w_lp, dw : speed at the start of the step, > 0 at any s, and its change in the step
+    log_w_lp : ln(w_lp), used where dw = 0
+    """
+    low, high = 0.0, 1.0
+    start = c[0] - (log_w_lp if dw == 0.0 else math.log(w_lp))
+    s = 0.5
+    for _ in range(60):
+        load = w_lp + dw * s
+        value = polynomial(c, s) - (log_w_lp if dw == 0.0 else math.log(load))
+        if (value < 0.0) == (start < 0.0):
+            low = s
+        else:
+            high = s
+        slope = derivative(c, s) - dw / load
+        new = s - value / slope if slope != 0.0 else 2.0
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - s) < 1e-14:
+            return new
+        s = new
+    return s
+
+
+@inner
+def force_and_slope(s, c, of, law, p):
+    """A sum of parts of x, S, N and R at s on the polynomials c of (x, v, psi); its slope.
+
+    of : the parts, and the length of the step
+    """
+    parts, h = of
+    p = law.later(p, s * h)
+    y = polynomials(c, s)
+    w, e = speed_alone(y, law, p)
+    by_x, d_omega, by_psi = slopes_along(s, c, w, e, law, p)
+    at = y[1], w, y[2:], e, p
+    drift = times(h, law.strength_drift(y[1], w, y[2:], p))
+    by_S = dot_onto(along(law.stress_slopes(*at), d_omega, by_psi), drift, UNITY)
+    by_N = dot_onto(along(law.strength_slopes(*at), d_omega, by_psi), drift, UNITY)
+    by_R = along(law.resistance_slopes(*at), d_omega, by_psi)
+    force = parts[0] * y[0] + parts[1] * law.stress_in_v(y[1], w, y[2:], p)
+    force += parts[2] * law.strength_in_v(y[1], w, y[2:], p)
+    force += parts[3] * law.resistance_in_v(y[1], w, y[2:], p)
+    return force, parts[0] * by_x + parts[1] * by_S + parts[2] * by_N + parts[3] * by_R
+
+
+@inlined
+def along(slopes, d_omega, d_psi):
+    """The change of what has these slopes."""
+    return dot_onto(slopes[0] * d_omega, slopes[1], d_psi)
+
+
+@inner
+def speed_and_slope(s, c, _, law, p):
+    """w at s on the polynomials c of (x, v, psi), and its slope."""
+    w, e = speed_alone(polynomials(c, s), law, p)
+    return w, law.speed_slope(w, e) * slopes_along(s, c, w, e, law, p)[1]
+
+
+@inlined
+def slopes_along(s, c, w, e, law, p):
+    """Derivatives of x, omega (`kinematics`) and psi, a tuple, with respect to s."""
+    dy = derivatives(c, s)
+    shares = law.shares(e, 1.0 / law.speed_slope(w, e), p)
+    return dy[0], dot_onto(dy[1], shares, dy[2:]), dy[2:]
+
+
+@inner
+def lead(s, c, load, law, p):
+    """v at s on the polynomials c of (x, v, psi), and less that of the load point's speed there.
+
+    load : its speed at the start of the step, and its change in the step
+    """
+    y = polynomials(c, s)
+    return y[1], y[1] - law.v_at(load[0] + load[1] * s, y[2:], p)
+
+
+@recursive
+def of_step(what, s, c, of, law, p):
+    """`force_and_slope`, `speed_and_slope` or `lead`: as there are 0, 1 or 2 of `what`.
+
+    (A function that is passed on has an address, with which no kernel can be kept on disk.)
+    """
+    if len(what) == 0:
+        return force_and_slope(s, c, of, law, p)
+    if len(what) == 1:
+        return speed_and_slope(s, c, of, law, p)
+    return lead(s, c, of, law, p)
+
+
+@inner
+def root(what, c, of, law, p):
+    """Where in 0..1 the second of what `of_step` gives vanishes, and the first there.
+
+    By regula falsi (Illinois).  Where it has one sign at both ends, the end where it is smaller in
+    size.
+    """
+    low, high = 0.0, 1.0
+    first, at_low = of_step(what, low, c, of, law, p)
+    here, at_high = of_step(what, high, c, of, law, p)
+    if (at_low < 0.0) == (at_high < 0.0):
+        return (0.0, first) if abs(at_low) < abs(at_high) else (1.0, here)
+    side, s, last = 0, 1.0, 2.0
+    for _ in range(100):
+        s = (low * at_high - high * at_low) / (at_high - at_low)
+        here, off = of_step(what, s, c, of, law, p)
+        if off == 0.0 or abs(s - last) < 1e-14:
+            break
+        last = s
+        if (off < 0.0) == (at_low < 0.0):
+            low, at_low = s, off
+            at_high = 0.5 * at_high if side == 1 else at_high
+            side = 1
+        else:
+            high, at_high = s, off
+            at_low = 0.5 * at_low if side == -1 else at_low
+            side = -1
+    return s, here
+
+
+@inner
+def extreme_value(c, parts, h, law, p):
+    """The value of a sum of parts where in 0..1 its slope vanishes, as of `root`.
+
+    h : length of the step, at the start of which the coefficients are p
+    """
+    return root(FORCE, c, (parts, h), law, p)[1]
+
+
+@inner
+def extreme_speed(c, law, p):
+    """Where in 0..1 the speed is extreme on the polynomials c, and its `order_of_speed`."""
+    return _extreme_speed(backward(c, law, p), c, law, p)
+
+
+@inner
+def crossing(c, w_lp, dw, log_w_lp, law, p):
+    """Where in 0..1 the speed is that of the load point, which the caller has seen it cross.
+
+    w_lp, dw, log_w_lp : as of `crossing_of_v`
+    """
+    return _crossing(backward(c, law, p), c, w_lp, dw, log_w_lp, law, p)
+
+
+@inlined
+def backward(c, law, p):
+    """The law's `backward_exponent` at the start of the step: () where v alone tells the speed."""
+    y = polynomials(c, 0.0)
+    return law.backward_exponent(y[1], y[2:], p)
+
+
+@recursive
+def _extreme_speed(back, c, law, p):
+    if len(back) == 0:
+        at = extreme(c[1])
+        return at, polynomial(c[1], at)
+    return root(SPEED, c, (), law, p)
+
+
+@recursive
+def _crossing(back, c, w_lp, dw, log_w_lp, law, p):
+    if len(back) == 0:
+        return crossing_of_v(c[1], w_lp, dw, log_w_lp)
+    return root(LEAD, c, (w_lp, dw), law, p)[0]
