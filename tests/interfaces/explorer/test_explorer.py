@@ -95,7 +95,7 @@ class TestEntries:
     def test_a_number_without_a_unit_is_in_SI(self, symbol, text, value):
         assert entries.values_of(VIBRATION | {symbol: text})[symbol] == value
 
-    @pytest.mark.parametrize("text", ["1_000", "5 5", "nan", "1e", "-5"])
+    @pytest.mark.parametrize("text", ["1_000", "5 5", "nan", "1e", "-5", "1e400", "1e-400", "1e21"])
     def test_not_every_text_is_a_number(self, text):
         assert entries.values_of(VIBRATION | {"M": text}) is None
 
@@ -473,7 +473,9 @@ class TestPicture:
         def fails(question, deadline):
             raise ZeroDivisionError("a bug")
 
-        header, _ = read(question_queue.run_job(fails, wire.Question(3, "csv", {}), Deadline(1.0)))
+        reply, failed = question_queue.run_job(fails, wire.Question(3, "csv", {}), Deadline(1.0))
+        header, _ = read(reply)
+        assert failed
         assert (header["id"], header["kind"]) == (3, "problem")
         assert "the explorer failed" in header["problems"][""]
         assert "a bug" in caplog.text

@@ -27,6 +27,7 @@ NONE = {symbol: readable(symbol, 0.0) for symbol in (*EXTRAS, "alpha")}
 BEFORE = {"V_from": "V_lp", "sigma_from": "sigma"}
 #: key of scenario files that entries must not have
 LAW_FILE = "law_file"
+_DIGIT = re.compile(r"^[-+]?[0.]*[1-9]")  # of a number that is not 0, at its beginning
 _BARE = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf)")
 
 
@@ -139,7 +140,8 @@ def _value(field, text):
         unit = QUANTITIES[symbol].unit
         bare = unit != "1" and _BARE.fullmatch(text)
         value = to_si(symbol, f"{text} {unit}" if bare else text, label=field)
-        if value == 0.0 or np.isinf(value) or SMALLEST <= abs(value) <= LARGEST:
+        exact = value == 0.0 and not _DIGIT.search(text) or np.isinf(value) and "inf" in text
+        if exact or SMALLEST <= abs(value) <= LARGEST:
             return value
         problem = f"= {text!r} is beyond any size"
     raise ParameterError(f"{field} {problem}; {expected(symbol)}")

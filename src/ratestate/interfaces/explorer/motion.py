@@ -48,7 +48,8 @@ def plan_of(verdict, orbit, before=None):
     time = _rounded(min(_durations(verdict, orbit)))
     if before is None:
         loading = Loading.constant(verdict.V_lp)
-        settings = {"loading": loading, "t_end": time, "V_start": START * verdict.V_lp}
+        start = float(f"{START * verdict.V_lp:.12g}")  # (0.1 times 0.2 is 0.020000000000000004)
+        settings = {"loading": loading, "t_end": time, "V_start": start}
         return Plan(verdict.slider, settings, 0.0)
     slider, V_from, cycle = before
     start, lead = _start_settings(slider, V_from, cycle, time * LEAD / (1.0 - LEAD))

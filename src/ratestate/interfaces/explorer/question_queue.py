@@ -15,6 +15,7 @@ log = logging.getLogger("ratestate.interfaces.explorer")
 class QuestionQueue:
     """A queue of questions, each answered by all jobs in turn: (question, deadline) -> bytes.
 
+    Of a job that fails the answer is the last one; the others would fail as well.
     A part of a job may take `seconds`, and all of it `whole`.  Of more than `capacity` questions
     the oldest is dropped.  A job goes on for `patience` [s] after a newer question has come, or,
     if that is None, to its end.
@@ -43,32 +44,39 @@ class QuestionQueue:
             for job in self.jobs:
                 deadline = self.deadline = Deadline(self.seconds, self.whole)
                 deadline.start()
+                work = run_job, job, question, deadline
                 try:
-                    reply = loop.run_in_executor(self.pool, run_job, job, question, deadline)
-                    await send(await reply)
+                    reply, failed = await loop.run_in_executor(self.pool, *work)
                 except Stopped:
                     break  # for a newer question
                 finally:
                     deadline.set()
+                await send(reply)
+                if failed:
+                    break
 
 
 def run_job(job, question, deadline):
-    """The answer of a job, or of kind "problem" if it failed; backend.Stopped if cancelled."""
+    """The answer of a job, of kind "problem" if it failed, and whether it did.
+
+    backend.Stopped if it was cancelled.
+    """
+    place = "map" if question.ask == "chart" else ""  # of what is wrong with no entry
     try:
-        return job(question, deadline)
+        return job(question, deadline), False
     except BadEntries as error:
         problems = error.problems
     except RateStateError as error:
-        problems = {"": str(error)}
+        problems = {place: str(error)}
     except TimeUp:
         seconds = min(deadline.seconds, deadline.whole)
         message = f"{question.ask}: this takes more than {seconds:g} s; Python has no such limit"
-        problems = {"": message}
+        problems = {place: message}
     except Exception:
         # by `Stopped`; or the program may be ending, and its threads with it
         if deadline.cancelled:
             raise Stopped from None
         log.exception("a question could not be answered: %r", question)
-        problems = {"": "the explorer failed on this; its terminal says more"}
+        problems = {place: "the explorer failed on this; its terminal says more"}
     values = values_of(question.entries)
-    return wire.answer(question.id, "problem", problems=problems, values=values)
+    return wire.answer(question.id, "problem", problems=problems, values=values), True

@@ -9,9 +9,8 @@ from functools import partial
 
 from starlette.websockets import WebSocketDisconnect
 
-from ...errors import RateStateError
 from . import charts, picture, wire
-from .entries import BEFORE, BadEntries, state_of
+from .entries import BEFORE, LONGEST, BadEntries, state_of
 from .exports import NAMES, export
 from .kernels import Kernels, kind_of
 from .menus import example, fields, menu, prefixes, presets
@@ -129,7 +128,8 @@ def _greeting():
     starts = presets()
     usual = fields(state_of(starts[0]["entries"]).values)
     header = {"fields": usual, "laws": menu(), "before": BEFORE, "prefixes": prefixes()}
-    return wire.answer(None, "hello", span=charts.SPAN, presets=starts, **header)
+    header |= {"presets": starts, "longest": LONGEST, "span": charts.SPAN}
+    return wire.answer(None, "hello", **header)
 
 
 def answer_picture(question, deadline):
@@ -140,11 +140,7 @@ def answer_picture(question, deadline):
 
 def answer_chart(question, deadline, size):
     """Answer "chart" at one size."""
-    slider = state_of(question.entries).slider
-    try:
-        header, arrays = charts.chart(slider, size, deadline)
-    except RateStateError as error:
-        return wire.answer(question.id, "problem", problems={"map": str(error)})
+    header, arrays = charts.chart(state_of(question.entries).slider, size, deadline)
     return wire.answer(question.id, "chart", arrays, **header)
 
 

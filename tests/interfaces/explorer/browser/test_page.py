@@ -9,9 +9,11 @@ import latency
 import numpy as np
 import pytest
 from conftest import serving
+from websockets.sync.client import connect
 
 import ratestate as rs
 from ratestate.interfaces import scenario
+from ratestate.interfaces.explorer.app import MOST_PAGES
 from ratestate.paper.parameters import FIG4
 
 DRAWN = """() => { const { asked, drawn } = document.body.dataset;
@@ -186,7 +188,7 @@ def test_one_wrong_entry_does_not_hold_up_the_others(show):
     shown.type("V_lp", "1 um/s")
     shown.page.click("#step-V_lp")
     shown.page.wait_for_selector("#stepped:visible")
-    assert shown.entry("V_lp") == "3 um/s"
+    assert shown.entry("V_lp") == "3 \u00b5m/s"
     assert "Stepped from 1 \u00b5m/s to 3 \u00b5m/s" in shown.text("#stepped")
     shown.page.fill("#entry-K", "1.1 GPa/m")
     shown.page.focus("#dot")
@@ -203,10 +205,61 @@ def test_one_wrong_entry_does_not_hold_up_the_others(show):
     assert shown.text("#banner") == ""
 
 
+def test_units_are_shown_as_they_are_written_and_linked_in_ascii(show):
+    shown = show()
+    assert [shown.entry(symbol) for symbol in ("Dc", "M")] == ["10 \u00b5m", "100 kg/m\u00b2"]
+    shown.type("Dc", "20 \u03bcm")  # the Greek letter, as some keyboards have it
+    shown.wait()
+    assert shown.numbers["K/Kc"] == "1.6"
+    shown.page.wait_for_function("() => location.hash.includes('Dc=20+um')")
+    assert "M=100+kg%2Fm%5E2" in shown.page.evaluate("location.href")
+    assert shown.entry("Dc") == "20 \u00b5m"
+
+
+@pytest.mark.parametrize("pasted", ["1" * 9000, "\u00b5" * 9000])
+def test_a_long_text_is_refused_and_the_connection_stays(show, pasted):
+    shown = show()
+    sockets = []
+    shown.page.on("websocket", lambda socket: sockets.append(socket.url))
+    shown.type("K", pasted)
+    shown.page.wait_for_selector("#problem-K:visible")
+    assert "K is longer than 64 characters" in shown.text("#problem-K")
+    shown.type("M", "500 kg/m^2")
+    shown.wait()
+    assert shown.numbers["K/Kc"] == "0.8"
+    other = show(f"K={pasted}")  # and so of a link
+    assert "longer than 64 characters" in other.text("#problem-K")
+    assert sockets == []
+
+
+def test_one_page_too_many_asks_ever_more_seldom(browser, server):
+    address = server.address.replace("http", "ws").rstrip("/") + "/socket"
+    with contextlib.ExitStack() as stack:
+        for _ in range(MOST_PAGES):
+            stack.enter_context(connect(address, origin=server.address.rstrip("/")))
+        page = stack.enter_context(contextlib.closing(browser.new_context())).new_page()
+        page.goto(server.address)
+        for seconds in ("0.5", "1", "2"):
+            page.wait_for_function(f"""() => document.querySelector('#banner').textContent
+                .includes('too many pages are open; close one); trying again in {seconds} s')""")
+
+
+def test_what_is_changed_without_a_connection_is_marked(browser):
+    with contextlib.ExitStack() as stack:
+        with serving() as first:
+            shown = Shown(browser, first.address)
+            stack.callback(shown.context.close)
+        shown.page.wait_for_selector("#banner.lost:visible")
+        opacity = "e => getComputedStyle(e).opacity"
+        assert shown.page.eval_on_selector("#verdict", opacity) == "1"  # it is of what is shown
+        shown.type("K", "2 GPa/m")
+        assert float(shown.page.eval_on_selector("#verdict", opacity)) < 1
+
+
 def test_a_number_in_SI_is_given_its_unit(show):
     shown = show()
     for symbol, text, unit in (
-        ("M", "500", "kg/m^2"),
+        ("M", "500", "kg/m\u00b2"),
         ("V_lp", "1e-4", "m/s"),
         ("K", "inf", "Pa/m"),
     ):
@@ -239,8 +292,8 @@ def test_the_dot_is_dragged(show):
         eta * moved, rel=0.1
     )
     # K and V_lp are set, M is not
-    assert shown.entry("M") == "100 kg/m^2"
-    assert shown.entry("V_lp") != "100 um/s"
+    assert shown.entry("M") == "100 kg/m\u00b2"
+    assert shown.entry("V_lp") != "100 \u00b5m/s"
     shown.page.check("[name=drag][value=M]")
     speed = shown.entry("V_lp")
     shown.page.focus("#dot")
@@ -322,17 +375,21 @@ def test_a_velocity_step_and_back(show):
     shown.page.fill("#factor-V_lp", "nonsense")
     shown.page.click("#step-V_lp")
     assert "expected a number > 0" in shown.text("#problem-V_from")
-    shown.page.fill("#factor-V_lp", "0.5")
+    for wrong in ("1/0", "1/2/3", "/2", "2/2"):
+        shown.page.fill("#factor-V_lp", wrong)
+        shown.page.click("#step-V_lp")
+        assert f"factor = '{wrong}' is no use" in shown.text("#problem-V_from")
+    shown.page.fill("#factor-V_lp", "1/2")
     # takes it in; the button steps, by a double click too
     shown.page.press("#factor-V_lp", "Enter")
     shown.page.dblclick("#step-V_lp")
     shown.wait()
-    assert shown.entry("V_lp") == "50 um/s"
+    assert shown.entry("V_lp") == "50 \u00b5m/s"
     assert "Stepped from 100 \u00b5m/s to 50 \u00b5m/s" in shown.text("#stepped")
     assert not shown.page.is_visible("#problem-V_from")
     shown.page.click("#unstep")
     shown.wait()
-    assert shown.entry("V_lp") == "100 um/s"
+    assert shown.entry("V_lp") == "100 \u00b5m/s"
     assert not shown.page.is_visible("#stepped")
 
 
@@ -356,7 +413,7 @@ def test_a_step_of_normal_stress_and_back(show):
     assert shown.text("#stepped").startswith("Stepped from 300 \u00b5m/s to 900 \u00b5m/s at")
     shown.page.click("#unstep")
     shown.wait()
-    assert [shown.entry(symbol) for symbol in ("V_lp", "sigma")] == ["300 um/s", "2.1 MPa"]
+    assert [shown.entry(symbol) for symbol in ("V_lp", "sigma")] == ["300 \u00b5m/s", "2.1 MPa"]
     # a link may have both at once, and both are undone together
     both = f"{latency.CASES['steady']}&V_from=0.1 mm/s&sigma_from=1.9 MPa"
     other = show(both)
@@ -397,7 +454,7 @@ def test_friction_has_forms_with_fields_of_their_own(show):
     shown.page.select_option("#law", "slip")
     shown.page.select_option("#friction", "cut-off")
     shown.wait()
-    assert shown.entry("V2") == "2 um/s"
+    assert shown.entry("V2") == "2 \u00b5m/s"
 
 
 def test_a_link_whose_friction_does_not_go_with_its_law(show):
@@ -413,10 +470,22 @@ def test_a_link_whose_friction_does_not_go_with_its_law(show):
     assert other.text("#headline") == shown.text("#headline")
 
 
+def test_the_legend_has_a_limit_cycle_where_there_is_one(show):
+    shown = show(latency.CASES["steady"])
+    assert not shown.page.is_visible("#cycle-key")
+    shown.type("V_lp", "4 mm/s")
+    shown.wait()
+    assert shown.page.is_visible("#cycle-key")
+
+
 def test_slip_that_reverses_is_drawn_on_a_linear_axis(show):
-    swings = "law=aging&a=0.01&b=0.015&Dc=10 um&sigma=1 MPa&M=1000 kg/m^2&K=100 MPa/m&mu0=0.05"
-    shown = show(f"{swings}&V_lp=0.1 m/s&friction=regularized")
+    swings = "law=aging&a=0.01&b=0.015&Dc=10 um&sigma=1 MPa&M=1000 kg/m^2&K=100 MPa/m"
+    shown = show(f"{swings}&mu0=0.05&V0=1 um/s&V_lp=0.1 m/s&friction=regularized")
     assert shown.numbers["slowest"].startswith("-")
+    # a real multiplier has the sign that the verdict gives it
+    multiplier = shown.numbers["Floquet multiplier"]
+    assert multiplier.startswith("-")
+    assert f"Floquet multiplier {multiplier})" in shown.text("#reasons")
     # from the lowest to the highest point of the axes that V is drawn at, most of their height
     rows = """canvas => { const c = document.querySelector(canvas);
         const [r, g, b] = getComputedStyle(document.body).getPropertyValue('--speed').trim()
@@ -447,7 +516,7 @@ def test_a_law_has_its_own_fields(show):
     assert not any(shown.page.is_visible(f"#entry-{symbol}") for symbol in own)
     shown.page.select_option("#law", label="two-state slip law")
     shown.wait()
-    assert [shown.entry(symbol) for symbol in own] == ["0.002", "100 um"]
+    assert [shown.entry(symbol) for symbol in own] == ["0.002", "100 \u00b5m"]
     labels = shown.page.eval_on_selector_all("#own .field:not([hidden]) .symbol", INNER)
     assert labels[:2] == ["<i>b</i><sub>2</sub>", "<i>D</i><sub>c</sub><sub>2</sub>"]
     assert labels[2:] == ["damping", "<i>\u03b1</i>"]
@@ -514,7 +583,7 @@ def test_a_link_holds_everything(show):
     link = shown.page.evaluate("navigator.clipboard.readText()")
     other = show(link.partition("#")[2])
     assert other.entry("sigma") == "5 MPa"
-    assert other.entry("V_lp") == "300 um/s"
+    assert other.entry("V_lp") == "300 \u00b5m/s"
     assert other.page.input_value("#law") == "aging"
     assert other.text("#headline") == shown.text("#headline")
     assert other.text("#stepped") == shown.text("#stepped")

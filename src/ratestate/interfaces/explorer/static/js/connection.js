@@ -1,9 +1,10 @@
-// The WebSocket: it comes back by itself, waiting longer each time.
+// The WebSocket: it comes back by itself, waiting longer each time that it does not last.
 
 import { decode } from "./wire.js";
 
 const FIRST_WAIT = 500; // ms
 const LONGEST_WAIT = 8000;
+const LASTING = 10_000; // ms for which a connection must have been there, to begin with the first wait again
 
 export class Connection {
   /** on: {answer(object), lost(seconds until the next try, why)} */
@@ -18,11 +19,11 @@ export class Connection {
     const socket = new WebSocket(`ws://${location.host}/socket`);
     this.socket = socket;
     socket.binaryType = "arraybuffer";
-    socket.onmessage = (event) => {
-      this.wait = FIRST_WAIT; // not when it opens: of too many pages one is let in and closed
-      this.on.answer(decode(event.data));
-    };
+    let opened = Infinity;
+    socket.onopen = () => (opened = performance.now());
+    socket.onmessage = (event) => this.on.answer(decode(event.data));
     socket.onclose = (event) => {
+      if (performance.now() - opened > LASTING) this.wait = FIRST_WAIT;
       this.on.lost(this.wait / 1000, event.reason);
       setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(2 * this.wait, LONGEST_WAIT);

@@ -2,7 +2,7 @@
 
 import { $ } from "./dom.js";
 import { Field } from "./fields.js";
-import { entry, shown } from "./numbers.js";
+import { entry, factor, shown } from "./numbers.js";
 import { number } from "./wire.js";
 import { learnSymbols } from "./words.js";
 
@@ -106,14 +106,14 @@ export class Controls {
   /** Step the speed of the load point or the normal stress from what it is. */
   step(name, of, event) {
     const text = $(`factor-${of}`).value;
-    const factor = Number(text);
-    const usable = factor > 0 && factor !== 1 && Number.isFinite(factor);
-    const wrong = usable ? `correct ${of} first` : `factor = '${text}' is no use; expected a number > 0 that is not 1, such as 3 or 0.1`;
+    const times = factor(text);
+    const usable = times > 0 && times !== 1 && Number.isFinite(times);
+    const wrong = usable ? `correct ${of} first` : `factor = '${text}' is no use; expected a number > 0 that is not 1, such as 3 or 1/3`;
     const ready = usable && !(of in this.entries.refused);
     this.explain(name, ready ? "" : wrong);
     if (!ready || !this.values) return;
     const [value, { unit }] = [number(this.values[of]), this.fields[of].spec];
-    this.take({ ...this.noStep(), [name]: entry(value, unit, 6), [of]: entry(factor * value, unit, 6) }, event.timeStamp);
+    this.take({ ...this.noStep(), [name]: entry(value, unit, 6), [of]: entry(times * value, unit, 6) }, event.timeStamp);
     $("presets").value = "";
   }
 

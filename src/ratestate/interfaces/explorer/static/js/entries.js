@@ -5,18 +5,21 @@ const WAIT = 150; // ms: browsers mind more than a hundred changes of the addres
 export class Entries {
   /**
    * names: of what there always is; optional: of what there need not be, and is not in place of a wrong one
-   * valid: texts that can be used, of names
+   * valid: texts that can be used, of names; longest: characters that one may have
    */
-  constructor(names, optional, valid) {
+  constructor(names, optional, valid, longest) {
     this.absent = Object.fromEntries(optional.map((name) => [name, null]));
     this.names = [...names, ...optional];
-    Object.assign(this, { valid: { ...valid, ...this.absent }, texts: {}, refused: {}, timer: 0 });
+    Object.assign(this, { valid: { ...valid, ...this.absent }, longest, texts: {}, refused: {}, timer: 0 });
   }
 
-  /** What is asked for: the texts, and in place of those known to be wrong the last valid ones. */
+  /**
+   * What is asked for: the texts, and in place of those known to be wrong the last valid ones.
+   * Of one that is too long, as much as shows that it is.
+   */
   asked() {
     for (const [name, { text }] of Object.entries(this.refused)) if (this.texts[name] !== text) delete this.refused[name];
-    const asked = { ...this.texts };
+    const asked = Object.fromEntries(Object.entries(this.texts).map(([name, text]) => [name, text.slice(0, this.longest + 1)]));
     for (const name of Object.keys(this.refused)) asked[name] = this.valid[name];
     return asked;
   }

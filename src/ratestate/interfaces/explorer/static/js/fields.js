@@ -1,7 +1,7 @@
 // The parameters: an entry with a unit, and a slider over the decades about it.
 
 import { element } from "./dom.js";
-import { entry } from "./numbers.js";
+import { ascii, display, entry } from "./numbers.js";
 import { symbol } from "./words.js";
 
 const STEP = 0.005; // decades: an arrow key changes a value by 1.2 %
@@ -38,7 +38,7 @@ export class Field {
     let timer = 0;
     const typed = (event) => {
       clearTimeout(timer);
-      if (this.input.value !== this.text) this.tell(this.input.value, event.timeStamp);
+      if (ascii(this.input.value) !== this.text) this.tell(ascii(this.input.value), event.timeStamp);
     };
     this.input.addEventListener("input", (event) => {
       clearTimeout(timer);
@@ -51,23 +51,24 @@ export class Field {
       typed(event);
     });
     this.slider.addEventListener("input", (event) => {
-      this.input.value = entry(this.sign * 10 ** Number(this.slider.value), this.spec.unit);
-      this.tell(this.input.value, event.timeStamp);
+      const text = entry(this.sign * 10 ** Number(this.slider.value), this.spec.unit);
+      this.input.value = display(text);
+      this.tell(text, event.timeStamp);
     });
     this.slider.addEventListener("change", () => this.recentre(Number(this.slider.value)));
   }
 
   tell(text, stamp) {
     this.text = text;
-    this.slider.setAttribute("aria-valuetext", text);
+    this.slider.setAttribute("aria-valuetext", display(text));
     this.change(this.spec.symbol, text, stamp);
   }
 
   /** Show a text that did not come from this field. */
   show(text) {
     this.text = text;
-    this.input.value = text;
-    this.slider.setAttribute("aria-valuetext", text);
+    this.input.value = display(text);
+    this.slider.setAttribute("aria-valuetext", display(text));
   }
 
   /** Whether what is shown lacks its unit: a number in SI. */
@@ -75,9 +76,9 @@ export class Field {
     return this.spec.unit !== "1" && /^\s*[-+]?(inf|[\d.]+([eE][-+]?\d+)?)\s*$/.test(this.input.value);
   }
 
-  /** Give a number in SI its unit, unless it is still being typed; the text shown. */
+  /** Show what was typed as all texts are, a number in SI with its unit, unless it is still being typed; the text. */
   complete() {
-    if (this.isBare && !this.typing) this.show(`${this.input.value.trim()} ${this.spec.unit}`);
+    if (!this.typing) this.show(this.isBare ? `${this.input.value.trim()} ${this.spec.unit}` : this.text);
     return this.text;
   }
 

@@ -40,6 +40,7 @@ export class Legend {
 
   /** Nothing occurs. */
   clear() {
+    this.list.classList.remove("waiting");
     for (const item of [...this.regimes, this.jump, this.size]) item.hidden = true;
   }
 

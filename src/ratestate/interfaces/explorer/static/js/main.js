@@ -55,7 +55,10 @@ function ask(stamp) {
   map.target = null;
   const id = connection.ask("picture", controls.entries.asked());
   pending = id ?? Infinity;
-  if (id === null) return;
+  if (id === null) {
+    document.body.classList.add("stale"); // until there is a connection again
+    return;
+  }
   document.body.dataset.asked = id;
   begin(id, stamp);
 }
@@ -98,12 +101,12 @@ function answer(found) {
   ({ hello, preparing, ready: () => say(""), picture: arrived, chart, file, problem })[found.kind](found);
 }
 
-function hello({ fields, laws, before, prefixes, presets, span }) {
+function hello({ fields, laws, before, longest, prefixes, presets, span }) {
   learnPrefixes(prefixes);
   map.open(span);
   const names = [...fields.map((field) => field.symbol), "law"];
   const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
-  const entries = new Entries(names, ["friction", ...Object.keys(before)], { ...own, ...presets[0].entries });
+  const entries = new Entries(names, ["friction", ...Object.keys(before)], { ...own, ...presets[0].entries }, longest);
   controls ??= new Controls(fields, laws, before, presets, entries, ask, whenRead);
   waiting = [];
   say("");
@@ -174,6 +177,7 @@ function draw() {
   tell(picture, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") });
   traces.draw(picture);
   phase.draw(picture);
+  $("cycle-key").style.visibility = picture.arrays.cycle_V ? "visible" : "hidden";
   map.draw(numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null, arrays);
   describe(picture);
   document.body.dataset.drawn = id;

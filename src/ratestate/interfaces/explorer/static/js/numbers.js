@@ -1,5 +1,11 @@
 // Numbers as text.
 
+/** A number as typed, perhaps a fraction such as 1/3; NaN of anything else. */
+export function factor(text) {
+  const [above, below = "1", ...more] = text.split("/").map((part) => part.trim());
+  return more.length || !above || !below ? NaN : Number(above) / Number(below);
+}
+
 /** 0.00123 to so many digits, without zeros at the end. */
 export function round(value, digits = 4) {
   if (value === 0) return "0";
@@ -31,13 +37,22 @@ export function entry(value, unit, digits = 4) {
 
 /** A value in SI to be read: "3.2 \u00b5m/s". */
 export function shown(value, unit, digits = 4) {
-  const text = micro(entry(value, unit, digits)).replace("^2", "\u00b2");
-  return text.replace(/e([+-]?\d+)/, (_, power) => `\u00b7${powerOfTen(Number(power))}`);
+  return display(entry(value, unit, digits)).replace(/e([+-]?\d+)/, (_, power) => `\u00b7${powerOfTen(Number(power))}`);
 }
 
 /** The letter u of a prefix as it is written. */
 export function micro(text) {
   return text.replace(/(^| )u(?=m|s|Hz)/, "$1\u00b5");
+}
+
+/** A text of a field as it is shown. */
+export function display(text) {
+  return micro(text).replace("^2", "\u00b2");
+}
+
+/** The same as links and files have it, in ASCII: \u00b5, or the Greek letter, is u. */
+export function ascii(text) {
+  return text.replace(/[\u00b5\u03bc]/g, "u").replaceAll("\u00b2", "^2");
 }
 
 /** Digits, and perhaps a minus before them, as an exponent. */

@@ -67,7 +67,8 @@ export function logarithmic(low, high, wanted) {
     if (decades < 2.5) {
       for (const n of [2, 5]) {
         const value = n * 10 ** p;
-        if (value >= low && value <= high) ticks.push([value, `${n}\u00b7${powerOfTen(p)}`]);
+        const text = p === 0 || p === 1 ? String(value) : `${n}\u00b7${powerOfTen(p)}`;
+        if (value >= low && value <= high) ticks.push([value, text]);
       }
     }
   }

@@ -17,7 +17,7 @@ export function tell(picture, elements) {
 function rows({ numbers, values }) {
   const [K_c, V_c] = [number(numbers.K_c), number(numbers.V_c)];
   const cycle = numbers.period !== null;
-  const size = cycle ? Math.hypot(...numbers.multiplier.map(number)) : null;
+  const [real, imaginary] = cycle ? numbers.multiplier.map(number) : [];
   return [
     [["K", "/", "K_c"], K_c > 0 ? plain(number(values.K) / K_c, 4) : "\u2013"],
     [["K_c"], K_c > 0 ? shown(K_c, "Pa/m") : "none"],
@@ -27,7 +27,8 @@ function rows({ numbers, values }) {
     [["amplitude of ", "tau/sigma"], cycle ? plain(numbers.amplitude, 4) : numbers.amplitude === 0 ? "0" : "\u2013"],
     [["fastest slip ", "V_max"], cycle ? shown(numbers.V_max, "m/s", 3) : "\u2013"],
     [["slowest"], cycle ? shown(numbers.V_min, "m/s", 3) : "\u2013"],
-    [["Floquet multiplier"], cycle ? plain(size, 4) : "\u2013"],
+    // of a pair of complex ones the size, as in the sentence
+    [["Floquet multiplier"], !cycle ? "\u2013" : imaginary ? `|${plain(Math.hypot(real, imaginary), 4)}|` : plain(real, 4)],
   ];
 }
 
