@@ -140,7 +140,7 @@ def _value(field, text):
         unit = QUANTITIES[symbol].unit
         bare = unit != "1" and _BARE.fullmatch(text)
         value = to_si(symbol, f"{text} {unit}" if bare else text, label=field)
-        exact = value == 0.0 and not _DIGIT.search(text) or np.isinf(value) and "inf" in text
+        exact = (value == 0.0 and not _DIGIT.search(text)) or (np.isinf(value) and "inf" in text)
         if exact or SMALLEST <= abs(value) <= LARGEST:
             return value
         problem = f"= {text!r} is beyond any size"
