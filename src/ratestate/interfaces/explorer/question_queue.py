@@ -44,9 +44,9 @@ class QuestionQueue:
             for job in self.jobs:
                 deadline = self.deadline = Deadline(self.seconds, self.whole)
                 deadline.start()
-                work = run_job, job, question, deadline
+                work = loop.run_in_executor(self.pool, run_job, job, question, deadline)
                 try:
-                    reply, failed = await loop.run_in_executor(self.pool, *work)
+                    reply, failed = await work
                 except Stopped:
                     break  # for a newer question
                 finally:
