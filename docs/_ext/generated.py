@@ -67,6 +67,7 @@ WORDS = {
     "initial": "values at t = 0 that override the steady start",
     "times": "times to save",
     "method": "integration method",
+    "frequency": "frequencies of a response",
     "file": "file for the numbers",
     "plot": "file for a figure",
 }
@@ -84,6 +85,7 @@ FORMS = {
     "law_file": '`"mylaw.py"`, by its path from this file',
     "initial": '`{ V = "1 um/s", theta = "10 s" }`; also `tau`, and other states of the law',
     "times": '`[0.5, "1 s"]`, or `{ from = 0, to = "200 s", n = 2001 }`',
+    "frequency": '`"10 Hz"`, `[1, "10 Hz"]`, or `{ from = 1, to = 100, n = 21, scale = "log" }`',
 }
 #: what a key stands for that is not given
 OTHERWISE = {
@@ -91,6 +93,7 @@ OTHERWISE = {
     "t_end run": "required",
     "V_start run": "default: the first speed of the loading",
     "times run": "default: the solver's own steps",
+    "frequency run": "of `frequency_response` alone; default: decades around the resonance",
     "rtol run": "default: `1e-6`; for another `verb`, `1e-8`",
     "method run": 'default: `"rodas5p"`',
     "dt run": "required for im2017, which alone uses it",

@@ -1,14 +1,19 @@
 """The function `frequency_response`: what small oscillations do to steady sliding."""
 
+import dataclasses
+import functools
+from typing import Any
+
 import numpy as np
 import xarray
 
 from ..friction.linear_response import responses
 from ..friction.linear_stability import eigenvalues, is_stable
-from ..friction.stability import eta
+from ..friction.stability import eta, f_n
+from ..model.arrays import logspace
 from ..model.batch import Batch
 from ..model.names import keywords_checked
-from ..model.slider import checked
+from ..model.slider import SpringSlider, checked
 from ..model.units import to_si
 from .refusals import refusal
 from .results import columns, provenance
@@ -16,6 +21,8 @@ from .results import columns, provenance
 #: what answers, per what oscillates
 TRANSFER = tuple(f"{out}_by_{given}" for given in ("V_lp", "sigma") for out in ("V", "tau", "mu"))
 OF_SLIDER = ("resonance", "quality", "stable")
+#: in a decade, where no frequencies are given
+POINTS = 60
 VARIABLES = (
     *TRANSFER,
     *(f"{name}_{x}" for name in TRANSFER for x in ("gain", "phase")),
@@ -24,7 +31,7 @@ VARIABLES = (
 
 
 @keywords_checked
-def frequency_response(slider, V_lp, frequency):
+def frequency_response(slider, V_lp, frequency=None):
     """The response of steady sliding to small sinusoids of load-point speed and normal stress.
 
     Of a linear system: an oscillation of V_lp by the amplitude A makes one of tau by tau_by_V_lp A,
@@ -37,8 +44,10 @@ def frequency_response(slider, V_lp, frequency):
         stress, ``damping`` counts, and so does mass.
     V_lp : float, str, pint.Quantity or DataArray
         Load-point velocity about which all oscillates [m/s], > 0.
-    frequency : float, str, pint.Quantity, array_like or DataArray
-        Frequency [Hz], > 0; a list or a one-dimensional array is along ``frequency``.
+    frequency : float, str, pint.Quantity, array_like or DataArray, optional
+        Frequency [Hz], > 0; a list or a one-dimensional array is along ``frequency``.  By default
+        60 a decade, from the decade below to the one above those that hold V_lp/(2 pi Dc), by which
+        the state follows, f_n and the resonance.
 
     Returns
     -------
@@ -69,25 +78,89 @@ def frequency_response(slider, V_lp, frequency):
     >>> round(float(response.resonance), 2), response.V_by_V_lp_gain.values.round(2)
     (48.72, array([ 1.06, 24.04]))
     """
-    frequency = _along_itself(frequency)
-    frequency = to_si("frequency", frequency, bound="> 0")
-    values = {**checked(slider).values, "V_lp": to_si("V_lp", V_lp)}
-    batch = Batch({**values, "frequency": frequency}, taken=VARIABLES)
-    batch.check_fits(4 * len(TRANSFER), "ask for fewer frequencies at a time")
-    alone = Batch(values)
-    found = _of_sliders(slider.friction_law, alone)
-    if alone.alone and not found["stable"][0]:
-        raise refusal("response.unstable", V_lp=values["V_lp"], K=slider.K)
-    variables = {name: alone.variable(value, name) for name, value in found.items()}
-    for name, value in _transfer(slider, batch).items():
-        variables[name] = whole = batch.variable(value, name).where(variables["stable"])
-        text = whole.attrs["long_name"]
-        gain = whole.attrs | {"long_name": f"{text}, gain"}
-        phase = {"units": "rad", "long_name": f"{text}, phase"}
-        variables[f"{name}_gain"] = xarray.Variable(whole.dims, np.abs(whole.values), gain)
-        variables[f"{name}_phase"] = xarray.Variable(whole.dims, np.angle(whole.values), phase)
-    attributes = provenance("frequency_response", slider, V_lp=values["V_lp"])
-    return xarray.Dataset(variables, batch.coordinates(VARIABLES), attributes)
+    call = frequency_response_call(slider, V_lp, frequency)
+    call.batch.check_fits(4 * len(TRANSFER), "ask for fewer frequencies at a time")
+    if call.sliders.alone and not call.resonances["stable"][0]:
+        raise refusal("response.unstable", V_lp=call.V_lp, K=slider.K)
+    return call.dataset(call.run())
+
+
+def frequency_response_call(slider, V_lp, frequency=None):
+    """`FrequencyResponseCall` with these arguments of `frequency_response`; ParameterError.
+
+    Whether their dimensions and coordinates fit together shows in its `batch`.
+    """
+    V_lp = to_si("V_lp", V_lp)
+    if frequency is None:
+        frequency = _usual_frequencies(checked(slider), V_lp)
+    frequency = to_si("frequency", _along_itself(frequency), bound="> 0")
+    return FrequencyResponseCall(checked(slider), V_lp, frequency)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class FrequencyResponseCall:
+    """`frequency_response` with its arguments, checked and in SI."""
+
+    slider: SpringSlider
+    V_lp: Any
+    frequency: Any
+
+    @functools.cached_property
+    def batch(self):
+        """`Batch` of the slider's parameters, V_lp and frequency; ParameterError where they clash.
+
+        Its dimensions are those of the result.
+        """
+        values = {**self.slider.values, "V_lp": self.V_lp, "frequency": self.frequency}
+        return Batch(values, taken=VARIABLES)
+
+    @property
+    def sliders(self):
+        """`Batch` of the slider's parameters and V_lp."""
+        return Batch({**self.slider.values, "V_lp": self.V_lp})
+
+    @functools.cached_property
+    def resonances(self):
+        """Resonance, quality and stability of `sliders`, name -> (n,)."""
+        return _of_sliders(self.slider.friction_law, self.sliders)
+
+    def blank(self):
+        """The variables of `run` itself, with answers: they cost nothing."""
+        return self.run()
+
+    def run(self, progress=None):
+        """The result's variables, name -> Variable, NaN where steady sliding is unstable.
+
+        progress : not called
+        """
+        sliders = self.sliders
+        variables = {name: sliders.variable(x, name) for name, x in self.resonances.items()}
+        for name, value in _transfer(self.slider, self.batch).items():
+            whole = self.batch.variable(value, name).where(variables["stable"])
+            text = whole.attrs["long_name"]
+            gain = whole.attrs | {"long_name": f"{text}, gain"}
+            phase = {"units": "rad", "long_name": f"{text}, phase"}
+            variables[name] = whole
+            variables[f"{name}_gain"] = xarray.Variable(whole.dims, np.abs(whole.values), gain)
+            variables[f"{name}_phase"] = xarray.Variable(whole.dims, np.angle(whole.values), phase)
+        return variables
+
+    def dataset(self, variables):
+        """These variables of all cases as a Dataset with coordinates and provenance."""
+        settings = {"V_lp": self.V_lp, "frequency": self.frequency}
+        attributes = provenance("frequency_response", self.slider, **settings)
+        return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attributes)
+
+
+def _usual_frequencies(slider, V_lp):
+    """The frequencies of a response for which none are given, along ``frequency``."""
+    batch = Batch({**slider.values, "V_lp": V_lp})
+    p, found = columns(batch), _of_sliders(slider.friction_law, batch)
+    scales = [p.V_lp / (2.0 * np.pi * p.Dc), f_n(K=p.K, M=p.M), found["resonance"]]
+    known = [x[np.isfinite(x) & (x > 0.0)] for x in scales]
+    exponents = np.log10(np.concatenate(known))
+    low, high = int(np.floor(exponents.min())) - 1, int(np.ceil(exponents.max())) + 1
+    return logspace("frequency", float(f"1e{low}"), float(f"1e{high}"), POINTS * (high - low) + 1)
 
 
 def _along_itself(frequency):

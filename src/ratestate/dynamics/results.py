@@ -37,7 +37,7 @@ def status_variable(batch, status):
 
 
 #: settings that are JSON in the attributes, as they may be arrays
-AS_JSON = ("V_lp", "V_start", "t_end", "initial")
+AS_JSON = ("V_lp", "V_start", "t_end", "initial", "frequency")
 
 
 def provenance(function, slider, **settings):

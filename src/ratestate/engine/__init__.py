@@ -23,7 +23,7 @@
 ``events``, ``return_events``         what happens within a step: extremes, returns, runaway
 ``periodicity``                       which period a run has, or that it has none
 ``im2017``                            the paper's own scheme
-``rigid``                             the state where the slider moves with its load point (K = inf)
+``rigid``, ``rigid_steps``            the state where the slider moves with its load point (K = inf)
 ``exp``                               an exponential for all lanes at once
 ``functions``                         others, with which forms of friction are written
 ``noise``                             noise of a record made white

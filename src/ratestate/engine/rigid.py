@@ -1,7 +1,8 @@
 """The state where the slider moves with its load point (K = inf): theta or s along given speeds.
 
-With the velocity given, some laws are linear, in theta or in ln(V theta/Dc).  The initial value
-decays over the slip distance Dc; the forcing adds an integral over the slip.
+With the velocity given, and constant normal stress, some laws are linear, in theta or in
+ln(V theta/Dc).  The initial value decays over the slip distance Dc; the forcing adds an integral
+over the slip.
 """
 
 import math

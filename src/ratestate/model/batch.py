@@ -90,14 +90,15 @@ class Batch:
     def coordinates(self, taken):
         """Coordinates of the sweep, by name: those the arrays bring, and the arrays themselves.
 
-        V_lp is one even if all cases share it: results say at which speed they hold.
+        V_lp and frequency are ones even if all cases share them: results say where they hold.
 
         taken : names that no coordinate may have
         """
         coords: dict = {}
-        V_lp = self.values.get("V_lp")
-        if not (V_lp is None or is_array(V_lp) or "V_lp" in self.dims):
-            coords["V_lp"] = ((), V_lp, attrs("V_lp"))
+        for symbol in ("V_lp", "frequency"):
+            value = self.values.get(symbol)
+            if not (value is None or is_array(value) or symbol in self.dims):
+                coords[symbol] = ((), value, attrs(symbol))
         taken = RESERVED | set(taken)
         for symbol, value in self.values.items():
             if is_array(value):

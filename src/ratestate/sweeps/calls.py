@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable
 
 from ..dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
+from ..dynamics.frequency_response import frequency_response, frequency_response_call
 from ..dynamics.simulation.simulate import simulate, simulate_call
 from ..dynamics.simulation.undisturbed import undisturbed_warning
 from ..dynamics.steady_sliding import stability, stability_call
@@ -24,7 +25,9 @@ FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
     "limit_cycle": (limit_cycle, limit_cycle_call),
     "simulate": (simulate, simulate_call),
     "stability": (stability, stability_call),
+    "frequency_response": (frequency_response, frequency_response_call),
 }
+IN_CLOSED_FORM = ("stability", "frequency_response")
 #: names of variables and groups that a sweep's result needs itself
 RESERVED = ("message", "status", "sweep")
 DEVICES = ("cpu", "cuda")
@@ -95,7 +98,7 @@ def check_device(name, call, device):
     """Raise ParameterError unless this device can run the call; that it is there is not checked."""
     if device not in DEVICES:
         raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
-    if device == "cuda" and name == "stability":
-        raise ParameterError("device = 'cuda': stability is in closed form; leave device out")
+    if device == "cuda" and name in IN_CLOSED_FORM:
+        raise ParameterError(f"device = 'cuda': {name} is in closed form; leave device out")
     if device == "cuda" and name == "simulate" and call.method != "rodas5p":
         raise ParameterError(f"device = 'cuda' knows rodas5p only, not method = {call.method!r}")

@@ -47,7 +47,7 @@ def sweep(
     Parameters
     ----------
     verb : callable or str
-        The function: `limit_cycle`, `simulate` or `stability`, or its name.
+        The function, or its name: `limit_cycle`, `simulate`, `stability` or `frequency_response`.
     slider : SpringSlider
         With DataArrays for parameters, or none.
     store : str or path, optional

@@ -7,6 +7,7 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate.engine.rigid import states
+from ratestate.engine.rigid_steps import Lines, integrated
 from ratestate.friction.laws import LAWS as FORMULAS
 from ratestate.paper.laws import LAWS
 
@@ -108,3 +109,44 @@ def test_both_sides_of_a_jump_are_stored(steps):
     np.testing.assert_allclose(mu[at] - mu[at - 1], 0.003 * np.log(ratio), rtol=1e-9)
     ramp = rs.simulate(slider, rs.Loading.series([0.0, 1.0, 2.0], [1e-6, 1e-5, 1e-5]), 2.0)
     assert np.nextafter(1.0, 0.0) not in ramp.time
+
+
+def test_a_law_without_a_closed_form_over_a_history():
+    """Two states of the slip law that evolve over one distance are one, which has a closed form."""
+    loading = rs.Loading.series([0, 0.01, 0.02, 0.02, 0.05], [1e-4, 3e-6, 2e-3, 1e-5, 1e-5])
+    common = {"a": 0.003, "Dc": 1e-6, "sigma": 2e6, "K": np.inf, "M": 3e3}
+    one = rs.SpringSlider(**common, b=0.006)
+    two = rs.SpringSlider(**common, b=0.004, b2=0.002, Dc2=1e-6, law="two-state-slip")
+    closed, found = (rs.simulate(slider, loading, 0.05, V_start=3e-4) for slider in (one, two))
+    for name in ("theta", "theta2"):
+        np.testing.assert_allclose(np.log(found[name] / closed.theta), 0.0, atol=2e-11)
+    np.testing.assert_allclose(found.mu_min, closed.mu_min, rtol=1e-11)
+    law, lines = two.friction_law, Lines(*(np.array([x]) for x in (0.0, 1e-4, 0.0)))
+    p, times, psi = (1.0,) * law.n_coefficients, np.array([0.0, 1.0]), np.empty(4)
+    lost = integrated(law, (np.nan, np.nan), times, lines, (0, 1), p, 1e-6, V0, psi)
+    assert lost == 0  # of the times could be reached
+
+
+def test_a_record_of_normal_stress():
+    """Against the integral of the linear equation that the state of the slip law obeys."""
+    rng, n, Dc, alpha, b = np.random.default_rng(4), 400, 1e-5, 0.3, 0.006
+    t = np.cumsum(10 ** rng.uniform(-3, -1, n)) - 1e-3
+    t[0] = 0.0
+    V, sigma = 10 ** rng.uniform(-5, -4, n), 2e6 * np.append(1.0, rng.uniform(0.5, 2.0, n - 1))
+    loading = rs.Loading.series(t, V, sigma=sigma)
+    slider = rs.SpringSlider(a=0.003, b=b, Dc=Dc, sigma=2e6, K=np.inf, alpha=alpha)
+    run = rs.simulate(slider, loading, t[-1], V_start=3e-4)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    z = [np.log(V[0] / 3e-4)]  # ln(V theta/Dc)
+    for i in range(n - 1):
+        since = 0.5 * (t[i + 1] - t[i]) * (1.0 + nodes)
+        rate, growth = (np.diff(x[i : i + 2])[0] / (t[i + 1] - t[i]) for x in (V, sigma))
+        speed = V[i] + rate * since
+        slip = 0.5 * (speed + V[i + 1]) * (t[i + 1] - t[i] - since) / Dc  # still to come
+        forced = rate / speed - alpha / b * growth / (sigma[i] + growth * since)
+        whole = 0.5 * (V[i] + V[i + 1]) * (t[i + 1] - t[i]) / Dc
+        added = 0.5 * (t[i + 1] - t[i]) * np.sum(weights * forced * np.exp(-slip))
+        z.append(z[-1] * np.exp(-whole) + added)
+    np.testing.assert_array_equal(run.time, t)
+    np.testing.assert_allclose(np.log(run.V * run.theta / Dc), z, atol=3e-11)
+    np.testing.assert_allclose(run.sigma, sigma, rtol=1e-12)

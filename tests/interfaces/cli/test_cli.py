@@ -131,7 +131,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
     assert made == [("2", "slip"), ("4", "slip")]
     assert charted == [(law, {"b_over_a": 1.6, "n": 200}) for law in ("slip", "aging")]
     names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures", "fitted"}
-    names |= {"record.toml", "record.txt", "fig3.toml"}
+    names |= {"record.toml", "record.txt", "fig3.toml", "response.png"}
     assert {path.name for path in tmp_path.iterdir()} == names
 
 

@@ -1,4 +1,4 @@
-"""``ratestate run``, ``stability``, ``cycle`` and ``branch``: what they print, write and return."""
+"""``ratestate run``, ``stability`` and others: what they print, write and return."""
 
 import dataclasses
 import json
@@ -408,6 +408,63 @@ def test_a_sweep_over_many_axes_has_no_picture(lab):
     result = call("run", lab, "--plot", "x.png")
     assert result.exit_code == 2
     assert "over one or two axes, and this one has 3 (a, M, V_lp)" in result.stderr
+
+
+STABLE = LAB.replace('"3.2 mm/s"', '"1 mm/s"')
+
+
+def test_a_response(lab):
+    """Its numbers, and its tables, in which changes are relative and phases in degrees."""
+    lab.write_text(STABLE)
+    arguments = [lab, "--frequency", "50 Hz, 0.1 kHz", "--frequency", "200 Hz"]
+    result = call("response", *arguments, "--json", "--out", "x.nc", "--units", "frequency=kHz")
+    assert (result.exit_code, result.stderr) == (0, "wrote x.nc\n")
+    expected = rs.frequency_response(SLIDER, 1e-3, [50.0, 100.0, 200.0])
+    shown = parse_strict(result.stdout)
+    assert shown["coords"]["frequency"]["data"] == [0.05, 0.1, 0.2]
+    assert (
+        shown["data_vars"]["tau_by_sigma_real"]["data"]
+        == expected.tau_by_sigma.real.values.tolist()
+    )
+    assert "verdict" not in shown
+    assert call("run", "--from", "x.nc", "--out", "y.nc").exit_code == 0
+    xr.testing.assert_identical(files.read("y.nc"), expected)
+    lines = [line.split() for line in call("response", *arguments).stdout.splitlines()]
+    assert [
+        "resonance",
+        f"{float(expected.resonance):.6g}",
+        "Hz",
+        "resonance",
+        "frequency",
+    ] in lines
+    rows = [line for line in lines if line[:2] == ["100", "Hz"]]
+    one = expected.sel(frequency=100.0)
+    for row, given, size in zip(rows, ("V_lp", "sigma"), (1e-3, 2e6), strict=True):
+        numbers = [float(x) for x in row[2:]]
+        for i, (out, unit) in enumerate({"V": 1e-3, "tau": 2e6, "mu": 1.0}.items()):
+            change = complex(one[f"{out}_by_{given}"]) * size / unit
+            assert numbers[2 * i] == pytest.approx(abs(change), rel=6e-4)
+            assert numbers[2 * i + 1] == pytest.approx(np.degrees(np.angle(change)), abs=0.06)
+
+
+def test_the_frequencies_of_a_response(lab):
+    """Those of the file, which another function passes over, or decades; many are thinned."""
+    lab.write_text(STABLE)
+    text = call("response", lab).stdout
+    assert "\n181 frequencies from 1 Hz to 1 kHz, 16 of them shown\n" in text
+    assert sum(" Hz " in line or " kHz " in line for line in text.splitlines()[1:]) == 34
+    lab.write_text(STABLE + "frequency = '5 Hz'\n")
+    assert "\nOne frequency, 5 Hz\n" in call("response", lab).stdout
+    assert call("stability", lab).exit_code == 0
+    assert "frequency" not in load(lab).settings
+    refused = call("response", lab, "--plot", "x.png")
+    assert (refused.exit_code, "shows several frequencies" in refused.stderr) == (2, True)
+    axis = 'verb = "frequency_response"\nfrequency = [5, "8 Hz"]\nK = [9e8, 2e9, 3e9]\n'
+    lab.write_text(f"{STABLE}[sweep]\n{axis}")
+    result = call("response", lab)
+    assert "is swept, 3 cases" in result.stderr
+    title = "6 cases of frequency_response over K (3 from 900 MPa/m to 3 GPa/m), frequency (2 from"
+    assert title in result.stdout
 
 
 # ------------------------------------------------------------------------------------------ again

@@ -336,6 +336,16 @@ SCENARIOS = {
         {"V_lp": to_si("V_lp", rs.logspace("V_lp", 1e-3, 1e-2, 3))},
     ),
     "stability": Scenario("stability", SLIDER.replace(K=rs.logspace("K", 1, 2, 2)), {"V_lp": 1.0}),
+    "response": Scenario(
+        "frequency_response",
+        SLIDER,
+        {"V_lp": 1e-3, "frequency": to_si("frequency", rs.logspace("frequency", 1, 1e3, 1201))},
+    ),
+    "responses": Scenario(
+        "frequency_response",
+        SLIDER.replace(K=rs.logspace("K", 8e8, 2e9, 3)),
+        {"V_lp": 1e-3, "frequency": 10.0},
+    ),
     "many": Scenario(
         "stability", SLIDER.replace(K=rs.logspace("K", 1e8, 1e9, 1500)), {"V_lp": 1e-3}
     ),

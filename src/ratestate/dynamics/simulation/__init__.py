@@ -9,6 +9,7 @@
 ``motion``      runs of a batch, and their results in SI: which amplitude counts as a cycle, what
                 is NaN
 ``loads``       speed and normal stress of a loading, as tables for the engine
-``rigid``       K = inf: ``rigid_path`` has the motion, ``rigid_times`` when it is shown
+``rigid``       K = inf: ``rigid_path`` has the motion, ``rigid_times`` when it is shown,
+                ``rigid_extremes`` the smallest friction and stress in it
 =============== ================================================================================
 """

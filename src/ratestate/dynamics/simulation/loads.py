@@ -31,13 +31,10 @@ def _speeds_at(loading, t):
 
 def _stresses_at(stress, t):
     """Normal stress, but for its sinusoid, at both ends of the segments that begin at t."""
-    k = np.searchsorted(stress.t, t, side="right") - 1
-    lasting = np.append(np.diff(stress.t), 1.0)[k]
-    first = (t - stress.t[k]) / lasting
-    last = np.append((t[1:] - stress.t[k[:-1]]) / lasting[:-1], 1.0)
+    k = stress.segments_at(t)
     start, end = stress.start[..., k], stress.end[..., k]
-    rise = end - start
-    return start + first * rise, start + last * rise
+    ends = t, np.append(t[1:], np.inf)
+    return (start + stress.part_passed(when, k) * (end - start) for when in ends)
 
 
 def _together(*columns):

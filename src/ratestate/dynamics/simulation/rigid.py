@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from .rigid_path import FRICTION, WITH_STRENGTH, Path
-from .rigid_times import grid
+from .rigid_extremes import FRICTION, WITH_STRENGTH, lowest
+from .rigid_path import Path
+from .rigid_times import grid, stress_jumps
 
 
 def rigid_motion(law, psi0, t, loads, row, p):
@@ -23,17 +24,18 @@ def rigid_motion(law, psi0, t, loads, row, p):
         return None
     sampled = grid(loads, row, p)
     times = np.union1d(t, sampled)
-    followed = np.array(path.states(psi0, times))
+    followed = path.states(psi0, times)
     psi = followed[:, np.searchsorted(times, t)]
-    of_all = sampled, followed[:, np.searchsorted(times, sampled)]
+    jumps = loads.t[stress_jumps(loads, row) & (loads.t < p.t_end)]
+    of_all = sampled, followed[:, np.searchsorted(times, sampled)], jumps
     # The load point's work is friction's, by V = V_lp: no energy_residual.
     numbers = dict.fromkeys("steps energy_residual amplitude cycles returns".split(), 0.0) | {
         "t": p.t_end,
         "v_max": path.order(path.reached.max()),
         "v_min": path.order(path.reached.min()),
-        "g_max": np.abs(path.inertia[loads.t < p.t_end]).max(),
-        "f_min": path.lowest(FRICTION, *of_all),
-        "xf_min": path.lowest(WITH_STRENGTH, *of_all),
+        "g_max": np.abs(path.inertia[path.lines.t < p.t_end]).max(),
+        "f_min": lowest(path, FRICTION, *of_all),
+        "xf_min": lowest(path, WITH_STRENGTH, *of_all),
     }
     at = path.at(t, psi)
     return np.stack([path.force(at), at.v, *psi], axis=-1), numbers

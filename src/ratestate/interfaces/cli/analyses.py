@@ -1,4 +1,4 @@
-"""``ratestate run``, ``stability``, ``cycle`` and ``branch``: what the slider of a file does."""
+"""Commands on the slider of a file: ``run``, ``stability``, ``response``, ``cycle``, ``branch``."""
 
 import dataclasses
 from pathlib import Path
@@ -61,6 +61,27 @@ def stability(
     _do(file, "stability", law_file, out, plot, units, json)
 
 
+def response(
+    file: Path,
+    *,
+    frequency: list[str] | None = None,
+    law_file: LawFile = None,
+    out: Written = None,
+    plot: Written = None,
+    units: list[str] | None = None,
+    json: bool = False,
+) -> None:
+    """Find how steady sliding answers to small oscillations of load point and normal stress.
+
+    It is at the load point's last speed, and must be stable there.
+
+    Example: ratestate response record.toml --plot response.png
+    """
+    texts = [text.strip() for one in frequency or [] for text in one.split(",")]
+    given: dict[str, Any] = {"frequency": texts} if texts else {}
+    _do(file, "frequency_response", law_file, out, plot, units, json, **given)
+
+
 def cycle(
     file: Path,
     *,
@@ -117,11 +138,12 @@ def _do(
     from .run_scenario import do, load_scenario, note_sweep, wanted_units
 
     own_units = wanted_units(units)
-    scenario = dataclasses.replace(load_scenario(file, verb, law_file), output=Output())
-    if changes:  # from a limit cycle to a branch
-        settings = scenario.settings | changes
+    scenario = load_scenario(file, verb, law_file)
+    settings = scenario.settings | changes
+    if "parameter" in changes:  # from a limit cycle to a branch
+        verb = "continue_cycle"
         if changes["parameter"] == "V_lp":
             settings.pop("V_lp")
-        scenario = dataclasses.replace(scenario, verb="continue_cycle", settings=settings)
+    scenario = dataclasses.replace(scenario, verb=verb, settings=settings, output=Output())
     note_sweep(scenario)
     do(scenario, out, plot, json, own_units)

@@ -102,12 +102,12 @@ def note_sweep(scenario: Scenario) -> None:
 
 
 def swept_dims(scenario: Scenario) -> dict[str, int]:
-    """Dimensions of a scenario's sweep -> their sizes; empty for a single case."""
+    """Dimensions of a scenario's sweep -> their sizes; empty for a single slider."""
     slider, settings = scenario.slider, scenario.settings
     speeds = getattr(settings.get("loading"), "V", 0.0)
     values = filter(is_array, [*slider.values.values(), *settings.values(), speeds])
     sizes = {str(dim): size for value in values for dim, size in value.sizes.items()}
-    return {dim: size for dim, size in sizes.items() if dim not in ("segment", "time")}
+    return {dim: size for dim, size in sizes.items() if dim not in ("segment", "time", "frequency")}
 
 
 def compile_ahead(scenario: Scenario) -> None:

@@ -29,10 +29,10 @@ class VerdictText(NamedTuple):
 
 
 def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | None:
-    """The verdict on a single slider; None of a branch, or a run that ends in no constant V > 0."""
+    """The verdict on a single slider; None of a branch, a response, or a run with no last V > 0."""
     slider, settings = scenario.slider, scenario.settings
     match scenario.verb:
-        case "continue_cycle":
+        case "continue_cycle" | "frequency_response":
             return None
         case "limit_cycle":
             return _on_attractor(verdict_of_cycle(slider, settings["V_lp"], result))

@@ -52,7 +52,7 @@ def toml(scenario: Scenario) -> str:
     """
     verb, slider, settings = scenario.verb, scenario.slider.parameters, dict(scenario.settings)
     loading: dict[str, str] = {}
-    swept = {k: v for k, v in {**slider, **settings}.items() if is_array(v)}
+    swept = {k: v for k, v in {**slider, **settings}.items() if is_array(v) and k != "frequency"}
     if "loading" in settings:
         history = settings.pop("loading")
         loading, last = _loading(history)
@@ -69,7 +69,11 @@ def toml(scenario: Scenario) -> str:
     if verb == "limit_cycle" and axes and "V_start" in settings and "V_start" not in swept:
         axes["V_start"] = _literal("V_start", settings["V_start"])
     elsewhere = {"V_lp", "parameter", "start", "stop", *axes}
-    run = {k: _literal(k, v) for k, v in settings.items() if k not in elsewhere}
+    run = {
+        k: _axis(k, v) if is_array(v) else _literal(k, v)
+        for k, v in settings.items()
+        if k not in elsewhere
+    }
     output = {"file": scenario.output.file, "plot": scenario.output.plot}
     named = {"verb": f'"{verb}"'}
     tables = {

@@ -47,6 +47,8 @@ def assemble(tables: Tables) -> Scenario | None:
     _note_missing_speed(tables)
     of_slider = parameter_keys()
     run = dict(tables.run)
+    if verb != "frequency_response":
+        run.pop("frequency", None)
     if own != verb:  # the meaning of rtol differs between functions
         run.pop("rtol", None)
     if verb == "limit_cycle" and (own != verb or "sweep" in tables.names):

@@ -39,7 +39,7 @@ TABLES = {
         *("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
         *("sigma", "sigma_steps", "sigma_sinusoid"),
     ),
-    "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt"),
+    "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt", "frequency"),
     "sweep": ("verb", *SETTINGS),
     "output": ("file", "plot"),
 }

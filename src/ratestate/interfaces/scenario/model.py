@@ -40,6 +40,11 @@ FUNCTIONS = {
         check_rtol=lambda rtol: solver_settings(rtol, "rodas5p", None, ANY),
     ),
     "stability": Function(*SWEPT["stability"], keys=("V_lp",), commands=("stability", "sweep")),
+    "frequency_response": Function(
+        *SWEPT["frequency_response"],
+        keys=("V_lp", "frequency"),
+        commands=("response", "sweep"),
+    ),
     "continue_cycle": Function(
         continue_cycle,
         checked_family,
@@ -73,7 +78,8 @@ class Scenario:
     Attributes
     ----------
     verb : str
-        The function: "simulate", "limit_cycle", "stability" or "continue_cycle".
+        The function: "simulate", "limit_cycle", "stability", "frequency_response" or
+        "continue_cycle".
     slider : SpringSlider
         With a DataArray for each parameter that is swept.
     settings : dict

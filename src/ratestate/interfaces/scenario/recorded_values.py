@@ -14,6 +14,9 @@ def value_of(result: Any, name: str, symbol: str, recorded: Any) -> Any:
     """The value recorded in an attribute; of a swept one the cases that the result still has."""
     if not isinstance(recorded, dict):
         return attributes.parameter_value(name, symbol, recorded)
+    if symbol == "frequency":
+        found = result[symbol]
+        return _without_case_labels(found if found.ndim else found.item())
     if symbol in result.coords and symbol not in ("V_start", "t_end"):
         return _without_case_labels(parameter(result, symbol))
     if isinstance(recorded.get("values"), str):  # too many for an attribute

@@ -27,8 +27,8 @@ def from_result(result: Any) -> Scenario:
     Parameters
     ----------
     result : xarray.Dataset
-        Of `simulate`, `limit_cycle`, `stability` or `continue_cycle`, or of a sweep of one, as it
-        was returned or as it is read from a file.
+        Of `simulate`, `limit_cycle`, `stability`, `frequency_response` or `continue_cycle`, or of a
+        sweep of one, as it was returned or as it is read from a file.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def _setting(verb: str, result: Any, key: str) -> Any:
         return result.coords["t"].drop_vars("t") if own else result["time"].values
     if key == "V_start" and verb == "limit_cycle" and key not in attrs:
         return None
-    if key in ("V_lp", "V_start", "t_end"):
+    if key in ("V_lp", "V_start", "t_end", "frequency"):
         follows = attrs.get("parameter") == key  # what a branch follows is between two ends
         return None if follows else value_of(result, key, key, attributes.from_json(result, key))
     return attributes.number(result, key) if key != "dt" or key in attrs else None

@@ -54,6 +54,8 @@ def _per_area(values: dict[str, Any], place: Place) -> dict[str, Any]:
 def read_value(key: str, value: Any, place: Place) -> Any:
     """The value of a known key that has no axis here: float [SI], str, Path, dict or (n,) array.
 
+    Frequencies are a DataArray along themselves.
+
     None if it has a problem, which is noted.
     """
     if key == "initial":
@@ -63,6 +65,9 @@ def read_value(key: str, value: Any, place: Place) -> Any:
     if key == "times":
         many = read_values(key, value, place)
         return None if many is None else as_array(key, many)
+    if key == "frequency":
+        many = read_values(key, value, place)
+        return as_axis(key, many) if isinstance(many, Many) else many
     if isinstance(value, dict | list) and is_axis(key):
         place.add("key.no_axis", given=value, like=example(key))
         return None

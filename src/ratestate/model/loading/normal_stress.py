@@ -91,9 +91,8 @@ class NormalStress:
         """
         known = self.of_slider(sigma)
         seconds = np.asarray(t, dtype=float)
-        k = np.searchsorted(self.t, seconds, side="right") - 1
-        lasting = np.append(np.diff(self.t), 1.0)
-        part = np.minimum((seconds - self.t[k]) / lasting[k], 1.0)
+        k = self.segments_at(seconds)
+        part = self.part_passed(seconds, k)
         if not any(map(is_array, (t, known.start, known.end, self.amplitude, self.period))):
             start, end = known.start[k], known.end[k]
             return start + part * (end - start) + self._wave(seconds)
@@ -104,6 +103,15 @@ class NormalStress:
         start, end = (_along_segments(x).isel(segment=place) for x in (known.start, known.end))
         found = start + frame.copy(data=part) * (end - start) + self._wave(frame)
         return named("sigma", found.transpose(..., "time", missing_dims="ignore"))
+
+    def segments_at(self, t):
+        """The numbers of the segments that hold times t [s], or begin then."""
+        return np.searchsorted(self.t, t, side="right") - 1
+
+    def part_passed(self, t, k):
+        """What part of segments k has passed at times t [s]; in the last all of it is the same."""
+        lasting = np.append(np.diff(self.t), 1.0)
+        return np.minimum((t - self.t[k]) / lasting[k], 1.0)
 
     def of_slider(self, sigma):
         """The same with this sigma [Pa] of the slider in place of NaN."""

@@ -2,6 +2,7 @@
 
 =============================== ===========================================================
 ``single``                      a run, a cycle, stability, a branch
+``response``                    a frequency response: gains and phases
 ``sweep``                       a sweep: how cases ended, ranges, failed cases
 ``fit``                         a fit, in the fullest layout that the terminal has room for
 ``domain``                      cases that leave the domain of the friction law
@@ -16,6 +17,7 @@ import xarray
 from rich.text import Text
 
 from ..verdict_text import VerdictText
+from .response import response
 from .rows import Units
 from .single import branch, cycle, run, stability
 from .sweep import cases
@@ -25,6 +27,7 @@ SINGLE = {
     "simulate": run,
     "limit_cycle": cycle,
     "stability": stability,
+    "frequency_response": response,
     "continue_cycle": branch,
 }
 

@@ -18,6 +18,7 @@ RANGES = {
     "limit_cycle": ("amplitude", "period", "frequency", "V_max", "V_min", "inertia", "error"),
     "simulate": ("amplitude", "frequency", "V_max", "V_min", "cycles", "energy_residual"),
     "stability": ("K_c", "V_c", "eta", "f_n", "growth_rate", "omega"),
+    "frequency_response": ("resonance", "quality"),
 }
 
 
