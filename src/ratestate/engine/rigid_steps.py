@@ -11,9 +11,10 @@ import numpy as np
 
 from ..friction.normal_stress import FREQUENCY, S
 from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
+from .drift import with_states
 from .exp import exp_each_alone
 from .jit import inner, kernel, recursive
-from .rodas5p import leaves, with_states
+from .rodas5p import leaves
 from .step_control import GROW, SAFETY, SHRINK
 from .tableau import GAMMA, NODES, A, C, D
 from .tuples import largest, plus, product, read_rows, sum_of_sizes, times, write, zeros
