@@ -32,7 +32,7 @@ class Shown:
 
     def __init__(self, browser, address, fragment="", **look):
         self.context = browser.new_context(
-            viewport={"width": 1280, "height": 860}, accept_downloads=True, **look
+            accept_downloads=True, **{"viewport": {"width": 1280, "height": 860}} | look
         )
         self.context.grant_permissions(["clipboard-read", "clipboard-write"])
         self.page = self.context.new_page()
@@ -681,6 +681,65 @@ def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
                 box = shown.page.locator(chart).bounding_box()
                 assert box["x"] >= 0, (title, width)
                 assert box["x"] + box["width"] <= width, (title, width)
+
+
+@pytest.mark.parametrize(
+    ("width", "height"), [(390, 844), (844, 390), (1024, 768), (1440, 900), (2560, 1440)]
+)
+def test_nothing_moves_but_what_is_moved(show, width, height):
+    """While a slider goes through the regimes, with their verdicts, notes and legends."""
+    shown = show("V_from=90 um/s", viewport={"width": width, "height": height})
+    shown.page.evaluate(
+        """() => { window.shifts = [];
+        new PerformanceObserver(list => shifts.push(...list.getEntries().flatMap(
+            e => e.sources.map(s => s.node && (s.node.id || s.node.nodeName)))))
+            .observe({ type: 'layout-shift' }) }"""
+    )
+    for K in ("0.3 GPa/m", "1.19 GPa/m", "1.1999 GPa/m", "2 GPa/m", "inf", "0.9 GPa/m"):
+        shown.page.fill("#entry-K", K)
+        shown.page.press("#entry-K", "Enter")
+        shown.wait()
+    for M in ("0", "1e9 kg/m^2"):
+        shown.type("M", M)
+        shown.wait()
+    for chart in ("#stress-chart", "#speed-chart", "#map-canvas", "#phase-canvas"):
+        shown.page.hover(chart)
+        shown.page.wait_for_timeout(50)
+    # (what is typed, which has no node for scripts, is given its unit)
+    assert [what for what in shown.page.evaluate("shifts") if what] == []
+    if width >= 1151:  # the page is as high as the window
+        assert shown.page.evaluate("document.documentElement.scrollHeight") == height
+        charts = shown.page.locator("#speed-chart").bounding_box()
+        assert charts["height"] > 150
+        assert charts["y"] + charts["height"] <= height
+
+
+def test_a_finger_that_scrolls_over_a_slider_leaves_it(show):
+    shown = show(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    shown.page.locator("#slider-K").scroll_into_view_if_needed()
+    box = shown.page.locator("#slider-K").bounding_box()
+    client = shown.context.new_cdp_session(shown.page)
+
+    def swipe(dx, dy):
+        x, y = box["x"] + 0.3 * box["width"], box["y"] + box["height"] / 2
+        points = [(x + k * dx, y + k * dy) for k in range(12)]
+        for i, (px, py) in enumerate(points):
+            kind = "touchMove" if i else "touchStart"
+            touches = [{"x": px, "y": py}]
+            client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches})
+        client.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        shown.page.wait_for_timeout(200)
+        shown.wait()
+
+    at = shown.page.evaluate("scrollY")
+    swipe(1, -12)
+    assert shown.page.evaluate("scrollY") > at + 50
+    assert shown.entry("K") == "960 MPa/m"
+    assert shown.numbers["K/Kc"] == "0.8"
+    shown.page.locator("#slider-K").scroll_into_view_if_needed()
+    box = shown.page.locator("#slider-K").bounding_box()
+    swipe(12, 1)
+    assert shown.entry("K") != "960 MPa/m"
 
 
 def test_dark_is_dark_and_nothing_moves_for_those_who_mind(show):

@@ -56,6 +56,19 @@ export class Field {
       this.tell(text, event.timeStamp);
     });
     this.slider.addEventListener("change", () => this.recentre(Number(this.slider.value)));
+    this.leaveToScrolling();
+  }
+
+  /** A finger that scrolls the page over the slider moves it a little before the browser knows: back then. */
+  leaveToScrolling() {
+    let before = null;
+    this.slider.addEventListener("pointerdown", () => (before = { at: this.slider.value, text: this.text }));
+    this.slider.addEventListener("pointercancel", (event) => {
+      if (before === null || this.text === before.text) return;
+      this.slider.value = before.at;
+      this.input.value = display(before.text);
+      this.tell(before.text, event.timeStamp);
+    });
   }
 
   tell(text, stamp) {

@@ -17,8 +17,8 @@ export class Legend {
     this.list = list;
     this.regimes = REGIMES.map(([name, role]) => this.entry(`patch ${role}`, name));
     this.jump = this.entry("line jump", "lost with a jump");
-    this.beyond = this.entry("point beyond", "the slider is beyond the map");
     this.size = this.entry("", "");
+    this.beyond = this.entry("point beyond", "the slider is beyond the map");
   }
 
   entry(mark, text) {

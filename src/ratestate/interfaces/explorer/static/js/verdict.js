@@ -11,7 +11,13 @@ export function tell(picture, elements) {
   write(elements.reasons, rest.join(" "));
   write(elements.notes, picture.notes.join(" "));
   elements.notes.hidden = !picture.notes.length;
-  elements.numbers.replaceChildren(...rows(picture).map(row));
+  const table = rows(picture);
+  if (!elements.numbers.children.length) elements.numbers.append(...table.map(row));
+  table.forEach(([, text], i) => {
+    const value = elements.numbers.children[i].lastChild;
+    value.textContent = text;
+    value.title = text;
+  });
 }
 
 function rows({ numbers, values }) {
@@ -32,7 +38,6 @@ function rows({ numbers, values }) {
   ];
 }
 
-function row([names, text]) {
-  const term = element("dt", {}, ...names.flatMap(symbol));
-  return element("div", {}, term, element("dd", { textContent: text, title: text }));
+function row([names]) {
+  return element("div", {}, element("dt", {}, ...names.flatMap(symbol)), element("dd", {}));
 }
