@@ -4,7 +4,6 @@ Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  
 crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 """
 
-from ..friction.kinematics import LIMIT
 from . import rows as R
 from .dense_output import components, polynomial
 from .extremes import (
@@ -51,15 +50,15 @@ def observe(s, l, law, c):
 def outrun(s, l, law):
     """End the case of a lane beyond its limit of speed, unless the motion will turn back.
 
-    Its status is then RUNAWAY or, at speeds that saturate (exp.py) under a law that heals at rest,
-    NOT_FINITE: a law that evolves with slip alone can still be followed there.
+    Its status is then RUNAWAY or, where it is lost, NOT_FINITE.
     """
     rows = rows_of(law)
     y, p = read_rows(s, rows.y_new, l), read_rows(s, rows.p, l)
-    v = law.log_of_faster(y[1], y[2:], p)
-    if law.runs_away(v, y[2:], law.stiffness(s[R.KAPPA + l], p), p):
+    v, kappa = law.log_of_faster(y[1], y[2:], p), law.stiffness(s[R.KAPPA + l], p)
+    w, e = s[R.W_NEW + l], read_rows(s, rows.e_new, l)
+    if law.runs_away(v, y[2:], kappa, p) or law.outruns_spring(v, w, y[2:], e, kappa, p):
         s[R.STATUS + l] = RUNAWAY
-    elif law.heals_at_rest() and v > LIMIT:
+    elif law.is_lost(v, p):
         s[R.STATUS + l] = NOT_FINITE
 
 

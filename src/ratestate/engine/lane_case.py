@@ -37,7 +37,7 @@ def fill(s, l, law, i, size, cases):
     w, e = exponentials_alone(y, law, p)
     s[R.W + l] = w
     write_rows(s, rows.e, l, e)
-    s[R.OBSERVE + l], s[R.V_LIMIT + l] = cases.observe[i], cases.v_limit[i]
+    s[R.OBSERVE + l], s[R.V_LIMIT + l] = cases.observe[i], law.resolved(cases.v_limit[i], p)
     s[R.MAX_STEPS + l] = cases.max_steps[i]
     s[R.V_HIGH + l], s[R.V_LOW + l] = -math.inf, math.inf
     s[R.F_LOW + l] = s[R.XF_LOW + l] = math.inf

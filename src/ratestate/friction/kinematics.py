@@ -78,6 +78,14 @@ class Forward(ConstantNormalStress):
         """
         return error
 
+    def without_rounding(self, error, y, w, e, p, inertia, rounding, size, allowed):
+        """`error_of_v`, less where rounding feigns more of it in v than is allowed.
+
+        inertia : eta0/h; rounding : as a part of the numbers in y = (x, v, psi) and in p
+        size : of x and psi
+        """
+        return error
+
     def own_exponents(self, v, w, psi, back, p):
         """The law's `exponents`."""
         return self.exponents(v, w, psi, p)

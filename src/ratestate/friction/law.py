@@ -22,6 +22,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+from .kinematics import LIMIT
 from .law_properties import LawProperties
 
 #: the friction of eq. 1, a form by its name
@@ -177,6 +178,25 @@ class FrictionLaw(LawProperties):
         Where a law does not know: at speeds that no double would follow much further.
         """
         return v > 600.0
+
+    def is_lost(self, v, p):
+        """Whether a slider without mass or damping cannot be followed further, though it may turn
+        back: at speeds that saturate, but where states evolve with slip alone.
+        """
+        return self.heals_at_rest() and v > LIMIT
+
+    def resolved(self, v_limit, p):
+        """v up to which friction tells the speed of a slider without mass or damping: `v_limit`.
+
+        v_limit : v at which it is asked whether such a slider runs away; inf of others
+        """
+        return v_limit
+
+    def outruns_spring(self, v, w, psi, e, kappa, p):
+        """Whether friction, which hardly depends on V there, falls faster with slip than the
+        spring's force: a slider without mass at V >> V_lp then runs away for sure.
+        """
+        return False
 
     # Where they are known, else not called
 

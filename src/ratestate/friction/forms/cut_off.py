@@ -1,11 +1,13 @@
 """Friction whose direct effect and whose state are cut off, at high speeds and at young ages."""
 
 import functools
+import math
 from types import MappingProxyType
 
 from ..functions import (
     bent_each,
     diagonal,
+    larger,
     logistic,
     logistic_each,
     softplus,
@@ -14,9 +16,12 @@ from ..functions import (
     weighted_sum,
     zeros_for,
 )
+from ..kinematics import LIMIT
 from ..law import FrictionLaw, Parameter
 
 NAME = "cut-off"
+# ln(V/V1) up to which double precision tells V from friction, there to 1e-5: by the slope e**-20.
+RESOLVED, LEAST_SLOPE = 20.0, 2e-9
 #: symbol -> what it is, of its parameters
 OWN = MappingProxyType(
     {
@@ -98,8 +103,35 @@ def form_at(i):
             )
             return part * (1.0 - part) * (1.0 - 2.0 * part), zero, diagonal(zero), by_psi
 
+        def without_rounding(self, error, y, w, e, p, inertia, rounding, size, allowed):
+            """Force tells v by the direct effect, by damping, and by inertia in the step.
+
+            It is rounded to parts of the numbers it is a sum of, and of 1, as `softplus` is.
+            """
+            by_v, _ = self.stress_slopes(y[1], w, y[2:], e, p)
+            slope = larger(by_v + inertia * w, LEAST_SLOPE)
+            part = allowed * slope / (rounding * (1.0 + size + abs(p[k])))
+            return error * (part if part < 1.0 else 1.0)
+
         def runs_away(self, v, psi, kappa, p):
-            """Beyond all speeds it does: nothing there depends on speed any more."""
-            return True
+            """Where the spring pulls harder than friction at all speeds, as when sigma falls."""
+            return v > LIMIT
+
+        def resolved(self, v_limit, p):
+            """A little beyond V1."""
+            return min(v_limit, p[i] + RESOLVED) if v_limit < math.inf else v_limit
+
+        def is_lost(self, v, p):
+            """Where friction does not tell V."""
+            return v > p[i] + RESOLVED
+
+        def outruns_spring(self, v, w, psi, e, kappa, p):
+            """Whether -sum_k b_k dpsi_k/dD > kappa, with slip D and the b_k left at these ages.
+
+            Where V >> V1, d(1/w)/dD = (kappa + sum_k b_k dpsi_k/dD)/w1, w1 = V1/V_ref: 1/w falls
+            to 0 within a slip of w1/w [Dc], in which neither the states nor sigma change.
+            """
+            left = weighted(self.evolution_effects(p), logistic_each(p[j], psi))
+            return -weighted_sum(left, self.rates(v, w, psi, e, p)) > kappa * w
 
     return CutOff

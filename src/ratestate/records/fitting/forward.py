@@ -42,8 +42,9 @@ class Forward:
         self.stress = loading.normal_stress
         self.moving_law = self.law if self.stress is None else under_varying_stress(self.law)
         self.evaluations = 0
-        # without inertia V may run away; with a free mass it cannot
-        self.v_limit = np.log(V_LIMIT / self.V0) if self.fixed["M"] == 0.0 else np.inf
+        # without inertia and damping V may run away; with a free one of them it cannot
+        unheld = self.fixed["M"] == 0.0 and not self.fixed.get("damping")
+        self.v_limit = np.log(V_LIMIT / self.V0) if unheld else np.inf
         sizes = sizes_of(record, slider)
         #: step of a central difference in each coordinate that the motion depends on
         self.steps = {n: _step(n, record, sizes[n]) for n in names if n not in LINEAR}
