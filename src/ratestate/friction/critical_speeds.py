@@ -11,7 +11,8 @@ from . import stability
 from .linear_stability import K_c, edges, is_stable
 
 # Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
-SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e20, 10
+# (Above that of light nothing slips, and where weakening fades as 1/V rounding would decide.)
+SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e9, 10
 # Sliders for which they are sought at a time, which bounds the memory.
 TOGETHER = 1000
 

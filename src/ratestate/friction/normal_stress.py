@@ -3,9 +3,10 @@
 Friction pushes with sigma(t) mu.  A change of normal stress changes the states too, by
 `FrictionLaw.jumps_with_normal_stress`: d psi_k = h_k d ln s, with h_k = h_k0 + h_k1 R.
 
-Where sigma jumps, V stays as it is, and psi does what it does in a very short ramp.  A slider
-without mass then is at once at the speed at which friction balances the spring: what one of ever
-smaller mass does.
+Where sigma jumps, V stays as it is, and psi does what it does in a very short ramp at that V.  A
+slider without mass then is at once at the speed at which friction balances the spring: what one of
+ever smaller mass does.  (In a short ramp V follows the balance meanwhile, which the states feel
+where h_k1 is not 0, under the law of Nagata.)
 
 Source: Linker & Dieterich (1992) doi:10.1029/92JB00017.
 """

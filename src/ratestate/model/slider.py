@@ -47,9 +47,11 @@ class SpringSlider(CriticalNumbers):
         Mass per area [kg/m^2], >= 0.  0 (the default) is the quasi-static limit, with damping the
         quasi-dynamic one.
     mu0 : float or DataArray
-        Friction coefficient in steady sliding at V0 [1], >= 0.
+        Friction coefficient in steady sliding at V0 [1], >= 0; with cut-offs that at V >> V1 and
+        theta << Dc/V2.  Steady friction at V0 is 0.567 b higher under "kato-tullis" (V0 << V_cut),
+        and lower under "flash-heating" unless V0 << V_w.
     V0 : float, str or DataArray
-        Reference velocity [m/s], > 0.
+        Reference velocity [m/s], > 0.  With cut-offs friction does not depend on it.
     law : str
         Friction law, a name of `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
         or "Dieterich" (eq. 2), in any capitals; the attribute is the law's name.

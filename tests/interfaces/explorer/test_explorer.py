@@ -388,6 +388,17 @@ class TestPicture:
         # what comes after the step is seen: slips of the cycle
         assert arrays["run_V"][time > 0.0].max() > 1e-2
 
+    def test_after_a_large_step_of_normal_stress_the_spring_is_seen_to_reload(self):
+        """It takes mu (sigma - sigma_from)/(K V_lp), here 17 s, to slip at all."""
+        header, arrays = painted(STICK_SLIP | {"sigma_from": "1.3 MPa"}, seconds=120.0)
+        period = header["numbers"]["period"]
+        reloading = 0.6 * (4e6 - 1.3e6) / (0.96e9 * 1e-4)
+        assert 5.0 < (arrays["run_time"][-1] - reloading) / period < 7.0
+        late = arrays["run_time"] > reloading + 2.0 * period
+        assert np.ptp(arrays["run_stress"][late]) == pytest.approx(
+            header["numbers"]["amplitude"], rel=0.01
+        )
+
     def test_a_runaway_is_shown_as_far_as_it_comes(self):
         header, arrays = painted(RUNAWAY)
         assert header["numbers"]["regime"] == "runaway"

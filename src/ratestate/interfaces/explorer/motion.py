@@ -45,7 +45,7 @@ def plan_of(verdict, orbit, before=None):
     before : the slider and the speed before the step, and the orbit of the cycle there, or None;
         without it the run begins in steady sliding at `START` of the speed, as for `limit_cycle`
     """
-    time = _rounded(min(_durations(verdict, orbit)))
+    time = _rounded(min(_durations(verdict, orbit)) + _reloading(verdict, before))
     if before is None:
         loading = Loading.constant(verdict.V_lp)
         start = float(f"{START * verdict.V_lp:.12g}")  # (0.1 times 0.2 is 0.020000000000000004)
@@ -60,6 +60,21 @@ def plan_of(verdict, orbit, before=None):
         loading = loading.sigma_step(lead, verdict.slider.sigma)
     settings = {"loading": loading, "t_end": _rounded(lead + time), **start}
     return Plan(slider, settings, lead)
+
+
+def _reloading(verdict, before):
+    """Time [s] in which the load point brings the spring to a higher steady stress after a step."""
+    if before is None or np.isinf(verdict.slider.K):
+        return 0.0
+    motions = before[:2], (verdict.slider, verdict.V_lp)
+    earlier, later = (slider.sigma * steady_stress(slider, V) for slider, V in motions)
+    return max(later - earlier, 0.0) / (verdict.slider.K * verdict.V_lp)
+
+
+def steady_stress(slider, V):
+    """tau/sigma in steady sliding at a speed."""
+    columns = {symbol: np.atleast_1d(x) for symbol, x in slider.values.items()}
+    return slider.friction_law.steady_tau(np.array([V]), columns).item()
 
 
 def transient_note(verdict, orbit):

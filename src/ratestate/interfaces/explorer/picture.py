@@ -12,7 +12,7 @@ from ...engine.model import FINISHED
 from ...errors import SolverError
 from . import charts
 from .budget import TimeUp
-from .motion import Plan, plan_of, transient_note
+from .motion import Plan, plan_of, steady_stress, transient_note
 
 RTOL = 1e-8  # of the cycle
 # How often a run is shortened before it is given up.
@@ -68,12 +68,11 @@ def picture(state, deadline):
     if verdict.period:
         arrays |= _curves("cycle", study.orbit, slider.sigma, 0.0)
     arrays |= charts.line(slider, state.V_lp, verdict.K_c_qs)
-    values = {symbol: np.atleast_1d(x) for symbol, x in slider.values.items()}
     header = {
         "values": state.values,
         "numbers": {name: getattr(verdict, name) for name in NUMBERS},
         "sentences": verdict.sentences,
-        "steady": slider.friction_law.steady_tau(np.array([state.V_lp]), values).item(),
+        "steady": steady_stress(slider, state.V_lp),
         "notes": study.notes + notes,
         "chart": charts.key_of(slider),
     }

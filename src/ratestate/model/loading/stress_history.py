@@ -25,6 +25,8 @@ class StressHistory(Segments):
         The slider's velocity does not jump with it; without mass it is at once the one at which
         friction balances the spring.  (Without damping too, a large fall may ask for a speed beyond
         double precision: take a short `sigma_ramp`.)  The state follows by the slider's alpha.
+        Without mass it differs under the law of Nagata from a short ramp, in which friction follows
+        the spring throughout: a step is what a slider of ever smaller mass does.
 
         Parameters
         ----------
