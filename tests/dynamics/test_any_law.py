@@ -45,7 +45,7 @@ def off(run, exact, twin, law):
     + [(law, False) for law in ("prz", "nagata", "two-state-aging")],
 )
 def test_a_step_is_that_of_the_textbook(law, mass):
-    """By SciPy's Radau, in other variables: a step of the load point by a factor of 3."""
+    """By SciPy, in other variables: a step of the load point by a factor of 3."""
     parameters, V = drawn(law, np.random.default_rng(8))
     parameters |= {} if mass else {"M": 0.0, "K": 3.0 * parameters["K"]}
     twin = Textbook(law, parameters)
@@ -56,7 +56,7 @@ def test_a_step_is_that_of_the_textbook(law, mass):
     exact = twin.solve(twin.steady(V / 3.0), V, times)
     assert off(run, exact, twin, law) < 100 * RTOL
     finer = rs.simulate(case, loading, times[-1], times=times, rtol=RTOL / 1e3, **start)
-    assert off(finer, exact, twin, law) < 1e-3 * RTOL + 1e-7  # that of Radau
+    assert off(finer, exact, twin, law) < 1e-3 * RTOL + 1e-7  # that of SciPy
     mu = [twin.mu(np.exp(y[1]), np.exp(y[2:])) for y in exact]
     np.testing.assert_allclose(finer.mu, mu, rtol=0, atol=1e-8)
     assert abs(float(finer.energy_residual)) < 1e-8

@@ -49,7 +49,7 @@ def K_c(V, *, a, b, Dc, sigma, M, damping, **_):
 @pytest.mark.parametrize("mass", [True, False])
 @pytest.mark.parametrize("law", ["slip", "nagata"])
 def test_a_step_is_that_of_the_textbook(law, mass):
-    """By SciPy's Radau; without mass through what would be an instability without damping."""
+    """By SciPy; without mass through what would be an instability without damping."""
     parameters, V = heavy(law, np.random.default_rng(8))
     parameters |= {} if mass else {"M": 0.0, "K": 0.4 * parameters["K"]}
     twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)

@@ -50,7 +50,7 @@ def swinging(law, rng, mass, damping):
     ],
 )
 def test_a_slider_that_was_pulled_back_is_that_of_the_textbook(law, mass, damping):
-    """By SciPy's Radau, with V itself as a variable: it slides back, sticks, and is pulled on."""
+    """By SciPy, with V itself as a variable: it slides back, sticks, and is pulled on."""
     p, V = swinging(law, np.random.default_rng(7), mass, damping)
     twin, y = Reversing(law, p), Reversing(law, p).steady(V)
     y[0] *= -3.0 if mass else -1.5

@@ -1,6 +1,6 @@
 """A plain-Python twin of the friction laws, as their papers write them, sharing no code with ours.
 
-The state is y = (tau/sigma, ln V, ln theta, ...) in SI, and SciPy's Radau takes it from there:
+The state is y = (tau/sigma, ln V, ln theta, ...) in SI, and SciPy's LSODA takes it from there:
 
     d tau/dt = K (V_lp - V)      M dV/dt = tau - sigma s mu - damping V    mu, d theta/dt: as below.
 
@@ -212,7 +212,7 @@ class Textbook:
         return tol * self.sizes(y)
 
     def jacobian(self, y, V_lp, t=0.0):
-        """By central differences: SciPy's own, one-sided, make Radau stall."""
+        """By central differences."""
         columns = []
         for h in np.diag(1e-6 * self.sizes(y)):
             change = self.rates(y + h, V_lp, t) - self.rates(y - h, V_lp, t)
@@ -228,14 +228,14 @@ class Textbook:
         wanted = [exact[:, 0] / self.p["a"], *exact[:, 1:].T, np.array(mu) / self.p["a"]]
         return max(np.abs(x - y).max() for x, y in zip(found, wanted, strict=True))
 
-    def solve(self, y, V_lp, times, tol=1e-10, start=0.0):
+    def solve(self, y, V_lp, times, tol=1e-12, start=0.0):
         """y at the times, one a row, under a constant V_lp from y at the start on."""
         inside = np.nextafter(start, np.inf), np.nextafter(times[-1], 0.0)  # of what s is there
         run = solve_ivp(
             lambda t, y: self.rates(y, V_lp, min(max(t, inside[0]), inside[1])),
             (start, times[-1]),
             y,
-            "Radau",
+            "LSODA",
             times,
             jac=lambda t, y: self.jacobian(y, V_lp, min(max(t, inside[0]), inside[1])),
             rtol=tol,
