@@ -186,7 +186,7 @@ def test_friction_is_that_of_the_textbook(law, form, seed):
     ("law", "mass", "damping"),
     [
         ("slip", True, 0.0),
-        ("two-state-aging", False, 0.3),
+        ("slip", False, 0.3),
     ],
 )
 def test_a_step_is_that_of_the_textbook(law, mass, damping):

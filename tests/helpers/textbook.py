@@ -47,6 +47,17 @@ def drawn(law, rng):
     return p, V
 
 
+def wave(size, period):
+    """s(t) = 1 + size sin(2 pi t/period), and d ln s/dt."""
+    omega = 2.0 * math.pi / period
+
+    def s(t):
+        s = 1.0 + size * math.sin(omega * t)
+        return s, size * omega * math.cos(omega * t) / s
+
+    return s
+
+
 class Textbook:
     """A slider under a law, by name, with parameters p [SI]."""
 
@@ -107,7 +118,7 @@ class Textbook:
         """y of steady sliding at V."""
         theta = self.steady_theta(V)
         stress = self.mu(V, theta) + self.p.get("damping", 0.0) * V / self.p["sigma"]
-        return np.array([stress, math.log(V), *map(math.log, theta)])
+        return np.array([stress, self.variable(V), *map(math.log, theta)])
 
     def evolution(self, V, theta, dmu_dt):
         """d theta/dt of each state."""
@@ -137,6 +148,10 @@ class Textbook:
         return p["a"] * p["V1"] / (V + p["V1"]), [
             b * x / (1 + x) for b, x in zip(self.b, grown, strict=True)
         ]
+
+    def variable(self, V):
+        """That of y which is for V."""
+        return math.log(V)
 
     def velocity(self, stress, theta, s=1.0):
         """V where friction and damping balance the spring, for M = 0."""
@@ -258,7 +273,8 @@ class Textbook:
         rows = np.array(rows)
         if self.p["M"] == 0.0:  # friction and the dashpot balance the spring
             for t, row in zip(times, rows, strict=True):
-                row[1] = math.log(self.velocity(row[0], np.exp(row[2:]), self.p["s"](t)[0]))
+                s = self.p["s"](t)[0] if "s" in self.p else 1.0
+                row[1] = self.variable(self.velocity(row[0], np.exp(row[2:]), s))
         return rows
 
     def jumped(self, y, before, after):
@@ -291,10 +307,8 @@ class Reversing(Textbook):
 
     regularized = True
 
-    def steady(self, V):
-        y = super().steady(V)
-        y[1] = V
-        return y
+    def variable(self, V):
+        return V
 
     def evolution(self, V, theta, dmu_dt):
         if V == 0.0:  # slip does nothing then, and healing all it can
@@ -323,10 +337,7 @@ class Reversing(Textbook):
 
     def differs(self, run, exact):
         """Largest difference of a run from y: tau/(a sigma), V over the largest, ln theta, mu/a."""
-        theta = [[math.exp(x) for x in y[2:]] for y in exact]
-        V = exact[:, 1]
-        if self.p["M"] == 0:
-            V = np.array([self.velocity(y[0], th) for y, th in zip(exact, theta, strict=True)])
+        V, theta = exact[:, 1], np.exp(exact[:, 2:])
         mu = np.array([self.mu(v, th) for v, th in zip(V, theta, strict=True)])
         names = [name for name in ("theta", "theta2") if name in run]
         off = [run.tau.values / self.p["sigma"] - exact[:, 0], run.mu.values - mu]
