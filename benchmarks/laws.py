@@ -1,6 +1,6 @@
 """Built-in laws against their textbook forms: `python benchmarks/laws.py [--law NAME] [part ...]`.
 
-runs    random sliders with mass and without, against SciPy's Radau: errors over rtol
+runs    random sliders with mass and without, against SciPy's LSODA: errors over rtol
 modes   eigenvalues of steady sliding, against a Jacobian by central differences
 cycles  amplitude and period of limit cycles, against Newton's method on SciPy's LSODA or Radau
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 from textbook import OF_LAW
+from threadpoolctl import threadpool_limits
 
 import ratestate as rs
 from ratestate.friction.laws import LAW_OF, LAWS, ONE_LENGTH
@@ -73,7 +74,11 @@ def pytest_collection_finish():
 
 
 def pytest_sessionstart():
-    """Let workers begin with different kernels, and wait for those that others are compiling."""
+    """Let workers begin with different kernels, and wait for those that others are compiling.
+
+    Of BLAS each has one thread: more than there are cores spin for longer than they work.
+    """
+    threadpool_limits(1, user_api="blas")
     worker = os.environ.get("PYTEST_XDIST_WORKER", "")
     if not worker:
         return

@@ -37,14 +37,14 @@ def together(parameters):
     + [(law, False) for law in ("prz", "nagata", "two-state-aging")],
 )
 def test_a_step_is_that_of_the_textbook(law, mass):
-    """By SciPy's Radau, in other variables: a step of the load point by a factor of 3."""
+    """By SciPy, in other variables: a step of the load point by a factor of 3."""
     parameters, V = drawn(law, np.random.default_rng(8))
     parameters |= {} if mass else {"M": 0.0, "K": 3.0 * parameters["K"]}
     simulate, times, twin, exact = load_step(law, parameters, V)
     run = simulate(times=times, rtol=RTOL)
     assert twin.differs(run, exact) < 100 * RTOL
     finer = simulate(times=times, rtol=RTOL / 1e3)
-    assert twin.differs(finer, exact) < 1e-3 * RTOL + 1e-7  # that of Radau
+    assert twin.differs(finer, exact) < 1e-3 * RTOL + 1e-7  # that of SciPy
     assert abs(float(finer.energy_residual)) < 1e-8
 
 

@@ -302,7 +302,7 @@ def test_a_kernel_that_cannot_be_compiled(monkeypatch):
     "slider",
     [
         {"law": "slip", "damping": 1e4},
-        {"law": "aging", "friction": "regularized", "damping": 1e4},
+        {"law": "slip", "friction": "regularized", "damping": 1e4},
         {
             "law": "two-state-aging",
             "b2": 0.001,

@@ -187,7 +187,7 @@ def test_friction_is_that_of_the_textbook(law, form, seed):
     ("law", "mass", "damping"),
     [
         ("slip", True, 0.0),
-        ("two-state-aging", False, 0.3),
+        ("slip", False, 0.3),
     ],
 )
 def test_a_step_is_that_of_the_textbook(law, mass, damping):
@@ -217,9 +217,8 @@ def test_eigenvalues_are_those_of_the_textbooks_jacobian(law, form):
             assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * np.abs(exact).max()
         K_c = case.K_c(V)
         if K_c > 0:
-            for ratio in (1.0 + 1e-9, 1.0 - 1e-9):
-                there = case.replace(K=K_c * ratio)
-                assert bool(rs.stability(there, V).stable) == (ratio > 1.0)
+            both = case.replace(K=xr.DataArray([K_c * (1.0 + 1e-9), K_c * (1.0 - 1e-9)], dims="K"))
+            assert rs.stability(both, V).stable.values.tolist() == [True, False]
 
 
 def test_a_cycle_is_that_of_a_long_run_and_begins_at_the_hopf_point():

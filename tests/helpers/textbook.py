@@ -1,6 +1,6 @@
 """A plain-Python twin of the friction laws, as their papers write them, sharing no code with ours.
 
-The state is y = (tau/sigma, ln V, ln theta, ...) in SI, and SciPy's Radau takes it from there:
+The state is y = (tau/sigma, ln V, ln theta, ...) in SI, and SciPy's LSODA takes it from there:
 
     d tau/dt = K (V_lp - V)      M dV/dt = tau - sigma s mu - damping V    mu, d theta/dt: as below.
 
@@ -45,6 +45,17 @@ def drawn(law, rng):
     eta = 10 ** rng.uniform(-4, 1)
     p["M"] = eta * a * p["sigma"] * p["Dc"] / V**2
     return p, V
+
+
+def wave(size, period):
+    """s(t) = 1 + size sin(2 pi t/period), and d ln s/dt."""
+    omega = 2.0 * math.pi / period
+
+    def s(t):
+        s = 1.0 + size * math.sin(omega * t)
+        return s, size * omega * math.cos(omega * t) / s
+
+    return s
 
 
 class Textbook:
@@ -107,7 +118,7 @@ class Textbook:
         """y of steady sliding at V."""
         theta = self.steady_theta(V)
         stress = self.mu(V, theta) + self.p.get("damping", 0.0) * V / self.p["sigma"]
-        return np.array([stress, math.log(V), *map(math.log, theta)])
+        return np.array([stress, self.variable(V), *map(math.log, theta)])
 
     def evolution(self, V, theta, dmu_dt):
         """d theta/dt of each state."""
@@ -137,6 +148,10 @@ class Textbook:
         return p["a"] * p["V1"] / (V + p["V1"]), [
             b * x / (1 + x) for b, x in zip(self.b, grown, strict=True)
         ]
+
+    def variable(self, V):
+        """That of y which is for V."""
+        return math.log(V)
 
     def velocity(self, stress, theta, s=1.0):
         """V where friction and damping balance the spring, for M = 0."""
@@ -212,7 +227,7 @@ class Textbook:
         return tol * self.sizes(y)
 
     def jacobian(self, y, V_lp, t=0.0):
-        """By central differences: SciPy's own, one-sided, make Radau stall."""
+        """By central differences."""
         columns = []
         for h in np.diag(1e-6 * self.sizes(y)):
             change = self.rates(y + h, V_lp, t) - self.rates(y - h, V_lp, t)
@@ -228,14 +243,14 @@ class Textbook:
         wanted = [exact[:, 0] / self.p["a"], *exact[:, 1:].T, np.array(mu) / self.p["a"]]
         return max(np.abs(x - y).max() for x, y in zip(found, wanted, strict=True))
 
-    def solve(self, y, V_lp, times, tol=1e-10, start=0.0):
+    def solve(self, y, V_lp, times, tol=1e-12, start=0.0):
         """y at the times, one a row, under a constant V_lp from y at the start on."""
         inside = np.nextafter(start, np.inf), np.nextafter(times[-1], 0.0)  # of what s is there
         run = solve_ivp(
             lambda t, y: self.rates(y, V_lp, min(max(t, inside[0]), inside[1])),
             (start, times[-1]),
             y,
-            "Radau",
+            "LSODA",
             times,
             jac=lambda t, y: self.jacobian(y, V_lp, min(max(t, inside[0]), inside[1])),
             rtol=tol,
@@ -258,7 +273,8 @@ class Textbook:
         rows = np.array(rows)
         if self.p["M"] == 0.0:  # friction and the dashpot balance the spring
             for t, row in zip(times, rows, strict=True):
-                row[1] = math.log(self.velocity(row[0], np.exp(row[2:]), self.p["s"](t)[0]))
+                s = self.p["s"](t)[0] if "s" in self.p else 1.0
+                row[1] = self.variable(self.velocity(row[0], np.exp(row[2:]), s))
         return rows
 
     def jumped(self, y, before, after):
@@ -291,10 +307,8 @@ class Reversing(Textbook):
 
     regularized = True
 
-    def steady(self, V):
-        y = super().steady(V)
-        y[1] = V
-        return y
+    def variable(self, V):
+        return V
 
     def evolution(self, V, theta, dmu_dt):
         if V == 0.0:  # slip does nothing then, and healing all it can
@@ -323,10 +337,7 @@ class Reversing(Textbook):
 
     def differs(self, run, exact):
         """Largest difference of a run from y: tau/(a sigma), V over the largest, ln theta, mu/a."""
-        theta = [[math.exp(x) for x in y[2:]] for y in exact]
-        V = exact[:, 1]
-        if self.p["M"] == 0:
-            V = np.array([self.velocity(y[0], th) for y, th in zip(exact, theta, strict=True)])
+        V, theta = exact[:, 1], np.exp(exact[:, 2:])
         mu = np.array([self.mu(v, th) for v, th in zip(V, theta, strict=True)])
         names = [name for name in ("theta", "theta2") if name in run]
         off = [run.tau.values / self.p["sigma"] - exact[:, 0], run.mu.values - mu]

@@ -92,20 +92,20 @@ class StabilityCall:
         of_mass = {symbol: x for symbol, x in of_spring.items() if symbol != "K"}
 
         def of_law(function, given, *dims):
-            return call_elementwise(functools.partial(function, law), given, *dims)
+            found = call_elementwise(functools.partial(function, law), given, *dims)
+            return xarray.DataArray(found, dims=dims) if dims and not is_array(found) else found
 
-        def speed(name):
-            return of_law(lambda law, **given: getattr(V_c(law, **given), name), pick)
+        def both_speeds(law, **given):
+            return np.stack(V_c(law, **given), axis=-1)
 
-        modes = of_law(eigenvalues, of_spring, "mode")
-        modes = modes if is_array(modes) else xarray.DataArray(modes, dims="mode")
+        modes, speeds = of_law(eigenvalues, of_spring, "mode"), of_law(both_speeds, pick, "edge")
         first = modes.isel(mode=0)
         results = {
             "K_c": of_law(K_c, of_mass),
             "K_c_qs": of_law(K_c, self._quasi_static(of_mass)),
             "eta": eta(V, **{symbol: values[symbol] for symbol in ("a", "Dc", "sigma", "M")}),
-            "V_c": speed("V_c"),
-            "V_c_upper": speed("V_c_upper"),
+            "V_c": speeds.isel(edge=0),
+            "V_c_upper": speeds.isel(edge=1),
             "f_n": f_n(K=values["K"], M=values["M"]),
             "eigenvalues": modes,
             "growth_rate": first.real,

@@ -93,8 +93,9 @@ def _speeds_by_search(law, columns):
     first = unstable.argmax(axis=1)
     after = unstable | (np.arange(grid.size) < first[:, None])
     last = after.argmin(axis=1)  # the first stable one after it, if any: else 0
-    lower = _bisect(stable, grid[np.maximum(first - 1, 0)], grid[first])
-    upper = _bisect(stable, grid[last], grid[np.maximum(last - 1, 0)])
+    inside = grid[np.stack([np.maximum(first - 1, 0), last], axis=1)]
+    outside = grid[np.stack([first, np.maximum(last - 1, 0)], axis=1)]
+    lower, upper = _bisect(stable, inside, outside).T
     some = unstable.any(axis=1)
     lower = np.where(some, np.where(first > 0, lower, 0.0), np.inf)
     upper = np.where(some & (last > 0), upper, np.inf)
@@ -103,8 +104,8 @@ def _speeds_by_search(law, columns):
         below, above = grid[highest - 1], grid[highest + 1]
         peak = _maximum(critical, below, above)
         between = ~some & ~stable(peak)
-        lower = np.where(between, _bisect(stable, below, peak), lower)
-        upper = np.where(between, _bisect(stable, above, peak), upper)
+        edges_of_peak = _bisect(stable, np.stack([below, above], axis=1), peak[:, None]).T
+        lower, upper = np.where(between, edges_of_peak, (lower, upper))
     return CriticalSpeeds(lower, upper)
 
 
@@ -120,7 +121,7 @@ def _maximum(function, low, high):
 
 
 def _bisect(stable, inside, outside):
-    """Speeds (n,) between those that are stable, inside, and those that are not."""
+    """Speeds (n, 2) between those that are stable, inside, and those that are not."""
     low, high = np.log(inside), np.log(outside)
     for _ in range(64):
         middle = 0.5 * (low + high)
