@@ -1,6 +1,6 @@
 """Built-in laws against their textbook forms: `python benchmarks/laws.py [--law NAME] [part ...]`.
 
-runs    random sliders with mass and without, against SciPy's LSODA: errors over rtol
+runs    random sliders with mass and without, against SciPy's Radau: errors over rtol
 modes   eigenvalues of steady sliding, against a Jacobian by central differences
 cycles  amplitude and period of limit cycles, against Newton's method on SciPy's LSODA or Radau
 
@@ -25,6 +25,8 @@ from ratestate.friction.laws import LAWS
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/helpers"))
 from textbook import OF_LAW, Textbook, drawn
+
+Textbook.method, Textbook.tolerance = "Radau", 1e-10
 
 RTOL = 1e-6
 SLIDERS, CYCLES = 200, 20
