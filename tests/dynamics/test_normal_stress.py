@@ -255,6 +255,26 @@ def test_runaway_without_mass_is_told_at_the_stiffness_of_that_time():
     with pytest.raises(rs.QuasiStaticInstability) as told:
         rs.simulate(slider, loading, 60.0)
     assert 15.0 < float(told.value.best.time[-1]) < 30.0
+    assert (
+        "K = 700 MPa/m is 0.5833 times K_c_qs = 1.2 GPa/m at the normal stress of that time, sigma "
+        "= 4 MPa, and V grows without bound"
+    ) in str(told.value)
+    assert "add damping or set M" in str(told.value)
+
+
+def test_runaway_during_a_fall_of_normal_stress_is_told_at_what_is_left_of_it():
+    slider = rs.SpringSlider(**(UNDAMPED | {"M": 0.0, "K": 7e8, "sigma": 4e6}), law="nagata", c=0.0)
+    with pytest.raises(rs.QuasiStaticInstability) as told:
+        rs.simulate(
+            slider, rs.Loading.constant(1e-4).sigma_ramp(0.01, 1e6, 10.0), 60.0, V_start=1.2e-4
+        )
+    sigma = float(told.value.best.sigma[-1])
+    K_c_qs = 0.003 * sigma / 1e-5
+    assert 3.9e6 < sigma < 3.99e6
+    assert f"K = 700 MPa/m is {7e8 / K_c_qs:.4g} times K_c_qs = " in str(told.value)
+    assert f" at the normal stress of that time, sigma = {sigma / 1e6:.4g} MPa, and" in str(
+        told.value
+    )
 
 
 def test_a_record_is_what_its_ramps_are():

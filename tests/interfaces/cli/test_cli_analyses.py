@@ -168,6 +168,11 @@ def test_the_verdict_is_printed(command, lab):
     assert found["verdict"] == {"about": about, "regime": "quasi-harmonic", "text": expected.text}
 
 
+def scenario_result(path):
+    """The result of a scenario file, through the Python API."""
+    return run_scenario.compute(load(path))
+
+
 DRIVES = [
     ('sinusoid = { amplitude = "1 mm/s", period = "50 ms" }', "Steady sliding at the mean speed"),
     ('t = ["0 s", "0.1 s", "0.2 s"]\nV_lp = ["1 mm/s", "2 mm/s", "2 mm/s"]', ""),
@@ -188,6 +193,71 @@ def test_nothing_is_said_of_motion_under_a_varying_speed(drive, about, lab):
     assert about in text
     found = parse_strict(call("run", lab, "--json").stdout)
     assert found.get("verdict", {"regime": None})["regime"] is None
+
+
+def under_stress(drive, sigma="2 MPa", t_end="60 s", M="3000 kg/m^2"):
+    """`LAB` at 0.1 mm/s, its normal stress changed by this line of [loading]."""
+    text = LAB.replace('steps = [{ t = "50 ms", V_lp = "3.2 mm/s" }]', drive)
+    text = text.replace('"2 MPa"', f'"{sigma}"').replace('"3000 kg/m^2"', f'"{M}"')
+    return text.replace('"0.2 s"', f'"{t_end}"')
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "motion", "ratio"),
+    [
+        ("2 MPa", "4 MPa", "Stick-slip, a cycle", 0.7498),
+        ("4 MPa", "2.5 MPa", "Steady sliding at 100", 1.2),
+    ],
+)
+def test_the_verdict_on_a_run_is_at_the_last_normal_stress(before, after, motion, ratio, lab):
+    change = f'sigma_steps = [{{ t = "50 ms", sigma = "{after}" }}]'
+    lab.write_text(under_stress(change, before))
+    text = call("run", lab).stdout
+    about = f"at V_lp = 100 um/s and the last normal stress, sigma = {after}, started at a tenth"
+    assert about in text
+    assert f"\n{motion}" in text
+    assert f"K = 900 MPa/m is {ratio:.4g} times K_c = " in text
+    assert verdict(SLIDER.replace(sigma=after), 1e-4).text in text
+    assert "has not reached" not in text  # though the run's own amplitude is over sigma(0)
+    end = scenario_result(lab).isel(time=-1)
+    assert f"tau/sigma = {float(end.tau / end.sigma):.6g}" in text
+    assert 0.4 < float(end.tau / end.sigma) < 0.7
+    lab.write_text(under_stress(f'{change[:-1]}, {{ t = "59 s", sigma = "{before}" }}]', before))
+    assert "the last normal stress, sigma" not in call("run", lab).stdout
+
+
+def test_the_last_cycle_is_told_over_the_stress_that_it_is_over(lab):
+    ramp = 'sigma_steps = [{ t = "0.1 s", sigma = "3.2 MPa", ramp = "100 s" }]'
+    lab.write_text(under_stress(ramp, "4 MPa", "30 s") + 'V_start = "50 um/s"\n')
+    result = scenario_result(lab)
+    amplitude = float(result.amplitude)
+    text = call("run", lab).stdout
+    assert 0.0 < amplitude < math.inf
+    assert "of the last cycle, over sigma(0) = 4 MPa; tau by" in text
+    assert f"tau over the last normal stress of its last cycle is {amplitude / 0.8:.4g}." in text
+
+
+def test_nothing_is_said_of_motion_under_a_normal_stress_that_goes_on_varying(lab):
+    lab.write_text(under_stress('sigma_sinusoid = { amplitude = "0.1 MPa", period = "1 s" }'))
+    text = call("run", lab).stdout
+    *_, about, stable, inertia = text.rstrip("\n").splitlines()
+    assert about == (
+        "Steady sliding at V_lp = 100 um/s if normal stress stayed at its mean, sigma = 2 MPa (it "
+        "goes on oscillating):"
+    )
+    assert stable.startswith("K = 900 MPa/m is 1.499 times K_c = 600.3 MPa/m")
+    assert inertia.startswith("eta = ")
+    assert parse_strict(call("run", lab, "--json").stdout)["verdict"]["regime"] is None
+
+
+def test_a_run_that_runs_away_before_normal_stress_falls_says_so(lab):
+    step = 'sigma_steps = [{ t = "50 s", sigma = "0.6 MPa" }]'
+    lab.write_text(under_stress(step, "12 MPa", "60 s", "0 kg/m^2") + 'V_start = "0.11 mm/s"\n')
+    result = call("run", lab)
+    assert result.exit_code == 2
+    assert "K = 900 MPa/m is 0.25 times K_c_qs = 3.6 GPa/m at the normal" in result.stderr
+    assert "Steady sliding at 100 um/s.\nK = 900 MPa/m is 5 times K_c = 180 MPa/m" in result.stdout
+    assert result.stdout.endswith("it ends where V grows without bound.\n")
 
 
 UNDISTURBED = LAB.replace("900", "500").replace("0.1 mm/s", "3.2 mm/s").replace("steps", "# steps")

@@ -95,20 +95,25 @@ def cost(cases, loads):
     return np.nan_to_num(rate, nan=0.0) * cases.scale * np.minimum(cases.t_end, 1e300)
 
 
-def failure(function, slider, status, t=None, best=None):
+def failure(function, slider, status, t=None, best=None, loading=None):
     """The exception, to be raised, for a single case that ended with this status without an answer.
 
     RIGID_REST: ParameterError; RUNAWAY: QuasiStaticInstability; NO_CONVERGENCE: NotConverged; any
     other: SolverError.
 
     function : its name; t : when it ended [s], or None; best : what the exception carries
+    loading : of a run, the `Loading`, whose normal stress at t counts
     """
     name, text = STATUSES[int(status)]
     if status == RIGID_REST:
         return ParameterError(f"{text}.\n{slider!r}")
     when = "" if t is None else f" at t = {t:.9g} s"
     if status == RUNAWAY and not slider.friction_law.has_own_speed and slider.K_c_qs > 0.0:
-        text = sentence("failure.runaway", slider=slider, ratio=slider.K / slider.K_c_qs, text=text)
+        varies = loading is not None and loading.normal_stress is not None
+        then = loading.slider_at(t, slider) if varies else slider
+        at = sentence("failure.stress", sigma=then.sigma) if varies else ""
+        ratio = then.K / then.K_c_qs
+        text = sentence("failure.runaway", slider=then, ratio=ratio, at=at, text=text)
     message = f"{function} stopped{when} ({name}): {text}.\n{slider!r}"
     kinds = {RUNAWAY: QuasiStaticInstability, NO_CONVERGENCE: NotConverged}
     return kinds.get(int(status), SolverError)(message, best)

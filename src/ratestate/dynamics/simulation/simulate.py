@@ -222,7 +222,8 @@ class SimulateCall:
         motion = self.move(progress)
         if self.batch.alone and (status := motion.status[0]) != FINISHED:
             best = self._up_to_runaway(motion) if status == RUNAWAY else None
-            raise failure("simulate", self.slider, status, motion.numbers["t"][0], best)
+            t = motion.numbers["t"][0]
+            raise failure("simulate", self.slider, status, t, best, self.loading)
         return self.dataset(self.variables(motion))
 
     def _up_to_runaway(self, motion):

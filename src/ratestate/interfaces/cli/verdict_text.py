@@ -1,16 +1,20 @@
 """The verdict on a scenario with a single slider, as text for the report."""
 
+import math
 from pathlib import Path
 from typing import NamedTuple
 
 import xarray
 
+from ...dynamics.results import parameter
 from ...dynamics.simulation.undisturbed import OTHER_START
 from ...dynamics.verdict import Verdict, verdict, verdict_of_cycle
 from ...dynamics.verdict_sentences import RUNAWAY
 from ...engine.model import FINISHED
+from ...engine.model import RUNAWAY as RAN_AWAY
 from ...model.loading import Loading
 from ...model.sentences import Sentences
+from ...model.slider import SpringSlider
 from ..scenario import Scenario
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
@@ -38,15 +42,25 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
             return _on_attractor(verdict_of_cycle(slider, settings["V_lp"], result))
         case "stability":
             return _on_attractor(verdict(slider, settings["V_lp"]))
-    V_lp = speed_of_verdict(settings["loading"])
+    loading = settings["loading"]
+    V_lp = speed_of_verdict(loading)
     if V_lp is None:
         return None
-    attractor = verdict(slider, V_lp)
-    if settings["loading"].shape is None:
-        return _on_attractor(attractor, *_not_reached(attractor, result))
-    # the motion under a varying speed is unknown
-    about = SENTENCES("about.steady_sliding", V_lp=V_lp)
+    attractor = verdict(loading.slider_at(math.inf, slider), V_lp)
+    stress = _which_stress(loading, attractor.slider, slider)
+    if loading.shape is None and not loading.stress_oscillates:
+        return _on_attractor(attractor, *_not_reached(attractor, result), stress=stress)
+    # the motion under a speed or a normal stress that goes on varying is unknown
+    name = "about.steady_sliding" if loading.shape is None else "about.mean_speed"
+    about = SENTENCES(name, V_lp=V_lp, stress=stress)
     return VerdictText(about, None, "\n".join(attractor.of_steady_sliding))
+
+
+def _which_stress(loading: Loading, last: SpringSlider, first: SpringSlider) -> str:
+    """Which normal stress the verdict is about; "" where it is the one of the beginning."""
+    if loading.stress_oscillates:
+        return SENTENCES("about.mean_stress", sigma=last.sigma)
+    return "" if last.sigma == first.sigma else SENTENCES("about.last_stress", sigma=last.sigma)
 
 
 def speed_of_verdict(loading: Loading) -> float | None:
@@ -60,17 +74,21 @@ def speed_of_verdict(loading: Loading) -> float | None:
     return None if loading.t_last < float("inf") or V == 0.0 or rate != 0.0 else V
 
 
-def _on_attractor(verdict: Verdict, *more: str) -> VerdictText:
-    """The motion that the slider reaches under constant speed."""
-    about = SENTENCES("about.attractor", V_lp=verdict.V_lp)
+def _on_attractor(verdict: Verdict, *more: str, stress: str = "") -> VerdictText:
+    """The motion that the slider reaches under constant speed and normal stress."""
+    about = SENTENCES("about.attractor", V_lp=verdict.V_lp, stress=stress)
     return VerdictText(about, verdict.regime, "\n".join([verdict.text, *more]))
 
 
 def _not_reached(verdict: Verdict, result: xarray.Dataset) -> list[str]:
     """A note where a run did not end in the verdict's motion: another start, or too little time."""
-    amplitude, expected = float(result.amplitude), verdict.amplitude
+    # a run's amplitude is over the slider's own sigma, the verdict's over the last
+    amplitude = float(result.amplitude) * (parameter(result, "sigma") / verdict.slider.sigma)
+    expected = verdict.amplitude
     if expected is None:
         far = verdict.regime == RUNAWAY and int(result.status) == FINISHED
+    elif int(result.status) == RAN_AWAY:
+        return [SENTENCES("run.runaway")]
     else:
         far = abs(amplitude - expected) > FAR * max(amplitude, expected)
     if not far:
@@ -78,4 +96,6 @@ def _not_reached(verdict: Verdict, result: xarray.Dataset) -> list[str]:
     if not verdict.stable and float(result.V_max) <= (1.0 + UNCHANGED) * float(result.V_min):
         start = OTHER_START * verdict.V_lp
         return [SENTENCES("run.undisturbed", V_start=start)]
-    return [SENTENCES("run.cycle" if amplitude else "run.no_cycle", amplitude=amplitude)]
+    stress = "tau over the last normal stress" if "sigma" in result.data_vars else "tau/sigma"
+    name = "run.cycle" if amplitude else "run.no_cycle"
+    return [SENTENCES(name, amplitude=amplitude, stress=stress)]

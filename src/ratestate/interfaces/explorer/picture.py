@@ -113,7 +113,8 @@ def _run(plan, deadline):
                 motion = call.move(deadline)
                 run = call.dataset(call.variables(motion))
             if (status := motion.status[0]) != FINISHED:
-                why = failure("The run", plan.slider, status, motion.numbers["t"][0])
+                t = motion.numbers["t"][0]
+                why = failure("The run", plan.slider, status, t, loading=call.loading)
                 first = str(why).splitlines()[0].rstrip(".")
                 notes.append(f"{first}. The CSV file has the run up to there.")
             return run, notes

@@ -76,9 +76,14 @@ class NormalStress:
         )
 
     @property
+    def oscillates(self):
+        """Whether it has a sinusoid, in any case; it then never comes to rest."""
+        return bool(np.any(np.not_equal(self.amplitude, 0.0)))
+
+    @property
     def first_change(self):
         """When normal stress first changes [s], in any case; inf for never."""
-        if np.any(np.not_equal(self.amplitude, 0.0)):
+        if self.oscillates:
             return 0.0
         moves = ~_same(self.start, self.end)
         jumps = np.append(False, ~_same(self.start[..., 1:], self.end[..., :-1]))
@@ -103,6 +108,10 @@ class NormalStress:
         start, end = (_along_segments(x).isel(segment=place) for x in (known.start, known.end))
         found = start + frame.copy(data=part) * (end - start) + self._wave(frame)
         return named("sigma", found.transpose(..., "time", missing_dims="ignore"))
+
+    def last(self, sigma):
+        """What it comes to in the end [Pa], but for its sinusoid; as `at`."""
+        return self.of_slider(sigma).end[..., -1]
 
     def segments_at(self, t):
         """The numbers of the segments that hold times t [s], or begin then."""
@@ -134,7 +143,7 @@ class NormalStress:
                 f"the series begins at sigma = {float(np.max(first)):.9g} Pa, and the slider has "
                 f"sigma = {float(np.max(sigma)):.9g} Pa; give the slider that of the series"
             )
-        if not np.any(np.not_equal(self.amplitude, 0.0)):
+        if not self.oscillates:
             return  # what it goes through is > 0, each by itself
         lowest, begin, end = self._lowest(sigma, t_end)
         if lowest <= 0.0:

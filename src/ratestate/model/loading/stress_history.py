@@ -132,6 +132,47 @@ class StressHistory(Segments):
         self._checked(t)
         return (self.normal_stress or NormalStress()).at(t, sigma)
 
+    def slider_at(self, t, slider):
+        """The slider as it is at time t: with the normal stress of then as its own.
+
+        Its `K_c_qs`, `V_c` and others, and its `stability`, are then those of that time.
+
+        Parameters
+        ----------
+        t : float
+            Time [s], >= 0; inf for the normal stress that the history comes to in the end, or,
+            under a sinusoid, then oscillates about.
+        slider : SpringSlider
+            With the normal stress of the beginning.
+
+        Returns
+        -------
+        SpringSlider
+            The same slider where nothing changes normal stress.
+
+        Raises
+        ------
+        ParameterError
+            A time before 0 or, but for inf, after the end of a series.
+
+        Examples
+        --------
+        >>> import ratestate as rs
+        >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m")
+        >>> pull = rs.Loading.constant("10 um/s").sigma_ramp("2 s", "4 MPa", "1 s")
+        >>> [pull.slider_at(t, slider).sigma for t in (0.0, 2.5, float("inf"))]
+        [2000000.0, 3000000.0, 4000000.0]
+        """
+        if (stress := self.normal_stress) is None:
+            return slider
+        sigma = stress.last(slider.sigma) if t == np.inf else self.sigma(t, slider.sigma)
+        return slider.replace(sigma=sigma)
+
+    @property
+    def stress_oscillates(self):
+        """Whether normal stress has a sinusoid, and so varies for ever."""
+        return self.normal_stress is not None and self.normal_stress.oscillates
+
     def _stress_so_far(self):
         stress = self.normal_stress or NormalStress()
         if not np.isnan(np.asarray(stress.start)[..., 0]).all():

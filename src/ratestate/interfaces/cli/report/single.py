@@ -8,7 +8,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from ....dynamics.attributes import branch_parameter
-from ....dynamics.results import law_of_result, parameter
+from ....dynamics.results import law_of_result, normal_stress, parameter
 from ....dynamics.verdict_sentences import on_edge
 from ....dynamics.whole_contact import whole_contact
 from ....engine.model import STEADY_SLIDING
@@ -36,22 +36,24 @@ def run(result: xarray.Dataset, units: Units) -> list[Any]:
     fastest, slowest = (f"at {time}" for time in when)
     rows = [
         row("V", last.V, f"load point {readable('V_load', float(last.V_load), DIGITS)}"),
-        row("tau", last.tau, f"tau/sigma = {float(last.tau) / parameter(result, 'sigma'):.6g}"),
+        row("tau", last.tau, f"tau/sigma = {float(last.tau) / float(normal_stress(last)):.6g}"),
         *_of_contact(last, "force", "acceleration"),
         row("mu", last.mu),
         row("theta", last.theta),
         row("V_max", result.V_max, fastest),
         row("V_min", result.V_min, slowest),
         *_of_contact(result, "acceleration_max"),
-        row("cycles", result.cycles, "since the last jump of the load point"),
+        row("cycles", result.cycles, "since the last jump of the loading"),
     ]
     if float(result.cycles) >= 1.0:
         # (of a limit cycle, of ringing that decays, or due to the load point)
         frequency = float(result.frequency)
         text = readable("frequency", frequency, DIGITS)
-        rows.append(
-            row("amplitude", result.amplitude, f"of the last cycle; {_drop(result, units)}")
-        )
+        own = parameter(result, "sigma")
+        varies = "sigma" in result.data_vars
+        over = f", over sigma(0) = {shown('sigma', own, units)}" if varies else ""
+        remark = f"of the last cycle{over}; {_drop(result, units)}"
+        rows.append(row("amplitude", result.amplitude, remark))
         rows += _of_contact(result, "force_amplitude", "displacement_amplitude")
         rows.append(Row("frequency", text, "of the last cycle", x=frequency))
     rows.append(row("energy_residual", abs(result.energy_residual)))
