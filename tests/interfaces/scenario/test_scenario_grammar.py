@@ -686,8 +686,18 @@ def test_a_branch_along_a_parameter_of_the_law(read, told):
     scenario = read(sweep, slider=SLIDER + of_law)
     assert scenario.settings == {"parameter": "b2", "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
     (line,) = told(sweep)
-    assert line.startswith(
-        "[sweep] b2: parameter = 'b2' must be one of V_lp, K, M, sigma, a, b, Dc,"
+    wanted = "cannot be followed, expected one of V_lp, K, M, sigma, a, b, Dc such as K = {"
+    assert line.startswith(f"[sweep] b2: {wanted}")
+
+
+def test_a_branch_along_damping(read, told):
+    """Of a slider that has some."""
+    sweep = '[sweep]\nverb = "continue_cycle"\nV_lp = 3e-3\ndamping = { from = 2e3, to = 1e3 }'
+    settings = read(sweep, slider=SLIDER + "damping = 1e3\n").settings
+    assert settings == {"parameter": "damping", "start": 2e3, "stop": 1e3, "V_lp": 3e-3}
+    (line,) = told(sweep)
+    assert (
+        "[sweep] damping: cannot be followed, expected one of V_lp, K, M, sigma, a, b, Dc s" in line
     )
 
 
