@@ -363,6 +363,20 @@ def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
     )
 
 
+def test_what_a_slider_or_a_method_lacks_is_expected_and_no_more(read, told):
+    history = f"[loading]\nV_lp = 1\nsigma_steps = [{{ t = 1, sigma = 3e6 }}]\n{RUN}"
+    with pytest.raises(ParameterError) as caught:
+        read(history, slider=SLIDER + 'law = "flash-heating"\nV_w = 0.1\nmu_w = 0.01\nmu0 = 0.02\n')
+    assert str(caught.value).endswith(
+        "at V_w, without any heat, expected a larger mu0, or a smaller b or V_w"
+    )
+    (line,) = told(f"{history}\nmethod = 'im2017'\ndt = 1e-5")
+    assert line == (
+        "[run] method: im2017 is for a constant sigma; use method='rodas5p' for a loading that "
+        "changes it, expected one such as 'rodas5p'"
+    )
+
+
 @pytest.mark.parametrize(
     ("file", "line"),
     [
