@@ -320,12 +320,30 @@ def test_the_slider_keeps_its_form(tmp_path):
             {"law": "flash-heating", "V_w": 0.1, "mu_w": 0.2, "b": 0.0},
             r"^law = 'flash-heating': b must be > 0",
         ),
+        (
+            {"law": "flash-heating", "V_w": 0.1, "mu_w": 0.61},
+            r"^law = 'flash-heating': mu_w = 0.61 must be <= mu0 = 0.6, for",
+        ),
+        (
+            {
+                "law": "flash-heating",
+                "V_w": 0.1,
+                "mu0": xr.DataArray([0.6, 0.5], dims="mu0"),
+                "mu_w": xr.DataArray([0.2, 0.55, 0.5], dims="mu_w"),
+            },
+            r"^law = 'flash-heating': mu_w = 0.55 must be <= mu0 = 0.5, for",
+        ),
     ],
 )
 def test_what_does_not_go_together_is_told(changes, text):
     plain = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 1e9}
     with pytest.raises(rs.ParameterError, match=text):
         rs.SpringSlider(**(plain | changes))
+
+
+def test_friction_of_hot_contacts_may_be_that_of_cold_ones():
+    plain = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 1e9}
+    assert rs.SpringSlider(**plain, law="flash-heating", V_w=0.1, mu_w=0.6).mu_w == 0.6
 
 
 def test_forms_are_found_by_themselves():

@@ -363,6 +363,20 @@ def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
     )
 
 
+def test_what_a_slider_or_a_method_lacks_is_expected_and_no_more(read, told):
+    history = f"[loading]\nV_lp = 1\nsigma_steps = [{{ t = 1, sigma = 3e6 }}]\n{RUN}"
+    with pytest.raises(ParameterError) as caught:
+        read(history, slider=SLIDER + 'law = "flash-heating"\nV_w = 0.1\nmu_w = 0.01\nmu0 = 0.02\n')
+    assert str(caught.value).endswith(
+        "at V_w, without any heat, expected a larger mu0, or a smaller b or V_w"
+    )
+    (line,) = told(f"{history}\nmethod = 'im2017'\ndt = 1e-5")
+    assert line == (
+        "[run] method: im2017 is for a constant sigma; use method='rodas5p' for a loading that "
+        "changes it, expected one such as 'rodas5p'"
+    )
+
+
 @pytest.mark.parametrize(
     ("file", "line"),
     [
@@ -686,8 +700,18 @@ def test_a_branch_along_a_parameter_of_the_law(read, told):
     scenario = read(sweep, slider=SLIDER + of_law)
     assert scenario.settings == {"parameter": "b2", "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
     (line,) = told(sweep)
-    assert line.startswith(
-        "[sweep] b2: parameter = 'b2' must be one of V_lp, K, M, sigma, a, b, Dc,"
+    wanted = "cannot be followed, expected one of V_lp, K, M, sigma, a, b, Dc such as K = {"
+    assert line.startswith(f"[sweep] b2: {wanted}")
+
+
+def test_a_branch_along_damping(read, told):
+    """Of a slider that has some."""
+    sweep = '[sweep]\nverb = "continue_cycle"\nV_lp = 3e-3\ndamping = { from = 2e3, to = 1e3 }'
+    settings = read(sweep, slider=SLIDER + "damping = 1e3\n").settings
+    assert settings == {"parameter": "damping", "start": 2e3, "stop": 1e3, "V_lp": 3e-3}
+    (line,) = told(sweep)
+    assert (
+        "[sweep] damping: cannot be followed, expected one of V_lp, K, M, sigma, a, b, Dc s" in line
     )
 
 

@@ -375,6 +375,20 @@ def test_result_and_back(name, again, tmp_path):
     assert executed(scenario).identical(result)
 
 
+@pytest.mark.parametrize("V", [0.0, -1e-3])
+def test_a_start_at_rest_or_backwards_and_back(again, V):
+    """Under friction that lets slip reverse, by its own name or by that of the law."""
+    given = {"loading": Loading.constant(1e-6), "t_end": 0.08, "initial": {"V": V, "tau": -1.5e6}}
+    heated = SLIDER.replace(law="flash-heating", friction=None, V_w=0.1, mu_w=0.2)
+    for slider in (SLIDER.replace(friction="regularized"), heated):
+        scenario = Scenario("simulate", slider, given)
+        check(again(scenario), scenario)
+    with pytest.raises(
+        ParameterError, match=r"\n\[run\] initial\.V: '.*' must be > 0, expected a sp"
+    ):
+        again(Scenario("simulate", SLIDER, given))
+
+
 def test_of_a_sweep_that_was_cut(again):
     whole = run(SCENARIOS["cycles"])
     part = whole.sel(M=1e4).isel(V_lp=[0, 2])

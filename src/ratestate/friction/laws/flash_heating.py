@@ -47,7 +47,7 @@ class FlashHeatingLaw(FrictionLaw):
         return beta, weak, v_w - np.log(ratio), low_speed - (beta - 1.0) * np.log(ratio)
 
     def complaint(self, slider):
-        """Of b <= 0, by which the state is counted, and of friction that vanishes without heat."""
+        """Of b <= 0, by which the state is counted; of no friction; of heat that strengthens."""
         import numpy as np
 
         if np.any(slider.b <= 0.0):
@@ -57,6 +57,14 @@ class FlashHeatingLaw(FrictionLaw):
             return (
                 f"steady friction mu0 - (b - a) ln(V/V0) would be {float(np.min(slow)):.3g} at "
                 "V_w, without any heat; give a larger mu0, or a smaller b or V_w"
+            )
+        excess = slider.mu_w - slider.mu0
+        if np.any(excess > 0.0):
+            i = np.argmax(np.ravel(excess))
+            mu_w, mu0 = (np.ravel(x + 0.0 * excess)[i] for x in (slider.mu_w, slider.mu0))
+            return (
+                f"mu_w = {mu_w:.6g} must be <= mu0 = {mu0:.6g}, for it is the friction of contacts "
+                "that heat has weakened; give a smaller mu_w, or a larger mu0"
             )
         return ""
 

@@ -111,7 +111,7 @@ def _slider(tables: Tables) -> SpringSlider | None:
     if len(tables.problems) > before:
         return None
     make = functools.partial(SpringSlider, **values | given)
-    return place.noting(make, wanted="expected values", like=example("a"))
+    return place.noting(make, wanted=f"expected values such as {example('a')}")
 
 
 def _note_missing_speed(tables: Tables) -> None:

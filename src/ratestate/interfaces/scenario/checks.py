@@ -47,9 +47,12 @@ def check_run(
     stressed = loading is not None and loading.normal_stress is not None
     if stressed and slider is not None and t_end is not None:
         method = values.get("method") or "rodas5p"
-        where = Place("[loading] sigma", place("K").problems)
         check = functools.partial(check_normal_stress, loading, slider, t_end, method)
-        where.noting(check, "sigma", message("loading.stress_wanted"))
+        if method == "rodas5p":
+            where = Place("[loading] sigma", place("K").problems)
+            where.noting(check, "sigma", message("loading.stress_wanted"))
+        else:
+            place("method").noting(check, "method", message("run.method_wanted"))
     if times is not None and t_end is not None:
         place("times").noting(
             lambda: saved_times(times, t_end), "times", message("run.times_wanted")

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...model.names import one_of
 from .assemble import Tables, assemble
-from .known_keys import TABLES, example, tables_with
+from .known_keys import TABLES, composed_law_of, example, tables_with
 from .law_file import take_law_file
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
@@ -91,15 +91,18 @@ def loads(
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     parsed = _tables(_parse(data, name), problems)
     take_law_file(parsed, law_file, folder, problems)
-    run = plain_table("run", parsed.get("run", {}), problems)
+    slider = plain_table("slider", parsed.get("slider", {}), problems)
+    of_sweep = parsed.get("sweep", {})
+    law = composed_law_of(slider | {k: of_sweep[k] for k in ("law", "friction") if k in of_sweep})
+    run = plain_table("run", parsed.get("run", {}), problems, law)
     verb_of_run = run.pop("verb", None)
     tables = Tables(
         problems=problems,
         names=frozenset(parsed),
-        slider=plain_table("slider", parsed.get("slider", {}), problems),
+        slider=slider,
         loading=loading_table(parsed.get("loading", {}), folder or Path(), problems),
         run=run,
-        sweep=sweep_table(parsed.get("sweep"), verb, verb_of_run, problems),
+        sweep=sweep_table(parsed.get("sweep"), verb, verb_of_run, problems, law),
         output=plain_table("output", parsed.get("output", {}), problems),
     )
     scenario = assemble(tables)

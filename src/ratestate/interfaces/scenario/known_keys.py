@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from ...engine.model import METHODS
+from ...errors import ParameterError
 from ...files import NUMBERS, PICTURES
-from ...friction.forms import FORMS
-from ...friction.law import LOG
-from ...friction.laws import DEFAULT, LAWS, own_parameters
+from ...friction.composition import composed
+from ...friction.forms import FORMS, form_name
+from ...friction.law import LOG, FrictionLaw
+from ...friction.laws import DEFAULT, LAWS, friction_law, own_parameters
 from ...model.loading.shapes import SHAPES
 from ...model.names import nearest, one_of
 from ...model.other_units import WHOLE_CONTACT
@@ -127,10 +129,25 @@ def choices(key: str) -> tuple[str, ...]:
     return tuple(names.get(key, ()))
 
 
-def initial() -> InlineTable:
-    """The table of values at t = 0, under any law."""
-    states = (state for law in LAWS.values() for state in law.states)
-    return InlineTable({symbol: (symbol, None) for symbol in ("V", *states, "tau")}, INITIAL_LIKE)
+def composed_law_of(slider: dict[str, Any]) -> FrictionLaw | None:
+    """The law of a slider with its form of friction and damping, by its keys; None if unknown."""
+    try:
+        law = friction_law(slider.get("law", DEFAULT))
+        form = form_name(slider.get("friction", law.form))
+        return composed(law, form, bool(slider.get("damping")))
+    except ParameterError:  # noted where the slider is read, or made
+        return None
+
+
+def initial(law: FrictionLaw | None) -> InlineTable:
+    """The table of values at t = 0, with the states of all laws.
+
+    law : the slider's, as V may be 0 or backwards where it lets slip reverse; None: not known
+    """
+    states = (state for known in LAWS.values() for state in known.states)
+    bounds = {"V": ""} if law is None or law.reverses else {}
+    symbols = ("V", *states, "tau")
+    return InlineTable({symbol: (symbol, bounds.get(symbol)) for symbol in symbols}, INITIAL_LIKE)
 
 
 def example(key: str, table: str = "") -> str:

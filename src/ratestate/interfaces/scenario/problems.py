@@ -63,12 +63,15 @@ class Place(NamedTuple):
     def note(
         self, error: ParameterError, symbol: str = "", wanted: str = "", like: str = ""
     ) -> None:
-        """Note an error, without its start `symbol`; `wanted` and `like` say what is expected."""
+        """Note an error, without its start `symbol`; `wanted` and `like` say what is expected.
+
+        Where no symbol is given, or an example, what the error itself says to give goes first.
+        """
         what = error_line(error).removeprefix(f"{symbol} = ").removeprefix(f"{symbol} ")
         what = what.removeprefix("[s] ")  # (of times)
         if ", expected " not in what:
             wrong, own, remedy = what.rpartition("; give ")
-            if own and like:
+            if own and (like or not symbol):
                 what, wanted = wrong, f"expected {remedy}"
             what = f"{what}, {wanted}" + (f" such as {like}" if like else "")
         self.problems.append(f"{self.name}: {what}")

@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...dynamics.continuation.family import PARAMETERS
+from ...friction.composition import EXTRAS
+from ...friction.law import FrictionLaw
 from ...friction.laws import known_law
 from ...friction.user_law import MARK
 from ...model.names import one_of
@@ -31,11 +33,17 @@ MOST_CASES = 10**9
 BRANCH = 'K = { from = "700 MPa/m", to = "300 MPa/m" }'
 
 
-def plain_table(name: str, table: dict[str, Any], problems: list[str]) -> dict[str, Any]:
-    """The values of such a table: key -> value, or None for one with a problem."""
+def plain_table(
+    name: str, table: dict[str, Any], problems: list[str], law: FrictionLaw | None = None
+) -> dict[str, Any]:
+    """The values of such a table: key -> value, or None for one with a problem.
+
+    law : the slider's, for its values at t = 0; None where it is not known
+    """
     place = Place(f"[{name}]", problems)
     items = known_items(name, table, place)
-    return _per_area({key: read_value(key, value, place.at(key)) for key, value in items}, place)
+    values = {key: read_value(key, value, place.at(key), law) for key, value in items}
+    return _per_area(values, place)
 
 
 def _per_area(values: dict[str, Any], place: Place) -> dict[str, Any]:
@@ -51,7 +59,7 @@ def _per_area(values: dict[str, Any], place: Place) -> dict[str, Any]:
     return values
 
 
-def read_value(key: str, value: Any, place: Place) -> Any:
+def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = None) -> Any:
     """The value of a known key that has no axis here: float [SI], str, Path, dict or (n,) array.
 
     Frequencies are a DataArray along themselves.
@@ -60,7 +68,7 @@ def read_value(key: str, value: Any, place: Place) -> Any:
     """
     if key == "initial":
         before = len(place.problems)
-        values = initial().read(value, place, "one ")
+        values = initial(law).read(value, place, "one ")
         return values if len(place.problems) == before else None
     if key == "times":
         many = read_values(key, value, place)
@@ -109,11 +117,17 @@ class Sweep(NamedTuple):
 
 
 def sweep_table(
-    table: dict[str, Any] | None, requested: str | None, of_run: str | None, problems: list[str]
+    table: dict[str, Any] | None,
+    requested: str | None,
+    of_run: str | None,
+    problems: list[str],
+    law: FrictionLaw | None,
 ) -> Sweep:
     """Read the table [sweep], if any; `requested` replaces its verb, which may be that of [run].
 
     Problems are noted; keys that the function does not take are checked, but left out.
+
+    law : the slider's, along whose own parameters a branch may go; None where it is not known
     """
     place = Place("[sweep]", problems)
     if table is None:
@@ -134,7 +148,7 @@ def sweep_table(
         elif key != "verb":
             wanted = one_of(known, key, example(key))
             place.at(key).add("key.no_parameter", verb=own, wanted=wanted)
-    branch = _branch(given, own, place) if verb == "continue_cycle" else {}
+    branch = _branch(given, own, place, law) if verb == "continue_cycle" else {}
     values = _read(given, own, place, bool(branch))
     kept = {*of_verb.get(verb, known)}
     if own and own != verb:  # their meaning differs between functions
@@ -176,7 +190,9 @@ def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> di
     return values | {key: as_axis(key, axis) for key, axis in axes.items()}
 
 
-def _branch(values: dict[str, Any], own: str, place: Place) -> dict[str, Any]:
+def _branch(
+    values: dict[str, Any], own: str, place: Place, law: FrictionLaw | None
+) -> dict[str, Any]:
     """Remove the parameter that a branch follows from the values; its ends, or None each."""
     nothing: dict[str, Any] = dict.fromkeys(("parameter", "start", "stop"))
     followed = [key for key, value in values.items() if isinstance(value, dict)]
@@ -186,7 +202,7 @@ def _branch(values: dict[str, Any], own: str, place: Place) -> dict[str, Any]:
         return nothing
     (key,) = followed
     table = values.pop(key)
-    known = dict.fromkeys((*PARAMETERS, *own_keys()))  # whether the law has it shows later
+    known = (*PARAMETERS, *((*own_keys(), *EXTRAS) if law is None else law.parameters))
     if key not in known:
         place.at(key).add("branch.cannot_follow", wanted=one_of(known, like=BRANCH))
         return nothing
