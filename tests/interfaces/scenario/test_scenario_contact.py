@@ -160,3 +160,80 @@ def test_refused(slider, sweep, line):
     with pytest.raises(ParameterError) as caught:
         scenario(slider, sweep)
     assert str(caught.value).splitlines()[1:] == [line]
+
+
+HISTORY = """[slider]
+a = 0.003
+b = 0.006
+Dc = "10 um"
+{slider}
+[loading]
+{loading}
+[run]
+t_end = 2
+[sweep]
+verb = "simulate"
+{sweep}
+"""
+STRESSED = {
+    "steps": "V_lp = 1e-3\n"
+    "sigma_steps = [{{ t = 1, sigma = {} }}, {{ t = 1.5, sigma = 3e6, ramp = 0.5 }}]",
+    "sinusoid": "V_lp = 1e-3\nsigma_sinusoid = {{ amplitude = {}, period = 1 }}",
+    "rows": "t = [0, 1, 2]\nV_lp = [1e-3, 1e-3, 1e-3]\nsigma = [{0}, {0}, {1}]",
+    "record": 'file = "{}.csv"\ncolumns = [1, 2, 3]',
+}
+
+
+def history(folder, kind, values, slider=WHOLE, sweep="b = [0.006]"):
+    """The normal stress of a loading of this kind."""
+    (folder / "kN.csv").write_text("t [s],V [mm/s],F [kN]\n0,1,4\n1,1,4\n2,1,5\n")
+    (folder / "MPa.csv").write_text("t [s],V [mm/s],F [MPa]\n0,1,2\n1,1,2\n2,1,2.5\n")
+    loading = STRESSED[kind].format(*values)
+    text = HISTORY.format(slider=slider, loading=loading, sweep=sweep)
+    return loads(text, folder=folder).settings["loading"].normal_stress
+
+
+@pytest.mark.parametrize(
+    ("kind", "forces", "stresses"),
+    [
+        ("steps", ['"5 kN"'], [2.5e6]),
+        ("sinusoid", ['"400 N"'], [2e5]),
+        ("rows", ['"4 kN"', '"5 kN"'], [2e6, 2.5e6]),
+        ("record", ["kN"], ["MPa"]),
+    ],
+)
+def test_normal_forces_in_time(tmp_path, kind, forces, stresses):
+    """They are divided by the area, and so by each of a sweep."""
+    found, known = (history(tmp_path, kind, values) for values in (forces, stresses))
+    for name in ("t", "start", "end", "amplitude", "period"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(known, name))
+    no_area = WHOLE.replace('area = "20 cm^2"', "")
+    swept = history(tmp_path, kind, forces, no_area, 'area = ["20 cm^2", "10 cm^2"]')
+    name = "amplitude" if kind == "sinusoid" else "end"
+    given, one = getattr(swept, name), np.asarray(getattr(known, name))
+    assert given.dims[0] == "area"
+    np.testing.assert_allclose(given.isel(area=0), one, rtol=1e-15)
+    half = np.array([2, 2, 1, 1]) if kind == "steps" else 2  # (the ramp's end is no force)
+    np.testing.assert_allclose(given.isel(area=1), half * one, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("kind", "forces", "where"),
+    [
+        ("steps", ['"5 kN"'], "sigma_steps[0].sigma: '5 kN'"),
+        ("sinusoid", ['"400 N"'], "sigma_sinusoid.amplitude: '400 N'"),
+        ("rows", ['"4 kN"', '"5 kN"'], "sigma: '4000 N'"),
+        ("record", ["kN"], "columns[2]: the unit 'kN'"),
+    ],
+)
+def test_normal_forces_in_time_need_an_area(tmp_path, kind, forces, where):
+    with pytest.raises(ParameterError) as caught:
+        history(tmp_path, kind, forces, 'sigma = "2 MPa"\nK = 9e8')
+    assert str(caught.value).splitlines()[1:] == [
+        f"[loading] {where} is of the whole contact, and to be divided by its area; give the area "
+        "too, such as area = '20 cm^2' (in [slider] of a file), expected a stress such as '2 MPa'"
+    ]
+    with pytest.raises(ParameterError) as caught:
+        history(tmp_path, kind, forces, 'area = 0\nsigma = "2 MPa"\nK = 9e8')
+    (line,) = str(caught.value).splitlines()[1:]
+    assert line.startswith("[slider] area: 0 m^2 must be > 0")

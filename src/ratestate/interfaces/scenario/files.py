@@ -96,13 +96,20 @@ def loads(
     law = composed_law_of(slider | {k: of_sweep[k] for k in ("law", "friction") if k in of_sweep})
     run = plain_table("run", parsed.get("run", {}), problems, law)
     verb_of_run = run.pop("verb", None)
+    sweep = sweep_table(parsed.get("sweep"), verb, verb_of_run, problems, law)
+    # (an area with a problem, which is noted, is not missing too)
+    area = {
+        key: 1.0 if value is None else value
+        for key, value in (slider | sweep.values).items()
+        if key == "area"
+    }
     tables = Tables(
         problems=problems,
         names=frozenset(parsed),
         slider=slider,
-        loading=loading_table(parsed.get("loading", {}), folder or Path(), problems),
+        loading=loading_table(parsed.get("loading", {}), folder or Path(), problems, area),
         run=run,
-        sweep=sweep_table(parsed.get("sweep"), verb, verb_of_run, problems, law),
+        sweep=sweep,
         output=plain_table("output", parsed.get("output", {}), problems),
     )
     scenario = assemble(tables)

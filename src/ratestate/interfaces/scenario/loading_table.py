@@ -7,10 +7,11 @@ from typing import Any
 
 from ...model.loading import Loading
 from ...model.loading.written import Event
+from ...model.quantities import QUANTITIES
 from .known_keys import LIKE, PERIODIC, SPEEDS_LIKE, STEP, example, known_items
 from .problems import Place, expected, message
 from .record import Record, read_record
-from .stress_table import StressTable, stress_table, wave
+from .stress_table import StressTable, column_per_area, stress_table, wave
 from .values import as_array, read_number, read_values
 
 #: keys of a loading beside its speed, of which it may have one
@@ -88,8 +89,13 @@ class LoadingTable:
         return loading if sound else None
 
 
-def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> LoadingTable:
-    """Read the table [loading]; file names in it are relative to a folder.  Problems are noted."""
+def loading_table(
+    table: dict[str, Any], folder: Path, problems: list[str], area: dict[str, Any]
+) -> LoadingTable:
+    """Read the table [loading]; file names in it are relative to a folder.  Problems are noted.
+
+    area : {"area": of the contact [m^2]}, by which its normal forces are divided; {} if not known
+    """
     place, before = Place("[loading]", problems), len(problems)
     given = dict(known_items("loading", table, place))
     loading = LoadingTable(place, given, [])
@@ -99,12 +105,12 @@ def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> L
         place.add("loading.two_shapes", shapes=" and ".join(shapes), like=like)
     V_lp = None
     if "t" in given:
-        loading.record = _rows(given, place)
+        loading.record = _rows(given, place, area)
     elif "V_lp" in given:
         V_lp = _speed(given["V_lp"], place.at("V_lp"))
     file = example("file", "loading")
     if "file" in given:
-        loading.record = read_record(given, folder, place)
+        loading.record = read_record(given, folder, place, area)
         if "V_lp" in given:
             place.at("V_lp").add("loading.of_file", like=file)
     else:
@@ -113,7 +119,7 @@ def loading_table(table: dict[str, Any], folder: Path, problems: list[str]) -> L
     loading.events = [(place, Event("step", 0.0, V_lp))]
     if "steps" in given:
         loading.events += _events(given["steps"], place.at("steps"))
-    loading.stress = stress_table(given, place)
+    loading.stress = stress_table(given, place, area)
     if kind := loading.kind:
         loading.wave = wave(PERIODIC[kind], given[kind], place.at(kind))
     loading.sound = len(problems) == before
@@ -131,9 +137,9 @@ def _speed(value: Any, place: Place) -> float | None:
     return None
 
 
-def _rows(given: dict[str, Any], place: Place) -> Record:
+def _rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Record:
     """A record of times and speeds, and maybe normal stresses, in the file itself."""
-    columns = {}
+    columns: dict[str, Any] = {}
     wanted = {"t": None, "V_lp": ">= 0"} | ({"sigma": "> 0"} if "sigma" in given else {})
     for key, bound in wanted.items():
         if key not in given:
@@ -142,7 +148,10 @@ def _rows(given: dict[str, Any], place: Place) -> Record:
             place.at(key).add("loading.no_list", given=given[key], t=LIKE["t"], V_lp=SPEEDS_LIKE)
         elif (many := read_values(key, given[key], place.at(key), bound)) is not None:
             columns[key] = as_array(key, many)
-    if columns.keys() != wanted.keys():
+            if unit := QUANTITIES[many.quantity].unit if many.quantity else "":
+                divide = functools.partial(column_per_area, columns[key], unit, area)
+                columns[key] = place.at(key).noting(divide, key)
+    if columns.keys() != wanted.keys() or any(column is None for column in columns.values()):
         return Record()
     like = f"expected times such as {LIKE['t']}"
     loading = place.at("t").noting(lambda: Loading.series(**columns), "t", like)

@@ -14,12 +14,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...errors import ParameterError
+from ...model.contact import parameter_to_si
 from ...model.loading import Loading
 from ...model.names import nearest
+from ...model.other_units import quantity_of
 from ...model.quantities import QUANTITIES
 from ...model.units import to_si
 from .known_keys import LIKE
 from .problems import Place, error_line, expected, message, refusal, shown
+from .stress_table import column_per_area
 from .values import unusual
 
 ENDINGS = (".csv", ".tsv", ".txt")
@@ -46,9 +49,10 @@ class Column(NamedTuple):
     unit: str
 
 
-def read_record(table: dict[str, Any], folder: Path, place: Place) -> Record:
+def read_record(table: dict[str, Any], folder: Path, place: Place, area: dict[str, Any]) -> Record:
     """The loading in a file, whose name is relative to a folder, as the table [loading] says.
 
+    area : as of `loading_table`
     Problems are noted at `place`, and the `Record` then is empty.
     """
     before = len(place.problems)
@@ -66,13 +70,13 @@ def read_record(table: dict[str, Any], folder: Path, place: Place) -> Record:
     cells = [head[i] for i in numbered if 0 <= i < len(head)] if all_numbered else head
     titled = any(math.isnan(_number_in(cell)) for cell in cells)
     found = [
-        _column(i, wanted[i], units[i] if units else None, head, titled, place)
+        _column(i, wanted[i], units[i] if units else None, head, titled, place, area)
         for i in range(len(wanted))
     ]
     columns = [column for column in found if column]
     if len(place.problems) > before:
         return Record()
-    read = functools.partial(_history, rows[titled:], columns, place.at("file"))
+    read = functools.partial(_history, rows[titled:], columns, place.at("file"), area)
     rows_wanted = message("record.history_wanted")
     record = place.at("file").noting(read, wanted=rows_wanted, like="0,1 and 2.5,1")
     return record or Record()
@@ -95,7 +99,13 @@ def _columns(
 
 
 def _column(
-    i: int, wanted: str | int, unit: str | None, head: list[str], titled: bool, place: Place
+    i: int,
+    wanted: str | int,
+    unit: str | None,
+    head: list[str],
+    titled: bool,
+    place: Place,
+    area: dict[str, Any],
 ) -> Column | None:
     """A column, by its number or name; its unit is that of the header, unless one is given."""
     at_unit = place.at("units" if unit else "columns").at(i)
@@ -110,7 +120,7 @@ def _column(
         place.add("columns.no_unit", given=name)
         return None
     try:
-        to_si(SYMBOLS[i], f"1 {unit}", bound="")
+        parameter_to_si(SYMBOLS[i], f"1 {unit}", area)
     except ParameterError as error:
         what = error_line(error).removeprefix(f"{SYMBOLS[i]} = {f'1 {unit}'!r} ")
         what = what.replace(f"has an unknown unit {unit!r}", "is unknown", 1)
@@ -145,7 +155,7 @@ def _split(title: str) -> tuple[str, str]:
     return (match[1].strip(), match[2].strip()) if match else (title, "")
 
 
-def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
+def _history(rows: list[Row], columns: list[Column], place: Place, area: dict[str, Any]) -> Record:
     """The loading and its last speed; bad cells are noted with the numbers of their lines."""
     import xarray
 
@@ -163,12 +173,15 @@ def _history(rows: list[Row], columns: list[Column], place: Place) -> Record:
         xarray.DataArray(values, dims="row", attrs={"units": column.unit})
         for values, column in zip(table.reshape(-1, len(columns)).T, columns, strict=True)
     ]
-    for symbol, array in zip(SYMBOLS, arrays, strict=False):
-        largest = float(np.abs(to_si(symbol, array, bound="")).max())
-        if sizes := unusual(symbol, max(largest, 1.0)):
-            x = f"{symbol} = {largest:.6g} {QUANTITIES[symbol].unit}"
-            raise refusal("value.unusual", x=x, sizes=sizes, wanted=expected(symbol))
+    quantities = [quantity_of(symbol, x) for symbol, x in zip(SYMBOLS, arrays, strict=False)]
+    for quantity, array in zip(quantities, arrays, strict=True):
+        largest = float(np.abs(to_si(quantity, array, bound="")).max())
+        if sizes := unusual(quantity, max(largest, 1.0)):
+            x = f"{quantity} = {largest:.6g} {QUANTITIES[quantity].unit}"
+            raise refusal("value.unusual", x=x, sizes=sizes, wanted=expected(quantity))
     t, V, *stress = arrays
+    if "normal_force" in quantities:
+        stress = [column_per_area(stress[0].values, columns[2].unit, area)]
     loading = Loading.series(t, V, sigma=stress[0] if stress else None)
     return Record(loading, float(to_si("V_lp", V[-1:], bound=">= 0")[0]))
 

@@ -4,6 +4,7 @@ import dataclasses
 import functools
 from typing import Any
 
+from ...model.contact import parameter_to_si
 from ...model.loading import Loading
 from ...model.loading.written import StressEvent
 from .known_keys import STRESS_SINUSOID, STRESS_STEP
@@ -34,19 +35,44 @@ class StressTable:
         return loading
 
 
-def stress_table(given: dict[str, Any], place: Place) -> StressTable:
-    """Read the keys of [loading], of which all are given; problems are noted."""
+def stress_table(given: dict[str, Any], place: Place, area: dict[str, Any]) -> StressTable:
+    """Read the keys of [loading], of which all are given; problems are noted.
+
+    area : as of `loading_table`
+    """
     table = StressTable(place)
     if "sigma_steps" in given:
-        table.events = _events(given["sigma_steps"], place.at("sigma_steps"))
+        table.events = _events(given["sigma_steps"], place.at("sigma_steps"), area)
     if "sigma_sinusoid" in given:
-        table.sinusoid = wave(STRESS_SINUSOID, given["sigma_sinusoid"], place.at("sigma_sinusoid"))
+        where = place.at("sigma_sinusoid")
+        table.sinusoid = wave(STRESS_SINUSOID, given["sigma_sinusoid"], where)
+        _per_area(table.sinusoid, "amplitude", where, area)
     if "sigma" in given and "t" not in given:
         place.at("sigma").add("loading.sigma_without_t", like=STRESS_STEP.like)
     return table
 
 
-def _events(steps: Any, place: Place) -> list[tuple[Place, StressEvent]]:
+def _per_area(values: dict[str, Any], key: str, place: Place, area: dict[str, Any]) -> None:
+    """Divide a value by the area where it is a force, and so is text still; None if that fails."""
+    if isinstance(force := values.get(key), str):
+        divide = functools.partial(parameter_to_si, "sigma", force, area)
+        values[key] = place.at(key).noting(divide, "sigma")
+
+
+def column_per_area(forces: Any, unit: str, area: dict[str, Any]) -> Any:
+    """Forces (n,) in this unit, divided by the area; ParameterError where none is given.
+
+    (n,) [Pa], or a list of DataArrays where the area is one.
+    """
+    import xarray
+
+    parameter_to_si("sigma", f"{forces[0]:.6g} {unit}", area)  # (an error of text says more)
+    rows = xarray.DataArray(forces, dims="row", attrs={"units": unit})
+    stress = parameter_to_si("sigma", rows, area)
+    return stress.values if stress.ndim == 1 else list(stress.transpose("row", ...))
+
+
+def _events(steps: Any, place: Place, area: dict[str, Any]) -> list[tuple[Place, StressEvent]]:
     """Steps and ramps; those with a problem are left out."""
     if not isinstance(steps, list) or not 1 <= len(steps) <= MOST_STEPS:
         place.add("steps.no_list", given=steps, most=MOST_STEPS, like=STRESS_STEP.like)
@@ -58,7 +84,8 @@ def _events(steps: Any, place: Place) -> list[tuple[Place, StressEvent]]:
         missing = [key for key in ("t", "sigma") if values is not None and key not in values]
         for key in missing:
             where.missing(key)
-        if values and not missing and None not in values.values():
+        _per_area(values or {}, "sigma", where, area)
+        if values and not missing and all(x is not None for x in values.values()):
             kind = "sigma_ramp" if "ramp" in values else "sigma_step"
             event = StressEvent(kind, values["t"], values["sigma"], values.get("ramp"))
             events.append((where, event))
