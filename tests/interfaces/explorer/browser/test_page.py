@@ -695,12 +695,9 @@ def test_nothing_moves_but_what_is_moved(show, width, height):
             e => e.sources.map(s => s.node && (s.node.id || s.node.nodeName)))))
             .observe({ type: 'layout-shift' }) }"""
     )
-    for K in ("0.3 GPa/m", "1.19 GPa/m", "1.1999 GPa/m", "2 GPa/m", "inf", "0.9 GPa/m"):
-        shown.page.fill("#entry-K", K)
-        shown.page.press("#entry-K", "Enter")
-        shown.wait()
-    for M in ("0", "1e9 kg/m^2"):
-        shown.type("M", M)
+    moves = [("K", "1.1999 GPa/m"), ("K", "2 GPa/m"), ("K", "0.9 GPa/m"), ("M", "0"), ("M", "1e9")]
+    for symbol, text in moves:
+        shown.type(symbol, text)
         shown.wait()
     for chart in ("#stress-chart", "#speed-chart", "#map-canvas", "#phase-canvas"):
         shown.page.hover(chart)
