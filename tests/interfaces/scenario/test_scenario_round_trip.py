@@ -414,9 +414,9 @@ def test_of_a_sweep_in_a_store(tmp_path):
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (lambda r: None, "NoneType is no result; give a Dataset as a verb"),
-        (lambda r: r.drop_attrs(), "the result's title is '', which is no verb's"),
-        (lambda r: r.assign_attrs(title="ratestate figures"), "'ratestate figures', which is no"),
+        (lambda r: None, "NoneType is no result; give a Dataset as a function"),
+        (lambda r: r.drop_attrs(), "the result's title is '', that of no function"),
+        (lambda r: r.assign_attrs(title="ratestate figures"), "'ratestate figures', that of no function"),
         (
             lambda r: r.assign_attrs(slider="{"),
             "the attribute 'slider' of the Dataset is '{', expected JSON",

@@ -7,7 +7,9 @@ from ...dynamics.results import parameter
 from ...errors import ParameterError
 from ...model.units import is_array
 
-WANTED = "give a Dataset as a verb of ratestate returned it, or read from the file it was kept in"
+WANTED = (
+    "give a Dataset as a function of ratestate returned it, or read from the file it was kept in"
+)
 
 
 def value_of(result: Any, name: str, symbol: str, recorded: Any) -> Any:

@@ -52,7 +52,9 @@ def from_result(result: Any) -> Scenario:
             "that it found, take ratestate.fitting.slider_of(result)"
         )
     if verb not in FUNCTIONS or not title.startswith("ratestate "):
-        raise ParameterError(f"the result's title is {title[:60]!r}, which is no verb's; {WANTED}")
+        raise ParameterError(
+            f"the result's title is {title[:60]!r}, that of no function of ratestate; {WANTED}"
+        )
     try:
         scenario = Scenario(verb, _slider(result), _settings(verb, result))
         _check(scenario)
