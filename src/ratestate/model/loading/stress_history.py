@@ -135,7 +135,7 @@ class StressHistory(Segments):
     def slider_at(self, t, slider):
         """The slider as it is at time t: with the normal stress of then as its own.
 
-        Its `K_c_qs`, `V_c` and others, and its `stability`, are then those of that time.
+        Its critical stiffness and velocity, and its `stability`, are then those of that time.
 
         Parameters
         ----------
