@@ -416,7 +416,7 @@ def test_of_a_sweep_in_a_store(tmp_path):
     [
         (lambda r: None, "NoneType is no result; give a Dataset as a function"),
         (lambda r: r.drop_attrs(), "the result's title is '', that of no function"),
-        (lambda r: r.assign_attrs(title="ratestate figures"), "'ratestate figures', that of no function"),
+        (lambda r: r.assign_attrs(title="ratestate figures"), "'ratestate figures', that of no"),
         (
             lambda r: r.assign_attrs(slider="{"),
             "the attribute 'slider' of the Dataset is '{', expected JSON",
