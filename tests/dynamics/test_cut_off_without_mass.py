@@ -51,7 +51,7 @@ def instability(twin, V_start, V_lp):
     def stopped(_, y):
         return y[0] - 1e-12
 
-    stopped.terminal = True  # type: ignore[attr-defined]
+    stopped.terminal = True
     start = [math.exp(-log_V), 0.0, *log_theta]
     found = solve_ivp(per_slip, (0.0, 1.0), start, "LSODA", rtol=1e-11, atol=1e-13, events=stopped)
     assert found.status == 1

@@ -9,6 +9,7 @@ from ..friction.stability import EDGE_WIDTH
 from ..model.quantities import readable, readable_multiplier, readable_time
 from ..model.sentences import Sentences
 from .cycles.regimes import HARMONIC, STEADY, UNKNOWN
+from .domain import outside_domain
 
 #: regimes besides those of `ratestate.regimes`, both without mass: V grows without bound; it grows
 #: so after a large disturbance only
@@ -84,8 +85,8 @@ def _vibration(v):
 
 
 def _outside_domain(v):
-    """Where the motion leaves the domain of the friction law, unless that lets slip reverse."""
-    if v.mu_min is None or v.slider.friction_law.reverses:
+    """Where the motion leaves the domain of the friction law."""
+    if v.mu_min is None or outside_domain(v.slider.friction_law, v.mu_min, v.reversal_margin) <= 0:
         return ""
     negative = [name for name in ("mu_min", "reversal_margin") if getattr(v, name) < 0.0]
     reasons = ", and ".join(sentence(f"outside_domain.{name}", v=v) for name in negative)

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..friction.normal_stress import FREQUENCY, S
-from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
 from .drift import with_states
 from .exp import exp_each_alone
 from .jit import inner, kernel, recursive
