@@ -6,7 +6,7 @@ import pytest
 
 from ratestate.interfaces.explorer.app import STATIC
 
-CSS = (STATIC / "style.css").read_text()
+CSS = "".join(path.read_text() for path in sorted((STATIC / "css").glob("*.css")))
 LIGHT, DARK = (
     dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", block))
     for block in re.findall(r":root \{(.*?)\}", CSS, re.DOTALL)

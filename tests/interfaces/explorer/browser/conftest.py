@@ -12,6 +12,10 @@ import types
 import pytest
 from user_laws import MINE
 
+DRAWN = """() => { const { asked, drawn } = document.body.dataset;
+    return asked && Number(drawn) >= Number(asked) }"""
+NUMBERS = """() => Object.fromEntries([...document.querySelectorAll('#numbers div')].map(
+    group => [group.firstChild.textContent, group.lastChild.textContent]))"""
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 EXPLORE = [
     "-c",
@@ -53,7 +57,42 @@ def browsing():
         browser.close()
 
 
-@pytest.fixture(scope="module")
+class Shown:
+    """A page of the explorer, and what went on in it."""
+
+    def __init__(self, browser, address, fragment="", **look):
+        self.context = browser.new_context(
+            accept_downloads=True, **{"viewport": {"width": 1280, "height": 860}} | look
+        )
+        self.context.grant_permissions(["clipboard-read", "clipboard-write"])
+        self.page = self.context.new_page()
+        self.complaints, self.requests = [], []
+        self.page.on("console", lambda m: self.complaints.append(m.text))
+        self.page.on("pageerror", lambda e: self.complaints.append(str(e)))
+        self.page.on("request", lambda r: self.requests.append(r.url))
+        self.page.goto(f"{address}#{fragment}")
+        self.wait()
+
+    def wait(self):
+        """Until everything asked for is drawn."""
+        self.page.wait_for_function(DRAWN, timeout=120_000)
+
+    def type(self, symbol, text):
+        self.page.fill(f"#entry-{symbol}", text)
+        self.page.press(f"#entry-{symbol}", "Enter")
+
+    def entry(self, symbol):
+        return self.page.input_value(f"#entry-{symbol}")
+
+    def text(self, selector):
+        return self.page.inner_text(selector).replace("\N{NO-BREAK SPACE}", " ")
+
+    @property
+    def numbers(self):
+        return self.page.evaluate(NUMBERS)
+
+
+@pytest.fixture(scope="session")
 def server(tmp_path_factory):
     """With a user's law."""
     path = tmp_path_factory.mktemp("laws") / "mine.py"
@@ -68,3 +107,23 @@ def browser():
         pytest.skip("no chromium: make browser, or tools/chromium.sh, installs Debian's")
     with browsing() as found:
         yield found
+
+
+@pytest.fixture
+def show(browser, server):
+    """Open pages; in the end, nothing was complained of, and no other host asked."""
+    with contextlib.ExitStack() as stack:
+
+        def opened(fragment="", **look):
+            shown = Shown(browser, server.address, fragment, **look)
+            stack.callback(finish, shown)
+            return shown
+
+        def finish(shown):
+            shown.context.close()
+            assert shown.complaints == []
+            assert {url.split("/")[2] for url in shown.requests if url[:5] != "blob:"} == {
+                server.address.split("/")[2]
+            }
+
+        yield opened

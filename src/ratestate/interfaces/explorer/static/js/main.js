@@ -5,34 +5,36 @@ import { Controls } from "./controls.js";
 import { $ } from "./dom.js";
 import { savePicture, saveText } from "./downloads.js";
 import { Entries } from "./entries.js";
+import { Instant } from "./instant.js";
 import { StabilityMap } from "./map.js";
 import { learnPrefixes } from "./numbers.js";
 import { Phase } from "./phase.js";
+import { Questions } from "./questions.js";
+import { Resting } from "./resting.js";
 import { describe } from "./spoken.js";
 import { onTheme } from "./theme.js";
 import { begin, drawn } from "./timing.js";
 import { Traces } from "./traces.js";
 import { tell } from "./verdict.js";
-import { number } from "./wire.js";
 import { write } from "./words.js";
-
-const CHART_WAIT = 300; // ms for which law and b/a must rest before their atlas is asked for
 
 let controls = null; // Controls, once the server has said what there is to control
 let picture = null; // the newest answer drawn
-let pending = 0; // id of the newest picture asked for
 let frame = 0;
-let chartTimer = 0;
-let chartKey = ""; // of the atlas behind the map, as the server names it
-let chartWanted = false;
-let read = 0; // id of the newest picture asked for that was answered
-let waiting = []; // what is done once that is the newest
 const files = new Set(); // ids of the downloads asked for
 
-const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"));
-const phase = new Phase($("phase-canvas"));
+const instant = new Instant();
+const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant);
+const phase = new Phase($("phase-canvas"), $("phase-point"), $("cycle-key"), instant);
 const map = new StabilityMap($("map-canvas"), $("dot"), $("regimes"), (ratio, eta, stamp) => controls.move(ratio, eta, picture, stamp), (act) => (map.target ? act() : whenRead(act)));
+const verdict = { show: (found) => tell(found, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") }) };
+const views = [verdict, traces, phase, map, { show: describe }];
 const connection = new Connection({ answer, lost });
+const questions = new Questions((texts) => connection.ask("picture", texts));
+const atlas = new Resting((texts) => connection.ask("chart", texts), () => {
+  sayOfMap("");
+  map.behind(null);
+});
 onTheme(redraw);
 new ResizeObserver(redraw).observe($("map-canvas"));
 listen();
@@ -53,8 +55,7 @@ function listen() {
 
 function ask(stamp) {
   map.target = null;
-  const id = connection.ask("picture", controls.entries.asked());
-  pending = id ?? Infinity;
+  const id = questions.ask(controls.entries.asked());
   if (id === null) {
     document.body.classList.add("stale"); // until there is a connection again
     return;
@@ -63,36 +64,18 @@ function ask(stamp) {
   begin(id, stamp);
 }
 
-/** Act once what was typed is read, so that it is reckoned from that. */
 function whenRead(act) {
-  if (read === pending) act();
-  else waiting.push(act);
+  questions.whenRead(act);
 }
 
 /** All that was asked for is answered, perhaps by a problem. */
 function settle() {
-  read = pending;
   const { wrong, valid } = controls.entries;
-  document.body.classList.toggle("stale", picture?.id !== pending || wrong.length > 0);
+  document.body.classList.toggle("stale", !picture || !questions.isNewest(picture) || wrong.length > 0);
   const values = wrong.filter((name) => valid[name]).map((name) => `${name} = ${valid[name]}`);
   write($("stale"), wrong.length ? `Shown: the last valid values${values.length ? ` (${values.join(", ")})` : ""}; correct ${wrong.join(", ")}.` : "");
   $("stale").hidden = !wrong.length;
-  for (const act of waiting.splice(0)) whenRead(act);
-}
-
-function askChart() {
-  const key = picture.chart && String(picture.chart);
-  if (key !== chartKey) {
-    chartKey = key;
-    chartWanted = Boolean(key);
-    clearTimeout(chartTimer);
-    sayOfMap("");
-    map.behind(null);
-  }
-  if (!chartWanted || picture.id !== pending) return;
-  chartWanted = false;
-  const texts = controls.entries.asked(); // those of the picture: they may be unusable later
-  chartTimer = setTimeout(() => connection.ask("chart", texts), CHART_WAIT);
+  questions.settle();
 }
 
 // ---- answers
@@ -108,9 +91,9 @@ function hello({ fields, laws, before, longest, prefixes, presets, span }) {
   const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
   const entries = new Entries(names, ["friction", ...Object.keys(before)], { ...own, ...presets[0].entries }, longest);
   controls ??= new Controls(fields, laws, before, presets, entries, ask, whenRead);
-  waiting = [];
+  questions.forget();
   say("");
-  chartKey = "";
+  atlas.forget();
   ask();
 }
 
@@ -125,15 +108,17 @@ function arrived(found) {
 }
 
 function chart(found) {
-  if (String(found.key) === chartKey) map.behind(found);
+  if (String(found.key) === atlas.key) map.behind(found);
 }
 
 function file({ name, text }) {
   saveText(name, text);
 }
 
-function problem({ id, problems, values }) {
-  if (id === pending && controls.entries.refuse(problems)) {
+function problem(found) {
+  const { id, problems, values } = found;
+  const isNewest = questions.isNewest(found);
+  if (isNewest && controls.entries.refuse(problems)) {
     controls.explainAll();
     ask(); // for what can be used
     return;
@@ -141,8 +126,8 @@ function problem({ id, problems, values }) {
   if (problems.map) {
     sayOfMap(problems.map);
     map.missing();
-  } else if (id === null || id === pending || files.has(id)) say(Object.values(problems).join("; "));
-  if (id !== pending) return;
+  } else if (id === null || isNewest || files.has(id)) say(Object.values(problems).join("; "));
+  if (!isNewest) return;
   if (values) controls.accept(values);
   settle();
 }
@@ -154,7 +139,7 @@ function sayOfMap(text) {
 }
 
 function lost(seconds, why) {
-  waiting = [];
+  questions.forget();
   const reason = why ? ` (${why})` : "";
   say(`The connection to ratestate is lost${reason}; trying again in ${seconds} s. Is it still running?`, true);
 }
@@ -169,21 +154,17 @@ function say(text, isLost = false) {
 
 function draw() {
   frame = 0;
-  const { values, numbers, arrays, id } = picture;
-  if (id === pending) {
+  const isNewest = questions.isNewest(picture);
+  if (isNewest) {
     say("");
-    controls.accept(values);
+    controls.accept(picture.values);
   }
-  tell(picture, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") });
-  traces.draw(picture);
-  phase.draw(picture);
-  $("cycle-key").style.visibility = picture.arrays.cycle_V ? "visible" : "hidden";
-  map.draw(numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null, arrays);
-  describe(picture);
-  document.body.dataset.drawn = id;
-  drawn(id);
-  askChart();
-  if (id === pending) settle();
+  for (const view of views) view.show(picture);
+  document.body.dataset.drawn = picture.id;
+  drawn(picture.id);
+  // With the texts of the picture: what is typed later may be unusable.
+  atlas.show(String(picture.chart ?? ""), isNewest ? controls.entries.asked() : null);
+  if (isNewest) settle();
 }
 
 function redraw() {

@@ -5,6 +5,7 @@ import { Legend, REGIMES } from "./legend.js";
 import { plain } from "./numbers.js";
 import { Plane } from "./plane.js";
 import { FONT, color, onTheme } from "./theme.js";
+import { number } from "./wire.js";
 import { parts } from "./words.js";
 
 const ARROW = 0.02; // decades of K, and twice that of eta; with Shift ten times as far
@@ -60,14 +61,15 @@ export class StabilityMap {
     this.image = image;
   }
 
-  /**
-   * at: {ratio, eta} of the slider shown, or null where there is no K_c_qs
-   * line: {line_eta, line_ratio}, K_c over K_c_qs along eta
-   */
-  draw(at = this.at, line = this.line) {
-    Object.assign(this, { at, line });
-    if (!line) return;
-    const { plane } = this;
+  show({ values, numbers, arrays }) {
+    this.line = arrays; // line_eta, line_ratio: K_c over K_c_qs along eta
+    this.at = numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null;
+    this.draw();
+  }
+
+  draw() {
+    if (!this.line) return;
+    const { plane, at } = this;
     plane.begin();
     if (this.chart) this.backdrop();
     plane.frame();

@@ -1,6 +1,7 @@
 // The phase plane: V against tau/sigma, on a logarithmic axis, or a linear one where slip reverses.
 
 import { Plane } from "./plane.js";
+import { valuesAt } from "./run.js";
 import { color } from "./theme.js";
 import { backward, counted, speeds } from "./ticks.js";
 import { parts } from "./words.js";
@@ -9,13 +10,20 @@ const PADDING = 0.07;
 const SMALLEST = 1e-12; // of tau/sigma: room about a point
 
 export class Phase {
-  constructor(canvas) {
+  /** point: element that marks the instant; cycleKey: the legend's entry of the limit cycle */
+  constructor(canvas, point, cycleKey, instant) {
+    Object.assign(this, { point, cycleKey, instant, whole: false });
     this.plane = new Plane(canvas, { log: false }, { log: true });
-    this.whole = false;
+    instant.on(() => this.mark());
   }
 
-  draw(picture) {
-    this.picture = picture ?? this.picture;
+  show(picture) {
+    this.picture = picture;
+    this.cycleKey.style.visibility = picture.arrays.cycle_V ? "visible" : "hidden";
+    this.draw();
+  }
+
+  draw() {
     if (!this.picture) return;
     const { arrays, steady, values } = this.picture;
     const { plane } = this;
@@ -33,6 +41,18 @@ export class Phase {
       c.lineWidth = 1.6;
       c.stroke();
     });
+    this.mark();
+  }
+
+  /** Put the point where the run is at the instant. */
+  mark() {
+    const { time } = this.instant;
+    const at = time !== null && this.picture ? valuesAt(this.picture.arrays, time) : null;
+    const [x, y] = at ? [this.plane.X(at.stress), this.plane.Y(at.V)] : [];
+    this.point.hidden = !at || !this.plane.isInside(x, y);
+    if (this.point.hidden) return;
+    this.point.style.left = `${x}px`;
+    this.point.style.top = `${y}px`;
   }
 
   /** Show the cycle; without one, or if asked to, the whole run. */

@@ -52,6 +52,12 @@ export class Plane {
     return [Plane.at(this.x, hold((px - left) / width)), Plane.at(this.y, hold(1 - (py - top) / height))];
   }
 
+  /** Whether a point of the canvas lies between the axes. */
+  isInside(px, py) {
+    const { left, top, width, height } = this.box;
+    return px >= left && px <= left + width && py >= top && py <= top + height;
+  }
+
   /** Axes with ticks and labels. */
   frame() {
     const c = this.context;

@@ -2,176 +2,219 @@
 
 import uPlot from "../vendor/uPlot.js";
 import { element } from "./dom.js";
+import { gap, inertia } from "./inertia.js";
 import { round, shown, timeUnit } from "./numbers.js";
-import { FONT, color, onTheme } from "./theme.js";
+import { valuesAt } from "./run.js";
+import { color, onTheme } from "./theme.js";
 import { backward, counted, linear, speeds } from "./ticks.js";
+import { axis, insideAxes, labelled, outline, padded, straight, ticking } from "./trace_axes.js";
 
 const AXIS_WIDTH = 44;
-const PADDING = 0.06;
-const LOGARITHMIC = { distr: 3, range: (_, low, high) => padded(Math.log(low), Math.log(high)).map(Math.exp) };
+const NARROWEST = 1e-3; // of the whole time: what is kept of a zoom
 
 export class Traces {
-  /** readout: element that tells values at the pointer, and what the lines are */
-  constructor(stressBox, speedBox, readout) {
-    Object.assign(this, { stressBox, speedBox, readout });
+  /**
+   * readout: element that tells values at the instant, and what the lines are; unzoom: button
+   *
+   * layers: what lies behind the lines: {draw(plot, name, X, Y), range(name), times()} with name
+   * "stress" or "speed", functions of seconds and of values that give pixels, the range of what is
+   * drawn, and its first and last time; range and times give null where they shall not count.
+   */
+  constructor(stressBox, speedBox, readout, unzoom, instant) {
+    Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, layers: [inertia] });
     this.unit = [1, "s"];
     this.reverses = false;
+    this.window = null; // [first, last] of the time shown, in seconds; null for all
     this.build();
     new ResizeObserver(() => this.fit()).observe(stressBox);
-    onTheme(() => {
-      this.build();
-      this.draw(this.picture);
-    });
-    this.tell(null);
+    onTheme(() => this.rebuild());
+    unzoom.addEventListener("click", () => this.zoom(null));
+    instant.on(() => this.mark());
+    this.tell();
+  }
+
+  get plots() {
+    return [this.stress, this.speed];
   }
 
   build() {
-    this.stress?.destroy();
-    this.speed?.destroy();
-    const sync = { key: "time", setSeries: false };
-    const common = {
+    for (const plot of this.plots) plot?.destroy();
+    const stresses = labelled(() => this.stress, "\u03c4/\u03c3,  \u03bc", counted);
+    const rates = labelled(() => this.speed, "V", speeds);
+    const line = (role, more) => ({ stroke: color(role), width: 1.4, points: { show: false }, paths: straight, ...more });
+    const load = line("run", { width: 1, dash: [5, 4], paths: uPlot.paths.stepped({ align: 1 }) });
+    const time = ticking(linear, 70, "width");
+    this.stress = this.plot("stress", { range: (_, low, high) => padded(this.reach("stress", low, high)) }, this.stressBox, {
+      axes: [axis({ ...time, values: (_, splits) => splits.map(() => ""), size: 8 }), axis({ size: AXIS_WIDTH, ...ticking(stresses, 40), label: "\u03c4/\u03c3,  \u03bc" })],
+      series: [{}, line("stress", { width: 1.6 }), line("friction", { dash: [6, 4] })],
+    });
+    this.speed = this.plot("speed", this.speedScale(), this.speedBox, {
+      axes: [axis({ size: 24, label: "Time", ...time }), axis({ size: AXIS_WIDTH, ...ticking(rates, 34), label: "V  [m/s]" })],
+      series: [{}, load, line("speed")],
+    });
+    this.fit();
+  }
+
+  plot(name, y, box, more) {
+    const bind = { dblclick: () => () => this.zoom(null) };
+    const options = {
       width: 300,
       height: 200,
       padding: [8, 12, 0, 0],
       legend: { show: false },
-      cursor: { sync, points: { size: 6 }, drag: { x: true, y: false } },
-      hooks: { setCursor: [(plot) => this.tell(plot.cursor.idx)], drawAxes: [outline], draw: [(plot) => this.stepLine(plot)] },
+      cursor: { points: { size: 6 }, drag: { x: true, y: false, setScale: false }, bind },
+      scales: { x: { time: false, range: () => this.across() }, y },
+      hooks: {
+        setCursor: [(plot) => this.point(plot)],
+        setSelect: [(plot) => this.select(plot)],
+        drawAxes: [outline, (plot) => this.behind(plot, name)],
+        draw: [(plot) => this.stepLine(plot)],
+      },
+      ...more,
     };
-    const line = (role, more) => ({ stroke: color(role), width: 1.4, points: { show: false }, paths: straight, ...more });
-    const y = (ticks, label) => axis({ size: AXIS_WIDTH, label, ...ticks });
-    const stresses = labelled(() => this.stress, "\u03c4/\u03c3,  \u03bc", counted);
-    const rates = labelled(() => this.speed, "V", speeds);
-    this.stress = new uPlot(
-      {
-        ...common,
-        scales: { x: { time: false }, y: { range: (_, low, high) => padded(low, high) } },
-        axes: [axis({ ...this.times(), values: (_, splits) => splits.map(() => ""), size: 8 }), y(ticking(stresses, 40), "\u03c4/\u03c3,  \u03bc")],
-        series: [{}, line("stress", { width: 1.6 }), line("friction", { dash: [6, 4] })],
-      },
-      [[], [], []],
-      this.stressBox,
-    );
-    this.speed = new uPlot(
-      {
-        ...common,
-        scales: { x: { time: false }, y: this.reverses ? { range: (_, low, high) => padded(low, high) } : LOGARITHMIC },
-        axes: [axis({ size: 24, label: "Time", ...this.times() }), y(ticking(rates, 34), "V  [m/s]")],
-        series: [{}, line("run", { width: 1, dash: [5, 4], paths: uPlot.paths.stepped({ align: 1 }) }), line("speed")],
-      },
-      [[], [], []],
-      this.speedBox,
-    );
-    this.fit();
+    return new uPlot(options, [[], [], []], box);
   }
 
-  /** Ticks of the time axis: round values of what is shown. */
-  times() {
-    return ticking(linear, 70, "width");
+  speedScale() {
+    const range = (low, high) => this.reach("speed", low, high);
+    if (this.reverses) return { range: (_, low, high) => padded(range(low, high)) };
+    return { distr: 3, range: (_, low, high) => padded(range(low, high).map(Math.log)).map(Math.exp) };
+  }
+
+  rebuild() {
+    this.build();
+    if (this.picture) this.show(this.picture);
   }
 
   fit() {
-    for (const [plot, box] of [[this.stress, this.stressBox], [this.speed, this.speedBox]]) {
-      plot.setSize({ width: box.clientWidth, height: box.clientHeight });
-    }
+    this.stress.setSize({ width: this.stressBox.clientWidth, height: this.stressBox.clientHeight });
+    this.speed.setSize({ width: this.speedBox.clientWidth, height: this.speedBox.clientHeight });
   }
 
-  draw(picture) {
-    if (!picture) return;
+  show(picture) {
     this.picture = picture;
     const { run_time: time, run_stress: stress, run_mu: mu, run_V: V } = picture.arrays;
-    const span = time.length ? time.at(-1) - time[0] : 1;
-    this.unit = timeUnit(Math.max(span / 2, 1e-300));
+    const [first, last] = this.whole();
+    this.unit = timeUnit(Math.max((last - first) / 2, 1e-300));
     const t = time.map((value) => value / this.unit[0]);
     const { V_from, V_lp } = picture.values;
     const load = time.map((value) => (value < 0 ? (V_from ?? V_lp) : V_lp));
-    this.data = { t, stress, mu, V, load };
-    if (this.reverses !== V.some(backward)) {
+    if (this.reverses !== backward(this.reach("speed", ...extremes(V))[0])) {
       this.reverses = !this.reverses;
       this.build();
     }
     this.speed.axes[0].label = `Time  [${this.unit[1]}]`;
+    this.keepWindow();
     this.stress.setData([t, stress, mu]);
     this.speed.setData([t, load, V]);
-    this.tell(null);
+    this.mark();
+  }
+
+  // ---- what time and which values are shown
+
+  /** First and last time of all that is drawn [s]. */
+  whole() {
+    const time = this.picture?.arrays.run_time ?? [];
+    const all = this.layers.map((layer) => layer.times?.()).filter(Boolean);
+    if (time.length) all.push([time[0], time.at(-1)]);
+    return all.length ? [Math.min(...all.map(([first]) => first)), Math.max(...all.map(([, last]) => last))] : [0, 1];
+  }
+
+  /** The same of what is shown, in the axis's unit. */
+  across() {
+    return (this.window ?? this.whole()).map((time) => time / this.unit[0]);
+  }
+
+  /** A range with those of the layers. */
+  reach(name, low, high) {
+    const all = this.layers.map((layer) => layer.range?.(name)).filter(Boolean);
+    return [Math.min(low, ...all.map(([least]) => least)), Math.max(high, ...all.map(([, most]) => most))];
+  }
+
+  /** Of a zoom stays what another run has too. */
+  keepWindow() {
+    if (!this.window) return;
+    const [first, last] = this.whole();
+    const kept = [Math.max(first, this.window[0]), Math.min(last, this.window[1])];
+    const is = kept[1] - kept[0] > NARROWEST * (last - first);
+    this.window = is ? kept : null;
+    this.unzoom.disabled = !is;
+  }
+
+  /** Show these times [s], or all. */
+  zoom(window) {
+    this.window = window;
+    this.unzoom.disabled = !window;
+    if (this.picture) this.show(this.picture);
+  }
+
+  select(plot) {
+    const { left, width } = plot.select;
+    if (!(width > 0)) return;
+    plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+    this.zoom([left, left + width].map((x) => plot.posToVal(x, "x") * this.unit[0]));
+  }
+
+  // ---- what is drawn beside the lines
+
+  behind(plot, name) {
+    if (!this.picture) return;
+    const X = (time) => plot.valToPos(time / this.unit[0], "x", true);
+    const Y = (value) => plot.valToPos(value, "y", true);
+    insideAxes(plot, () => {
+      for (const layer of this.layers) layer.draw(plot, name, X, Y, this.picture);
+    });
   }
 
   /** A line where the load point or the normal stress steps: what is before it has times below 0. */
   stepLine(plot) {
-    if (!(this.data?.t[0] < 0)) return;
+    if (!(this.picture?.arrays.run_time[0] < 0)) return;
     const x = Math.round(plot.valToPos(0, "x", true));
-    const { top, height } = plot.bbox;
-    plot.ctx.save();
-    plot.ctx.strokeStyle = color("edge");
-    plot.ctx.setLineDash([3, 3]);
-    plot.ctx.beginPath();
-    plot.ctx.moveTo(x, top);
-    plot.ctx.lineTo(x, top + height);
-    plot.ctx.stroke();
-    plot.ctx.restore();
+    insideAxes(plot, (c) => {
+      const { top, height } = plot.bbox;
+      c.strokeStyle = color("edge");
+      c.setLineDash([3, 3]);
+      c.beginPath();
+      c.moveTo(x, top);
+      c.lineTo(x, top + height);
+      c.stroke();
+    });
   }
 
-  /** What the lines are; at the pointer, with values. */
-  tell(index) {
-    const d = index == null ? null : this.data;
+  // ---- the instant
+
+  /** The pointer is here, or gone. */
+  point(plot) {
+    const { left } = plot.cursor;
+    this.instant.point(left >= 0 && this.picture ? plot.posToVal(left, "x") * this.unit[0] : null);
+  }
+
+  /** Put the cursor where the instant is. */
+  mark() {
+    const { time } = this.instant;
+    for (const plot of this.plots) {
+      const left = time !== null && this.picture ? plot.valToPos(time / this.unit[0], "x") : -10;
+      // Where the pointer itself is, uPlot has the cursor, and perhaps drags.
+      if (Math.abs(left - plot.cursor.left) > 0.01) plot.setCursor({ left, top: Math.sign(left) }, false, false);
+    }
+    this.tell();
+  }
+
+  /** What the lines are; at the instant, with values. */
+  tell() {
+    const { time } = this.instant;
+    const values = time !== null && this.picture ? valuesAt(this.picture.arrays, time) : null;
     const parts = [
-      ["stress", "\u03c4/\u03c3", d && d.stress[index].toPrecision(6)],
-      ["friction", "\u03bc", d && d.mu[index].toPrecision(6)],
-      ["speed", "V", d && shown(d.V[index], "m/s")],
+      ["stress", "\u03c4/\u03c3", values && values.stress.toPrecision(6)],
+      ["friction", "\u03bc", values && values.mu.toPrecision(6)],
+      ["speed", "V", values && shown(values.V, "m/s")],
     ].map(([role, name, value]) => element("span", {}, element("span", { className: `line ${role}` }), value ? `${name} = ${value}` : name));
-    if (d) parts.push(`t = ${round(d.t[index], 5)} ${this.unit[1]}`);
+    if (values) parts.push(`t = ${round(time / this.unit[0], 5)} ${this.unit[1]}`);
+    else if (this.picture && gap(this.picture)) parts.push(element("span", {}, element("span", { className: "patch inertia" }), gap(this.picture)));
     this.readout.replaceChildren(...parts);
   }
 }
 
-/** A frame about the plot, as on the other charts. */
-function outline({ ctx, bbox }) {
-  ctx.save();
-  ctx.strokeStyle = color("edge");
-  ctx.lineWidth = devicePixelRatio;
-  ctx.strokeRect(bbox.left, bbox.top, bbox.width, bbox.height);
-  ctx.restore();
-}
-
-function axis(more) {
-  const grid = { stroke: () => color("rule"), width: 1 };
-  const text = { stroke: () => color("muted"), font: `11px ${FONT}`, labelFont: `12px ${FONT}`, labelSize: 18, labelGap: 0 };
-  return { ...text, grid, ticks: { ...grid, size: 4 }, gap: 4, ...more };
-}
-
-/** Ticks of a plot's y axis; what they say of its unit goes into the label. */
-function labelled(plot, name, ticks) {
-  return (...asked) => {
-    const [found, unit] = ticks(...asked);
-    plot().axes[1].label = `${name}${unit}`;
-    return found;
-  };
-}
-
-/** splits and values of an axis that has its ticks from ticks.js */
-function ticking(ticks, pixels, side = "height") {
-  let texts = {};
-  return {
-    splits: (plot, _, low, high) => {
-      const found = ticks(low, high, plot.bbox[side] / devicePixelRatio / pixels);
-      texts = Object.fromEntries(found);
-      return found.map(([value]) => value);
-    },
-    values: (_, splits) => splits.map((value) => texts[value]),
-    filter: (_, splits) => splits, // on logarithmic axes uPlot would leave some out
-  };
-}
-
-/** A line through every point; uPlot's own joins dense ones by pixel, which makes stairs of slopes. */
-function straight(plot, series, first, last) {
-  const stroke = new Path2D();
-  uPlot.orient(plot, series, (_, xs, ys, scaleX, scaleY, X, Y, left, top, width, height) => {
-    for (let i = first; i <= last; i += 1) stroke.lineTo(X(xs[i], scaleX, width, left), Y(ys[i], scaleY, height, top));
-  });
-  return { stroke, fill: null, clip: null, band: null, gaps: null, flags: 1 };
-}
-
-function padded(low, high) {
-  if (!Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
-  const pad = Math.max(PADDING * (high - low), 1e-9 * Math.max(1, Math.abs(high)));
-  return [low - pad, high + pad];
+function extremes(values) {
+  return values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
 }

@@ -1,0 +1,37 @@
+// Which picture was asked for last, whether it is here, and what waits for it.
+
+export class Questions {
+  /** send: function (texts) that asks for a picture and gives the question's id, null without a connection */
+  constructor(send) {
+    Object.assign(this, { send, pending: 0, read: 0, waiting: [] });
+  }
+
+  /** Ask for a picture; its id, or null. */
+  ask(texts) {
+    const id = this.send(texts);
+    this.pending = id ?? Infinity;
+    return id;
+  }
+
+  /** Whether an answer is the one to the newest question. */
+  isNewest({ id }) {
+    return id === this.pending;
+  }
+
+  /** Act once what was typed is read, so that it is reckoned from that. */
+  whenRead(act) {
+    if (this.read === this.pending) act();
+    else this.waiting.push(act);
+  }
+
+  /** The newest question is answered, perhaps by a problem. */
+  settle() {
+    this.read = this.pending;
+    for (const act of this.waiting.splice(0)) this.whenRead(act);
+  }
+
+  /** Nothing waits any longer. */
+  forget() {
+    this.waiting = [];
+  }
+}

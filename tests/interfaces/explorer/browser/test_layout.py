@@ -1,0 +1,158 @@
+"""How the page fits its screen, and those who read it otherwise."""
+
+import re
+import sys
+
+import latency
+import pytest
+
+#: fields of every law and form of friction that links need not have
+OF_ALL = ["damping", "alpha"]
+
+
+def test_a_slider_by_keyboard_and_how_long_it_takes(show, record_property):
+    shown = show()
+    shown.page.focus("#slider-V_lp")
+    shown.page.keyboard.press("PageUp")
+    shown.wait()
+    first = float(shown.entry("V_lp").split(" ")[0])
+    assert first > 100.0
+    shown.page.keyboard.press("ArrowRight")
+    shown.wait()
+    second = float(shown.entry("V_lp").split(" ")[0])
+    assert second / first == pytest.approx(10**0.005, rel=1e-3)
+    times = latency.measured(shown.page, latency.CASES["stick-slip"], 20)
+    record_property("slider_to_drawn", latency.summary(times))
+    sys.stdout.write(f"slider to drawn: {latency.summary(times)}\n")
+    assert len(times) == 20
+
+
+def test_everything_is_reached_by_keyboard(show):
+    shown = show()
+    seen = []
+    for _ in range(40):
+        shown.page.keyboard.press("Tab")
+        seen.append(
+            shown.page.evaluate(
+                """() => { const e = document.activeElement, s = getComputedStyle(e);
+                const name = e.id || e.name || e.tagName;
+                return [name, s.outlineStyle, parseFloat(s.outlineWidth)] }"""
+            )
+        )
+        if seen[-1][0] == "whole":
+            break
+    names = [name for name, *_ in seen]
+    wanted = ["presets", "link", "scenario", "python", "csv", "png", "law", "friction"]
+    for symbol in ("a", "b", "Dc", "sigma", "M", "K", "V_lp"):
+        wanted += [f"entry-{symbol}", f"slider-{symbol}"]
+    wanted += [f"{control}-{symbol}" for symbol in OF_ALL for control in ("entry", "slider")]
+    wanted += [f"{part}-{stepped}" for stepped in ("V_lp", "sigma") for part in ("factor", "step")]
+    assert names == [*wanted, "SUMMARY", "drag", "dot", "whole"]
+    assert all(style != "none" and width >= 1 for _, style, width in seen), seen
+
+
+def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
+    shown = show()
+    titles = shown.page.eval_on_selector_all("#presets option", "all => all.map(o => o.text)")
+    clipped = """() => [...document.querySelectorAll('#numbers dd, #fields input[type=text]')]
+        .filter(e => e.scrollWidth > e.clientWidth || (!e.value && e.clientHeight > 30))
+        .map(e => e.value ?? e.textContent)"""
+    fits = "w => document.documentElement.scrollWidth === w && innerWidth === w"
+    for title in titles[1:]:
+        shown.page.select_option("#presets", label=title)
+        shown.wait()
+        for width in (360, 768, 1280):
+            shown.page.set_viewport_size({"width": width, "height": 740})
+            shown.wait()
+            assert shown.page.evaluate(clipped) == [], (title, width)
+            # (charts follow the window a moment later)
+            shown.page.wait_for_function(fits, arg=width, timeout=5_000)
+            for chart in ("#stress-chart", "#map-canvas"):
+                box = shown.page.locator(chart).bounding_box()
+                assert box["x"] >= 0, (title, width)
+                assert box["x"] + box["width"] <= width, (title, width)
+
+
+@pytest.mark.parametrize(
+    ("width", "height"), [(390, 844), (844, 390), (1024, 768), (1440, 900), (2560, 1440)]
+)
+def test_nothing_moves_but_what_is_moved(show, width, height):
+    """While a slider goes through the regimes, with their verdicts, notes and legends."""
+    shown = show("V_from=90 um/s", viewport={"width": width, "height": height})
+    shown.page.evaluate(
+        """() => { window.shifts = [];
+        new PerformanceObserver(list => shifts.push(...list.getEntries().flatMap(
+            e => e.sources.map(s => s.node && (s.node.id || s.node.nodeName)))))
+            .observe({ type: 'layout-shift' }) }"""
+    )
+    moves = [("K", "1.1999 GPa/m"), ("K", "2 GPa/m"), ("K", "0.9 GPa/m"), ("M", "0"), ("M", "1e9")]
+    for symbol, text in moves:
+        shown.type(symbol, text)
+        shown.wait()
+    for chart in ("#stress-chart", "#speed-chart", "#map-canvas", "#phase-canvas"):
+        shown.page.hover(chart)
+        shown.page.wait_for_timeout(50)
+    # (what is typed, which has no node for scripts, is given its unit)
+    assert [what for what in shown.page.evaluate("shifts") if what] == []
+    if width >= 1151:  # the page is as high as the window
+        assert shown.page.evaluate("document.documentElement.scrollHeight") == height
+        charts = shown.page.locator("#speed-chart").bounding_box()
+        assert charts["height"] > 150
+        assert charts["y"] + charts["height"] <= height
+
+
+def test_a_finger_that_scrolls_over_a_slider_leaves_it(show):
+    shown = show(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    shown.page.locator("#slider-K").evaluate("e => e.scrollIntoView({ block: 'center' })")
+    box = shown.page.locator("#slider-K").bounding_box()
+    client = shown.context.new_cdp_session(shown.page)
+
+    def swipe(dx, dy):
+        x, y = box["x"] + 0.3 * box["width"], box["y"] + box["height"] / 2
+        points = [(x + k * dx, y + k * dy) for k in range(12)]
+        for i, (px, py) in enumerate(points):
+            kind = "touchMove" if i else "touchStart"
+            touches = [{"x": px, "y": py}]
+            client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches})
+        client.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        shown.page.wait_for_timeout(200)
+        shown.wait()
+
+    at = shown.page.evaluate("scrollY")
+    swipe(1, -12)
+    assert shown.page.evaluate("scrollY") > at + 50
+    assert shown.entry("K") == "960 MPa/m"
+    assert shown.numbers["K/Kc"] == "0.8"
+    shown.page.locator("#slider-K").evaluate("e => e.scrollIntoView({ block: 'center' })")
+    box = shown.page.locator("#slider-K").bounding_box()
+    swipe(12, 1)
+    assert shown.entry("K") != "960 MPa/m"
+
+
+def test_dark_is_dark_and_nothing_moves_for_those_who_mind(show):
+    shown = show(color_scheme="dark", reduced_motion="reduce")
+    page, transition = shown.page.evaluate(
+        """() => [getComputedStyle(document.body).backgroundColor,
+        getComputedStyle(document.querySelector('#step-V_lp')).transitionDuration]"""
+    )
+    assert max(map(int, re.findall(r"\d+", page))) < 40
+    assert transition == "0s"
+    # of a copy: a canvas that is read often is slowed down, which the console warns of
+    corner = """canvas => { const copy = new OffscreenCanvas(1, 1).getContext('2d');
+        copy.drawImage(document.querySelector(canvas), 2, 2, 1, 1, 0, 0, 1, 1);
+        return copy.getImageData(0, 0, 1, 1).data.slice(0, 3) }"""
+    shown.page.wait_for_function(f"() => Math.max(...({corner})('#map-canvas')) < 60")
+    shown.page.emulate_media(color_scheme="light")
+    shown.page.wait_for_function(f"() => Math.min(...({corner})('#phase-canvas')) > 230")
+
+
+def test_every_named_control_has_a_name(show):
+    shown = show()
+    nameless = shown.page.evaluate(
+        """() => [...document.querySelectorAll('button, input, select, [role=img]')]
+        .filter(e => !(e.getAttribute('aria-label') || e.labels?.length || e.textContent.trim()))
+        .map(e => e.id)"""
+    )
+    assert nameless == []
+    names = "e => ['entry', 'slider'].map(k => document.getElementById(`${k}-${e}`).ariaLabel)"
+    assert shown.page.evaluate(f"({names})('sigma')") == ["normal stress sigma"] * 2
