@@ -55,6 +55,8 @@ def test_numbers_are_those_of_the_verbs():
     ("slider", "V_lp", "said"),
     [
         (FIG1, 1e-4, "The spring is rigid (K = inf)"),
+        (FIG4, 5.0, "; the vibration has 0.999 times the natural frequency of 493.1 Hz."),
+        (FIG4, 20.0, "; the vibration has the natural frequency of 493.1 Hz."),
         (FIG2.replace(b=0.002), 1e-3, "does not weaken with velocity (b <= a)"),
         (FIG2.replace(M=0.0, law="aging"), 3e-4, "as it is at any speed without mass"),
         (FIG2.replace(K=5e8), 1e-3, "as it is at any speed where K < K_c_qs"),

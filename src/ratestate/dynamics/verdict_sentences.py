@@ -123,7 +123,9 @@ def _inertia(v):
         return ""
     vibration = ""
     if v.regime == HARMONIC:
-        vibration = sentence("inertia.vibration", v=v, share=_vibration(v) / v.f_n)
+        share = _vibration(v) / v.f_n
+        name = "natural" if f"{share:.3g}" == "1" else "vibration"
+        vibration = sentence(f"inertia.{name}", v=v, share=share)
     away = abs(v.slider.K / v.K_c_qs - 1.0)
     rise = v.eta if v.slider.friction_law.one_length else v.K_c / v.K_c_qs - 1.0
     if rise < min(NEGLIGIBLE_ETA, NEGLIGIBLE_PART * away):

@@ -41,7 +41,8 @@ def test_text_is_readable(colors):
 @pytest.mark.parametrize("colors", [LIGHT, DARK], ids=["light", "dark"])
 def test_lines_and_borders_are_seen(colors):
     inks = ("stress", "friction", "speed", "cycle", "run", "edge", "accent")
-    pairs = [(ink, "card") for ink in inks]
+    pairs = [(ink, "card") for ink in (*inks, "pinned-1", "pinned-2", "pinned-3")]
+    pairs += [(ink, "inertia") for ink in ("stress", "friction")]
     pairs += [(ink, regime) for ink in ("text", "jump") for regime in REGIMES[:4]]
     for ink, paper in pairs:
         assert contrast(colors[ink], colors[paper]) >= 3.0, (ink, paper)

@@ -21,7 +21,6 @@ def test_a_link_holds_everything(show):
     assert other.page.input_value("#law") == "aging"
     assert other.text("#headline") == shown.text("#headline")
     assert other.text("#stepped") == shown.text("#stepped")
-    other.page.wait_for_timeout(300)
     other.page.reload()
     other.wait()
     assert other.text("#headline") == shown.text("#headline")

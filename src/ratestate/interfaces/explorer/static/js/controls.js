@@ -32,7 +32,7 @@ export class Controls {
     this.listen();
     const linked = entries.linked();
     this.show({ ...presets[0].entries, ...linked });
-    if (!linked) $("presets").value = 0;
+    this.entries.past.write(); // the state to which undo leads back
   }
 
   listen() {
@@ -42,7 +42,6 @@ export class Controls {
     });
     for (const name of ["law", "friction"]) {
       $(name).addEventListener("change", (event) => {
-        $("presets").value = "";
         this.take({ [name]: event.target.value }, event.timeStamp);
       });
     }
@@ -54,22 +53,25 @@ export class Controls {
     $("controls").addEventListener("submit", (event) => event.preventDefault());
     addEventListener("hashchange", () => {
       const linked = this.entries.linked();
+      this.entries.past.moved();
       if (!linked) return;
-      this.take(linked);
-      $("presets").value = "";
+      this.show(linked);
+      this.ask();
     });
   }
 
   /** Take texts from a field that shows them. */
   change(texts, stamp) {
     this.entries.set(texts);
-    $("presets").value = "";
+    this.entries.past.add();
+    this.tellPreset();
     this.ask(stamp);
   }
 
   /** Take texts that come from no field: show them, and ask. */
   take(texts, stamp) {
     this.show(texts);
+    this.entries.past.add();
     this.ask(stamp);
   }
 
@@ -83,6 +85,15 @@ export class Controls {
     $("law").value = law;
     for (const option of $("friction").options) option.disabled = !(option.value in (this.forms[law] ?? {}));
     $("friction").value = friction ?? this.formOf(law);
+    this.tellPreset();
+  }
+
+  /** Name the preset that is shown, if it is one. */
+  tellPreset() {
+    const { texts, absent } = this.entries;
+    const all = (entries) => Object.entries({ ...absent, ...entries }).every(([name, text]) => (texts[name] ?? null) === text);
+    const found = this.presets.findIndex(({ entries }) => all(entries));
+    $("presets").value = found < 0 ? "" : found;
   }
 
   /** The form of friction that a law is for. */
@@ -114,7 +125,6 @@ export class Controls {
     if (!ready || !this.values) return;
     const [value, { unit }] = [number(this.values[of]), this.fields[of].spec];
     this.take({ ...this.noStep(), [name]: entry(value, unit, 6), [of]: entry(times * value, unit, 6) }, event.timeStamp);
-    $("presets").value = "";
   }
 
   /** Back to what there was before the step. */
@@ -140,7 +150,6 @@ export class Controls {
       const value = values[sets] * (sets === "M" ? more : Math.sqrt(more));
       texts[sets] = entry(value, this.fields[sets].spec.unit);
     }
-    $("presets").value = "";
     this.take(texts, stamp);
   }
 

@@ -1,6 +1,6 @@
 // What the page shows, as texts: kept here, and in the address, so that a link holds it all.
 
-const WAIT = 150; // ms: browsers mind more than a hundred changes of the address in half a minute
+import { Past } from "./past.js";
 
 export class Entries {
   /**
@@ -10,7 +10,8 @@ export class Entries {
   constructor(names, optional, valid, longest) {
     this.absent = Object.fromEntries(optional.map((name) => [name, null]));
     this.names = [...names, ...optional];
-    Object.assign(this, { valid: { ...valid, ...this.absent }, longest, texts: {}, refused: {}, timer: 0 });
+    Object.assign(this, { valid: { ...valid, ...this.absent }, longest, texts: {}, refused: {} });
+    this.past = new Past(() => this.fragment());
   }
 
   /**
@@ -45,8 +46,7 @@ export class Entries {
   set(texts) {
     Object.assign(this.texts, texts);
     for (const name of Object.keys(this.texts)) if (this.texts[name] == null) delete this.texts[name];
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => history.replaceState(null, "", `#${this.fragment()}`), WAIT);
+    this.past.keep();
   }
 
   fragment() {

@@ -9,6 +9,7 @@ import { Instant } from "./instant.js";
 import { StabilityMap } from "./map.js";
 import { learnPrefixes } from "./numbers.js";
 import { Phase } from "./phase.js";
+import { Pins } from "./pins.js";
 import { Questions } from "./questions.js";
 import { Resting } from "./resting.js";
 import { describe } from "./spoken.js";
@@ -24,9 +25,10 @@ let frame = 0;
 const files = new Set(); // ids of the downloads asked for
 
 const instant = new Instant();
-const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant);
-const phase = new Phase($("phase-canvas"), $("phase-point"), $("cycle-key"), instant);
-const map = new StabilityMap($("map-canvas"), $("dot"), $("regimes"), (ratio, eta, stamp) => controls.move(ratio, eta, picture, stamp), (act) => (map.target ? act() : whenRead(act)));
+const pins = new Pins(redraw);
+const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant, [pins]);
+const phase = new Phase($("phase-canvas"), $("phase-point"), $("cycle-key"), instant, pins);
+const map = new StabilityMap($("map-canvas"), $("dot"), $("regimes"), (ratio, eta, stamp) => controls.move(ratio, eta, picture, stamp), (act) => (map.target ? act() : whenRead(act)), pins);
 const verdict = { show: (found) => tell(found, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") }) };
 const views = [verdict, traces, phase, map, { show: describe }];
 const connection = new Connection({ answer, lost });
@@ -159,6 +161,7 @@ function draw() {
     say("");
     controls.accept(picture.values);
   }
+  pins.show(picture, controls.entries.asked());
   for (const view of views) view.show(picture);
   document.body.dataset.drawn = picture.id;
   drawn(picture.id);
@@ -168,6 +171,7 @@ function draw() {
 }
 
 function redraw() {
+  traces.draw();
   phase.draw();
   map.draw();
 }

@@ -14,12 +14,13 @@ export class StabilityMap {
   /**
    * move: function (K/K_c_qs, eta, event's time stamp), called while the dot moves
    * whenRead: function (act) that acts once the place of the dot is that of what was typed
+   * pins: Pins
    *
    * target is where the dot was sent before it is drawn there; the page clears it.
    */
-  constructor(canvas, dot, key, move, whenRead) {
+  constructor(canvas, dot, key, move, whenRead, pins) {
     this.plane = new Plane(canvas, { log: true, label: ["K", " / ", "K_c_qs"].flatMap(parts) }, { log: true, label: parts("eta") });
-    Object.assign(this, { canvas, dot, move, whenRead });
+    Object.assign(this, { canvas, dot, move, whenRead, pins });
     this.legend = new Legend(key);
     this.listen();
     onTheme(() => this.paint());
@@ -63,7 +64,7 @@ export class StabilityMap {
 
   show({ values, numbers, arrays }) {
     this.line = arrays; // line_eta, line_ratio: K_c over K_c_qs along eta
-    this.at = numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null;
+    this.at = placeOf({ values, numbers });
     this.draw();
   }
 
@@ -87,6 +88,7 @@ export class StabilityMap {
       c.fillStyle = color("on-map");
       writeLabel(c, parts("K_c"), plane.X(1.6), plane.Y(1e-14));
     });
+    for (const pin of this.pins.all) this.markPin(pin);
     this.put(at);
   }
 
@@ -140,6 +142,17 @@ export class StabilityMap {
     this.dot.setAttribute("aria-label", `The slider on the map: ${where}; arrow keys move it`);
   }
 
+  markPin({ role, picture }) {
+    const at = placeOf(picture);
+    if (!at) return;
+    this.plane.inside((c) => {
+      c.beginPath();
+      c.arc(this.plane.X(at.ratio), this.plane.Y(at.eta), 4, 0, 2 * Math.PI);
+      c.fillStyle = color(role);
+      c.fill();
+    });
+  }
+
   /** The dot, on the canvas: pictures have it too; hollow beyond.  The button over it is what is grasped. */
   mark(px, py, beyond) {
     const c = this.plane.context;
@@ -188,4 +201,9 @@ export class StabilityMap {
     this.move(target.ratio, target.eta, stamp);
     this.target = target;
   }
+}
+
+/** {ratio, eta} of a picture's slider; null where there is no K_c_qs. */
+function placeOf({ values, numbers }) {
+  return numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null;
 }

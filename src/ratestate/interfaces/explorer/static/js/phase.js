@@ -1,7 +1,7 @@
 // The phase plane: V against tau/sigma, on a logarithmic axis, or a linear one where slip reverses.
 
 import { Plane } from "./plane.js";
-import { valuesAt } from "./run.js";
+import { extremes, valuesAt } from "./run.js";
 import { color } from "./theme.js";
 import { backward, counted, speeds } from "./ticks.js";
 import { parts } from "./words.js";
@@ -10,9 +10,9 @@ const PADDING = 0.07;
 const SMALLEST = 1e-12; // of tau/sigma: room about a point
 
 export class Phase {
-  /** point: element that marks the instant; cycleKey: the legend's entry of the limit cycle */
-  constructor(canvas, point, cycleKey, instant) {
-    Object.assign(this, { point, cycleKey, instant, whole: false });
+  /** point: element that marks the instant; cycleKey: the legend's entry of the limit cycle; pins: Pins */
+  constructor(canvas, point, cycleKey, instant, pins) {
+    Object.assign(this, { point, cycleKey, instant, pins, whole: false });
     this.plane = new Plane(canvas, { log: false }, { log: true });
     instant.on(() => this.mark());
   }
@@ -32,6 +32,7 @@ export class Phase {
     plane.frame();
     plane.inside((c) => {
       plane.curve(arrays.run_stress, arrays.run_V, color("run"), 0.8);
+      for (const pin of this.pins.all) plane.curve(...this.curve(pin.picture.arrays), color(pin.role), 1.4);
       if (arrays.cycle_V) plane.curve(arrays.cycle_stress, arrays.cycle_V, color("cycle"), 2);
       c.beginPath();
       c.arc(plane.X(steady), plane.Y(values.V_lp), 4.5, 0, 2 * Math.PI);
@@ -55,12 +56,16 @@ export class Phase {
     this.point.style.top = `${y}px`;
   }
 
-  /** Show the cycle; without one, or if asked to, the whole run. */
+  /** Stress and V of the cycle; without one, or if asked to, of the whole run. */
+  curve(arrays) {
+    const isRun = !arrays.cycle_V || this.whole;
+    return isRun ? [arrays.run_stress, arrays.run_V] : [arrays.cycle_stress, arrays.cycle_V];
+  }
+
   range() {
     const { arrays, steady, values } = this.picture;
-    const shown = [[[steady], [values.V_lp]]];
-    if (arrays.cycle_V) shown.push([arrays.cycle_stress, arrays.cycle_V]);
-    if (!arrays.cycle_V || this.whole) shown.push([arrays.run_stress, arrays.run_V]);
+    const all = [arrays, ...this.pins.all.map((pin) => pin.picture.arrays)];
+    const shown = [[[steady], [values.V_lp]], ...all.map((each) => this.curve(each))];
     const [low, high] = extremes(shown.map(([stress]) => stress));
     const pad = Math.max(PADDING * (high - low), SMALLEST);
     const across = { low: low - pad, high: high + pad };
@@ -76,16 +81,4 @@ export class Phase {
     const ticks = (wanted) => speeds(range.low, range.high, wanted)[0];
     Object.assign(this.plane.y, range, { ticks, label: ["V", unit].flatMap(parts) });
   }
-}
-
-function extremes(arrays) {
-  let low = Infinity;
-  let high = -Infinity;
-  for (const array of arrays) {
-    for (const value of array) {
-      if (value < low) low = value;
-      if (value > high) high = value;
-    }
-  }
-  return [low, high];
 }

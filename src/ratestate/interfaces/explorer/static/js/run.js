@@ -23,3 +23,20 @@ export function valuesAt({ run_time: time, run_stress, run_mu, run_V }, t) {
   const V = before > 0 && after > 0 ? before * (after / before) ** share : between(run_V);
   return { stress: between(run_stress), mu: between(run_mu), V };
 }
+
+/** [least, greatest] of all values of some arrays; [Infinity, -Infinity] without any. */
+export function extremes(arrays) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const array of arrays) {
+    for (const value of array) {
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+  }
+  return [low, high];
+}
+
+/** The part of values whose times lie from first to last, with a point before and behind. */
+export function within(times, values, first, last) {
+  return values.subarray(pieceAt(times, first), pieceAt(times, last) + 2);
+}

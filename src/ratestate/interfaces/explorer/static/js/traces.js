@@ -4,7 +4,7 @@ import uPlot from "../vendor/uPlot.js";
 import { element } from "./dom.js";
 import { gap, inertia } from "./inertia.js";
 import { round, shown, timeUnit } from "./numbers.js";
-import { valuesAt } from "./run.js";
+import { extremes, valuesAt } from "./run.js";
 import { color, onTheme } from "./theme.js";
 import { backward, counted, linear, speeds } from "./ticks.js";
 import { axis, insideAxes, labelled, outline, padded, straight, ticking } from "./trace_axes.js";
@@ -16,12 +16,13 @@ export class Traces {
   /**
    * readout: element that tells values at the instant, and what the lines are; unzoom: button
    *
-   * layers: what lies behind the lines: {draw(plot, name, X, Y), range(name), times()} with name
-   * "stress" or "speed", functions of seconds and of values that give pixels, the range of what is
-   * drawn, and its first and last time; range and times give null where they shall not count.
+   * layers: what lies behind the lines: {draw(plot, name, X, Y, picture), range(name, first, last),
+   * times()} with name "stress" or "speed", functions of seconds and of values that give pixels, the
+   * range of what is drawn between two times, and its first and last time.  Without range or times
+   * the axes do not reach out for it.
    */
-  constructor(stressBox, speedBox, readout, unzoom, instant) {
-    Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, layers: [inertia] });
+  constructor(stressBox, speedBox, readout, unzoom, instant, layers) {
+    Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, layers: [inertia, ...layers] });
     this.unit = [1, "s"];
     this.reverses = false;
     this.window = null; // [first, last] of the time shown, in seconds; null for all
@@ -83,7 +84,7 @@ export class Traces {
 
   rebuild() {
     this.build();
-    if (this.picture) this.show(this.picture);
+    this.draw();
   }
 
   fit() {
@@ -93,13 +94,19 @@ export class Traces {
 
   show(picture) {
     this.picture = picture;
+    this.draw();
+  }
+
+  draw() {
+    if (!this.picture) return;
+    const { picture } = this;
     const { run_time: time, run_stress: stress, run_mu: mu, run_V: V } = picture.arrays;
     const [first, last] = this.whole();
     this.unit = timeUnit(Math.max((last - first) / 2, 1e-300));
     const t = time.map((value) => value / this.unit[0]);
     const { V_from, V_lp } = picture.values;
     const load = time.map((value) => (value < 0 ? (V_from ?? V_lp) : V_lp));
-    if (this.reverses !== backward(this.reach("speed", ...extremes(V))[0])) {
+    if (this.reverses !== backward(this.reach("speed", ...extremes([V]))[0])) {
       this.reverses = !this.reverses;
       this.build();
     }
@@ -115,9 +122,9 @@ export class Traces {
   /** First and last time of all that is drawn [s]. */
   whole() {
     const time = this.picture?.arrays.run_time ?? [];
-    const all = this.layers.map((layer) => layer.times?.()).filter(Boolean);
-    if (time.length) all.push([time[0], time.at(-1)]);
-    return all.length ? [Math.min(...all.map(([first]) => first)), Math.max(...all.map(([, last]) => last))] : [0, 1];
+    const all = this.layers.flatMap((layer) => layer.times?.() ?? []);
+    if (time.length) all.push(time[0], time.at(-1));
+    return all.length ? extremes([all]) : [0, 1];
   }
 
   /** The same of what is shown, in the axis's unit. */
@@ -127,8 +134,9 @@ export class Traces {
 
   /** A range with those of the layers. */
   reach(name, low, high) {
-    const all = this.layers.map((layer) => layer.range?.(name)).filter(Boolean);
-    return [Math.min(low, ...all.map(([least]) => least)), Math.max(high, ...all.map(([, most]) => most))];
+    const shown = this.window ?? this.whole();
+    const all = [[low, high], ...this.layers.flatMap((layer) => (layer.range ? [layer.range(name, ...shown)] : []))];
+    return [Math.min(...all.map(([least]) => least)), Math.max(...all.map(([, most]) => most))];
   }
 
   /** Of a zoom stays what another run has too. */
@@ -145,7 +153,7 @@ export class Traces {
   zoom(window) {
     this.window = window;
     this.unzoom.disabled = !window;
-    if (this.picture) this.show(this.picture);
+    this.draw();
   }
 
   select(plot) {
@@ -213,8 +221,4 @@ export class Traces {
     else if (this.picture && gap(this.picture)) parts.push(element("span", {}, element("span", { className: "patch inertia" }), gap(this.picture)));
     this.readout.replaceChildren(...parts);
   }
-}
-
-function extremes(values) {
-  return values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
 }

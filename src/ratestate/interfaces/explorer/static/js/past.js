@@ -1,0 +1,71 @@
+// Undo and redo: the browser's own history, whose entries are the addresses that the page has had.
+
+import { $ } from "./dom.js";
+
+const WAIT = 400; // ms without a change that make one step of all changes before
+
+export class Past {
+  /** fragment: function () that gives what the address holds of the present state */
+  constructor(fragment) {
+    Object.assign(this, { fragment, timer: 0, adds: false, last: 0 });
+    // An address that was typed, or opened by a link, has no state yet.
+    if (history.state === null) history.replaceState({ step: 0 }, "");
+    this.last = this.step;
+    $("undo").addEventListener("click", () => history.back());
+    $("redo").addEventListener("click", () => history.forward());
+    addEventListener("keydown", (event) => this.key(event));
+    this.tell();
+  }
+
+  get step() {
+    return history.state.step;
+  }
+
+  /** What is shown was changed by the user: once it rests, a step that can be undone. */
+  add() {
+    this.adds = true;
+    this.keep();
+  }
+
+  /** Write what is shown into the address once it rests. */
+  keep() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.write(), WAIT);
+  }
+
+  write() {
+    const address = `#${this.fragment()}`;
+    if (this.adds && address !== location.hash) {
+      this.last = this.step + 1;
+      history.pushState({ step: this.last }, "", address);
+    } else history.replaceState(history.state, "", address);
+    this.adds = false;
+    this.tell();
+  }
+
+  /** The address has changed, but not by `write`: by undo, by redo, or by hand. */
+  moved() {
+    clearTimeout(this.timer);
+    this.adds = false;
+    if (history.state === null) {
+      this.last += 1;
+      history.replaceState({ step: this.last }, "");
+    }
+    this.tell();
+  }
+
+  key(event) {
+    // In a text field they undo typing.
+    if (!(event.ctrlKey || event.metaKey) || event.target.matches?.("input[type=text]")) return;
+    const key = event.key.toLowerCase();
+    const button = key === "y" || (key === "z" && event.shiftKey) ? $("redo") : key === "z" ? $("undo") : null;
+    if (!button) return;
+    event.preventDefault();
+    button.click();
+  }
+
+  tell() {
+    $("undo").disabled = this.step === 0;
+    $("redo").disabled = this.step >= this.last;
+  }
+}

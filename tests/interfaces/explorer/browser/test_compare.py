@@ -1,0 +1,107 @@
+"""Pinned runs, undo and redo."""
+
+from ratestate.interfaces.explorer.menus import presets
+
+PIXELS = """([chart, role]) => {
+    const ink = getComputedStyle(document.documentElement).getPropertyValue('--' + role);
+    const [r, g, b] = [1, 3, 5].map(i => parseInt(ink.trim().slice(i, i + 2), 16));
+    const canvas = document.querySelector(chart);
+    const copy = new OffscreenCanvas(canvas.width, canvas.height);
+    const context = copy.getContext('2d', { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4)
+        if (Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < 24)
+            count += 1;
+    return count }"""
+CHARTS = ("#stress-chart canvas", "#speed-chart canvas", "#phase-canvas", "#map-canvas")
+RESTED = "fragment => decodeURIComponent(location.hash).replaceAll('+', ' ').includes(fragment)"
+
+
+def test_a_pinned_run_stays_on_all_charts(show):
+    shown = show()
+    page = shown.page
+
+    def pixels(role):
+        return [page.evaluate(PIXELS, [chart, role]) for chart in CHARTS]
+
+    assert pixels("pinned-1") == [0, 0, 0, 0]
+    page.click("#pin")
+    assert page.inner_text("#pins") == "the run shown\u00d7"
+    page.select_option("#law", "aging")
+    shown.type("K", "700 MPa/m")
+    shown.wait()
+    assert shown.text("#pins") == "K = 960 MPa/m, law = slip\u00d7"
+    assert min(pixels("pinned-1")) > 20
+    assert pixels("pinned-2") == [0, 0, 0, 0]
+    page.click("#pin")
+    page.click("#pin")
+    assert page.is_disabled("#pin")  # three are all
+    page.click("#pins button >> nth=0")
+    assert pixels("pinned-1") == [0, 0, 0, 0]
+    assert page.eval_on_selector_all("#pins li", "all => all.length") == 2
+    assert page.evaluate("document.activeElement.id") == "pin"
+
+
+def test_a_pinned_run_is_in_sight_whatever_is_shown(show):
+    shown = show()
+    page = shown.page
+    page.click("#pin")
+    shown.type("K", "1.3 GPa/m")  # steady sliding, whose stress varies much less
+    shown.wait()
+    box = page.locator("#stress-chart .u-over").bounding_box()
+    page.mouse.move(box["x"] + 0.999 * box["width"], box["y"] + 9)
+    t_end = float(page.inner_text("#readout").split("t = ")[1].split()[0])
+    assert t_end > 13.0  # of the pinned run: that shown has 10 s
+
+
+def test_changes_are_undone_and_done_again(show):
+    shown = show()
+    page = shown.page
+    titles = [preset["title"] for preset in presets()]
+
+    def preset():
+        return page.eval_on_selector("#presets", "e => e.selectedOptions[0].text")
+
+    assert (page.is_disabled("#undo"), page.is_disabled("#redo")) == (True, True)
+    assert preset() == titles[0]
+    shown.type("K", "700 MPa/m")
+    page.wait_for_function(RESTED, arg="K=700 MPa/m")
+    assert preset() == "your own values"
+    page.focus("#slider-V_lp")
+    for _ in range(3):  # one step, as they follow one another
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function(RESTED, arg="V_lp=103.5 um/s")
+    page.keyboard.press("Control+z")
+    page.wait_for_function(RESTED, arg="V_lp=100 um/s")
+    shown.wait()
+    assert (shown.entry("V_lp"), shown.entry("K")) == ("100 \u00b5m/s", "700 MPa/m")
+    assert (page.is_disabled("#undo"), page.is_disabled("#redo")) == (False, False)
+    page.go_back()  # the browser's own button
+    page.wait_for_function(RESTED, arg="K=960 MPa/m")
+    assert shown.entry("K") == "960 MPa/m"
+    assert preset() == titles[0]
+    assert page.is_disabled("#undo")
+    page.click("#redo")
+    page.wait_for_function(RESTED, arg="K=700 MPa/m")
+    page.keyboard.press("Control+Shift+z")
+    page.wait_for_function(RESTED, arg="V_lp=103.5 um/s")
+    shown.wait()
+    assert shown.entry("V_lp") == "103.5 \u00b5m/s"
+    assert page.is_disabled("#redo")
+    page.click("#undo")
+    page.wait_for_function(RESTED, arg="V_lp=100 um/s")
+    shown.type("K", "650 MPa/m")  # another future
+    page.wait_for_function(RESTED, arg="K=650 MPa/m")
+    assert page.is_disabled("#redo")
+
+
+def test_in_a_text_field_undo_is_of_typing(show):
+    shown = show()
+    shown.type("K", "700 MPa/m")
+    shown.page.wait_for_function(RESTED, arg="K=700 MPa/m")
+    shown.page.focus("#entry-K")
+    shown.page.keyboard.press("Control+z")
+    shown.page.wait_for_timeout(200)
+    assert shown.page.evaluate(RESTED, "K=700 MPa/m")

@@ -1,0 +1,83 @@
+"""The traces of the page: zoom, the instant that all charts mark, the gap that inertia makes."""
+
+import numpy as np
+import pytest
+
+import ratestate as rs
+from ratestate.paper.parameters import FIG4
+
+PLOT = "#stress-chart .u-over"
+READOUT = "() => document.querySelector('#readout').innerText"
+
+
+def drag(page, begin, end):
+    """Drag over shares of the upper trace's width."""
+    box = page.locator(PLOT).bounding_box()
+    y = box["y"] + 0.4 * box["height"]
+    page.mouse.move(box["x"] + begin * box["width"], y)
+    page.mouse.down()
+    page.mouse.move(box["x"] + end * box["width"], y, steps=4)
+    page.mouse.up()
+
+
+def time_at(page, share):
+    """The time in the readout with the pointer at a share of the upper trace's width."""
+    box = page.locator(PLOT).bounding_box()
+    page.mouse.move(box["x"] + share * box["width"], box["y"] + 0.4 * box["height"])
+    text = page.inner_text("#readout")
+    assert " s" in text, text
+    return float(text.split("t = ")[1].split()[0])
+
+
+def test_a_zoom_stays_while_parameters_change(show):
+    shown = show()
+    page = shown.page
+    whole = [time_at(page, share) for share in (0.002, 0.998)]
+    assert page.is_disabled("#unzoom")
+    drag(page, 0.25, 0.5)
+    wanted = np.interp([0.25, 0.5], [0.002, 0.998], whole)
+    zoomed = [time_at(page, share) for share in (0.002, 0.998)]
+    np.testing.assert_allclose(zoomed, wanted, atol=0.01 * whole[1])
+    shown.type("K", "950 MPa/m")
+    shown.wait()
+    np.testing.assert_allclose([time_at(page, share) for share in (0.002, 0.998)], zoomed, 1e-3)
+    page.click("#unzoom")
+    assert page.is_disabled("#unzoom")
+    assert time_at(page, 0.998) == pytest.approx(whole[1], rel=0.03)
+    # of a zoom that a much shorter run lies before nothing is left
+    drag(page, 0.6, 0.9)
+    shown.type("V_lp", "10 mm/s")
+    shown.wait()
+    assert page.is_disabled("#unzoom")
+
+
+def test_all_charts_mark_the_instant(show):
+    shown = show()
+    page = shown.page
+    assert page.is_hidden("#phase-point")
+    t = time_at(page, 0.43)
+    run = rs.simulate(FIG4, rs.Loading.constant(1e-4), 15.0, V_start=1e-5, rtol=1e-8, times=[t])
+    readout = page.inner_text("#readout")
+    assert float(readout.split("\u03c4/\u03c3 = ")[1].split()[0]) == pytest.approx(
+        float(run.tau[0]) / FIG4.sigma, rel=2e-5
+    )
+    assert page.is_visible("#phase-point")
+    lefts = page.eval_on_selector_all(
+        ".u-cursor-x", "all => all.map(e => new DOMMatrix(getComputedStyle(e).transform).e)"
+    )
+    box = page.locator(PLOT).bounding_box()
+    np.testing.assert_allclose(lefts, 0.43 * box["width"], atol=1.0)
+    page.hover("#headline")
+    assert page.is_hidden("#phase-point")
+    assert "t =" not in page.inner_text("#readout")
+
+
+@pytest.mark.parametrize(
+    ("entries", "name"),
+    [("", "gap: inertia"), ("M=0", None), ("M=0&damping=4 MPa s/m", "gap: damping")],
+)
+def test_the_gap_between_spring_and_friction_is_named(show, entries, name):
+    shown = show(f"a=0.005&b=0.008&Dc=10 um&sigma=4 MPa&K=1.3 GPa/m&V_lp=10 um/s&{entries}")
+    named = shown.page.query_selector("#readout .patch.inertia")
+    assert (named is None) == (name is None)
+    assert name is None or name in shown.page.inner_text("#readout")
