@@ -90,7 +90,10 @@ def test_one_wrong_entry_does_not_hold_up_the_others(show):
     assert shown.page.is_visible("#problem-M")
     assert shown.entry("M") == "500 m"
     assert shown.text("#stale") == "Shown: the last valid values (M = 100 kg/m\u00b2); correct M."
-    assert float(shown.page.eval_on_selector("#verdict", "e => getComputedStyle(e).opacity")) < 1
+    opacity = "e => getComputedStyle(e).opacity"
+    assert float(shown.page.eval_on_selector("#phase-canvas", opacity)) < 1
+    muted = "rgb(89, 97, 107)"
+    assert shown.page.eval_on_selector("#headline", "e => getComputedStyle(e).color") == muted
     assert shown.numbers["K/Kc"] == "0.8333"
     # steps and keys begin there
     shown.type("V_lp", "1 um/s")
