@@ -788,8 +788,9 @@ class TestServer:
             ),
             max_leaves=12,
         )
-        texts = st.sampled_from(["1e308", "1e-320", "nan", "inf", "-0", "1e999 m", "1 mm/s", "2"])
-        field = st.sampled_from([*entries.SYMBOLS, "law", "V_from", "id", "ask"])
+        numbers = ["1e308", "1e-320", "nan", "inf", "-0", "1e999 m", "1 mm/s", "2"]
+        texts = st.sampled_from([*numbers, "0 for 1", "1e9 at 1e9 for 1e9; 1e-9 for 1e-9"])
+        field = st.sampled_from([*entries.SYMBOLS, "law", *entries.EXPERIMENT, "id", "ask"])
         questions = st.builds(
             lambda ask, changed: json.dumps(
                 {"id": 5, "ask": ask, "entries": {**VIBRATION, **changed}}

@@ -8,9 +8,14 @@
 ``kernels``        kernels of each law, form of friction, ..., loaded before the first answer
 ``wire``           which questions are valid; questions and answers as bytes
 ``budget``         the time limit of a question
-``entries``        from typed entries to a slider and speeds, and back
+``typed``          a typed text as a value
+``protocol``       the segments of a protocol, as text and back
+``state``          a slider, speeds and an experiment
+``entries``        from typed entries to such a state, and back
 ``menus``          what there is to choose: fields, laws, the paper's sliders
 ``motion``         which run is shown, and for how long
+``settled``        the motion that has settled before an experiment
+``experiment``     which run shows an experiment
 ``picture``        what is drawn: run, limit cycle, steady point, verdict
 ``charts``         what is behind the map: K_c, and the atlas; which sliders share them
 ``exports``        scenario file, Python lines, CSV

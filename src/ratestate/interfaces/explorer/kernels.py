@@ -24,7 +24,7 @@ def kind_of(state):
     """The `Kind` of a `PageState`."""
     slider = state.slider
     own = tuple(slider.friction_law.parameters)
-    return Kind(slider.law, slider.friction, own, state.sigma_from is not None)
+    return Kind(slider.law, slider.friction, own, state.sigma_varies)
 
 
 class Kernels:

@@ -10,7 +10,8 @@ from ...friction.laws import LAW_OF, LAWS, own_parameters
 from ...model.quantities import KINDS, POWERS, QUANTITIES, prefixed_unit
 from ...model.units import to_si
 from ...paper import parameters as paper
-from .entries import NONE, SYMBOLS, PageState, entries_of
+from .entries import SYMBOLS, entries_of
+from .state import NONE, PageState
 
 FIG1_STEP = float(np.e * paper.FIG1.V0)
 

@@ -7,12 +7,15 @@ import xarray
 
 from ...dynamics.cycles.orbit import cycle_and_orbit
 from ...dynamics.simulation.cases import failure
+from ...dynamics.steady_sliding import stability
 from ...dynamics.verdict import Verdict, result_or_error, verdict_of_cycle
 from ...engine.model import FINISHED
 from ...errors import SolverError
 from . import charts
 from .budget import TimeUp
+from .experiment import plan_of_experiment
 from .motion import Plan, plan_of, steady_stress, transient_note
+from .settled import Settled
 
 RTOL = 1e-8  # of the cycle
 # How often a run is shortened before it is given up.
@@ -41,19 +44,29 @@ def study_of(state, deadline):
     with deadline.part():
         verdict = verdict_of_cycle(state.slider, state.V_lp, cycle)
     notes = [note] if (note := transient_note(verdict, orbit)) else []
-    before = None
-    if earlier_state := state.before:
-        slider, V_from = earlier_state.slider, earlier_state.V_lp
-        earlier, cycle_before = _attractor(slider, V_from, deadline)
-        before = slider, V_from, cycle_before
-        if isinstance(earlier, SolverError):
-            notes.append(
-                "No limit cycle was found at the speed and normal stress before the step: the run "
-                "begins in steady sliding there, stable or not."
-            )
-    with deadline.part():
-        plan = plan_of(verdict, orbit, before)
-    return Study(verdict, orbit, plan, notes)
+    if state.before is None:
+        return Study(verdict, orbit, plan_of(verdict, orbit), notes)
+    settled, missing = _settled(state, cycle, orbit, deadline)
+    plan = plan_of_experiment(state, verdict, orbit, settled, deadline)
+    return Study(verdict, orbit, plan, notes + missing)
+
+
+def _settled(state, cycle, orbit, deadline):
+    """The `Settled` motion before an experiment, and notes on it.
+
+    cycle, orbit : the attractor at its end, as from `_attractor`
+    """
+    slider, V_lp = state.before[:2]
+    if (slider, V_lp) != (state.slider, state.V_lp):
+        cycle, orbit = _attractor(slider, V_lp, deadline)
+    if state.kick is not None and stability(slider, V_lp).stable:
+        return Settled(slider, V_lp), []  # a kick leads from there to the cycle beside it
+    if not isinstance(cycle, SolverError):
+        return Settled(slider, V_lp, orbit), []
+    return Settled(slider, V_lp), [
+        "No limit cycle was found at the speed and normal stress before time 0: the run begins in "
+        "steady sliding there, stable or not."
+    ]
 
 
 def picture(state, deadline):
@@ -64,7 +77,7 @@ def picture(state, deadline):
     study, slider = study_of(state, deadline), state.slider
     run, notes = _run(study.plan, deadline)
     verdict = study.verdict
-    arrays = _curves("run", run, slider.sigma, study.plan.t_step)
+    arrays = _curves("run", run, slider.sigma, study.plan.changes[0])
     if verdict.period:
         arrays |= _curves("cycle", study.orbit, slider.sigma, 0.0)
     arrays |= charts.line(slider, state.V_lp, verdict.K_c_qs)
@@ -73,6 +86,8 @@ def picture(state, deadline):
         "numbers": {name: getattr(verdict, name) for name in NUMBERS},
         "sentences": verdict.sentences,
         "steady": steady_stress(slider, state.V_lp),
+        "changes": [t - study.plan.changes[0] for t in study.plan.changes],
+        "settling": study.plan.settings["t_end"] - study.plan.changes[-1],
         "notes": study.notes + notes,
         "chart": charts.key_of(slider),
     }

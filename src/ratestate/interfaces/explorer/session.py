@@ -10,11 +10,12 @@ from functools import partial
 from starlette.websockets import WebSocketDisconnect
 
 from . import charts, picture, wire
-from .entries import BEFORE, LONGEST, BadEntries, state_of
+from .entries import LONGEST, BadEntries, state_of
 from .exports import NAMES, export
 from .kernels import Kernels, kind_of
 from .menus import example, fields, menu, prefixes, presets
 from .question_queue import QuestionQueue, run_job
+from .state import BEFORE, EXPERIMENT
 
 # Downloads: how many may wait; seconds for one, and for each part of its work.
 CAPACITY, SECONDS, PART_SECONDS = 8, 10.0, 2.0
@@ -127,8 +128,8 @@ def _greeting():
     """The message to a page that was opened."""
     starts = presets()
     usual = fields(state_of(starts[0]["entries"]).values)
-    header = {"fields": usual, "laws": menu(), "before": BEFORE, "prefixes": prefixes()}
-    header |= {"presets": starts, "longest": LONGEST, "span": charts.SPAN}
+    header = {"fields": usual, "laws": menu(), "prefixes": prefixes(), "presets": starts}
+    header |= {"before": BEFORE, "experiment": EXPERIMENT, "longest": LONGEST, "span": charts.SPAN}
     return wire.answer(None, "hello", **header)
 
 

@@ -47,6 +47,7 @@ def test_everything_is_reached_by_keyboard(show):
         wanted += [f"entry-{symbol}", f"slider-{symbol}"]
     wanted += [f"{control}-{symbol}" for symbol in OF_ALL for control in ("entry", "slider")]
     wanted += [f"{part}-{stepped}" for stepped in ("V_lp", "sigma") for part in ("factor", "step")]
+    wanted += ["factor-kick", "kick", "hold-time", "hold", "slide-hold-slide"]
     assert names == [*wanted, "SUMMARY", "pin", "drag", "dot", "whole"]
     assert all(style != "none" and width >= 1 for _, style, width in seen), seen
 

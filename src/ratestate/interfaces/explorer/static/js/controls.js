@@ -1,8 +1,9 @@
-// Everything that is set by hand: fields, law, friction, preset, step; and what is wrong with it.
+// Everything that is set by hand: fields, law, friction, preset, experiments; and what is wrong with it.
 
 import { $ } from "./dom.js";
+import { Experiments } from "./experiments.js";
 import { Field } from "./fields.js";
-import { entry, factor, shown } from "./numbers.js";
+import { entry } from "./numbers.js";
 import { number } from "./wire.js";
 import { learnSymbols } from "./words.js";
 
@@ -10,12 +11,12 @@ const REFERENCE = ["mu0", "V0"];
 
 export class Controls {
   /**
-   * before: name of an entry that there is after a step -> of what it is the value before it;
+   * before: name of an entry of experiments -> of what it is the value before time 0;
    * entries: Entries; ask: function (event's time stamp), called when they have changed;
    * whenRead: function (act) that acts once the server has read all that was typed
    */
   constructor(specs, laws, before, presets, entries, ask, whenRead) {
-    Object.assign(this, { before, presets, entries, ask, whenRead, fields: {} });
+    Object.assign(this, { presets, entries, ask, whenRead, fields: {} });
     this.forms = Object.fromEntries(laws.flatMap(({ names, forms }) => names.map((name) => [name, forms])));
     this.own = new Set(laws.flatMap(({ forms }) => Object.values(forms).flat()));
     this.texts = {}; // of what only some laws and forms of friction have, those that are not shown too
@@ -29,6 +30,7 @@ export class Controls {
     for (const { name, label } of laws) $("law").add(new Option(label, name));
     for (const form of new Set(laws.flatMap(({ forms }) => Object.keys(forms)))) $("friction").add(new Option(form));
     presets.forEach(({ title }, i) => $("presets").add(new Option(title, i)));
+    this.experiments = new Experiments(before, this);
     this.listen();
     const linked = entries.linked();
     this.show({ ...presets[0].entries, ...linked });
@@ -45,11 +47,6 @@ export class Controls {
         this.take({ [name]: event.target.value }, event.timeStamp);
       });
     }
-    for (const [name, of] of Object.entries(this.before)) {
-      // The second click of a double one is no second step.
-      $(`step-${of}`).addEventListener("click", (event) => event.detail < 2 && this.whenRead(() => this.step(name, of, event)));
-    }
-    $("unstep").addEventListener("click", (event) => this.whenRead(() => this.unstep(event)));
     $("controls").addEventListener("submit", (event) => event.preventDefault());
     addEventListener("hashchange", () => {
       const linked = this.entries.linked();
@@ -64,6 +61,7 @@ export class Controls {
   change(texts, stamp) {
     this.entries.set(texts);
     this.entries.past.add();
+    this.experiments.show();
     this.tellPreset();
     this.ask(stamp);
   }
@@ -81,6 +79,7 @@ export class Controls {
       field.show(this.entries.texts[name] ?? "");
       field.element.hidden = !(name in this.entries.texts) && this.own.has(name);
     }
+    this.experiments.show();
     const { law, friction } = this.entries.texts;
     $("law").value = law;
     for (const option of $("friction").options) option.disabled = !(option.value in (this.forms[law] ?? {}));
@@ -114,33 +113,6 @@ export class Controls {
     return { ...("law" in texts ? { friction: form } : {}), ...texts, ...Object.fromEntries(own) };
   }
 
-  /** Step the speed of the load point or the normal stress from what it is. */
-  step(name, of, event) {
-    const text = $(`factor-${of}`).value;
-    const times = factor(text);
-    const usable = times > 0 && times !== 1 && Number.isFinite(times);
-    const wrong = usable ? `correct ${of} first` : `factor = '${text}' is no use; expected a number > 0 that is not 1, such as 3 or 1/3`;
-    const ready = usable && !(of in this.entries.refused);
-    this.explain(name, ready ? "" : wrong);
-    if (!ready || !this.values) return;
-    const [value, { unit }] = [number(this.values[of]), this.fields[of].spec];
-    this.take({ ...this.noStep(), [name]: entry(value, unit, 6), [of]: entry(times * value, unit, 6) }, event.timeStamp);
-  }
-
-  /** Back to what there was before the step. */
-  unstep(event) {
-    const stepped = Object.entries(this.before).filter(([name]) => this.entries.texts[name]);
-    if (!stepped.length) return;
-    const earlier = Object.fromEntries(stepped.map(([name, of]) => [of, this.entries.texts[name]]));
-    this.take({ ...earlier, ...this.noStep() }, event.timeStamp);
-    $(`step-${stepped[0][1]}`).focus();
-  }
-
-  /** The texts of no step. */
-  noStep() {
-    return Object.fromEntries(Object.keys(this.before).map((name) => [name, null]));
-  }
-
   /** Put the slider onto another point of the map: K, and either V_lp or M. */
   move(ratio, eta, { values, numbers }, stamp) {
     const texts = { K: entry(ratio * numbers.K_c_qs, "Pa/m") };
@@ -153,9 +125,8 @@ export class Controls {
     this.take(texts, stamp);
   }
 
-  /** The server reads these values from what was asked for. */
-  accept(values) {
-    this.values = values;
+  /** The server reads these values from what was asked for; settling: see `Experiments.accept`. */
+  accept(values, settling) {
     this.entries.accept();
     this.explainAll();
     for (const name of ["law", "friction"]) {
@@ -166,10 +137,7 @@ export class Controls {
       field.place(number(values[name]));
       if (!(name in this.entries.refused)) this.rename(name, field.complete());
     }
-    const stepped = Object.entries(this.before).filter(([name]) => values[name] !== null);
-    $("stepped").hidden = !stepped.length;
-    const steps = stepped.map(([name, of]) => [name, of].map((which) => shown(number(values[which]), this.fields[of].spec.unit)).join(" to "));
-    $("stepped").querySelector("span").textContent = `Stepped from ${steps.join(", and from ")} at time 0.`;
+    this.experiments.accept(values, settling);
   }
 
   /** Take the same value in other words. */
@@ -185,12 +153,12 @@ export class Controls {
 
   /** Say what is wrong beside the control that it is about. */
   explain(name, text) {
-    if (name in this.fields) {
-      this.fields[name].explain(text);
-      return;
+    if (name in this.fields) this.fields[name].explain(text);
+    else if (name in this.experiments.none) this.experiments.explain(name, text);
+    else {
+      const message = $(`problem-${name}`);
+      message.textContent = text;
+      message.hidden = !text;
     }
-    const message = $(`problem-${name}`);
-    message.textContent = text;
-    message.hidden = !text;
   }
 }

@@ -5,7 +5,8 @@ import { Past } from "./past.js";
 export class Entries {
   /**
    * names: of what there always is; optional: of what there need not be, and is not in place of a wrong one
-   * valid: texts that can be used, of names; longest: characters that one may have
+   * valid: texts that can be used, of names
+   * longest: characters that one may have, by name; of any other that of "value"
    */
   constructor(names, optional, valid, longest) {
     this.absent = Object.fromEntries(optional.map((name) => [name, null]));
@@ -20,7 +21,7 @@ export class Entries {
    */
   asked() {
     for (const [name, { text }] of Object.entries(this.refused)) if (this.texts[name] !== text) delete this.refused[name];
-    const asked = Object.fromEntries(Object.entries(this.texts).map(([name, text]) => [name, text.slice(0, this.longest + 1)]));
+    const asked = Object.fromEntries(Object.entries(this.texts).map(([name, text]) => [name, text.slice(0, (this.longest[name] ?? this.longest.value) + 1)]));
     for (const name of Object.keys(this.refused)) asked[name] = this.valid[name];
     return asked;
   }

@@ -1,7 +1,7 @@
 // The parameters: an entry with a unit, and a slider over the decades about it.
 
 import { element } from "./dom.js";
-import { ascii, display, entry } from "./numbers.js";
+import { ascii, display, entry, isBare, withUnit } from "./numbers.js";
 import { symbol } from "./words.js";
 
 const STEP = 0.005; // decades: an arrow key changes a value by 1.2 %
@@ -86,12 +86,12 @@ export class Field {
 
   /** Whether what is shown lacks its unit: a number in SI. */
   get isBare() {
-    return this.spec.unit !== "1" && /^\s*[-+]?(inf|[\d.]+([eE][-+]?\d+)?)\s*$/.test(this.input.value);
+    return isBare(this.input.value, this.spec.unit);
   }
 
   /** Show what was typed as all texts are, a number in SI with its unit, unless it is still being typed; the text. */
   complete() {
-    if (!this.typing) this.show(this.isBare ? `${this.input.value.trim()} ${this.spec.unit}` : this.text);
+    if (!this.typing) this.show(this.isBare ? withUnit(this.input.value, this.spec.unit) : this.text);
     return this.text;
   }
 

@@ -86,12 +86,12 @@ function answer(found) {
   ({ hello, preparing, ready: () => say(""), picture: arrived, chart, file, problem })[found.kind](found);
 }
 
-function hello({ fields, laws, before, longest, prefixes, presets, span }) {
+function hello({ fields, laws, before, experiment, longest, prefixes, presets, span }) {
   learnPrefixes(prefixes);
   map.open(span);
   const names = [...fields.map((field) => field.symbol), "law"];
   const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
-  const entries = new Entries(names, ["friction", ...Object.keys(before)], { ...own, ...presets[0].entries }, longest);
+  const entries = new Entries(names, ["friction", ...experiment], { ...own, ...presets[0].entries }, longest);
   controls ??= new Controls(fields, laws, before, presets, entries, ask, whenRead);
   questions.forget();
   say("");
@@ -159,7 +159,7 @@ function draw() {
   const isNewest = questions.isNewest(picture);
   if (isNewest) {
     say("");
-    controls.accept(picture.values);
+    controls.accept(picture.values, picture.settling);
   }
   pins.show(picture, controls.entries.asked());
   for (const view of views) view.show(picture);

@@ -55,6 +55,16 @@ export function ascii(text) {
   return text.replace(/[\u00b5\u03bc]/g, "u").replaceAll("\u00b2", "^2");
 }
 
+/** A number in SI with its unit; any other text as it is. */
+export function withUnit(text, unit) {
+  return isBare(text, unit) ? `${text.trim()} ${unit}` : text;
+}
+
+/** Whether a text lacks its unit: a number in SI. */
+export function isBare(text, unit) {
+  return unit !== "1" && /^\s*[-+]?(inf|[\d.]+([eE][-+]?\d+)?)\s*$/.test(text);
+}
+
 /** Digits, and perhaps a minus before them, as an exponent. */
 export function superscript(text) {
   return [...text].map((c) => "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[c] ?? "\u207b").join("");

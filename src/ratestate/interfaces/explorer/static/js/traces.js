@@ -1,6 +1,7 @@
 // The motion against time: tau/sigma with mu, and V on a logarithmic axis, or a linear one where slip reverses.
 
 import uPlot from "../vendor/uPlot.js";
+import { changes, speedOf } from "./changes.js";
 import { element } from "./dom.js";
 import { gap, inertia } from "./inertia.js";
 import { round, shown, timeUnit } from "./numbers.js";
@@ -22,7 +23,7 @@ export class Traces {
    * the axes do not reach out for it.
    */
   constructor(stressBox, speedBox, readout, unzoom, instant, layers) {
-    Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, layers: [inertia, ...layers] });
+    Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, layers: [inertia, changes, ...layers] });
     this.unit = [1, "s"];
     this.reverses = false;
     this.window = null; // [first, last] of the time shown, in seconds; null for all
@@ -69,7 +70,6 @@ export class Traces {
         setCursor: [(plot) => this.point(plot)],
         setSelect: [(plot) => this.select(plot)],
         drawAxes: [outline, (plot) => this.behind(plot, name)],
-        draw: [(plot) => this.stepLine(plot)],
       },
       ...more,
     };
@@ -104,12 +104,11 @@ export class Traces {
     const [first, last] = this.whole();
     this.unit = timeUnit(Math.max((last - first) / 2, 1e-300));
     const t = time.map((value) => value / this.unit[0]);
-    const { V_from, V_lp } = picture.values;
-    const load = time.map((value) => (value < 0 ? (V_from ?? V_lp) : V_lp));
     if (this.reverses !== backward(this.reach("speed", ...extremes([V]))[0])) {
       this.reverses = !this.reverses;
       this.build();
     }
+    const load = Array.from(time, speedOf(picture)).map((value) => (value > 0 || this.reverses ? value : null)); // 0 has no logarithm
     this.speed.axes[0].label = `Time  [${this.unit[1]}]`;
     this.keepWindow();
     this.stress.setData([t, stress, mu]);
@@ -171,21 +170,6 @@ export class Traces {
     const Y = (value) => plot.valToPos(value, "y", true);
     insideAxes(plot, () => {
       for (const layer of this.layers) layer.draw(plot, name, X, Y, this.picture);
-    });
-  }
-
-  /** A line where the load point or the normal stress steps: what is before it has times below 0. */
-  stepLine(plot) {
-    if (!(this.picture?.arrays.run_time[0] < 0)) return;
-    const x = Math.round(plot.valToPos(0, "x", true));
-    insideAxes(plot, (c) => {
-      const { top, height } = plot.bbox;
-      c.strokeStyle = color("edge");
-      c.setLineDash([3, 3]);
-      c.beginPath();
-      c.moveTo(x, top);
-      c.lineTo(x, top + height);
-      c.stroke();
     });
   }
 
