@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..dynamics.attributes import branch_parameter
+from ..dynamics.continuation.bifurcations import stable_pieces
 from ..dynamics.results import parameter
 from ..errors import ParameterError
 from ..friction.stability import K_c
@@ -71,7 +72,7 @@ def branch_page(data):
     factor, unit = prefixed(QUANTITIES[symbol].unit, data[symbol].values.max(initial=0.0))
     _diagram(data, axes["a"], factor, unit)
     x, V_lp = factor * data[symbol].values, parameter(data, "V_lp")
-    stable = _stable_pieces(data)
+    stable = stable_pieces(data.special.values, data.stable.values)
     for name, color in (("V_max", RED), ("V_min", BLUE)):
         _pieces(axes["b"], x, (data[name] / V_lp).values, stable, color, 2 * [symbol_text(name)])
     _pieces(axes["c"], x, np.abs(data.multipliers.values[:, 0]), stable, "k")
@@ -97,7 +98,8 @@ def _diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
     stable = _steady_is_stable(data, symbol, at)[:-1]
     x, at = factor * x, factor * at
     _pieces(ax, at, np.zeros_like(at), stable, "k", _by_stability("steady sliding"))
-    _pieces(ax, x, amplitude, _stable_pieces(data), color, _by_stability(label))
+    stable = stable_pieces(special, data.stable.values)
+    _pieces(ax, x, amplitude, stable, color, _by_stability(label))
     if "outside_domain" in data:
         mark_outside(ax, x, amplitude, (data.outside_domain.values > 0) & (amplitude > 0.0))
     for kind, (name, marker, face) in MARKS.items():
@@ -115,14 +117,6 @@ def _abscissa(ax, x, text, unit):
     ax.set_xlabel(in_unit(text, unit))
     if x.max() > NARROW * x.min():
         ax.set_xscale("log")
-
-
-def _stable_pieces(data):
-    """Whether the cycles are stable, for each piece of a branch between two of its points."""
-    # Where a multiplier is on the unit circle, rounding would tell stable from unstable.
-    turning = np.isin(data.special.values, ["hopf", "fold", "period_doubling", "torus"])
-    firm = data.stable.values.astype(bool) | turning
-    return firm[:-1] & firm[1:]
 
 
 def _by_stability(name):

@@ -78,6 +78,16 @@ def _pair(point):
     return first.imag != 0 and second == first.conjugate()
 
 
+def stable_pieces(special, stable):
+    """(n - 1,) whether cycles are stable, for each piece of a branch between two of n points.
+
+    special, stable : (n,) as `continue_cycle` returns them
+    """
+    # Where a multiplier is on the unit circle, rounding would tell stable from unstable.
+    firm = stable.astype(bool) | np.isin(special, ["hopf", *TESTS])
+    return firm[:-1] & firm[1:]
+
+
 def without_noise(points):
     """The branch (list of `Point`) without folds between which p varies by no more than its error.
 

@@ -3,6 +3,7 @@
 import numpy as np
 import xarray
 
+from ...engine.backend import check_stopped
 from ...engine.model import FINISHED
 from ...errors import NotConverged
 from ...friction.composition import composed_law
@@ -89,7 +90,9 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         begin = beginning(family, p_start, p_stop)
 
         def advance(point):
-            progress(float(np.clip((point.p - p_start) / (p_stop - p_start), 0.0, 1.0)))
+            check_stopped()  # kernels of one orbit at a time are too short to look
+            if progress:
+                progress(float(np.clip((point.p - p_start) / (p_stop - p_start), 0.0, 1.0)))
 
         branch = family.branch(
             begin.U,
@@ -99,7 +102,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
             along=None if begin.hopf is None else np.append(begin.U, 0.0),
             amplitude=lambda point: family.amplitude(point.u, point.p) - END_AMPLITUDE,
             max_points=MAX_POINTS,
-            progress=progress and advance,
+            progress=advance,
         )
     result = _dataset(family, branch, begin.hopf, ends)
     V_lp = None if parameter == "V_lp" else family.values["V_lp"]

@@ -17,7 +17,8 @@
 ``settled``        the motion that has settled before an experiment
 ``experiment``     which run shows an experiment
 ``picture``        what is drawn: run, limit cycle, steady point, verdict
-``charts``         what is behind the map: K_c, and the atlas; which sliders share them
+``charts``         what is behind the map: K_c, the atlas, finer parts; which sliders share them
+``branch``         the bifurcation diagram: its range, stability, and branches of limit cycles
 ``exports``        scenario file, Python lines, CSV
 ``static``         the page
 ================== ===========================================================================

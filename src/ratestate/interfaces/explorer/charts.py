@@ -1,4 +1,4 @@
-"""What is behind the map: K_c, and the atlas, which is coarse, and cached for each law and b/a."""
+"""What is behind the map: K_c, the atlas, coarse, and finer parts; cached for each law and b/a."""
 
 import functools
 
@@ -6,16 +6,20 @@ import numpy as np
 import xarray
 
 from ...dynamics.atlas import ETA, STIFFNESS, atlas
+from ...dynamics.continuation.coexistence import folds
+from ...dynamics.cycles.limit_cycle import limit_cycle
+from ...dynamics.cycles.regimes import REGIMES, classify
+from ...dynamics.hopf import bautin
 from ...dynamics.refusals import check_one_length
 from ...errors import ParameterError
+from ...model.slider import SpringSlider
 from .budget import TimeUp
 
-#: points along either axis: first a coarse chart, then a finer one
-SIZES = (24, 72)
+#: points along either axis: first a coarse chart, then a finer one; and of a window
+SIZES, WINDOW_SIZE = (24, 72), 48
 RTOL = 1e-4
-#: seconds that a chart may take, and how many are cached
-SECONDS, CACHED_CHARTS = 8.0, 40
-
+#: seconds that a chart or a window may take, and how many of either are cached
+SECONDS, CACHED_CHARTS = 20.0, 40
 
 #: the range of the map
 SPAN = {"eta": ETA, "ratio": STIFFNESS}
@@ -44,17 +48,32 @@ def key_of(slider):
 
 
 def chart(slider, size, deadline):
-    """Header and arrays of the answer to "chart" (wire.py).
+    """Header and arrays of the answer to "chart" (wire.py): K_fold is NaN where there is none.
 
     ParameterError where b <= a, for a law that has no chart, and where it takes too long;
     backend.Stopped if it was cancelled.
     """
+    return _mapped(slider, size, deadline, {}, lambda key: _atlas(*key, size))
+
+
+def window(slider, limits, deadline):
+    """The same for the answer to "window": a part of the map.
+
+    limits : first and last K/K_c_qs, first and last eta
+    """
+    header = {"window": limits}
+    return _mapped(slider, WINDOW_SIZE, deadline, header, lambda key: _part(*key, limits))
+
+
+def _mapped(slider, size, deadline, header, compute):
+    """Header and arrays of size x size points, which `compute` gives for the slider's key."""
     check_one_length("the map of regimes", slider.friction_law.name)
     if (key := key_of(slider)) is None:
         raise ParameterError("b <= a: friction never weakens, and there are no regimes to map")
     try:
         with deadline.part():
-            return {"key": key, "size": size}, _arrays(*key, size)
+            header |= {"key": key, "size": size, "eta_bautin": bautin(*key)}
+            return header, compute(key)
     except TimeUp:
         raise ParameterError(
             f"{size} x {size} points of the map take more than {deadline.seconds:g} s at "
@@ -63,9 +82,38 @@ def chart(slider, size, deadline):
 
 
 @functools.lru_cache(CACHED_CHARTS)
-def _arrays(law, b_over_a, size):
+def _atlas(law, b_over_a, size):
     """What the map shows of the atlas of this size."""
     data = atlas(b_over_a, law, n=size, rtol=RTOL)
-    names = ("K_over_K_c_qs", "eta", "regime", "K_c_over_K_c_qs")
+    names = ("K_over_K_c_qs", "eta", "regime", "K_c_over_K_c_qs", "K_fold_over_K_c_qs")
     arrays = {name: data[name].values.ravel() for name in names}
-    return arrays | {"jumps": data.type.values == "subcritical"}
+    return arrays | {"line_eta": arrays["eta"]}
+
+
+@functools.lru_cache(CACHED_CHARTS)
+def _part(law, b_over_a, limits):
+    """The same of a part of the map: regimes of cells, and K_c and K_fold along their edges."""
+    pairs = limits[:2], limits[2:]
+    edges = [np.geomspace(first, last, WINDOW_SIZE + 1) for first, last in pairs]
+    ratio, eta = (np.sqrt(edge[1:] * edge[:-1]) for edge in edges)
+    K_c_qs = b_over_a - 1.0
+    # As in the atlas: a slider that is its own dimensionless form, and M is eta.
+    slider = SpringSlider(
+        a=1.0,
+        b=b_over_a,
+        Dc=1.0,
+        sigma=1.0,
+        K=xarray.DataArray(K_c_qs * ratio, dims="column"),
+        M=xarray.DataArray(eta, dims="row"),
+        law=law,
+    )
+    regime = classify(limit_cycle(slider, 1.0, rtol=RTOL)).regime.transpose("row", "column")
+    along = slider.replace(M=xarray.DataArray(edges[1], dims="row"))
+    return {
+        "K_over_K_c_qs": ratio,
+        "eta": eta,
+        "regime": np.vectorize(REGIMES.index, otypes=[float])(regime).ravel(),
+        "line_eta": edges[1],
+        "K_c_over_K_c_qs": along.K_c(1.0).values / K_c_qs,
+        "K_fold_over_K_c_qs": folds(law, b_over_a, edges[1]).kappa / K_c_qs,
+    }

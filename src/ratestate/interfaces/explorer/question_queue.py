@@ -11,6 +11,9 @@ from .entries import BadEntries, values_of
 
 log = logging.getLogger("ratestate.interfaces.explorer")
 
+#: ask -> the chart that the answer is for
+PLACES = {"chart": "map", "window": "map", "branch": "branch"}
+
 
 class QuestionQueue:
     """A queue of questions, each answered by all jobs in turn: (question, deadline) -> bytes.
@@ -61,7 +64,7 @@ def run_job(job, question, deadline):
 
     backend.Stopped if it was cancelled.
     """
-    place = "map" if question.ask == "chart" else ""  # of what is wrong with no entry
+    place = PLACES.get(question.ask, "")  # of what is wrong with no entry
     try:
         return job(question, deadline), False
     except BadEntries as error:

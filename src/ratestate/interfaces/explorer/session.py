@@ -1,6 +1,7 @@
 """One page's connection: its questions go into queues, the answers back.
 
-`answer_picture`, `answer_chart` and `answer_file` compute what is wanted.
+`answer_picture`, `answer_chart`, `answer_window`, `answer_branch` and `answer_file` compute what
+is wanted.
 """
 
 import asyncio
@@ -9,7 +10,7 @@ from functools import partial
 
 from starlette.websockets import WebSocketDisconnect
 
-from . import charts, picture, wire
+from . import branch, charts, picture, wire
 from .entries import LONGEST, BadEntries, state_of
 from .exports import NAMES, export
 from .kernels import Kernels, kind_of
@@ -60,10 +61,17 @@ class Session:
             shared.pool, [answer_picture], seconds=picture.SECONDS, patience=PATIENCE
         )
         maps = QuestionQueue(shared.chart_pool, surveys, seconds=charts.SECONDS, patience=0.0)
+        windows = QuestionQueue(
+            shared.chart_pool, [answer_window], seconds=charts.SECONDS, patience=0.0
+        )
+        branches = QuestionQueue(
+            shared.chart_pool, [answer_branch], seconds=branch.SECONDS, patience=0.0
+        )
         files = QuestionQueue(
             shared.file_pool, [answer_file], seconds=PART_SECONDS, whole=SECONDS, capacity=CAPACITY
         )
-        self.queues = {"picture": pictures, "chart": maps, **dict.fromkeys(NAMES, files)}
+        self.queues = {"picture": pictures, "chart": maps, "window": windows, "branch": branches}
+        self.queues |= dict.fromkeys(NAMES, files)
 
     async def serve(self):
         """Answer until the page is gone."""
@@ -109,7 +117,7 @@ class Session:
             return
         self.nonsense = 0
         dropped = self.queues[question.ask].take(question)
-        if dropped and dropped.ask not in ("picture", "chart"):
+        if dropped and dropped.ask in NAMES:
             problems = {"": "too many downloads were waiting; this one was dropped"}
             await self.send(wire.answer(dropped.id, "problem", problems=problems))
 
@@ -143,6 +151,19 @@ def answer_chart(question, deadline, size):
     """Answer "chart" at one size."""
     header, arrays = charts.chart(state_of(question.entries).slider, size, deadline)
     return wire.answer(question.id, "chart", arrays, **header)
+
+
+def answer_window(question, deadline):
+    """Answer "window"."""
+    slider = state_of(question.entries).slider
+    header, arrays = charts.window(slider, question.window, deadline)
+    return wire.answer(question.id, "window", arrays, **header)
+
+
+def answer_branch(question, deadline):
+    """Answer "branch"."""
+    header, arrays = branch.branch(state_of(question.entries), question.along, deadline)
+    return wire.answer(question.id, "branch", arrays, **header)
 
 
 def answer_file(question, deadline):

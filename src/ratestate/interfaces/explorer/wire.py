@@ -5,7 +5,8 @@ A question is one text message of at most `LONGEST` bytes, a JSON object::
     {"id": 7, "ask": "picture", "entries": {"a": "0.003", ..., "V_from": null}}
 
 ``ask`` is one of `ASKS`; ``id`` is an integer that the answer repeats; entries are strings as
-typed, with units or in SI.
+typed, with units or in SI.  A "branch" also has ``along``, one of `branch.ALONG`; a "window" has
+``window``, part of the map: [first, last K/K_c_qs, first, last eta].
 
 An answer is one binary message, little-endian::
 
@@ -25,10 +26,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..strict_json import strict_json
+from .branch import ALONG
+from .charts import SPAN
 from .exports import NAMES
 
 LONGEST = 4096  # bytes of a question
-ASKS = ("picture", "chart", *NAMES)
+ASKS = ("picture", "chart", "window", "branch", *NAMES)
 LARGEST_ID = 2**53
 
 
@@ -38,6 +41,8 @@ class Question(NamedTuple):
     id: int
     ask: str
     entries: Any
+    along: str = ""  # of "branch"
+    window: tuple[float, ...] = ()  # of "window"
 
 
 class BadQuestion(Exception):
@@ -59,7 +64,28 @@ def question(text):
         raise BadQuestion("id must be a whole number from 0 on")
     if not isinstance(ask, str) or ask not in ASKS:
         raise BadQuestion(f"ask must be one of {', '.join(ASKS)}")
-    return Question(number, ask, message.get("entries"))
+    along = _along(message.get("along")) if ask == "branch" else ""
+    window = _window(message.get("window")) if ask == "window" else ()
+    return Question(number, ask, message.get("entries"), along, window)
+
+
+def _along(value):
+    """The parameter of a branch."""
+    if not isinstance(value, str) or value not in ALONG:
+        raise BadQuestion(f"along must be one of {', '.join(ALONG)}")
+    return value
+
+
+def _window(value):
+    """The part of the map that is asked for, a tuple: it can be a key of what is cached."""
+    numbers = isinstance(value, list) and all(type(x) in (int, float) for x in value)
+    if not numbers or len(value) != 4:
+        raise BadQuestion("window must be [first, last K/K_c_qs, first, last eta]")
+    for name, low, high in (("ratio", *value[:2]), ("eta", *value[2:])):
+        first, last = SPAN[name]
+        if not first <= low < high <= last:
+            raise BadQuestion(f"window must be inside the map, {first:g} to {last:g}")
+    return tuple(map(float, value))
 
 
 def answer(number, kind, arrays=None, **header):

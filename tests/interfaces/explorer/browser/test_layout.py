@@ -30,7 +30,7 @@ def test_a_slider_by_keyboard_and_how_long_it_takes(show, record_property):
 def test_everything_is_reached_by_keyboard(show):
     shown = show()
     seen = []
-    for _ in range(40):
+    for _ in range(80):
         shown.page.keyboard.press("Tab")
         seen.append(
             shown.page.evaluate(
@@ -48,7 +48,7 @@ def test_everything_is_reached_by_keyboard(show):
     wanted += [f"{control}-{symbol}" for symbol in OF_ALL for control in ("entry", "slider")]
     wanted += [f"{part}-{stepped}" for stepped in ("V_lp", "sigma") for part in ("factor", "step")]
     wanted += ["factor-kick", "kick", "hold-time", "hold", "slide-hold-slide"]
-    assert names == [*wanted, "SUMMARY", "pin", "drag", "dot", "whole"]
+    assert names == [*wanted, "SUMMARY", "pin", "tab-map", "drag", "dot", "closer", "whole"]
     assert all(style != "none" and width >= 1 for _, style, width in seen), seen
 
 

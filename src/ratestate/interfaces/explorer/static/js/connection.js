@@ -30,11 +30,11 @@ export class Connection {
     };
   }
 
-  /** Ask; gives the question's id, or null while there is no connection. */
-  ask(what, entries) {
+  /** Ask; gives the question's id, or null while there is no connection.  more: what such a question has besides */
+  ask(what, entries, more = {}) {
     if (this.socket.readyState !== WebSocket.OPEN) return null;
     this.count += 1;
-    this.socket.send(JSON.stringify({ id: this.count, ask: what, entries }));
+    this.socket.send(JSON.stringify({ id: this.count, ask: what, entries, ...more }));
     return this.count;
   }
 }

@@ -114,15 +114,20 @@ export class Controls {
   }
 
   /** Put the slider onto another point of the map: K, and either V_lp or M. */
-  move(ratio, eta, { values, numbers }, stamp) {
-    const texts = { K: entry(ratio * numbers.K_c_qs, "Pa/m") };
+  move(ratio, eta, digits, { values, numbers }, stamp) {
+    const texts = { K: entry(ratio * numbers.K_c_qs, "Pa/m", digits) };
     if (numbers.eta > 0) {
       const more = eta / numbers.eta;
       const sets = document.querySelector("[name=drag]:checked").value;
       const value = values[sets] * (sets === "M" ? more : Math.sqrt(more));
-      texts[sets] = entry(value, this.fields[sets].spec.unit);
+      texts[sets] = entry(value, this.fields[sets].spec.unit, digits);
     }
     this.take(texts, stamp);
+  }
+
+  /** Set one parameter, in SI. */
+  set(name, value, stamp) {
+    this.take({ [name]: entry(value, this.fields[name].spec.unit) }, stamp);
   }
 
   /** The server reads these values from what was asked for; settling: see `Experiments.accept`. */

@@ -2,50 +2,73 @@
 
 import { element } from "./dom.js";
 
-/** regimes in the order of their codes: name, colour role */
+/** regimes in the order of their codes: as the server names them, as the page does, and the role of their colour */
 export const REGIMES = [
-  ["steady sliding", "steady"],
-  ["slow stick-slip", "slow"],
-  ["stick-slip", "stick"],
-  ["quasi-harmonic", "harmonic"],
-  ["not known", "unknown"],
+  { regime: "steady", name: "steady sliding", role: "steady" },
+  { regime: "slow stick-slip", name: "slow stick-slip", role: "slow" },
+  { regime: "stick-slip", name: "stick-slip", role: "stick" },
+  { regime: "quasi-harmonic", name: "quasi-harmonic", role: "harmonic" },
+  { regime: "unknown", name: "not known", role: "unknown" },
 ];
+const LEAST_STRIP = 2; // px
 
 export class Legend {
   /** list: element */
   constructor(list) {
     this.list = list;
-    this.regimes = REGIMES.map(([name, role]) => this.entry(`patch ${role}`, name));
+    const [unknown, ...known] = REGIMES.toReversed();
+    const regime = ({ name, role }) => this.entry(`patch ${role}`, name);
+    const places = known.reverse().map(regime);
     this.jump = this.entry("line jump", "lost with a jump");
+    this.strip = this.entry("patch coexistence", "coexistence", "of a limit cycle with stable steady sliding");
+    this.regimes = [...places, regime(unknown)];
     this.size = this.entry("", "");
+    this.size.className = "size";
     this.beyond = this.entry("point beyond", "the slider is beyond the map");
+    this.beyond.className = "place";
   }
 
-  entry(mark, text) {
-    const item = element("li", { hidden: true }, element("span", { className: mark }), text);
+  entry(mark, text, title = "") {
+    const item = element("li", { hidden: true, title }, element("span", { className: mark }), text);
     this.list.append(item);
     return item;
   }
 
-  /** What occurs in this atlas; null while it is not known. */
-  tell(chart) {
-    this.list.classList.toggle("waiting", !chart);
-    if (!chart) return;
-    const { size, arrays } = chart;
-    this.regimes.forEach((item, code) => (item.hidden = !arrays.regime.includes(code)));
-    this.jump.hidden = !arrays.jumps.includes(1);
+  /**
+   * What occurs in the cells shown.
+   * atlas, part: RegimeCells, null while they are not known; regime: the slider's; stripWidth: px
+   */
+  tell(atlas, part, regime, plane) {
+    this.list.classList.toggle("waiting", !atlas);
+    if (!atlas) return;
+    const all = part?.fills(plane);
+    const shown = (all ? [part] : [atlas, part]).filter(Boolean);
+    REGIMES.forEach((of, code) => this.keep(this.regimes[code], of.regime === regime || shown.some((cells) => cells.regime.includes(code))));
+    this.keep(this.jump, atlas.eta_bautin !== null);
+    this.keep(this.strip, shown.some((cells) => cells.stripWidth(plane) >= LEAST_STRIP));
     this.size.hidden = false;
-    this.size.textContent = `coarse: ${size} \u00d7 ${size} sliders`;
+    const about = part ? `; ${sized(part)} about this one` : "";
+    this.size.textContent = all ? `${sized(part)} sliders` : `coarse: ${sized(atlas)} sliders${about}`;
+  }
+
+  /** Show an entry, or keep its place, so that the others do not move; what is seldom there has none. */
+  keep(item, occurs) {
+    item.hidden = item === this.regimes.at(-1) && !occurs;
+    item.style.visibility = occurs ? "" : "hidden";
   }
 
   /** Nothing occurs. */
   clear() {
     this.list.classList.remove("waiting");
-    for (const item of [...this.regimes, this.jump, this.size]) item.hidden = true;
+    for (const item of [...this.regimes, this.jump, this.strip, this.size]) item.hidden = true;
   }
 
   /** Whether the slider is beyond the map. */
   place(beyond) {
     this.beyond.hidden = !beyond;
   }
+}
+
+function sized({ size }) {
+  return `${size} \u00d7 ${size}`;
 }

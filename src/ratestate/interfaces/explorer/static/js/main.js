@@ -6,13 +6,12 @@ import { $ } from "./dom.js";
 import { savePicture, saveText } from "./downloads.js";
 import { Entries } from "./entries.js";
 import { Instant } from "./instant.js";
-import { StabilityMap } from "./map.js";
 import { learnPrefixes } from "./numbers.js";
 import { Phase } from "./phase.js";
 import { Pins } from "./pins.js";
 import { Questions } from "./questions.js";
-import { Resting } from "./resting.js";
 import { describe } from "./spoken.js";
+import { Standing } from "./standing.js";
 import { onTheme } from "./theme.js";
 import { begin, drawn } from "./timing.js";
 import { Traces } from "./traces.js";
@@ -28,17 +27,19 @@ const instant = new Instant();
 const pins = new Pins(redraw);
 const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant, [pins]);
 const phase = new Phase($("phase-canvas"), $("phase-point"), $("cycle-key"), instant, pins);
-const map = new StabilityMap($("map-canvas"), $("dot"), $("regimes"), (ratio, eta, stamp) => controls.move(ratio, eta, picture, stamp), (act) => (map.target ? act() : whenRead(act)), pins);
+const standing = new Standing({
+  ask: (...question) => connection.ask(...question),
+  move: (ratio, eta, digits, stamp) => controls.move(ratio, eta, digits, picture, stamp),
+  set: (name, value, stamp) => controls.set(name, value, stamp),
+  whenRead,
+  pins,
+});
 const verdict = { show: (found) => tell(found, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") }) };
-const views = [verdict, traces, phase, map, { show: describe }];
+const views = [verdict, traces, phase, standing, { show: describe }];
 const connection = new Connection({ answer, lost });
 const questions = new Questions((texts) => connection.ask("picture", texts));
-const atlas = new Resting((texts) => connection.ask("chart", texts), () => {
-  sayOfMap("");
-  map.behind(null);
-});
 onTheme(redraw);
-new ResizeObserver(redraw).observe($("map-canvas"));
+new ResizeObserver(redraw).observe($("phase-canvas"));
 listen();
 
 function listen() {
@@ -56,7 +57,7 @@ function listen() {
 // ---- questions
 
 function ask(stamp) {
-  map.target = null;
+  standing.release();
   const id = questions.ask(controls.entries.asked());
   if (id === null) {
     document.body.classList.add("stale"); // until there is a connection again
@@ -83,19 +84,18 @@ function settle() {
 // ---- answers
 
 function answer(found) {
-  ({ hello, preparing, ready: () => say(""), picture: arrived, chart, file, problem })[found.kind](found);
+  ({ hello, preparing, ready: () => say(""), picture: arrived, chart: (of) => standing.chart(of), window: (of) => standing.window(of), branch: (of) => standing.branched(of), file, problem })[found.kind](found);
 }
 
 function hello({ fields, laws, before, experiment, longest, prefixes, presets, span }) {
   learnPrefixes(prefixes);
-  map.open(span);
+  standing.open({ span, fields });
   const names = [...fields.map((field) => field.symbol), "law"];
   const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
   const entries = new Entries(names, ["friction", ...experiment], { ...own, ...presets[0].entries }, longest);
   controls ??= new Controls(fields, laws, before, presets, entries, ask, whenRead);
   questions.forget();
   say("");
-  atlas.forget();
   ask();
 }
 
@@ -107,10 +107,6 @@ function arrived(found) {
   if (picture && found.id < picture.id) return;
   picture = found;
   frame ||= requestAnimationFrame(draw);
-}
-
-function chart(found) {
-  if (String(found.key) === atlas.key) map.behind(found);
 }
 
 function file({ name, text }) {
@@ -125,19 +121,10 @@ function problem(found) {
     ask(); // for what can be used
     return;
   }
-  if (problems.map) {
-    sayOfMap(problems.map);
-    map.missing();
-  } else if (id === null || isNewest || files.has(id)) say(Object.values(problems).join("; "));
+  if (!standing.refuse(problems) && (id === null || isNewest || files.has(id))) say(Object.values(problems).join("; "));
   if (!isNewest) return;
   if (values) controls.accept(values);
   settle();
-}
-
-/** Beside the map, why it is missing or coarse. */
-function sayOfMap(text) {
-  $("map-note").textContent = text;
-  $("map-note").hidden = !text;
 }
 
 function lost(seconds, why) {
@@ -166,14 +153,14 @@ function draw() {
   document.body.dataset.drawn = picture.id;
   drawn(picture.id);
   // With the texts of the picture: what is typed later may be unusable.
-  atlas.show(String(picture.chart ?? ""), isNewest ? controls.entries.asked() : null);
+  standing.rest(isNewest ? controls.entries.asked() : null);
   if (isNewest) settle();
 }
 
 function redraw() {
   traces.draw();
   phase.draw();
-  map.draw();
+  standing.draw();
 }
 
 // ---- taking it along

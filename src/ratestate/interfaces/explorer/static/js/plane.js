@@ -84,7 +84,7 @@ export class Plane {
     c.strokeRect(left + 0.5, top + 0.5, width - 1, height - 1);
     writeLabel(c, this.x.label, left + width / 2, top + height + MARGIN.bottom - 6);
     c.save();
-    c.translate(14, top + height / 2);
+    c.translate(11, top + height / 2);
     c.rotate(-Math.PI / 2);
     writeLabel(c, this.y.label, 0, 0);
     c.restore();

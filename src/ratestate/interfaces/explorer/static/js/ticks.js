@@ -74,3 +74,10 @@ export function logarithmic(low, high, wanted) {
   }
   return ticks;
 }
+
+/** The same where the range may be too narrow for round numbers of one digit: then about `wanted` others. */
+export function zoomed(low, high, wanted) {
+  const ticks = logarithmic(low, high, wanted);
+  if (ticks.length > 2 || high > 10 * low) return ticks;
+  return linear(low, high, wanted).map(([value, text]) => [value, text.replace(/e([+-]?\d+)$/, (_, power) => `\u00b7${powerOfTen(Number(power))}`)]);
+}
