@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         SolverError,
     )
     from .friction.law import FrictionLaw, Parameter
+    from .interfaces.explorer.notebook import explore
     from .model.arrays import logspace
     from .model.conversion import in_units
     from .model.loading import Loading
@@ -49,6 +50,7 @@ __all__ = [
     "SpringSlider",
     "bautin",
     "continue_cycle",
+    "explore",
     "fit",
     "frequency_response",
     "hopf",
@@ -80,6 +82,7 @@ _HOMES = {
     "StoreError": "errors",
     "bautin": "dynamics.hopf",
     "continue_cycle": "dynamics.continuation.branch",
+    "explore": "interfaces.explorer.notebook",
     "fit": "records.fitting.fit",
     "frequency_response": "dynamics.frequency_response",
     "hopf": "dynamics.hopf",

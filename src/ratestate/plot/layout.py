@@ -2,13 +2,20 @@
 
 from itertools import repeat
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps, rc_context
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.textpath import TextPath
-from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import (
+    FormatStrFormatter,
+    LogLocator,
+    NullFormatter,
+    NullLocator,
+    ScalarFormatter,
+)
 
 from ..dynamics.results import parameter, slider_parameters
 from ..files import replace
@@ -21,6 +28,7 @@ DPI = 300
 SLIDER = "a b Dc sigma M K"
 #: a legend above the right end of its axes
 ABOVE = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
+ABOVE |= {"fontsize": 7.5, "frameon": False}
 #: ratio of smallest to largest value from which a logarithmic scale pays
 WIDE = 10.0
 #: decades up to which a logarithmic axis has 1, 2, 5, 10 ... as its ticks, in plain numbers
@@ -32,19 +40,31 @@ CONSTANT, AROUND = 1e-6, 0.05
 #: what a legend says of cases whose motion leaves the domain of the friction law
 OUTSIDE = "outside the friction law's domain"
 
-#: decorator of the functions that draw
-styled = rc_context(
-    {
-        "font.size": 8.0,
-        "axes.linewidth": 0.7,
-        "axes.formatter.useoffset": False,
-        "legend.fontsize": 7.5,
-        "legend.frameon": False,
-        "pdf.fonttype": 42,  # text stays text for whoever edits the file
-        "xtick.direction": "in",
-        "ytick.direction": "in",
-    }
-)
+STYLE: Any = {
+    "font.size": 8.0,
+    "axes.linewidth": 0.7,
+    "axes.formatter.useoffset": False,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "pdf.fonttype": 42,  # text stays text for whoever edits the file
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+}
+#: decorator of the functions that draw; it sets what all threads share: see `dress`
+styled = rc_context(STYLE)
+
+
+def dress(fig):
+    """Give a figure the `STYLE`, after it is drawn: for threads beside which others draw too."""
+    for ax in fig.axes:
+        ax.tick_params(which="both", direction="in", labelsize=STYLE["font.size"])
+        for spine in ax.spines.values():
+            spine.set_linewidth(STYLE["axes.linewidth"])
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.label.set_size(STYLE["font.size"])
+            axis.offsetText.set_size(STYLE["font.size"])
+            if isinstance(axis.get_major_formatter(), ScalarFormatter):
+                axis.get_major_formatter().set_useOffset(STYLE["axes.formatter.useoffset"])
 
 
 def symbols_of(data):

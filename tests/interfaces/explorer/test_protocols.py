@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 import ratestate as rs
 from ratestate.dynamics.cycles.orbit import orbit
 from ratestate.interfaces import scenario
-from ratestate.interfaces.explorer import entries, exports, picture, protocol
+from ratestate.interfaces.explorer import entries, exports, picture, protocol, wire
 from ratestate.interfaces.explorer.budget import Deadline
 from ratestate.interfaces.explorer.entries import entries_of, state_of
 from ratestate.interfaces.explorer.kernels import kind_of
@@ -284,7 +284,8 @@ class TestExports:
         texts = STICK_SLIP | more
         _, arrays = painted(texts)
         forms = {
-            k: exports.export(k, state_of(texts), Deadline(20.0))["text"] for k in exports.NAMES
+            k: exports.export(wire.Question(1, k, texts), Deadline(20.0))["content"].decode()
+            for k in ("scenario", "python", "csv")
         }
         file = tmp_path / "ratestate.toml"
         file.write_text(forms["scenario"])

@@ -8,6 +8,7 @@ import typer
 from ...errors import ParameterError
 from .command import register_file
 from .exits import INTERRUPTED
+from .output import print_line
 
 
 def explore(
@@ -16,31 +17,52 @@ def explore(
     law_file: Path | None = None,
     port: int | None = None,
     no_browser: bool = False,
+    save: Path | None = None,
 ) -> None:
     """Serve the explorer: sliders, live pictures and the map of regimes, in the browser.
 
-    Nothing leaves this machine.  Ctrl-C ends it.
+    Nothing leaves this machine.  Ctrl-C ends it.  With --save it is written to one HTML file
+    instead, which opens without a server.
 
     Example: ratestate explore --port 8765
     """
-    from ..explorer import serve
-
-    fragment = ""
     if file is None:
         register_file(law_file)
+        opened = None
     else:
-        from ..explorer import fragment_of
-        from .run_scenario import load_scenario, swept_dims
+        opened = _opened(file, law_file)
+    if save is not None:
+        print_line(f"wrote {_saved(save, opened)}", err=True)
+        return
+    from ..explorer import fragment_of, serve
 
-        scenario = load_scenario(file, "stability", law_file)
-        if swept := swept_dims(scenario):
-            raise ParameterError(
-                f"[sweep]: the file has a sweep over {', '.join(swept)}, and the explorer shows "
-                f"one slider; expected a file without [sweep], or run it: ratestate run {file}"
-            )
-        fragment = fragment_of(scenario.slider, scenario.settings["V_lp"])
     try:
+        fragment = fragment_of(*opened) if opened else ""
         serve(port=port, open_browser=not no_browser, fragment=fragment)
     except KeyboardInterrupt:
         typer.echo("interrupted; the explorer has ended", err=True)
         os._exit(INTERRUPTED)  # at once, without waiting for threads that compute or compile
+
+
+def _opened(file, law_file):
+    """The slider and the speed of a scenario file."""
+    from .run_scenario import load_scenario, swept_dims
+
+    scenario = load_scenario(file, "stability", law_file)
+    if swept := swept_dims(scenario):
+        raise ParameterError(
+            f"[sweep]: the file has a sweep over {', '.join(swept)}, and the explorer shows "
+            f"one slider; expected a file without [sweep], or run it: ratestate run {file}"
+        )
+    return scenario.slider, scenario.settings["V_lp"]
+
+
+def _saved(path, opened):
+    """Save the page with a slider, or as it opens without one; the file's Path."""
+    from ..explorer.entries import DIGITS, entries_of
+    from ..explorer.menus import presets
+    from ..explorer.standalone import save_page
+    from ..explorer.state import PageState
+
+    texts = entries_of(PageState(*opened), DIGITS) if opened else presets()[0]["entries"]
+    return save_page(path, texts)

@@ -19,7 +19,11 @@
 ``picture``        what is drawn: run, limit cycle, steady point, verdict
 ``charts``         what is behind the map: K_c, the atlas, finer parts; which sliders share them
 ``branch``         the bifurcation diagram: its range, stability, and branches of limit cycles
-``exports``        scenario file, Python lines, CSV
+``exports``        files to take along: scenario, Python lines, CSV, and the two that follow
+``figure``         a figure for a paper
+``standalone``     the page as one file, with what it shows: `bundle` puts its own files into one
+``address``        where the page is found
+``notebook``       the page in a notebook: the function `explore`
 ``static``         the page
 ================== ===========================================================================
 """

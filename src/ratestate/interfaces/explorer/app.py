@@ -18,11 +18,11 @@ MOST_PAGES, LATER = 8, 1013
 NAMES = ("127.0.0.1", "localhost")
 # The port that browsers leave out of Host and Origin.
 HTTP = 80
-#: headers of every answer: no content of other hosts, no frames, no caching
+#: headers of every answer: no content of other hosts, no frames but those named, no caching
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-        "img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+        "img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors {frames}"
     ),
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -32,8 +32,11 @@ HEADERS = {
 }
 
 
-def app_of(port):
-    """The ASGI application, for a server at this port of 127.0.0.1."""
+def app_of(port, frames):
+    """The ASGI application, for a server at this port of 127.0.0.1.
+
+    frames : the pages that may have it in a frame, as a policy writes them
+    """
 
     @contextlib.asynccontextmanager
     async def lifespan(app):
@@ -44,7 +47,7 @@ def app_of(port):
         warming.cancel()
 
     app = FastAPI(lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
-    app.add_middleware(Guard, port=port)
+    app.add_middleware(Guard, port=port, frames=frames)
 
     @app.websocket("/socket")
     async def socket(socket: WebSocket) -> None:
@@ -66,8 +69,9 @@ class Guard:
     other hosts that resolve to this machine, and pages of other hosts that send requests here.
     """
 
-    def __init__(self, app, port):
+    def __init__(self, app, port, frames="'none'"):
         self.app = app
+        self.added = {name: text.format(frames=frames) for name, text in HEADERS.items()}
         hosts = {f"{name}:{port}" for name in NAMES}
         self.hosts = hosts | set(NAMES) if port == HTTP else hosts
         self.origins = {f"http://{host}" for host in self.hosts}
@@ -75,7 +79,7 @@ class Guard:
     async def __call__(self, scope, receive, send):
         async def send_with_headers(message):
             if message["type"] == "http.response.start":
-                MutableHeaders(scope=message).update(HEADERS)
+                MutableHeaders(scope=message).update(self.added)
             await send(message)
 
         if scope["type"] == "lifespan" or self._is_own(scope):

@@ -1,5 +1,6 @@
 """What is behind the map: K_c, the atlas, coarse, and finer parts; cached for each law and b/a."""
 
+import contextlib
 import functools
 
 import numpy as np
@@ -13,13 +14,16 @@ from ...dynamics.hopf import bautin
 from ...dynamics.refusals import check_one_length
 from ...errors import ParameterError
 from ...model.slider import SpringSlider
-from .budget import TimeUp
+from .budget import Deadline, TimeUp
 
 #: points along either axis: first a coarse chart, then a finer one; and of a window
 SIZES, WINDOW_SIZE = (24, 72), 48
 RTOL = 1e-4
 #: seconds that a chart or a window may take, and how many of either are cached
 SECONDS, CACHED_CHARTS = 20.0, 40
+#: seconds for a chart that is cached
+KNOWN = 0.2
+
 
 #: the range of the map
 SPAN = {"eta": ETA, "ratio": STIFFNESS}
@@ -47,13 +51,30 @@ def key_of(slider):
     return (slider.law, 1.0 + weakening) if 1.0 + weakening > 1.0 else None
 
 
+def is_mapped(key):
+    """Whether there is an atlas for this `key_of` a slider."""
+    return key is not None and len(key) > 1
+
+
+def size_in_time(slider, deadline):
+    """The size of a slider's chart that is known, or else soon computed; None without one."""
+    if not is_mapped(key := key_of(slider)):
+        return None
+    coarse, fine = SIZES
+    for size, limit in ((fine, Deadline(KNOWN)), (coarse, deadline)):
+        with contextlib.suppress(TimeUp), limit.part():
+            survey(*key, size)
+            return size
+    return None
+
+
 def chart(slider, size, deadline):
     """Header and arrays of the answer to "chart" (wire.py): K_fold is NaN where there is none.
 
     ParameterError where b <= a, for a law that has no chart, and where it takes too long;
     backend.Stopped if it was cancelled.
     """
-    return _mapped(slider, size, deadline, {}, lambda key: _atlas(*key, size))
+    return _mapped(slider, size, deadline, {}, lambda key: _arrays(survey(*key, size)))
 
 
 def window(slider, limits, deadline):
@@ -82,9 +103,13 @@ def _mapped(slider, size, deadline, header, compute):
 
 
 @functools.lru_cache(CACHED_CHARTS)
-def _atlas(law, b_over_a, size):
-    """What the map shows of the atlas of this size."""
-    data = atlas(b_over_a, law, n=size, rtol=RTOL)
+def survey(law, b_over_a, size):
+    """The atlas of this size; backend.Stopped past the deadline of the part of the work."""
+    return atlas(b_over_a, law, n=size, rtol=RTOL)
+
+
+def _arrays(data):
+    """What the map shows of an atlas."""
     names = ("K_over_K_c_qs", "eta", "regime", "K_c_over_K_c_qs", "K_fold_over_K_c_qs")
     arrays = {name: data[name].values.ravel() for name in names}
     return arrays | {"line_eta": arrays["eta"]}

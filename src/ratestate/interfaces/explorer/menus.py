@@ -10,10 +10,19 @@ from ...friction.laws import LAW_OF, LAWS, own_parameters
 from ...model.quantities import KINDS, POWERS, QUANTITIES, prefixed_unit
 from ...model.units import to_si
 from ...paper import parameters as paper
-from .entries import SYMBOLS, entries_of
-from .state import NONE, PageState
+from . import charts
+from .entries import LONGEST, SYMBOLS, entries_of, state_of
+from .state import BEFORE, EXPERIMENT, NONE, PageState
 
 FIG1_STEP = float(np.e * paper.FIG1.V0)
+
+
+def offers(starts):
+    """dict of what the page needs to begin; starts : as `presets`, the first of them as it opens"""
+    usual = fields(state_of(starts[0]["entries"]).values)
+    header = {"fields": usual, "laws": menu(), "prefixes": prefixes(), "presets": starts}
+    header |= {"before": BEFORE, "experiment": EXPERIMENT}
+    return header | {"longest": LONGEST, "span": charts.SPAN}
 
 
 def fields(usual):

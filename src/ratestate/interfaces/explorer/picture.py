@@ -75,7 +75,7 @@ def picture(state, deadline):
     The arrays of a run that cannot be shown in time are empty; those of a cycle may be absent.
     """
     study, slider = study_of(state, deadline), state.slider
-    run, notes = _run(study.plan, deadline)
+    run, notes = run_of(study.plan, deadline)
     verdict = study.verdict
     arrays = _curves("run", run, slider.sigma, study.plan.changes[0])
     if verdict.period:
@@ -116,7 +116,7 @@ def _attractor(slider, V, deadline):
         ), None
 
 
-def _run(plan, deadline):
+def run_of(plan, deadline):
     """The run as a Dataset, shortened if it takes too long, or None; and notes on that."""
     notes: list[str] = []
     t_end, requested = None, plan.settings["t_end"]
@@ -154,11 +154,11 @@ def _curves(name, run, sigma, t_zero):
         "mu": run.mu.values,
         "V": run.V.values,
     }
-    which = _decimated(curves["stress"], curves["V"])
+    which = decimated(curves["stress"], curves["V"])
     return {f"{name}_{what}": values[which] for what, values in curves.items()}
 
 
-def _decimated(*curves):
+def decimated(*curves):
     """Indices of the points that are sent: all, or the extremes of each of many pieces."""
     n = len(curves[0])
     if n <= MOST_SENT:

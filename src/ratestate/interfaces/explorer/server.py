@@ -7,11 +7,12 @@ import threading
 import webbrowser
 
 from ...errors import ParameterError
+from .address import PORT, address_of
+from .wire import LONGEST
 
-#: the port tried first if none is given
-PORT = 8765
-# A message is at most twice what a question may have; of more the connection is closed.
-LARGEST, PATIENCE = 8192, 2
+# A message is at most twice what a question may have; of more the connection is closed.  And the
+# seconds that pages have to end.
+LARGEST, PATIENCE = 2 * LONGEST, 2
 
 
 def serve(port=None, open_browser=True, fragment=""):
@@ -21,7 +22,7 @@ def serve(port=None, open_browser=True, fragment=""):
     `fragment` of its address (see `entries.fragment_of`).
     """
     listening = listen(port)
-    address = f"http://127.0.0.1:{listening.getsockname()[1]}/{fragment and '#'}{fragment}"
+    address = address_of(listening.getsockname()[1], fragment)
     sys.stdout.write(f"explorer at {address} (Ctrl-C ends it)\n")
     sys.stdout.flush()
     if open_browser:
@@ -33,14 +34,14 @@ def serve(port=None, open_browser=True, fragment=""):
         raise KeyboardInterrupt
 
 
-def server_at(listening):
-    """The server of the page, for a listening socket."""
+def server_at(listening, frames="'none'"):
+    """The server of the page, for a listening socket; frames : as of `app.app_of`."""
     import uvicorn
 
     from .app import app_of
 
     config = uvicorn.Config(
-        app_of(listening.getsockname()[1]),
+        app_of(listening.getsockname()[1], frames),
         log_level="warning",
         ws="websockets-sansio",
         ws_max_size=LARGEST,

@@ -11,12 +11,11 @@ from functools import partial
 from starlette.websockets import WebSocketDisconnect
 
 from . import branch, charts, picture, wire
-from .entries import LONGEST, BadEntries, state_of
-from .exports import NAMES, export
+from .entries import BadEntries, state_of
+from .exports import export
 from .kernels import Kernels, kind_of
-from .menus import example, fields, menu, prefixes, presets
+from .menus import example, offers, presets
 from .question_queue import QuestionQueue, run_job
-from .state import BEFORE, EXPERIMENT
 
 # Downloads: how many may wait; seconds for one, and for each part of its work.
 CAPACITY, SECONDS, PART_SECONDS = 8, 10.0, 2.0
@@ -71,7 +70,7 @@ class Session:
             shared.file_pool, [answer_file], seconds=PART_SECONDS, whole=SECONDS, capacity=CAPACITY
         )
         self.queues = {"picture": pictures, "chart": maps, "window": windows, "branch": branches}
-        self.queues |= dict.fromkeys(NAMES, files)
+        self.queues |= dict.fromkeys(wire.FILES, files)
 
     async def serve(self):
         """Answer until the page is gone."""
@@ -79,7 +78,7 @@ class Session:
         queues = {*self.queues.values()}
         tasks = [asyncio.create_task(queue.work(self.prepare, self.send)) for queue in queues]
         try:
-            await self.send(_greeting())
+            await self.send(wire.answer(None, "hello", **offers(presets())))
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")
         except WebSocketDisconnect:
@@ -95,14 +94,14 @@ class Session:
         """Wait for the kernels that a question needs, and tell the page so."""
         kernels = self.shared.kernels
         try:
-            kind = kind_of(state_of(question.entries))
+            kinds = {kind_of(state_of(texts)) for texts in (question.entries, *question.pinned)}
         except BadEntries:
             return  # the answer says why
-        if kernels.are_ready(kind):
-            return
-        await self.send(wire.answer(None, "preparing"))
-        await kernels.prepare(kind)
-        await self.send(wire.answer(None, "ready"))
+        for kind in kinds:
+            if not kernels.are_ready(kind):
+                await self.send(wire.answer(None, "preparing"))
+                await kernels.prepare(kind)
+                await self.send(wire.answer(None, "ready"))
 
     async def take(self, text):
         """Put a question into its queue; answer an invalid message with its problem."""
@@ -117,7 +116,7 @@ class Session:
             return
         self.nonsense = 0
         dropped = self.queues[question.ask].take(question)
-        if dropped and dropped.ask in NAMES:
+        if dropped and dropped.ask in wire.FILES:
             problems = {"": "too many downloads were waiting; this one was dropped"}
             await self.send(wire.answer(dropped.id, "problem", problems=problems))
 
@@ -130,15 +129,6 @@ class Session:
         """Stop what is being computed for this page."""
         for queue in self.queues.values():
             queue.deadline.set()
-
-
-def _greeting():
-    """The message to a page that was opened."""
-    starts = presets()
-    usual = fields(state_of(starts[0]["entries"]).values)
-    header = {"fields": usual, "laws": menu(), "prefixes": prefixes(), "presets": starts}
-    header |= {"before": BEFORE, "experiment": EXPERIMENT, "longest": LONGEST, "span": charts.SPAN}
-    return wire.answer(None, "hello", **header)
 
 
 def answer_picture(question, deadline):
@@ -168,8 +158,8 @@ def answer_branch(question, deadline):
 
 def answer_file(question, deadline):
     """Answer a download."""
-    text = export(question.ask, state_of(question.entries), deadline)
-    return wire.answer(question.id, "file", **text)
+    file = export(question, deadline)
+    return wire.answer(question.id, "file", **file)
 
 
 def warm_up(kind, deadline):

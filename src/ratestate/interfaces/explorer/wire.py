@@ -1,12 +1,13 @@
 """Questions and answers as bytes.
 
-A question is one text message of at most `LONGEST` bytes, a JSON object::
+A question is one text message of at most `LONGEST` characters, a JSON object::
 
     {"id": 7, "ask": "picture", "entries": {"a": "0.003", ..., "V_from": null}}
 
 ``ask`` is one of `ASKS`; ``id`` is an integer that the answer repeats; entries are strings as
 typed, with units or in SI.  A "branch" also has ``along``, one of `branch.ALONG`; a "window" has
-``window``, part of the map: [first, last K/K_c_qs, first, last eta].
+``window``, part of the map: [first, last K/K_c_qs, first, last eta].  A figure or a page may also
+have ``pinned``, a list of at most `PINS` such objects of entries: of runs that are kept beside it.
 
 An answer is one binary message, little-endian::
 
@@ -14,6 +15,7 @@ An answer is one binary message, little-endian::
     header    JSON object as UTF-8, padded with spaces: "id", "kind", and
               "arrays": [[name, n], ...] where there are any
     float64   the arrays, one after another
+    bytes     the content of a file, to the end
 
 All numbers are float64: a small cycle is a part in 1e8 of tau/sigma, and time may be long.
 A number that JSON cannot represent is the string "inf", "-inf" or "nan" in the header.
@@ -28,10 +30,21 @@ import numpy as np
 from ..strict_json import strict_json
 from .branch import ALONG
 from .charts import SPAN
-from .exports import NAMES
 
-LONGEST = 4096  # bytes of a question
-ASKS = ("picture", "chart", "window", "branch", *NAMES)
+#: kind of file -> its name and type
+FILES = {
+    "scenario": ("ratestate.toml", "application/toml"),
+    "python": ("ratestate_run.py", "text/x-python"),
+    "csv": ("ratestate_run.csv", "text/csv"),
+    "svg": ("ratestate.svg", "image/svg+xml"),
+    "pdf": ("ratestate.pdf", "application/pdf"),
+    "png": ("ratestate.png", "image/png"),
+    "page": ("ratestate.html", "text/html"),
+}
+#: runs kept beside another, and characters of a question: as many as that takes
+PINS = 3
+LONGEST = 4096 * (1 + PINS)
+ASKS = ("picture", "chart", "window", "branch", *FILES)
 LARGEST_ID = 2**53
 
 
@@ -43,6 +56,7 @@ class Question(NamedTuple):
     entries: Any
     along: str = ""  # of "branch"
     window: tuple[float, ...] = ()  # of "window"
+    pinned: tuple[Any, ...] = ()  # of a figure, and of a page
 
 
 class BadQuestion(Exception):
@@ -52,7 +66,7 @@ class BadQuestion(Exception):
 def question(text):
     """The `Question` in a message; BadQuestion, with the reason, if it is invalid."""
     if len(text) > LONGEST:
-        raise BadQuestion(f"a message may have {LONGEST} bytes at most")
+        raise BadQuestion(f"a message may have {LONGEST} characters at most")
     try:
         message = json.loads(text, parse_constant=_refuse)
     except (ValueError, RecursionError):
@@ -66,7 +80,8 @@ def question(text):
         raise BadQuestion(f"ask must be one of {', '.join(ASKS)}")
     along = _along(message.get("along")) if ask == "branch" else ""
     window = _window(message.get("window")) if ask == "window" else ()
-    return Question(number, ask, message.get("entries"), along, window)
+    pinned = _pinned(message.get("pinned", []))
+    return Question(number, ask, message.get("entries"), along, window, pinned)
 
 
 def _along(value):
@@ -88,17 +103,26 @@ def _window(value):
     return tuple(map(float, value))
 
 
-def answer(number, kind, arrays=None, **header):
+def _pinned(value):
+    """Entries of runs kept beside another, a tuple."""
+    if not isinstance(value, list) or len(value) > PINS:
+        raise BadQuestion(f"pinned must be a list of {PINS} objects of entries at most")
+    return tuple(value)
+
+
+def answer(number, kind, arrays=None, content=b"", **header):
     """An answer's bytes; `number` is the id of the question, None if there was none.
 
     arrays : name -> (n,) of float or bool
+    content : bytes, of a file
     """
     parts = {name: np.ascontiguousarray(a, "<f8") for name, a in (arrays or {}).items()}
     whole = {"id": number, "kind": kind, **header}
     whole["arrays"] = [[name, a.size] for name, a in parts.items()]
     text = strict_json(whole, nan="nan").encode()
     text += b" " * (-(4 + len(text)) % 8)
-    return b"".join([struct.pack("<I", len(text)), text, *(a.tobytes() for a in parts.values())])
+    numbers = (a.tobytes() for a in parts.values())
+    return b"".join([struct.pack("<I", len(text)), text, *numbers, content])
 
 
 def _refuse(constant):

@@ -1,7 +1,7 @@
 """A page for each kind of result: what a person wants to see of it at once.
 
 ====================== ====================================================
-``run``                runs and a limit cycle: stress, speed, phase plane
+``run``, ``panels``    runs and a limit cycle: stress, speed, phase plane
 ``stability``          K_c at all speeds, and the least stable mode
 ``response``           a frequency response: gains and phases
 ``sweep``, ``regions`` lines or maps of a sweep; V_c and regimes on a map

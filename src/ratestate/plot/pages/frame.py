@@ -57,4 +57,4 @@ def legend(ax, laws, *, band=True, narrow=False):
         names.append("95 % of samples")
     look = {"fontsize": 7, "handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 0.7}
     rows = 2 if narrow and sum(map(len, names)) > ROOM else 1
-    ax.legend(handles, names, ncols=-(-len(names) // rows), **look, **ABOVE)
+    ax.legend(handles, names, ncols=-(-len(names) // rows), **(ABOVE | look))

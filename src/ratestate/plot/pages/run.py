@@ -1,20 +1,19 @@
 """The pages of runs and of a limit cycle: stress, speed against time, and the phase plane."""
 
-import numpy as np
-
-from ...dynamics.attributes import loading_record, number
+from ...dynamics.attributes import number
 from ...dynamics.cycles.orbit import orbit
 from ...dynamics.cycles.regimes import classify
-from ...dynamics.results import normal_stress, parameter, slider_parameters
-from ...dynamics.steady_sliding import stability, steady_stress
+from ...dynamics.results import parameter, slider_parameters
+from ...dynamics.steady_sliding import stability
 from ...dynamics.whole_contact import whole_contact
 from ...engine.model import RUNAWAY, STEADY_SLIDING
 from ...errors import ParameterError
 from ...model.slider import SpringSlider
-from ..labels import BLUE, GRAY, LAWS, RED, STRESS, prefixed, value_text, with_unit
-from ..layout import ABOVE, SLIDER, figure, is_wide, letters, show_constant, styled, text_width
+from ..labels import BLUE, GRAY, LAWS, STRESS, prefixed, value_text, with_unit
+from ..layout import ABOVE, SLIDER, figure, letters, styled, text_width
 from ..motion import force_axis, trace
 from ..runs import NamedRun, common, named_runs
+from .panels import THIN, plane, speed
 from .stability import stability_page
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
@@ -23,7 +22,6 @@ MANY, FEW = 25, 5
 #: [points]
 ROOM, SPACE, LETTERS = 215.0, 30.0, 7.5
 COMPACT = {"handlelength": 1.5, "handletextpad": 0.5, "columnspacing": 1.0}
-THIN = {"lw": 0.8}
 
 
 @styled
@@ -52,9 +50,9 @@ def runs_page(runs):
     axes["a"].label_outer()
     widest = SPACE + max(text_width(one.name, LETTERS) for one in named)
     axes["a"].legend(ncols=max(1, int(ROOM / widest)), **COMPACT, **ABOVE)
-    _speed(named, axes["b"])
+    speed(named, axes["b"])
     axes["b"].legend(handles=axes["b"].lines[:1], **ABOVE)
-    _plane(named, axes["c"])
+    plane(named, axes["c"])
     letters([axes[name] for name in sorted(axes)], "stress", "speed", "phase plane")
     return fig
 
@@ -98,9 +96,9 @@ def _motion(run, title, result):
         _normal_stress(run, axes["a"])
     axes["a"].legend(ncols=2, **ABOVE)
     alone = [NamedRun(run, "slider", {"color": BLUE})]
-    _speed(alone, axes["b"])
+    speed(alone, axes["b"])
     axes["b"].legend(ncols=2, **ABOVE)
-    _plane(alone, axes["c"])
+    plane(alone, axes["c"])
     texts = ["stress", "speed", "phase plane"]
     if cycles > MANY:
         last = run.time.values[-1] - FEW / float(run.frequency)
@@ -130,70 +128,3 @@ def _of_contact(result):
     names = ("force_amplitude", "displacement_amplitude", "acceleration_max")
     known = {"area": parameter(result, "area")} | {name: float(values[name]) for name in names}
     return "\n" + ", ".join(value_text(name, x) for name, x in known.items() if x > 0.0)
-
-
-def _speed(runs, ax):
-    """Slip velocities and load-point velocities of `NamedRun` against time."""
-    factor, unit = prefixed("s", max(float(one.run.time.max()) for one in runs))
-    scale = _speed_axis(runs, ax)
-    loads = {(t.tobytes(), V.tobytes()): (t, V) for t, V in (_load(one.run) for one in runs)}
-    for i, (t, load) in enumerate(loads.values()):
-        name = "_" if i else "load point"
-        ax.plot(factor * t, scale * load, color=GRAY, lw=1.0, ls="--", label=name)
-    for run, name, line in runs:
-        ax.plot(factor * run.time, scale * run.V, label=name, **{"lw": 1.0} | line)
-    ax.set(xlabel=f"Time [{unit}]")
-    show_constant(ax)
-
-
-def _speed_axis(runs, ax):
-    """An axis for the speeds, logarithmic if that pays; the factor from SI to its unit."""
-    V = np.concatenate([one.run.V.values for one in runs])
-    factor, unit = prefixed("m/s", float(np.nanmax(V)))
-    ax.set_ylabel(f"$V$ [{unit}]")
-    if is_wide(V):
-        ax.set_yscale("log")
-    return factor
-
-
-def _load(run):
-    """Times and speeds of the load point, with its jumps where they are recorded; NaN at rest."""
-    t, V = run.time.values, run.V_load.values
-    record = loading_record(run)
-    columns = [record.get(name) for name in ("t", "V", "rate")]
-    if all(isinstance(column, list) for column in columns):  # of this run alone
-        starts, speeds, rates = map(np.array, columns)
-        ends = np.append(starts[1:], max(t[-1], starts[-1]))
-        t = np.column_stack([starts, ends]).ravel()
-        V = np.column_stack([speeds, speeds + rates * (ends - starts)]).ravel()
-        last = np.searchsorted(t, run.time.values[-1], side="right")
-        t, V = t[: last + 1].clip(None, run.time.values[-1]), V[: last + 1]
-    return t, np.where(V > 0.0, V, np.nan)
-
-
-def _plane(runs, ax):
-    """Speed against stress, with all steady states and the one at the last load-point velocity."""
-    scale = _speed_axis(runs, ax)
-    for run, name, line in runs:
-        ax.plot(run.tau / normal_stress(run), scale * run.V, label=f"_{name}", **THIN | line)
-    show_constant(ax)
-    low, high = ax.get_xlim()
-    speeds = np.concatenate([one.run.V.values for one in runs])
-    V = np.geomspace(np.nanmin(speeds), np.nanmax(speeds), 50)
-    steady, crosses = {}, set()
-    for run, *_ in runs:
-        stress = steady_stress(run, V)
-        steady[tuple(stress)] = stress
-        if (last := float(run.V_load[-1])) > 0.0:
-            crosses.add((float(steady_stress(run, last)), scale * last))
-    for i, stress in enumerate(steady.values()):
-        name = "_" if i else "steady states"
-        ax.plot(stress, scale * V, color=GRAY, lw=0.9, ls="--", label=name)
-    if crosses:
-        x, y = np.array(sorted(crosses)).T
-        cross = {"color": RED, "ms": 6, "mew": 1.3, "zorder": 5}
-        ax.plot(x, y, "x", label="steady at the last $V_{lp}$", **cross)
-        low, high = min(low, *x), max(high, *x)
-    margin = 0.05 * (high - low)
-    ax.set(xlim=(low - margin, high + margin), xlabel=STRESS)
-    ax.legend(**ABOVE, ncols=1, handlelength=1.3, handletextpad=0.4, borderpad=0.1)

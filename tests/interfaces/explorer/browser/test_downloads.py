@@ -46,5 +46,4 @@ def test_downloads(show, tmp_path):
     png = files["png"].read_bytes()
     assert png.startswith(b"\x89PNG\r\n\x1a\n")
     width, height = (int.from_bytes(png[k : k + 4], "big") for k in (16, 20))
-    assert width > 800
-    assert height > 400
+    assert (width, height) == (1382, 998)  # of 7.2 x 5.2 inches, each of twice 96 pixels

@@ -42,7 +42,8 @@ def test_everything_is_reached_by_keyboard(show):
         if seen[-1][0] == "whole":
             break
     names = [name for name, *_ in seen]
-    wanted = ["presets", "link", "scenario", "python", "csv", "png", "law", "friction"]
+    wanted = ["presets", "link", "scenario", "python", "csv", "svg", "pdf", "png", "page"]
+    wanted += ["law", "friction"]
     for symbol in ("a", "b", "Dc", "sigma", "M", "K", "V_lp"):
         wanted += [f"entry-{symbol}", f"slider-{symbol}"]
     wanted += [f"{control}-{symbol}" for symbol in OF_ALL for control in ("entry", "slider")]

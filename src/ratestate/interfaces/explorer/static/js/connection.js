@@ -30,7 +30,7 @@ export class Connection {
     };
   }
 
-  /** Ask; gives the question's id, or null while there is no connection.  more: what such a question has besides */
+  /** Ask, perhaps with more than entries; gives the question's id, or null while there is no connection. */
   ask(what, entries, more = {}) {
     if (this.socket.readyState !== WebSocket.OPEN) return null;
     this.count += 1;

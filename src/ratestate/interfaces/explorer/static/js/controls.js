@@ -49,6 +49,7 @@ export class Controls {
     }
     $("controls").addEventListener("submit", (event) => event.preventDefault());
     addEventListener("hashchange", () => {
+      if (this.fixed) return;
       const linked = this.entries.linked();
       this.entries.past.moved();
       if (!linked) return;
@@ -57,8 +58,14 @@ export class Controls {
     });
   }
 
+  /** Nothing can be changed in a saved page. */
+  get fixed() {
+    return Boolean(this.entries.live);
+  }
+
   /** Take texts from a field that shows them. */
   change(texts, stamp) {
+    if (this.fixed) return;
     this.entries.set(texts);
     this.entries.past.add();
     this.experiments.show();
@@ -68,6 +75,7 @@ export class Controls {
 
   /** Take texts that come from no field: show them, and ask. */
   take(texts, stamp) {
+    if (this.fixed) return;
     this.show(texts);
     this.entries.past.add();
     this.ask(stamp);

@@ -7,12 +7,13 @@ export class Entries {
    * names: of what there always is; optional: of what there need not be, and is not in place of a wrong one
    * valid: texts that can be used, of names
    * longest: characters that one may have, by name; of any other that of "value"
+   * live: of a saved page, whose own address holds nothing, the address of the page that it was
    */
-  constructor(names, optional, valid, longest) {
+  constructor(names, optional, valid, longest, live) {
     this.absent = Object.fromEntries(optional.map((name) => [name, null]));
     this.names = [...names, ...optional];
-    Object.assign(this, { valid: { ...valid, ...this.absent }, longest, texts: {}, refused: {} });
-    this.past = new Past(() => this.fragment());
+    Object.assign(this, { valid: { ...valid, ...this.absent }, longest, live, texts: {}, refused: {} });
+    this.past = new Past(live ? null : () => this.fragment());
   }
 
   /**
@@ -56,11 +57,12 @@ export class Entries {
   }
 
   link() {
-    return `${location.origin}${location.pathname}#${this.fragment()}`;
+    return this.live ?? `${location.origin}${location.pathname}#${this.fragment()}`;
   }
 
   /** The texts that the address holds, of names that are known; null if it holds none. */
   linked() {
+    if (this.live) return null;
     const given = [...new URLSearchParams(location.hash.slice(1))].filter(([name]) => this.names.includes(name));
     return given.length ? { ...this.absent, ...Object.fromEntries(given) } : null;
   }

@@ -3,13 +3,14 @@
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { $ } from "./dom.js";
-import { savePicture, saveText } from "./downloads.js";
 import { Entries } from "./entries.js";
 import { Instant } from "./instant.js";
 import { learnPrefixes } from "./numbers.js";
 import { Phase } from "./phase.js";
 import { Pins } from "./pins.js";
 import { Questions } from "./questions.js";
+import { Recording, disable } from "./recording.js";
+import { Sharing } from "./sharing.js";
 import { describe } from "./spoken.js";
 import { Standing } from "./standing.js";
 import { onTheme } from "./theme.js";
@@ -21,7 +22,6 @@ import { write } from "./words.js";
 let controls = null; // Controls, once the server has said what there is to control
 let picture = null; // the newest answer drawn
 let frame = 0;
-const files = new Set(); // ids of the downloads asked for
 
 const instant = new Instant();
 const pins = new Pins(redraw);
@@ -36,18 +36,21 @@ const standing = new Standing({
 });
 const verdict = { show: (found) => tell(found, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") }) };
 const views = [verdict, traces, phase, standing, { show: describe }];
-const connection = new Connection({ answer, lost });
+const saved = $("recording")?.textContent; // of a page that was saved
+if (saved) views.push({ show: disable });
+const connection = saved ? new Recording(saved, { answer }) : new Connection({ answer, lost });
 const questions = new Questions((texts) => connection.ask("picture", texts));
+const sharing = new Sharing({
+  ready: take,
+  link: () => controls.entries.link(),
+  ask: (kind) => connection.ask(kind, controls.entries.texts, { pinned: pins.texts }),
+  say,
+});
 onTheme(redraw);
 new ResizeObserver(redraw).observe($("phase-canvas"));
 listen();
 
 function listen() {
-  for (const button of document.querySelectorAll("[data-file]")) {
-    button.addEventListener("click", () => take(() => files.add(connection.ask(button.id, controls.entries.texts))));
-  }
-  $("link").addEventListener("click", () => take(copyLink));
-  $("png").addEventListener("click", () => take(png));
   $("whole").addEventListener("change", (event) => {
     phase.whole = event.target.checked;
     phase.draw();
@@ -84,18 +87,19 @@ function settle() {
 // ---- answers
 
 function answer(found) {
-  ({ hello, preparing, ready: () => say(""), picture: arrived, chart: (of) => standing.chart(of), window: (of) => standing.window(of), branch: (of) => standing.branched(of), file, problem })[found.kind](found);
+  ({ hello, preparing, ready: () => say(""), picture: arrived, chart: (of) => standing.chart(of), window: (of) => standing.window(of), branch: (of) => standing.branched(of), file: (of) => sharing.save(of), problem })[found.kind](found);
 }
 
-function hello({ fields, laws, before, experiment, longest, prefixes, presets, span }) {
+function hello({ fields, laws, before, experiment, live, longest, prefixes, presets, span }) {
   learnPrefixes(prefixes);
   standing.open({ span, fields });
   const names = [...fields.map((field) => field.symbol), "law"];
   const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
-  const entries = new Entries(names, ["friction", ...experiment], { ...own, ...presets[0].entries }, longest);
+  const entries = new Entries(names, ["friction", ...experiment], { ...own, ...presets[0].entries }, longest, live);
   controls ??= new Controls(fields, laws, before, presets, entries, ask, whenRead);
   questions.forget();
   say("");
+  for (const pin of connection.pinned ?? []) pins.add(pin.picture, pin.texts);
   ask();
 }
 
@@ -109,10 +113,6 @@ function arrived(found) {
   frame ||= requestAnimationFrame(draw);
 }
 
-function file({ name, text }) {
-  saveText(name, text);
-}
-
 function problem(found) {
   const { id, problems, values } = found;
   const isNewest = questions.isNewest(found);
@@ -121,7 +121,7 @@ function problem(found) {
     ask(); // for what can be used
     return;
   }
-  if (!standing.refuse(problems) && (id === null || isNewest || files.has(id))) say(Object.values(problems).join("; "));
+  if (!standing.refuse(problems) && (id === null || isNewest || sharing.concerns(found))) say(Object.values(problems).join("; "));
   if (!isNewest) return;
   if (values) controls.accept(values);
   settle();
@@ -173,21 +173,4 @@ function take(act) {
     if (wrong.length) say(`Nothing was taken along: correct ${wrong.join(", ")} first.`);
     else act();
   });
-}
-
-async function copyLink() {
-  const link = controls.entries.link();
-  try {
-    await navigator.clipboard.writeText(link);
-    say("The link is copied.");
-  } catch {
-    say(`The browser does not let it be copied; here it is: ${link}`);
-  }
-}
-
-function png() {
-  if (!picture) return;
-  const shown = Object.entries(controls.entries.texts).map(([name, text]) => `${name} = ${text}`).join(",  ");
-  const columns = [[traces.stress.ctx.canvas, traces.speed.ctx.canvas], [$("map-canvas"), $("phase-canvas")]];
-  savePicture(columns, $("headline").textContent, shown);
 }

@@ -5,7 +5,7 @@ import { $ } from "./dom.js";
 const WAIT = 400; // ms without a change that make one step of all changes before
 
 export class Past {
-  /** fragment: function () that gives what the address holds of the present state */
+  /** fragment: function () that gives what the address holds of the present state; null if it holds nothing */
   constructor(fragment) {
     Object.assign(this, { fragment, timer: 0, adds: false, last: 0 });
     // An address that was typed, or opened by a link, has no state yet.
@@ -34,6 +34,7 @@ export class Past {
   }
 
   write() {
+    if (!this.fragment) return;
     const address = `#${this.fragment()}`;
     if (this.adds && address !== location.hash) {
       this.last = this.step + 1;

@@ -23,6 +23,11 @@ export class Pins {
     this.tell();
   }
 
+  /** The texts of each. */
+  get texts() {
+    return this.all.map(({ texts }) => texts);
+  }
+
   add(picture, texts) {
     const role = ROLES.find((free) => this.all.every((pin) => pin.role !== free));
     if (!role || !picture) return;

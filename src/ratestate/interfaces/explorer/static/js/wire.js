@@ -2,7 +2,7 @@
 
 const decoder = new TextDecoder();
 
-/** {id, kind, ..., arrays: {name: Float64Array}} */
+/** {id, kind, ..., arrays: {name: Float64Array}, content: Uint8Array of a file} */
 export function decode(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(decoder.decode(new Uint8Array(buffer, 4, length)));
@@ -12,7 +12,7 @@ export function decode(buffer) {
     arrays[name] = new Float64Array(buffer, at, size);
     at += 8 * size;
   }
-  return { ...header, arrays };
+  return { ...header, arrays, content: new Uint8Array(buffer, at) };
 }
 
 /** A number of a header, where "inf" stands for what JSON cannot hold. */

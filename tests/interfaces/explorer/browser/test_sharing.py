@@ -1,0 +1,164 @@
+"""Taking a page along: figures, the page as one file that opens without a server, frames."""
+
+import contextlib
+import functools
+import http.server
+import threading
+import types
+from html import escape
+
+import latency
+import pytest
+from conftest import DRAWN, NUMBERS, Shown
+
+import ratestate as rs
+from ratestate.paper.parameters import FIG2
+
+VIBRATION = latency.CASES["quasi-harmonic"]
+MAPPED = "() => document.querySelector('#regimes li:not([hidden])')"
+
+
+def take(shown, kind, folder):
+    with shown.page.expect_download() as download:
+        shown.page.click(f"#{kind}")
+    path = folder / download.value.suggested_filename
+    download.value.save_as(path)
+    return path
+
+
+@contextlib.contextmanager
+def opened(browser, address, **look):
+    """A page without any network, which complains of nothing and asks for nothing but itself."""
+    context = browser.new_context(**look)
+    context.set_offline(True)
+    page = context.new_page()
+    complaints, requests = [], []
+    page.on("console", lambda m: complaints.append(m.text))
+    page.on("pageerror", lambda e: complaints.append(str(e)))
+    page.on("request", lambda r: requests.append(r.url))
+    page.goto(address)
+    page.wait_for_function(DRAWN, timeout=60_000)
+    yield page
+    page.wait_for_timeout(200)
+    context.close()
+    assert complaints == []
+    assert requests == [address.partition("#")[0]]
+
+
+@pytest.fixture(scope="module")
+def taken(browser, server, tmp_path_factory):
+    """What is taken along of a page with another run pinned; and what the page was."""
+    shown = Shown(browser, server.address, VIBRATION.replace("K=900", "K=800"))
+    shown.page.click("#pin")
+    shown.type("K", "900 MPa/m")
+    shown.wait()
+    shown.page.wait_for_function(MAPPED)
+    folder = tmp_path_factory.mktemp("taken")
+    yield types.SimpleNamespace(
+        page=take(shown, "page", folder),
+        svg=take(shown, "svg", folder),
+        headline=shown.text("#headline"),
+        numbers=shown.numbers,
+    )
+    shown.context.close()
+    assert shown.complaints == []
+
+
+def test_a_figure_is_taken_along(taken):
+    assert taken.svg.name == "ratestate.svg"
+    text = taken.svg.read_text()
+    assert "<!-- Quasi-harmonic vibration at 50.59 Hz" in text
+    assert "<!-- $K$ = 800 MPa/m -->" in text
+
+
+def test_a_saved_page_opens_without_a_server(browser, taken):
+    with opened(browser, taken.page.as_uri(), viewport={"width": 1440, "height": 900}) as page:
+        assert page.inner_text("#headline").replace("\N{NO-BREAK SPACE}", " ") == taken.headline
+        assert page.evaluate(NUMBERS) == taken.numbers
+        assert page.title() == taken.headline.replace("\u03c4/\u03c3", "tau/sigma")
+        page.wait_for_function(MAPPED)
+        assert page.inner_text("#pins li").startswith("K = 800 MPa/m")
+        assert page.input_value("#entry-V_lp") == "3.2 mm/s"
+        assert "ratestate explore" in page.inner_text("#saved")
+        height = "document.documentElement.scrollHeight - innerHeight"
+        assert page.evaluate(height) == 0
+
+
+def test_what_a_saved_page_shows_can_be_read_at_the_pointer(browser, taken):
+    with opened(browser, taken.page.as_uri(), color_scheme="dark") as page:
+        page.hover("#stress-chart .u-over")
+        page.wait_for_function(
+            "() => document.querySelector('#readout').innerText.includes('= 0.5')"
+        )
+        before = page.evaluate("document.querySelector('#phase-canvas').toDataURL()")
+        page.check("#whole")
+        assert page.evaluate("document.querySelector('#phase-canvas').toDataURL()") != before
+
+
+def test_nothing_in_a_saved_page_can_be_changed(browser, taken):
+    with opened(browser, f"{taken.page.as_uri()}#K=1 GPa/m") as page:  # a link has no say
+        names = page.evaluate(
+            "[...document.querySelectorAll(':is(button, input, select):enabled')].map(x => x.id)"
+        )
+        assert {*names} - {"unzoom"} == {"link", "whole", "pin", ""}  # the last one removes a pin
+        box = page.locator("#map-canvas").bounding_box()
+        page.mouse.click(box["x"] + 120, box["y"] + 60)
+        page.evaluate("location.hash = 'K=2 GPa/m'")
+        page.wait_for_timeout(300)
+        assert page.input_value("#entry-K") == "900 MPa/m"
+        assert page.is_disabled("#undo")
+        assert page.evaluate("document.body.dataset.asked") == "1"
+
+
+def test_the_link_of_a_saved_page_is_to_the_live_one(browser, taken, show):
+    with opened(browser, taken.page.as_uri()) as page:
+        href = page.get_attribute("#saved a", "href")
+    assert href.startswith("http://127.0.0.1:8765/#")
+    live = show(href.partition("#")[2])
+    assert live.text("#headline") == taken.headline
+
+
+@contextlib.contextmanager
+def served(folder):
+    """A folder at a port of localhost, as a notebook's server is."""
+    quiet = type("Quiet", (http.server.SimpleHTTPRequestHandler,), {"log_message": lambda *_: None})
+    handler = functools.partial(quiet, directory=str(folder))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://localhost:{server.server_port}"
+        server.shutdown()
+
+
+def framed(browser, folder, html):
+    """The headline within a frame of a page of another server; None if there is none."""
+    (folder / "index.html").write_text(
+        f'<!doctype html><meta charset="utf-8"><title>n</title>{html}'
+    )
+    with served(folder) as address:
+        page = browser.new_page()
+        page.goto(address)
+        try:
+            frame = page.wait_for_selector("iframe").content_frame()
+            frame.wait_for_function(DRAWN, timeout=60_000 if "data-long" in html else 3_000)
+            return frame.inner_text("#headline")
+        except Exception:  # of another kind by what the browser makes of the refusal
+            return None
+        finally:
+            page.close()
+
+
+def test_only_that_of_a_notebook_may_be_framed(browser, server, tmp_path):
+    page = rs.explore(FIG2, "3.2 mm/s")
+    try:
+        html = page._repr_html_().replace("<iframe", "<iframe data-long")
+        assert framed(browser, tmp_path, html).startswith("Quasi-harmonic vibration at 50.59")
+    finally:
+        page.close()
+    assert framed(browser, tmp_path, f'<iframe src="{server.address}"></iframe>') is None
+
+
+def test_a_saved_page_may_be_a_frames_source(browser, taken, tmp_path):
+    """As in a notebook on another machine."""
+    text = escape(taken.page.read_text())
+    html = f'<iframe data-long srcdoc="{text}" width="900" height="860"></iframe>'
+    assert framed(browser, tmp_path, html).startswith("Quasi-harmonic vibration at 50.59")
