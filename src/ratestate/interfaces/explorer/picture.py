@@ -24,6 +24,8 @@ ATTEMPTS = 3
 SECONDS = 1.0
 # A run that takes too long is repeated up to this part of what was done; most points of a curve.
 AGAIN, MOST_SENT = 0.5, 6000
+# What the block and the load point of a run are drawn from -> variables of the run [m].
+PATHS = {"slip": "delta", "load": "delta_lp"}
 
 
 class Study(NamedTuple):
@@ -77,7 +79,7 @@ def picture(state, deadline):
     study, slider = study_of(state, deadline), state.slider
     run, notes = run_of(study.plan, deadline)
     verdict = study.verdict
-    arrays = _curves("run", run, slider.sigma, study.plan.changes[0])
+    arrays = _curves("run", run, slider.sigma, study.plan.changes[0], PATHS)
     if verdict.period:
         arrays |= _curves("cycle", study.orbit, slider.sigma, 0.0)
     arrays |= charts.line(slider, state.V_lp, verdict.K_c_qs)
@@ -141,19 +143,25 @@ def run_of(plan, deadline):
     return None, [f"No run is shown: of {requested:.3g} s too little was done in {limit}"]
 
 
-def _curves(name, run, sigma, t_zero):
+def _curves(name, run, sigma, t_zero, paths=()):
     """Arrays to draw a run: time relative to t_zero, tau/sigma, mu, V; empty if run is None.
 
-    sigma : the normal stress, unless it is among the variables of the run
+    sigma : the normal stress, unless it is among the variables of the run, and sent as well
+    paths : keys of `PATHS`, of which the displacement since the start of the run is sent
     """
     if run is None:
-        return {f"{name}_{what}": np.empty(0) for what in ("time", "stress", "mu", "V")}
+        return {f"{name}_{what}": np.empty(0) for what in ("time", "stress", "mu", "V", *paths)}
     curves = {
         "time": run.time.values - t_zero,
         "stress": (run.tau / run.get("sigma", sigma)).values,
         "mu": run.mu.values,
         "V": run.V.values,
     }
+    for path in paths:
+        displacement = run[PATHS[path]].values
+        curves[path] = displacement - displacement[0]
+    if "sigma" in run:
+        curves["sigma"] = run.sigma.values
     which = decimated(curves["stress"], curves["V"])
     return {f"{name}_{what}": values[which] for what, values in curves.items()}
 

@@ -49,7 +49,18 @@ def test_everything_is_reached_by_keyboard(show):
     wanted += [f"{control}-{symbol}" for symbol in OF_ALL for control in ("entry", "slider")]
     wanted += [f"{part}-{stepped}" for stepped in ("V_lp", "sigma") for part in ("factor", "step")]
     wanted += ["factor-kick", "kick", "hold-time", "hold", "slide-hold-slide"]
-    assert names == [*wanted, "SUMMARY", "pin", "tab-map", "drag", "dot", "closer", "whole"]
+    played = ["play", "played", "playing-speed"]
+    assert names == [
+        *wanted,
+        "SUMMARY",
+        "pin",
+        *played,
+        "tab-map",
+        "drag",
+        "dot",
+        "closer",
+        "whole",
+    ]
     assert all(style != "none" and width >= 1 for _, style, width in seen), seen
 
 
@@ -91,8 +102,12 @@ def test_nothing_moves_but_what_is_moved(show, width, height):
     for symbol, text in moves:
         shown.type(symbol, text)
         shown.wait()
-    for chart in ("#stress-chart", "#speed-chart", "#map-canvas", "#phase-canvas"):
+    for chart in ("#machine", "#stress-chart", "#speed-chart", "#map-canvas", "#phase-canvas"):
         shown.page.hover(chart)
+        shown.page.wait_for_timeout(50)
+    shown.page.click("#play")
+    for pace in ("0.25", "4"):
+        shown.page.select_option("#playing-speed", pace)
         shown.page.wait_for_timeout(50)
     # (what is typed, which has no node for scripts, is given its unit)
     assert [what for what in shown.page.evaluate("shifts") if what] == []

@@ -5,9 +5,11 @@ import { Controls } from "./controls.js";
 import { $ } from "./dom.js";
 import { Entries } from "./entries.js";
 import { Instant } from "./instant.js";
+import { Machine } from "./machine.js";
 import { learnPrefixes } from "./numbers.js";
 import { Phase } from "./phase.js";
 import { Pins } from "./pins.js";
+import { Playback } from "./playback.js";
 import { Questions } from "./questions.js";
 import { Recording, disable } from "./recording.js";
 import { Sharing } from "./sharing.js";
@@ -25,7 +27,9 @@ let frame = 0;
 
 const instant = new Instant();
 const pins = new Pins(redraw);
-const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant, [pins]);
+const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant, [pins], redraw);
+const playback = new Playback({ button: $("play"), slider: $("played"), speed: $("playing-speed"), readout: $("pace") }, instant, () => traces.times());
+const moving = [playback, new Machine($("machine"), instant, playback)];
 const phase = new Phase($("phase-canvas"), $("phase-point"), $("cycle-key"), instant, pins);
 const standing = new Standing({
   ask: (...question) => connection.ask(...question),
@@ -35,7 +39,7 @@ const standing = new Standing({
   pins,
 });
 const verdict = { show: (found) => tell(found, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") }) };
-const views = [verdict, traces, phase, standing, { show: describe }];
+const views = [verdict, traces, ...moving, phase, standing, { show: describe }];
 const saved = $("recording")?.textContent; // of a page that was saved
 if (saved) views.push({ show: disable });
 const connection = saved ? new Recording(saved, { answer }) : new Connection({ answer, lost });
@@ -159,6 +163,7 @@ function draw() {
 
 function redraw() {
   traces.draw();
+  if (picture) for (const view of moving) view.show(picture);
   phase.draw();
   standing.draw();
 }

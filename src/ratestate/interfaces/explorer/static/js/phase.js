@@ -1,20 +1,27 @@
 // The phase plane: V against tau/sigma, on a logarithmic axis, or a linear one where slip reverses.
 
+import { nearest } from "./nearest.js";
 import { Plane } from "./plane.js";
-import { extremes, valuesAt } from "./run.js";
+import { between, extremes, pieceAt, placeOf, valuesAt } from "./run.js";
 import { color } from "./theme.js";
 import { backward, counted, speeds } from "./ticks.js";
+import { number } from "./wire.js";
 import { parts } from "./words.js";
 
 const PADDING = 0.07;
 const SMALLEST = 1e-12; // of tau/sigma: room about a point
+const NEAR = 24; // px: a curve is pointed at from so far
+const SAME = 3; // px: of curves so close, the run is meant, and its last passage
 
 export class Phase {
   /** point: element that marks the instant; cycleKey: the legend's entry of the limit cycle; pins: Pins */
   constructor(canvas, point, cycleKey, instant, pins) {
-    Object.assign(this, { point, cycleKey, instant, pins, whole: false });
+    Object.assign(this, { canvas, point, cycleKey, instant, pins, whole: false });
     this.plane = new Plane(canvas, { log: false }, { log: true });
     instant.on(() => this.mark());
+    for (const kind of ["pointermove", "pointerdown"]) canvas.addEventListener(kind, (event) => this.pointAt(event));
+    // (a finger that is lifted leaves too, and what it pointed at stays)
+    canvas.addEventListener("pointerleave", ({ pointerType }) => pointerType === "mouse" && instant.point(null));
   }
 
   show(picture) {
@@ -52,8 +59,37 @@ export class Phase {
     const [x, y] = at ? [this.plane.X(at.stress), this.plane.Y(at.V)] : [];
     this.point.hidden = !at || !this.plane.isInside(x, y);
     if (this.point.hidden) return;
-    this.point.style.left = `${x}px`;
-    this.point.style.top = `${y}px`;
+    this.point.style.transform = `translate(${x}px, ${y}px)`;
+  }
+
+  pointAt({ clientX, clientY }) {
+    if (!this.picture) return;
+    const { left, top } = this.canvas.getBoundingClientRect();
+    const at = [clientX - left, clientY - top];
+    this.instant.point(this.plane.isInside(...at) ? this.timeAt(...at) : null);
+  }
+
+  /**
+   * When the run is nearest to a point of the canvas [s]; null if neither it nor the cycle is near.
+   * Near the cycle alone it is when the run's last period is nearest to that point of it.
+   */
+  timeAt(px, py) {
+    const { arrays, numbers } = this.picture;
+    const times = arrays.run_time;
+    const run = this.pixels(arrays.run_stress, arrays.run_V);
+    const cycle = arrays.cycle_V ? this.pixels(arrays.cycle_stress, arrays.cycle_V) : [[], []];
+    const [onRun, onCycle] = [run, cycle].map((curve) => nearest(...curve, px, py, SAME));
+    if (Math.min(onRun.distance, onCycle.distance) > NEAR) return null;
+    if (onRun.distance <= onCycle.distance + SAME) return between(times, placeOf(onRun.at, times.length));
+    const [x, y] = cycle.map((values) => between(values, placeOf(onCycle.at, values.length)));
+    const from = pieceAt(times, times.at(-1) - number(numbers.period));
+    const late = nearest(...run.map((values) => values.subarray(from)), x, y);
+    return times.length > 1 ? between(times, placeOf(from + late.at, times.length)) : null;
+  }
+
+  /** A curve in px of the canvas. */
+  pixels(stress, V) {
+    return [stress.map((value) => this.plane.X(value)), V.map((value) => this.plane.Y(value))];
   }
 
   /** Stress and V of the cycle; without one, or if asked to, of the whole run. */

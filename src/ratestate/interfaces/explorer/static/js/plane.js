@@ -1,5 +1,6 @@
 // A canvas with two axes, each linear or logarithmic.
 
+import { fit } from "./canvas.js";
 import { writeLabel } from "./labels.js";
 import { FONT, color } from "./theme.js";
 import { linear, logarithmic } from "./ticks.js";
@@ -14,17 +15,8 @@ export class Plane {
 
   /** Fit the canvas to its box, and clear it. */
   begin() {
-    const ratio = devicePixelRatio || 1;
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
-      this.canvas.width = Math.round(width * ratio);
-      this.canvas.height = Math.round(height * ratio);
-    }
+    const [width, height] = fit(this.canvas, this.context, color("card"));
     this.box = { left: MARGIN.left, top: MARGIN.top, width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom };
-    const c = this.context;
-    c.setTransform(ratio, 0, 0, ratio, 0, 0);
-    c.fillStyle = color("card");
-    c.fillRect(0, 0, width, height);
   }
 
   share(axis, value) {

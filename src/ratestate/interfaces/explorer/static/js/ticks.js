@@ -6,11 +6,15 @@ const NICE = [1, 2, 5, 10];
 // Range over size of values from which they differ in late digits only.
 const FINE = 1e-4;
 
+/** The round value that is this one or the next above: 1, 2 or 5 times a power of ten. */
+export function roundUp(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return power * NICE.find((n) => n * power >= value * 0.999);
+}
+
 /** About `wanted` round values from low to high: [[value, text], ...]. */
 export function linear(low, high, wanted) {
-  const rough = (high - low) / Math.max(wanted, 1);
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * NICE.find((n) => n * power >= rough * 0.999);
+  const step = roundUp((high - low) / Math.max(wanted, 1));
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const ticks = [];
   for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k += 1) {

@@ -2,9 +2,10 @@
 
 import uPlot from "../vendor/uPlot.js";
 import { changes, speedOf } from "./changes.js";
-import { element } from "./dom.js";
-import { gap, inertia } from "./inertia.js";
-import { round, shown, timeUnit } from "./numbers.js";
+import { Dots } from "./dots.js";
+import { inertia } from "./inertia.js";
+import { timeUnit } from "./numbers.js";
+import { tell } from "./readout.js";
 import { extremes, valuesAt } from "./run.js";
 import { color, onTheme } from "./theme.js";
 import { backward, counted, linear, speeds } from "./ticks.js";
@@ -15,15 +16,16 @@ const NARROWEST = 1e-3; // of the whole time: what is kept of a zoom
 
 export class Traces {
   /**
-   * readout: element that tells values at the instant, and what the lines are; unzoom: button
+   * readout: element that tells values at the instant, and what the lines are; unzoom: button;
+   * zoomed: function (), called when other times are shown, to draw them
    *
    * layers: what lies behind the lines: {draw(plot, name, X, Y, picture), range(name, first, last),
    * times()} with name "stress" or "speed", functions of seconds and of values that give pixels, the
    * range of what is drawn between two times, and its first and last time.  Without range or times
    * the axes do not reach out for it.
    */
-  constructor(stressBox, speedBox, readout, unzoom, instant, layers) {
-    Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, layers: [inertia, changes, ...layers] });
+  constructor(stressBox, speedBox, readout, unzoom, instant, layers, zoomed) {
+    Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, zoomed, layers: [inertia, changes, ...layers] });
     this.unit = [1, "s"];
     this.reverses = false;
     this.window = null; // [first, last] of the time shown, in seconds; null for all
@@ -32,7 +34,7 @@ export class Traces {
     onTheme(() => this.rebuild());
     unzoom.addEventListener("click", () => this.zoom(null));
     instant.on(() => this.mark());
-    this.tell();
+    this.mark();
   }
 
   get plots() {
@@ -46,34 +48,40 @@ export class Traces {
     const line = (role, more) => ({ stroke: color(role), width: 1.4, points: { show: false }, paths: straight, ...more });
     const load = line("run", { width: 1, dash: [5, 4], paths: uPlot.paths.stepped({ align: 1 }) });
     const time = ticking(linear, 70, "width");
-    this.stress = this.plot("stress", { range: (_, low, high) => padded(this.reach("stress", low, high)) }, this.stressBox, {
+    this.stress = this.plot("stress", ["stress", "friction"], { range: (_, low, high) => padded(this.reach("stress", low, high)) }, this.stressBox, {
       axes: [axis({ ...time, values: (_, splits) => splits.map(() => ""), size: 8 }), axis({ size: AXIS_WIDTH, ...ticking(stresses, 40), label: "\u03c4/\u03c3,  \u03bc" })],
       series: [{}, line("stress", { width: 1.6 }), line("friction", { dash: [6, 4] })],
     });
-    this.speed = this.plot("speed", this.speedScale(), this.speedBox, {
+    this.speed = this.plot("speed", ["speed"], this.speedScale(), this.speedBox, {
       axes: [axis({ size: 24, label: "Time", ...time }), axis({ size: AXIS_WIDTH, ...ticking(rates, 34), label: "V  [m/s]" })],
       series: [{}, load, line("speed")],
     });
     this.fit();
   }
 
-  plot(name, y, box, more) {
+  plot(name, roles, y, box, more) {
     const bind = { dblclick: () => () => this.zoom(null) };
     const options = {
       width: 300,
       height: 200,
       padding: [8, 12, 0, 0],
       legend: { show: false },
-      cursor: { points: { size: 6 }, drag: { x: true, y: false, setScale: false }, bind },
-      scales: { x: { time: false, range: () => this.across() }, y },
+      cursor: { points: { show: false }, drag: { x: true, y: false, setScale: false }, bind },
+      scales: { x: { time: false, range: () => this.times().map((time) => time / this.unit[0]) }, y },
       hooks: {
-        setCursor: [(plot) => this.point(plot)],
         setSelect: [(plot) => this.select(plot)],
         drawAxes: [outline, (plot) => this.behind(plot, name)],
+        // (what is marked moves with the axes, which are known from here on)
+        draw: [(plot) => plot.dots && this.place(plot)],
       },
       ...more,
     };
-    return new uPlot(options, [[], [], []], box);
+    const plot = new uPlot(options, [[], [], []], box);
+    plot.dots = new Dots(plot, roles);
+    // (uPlot's own cursor is also set by new data, wherever the pointer is)
+    plot.over.addEventListener("mousemove", () => this.point(plot));
+    plot.over.addEventListener("mouseleave", () => this.instant.point(null));
+    return plot;
   }
 
   speedScale() {
@@ -126,9 +134,9 @@ export class Traces {
     return all.length ? extremes([all]) : [0, 1];
   }
 
-  /** The same of what is shown, in the axis's unit. */
-  across() {
-    return (this.window ?? this.whole()).map((time) => time / this.unit[0]);
+  /** The same of what is shown. */
+  times() {
+    return this.window ?? this.whole();
   }
 
   /** A range with those of the layers. */
@@ -152,7 +160,7 @@ export class Traces {
   zoom(window) {
     this.window = window;
     this.unzoom.disabled = !window;
-    this.draw();
+    this.zoomed();
   }
 
   select(plot) {
@@ -175,34 +183,29 @@ export class Traces {
 
   // ---- the instant
 
-  /** The pointer is here, or gone. */
+  /** The pointer is where uPlot has its cursor. */
   point(plot) {
-    const { left } = plot.cursor;
-    this.instant.point(left >= 0 && this.picture ? plot.posToVal(left, "x") * this.unit[0] : null);
+    if (this.picture) this.instant.point(plot.posToVal(plot.cursor.left, "x") * this.unit[0]);
   }
 
-  /** Put the cursor where the instant is. */
+  /** Put line, dots and values where the instant is. */
   mark() {
+    for (const plot of this.plots) this.place(plot);
     const { time } = this.instant;
-    for (const plot of this.plots) {
-      const left = time !== null && this.picture ? plot.valToPos(time / this.unit[0], "x") : -10;
-      // Where the pointer itself is, uPlot has the cursor, and perhaps drags.
-      if (Math.abs(left - plot.cursor.left) > 0.01) plot.setCursor({ left, top: Math.sign(left) }, false, false);
-    }
-    this.tell();
+    tell(this.readout, this.valuesAt(time), time, this.unit, this.picture);
   }
 
-  /** What the lines are; at the instant, with values. */
-  tell() {
+  /** Put the cursor of a plot where the instant is, and dots onto its lines. */
+  place(plot) {
     const { time } = this.instant;
-    const values = time !== null && this.picture ? valuesAt(this.picture.arrays, time) : null;
-    const parts = [
-      ["stress", "\u03c4/\u03c3", values && values.stress.toPrecision(6)],
-      ["friction", "\u03bc", values && values.mu.toPrecision(6)],
-      ["speed", "V", values && shown(values.V, "m/s")],
-    ].map(([role, name, value]) => element("span", {}, element("span", { className: `line ${role}` }), value ? `${name} = ${value}` : name));
-    if (values) parts.push(`t = ${round(time / this.unit[0], 5)} ${this.unit[1]}`);
-    else if (this.picture && gap(this.picture)) parts.push(element("span", {}, element("span", { className: "patch inertia" }), gap(this.picture)));
-    this.readout.replaceChildren(...parts);
+    const at = this.valuesAt(time);
+    const left = time !== null && this.picture ? plot.valToPos(time / this.unit[0], "x") : -10;
+    // Where the pointer itself is, uPlot has the cursor, and perhaps drags.
+    if (Math.abs(left - plot.cursor.left) > 0.01) plot.setCursor({ left, top: Math.sign(left) }, false, false);
+    plot.dots.put(time / this.unit[0], at && (plot === this.stress ? [at.stress, at.mu] : [at.V]));
+  }
+
+  valuesAt(time) {
+    return time !== null && this.picture ? valuesAt(this.picture.arrays, time) : null;
   }
 }
