@@ -75,6 +75,16 @@ def K_c(V, *, a, b, Dc, sigma, M):
     return K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) * (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
 
 
+def M_of_K_c(V, critical, *, a, b, Dc, sigma):
+    """The M [kg/m^2] at which the critical stiffness at V [m/s] is this [Pa/m]: eq. 6 solved for M.
+
+    Negative for a stiffness below K_c_qs, which no mass makes critical.  For b > a, which is not
+    checked.
+    """
+    excess = critical / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) - 1
+    return excess / eta(V, a=a, Dc=Dc, sigma=sigma, M=1.0)
+
+
 def b_of_K_c(V, critical, *, a, Dc, sigma, M):
     """The b [1] at which the critical stiffness at V [m/s] is this [Pa/m]: eq. 6 solved for b."""
     return a + critical * Dc / sigma / (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))

@@ -187,7 +187,9 @@ class TestLaws:
             "unit": "m",
             "usual": 1e-4,
             "text": "100 um",
+            "marked": False,
         }
+        assert [s for s, row in fields.items() if row["marked"]] == ["M", "K", "V_lp"]
         assert fields["m"]["text"] == "1.5"
         assert (fields["V2"]["unit"], fields["alpha"]["text"]) == ("m/s", "0")
 

@@ -13,10 +13,12 @@
 ``state``          a slider, speeds and an experiment
 ``entries``        from typed entries to such a state, and back
 ``menus``          what there is to choose: fields, laws, the paper's sliders
+``meanings``       what its symbols mean, for readers new to them
 ``motion``         which run is shown, and for how long
 ``settled``        the motion that has settled before an experiment
 ``experiment``     which run shows an experiment
 ``picture``        what is drawn: run, limit cycle, steady point, verdict
+``marks``          the critical values on its sliders
 ``charts``         what is behind the map: K_c, the atlas, finer parts; which sliders share them
 ``branch``         the bifurcation diagram: its range, stability, and branches of limit cycles
 ``exports``        files to take along: scenario, Python lines, CSV, and the two that follow

@@ -12,6 +12,8 @@ from ...model.units import to_si
 from ...paper import parameters as paper
 from . import charts
 from .entries import LONGEST, SYMBOLS, entries_of, state_of
+from .marks import MARKED
+from .meanings import meanings
 from .state import BEFORE, EXPERIMENT, NONE, PageState
 
 FIG1_STEP = float(np.e * paper.FIG1.V0)
@@ -22,11 +24,12 @@ def offers(starts):
     usual = fields(state_of(starts[0]["entries"]).values)
     header = {"fields": usual, "laws": menu(), "prefixes": prefixes(), "presets": starts}
     header |= {"before": BEFORE, "experiment": EXPERIMENT}
+    header["meanings"] = meanings(field["symbol"] for field in usual)
     return header | {"longest": LONGEST, "span": charts.SPAN}
 
 
 def fields(usual):
-    """list of dicts: symbol, name, unit and usual value [SI], the centre of the field's control.
+    """list of dicts: symbol, name, unit, usual value [SI], about which its slider reaches, marked.
 
     Those of a law, of a form of friction and of `NONE`, which follow, also have the text with which
     the field begins.
@@ -38,6 +41,7 @@ def fields(usual):
     for row in rows:
         quantity = QUANTITIES[row["symbol"]]
         row |= {"name": quantity.long_name, "unit": quantity.unit}
+        row["marked"] = row["symbol"] in MARKED
     return rows
 
 

@@ -14,6 +14,7 @@ from ...errors import SolverError
 from . import charts
 from .budget import TimeUp
 from .experiment import plan_of_experiment
+from .marks import marks
 from .motion import Plan, plan_of, steady_stress, transient_note
 from .settled import Settled
 
@@ -86,6 +87,7 @@ def picture(state, deadline):
     header = {
         "values": state.values,
         "numbers": {name: getattr(verdict, name) for name in NUMBERS},
+        "marks": marks(verdict),
         "sentences": verdict.sentences,
         "steady": steady_stress(slider, state.V_lp),
         "changes": [t - study.plan.changes[0] for t in study.plan.changes],

@@ -15,10 +15,16 @@ def test_no_rule_of_axe_is_violated(show, scheme, width, height):
     shown = show(color_scheme=scheme, viewport={"width": width, "height": height})
     page = shown.page
     page.click("#pin")
+    page.click("#tasks-open")
+    page.click("#task-start")
+    shown.wait()
     shown.type("Dc", "10 Mpa")  # a problem beside its field
     page.wait_for_selector("#problem-Dc:not([hidden])")
     page.click("#more summary")
     page.evaluate("scrollTo(0, 0)")  # else what is half below the motion on a phone is small there
+    page.focus("#entry-a")
+    page.keyboard.press("Tab")  # to a slider, which is explained
+    page.wait_for_selector("#explanation:not([hidden])")
     found = Axe().run(page, options=RULES).response
     told = [
         (rule["id"], [node["target"] for node in rule["nodes"]]) for rule in found["violations"]

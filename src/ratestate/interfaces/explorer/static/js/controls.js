@@ -40,7 +40,7 @@ export class Controls {
   listen() {
     $("presets").addEventListener("change", (event) => {
       const chosen = this.presets[event.target.value];
-      if (chosen) this.take({ ...this.entries.absent, ...chosen.entries }, event.timeStamp);
+      if (chosen) this.begin(chosen.entries, event.timeStamp);
     });
     for (const name of ["law", "friction"]) {
       $(name).addEventListener("change", (event) => {
@@ -79,6 +79,12 @@ export class Controls {
     this.show(texts);
     this.entries.past.add();
     this.ask(stamp);
+  }
+
+  /** Begin with these texts and no others: sliders reach about what they are. */
+  begin(texts, stamp) {
+    for (const field of Object.values(this.fields)) field.range.renew();
+    this.take({ ...this.entries.absent, ...texts }, stamp);
   }
 
   show(texts) {
@@ -151,6 +157,11 @@ export class Controls {
       if (!(name in this.entries.refused)) this.rename(name, field.complete());
     }
     this.experiments.accept(values, settling);
+  }
+
+  /** Mark the critical values of a picture on their sliders. */
+  mark({ marks }) {
+    for (const [name, critical] of Object.entries(marks)) this.fields[name].mark(critical);
   }
 
   /** Take the same value in other words. */

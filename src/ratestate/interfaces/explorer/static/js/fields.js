@@ -1,13 +1,10 @@
-// The parameters: an entry with a unit, and a slider over the decades about it.
+// The parameters: an entry with a unit, and a slider.
 
 import { element } from "./dom.js";
 import { ascii, display, entry, isBare, withUnit } from "./numbers.js";
-import { symbol } from "./words.js";
+import { Range } from "./range.js";
+import { explained } from "./words.js";
 
-const STEP = 0.005; // decades: an arrow key changes a value by 1.2 %
-const SPAN = { 1: 1 }; // decades to either side, by unit
-const USUAL_SPAN = 2;
-const EDGE = 0.15; // of the slider: where it is left there, it moves on
 const TYPING = 400; // ms without a key after which what is typed counts
 
 export class Field {
@@ -15,23 +12,22 @@ export class Field {
   constructor(spec, change) {
     this.spec = spec;
     this.change = change;
-    this.sign = 1; // of the value: the slider sets its size
     this.element = this.build();
   }
 
   build() {
     const { symbol: name } = this.spec;
-    const label = element("label", { className: "symbol", htmlFor: `entry-${name}` }, ...symbol(name));
+    const label = element("label", { className: "symbol", htmlFor: `entry-${name}` }, explained(name));
     const long = element("span", { className: "name", textContent: this.spec.name === name ? "" : this.spec.name });
     this.input = element("input", { type: "text", id: `entry-${name}`, spellcheck: false });
-    this.slider = element("input", { type: "range", id: `slider-${name}`, step: STEP });
+    this.slider = element("input", { id: `slider-${name}` });
     this.message = element("p", { className: "problem", id: `problem-${name}`, hidden: true });
     this.message.setAttribute("role", "alert");
     this.input.setAttribute("aria-describedby", `problem-${name}`);
     for (const control of [this.input, this.slider]) control.setAttribute("aria-label", `${this.spec.name} ${name}`);
-    this.reach(Math.log10(this.spec.usual));
+    this.range = new Range(this.slider, this.spec);
     this.listen();
-    return element("div", { className: "field" }, label, long, this.input, this.slider, this.message);
+    return element("div", { className: "field explains" }, label, long, this.input, this.range.element, this.message);
   }
 
   listen() {
@@ -51,11 +47,11 @@ export class Field {
       typed(event);
     });
     this.slider.addEventListener("input", (event) => {
-      const text = entry(this.sign * 10 ** Number(this.slider.value), this.spec.unit);
+      const text = entry(this.range.value, this.spec.unit);
+      this.value = this.range.value;
       this.input.value = display(text);
       this.tell(text, event.timeStamp);
     });
-    this.slider.addEventListener("change", () => this.recentre(Number(this.slider.value)));
     this.leaveToScrolling();
   }
 
@@ -73,7 +69,7 @@ export class Field {
 
   tell(text, stamp) {
     this.text = text;
-    this.slider.setAttribute("aria-valuetext", display(text));
+    this.describe();
     this.change(this.spec.symbol, text, stamp);
   }
 
@@ -81,7 +77,7 @@ export class Field {
   show(text) {
     this.text = text;
     this.input.value = display(text);
-    this.slider.setAttribute("aria-valuetext", display(text));
+    this.describe();
   }
 
   /** Whether what is shown lacks its unit: a number in SI. */
@@ -98,31 +94,18 @@ export class Field {
   /** Put the slider where the server reads the value. */
   place(value) {
     this.value = value;
-    if (document.activeElement === this.slider && this.slider.matches(":active")) return;
-    this.sign = value < 0 ? -1 : 1;
-    const at = Math.log10(Math.abs(value));
-    if (!Number.isFinite(at)) {
-      this.slider.value = value > 0 ? this.slider.max : this.slider.min;
-    } else {
-      this.recentre(at);
-      this.slider.value = at;
-    }
+    this.range.place(value);
   }
 
-  /** Let the slider reach further where the value is near its end. */
-  recentre(at) {
-    const [low, high] = [Number(this.slider.min), Number(this.slider.max)];
-    if (at > low + EDGE * (high - low) && at < high - EDGE * (high - low)) return;
-    this.reach(at);
+  /** Mark the critical values: [[name, value in SI], ...]. */
+  mark(critical) {
+    this.range.mark(critical);
+    this.describe();
   }
 
-  /** Let the slider reach about this power of ten. */
-  reach(at) {
-    const span = SPAN[this.spec.unit] ?? USUAL_SPAN;
-    const middle = Math.round(2 * at) / 2;
-    this.slider.min = middle - span;
-    this.slider.max = middle + span;
-    this.slider.value = at;
+  /** Say what stands on the slider to those who do not see it. */
+  describe() {
+    this.range.describe(display(this.text), this.value);
   }
 
   /** Explain what is wrong, or no longer. */

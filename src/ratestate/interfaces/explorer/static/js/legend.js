@@ -1,6 +1,8 @@
 // What the map's colours and marks mean: of those that occur.
 
 import { element } from "./dom.js";
+import { Roving } from "./roving.js";
+import { explained } from "./words.js";
 
 /** regimes in the order of their codes: as the server names them, as the page does, and the role of their colour */
 export const REGIMES = [
@@ -17,19 +19,20 @@ export class Legend {
   constructor(list) {
     this.list = list;
     const [unknown, ...known] = REGIMES.toReversed();
-    const regime = ({ name, role }) => this.entry(`patch ${role}`, name);
+    const regime = ({ name, role }) => this.entry(`patch ${role}`, explained(name, name));
     const places = known.reverse().map(regime);
-    this.jump = this.entry("line jump", "lost with a jump");
-    this.strip = this.entry("patch coexistence", "coexistence", "of a limit cycle with stable steady sliding");
+    this.jump = this.entry("line jump", explained("lost with a jump", "lost with a jump"));
+    this.strip = this.entry("patch coexistence", explained("coexistence", "coexistence"));
     this.regimes = [...places, regime(unknown)];
+    this.terms = new Roving(list, "[data-meaning]");
     this.size = this.entry("", "");
     this.size.className = "size";
     this.beyond = this.entry("point beyond", "the slider is beyond the map");
     this.beyond.className = "place";
   }
 
-  entry(mark, text, title = "") {
-    const item = element("li", { hidden: true, title }, element("span", { className: mark }), text);
+  entry(mark, words) {
+    const item = element("li", { hidden: true }, element("span", { className: mark }), words);
     this.list.append(item);
     return item;
   }
@@ -46,6 +49,7 @@ export class Legend {
     REGIMES.forEach((of, code) => this.keep(this.regimes[code], of.regime === regime || shown.some((cells) => cells.regime.includes(code))));
     this.keep(this.jump, atlas.eta_bautin !== null);
     this.keep(this.strip, shown.some((cells) => cells.stripWidth(plane) >= LEAST_STRIP));
+    this.terms.refresh();
     this.size.hidden = false;
     const about = part ? `; ${sized(part)} about this one` : "";
     this.size.textContent = all ? `${sized(part)} sliders` : `coarse: ${sized(atlas)} sliders${about}`;

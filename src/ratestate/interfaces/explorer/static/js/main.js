@@ -4,6 +4,7 @@ import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { $ } from "./dom.js";
 import { Entries } from "./entries.js";
+import { Explanations } from "./explain.js";
 import { Instant } from "./instant.js";
 import { Machine } from "./machine.js";
 import { learnPrefixes } from "./numbers.js";
@@ -15,6 +16,8 @@ import { Recording, disable } from "./recording.js";
 import { Sharing } from "./sharing.js";
 import { describe } from "./spoken.js";
 import { Standing } from "./standing.js";
+import { Tasks } from "./tasks.js";
+import { TaskStrip } from "./taskstrip.js";
 import { onTheme } from "./theme.js";
 import { begin, drawn } from "./timing.js";
 import { Traces } from "./traces.js";
@@ -22,6 +25,7 @@ import { tell } from "./verdict.js";
 import { write } from "./words.js";
 
 let controls = null; // Controls, once the server has said what there is to control
+let tasks = null; // Tasks, likewise
 let picture = null; // the newest answer drawn
 let frame = 0;
 
@@ -39,7 +43,9 @@ const standing = new Standing({
   pins,
 });
 const verdict = { show: (found) => tell(found, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") }) };
-const views = [verdict, traces, ...moving, phase, standing, { show: describe }];
+const marks = { show: (found) => controls.mark(found) };
+const views = [verdict, traces, ...moving, phase, standing, marks, { show: describe }, { show: (found) => tasks.show(found) }];
+const explanations = new Explanations($("explanation"));
 const saved = $("recording")?.textContent; // of a page that was saved
 if (saved) views.push({ show: disable });
 const connection = saved ? new Recording(saved, { answer }) : new Connection({ answer, lost });
@@ -74,6 +80,12 @@ function ask(stamp) {
   begin(id, stamp);
 }
 
+/** Show what a task begins with; the id of the picture asked for. */
+function beginTask(texts, stamp) {
+  controls.begin(texts, stamp);
+  return questions.pending;
+}
+
 function whenRead(act) {
   questions.whenRead(act);
 }
@@ -94,13 +106,15 @@ function answer(found) {
   ({ hello, preparing, ready: () => say(""), picture: arrived, chart: (of) => standing.chart(of), window: (of) => standing.window(of), branch: (of) => standing.branched(of), file: (of) => sharing.save(of), problem })[found.kind](found);
 }
 
-function hello({ fields, laws, before, experiment, live, longest, prefixes, presets, span }) {
+function hello({ fields, laws, before, experiment, live, longest, meanings, prefixes, presets, span }) {
   learnPrefixes(prefixes);
+  explanations.learn(meanings);
   standing.open({ span, fields });
   const names = [...fields.map((field) => field.symbol), "law"];
   const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
   const entries = new Entries(names, ["friction", ...experiment], { ...own, ...presets[0].entries }, longest, live);
   controls ??= new Controls(fields, laws, before, presets, entries, ask, whenRead);
+  tasks ??= new Tasks(new TaskStrip($("tasks"), $("tasks-open"), $("task-line")), fields, presets, beginTask);
   questions.forget();
   say("");
   for (const pin of connection.pinned ?? []) pins.add(pin.picture, pin.texts);

@@ -28,6 +28,7 @@ export class StabilityMap {
     const axis = (label) => ({ log: true, label, ticks: null });
     this.plane = new Plane(canvas, axis(["K", " / ", "K_c_qs"].flatMap(parts)), axis(parts("eta")));
     for (const of of [this.plane.x, this.plane.y]) of.ticks = (wanted) => zoomed(of.low, of.high, wanted);
+    this.plane.explain("K/K_c_qs", "eta");
     Object.assign(this, { move, pins, atlas: null, part: null, target: null });
     this.whenRead = (act) => (this.target ? act() : whenRead(act));
     this.view = new MapView({ ratio: this.plane.x, eta: this.plane.y });

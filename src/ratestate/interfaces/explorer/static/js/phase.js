@@ -18,6 +18,7 @@ export class Phase {
   constructor(canvas, point, cycleKey, instant, pins) {
     Object.assign(this, { canvas, point, cycleKey, instant, pins, whole: false });
     this.plane = new Plane(canvas, { log: false }, { log: true });
+    this.plane.explain("tau/sigma", "V");
     instant.on(() => this.mark());
     for (const kind of ["pointermove", "pointerdown"]) canvas.addEventListener(kind, (event) => this.pointAt(event));
     // (a finger that is lifted leaves too, and what it pointed at stays)

@@ -1,6 +1,7 @@
 // A canvas with two axes, each linear or logarithmic.
 
 import { fit } from "./canvas.js";
+import { element } from "./dom.js";
 import { writeLabel } from "./labels.js";
 import { FONT, color } from "./theme.js";
 import { linear, logarithmic } from "./ticks.js";
@@ -11,6 +12,15 @@ export class Plane {
   /** x, y: {low, high, log, label, ticks}; changed at will before `frame` */
   constructor(canvas, x, y) {
     Object.assign(this, { canvas, x, y, context: canvas.getContext("2d") });
+  }
+
+  /** Explain the axes where their names are. */
+  explain(x, y) {
+    for (const [side, meaning] of [["x", x], ["y", y]]) {
+      const name = element("span", { className: `axis-name ${side}` });
+      name.dataset.meaning = meaning;
+      this.canvas.after(name);
+    }
   }
 
   /** Fit the canvas to its box, and clear it. */

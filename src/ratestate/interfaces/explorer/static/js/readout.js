@@ -3,14 +3,15 @@
 import { element } from "./dom.js";
 import { gap } from "./inertia.js";
 import { round, shown } from "./numbers.js";
+import { explained } from "./words.js";
 
 /** values: {stress, mu, V} at a time [s], or null; [size, name] of the unit of time; picture: null before the first */
 export function tell(readout, values, time, [size, unit], picture) {
   const parts = [
-    ["stress", "\u03c4/\u03c3", values && values.stress.toPrecision(6)],
-    ["friction", "\u03bc", values && values.mu.toPrecision(6)],
-    ["speed", "V", values && shown(values.V, "m/s")],
-  ].map(([role, name, value]) => element("span", {}, element("span", { className: `line ${role}` }), value ? `${name} = ${value}` : name));
+    ["stress", "tau/sigma", "\u03c4/\u03c3", values && values.stress.toPrecision(6)],
+    ["friction", "mu", "\u03bc", values && values.mu.toPrecision(6)],
+    ["speed", "V", "V", values && shown(values.V, "m/s")],
+  ].map(([role, meaning, name, value]) => explained(meaning, element("span", { className: `line ${role}` }), value ? `${name} = ${value}` : name));
   if (values) parts.push(`t = ${round(time / size, 5)} ${unit}`);
   else if (picture && gap(picture)) parts.push(element("span", {}, element("span", { className: "patch inertia" }), gap(picture)));
   readout.replaceChildren(...parts);

@@ -81,6 +81,8 @@ export class Traces {
     // (uPlot's own cursor is also set by new data, wherever the pointer is)
     plot.over.addEventListener("mousemove", () => this.point(plot));
     plot.over.addEventListener("mouseleave", () => this.instant.point(null));
+    const meanings = ["t", { stress: "tau/sigma,mu", speed: "V" }[name]];
+    plot.root.querySelectorAll(".u-axis").forEach((side, i) => (side.dataset.meaning = meanings[i]));
     return plot;
   }
 

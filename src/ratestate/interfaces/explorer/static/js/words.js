@@ -4,14 +4,20 @@ import { element } from "./dom.js";
 import { superscript } from "./numbers.js";
 
 const SYMBOLS = {
+  "b - a": [["i", "b"], ["", " \u2212 "], ["i", "a"]],
   "tau/sigma": [["i", "\u03c4"], ["", "/"], ["i", "\u03c3"]],
+  "K/K_c_qs": [["i", "K"], ["", "/"], ["i", "K"], ["sub", "c,qs"]],
+  "K/K_c": [["i", "K"], ["", "/"], ["i", "K"], ["sub", "c"]],
   K_c_qs: [["i", "K"], ["sub", "c,qs"]],
   K_c: [["i", "K"], ["sub", "c"]],
+  K_fold: [["i", "K"], ["sub", "fold"]],
   V_c: [["i", "V"], ["sub", "c"]],
+  V_c_upper: [["i", "V"], ["sub", "c,upper"]],
   V_lp: [["i", "V"], ["sub", "lp"]],
   V0: [["i", "V"], ["sub", "0"]],
   V_from: [["i", "V"], ["sub", "lp"]],
   V_max: [["i", "V"], ["sub", "max"]],
+  V_min: [["i", "V"], ["sub", "min"]],
   Dc: [["i", "D"], ["sub", "c"]],
   mu0: [["i", "\u03bc"], ["sub", "0"]],
   mu: [["i", "\u03bc"]],
@@ -23,6 +29,7 @@ const SYMBOLS = {
   b: [["i", "b"]],
   K: [["i", "K"]],
   M: [["i", "M"]],
+  M_c: [["i", "M"], ["sub", "c"]],
   V: [["i", "V"]],
   f: [["i", "f"]],
 };
@@ -53,10 +60,17 @@ export function symbol(name) {
   return parts(name).map(([tag, text]) => (tag ? element(tag, {}, text) : document.createTextNode(text)));
 }
 
+/** The same as an element that is explained where it is pointed at; of a term, with these words. */
+export function explained(name, ...words) {
+  const node = element("span", {}, ...(words.length ? words : symbol(name)));
+  node.dataset.meaning = name;
+  return node;
+}
+
 /** Put a sentence into an element. */
 export function write(into, text) {
   // between the texts of a split stand what its pattern holds
-  into.replaceChildren(...text.split(PATTERN).flatMap((part, i) => (i % 2 ? symbol(part) : [units(part)])));
+  into.replaceChildren(...text.split(PATTERN).flatMap((part, i) => (i % 2 ? [explained(part)] : [units(part)])));
 }
 
 function units(text) {
