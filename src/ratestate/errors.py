@@ -22,7 +22,15 @@ class RateStateError(Exception):
 
 
 class ParameterError(RateStateError, ValueError):
-    """A parameter has a value, unit, shape or name that cannot be used."""
+    """A parameter has a value, unit, shape or name that cannot be used.
+
+    Attributes
+    ----------
+    sentence : str
+        The name of its sentence, ``table.sentence``, where that is kept in a file; else "".
+    """
+
+    sentence = ""
 
 
 class StoreError(RateStateError, OSError):

@@ -39,7 +39,9 @@ class Sentences(string.Formatter):
 
     def refusal(self, name, /, **values):
         """The `ParameterError`, to be raised by the caller, of the sentence of this name."""
-        return ParameterError(self(name, **values))
+        error = ParameterError(self(name, **values))
+        error.sentence = name
+        return error
 
     def format_field(self, value, spec):
         """A value as text in this format."""

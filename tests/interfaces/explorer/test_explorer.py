@@ -3,12 +3,12 @@
 import contextlib
 import http.client
 import json
-import struct
 import threading
 import time
 
 import numpy as np
 import pytest
+from explorer_server import page, read, served
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from user_laws import MINE
@@ -34,6 +34,7 @@ from ratestate.interfaces.explorer import (
 )
 from ratestate.interfaces.explorer.app import MOST_PAGES, Guard
 from ratestate.interfaces.explorer.budget import Deadline
+from ratestate.interfaces.explorer.decimation import MOST_SENT
 from ratestate.interfaces.explorer.entries import PageState, entries_of
 from ratestate.interfaces.explorer.kernels import Kind, kind_of
 from ratestate.interfaces.explorer.menus import presets
@@ -43,22 +44,6 @@ from ratestate.paper.parameters import FIG2, FIG4
 STICK_SLIP = presets()[0]["entries"]
 VIBRATION = entries_of(PageState(FIG2, 3.2e-3))
 RUNAWAY = VIBRATION | {"M": "0 kg/m^2", "K": "500 MPa/m"}
-
-
-def read(message):
-    """Header and arrays of an answer, read by hand."""
-    (length,) = struct.unpack_from("<I", message)
-    header, at = json.loads(message[4 : 4 + length]), 4 + length
-    assert at % 8 == 0
-    arrays = {}
-    for name, n in header.pop("arrays"):
-        arrays[name] = np.frombuffer(message, "<f8", n, at)
-        at += 8 * n
-    if header["kind"] == "file":
-        header["content"] = message[at:]
-    else:
-        assert at == len(message)
-    return header, arrays
 
 
 def exported(kind, texts):
@@ -453,7 +438,7 @@ class TestPicture:
         begin = time.monotonic()
         header, arrays = painted(VIBRATION, seconds=0.2)
         assert "The run is cut at" in header["notes"][0]
-        assert 100 < arrays["run_time"].size <= picture.MOST_SENT
+        assert 100 < arrays["run_time"].size <= MOST_SENT
         assert time.monotonic() - begin < 20.0
 
     def test_a_run_that_got_nowhere_is_not_tried_again(self, monkeypatch):
@@ -513,14 +498,6 @@ class TestPicture:
             deadline.start()
             time.sleep(0.01)
         assert 0.04 < time.monotonic() - begin < 5.0
-
-    def test_thinned_curves_keep_their_extremes(self):
-        x = np.sin(np.arange(100_000.0)) * np.linspace(1.0, 2.0, 100_000)
-        which = picture.decimated(x, -x)
-        assert len(which) <= picture.MOST_SENT
-        assert {0, 99_999, int(x.argmin()), int(x.argmax())} <= set(which.tolist())
-        assert (np.diff(which) > 0).all()
-        assert picture.decimated(x[:10], x[:10]) == slice(None)
 
 
 class TestExports:
@@ -601,26 +578,8 @@ class TestCharts:
 
 @pytest.fixture(scope="module")
 def port():
-    """An explorer in this process."""
-    listening = server.listen(0)
-    running = server.server_at(listening)
-    thread = threading.Thread(target=running.run, kwargs={"sockets": [listening]})
-    thread.start()
-    yield listening.getsockname()[1]
-    running.should_exit = True
-    thread.join(20)
-    listening.close()
-    assert not thread.is_alive()
-
-
-@contextlib.contextmanager
-def page(port, **more):
-    """A page's WebSocket, after the greeting."""
-    more = {"origin": f"http://127.0.0.1:{port}"} | more
-    with connect(f"ws://127.0.0.1:{port}/socket", max_size=None, **more) as socket:
-        header, _ = read(socket.recv(30))
-        assert header["kind"] == "hello"
-        yield socket
+    with served() as found:
+        yield found
 
 
 def others():

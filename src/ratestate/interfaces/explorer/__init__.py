@@ -26,6 +26,9 @@
 ``standalone``     the page as one file, with what it shows: `bundle` puts its own files into one
 ``address``        where the page is found
 ``notebook``       the page in a notebook: the function `explore`
+``decimation``     which points of a long curve are sent
+``record``         a laboratory's record: what is drawn of it, what there is to choose
+``upload``         the file of such a record, from the page into memory
 ``static``         the page
 ================== ===========================================================================
 """

@@ -10,6 +10,7 @@ from starlette.responses import PlainTextResponse
 from starlette.staticfiles import StaticFiles
 
 from .session import Session, SharedWork
+from .upload import take_record
 
 STATIC = Path(__file__).parent / "static"
 # Pages open at the same time; of one more the connection is refused ("try again later").
@@ -58,6 +59,7 @@ def app_of(port, frames):
         else:
             await Session(shared, socket).serve()
 
+    app.add_route("/record", take_record, methods=["POST"])
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
 
@@ -65,8 +67,9 @@ def app_of(port, frames):
 class Guard:
     """ASGI middleware that refuses other hosts' names and origins.
 
-    The header Host, and for a WebSocket Origin, must be the explorer's own.  This refuses names of
-    other hosts that resolve to this machine, and pages of other hosts that send requests here.
+    The header Host must be the explorer's own, and so must Origin, which a WebSocket and a POST
+    must have.  This refuses names of other hosts that resolve to this machine, and pages of other
+    hosts that send requests here.
     """
 
     def __init__(self, app, port, frames="'none'"):
@@ -96,6 +99,6 @@ class Guard:
         headers = Headers(scope=scope)
         hosts, origins = headers.getlist("host"), headers.getlist("origin")
         own_origin = all(origin in self.origins for origin in origins)
-        if scope["type"] == "websocket":
+        if scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD"):
             own_origin = own_origin and len(origins) == 1
         return len(hosts) == 1 and hosts[0] in self.hosts and own_origin

@@ -23,8 +23,9 @@ from ...plot.pages.panels import NARROW, plane, speed
 from ...plot.prose import mathematics, wrapped
 from ...plot.runs import NamedRun, named_runs, since
 from . import charts
+from .decimation import decimated
 from .entries import SYMBOLS, entries_of
-from .picture import decimated, run_of, study_of
+from .picture import run_of, study_of
 from .protocol import text_of
 
 #: width, height, and what a run kept adds to it [inches]; of text, and of letters in it [points]

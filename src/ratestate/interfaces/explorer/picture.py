@@ -13,6 +13,7 @@ from ...engine.model import FINISHED
 from ...errors import SolverError
 from . import charts
 from .budget import TimeUp
+from .decimation import decimated
 from .experiment import plan_of_experiment
 from .marks import marks
 from .motion import Plan, plan_of, steady_stress, transient_note
@@ -23,8 +24,8 @@ RTOL = 1e-8  # of the cycle
 ATTEMPTS = 3
 #: seconds of each part of the work: a search for a cycle, a verdict, a run
 SECONDS = 1.0
-# A run that takes too long is repeated up to this part of what was done; most points of a curve.
-AGAIN, MOST_SENT = 0.5, 6000
+# A run that takes too long is repeated up to this part of what was done.
+AGAIN = 0.5
 # What the block and the load point of a run are drawn from -> variables of the run [m].
 PATHS = {"slip": "delta", "load": "delta_lp"}
 
@@ -166,17 +167,3 @@ def _curves(name, run, sigma, t_zero, paths=()):
         curves["sigma"] = run.sigma.values
     which = decimated(curves["stress"], curves["V"])
     return {f"{name}_{what}": values[which] for what, values in curves.items()}
-
-
-def decimated(*curves):
-    """Indices of the points that are sent: all, or the extremes of each of many pieces."""
-    n = len(curves[0])
-    if n <= MOST_SENT:
-        return slice(None)
-    pieces = np.array_split(np.arange(n), MOST_SENT // (2 * len(curves) + 1))
-    kept = [0, n - 1]
-    for piece in pieces:
-        for curve in curves:
-            part = curve[piece]
-            kept += [piece[0], piece[part.argmin()], piece[part.argmax()]]
-    return np.unique(kept)

@@ -5,12 +5,14 @@ is wanted.
 """
 
 import asyncio
+import secrets
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 from starlette.websockets import WebSocketDisconnect
 
-from . import branch, charts, picture, wire
+from . import branch, charts, picture, upload, wire
 from .entries import BadEntries, state_of
 from .exports import export
 from .kernels import Kernels, kind_of
@@ -32,6 +34,7 @@ class SharedWork:
         self.pool = ThreadPoolExecutor(2, "explorer")
         self.chart_pool = ThreadPoolExecutor(1, "explorer-chart")
         self.file_pool = ThreadPoolExecutor(1, "explorer-file")
+        self.record_pool = ThreadPoolExecutor(1, "explorer-record")
         self.kernels = Kernels(self.pool, warm_up)
         self.sessions: set[Session] = set()
 
@@ -45,7 +48,7 @@ class SharedWork:
         self.kernels.close()
         for session in self.sessions:
             session.stop()
-        for pool in (self.pool, self.chart_pool, self.file_pool):
+        for pool in (self.pool, self.chart_pool, self.file_pool, self.record_pool):
             pool.shutdown(wait=False, cancel_futures=True)
 
 
@@ -55,6 +58,8 @@ class Session:
     def __init__(self, shared, socket):
         self.shared, self.socket, self.send_lock = shared, socket, asyncio.Lock()
         self.nonsense = 0
+        self.token = secrets.token_urlsafe(16)  # names the page when it sends a file
+        self.record_stop = threading.Event()  # of the record that is being read
         surveys = [partial(answer_chart, size=size) for size in charts.SIZES]
         pictures = QuestionQueue(
             shared.pool, [answer_picture], seconds=picture.SECONDS, patience=PATIENCE
@@ -78,7 +83,9 @@ class Session:
         queues = {*self.queues.values()}
         tasks = [asyncio.create_task(queue.work(self.prepare, self.send)) for queue in queues]
         try:
-            await self.send(wire.answer(None, "hello", **offers(presets())))
+            header = {"page": self.token, "largest_file": upload.LARGEST}
+            header |= {"too_large": upload.too_large(), **offers(presets())}
+            await self.send(wire.answer(None, "hello", **header))
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")
         except WebSocketDisconnect:
@@ -129,6 +136,13 @@ class Session:
         """Stop what is being computed for this page."""
         for queue in self.queues.values():
             queue.deadline.set()
+        self.record_stop.set()
+
+    def begin_record(self):
+        """Stop reading an earlier record; return the threading.Event that stops a new one."""
+        self.record_stop.set()
+        self.record_stop = threading.Event()
+        return self.record_stop
 
 
 def answer_picture(question, deadline):

@@ -65,14 +65,7 @@ class BadQuestion(Exception):
 
 def question(text):
     """The `Question` in a message; BadQuestion, with the reason, if it is invalid."""
-    if len(text) > LONGEST:
-        raise BadQuestion(f"a message may have {LONGEST} characters at most")
-    try:
-        message = json.loads(text, parse_constant=_refuse)
-    except (ValueError, RecursionError):
-        raise BadQuestion("the message is not JSON") from None
-    if not isinstance(message, dict):
-        raise BadQuestion("the message is not a JSON object")
+    message = json_object(text)
     number, ask = message.get("id"), message.get("ask")
     if type(number) is not int or not 0 <= number <= LARGEST_ID:
         raise BadQuestion("id must be a whole number from 0 on")
@@ -108,6 +101,19 @@ def _pinned(value):
     if not isinstance(value, list) or len(value) > PINS:
         raise BadQuestion(f"pinned must be a list of {PINS} objects of entries at most")
     return tuple(value)
+
+
+def json_object(text):
+    """The JSON object in a text, as a dict; BadQuestion, with the reason, if there is none."""
+    if len(text) > LONGEST:
+        raise BadQuestion(f"a message may have {LONGEST} characters at most")
+    try:
+        found = json.loads(text, parse_constant=_refuse)
+    except (ValueError, RecursionError):
+        raise BadQuestion("the message is not JSON") from None
+    if not isinstance(found, dict):
+        raise BadQuestion("the message is not a JSON object")
+    return found
 
 
 def answer(number, kind, arrays=None, content=b"", **header):

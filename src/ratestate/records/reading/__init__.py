@@ -2,6 +2,8 @@
 
 =============================== =================================================================
 ``read``                        the function `read_lab`: in which order all below is done
+``attempt``                     the same for a page, which asks back, in a process of its own
+``memory_file``                 a file in memory
 ``open_table``                  which format a file has, by its first bytes
 ``text``                        delimiter, header and decimal comma of a text file
 ``stored``                      which arrays of an HDF5 or MAT file are columns

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from .isolated import read_isolated
+from .memory_file import MemoryFile, read_into_memory
 from .messages import refusal
 from .stored import read_hdf5, read_mat
 from .text import read_text
@@ -23,14 +24,23 @@ FOREIGN = {
 }
 
 
-def open_table(path):
-    """(Path, `Table`) of a record; ParameterError if it is no readable file of a known format."""
+def file_of(file):
+    """A path, or an open binary file, as a Path or a `MemoryFile`; ParameterError if it is none.
+
+    A `MemoryFile` is returned as it is.
+    """
+    if isinstance(file, MemoryFile):
+        return file
     try:
-        path = Path(path).expanduser()
+        return read_into_memory(file) if hasattr(file, "read") else Path(file).expanduser()
     except TypeError:
-        raise refusal("file.path", path=path) from None
+        raise refusal("file.path", path=file) from None
+
+
+def open_table(path):
+    """The `Table` in a file, a Path or `MemoryFile`; ParameterError if it is of no known format."""
     try:
-        if not path.is_file():  # a pipe would be waited for
+        if isinstance(path, Path) and not path.is_file():  # a pipe would be waited for
             kind = "folder" if path.is_dir() else "special" if path.exists() else "missing"
             raise refusal(f"file.{kind}", path=path)
         with path.open("rb") as file:
@@ -41,10 +51,10 @@ def open_table(path):
                 or head[512:].startswith(begin)
                 or path.suffix.lower() == ending
             ):
-                return path, read_isolated(reader, path, kind)
+                return read_isolated(reader, path, kind)
         for begin, what in FOREIGN.items():
             if head.startswith(begin):
                 raise refusal("file.foreign", name=path.name, what=what)
-        return path, read_text(path)
+        return read_text(path)
     except OSError as error:
         raise refusal("file.error", path=path, error=error.strerror or error) from None

@@ -8,7 +8,7 @@ from ...model.quantities import attrs
 from .agreement import coarse_resolution, disagreements
 from .columns import choose_columns
 from .messages import refusal
-from .open_table import open_table
+from .open_table import file_of, open_table
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
 from .sizes import check_numbers, check_sizes, checked_units, unit_of
@@ -21,8 +21,9 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
 
     Parameters
     ----------
-    path : str or pathlib.Path
-        Text with columns between tabs, commas, semicolons or spaces, with a header or without;
+    path : str, pathlib.Path or binary file
+        A file, or one that is open for reading, such as an `io.BytesIO`, which is read to its end:
+        text with columns between tabs, commas, semicolons or spaces, with a header or without;
         HDF5 (NetCDF 4 as well); or MAT.  The latter two are read by a process of their own (some
         0.3 s), for damaged ones may end the process that reads them, or fill the memory.
     columns : dict, optional
@@ -65,10 +66,21 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
     >>> data.attrs["found"]  # doctest: +SKIP
     'velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)'
     """
+    file = file_of(path)
+    data, messages = record_of(open_table(file), file.name, columns, units, time, displacement)
+    for text in messages:
+        warnings.warn(f"{file.name}: {text}", RecordWarning, stacklevel=2)
+    return data
+
+
+def record_of(table, source, columns=None, units=None, time=None, displacement=None):
+    """The Dataset that `read_lab` makes of a `Table`, and a list of what it warns of.
+
+    source : name of the file; the other arguments, and what is raised, are those of `read_lab`
+    """
     units = checked_units(units)
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
     windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
-    path, table = open_table(path)
     chosen = {s: table.columns[i] for s, i in choose_columns(table, columns).items()}
     unit, notes = _units(table, chosen, columns or {}, units)
     chosen = {symbol: chosen[symbol] for symbol in unit}
@@ -93,17 +105,15 @@ def read_lab(path, columns=None, units=None, *, time=None, displacement=None):
         segments = segments_from_velocity(record["time"], record["V_load"])
     coarse = coarse_resolution(record, segments)
     messages = rows.warnings + notes + disagreements(rows, coarse)
-    for text in messages:
-        warnings.warn(f"{path.name}: {text}", RecordWarning, stacklevel=2)
     data = _dataset(record, segments)
     data.attrs = {
         "title": "ratestate read_lab",
         "found": coarse or segments.history(record["time"], record.get("delta_lp")),
-        "source": path.name,
+        "source": source,
         "columns": json.dumps({s: {"title": c.title, "unit": unit[s]} for s, c in chosen.items()}),
         "notes": json.dumps(messages + flips + segments.notes),
     }
-    return data
+    return data, messages
 
 
 def _units(table, chosen, requested, units):

@@ -42,7 +42,7 @@ def read_hdf5(path):
             raise refusal("file.damaged", size=size, **values)
         columns.extend(_columns(title, item[()], item.attrs))
 
-    with h5py.File(path, "r") as file:
+    with path.open("rb") as stored, h5py.File(stored, "r") as file:
         file.visititems(visit)
     return _table(path, columns, texts)
 
@@ -54,7 +54,8 @@ def read_mat(path):
     """
     from scipy.io import loadmat
 
-    return _table(path, list(_in_struct("", loadmat(path, simplify_cells=True))))
+    with path.open("rb") as stored:
+        return _table(path, list(_in_struct("", loadmat(stored, simplify_cells=True))))
 
 
 def _in_struct(group, struct):

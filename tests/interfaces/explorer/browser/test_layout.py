@@ -40,7 +40,7 @@ def test_everything_is_reached_by_keyboard(show):
                 return [name, s.outlineStyle, parseFloat(s.outlineWidth)] }"""
             )
         )
-        if seen[-1][0] == "whole":
+        if seen[-1][0] == "volume":
             break
     names = [name for name, *_ in seen]
     wanted = [
@@ -62,7 +62,8 @@ def test_everything_is_reached_by_keyboard(show):
     wanted += [f"{part}-{stepped}" for stepped in ("V_lp", "sigma") for part in ("factor", "step")]
     wanted += ["factor-kick", "kick", "hold-time", "hold", "slide-hold-slide"]
     played = ["play", "played", "playing-speed"]
-    wanted += ["SUMMARY", "pin", *played, "tab-map", "drag", "dot", "closer", "SPAN", "whole"]
+    wanted += ["SUMMARY", "pin", "record-open", *played, "tab-map", "drag", "dot", "closer", "SPAN"]
+    wanted += ["whole", "sound", "volume"]
     assert names == wanted
     assert all(style != "none" and width >= 1 for _, style, width in seen), seen
 

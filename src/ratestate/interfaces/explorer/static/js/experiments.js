@@ -90,6 +90,13 @@ export class Experiments {
     this.controls.take({ [name]: this.texts[name] ?? now, protocol: textOf(this.soFar), [of]: entry(times * this.values[of], unit, 6) }, event.timeStamp);
   }
 
+  /** Step as a record does: its speeds [m/s] before and after, its normal stress [Pa]; null of what it has not. */
+  takeConditions({ V_from, V_lp, sigma }) {
+    const found = { V_from: [V_from, "m/s"], V_lp: [V_lp, "m/s"], sigma: [sigma, "Pa"] };
+    const texts = Object.entries(found).filter(([, [value]]) => value !== null).map(([name, of]) => [name, entry(...of)]);
+    this.controls.take({ ...this.none, ...Object.fromEntries(texts) });
+  }
+
   hold(event) {
     if (!this.isReady("hold-time", "")) return;
     this.controls.take({ protocol: textOf([...this.soFar, ...hold(this.holdTime)]) }, event.timeStamp);

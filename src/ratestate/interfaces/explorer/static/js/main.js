@@ -12,8 +12,11 @@ import { Phase } from "./phase.js";
 import { Pins } from "./pins.js";
 import { Playback } from "./playback.js";
 import { Questions } from "./questions.js";
+import { LabRecord } from "./record.js";
+import { RecordPanel } from "./record_panel.js";
 import { Recording, disable } from "./recording.js";
 import { Sharing } from "./sharing.js";
+import { Sound } from "./sound.js";
 import { describe } from "./spoken.js";
 import { Standing } from "./standing.js";
 import { Tasks } from "./tasks.js";
@@ -31,8 +34,9 @@ let frame = 0;
 
 const instant = new Instant();
 const pins = new Pins(redraw);
-const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant, [pins], redraw);
-const playback = new Playback({ button: $("play"), slider: $("played"), speed: $("playing-speed"), readout: $("pace") }, instant, () => traces.times());
+const record = new LabRecord(() => traces.draw());
+const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant, [record, pins], redraw);
+const playback = new Playback({ button: $("play"), slider: $("played"), speed: $("playing-speed"), readout: $("pace") }, instant, () => traces.shown());
 const moving = [playback, new Machine($("machine"), instant, playback)];
 const phase = new Phase($("phase-canvas"), $("phase-point"), $("cycle-key"), instant, pins);
 const standing = new Standing({
@@ -44,8 +48,10 @@ const standing = new Standing({
 });
 const verdict = { show: (found) => tell(found, { headline: $("headline"), reasons: $("reasons"), notes: $("notes"), numbers: $("numbers") }) };
 const marks = { show: (found) => controls.mark(found) };
-const views = [verdict, traces, ...moving, phase, standing, marks, { show: describe }, { show: (found) => tasks.show(found) }];
+const sound = new Sound($("sound"), $("volume"), $("heard"));
+const views = [verdict, traces, ...moving, phase, standing, sound, marks, { show: describe }, { show: (found) => tasks.show(found) }];
 const explanations = new Explanations($("explanation"));
+const recordPanel = new RecordPanel(record, () => traces.shown(), (conditions) => controls && whenRead(() => controls.experiments.takeConditions(conditions)));
 const saved = $("recording")?.textContent; // of a page that was saved
 if (saved) views.push({ show: disable });
 const connection = saved ? new Recording(saved, { answer }) : new Connection({ answer, lost });
@@ -106,7 +112,9 @@ function answer(found) {
   ({ hello, preparing, ready: () => say(""), picture: arrived, chart: (of) => standing.chart(of), window: (of) => standing.window(of), branch: (of) => standing.branched(of), file: (of) => sharing.save(of), problem })[found.kind](found);
 }
 
-function hello({ fields, laws, before, experiment, live, longest, meanings, prefixes, presets, span }) {
+function hello(greeting) {
+  const { fields, laws, before, experiment, live, longest, meanings, prefixes, presets, span } = greeting;
+  recordPanel.open(greeting);
   learnPrefixes(prefixes);
   explanations.learn(meanings);
   standing.open({ span, fields });

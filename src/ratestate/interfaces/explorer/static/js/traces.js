@@ -20,9 +20,10 @@ export class Traces {
    * zoomed: function (), called when other times are shown, to draw them
    *
    * layers: what lies behind the lines: {draw(plot, name, X, Y, picture), range(name, first, last),
-   * times()} with name "stress" or "speed", functions of seconds and of values that give pixels, the
-   * range of what is drawn between two times, and its first and last time.  Without range or times
-   * the axes do not reach out for it.
+   * times(), key(time)} with name "stress" or "speed", functions of seconds and of values that give
+   * pixels, the range of what is drawn between two times, its first and last time, and what the
+   * legend says of it at a time, or for null without one.  Without range or times the axes do not
+   * reach out for it.
    */
   constructor(stressBox, speedBox, readout, unzoom, instant, layers, zoomed) {
     Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, zoomed, layers: [inertia, changes, ...layers] });
@@ -137,13 +138,18 @@ export class Traces {
   }
 
   /** The same of what is shown. */
-  times() {
+  shown() {
     return this.window ?? this.whole();
+  }
+
+  /** The same in the axis's unit. */
+  across() {
+    return this.shown().map((time) => time / this.unit[0]);
   }
 
   /** A range with those of the layers. */
   reach(name, low, high) {
-    const shown = this.window ?? this.whole();
+    const shown = this.shown();
     const all = [[low, high], ...this.layers.flatMap((layer) => (layer.range ? [layer.range(name, ...shown)] : []))];
     return [Math.min(...all.map(([least]) => least)), Math.max(...all.map(([, most]) => most))];
   }
@@ -194,7 +200,7 @@ export class Traces {
   mark() {
     for (const plot of this.plots) this.place(plot);
     const { time } = this.instant;
-    tell(this.readout, this.valuesAt(time), time, this.unit, this.picture);
+    tell(this.readout, this.valuesAt(time), time, this.unit, this.picture, this.layers);
   }
 
   /** Put the cursor of a plot where the instant is, and dots onto its lines. */

@@ -78,6 +78,7 @@ function units(text) {
     .replace(/(\d) u(m|s|Hz)/g, "$1 \u00b5$2")
     .replaceAll("kg/m^2", "kg/m\u00b2")
     .replaceAll("<=", "\u2264")
+    .replaceAll("->", "\u2192")
     .replaceAll("+-", "\u00b1")
     .replace(/(\d)e([+-]?)0*(\d+)/g, (_, digit, sign, power) => `${digit}\u00b710${superscript((sign === "-" ? "-" : "") + power)}`)
     .replace(/(\d) (?=\S)/g, "$1\u00a0");

@@ -1,0 +1,114 @@
+"""Records that are in memory: the same as from files, and by attempts of pages."""
+
+import io
+import threading
+import time
+
+import h5py
+import numpy as np
+import pytest
+import readers
+import scipy.io
+import xarray as xr
+
+import ratestate as rs
+from ratestate import ParameterError
+from ratestate.records.reading.attempt import attempt
+from ratestate.records.reading.isolated import read_isolated
+from ratestate.records.reading.memory_file import MemoryFile
+
+T = np.arange(120) * 0.25
+COLUMNS = {"Time_s": T, "disp_um": np.where(T < 15, T, 10 * T - 135), "mu": 0.6 + T % 1 / 500}
+
+
+def text(columns=COLUMNS):
+    rows = zip(*columns.values(), strict=True)
+    return "\n".join([",".join(columns), *(",".join(map(repr, map(float, row))) for row in rows)])
+
+
+def hdf5():
+    stored = io.BytesIO()
+    with h5py.File(stored, "w") as file:
+        for name, column in COLUMNS.items():
+            file[name] = column
+    return stored.getvalue()
+
+
+def mat():
+    stored = io.BytesIO()
+    scipy.io.savemat(stored, COLUMNS)
+    return stored.getvalue()
+
+
+CONTENTS = {"r.csv": text().encode(), "r.h5": hdf5(), "r.mat": mat()}
+
+
+def tried(name, contents, **choices):
+    return attempt(MemoryFile(name, contents), choices, 60.0, threading.Event())
+
+
+@pytest.mark.parametrize("name", CONTENTS)
+def test_an_open_file_is_read_as_its_path(name, tmp_path):
+    path = tmp_path / name
+    path.write_bytes(CONTENTS[name])
+    expected = rs.read_lab(path)
+    with path.open("rb") as file:
+        xr.testing.assert_identical(rs.read_lab(file), expected)
+    unnamed = rs.read_lab(io.BytesIO(CONTENTS[name]))
+    xr.testing.assert_identical(unnamed.assign_attrs(source=name), expected)
+    assert unnamed.attrs["source"] == "the file"
+
+
+def test_a_text_file_is_opened_as_binary():
+    with pytest.raises(ParameterError, match="is neither a path nor a binary file"):
+        rs.read_lab(io.StringIO("1 2"))
+
+
+@pytest.mark.parametrize("name", ["r.csv", "r.h5"])
+def test_an_attempt_is_what_read_lab_gives(name):
+    found = tried(name, CONTENTS[name])
+    assert found.error is None
+    assert [unit for _, unit in found.columns] == (["s", "um", ""])
+    assert found.chosen == {"time": 1, "delta_lp": 2, "friction": 3}
+    contents = io.BytesIO(CONTENTS[name])
+    xr.testing.assert_identical(found.record, rs.read_lab(contents).assign_attrs(source=name))
+
+
+def test_an_attempt_that_fails_has_what_there_is_to_choose():
+    columns = dict(zip(("clock", "disp", "mu"), COLUMNS.values(), strict=True))
+    found = tried("r.csv", text(columns).encode())
+    assert found.columns == [("clock", ""), ("disp", ""), ("mu", "")]
+    assert (found.chosen, found.record, found.error.sentence) == ({}, None, "columns.missing")
+    found = tried("r.csv", text(columns).encode(), columns={"time": 1})
+    assert found.chosen == {"time": 1, "delta_lp": 2, "friction": 3}
+    assert found.error.sentence == "units.none"
+    units = {"time": "s", "delta_lp": "um"}
+    found = tried("r.csv", text(columns).encode(), columns={"time": 1}, units=units)
+    assert found.record.attrs["found"] == "velocity step 1.00 -> 10.0 um/s at 15 s (15 um)"
+
+
+def test_an_attempt_at_what_is_no_record():
+    found = tried("r.png", b"\x89PNG\r\n\x1a\n" + bytes(100))
+    assert found[:3] == ([], {}, None)
+    assert str(found.error).startswith("r.png is neither text nor HDF5 nor MAT")
+
+
+def test_a_child_is_ended_when_it_is_to_stop():
+    stop, begin = threading.Event(), time.monotonic()
+    threading.Timer(0.3, stop.set).start()
+    with pytest.raises(ParameterError, match="cannot be read as a thing: it was stopped"):
+        read_isolated(readers.endless, MemoryFile("r", b""), "a thing", stop=stop)
+    assert 0.3 < time.monotonic() - begin < 10.0
+
+
+def test_a_child_may_have_its_own_time():
+    with pytest.raises(ParameterError, match="it took more than 1 s"):
+        read_isolated(readers.endless, MemoryFile("r", b""), "a thing", seconds=1.0)
+
+
+def test_a_child_takes_a_file_larger_than_a_pipe():
+    contents = bytes(range(256)) * 4096
+    assert read_isolated(readers.checksum, MemoryFile("r", contents), "a thing", 7) == (
+        sum(contents),
+        7,
+    )
