@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from test_explorer import read
+from explorer_server import read
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
