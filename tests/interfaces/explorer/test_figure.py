@@ -36,7 +36,7 @@ def drawn(texts, *pinned):
 
 
 def file_of(form, texts, *pinned):
-    return exports.export(wire.Question(1, form, texts, pinned), Deadline(60.0))["content"]
+    return exports.export(wire.Question(1, form, texts, pinned=pinned), Deadline(60.0))["content"]
 
 
 def legend(ax):
@@ -146,12 +146,12 @@ class TestPinned:
         shown = stress.lines[0].get_xdata()
         assert slower.get_xdata().max() <= shown.max()
 
-    def test_a_question_holds_four(self):
+    def test_a_question_holds_three(self):
         text = '{"id": 1, "ask": "svg", "entries": {}, "pinned": [%s]}'
-        assert len(wire.question(text % "{}, {}, {}, {}").pinned) == 4
+        assert len(wire.question(text % "{}, {}, {}").pinned) == 3
         with pytest.raises(wire.BadQuestion, match="at most"):
-            wire.question(text % "{}, {}, {}, {}, {}")
-        with pytest.raises(wire.BadQuestion, match="list of 4"):
+            wire.question(text % "{}, {}, {}, {}")
+        with pytest.raises(wire.BadQuestion, match="list of 3"):
             wire.question(text.replace("[%s]", '"many"'))
 
 

@@ -10,7 +10,7 @@ from explorer_server import read
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
-from ratestate.interfaces.explorer import bundle, charts, entries, picture, standalone, wire
+from ratestate.interfaces.explorer import branch, bundle, charts, entries, picture, standalone, wire
 from ratestate.interfaces.explorer.budget import Deadline
 from ratestate.interfaces.explorer.menus import presets
 
@@ -34,13 +34,19 @@ def recorded(text):
 class TestRecording:
     def test_it_has_the_answers_that_the_server_gives(self):
         rows = recorded(standalone.standalone(STICK_SLIP, [VIBRATION], Deadline(60.0)))
-        assert [row[0] for row in rows] == ["hello", "picture", "picture", "chart"]
+        asked = ["hello", "picture", "picture", "chart", "branch", "branch", "branch"]
+        assert [row[0] for row in rows] == asked
         for row, texts in zip(rows[1:3], (STICK_SLIP, VIBRATION), strict=True):
             header, arrays = picture.picture(entries.state_of(texts), Deadline(60.0))
             assert row[1] == texts
             assert row[2]["sentences"] == list(header["sentences"])
             assert all(np.array_equal(row[3][name], arrays[name]) for name in arrays)
         assert rows[3][2]["size"] in charts.SIZES
+        along = [row[2]["along"] for row in rows[4:]]
+        assert along == list(branch.ALONG)
+        header, arrays = branch.branch(entries.state_of(STICK_SLIP), "K", Deadline(60.0))
+        assert rows[4][2]["hopf"] == list(header["hopf"])
+        assert all(np.array_equal(rows[4][3][name], arrays[name]) for name in arrays)
         hello = rows[0][2]
         assert [start["entries"] for start in hello["presets"]] == [STICK_SLIP]
         assert hello["live"].startswith("http://127.0.0.1:8765/#a=0.005&b=0.008&")
@@ -58,17 +64,17 @@ class TestRecording:
 
     def test_what_has_no_map_says_why(self):
         rows = recorded(standalone.standalone(STICK_SLIP | {"a": "0.01"}, [], Deadline(60.0)))
-        assert rows[-1][2]["kind"] == "problem"
-        assert "never weakens" in rows[-1][2]["problems"]["map"]
+        assert rows[2][2]["kind"] == "problem"
+        assert "never weakens" in rows[2][2]["problems"]["map"]
 
     def test_the_server_gives_it_as_a_file(self):
         from ratestate.interfaces.explorer.exports import export
 
-        file = export(wire.Question(1, "page", STICK_SLIP, (VIBRATION,)), Deadline(60.0))
+        file = export(wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION,)), Deadline(60.0))
         assert (file["name"], file["type"]) == ("ratestate.html", "text/html")
         assert [row[0] for row in recorded(file["content"].decode())].count("picture") == 2
         with pytest.raises(rs.ParameterError, match="kept for comparison: K = '-1 Pa/m'"):
-            export(wire.Question(1, "page", STICK_SLIP, (VIBRATION | {"K": "-1"},)), 1)
+            export(wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION | {"K": "-1"},)), 1)
 
 
 class TestFile:

@@ -68,7 +68,7 @@ export class Traces {
       padding: [8, 12, 0, 0],
       legend: { show: false },
       cursor: { points: { show: false }, drag: { x: true, y: false, setScale: false }, bind },
-      scales: { x: { time: false, range: () => this.times().map((time) => time / this.unit[0]) }, y },
+      scales: { x: { time: false, range: () => this.shown().map((time) => time / this.unit[0]) }, y },
       hooks: {
         setSelect: [(plot) => this.select(plot)],
         drawAxes: [outline, (plot) => this.behind(plot, name)],
