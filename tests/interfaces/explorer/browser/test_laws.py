@@ -13,7 +13,10 @@ def test_friction_has_forms_with_fields_of_their_own(show):
     assert not shown.page.is_visible("#entry-V2")
     shown.page.select_option("#friction", "cut-off")
     shown.wait()
-    assert shown.page.inner_html(".field:has(#entry-V2) .symbol") == "<i>V</i><sub>2</sub>"
+    assert (
+        shown.page.inner_html(".field:has(#entry-V2) .symbol [data-meaning]")
+        == "<i>V</i><sub>2</sub>"
+    )
     shown.type("V1", "1 m/s")
     shown.type("V2", "2 um/s")
     shown.wait()
@@ -51,7 +54,9 @@ def test_a_law_has_its_own_fields(show):
     shown.page.select_option("#law", label="two-state slip law")
     shown.wait()
     assert [shown.entry(symbol) for symbol in own] == ["0.002", "100 \u00b5m"]
-    labels = shown.page.eval_on_selector_all("#own .field:not([hidden]) .symbol", INNER)
+    labels = shown.page.eval_on_selector_all(
+        "#own .field:not([hidden]) .symbol [data-meaning]", INNER
+    )
     assert labels[:2] == ["<i>b</i><sub>2</sub>", "<i>D</i><sub>c</sub><sub>2</sub>"]
     assert labels[2:] == ["damping", "<i>\u03b1</i>"]
     shown.type("b2", "-0.001")

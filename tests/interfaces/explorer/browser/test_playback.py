@@ -290,7 +290,7 @@ def test_the_slider_scrubs_all_charts(show):
 
 
 def test_what_is_pointed_at_is_shown_on_all_charts(show):
-    shown = show()
+    shown = show(viewport={"width": 1600, "height": 1200})  # a phase plane of some size
     page = shown.page
     arrays = arrays_of(0)
     page.evaluate(SCRUB, 1850)  # in the last cycle but one or later

@@ -98,7 +98,6 @@ export class StabilityMap {
     } else {
       this.drawNothing();
     }
-    for (const pin of this.pins.all) this.markPin(pin);
     this.put();
     this.legend.tell(atlas, part, this.picture.numbers.regime, plane);
   }
@@ -144,6 +143,7 @@ export class StabilityMap {
     this.legend.place(isBeyond);
     const role = REGIMES.find(({ regime }) => regime === this.picture.numbers.regime)?.role;
     if (!isBeyond && role) plane.inside((c) => drawHalo(c, px, py, role));
+    for (const pin of this.pins.all) this.markPin(pin);
     drawDot(plane.context, px, py, isBeyond);
     handle.put(px, py);
     const where = `K/K_c_qs = ${plain(at.ratio)}, eta = ${plain(at.eta)}${isBeyond ? ", beyond the map" : ""}`;
