@@ -8,7 +8,6 @@ import shlex
 import subprocess
 import sys
 import tomllib
-import types
 from pathlib import Path
 from urllib.parse import parse_qsl
 
@@ -111,9 +110,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
     """Those of all helps, one after the other, beside the templates that they name."""
     served = []
     monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
-    page = types.ModuleType("ratestate.interfaces.explorer")
-    page.serve = lambda **how: served.append(how)
-    monkeypatch.setitem(sys.modules, page.__name__, page)
+    monkeypatch.setattr("ratestate.interfaces.explorer.serve", lambda **how: served.append(how))
     monkeypatch.chdir(tmp_path)
     for name in ("record", "fig3"):
         assert call("init", name).exit_code == 0

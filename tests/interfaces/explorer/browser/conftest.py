@@ -50,7 +50,7 @@ def browsing():
     root = hasattr(os, "geteuid") and os.geteuid() == 0
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox"] if root else []
+            executable_path=CHROMIUM, args=["--disable-gpu", *(["--no-sandbox"] if root else [])]
         )
         yield browser
         browser.close()

@@ -8,6 +8,7 @@ import { Explanations } from "./explain.js";
 import { Instant } from "./instant.js";
 import { Machine } from "./machine.js";
 import { learnPrefixes } from "./numbers.js";
+import { say, sayLost, sayPreparing, sayStale } from "./notices.js";
 import { Phase } from "./phase.js";
 import { Pins } from "./pins.js";
 import { Playback } from "./playback.js";
@@ -25,7 +26,6 @@ import { onTheme } from "./theme.js";
 import { begin, drawn } from "./timing.js";
 import { Traces } from "./traces.js";
 import { tell } from "./verdict.js";
-import { write } from "./words.js";
 
 let controls = null; // Controls, once the server has said what there is to control
 let tasks = null; // Tasks, likewise
@@ -36,9 +36,9 @@ const instant = new Instant();
 const pins = new Pins(redraw);
 const record = new LabRecord(() => traces.draw());
 const traces = new Traces($("stress-chart"), $("speed-chart"), $("readout"), $("unzoom"), instant, [record, pins], redraw);
-const playback = new Playback({ button: $("play"), slider: $("played"), speed: $("playing-speed"), readout: $("pace") }, instant, () => traces.shown());
+const playback = new Playback({ button: $("play"), slider: $("played"), speed: $("playing-speed"), readout: $("pace") }, instant, () => traces.window.shown());
 const moving = [playback, new Machine($("machine"), instant, playback)];
-const phase = new Phase($("phase-canvas"), $("phase-point"), $("cycle-key"), instant, pins);
+const phase = new Phase($("phase-canvas"), $("phase-point"), $("cycle-key"), $("whole"), instant, pins);
 const standing = new Standing({
   ask: (...question) => connection.ask(...question),
   move: (ratio, eta, digits, stamp) => controls.move(ratio, eta, digits, picture, stamp),
@@ -51,7 +51,7 @@ const marks = { show: (found) => controls.mark(found) };
 const sound = new Sound($("sound"), $("volume"), $("heard"));
 const views = [verdict, traces, ...moving, phase, standing, sound, marks, { show: describe }, { show: (found) => tasks.show(found) }];
 const explanations = new Explanations($("explanation"));
-const recordPanel = new RecordPanel(record, () => traces.shown(), (conditions) => controls && whenRead(() => controls.experiments.takeConditions(conditions)));
+const recordPanel = new RecordPanel(record, () => traces.window.shown(), (conditions) => controls && whenRead(() => controls.experiments.takeConditions(conditions)));
 const saved = $("recording")?.textContent; // of a page that was saved
 if (saved) views.push({ show: disable });
 const connection = saved ? new Recording(saved, { answer }) : new Connection({ answer, lost });
@@ -64,14 +64,6 @@ const sharing = new Sharing({
 });
 onTheme(redraw);
 new ResizeObserver(redraw).observe($("phase-canvas"));
-listen();
-
-function listen() {
-  $("whole").addEventListener("change", (event) => {
-    phase.whole = event.target.checked;
-    phase.draw();
-  });
-}
 
 // ---- questions
 
@@ -98,39 +90,45 @@ function whenRead(act) {
 
 /** All that was asked for is answered, perhaps by a problem. */
 function settle() {
-  const { wrong, valid } = controls.entries;
-  document.body.classList.toggle("stale", !picture || !questions.isNewest(picture) || wrong.length > 0);
-  const values = wrong.filter((name) => valid[name]).map((name) => `${name} = ${valid[name]}`);
-  write($("stale"), wrong.length ? `Shown: the last valid values${values.length ? ` (${values.join(", ")})` : ""}; correct ${wrong.join(", ")}.` : "");
-  $("stale").hidden = !wrong.length;
+  sayStale(!picture || !questions.isNewest(picture), controls.entries);
   questions.settle();
 }
 
 // ---- answers
 
 function answer(found) {
-  ({ hello, preparing, ready: () => say(""), picture: arrived, chart: (of) => standing.chart(of), window: (of) => standing.window(of), branch: (of) => standing.branched(of), file: (of) => sharing.save(of), problem })[found.kind](found);
+  const kinds = {
+    hello,
+    preparing: sayPreparing,
+    ready: () => say(""),
+    picture: arrived,
+    chart: (of) => standing.chart(of),
+    window: (of) => standing.window(of),
+    branch: (of) => standing.branched(of),
+    file: (of) => sharing.save(of),
+    problem,
+  };
+  kinds[found.kind](found);
 }
 
 function hello(greeting) {
-  const { fields, laws, before, experiment, live, longest, meanings, prefixes, presets, span } = greeting;
+  learnPrefixes(greeting.prefixes);
+  explanations.learn(greeting.meanings);
   recordPanel.open(greeting);
-  learnPrefixes(prefixes);
-  explanations.learn(meanings);
-  standing.open({ span, fields });
-  const names = [...fields.map((field) => field.symbol), "law"];
-  const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
-  const entries = new Entries(names, ["friction", ...experiment], { ...own, ...presets[0].entries }, longest, live);
-  controls ??= new Controls(fields, laws, before, presets, entries, ask, whenRead);
-  tasks ??= new Tasks(new TaskStrip($("tasks"), $("tasks-open"), $("task-line")), fields, presets, beginTask);
+  standing.open(greeting);
+  if (!controls) build(greeting); // and not again, when a connection has come back
   questions.forget();
   say("");
-  for (const pin of connection.pinned ?? []) pins.add(pin.picture, pin.texts);
   ask();
 }
 
-function preparing() {
-  say("Preparing the solver for such a slider on this machine, up to a minute, once \u2026");
+function build({ fields, laws, before, experiment, live, longest, presets }) {
+  const names = [...fields.map((field) => field.symbol), "law"];
+  const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
+  const entries = new Entries(names, ["friction", ...experiment], { ...own, ...presets[0].entries }, longest, live);
+  controls = new Controls(fields, laws, before, presets, entries, ask, whenRead);
+  tasks = new Tasks(new TaskStrip($("tasks"), $("tasks-open"), $("task-line")), fields, presets, beginTask);
+  for (const pin of connection.pinned ?? []) pins.add(pin.picture, pin.texts);
 }
 
 function arrived(found) {
@@ -155,14 +153,7 @@ function problem(found) {
 
 function lost(seconds, why) {
   questions.forget();
-  const reason = why ? ` (${why})` : "";
-  say(`The connection to ratestate is lost${reason}; trying again in ${seconds} s. Is it still running?`, true);
-}
-
-function say(text, isLost = false) {
-  $("banner").textContent = text;
-  $("banner").hidden = !text;
-  $("banner").classList.toggle("lost", isLost);
+  sayLost(seconds, why);
 }
 
 // ---- drawing

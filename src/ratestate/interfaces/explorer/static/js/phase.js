@@ -14,12 +14,13 @@ const NEAR = 24; // px: a curve is pointed at from so far
 const SAME = 3; // px: of curves so close, the run is meant, and its last passage
 
 export class Phase {
-  /** point: element that marks the instant; cycleKey: the legend's entry of the limit cycle; pins: Pins */
-  constructor(canvas, point, cycleKey, instant, pins) {
-    Object.assign(this, { canvas, point, cycleKey, instant, pins, whole: false });
+  /** point: element that marks the instant; cycleKey: the legend's entry of the limit cycle; whole: checkbox; pins: Pins */
+  constructor(canvas, point, cycleKey, whole, instant, pins) {
+    Object.assign(this, { canvas, point, cycleKey, whole, instant, pins });
     this.plane = new Plane(canvas, { log: false }, { log: true });
     this.plane.explain("tau/sigma", "V");
     instant.on(() => this.mark());
+    whole.addEventListener("change", () => this.draw());
     for (const kind of ["pointermove", "pointerdown"]) canvas.addEventListener(kind, (event) => this.pointAt(event));
     // (a finger that is lifted leaves too, and what it pointed at stays)
     canvas.addEventListener("pointerleave", ({ pointerType }) => pointerType === "mouse" && instant.point(null));
@@ -95,7 +96,7 @@ export class Phase {
 
   /** Stress and V of the cycle; without one, or if asked to, of the whole run. */
   curve(arrays) {
-    const isRun = !arrays.cycle_V || this.whole;
+    const isRun = !arrays.cycle_V || this.whole.checked;
     return isRun ? [arrays.run_stress, arrays.run_V] : [arrays.cycle_stress, arrays.cycle_V];
   }
 

@@ -8,11 +8,11 @@ import { timeUnit } from "./numbers.js";
 import { tell } from "./readout.js";
 import { extremes, valuesAt } from "./run.js";
 import { color, onTheme } from "./theme.js";
+import { TimeWindow } from "./time_window.js";
 import { backward, counted, linear, speeds } from "./ticks.js";
 import { axis, insideAxes, labelled, outline, padded, straight, ticking } from "./trace_axes.js";
 
 const AXIS_WIDTH = 44;
-const NARROWEST = 1e-3; // of the whole time: what is kept of a zoom
 
 export class Traces {
   /**
@@ -26,14 +26,13 @@ export class Traces {
    * reach out for it.
    */
   constructor(stressBox, speedBox, readout, unzoom, instant, layers, zoomed) {
-    Object.assign(this, { stressBox, speedBox, readout, unzoom, instant, zoomed, layers: [inertia, changes, ...layers] });
+    Object.assign(this, { stressBox, speedBox, readout, instant, layers: [inertia, changes, ...layers] });
+    this.window = new TimeWindow(this.layers, unzoom, zoomed);
     this.unit = [1, "s"];
     this.reverses = false;
-    this.window = null; // [first, last] of the time shown, in seconds; null for all
     this.build();
     new ResizeObserver(() => this.fit()).observe(stressBox);
     onTheme(() => this.rebuild());
-    unzoom.addEventListener("click", () => this.zoom(null));
     instant.on(() => this.mark());
     this.mark();
   }
@@ -49,7 +48,7 @@ export class Traces {
     const line = (role, more) => ({ stroke: color(role), width: 1.4, points: { show: false }, paths: straight, ...more });
     const load = line("run", { width: 1, dash: [5, 4], paths: uPlot.paths.stepped({ align: 1 }) });
     const time = ticking(linear, 70, "width");
-    this.stress = this.plot("stress", ["stress", "friction"], { range: (_, low, high) => padded(this.reach("stress", low, high)) }, this.stressBox, {
+    this.stress = this.plot("stress", ["stress", "friction"], { range: (_, low, high) => padded(this.window.reach("stress", low, high)) }, this.stressBox, {
       axes: [axis({ ...time, values: (_, splits) => splits.map(() => ""), size: 8 }), axis({ size: AXIS_WIDTH, ...ticking(stresses, 40), label: "\u03c4/\u03c3,  \u03bc" })],
       series: [{}, line("stress", { width: 1.6 }), line("friction", { dash: [6, 4] })],
     });
@@ -61,14 +60,14 @@ export class Traces {
   }
 
   plot(name, roles, y, box, more) {
-    const bind = { dblclick: () => () => this.zoom(null) };
+    const bind = { dblclick: () => () => this.window.show(null) };
     const options = {
       width: 300,
       height: 200,
       padding: [8, 12, 0, 0],
       legend: { show: false },
       cursor: { points: { show: false }, drag: { x: true, y: false, setScale: false }, bind },
-      scales: { x: { time: false, range: () => this.shown().map((time) => time / this.unit[0]) }, y },
+      scales: { x: { time: false, range: () => this.window.shown().map((time) => time / this.unit[0]) }, y },
       hooks: {
         setSelect: [(plot) => this.select(plot)],
         drawAxes: [outline, (plot) => this.behind(plot, name)],
@@ -88,7 +87,7 @@ export class Traces {
   }
 
   speedScale() {
-    const range = (low, high) => this.reach("speed", low, high);
+    const range = (low, high) => this.window.reach("speed", low, high);
     if (this.reverses) return { range: (_, low, high) => padded(range(low, high)) };
     return { distr: 3, range: (_, low, high) => padded(range(low, high).map(Math.log)).map(Math.exp) };
   }
@@ -112,70 +111,27 @@ export class Traces {
     if (!this.picture) return;
     const { picture } = this;
     const { run_time: time, run_stress: stress, run_mu: mu, run_V: V } = picture.arrays;
-    const [first, last] = this.whole();
+    this.window.take(time);
+    const [first, last] = this.window.whole();
     this.unit = timeUnit(Math.max((last - first) / 2, 1e-300));
     const t = time.map((value) => value / this.unit[0]);
-    if (this.reverses !== backward(this.reach("speed", ...extremes([V]))[0])) {
+    if (this.reverses !== backward(this.window.reach("speed", ...extremes([V]))[0])) {
       this.reverses = !this.reverses;
       this.build();
     }
     const load = Array.from(time, speedOf(picture)).map((value) => (value > 0 || this.reverses ? value : null)); // 0 has no logarithm
     this.speed.axes[0].label = `Time  [${this.unit[1]}]`;
-    this.keepWindow();
     this.stress.setData([t, stress, mu]);
     this.speed.setData([t, load, V]);
     this.mark();
   }
 
-  // ---- what time and which values are shown
-
-  /** First and last time of all that is drawn [s]. */
-  whole() {
-    const time = this.picture?.arrays.run_time ?? [];
-    const all = this.layers.flatMap((layer) => layer.times?.() ?? []);
-    if (time.length) all.push(time[0], time.at(-1));
-    return all.length ? extremes([all]) : [0, 1];
-  }
-
-  /** The same of what is shown. */
-  shown() {
-    return this.window ?? this.whole();
-  }
-
-  /** The same in the axis's unit. */
-  across() {
-    return this.shown().map((time) => time / this.unit[0]);
-  }
-
-  /** A range with those of the layers. */
-  reach(name, low, high) {
-    const shown = this.shown();
-    const all = [[low, high], ...this.layers.flatMap((layer) => (layer.range ? [layer.range(name, ...shown)] : []))];
-    return [Math.min(...all.map(([least]) => least)), Math.max(...all.map(([, most]) => most))];
-  }
-
-  /** Of a zoom stays what another run has too. */
-  keepWindow() {
-    if (!this.window) return;
-    const [first, last] = this.whole();
-    const kept = [Math.max(first, this.window[0]), Math.min(last, this.window[1])];
-    const is = kept[1] - kept[0] > NARROWEST * (last - first);
-    this.window = is ? kept : null;
-    this.unzoom.disabled = !is;
-  }
-
-  /** Show these times [s], or all. */
-  zoom(window) {
-    this.window = window;
-    this.unzoom.disabled = !window;
-    this.zoomed();
-  }
-
+  /** Zoom to what was dragged over. */
   select(plot) {
     const { left, width } = plot.select;
     if (!(width > 0)) return;
     plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
-    this.zoom([left, left + width].map((x) => plot.posToVal(x, "x") * this.unit[0]));
+    this.window.show([left, left + width].map((x) => plot.posToVal(x, "x") * this.unit[0]));
   }
 
   // ---- what is drawn beside the lines
