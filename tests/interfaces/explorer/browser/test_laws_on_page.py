@@ -95,7 +95,7 @@ def test_damping_is_given_and_taken_away(show):
     shown.wait()
     slider = FIG4.replace(damping=3e6)
     assert shown.numbers["Kc"] == f"{slider.K_c(1e-4) / 1e9:.4g} GPa/m"
-    assert "damping=3+MPa+s%2Fm" in shown.page.evaluate("location.href")
+    shown.page.wait_for_function("() => location.href.includes('damping=3+MPa+s%2Fm')")
     shown.page.select_option("#presets", index=2)
     shown.wait()
     assert shown.entry("damping") == "0 Pa s/m"
