@@ -6,7 +6,7 @@ from .labels import LETTERS, PREFIXES, STRESS, label
 from .layout import text_width
 
 #: symbols that sentences name; single letters that are words as well are not among them
-SYMBOLS = (*LETTERS, "K_c", "V_c", "V_upper", "f_n", "V_from", "sigma_from", "K", "M", "V", "b")
+SYMBOLS = (*LETTERS, "K_c", "V_c", "V_c_upper", "f_n", "V_from", "sigma_from", "K", "M", "V", "b")
 _NAMED = "|".join(sorted(map(re.escape, SYMBOLS), key=len, reverse=True))
 _SYMBOL = re.compile(rf"(?<![\w'\"$])(tau/sigma|{_NAMED})(?![\w'\"^])")
 _POWER = re.compile(r"(\d)e([+-]?)0*(\d+)\b")

@@ -45,6 +45,8 @@ class QuestionQueue:
             question = await self.waiting.get()
             await prepare(question)
             for job in self.jobs:
+                if self.patience is not None and not self.waiting.empty():
+                    break  # for a newer question, which came between two jobs
                 deadline = self.deadline = Deadline(self.seconds, self.whole)
                 deadline.start()
                 work = loop.run_in_executor(self.pool, run_job, job, question, deadline)

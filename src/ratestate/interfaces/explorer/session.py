@@ -21,6 +21,8 @@ from .question_queue import QuestionQueue, run_job
 
 # Downloads: how many may wait; seconds for one, and for each part of its work.
 CAPACITY, SECONDS, PART_SECONDS = 8, 10.0, 2.0
+# The same of a page, which has three bifurcation diagrams in it.
+PAGE_SECONDS, PAGE_PART_SECONDS = 90.0, branch.SECONDS
 # After so many invalid messages in a row the connection is closed.
 NONSENSE, REFUSED = 20, 1008
 # Seconds for which a picture is still computed after a newer one is requested.
@@ -74,8 +76,15 @@ class Session:
         files = QuestionQueue(
             shared.file_pool, [answer_file], seconds=PART_SECONDS, whole=SECONDS, capacity=CAPACITY
         )
+        pages = QuestionQueue(
+            shared.file_pool,
+            [answer_file],
+            seconds=PAGE_PART_SECONDS,
+            whole=PAGE_SECONDS,
+            capacity=CAPACITY,
+        )
         self.queues = {"picture": pictures, "chart": maps, "window": windows, "branch": branches}
-        self.queues |= dict.fromkeys(wire.FILES, files)
+        self.queues |= dict.fromkeys(wire.FILES, files) | {"page": pages}
 
     async def serve(self):
         """Answer until the page is gone."""

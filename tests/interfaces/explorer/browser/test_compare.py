@@ -105,3 +105,25 @@ def test_in_a_text_field_undo_is_of_typing(show):
     shown.page.keyboard.press("Control+z")
     shown.page.wait_for_timeout(200)
     assert shown.page.evaluate(RESTED, "K=700 MPa/m")
+
+
+def test_quick_undo_loses_no_change_and_stays_on_the_page(show):
+    shown = show()
+    page = shown.page
+    for K in ("700", "710"):
+        shown.type("K", f"{K} MPa/m")
+        page.wait_for_function(RESTED, arg=f"K={K} MPa/m")
+    shown.type("K", "720 MPa/m")
+    page.click("#undo")  # at once: what is undone is the last change
+    page.wait_for_function(RESTED, arg="K=710 MPa/m")
+    page.click("#redo")
+    page.wait_for_function(RESTED, arg="K=720 MPa/m")
+    page.eval_on_selector("#undo", "e => { for (let i = 0; i < 5; i += 1) e.click() }")
+    page.wait_for_function(RESTED, arg="K=710 MPa/m")
+    for K in ("700", "960"):
+        page.click("#undo")
+        page.wait_for_function(RESTED, arg=f"K={K} MPa/m")
+    assert page.is_disabled("#undo")
+    page.keyboard.press("Control+z")
+    page.wait_for_timeout(100)
+    assert page.evaluate(RESTED, "K=960 MPa/m")

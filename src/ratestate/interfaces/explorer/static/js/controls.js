@@ -124,7 +124,7 @@ export class Controls {
     const form = friction in forms ? friction : this.formOf(law);
     for (const name of this.own) this.texts[name] = texts[name] ?? this.entries.texts[name] ?? this.texts[name];
     const own = [...this.own].map((name) => [name, forms[form]?.includes(name) ? this.texts[name] : null]);
-    return { ...("law" in texts ? { friction: form } : {}), ...texts, ...Object.fromEntries(own) };
+    return { ...texts, ...("law" in texts ? { friction: texts.friction ?? form } : {}), ...Object.fromEntries(own) };
   }
 
   /** Put the slider onto another point of the map: K, and either V_lp or M. */

@@ -122,7 +122,7 @@ const squeal = {
   astray({ values, numbers, regime }) {
     if (values.M === 0) return "Without mass nothing can vibrate. Give M back.";
     if (regime === "steady") return `It is silent: with eta = ${plain(numbers.eta)} inertia is too weak for this spring. Drive it faster, beyond V_c.`;
-    if (regime.endsWith("stick-slip")) return "It sticks and slips: the spring is softer than K_c_qs. Stiffen it, or drive it faster.";
+    if (regime.endsWith("stick-slip")) return `It sticks and slips: ${values.K < numbers.K_c_qs ? "the spring is softer than K_c_qs" : "inertia is weak, and K close to K_c_qs"}. Stiffen it, or drive it faster.`;
     return numbers.frequency > HIGH ? "That is too high for a squeal. Make the block heavier, or the spring softer." : "";
   },
   learnt: "Spring and block decide how high it squeals: well beyond V_c f is near f_n, set by K/M. Friction and inertia decide whether it does: friction must weaken with speed, and a light block must be driven fast.",

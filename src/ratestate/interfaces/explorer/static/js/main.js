@@ -165,7 +165,7 @@ function draw() {
     say("");
     controls.accept(picture.values, picture.settling);
   }
-  pins.show(picture, controls.entries.asked());
+  pins.show(picture, questions.textsOf(picture));
   for (const view of views) view.show(picture);
   document.body.dataset.drawn = picture.id;
   drawn(picture.id);

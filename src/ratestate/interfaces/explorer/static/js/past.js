@@ -7,12 +7,13 @@ const WAIT = 400; // ms without a change that make one step of all changes befor
 export class Past {
   /** fragment: function () that gives what the address holds of the present state; null if it holds nothing */
   constructor(fragment) {
-    Object.assign(this, { fragment, timer: 0, adds: false, last: 0 });
+    Object.assign(this, { fragment, timer: 0, adds: false, leaves: false, last: 0 });
     // An address that was typed, or opened by a link, has no state yet.
     if (history.state === null) history.replaceState({ step: 0 }, "");
     this.last = this.step;
-    $("undo").addEventListener("click", () => history.back());
-    $("redo").addEventListener("click", () => history.forward());
+    $("undo").addEventListener("click", () => this.go(-1));
+    $("redo").addEventListener("click", () => this.go(1));
+    addEventListener("popstate", () => (this.leaves = false));
     addEventListener("keydown", (event) => this.key(event));
     this.tell();
   }
@@ -42,6 +43,19 @@ export class Past {
     } else history.replaceState(history.state, "", address);
     this.adds = false;
     this.tell();
+  }
+
+  /** Undo (-1) or redo (1) a step; what has not rested yet is one too. */
+  go(way) {
+    if (this.adds) {
+      clearTimeout(this.timer);
+      this.write();
+    }
+    // The browser goes there later: asked twice, it would leave the page.
+    const there = this.step + way;
+    if (this.leaves || there < 0 || there > this.last) return;
+    this.leaves = true;
+    history.go(way);
   }
 
   /** The address has changed, but not by `write`: by undo, by redo, or by hand. */

@@ -19,7 +19,7 @@ export class Pins {
 
   /** What is shown now: the picture, and the texts behind it. */
   show(picture, texts) {
-    Object.assign(this, { picture, shown: { ...texts } });
+    Object.assign(this, { picture, shown: texts });
     this.tell();
   }
 

@@ -3,14 +3,21 @@
 export class Questions {
   /** send: function (texts) that asks for a picture and gives the question's id, null without a connection */
   constructor(send) {
-    Object.assign(this, { send, pending: 0, read: 0, waiting: [] });
+    Object.assign(this, { send, pending: 0, read: 0, waiting: [], asked: new Map() });
   }
 
   /** Ask for a picture; its id, or null. */
   ask(texts) {
     const id = this.send(texts);
     this.pending = id ?? Infinity;
+    if (id !== null) this.asked.set(id, texts);
     return id;
+  }
+
+  /** The texts that a picture was asked for with. */
+  textsOf({ id }) {
+    for (const earlier of this.asked.keys()) if (earlier < id) this.asked.delete(earlier);
+    return this.asked.get(id);
   }
 
   /** Whether an answer is the one to the newest question. */

@@ -20,11 +20,11 @@ export class RecordPanel {
     this.file = new RecordFile((fraction) => this.progress(fraction));
     this.choices = new RecordChoices(() => this.read());
     this.listen();
-    listenForDrops((files) => this.choose(files));
   }
 
-  /** Take the server's greeting. */
+  /** Take the server's greeting; a saved page has none that reads files. */
   open(greeting) {
+    if (greeting.page && !this.file.page) listenForDrops((files) => this.choose(files));
     this.file.open(greeting);
   }
 
@@ -71,6 +71,7 @@ export class RecordPanel {
   async read() {
     $("record").show();
     this.say(`Reading ${this.chosen.name} \u2026`);
+    $("record-notes").replaceChildren();
     this.progress(0);
     const found = await this.file.send(this.chosen, this.choices.choices);
     if (!found) return; // for a newer one
@@ -104,6 +105,8 @@ export class RecordPanel {
   }
 
   remove() {
+    this.file.stop();
+    $("record-progress").hidden = true;
     this.record.set(null);
     this.choices.clear();
     $("record-choices").hidden = true;

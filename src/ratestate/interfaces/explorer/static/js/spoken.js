@@ -12,7 +12,7 @@ let announcing = 0;
 export function describe({ sentences, numbers, values }) {
   const [what] = sentences;
   $("stress-chart").setAttribute("aria-label", `tau/sigma and mu against time. ${what}`);
-  $("speed-chart").setAttribute("aria-label", `V against time, logarithmic. ${what}`);
+  $("speed-chart").setAttribute("aria-label", `V against time. ${what}`);
   $("phase-canvas").setAttribute("aria-label", `V against tau/sigma. ${what}`);
   $("map-canvas").setAttribute("aria-label", `eta against K/K_c_qs, with the regimes; here ${place(numbers, values)}`);
   clearTimeout(announcing);

@@ -3,7 +3,7 @@
 const dark = matchMedia("(prefers-color-scheme: dark)");
 let known = null;
 
-/** Colour of a role, such as "accent": what --accent is in style.css. */
+/** Colour of a role, such as "accent": what --accent is in css/theme.css. */
 export function color(role) {
   known ??= getComputedStyle(document.documentElement);
   return known.getPropertyValue(`--${role}`).trim();
