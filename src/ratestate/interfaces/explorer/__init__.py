@@ -21,6 +21,7 @@
 ``marks``          the critical values on its sliders
 ``charts``         what is behind the map: K_c, the atlas, finer parts; which sliders share them
 ``branch``         the bifurcation diagram: its range, stability, and branches of limit cycles
+``answers``        these as answers, each to its question
 ``exports``        files to take along: scenario, Python lines, CSV, and the two that follow
 ``figure``         a figure for a paper
 ``standalone``     the page as one file, with what it shows: `bundle` puts its own files into one

@@ -1,8 +1,4 @@
-"""One page's connection: its questions go into queues, the answers back.
-
-`answer_picture`, `answer_chart`, `answer_window`, `answer_branch` and `answer_file` compute what
-is wanted.
-"""
+"""One page's connection: its questions go into queues, the answers back."""
 
 import asyncio
 import secrets
@@ -13,6 +9,7 @@ from functools import partial
 from starlette.websockets import WebSocketDisconnect
 
 from . import branch, charts, picture, upload, wire
+from .answers import answer_branch, answer_chart, answer_picture, answer_window
 from .entries import BadEntries, state_of
 from .exports import export
 from .kernels import Kernels, kind_of
@@ -152,31 +149,6 @@ class Session:
         self.record_stop.set()
         self.record_stop = threading.Event()
         return self.record_stop
-
-
-def answer_picture(question, deadline):
-    """Answer "picture"."""
-    header, arrays = picture.picture(state_of(question.entries), deadline)
-    return wire.answer(question.id, "picture", arrays, **header)
-
-
-def answer_chart(question, deadline, size):
-    """Answer "chart" at one size."""
-    header, arrays = charts.chart(state_of(question.entries).slider, size, deadline)
-    return wire.answer(question.id, "chart", arrays, **header)
-
-
-def answer_window(question, deadline):
-    """Answer "window"."""
-    slider = state_of(question.entries).slider
-    header, arrays = charts.window(slider, question.window, deadline)
-    return wire.answer(question.id, "window", arrays, **header)
-
-
-def answer_branch(question, deadline):
-    """Answer "branch"."""
-    header, arrays = branch.branch(state_of(question.entries), question.along, deadline)
-    return wire.answer(question.id, "branch", arrays, **header)
 
 
 def answer_file(question, deadline):

@@ -2,6 +2,7 @@
 
 import base64
 import datetime
+from functools import partial
 from html import escape
 from importlib.metadata import version
 from urllib.parse import urlencode
@@ -11,6 +12,7 @@ from ...files.place import checked_path
 from ..strict_json import strict_json
 from . import branch, charts, wire
 from .address import PORT, address_of
+from .answers import answer_branch, answer_chart
 from .budget import Deadline
 from .bundle import bundle
 from .entries import state_of
@@ -78,19 +80,11 @@ def _picture(entries, deadline):
 def _chart(entries, deadline):
     """The answer to "chart", or why there is none."""
     size = charts.size_in_time(state_of(entries).slider, deadline) or charts.SIZES[0]
-
-    def answer(question, deadline):
-        header, arrays = charts.chart(state_of(question.entries).slider, size, deadline)
-        return wire.answer(1, "chart", arrays, **header)
-
+    answer = partial(answer_chart, size=size)
     return run_job(answer, wire.Question(1, "chart", entries), deadline)[0]
 
 
 def _branch(entries, along, deadline):
     """The answer to "branch"."""
-
-    def answer(question, deadline):
-        header, arrays = branch.branch(state_of(question.entries), along, deadline)
-        return wire.answer(1, "branch", arrays, **header)
-
-    return run_job(answer, wire.Question(1, "branch", entries), deadline)[0]
+    question = wire.Question(1, "branch", entries, along=along)
+    return run_job(answer_branch, question, deadline)[0]

@@ -10,6 +10,7 @@ from html import escape
 import latency
 import pytest
 from conftest import DRAWN, NUMBERS, Shown
+from playwright.sync_api import Error
 
 import ratestate as rs
 from ratestate.paper.parameters import FIG2
@@ -144,7 +145,7 @@ def framed(browser, folder, html):
             frame = page.wait_for_selector("iframe").content_frame()
             frame.wait_for_function(DRAWN, timeout=60_000 if "data-long" in html else 3_000)
             return frame.inner_text("#headline")
-        except Exception:  # of another kind by what the browser makes of the refusal
+        except Error:  # no frame to enter, or none that is drawn in time
             return None
         finally:
             page.close()

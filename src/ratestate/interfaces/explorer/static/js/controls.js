@@ -1,6 +1,6 @@
 // Everything that is set by hand: fields, law, friction, preset, experiments; and what is wrong with it.
 
-import { $ } from "./dom.js";
+import { $, explainBeside } from "./dom.js";
 import { Experiments } from "./experiments.js";
 import { Field } from "./fields.js";
 import { entry } from "./numbers.js";
@@ -179,10 +179,6 @@ export class Controls {
   explain(name, text) {
     if (name in this.fields) this.fields[name].explain(text);
     else if (name in this.experiments.none) this.experiments.explain(name, text);
-    else {
-      const message = $(`problem-${name}`);
-      message.textContent = text;
-      message.hidden = !text;
-    }
+    else explainBeside(name, text);
   }
 }

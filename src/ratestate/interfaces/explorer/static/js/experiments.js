@@ -1,6 +1,6 @@
 // Experiments on the motion as it is now: buttons, and the list of what they have made, which can be edited.
 
-import { $ } from "./dom.js";
+import { $, explainBeside } from "./dom.js";
 import { ascii, display, entry, factor, withUnit } from "./numbers.js";
 import { hold, rowOf, rowsOf, slideHoldSlide, textOf } from "./protocol.js";
 import { ProtocolList } from "./protocol_list.js";
@@ -49,7 +49,7 @@ export class Experiments {
 
   /** Say what is wrong with one of its entries. */
   explain(name, text) {
-    write(name, text);
+    explainBeside(name, text);
     this.list.mark(name, text);
   }
 
@@ -69,7 +69,7 @@ export class Experiments {
   /** Whether a button can do its work; says beside it why not. */
   isReady(place, problem, of = "V_lp") {
     const why = problem || this.wrong(of);
-    write(place, why);
+    explainBeside(place, why);
     return !why && this.values !== undefined;
   }
 
@@ -141,11 +141,4 @@ export class Experiments {
     this.controls.take({ ...earlier, ...this.none }, event.timeStamp);
     $(`step-${stepped[0][1]}`).focus();
   }
-}
-
-/** Say what is wrong in a place, or no longer. */
-function write(place, text) {
-  const message = $(`problem-${place}`);
-  message.textContent = text;
-  message.hidden = !text;
 }

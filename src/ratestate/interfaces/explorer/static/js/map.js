@@ -68,7 +68,7 @@ export class StabilityMap {
   show({ values, numbers, arrays }) {
     const before = this.at;
     this.picture = { numbers, arrays };
-    this.at = placeOf({ values, numbers });
+    this.at = standingOf({ values, numbers });
     if (this.at && (this.at.ratio !== before?.ratio || this.at.eta !== before?.eta)) this.view.follow(this.at);
     this.draw();
   }
@@ -151,7 +151,7 @@ export class StabilityMap {
   }
 
   markPin({ role, picture }) {
-    const at = placeOf(picture);
+    const at = standingOf(picture);
     if (!at) return;
     this.plane.inside((c) => {
       c.beginPath();
@@ -174,7 +174,7 @@ export class StabilityMap {
 }
 
 /** {ratio, eta} of a picture's slider; null where there is no K_c_qs. */
-function placeOf({ values, numbers }) {
+function standingOf({ values, numbers }) {
   return numbers.K_c_qs > 0 ? { ratio: number(values.K) / numbers.K_c_qs, eta: number(numbers.eta) } : null;
 }
 

@@ -1,7 +1,7 @@
 // A laboratory record behind the traces: its friction, and the speed of its load point.
 
 import { element } from "./dom.js";
-import { extremes, pieceAt, within } from "./run.js";
+import { between, extremes, placeAt, within } from "./run.js";
 import { color } from "./theme.js";
 
 const WIDTH = 1;
@@ -92,8 +92,7 @@ export class LabRecord {
     const { time, friction } = this.arrays;
     const at = t + this.zero;
     if (at < time[0] || at > time.at(-1)) return null;
-    const i = Math.min(pieceAt(time, at), time.length - 2);
-    return friction[i] + ((at - time[i]) / (time[i + 1] - time[i])) * (friction[i + 1] - friction[i]);
+    return between(friction, placeAt(time, at));
   }
 }
 
