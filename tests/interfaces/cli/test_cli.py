@@ -133,7 +133,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
 
 
 def test_the_explorer_opens_with_a_files_slider(tmp_path, monkeypatch):
-    from ratestate.interfaces.explorer.entries import state_of
+    from ratestate.interfaces.explorer.page_state.entries import state_of
 
     served = []
     monkeypatch.setattr("ratestate.interfaces.explorer.serve", lambda **how: served.append(how))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ratestate.interfaces.explorer.decimation import MOST_SENT, decimated
+from ratestate.interfaces.explorer.computation.decimation import MOST_SENT, decimated
 
 
 def test_thinned_curves_keep_their_extremes():

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import ratestate as rs
-from ratestate.interfaces.explorer import entries, picture
-from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.entries import entries_of
-from ratestate.interfaces.explorer.state import PageState
+from ratestate.interfaces.explorer.computation import picture
+from ratestate.interfaces.explorer.computation.budget import Deadline
+from ratestate.interfaces.explorer.page_state import entries
+from ratestate.interfaces.explorer.page_state.entries import entries_of
+from ratestate.interfaces.explorer.page_state.state import PageState
 from ratestate.paper.parameters import FIG2, FIG4
 
 

@@ -21,23 +21,17 @@ from ratestate.dynamics.simulation.simulate import SimulateCall
 from ratestate.engine.backend import Stopped
 from ratestate.friction.laws import LAWS
 from ratestate.interfaces import scenario
-from ratestate.interfaces.explorer import (
-    charts,
-    entries,
-    exports,
-    menus,
-    picture,
-    question_queue,
-    server,
-    session,
-    wire,
-)
-from ratestate.interfaces.explorer.app import MOST_PAGES, Guard
-from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.decimation import MOST_SENT
-from ratestate.interfaces.explorer.entries import PageState, entries_of
-from ratestate.interfaces.explorer.kernels import Kind, kind_of
-from ratestate.interfaces.explorer.menus import presets
+from ratestate.interfaces.explorer.computation import charts, motion, picture
+from ratestate.interfaces.explorer.computation.budget import Deadline
+from ratestate.interfaces.explorer.computation.decimation import MOST_SENT
+from ratestate.interfaces.explorer.messages import answers, menus, wire
+from ratestate.interfaces.explorer.messages.menus import presets
+from ratestate.interfaces.explorer.page_state import entries
+from ratestate.interfaces.explorer.page_state.entries import PageState, entries_of
+from ratestate.interfaces.explorer.service import server, session
+from ratestate.interfaces.explorer.service.app import MOST_PAGES, Guard
+from ratestate.interfaces.explorer.service.kernels import Kind, kind_of
+from ratestate.interfaces.explorer.sharing import exports
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG4
 
@@ -433,7 +427,9 @@ class TestPicture:
         assert arrays["run_time"].size == 0
 
     def test_a_long_run_is_cut_where_time_is_up(self, monkeypatch):
-        monkeypatch.setattr("ratestate.interfaces.explorer.motion.SLIP", 1e9)  # some minutes' work
+        monkeypatch.setattr(
+            "ratestate.interfaces.explorer.computation.motion.SLIP", 1e9
+        )  # some minutes' work
         monkeypatch.setattr(picture, "_attractor", lambda *_: (rs.SolverError("none"), None))
         begin = time.monotonic()
         header, arrays = painted(VIBRATION, seconds=0.2)
@@ -469,7 +465,7 @@ class TestPicture:
             deadline.set()
             return rs.SolverError("none"), None
 
-        monkeypatch.setattr("ratestate.interfaces.explorer.motion.SLIP", 1e9)
+        monkeypatch.setattr(motion, "SLIP", 1e9)
         monkeypatch.setattr(picture, "_attractor", attractor)
         with pytest.raises(Stopped):
             picture.picture(entries.state_of(VIBRATION), deadline)
@@ -478,7 +474,7 @@ class TestPicture:
         def fails(question, deadline):
             raise ZeroDivisionError("a bug")
 
-        reply, failed = question_queue.run_job(fails, wire.Question(3, "csv", {}), Deadline(1.0))
+        reply, failed = answers.run_job(fails, wire.Question(3, "csv", {}), Deadline(1.0))
         header, _ = read(reply)
         assert failed
         assert (header["id"], header["kind"]) == (3, "problem")
@@ -488,7 +484,7 @@ class TestPicture:
         ended = Deadline(1.0)
         ended.set()
         with pytest.raises(Stopped):
-            question_queue.run_job(fails, wire.Question(3, "csv", {}), ended)
+            answers.run_job(fails, wire.Question(3, "csv", {}), ended)
         assert caplog.text == ""
 
     def test_a_deadline_of_parts_has_an_end(self):
@@ -703,7 +699,8 @@ class TestServer:
         assert response.status == 200
         assert policy.startswith("default-src 'none'; script-src 'self'")
         assert b"http://" not in response.read()
-        away = ("/../app.py", "/%2e%2e/app.py", "/..%2fapp.py", "/js/../../app.py", "//app.py")
+        above = ("/..", "/%2e%2e", "/..%2f", "/js/../..", "/")
+        away = [f"{path}/service/app.py" for path in above]
         for path in ("/vendor/uPlot.LICENSE", "/docs", *away):
             status = 200 if path.startswith("/vendor") else 404
             connection.request("GET", path)

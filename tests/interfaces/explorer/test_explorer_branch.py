@@ -8,11 +8,13 @@ import pytest
 import ratestate as rs
 from ratestate.dynamics.verdict import verdict
 from ratestate.engine.backend import Stopped
-from ratestate.interfaces.explorer import branch, charts, entries, wire
-from ratestate.interfaces.explorer.branch import Axis
-from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.entries import PageState
-from ratestate.interfaces.explorer.menus import presets
+from ratestate.interfaces.explorer.computation import branch, charts
+from ratestate.interfaces.explorer.computation.branch import Axis
+from ratestate.interfaces.explorer.computation.budget import Deadline
+from ratestate.interfaces.explorer.messages import wire
+from ratestate.interfaces.explorer.messages.menus import presets
+from ratestate.interfaces.explorer.page_state import entries
+from ratestate.interfaces.explorer.page_state.entries import PageState
 from ratestate.paper.parameters import FIG2, FIG4, FIG6
 
 AGING = FIG4.replace(law="aging")

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from ratestate.interfaces.explorer.app import STATIC
+from ratestate.interfaces.explorer.service.app import STATIC
 
 CSS = "".join(path.read_text() for path in sorted((STATIC / "css").glob("*.css")))
 LIGHT, DARK = (

@@ -10,9 +10,12 @@ import numpy as np
 import pytest
 
 import ratestate as rs
-from ratestate.interfaces.explorer import charts, entries, exports, figure, picture, wire
-from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.menus import presets
+from ratestate.interfaces.explorer.computation import charts, picture
+from ratestate.interfaces.explorer.computation.budget import Deadline
+from ratestate.interfaces.explorer.messages import wire
+from ratestate.interfaces.explorer.messages.menus import presets
+from ratestate.interfaces.explorer.page_state import entries
+from ratestate.interfaces.explorer.sharing import exports, figure
 
 STICK_SLIP = presets()[0]["entries"]
 STEPPED = next(p["entries"] for p in presets() if p["name"] == "Step to just above V_c")

@@ -6,7 +6,7 @@ import pytest
 import ratestate as rs
 from ratestate.dynamics.verdict import verdict
 from ratestate.friction.stability import M_of_K_c
-from ratestate.interfaces.explorer.marks import marks
+from ratestate.interfaces.explorer.computation.marks import marks
 from ratestate.paper.parameters import FIG1, FIG2, FIG4
 
 AGING = FIG2.replace(law="aging", K=601e6)

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from ratestate.interfaces.explorer import app, entries, meanings, menus
+from ratestate.interfaces.explorer.messages import meanings, menus
+from ratestate.interfaces.explorer.page_state import entries
+from ratestate.interfaces.explorer.service import app
 from ratestate.model.quantities import QUANTITIES
 
 TEXTS = Path(meanings.__file__).with_suffix(".toml")

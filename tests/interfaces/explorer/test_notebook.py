@@ -9,8 +9,9 @@ import xarray
 from websockets.sync.client import connect
 
 import ratestate as rs
-from ratestate.interfaces.explorer import charts, notebook
-from ratestate.interfaces.explorer.menus import presets
+from ratestate.interfaces.explorer import notebook
+from ratestate.interfaces.explorer.computation import charts
+from ratestate.interfaces.explorer.messages.menus import presets
 from ratestate.paper.parameters import FIG4
 
 

@@ -10,12 +10,15 @@ from scipy.integrate import solve_ivp
 import ratestate as rs
 from ratestate.dynamics.cycles.orbit import orbit
 from ratestate.interfaces import scenario
-from ratestate.interfaces.explorer import entries, exports, picture, protocol, wire
-from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.entries import entries_of, state_of
-from ratestate.interfaces.explorer.kernels import kind_of
-from ratestate.interfaces.explorer.protocol import Segment
-from ratestate.interfaces.explorer.state import PageState
+from ratestate.interfaces.explorer.computation import picture
+from ratestate.interfaces.explorer.computation.budget import Deadline
+from ratestate.interfaces.explorer.messages import wire
+from ratestate.interfaces.explorer.page_state import entries, protocol
+from ratestate.interfaces.explorer.page_state.entries import entries_of, state_of
+from ratestate.interfaces.explorer.page_state.protocol import Segment
+from ratestate.interfaces.explorer.page_state.state import PageState
+from ratestate.interfaces.explorer.service.kernels import kind_of
+from ratestate.interfaces.explorer.sharing import exports
 from ratestate.paper.parameters import FIG1, FIG2, FIG4
 
 STEADY = entries_of(PageState(FIG2, 1e-4))

@@ -13,8 +13,9 @@ import pytest
 import xarray as xr
 from explorer_server import page, read, served
 
-from ratestate.interfaces.explorer import record, upload, wire
-from ratestate.interfaces.explorer.decimation import MOST_SENT
+from ratestate.interfaces.explorer.computation.decimation import MOST_SENT
+from ratestate.interfaces.explorer.messages import record, wire
+from ratestate.interfaces.explorer.service import upload
 
 T = np.arange(9000) * 0.1
 X = np.where(T < 400, 3 * T, 10 * T - 2800)

@@ -10,9 +10,12 @@ from explorer_server import read
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
-from ratestate.interfaces.explorer import branch, bundle, charts, entries, picture, standalone, wire
-from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.menus import presets
+from ratestate.interfaces.explorer.computation import branch, charts, picture
+from ratestate.interfaces.explorer.computation.budget import Deadline
+from ratestate.interfaces.explorer.messages import wire
+from ratestate.interfaces.explorer.messages.menus import presets
+from ratestate.interfaces.explorer.page_state import entries
+from ratestate.interfaces.explorer.sharing import bundle, standalone
 
 STICK_SLIP = presets()[0]["entries"]
 VIBRATION = presets()[1]["entries"]
@@ -68,7 +71,7 @@ class TestRecording:
         assert "never weakens" in rows[2][2]["problems"]["map"]
 
     def test_the_server_gives_it_as_a_file(self):
-        from ratestate.interfaces.explorer.exports import export
+        from ratestate.interfaces.explorer.sharing.exports import export
 
         file = export(wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION,)), Deadline(60.0))
         assert (file["name"], file["type"]) == ("ratestate.html", "text/html")

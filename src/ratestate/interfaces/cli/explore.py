@@ -59,10 +59,10 @@ def _opened(file, law_file):
 
 def _saved(path, opened):
     """Save the page with a slider, or as it opens without one; the file's Path."""
-    from ..explorer.entries import DIGITS, entries_of
-    from ..explorer.menus import presets
-    from ..explorer.standalone import save_page
-    from ..explorer.state import PageState
+    from ..explorer.messages.menus import presets
+    from ..explorer.page_state.entries import DIGITS, entries_of
+    from ..explorer.page_state.state import PageState
+    from ..explorer.sharing.standalone import save_page
 
     texts = entries_of(PageState(*opened), DIGITS) if opened else presets()[0]["entries"]
     return save_page(path, texts)

@@ -9,11 +9,11 @@ from typing import Any
 from ...errors import ParameterError
 from ...model.slider import SpringSlider
 from ...model.units import is_array, to_si
-from .address import address_of
-from .entries import DIGITS, BadEntries, entries_of, fragment_of, state_of
-from .server import listen, server_at
-from .standalone import save_page
-from .state import PageState
+from .page_state.entries import DIGITS, BadEntries, entries_of, fragment_of, state_of
+from .page_state.state import PageState
+from .service.server import listen, server_at
+from .sharing.address import address_of
+from .sharing.standalone import save_page
 
 #: pages that may have the explorer in a frame: notebooks that this machine serves
 NOTEBOOKS = " ".join(

@@ -8,7 +8,7 @@ import latency
 import pytest
 
 import ratestate as rs
-from ratestate.interfaces.explorer import branch
+from ratestate.interfaces.explorer.computation import branch
 from ratestate.paper.parameters import FIG4, FIG6
 
 FIG4_LINK, V_LP = latency.CASES["stick-slip"], 1e-5  # m/s

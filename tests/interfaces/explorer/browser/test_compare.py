@@ -1,6 +1,6 @@
 """Pinned runs, undo and redo."""
 
-from ratestate.interfaces.explorer.menus import presets
+from ratestate.interfaces.explorer.messages.menus import presets
 
 PIXELS = """([chart, role]) => {
     const ink = getComputedStyle(document.documentElement).getPropertyValue('--' + role);

@@ -6,7 +6,7 @@ import pytest
 from conftest import Shown, serving
 from websockets.sync.client import connect
 
-from ratestate.interfaces.explorer.app import MOST_PAGES
+from ratestate.interfaces.explorer.service.app import MOST_PAGES
 
 
 @pytest.mark.parametrize("pasted", ["1" * 9000, "\u00b5" * 9000])

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ratestate.interfaces import scenario
-from ratestate.interfaces.explorer import protocol
+from ratestate.interfaces.explorer.page_state import protocol
 
 #: stable sliding
 STEADY = latency.CASES["steady"]
@@ -241,7 +241,7 @@ def test_a_wrong_protocol_of_a_link_is_shown_and_said(show):
 def test_what_the_load_point_does_is_drawn(show):
     """Of a hold nothing is drawn on a logarithmic axis; a line is at each change."""
     shown = show(STEADY)
-    speeds = """() => import('/js/changes.js').then(({ changes, speedOf }) => {
+    speeds = """() => import('/js/common/changes.js').then(({ changes, speedOf }) => {
         const values = { V_from: null, V_lp: 3, protocol: [[0, null, 2], [1, null, 1]] };
         const picture = { changes: [0, 2, 3], values, arrays: { run_time: [-1, 4] } };
         const at = [];

@@ -211,8 +211,10 @@ def test_slip_that_reverses_is_drawn_on_a_linear_axis(show):
 
 def test_a_symbol_that_is_not_known_is_its_letters(server, browser):
     page = browser.new_page()
-    page.goto(f"{server.address}js/words.js")
-    shown = "async (name) => (await import('/js/words.js')).symbol(name).map((x) => x.textContent)"
+    page.goto(f"{server.address}js/common/words.js")
+    shown = """async (name) => {
+        const { symbol } = await import('/js/common/words.js');
+        return symbol(name).map((part) => part.textContent) }"""
     assert page.evaluate(shown, "K_c") == ["K", "c"]
     for name in ("D_RS", "toString"):
         assert page.evaluate(shown, name) == [name]
@@ -221,9 +223,9 @@ def test_a_symbol_that_is_not_known_is_its_letters(server, browser):
 
 def test_ticks_of_late_digits_count_from_a_value(server, browser):
     page = browser.new_page()
-    page.goto(f"{server.address}js/ticks.js")
+    page.goto(f"{server.address}js/common/ticks.js")
     ticks, label = page.evaluate(
-        """async () => (await import('/js/ticks.js')).counted(0.55506402, 0.55506409, 4)"""
+        """async () => (await import('/js/common/ticks.js')).counted(0.55506402, 0.55506409, 4)"""
     )
     page.close()
     base, power = label.strip(" \N{MINUS SIGN}]").split("  [")

@@ -4,9 +4,10 @@ import latency
 import numpy as np
 import pytest
 
-from ratestate.interfaces.explorer import entries, picture
-from ratestate.interfaces.explorer.budget import Deadline
-from ratestate.interfaces.explorer.menus import presets
+from ratestate.interfaces.explorer.computation import picture
+from ratestate.interfaces.explorer.computation.budget import Deadline
+from ratestate.interfaces.explorer.messages.menus import presets
+from ratestate.interfaces.explorer.page_state import entries
 
 STEPS = 2000  # of the slider
 #: frames are drawn when a test says so, at the times that it says
@@ -27,8 +28,8 @@ MARKS = """() => Object.fromEntries([...document.querySelectorAll('.dot'),
             e.hidden ? null : [box.x + box.width / 2, box.y + box.height / 2]] }))"""
 #: Of the arrays of a run: a Pace, its scale in a view of 600 px, and what is asked of them
 OF_RUN = """async ({ arrays, window, shares, times }) => {
-    const { Pace } = await import('/js/pace.js');
-    const { placesAt, scaleOf } = await import('/js/places.js');
+    const { Pace } = await import('/js/motion/pace.js');
+    const { placesAt, scaleOf } = await import('/js/motion/places.js');
     for (const name in arrays) arrays[name] = Float64Array.from(arrays[name]);
     const pace = new Pace(arrays, window ?? [-Infinity, Infinity]);
     const scale = scaleOf(arrays, pace, 600);
@@ -62,7 +63,7 @@ def evaluated(page, arrays, shares=(), times=(), window=None):
 def modules(server, browser):
     """A page that can import the page's modules."""
     page = browser.new_page()
-    page.goto(f"{server.address}js/pace.js")
+    page.goto(f"{server.address}js/motion/pace.js")
     yield page
     page.close()
 
@@ -122,7 +123,7 @@ def test_a_short_curve_is_played_for_six_seconds_and_a_jump_in_no_time(modules):
     ],
 )
 def test_the_pace_in_words(modules, factor, text):
-    words = "async (factor) => (await import('/js/pace.js')).paceText(factor)"
+    words = "async (factor) => (await import('/js/motion/pace.js')).paceText(factor)"
     assert modules.evaluate(words, factor) == text
 
 
@@ -357,7 +358,7 @@ def test_a_load_point_that_is_held_has_no_arrow(show):
 
 def test_the_nearest_place_is_that_of_the_last_passage(modules):
     find = """async ([xs, ys, x, y, slack]) =>
-        (await import('/js/nearest.js')).nearest(xs, ys, x, y, slack)"""
+        (await import('/js/curves/nearest.js')).nearest(xs, ys, x, y, slack)"""
     there_and_back = [[0.0, 10.0, 20.0, 10.0, 0.0], [0.0, 0.0, 0.0, 1.0, 1.0]]
     for slack, at in ((0.0, 0.4), (0.9, 0.4), (1.1, 3.6)):
         found = modules.evaluate(find, [*there_and_back, 4.0, -2.0, slack])
@@ -368,8 +369,8 @@ def test_the_nearest_place_is_that_of_the_last_passage(modules):
 
 def test_without_a_run_there_is_nothing_to_play(modules, server):
     played = """async () => {
-        const { Playback } = await import('/js/playback.js');
-        const { Instant } = await import('/js/instant.js');
+        const { Playback } = await import('/js/motion/playback.js');
+        const { Instant } = await import('/js/motion/instant.js');
         const make = (tag) => document.createElement(tag);
         const elements = { button: make('button'), slider: make('input'), speed: { value: '1',
             addEventListener() {} }, readout: make('span') };

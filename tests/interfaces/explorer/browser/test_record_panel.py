@@ -227,7 +227,7 @@ def test_files_are_taken_from_a_drag_and_nothing_else(show, kind):
 
 
 #: the lines that a record draws, its range, and its friction at two times
-LAYER = """async isLog => { const { LabRecord } = await import('/js/record.js');
+LAYER = """async isLog => { const { LabRecord } = await import('/js/record/record.js');
     const record = new LabRecord(() => {});
     record.set({ name: 'r', begin: 10, arrays: { time: Float64Array.of(0, 10, 20, 30),
         friction: Float64Array.of(0.5, 0.6, 0.7, 0.1), segment_t: Float64Array.of(0, 10, 20),

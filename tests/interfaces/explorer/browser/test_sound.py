@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 #: evaluate with [...] of JavaScript: a call of what a module exports
-CALL = "async ([name, ...given]) => (await import('/js/vibration.js'))[name](...given)"
+CALL = "async ([name, ...given]) => (await import('/js/motion/vibration.js'))[name](...given)"
 #: render half a second of a curve's sound at a pitch
 RENDER = """async ([time, V, pitch]) => {
-    const { Voice } = await import('/js/sound.js');
+    const { Voice } = await import('/js/motion/sound.js');
     const context = new OfflineAudioContext(1, 24000, 48000);
     new Voice(context, { cycle_time: time, cycle_V: V }, pitch, context.destination);
     return Array.from((await context.startRendering()).getChannelData(0)) }"""
@@ -117,7 +117,7 @@ def test_one_sound_gives_way_to_the_next_without_a_click(page):
     """Two that are alike but for their phase, which differs by a third of a period."""
     t = np.linspace(0, 1, 200)
     join = """async ([time, V]) => {
-        const { Voice } = await import('/js/sound.js');
+        const { Voice } = await import('/js/motion/sound.js');
         const context = new OfflineAudioContext(1, 48000, 48000);
         const arrays = { cycle_time: time, cycle_V: V };
         const first = new Voice(context, arrays, 240.7, context.destination);

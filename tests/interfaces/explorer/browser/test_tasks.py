@@ -241,9 +241,9 @@ def test_progress_lasts_as_long_as_the_tab_and_can_be_forgotten(show):
 
 def test_a_task_whose_first_picture_was_overtaken_begins_again(server, browser):
     page = browser.new_page()
-    page.goto(f"{server.address}js/tasks.js")
+    page.goto(f"{server.address}js/lessons/tasks.js")
     begun = page.evaluate(
-        """async () => { const { Tasks } = await import('/js/tasks.js');
+        """async () => { const { Tasks } = await import('/js/lessons/tasks.js');
         const begun = [], seen = [];
         const strip = { listen: on => (strip.on = on), tell: ({ isBegun }) => seen.push(isBegun) };
         const presets = [{ name: 'Velocity step, rigid drive', entries: { a: '0.003' } }];

@@ -1,31 +1,31 @@
 // The page: what is changed goes to the server, what comes back is drawn.
 
-import { Connection } from "./connection.js";
-import { Controls } from "./controls.js";
-import { $ } from "./dom.js";
-import { Entries } from "./entries.js";
-import { Explanations } from "./explain.js";
-import { Instant } from "./instant.js";
-import { Machine } from "./machine.js";
-import { learnPrefixes } from "./numbers.js";
-import { say, sayLost, sayPreparing, sayStale } from "./notices.js";
-import { Phase } from "./phase.js";
-import { Pins } from "./pins.js";
-import { Playback } from "./playback.js";
-import { Questions } from "./questions.js";
-import { LabRecord } from "./record.js";
-import { RecordPanel } from "./record_panel.js";
-import { Recording, disable } from "./recording.js";
-import { Sharing } from "./sharing.js";
-import { Sound } from "./sound.js";
-import { describe } from "./spoken.js";
-import { Standing } from "./standing.js";
-import { Tasks } from "./tasks.js";
-import { TaskStrip } from "./taskstrip.js";
-import { onTheme } from "./theme.js";
-import { begin, drawn } from "./timing.js";
-import { Traces } from "./traces.js";
-import { tell } from "./verdict.js";
+import { Connection } from "./server/connection.js";
+import { Controls } from "./controls/controls.js";
+import { $ } from "./common/dom.js";
+import { Entries } from "./controls/entries.js";
+import { Explanations } from "./telling/explain.js";
+import { Instant } from "./motion/instant.js";
+import { Machine } from "./motion/machine.js";
+import { learnPrefixes } from "./common/numbers.js";
+import { say, sayLost, sayPreparing, sayStale } from "./telling/notices.js";
+import { Phase } from "./curves/phase.js";
+import { Pins } from "./curves/pins.js";
+import { Playback } from "./motion/playback.js";
+import { Questions } from "./server/questions.js";
+import { LabRecord } from "./record/record.js";
+import { RecordPanel } from "./record/record_panel.js";
+import { Recording, disable } from "./server/recording.js";
+import { Sharing } from "./server/sharing.js";
+import { Sound } from "./motion/sound.js";
+import { describe } from "./telling/spoken.js";
+import { Standing } from "./standing/standing.js";
+import { Tasks } from "./lessons/tasks.js";
+import { TaskStrip } from "./lessons/taskstrip.js";
+import { onTheme } from "./common/theme.js";
+import { begin, drawn } from "./common/timing.js";
+import { Traces } from "./curves/traces.js";
+import { tell } from "./telling/verdict.js";
 
 let controls = null; // Controls, once the server has said what there is to control
 let tasks = null; // Tasks, likewise

@@ -1,0 +1,42 @@
+// Taking along what is shown: the link, and files that the server makes.
+
+import { $ } from "../common/dom.js";
+
+export class Sharing {
+  /**
+   * ready: function (act) that acts once what is typed and what is shown are the same
+   * link: function () that gives the link; ask: function (kind of file) that gives the question's id
+   * say: function (text)
+   */
+  constructor({ ready, link, ask, say }) {
+    Object.assign(this, { link, say, asked: new Set() });
+    for (const button of document.querySelectorAll("[data-file]")) {
+      button.addEventListener("click", () => ready(() => this.asked.add(ask(button.id))));
+    }
+    $("link").addEventListener("click", () => ready(() => this.copy()));
+  }
+
+  async copy() {
+    const link = this.link();
+    try {
+      await navigator.clipboard.writeText(link);
+      this.say("The link is copied.");
+    } catch {
+      this.say(`The browser does not let it be copied; here it is: ${link}`);
+    }
+  }
+
+  /** Whether a problem is one of a file asked for. */
+  concerns({ id }) {
+    return this.asked.has(id);
+  }
+
+  /** Have the browser save a file that came. */
+  save({ name, type, content }) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([content], { type }));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+  }
+}
