@@ -580,6 +580,8 @@ def test_a_sweep_again(lab):
         (["cycle", "lab.toml", "--out", "folder.zarr"], "is a folder that holds no result"),
         (["branch", "lab.toml", "--start", "1 mm/s"], "both are needed"),
         (["explore", "--port", "99999"], "--port"),
+        (["explore", "--save", "x.html", "--port", "8765"], "--port is for serving the page"),
+        (["explore", "--save", "x.html", "--no-browser"], "--no-browser is for serving the page"),
     ],
 )
 def test_what_cannot_be_done_is_found_before_the_work(arguments, message, lab, monkeypatch):

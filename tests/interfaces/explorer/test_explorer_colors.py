@@ -1,10 +1,13 @@
 """Contrast of the explorer's colours, light and dark, by WCAG 2."""
 
+import json
 import re
 
 import pytest
 
+from ratestate.interfaces.explorer.messages.wire import PINS
 from ratestate.interfaces.explorer.service.app import STATIC
+from ratestate.interfaces.explorer.sharing.figure import MUTED
 
 CSS = "".join(path.read_text() for path in sorted((STATIC / "css").glob("*.css")))
 LIGHT, DARK = (
@@ -12,6 +15,15 @@ LIGHT, DARK = (
     for block in re.findall(r":root \{(.*?)\}", CSS, re.DOTALL)
 )
 REGIMES = ("steady", "slow", "stick", "harmonic", "unknown")
+
+
+def test_each_pinned_run_has_its_colour_on_the_page_and_in_the_figure():
+    names = [f"pinned-{k}" for k in range(1, PINS + 1)]
+    for colors in (LIGHT, DARK):
+        assert [name for name in colors if name.startswith("pinned-")] == names
+    assert tuple(LIGHT[name] for name in names) == MUTED
+    pins = (STATIC / "js/curves/pins.js").read_text()
+    assert f"const ROLES = {json.dumps(names)};" in pins
 
 
 def luminance(color):

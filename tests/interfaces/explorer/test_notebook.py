@@ -12,6 +12,7 @@ import ratestate as rs
 from ratestate.interfaces.explorer import notebook
 from ratestate.interfaces.explorer.computation import charts
 from ratestate.interfaces.explorer.messages.menus import presets
+from ratestate.interfaces.explorer.sharing import standalone
 from ratestate.paper.parameters import FIG4
 
 
@@ -48,6 +49,7 @@ def test_one_server_for_all_pages():
     assert "V_lp=200+mm%2Fs" in second[2]
     assert repr(pages[0]) == f"ratestate explorer at {pages[0].url}"
     assert f'src="{first[0]}#a=0.005&amp;b=0.008&amp;' in pages[0]._repr_html_()
+    assert f'<a href="{first[0]}#a=0.005&amp;' in pages[0]._repr_html_()
     pages[0].close()
     assert not threads()
     assert pages[1].url.startswith("http://127.0.0.1:")
@@ -60,7 +62,7 @@ def test_notebooks_of_this_machine_may_frame_it():
         f"{scheme}://{name}:*"
         for scheme in ("http", "https")
         for name in ("localhost", "127.0.0.1")
-    ]
+    ] + ["vscode-webview:", "vscode-file:"]
 
 
 def test_it_answers():
@@ -87,6 +89,14 @@ def test_saving_needs_no_server(tmp_path, monkeypatch):
     path = rs.explore(FIG4, "0.1 mm/s").save(tmp_path / "rig.html")
     assert "Saved page" in path.read_text()
     assert not threads()
+
+
+def test_saving_may_take_too_long(tmp_path, monkeypatch):
+    monkeypatch.setattr(charts, "SIZES", (3, 4))
+    monkeypatch.setattr(standalone, "SECONDS", 0.0)
+    with pytest.raises(rs.SolverError, match="takes more than 0 s of computing; nothing was saved"):
+        rs.explore(FIG4, "0.1 mm/s").save(tmp_path / "rig.html")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

@@ -209,6 +209,48 @@ class TestServer:
             first.join(20.0)
         assert stopped == [True, False]
 
+    def test_an_earlier_file_is_not_waited_for(self, port):
+        arriving, sent_since = threading.Event(), threading.Event()
+        answers = []
+
+        def slow():
+            yield GOOD[:1000]
+            arriving.set()
+            sent_since.wait(20.0)
+            yield GOOD[1000:2000]
+            time.sleep(0.2)
+            yield GOOD[2000:]
+
+        with page(port) as socket:
+            own = socket.greeting["page"]
+            first = threading.Thread(target=lambda: answers.append(sent(port, own, slow())))
+            first.start()
+            assert arriving.wait(20.0)
+            assert sent(port, own)[0] == 200
+            sent_since.set()
+            first.join(20.0)
+        status, (header, _) = answers[0]
+        assert (status, header["problem"]) == (409, "another file was sent after this one")
+
+    def test_a_file_too_large_stops_no_other(self, port, monkeypatch):
+        begun, stops = threading.Event(), []
+
+        def answer(name, contents, choices, stop):
+            begun.set()
+            stops.append(stop.wait(1.0))
+            return wire.answer(None, "record", name=name)
+
+        monkeypatch.setattr(upload, "answer_record", answer)
+        monkeypatch.setattr(upload, "LARGEST", len(GOOD))
+        with page(port) as socket:
+            own = socket.greeting["page"]
+            first = threading.Thread(target=sent, args=(port, own), kwargs={"name": "first"})
+            first.start()
+            assert begun.wait(20.0)
+            assert sent(port, own, GOOD + b"1")[0] == 413
+            first.join(20.0)
+        assert stops == [False]
+
     @pytest.mark.parametrize("leaves", ["page", "request"])
     def test_nothing_is_read_for_who_has_gone(self, port, monkeypatch, leaves):
         begun, ended = threading.Event(), threading.Event()

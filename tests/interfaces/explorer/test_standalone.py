@@ -121,9 +121,10 @@ class TestFile:
 class TestBundle:
     def test_every_module_is_in_it_once(self):
         code = bundle._script("js/main.js")
-        used = {path.name for path in (bundle.STATIC / "js").glob("*.js")} | {"uPlot.js"}
+        used = {path.name for path in (bundle.STATIC / "js").rglob("*.js")} | {"uPlot.js"}
         assert len(re.findall(r"^const module\d+ = ", code, re.MULTILINE)) == len(used)
         assert not re.search(r"^(import|export)\b", code, re.MULTILINE)
+        assert code.count("Copyright (c) 2025, Leon Sorokin") == 1
 
     @pytest.mark.parametrize(
         "line",

@@ -32,6 +32,12 @@ def explore(
     else:
         opened = _opened(file, law_file)
     if save is not None:
+        if port is not None or no_browser:
+            given = "--port" if port is not None else "--no-browser"
+            raise ParameterError(
+                f"{given} is for serving the page, and --save writes it to a file instead; leave "
+                f"out one of them"
+            )
         print_line(f"wrote {_saved(save, opened)}", err=True)
         return
     from ..explorer import fragment_of, serve
@@ -60,9 +66,7 @@ def _opened(file, law_file):
 def _saved(path, opened):
     """Save the page with a slider, or as it opens without one; the file's Path."""
     from ..explorer.messages.menus import presets
-    from ..explorer.page_state.entries import DIGITS, entries_of
-    from ..explorer.page_state.state import PageState
+    from ..explorer.notebook import explore
     from ..explorer.sharing.standalone import save_page
 
-    texts = entries_of(PageState(*opened), DIGITS) if opened else presets()[0]["entries"]
-    return save_page(path, texts)
+    return explore(*opened).save(path) if opened else save_page(path, presets()[0]["entries"])

@@ -15,9 +15,10 @@ from .service.server import listen, server_at
 from .sharing.address import address_of
 from .sharing.standalone import save_page
 
-#: pages that may have the explorer in a frame: notebooks that this machine serves
+#: pages that may have the explorer in a frame: notebooks that this machine serves, or VS Code shows
 NOTEBOOKS = " ".join(
-    f"{scheme}://{name}:*" for scheme in ("http", "https") for name in ("localhost", "127.0.0.1")
+    [f"{scheme}://{name}:*" for scheme in ("http", "https") for name in ("localhost", "127.0.0.1")]
+    + ["vscode-webview:", "vscode-file:"]
 )
 #: pixels in a notebook
 HEIGHT = 860
@@ -80,9 +81,11 @@ class Page:
         return f"ratestate explorer at {self.url}"
 
     def _repr_html_(self) -> str:
+        url = escape(self.url)
         return (
-            f'<iframe src="{escape(self.url)}" title="ratestate explorer" width="100%" '
-            f'height="{HEIGHT}" allow="clipboard-write" frameborder="0"></iframe>'
+            f'<iframe src="{url}" title="ratestate explorer" width="100%" height="{HEIGHT}" '
+            f'allow="clipboard-write" frameborder="0"></iframe>'
+            f'<p>Nothing above? <a href="{url}" target="_blank">Open it in the browser</a>.</p>'
         )
 
     def open(self) -> None:
@@ -108,6 +111,8 @@ class Page:
         ------
         ParameterError
             Another ending, or no such folder.
+        SolverError
+            It takes more than some minutes to compute what the page shows.
         OSError
             It cannot be written there; what was there before is as it was.
         """

@@ -15,21 +15,24 @@ DRAWN = """() => { const { asked, drawn } = document.body.dataset;
     return asked && Number(drawn) >= Number(asked) }"""
 NUMBERS = """() => Object.fromEntries([...document.querySelectorAll('#numbers div')].map(
     group => [group.firstChild.textContent, group.lastChild.textContent]))"""
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-EXPLORE = [
-    "-c",
-    "from ratestate.interfaces.cli import main; main()",
-    "explore",
-    "--no-browser",
-    "--port",
-]
+# The headless one starts no browser around the page.
+CHROMIUMS = ("chromium-headless-shell", "chromium", "chromium-browser")
+CHROMIUM = next(filter(None, map(shutil.which, CHROMIUMS)), None)
+# The map of a page that rests is of few sliders, or its computing would slow down all tests.
+COARSE = """
+from ratestate.interfaces.cli import main
+from ratestate.interfaces.explorer.computation import charts
+charts.SIZES, charts.WINDOW_SIZE = (8, 16), 16
+main()
+"""
+FINE = "from ratestate.interfaces.cli import main; main()"
 
 
 @contextlib.contextmanager
-def serving(port=0, *options):
+def serving(port=0, *options, code=COARSE):
     """An explorer in a process of its own, ended by Ctrl-C."""
     process = subprocess.Popen(
-        [sys.executable, *EXPLORE, str(port), *options],
+        [sys.executable, "-c", code, "explore", "--no-browser", "--port", str(port), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

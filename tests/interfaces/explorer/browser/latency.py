@@ -65,14 +65,14 @@ def opened(stack, server, browser):
 
 def main(moves=100, presses=1000):
     """Measure, and print."""
-    from conftest import browsing, serving
+    from conftest import FINE, browsing, serving
 
     def tell(text):
         sys.stdout.write(f"{text}\n")
         sys.stdout.flush()
 
     with contextlib.ExitStack() as stack:
-        server, browser = stack.enter_context(serving()), stack.enter_context(browsing())
+        server, browser = stack.enter_context(serving(code=FINE)), stack.enter_context(browsing())
         page = opened(stack, server, browser)
         for name, fragment in CASES.items():
             tell(f"{name}: {summary(measured(page, fragment, moves))}")

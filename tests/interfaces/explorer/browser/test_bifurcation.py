@@ -34,7 +34,7 @@ COUNT = """([canvas, role, x, y, right, down]) => {
 READY = """along => (document.querySelector('#branch-canvas').ariaLabel ?? '')
     .includes(`against ${along}.`) && !document.querySelector('#branch-dot').hidden"""
 FINE = """() => [...document.querySelectorAll('#regimes li')].some(
-    e => !e.hidden && e.textContent === '48 \u00d7 48 sliders')"""
+    e => !e.hidden && e.textContent === '16 \u00d7 16 sliders')"""
 
 
 def dot(shown, name="dot"):

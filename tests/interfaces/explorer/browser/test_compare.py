@@ -127,3 +127,44 @@ def test_quick_undo_loses_no_change_and_stays_on_the_page(show):
     page.keyboard.press("Control+z")
     page.wait_for_timeout(100)
     assert page.evaluate(RESTED, "K=960 MPa/m")
+
+
+def test_what_was_undone_can_be_done_again_after_a_reload(show):
+    shown = show()
+    page = shown.page
+    shown.type("K", "700 MPa/m")
+    page.wait_for_function(RESTED, arg="K=700 MPa/m")
+    page.click("#undo")
+    page.wait_for_function(RESTED, arg="K=960 MPa/m")
+    page.reload()
+    shown.wait()
+    assert (page.is_disabled("#undo"), page.is_disabled("#redo")) == (True, False)
+    page.click("#redo")
+    page.wait_for_function(RESTED, arg="K=700 MPa/m")
+    page.reload()
+    shown.wait()
+    assert (page.is_disabled("#undo"), page.is_disabled("#redo")) == (False, True)
+    page.goto("about:blank")
+    page.goto(page.url.replace("about:blank", shown.requests[0]))  # opened anew: nothing was before
+    shown.wait()
+    page.reload()
+    shown.wait()
+    assert (page.is_disabled("#undo"), page.is_disabled("#redo")) == (True, True)
+
+
+def test_the_focus_stays_on_a_pinned_run(show):
+    shown = show()
+    page = shown.page
+    page.click("#pin")
+    page.focus("#pins button")
+    page.evaluate(
+        """() => { const K = document.querySelector('#slider-K');
+        K.stepUp(20); K.dispatchEvent(new Event('input')) }"""
+    )
+    shown.wait()
+    assert shown.text("#pins").startswith("K = 960 MPa/m")
+    assert page.evaluate("document.activeElement.parentElement.parentElement.id") == "pins"
+    described = "e => document.getElementById(e.getAttribute('aria-describedby')).innerText"
+    assert "K = 960" in page.eval_on_selector("#pins button", described)
+    page.keyboard.press("Enter")
+    assert page.locator("#pins li").count() == 0

@@ -8,6 +8,9 @@ from websockets.sync.client import connect
 
 from ratestate.interfaces.explorer.service.app import MOST_PAGES
 
+SHOWS = "K => document.querySelector('#entry-K').value == K"
+BEGUN = "() => document.querySelector('#task-start').textContent == 'Set the sliders anew'"
+
 
 @pytest.mark.parametrize("pasted", ["1" * 9000, "\u00b5" * 9000])
 def test_a_long_text_is_refused_and_the_connection_stays(show, pasted):
@@ -45,8 +48,14 @@ def test_what_is_changed_without_a_connection_is_marked(browser):
         shown.page.wait_for_selector("#banner.lost:visible")
         weight = "e => getComputedStyle(e).fontWeight"
         assert shown.page.eval_on_selector("#headline", weight) == "550"  # it is of what is shown
+        shown.page.click("#csv")  # what is shown is what is typed
+        assert shown.text("#banner").startswith("That was not done")
         shown.type("K", "2 GPa/m")
         assert shown.page.eval_on_selector("#headline", weight) == "400"
+        shown.page.wait_for_function("() => document.querySelector('#banner').innerText[0] == 'T'")
+        shown.page.evaluate("document.querySelector('#banner').textContent = ''")
+        shown.page.click("#python")
+        assert shown.text("#banner").startswith("That was not done")
 
 
 def test_a_lost_connection_says_so_and_comes_back(browser):
@@ -62,8 +71,43 @@ def test_a_lost_connection_says_so_and_comes_back(browser):
         assert "is lost" in banner.inner_text()
         shown.type("K", "2 GPa/m")
         assert shown.numbers == before
+        shown.page.wait_for_function("() => location.hash.includes('K=2+GPa')")  # the first step
+        shown.page.click("#tasks-open")
+        shown.page.click(".choices button >> nth=1")
+        shown.page.click("#task-start")
         port = int(first.address.split(":")[2].strip("/"))
         with serving(port):
             shown.page.wait_for_selector("#banner", state="hidden", timeout=60_000)
             shown.wait()
-            assert shown.numbers["K/Kc"] == "1.667"
+            shown.page.wait_for_function(BEGUN)
+            shown.page.click("#undo")
+            shown.page.wait_for_function(SHOWS, arg="2 GPa/m")
+            shown.page.click("#undo")  # to come back was no step
+            shown.page.wait_for_function("() => document.querySelector('#undo').disabled")
+            shown.wait()
+            assert shown.numbers == before
+
+
+def test_a_late_problem_of_a_chart_is_not_told(server, browser):
+    page = browser.new_page()
+    page.goto(f"{server.address}js/standing/standing.js")
+    told = page.evaluate(
+        """async () => { const { Standing } = await import('/js/standing/standing.js');
+        const told = [];
+        const standing = Object.assign(Object.create(Standing.prototype), {
+            ids: { chart: 5, window: 7, branch: 6 },
+            tellOfMap: text => told.push(text),
+            map: { missing: () => told.push('missing') },
+            diagram: { tell: text => told.push(text) } });
+        const concerned = [
+            standing.refuse({ id: 4, problems: { map: 'old' } }),
+            standing.refuse({ id: 5, problems: { map: 'chart' } }),
+            standing.refuse({ id: 7, problems: { map: 'window' } }),
+            standing.refuse({ id: 3, problems: { branch: 'old' } }),
+            standing.refuse({ id: 6, problems: { branch: 'branch' } }),
+            standing.refuse({ id: 6, problems: { K: 'wrong' } })];
+        return [concerned, told] }"""
+    )
+    page.close()
+    assert told[0] == [True, True, True, True, True, False]
+    assert told[1] == ["chart", "missing", "window", "missing", "branch"]

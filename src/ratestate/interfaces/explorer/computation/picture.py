@@ -26,6 +26,10 @@ ATTEMPTS = 3
 SECONDS = 1.0
 # A run that takes too long is repeated up to this part of what was done.
 AGAIN = 0.5
+BESIDE = (
+    "Steady sliding is stable before the kick, and a limit cycle beside it as well: the kick is of "
+    "steady sliding."
+)
 # What the block and the load point of a run are drawn from -> variables of the run [m].
 PATHS = {"slip": "delta", "load": "delta_lp"}
 
@@ -64,7 +68,9 @@ def _settled(state, cycle, orbit, deadline):
     if (slider, V_lp) != (state.slider, state.V_lp):
         cycle, orbit = _attractor(slider, V_lp, deadline)
     if state.kick is not None and stability(slider, V_lp).stable:
-        return Settled(slider, V_lp), []  # a kick leads from there to the cycle beside it
+        # A kick leads from there to the cycle beside it.
+        beside = orbit is not None and orbit.sizes["time"] > 1
+        return Settled(slider, V_lp), [BESIDE] if beside else []
     if not isinstance(cycle, SolverError):
         return Settled(slider, V_lp, orbit), []
     return Settled(slider, V_lp), [

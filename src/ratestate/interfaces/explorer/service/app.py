@@ -2,13 +2,14 @@
 
 import asyncio
 import contextlib
+from functools import partial
 
 from fastapi import FastAPI, WebSocket
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.responses import PlainTextResponse
+from starlette.responses import PlainTextResponse, Response
 from starlette.staticfiles import StaticFiles
 
-from ..sharing.bundle import STATIC
+from ..sharing.bundle import STATIC, served
 from .session import Session, SharedWork
 from .upload import take_record
 
@@ -59,8 +60,14 @@ def app_of(port, frames):
             await Session(shared, socket).serve()
 
     app.add_route("/record", take_record, methods=["POST"])
+    for path, of_page in served().items():
+        app.add_route(path, partial(_part, *of_page))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
+
+
+async def _part(text, kind, _request):
+    return Response(text, media_type=kind)
 
 
 class Guard:

@@ -30,8 +30,9 @@ async def take_record(request):
     try:
         session = _session(request)
         choices = _choices(request)
+        _check_length(request)
         stop = session.begin_record()
-        contents = await _contents(request)
+        contents = await _contents(request, stop)
     except Refused as refused:
         return _response(wire.answer(None, "record", problem=str(refused)), refused.status)
     except ClientDisconnect:
@@ -60,16 +61,22 @@ def _choices(request):
         raise Refused(400, str(error)) from None
 
 
-async def _contents(request):
-    """The bytes of the file."""
+def _check_length(request):
+    """Refuse a file that says it is too large."""
     length = request.headers.get("content-length", "0")
     if not length.isdecimal() or int(length[:20]) > LARGEST:
         raise Refused(413, too_large())
+
+
+async def _contents(request, stop):
+    """The bytes of the file; Refused once it is no longer wanted."""
     contents = bytearray()
     try:
         async with asyncio.timeout(SECONDS):
             async for chunk in request.stream():
                 contents += chunk
+                if stop.is_set():
+                    raise Refused(409, "another file was sent after this one")
                 if len(contents) > LARGEST:
                     raise Refused(413, too_large())
     except TimeoutError:

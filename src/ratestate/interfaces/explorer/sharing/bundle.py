@@ -1,7 +1,8 @@
-"""The page's files as one HTML text that needs no other file and may run nothing else.
+"""The page's files as a few, which are served, or as one HTML text, which is saved.
 
-Browsers load no modules from files on the disk.  So each module becomes a function of one script,
-called once, after those that it imports; it returns its exports.
+A browser asks for modules one after another as it reads what they import, and loads none from files
+on the disk.  So each module becomes a function of one script, called once, after those that it
+imports; it returns its exports.
 """
 
 import base64
@@ -33,10 +34,7 @@ def bundle(title, line, recording):
     line : HTML
     recording : JSON text that js/server/recording.js plays
     """
-    page = (STATIC / "index.html").read_text(encoding="utf-8")
-    style = "".join(_text(path) for path in _STYLE.findall(page))
-    (main,) = _MAIN.findall(page)
-    code = _script(main)
+    page, style, code = _parts()
     data = recording.replace("<", r"\u003c")
     policy = (
         f"default-src 'none'; script-src {_hash(code)}; style-src {_hash(style)}; "
@@ -54,6 +52,28 @@ def bundle(title, line, recording):
     return page.replace(_SAVED, f'<p id="saved">{line}</p>')
 
 
+def served():
+    """Path -> text and type of the page, its style and its script."""
+    page, style, code = _parts()
+    page = _STYLE.sub("", page)
+    links = (
+        '<link rel="stylesheet" href="page.css">\n<script type="module" src="page.js"></script>'
+    )
+    return {
+        "/": (_MAIN.sub(links, page), "text/html"),
+        "/page.css": (style, "text/css"),
+        "/page.js": (code, "text/javascript"),
+    }
+
+
+def _parts():
+    """The text of the page as it was written; its styles and its modules as one text each."""
+    page = (STATIC / "index.html").read_text(encoding="utf-8")
+    style = "".join(_text(path) for path in _STYLE.findall(page))
+    (main,) = _MAIN.findall(page)
+    return page, style, _script(main)
+
+
 def _script(main):
     """All modules that this one needs, and itself, as one script."""
     names: dict[str, str] = {}
@@ -62,7 +82,7 @@ def _script(main):
     def add(path):
         """Add a module after those that it imports; the name of its exports."""
         if path not in names:
-            text = _COMMENT.sub("", _text(path))
+            text = _COMMENT.sub(_licence, _text(path))
             for *_, other in _IMPORT.findall(text):
                 add(_beside(path, other))
             names[path] = f"module{len(names)}"
@@ -84,6 +104,11 @@ def _script(main):
 
     add(main)
     return "".join(functions)
+
+
+def _licence(comment):
+    """A comment if it is that of a copyright, or nothing."""
+    return comment[0] if "Copyright" in comment[0] else ""
 
 
 def _beside(path, other):

@@ -7,11 +7,12 @@ from html import escape
 from importlib.metadata import version
 from urllib.parse import urlencode
 
+from ....errors import SolverError
 from ....files import replace
 from ....files.place import checked_path
 from ...strict_json import strict_json
 from ..computation import branch, charts
-from ..computation.budget import Deadline
+from ..computation.budget import Deadline, TimeUp
 from ..computation.picture import picture
 from ..messages import wire
 from ..messages.answers import answer_branch, answer_chart, run_job
@@ -52,12 +53,20 @@ def standalone(entries, pinned, deadline):
 
 
 def save_page(path, entries, pinned=()):
-    """Write the page to an HTML file, whole or not at all; its Path.  It raises as `standalone`."""
+    """Write the page to an HTML file, whole or not at all; its Path.
+
+    entries, pinned : as of `standalone`, and valid; SolverError if they take too long
+    """
     path = checked_path(path, ENDINGS)
     key = charts.key_of(state_of(entries).slider)
     if charts.is_mapped(key):
         charts.survey(*key, charts.SIZES[-1])  # it is found at once then
-    text = standalone(entries, pinned, Deadline(SECONDS))
+    try:
+        text = standalone(entries, pinned, Deadline(SECONDS))
+    except TimeUp:
+        raise SolverError(
+            f"what the page shows takes more than {SECONDS:g} s of computing; nothing was saved"
+        ) from None
     return replace(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 
 

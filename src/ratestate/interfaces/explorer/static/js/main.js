@@ -8,7 +8,7 @@ import { Explanations } from "./telling/explain.js";
 import { Instant } from "./motion/instant.js";
 import { Machine } from "./motion/machine.js";
 import { learnPrefixes } from "./common/numbers.js";
-import { say, sayLost, sayPreparing, sayStale } from "./telling/notices.js";
+import { say, sayDropped, sayLost, sayPreparing, sayStale } from "./telling/notices.js";
 import { Phase } from "./curves/phase.js";
 import { Pins } from "./curves/pins.js";
 import { Playback } from "./motion/playback.js";
@@ -55,12 +55,13 @@ const recordPanel = new RecordPanel(record, () => traces.window.shown(), (condit
 const saved = $("recording")?.textContent; // of a page that was saved
 if (saved) views.push({ show: disable });
 const connection = saved ? new Recording(saved, { answer }) : new Connection({ answer, lost });
-const questions = new Questions((texts) => connection.ask("picture", texts));
+const questions = new Questions((texts) => connection.ask("picture", texts), sayDropped);
 const sharing = new Sharing({
   ready: take,
   link: () => controls.entries.link(),
   ask: (kind) => connection.ask(kind, controls.entries.texts, { pinned: pins.texts }),
   say,
+  dropped: sayDropped,
 });
 onTheme(redraw);
 new ResizeObserver(redraw).observe($("phase-canvas"));
@@ -117,7 +118,6 @@ function hello(greeting) {
   recordPanel.open(greeting);
   standing.open(greeting);
   if (!controls) build(greeting); // and not again, when a connection has come back
-  questions.forget();
   say("");
   ask();
 }
@@ -145,15 +145,15 @@ function problem(found) {
     ask(); // for what can be used
     return;
   }
-  if (!standing.refuse(problems) && (id === null || isNewest || sharing.concerns(found))) say(Object.values(problems).join("; "));
+  if (!standing.refuse(found) && (id === null || isNewest || sharing.concerns(found))) say(Object.values(problems).join("; "));
   if (!isNewest) return;
   if (values) controls.accept(values);
   settle();
 }
 
 function lost(seconds, why) {
-  questions.forget();
   sayLost(seconds, why);
+  questions.lose();
 }
 
 // ---- drawing

@@ -1,25 +1,19 @@
-// Undo and redo: the browser's own history, whose entries are the addresses that the page has had.
+// Undo and redo of what is changed on the page, by steps through the addresses that it has had.
 
 import { $ } from "../common/dom.js";
+import { BrowserSteps, OwnSteps } from "./steps.js";
 
 const WAIT = 400; // ms without a change that make one step of all changes before
 
 export class Past {
   /** fragment: function () that gives what the address holds of the present state; null if it holds nothing */
   constructor(fragment) {
-    Object.assign(this, { fragment, timer: 0, adds: false, leaves: false, last: 0 });
-    // An address that was typed, or opened by a link, has no state yet.
-    if (history.state === null) history.replaceState({ step: 0 }, "");
-    this.last = this.step;
+    Object.assign(this, { fragment, timer: 0, adds: false });
+    this.steps = window === top ? new BrowserSteps() : new OwnSteps();
     $("undo").addEventListener("click", () => this.go(-1));
     $("redo").addEventListener("click", () => this.go(1));
-    addEventListener("popstate", () => (this.leaves = false));
     addEventListener("keydown", (event) => this.key(event));
     this.tell();
-  }
-
-  get step() {
-    return history.state.step;
   }
 
   /** What is shown was changed by the user: once it rests, a step that can be undone. */
@@ -37,10 +31,8 @@ export class Past {
   write() {
     if (!this.fragment) return;
     const address = `#${this.fragment()}`;
-    if (this.adds && address !== location.hash) {
-      this.last = this.step + 1;
-      history.pushState({ step: this.last }, "", address);
-    } else history.replaceState(history.state, "", address);
+    if (this.adds && address !== location.hash) this.steps.add(address);
+    else this.steps.replace(address);
     this.adds = false;
     this.tell();
   }
@@ -51,21 +43,15 @@ export class Past {
       clearTimeout(this.timer);
       this.write();
     }
-    // The browser goes there later: asked twice, it would leave the page.
-    const there = this.step + way;
-    if (this.leaves || there < 0 || there > this.last) return;
-    this.leaves = true;
-    history.go(way);
+    const there = this.steps.step + way;
+    if (0 <= there && there <= this.steps.last) this.steps.go(way);
   }
 
   /** The address has changed, but not by `write`: by undo, by redo, or by hand. */
   moved() {
     clearTimeout(this.timer);
     this.adds = false;
-    if (history.state === null) {
-      this.last += 1;
-      history.replaceState({ step: this.last }, "");
-    }
+    this.steps.moved();
     this.tell();
   }
 
@@ -80,7 +66,8 @@ export class Past {
   }
 
   tell() {
-    $("undo").disabled = this.step === 0;
-    $("redo").disabled = this.step >= this.last;
+    const { step, last } = this.steps;
+    $("undo").disabled = step === 0;
+    $("redo").disabled = step >= last;
   }
 }

@@ -31,13 +31,16 @@ export class Pins {
   add(picture, texts) {
     const role = ROLES.find((free) => this.all.every((pin) => pin.role !== free));
     if (!role || !picture) return;
-    this.all.push({ role, picture, texts });
+    const pin = { role, picture, texts, words: element("span") };
+    this.all.push(pin);
+    $("pins").append(this.item(pin));
     this.tell();
     this.changed();
   }
 
   remove(pin) {
     this.all = this.all.filter((other) => other !== pin);
+    pin.words.parentElement.remove();
     this.tell();
     this.changed();
     $("pin").focus();
@@ -46,16 +49,18 @@ export class Pins {
   /** The legend: how each differs from what is shown. */
   tell() {
     $("pin").disabled = !this.picture || this.all.length === ROLES.length;
-    $("pins").replaceChildren(...this.all.map((pin) => this.entry(pin)));
+    for (const pin of this.all) pin.words.replaceChildren(...this.differences(pin));
   }
 
-  entry(pin) {
+  item(pin) {
     const off = element("button", { type: "button", className: "quiet", textContent: "\u00d7" });
+    pin.words.id = `words-of-${pin.role}`;
     off.setAttribute("aria-label", "Remove this run");
+    off.setAttribute("aria-describedby", pin.words.id);
     off.addEventListener("click", () => this.remove(pin));
     const line = element("span", { className: "line" });
     line.style.borderColor = `var(--${pin.role})`;
-    return element("li", {}, line, ...this.differences(pin), off);
+    return element("li", {}, line, pin.words, off);
   }
 
   differences({ texts }) {

@@ -1,10 +1,11 @@
 // Guided tasks: which is begun, how far it has come, and whether what is shown does what it wants.
 
 import { LESSONS, near } from "./lessons.js";
+import { keep, recall } from "../common/kept.js";
 import { shown } from "../common/numbers.js";
 import { number } from "../common/wire.js";
 
-const KEY = "tasks"; // of what the browser keeps while the page's tab is open
+const KEY = "tasks";
 
 export class Tasks {
   /**
@@ -43,6 +44,7 @@ export class Tasks {
 
   /** See whether a picture does what the task wants. */
   show(picture) {
+    if (this.asked === Infinity) this.asked = picture.id; // without a connection then; it is back
     if (this.asked === null || picture.id < this.asked) return;
     this.now = momentOf(picture);
     if (!this.base && picture.id > this.asked) {
@@ -95,11 +97,7 @@ export class Tasks {
 
   keep() {
     const { index, reached } = this;
-    try {
-      sessionStorage.setItem(KEY, JSON.stringify({ index, reached }));
-    } catch {
-      // A browser that keeps nothing: then progress lasts as long as the page.
-    }
+    keep(KEY, { index, reached });
   }
 }
 
@@ -113,12 +111,7 @@ const noneReached = () => Object.fromEntries(LESSONS.map(({ name, goals }) => [n
 
 /** The progress that the browser has kept, if it is of these tasks. */
 function recalled() {
-  const none = { index: 0, reached: noneReached() };
-  try {
-    const { index, reached } = JSON.parse(sessionStorage.getItem(KEY));
-    const fits = index in LESSONS && LESSONS.every(({ name, goals }) => reached[name].length === goals.length);
-    return fits ? { index, reached } : none;
-  } catch {
-    return none;
-  }
+  const { index, reached } = recall(KEY) ?? {};
+  const fits = index in LESSONS && LESSONS.every(({ name, goals }) => reached?.[name]?.length === goals.length);
+  return fits ? { index, reached } : { index: 0, reached: noneReached() };
 }

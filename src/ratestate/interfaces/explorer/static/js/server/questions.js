@@ -1,9 +1,12 @@
 // Which picture was asked for last, whether it is here, and what waits for it.
 
 export class Questions {
-  /** send: function (texts) that asks for a picture and gives the question's id, null without a connection */
-  constructor(send) {
-    Object.assign(this, { send, pending: 0, read: 0, waiting: [], asked: new Map() });
+  /**
+   * send: function (texts) that asks for a picture and gives the question's id, null without a connection
+   * dropped: function (), called when what waits will not be done
+   */
+  constructor(send, dropped) {
+    Object.assign(this, { send, dropped, pending: 0, read: 0, waiting: [], asked: new Map() });
   }
 
   /** Ask for a picture; its id, or null. */
@@ -28,6 +31,7 @@ export class Questions {
   /** Act once what was typed is read, so that it is reckoned from that. */
   whenRead(act) {
     if (this.read === this.pending) act();
+    else if (this.pending === Infinity) this.dropped();
     else this.waiting.push(act);
   }
 
@@ -37,8 +41,10 @@ export class Questions {
     for (const act of this.waiting.splice(0)) this.whenRead(act);
   }
 
-  /** Nothing waits any longer. */
-  forget() {
-    this.waiting = [];
+  /** The connection is lost, and with it the answer to the newest question, if that is not here. */
+  lose() {
+    if (this.read === this.pending) return;
+    this.pending = Infinity;
+    if (this.waiting.splice(0).length) this.dropped();
   }
 }

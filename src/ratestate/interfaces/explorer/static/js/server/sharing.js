@@ -6,12 +6,16 @@ export class Sharing {
   /**
    * ready: function (act) that acts once what is typed and what is shown are the same
    * link: function () that gives the link; ask: function (kind of file) that gives the question's id
-   * say: function (text)
+   * say: function (text); dropped: function (), called when nothing can be asked for
    */
-  constructor({ ready, link, ask, say }) {
+  constructor({ ready, link, ask, say, dropped }) {
     Object.assign(this, { link, say, asked: new Set() });
     for (const button of document.querySelectorAll("[data-file]")) {
-      button.addEventListener("click", () => ready(() => this.asked.add(ask(button.id))));
+      button.addEventListener("click", () => ready(() => {
+        const id = ask(button.id);
+        if (id === null) dropped();
+        else this.asked.add(id);
+      }));
     }
     $("link").addEventListener("click", () => ready(() => this.copy()));
   }

@@ -84,13 +84,14 @@ export class Standing {
     if (found.id === this.ids.branch) this.diagram.take(found);
   }
 
-  /** What could not be shown is told beside it; whether that was about these charts. */
-  refuse(problems) {
-    if (problems.map) {
+  /** What could not be shown is told beside it, unless something else was asked for since; whether that was about these charts. */
+  refuse({ id, problems }) {
+    const { chart, window, branch } = this.ids;
+    if (problems.map && (id === chart || id === window)) {
       this.tellOfMap(problems.map);
       this.map.missing();
     }
-    if (problems.branch) this.diagram.tell(problems.branch);
+    if (problems.branch && id === branch) this.diagram.tell(problems.branch);
     return Boolean(problems.map || problems.branch);
   }
 

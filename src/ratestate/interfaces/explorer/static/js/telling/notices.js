@@ -22,6 +22,11 @@ export function sayLost(seconds, why) {
   say(`The connection to ratestate is lost${reason}; trying again in ${seconds} s. Is it still running?`, true);
 }
 
+/** What was just clicked is not done, for want of a connection. */
+export function sayDropped() {
+  say("That was not done, since there is no connection to ratestate; try again when it is back.", true);
+}
+
 /** Mark whether what is shown is old; and name what cannot be used, with the values shown in its place. */
 export function sayStale(isOld, { wrong, valid }) {
   document.body.classList.toggle("stale", isOld || wrong.length > 0);
