@@ -12,9 +12,9 @@ from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
 from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
-from .cycles.regimes import UNKNOWN, classify
+from .cycles.regimes import UNKNOWN, regimes_of
 from .refusals import refusal
-from .steady_sliding import stability
+from .steady_sliding import stability_call
 from .verdict_sentences import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
 from .whole_contact import force
 
@@ -186,11 +186,11 @@ def verdict_of_cycle(slider, V_lp, cycle):
     cycle : the result of `limit_cycle`, also one of steady sliding, or the SolverError it raised
     """
     cycle = in_si(cycle)
-    steady = stability(slider, V_lp)
+    steady = stability_call(slider, V_lp).run()
     names: tuple[str, ...] = ("K_c", "K_c_qs", "V_c", "V_c_upper", "eta", "f_n")
     names += ("growth_rate", "omega")
-    values: dict[str, Any] = {name: float(steady[name]) for name in names}
-    values["stable"] = bool(steady.stable)
+    values: dict[str, Any] = {name: float(steady[name].values) for name in names}
+    values["stable"] = bool(steady["stable"].values)
     reason = ""
     if isinstance(cycle, QuasiStaticInstability):
         small = values["stable"] and not on_edge(slider.K, values["K_c"])
@@ -199,13 +199,14 @@ def verdict_of_cycle(slider, V_lp, cycle):
         values["regime"] = UNKNOWN
         reason = "" if isinstance(cycle, NotConverged) else str(cycle).partition("\n")[0]
     else:
-        values["regime"] = str(classify(cycle).regime.values)
+        numbers = {name: variable.values for name, variable in cycle.variables.items()}
+        values["regime"] = str(regimes_of(numbers, slider.damping, slider.sigma))
         names = ("amplitude", "V_max", "V_min", "mu_min", "reversal_margin")
-        if int(cycle.status) != STEADY_SLIDING:
+        if int(numbers["status"]) != STEADY_SLIDING:
             names += ("period", "frequency")
-            values["multiplier"] = complex(cycle.multipliers[0])
-            values["returns"] = int(cycle.returns)
-        values |= {name: float(cycle[name]) for name in names}
+            values["multiplier"] = complex(numbers["multipliers"][0])
+            values["returns"] = int(numbers["returns"])
+        values |= {name: float(numbers[name]) for name in names}
     near = values["stable"] and 0.0 < slider.K < FOLDS_BELOW * values["K_c"]
     if near and slider.friction_law.one_length and slider.friction_law.orders == 3:
         kappa = float(folds(slider.law, slider.b / slider.a, [values["eta"]]).kappa[0])

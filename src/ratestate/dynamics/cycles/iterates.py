@@ -16,8 +16,8 @@ def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
     """`return_map` from the section's points u (n, k), count (n,) >= 1 times over; `Returns`.
 
     The numbers are those of all returns together: sums, extremes, Fourier integrals of a phase
-    that runs on, and derivatives of times by the first u.  They also have x_high, the largest
-    stress maximum from u on, without that at the end (on a cycle it is the first again).  Extremes
+    that runs on, and derivatives of times by the first u; x_high is the largest stress maximum
+    from u on, without that at the end (on a cycle it is the first again).  Extremes
     and Fourier integrals are there only with a `period`.  A slider that does not come back keeps
     the status of that return, and its image is NaN.
 
@@ -32,11 +32,7 @@ def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
         part = system.at(which)
         y, assumed = state(part, u), None if period is None else each[which]
         options = {"alone": alone, "steady_tol": steady_tol[which], "period": assumed}
-        returns = return_map(part, y, atol[which], **options)
-        returns.numbers["x_high"] = y[:, 0]
-        _, by_psi = part.slopes(y[:, 2:])
-        returns.gradients["x_high"] = np.concatenate([by_psi, part.eta[:, None]], axis=1)
-        return returns
+        return return_map(part, y, atol[which], **options)
 
     returns = once(np.arange(n), u)
     for number in range(1, int(count.max(initial=1))):

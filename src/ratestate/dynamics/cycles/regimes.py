@@ -73,17 +73,9 @@ def classify(cycle):
         raise refusal("regimes.eta")
     measured = cycle[["inertia", "fundamental", "slow_fraction", "V_max"]]
     eta_of_case = _eta(cycle)
-    steady = cycle.status == STEADY_SLIDING
-    has_cycle = (cycle.status == FINISHED) & cycle.inertia.notnull()
-    damping = parameter(cycle, "damping") / parameter(cycle, "sigma") * cycle.V_max
-    slow = (cycle.inertia < SLOW_INERTIA) & (damping < SLOW_INERTIA * cycle.amplitude)
-    harmonic = cycle.fundamental >= HARMONIC_SHARE
-    regime = np.select(
-        [steady, ~has_cycle, slow, harmonic], [STEADY, UNKNOWN, SLOW, HARMONIC], STICK_SLIP
-    )
-    by_eta = np.select(
-        [steady, ~has_cycle, eta_of_case < 1.0], [STEADY, UNKNOWN, STICK_SLIP], HARMONIC
-    )
+    regime = regimes_of(cycle, parameter(cycle, "damping"), parameter(cycle, "sigma"))
+    without = np.isin(regime, [STEADY, UNKNOWN])
+    by_eta = np.select([without, eta_of_case < 1.0], [regime, STICK_SLIP], HARMONIC)
     coarse_regime = np.where(regime == SLOW, STICK_SLIP, regime)
     dims = cycle.inertia.dims
     result = measured.assign(
@@ -99,6 +91,21 @@ def classify(cycle):
         "harmonic_share": HARMONIC_SHARE,
     }
     return result
+
+
+def regimes_of(cycle, damping, sigma):
+    """The regimes by the measured cycles, as `classify` names them.
+
+    cycle : mapping from the variables of `limit_cycle`, status among them, to arrays or numbers
+    damping, sigma : of the sliders, in SI
+    """
+    status, inertia = cycle["status"], cycle["inertia"]
+    has_cycle = (status == FINISHED) & ~np.isnan(inertia)
+    damped = damping / sigma * cycle["V_max"]
+    slow = (inertia < SLOW_INERTIA) & (damped < SLOW_INERTIA * cycle["amplitude"])
+    harmonic = cycle["fundamental"] >= HARMONIC_SHARE
+    conditions = [status == STEADY_SLIDING, np.logical_not(has_cycle), slow, harmonic]
+    return np.select(conditions, [STEADY, UNKNOWN, SLOW, HARMONIC], STICK_SLIP)
 
 
 def _eta(cycle):

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .shooting import multipliers, newton_step
-from .system import distance, small_amplitude, tightest, weights
+from .system import distance, small_amplitude, tightest
 
 # Returns of a cycle.
 LONGEST_PERIOD = 32
@@ -132,7 +132,7 @@ def _local_map(system, returns, current, rtol):
     target, step = u + newton, distance(system, newton) / size
     # The engine's tolerance is absolute in ln V, and that of a small cycle must be smaller.
     scale = np.minimum(1.0, small_amplitude(system, u))
-    attraction = np.nan_to_num(np.minimum(1.0, np.abs(1.0 - first)), nan=1.0)
+    attraction = np.fmin(1.0, np.abs(1.0 - first))
     floor = tightest(system, u)
     finest = np.maximum(rtol * scale * attraction, floor)
     noise = np.where(current.tol > floor, NOISE, NOISE_AT_TIGHTEST)
@@ -210,7 +210,7 @@ def _alternates(system, search, move, first, refuted, on_orbit):
     is near the period doubling at which a cycle of twice the returns appears.
     """
     last = search["move"]
-    along = (weights(system) ** 2 * move * last).sum(axis=1)
+    along = (system.weights**2 * move * last).sum(axis=1)
     reversals = np.where(along < 0.0, search["reversals"] + 1, 0)
     search["reversals"] = np.where(on_orbit, reversals, search["reversals"])
     search["move"] = np.where(on_orbit[:, None], move, last)

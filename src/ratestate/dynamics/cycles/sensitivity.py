@@ -4,6 +4,7 @@ On a canard they change, relatively, ten million times as much as the stiffness 
 last digit of a parameter, or the rounding of a return, limits how well an amplitude is known.
 """
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -92,7 +93,9 @@ def parameter_derivatives(orbits, changed):
 def stiffness_derivatives(orbits):
     """`parameter_derivatives` with respect to ln K."""
     system = orbits.system
-    return parameter_derivatives(orbits, lambda by: system._replace(kappa=system.kappa * by))
+    return parameter_derivatives(
+        orbits, lambda by: dataclasses.replace(system, kappa=system.kappa * by)
+    )
 
 
 def backward_error(system, tol):

@@ -13,7 +13,6 @@ from ...engine import dispatch
 from ...engine.lanes import ROUNDING
 from ...engine.model import FINISHED, SLAVED
 from ...engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
-from .system import state
 
 # A hundred times what a stick-slip cycle over 20 decades of V takes.
 MAX_STEPS_OF_RETURN = 2e5
@@ -29,8 +28,9 @@ class Returns(NamedTuple):
     status: np.ndarray  # engine.model; FINISHED where it came back
     image: np.ndarray  # (n, k) the next u
     jacobian: np.ndarray  # (n, k, k) d image/d u
-    numbers: dict  # engine.return_map.RETURN_NUMBERS, name -> (n,)
-    #: derivatives of engine.return_map.DERIVATIVES by u, name -> (n, k)
+    #: engine.return_map.RETURN_NUMBERS, and x_high, the stress at which it began; name -> (n,)
+    numbers: dict
+    #: derivatives of engine.return_map.DERIVATIVES and of x_high by u, name -> (n, k)
     gradients: dict
 
     @property
@@ -55,14 +55,13 @@ def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
     directions = np.zeros((n, k, k + 1))  # d(x, v, psi)/d u
     directions[:, range(k - 1), range(2, k + 1)] = 1.0
     directions[:, :-1, 0], directions[:, -1, 0] = by_psi, system.eta
-    rest = state(system, np.zeros((n, k)))
     starts = Starts(
         system.kappa,
         np.ascontiguousarray(system.p),
         system.eta,
         np.ascontiguousarray(y),
         directions,
-        rest,
+        system.rest,
         unstable=(~system.stable).astype(float),
         atol=np.broadcast_to(atol, n).astype(float),
         steady_tol=np.broadcast_to(steady_tol, n).astype(float),
@@ -74,6 +73,7 @@ def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
     results = dispatch.run_returns(system.friction_law, starts, alone)
     numbers = dict(zip(RETURN_NUMBERS, results.numbers.T, strict=True))
     gradients = dict(zip(DERIVATIVES, np.moveaxis(results.along, -1, 0), strict=True))
+    numbers["x_high"], gradients["x_high"] = y[:, 0], directions[:, :, 0]
     image = np.concatenate([results.psi - system.steady, numbers["G"][:, None]], axis=1)
     image[results.status != FINISHED] = np.nan
     jacobian = _jacobian(system, results.psi, gradients["x"], np.swapaxes(results.psi_along, 1, 2))

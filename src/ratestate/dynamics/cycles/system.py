@@ -11,8 +11,8 @@ psi_ss are 0 for most laws.  Nothing cancels in these, neither for small eta, wh
 in rounding and G follows from psi (S_v G = -S_psi dpsi/dT), nor near steady sliding.
 """
 
+import dataclasses
 import functools
-from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,12 @@ from ..simulation.cases import V_LIMIT
 TIGHTEST = 2e-14
 
 
-class System(NamedTuple):
-    """Sliders driven at V_lp; dimensionless arrays (n,), one value a slider, not checked."""
+@dataclasses.dataclass(frozen=True, eq=False)
+class System:
+    """Sliders driven at V_lp; dimensionless arrays (n,), one value a slider, not checked.
+
+    What follows from them is computed once, when it is first asked for.
+    """
 
     law: str
     kappa: np.ndarray  # K Dc/(a sigma)
@@ -36,15 +40,21 @@ class System(NamedTuple):
     v_limit: np.ndarray
 
     def at(self, which):
-        """The sliders with these numbers, or where this is true."""
-        return select(self, which)
+        """The sliders with these numbers, or where this is true; itself if that is all in order."""
+        which = np.asarray(which)
+        chosen = np.flatnonzero(which) if which.dtype == bool else which
+        if np.array_equal(chosen, np.arange(len(self.kappa))):
+            return self
+        return System(
+            self.law, self.kappa[which], self.p[which], self.eta[which], self.v_limit[which]
+        )
 
-    @property
+    @functools.cached_property
     def friction_law(self):
         """The law itself."""
         return composed_law(self.law)
 
-    @property
+    @functools.cached_property
     def coefficients(self):
         """The law's coefficients, a tuple of arrays (n,)."""
         return tuple(self.p.T)
@@ -54,24 +64,24 @@ class System(NamedTuple):
         """(n,) b/a, of a law of one length."""
         return self.p[:, 0]
 
-    @property
+    @functools.cached_property
     def steady(self):
         """(n, n_states) the law's variables in steady sliding at V_lp."""
         if self.friction_law.one_length:
             return np.zeros((len(self.kappa), 1))
         return np.stack(self.friction_law.steady_variables(self.coefficients), axis=1)
 
-    @property
+    @functools.cached_property
     def critical(self):
         """`linear_stability.Critical` of steady sliding at V_lp, arrays (n,)."""
         return linear_stability.critical(self.friction_law, self.coefficients, self.eta)
 
-    @property
+    @functools.cached_property
     def margin(self):
         """(n,) (K - K_c) Dc/(a sigma): negative where steady sliding is unstable (eq. 6)."""
         return self.kappa - self.critical.kappa
 
-    @property
+    @functools.cached_property
     def stable(self):
         """(n,) whether steady sliding is; by laws of one length on the edge of it too."""
         if self.friction_law.one_length:
@@ -97,12 +107,26 @@ class System(NamedTuple):
         excess = np.abs(linear.evolution.sum(axis=1) - linear.direct)
         return np.abs(linear.evolution).sum(axis=1) / excess
 
+    @functools.cached_property
+    def weights(self):
+        """(n, k) the changes of x with each of u, at steady sliding: S_psi, and eta for G."""
+        _, by_psi = self.slopes(self.steady)
+        return np.concatenate([by_psi, self.eta[:, None]], axis=1)
+
+    @functools.cached_property
+    def rest(self):
+        """(n, len(y)) x, v and psi of steady sliding at V_lp."""
+        return state(self, np.zeros((len(self.kappa), self.steady.shape[1] + 1)))
+
     def slopes(self, psi):
         """S_v (n,) and S_psi (n, n_states) at V_lp and the variables psi (n, n_states)."""
         psi = tuple(psi.T)
         by_v, by_psi = self.friction_law.stress_partials(0.0, 1.0, psi, self.coefficients)
         n = len(self.kappa)
-        return np.broadcast_to(by_v, n), np.stack([np.broadcast_to(x, n) for x in by_psi], axis=1)
+        S_psi = np.empty((n, len(psi)))
+        for k, values in enumerate(by_psi):
+            S_psi[:, k] = values
+        return np.full(n, by_v), S_psi
 
 
 def one_length_system(law, kappa, beta, eta, v_limit):
@@ -155,16 +179,10 @@ def slaved_G(system, offset):
     return -sum(S_psi[:, k] * rate for k, rate in enumerate(rates)) / S_v
 
 
-def weights(system):
-    """(n, k) the changes of x with each of u, at steady sliding: S_psi, and eta for G."""
-    _, by_psi = system.slopes(system.steady)
-    return np.concatenate([by_psi, system.eta[:, None]], axis=1)
-
-
 def distance(system, vectors):
     """(n,) length of vectors (n, k) of u, measured by the changes of S and of eta G."""
     with np.errstate(invalid="ignore"):  # without mass, where Newton's method has no step
-        return functools.reduce(np.hypot, (weights(system) * vectors).T)
+        return functools.reduce(np.hypot, (system.weights * vectors).T)
 
 
 def linear_section(system):
@@ -189,7 +207,7 @@ def small_amplitude(system, u):
     """
     if u.shape[1] > 2:
         return np.abs(u / linear_section(system)).max(axis=1)
-    return (weights(system) * u).sum(axis=1) * _frequency(system) / system.kappa
+    return (system.weights * u).sum(axis=1) * _frequency(system) / system.kappa
 
 
 def _frequency(system):

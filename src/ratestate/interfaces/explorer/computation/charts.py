@@ -2,6 +2,7 @@
 
 import contextlib
 import functools
+from functools import partial
 
 import numpy as np
 import xarray
@@ -13,6 +14,8 @@ from ....dynamics.cycles.regimes import REGIMES, classify
 from ....dynamics.hopf import bautin
 from ....dynamics.refusals import check_one_length
 from ....errors import ParameterError
+from ....friction.elementwise import call_elementwise
+from ....friction.linear_stability import K_c
 from ....model.slider import SpringSlider
 from .budget import Deadline, TimeUp
 
@@ -36,8 +39,10 @@ def line(slider, V_lp, K_c_qs):
     if K_c_qs <= 0.0:
         return {"line_eta": np.empty(0), "line_ratio": np.empty(0)}
     eta = np.geomspace(*ETA, POINTS)
-    M = xarray.DataArray(eta * (slider.sigma * slider.a * slider.Dc / V_lp**2), dims="eta")
-    return {"line_eta": eta, "line_ratio": slider.replace(M=M).K_c(V_lp).values / K_c_qs}
+    law, M = slider.friction_law, eta * (slider.sigma * slider.a * slider.Dc / V_lp**2)
+    given = {symbol: slider.values[symbol] for symbol in (*law.symbols, "sigma")}
+    found = call_elementwise(partial(K_c, law), {"V": V_lp, **given, "M": M})
+    return {"line_eta": eta, "line_ratio": found / K_c_qs}
 
 
 def key_of(slider):

@@ -56,9 +56,7 @@ def served():
     """Path -> text and type of the page, its style and its script."""
     page, style, code = _parts()
     page = _STYLE.sub("", page)
-    links = (
-        '<link rel="stylesheet" href="page.css">\n<script type="module" src="page.js"></script>'
-    )
+    links = '<link rel="stylesheet" href="page.css">\n<script type="module" src="page.js"></script>'
     return {
         "/": (_MAIN.sub(links, page), "text/html"),
         "/page.css": (style, "text/css"),
