@@ -5,7 +5,7 @@ import numpy as np
 from ...engine.model import STEADY_SLIDING
 from ...model.loading import Loading
 from ..refusals import refusal
-from ..simulation.simulate import SimulateCall, simulate
+from ..simulation.simulate import SimulateCall
 from .limit_cycle import limit_cycle_call
 from .system import state, system_of
 
@@ -62,8 +62,8 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
     cycle = call.dataset(call.variables(status, measures))
     call.refuse_failure(cycle)
     if status[0] == STEADY_SLIDING:
-        loading = Loading.constant(call.V_lp)
-        return cycle, simulate(slider, loading, slider.Dc / call.V_lp, times=[0.0])
+        loading, time = Loading.constant(call.V_lp), slider.Dc / call.V_lp
+        return cycle, SimulateCall(slider, loading, time, times=np.zeros(1)).result()
     return cycle, _period(slider, call, measures, rtol, progress)
 
 

@@ -34,7 +34,7 @@ def cycle_variables(law, batch, status, measures, stable):
     period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
     at_V, psi = law.coefficient_arrays(V, batch.columns), law.reference_state
     steady_v = law.v_at(1.0, psi, at_V)
-    of_law = {symbol: batch.columns[symbol] for symbol in law.symbols}
+    of_law = {symbol: batch.flat(symbol) for symbol in law.symbols}
     steadily = is_stable(law, V, sigma=p.sigma, K=p.K, M=p.M, **of_law)
     with np.errstate(divide="ignore", invalid="ignore"):
         values = {

@@ -26,7 +26,7 @@ def undisturbed_warning(calls):
     for call in calls:
         V_lp = _constant_speeds(call)
         p, law = columns(call.batch), call.slider.friction_law
-        of_law = {symbol: call.batch.columns[symbol] for symbol in law.symbols}
+        of_law = {symbol: call.batch.flat(symbol) for symbol in law.symbols}
         critical = K_c(law, V_lp, sigma=p.sigma, M=p.M, **of_law)
         stiffer = (1.0 + EDGE_WIDTH) * p.K
         stays = ~is_stable(law, V_lp, sigma=p.sigma, K=stiffer, M=p.M, **of_law)
