@@ -29,6 +29,7 @@ export class Past {
   }
 
   write() {
+    clearTimeout(this.timer);
     if (!this.fragment) return;
     const address = `#${this.fragment()}`;
     if (this.adds && address !== location.hash) this.steps.add(address);
@@ -39,12 +40,11 @@ export class Past {
 
   /** Undo (-1) or redo (1) a step; what has not rested yet is one too. */
   go(way) {
-    if (this.adds) {
-      clearTimeout(this.timer);
-      this.write();
-    }
+    if (this.adds) this.write();
     const there = this.steps.step + way;
-    if (0 <= there && there <= this.steps.last) this.steps.go(way);
+    if (there < 0 || there > this.steps.last) return;
+    clearTimeout(this.timer); // an address written on the way would hold the browser back
+    this.steps.go(way);
   }
 
   /** The address has changed, but not by `write`: by undo, by redo, or by hand. */
