@@ -44,7 +44,7 @@ wheel: .venv/.uv-$(UV_VERSION) ## build the wheel and the sdist, and try each in
 dist: .venv/.uv-$(UV_VERSION) ## what a release publishes, tried, into dist/; ARGS="--tag v1.2.3" to insist on a version
 	$(BIN)/python tools/make_dist.py $(ARGS)
 
-browser: ## install Debian's chromium for the explorer's tests, where there is none
+browser: ## install Debian's headless chromium for the explorer's tests, where there is none
 	tools/chromium.sh
 
 bench: .venv/.ready ## run the benchmark
