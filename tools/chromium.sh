@@ -31,6 +31,9 @@ fi
 
 # fonts: without any, a page has no text
 $as_root apt-get update --quiet || without "apt-get update fails"
-$as_root env DEBIAN_FRONTEND=noninteractive \
-    apt-get install --quiet --yes --no-install-recommends chromium-headless-shell fonts-dejavu-core ||
-    without "apt-get install chromium-headless-shell fails"
+install() {
+    $as_root env DEBIAN_FRONTEND=noninteractive \
+        apt-get install --quiet --yes --no-install-recommends "$1" fonts-dejavu-core
+}
+# older releases have the whole one alone
+install chromium-headless-shell || install chromium || without "apt-get install chromium fails"

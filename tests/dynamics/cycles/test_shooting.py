@@ -39,6 +39,10 @@ def test_system():
     assert 0 < system.v_limit[1] < math.inf
     np.testing.assert_allclose(system.margin, 0.48 - 0.6 * (1 + system.eta), rtol=1e-14)
     assert system.at([1]).eta.tolist() == [0.0]
+    assert system.at([False, True]).eta.tolist() == [0.0]
+    assert system.at([1, 0]).eta.tolist() == system.eta[::-1].tolist()
+    for every in ([0, 1], [True, True]):
+        assert system.at(every) is system
 
 
 def test_section():

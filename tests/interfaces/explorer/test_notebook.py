@@ -11,6 +11,7 @@ from websockets.sync.client import connect
 import ratestate as rs
 from ratestate.interfaces.explorer import notebook
 from ratestate.interfaces.explorer.computation import charts
+from ratestate.interfaces.explorer.computation.budget import TimeUp
 from ratestate.interfaces.explorer.messages.menus import presets
 from ratestate.interfaces.explorer.sharing import standalone
 from ratestate.paper.parameters import FIG4
@@ -93,8 +94,14 @@ def test_saving_needs_no_server(tmp_path, monkeypatch):
 
 def test_saving_may_take_too_long(tmp_path, monkeypatch):
     monkeypatch.setattr(charts, "SIZES", (3, 4))
-    monkeypatch.setattr(standalone, "SECONDS", 0.0)
-    with pytest.raises(rs.SolverError, match="takes more than 0 s of computing; nothing was saved"):
+
+    def endless(*_):
+        raise TimeUp
+
+    monkeypatch.setattr(standalone, "picture", endless)
+    with pytest.raises(
+        rs.SolverError, match="takes more than 300 s of computing; nothing was saved"
+    ):
         rs.explore(FIG4, "0.1 mm/s").save(tmp_path / "rig.html")
     assert list(tmp_path.iterdir()) == []
 

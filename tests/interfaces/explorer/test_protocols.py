@@ -230,9 +230,8 @@ class TestKicks:
         header, arrays = painted(entries_of(PageState(slider, 5e-4, kick=factor), 15))
         amplitude = header["numbers"]["amplitude"]
         assert header["numbers"]["stable"]
-        assert (
-            "a limit cycle beside it as well: the kick is of steady sliding" in header["notes"][0]
-        )
+        said = "are both stable; the kick starts from steady sliding"
+        assert any(said in note for note in header["notes"])
         assert amplitude == pytest.approx(float(rs.limit_cycle(slider, 5e-4).amplitude), rel=1e-6)
         assert arrays["run_time"][0] == 0.0
         assert arrays["run_V"][0] == pytest.approx(factor * 5e-4, rel=1e-12)

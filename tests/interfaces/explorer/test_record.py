@@ -230,7 +230,10 @@ class TestServer:
             sent_since.set()
             first.join(20.0)
         status, (header, _) = answers[0]
-        assert (status, header["problem"]) == (409, "another file was sent after this one")
+        assert (status, header["problem"]) == (
+            409,
+            "another file was sent after this one, or its page has gone",
+        )
 
     def test_a_file_too_large_stops_no_other(self, port, monkeypatch):
         begun, stops = threading.Event(), []

@@ -29,7 +29,7 @@ TIGHTEST = 2e-14
 class System:
     """Sliders driven at V_lp; dimensionless arrays (n,), one value a slider, not checked.
 
-    What follows from them is computed once, when it is first asked for.
+    What follows from them is computed once, when it is first asked for; no array may be written to.
     """
 
     law: str
@@ -40,10 +40,12 @@ class System:
     v_limit: np.ndarray
 
     def at(self, which):
-        """The sliders with these numbers, or where this is true; itself if that is all in order."""
-        which = np.asarray(which)
-        chosen = np.flatnonzero(which) if which.dtype == bool else which
-        if np.array_equal(chosen, np.arange(len(self.kappa))):
+        """The sliders with these numbers, or where this is true.
+
+        The system itself, and with it what was computed, if these are all its sliders in order.
+        """
+        every = np.arange(len(self.kappa))
+        if np.array_equal(every[which], every):
             return self
         return System(
             self.law, self.kappa[which], self.p[which], self.eta[which], self.v_limit[which]

@@ -56,8 +56,9 @@ def test_each_frame_undoes_its_own_changes(browser, notebook):
         first.click("#redo")
         first.wait_for_function(settled, arg="520")
         assert first.is_disabled("#redo")
-        first.click("#undo")
-        first.wait_for_function(settled, arg="510")
+        for K in ("510", "500"):
+            first.click("#undo")
+            first.wait_for_function(settled, arg=K)
         first.fill("#entry-K", "530 MPa/m")  # another future
         first.press("#entry-K", "Enter")
         first.wait_for_function(settled, arg="530")

@@ -43,6 +43,12 @@ def test_a_typed_value_and_a_law_are_taken(show):
     )
 
 
+def test_a_page_is_four_requests(show):
+    shown = show()
+    paths = sorted(url.split("/", 3)[3].partition("#")[0] for url in shown.requests)
+    assert [path for path in paths if path != "icon.svg"] == ["", "page.css", "page.js"]
+
+
 def test_presets_are_the_papers_figures(show):
     shown = show()
     options = shown.page.eval_on_selector_all("#presets option", "all => all.map(o => o.text)")

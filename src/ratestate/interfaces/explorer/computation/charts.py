@@ -2,7 +2,6 @@
 
 import contextlib
 import functools
-from functools import partial
 
 import numpy as np
 import xarray
@@ -41,7 +40,7 @@ def line(slider, V_lp, K_c_qs):
     eta = np.geomspace(*ETA, POINTS)
     law, M = slider.friction_law, eta * (slider.sigma * slider.a * slider.Dc / V_lp**2)
     given = {symbol: slider.values[symbol] for symbol in (*law.symbols, "sigma")}
-    found = call_elementwise(partial(K_c, law), {"V": V_lp, **given, "M": M})
+    found = call_elementwise(functools.partial(K_c, law), {"V": V_lp, **given, "M": M})
     return {"line_eta": eta, "line_ratio": found / K_c_qs}
 
 

@@ -27,7 +27,7 @@ SECONDS = 1.0
 # A run that takes too long is repeated up to this part of what was done.
 AGAIN = 0.5
 BESIDE = (
-    "Steady sliding is stable before the kick, and a limit cycle beside it as well: the kick is of "
+    "Before the kick, steady sliding and a limit cycle are both stable; the kick starts from "
     "steady sliding."
 )
 # What the block and the load point of a run are drawn from -> variables of the run [m].

@@ -76,7 +76,7 @@ async def _contents(request, stop):
             async for chunk in request.stream():
                 contents += chunk
                 if stop.is_set():
-                    raise Refused(409, "another file was sent after this one")
+                    raise Refused(409, "another file was sent after this one, or its page has gone")
                 if len(contents) > LARGEST:
                     raise Refused(413, too_large())
     except TimeoutError:

@@ -65,7 +65,8 @@ def save_page(path, entries, pinned=()):
         text = standalone(entries, pinned, Deadline(SECONDS))
     except TimeUp:
         raise SolverError(
-            f"what the page shows takes more than {SECONDS:g} s of computing; nothing was saved"
+            f"a part of what the page shows takes more than {SECONDS:g} s of computing; nothing "
+            f"was saved"
         ) from None
     return replace(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 

@@ -79,10 +79,10 @@ function ask(stamp) {
   begin(id, stamp);
 }
 
-/** Show what a task begins with; the id of the picture asked for. */
+/** Show what a task begins with; the id of the picture asked for, null without a connection. */
 function beginTask(texts, stamp) {
   controls.begin(texts, stamp);
-  return questions.pending;
+  return questions.isLost ? null : questions.pending;
 }
 
 function whenRead(act) {
@@ -154,6 +154,7 @@ function problem(found) {
 function lost(seconds, why) {
   sayLost(seconds, why);
   questions.lose();
+  sharing.lose();
 }
 
 // ---- drawing

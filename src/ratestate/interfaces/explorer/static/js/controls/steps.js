@@ -1,18 +1,12 @@
 // The steps that undo and redo lead through: addresses that the page has had, each with its number.
 
-import { keep, recall } from "../common/kept.js";
-
-const KEY = "last step";
-
 /** Those of the browser's own history, through which its button Back leads too. */
 export class BrowserSteps {
   constructor() {
-    Object.assign(this, { leaves: false, last: 0 });
+    this.leaves = false;
     // An address that was typed, or opened by a link, has no state yet; one that is loaded again has.
-    if (history.state === null) {
-      history.replaceState({ step: 0 }, "");
-      this.end(0);
-    } else this.last = Math.max(recall(KEY) ?? 0, this.step);
+    if (history.state === null) history.replaceState({ step: 0 }, "");
+    this.last = this.step + ahead();
     addEventListener("popstate", () => (this.leaves = false));
   }
 
@@ -21,7 +15,7 @@ export class BrowserSteps {
   }
 
   add(address) {
-    this.end(this.step + 1);
+    this.last = this.step + 1;
     history.pushState({ step: this.last }, "", address);
   }
 
@@ -39,14 +33,16 @@ export class BrowserSteps {
   /** The address is another. */
   moved() {
     if (history.state !== null) return;
-    this.end(this.last + 1);
+    this.last += 1;
     history.replaceState({ step: this.last }, "");
   }
+}
 
-  end(last) {
-    this.last = last;
-    keep(KEY, last);
-  }
+/** How many entries of the browser's history this page can go forward to; 0 where it does not say. */
+function ahead() {
+  const { navigation } = window;
+  if (!navigation?.currentEntry) return 0;
+  return navigation.entries().slice(navigation.currentEntry.index + 1).filter((entry) => entry.sameDocument).length;
 }
 
 /** Those of a page in a frame: the browser's history is one for all frames of a notebook. */

@@ -1,16 +1,18 @@
 // Guided tasks: which is begun, how far it has come, and whether what is shown does what it wants.
 
 import { LESSONS, near } from "./lessons.js";
-import { keep, recall } from "../common/kept.js";
+import { keep, recall } from "./kept.js";
 import { shown } from "../common/numbers.js";
 import { number } from "../common/wire.js";
 
 const KEY = "tasks";
+const NEVER = Infinity; // the id of a picture that could not be asked for
 
 export class Tasks {
   /**
    * strip: TaskStrip; fields: [{symbol, unit}, ...]; presets: as the server sends them
-   * begin: function (texts, event's time stamp) that shows these texts and gives the id of the picture asked for
+   * begin: function (texts, event's time stamp) that shows these texts and gives the id of the picture asked for,
+   * null without a connection
    */
   constructor(strip, fields, presets, begin) {
     Object.assign(this, { strip, presets, begin, asked: null, base: null, now: null });
@@ -34,7 +36,7 @@ export class Tasks {
   start(stamp) {
     const { entries } = this.presets.find(({ name }) => name === this.lesson.preset);
     this.base = null;
-    this.asked = this.begin({ ...entries, ...this.lesson.texts }, stamp);
+    this.asked = this.begin({ ...entries, ...this.lesson.texts }, stamp) ?? NEVER;
   }
 
   forget() {
@@ -44,11 +46,11 @@ export class Tasks {
 
   /** See whether a picture does what the task wants. */
   show(picture) {
-    if (this.asked === Infinity) this.asked = picture.id; // without a connection then; it is back
-    if (this.asked === null || picture.id < this.asked) return;
+    const isEarlier = picture.id < this.asked && this.asked !== NEVER;
+    if (this.asked === null || isEarlier) return;
     this.now = momentOf(picture);
-    if (!this.base && picture.id > this.asked) {
-      queueMicrotask(() => this.start()); // the picture to begin with was overtaken
+    if (!this.base && picture.id !== this.asked) {
+      queueMicrotask(() => this.start()); // the picture to begin with was overtaken, or not asked for
       return;
     }
     this.base ??= this.now;

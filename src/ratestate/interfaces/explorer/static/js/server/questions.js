@@ -23,6 +23,11 @@ export class Questions {
     return this.asked.get(id);
   }
 
+  /** Whether the newest question could not be asked, or will not be answered, for want of a connection. */
+  get isLost() {
+    return this.pending === Infinity;
+  }
+
   /** Whether an answer is the one to the newest question. */
   isNewest({ id }) {
     return id === this.pending;
@@ -31,7 +36,7 @@ export class Questions {
   /** Act once what was typed is read, so that it is reckoned from that. */
   whenRead(act) {
     if (this.read === this.pending) act();
-    else if (this.pending === Infinity) this.dropped();
+    else if (this.isLost) this.dropped();
     else this.waiting.push(act);
   }
 

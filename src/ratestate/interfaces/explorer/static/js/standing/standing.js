@@ -3,7 +3,7 @@
 import { Bifurcation } from "./bifurcation.js";
 import { $ } from "../common/dom.js";
 import { StabilityMap } from "./map.js";
-import { Resting } from "../server/resting.js";
+import { Resting } from "./resting.js";
 import { Tabs } from "./tabs.js";
 import { Zoom } from "./zoom.js";
 
@@ -22,12 +22,17 @@ export class Standing {
     this.texts = null;
     this.ids = {}; // what was asked for -> id of the newest question
     const ask = (what, more) => (texts) => (this.ids[what] = on.ask(what, texts, more?.()));
+    // (what goes wrong with an earlier one is told no more)
     this.atlas = new Resting(ask("chart"), () => {
+      this.ids.chart = null;
       this.tellOfMap("");
       this.map.behind(null);
     });
-    this.part = new Resting(ask("window", () => ({ window: this.wanted })), () => {});
-    this.branch = new Resting(ask("branch", () => ({ along: this.diagram.along })), () => this.diagram.age());
+    this.part = new Resting(ask("window", () => ({ window: this.wanted })), () => (this.ids.window = null));
+    this.branch = new Resting(ask("branch", () => ({ along: this.diagram.along })), () => {
+      this.ids.branch = null;
+      this.diagram.age();
+    });
     this.zoom = new Zoom(this.map, { closer: $("closer"), wider: $("wider"), whole: $("whole-map") }, () => this.rest());
     new Tabs($("standing-tabs"), WIDE, () => this.rest());
     for (const canvas of [$("map-canvas"), $("branch-canvas")]) new ResizeObserver(() => this.draw()).observe(canvas);

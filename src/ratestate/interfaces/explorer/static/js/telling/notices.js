@@ -5,11 +5,34 @@ import { write } from "../common/words.js";
 
 const PREPARING = "Preparing the solver for such a slider on this machine, up to a minute, once \u2026";
 
+const DROPPED = "What was clicked last was not done, since the connection to ratestate was lost; click again when it is back.";
+let said = "";
+let isDropped = false;
+
 /** Say something until something else is said; "" for nothing. */
 export function say(text, isLost = false) {
+  said = text;
+  $("banner").classList.toggle("lost", isLost);
+  show();
+}
+
+/** What was clicked will not be done, for want of a connection: say so until something else is clicked or typed. */
+export function sayDropped() {
+  isDropped = true;
+  show();
+}
+
+for (const act of ["pointerdown", "keydown"]) {
+  addEventListener(act, () => {
+    isDropped = false;
+    show();
+  });
+}
+
+function show() {
+  const text = [isDropped ? DROPPED : "", said].filter(Boolean).join(" ");
   $("banner").textContent = text;
   $("banner").hidden = !text;
-  $("banner").classList.toggle("lost", isLost);
 }
 
 export function sayPreparing() {
@@ -20,11 +43,6 @@ export function sayPreparing() {
 export function sayLost(seconds, why) {
   const reason = why ? ` (${why})` : "";
   say(`The connection to ratestate is lost${reason}; trying again in ${seconds} s. Is it still running?`, true);
-}
-
-/** What was just clicked is not done, for want of a connection. */
-export function sayDropped() {
-  say("That was not done, since there is no connection to ratestate; try again when it is back.", true);
 }
 
 /** Mark whether what is shown is old; and name what cannot be used, with the values shown in its place. */
