@@ -26,7 +26,7 @@ def test_every_field_has_one():
 
 
 def test_every_symbol_of_the_pages_sentences_has_one():
-    words = (app.STATIC / "js" / "words.js").read_text()
+    words = (app.STATIC / "js/common/words.js").read_text()
     table = words.partition("const SYMBOLS = {")[2].partition("};")[0]
     symbols = re.findall(r'^  "?([\w/ -]+?)"?:', table, re.M)
     assert len(symbols) >= 21

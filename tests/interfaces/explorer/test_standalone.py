@@ -54,6 +54,12 @@ class TestRecording:
         assert [start["entries"] for start in hello["presets"]] == [STICK_SLIP]
         assert hello["live"].startswith("http://127.0.0.1:8765/#a=0.005&b=0.008&")
 
+    def test_its_sliders_reach_about_usual_values(self):
+        rigid = VIBRATION | {"M": "0 kg/m^2", "K": "inf Pa/m"}
+        hello = recorded(standalone.standalone(rigid, [], Deadline(60.0)))[0][2]
+        usual = {field["symbol"]: field["usual"] for field in hello["fields"]}
+        assert (usual["M"], usual["K"]) == (100.0, 9.6e8)
+
     def test_the_map_is_the_finest_that_is_soon_there(self, monkeypatch):
         monkeypatch.setattr(charts, "KNOWN", 0.0)
         slider = entries.state_of(STICK_SLIP | {"b": "0.00812"}).slider

@@ -254,3 +254,11 @@ def test_what_the_load_point_does_is_drawn(show):
     assert shown.page.evaluate(speeds) == [[3, 0, 0, 1, 3, 3], [0, 20, 30, 200, 300]]
     press(shown, "hold")
     assert shown.page.inner_text("#banner") == ""
+
+
+def test_what_is_shown_in_place_of_a_wrong_protocol_is_said(show):
+    shown = show("protocol=0 m/s for 10 s")
+    shown.page.fill("#protocol input >> nth=1", "banana")
+    shown.page.keyboard.press("Enter")
+    shown.wait()
+    assert shown.text("#stale") == "Shown: the last valid values, no protocol; correct protocol."

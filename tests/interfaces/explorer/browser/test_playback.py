@@ -247,6 +247,9 @@ def test_it_plays_again_unless_motion_is_minded(show):
 
 def test_the_slider_scrubs_all_charts(show):
     shown = show()
+    thumb = "input => getComputedStyle(input).getPropertyValue('--thumb')"
+    for slider in ("#played", "#volume", "#slider-K"):  # without it there is none to be seen
+        assert shown.page.eval_on_selector(slider, thumb) == "1rem"
     page = shown.page
     arrays = arrays_of(0)
     lengths = lengths_of(arrays)

@@ -61,6 +61,14 @@ def test_contacts_heal(show):
     )
     assert student.done == [False]
     student.begin()
+    # a kick has a peak, though nothing healed
+    student.page.fill("#factor-kick", "20")
+    student.page.click("#kick")
+    student.shown.wait()
+    assert student.outcome.startswith("A kick changes the speed alone: no contact has healed.")
+    assert "The peak is 0.00" in student.shown.text("#tasks .measure")
+    assert student.done == [False]
+    student.begin()
     assert student.shown.entry("b") == "0.004"
     # no step up
     student.slide("V_lp", -5.3)

@@ -21,7 +21,8 @@ FIG1_STEP = float(np.e * paper.FIG1.V0)
 
 def offers(starts):
     """dict of what the page needs to begin; starts : as `presets`, the first of them as it opens"""
-    usual = fields(state_of(starts[0]["entries"]).values)
+    # (a page may open with a value that no slider can reach about, such as 0 or inf)
+    usual = fields(state_of(presets()[0]["entries"]).values)
     header = {"fields": usual, "laws": menu(), "prefixes": prefixes(), "presets": starts}
     header |= {"before": BEFORE, "experiment": EXPERIMENT}
     header["meanings"] = meanings(field["symbol"] for field in usual)

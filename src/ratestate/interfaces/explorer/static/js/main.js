@@ -125,7 +125,7 @@ function hello(greeting) {
 function build({ fields, laws, before, experiment, live, longest, presets }) {
   const names = [...fields.map((field) => field.symbol), "law"];
   const own = Object.fromEntries(fields.map(({ symbol, text }) => [symbol, text]));
-  const entries = new Entries(names, ["friction", ...experiment], { ...own, ...presets[0].entries }, longest, live);
+  const entries = new Entries(names, experiment, { ...own, ...presets[0].entries }, longest, live);
   controls = new Controls(fields, laws, before, presets, entries, ask, whenRead);
   tasks = new Tasks(new TaskStrip($("tasks"), $("tasks-open"), $("task-line")), fields, presets, beginTask);
   for (const pin of connection.pinned ?? []) pins.add(pin.picture, pin.texts);

@@ -4,15 +4,15 @@ import { Past } from "./past.js";
 
 export class Entries {
   /**
-   * names: of what there always is; optional: of what there need not be, and is not in place of a wrong one
+   * names: of what there always is; experiment: of what there need not be, as friction, and is not in place of a wrong one
    * valid: texts that can be used, of names
    * longest: characters that one may have, by name; of any other that of "value"
    * live: of a saved page, whose own address holds nothing, the address of the page that it was
    */
-  constructor(names, optional, valid, longest, live) {
-    this.absent = Object.fromEntries(optional.map((name) => [name, null]));
-    this.names = [...names, ...optional];
-    Object.assign(this, { valid: { ...valid, ...this.absent }, longest, live, texts: {}, refused: {} });
+  constructor(names, experiment, valid, longest, live) {
+    this.absent = Object.fromEntries(["friction", ...experiment].map((name) => [name, null]));
+    this.names = [...names, "friction", ...experiment];
+    Object.assign(this, { experiment, valid: { ...valid, ...this.absent }, longest, live, texts: {}, refused: {} });
     this.past = new Past(live ? null : () => this.fragment());
   }
 

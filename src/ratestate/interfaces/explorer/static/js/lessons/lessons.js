@@ -25,17 +25,18 @@ const heal = {
   preset: "Velocity step, rigid drive",
   texts: { law: "aging", K: "10 GPa/m" }, // under which contacts heal in a hold, too
   free: ["V_lp"],
-  todo: "At time 0 sliding is sped up: friction rises at once, and falls again as the contacts are renewed. Make the peak of mu twice as high above the level that follows, but end no faster than now. Friction itself is to stay as it is; what the contacts did before the step is not.",
+  todo: "At time 0 sliding is sped up: friction rises at once, and falls again as the contacts are renewed. Make the peak of mu twice as high above the level that follows, but end no faster than now. Leave a, b and the law as they are; what the contacts did before the step is yours to change.",
   look: "The dashed line of mu in the chart of the motion, just after time 0.",
   hint: "Contacts that slid slowly are old, and strong. Bring V_lp down to a tenth, press \u201cStep the speed\u201d, so that a step begins there, and bring V_lp up again. Or hold still before going on.",
   measure: (now) => `The peak is ${plain(peak(now), 3)} high; in the end V_lp is ${speed(now.values.V_lp)}.`,
   goals: [
     {
-      text: "a peak twice as high as at first, at the same speed after it, or a lower one",
-      met: (now, base) => peak(now) >= HIGHER * peak(base) && now.values.V_lp < 1.05 * base.values.V_lp,
+      text: "a peak twice as high as at first, while sliding ends no faster",
+      met: (now, base) => !now.values.kick && peak(now) >= HIGHER * peak(base) && now.values.V_lp < 1.05 * base.values.V_lp,
     },
   ],
   astray(now, base) {
+    if (now.values.kick) return "A kick changes the speed alone: no contact has healed. Take it back, and let the contacts grow old before the step.";
     if (peak(now) < peak(base) / 10) return "Sliding slows down at time 0 now. To have a peak, speed it up from there: press \u201cStep the speed\u201d.";
     const isFaster = now.values.V_lp >= 1.05 * base.values.V_lp;
     if (isFaster && peak(now) > 1.1 * peak(base)) return `The peak is higher because sliding ends faster. Bring V_lp back to ${speed(base.values.V_lp)}, and begin slower instead.`;
@@ -69,7 +70,7 @@ const slowSlip = {
   texts: { V_from: null, V_lp: "100 um/s", K: "480 MPa/m" },
   free: ["K", "M", "V_lp"],
   todo: "This block slips in jerks, hundreds of times as fast as it is driven. Make the slips slow, as in slow earthquakes, but do not stop them. You may change K, M and V_lp.",
-  look: "The fastest slip V_max in the table; the verdict says \u201cslow stick-slip\u201d when inertia hardly matters any longer.",
+  look: "The fastest slip V_max in the table; the verdict says \u201cslow stick-slip\u201d when the force of inertia stays below a tenth of the swing of tau/sigma.",
   hint: "A slip is fast where the spring pulls much harder than friction holds. Let friction win by as little as possible: stiffen the spring to just below K_c.",
   measure: ({ values, numbers, regime }) => (numbers.period === null ? `The verdict is: ${regime}.` : `The fastest slip is ${speed(numbers.V_max)}, ${plain(numbers.V_max / values.V_lp, 3)} times V_lp: ${regime}.`),
   goals: [{ text: "slow stick-slip", met: (now) => now.regime === "slow stick-slip" }],
@@ -115,7 +116,7 @@ const squeal = {
   texts: { V_from: null },
   free: ["K", "M", "V_lp"],
   todo: "This block hums at 51 Hz. Make it squeal, between 1 and 4 kHz, as a brake does: quasi-harmonic vibration. You may change K, M and V_lp, but not friction.",
-  look: "f in the table, f_n in the verdict, and the mark of V_c over the slider of V_lp.",
+  look: "f in the table, f_n in the line under the goal, and the mark of V_c over the slider of V_lp.",
   hint: "A light block on a stiff spring is quick: f_n is the root of K/M, over 2\u03c0. But without inertia it does not vibrate at all: drive it faster, beyond V_c.",
   measure: ({ numbers, regime }) => (numbers.period === null ? `f_n is ${shown(numbers.f_n, "Hz", 3)}, but the verdict is: ${regime === "steady" ? "steady sliding" : regime}.` : `f is ${shown(numbers.frequency, "Hz", 3)}, f_n ${shown(numbers.f_n, "Hz", 3)}: ${regime}.`),
   goals: [{ text: "quasi-harmonic vibration between 1 and 4 kHz", met: ({ numbers, regime }) => regime === "quasi-harmonic" && numbers.frequency >= LOW && numbers.frequency <= HIGH }],

@@ -83,6 +83,7 @@ export class TaskStrip {
     if (this.told !== outcome) write(this.outcome, outcome);
     this.told = outcome;
     this.outcome.classList.toggle("done", isDone);
+    this.next.textContent = index < LESSONS.length - 1 ? "Next task" : "Back to task 1";
     this.next.style.visibility = isDone ? "visible" : "hidden";
     write(this.line, isBegun ? `Task ${index + 1}, ${reached.filter(Boolean).length} of ${reached.length} done. ${isDone ? "What was learnt is above." : note || measure}` : "");
     this.tellBriefly();

@@ -74,7 +74,7 @@ export class Machine {
     c.textAlign = "left";
     c.textBaseline = "alphabetic";
     const enlarged = spring / ground;
-    const more = enlarged > 1.05 ? `; the spring's change \u00d7 ${plain(enlarged, 2)}` : "";
+    const more = enlarged > 1.05 ? `; spring's change \u00d7 ${plain(enlarged, 2)}` : "";
     c.fillText(`marks every ${shown(apart, "m", 2)}${more}`, 0, floor + CAPTION - 3);
   }
 

@@ -46,9 +46,11 @@ export function sayLost(seconds, why) {
 }
 
 /** Mark whether what is shown is old; and name what cannot be used, with the values shown in its place. */
-export function sayStale(isOld, { wrong, valid }) {
+export function sayStale(isOld, { wrong, valid, experiment }) {
   document.body.classList.toggle("stale", isOld || wrong.length > 0);
   const values = wrong.filter((name) => valid[name]).map((name) => `${name} = ${valid[name]}`);
-  write($("stale"), wrong.length ? `Shown: the last valid values${values.length ? ` (${values.join(", ")})` : ""}; correct ${wrong.join(", ")}.` : "");
+  const without = wrong.filter((name) => experiment.includes(name));
+  const shown = [`the last valid values${values.length ? ` (${values.join(", ")})` : ""}`, ...without.map((name) => `no ${name}`)];
+  write($("stale"), wrong.length ? `Shown: ${shown.join(", ")}; correct ${wrong.join(", ")}.` : "");
   $("stale").hidden = !wrong.length;
 }
