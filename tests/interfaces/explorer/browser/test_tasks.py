@@ -216,7 +216,7 @@ def test_progress_lasts_as_long_as_the_tab_and_can_be_forgotten(show):
     assert page.get_attribute("#tasks-open", "aria-expanded") == "true"
     student.type("K", "1.19 GPa/m")
     assert student.done == [True, False]
-    page.wait_for_timeout(300)  # (until the address has it)
+    page.wait_for_function("() => location.hash.includes('K=1.19+GPa')")
     page.reload()
     shown.wait()
     page.click("#tasks-open")
