@@ -10,7 +10,7 @@ from report import Part, power
 from timing import cpu, interleaved, one_core
 
 import ratestate as rs
-from ratestate.records.fitting.fit import single_blas
+from ratestate.records.fitting.one_record import single_blas
 from ratestate.records.fitting.problem import search, with_best_level
 from ratestate.records.fitting.unknowns import to_coordinate
 

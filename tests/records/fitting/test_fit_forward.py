@@ -8,8 +8,9 @@ from synthetic_records import SLIDER, STEP, correlated, record
 
 import ratestate as rs
 from ratestate.paper.laws import LAWS
+from ratestate.records.fitting.estimated_noise import estimated_noise
 from ratestate.records.fitting.forward import Forward, _difference
-from ratestate.records.fitting.noise import Noise, estimated_noise
+from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.record import record_of
 
 T = np.concatenate([np.linspace(0.0, 99.0, 34), np.linspace(100.05, 104.0, 80)])

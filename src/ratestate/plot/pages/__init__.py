@@ -6,6 +6,7 @@
 ``response``           a frequency response: gains and phases
 ``sweep``, ``regions`` lines or maps of a sweep; V_c and regimes on a map
 ``fit``                the function `fit`; which close-ups a page has
+``steps``              fits of all steps and holds of a record
 ``cycles``, ``frame``  a fit of cycles; what pages of fits share
 ====================== ====================================================
 """

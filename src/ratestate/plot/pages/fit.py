@@ -2,13 +2,16 @@
 
 import numpy as np
 
+from ...errors import ParameterError
 from ...model.conversion import in_si
 from ...records.fitting.by_law import checked_by_law, law_of, value_of
+from ...records.fitting.steps.table import is_of_steps
 from ..curves import WHOLE, curves, marks, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
 from .cycles import cycles_page
 from .frame import finished, framed, legend
+from .steps import steps_page
 
 #: close-ups: how many at most, the fewest samples, what is before a step over what is after it
 MOST, FEWEST, BEFORE = 3, 12, 0.3
@@ -50,6 +53,10 @@ def fit(result, ax=None, *, x=None):
     ParameterError
         Another result than that of `fit`, or one that has lost its attributes.
     """
+    if is_of_steps(result):
+        if ax is not None:
+            raise ParameterError("fits of steps are a page; leave ax out, or pick one with .isel")
+        return fit_page(in_si(result))
     checked_by_law(result, "plot.fit")
     result = in_si(result)
     if ax is None:
@@ -64,6 +71,8 @@ def fit(result, ax=None, *, x=None):
 @styled
 def fit_page(result, x=None):
     """Page (Figure) of a fit; x as of `fit`, without effect on a fit of cycles."""
+    if is_of_steps(result):
+        return steps_page(result)
     if result.attrs.get("against") == "cycles":
         return cycles_page(result)
     record = record_of(result, x)

@@ -9,6 +9,8 @@ LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
 #: distance of these intervals' ends from the estimate, in standard errors of a Gaussian
 ROOTS = ndtri(0.5 + 0.5 * np.array(LEVELS))
+#: the same (levels, sides)
+GAUSSIAN = np.repeat(ROOTS[:, None], 2, axis=1)
 #: half width of an interval of a logarithm beyond which it counts as open
 ENDLESS = np.log(1e6)
 #: standard error of a coordinate from which it counts as not seen by the record at all
@@ -65,20 +67,22 @@ class Estimates(NamedTuple):
         return self._replace(intervals=ends, kinds=kinds)
 
 
-def estimates_from(names, centres, covariance, is_log, values=None):
+def estimates_from(names, centres, covariance, is_log, values=None, roots=GAUSSIAN):
     """`Estimates` from the covariance (p, p) of quantities or, where `is_log`, of their logarithms.
 
     centres : (p,) the quantities or logarithms
     values : (p,), optional, the quantities themselves, if they are known more precisely
+    roots : (p, levels, sides) or broadcast to that, distance of an interval's end from the
+        estimate, in standard errors
 
     Ends of a logarithm's interval beyond `ENDLESS` are 0 and inf; an error is inf from `UNSEEN` on.
     """
     errors = np.sqrt(np.diag(covariance))
-    reach = ROOTS[:, None] * np.array([-1.0, 1.0])
-    ends = centres[:, None, None] + errors[:, None, None] * reach
+    sides = np.array([-1.0, 1.0])
+    ends = centres[:, None, None] + errors[:, None, None] * roots * sides
     logs = is_log[:, None, None]
     # a logarithm as uncertain as this is open
-    ends = np.where(logs & (np.abs(ends - centres[:, None, None]) > ENDLESS), np.inf * reach, ends)
+    ends = np.where(logs & (np.abs(ends - centres[:, None, None]) > ENDLESS), np.inf * sides, ends)
     values = _from_logs(centres, is_log) if values is None else values
     scaled = np.where(is_log, values, 1.0) * errors
     return Estimates(

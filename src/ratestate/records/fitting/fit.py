@@ -1,25 +1,17 @@
 """The function `fit`: a slider's parameters and their errors from a record."""
 
-import functools
 import json
 import warnings
-
-from threadpoolctl import ThreadpoolController
 
 from ...dynamics.results import provenance
 from ...errors import FitWarning
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
 from .by_law import warnings_of
-from .cycles.fit import fit_cycles
-from .cycles.result import cycles_dataset
-from .generalized_least_squares import least_squares_fit
-from .likelihood.uncertainty import infer, with_posteriors
-from .record import record_of
-from .refusals import refusal
-from .result import add_comparison, dataset_of, side_by_side
-from .settings import checked_settings
-from .unknowns import free_under
+from .one_record import fits_of_cycles, fits_of_samples, single_blas
+from .result import side_by_side
+from .settings import check_each, checked_settings
+from .steps.experiment import fit_experiment, warning_of_steps
 
 #: attributes of a record that its fit keeps
 RECORD_ATTRIBUTES = ("source", "columns", "found", "notes")
@@ -32,6 +24,7 @@ def fit(
     free=("a", "b", "Dc", "K"),
     law=None,
     *,
+    each=None,
     against="time",
     loading=None,
     trend="slip",
@@ -61,6 +54,9 @@ def fit(
     law : str, class or a sequence of these, optional
         Friction law; the slider's by default.  Several are fitted side by side: each has those of
         the slider's parameters, free or not, that belong to it, so the slider needs those of all.
+    each : {None, "step"}, optional
+        "step": each velocity step, hold and step of normal stress in the record is fitted on a
+        window of its own, on all cores; the laws' parameters are also fitted to all together.
     against : {"time", "displacement", "cycles"}
         Friction is compared at equal times, or at equal displacements of the load point (steps
         only), or, in a record of stick-slip or vibration, by the features of its cycles.
@@ -104,12 +100,25 @@ def fit(
         ``warnings`` (a line each; "" if there are none) and ``identifiability``, a note on what is
         determined.
 
+        With each="step" parameters, errors, statistics and texts are along ``step``, 1 to n in
+        order of time (and along ``law`` where several), NaN and "" where ``status`` is 1 (failed)
+        and ``message`` says why.  Along ``step`` alone: ``kind`` ("step", "hold" or "normal
+        stress"), ``step_t`` [s] and ``step_delta_lp`` [m] where it is, ``V_before`` and ``V_after``
+        [m/s], ``t_hold`` [s], ``sigma`` [Pa], ``samples``; along ``sample``, too, some of the
+        record and of the fitted curve.  Along ``parameter``: ``shared``, the estimate of one set
+        for all steps and holds, and ``shared_error``; ``scatter``, the standard deviation between
+        steps beyond their errors; ``up_over_down``, the ratio of the mean over steps up to that
+        over steps down, and its error.  ``shared_p_value`` is the probability of as large a
+        ``shared_deviance`` if one set serves all.  At a step of normal stress only alpha is free,
+        and what the other steps tell of a, b, Dc and K is held.
+
     Raises
     ------
     ParameterError
         A record without steps, too short, constant or with values missing; a parameter that
         cannot be free; a law that needs a parameter which the slider does not have; a setting out
-        of range.  Against cycles a law with more than one state or length.
+        of range.  Against cycles a law with more than one state or length.  With each="step" no
+        step that can be fitted; a loading; against cycles.
 
     Warns
     -----
@@ -139,11 +148,20 @@ def fit(
         start=start,
         errors=errors,
     )
-    with single_blas():
-        fits = _fits_of_cycles if against == "cycles" else _fits_of_samples
-        results = fits(in_si(data), slider, settings, loading)
-    kept = {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}
+    check_each(each, settings, loading)
     names = json.dumps(settings.free)
+    kept = {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}
+    if each is not None:
+        result = fit_experiment(in_si(data), settings)
+        law = settings.laws[0] if len(settings.laws) == 1 else None
+        origin = provenance("fit", slider, law=law, free=names, each=each, **settings.recorded)
+        result.attrs = origin | result.attrs | kept
+        if text := warning_of_steps(result):
+            warnings.warn(text, FitWarning, stacklevel=3)
+        return result
+    with single_blas():
+        fits = fits_of_cycles if against == "cycles" else fits_of_samples
+        results = fits(in_si(data), settings, loading)
     for name, result in results.items():
         origin = provenance("fit", slider, law=name, free=names, **settings.recorded)
         result.coords["law"] = name
@@ -153,47 +171,3 @@ def fit(
             warnings.warn(prefix + text, FitWarning, stacklevel=3)
     alone = law is None or isinstance(law, str | type)
     return results[settings.laws[0]] if alone else side_by_side(results)
-
-
-_thread_pools = functools.cache(ThreadpoolController)
-
-
-def single_blas():
-    """A context in which BLAS uses one thread: more spin longer than they work."""
-    return _thread_pools().limit(limits=1, user_api="blas")
-
-
-def _fits_of_cycles(data, slider, settings, loading):
-    """law -> Dataset of a fit of cycles."""
-    fits = {
-        one.law: fit_cycles(data, one, settings.free, one.law, loading) for one in settings.sliders
-    }
-    results = {law: cycles_dataset(fit) for law, fit in fits.items()}
-    if len(results) > 1:
-        # errors that were enlarged for a misfit are so in the comparison as well
-        scale = min(fit.enlarged for fit in fits.values()) ** 2
-        add_comparison(results, {law: fit.chi2 / scale for law, fit in fits.items()})
-    return results
-
-
-def _fits_of_samples(data, slider, settings, loading):
-    """law -> Dataset of a fit of friction, sample by sample."""
-    free, sliders, noise, against, trend, start, errors = settings
-    record = record_of(data, slider, loading=loading, trend=trend, against=against)
-    if "alpha" in free and record.loading.normal_stress is None:
-        raise refusal("free.constant_sigma")
-    solutions = []
-    for one in sliders:
-        has = free_under([one.friction_law])
-        of_law = tuple(name for name in free if name in has)
-        solutions.append(least_squares_fit(record, one, of_law, noise, start))
-    inferences = [infer(solution, noise, errors) for solution in solutions]
-    if errors == "posterior":
-        inferences = with_posteriors(inferences)
-    datasets = [dataset_of(inference, data) for inference in inferences]
-    results = dict(zip(settings.laws, datasets, strict=True))
-    if len(results) > 1:
-        colored = any(inference.solution.noise.red for inference in inferences)
-        aic = {law: float(result["aic"]) for law, result in results.items()}
-        add_comparison(results, aic, colored=colored)
-    return results

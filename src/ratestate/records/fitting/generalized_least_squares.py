@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .estimated_noise import estimated_noise
 from .forward import Forward
-from .noise import Noise, estimated_noise
+from .noise import Noise
 from .problem import SAMPLES, Problem, search, starting_points
 from .record import before_changes
 from .refusals import refusal
@@ -119,7 +120,8 @@ def solution_from(problem, point, noise):
     result, was_white = _checked_search(problem, point, current), True
     for _ in range(ROUNDS if noise is None else 0):
         friction, jacobian = problem.forward.jacobian(result.x)
-        current = estimated_noise(record.t, friction - record.friction, np.nan_to_num(jacobian))
+        residual = friction - record.friction
+        current = estimated_noise(record.t, residual, np.nan_to_num(jacobian), current)
         # the error of the march itself counts as noise: a record may have none
         current = current._replace(white=float(np.hypot(current.white, FLOOR * record.scale)))
         if current.red == 0.0 and was_white:
@@ -170,14 +172,17 @@ def _with_more_coordinates(solution, unknowns):
 
 
 def _may_start_unsteady(solution):
-    """Whether an unsteady start may fit better: if noise is correlated, or by a score test."""
-    if solution.noise.red:
-        return True
+    """Whether an unsteady start may fit better, by a score test.
+
+    It is one in white noise as well: what such a start leaves may pass for correlated noise.
+    """
     problem = solution.problem
     added = starts_of(problem.law)
     forward = Forward(problem.record, problem.slider, (*added, *problem.unknowns.names))
     jacobian = np.nan_to_num(forward.jacobian(np.append(np.zeros(len(added)), solution.point))[1])
-    return gain_of(solution, jacobian[:, : len(added)])[0] > FALL
+    in_white_noise = solution._replace(noise=Noise(solution.noise.level))
+    both = (solution, in_white_noise) if solution.noise.red else (solution,)
+    return any(gain_of(one, jacobian[:, : len(added)])[0] > FALL for one in both)
 
 
 def _early_log_likelihood(solution):

@@ -1,24 +1,18 @@
-"""The noise of a record: its level and correlation, given or estimated from the residuals.
+"""The noise of a record: its level and correlation.
 
 The noise is white noise plus an Ornstein-Uhlenbeck process (engine/noise.py): the former is
 from a load cell's digits and electronics, the latter from filters, gouge and machine.  Its three
-numbers are estimated by restricted maximum likelihood, which allows for what the fitted
-parameters have taken out of the residuals: Patterson & Thompson (1971)
-doi:10.1093/biomet/58.3.545.
+numbers are given, or estimated (estimated_noise.py).
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
 
 from ...engine.noise import whiten
 from ...model.units import to_si
 from .refusals import refusal
-
-#: least rise of ln(likelihood) for correlated noise, which has two more parameters
-RISE = 3.0
 
 
 class Noise(NamedTuple):
@@ -67,57 +61,3 @@ def given_noise(noise):
     if not white + red > 0.0:
         raise refusal("noise.zero")
     return Noise(white, red, to_si("t", noise.get("time", 1.0), label="noise time", bound="> 0"))
-
-
-def estimated_noise(t, residual, jacobian):
-    """`Noise` by restricted maximum likelihood: of residuals (n,) with a fit's jacobian (n, k).
-
-    White, unless a red part raises ln(likelihood) by more than `RISE`.  A column that is all 0, of
-    what the record does not see, does not count.
-    """
-    jacobian = jacobian[:, jacobian.any(axis=0)]
-    columns = np.column_stack([residual, jacobian / np.abs(jacobian).max(axis=0)])
-    degrees = residual.size - jacobian.shape[1]
-    lags = np.median(np.diff(t)), t[-1] - t[0]
-
-    def shape(point):
-        """Share of the correlated part in the variance, and its time."""
-        share = 1.0 / (1.0 + math.exp(-point[0]))
-        return share, math.exp(point[1])
-
-    def criterion(share, time):
-        """-ln(restricted likelihood) at the best variance, and that variance."""
-        unit = Noise(math.sqrt(1.0 - share), math.sqrt(share), time)
-        white, log_determinant = unit.whiten(t, columns)
-        normal = white.T @ white
-        try:
-            factor = np.linalg.cholesky(normal[1:, 1:])
-        except np.linalg.LinAlgError:  # the record does not see some parameter at all
-            return math.inf, math.nan
-        projected = np.linalg.solve(factor, normal[1:, 0])
-        variance = max(normal[0, 0] - projected @ projected, 0.0) / degrees
-        if not variance > 0.0:
-            return math.inf, math.nan
-        log_normal = 2.0 * np.log(np.diag(factor)).sum()
-        return 0.5 * (degrees * math.log(variance) + log_determinant + log_normal), variance
-
-    best, variance = criterion(0.0, 1.0)
-    noise = Noise(math.sqrt(variance))
-    low, high = math.log(0.2 * lags[0]), math.log(lags[1])
-    for start in (2.0 * lags[0], 0.02 * lags[1]):
-        first = np.array([0.0, min(max(math.log(start), low), high)])
-        # (SciPy's own simplex about a coordinate of 0 is so thin that it may never move)
-        simplex = first + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-        result = minimize(
-            lambda point: criterion(*shape(point))[0],
-            first,
-            method="Nelder-Mead",
-            bounds=((-8.0, 14.0), (low, high)),
-            options={"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.01, "maxfev": 150},
-        )
-        if result.fun < best - (RISE if noise.red == 0.0 else 0.0):
-            share, time = shape(result.x)
-            variance = criterion(share, time)[1]
-            best = result.fun
-            noise = Noise(math.sqrt((1.0 - share) * variance), math.sqrt(share * variance), time)
-    return noise

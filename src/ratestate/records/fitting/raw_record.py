@@ -127,16 +127,24 @@ def loading_of(raw, loading=None, sigma=None):
     return dataclasses.replace(loading, normal_stress=recorded_stress(raw.data, raw.t, sigma))
 
 
+def load_point_segments(data):
+    """(segments,) starts [s] and speeds [m/s] of a record's load point, 0 in a hold.
+
+    ParameterError where its motion is not recorded, or has no constant speeds.
+    """
+    if "segment_t" in data.variables:
+        return (np.asarray(data[name].values, float) for name in ("segment_t", "segment_V"))
+    time = _column(data, "time")
+    displacement = _displacement(data, time)
+    if displacement is None:
+        raise refusal("load_point.unknown", variables=_variable_names(data))
+    return find_segments(time, displacement)
+
+
 def _recorded(raw):
     """The steps and holds of the load point."""
-    data, time = raw.data, raw.time
-    if raw.displacement is None:
-        raise refusal("load_point.unknown", variables=_variable_names(data))
-    if "segment_t" in data.variables:
-        starts = np.asarray(data["segment_t"].values, float)
-        speeds = np.asarray(data["segment_V"].values, float)
-    else:
-        starts, speeds = find_segments(time, raw.displacement)
+    time = raw.time
+    starts, speeds = load_point_segments(raw.data)
     # a window may have cut off segments at both ends
     inside = starts < time[-1]
     first = max(int(np.searchsorted(starts, time[0], side="right")) - 1, 0)

@@ -18,6 +18,8 @@ CHOICES: dict[str, tuple] = {
     "start": ("auto", "steady", "free"),
     "errors": ERRORS,
 }
+#: of what in a record there may be a fit each: of the whole, or of its steps and holds
+EACH = (None, "step")
 
 
 class Settings(NamedTuple):
@@ -68,6 +70,17 @@ def checked_settings(slider, *, free, law, noise, **choices):
         if changed:
             raise refusal("settings.not_for_cycles", names=", ".join(changed))
     return Settings(free, sliders, noise, **choices)
+
+
+def check_each(each, settings, loading):
+    """Refuse what fits of each step have no use for, and an `each` that is none."""
+    if each not in EACH:
+        choices = ", ".join(map(repr, EACH))
+        raise refusal("settings.unknown", name="each", value=each, choices=choices)
+    if each is not None and loading is not None:
+        raise refusal("each.loading")
+    if each is not None and settings.against == "cycles":
+        raise refusal("each.cycles")
 
 
 def sliders_under(slider, law):

@@ -6,11 +6,14 @@ import textwrap
 from ...dynamics import attributes
 from ...model.quantities import readable
 from .by_law import checked_by_law, law_of, value_of, warnings_of
+from .steps.table import is_of_steps, results_by_law_of_steps, sentences_on_all, table_of
 from .table import estimate_cells, law_names, quality_text
 from .unknowns import of_slider
 
 #: columns of the text
 WIDTH = 96
+#: kinds of steps -> as a heading counts them
+KINDS = {"step": "velocity steps", "hold": "holds", "normal stress": "steps of normal stress"}
 #: units that stay on the line of the number before them
 UNIT = r"%|\+-|[numkMG]?(?:m|s|Pa)\b"
 
@@ -37,10 +40,47 @@ def summary(result):
     ParameterError
         No result of `fit`, or one that has lost its attributes.
     """
+    if is_of_steps(result):
+        return _summary_of_steps(result)
     laws = checked_by_law(result, "summary")
     above, below = heading(result, laws), remarks(result, laws)
     below += [f"warning: {text}" for text in labelled_warnings(laws)]
     return "\n".join([*map(_wrapped, above), "", *_table(laws), "", *map(_wrapped, below)])
+
+
+def _summary_of_steps(result):
+    """`summary` of the fits of steps."""
+    lines = [_wrapped(text) for text in heading_of_steps(result)]
+    for law in results_by_law_of_steps(result):
+        table = table_of(result, law)
+        lines += ["", f"{law} law", *_aligned([table.heads, *table.rows, *table.together], 4)]
+    return "\n".join([*lines, "", *map(_wrapped, remarks_on_steps(result))])
+
+
+def heading_of_steps(result):
+    """What was fitted (list of one str)."""
+    source = attributes.text(result, "source", "")
+    about = f"Fits of {source}: " if source else "Fits of "
+    laws = law_names(tuple(results_by_law_of_steps(result)))
+    kinds = [(kind, int((result["kind"] == kind).sum())) for kind in KINDS]
+    counts = ", ".join(
+        f"{n} {name}" for (kind, n), name in zip(kinds, KINDS.values(), strict=True) if n
+    )
+    return [f"{about}{counts}, {laws}"]
+
+
+def remarks_on_steps(result):
+    """The lines below the tables of steps: comparison of the laws, failures, warnings (list)."""
+    texts = [attributes.text(result, "comparison", ""), *sentences_on_all(result)]
+    for law, part in results_by_law_of_steps(result).items():
+        for i, (message, warnings) in enumerate(
+            zip(part["message"].values.tolist(), part["warnings"].values.tolist(), strict=True), 1
+        ):
+            texts += [f"step {i}, {law} law, failed: {message}"] if message else []
+            texts += [f"step {i}, {law} law, warning: {one}" for one in warnings.splitlines()]
+    if "notes" in result.attrs:
+        texts += [f"note: {note}" for note in attributes.from_json(result, "notes", list)]
+    return [text for text in texts if text]
 
 
 def heading(result, laws):
@@ -86,13 +126,21 @@ def labelled_warnings(laws):
 def _table(laws):
     """The lines of the table (list of str); under one law with what each quantity means."""
     head = ["", *(text for law in laws for text in (f"{law} law", "95 %"))]
-    rows = [head, *estimate_cells(laws, len(laws) == 1)]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
+    return _aligned([head, *estimate_cells(laws, len(laws) == 1)], 1)
+
+
+def _aligned(rows, left):
+    """Rows of cells as lines: columns aligned right but the first `left`, and what is beyond the
+    first row's, which has their heads.
+    """
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = []
-    for label, *cells in rows:
-        padded = [text.rjust(width) for text, width in zip(cells, widths[1:], strict=False)]
-        meaning = cells[len(padded) :]
-        lines.append("   ".join([label.ljust(widths[0]), *padded, *meaning]).rstrip())
+    for row in rows:
+        cells = [
+            text.ljust(width) if i < left else text.rjust(width)
+            for i, (text, width) in enumerate(zip(row, widths, strict=False))
+        ]
+        lines.append("   ".join([*cells, *row[len(cells) :]]).rstrip())
     return lines
 
 

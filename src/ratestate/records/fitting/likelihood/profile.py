@@ -1,8 +1,9 @@
 """Intervals from the likelihood itself, where it is not Gaussian.
 
 A quantity's profile is the least chi-square of all fits in which the quantity is constrained to a
-value, less that of the best fit: its deviance.  With the noise fixed it is 1 and 3.84 at the ends
-of the 68 and 95 % intervals.  See Venzon & Moolgavkar (1988) doi:10.2307/2347496.
+value, less that of the best fit: its deviance.  With a noise that is known it is 1 and 3.84 at the
+ends of the 68 and 95 % intervals; the noise's uncertainty moves these outwards
+(noise_uncertainty.py).  See Venzon & Moolgavkar (1988) doi:10.2307/2347496.
 """
 
 from typing import NamedTuple
@@ -10,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..estimates import ROOTS
+from ..estimates import GAUSSIAN
 from ..unknowns import parameter
 from .constrained import constrained_fit
 
-#: root of the deviance where a profile may end
-BEYOND = 1.03 * ROOTS[-1]
+#: root of the deviance where a profile may end, over that where its widest interval does
+BEYOND = 1.03
 #: root of the deviance from one point of a profile to the next; most points on one side
 STRIDE, MOST = 1.02, 24
 #: a last step, out of the interval, is too long if the root of the deviance grows by more than this
@@ -53,15 +54,15 @@ class Profile(NamedTuple):
         above = np.arange(self.values.size) >= np.argmin(self.deviance)
         return np.where(above, 1.0, -1.0) * np.sqrt(self.deviance)
 
-    def interval(self):
-        """(levels, sides) where the root passes `ROOTS` for the last time; inf where it never does.
+    def interval(self, roots=GAUSSIAN):
+        """(levels, sides) where the root passes these for the last time; inf where it never does.
 
         Where a side ends at an edge, beyond which there is no motion, so does the interval.
         """
-        interval = np.empty((len(ROOTS), 2))
+        interval = np.empty(roots.shape)
         curve = PchipInterpolator(self.values, self.root) if self.values.size > 1 else None
         for side, (sign, last) in enumerate(((-1, 0), (1, -1))):
-            for level, target in enumerate(ROOTS):
+            for level, target in enumerate(roots[:, side]):
                 if curve is not None and self.deviance[last] >= target**2:
                     crossings = curve.solve(sign * target, extrapolate=False)
                     interval[level, side] = crossings.max() if side else crossings.min()
@@ -71,14 +72,18 @@ class Profile(NamedTuple):
         return interval
 
 
-def compute_profile(solution, quantity, fits=()):
+def compute_profile(solution, quantity, fits=(), roots=GAUSSIAN):
     """The `Profile` of a `ReportedQuantity` about a solution.
 
     fits : (point, deviance) of other fits to start from as well
+    roots : (levels, sides) roots of the deviance at the ends of its intervals
 
     Raises `BetterPoint` where a point of the profile fits better than the solution.
     """
-    low, high = (_Side(solution, quantity, sign, fits) for sign in (-1.0, 1.0))
+    low, high = (
+        _Side(solution, quantity, sign, BEYOND * root, fits)
+        for sign, root in zip((-1.0, 1.0), roots[-1], strict=True)
+    )
     ends = low.walk(), high.walk()
 
     both = ((low.values, high.values), (low.deviance, high.deviance), (low.points, high.points))
@@ -89,8 +94,9 @@ def compute_profile(solution, quantity, fits=()):
 class _Side:
     """One side of a profile, from the fit outwards."""
 
-    def __init__(self, solution, quantity, sign, fits):
+    def __init__(self, solution, quantity, sign, beyond, fits):
         self.solution, self.quantity, self.sign = solution, quantity, sign
+        self.beyond = beyond
         gradient = quantity.gradient(solution.point)
         along = solution.covariance @ gradient
         variance = float(gradient @ along)
@@ -109,7 +115,7 @@ class _Side:
                 self.step = min(self.step, LONGEST * (high - low))
         valued = [(quantity.value(point), point, deviance) for point, deviance in fits]
         self.fits = [fit for fit in valued if sign * (fit[0] - self.values[0]) > 0.0]
-        likely = [fit[0] for fit in self.fits if fit[2] < BEYOND**2]
+        likely = [fit[0] for fit in self.fits if fit[2] < beyond**2]
         #: the farthest value of a likely fit
         self.far = sign * max((sign * value for value in likely), default=-np.inf)
 
@@ -125,13 +131,13 @@ class _Side:
             moved = abs(value - last)
             fit = constrained_fit(self.solution, self.quantity, value, self._starts(value, moved))
             root = np.sqrt(max(fit[1], 0.0)) if fit else np.inf
-            if root > BEYOND and root - np.sqrt(self.deviance[-1]) > LEAP:
+            if root > self.beyond and root - np.sqrt(self.deviance[-1]) > LEAP:
                 self.step = 0.5 * moved
                 if self.step < LEAST * max(abs(last - self.values[0]), LEAST * self.error):
                     return "open" if fit and self._at_a_bound(fit[0]) else "edge"
                 continue
             self._add_point(value, *fit)
-            if self.deviance[-1] > BEYOND**2 and self.sign * (value - self.far) >= 0.0:
+            if self.deviance[-1] > self.beyond**2 and self.sign * (value - self.far) >= 0.0:
                 return "closed"
         return "open"
 

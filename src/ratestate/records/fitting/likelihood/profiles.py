@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..estimates import GAUSSIAN, ROOTS
 from .profile import BEYOND, Profile, compute_profile
 
 #: relative difference of the deviance's root from a Gaussian's that counts as Gaussian
@@ -45,20 +46,27 @@ def are_gaussian(solution, quantities):
     return [bool(both) for both in close.reshape(-1, 2).all(axis=1)]
 
 
-def compute_profiles(solution, quantities, everything):
+def compute_profiles(solution, quantities, everything, roots=None):
     """name -> `Profile` of the quantities whose likelihood is not Gaussian, or of all.
+
+    roots : (quantities, levels, sides) of the deviance, at the ends of intervals; by default those
+        of a noise that is known
 
     Where one quantity goes far, the others follow it: so each profile also starts from the fits
     of the others, and is computed again where those fit better than its own.  `BetterPoint` is
     raised where one fits better than the solution.
     """
     left_out = [False] * len(quantities) if everything else are_gaussian(solution, quantities)
+    roots = [GAUSSIAN] * len(quantities) if roots is None else roots
+    roots_of = {q.name: own for q, own in zip(quantities, roots, strict=True)}
     todo = [q for q, is_left_out in zip(quantities, left_out, strict=True) if not is_left_out]
     profiles: dict[str, Profile] = {}
     fits: list[tuple] = []  # (point, deviance) of all profiles
     for _ in range(ROUNDS):
         for quantity in todo:
-            profile = profiles[quantity.name] = compute_profile(solution, quantity, fits)
+            profile = profiles[quantity.name] = compute_profile(
+                solution, quantity, fits, roots_of[quantity.name]
+            )
             fits += zip(profile.points, profile.deviance, strict=True)
         todo = [q for q in quantities if _contradicted(solution, q, profiles.get(q.name), fits)]
         if not todo:
@@ -70,7 +78,7 @@ def _contradicted(solution, quantity, profile, fits):
     """Whether some fit has a smaller deviance than the quantity's profile, or Gaussian, there."""
     values = np.array([quantity.value(point) for point, _ in fits])
     roots = np.sqrt([deviance for _, deviance in fits])
-    likely = roots < BEYOND
+    likely = roots < BEYOND * ROOTS[-1]
     if profile is None:
         error = quantity.standard_error(solution.point, solution.covariance)
         claimed = np.abs(values - quantity.value(solution.point)) / error

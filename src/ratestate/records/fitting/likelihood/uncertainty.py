@@ -10,6 +10,7 @@ import numpy as np
 from ..estimates import Estimates, estimates_from
 from ..generalized_least_squares import Solution, solution_from
 from ..score import responds
+from .noise_uncertainty import Widening, widening
 from .posterior import Posterior, common_prior, sample_posterior
 from .profile import BetterPoint
 from .profiles import compute_profiles
@@ -40,27 +41,42 @@ def infer(solution, noise, errors):
     """
     profiles, still_improving = {}, False
     quantities = reported_quantities(solution.problem)
+    widened = _widening(solution, quantities, noise)
     # profiles of a fit to mere noise would lead anywhere
     wanted = errors != "covariance" and (errors != "auto" or responds(solution))
     for attempt in range(REFITS + 1 if wanted else 0):
         try:
-            profiles = compute_profiles(solution, quantities, errors == "profile")
+            roots = widened.roots
+            profiles = compute_profiles(solution, quantities, errors == "profile", roots)
             break
         except BetterPoint as better:
             still_improving = attempt == REFITS
             if not still_improving:
                 solution = solution_from(solution.problem, better.point, noise)
+                widened = _widening(solution, quantities, noise)
     point = solution.point
     gradients = np.array([q.gradient(point) for q in quantities])
     estimates = estimates_from(
         tuple(q.name for q in quantities),
         np.array([q.value(point) for q in quantities]),
-        gradients @ solution.covariance @ gradients.T,
+        gradients @ solution.covariance @ gradients.T * np.outer(widened.errors, widened.errors),
         np.array([q.is_log for q in quantities]),
+        roots=widened.roots / widened.errors[:, None, None],
     )
-    ends = {q.name: q.si(profiles[q.name].interval()) for q in quantities if q.name in profiles}
+    ends = {
+        q.name: q.si(profiles[q.name].interval(own))
+        for q, own in zip(quantities, widened.roots, strict=True)
+        if q.name in profiles
+    }
     estimates = estimates.with_intervals(ends, "profile")
     return Inference(solution, quantities, estimates, profiles, None, still_improving)
+
+
+def _widening(solution, quantities, noise):
+    """The `Widening` of `ReportedQuantity`s by the noise's uncertainty; none of a given noise."""
+    if noise is not None:
+        return Widening.none(len(quantities))
+    return widening(solution, np.array([q.gradient(solution.point) for q in quantities]))
 
 
 def with_posteriors(inferences):

@@ -1,0 +1,126 @@
+"""What the uncertainty of the noise adds to that of the estimates.
+
+Noise slower than the response to a step is known from few independent samples, so an interval that
+takes its estimate for the truth is too narrow.  Here the noise's shape is integrated over, with
+flat priors of ln(share/(1 - share)) and ln(time): for each shape the estimates are those of
+generalized least squares, to first order about the fit, and shapes count by their restricted
+likelihood.  White noise is one shape beside them, of the same prior probability as all others
+together.  So a quantity has a mixture of Gaussians, whose quantiles are the ends of intervals.
+The shapes are those of a grid along the principal axes of the likelihood, as Rue, Martino & Chopin
+(2009) doi:10.1111/j.1467-9868.2008.00700.x explore hyperparameters.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import ndtr
+
+from ..estimated_noise import bounds_of, modes, shape_of
+from ..estimates import GAUSSIAN, LEVELS
+from ..restricted_likelihood import RestrictedLikelihood
+
+#: spacing of the grid, in standard deviations of the shape; shortest and longest in a coordinate
+STEP, SHORTEST, LONGEST = 1.0, 0.1, 1.5
+#: step of differences for the curvature at the mode
+DIFFERENCE = 0.25
+#: fall of ln(likelihood) below which a shape counts for nothing; most shapes
+NEGLIGIBLE, MOST = 6.0, 150
+#: halvings in the search for a quantile
+HALVINGS = 60
+
+
+class Widening(NamedTuple):
+    """How the noise's uncertainty widens the errors of q quantities."""
+
+    errors: np.ndarray  # (q,) standard errors, over those with the noise as estimated
+    #: (q, levels, sides) distance of an interval's end from the estimate, over the latter
+    roots: np.ndarray
+
+    @classmethod
+    def none(cls, q):
+        """With a noise that is known."""
+        return cls(np.ones(q), np.broadcast_to(GAUSSIAN, (q, *GAUSSIAN.shape)))
+
+
+def widening(solution, gradients):
+    """The `Widening` of quantities with these gradients (q, k) by the coordinates of a fit."""
+    likelihood = RestrictedLikelihood(
+        solution.problem.record.t, solution.residual, solution.jacobian
+    )
+    shapes, priors = _shapes(likelihood, solution.noise)
+    log_weight = np.array([one.log_likelihood for one in shapes])
+    if not np.isfinite(log_weight).any():
+        return Widening.none(len(gradients))
+    weight = priors * np.exp(log_weight - log_weight.max())
+    weight /= weight.sum()
+    means = np.array([gradients @ one.shift for one in shapes])  # (shapes, q)
+    spreads = np.array([np.linalg.norm(gradients @ one.root, axis=1) for one in shapes])
+    own = np.sqrt(np.einsum("qi,ij,qj->q", gradients, solution.covariance, gradients))
+    seen = (spreads > 0.0).all(axis=0)
+    means, spreads, own = means[:, seen], spreads[:, seen], own[seen]
+    errors, roots = (part.copy() for part in Widening.none(len(gradients)))
+    errors[seen] = np.sqrt(weight @ (spreads**2 + means**2)) / own
+    tails = 0.5 - 0.5 * np.array(LEVELS)
+    for level, tail in enumerate(tails):
+        for side, sign in enumerate((-1.0, 1.0)):
+            ends = _quantile(weight, sign * means, spreads, 1.0 - tail)
+            # the estimate itself is in every interval
+            roots[seen, level, side] = np.maximum(ends, 0.0) / own
+    return Widening(errors, roots)
+
+
+def _quantile(weight, means, spreads, part):
+    """(q,) quantiles of mixtures of Gaussians: weights (n,), means and spreads (n, q)."""
+    low = (means - 10.0 * spreads).min(axis=0)
+    high = (means + 10.0 * spreads).max(axis=0)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        below = weight @ ndtr((middle - means) / spreads) < part
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return 0.5 * (low + high)
+
+
+def _shapes(likelihood, noise):
+    """list of `Conditional` on white noise and on the shapes of a grid that are likely; priors."""
+    bounds = np.array(bounds_of(likelihood)).T
+    found = modes(likelihood, noise)
+    best = max(found, key=lambda mode: mode.log_likelihood)
+    axes = _principal_axes(likelihood, best.point, bounds)
+    # grid points are integers along the axes, from the best mode on
+    seen: dict[tuple, float] = {}
+    kept = []
+    first = [np.linalg.solve(axes, mode.point - best.point).round().astype(int) for mode in found]
+    queue = [tuple(place.tolist()) for place in first]
+    while queue and len(seen) < MOST:
+        place = queue.pop(0)
+        point = best.point + axes @ np.array(place, float)
+        if place in seen or (point < bounds[0]).any() or (point > bounds[1]).any():
+            continue
+        conditional = likelihood.at(*shape_of(point))
+        seen[place] = conditional.log_likelihood
+        if conditional.log_likelihood > best.log_likelihood - NEGLIGIBLE:
+            kept.append(conditional)
+            i, j = place
+            queue += [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
+    part = abs(np.linalg.det(axes)) / np.prod(bounds[1] - bounds[0])
+    return [likelihood.at(0.0, 1.0), *kept], np.array([1.0] + [part] * len(kept))
+
+
+def _principal_axes(likelihood, point, bounds):
+    """(2, 2) steps of the grid, as columns: a standard deviation along each principal axis."""
+    h = DIFFERENCE
+    point = np.clip(point, bounds[0] + h, bounds[1] - h)
+
+    def minus(x, y):
+        return -likelihood.at(*shape_of(point + np.array([x, y]))).log_likelihood
+
+    centre = minus(0.0, 0.0)
+    xx = (minus(h, 0.0) + minus(-h, 0.0) - 2.0 * centre) / h**2
+    yy = (minus(0.0, h) + minus(0.0, -h) - 2.0 * centre) / h**2
+    xy = (minus(h, h) - minus(h, -h) - minus(-h, h) + minus(-h, -h)) / (4.0 * h**2)
+    curvature = np.array([[xx, xy], [xy, yy]])
+    if not np.isfinite(curvature).all():
+        return LONGEST * np.eye(2)
+    values, vectors = np.linalg.eigh(curvature)
+    spread = 1.0 / np.sqrt(np.clip(values, LONGEST**-2, SHORTEST**-2))
+    return STEP * vectors * spread

@@ -1,0 +1,66 @@
+"""The restricted likelihood of a noise's shape, with the estimates that go with it.
+
+The noise is white plus an Ornstein-Uhlenbeck process (engine/noise.py).  Its shape is the share of
+the latter in the variance, and its correlation time; the variance itself is estimated in closed
+form.  Restricted maximum likelihood allows for what the fitted parameters have taken out of the
+residuals: Patterson & Thompson (1971) doi:10.1093/biomet/58.3.545.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from .noise import Noise
+
+
+class Conditional(NamedTuple):
+    """What holds if the noise has one shape, for the k coordinates of a fit."""
+
+    log_likelihood: float  # restricted; -inf where the record does not see some coordinate
+    variance: float  # of one sample
+    shift: np.ndarray  # (k,) of the estimates, by generalized least squares to first order
+    root: np.ndarray  # (k, k) with root @ root.T the covariance of the estimates
+
+
+class RestrictedLikelihood:
+    """Restricted likelihood of the noise in residuals (m,), at times t (m,) [s].
+
+    jacobian : (m, k) derivatives of the fitted curve by the coordinates.  One that the record does
+        not see, whose column is all 0, does not count: it has no shift and no covariance.
+    """
+
+    def __init__(self, t, residual, jacobian):
+        self.t = t
+        self.size = jacobian.shape[1]
+        self.seen = np.flatnonzero(jacobian.any(axis=0))
+        self.scale = np.abs(jacobian[:, self.seen]).max(axis=0)
+        self.columns = np.column_stack([residual, jacobian[:, self.seen] / self.scale])
+        self.degrees = residual.size - self.seen.size
+        #: usual time between samples, and length of the record [s]
+        self.spacing, self.length = float(np.median(np.diff(t))), float(t[-1] - t[0])
+
+    def at(self, share, time):
+        """`Conditional` on a share of the correlated part in the variance and its time [s]."""
+        unit = Noise(math.sqrt(1.0 - share), math.sqrt(share), time)
+        white, log_determinant = unit.whiten(self.t, self.columns)
+        normal = white.T @ white
+        try:
+            factor = np.linalg.cholesky(normal[1:, 1:])
+        except np.linalg.LinAlgError:  # the record does not see some combination at all
+            return self._none()
+        inverse = np.linalg.inv(factor)
+        projected = inverse @ normal[1:, 0]
+        variance = max(normal[0, 0] - projected @ projected, 0.0) / self.degrees
+        if not variance > 0.0:
+            return self._none()
+        log_normal = 2.0 * np.log(np.diag(factor)).sum()
+        minus = 0.5 * (self.degrees * math.log(variance) + log_determinant + log_normal)
+        shift, root = np.zeros(self.size), np.zeros((self.size, self.size))
+        shift[self.seen] = (inverse.T @ projected) / self.scale
+        root[np.ix_(self.seen, self.seen)] = math.sqrt(variance) * inverse.T / self.scale[:, None]
+        return Conditional(-minus, variance, shift, root)
+
+    def _none(self):
+        nothing = np.zeros((self.size, self.size))
+        return Conditional(-math.inf, math.nan, nothing[0], nothing)

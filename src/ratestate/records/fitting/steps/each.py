@@ -1,0 +1,127 @@
+"""Each step and hold of a record fitted on its own window, in parallel."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+
+from ....child_process import mapped
+from ....dynamics.progress import bar
+from ....errors import RateStateError
+from ..by_law import value_of
+from ..noise import Noise
+from ..one_record import datasets_of, inferences_of, single_blas
+from ..settings import Settings
+from ..unknowns import Unknowns
+from .windows import Window, windows_of
+
+
+class Task(NamedTuple):
+    """A window to be fitted."""
+
+    window: Window
+    data: xarray.Dataset  # its rows
+    settings: Settings  # with the sliders from where the searches begin
+
+
+class Separate(NamedTuple):
+    """The fit of a window under one law."""
+
+    result: xarray.Dataset  # of `datasets_of`
+    unknowns: Unknowns
+    point: np.ndarray  # (k,) coordinates of the best fit
+    noise: Noise
+    chi2: float  # of the whitened residuals
+
+
+class Fitted(NamedTuple):
+    """A window with its fits."""
+
+    task: Task
+    laws: dict  # law -> `Separate`, or the message (str) why there is none
+
+    def of(self, law):
+        """The `Separate` of a law, or None."""
+        separate = self.laws[law]
+        return None if isinstance(separate, str) else separate
+
+
+def fit_each(data, settings):
+    """list of `Fitted`, for each step and hold of the load point, in order of time.
+
+    data : the record (Dataset in SI)
+
+    And list of `Window`, for each step of normal stress.  ParameterError as of `windows_of`.
+    """
+    windows = windows_of(data)
+    tasks = [_task(one, data, settings) for one in windows if one.kind != "normal stress"]
+    with bar("fits of steps") as show:
+        report = None if show is None else lambda done: show(done / len(tasks))
+        fitted = _pilots(tasks)
+        if fitted:
+            tasks[len(fitted) :] = [_nearer(task, fitted[-1]) for task in tasks[len(fitted) :]]
+        fitted += mapped(fit_window, tasks[len(fitted) :], report)
+    return fitted, [one for one in windows if one.kind == "normal stress"]
+
+
+def _pilots(tasks):
+    """The first `Fitted`s, up to one under all laws: it shows the others where to begin."""
+    fitted = []
+    for task in tasks:
+        fitted.append(fit_window(task))
+        if all(fitted[-1].of(law) for law in task.settings.laws):
+            break
+    return fitted
+
+
+def _task(window, data, settings):
+    """The `Task` of a step or hold of the load point."""
+    part = window.part(data)
+    free = tuple(name for name in settings.free if name != "alpha")
+    sliders = [slider.replace(sigma=_stress(part, slider)) for slider in settings.sliders]
+    return Task(window, part, settings._replace(free=free, sliders=sliders))
+
+
+def _stress(part, slider):
+    """Normal stress [Pa] of a window: as recorded, else the slider's."""
+    recorded = part["sigma"].values if "sigma" in part.data_vars else np.array(np.nan)
+    return float(np.median(recorded)) if np.isfinite(recorded).all() else slider.sigma
+
+
+def _nearer(task, pilot):
+    """The `Task` with the estimates of a `Fitted` as initial guess, where it has them."""
+    sliders = []
+    for slider in task.settings.sliders:
+        separate, values = pilot.of(slider.law), {}
+        if separate:
+            part = separate.result
+            names = [name for name in part["parameter"].values.tolist() if name in slider.values]
+            values = {name: value_of(part, name) for name in names}
+        sliders.append(slider.replace(**values))
+    return task._replace(settings=task.settings._replace(sliders=sliders))
+
+
+def _separate(task):
+    """law -> `Separate` of a `Task`; ParameterError where a law cannot be fitted."""
+    inferences = inferences_of(task.data, task.settings)
+    results = datasets_of(inferences, task.data)
+    solutions = [inference.solution for inference in inferences]
+    return {
+        law: Separate(result, one.unknowns, one.point, one.noise, one.chi2)
+        for (law, result), one in zip(results.items(), solutions, strict=True)
+    }
+
+
+def fit_window(task):
+    """The `Fitted` of a `Task`: a law that cannot be fitted leaves the others."""
+    with single_blas():
+        try:
+            return Fitted(task, _separate(task))
+        except RateStateError as error:
+            if len(task.settings.sliders) == 1:
+                return Fitted(task, {task.settings.laws[0]: str(error)})
+    laws: dict = {}
+    for slider in task.settings.sliders:
+        alone = task.settings._replace(sliders=[slider])
+        laws |= fit_window(task._replace(settings=alone)).laws
+    return Fitted(task, laws)

@@ -1,0 +1,189 @@
+"""The Dataset of the fits of all steps and holds of a record."""
+
+import numpy as np
+import xarray
+
+from ....dynamics.results import flags
+from ....friction.laws import friction_law
+from ....model.quantities import attrs
+from ..by_law import value_of
+from ..diagnostics.model_comparison import compare_laws
+from ..estimates import LEVELS, SIDES
+from ..result import labelled
+from ..unknowns import SUMS, free_under, to_value
+from .comparison import grouped, is_down, is_up
+
+#: most samples of a window that are kept for figures
+KEPT = 1000
+#: status of a window under a law
+FITTED, FAILED = 0, 1
+#: scalars of a fit that are kept for each step
+SCALARS = (
+    "rms noise_white noise_red noise_time chi2_white log_likelihood aic bic log_evidence"
+    " log_evidence_error"
+).split()
+TEXTS = ("identifiability", "warnings")
+
+
+def dataset_of_steps(fits, shared, laws):
+    """The Dataset of `Fitted` windows in order of time.
+
+    shared : law -> `Shared`, or None; laws : names, in order; along ``law`` if they are several
+    """
+    names = _names(fits, laws)
+    tables = [_estimates(fits, law, names) for law in laws]
+    tables = [
+        table.assign(_shared(fits, shared[law], law, names))
+        for table, law in zip(tables, laws, strict=True)
+    ]
+    result = tables[0]
+    if len(laws) > 1:
+        tables = [table.expand_dims("law", -1) for table in tables]
+        result = xarray.concat(tables, "law", join="outer").transpose("step", "law", ...)
+    result = result.assign(_windows(fits) | _curves(fits, laws))
+    result = result.assign_coords(
+        law=laws if len(laws) > 1 else laws[0],
+        step=("step", np.arange(1, len(fits) + 1), {"long_name": "step or hold"}),
+        parameter=names,
+        level=list(LEVELS),
+        side=list(SIDES),
+    )
+    if len(laws) > 1:
+        result = _with_comparison(result, laws)
+    return result
+
+
+def _names(fits, laws):
+    """Names of all that was estimated under any law, in the order of a fit's result."""
+    parts = [one.result for fit in fits for law in laws if (one := fit.of(law))]
+    of_any = {name for part in parts for name in part["parameter"].values.tolist()}
+    free = free_under([friction_law(law) for law in laws])
+    return [name for name in (*free, *SUMS) if name in of_any]
+
+
+def _estimates(fits, law, names):
+    """Estimates along ``step`` under one law; NaN and "" where it has none."""
+    n, p = len(fits), len(names)
+    values = {name: np.full(n, np.nan) for name in (*names, *SCALARS)}
+    texts = {name: np.full(n, "", object) for name in (*TEXTS, "message")}
+    error, interval = np.full((n, p), np.nan), np.full((n, p, 2, 2), np.nan)
+    kind = np.full((n, p), "", object)
+    status = np.full(n, FAILED, np.int8)
+    for i, fit in enumerate(fits):
+        one = fit.of(law)
+        if one is None:
+            texts["message"][i] = fit.laws[law]
+            continue
+        part, status[i] = one.result, FITTED
+        own = part["parameter"].values.tolist()
+        rows = [names.index(name) for name in own]
+        error[i, rows] = part["standard_error"].values
+        interval[i, rows] = part["interval"].transpose("parameter", "level", "side").values
+        kind[i, rows] = part["interval_kind"].values
+        for name in own:
+            values[name][i] = value_of(part, name)
+        for name in SCALARS:
+            values[name][i] = float(part[name]) if name in part else np.nan
+        for name in TEXTS:
+            texts[name][i] = str(part[name].item())
+    values = {name: one for name, one in values.items() if name in names or np.isfinite(one).any()}
+    of_status = attrs("status") | flags({FITTED: "fitted", FAILED: "failed"})
+    texts = {name: one.astype(str) for name, one in texts.items()}
+    return xarray.Dataset(
+        {
+            **labelled("step", **values, **texts),
+            **labelled(("step", "parameter"), standard_error=error, interval_kind=kind.astype(str)),
+            **labelled(("step", "parameter", "level", "side"), interval=interval),
+            "status": ("step", status, of_status),
+        }
+    )
+
+
+def _shared(fits, shared, law, names):
+    """What all steps together tell of each parameter under a law."""
+    rows = {key: np.full(len(names), np.nan) for key in ("shared", "shared_error", "scatter")}
+    rows |= {key: np.full(len(names), np.nan) for key in ("up_over_down", "up_over_down_error")}
+    for i, name in enumerate(names):
+        everything = grouped(fits, law, name)
+        size = np.exp(everything.mean) if everything.is_log else 1.0
+        rows["scatter"][i] = size * everything.scatter
+        up, down = grouped(fits, law, name, is_up), grouped(fits, law, name, is_down)
+        ratio, error = up.over(down)
+        rows["up_over_down"][i], rows["up_over_down_error"][i] = ratio, error
+        if shared is not None and name in shared.names:
+            j = shared.names.index(name)
+            value, spread = float(to_value(name, shared.point[j])), shared.covariance[j, j] ** 0.5
+            rows["shared"][i] = value
+            rows["shared_error"][i] = value * spread if everything.is_log else spread
+    scalars = {
+        "shared_deviance": np.nan if shared is None else shared.deviance,
+        "shared_degrees": 0 if shared is None else shared.degrees,
+        "shared_p_value": np.nan if shared is None else shared.p_value,
+    }
+    return labelled("parameter", **rows) | labelled((), **scalars)
+
+
+def _windows(fits):
+    """What the load point does in each window, and the normal stress."""
+    windows = [fit.task.window for fit in fits]
+    tasks = [fit.task for fit in fits]
+    columns = {
+        "kind": np.array([window.kind for window in windows]),
+        "step_t": np.array([window.t for window in windows]),
+        "step_delta_lp": np.array([_displacement(task) for task in tasks]),
+        "V_before": np.array([window.V_before for window in windows]),
+        "V_after": np.array([window.V_after for window in windows]),
+        "t_hold": np.array([window.t_hold for window in windows]),
+        "sigma": np.array([task.settings.sliders[0].sigma for task in tasks]),
+        "samples": np.array([task.data.sizes["time"] for task in tasks]),
+    }
+    return labelled("step", **columns)
+
+
+def _displacement(task):
+    """Displacement of the load point [m] at the step; NaN where it was not recorded."""
+    if "delta_lp" not in task.data or not task.data.sizes["time"]:
+        return np.nan
+    return float(np.interp(task.window.t, task.data["time"], task.data["delta_lp"]))
+
+
+def _curves(fits, laws):
+    """Some samples of each window along ``sample``, and friction as fitted; NaN beyond them."""
+    n, size = len(fits), min(KEPT, max(fit.task.data.sizes["time"] for fit in fits))
+    table = {name: np.full((n, size), np.nan) for name in ("time", "delta_lp", "friction")}
+    fitted = np.full((len(laws), n, size), np.nan)
+    for i, fit in enumerate(fits):
+        data = fit.task.data
+        rows = np.unique(np.linspace(0, data.sizes["time"] - 1, size).astype(int))
+        for name in [name for name in table if name in data.variables]:
+            table[name][i, : rows.size] = data[name].values[rows]
+        for j, law in enumerate(laws):
+            if one := fit.of(law):
+                curve = one.result["friction_fit"].values
+                fitted[j, i, : rows.size] = curve[rows]
+    dims = ("law", "step", "sample") if len(laws) > 1 else ("step", "sample")
+    curves = fitted if len(laws) > 1 else fitted[0]
+    return labelled(("step", "sample"), **table) | labelled(dims, friction_fit=curves)
+
+
+def _with_comparison(result, laws):
+    """The result with the laws compared in each step, and in all in which all are fitted."""
+    everywhere = (result["status"] == FITTED).all("law")
+    aic = result["aic"].where(everywhere)
+    difference = aic - aic.min("law")
+    weight = np.exp(-0.5 * difference)
+    new = {"aic_difference": difference, "akaike_weight": weight / weight.sum("law")}
+    if "log_evidence" in result:
+        evidence = result["log_evidence"].where(everywhere)
+        new["log_bayes_factor"] = evidence - evidence.max("law")
+    for name, variable in new.items():
+        result[name] = variable.transpose("step", "law").assign_attrs(attrs(name))
+    if everywhere.any():
+        sums = {
+            law: xarray.Dataset({"bic": result["bic"].sel(law=law)[everywhere].sum()})
+            for law in laws
+        }
+        total = {law: float(aic.sel(law=law).sum()) for law in laws}
+        colored = bool((result["noise_red"] > 0.0).any())
+        result.attrs["comparison"] = compare_laws(sums, total, colored)[1]
+    return result

@@ -1,0 +1,126 @@
+"""One set of parameters for several steps, and a test whether it serves.
+
+The steps share the parameters of the law; stiffness, level, trend and start remain each step's own,
+and so does its noise, at the estimate of its separate fit.  The joint least squares are those of
+all whitened residuals.
+"""
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.special import chdtrc
+
+from ..problem import Problem
+from ..record import record_of
+
+#: parameters of the slider that are the machine's, not the law's
+OF_MACHINE = ("K", "M", "lag")
+#: relative fall of chi-square at which the search ends; most evaluations
+TOLERANCE, MOST = 1e-7, 60
+#: residual where there is no motion: far above any other, but finite
+NO_MOTION = 1e6
+
+
+class Shared(NamedTuple):
+    """The joint fit of n steps with k shared parameters."""
+
+    names: tuple  # of the shared parameters
+    point: np.ndarray  # (k,) their coordinates
+    covariance: np.ndarray  # (k, k) of these
+    deviance: float  # chi-square over the sum of those of the separate fits
+    degrees: int  # by how many parameters it has less, k (n - 1)
+
+    @property
+    def p_value(self):
+        """Probability of such a deviance or a larger one, if one set serves all steps."""
+        return float(chdtrc(self.degrees, max(self.deviance, 0.0)))
+
+
+class _Step:
+    """A step with its separate fit; its residuals by shared and own coordinates."""
+
+    def __init__(self, fitted, law):
+        settings, separate = fitted.task.settings, fitted.of(law)
+        slider = settings.sliders[settings.laws.index(law)]
+        record = record_of(
+            fitted.task.data, slider, loading=None, trend=settings.trend, against=settings.against
+        )
+        self.problem = Problem(record, slider, separate.unknowns)
+        self.separate, names = separate, separate.unknowns.names
+        self.names = tuple(n for n in names if n in settings.free and n not in OF_MACHINE)
+        self.shared = [names.index(name) for name in self.names]
+        self.own = [i for i in range(len(names)) if i not in self.shared]
+
+    def compressed(self, shared, own):
+        """Residual (k + 1,) and jacobian (k + 1, k) with the normal equations of all samples.
+
+        Columns of shared coordinates first.  NaN where there is no motion.
+        """
+        point = np.empty(len(self.shared) + len(self.own))
+        point[self.shared], point[self.own] = shared, own
+        record, noise = self.problem.record, self.separate.noise
+        friction, jacobian = self.problem.forward.jacobian(point)
+        columns = np.column_stack([jacobian[:, self.shared + self.own], friction - record.friction])
+        if not np.isfinite(columns).all():
+            return np.full((point.size + 1, point.size + 1), np.nan)
+        # of a QR decomposition, R has the same inner products as the columns
+        return np.linalg.qr(noise.whiten(record.t, columns)[0], mode="r")
+
+
+class _Joint:
+    """Residuals of all steps by the shared coordinates, then those of each step, in order."""
+
+    def __init__(self, steps):
+        self.steps, self.k = steps, len(steps[0].shared)
+        ends = self.k + np.cumsum([0] + [len(step.own) for step in steps])
+        self.own = list(itertools.starmap(slice, itertools.pairwise(ends.tolist())))
+        self.rows = np.cumsum([0] + [self.k + len(step.own) + 1 for step in steps])
+        self.size = int(ends[-1])
+        self.last: tuple = (b"", None)  # point and what is there: residual and jacobian share it
+
+    def at(self, point):
+        """Residual (m,) and jacobian (m, n) at a point (n,); large and 0 without a motion."""
+        if self.last[0] != point.tobytes():
+            residual, jacobian = np.empty(self.rows[-1]), np.zeros((self.rows[-1], self.size))
+            for step, own, first, end in zip(
+                self.steps, self.own, self.rows, self.rows[1:], strict=False
+            ):
+                columns = step.compressed(point[: self.k], point[own])
+                jacobian[first:end, : self.k] = columns[:, : self.k]
+                jacobian[first:end, own] = columns[:, self.k : -1]
+                residual[first:end] = columns[:, -1]
+            both = np.nan_to_num(residual, nan=NO_MOTION), np.nan_to_num(jacobian)
+            self.last = point.tobytes(), both
+        return self.last[1]
+
+    def collected(self, values, of_shared):
+        """(n,) coordinates, from those of each step; shared ones by a function of all."""
+        each = list(zip(self.steps, values, strict=True))
+        shared = of_shared([one[step.shared] for step, one in each], axis=0)
+        return np.concatenate([shared, *(one[step.own] for step, one in each)])
+
+
+def shared_fit(fits, law):
+    """`Shared` of `Fitted` windows under a law; None for fewer than two, or nothing to share."""
+    steps = [_Step(fitted, law) for fitted in fits if fitted.of(law)]
+    if len(steps) < 2 or not steps[0].shared:
+        return None
+    joint, k = _Joint(steps), len(steps[0].shared)
+    start = joint.collected([step.separate.point for step in steps], np.median)
+    low = joint.collected([step.separate.unknowns.low for step in steps], np.min)
+    high = joint.collected([step.separate.unknowns.high for step in steps], np.max)
+    result = least_squares(
+        lambda point: joint.at(point)[0],
+        np.clip(start, low + 1e-9, high - 1e-9),
+        lambda point: joint.at(point)[1],
+        bounds=(low, high),
+        x_scale="jac",
+        ftol=TOLERANCE,
+        max_nfev=MOST,
+    )
+    separate = sum(step.separate.chi2 for step in steps)
+    covariance = np.linalg.pinv(result.jac.T @ result.jac, hermitian=True)[:k, :k]
+    degrees = k * (len(steps) - 1)
+    return Shared(steps[0].names, result.x[:k], covariance, 2.0 * result.cost - separate, degrees)

@@ -1,0 +1,83 @@
+"""alpha from steps of normal stress, the law's other parameters held at those of other steps."""
+
+import numpy as np
+
+from ..by_law import value_of
+from ..estimates import ROOTS
+from ..unknowns import to_value
+from .each import Fitted, Task, fit_window
+
+
+def fit_stress_steps(data, windows, settings, fits, shared):
+    """list of `Fitted`, for each `Window` of a step of normal stress, with alpha free alone.
+
+    data : the record (Dataset in SI); settings, fits : of the other steps
+    shared : law -> `Shared` of these, or None; what is not shared stays as the slider has it
+
+    What the errors of held parameters add to that of alpha is in its interval.
+    """
+    fitted = []
+    for window in windows:
+        part = window.part(data)
+        sigma = float(part["sigma"].where(part["time"] < window.t, drop=True).median())
+        sliders, laws = [], {}
+        for slider in settings.sliders:
+            held, directions = _held(fits, shared[slider.law], slider)
+            sliders.append(slider.replace(sigma=sigma, **held))
+            task = Task(window, part, settings._replace(free=("alpha",), sliders=sliders[-1:]))
+            one = fit_window(task).of(slider.law)
+            laws[slider.law] = one or fit_window(task).laws[slider.law]
+            if one:
+                changes = [_change(task, slider.law, moved) for moved in directions]
+                _widen(one.result, float(np.sqrt(np.sum(np.square(changes)))))
+        settings_here = settings._replace(free=("alpha",), sliders=sliders)
+        fitted.append(Fitted(Task(window, part, settings_here), laws))
+    return fitted
+
+
+def _held(fits, shared, slider):
+    """name -> value [SI] of what other steps tell of a slider; and, for each independent direction
+    in which these are uncertain, two such dicts a standard error to either side.
+    """
+    held, directions = {}, []
+    K = [value_of(one.result, "K") for one in (fit.of(slider.law) for fit in fits) if one]
+    if K and np.isfinite(K).all():
+        held["K"] = float(np.median(K))
+        spread = float(np.std(K)) / np.sqrt(len(K))
+        directions.append([{"K": held["K"] + side * spread} for side in (1.0, -1.0)])
+    if shared is not None:
+        sizes, axes = np.linalg.eigh(shared.covariance)
+        moves = (axes * np.sqrt(np.maximum(sizes, 0.0))).T
+        directions += [
+            [_values(shared.names, shared.point + side * move) for side in (1.0, -1.0)]
+            for move in moves
+        ]
+        held |= _values(shared.names, shared.point)
+    return held, directions
+
+
+def _values(names, point):
+    """name -> value [SI] of coordinates."""
+    return {name: float(to_value(name, x)) for name, x in zip(names, point, strict=True)}
+
+
+def _change(task, law, sides):
+    """Half the difference of alpha between two sets of held parameters; 0 where one has no fit."""
+    alphas = []
+    for moved in sides:
+        sliders = [slider.replace(**moved) for slider in task.settings.sliders]
+        one = fit_window(task._replace(settings=task.settings._replace(sliders=sliders))).of(law)
+        alphas.append(float(one.result["alpha"]) if one else np.nan)
+    return float(np.nan_to_num(0.5 * (alphas[0] - alphas[1])))
+
+
+def _widen(result, extra):
+    """Add an independent error to that of alpha in a Dataset, in place."""
+    at = {"parameter": "alpha"}
+    own = float(result["standard_error"].sel(at))
+    total = float(np.hypot(own, extra))
+    result["standard_error"].loc[at] = total
+    value = float(result["alpha"])
+    ends = result["interval"].sel(at).values
+    reach = np.hypot(ends - value, extra * ROOTS[:, None])
+    result["interval"].loc[at] = value + reach * np.array([-1.0, 1.0])

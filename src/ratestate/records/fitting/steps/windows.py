@@ -1,0 +1,115 @@
+"""Windows of a record: each step and hold with the sliding before it and after."""
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+
+from ...reading.segments import segments_from_velocity
+from ..normal_stress import VARIABLE
+from ..raw_record import load_point_segments
+from ..refusals import refusal
+
+#: part of the sliding before a change that belongs to its window: the change before it is over
+LEAD = 0.5
+#: fewest rows there, as far as there are as many
+ROWS = 50
+
+
+class Window(NamedTuple):
+    """A step or hold, and the part of the record in which it is fitted."""
+
+    kind: str  # "step" and "hold" of the load point, or "normal stress"
+    t: float  # when it begins [s]
+    begin: float  # of the window [s]
+    end: float  # [s]; the first time that is not in it
+    V_before: float  # of the load point [m/s]
+    V_after: float
+    t_hold: float  # how long the load point rests [s]; NaN unless it is a hold
+
+    def part(self, data):
+        """The rows of a record (Dataset) in the window."""
+        time = data["time"].values
+        return data.isel(time=slice(*np.searchsorted(time, (self.begin, self.end)).tolist()))
+
+
+class _Change(NamedTuple):
+    """A change of speed or normal stress."""
+
+    t: float
+    V: float  # of the load point from there on
+    is_of_stress: bool
+
+
+def windows_of(data):
+    """The `Window`s (list) of a record, a Dataset in SI, in order of time.
+
+    A hold lasts until the end of the sliding after it.  A step of normal stress is one by
+    `segments_from_velocity`.  ParameterError as of `load_point_segments`, and: no step or hold that
+    follows on sliding.
+    """
+    time = data["time"].values
+    changes = _changes(data)
+    windows = []
+    for i in range(1, len(changes) - 1):
+        before, change, after = changes[i - 1 : i + 2]
+        if before.V == 0.0 or (before.V == change.V and not change.is_of_stress):
+            continue
+        is_hold = change.V == 0.0
+        if is_hold and i + 2 < len(changes):
+            after = changes[i + 2]
+        windows.append(
+            Window(
+                "normal stress" if change.is_of_stress else "hold" if is_hold else "step",
+                change.t,
+                _begin(time, before, change, after),
+                after.t,
+                before.V,
+                changes[i + 1].V if is_hold else change.V,
+                changes[i + 1].t - change.t if is_hold else np.nan,
+            )
+        )
+    if not windows:
+        raise refusal("each.no_step")
+    return windows
+
+
+def _changes(data):
+    """`_Change`s (list), the first at the record's start, the last at its end."""
+    time = data["time"].values
+    starts, speeds = load_point_segments(data)
+    inside = (starts > time[0]) & (starts < time[-1])
+    first = float(speeds[max(int(np.searchsorted(starts, time[0], side="right")) - 1, 0)])
+    of_speed = zip(starts[inside].tolist(), speeds[inside].tolist(), strict=True)
+    changes = [_Change(t, V, False) for t, V in of_speed]
+    speed_at = dict(itertools.chain([(-np.inf, first)], ((one.t, one.V) for one in changes)))
+    for t in _stress_steps(data):
+        V = speed_at[max(at for at in speed_at if at <= t)]
+        changes.append(_Change(t, V, True))
+    end = float(time[-1]) + 0.5 * float(np.median(np.diff(time)))
+    changes = sorted([*changes, _Change(end, np.nan, False)])
+    return [_Change(float(time[0]), first, False), *changes]
+
+
+def _stress_steps(data):
+    """Times [s] of steps of normal stress."""
+    if "sigma" not in data.variables or data["sigma"].dims != ("time",):
+        return []
+    sigma = data["sigma"].values
+    if not np.isfinite(sigma).all() or sigma.std() <= VARIABLE * sigma.mean():
+        return []
+    return segments_from_velocity(data["time"].values, sigma).t[1:].tolist()
+
+
+def _begin(time, before, change, after):
+    """Where the window of a change begins [s].
+
+    It has no more sliding before the change than after it, in displacement, but `ROWS` rows of it.
+    """
+    moved = max(change.V, before.V) * (after.t - change.t)
+    lead = min(LEAD * (change.t - before.t), moved / before.V)
+    rows = np.searchsorted(time, change.t) - np.searchsorted(time, change.t - lead)
+    if rows < ROWS:
+        at = max(int(np.searchsorted(time, change.t)) - ROWS, 0)
+        lead = max(lead, change.t - max(float(time[at]), before.t))
+    return change.t - lead
