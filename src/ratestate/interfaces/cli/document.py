@@ -38,9 +38,13 @@ def document(result: xarray.Dataset, verdict: VerdictText | None) -> dict[str, A
 
 
 def failed(result: xarray.Dataset) -> int:
-    """Number of cases without an answer; 0 of what is no sweep."""
+    """Number of cases without an answer, or of steps without a fit; 0 of what has neither."""
     if "message" not in result:
         return 0
+    if "step" in result.dims:
+        from ...records.fitting.steps.result import FAILED
+
+        return int((result["status"] == FAILED).sum())
     from ...sweeps.solve import count_failed
 
     return count_failed(result.variables)

@@ -9,6 +9,7 @@ from ...friction.laws import DEFAULT, friction_law, own_parameters
 from .command import laws_of, own_values, pairs_of
 from .exits import SOME_FAILED
 
+Each = Literal["step"]
 Against = Literal["time", "displacement", "cycles"]
 Trend = Literal["slip", "time", "none"]
 Start = Literal["auto", "steady", "free"]
@@ -33,6 +34,7 @@ def fit(
     displacement: str | None = None,
     columns: list[str] | None = None,
     units: list[str] | None = None,
+    each: Each | None = None,
     against: Against = "time",
     trend: Trend = "slip",
     start: Start = "auto",
@@ -45,7 +47,8 @@ def fit(
 
     It ends with code 3 where an answer carries warnings; they are printed with it.
 
-    Example: ratestate fit record.txt --out fitted
+    Examples: ratestate fit record.txt --out fitted
+    ratestate fit record.txt --each step --law slip,aging --out fitted
     """
     numbered = {k: int(v) if v.isdigit() else v for k, v in pairs_of(columns, "--columns").items()}
     reading = {
@@ -60,6 +63,7 @@ def fit(
     fitting = {
         "free": tuple(name.strip() for name in free.split(",") if name.strip()),
         "law": laws if len(laws) > 1 else laws[0],
+        "each": each,
         "against": against,
         "trend": None if trend == "none" else trend,
         "start": start,

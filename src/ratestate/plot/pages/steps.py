@@ -10,7 +10,7 @@ from ...records.fitting.steps.result import FAILED
 from ...records.fitting.steps.table import results_by_law_of_steps
 from ...records.fitting.table import law_names
 from ..labels import ABSCISSAE, GRAY, LAWS, in_unit, label, prefixed, scaled
-from ..layout import ABOVE, figure, letters, plain_ticks
+from ..layout import figure, letters, plain_ticks
 
 #: panels in a row; steps that are shown: of more, some all along the record
 COLUMNS, MOST = 5, 40
@@ -39,6 +39,7 @@ def steps_page(result):
         _step(result.isel(step=i), {law: part.isel(step=i) for law, part in laws.items()}, ax)
     for ax in panels[shown.size :]:
         ax.set_axis_off()
+    _legend(panels[0].lines[0], parts[0], laws)
     parts[0].supylabel("Friction, change in $10^{-3}$", fontsize=8)
     for part, symbol in zip(parts[1:], drawn, strict=True):
         axes = part.subplots(1, len(ALONG), sharey=True)
@@ -46,8 +47,6 @@ def steps_page(result):
             _along(laws, symbol, along, ax)
         axes[0].set_ylabel(in_unit(label(symbol), _scale(laws, symbol)[1]))
         letters(axes, first="abcd"[2 * drawn.index(symbol)])
-        if symbol == drawn[0]:
-            _legend(panels[0].lines[0], axes[-1], laws)
     return fig
 
 
@@ -97,15 +96,15 @@ def _head(step):
     return f"{factor * before:.3g} \N{RIGHTWARDS ARROW} {factor * after:.3g} {unit}"
 
 
-def _legend(recorded, ax, laws):
-    """What the lines of the steps and the markers are, above a panel."""
+def _legend(recorded, part, laws):
+    """What the lines of the steps and the markers are, above all panels."""
     handles = [recorded, *(Line2D([], [], **LAWS[law].line) for law in laws)]
     names = ["recorded", *(f"{law} law" for law in laws)]
     for (kind, up), marker in MARKERS.items():
         handles.append(Line2D([], [], marker=marker, color="0.3", ms=3.5, ls=""))
         names.append("hold" if kind == "hold" else f"step {'up' if up else 'down'}")
-    look = {"handlelength": 1.6, "columnspacing": 0.9, "handletextpad": 0.4, "fontsize": 6.5}
-    ax.legend(handles, names, ncols=len(names), **(ABOVE | look))
+    look = {"handlelength": 1.6, "columnspacing": 0.9, "handletextpad": 0.4, "fontsize": 7}
+    part.legend(handles, names, loc="outside upper right", ncols=len(names), **look)
 
 
 def _scale(laws, symbol):

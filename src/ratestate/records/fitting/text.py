@@ -12,8 +12,12 @@ from .unknowns import of_slider
 
 #: columns of the text
 WIDTH = 96
-#: kinds of steps -> as a heading counts them
-KINDS = {"step": "velocity steps", "hold": "holds", "normal stress": "steps of normal stress"}
+#: kinds of steps -> as a heading counts one, and several
+KINDS = {
+    "step": ("velocity step", "velocity steps"),
+    "hold": ("hold", "holds"),
+    "normal stress": ("step of normal stress", "steps of normal stress"),
+}
 #: units that stay on the line of the number before them
 UNIT = r"%|\+-|[numkMG]?(?:m|s|Pa)\b"
 
@@ -50,7 +54,7 @@ def summary(result):
 
 def _summary_of_steps(result):
     """`summary` of the fits of steps."""
-    lines = [_wrapped(text) for text in heading_of_steps(result)]
+    lines = [_wrapped(heading_of_steps(result))]
     for law in results_by_law_of_steps(result):
         table = table_of(result, law)
         lines += ["", f"{law} law", *_aligned([table.heads, *table.rows, *table.together], 4)]
@@ -58,15 +62,13 @@ def _summary_of_steps(result):
 
 
 def heading_of_steps(result):
-    """What was fitted (list of one str)."""
+    """What was fitted, as one line."""
     source = attributes.text(result, "source", "")
     about = f"Fits of {source}: " if source else "Fits of "
     laws = law_names(tuple(results_by_law_of_steps(result)))
-    kinds = [(kind, int((result["kind"] == kind).sum())) for kind in KINDS]
-    counts = ", ".join(
-        f"{n} {name}" for (kind, n), name in zip(kinds, KINDS.values(), strict=True) if n
-    )
-    return [f"{about}{counts}, {laws}"]
+    counted = [(int((result["kind"] == kind).sum()), names) for kind, names in KINDS.items()]
+    counts = ", ".join(f"{n} {names[n > 1]}" for n, names in counted if n)
+    return f"{about}{counts}, {laws}"
 
 
 def remarks_on_steps(result):

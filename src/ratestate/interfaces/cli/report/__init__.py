@@ -5,6 +5,7 @@
 ``response``                    a frequency response: gains and phases
 ``sweep``                       a sweep: how cases ended, ranges, failed cases
 ``fit``                         a fit, in the fullest layout that the terminal has room for
+``steps``                       fits of the steps and holds of a record
 ``domain``                      cases that leave the domain of the friction law
 ``rows``                        rows about one slider: what stands for NaN and inf
 ``markdown``, ``markdown.toml`` report.md of a fit, and its sentences
@@ -41,8 +42,12 @@ def report(
     verdict : on a single slider; without effect on a sweep or a fit
     """
     verb = result.attrs["title"].removeprefix("ratestate ")
-    if "message" in result:
+    if "message" in result and verb != "fit":
         return cases(result, verb, units or {})
+    if verb == "fit" and "step" in result.dims:
+        from .steps import steps
+
+        return steps(result)
     if verb == "fit":
         from .fit import fit  # what it needs takes long to load
 

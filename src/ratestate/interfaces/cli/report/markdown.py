@@ -13,8 +13,20 @@ from ....model.sentences import Sentences
 from ....model.slider import SpringSlider
 from ....records.fitting.by_law import results_by_law
 from ....records.fitting.fit import fit
+from ....records.fitting.steps.table import (
+    HEADS,
+    is_of_steps,
+    results_by_law_of_steps,
+    table_of,
+)
 from ....records.fitting.table import estimate_rows, noise_text, short_name
-from ....records.fitting.text import fixed_parameters, identifiability_by_law, labelled_warnings
+from ....records.fitting.text import (
+    fixed_parameters,
+    heading_of_steps,
+    identifiability_by_law,
+    labelled_warnings,
+    remarks_on_steps,
+)
 from ...scenario.as_python import registration
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
@@ -38,12 +50,14 @@ def markdown(
     request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
 ) -> str:
     """The whole report; `record` and `result` must have the attributes of `read_lab` and `fit`."""
-    laws, time = results_by_law(result), record["time"].values
+    if is_of_steps(result):
+        return _of_steps(request, record, slider, result)
+    laws = results_by_law(result)
     warnings = [f"> - {text}" for text in labelled_warnings(laws)]
     determined = [f"**{law} law.** {text}" for law, text in identifiability_by_law(laws).items()]
-    notes = [f"- {text}" for text in json.loads(record.attrs["notes"])]
     text = SENTENCES(
         "report.whole",
+        what_was_read=_what_was_read(record),
         file=request.file,
         warnings=_part("warnings", "\n".join(warnings)),
         estimates=_estimates(laws),
@@ -52,17 +66,53 @@ def markdown(
         quality=_statistics(laws) if "aic" in result else _features(laws),
         comparison=result.attrs.get("comparison", ""),
         identifiability=_part("identifiability", "\n\n".join(determined)),
+        **_python(request, slider, result),
+        speed=readable("V_lp", float(record["segment_V"].max())),
+        versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
+    )
+    return _printed(text)
+
+
+def _of_steps(
+    request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
+) -> str:
+    """The whole report of fits of steps."""
+    tables = ""
+    for law in results_by_law_of_steps(result):
+        heads, rows, together = table_of(result, law)
+        table = _table(heads, [*rows, *together], len(HEADS))
+        tables += SENTENCES("report.steps_under", law=law, table=table)
+    text = SENTENCES(
+        "report.steps",
+        file=request.file,
+        heading=heading_of_steps(result),
+        tables=tables,
+        remarks="\n".join(f"- {remark}" for remark in remarks_on_steps(result)),
+        what_was_read=_what_was_read(record),
+        **_python(request, slider, result),
+        versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
+    )
+    return _printed(text)
+
+
+def _printed(text: str) -> str:
+    """A report without the gaps that empty parts leave, and with signs as print has them."""
+    return re.sub("\n{3,}", "\n\n", text).replace("+-", "\N{PLUS-MINUS SIGN}")
+
+
+def _what_was_read(record: xarray.Dataset) -> str:
+    """The part on the record: its rows, what was found in it, its columns, and notes."""
+    time = record["time"].values
+    notes = [f"- {text}" for text in json.loads(record.attrs["notes"])]
+    return SENTENCES(
+        "report.record",
         record=record.attrs,
         rows=time.size,
         begin=time[0],
         end=time[-1],
         columns=_columns(record),
         notes=_part("notes", "\n".join(notes)),
-        **_python(request, slider, result),
-        speed=readable("V_lp", float(record["segment_V"].max())),
-        versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
     )
-    return re.sub("\n{3,}", "\n\n", text).replace("+-", "\N{PLUS-MINUS SIGN}")
 
 
 def _part(name: str, lines: str) -> str:
@@ -145,9 +195,9 @@ def _python(request: FitRequest, slider: SpringSlider, result: xarray.Dataset) -
     """Arguments of the Python lines that reproduce the result and go on with the best law."""
     defaults = inspect.signature(fit).parameters
     changed = {k: v for k, v in request.fitting.items() if v != defaults[k].default}
-    best = (
-        request.laws[int(result["aic_difference"].values.argmin())] if len(request.laws) > 1 else ""
-    )
+    best = ""
+    if len(request.laws) > 1 and not is_of_steps(result):
+        best = request.laws[int(result["aic_difference"].values.argmin())]
     registered = [line for law in request.laws for line in registration(law)]
     return {
         "registration": "".join(f"{line}\n" for line in registered),

@@ -9,7 +9,9 @@ from ..unknowns import TRENDS
 from .result import FAILED
 
 #: heads of the columns on what the load point does
-HEADS = ("step", "kind", "time", "load point")
+HEADS = ("step", "kind", "time [s]", "load point")
+#: pure numbers below this are given in thousandths
+SMALL = 0.1
 #: in place of an estimate
 NONE = "-"
 #: departure of a ratio from 1 [standard errors] that is significant, and probability that is small
@@ -69,7 +71,9 @@ class _Column:
         quantity, values = QUANTITIES[symbol], np.abs(part[symbol].values)
         typical = float(np.nanmedian(values)) if np.isfinite(values).any() else 1.0
         power = power_of(quantity.unit, typical)
-        unit = "" if quantity.unit == "1" else f" [{prefixed_unit(quantity.unit, power)}]"
+        unit = f" [{prefixed_unit(quantity.unit, power)}]"
+        if quantity.unit == "1":
+            power, unit = (-3, " [1e-3]") if typical < SMALL else (0, "")
         self.factor = 10.0**-power
         self.head = ("a - b" if symbol == "a_minus_b" else symbol) + unit
 
@@ -101,13 +105,17 @@ def _plus_minus(value, error):
 
 def _what(step):
     """Number, kind, time, and the load point's speeds or hold."""
-    V_before, V_after = (readable("V_lp", float(step[name]), 3) for name in ("V_before", "V_after"))
+    before, after = float(step["V_before"]), float(step["V_after"])
     kind = str(step["kind"].item())
     if kind == "hold":
-        what = f"{readable('t', float(step['t_hold']), 3)}, {V_before}"
+        what = f"{readable('t', float(step['t_hold']), 3)}, {readable('V_lp', after, 3)}"
+    elif kind == "normal stress":
+        what = readable("V_lp", after, 3)
     else:
-        what = V_after if kind == "normal stress" else f"{V_before} -> {V_after}"
-    return str(int(step["step"])), kind, f"{float(step['step_t']):.1f} s", what
+        power = power_of("m/s", max(before, after))
+        one, other = (f"{x / 10.0**power:.3g}" for x in (before, after))
+        what = f"{one} -> {other} {prefixed_unit('m/s', power)}"
+    return str(int(step["step"])), kind, f"{float(step['step_t']):.1f}", what
 
 
 def _note(part, i):
