@@ -23,7 +23,7 @@ def experiment(slider, speeds, distance, rows, *, drift=0.0, noise=0.0, red=0.0,
     speeds : of the load point [m/s], one after the other, each over `distance` [m]; a pair
         (0.0, t) is a hold of t [s]
     rows : samples at each of them
-    drift : of friction with displacement [1/m]
+    drift : of friction with slip [1/m]
     noise, red, time : standard deviations of white and correlated noise, correlation time [s]
     """
     starts, times, begin = [], [], 0.0
@@ -37,7 +37,7 @@ def experiment(slider, speeds, distance, rows, *, drift=0.0, noise=0.0, red=0.0,
     run = rs.simulate(slider, loading, float(t[-1]), times=t, rtol=1e-9)
     rng = np.random.default_rng(seed)
     delta_lp = run.delta_lp.values
-    friction = (run.tau / slider.sigma).values + drift * delta_lp
+    friction = (run.tau / slider.sigma).values + drift * run.delta.values
     friction = friction + noise * rng.normal(size=t.size) + red * correlated(t, time, rng)
     variables = {"friction": ("time", friction), "delta_lp": ("time", delta_lp)}
     return xarray.Dataset(variables, {"time": t})

@@ -1,0 +1,244 @@
+"""Fits of each step and hold of an experiment."""
+
+import warnings
+
+import numpy as np
+import pytest
+import xarray
+from synthetic_experiments import drawn_experiment, experiment
+
+import ratestate as rs
+from ratestate import fitting
+from ratestate.records.fitting.steps.comparison import group_of
+from ratestate.records.fitting.steps.windows import windows_of
+
+SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
+START = SLIDER.replace(a=0.005, b=0.005, Dc="30 um")
+NOISE = {"noise": 1.5e-4, "red": 1e-4, "time": 3.0}
+FAST, SLOW = 1e-5, 3e-6
+SPEEDS = (SLOW, FAST, SLOW, (0.0, 300.0), SLOW, FAST)
+FREE = ["a", "b", "Dc", "K"]
+
+
+@pytest.fixture(scope="module")
+def data():
+    return experiment(SLIDER, SPEEDS, 500e-6, 600, drift=10.0, seed=4, **NOISE)
+
+
+@pytest.fixture(scope="module")
+def under_both(data):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        return rs.fit(data, START, law=("slip", "aging"), each="step")
+
+
+@pytest.fixture(scope="module")
+def under_slip(data):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return rs.fit(data, START, each="step")
+
+
+def test_what_the_load_point_does(under_slip):
+    assert under_slip.kind.values.tolist() == ["step", "step", "hold", "step"]
+    assert under_slip.step.values.tolist() == [1, 2, 3, 4]
+    starts = 500.0 / 3.0 + np.array([0.0, 50.0, 50.0 + 500.0 / 3.0, 350.0 + 1000.0 / 3.0])
+    np.testing.assert_allclose(under_slip.step_t, starts, atol=1e-3)
+    moved = 500e-6 * np.array([1.0, 2.0, 3.0, 4.0])
+    np.testing.assert_allclose(under_slip.step_delta_lp, moved, rtol=1e-6)
+    np.testing.assert_allclose(under_slip.V_before, [SLOW, FAST, SLOW, SLOW], rtol=1e-6)
+    np.testing.assert_allclose(under_slip.V_after, [FAST, SLOW, SLOW, FAST], rtol=1e-6)
+    np.testing.assert_allclose(under_slip.t_hold, [np.nan, np.nan, 300.0, np.nan], rtol=1e-5)
+    assert (under_slip.sigma == SLIDER.sigma).all()
+    assert (under_slip.status == 0).all()
+    assert set(under_slip.a.dims) == {"step"}
+
+
+def test_estimates_agree_with_the_truth_within_their_errors(under_slip):
+    truth = np.array([getattr(SLIDER, name) for name in FREE])
+    estimates = np.array([under_slip[name].values for name in FREE]).T
+    deviation = (estimates - truth) / under_slip.standard_error.sel(parameter=FREE).values
+    assert np.abs(deviation).max() < 3.5
+    assert 0.4 < np.sqrt(np.mean(deviation**2)) < 1.7
+    assert (under_slip.standard_error.sel(parameter="Dc") < 2e-6).all()
+
+
+def test_a_step_is_fitted_as_its_window_alone(data, under_slip):
+    """The same as `fit` of these rows; the search begins elsewhere, so not to the last digit."""
+    window = windows_of(data)[1]
+    alone = rs.fit(window.part(data), START)
+    one = under_slip.isel(step=1)
+    assert int(one.samples) == alone.sizes["time"]
+    for name in (*FREE, "mu0", "trend_slip", "rms", "aic"):
+        assert float(one[name]) == pytest.approx(float(alone[name]), rel=1e-3), name
+    np.testing.assert_allclose(
+        one.interval.sel(parameter=FREE), alone.interval.sel(parameter=FREE), rtol=2e-2
+    )
+    kept = np.isfinite(one.time.values)
+    shown = alone.sel(time=one.time.values[kept])
+    np.testing.assert_allclose(one.friction[kept], shown.friction, rtol=1e-12)
+    np.testing.assert_allclose(one.friction_fit[kept], shown.friction_fit, atol=2e-5)
+
+
+def test_both_laws_side_by_side(under_both, under_slip):
+    assert under_both.Dc.dims == ("step", "law")
+    slip = under_both.sel(law="slip")
+    np.testing.assert_allclose(slip.Dc, under_slip.Dc, rtol=1e-3)
+    assert (under_both.aic_difference.sel(law="slip") == 0.0).sum() >= 3
+    assert under_both.aic_difference.sel(law="aging").sum() > 30.0
+    np.testing.assert_allclose(under_both.akaike_weight.sum("law"), 1.0)
+    assert "The slip law fits clearly better" in under_both.comparison
+
+
+def test_one_set_serves_all_steps_under_the_right_law_alone(under_both):
+    p = under_both.shared_p_value
+    assert 1e-3 < float(p.sel(law="slip")) < 1.0
+    assert float(p.sel(law="aging")) < 1e-6
+    assert (under_both.shared_degrees == 9).all()  # a, b and Dc of four steps
+    shared = under_both.shared.sel(law="slip")
+    error = under_both.shared_error.sel(law="slip")
+    for name in ("a", "b", "Dc"):
+        off = float(shared.sel(parameter=name)) - getattr(SLIDER, name)
+        own = float(error.sel(parameter=name))
+        assert abs(off) < 3.5 * own, name
+        each = under_both.standard_error.sel(law="slip", parameter=name)
+        assert own < float(each.min()), name
+    assert np.isnan(shared.sel(parameter="K"))  # the machine's
+
+
+def test_steps_up_and_down_are_alike_under_the_right_law_alone(under_both):
+    ratio = under_both.up_over_down.sel(parameter="Dc")
+    error = under_both.up_over_down_error.sel(parameter="Dc")
+    assert abs(float(ratio.sel(law="slip")) - 1.0) < 3.0 * float(error.sel(law="slip"))
+    # steps of 10/3 up, by the slip law: under the aging law Dc is shorter up and longer down
+    assert float(ratio.sel(law="aging")) < 1.0 - 5.0 * float(error.sel(law="aging"))
+    text = fitting.summary(under_both)
+    assert "slip law: steps up and steps down are alike: Dc of steps up is" in text
+    assert "aging law: steps up and steps down are not alike" in text
+    assert "slip law: one set of parameters serves all steps" in text
+    assert "aging law: one set of parameters does not serve all steps" in text
+
+
+def test_a_step_that_fails_leaves_the_others(data, under_slip):
+    bad = data.copy(deep=True)
+    bad.friction.values[1900] = np.nan
+    with pytest.warns(rs.FitWarning, match=r"1 of 4 cannot be fitted \(step 3; see message\)"):
+        result = rs.fit(bad, START, each="step")
+    assert result.status.values.tolist() == [0, 0, 1, 0]
+    assert result.status.flag_meanings == "fitted failed"
+    assert "friction is nan in row" in str(result.message[2].item())
+    assert (result.message[[0, 1, 3]] == "").all()
+    for name in (*FREE, "mu0", "rms", "aic"):
+        assert np.isnan(result[name][2]), name
+        np.testing.assert_allclose(result[name][[0, 1, 3]], under_slip[name][[0, 1, 3]], rtol=1e-3)
+    assert np.isnan(result.interval[2]).all()
+    assert "step 3, slip law, failed: friction is nan" in fitting.summary(result)
+
+
+def test_where_all_fail_is_an_error(data):
+    with pytest.raises(rs.ParameterError, match="none of the 4 steps and holds can be fitted"):
+        rs.fit(data.assign(friction=data.friction * np.nan), START, each="step")
+
+
+@pytest.mark.parametrize(
+    ("changed", "match"),
+    [
+        ({"each": "hold"}, "each = 'hold' is unknown; choose one of None, 'step'"),
+        ({"loading": rs.Loading.steps(1e-6, (1.0, 1e-5))}, "leave it out, or fit one window"),
+        ({"against": "cycles"}, "leave out one of them"),
+    ],
+)
+def test_settings_that_do_not_go_together(data, changed, match):
+    with pytest.raises(rs.ParameterError, match=match):
+        rs.fit(data, START, **({"each": "step"} | changed))
+
+
+def test_a_record_without_steps():
+    steady = experiment(SLIDER, (SLOW, SLOW), 500e-6, 300, **NOISE)
+    with pytest.raises(rs.ParameterError, match="no step and no hold"):
+        rs.fit(steady, START, each="step")
+
+
+def test_windows_hold_the_sliding_before_and_after(data):
+    windows = windows_of(data)
+    assert [window.kind for window in windows] == ["step", "step", "hold", "step"]
+    first, second, hold, last = windows
+    assert first.end == second.t
+    assert hold.end == last.t
+    assert first.begin == pytest.approx(first.t / 2)
+    # not longer in displacement than what follows, but half of what there is at most
+    assert second.begin == pytest.approx(second.t - 25.0, abs=0.1)
+    assert last.end > float(data.time[-1])
+    assert last.part(data).time[-1] == data.time[-1]
+    assert first.part(data).time[-1] < first.end
+
+
+def test_many_rows_before_a_short_step_are_left_out():
+    """A run-in of hours does not enter the window of a step of seconds, but for `ROWS` rows."""
+    t = np.concatenate([np.arange(0.0, 1000.0, 1.0), np.arange(1000.0, 1010.0, 0.01)])
+    delta_lp = 1e-6 * np.maximum(t, 10.0 * t - 9000.0)
+    friction = 0.6 + 1e-4 * np.random.default_rng(1).normal(size=t.size)
+    columns = {"delta_lp": ("time", delta_lp), "friction": ("time", friction)}
+    (window,) = windows_of(xarray.Dataset(columns, {"time": t}))
+    assert window.t == pytest.approx(1000.0, abs=0.01)
+    assert window.begin == pytest.approx(1000.0 - 100.0, abs=6.0)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_steps_of_normal_stress_give_alpha():
+    """a, b, Dc and K are those of the velocity steps, whose errors count."""
+    slider = SLIDER.replace(alpha=0.25)
+    loading = rs.Loading.steps(SLOW, (150.0, FAST), (220.0, SLOW))
+    loading = loading.sigma_step(400.0, "8.8 MPa").sigma_step(600.0, "9.6 MPa")
+    t = np.arange(8000) * 0.1  # stress steps at a sample: between two, its time is uncertain
+    run = rs.simulate(slider, loading, t[-1], times=t, rtol=1e-9)
+    noise = 1e-4 * np.random.default_rng(3).normal(size=t.size)
+    data = run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma + noise)
+    result = rs.fit(data, START.replace(alpha=0.1), each="step")
+    assert result.kind.values.tolist() == ["step", "step", "normal stress", "normal stress"]
+    np.testing.assert_allclose(result.step_t[2:], [400.0, 600.0], atol=0.3)
+    np.testing.assert_allclose(result.sigma, [8e6, 8e6, 8e6, 8.8e6], rtol=1e-6)
+    assert np.isnan(result.alpha[:2]).all()
+    assert np.isnan(result.a[2:]).all()
+    error = result.standard_error.sel(parameter="alpha")[2:].values
+    assert (np.abs(result.alpha[2:].values - 0.25) < 3.0 * error).all()
+    assert ((error > 0.001) & (error < 0.03)).all()
+    # alone, with the parameters of the steps taken for exact, the error is smaller
+    part = windows_of(data)[2].part(data)
+    held = dict(
+        zip(("a", "b", "Dc"), result.shared.sel(parameter=["a", "b", "Dc"]).values, strict=True)
+    )
+    at = START.replace(**held, K=float(np.nanmedian(result.K)), alpha=0.1)
+    alone = rs.fit(part, at, free=("alpha",))
+    assert float(alone.alpha) == pytest.approx(float(result.alpha[2]), rel=0.02)
+    assert float(alone.standard_error.sel(parameter="alpha")) < 0.95 * error[0]
+
+
+def test_the_mean_of_estimates():
+    """Without scatter the weighted mean; with much the plain one, and the scatter itself."""
+    rng = np.random.default_rng(2)
+    errors = np.array([1.0, 2.0, 4.0])
+    exact = group_of([5.0, 5.0, 5.0], errors)
+    assert exact.mean == 5.0
+    assert exact.error == pytest.approx((1.0 + 0.25 + 1 / 16) ** -0.5)
+    assert exact.scatter == 0.0
+    values = 10.0 + 3.0 * rng.normal(size=400)
+    found = group_of(values, np.full(400, 0.1))
+    assert found.scatter == pytest.approx(3.0, rel=0.1)
+    assert found.mean == pytest.approx(values.mean(), abs=1e-3)
+    assert found.error == pytest.approx(values.std() / 20.0, rel=0.05)
+    assert np.isnan(group_of([], []).mean)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_intervals_of_experiments_hold_the_truth():
+    """More in benchmarks/experiments.py; these few, with noise slower than the transient too."""
+    inside = []
+    for seed in (1, 4):
+        case = drawn_experiment(seed, steps=5)
+        result = rs.fit(case.data, case.start, case.free, law=case.truth.law, each="step")
+        for name in case.free:
+            truth, ends = getattr(case.truth, name), result.interval.sel(parameter=name, level=0.95)
+            inside.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
+    part = np.concatenate(inside).mean()
+    assert 0.87 < part <= 1.0

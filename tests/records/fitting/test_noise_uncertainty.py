@@ -1,0 +1,139 @@
+"""What the uncertainty of the noise adds to that of the estimates: a linear fit as an example."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+from synthetic_records import correlated
+
+from ratestate.records.fitting.estimated_noise import estimated_noise
+from ratestate.records.fitting.estimates import GAUSSIAN
+from ratestate.records.fitting.likelihood.noise_uncertainty import _quantile, widening
+from ratestate.records.fitting.noise import Noise
+from ratestate.records.fitting.restricted_likelihood import RestrictedLikelihood
+
+T = np.linspace(0.0, 10.0, 300)
+# level, trend, and a transient that is over after a tenth of the record
+JACOBIAN = np.column_stack([np.ones(T.size), T / 10.0, np.where(T > 4, np.exp(4 - T), 0.0)])
+TRANSIENT = np.eye(3)[2:]
+
+
+def fitted(noise):
+    """A solution of least squares, as far as `widening` needs it, and estimate over error."""
+    shape = estimated_noise(T, noise, JACOBIAN)
+    white, _ = shape.whiten(T, np.column_stack([noise, JACOBIAN]))
+    covariance = np.linalg.inv(white[:, 1:].T @ white[:, 1:])
+    point = covariance @ (white[:, 1:].T @ white[:, 0])
+    solution = SimpleNamespace(
+        problem=SimpleNamespace(record=SimpleNamespace(t=T)),
+        residual=noise - JACOBIAN @ point,
+        jacobian=JACOBIAN,
+        covariance=covariance,
+        noise=shape,
+    )
+    return solution, float(point[2] / np.sqrt(covariance[2, 2]))
+
+
+def coverage(time, share, number):
+    """Parts of the 95 % intervals that hold the truth: as widened, and with the noise as known."""
+    widened, known = [], []
+    for seed in range(number):
+        rng = np.random.default_rng(seed)
+        noise = np.sqrt(1.0 - share) * rng.normal(size=T.size)
+        noise = noise + np.sqrt(share) * correlated(T, time, rng)
+        solution, deviation = fitted(noise)
+        below, above = widening(solution, TRANSIENT).roots[0, 1]
+        widened.append(-above <= deviation <= below)
+        known.append(abs(deviation) <= norm.ppf(0.975))
+    return np.mean(widened), np.mean(known)
+
+
+def test_intervals_in_slow_noise_hold_the_truth():
+    """With the noise as known too few do."""
+    widened, known = coverage(time=2.0, share=0.8, number=250)
+    assert 0.925 < widened < 0.975
+    assert known < widened - 0.01
+
+
+def test_intervals_in_white_noise_are_hardly_wider():
+    rng = np.random.default_rng(5)
+    solutions = [fitted(rng.normal(size=T.size))[0] for _ in range(20)]
+    roots = np.array([widening(solution, TRANSIENT).roots[0, 1] for solution in solutions])
+    widths = roots.sum(axis=1) / GAUSSIAN[1].sum()
+    assert np.all(widths > 0.98)
+    assert 1.0 <= np.median(widths) < 1.12
+
+
+def test_a_coordinate_that_is_not_seen_is_left_alone():
+    solution, _ = fitted(np.random.default_rng(1).normal(size=T.size))
+    solution.jacobian = np.column_stack([JACOBIAN, np.zeros(T.size)])
+    solution.covariance = np.diag([*np.diag(solution.covariance), 1e18])
+    both = widening(solution, np.eye(4)[2:])
+    assert both.errors[1] == 1.0
+    np.testing.assert_array_equal(both.roots[1], GAUSSIAN)
+    assert both.errors[0] > 1.0
+
+
+@pytest.mark.parametrize("part", [0.025, 0.16, 0.5, 0.975])
+def test_quantiles_of_a_mixture(part):
+    """Against samples, and one Gaussian in closed form."""
+    assert _quantile(np.ones(1), np.full((1, 1), 3.0), np.full((1, 1), 2.0), part) == pytest.approx(
+        3.0 + 2.0 * norm.ppf(part), abs=1e-9
+    )
+    weight, means, spreads = (
+        np.array([0.7, 0.3]),
+        np.array([[0.0], [4.0]]),
+        np.array([[1.0], [2.0]]),
+    )
+    rng = np.random.default_rng(0)
+    which = (rng.random(400_000) < 0.3).astype(int)
+    samples = means[which, 0] + spreads[which, 0] * rng.normal(size=which.size)
+    assert _quantile(weight, means, spreads, part)[0] == pytest.approx(
+        np.quantile(samples, part), abs=0.03
+    )
+
+
+def test_the_shift_and_covariance_are_those_of_generalized_least_squares():
+    """Against dense matrices."""
+    rng = np.random.default_rng(2)
+    residual = correlated(T, 1.0, rng) + 0.5 * rng.normal(size=T.size)
+    share, time = 0.7, 1.3
+    gaps = np.abs(T[:, None] - T)
+    unit = (1.0 - share) * np.eye(T.size) + share * np.exp(-gaps / time)
+    inverse = np.linalg.inv(unit)
+    normal = JACOBIAN.T @ inverse @ JACOBIAN
+    shift = np.linalg.solve(normal, JACOBIAN.T @ inverse @ residual)
+    left = residual - JACOBIAN @ shift
+    variance = left @ inverse @ left / (T.size - 3)
+    found = RestrictedLikelihood(T, residual, JACOBIAN).at(share, time)
+    np.testing.assert_allclose(found.shift, shift, rtol=1e-9)
+    assert found.variance == pytest.approx(variance, rel=1e-10)
+    np.testing.assert_allclose(
+        found.root @ found.root.T, variance * np.linalg.inv(normal), rtol=1e-9, atol=1e-15
+    )
+    # the likelihood up to a constant: its difference between two shapes
+    other = RestrictedLikelihood(T, residual, JACOBIAN).at(0.0, 1.0)
+    plain = np.linalg.lstsq(JACOBIAN, residual, rcond=None)[0]
+    white = residual - JACOBIAN @ plain
+    rest = T.size - 3
+
+    def criterion(variance, covariance, normal):
+        terms = rest * np.log(variance) + np.linalg.slogdet(covariance)[1]
+        return -0.5 * (terms + np.linalg.slogdet(normal)[1])
+
+    expected = criterion(variance, unit, normal) - criterion(
+        white @ white / rest, np.eye(T.size), JACOBIAN.T @ JACOBIAN
+    )
+    assert found.log_likelihood - other.log_likelihood == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_search_near_the_noise_finds_it_again():
+    rng = np.random.default_rng(8)
+    residual = correlated(T, 0.5, rng) + 0.4 * rng.normal(size=T.size)
+    found = estimated_noise(T, residual, JACOBIAN)
+    again = estimated_noise(T, residual, JACOBIAN, near=found)
+    assert found.red > 0.0
+    np.testing.assert_allclose(again, found, rtol=0.02)
+    # where noise is wholly correlated there is no finite place to begin
+    assert estimated_noise(T, residual, JACOBIAN, near=Noise(0.0, 1.0, 0.5)).red > 0.0

@@ -1,0 +1,69 @@
+"""Work spread over processes."""
+
+import os
+
+import pytest
+from child_work import dies_elsewhere, prints, refuses, squared
+
+from ratestate import child_process
+from ratestate.child_process import mapped
+
+
+@pytest.fixture(autouse=True)
+def two_cores(monkeypatch):
+    monkeypatch.setattr(child_process, "cores", lambda: 2)
+
+
+def test_results_are_in_order_and_from_both_processes():
+    done = []
+    results = mapped(squared, range(60), done.append)
+    assert [square for square, _ in results] == [i * i for i in range(60)]
+    processes = {process for _, process in results}
+    assert len(processes) == 2
+    assert os.getpid() in processes
+    assert done == sorted(done)
+    assert 0 < done[0] <= done[-1] <= 60
+
+
+def test_few_items_are_computed_here():
+    assert {process for _, process in mapped(squared, range(3))} == {os.getpid()}
+    assert mapped(squared, []) == []
+
+
+def test_what_a_dead_child_leaves_is_computed_here():
+    items = [(i, os.getpid()) for i in range(12)]
+    assert mapped(dies_elsewhere, items) == [*range(12)]
+
+
+def test_where_no_process_can_be_had(monkeypatch):
+    def no_process(*_, **__):
+        raise OSError("none to be had")
+
+    monkeypatch.setattr(child_process.subprocess, "Popen", no_process)
+    assert {process for _, process in mapped(squared, range(8))} == {os.getpid()}
+
+
+def test_an_error_is_raised():
+    with pytest.raises(ValueError, match="no 3"):
+        mapped(refuses, range(40))
+
+
+def test_printing_does_no_harm(capfd):
+    assert mapped(prints, range(40)) == [*range(40)]
+    assert "printed" in capfd.readouterr().out
+
+
+def test_no_child_is_left(monkeypatch):
+    children = []
+    start = child_process.subprocess.Popen
+
+    def recorded(*arguments, **options):
+        children.append(start(*arguments, **options))
+        return children[-1]
+
+    monkeypatch.setattr(child_process.subprocess, "Popen", recorded)
+    mapped(squared, range(10))
+    with pytest.raises(ValueError, match="no 3"):
+        mapped(refuses, range(10))
+    assert len(children) == 2
+    assert all(child.poll() is not None for child in children)
