@@ -56,11 +56,10 @@ def fit_each(data, settings):
     windows = windows_of(data)
     tasks = [_task(one, data, settings) for one in windows if one.kind != "normal stress"]
     with bar("fits of steps") as show:
-        report = None if show is None else lambda done: show(done / len(tasks))
         fitted = _pilots(tasks)
         if fitted:
             tasks[len(fitted) :] = [_nearer(task, fitted[-1]) for task in tasks[len(fitted) :]]
-        fitted += mapped(fit_window, tasks[len(fitted) :], report)
+        fitted += _fit_all(tasks[len(fitted) :], show)
     return fitted, [one for one in windows if one.kind == "normal stress"]
 
 
@@ -68,10 +67,36 @@ def _pilots(tasks):
     """The first `Fitted`s, up to one under all laws: it shows the others where to begin."""
     fitted = []
     for task in tasks:
-        fitted.append(fit_window(task))
+        fitted += _fit_all([task])
         if all(fitted[-1].of(law) for law in task.settings.laws):
             break
     return fitted
+
+
+def _fit_all(tasks, report=None):
+    """`Fitted` (list) of all tasks, in parallel: law by law, unless they share a prior."""
+    pieces = [(i, piece) for i, task in enumerate(tasks) for piece in _by_law(task)]
+    # those that take longest first
+    pieces.sort(key=lambda one: -len(one[1].settings.sliders[0].friction_law.states))
+    show = None if report is None else lambda done: report(done / len(pieces))
+    fitted = mapped(fit_window, [piece for _, piece in pieces], show)
+    laws: list[dict] = [{} for _ in tasks]
+    for (i, _), one in zip(pieces, fitted, strict=True):
+        laws[i] |= one.laws
+    return [
+        Fitted(task, {law: of_any[law] for law in task.settings.laws})
+        for task, of_any in zip(tasks, laws, strict=True)
+    ]
+
+
+def _by_law(task):
+    """The `Task`s of each law alone; of a posterior the whole, for laws have one prior."""
+    if task.settings.errors == "posterior":
+        return [task]
+    return [
+        task._replace(settings=task.settings._replace(sliders=[slider]))
+        for slider in task.settings.sliders
+    ]
 
 
 def _task(window, data, settings):
@@ -120,8 +145,5 @@ def fit_window(task):
         except RateStateError as error:
             if len(task.settings.sliders) == 1:
                 return Fitted(task, {task.settings.laws[0]: str(error)})
-    laws: dict = {}
-    for slider in task.settings.sliders:
-        alone = task.settings._replace(sliders=[slider])
-        laws |= fit_window(task._replace(settings=alone)).laws
-    return Fitted(task, laws)
+    alone = task.settings._replace(errors="auto")  # without a prior that the laws share
+    return _fit_all([task._replace(settings=alone)])[0]

@@ -4,7 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ....friction.laws import friction_law
 from ....model.quantities import QUANTITIES, power_of, prefixed_unit, readable, rounded, short
+from ..table import rate_dependence_text
 from ..unknowns import TRENDS
 from .result import FAILED
 
@@ -36,7 +38,11 @@ def is_of_steps(result):
 def table_of(result, law):
     """`Table` of a result under one of its laws."""
     part = results_by_law_of_steps(result)[law]
-    symbols = [s for s in part["parameter"].values.tolist() if s not in (*TRENDS, "mu0")]
+    symbols = [
+        symbol
+        for symbol in part["parameter"].values.tolist()
+        if symbol not in (*TRENDS, "mu0") and np.isfinite(part[symbol].values).any()
+    ]
     columns = [_Column(part, symbol) for symbol in symbols]
     heads = [*HEADS, *(column.head for column in columns), "note"]
     rows = [
@@ -75,7 +81,9 @@ class _Column:
         if quantity.unit == "1":
             power, unit = (-3, " [1e-3]") if typical < SMALL else (0, "")
         self.factor = 10.0**-power
-        self.head = ("a - b" if symbol == "a_minus_b" else symbol) + unit
+        is_rate = symbol == "a_minus_b"
+        law = friction_law(str(part["law"].item()))
+        self.head = (rate_dependence_text([law]) if is_rate else symbol) + unit
 
     def cell(self, i):
         """The estimate of a step, with its error."""
