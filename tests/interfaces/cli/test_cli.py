@@ -18,6 +18,7 @@ import ratestate
 from ratestate import ParameterError, SolverError, files
 from ratestate.interfaces import cli, scenario, templates
 from ratestate.interfaces.cli import main
+from ratestate.interfaces.cli.command import group_of
 from ratestate.paper import atlas, claims_table, figures
 from ratestate.paper.claim import Claim, exact
 
@@ -68,12 +69,13 @@ def told(*arguments):
     return " ".join(result.output.split())
 
 
-COMMANDS = [function.__name__ for function in cli.COMMANDS]
+#: as they are called: "lab describe" is one of a group
+COMMANDS = [f"{group_of(function)} {function.__name__}".strip() for function in cli.COMMANDS]
 
 
 @pytest.mark.parametrize("command", ["", *COMMANDS])
 def test_help_has_an_example_and_the_exit_codes(command):
-    text = told(*[command] if command else [])
+    text = told(*command.split())
     assert text.count(f"Example: ratestate {command}".rstrip()) == 1
     for code in (
         "0 done",
@@ -89,20 +91,21 @@ def test_help_has_an_example_and_the_exit_codes(command):
 def test_words_in_brackets_are_told():
     assert "as the table [output] of the file says" in told("run")
     assert "as [sweep] says" in told("branch")
-    helps = "".join(map(told, COMMANDS))
+    helps = "".join(told(*command.split()) for command in COMMANDS)
     assert "\\[" not in helps
-    for function in cli.COMMANDS:
+    for command, function in zip(COMMANDS, cli.COMMANDS, strict=True):
         for word in re.findall(r"\[\w+\]", function.__doc__):
-            assert word in told(function.__name__)
+            assert word in told(*command.split())
 
 
 def test_every_description_is_of_a_parameter():
     tables = tomllib.loads((Path(cli.__file__).parent / "commands.toml").read_text())
-    shared = tables.pop("shared")
+    shared, groups = tables.pop("shared"), tables.pop("groups")
     parameters = {one.__name__: {*inspect.signature(one).parameters} for one in cli.COMMANDS}
     assert tables.keys() == parameters.keys()
     for command, described in tables.items():
-        assert described.keys() - {"module"} <= parameters[command]
+        assert described.keys() - {"module", "group"} <= parameters[command]
+        assert {described.get("group")} <= {None, *groups}
     assert shared.keys() <= set().union(*parameters.values())
 
 
@@ -117,7 +120,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
     for command in ["", *COMMANDS]:
         (line,) = (
             line
-            for line in call(*[command] if command else [], "--help").output.splitlines()
+            for line in call(*command.split(), "--help").output.splitlines()
             if "Example: " in line
         )
         name, *arguments = shlex.split(line.partition("Example: ")[2])
@@ -291,6 +294,7 @@ def test_help_and_version_load_nothing_heavy():
     code = f"""
 import sys
 from ratestate.interfaces.cli import main
+from ratestate.interfaces.cli.command import group_of
 try:
     main(["--version"])
 except SystemExit:

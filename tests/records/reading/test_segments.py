@@ -244,3 +244,64 @@ def test_the_noise_of_a_record_is_its_variance(degree):
     white = 2e-6 * np.random.default_rng(9).standard_normal(t.size)
     line = 3e-6 * t if degree else np.zeros(t.size)
     assert 0.95 < splits.RowSums(t, line + white, degree).noise / 4e-12 < 1.15
+
+
+DT_GAP, GAP = 0.1, 600  # s between rows, and rows that are lost
+
+
+@pytest.mark.parametrize("moved", [0.0, 1.0, 3.0])
+@pytest.mark.parametrize("noise", [1e-9, 5e-8])
+def test_a_gap_makes_no_step(moved, noise):
+    """Whatever the load point did in it: stand still, go on, or move three times as far."""
+    t = np.append(DT_GAP * np.arange(600), DT_GAP * (600 + GAP + np.arange(600)))
+    x = np.where(t < 60, t, t + (moved - 1) * (60 + DT_GAP)) * 1e-6
+    x = x + noise * np.random.default_rng(4).normal(size=t.size)
+    data = segments_from_displacement(t, x)
+    np.testing.assert_allclose(data.V, [1e-6], rtol=1e-3)
+    assert any("jumps" in note for note in data.notes) == (moved != 1.0)
+
+
+def test_short_pieces_between_gaps_make_no_steps():
+    """Pieces of 3 rows and more at one speed, the displacement of each anywhere: 100 records."""
+    rng = np.random.default_rng(1)
+    for _ in range(100):
+        V = 1e-6 * 10 ** rng.uniform(-1, 1.5)
+        t, x, t_from, x_from = [], [], 0.0, 0.0
+        for rows in [*rng.integers(3, 500, rng.integers(1, 5)), 50]:
+            t.append(t_from + DT_GAP * np.arange(rows))
+            x.append(x_from + V * DT_GAP * np.arange(rows))
+            gap = rng.uniform(60, 600)
+            t_from, x_from = t[-1][-1] + gap, x[-1][-1] + rng.choice([0, 1, 1, 3]) * V * gap
+        t, x = np.concatenate(t), np.concatenate(x)
+        noise = V * DT_GAP * 10 ** rng.uniform(-2, 1) * rng.normal(size=t.size)
+        for sign in (1, -1):  # and the other way round in time
+            _, segment_V = find_segments((sign * t)[::sign], (sign * (x + noise))[::sign])
+            np.testing.assert_allclose(segment_V, [V], rtol=0.05)
+
+
+@pytest.mark.parametrize("V", [1e-5, 0.0])
+@pytest.mark.parametrize("where", [0.0, 0.3, 1.0])
+def test_a_step_in_a_gap_is_where_the_speeds_meet(V, where):
+    """At its beginning, inside, at its end: to a part of the sampling interval."""
+    step = 59.9 + where * DT_GAP * (GAP + 1)
+    t = np.append(DT_GAP * np.arange(600), DT_GAP * (600 + GAP + np.arange(600)))
+    x = np.where(t < step, 1e-6 * t, 1e-6 * step + V * (t - step))
+    noise = 1e-9 * np.random.default_rng(5).normal(size=t.size)
+    data = segments_from_displacement(t, x + noise)
+    np.testing.assert_allclose(data.V, [1e-6, V], rtol=1e-4)
+    np.testing.assert_allclose(data.t, [0, step], atol=2e-3)
+    assert data.t_error[1] < 2e-3
+    assert data.notes == []
+
+
+@pytest.mark.parametrize("moved", [0.0, 100.0])
+def test_a_step_in_a_gap_is_open_where_the_load_point_moved_otherwise(moved):
+    """It stood still for a time, or was moved: the speeds are right, and the time is open."""
+    t = np.append(DT_GAP * np.arange(600), DT_GAP * (600 + GAP + np.arange(600)))
+    x = np.where(t < 60, 1e-6 * t, 59.9e-6 + moved * 60.1e-6 + 1e-5 * (t - 120))
+    noise = 1e-9 * np.random.default_rng(6).normal(size=t.size)
+    data = segments_from_displacement(t, x + noise)
+    np.testing.assert_allclose(data.V, [1e-6, 1e-5], rtol=1e-4)
+    np.testing.assert_allclose(data.t, [0, 89.95], atol=1e-6)
+    np.testing.assert_allclose(data.t_error, [0, 60.1 / 12**0.5], rtol=1e-6)
+    assert "changes in the gap in time from 59.9 s to 120 s" in data.notes[0]

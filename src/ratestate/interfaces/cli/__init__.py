@@ -6,6 +6,7 @@
 ``analyses``                            ``run``, ``stability``, ``cycle`` and ``branch``
 ``run_scenario``                        what these do: outputs checked, computed, printed, written
 ``fit``, ``run_fit``                    its options; initial guesses, and which files are written
+``lab``                                 ``lab describe``
 ``sweep``, ``store_report``             its options; what is said of a store
 ``report``                              results as tables, and report.md
 ``document``                            results as JSON
@@ -22,7 +23,7 @@ from typing import Annotated
 
 import typer
 
-from .command import Debug, as_command, functions
+from .command import GROUPS, Debug, as_command, functions, group_of
 from .exits import EXIT_CODES
 
 COMMANDS = functions()
@@ -34,8 +35,11 @@ main = typer.Typer(
     pretty_exceptions_enable=False,  # a traceback that can be copied into a report
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+_groups = {name: typer.Typer(no_args_is_help=True, help=text) for name, text in GROUPS.items()}
 for function in COMMANDS:
-    main.command()(as_command(function))
+    _groups.get(group_of(function), main).command()(as_command(function))
+for name, group in _groups.items():
+    main.add_typer(group, name=name)
 
 
 def _version(wanted: bool) -> None:

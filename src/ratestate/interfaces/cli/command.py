@@ -30,6 +30,9 @@ def _tables() -> dict[str, dict[str, Any]]:
 
 _TABLES = _tables()
 _SHARED = _TABLES.pop("shared")
+#: group of commands -> its help, and command -> the group it is in, "" for none
+GROUPS = _TABLES.pop("groups")
+_GROUP_OF = {name: table.pop("group", "") for name, table in _TABLES.items()}
 _MODULES = {name: table.pop("module", name) for name, table in _TABLES.items()}
 
 
@@ -39,6 +42,11 @@ def functions() -> list[Callable[..., None]]:
         getattr(importlib.import_module(f".{module}", __package__), name)
         for name, module in _MODULES.items()
     ]
+
+
+def group_of(function: Callable[..., None]) -> str:
+    """The group that the command of a function is in: "lab" of ``ratestate lab describe``."""
+    return _GROUP_OF[function.__name__]
 
 
 def as_command(function: Callable[..., None]) -> Callable[..., None]:
@@ -75,6 +83,25 @@ def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[
             raise typer.BadParameter(f"{text!r} has no NAME=...", param_hint=option)
         named[name] = value
     return named
+
+
+def columns_of(texts: list[str] | None) -> dict[str, str | int]:
+    """The option --columns, NAME=COLUMN each, as a dict of titles and numbers."""
+    named = pairs_of(texts, "--columns")
+    return {name: int(text) if text.isdigit() else text for name, text in named.items()}
+
+
+def window_of(text: str | None, option: str) -> tuple[str | None, str | None] | None:
+    """START,END as two values, either of which may be omitted."""
+    if text is None:
+        return None
+    ends = [end.strip() or None for end in text.split(",")]
+    if len(ends) != 2 or ends == [None, None]:
+        raise typer.BadParameter(
+            f"{text!r} is not START,END, such as '11640 s,11720 s' or '11640 s,'",
+            param_hint=option,
+        )
+    return ends[0], ends[1]
 
 
 def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str]:

@@ -6,18 +6,19 @@ from typing import Any, Literal
 import typer
 
 from ...friction.laws import DEFAULT, friction_law, own_parameters
-from .command import laws_of, own_values, pairs_of
+from .command import columns_of, laws_of, own_values, pairs_of, window_of
 from .exits import SOME_FAILED
 
 Each = Literal["step"]
 Against = Literal["time", "displacement", "cycles"]
 Trend = Literal["slip", "time", "none"]
 Start = Literal["auto", "steady", "free"]
+Join = Literal["auto", "absolute", "restart"]
 Errors = Literal["auto", "covariance", "profile", "posterior"]
 
 
 def fit(
-    file: Path,
+    file: list[Path],
     *,
     law: list[str] | None = None,
     law_file: Path | None = None,
@@ -35,6 +36,9 @@ def fit(
     columns: list[str] | None = None,
     units: list[str] | None = None,
     each: Each | None = None,
+    rows: int | None = None,
+    join: Join = "auto",
+    format_: Path | None = None,
     against: Against = "time",
     trend: Trend = "slip",
     start: Start = "auto",
@@ -47,15 +51,16 @@ def fit(
 
     It ends with code 3 where an answer carries warnings; they are printed with it.
 
-    Examples: ratestate fit record.txt --out fitted
-    ratestate fit record.txt --each step --law slip,aging --out fitted
+    Example: ratestate fit record.txt --each step --law slip,aging --out fitted
     """
-    numbered = {k: int(v) if v.isdigit() else v for k, v in pairs_of(columns, "--columns").items()}
     reading = {
-        "columns": numbered,
+        "columns": columns_of(columns),
         "units": pairs_of(units, "--units", separator=","),
-        "time": _window(time, "--time"),
-        "displacement": _window(displacement, "--displacement"),
+        "time": window_of(time, "--time"),
+        "displacement": window_of(displacement, "--displacement"),
+        "rows": rows,
+        "join": None if join == "auto" else join,
+        "format": format_ and format_.as_posix(),
     }
     values = {"sigma": sigma, "a": a, "b": b, "Dc": Dc, "K": K, "M": M, "V0": V0}
     named = (name.strip() for text in law or () for name in text.split(","))
@@ -75,22 +80,10 @@ def fit(
 
     values |= own_values(of_law, own_parameters(map(friction_law, laws)))
     given = {symbol: value for symbol, value in values.items() if value is not None}
-    request = FitRequest(file, {k: v for k, v in reading.items() if v}, given, laws, fitting)
+    reading = {name: value for name, value in reading.items() if value not in (None, {})}
+    request = FitRequest(tuple(file), reading, given, laws, fitting)
     if fit_and_report(request, out, json):
         raise typer.Exit(SOME_FAILED)
-
-
-def _window(text: str | None, option: str) -> tuple[str | None, str | None] | None:
-    """START,END as two values, either of which may be omitted."""
-    if text is None:
-        return None
-    ends = [end.strip() or None for end in text.split(",")]
-    if len(ends) != 2 or ends == [None, None]:
-        raise typer.BadParameter(
-            f"{text!r} is not START,END, such as '11640 s,11720 s' or '11640 s,'",
-            param_hint=option,
-        )
-    return ends[0], ends[1]
 
 
 def _noise(text: str | None) -> Any:

@@ -45,12 +45,12 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
                 f"{report} exists and is no report of ratestate fit; it is not replaced: give "
                 f"another folder with --out"
             )
-    with reporting_files(f"fit of {request.file.name}, {law_names(request.laws)}") as files:
+    with reporting_files(f"fit of {request.names}, {law_names(request.laws)}") as files:
         with warnings.catch_warnings():
             # both are printed with the result
             warnings.simplefilter("ignore", FitWarning)
             warnings.simplefilter("ignore", RecordWarning)
-            record = read_lab(request.file, **request.reading)
+            record = read_lab(request.paths, **request.reading)
             slider = _slider(request, record)
             result = fit(record, slider, **request.fitting)
         if out:
@@ -71,7 +71,8 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
 
 def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
     """The fixed parameters, and initial guesses of the free ones; a default sigma is noted."""
-    given: dict[str, Any] = dict(request.values)
+    # what the format says of the machine holds where nothing else is given
+    given: dict[str, Any] = json.loads(record.attrs.get("machine", "{}")) | request.values
     if "sigma" not in given:
         if "sigma" not in record:
             raise ParameterError(

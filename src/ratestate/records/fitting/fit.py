@@ -104,8 +104,9 @@ def fit(
         order of time (and along ``law`` where several), NaN and "" where ``status`` is 1 (failed)
         and ``message`` says why.  Along ``step`` alone: ``kind`` ("step", "hold" or "normal
         stress"), ``step_t`` [s] and ``step_delta_lp`` [m] where it is, ``V_before`` and ``V_after``
-        [m/s], ``t_hold`` [s], ``sigma`` [Pa], ``samples``; along ``sample``, too, some of the
-        record and of the fitted curve.  Along ``parameter``: ``shared``, the estimate of one set
+        [m/s], ``t_hold`` [s], ``sigma`` [Pa], ``samples``, each the mean of ``rows_per_sample``
+        rows (1 up to 20,000 rows); along ``sample``, too, some of the record and of the fitted
+        curve.  Along ``parameter``: ``shared``, the estimate of one set
         for all steps and holds, and ``shared_error``; ``scatter``, the standard deviation between
         steps beyond their errors; ``up_over_down``, the ratio of the mean over steps up to that
         over steps down, and its error.  ``shared_p_value`` is the probability of as large a

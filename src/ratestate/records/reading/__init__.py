@@ -1,11 +1,17 @@
 """Records of laboratories: a file as a Dataset, and the load point's history in it.
 
 =============================== =================================================================
-``read``                        the function `read_lab`: in which order all below is done
+``read``                        the function `read_lab`
+``record``                      from tables to a record: in which order all below is done
+``joining``                     files of one experiment as one table
+``lab_format``, ``describe``    a laboratory's format, saved as TOML; the function `describe`
 ``attempt``                     the same for a page, which asks back, in a process of its own
 ``memory_file``                 a file in memory
 ``open_table``                  which format a file has, by its first bytes
-``text``                        delimiter, header and decimal comma of a text file
+``text``                        a text file in blocks: delimiter, decimal comma
+``encodings``                   which encoding it has
+``header``                      names and units in the lines above the numbers
+``cells``                       numbers in lines
 ``stored``                      which arrays of an HDF5 or MAT file are columns
 ``isolated``                    reading in a process of its own: limits of time and memory
 ``table``                       what a file holds before it is interpreted; how messages quote it
@@ -14,6 +20,7 @@
 ``columns``                     which column is which quantity; which are needed
 ``sizes``                       units of columns, and sizes that nobody can have measured
 ``rows``                        which rows are kept: windows, cells without number, times, gaps
+``downsampling``                means over blocks of rows, of a very long record
 ``values``                      rows with codes, impossible values or spikes; signs to turn
 ``agreement``                   whether columns contradict each other, or are too coarse
 ``segments``                    `find_segments`: constant speeds, their errors; steps in words
@@ -24,7 +31,8 @@
 =============================== =================================================================
 """
 
+from .describe import describe
 from .read import read_lab
 from .segments import find_segments
 
-__all__ = ["find_segments", "read_lab"]
+__all__ = ["describe", "find_segments", "read_lab"]

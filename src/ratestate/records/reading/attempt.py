@@ -6,7 +6,7 @@ from ...errors import ParameterError
 from .columns import choose_columns
 from .isolated import read_isolated
 from .open_table import open_table
-from .read import record_of
+from .record import record_of
 
 
 class Attempt(NamedTuple):
@@ -39,7 +39,7 @@ def _attempt(file, choices):
     columns, chosen = [(column.title, column.unit) for column in table.columns], {}
     try:
         chosen = {s: i + 1 for s, i in choose_columns(table, choices.get("columns")).items()}
-        record, _ = record_of(table, file.name, **choices)
+        record, _ = record_of([table], [file.name], **choices)
     except ParameterError as error:
         return Attempt(columns, chosen, None, error)
     return Attempt(columns, chosen, record, None)

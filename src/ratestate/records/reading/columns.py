@@ -21,10 +21,11 @@ NEEDS = {
 INSTEAD = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "sigma"}}
 
 
-def choose_columns(table, columns):
+def choose_columns(table, columns, constants=()):
     """dict symbol -> index of its column, from 0: as requested, and of others by their names.
 
     columns : dict symbol -> title or number from 1 on, or None; one column may be requested twice
+    constants : symbols for which no column is looked for
 
     A symbol of `PATTERNS` that is not needed may be absent.  ParameterError: a symbol that is none
     of them, a request that fits no column or several, a needed column that is missing or ambiguous.
@@ -35,7 +36,8 @@ def choose_columns(table, columns):
         raise refusal("columns.symbols", symbols=", ".join(PATTERNS), given=given)
     chosen = {symbol: _requested(table, symbol, request) for symbol, request in columns.items()}
     for symbol in PATTERNS:
-        if symbol in chosen or (symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()):
+        replaced = symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()
+        if replaced or symbol in chosen or symbol in constants:
             continue
         # stresses are optional where friction is recorded
         needed = symbol not in ("tau", "sigma") or "friction" not in chosen
@@ -43,7 +45,7 @@ def choose_columns(table, columns):
         if index is not None:
             chosen[symbol] = index
     for need, ways in NEEDS.items():
-        if not chosen.keys() & set(ways):
+        if not {*chosen, *constants} & set(ways):
             values = {"need": need, "symbol": ways[0]}
             values["columns"] = name_list(table.titles) + table.unread_text()
             column = _column_of_unit(table, ways[0], chosen.values())

@@ -6,7 +6,7 @@ from .isolated import read_isolated
 from .memory_file import MemoryFile, read_into_memory
 from .messages import refusal
 from .stored import read_hdf5, read_mat
-from .text import read_text
+from .text import DELIMITERS, read_text
 
 #: what a file is -> its first bytes (those behind 512 others count too), the ending of its name
 #: where that decides, and its reader; a file of no such kind is text
@@ -37,8 +37,11 @@ def file_of(file):
         raise refusal("file.path", path=file) from None
 
 
-def open_table(path):
-    """The `Table` in a file, a Path or `MemoryFile`; ParameterError if it is of no known format."""
+def open_table(path, delimiters=DELIMITERS, decimal=None):
+    """The `Table` in a file, a Path or `MemoryFile`; ParameterError if it is of no known format.
+
+    delimiters, decimal : as of `read_text`
+    """
     try:
         if isinstance(path, Path) and not path.is_file():  # a pipe would be waited for
             kind = "folder" if path.is_dir() else "special" if path.exists() else "missing"
@@ -55,6 +58,6 @@ def open_table(path):
         for begin, what in FOREIGN.items():
             if head.startswith(begin):
                 raise refusal("file.foreign", name=path.name, what=what)
-        return read_text(path)
+        return read_text(path, delimiters, decimal)
     except OSError as error:
         raise refusal("file.error", path=path, error=error.strerror or error) from None

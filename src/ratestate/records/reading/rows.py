@@ -21,7 +21,8 @@ class Rows:
 
     columns, units : symbol -> `Column`, all of one length; symbol -> its unit
 
-    `kept` has their indices in the table, from 0; `record` is empty until `cut`.
+    `kept` has their indices in the table, from 0; `record` is empty until `cut`; `gaps` has the
+    places along `kept` before which there is a gap in time, once `find_gaps` has looked.
     """
 
     def __init__(self, table, columns, units):
@@ -29,6 +30,7 @@ class Rows:
         self.kept = np.arange(columns["time"].values.size)
         self.record: dict[str, np.ndarray] = {}
         self.warnings: list[str] = []
+        self.gaps = np.zeros(0, int)
 
     def in_si(self, symbol):
         """(kept,) a column in SI; NaN where it has no number."""
@@ -37,7 +39,8 @@ class Rows:
     def keep(self, which):
         """Keep only these of the rows: a mask or slice along `kept`."""
         self.kept = self.kept[which]
-        self.record = {symbol: values[which] for symbol, values in self.record.items()}
+        for symbol, values in self.record.items():  # one after the other: they may be large
+            self.record[symbol] = values[which]
 
     def leave_out(self, bad, why, shown=None):
         """Leave out the rows of a mask along `kept`, with a warning; nothing if it is all False.
@@ -77,6 +80,10 @@ class Rows:
         self.check_enough(" in the window" if windows else "")
         self.record = {symbol: self.in_si(symbol) for symbol in self.columns}
 
+    def add_constant(self, symbol, value):
+        """Add a quantity [SI] that the file does not have, the same in all rows."""
+        self.record[symbol] = np.full(self.kept.size, value)
+
     def drop_unreadable(self):
         """Leave out rows without a finite number in any column; ParameterError if one has none."""
         for symbol, column in self.columns.items():
@@ -87,8 +94,10 @@ class Rows:
             column = next(c for c in self.columns.values() if not np.isfinite(c.values[row]))
             return f"{self.table.cell(row, column)} in {quoted(column.title)}"
 
-        good = np.isfinite([column.values[self.kept] for column in self.columns.values()])
-        self.leave_out(~good.all(axis=0), "for want of a number", bad_cell)
+        bad = np.zeros(self.kept.size, bool)
+        for column in self.columns.values():
+            bad |= ~np.isfinite(column.values[self.kept])
+        self.leave_out(bad, "for want of a number", bad_cell)
 
     def order(self):
         """Leave out rows that repeat a time; ParameterError for times that run backwards."""
@@ -110,12 +119,13 @@ class Rows:
         if dt.size < 3:
             return
         beside = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
-        gaps = []
+        gaps: list[int] = []
         for i in np.flatnonzero(dt > GAP * beside):
             sides = [dt[max(0, i - NEIGHBOURS) : i], dt[i + 1 : i + 1 + NEIGHBOURS]]
             # the sampling rate may change: then the step is usual on one side
             if dt[i] > GAP * max(float(np.median(side)) for side in sides if side.size):
-                gaps.append(i + 1)
+                gaps.append(int(i) + 1)
+        self.gaps = np.array(gaps, int)
         if gaps:
             rows = self.listed(gaps, lambda i: f"{dt[i - 1]:.3g} s")
             count = "a gap" if len(gaps) == 1 else f"{len(gaps)} gaps"

@@ -5,6 +5,8 @@ import math
 
 import numpy as np
 
+from .rows import GAP
+
 ROUNDS = 50  # of moving rows from one line to the next
 NEAR = 10  # rows beside a place where a displacement may jump
 JUMP = 4.0  # least jump, over the standard deviation of these rows
@@ -55,15 +57,50 @@ class Run:
 
 
 def breakpoints(runs):
-    """(runs - 1,) times [s] at which each run meets the next; midway between if they hardly do."""
-    times = []
+    """Times [s] at which each run meets the next, and how long they are open [s]: (runs - 1,) each.
+
+    Midway between if they hardly meet.  In a gap in time, at its end if they meet beyond it by no
+    more than noise; else anywhere: the middle of the gap, open for as long as it lasts.
+    """
+    times, spans = [], []
     for one, other in itertools.pairwise(runs):
         middle = 0.5 * (one.end + other.start)
         change = one.V - other.V
         meet = middle + (other.at(middle, 0) - one.at(middle, -1)) / change if change else middle
         near = one.t[one.rows[-1][0]] < meet < one.t[other.rows[0][1] - 1]
+        span = 0.0
+        if is_gap(one, other):
+            inside = min(max(meet, one.end), other.start)
+            near = abs(meet - inside) <= _distance_by_noise(one, other)
+            meet, span = inside, 0.0 if near else other.start - one.end
         times.append(float(meet if near else middle))
-    return np.array(times)
+        spans.append(span)
+    return np.array(times), np.array(spans)
+
+
+def is_gap(one, other):
+    """Whether there is a gap in time between runs."""
+    usual = [float(np.median(np.diff(r.t[i:j]))) for r, (i, j) in _rows_beside(one, other)]
+    return one.last == other.first and other.start - one.end > GAP * max(usual)
+
+
+def _rows_beside(one, other):
+    """The runs, each with its last or first rows, `NEAR` at most and two at least."""
+    (first, last), (start, end) = one.rows[-1], other.rows[0]
+    return [
+        (one, (max(first, last - NEAR), max(last, first + 2))),
+        (other, (start, max(min(end, start + NEAR), start + 2))),
+    ]
+
+
+def _distance_by_noise(one, other):
+    """How far off [s] noise puts the place where two runs meet, and a step of time."""
+    errors, step = 0.0, 0.0
+    for (run, (i, j)), end in zip(_rows_beside(one, other), (-1, 0), strict=True):
+        at = run.end if end else run.start
+        errors += float(run.residual().var()) * run.variance(at, end)
+        step = max(step, float(np.median(np.diff(run.t[i:j]))))
+    return step + JUMP * math.sqrt(errors) / abs(one.V - other.V)
 
 
 def refine_breakpoints(runs):
@@ -75,7 +112,7 @@ def refine_breakpoints(runs):
     seen = set()
     for _ in range(ROUNDS):
         rows = [[*run.rows] for run in runs]
-        for m, edge in enumerate(np.searchsorted(t, breakpoints(runs)).tolist()):
+        for m, edge in enumerate(np.searchsorted(t, breakpoints(runs)[0]).tolist()):
             (first, last), (start, end) = rows[m][-1], rows[m + 1][0]
             # rows between neighbours that belong to neither (a ramp) stay so
             if last == start and first + 2 <= edge <= end - 2:
@@ -109,8 +146,18 @@ def noise_variances(runs):
 
 def jump_size(t, x, row, V):
     """Jump [m], of either sign, of a displacement before a row, at speed V [m/s]; 0 if none."""
-    x = x - V * (t - t[row])
-    before, after = x[max(0, row - NEAR) : row], x[row : row + NEAR]
+    first, last = max(0, row - NEAR), min(t.size, row + NEAR)
+    # what is beyond another gap in time has no part in it
+    first += max(_gaps_in(t[first:row]), default=0)
+    last = row + min(_gaps_in(t[row:last]), default=last - row)
+    x = x[first:last] - V * (t[first:last] - t[row])
+    before, after = x[: row - first], x[row - first :]
     gap = float(np.median(after) - np.median(before))
     scatter = math.sqrt(0.5 * (before.var() + after.var()))
     return gap if abs(gap) > JUMP * scatter else 0.0
+
+
+def _gaps_in(t):
+    """Places (list) in a few times before which there is a gap."""
+    steps = np.diff(t)
+    return (np.flatnonzero(steps > GAP * np.median(steps)) + 1).tolist() if steps.size else []

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...model.quantities import power_of, prefixed_unit, readable
-from .messages import refusal
+from .messages import message, refusal
 from .runs import breakpoints, noise_variances
 from .splits import RowSums, cut, drop_weak_cuts
 from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
@@ -100,11 +100,19 @@ def segments_from_displacement(t, x):
             window = f"(None, '{first}')" if run.first else f"('{last}', None)"
             values = {"first": first, "last": last, "window": window}
             raise refusal("segments.backwards", V=-run.V, **values)
-    noise, at = noise_variances(runs), breakpoints(runs)
+    noise, (at, spans) = noise_variances(runs), breakpoints(runs)
     variance = [
         (s * one.variance(tau, -1) + z * other.variance(tau, 0)) / (one.V - other.V) ** 2
-        for tau, one, other, s, z in zip(at, runs, runs[1:], noise, noise[1:], strict=False)
+        if not span
+        else span**2 / 12.0  # of what may be anywhere in it
+        for tau, span, one, other, s, z in zip(
+            at, spans, runs, runs[1:], noise, noise[1:], strict=False
+        )
     ]
+    for tau, span in zip(at, spans, strict=True):
+        if span:
+            ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
+            notes.append(message("notes.step_in_gap", **ends))
     V_error = [0.0 if r.hold else (s / r.spread) ** 0.5 for r, s in zip(runs, noise, strict=True)]
     return Segments(
         np.append(t[0], at),

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
-from ...model.units import OF_WHOLE_CONTACT, to_si
+from ...model.units import OF_WHOLE_CONTACT, scaled, to_si, unit_factor
 from .messages import refusal
 from .table import quoted
 from .titles import LIKE, USUAL, plain
@@ -51,6 +51,9 @@ def in_si(symbol, values, unit):
     import xarray
 
     good = np.isfinite(values)
+    converted = scaled(values, unit_factor(QUANTITIES[symbol].unit, unit))
+    if np.isfinite(converted).all():  # so most often, and in half the memory
+        return converted
     converted = np.full(values.shape, np.nan)
     if good.any():
         rows = xarray.DataArray(values[good], dims="row", attrs={"units": unit})
@@ -68,6 +71,14 @@ def check_numbers(table, symbol, column, rows=slice(None)):
     cell = table.cell(row, column)
     dated = symbol == "time" and CLOCK.search(cell)
     raise refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
+
+
+def check_constant(symbol, value):
+    """ParameterError for a constant of a size that nobody has measured friction with."""
+    low, high = USUAL[symbol]
+    if not low <= value <= high:
+        si = QUANTITIES[symbol].unit
+        raise refusal("column.constant", symbol=symbol, value=value, low=low, high=high, si=si)
 
 
 def check_sizes(symbol, values, column, unit):

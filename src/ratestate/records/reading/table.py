@@ -25,6 +25,7 @@ class Table(NamedTuple):
     odd: dict[tuple[int, str], str]  # (row from 0, title) -> cell that is no number
     numbers: np.ndarray | None = None  # of the rows, as an editor counts them; None if 1, 2, ...
     unread: tuple[str, ...] = ()  # titles of arrays that hold no real numbers
+    files: tuple[tuple[int, str], ...] = ()  # of several: first row and name of each
 
     @property
     def titles(self):
@@ -37,7 +38,9 @@ class Table(NamedTuple):
 
     def row_label(self, row):
         """How a person finds a row (counted from 0 on) in the file: "line 17"."""
-        return f"{self.row_name} {row + 1 if self.numbers is None else int(self.numbers[row])}"
+        number = row + 1 if self.numbers is None else int(self.numbers[row])
+        names = [f" of {name}" for first, name in self.files if first <= row]
+        return f"{self.row_name} {number}{names[-1] if names else ''}"
 
     def cell(self, row, column):
         """What stands in a cell that is no number, in quotes, and short; "nothing" if empty."""

@@ -22,8 +22,10 @@ def drop_codes(rows):
         for code in MISSING:
             values = column.values[rows.kept]
             bad = values == code
+            if not bad.any():
+                continue
             others = values[~bad]
-            if not 1 < others.size < values.size:
+            if others.size < 2:
                 continue
             if others.min() - code > FAR * np.abs(np.diff(others)).max():
                 rows.leave_out(bad, f"with {code:g} in {quoted(column.title)}, a code for no value")
@@ -71,31 +73,35 @@ def spikes(values, least=0.0):
     if values.size < PART // 10:
         return bad
     steps = np.diff(values)
-    off = np.where(steps[:-1] * steps[1:] < 0.0, np.minimum(*np.abs([steps[:-1], steps[1:]])), 0.0)
-    far = np.argsort(off)[-(1 + off.size // PART) :] + 1
+    one, other = steps[:-1], steps[1:]
+    off = np.where(one * other < 0.0, np.minimum(np.abs(one), np.abs(other)), 0.0)
+    count = 1 + off.size // PART
+    far = np.argpartition(off, -count)[-count:] + 1
     largest = float(np.abs(np.diff(np.delete(values, far))).max())
     bad[far] = off[far - 1] > max(FAR * largest, least)
     return bad
 
 
-def flip_signs(record):
-    """Turn what is negative throughout, and a load point that moves down; notes (list of str).
+def flip_signs(record, signs):
+    """Turn what is negative throughout, and a load point that moves down: symbols, notes (lists).
 
     Negative: friction, tau or sigma with a 90 % quantile below 0.  Down: the median of the last
     twentieth of delta_lp is below that of the first or, without delta_lp, that of V_load below 0.
 
     record : symbol -> array, with delta_lp or V_load; entries are replaced, arrays left as they are
+    signs : symbol -> 1 or -1, for those that are known
     """
-    notes = {}
+    notes = {s: f"the sign of {s} is turned, as the format says" for s in signs if signs[s] < 0}
     for symbol in ("friction", "tau", "sigma"):
-        if symbol in record and np.quantile(record[symbol], 0.9) < 0.0:
+        if symbol in record and symbol not in signs and np.quantile(record[symbol], 0.9) < 0.0:
             notes[symbol] = f"{symbol} is negative throughout; its sign is turned"
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     x = record[symbol]
     part = max(1, x.size // 20)
     start, end = (x[:part], x[-part:]) if symbol == "delta_lp" else (0.0, x)
-    if np.median(end) < np.median(start):
+    if symbol not in signs and np.median(end) < np.median(start):
         notes[symbol] = f"{symbol} runs downwards; its sign is turned"
-    for flipped in notes:
-        record[flipped] = -record[flipped]
-    return [*notes.values()]
+    flipped = [symbol for symbol in notes if symbol in record]
+    for symbol in flipped:
+        record[symbol] = -record[symbol]
+    return flipped, [notes[symbol] for symbol in flipped]

@@ -9,6 +9,7 @@ from synthetic_experiments import drawn_experiment, experiment
 
 import ratestate as rs
 from ratestate import fitting
+from ratestate.records.fitting.steps import each
 from ratestate.records.fitting.steps.comparison import group_of
 from ratestate.records.fitting.steps.windows import windows_of
 
@@ -133,6 +134,21 @@ def test_a_step_that_fails_leaves_the_others(data, under_slip):
         np.testing.assert_allclose(result[name][[0, 1, 3]], under_slip[name][[0, 1, 3]], rtol=1e-3)
     assert np.isnan(result.interval[2]).all()
     assert "step 3, slip law, failed: friction is nan" in fitting.summary(result)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_of_many_rows_means_are_fitted(monkeypatch):
+    data = experiment(SLIDER, (SLOW, FAST), 500e-6, 2000, seed=2, **NOISE)
+    (whole,) = rs.fit(data, START, each="step").groupby("step")
+    monkeypatch.setattr(each, "MOST", 400)
+    (fewer,) = rs.fit(data, START, each="step").groupby("step")
+    whole, fewer = whole[1].squeeze(), fewer[1].squeeze()
+    assert (int(whole.samples), int(whole.rows_per_sample)) == (3000, 1)
+    assert (int(fewer.samples), int(fewer.rows_per_sample)) == (375, 8)
+    for name in FREE:
+        error = float(whole.standard_error.sel(parameter=name))
+        assert abs(float(whole[name] - fewer[name])) < 2.0 * error, name
+        assert float(fewer.standard_error.sel(parameter=name)) < 2.0 * error, name
 
 
 def test_where_all_fail_is_an_error(data):

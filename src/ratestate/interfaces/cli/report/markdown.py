@@ -39,11 +39,22 @@ Laws = dict[str, xarray.Dataset]
 class FitRequest(NamedTuple):
     """A fit requested on the command line, which the report also says how to repeat."""
 
-    file: Path
-    reading: dict[str, Any]  # arguments of `read_lab` beside the file
+    files: tuple[Path, ...]
+    reading: dict[str, Any]  # arguments of `read_lab` beside the files
     values: dict[str, str]  # of the slider, as they were given
     laws: tuple[str, ...]
     fitting: dict[str, Any]  # arguments of `fit` beside record and slider
+
+    @property
+    def names(self) -> str:
+        """The names of the files."""
+        return ", ".join(file.name for file in self.files)
+
+    @property
+    def paths(self) -> Any:
+        """The path of the file, or a list of those of several, as `read_lab` takes them."""
+        paths = [file.as_posix() for file in self.files]
+        return paths if len(paths) > 1 else paths[0]
 
 
 def markdown(
@@ -58,7 +69,7 @@ def markdown(
     text = SENTENCES(
         "report.whole",
         what_was_read=_what_was_read(record),
-        file=request.file,
+        names=request.names,
         warnings=_part("warnings", "\n".join(warnings)),
         estimates=_estimates(laws),
         kinds=_kinds(laws),
@@ -84,7 +95,7 @@ def _of_steps(
         tables += SENTENCES("report.steps_under", law=law, table=table)
     text = SENTENCES(
         "report.steps",
-        file=request.file,
+        names=request.names,
         heading=heading_of_steps(result),
         tables=tables,
         remarks="\n".join(f"- {remark}" for remark in remarks_on_steps(result)),
@@ -201,7 +212,7 @@ def _python(request: FitRequest, slider: SpringSlider, result: xarray.Dataset) -
     registered = [line for law in request.laws for line in registration(law)]
     return {
         "registration": "".join(f"{line}\n" for line in registered),
-        "reading": ", ".join([repr(request.file.as_posix()), *_arguments(request.reading)]),
+        "reading": ", ".join([repr(request.paths), *_arguments(request.reading)]),
         "slider": repr(slider)
         .replace("(", "(\n    ")
         .replace(", ", ",\n    ")

@@ -15,6 +15,9 @@ from ..settings import Settings
 from ..unknowns import Unknowns
 from .windows import Window, windows_of
 
+#: most samples of a window that are fitted: a step is resolved as well as with ten times as many
+MOST = 20_000
+
 
 class Task(NamedTuple):
     """A window to be fitted."""
@@ -22,6 +25,7 @@ class Task(NamedTuple):
     window: Window
     data: xarray.Dataset  # its rows
     settings: Settings  # with the sliders from where the searches begin
+    rows_per_sample: int = 1  # of the record, which are averaged
 
 
 class Separate(NamedTuple):
@@ -101,10 +105,16 @@ def _by_law(task):
 
 def _task(window, data, settings):
     """The `Task` of a step or hold of the load point."""
-    part = window.part(data)
+    part, each = _averaged(window.part(data))
     free = tuple(name for name in settings.free if name != "alpha")
     sliders = [slider.replace(sigma=_stress(part, slider)) for slider in settings.sliders]
-    return Task(window, part, settings._replace(free=free, sliders=sliders))
+    return Task(window, part, settings._replace(free=free, sliders=sliders), each)
+
+
+def _averaged(part):
+    """The rows of a window, or of more than `MOST` the means of some neighbours; of how many."""
+    each = -(-part.sizes["time"] // MOST)
+    return (part.coarsen(time=each, boundary="trim").mean(), each) if each > 1 else (part, 1)
 
 
 def _stress(part, slider):

@@ -136,6 +136,7 @@ def _windows(fits):
         "t_hold": np.array([window.t_hold for window in windows]),
         "sigma": np.array([task.settings.sliders[0].sigma for task in tasks]),
         "samples": np.array([task.data.sizes["time"] for task in tasks]),
+        "rows_per_sample": np.array([task.rows_per_sample for task in tasks]),
     }
     return labelled("step", **columns)
 

@@ -1,0 +1,154 @@
+"""Files of one experiment, one after the other, as one table."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...model.quantities import QUANTITIES
+from ...model.units import scaled, unit_factor
+from .columns import NEEDS
+from .messages import message, refusal
+from .table import Column, Table
+
+#: how the times of files may follow each other
+JOINS = ("auto", "absolute", "restart")
+#: steps of time from 0 within which a clock begins that starts anew
+NEAR_ZERO = 1.5
+#: least move against the load point's direction, over the largest step, of a sensor set to 0 again
+ZEROED = 3.0
+
+
+class Part(NamedTuple):
+    """What is read of one file."""
+
+    table: Table
+    name: str  # of the file
+    columns: dict[str, Column]  # symbol -> column
+    units: dict[str, str]  # symbol -> its unit
+
+
+def check_join(join):
+    """ParameterError for another way to join than those there are."""
+    if join not in JOINS:
+        raise refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
+
+
+def join_parts(parts, join, constants=()):
+    """One `Part` of all, in the units of the first, and notes (list of str).
+
+    join : "absolute", times go on from file to file; "restart", they begin anew in each; "auto",
+    the latter where each file begins at 0, else the former
+    constants : symbols that are given, and need no column
+
+    ParameterError: a column that another file lacks, or times that overlap.
+    """
+    first = parts[0]
+    if len(parts) == 1:
+        return first, []
+    symbols, notes = _common_symbols(parts, constants)
+    sizes = [part.columns["time"].values.size for part in parts]
+    starts = np.cumsum([0, *sizes[:-1]])
+    pieces = {s: [_in_unit(part, s, first.units[s]) for part in parts] for s in symbols}
+    if join == "restart" or (join == "auto" and all(map(_begins_at_zero, pieces["time"]))):
+        notes += _follow_on(parts, pieces, first.units)
+    else:
+        _check_order(parts, pieces["time"], first.units["time"])
+    columns = {s: first.columns[s]._replace(values=np.concatenate(pieces[s])) for s in symbols}
+    odd = {
+        (int(start) + row, columns[symbol].title): cell
+        for start, part in zip(starts, parts, strict=True)
+        for (row, title), cell in part.table.odd.items()
+        for symbol in symbols
+        if part.columns[symbol].title == title
+    }
+    numbers = [
+        np.arange(1, n + 1) if part.table.numbers is None else part.table.numbers
+        for part, n in zip(parts, sizes, strict=True)
+    ]
+    files = tuple((int(i), part.name) for i, part in zip(starts, parts, strict=True))
+    row_name = first.table.row_name
+    table = Table([*columns.values()], row_name, odd, np.concatenate(numbers), files=files)
+    return Part(table, first.name, columns, {s: first.units[s] for s in symbols}), notes
+
+
+def _common_symbols(parts, constants):
+    """Symbols that all files have, and notes on others; ParameterError if these are needed."""
+    known = list(dict.fromkeys(symbol for part in parts for symbol in part.columns))
+    symbols = [s for s in known if all(s in part.columns for part in parts)]
+    notes = []
+    for symbol in known:
+        with_, without = (
+            [part.name for part in parts if (symbol in part.columns) == has]
+            for has in (True, False)
+        )
+        if without:
+            values = {"symbol": symbol, "name": with_[0], "lacking": without[0]}
+            if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
+                raise refusal("join.columns", **values)
+            notes.append(message("notes.not_in_all", **values))
+    return symbols, notes
+
+
+def _in_unit(part, symbol, unit):
+    """Values of a file's column in the unit of the first file's."""
+    values, si = part.columns[symbol].values, QUANTITIES[symbol].unit
+    if part.units[symbol] == unit:
+        return values
+    return scaled(values, unit_factor(si, part.units[symbol]) / unit_factor(si, unit))
+
+
+def _ends(values):
+    """The first and the last finite value."""
+    finite = values[np.isfinite(values)]
+    return float(finite[0]), float(finite[-1])
+
+
+def _usual_step(t):
+    """The usual time between rows; 0 if there is none."""
+    steps = np.diff(t[np.isfinite(t)])
+    return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+
+
+def _begins_at_zero(t):
+    """Whether times begin with 0 or the first step."""
+    return 0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t)
+
+
+def _check_order(parts, times, unit):
+    """ParameterError if a file begins before the one before it ends."""
+    for i in range(1, len(parts)):
+        (_, end), (begin, _) = _ends(times[i - 1]), _ends(times[i])
+        if begin < end:
+            before, after = parts[i - 1], parts[i]
+            rows = [
+                part.table.row_label(int(np.flatnonzero(np.isfinite(t))[place]))
+                for part, t, place in ((before, times[i - 1], -1), (after, times[i], 0))
+            ]
+            values = {"before": before.name, "after": after.name, "end": end, "begin": begin}
+            values |= {"last_row": rows[0], "first_row": rows[1], "unit": unit}
+            raise refusal("join.overlap", **values)
+
+
+def _follow_on(parts, pieces, units):
+    """Let times of files go on from one to the next, and displacements set to 0 again; notes."""
+    notes = []
+    for i in range(1, len(parts)):
+        before, after = parts[i - 1].name, parts[i].name
+        t = pieces["time"][i]
+        added = _ends(pieces["time"][i - 1])[1] + _usual_step(t) - _ends(t)[0]
+        pieces["time"][i] = t + added
+        values = {"before": before, "after": after, "added": added, "unit": units["time"]}
+        notes.append(message("notes.restart", **values))
+        if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i - 1 : i + 1])):
+            pieces["delta_lp"][i] = pieces["delta_lp"][i] + added
+            values |= {"added": added, "unit": units["delta_lp"]}
+            notes.append(message("notes.zeroed", **values))
+    return notes
+
+
+def _zeroed_by(before, after):
+    """What to add to a displacement that was set to 0 again; 0 if it was not."""
+    (begin, end), (next_, last) = _ends(before), _ends(after)
+    steps = np.concatenate([np.abs(np.diff(x[np.isfinite(x)])) for x in (before, after)])
+    back = (end - next_) * np.sign(end - begin + last - next_)
+    return end - next_ if back > ZEROED * steps.max(initial=0.0) else 0.0

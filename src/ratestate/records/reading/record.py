@@ -1,0 +1,156 @@
+"""From tables to a record: which columns, which rows, and the load point's history in them."""
+
+import json
+
+from ...errors import ParameterError
+from ...model.quantities import attrs, readable
+from ...model.units import to_si
+from .agreement import coarse_resolution, disagreements
+from .columns import choose_columns, column_by_name
+from .downsampling import MOST, blocks, checked_most, downsample, means
+from .joining import Part, check_join, join_parts
+from .lab_format import LabFormat
+from .messages import message, refusal
+from .rows import Rows, window
+from .segments import segments_from_displacement, segments_from_velocity
+from .sizes import check_constant, check_numbers, check_sizes, checked_units, unit_of
+from .table import quoted
+from .values import drop_codes, drop_impossible, flip_signs
+
+
+def record_of(
+    tables,
+    names,
+    columns=None,
+    units=None,
+    *,
+    time=None,
+    displacement=None,
+    rows=MOST,
+    join="auto",
+    sigma=None,
+    lab=None,
+):
+    """The Dataset that `read_lab` makes of tables, and a list of what it warns of.
+
+    tables : list of `Table`
+    names : list of the names of their files
+    lab : `LabFormat`; the other arguments, and what is raised, are those of `read_lab`
+    """
+    lab = LabFormat() if lab is None else lab
+    most = checked_most(rows)
+    check_join(join)
+    constant = lab.constants.get("sigma") if sigma is None else sigma
+    constant = None if constant is None else _constant(constant, columns)
+    given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
+    windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
+    columns, units = lab.merged_columns(columns, constant), lab.merged_units(units, constant)
+    parts, notes = [], []
+    for table, name in zip(tables, names, strict=True):
+        part, own = _part(table, name, columns, checked_units(units), constant)
+        parts.append(part)
+        notes += own
+    part, of_files = join_parts(parts, join, () if constant is None else ("sigma",))
+    kept = Rows(part.table, part.columns, part.units)
+    kept.cut(windows)
+    kept.drop_unreadable()
+    drop_codes(kept)
+    kept.order()
+    kept.check_enough()
+    for symbol, column in part.columns.items():
+        check_sizes(symbol, kept.record[symbol], column, part.units[symbol])
+    signs, turned = flip_signs(kept.record, lab.signs)
+    if constant is not None:
+        kept.add_constant("sigma", constant)
+    drop_impossible(kept)
+    kept.find_gaps()
+    downsample(kept, most)
+    record = kept.record
+    segments = _segments(record, kept.gaps)
+    coarse = coarse_resolution(record, segments)
+    messages = kept.warnings + notes + of_files + disagreements(kept, coarse)
+    data = _dataset(record, segments)
+    sources = {
+        s: {"title": c.title, "unit": part.units[s]} | ({"sign": -1} if s in signs else {})
+        for s, c in part.columns.items()
+    }
+    data.attrs = {
+        "title": "ratestate read_lab",
+        "found": coarse or segments.history(record["time"], record.get("delta_lp")),
+        "source": ", ".join(names),
+        "columns": json.dumps(sources),
+        "notes": json.dumps(messages + turned + segments.notes),
+    }
+    if lab.machine:
+        data.attrs["machine"] = json.dumps(lab.machine)
+    return data, messages
+
+
+def _constant(sigma, columns):
+    """A normal stress that is given [Pa]; ParameterError for none of a usual size, or two."""
+    if "sigma" in (columns or {}):
+        raise refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
+    value = to_si("sigma", sigma)
+    check_constant("sigma", value)
+    return value
+
+
+def _part(table, name, columns, units, constant):
+    """The `Part` that the chosen columns of a table are, and notes.
+
+    constant : a normal stress [Pa] in place of a column, or None
+    """
+    given = () if constant is None else ("sigma",)
+    chosen = {s: table.columns[i] for s, i in choose_columns(table, columns, given).items()}
+    unit, notes = _units(table, chosen, columns or {}, units)
+    chosen = {symbol: chosen[symbol] for symbol in unit}
+    if len({column.values.size for column in chosen.values()}) > 1:
+        sizes = ", ".join(f"{quoted(c.title)} has {c.values.size}" for c in chosen.values())
+        raise refusal("column.lengths", sizes=sizes)
+    if given and (index := column_by_name(table, "sigma", ())) is not None:
+        values = {"sigma": readable("sigma", constant), "title": quoted(table.titles[index])}
+        notes.append(message("notes.constant_sigma", **values))
+    return Part(table, name, chosen, unit), notes
+
+
+def _units(table, chosen, requested, units):
+    """Units of columns, and notes on optional columns left out for want of one."""
+    if unused := units.keys() - chosen.keys():
+        raise refusal("units.unused", symbols=", ".join(sorted(unused)), chosen=", ".join(chosen))
+    for symbol, column in chosen.items():
+        check_numbers(table, symbol, column)
+    unit, notes = {}, []
+    for symbol, column in chosen.items():
+        stress = symbol in ("tau", "sigma")
+        optional = stress and "friction" in chosen and symbol not in requested
+        try:
+            unit[symbol] = unit_of(column, symbol, units)
+        except ParameterError as error:
+            if not optional:
+                raise
+            notes.append(f"{symbol} is left out: {error}")
+    return unit, notes
+
+
+def _segments(record, gaps):
+    """The `Segments` of a record; of a very long one from means over blocks of rows."""
+    symbol = "delta_lp" if "delta_lp" in record else "V_load"
+    t, x = record["time"], record[symbol]
+    if t.size > MOST:
+        starts, _ = blocks(t.size, gaps, MOST)
+        t, x = means(t, starts), means(x, starts)
+    if symbol == "delta_lp":
+        return segments_from_displacement(t, x)
+    return segments_from_velocity(t, x)
+
+
+def _dataset(record, segments):
+    """The variables, with the load point's history."""
+    import xarray
+
+    order = [s for s in ("friction", "delta_lp", "V_load", "tau", "sigma") if s in record]
+    variables = {s: ("time", record[s], attrs(s)) for s in order}
+    for name in ("t", "V", "t_error", "V_error"):
+        label = f"segment_{name}"
+        variables[label] = ("segment", getattr(segments, name), attrs(label))
+    return xarray.Dataset(variables, coords={"time": ("time", record["time"], attrs("time"))})

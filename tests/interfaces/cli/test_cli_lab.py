@@ -1,0 +1,115 @@
+"""``ratestate lab describe``, and what ``ratestate fit`` makes of several files and of a format."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from synthetic_records import SLIDER, STEP, record
+from typer.testing import CliRunner
+
+from ratestate import files
+from ratestate.interfaces.cli import command, main
+from ratestate.records.reading import describe
+from ratestate.records.reading.downsampling import MOST
+
+
+def call(*arguments):
+    return CliRunner().invoke(main, [*map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a record, as one file and as two; its titles say little; no normal stress."""
+    folder = tmp_path_factory.mktemp("lab")
+    data = record(SLIDER, STEP, np.linspace(0.0, 140.0, 701), noise=3e-4)
+    table = np.column_stack([data.time, 1e6 * data.delta_lp, 20 * data.friction])
+    for name, rows in (
+        ("r.txt", slice(0, 701)),
+        ("a.txt", slice(0, 300)),
+        ("b.txt", slice(300, 701)),
+    ):
+        part = table[rows] - [table[rows][0, 0] if name == "b.txt" else 0.0, 0.0, 0.0]
+        np.savetxt(folder / name, part, "%.9g", "\t", header="Zeit (s)\tch1\tch2", comments="")
+    return folder
+
+
+OPTIONS = ("--columns", "delta_lp=2", "--columns", "tau=ch2", "--units", "delta_lp=um,tau=MPa",
+           "--sigma", "20 MPa", "--K", "60 GPa/m")  # fmt: skip
+
+
+@pytest.fixture
+def lab(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    done = call("lab", "describe", "r.txt", *OPTIONS)
+    assert done.exit_code == 0, done.output
+    Path("mylab.toml").write_text(done.stdout, "utf-8")
+    return done.stdout
+
+
+def test_a_description_is_printed(lab):
+    columns, units = {"delta_lp": 2, "tau": "ch2"}, {"delta_lp": "um", "tau": "MPa"}
+    assert lab == describe("r.txt", columns, units, sigma="20 MPa", K="60 GPa/m")
+    assert tomllib.loads(lab)["machine"] == {"K": "60 GPa/m"}
+    done = call("lab", "describe", "r.txt", "--format", "mylab.toml", "--M", "3000 kg/m^2")
+    assert tomllib.loads(done.stdout)["machine"] == {"K": "60 GPa/m", "M": "3000 kg/m^2"}
+    done = call("lab", "describe", "r.txt")
+    assert done.exit_code == 2
+    assert "no column is known as delta_lp or V_load" in done.stderr
+    assert done.stdout == ""
+
+
+def test_a_fit_needs_no_other_option_than_the_format(lab):
+    done = call("fit", "r.txt", "--format", "mylab.toml", "--free", "a,b,Dc", "--out", "made")
+    assert done.exit_code in (0, 3), done.output
+    result = files.read("made/fit.nc")
+    slider = json.loads(result.attrs["slider"])
+    assert (slider["K"], slider["sigma"]) == (6e10, 2e7)  # of the machine, and of the record
+    np.testing.assert_allclose(result.Dc, SLIDER.Dc, rtol=0.1)
+    assert "read_lab('r.txt', format='mylab.toml')" in Path("made/report.md").read_text("utf-8")
+    again = call("fit", "r.txt", *OPTIONS[:6], "--sigma", "20 MPa", "--K", "6e10 Pa/m", "--json")
+    assert again.exit_code == 2  # the fit's own sigma is none of the record
+    assert "no column is known as sigma" in again.stderr
+    # what is given goes first
+    own = call("fit", "r.txt", "--format", "mylab.toml", "--free", "a,b,Dc", "--K", "50 GPa/m",
+               "--json")  # fmt: skip
+    assert json.loads(own.stdout)["attrs"]["slider"]["K"] == 5e10
+
+
+def test_several_files_are_joined(lab):
+    one, two = (
+        json.loads(call("fit", *names, "--format", "mylab.toml", "--json").stdout)["data_vars"]
+        for names in (["r.txt"], ["a.txt", "b.txt", "--join", "restart"])
+    )
+    for symbol in ("a", "b", "Dc"):
+        np.testing.assert_allclose(two[symbol]["data"], one[symbol]["data"], rtol=1e-3)
+    done = call("fit", "a.txt", "b.txt", "--format", "mylab.toml", "--join", "absolute")
+    assert done.exit_code == 2
+    assert "b.txt begins at 0 s (line 2), before the end of a.txt at 59.8 s" in done.stderr
+
+
+def test_the_report_names_all_files(lab):
+    done = call("fit", "a.txt", "b.txt", "--format", "mylab.toml", "--out", "joined")
+    assert done.exit_code in (0, 3), done.output
+    text = Path("joined/report.md").read_text("utf-8")
+    assert text.startswith("# Fit of a.txt, b.txt")
+    assert "read_lab(['a.txt', 'b.txt'], format='mylab.toml')" in text
+    assert "the times of b.txt begin anew" in text
+
+
+def test_most_rows_are_an_option(lab):
+    done = call("fit", "r.txt", "--format", "mylab.toml", "--rows", "0")
+    assert done.exit_code == 2
+    assert "rows = 0 must be the most rows that are kept" in done.stderr
+    tables = tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text("utf-8"))
+    assert tables["fit"]["rows"]["show_default"] == str(MOST)
+
+
+def test_a_format_that_is_wrong_is_refused_in_one_line(lab):
+    Path("wrong.toml").write_text("[units]\ntime = 'm'\n", "utf-8")
+    done = call("fit", "r.txt", "--format", "wrong.toml")
+    assert done.exit_code == 2
+    assert done.stderr.splitlines()[-1].endswith(
+        "wrong.toml: [units] time = 'm', expected a unit such as 's'"
+    )

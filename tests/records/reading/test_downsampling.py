@@ -1,0 +1,198 @@
+"""Very long records: means over blocks of rows, and text that is read in blocks."""
+
+import json
+import warnings
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import ratestate as rs
+from ratestate.errors import RecordWarning
+from ratestate.records.reading import cells, read_lab
+from ratestate.records.reading import text as text_files
+from ratestate.records.reading.downsampling import MOST, blocks, downsample, means
+
+DT, FACTOR = 0.01, 10
+N = 20_000
+
+
+def record(path, noise=0.0, lost=(), step=100.003):
+    """Steps from 1 to 10 um/s at `step`, friction with white noise, without the `lost` rows."""
+    t = np.arange(N) * DT
+    x = np.where(t < step, t, step + 10 * (t - step))
+    mu = 0.6 + 0.01 * np.sin(t / 7) + noise * np.random.default_rng(1).normal(size=N)
+    keep = np.setdiff1d(np.arange(N), lost)
+    header = "Time (s), Disp (um), Friction, Normal stress (MPa)"
+    columns = np.transpose([t, x, mu, 20 + 0 * t])[keep]
+    np.savetxt(path, columns, "%.8f", delimiter=",", header=header, comments="")
+    return path, t, x, mu
+
+
+def test_means_over_blocks(tmp_path):
+    path, t, x, mu = record(tmp_path / "r.csv", noise=1e-3)
+    with pytest.warns(RecordWarning, match=r"20,000 rows are averaged in blocks of 10: 2,000 are "
+                      r"left, one in 100 ms instead of 10 ms; .*rows=None"):  # fmt: skip
+        data = read_lab(path, rows=2000)
+    assert "20,000 rows are averaged" in json.loads(data.attrs["notes"])[0]
+    for name, values in (("time", t), ("delta_lp", 1e-6 * x), ("friction", mu)):
+        expected = values.reshape(-1, FACTOR).mean(axis=1)
+        np.testing.assert_allclose(data[name], expected, rtol=1e-7, atol=1e-9)
+    # white noise of friction is less by the root of 10, no more and no less
+    slow = 0.6 + 0.01 * np.sin(data.time.values / 7)
+    ratio = float((data.friction - slow).std()) / 1e-3 * FACTOR**0.5
+    assert 0.95 < ratio < 1.05
+    # and the step stays where it is, to better than a row
+    np.testing.assert_allclose(data.segment_t, [t[4:6].mean(), 100.003], atol=1e-3)
+    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-4)
+
+
+def test_nothing_is_averaged_of_as_many_rows_as_are_allowed(tmp_path):
+    path, *_ = record(tmp_path / "r.csv")
+    for rows in (N, None, MOST, np.int64(N)):
+        data = read_lab(path, rows=rows)  # warnings are errors
+        assert data.sizes["time"] == N
+    with pytest.warns(RecordWarning, match="in blocks of 2: 10,000 are left"):
+        assert read_lab(path, rows=N - 1).sizes["time"] == N // 2
+
+
+@pytest.mark.parametrize("rows", [999, 0, -1, 1e6, "all", True])
+def test_numbers_of_rows_refused(tmp_path, rows):
+    path, *_ = record(tmp_path / "r.csv")
+    with pytest.raises(rs.ParameterError, match=r"rows = .* whole number from 1,000 on"):
+        read_lab(path, rows=rows)
+
+
+def test_a_mean_is_named_by_the_row_in_its_middle():
+    record = {"time": np.arange(N) * DT}
+    rows = SimpleNamespace(kept=3 + np.arange(N), record=record, gaps=np.array([15]), warnings=[])
+    downsample(rows, N // FACTOR)
+    np.testing.assert_array_equal(rows.kept[:3], [8, 23, 33])
+    np.testing.assert_allclose(rows.record["time"][:2], [7 * DT, 19.5 * DT])
+    np.testing.assert_array_equal(rows.gaps, [1])
+
+
+def test_an_oscillation_is_weakened_as_stated():
+    """By sin(pi B/P)/(pi B/P) over blocks of B, and not aliased at the new rate."""
+    for period, most in ((0.4, 0.91), (0.1, 1e-6)):
+        t = np.arange(N) * DT
+        angle = 2 * np.pi * t / period
+        starts, factor = blocks(N, np.zeros(0, int), N // FACTOR)
+        assert factor == FACTOR
+        after = np.hypot(means(np.sin(angle), starts), means(np.cos(angle), starts))
+        exact = np.sin(np.pi * 0.1 / period) / (FACTOR * np.sin(np.pi * DT / period))
+        np.testing.assert_allclose(after, abs(exact), atol=1e-10)
+        assert after.max() < most
+
+
+def test_no_block_spans_a_gap(tmp_path):
+    """Rows 5003 to 9998 are lost, 50 s: no mean lies inside, and the step is found beside it."""
+    path, t, *_ = record(tmp_path / "r.csv", lost=range(5003, 9999))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        data = read_lab(path, rows=2000)
+    texts = [str(one.message) for one in caught]
+    assert any("a gap in time before line 5005 (50 s)" in text for text in texts)
+    times = data.time.values
+    assert not ((times > t[5002]) & (times < t[9999])).any()
+    assert times[times < 60].max() > t[5002] - DT * FACTOR
+    np.testing.assert_allclose(data.segment_t[1:], [100.003], atol=0.05)
+    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-3)
+
+
+def test_blocks_cover_all_rows_once():
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        n = int(rng.integers(1000, 5000))
+        gaps = np.unique(rng.integers(1, n, rng.integers(0, 6)))
+        starts, factor = blocks(n, gaps, int(rng.integers(100, 1000)))
+        lengths = np.diff(np.append(starts, n))
+        assert starts[0] == 0
+        assert {*gaps} <= {*starts}
+        assert lengths.min() >= 1
+        assert lengths.max() < 2 * factor
+        short = lengths < factor
+        assert {*starts[short]} <= {0, *gaps}  # stretches that are shorter as a whole
+
+
+def test_segments_of_very_long_records_are_found_in_means(tmp_path, monkeypatch):
+    path, *_ = record(tmp_path / "r.csv")
+    monkeypatch.setattr("ratestate.records.reading.record.MOST", 1000)
+    data = read_lab(path, rows=None)
+    assert data.sizes["time"] == N
+    np.testing.assert_allclose(data.segment_t[1], 100.003, atol=5e-3)
+
+
+def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):
+    """Odd cells, remarks, blank lines and decimal commas, wherever a block ends."""
+    path, *_ = record(tmp_path / "r.csv")
+    lines = path.read_text().splitlines()[:3000]
+    lines[1500] = lines[1500].replace("20.00", "over")
+    lines[1700:1700] = ["# a remark", "", "  % another"]
+    lines[2000] += ",1"
+    lines[2100] = lines[2100].rpartition(",")[0]
+    lines[2200] = lines[2200].replace("20.00000000", "2.0D+01")
+    path.write_text("\n".join(lines))
+    whole = text_files.read_text(path)
+    monkeypatch.setattr(text_files, "BLOCK", 1000)
+    monkeypatch.setattr(text_files, "MOST_ABOVE", 5)
+    monkeypatch.setattr(cells, "PART", 7)
+    parts = text_files.read_text(path)
+    assert parts.odd == whole.odd
+    assert parts.titles == whole.titles
+    np.testing.assert_array_equal(parts.numbers, whole.numbers)
+    for one, other in zip(parts.columns, whole.columns, strict=True):
+        np.testing.assert_array_equal(one.values, other.values)
+    assert len(whole.odd) == 6
+    assert whole.odd[1499, " Normal stress (MPa)".strip()] == "over000000"
+    expected = [*range(2, 1701), *range(1704, 3004)]
+    np.testing.assert_array_equal(whole.numbers, expected)
+    assert whole.columns[3].values[2199 - 3] == 20.0
+
+
+def test_numbers_are_read_to_the_last_digit(tmp_path):
+    """As Python reads them; a fast reader may round them otherwise."""
+    rng = np.random.default_rng(3)
+    values = rng.uniform(0.1, 1, (2000, 3)) * 10.0 ** rng.integers(-20, 20, (2000, 3))
+    path = tmp_path / "r.txt"
+    path.write_text("\n".join("\t".join(map(repr, row)) for row in values.tolist()))
+    table = text_files.read_text(path)
+    np.testing.assert_array_equal(np.transpose([c.values for c in table.columns]), values)
+
+
+@pytest.mark.parametrize("delimiter", ["\t", ",", ";"])
+def test_columns_of_texts_are_passed_over_without_a_difference(delimiter, monkeypatch):
+    """Dates and remarks in each row, a number among them now and then: as cell by cell."""
+    rng = np.random.default_rng(7)
+    texts = ["12:00:01", "hold", "", "1.5", "2.0D+01", "nan", "1_0", '"a"', "# no remark", " x "]
+    lines = [
+        delimiter.join([f"{i / 7!r}", texts[rng.integers(10)], f"{i}", texts[rng.integers(10)]])
+        for i in range(700)
+    ]
+    lines[0] = delimiter.join(["0", "run", "0", "12:00"])
+    layout = cells.Layout(delimiter, False, list("abcd"))
+    fast = cells._beside_texts([f"{line}\n" for line in lines], layout, cells.ODD)
+    named = [delimiter.join([name, "1", "2", "3"]) for name in ("on", "# off")]
+    assert cells._beside_texts(named, layout, cells.ODD) is None
+    monkeypatch.setattr(cells, "_beside_texts", lambda *_: None)
+    slow = cells.rows_in(lines, layout)
+    np.testing.assert_array_equal(fast.values, slow.values)
+    np.testing.assert_array_equal(fast.lines, slow.lines)
+    assert fast.odd == slow.odd
+    assert len(fast.odd) > 600
+
+
+def test_not_more_odd_cells_are_kept_than_there_is_room_for(tmp_path, monkeypatch):
+    lines = [f"{i}\t{i % 7}\t12:00:{i % 60:02}" for i in range(500)]
+    lines[300] = "x\ty\tz"
+    path = tmp_path / "r.txt"
+    path.write_text("\n".join(lines))
+    monkeypatch.setattr(text_files, "BLOCK", 1000)
+    monkeypatch.setattr(text_files, "MOST_ABOVE", 5)
+    monkeypatch.setattr(text_files, "LOOK", 5)
+    monkeypatch.setattr(text_files, "ODD", 100)
+    table = text_files.read_text(path)
+    assert 100 <= len(table.odd) < 200
+    assert table.columns[0].values.size == 500
+    assert np.isnan(table.columns[0].values[300])
+    assert np.isnan(table.columns[2].values).all()

@@ -1,0 +1,269 @@
+"""A laboratory's format as a file: written by `describe`, read by `read_lab`, or refused."""
+
+import json
+import tomllib
+import warnings
+
+import numpy as np
+import pint
+import pytest
+import scipy.io
+import xarray as xr
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import ratestate as rs
+from ratestate.errors import RecordWarning
+from ratestate.records.reading import describe, read_lab
+from ratestate.records.reading.lab_format import TABLES, lab_format
+
+N = 120
+T = np.arange(N) * 0.25
+X = np.where(T < 15, T, 10 * T - 135)  # a step from 1 to 10 um/s at 15 s
+MU = 0.6 + 0.003 * np.sin(T) + 0.0001 * T
+#: symbol -> values in SI
+VALUES = {"time": T, "delta_lp": 1e-6 * X, "friction": MU, "tau": 2e7 * MU, "sigma": 2e7 + 0 * T}
+#: symbol -> units, and SI in each
+UNITS = {
+    "time": {"s": 1.0, "min": 60.0, "ms": 1e-3},
+    "delta_lp": {"um": 1e-6, "mm": 1e-3, "Mikron": 1e-6},
+    "friction": {"": 1.0, "%": 0.01},
+    "tau": {"MPa": 1e6, "N/mm²": 1e6, "bar": 1e5},
+    "sigma": {"MPa": 1e6, "kgf/cm2": 98066.5, "Pa": 1.0},
+}
+#: how titles may look that say nothing, or too little
+NAMES = st.text("abqyzäß時間\\\"'#=.Ω ", min_size=1, max_size=8).map(lambda x: f"q{x.strip()}z")
+
+
+def write(path, header, columns, delimiter="\t", decimal="."):
+    rows = zip(*columns, strict=True)
+    lines = [delimiter.join(repr(float(x)).replace(".", decimal) for x in row) for row in rows]
+    path.write_text("\n".join([delimiter.join(header)] * bool(header) + lines), "utf-8")
+    return path
+
+
+def same(data, other):
+    xr.testing.assert_identical(data, other)
+
+
+@st.composite
+def tables(draw):
+    """A file that nothing is known of by itself: titles, columns, options, delimiter, decimal."""
+    stresses = draw(st.booleans())
+    symbols = ["time", "delta_lp", *(["tau", "sigma"] if stresses else ["friction"])]
+    constant = stresses and draw(st.booleans())
+    if constant:
+        symbols.remove("sigma")
+    symbols = draw(st.permutations(symbols))
+    header = draw(st.lists(NAMES, min_size=len(symbols), max_size=len(symbols)))
+    columns, units, titles, values = {}, {}, [], []
+    for place, (symbol, name) in enumerate(zip(symbols, header, strict=True), 1):
+        unit = draw(st.sampled_from([*UNITS[symbol]]))
+        beside = draw(st.booleans()) and unit
+        titles.append(f"{name} [{unit}]" if beside else name)
+        sign = draw(st.sampled_from([1, -1])) if symbol in ("delta_lp", "tau") else 1
+        values.append(sign * VALUES[symbol] / UNITS[symbol][unit])
+        if unit and not beside:
+            units[symbol] = unit
+        by_title = titles.count(titles[-1]) == 1 and draw(st.booleans())
+        columns[symbol] = titles[-1] if by_title else place
+    headless = all(isinstance(column, int) for column in columns.values()) and draw(st.booleans())
+    if headless:
+        chosen = dict(zip(symbols, [t.rpartition(" [")[2].rstrip("]") if "[" in t else ""
+                                    for t in titles], strict=True))  # fmt: skip
+        units |= {symbol: unit for symbol, unit in chosen.items() if unit}
+    options = {"columns": columns, "units": units}
+    if constant:
+        options["sigma"] = draw(st.sampled_from(["20 MPa", 2e7, "200 bar"]))
+    repeated = len(set(titles)) < len(titles)
+    if repeated:  # a title that is repeated is none
+        options["columns"] = {symbol: place for place, symbol in enumerate(symbols, 1)}
+    delimiter = draw(st.sampled_from("\t;"))
+    decimal = draw(st.sampled_from(".,"))
+    return [] if headless else titles, values, options, delimiter, decimal
+
+
+@given(table=tables())
+@settings(max_examples=60, deadline=None,
+          suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
+def test_a_description_reads_as_the_options_it_was_made_with(tmp_path, table):
+    header, values, options, delimiter, decimal = table
+    path = write(tmp_path / "r.txt", header, values, delimiter, decimal)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RecordWarning)
+        expected = read_lab(path, **options)
+        text = describe(path, **options)
+        lab = tmp_path / "lab.toml"
+        lab.write_text(text, "utf-8")
+        data = read_lab(path, format=lab)
+        # signs are as described, and no longer looked for: only the words of the notes differ
+        notes = [json.loads(one.attrs.pop("notes")) for one in (expected, data)]
+        same(data, expected)
+        assert len(notes[0]) == len(notes[1])
+        again = describe(path, format=lab)
+    assert tomllib.loads(again) == tomllib.loads(text)
+
+
+def test_what_a_description_says(tmp_path):
+    header = "Zeit [s]", "ch 1", "ch 2 (%)", "p"
+    path = write(tmp_path / "r.txt", header, [T, -X, 100 * MU, 0 * T])
+    text = describe(path, {"delta_lp": 2, "friction": "ch 2"}, {"delta_lp": "um"},
+                    sigma="20 MPa", K="5 GPa/m")  # fmt: skip
+    assert tomllib.loads(text) == {
+        "columns": {"time": "Zeit [s]", "delta_lp": "ch 1", "friction": "ch 2 (%)"},
+        "units": {"delta_lp": "um"},
+        "constants": {"sigma": "20 MPa"},
+        "signs": {"delta_lp": -1},
+        "machine": {"K": "5 GPa/m"},
+    }
+    assert '# time = "s"  # as in the file' in text
+    assert '# M = "3000 kg/m^2"' in text
+    # all that it leaves open stands there as a comment that may be used as it is
+    whole = text.replace("# M", "M").replace("# [text]\n# delimiter", "[text]\ndelimiter")
+    tables = tomllib.loads(whole.replace('# decimal = ","', 'decimal = "."'))
+    assert tables.keys() == TABLES.keys()
+    lab = tmp_path / "lab.toml"
+    lab.write_text(text)
+    data = read_lab(path, format=lab)
+    assert json.loads(data.attrs["machine"]) == {"K": "5 GPa/m"}
+    np.testing.assert_allclose(data.sigma, 2e7)
+    np.testing.assert_allclose(data.friction, MU)
+    assert json.loads(data.attrs["columns"])["delta_lp"]["sign"] == -1
+
+
+def test_a_value_that_is_no_text_is_described_with_its_unit(tmp_path):
+    path = write(tmp_path / "r.txt", ["t (s)", "disp (um)", "mu"], [T, X, MU])
+    stiffness = pint.Quantity(3.0, "1/mm")
+    tables = tomllib.loads(describe(path, sigma=2e7, K=stiffness, M=3000))
+    assert tables["constants"] == {"sigma": "20000000.0 Pa"}
+    assert tables["machine"] == {"K": "3000.0 1/m", "M": "3000.0 kg/m^2"}
+
+
+def test_options_of_the_call_go_first(tmp_path):
+    header = "Zeit [s]", "a", "b", "mu", "p (MPa)", "sigma (MPa)"
+    columns = [T, X, 2 * X, MU, 0 * T, 30 + 0 * T]
+    path = write(tmp_path / "r.txt", header, columns)
+    lab = tmp_path / "lab.toml"
+    lab.write_text('[columns]\ndelta_lp = "a"\nfriction = "mu"\nsigma = "sigma"\n'
+                   '[units]\ndelta_lp = "um"\nsigma = "MPa"\n')  # fmt: skip
+    data = read_lab(path, {"delta_lp": "b"}, {"delta_lp": "mm"}, format=lab)
+    np.testing.assert_allclose(data.delta_lp, 2e-3 * X)
+    np.testing.assert_allclose(data.sigma, 3e7)
+    with pytest.warns(RecordWarning, match=r"sigma = 20 MPa is given; the column 'sigma \(MPa\)'"):
+        data = read_lab(path, sigma="20 MPa", format=lab)
+    np.testing.assert_allclose(data.sigma, 2e7)
+    lab.write_text('[columns]\ndelta_lp = "a"\n[units]\ndelta_lp = "um"\n[constants]\nsigma = 1e7')
+    with pytest.raises(rs.ParameterError, match=r"sigma = 1.*, and a column as well"):
+        read_lab(path, {"sigma": 6}, format=lab)
+
+
+def test_signs_that_are_given_are_not_looked_for(tmp_path):
+    path = write(tmp_path / "r.txt", ["t (s)", "disp (um)", "mu"], [T, -X, MU])
+    lab = tmp_path / "lab.toml"
+    lab.write_text("[signs]\ndelta_lp = -1")
+    data = read_lab(path, format=lab)
+    np.testing.assert_allclose(data.delta_lp, 1e-6 * X, atol=1e-20)
+    lab.write_text("[signs]\nfriction = 1")
+    negative = write(tmp_path / "n.txt", ["t (s)", "disp (um)", "mu"], [T, X, -MU])
+    np.testing.assert_array_equal(read_lab(negative, format=lab).friction, -MU)
+    np.testing.assert_array_equal(read_lab(negative).friction, MU)
+    lab.write_text("[signs]\ndelta_lp = 1\nfriction = -1")
+    with pytest.raises(rs.ParameterError, match="runs backwards"):
+        read_lab(path, format=lab)
+
+
+def test_text_as_the_format_has_it(tmp_path):
+    """Integers with a mark of decimals that looks like a delimiter, and the other way round."""
+    rows = [f"{i},0,{i},5 {i % 7},{i}" for i in range(N)]
+    path = tmp_path / "r.txt"
+    path.write_text("\n".join(row.replace(",5", "") for row in rows))
+    lab = tmp_path / "lab.toml"
+    head = '[columns]\ntime = 1\ndelta_lp = 2\nfriction = 3\n[units]\ntime = "s"\ndelta_lp = "um"\n'
+    lab.write_text(head + '[text]\ndelimiter = ","\n')
+    with pytest.raises(rs.ParameterError):
+        read_lab(path, format=lab)  # of the cells "i 3" none is a number
+    path.write_text("\n".join(f"{t:g},{t:g};{x:g},5;0,{i % 7 + 1}" for i, (t, x) in
+                              enumerate(zip(range(N), range(N), strict=True))))  # fmt: skip
+    lab.write_text(head + '[text]\ndelimiter = ";"\ndecimal = ","\n')
+    data = read_lab(path, format=lab)
+    np.testing.assert_allclose(data.delta_lp, 1e-6 * (np.arange(N) + 0.5))
+    np.testing.assert_allclose(data.friction, 0.1 * (np.arange(N) % 7 + 1))
+
+
+def test_a_format_of_mat_files(tmp_path):
+    """RSFit3000 has its columns in a struct, without units."""
+    fields = {"time": T, "lpdisp": X, "mu": MU, "sigma": 20 + 0 * T}
+    scipy.io.savemat(tmp_path / "r.mat", {"data": fields})
+    with pytest.raises(rs.ParameterError, match="has no unit"):
+        read_lab(tmp_path / "r.mat")
+    units = {"time": "s", "delta_lp": "um", "sigma": "MPa"}
+    lab = tmp_path / "lab.toml"
+    lab.write_text(describe(tmp_path / "r.mat", units=units))
+    assert tomllib.loads(lab.read_text())["units"] == units
+    same(read_lab(tmp_path / "r.mat", format=lab), read_lab(tmp_path / "r.mat", units=units))
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("[columns]\ntime = 0", r"lab.toml: \[columns\] time = 0, expected the title of a column"),
+        ("[columns]\ntme = 1", r"\[columns\] tme is unknown, expected one of time, .* mean time\?"),
+        ("[colums]\ntime = 1", r"\[colums\] is unknown, expected one of text, .* mean columns\?"),
+        (
+            "columns = 3",
+            r"lab.toml: columns must be a table, \[columns\] with lines such as time = ",
+        ),
+        ("[units]\ntime = 3", r"\[units\] time = 3, expected a unit such as 's'"),
+        ("[units]\ndelta_lp = 'MPa'", r"\[units\] delta_lp = 'MPa', expected a unit such as 'um'"),
+        ("[constants]\nsigma = '20'", r"\[constants\] sigma = '20', expected a stress .* '2 MPa'"),
+        ("[constants]\nsigma = -3", r"\[constants\] sigma = -3, expected a stress"),
+        ("[machine]\nK = '2 MN/m'", r"\[machine\] K = '2 MN/m', expected a stiffness \[Pa/m\]"),
+        ("[machine]\nM = '2 m'", r"\[machine\] M = '2 m', expected a mass per area"),
+        ("[machine]\nL = 1", r"\[machine\] L is unknown, expected one of K, M"),
+        ("[signs]\ndelta_lp = '-'", r"\[signs\] delta_lp = '-', expected 1, .* or -1"),
+        ("[signs]\ndelta_lp = 0", r"\[signs\] delta_lp = 0, expected 1"),
+        ("[signs]\ndelta_lp = true", r"\[signs\] delta_lp = True, expected 1"),
+        ("[signs]\ntime = -1", r"\[signs\] time is unknown, expected one of delta_lp"),
+        ("[text]\ndelimiter = '|'", r"\[text\] delimiter = '\|', expected one of 'tab', ';', ','"),
+        ("[text]\ndecimal = ';'", r"\[text\] decimal = ';', expected one of '.', ','"),
+        ("[text]\ndecimal = []", r"\[text\] decimal = \[\], expected one of"),
+        ("[constants]\nsigma = 1e7\n[columns]\nsigma = 4", r"exclude each other"),
+        ("[columns\n", r"lab.toml is no TOML"),
+        ("#" * 100_001, "more than 100,000 bytes"),
+    ],
+)
+def test_formats_refused(tmp_path, text, match):
+    path = write(tmp_path / "r.txt", ["t (s)", "disp (um)", "mu"], [T, X, MU])
+    lab = tmp_path / "lab.toml"
+    lab.write_text(text)
+    with pytest.raises(rs.ParameterError, match=match):
+        read_lab(path, format=lab)
+
+
+def test_all_that_is_wrong_with_a_format_is_reported(tmp_path):
+    lab = tmp_path / "lab.toml"
+    lab.write_text("[units]\ntime = 'm'\n[machine]\nK = 'x'\n[tables]\n")
+    with pytest.raises(rs.ParameterError) as caught:
+        lab_format(lab)
+    lines = str(caught.value).splitlines()
+    assert [line.partition("]")[0] for line in lines] == [
+        f"lab.toml: [{table}" for table in ("units", "machine", "tables")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("keywords", "match"),
+    [
+        ({"K": "5 GPa"}, "K = '5 GPa'; expected a stiffness"),
+        ({"M": "3 kg"}, "M = '3 kg'; expected a mass per area"),
+        ({"sigma": "20 Pa"}, r"sigma = 20 Pa is given, and no record is of such a size"),
+        ({"sigma": "20 m"}, "sigma = '20 m' is a length"),
+        ({"format": 3}, "format = 3 is no path"),
+        ({"format": "no.toml"}, "no.toml cannot be read: No such file"),
+        ({"form": "x"}, "describe has no parameter form"),
+    ],
+)
+def test_descriptions_refused(tmp_path, keywords, match):
+    path = write(tmp_path / "r.txt", ["t (s)", "disp (um)", "mu"], [T, X, MU])
+    with pytest.raises(rs.ParameterError, match=match):
+        describe(path, **keywords)
