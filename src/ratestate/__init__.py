@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .model.user_laws import register
     from .records.fitting.fit import fit
     from .records.reading import read_lab
+    from .records.stick_slip import events
     from .sweeps.sweep import sweep
 
 __all__ = [
@@ -50,6 +51,7 @@ __all__ = [
     "SpringSlider",
     "bautin",
     "continue_cycle",
+    "events",
     "explore",
     "fit",
     "frequency_response",
@@ -82,6 +84,7 @@ _HOMES = {
     "StoreError": "errors",
     "bautin": "dynamics.hopf",
     "continue_cycle": "dynamics.continuation.branch",
+    "events": "records.stick_slip",
     "explore": "interfaces.explorer.notebook",
     "fit": "records.fitting.fit",
     "frequency_response": "dynamics.frequency_response",

@@ -81,11 +81,16 @@ def figure(data, height, symbols=None, more="", title=None):
     title : by default that of `data`
     """
     symbols = symbols_of(data) if symbols is None else symbols
-    fig = Figure(figsize=(7.2, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
     listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]
     second = ", ".join(listed) + more
-    fig.suptitle(f"{title or data.attrs['title']}\n{second}", x=0.01, ha="left", fontsize=8)
+    return blank_figure(height, f"{title or data.attrs['title']}\n{second}")
+
+
+def blank_figure(height, title):
+    """An empty figure, 7.2 inches wide, under this title."""
+    fig = Figure(figsize=(7.2, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
+    fig.suptitle(title, x=0.01, ha="left", fontsize=8)
     return fig
 
 

@@ -103,7 +103,7 @@ def test_most_rows_are_an_option(lab):
     assert done.exit_code == 2
     assert "rows = 0 must be the most rows that are kept" in done.stderr
     tables = tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text("utf-8"))
-    assert tables["fit"]["rows"]["show_default"] == str(MOST)
+    assert tables["shared"]["rows"]["show_default"] == str(MOST)
 
 
 def test_a_format_that_is_wrong_is_refused_in_one_line(lab):

@@ -7,6 +7,7 @@
 ``run_scenario``                        what these do: outputs checked, computed, printed, written
 ``fit``, ``run_fit``                    its options; initial guesses, and which files are written
 ``lab``                                 ``lab describe``
+``events``, ``reading``                 its options; those that say how a record is read
 ``sweep``, ``store_report``             its options; what is said of a store
 ``report``                              results as tables, and report.md
 ``document``                            results as JSON

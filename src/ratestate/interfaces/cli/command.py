@@ -85,25 +85,6 @@ def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[
     return named
 
 
-def columns_of(texts: list[str] | None) -> dict[str, str | int]:
-    """The option --columns, NAME=COLUMN each, as a dict of titles and numbers."""
-    named = pairs_of(texts, "--columns")
-    return {name: int(text) if text.isdigit() else text for name, text in named.items()}
-
-
-def window_of(text: str | None, option: str) -> tuple[str | None, str | None] | None:
-    """START,END as two values, either of which may be omitted."""
-    if text is None:
-        return None
-    ends = [end.strip() or None for end in text.split(",")]
-    if len(ends) != 2 or ends == [None, None]:
-        raise typer.BadParameter(
-            f"{text!r} is not START,END, such as '11640 s,11720 s' or '11640 s,'",
-            param_hint=option,
-        )
-    return ends[0], ends[1]
-
-
 def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str]:
     """The option --set, NAME=VALUE each, as a dict; `typer.BadParameter` for another symbol."""
     values, known = pairs_of(texts, "--set"), [*symbols]

@@ -6,14 +6,14 @@ from typing import Any, Literal
 import typer
 
 from ...friction.laws import DEFAULT, friction_law, own_parameters
-from .command import columns_of, laws_of, own_values, pairs_of, window_of
+from .command import laws_of, own_values
 from .exits import SOME_FAILED
+from .reading import Join, reading_options
 
 Each = Literal["step"]
 Against = Literal["time", "displacement", "cycles"]
 Trend = Literal["slip", "time", "none"]
 Start = Literal["auto", "steady", "free"]
-Join = Literal["auto", "absolute", "restart"]
 Errors = Literal["auto", "covariance", "profile", "posterior"]
 
 
@@ -34,7 +34,7 @@ def fit(
     time: str | None = None,
     displacement: str | None = None,
     columns: list[str] | None = None,
-    units: list[str] | None = None,
+    column_units: list[str] | None = None,
     each: Each | None = None,
     rows: int | None = None,
     join: Join = "auto",
@@ -51,17 +51,9 @@ def fit(
 
     It ends with code 3 where an answer carries warnings; they are printed with it.
 
-    Example: ratestate fit record.txt --each step --law slip,aging --out fitted
+    Example: ratestate fit record.txt --each step --out fitted
     """
-    reading = {
-        "columns": columns_of(columns),
-        "units": pairs_of(units, "--units", separator=","),
-        "time": window_of(time, "--time"),
-        "displacement": window_of(displacement, "--displacement"),
-        "rows": rows,
-        "join": None if join == "auto" else join,
-        "format": format_ and format_.as_posix(),
-    }
+    reading = reading_options(columns, column_units, time, displacement, format_, rows, join)
     values = {"sigma": sigma, "a": a, "b": b, "Dc": Dc, "K": K, "M": M, "V0": V0}
     named = (name.strip() for text in law or () for name in text.split(","))
     laws = laws_of(named, law_file, [DEFAULT])
@@ -80,7 +72,6 @@ def fit(
 
     values |= own_values(of_law, own_parameters(map(friction_law, laws)))
     given = {symbol: value for symbol, value in values.items() if value is not None}
-    reading = {name: value for name, value in reading.items() if value not in (None, {})}
     request = FitRequest(tuple(file), reading, given, laws, fitting)
     if fit_and_report(request, out, json):
         raise typer.Exit(SOME_FAILED)

@@ -2,15 +2,15 @@
 
 from pathlib import Path
 
-from .command import columns_of, pairs_of, window_of
 from .output import print_line
+from .reading import reading_options
 
 
 def describe(
     file: Path,
     *,
     columns: list[str] | None = None,
-    units: list[str] | None = None,
+    column_units: list[str] | None = None,
     sigma: str | None = None,
     K: str | None = None,
     M: str | None = None,
@@ -24,15 +24,5 @@ def describe(
     """
     from ...records.reading import describe as described
 
-    text = described(
-        file,
-        columns_of(columns),
-        pairs_of(units, "--units", separator=","),
-        sigma=sigma,
-        K=K,
-        M=M,
-        time=window_of(time, "--time"),
-        displacement=window_of(displacement, "--displacement"),
-        format=format_,
-    )
-    print_line(text.rstrip("\n"))
+    reading = reading_options(columns, column_units, time, displacement, format_)
+    print_line(described(file, sigma=sigma, K=K, M=M, **reading).rstrip("\n"))

@@ -8,13 +8,15 @@ from typing import Any
 import xarray
 
 from ...errors import FitWarning, ParameterError, RecordWarning
-from ...files import replace, write
+from ...files import laboratory_csv, replace, write
 from ...friction.laws import friction_law
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
 from ...model.units import to_si
 from ...records.fitting.fit import fit
 from ...records.fitting.settings import sliders_under
+from ...records.fitting.steps.rows import rows_of
+from ...records.fitting.steps.table import is_of_steps
 from ...records.fitting.table import law_names
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
@@ -28,7 +30,7 @@ STARTS = {"a": "0.01", "b": "0.01", "Dc": "10 um"}
 #: K over sigma [1/m], likewise
 STIFFNESS = 3e3
 #: file names, which the report has too
-REPORT, PLOT, NUMBERS = "report.md", "fit.png", "fit.nc"
+REPORT, PLOT, NUMBERS, TABLE = "report.md", "fit.png", "fit.nc", "steps.csv"
 
 
 def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool:
@@ -62,6 +64,11 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
                 plot.save(plot.fit(result), out / PLOT),
                 replace(report, lambda partial: partial.write_text(text, "utf-8")),
             ]
+            if is_of_steps(result):
+                table = laboratory_csv(rows_of(result), "step")
+                files.append(
+                    replace(out / TABLE, lambda partial: partial.write_text(table, "utf-8"))
+                )
     if as_json:
         print_json(document(result, None))
     else:

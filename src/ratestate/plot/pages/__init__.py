@@ -8,6 +8,7 @@
 ``fit``                the function `fit`; which close-ups a page has
 ``steps``              fits of all steps and holds of a record
 ``cycles``, ``frame``  a fit of cycles; what pages of fits share
+``events``             catalogues of stick-slip events
 ====================== ====================================================
 """
 
@@ -16,6 +17,7 @@ import xarray
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ..bifurcation import branch_page
+from .events import events_page
 from .fit import fit_page
 from .response import response_page
 from .run import cycle_page, run_page, runs_page
@@ -30,11 +32,12 @@ SINGLE = {
     "frequency_response": response_page,
     "continue_cycle": branch_page,
     "fit": fit_page,
+    "events": events_page,
 }
 #: function of which a page shows no sweep -> what it shows
 ONE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
 #: dimensions of results that are no axes of a sweep
-OWN = ("time", "segment", "mode", "multiplier", "point", "frequency")
+OWN = ("time", "segment", "mode", "multiplier", "point", "frequency", "event", "abscissa")
 
 
 def page(result):
@@ -43,10 +46,11 @@ def page(result):
     Parameters
     ----------
     result : xarray.Dataset, or list or dict of these
-        From `simulate`, `limit_cycle`, `stability`, `frequency_response`, `continue_cycle`, `fit`
-        or `sweep`: of one slider, or over one axis (lines) or two (maps; lines too where one of
-        them has a few values only).  Several runs of `simulate` are compared: a list or dict as for
-        `plot.trace`, or a few along one axis with more than their ends saved.
+        From `simulate`, `limit_cycle`, `stability`, `frequency_response`, `continue_cycle`, `fit`,
+        `events` or `sweep`: of one slider, or over one axis (lines) or two (maps; lines too where
+        one of them has a few values only).  Several runs of `simulate` are compared: a list or dict
+        as for `plot.trace`, or a few along one axis with more than their ends saved.
+        A list or dict of results of `events` are compared as well: measured beside simulated.
 
     Returns
     -------
@@ -59,7 +63,9 @@ def page(result):
         No such result, or one that has lost its attributes; more than two axes.
     """
     if isinstance(result, list | tuple | dict):
-        return runs_page(result)
+        parts = result.values() if isinstance(result, dict) else result
+        titles = {getattr(part, "attrs", {}).get("title") for part in parts}
+        return events_page(result) if "ratestate events" in titles else runs_page(result)
     title = str(result.attrs.get("title", "")) if isinstance(result, xarray.Dataset) else ""
     function = title.removeprefix("ratestate ")
     if function not in SINGLE:

@@ -6,6 +6,7 @@
 ``sweep``                       a sweep: how cases ended, ranges, failed cases
 ``fit``                         a fit, in the fullest layout that the terminal has room for
 ``steps``                       fits of the steps and holds of a record
+``events``                      a catalogue of stick-slip events
 ``domain``                      cases that leave the domain of the friction law
 ``rows``                        rows about one slider: what stands for NaN and inf
 ``markdown``, ``markdown.toml`` report.md of a fit, and its sentences

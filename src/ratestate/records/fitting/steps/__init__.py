@@ -8,5 +8,6 @@
 ``stress_response`` alpha from steps of normal stress
 ``comparison``      scatter between steps; steps up beside steps down
 ``result``          the Dataset along ``step``
+``table``, ``rows`` it as text; as rows of a CSV
 =================== ===========================================================================
 """

@@ -1,0 +1,130 @@
+"""The page of a catalogue of stick-slip events, or of several: simulated beside measured."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray
+
+from ...errors import ParameterError
+from ...model.conversion import in_si
+from ...model.quantities import with_error
+from ..labels import BLUE, GRAY, RED, in_unit, prefixed
+from ..layout import blank_figure, is_wide, letters, plain_ticks, styled
+
+#: looks of catalogues, in turn: colour, marker, whether it is filled
+LOOKS = (("k", "o", True), (RED, "s", False), (BLUE, "^", False), (GRAY, "D", False))
+#: height of a record's panel, and of those below [inches]
+RECORD, BELOW = 1.5, 2.3
+#: abscissa -> its name on an axis, and unit
+ABSCISSAE = {"recurrence": ("Recurrence interval", "s"), "V_lp": ("$V_{lp}$", "m/s")}
+
+
+class Named(NamedTuple):
+    """A catalogue, what a legend calls it, and its look."""
+
+    data: xarray.Dataset
+    name: str
+    color: str
+    marker: str
+    filled: bool
+
+    @property
+    def style(self) -> dict[str, Any]:
+        """The style of its markers."""
+        face = self.color if self.filled else "none"
+        return {"color": self.color, "marker": self.marker, "mfc": face, "ms": 4, "mew": 0.9}
+
+
+@styled
+def events_page(catalogues):
+    """Page (Figure) of a catalogue, or of a list or dict of them: records above, lines below."""
+    named = _named(catalogues)
+    fig = blank_figure(RECORD * len(named) + BELOW + 0.9, _title(named))
+    top, below = fig.subfigures(2, 1, height_ratios=[RECORD * len(named) + 0.3, BELOW + 0.3])
+    records = top.subplots(len(named), 1, squeeze=False)[:, 0]
+    for one, ax in zip(named, records, strict=True):
+        _record(one, ax)
+    axes = below.subplots(1, 2, sharey=True)
+    drops = np.concatenate([one.data.stress_drop.values for one in named])
+    largest = float(drops[np.isfinite(drops)].max(initial=0.0))
+    factor, unit = prefixed("Pa", largest or 1.0)
+    for abscissa, ax in zip(ABSCISSAE, axes, strict=True):
+        _drops(named, ax, abscissa, factor, unit)
+    axes[0].set_ylabel(in_unit("Stress drop", unit))
+    texts = [f"{one.name}: {one.data.sizes['event']} events" for one in named]
+    letters(records, *texts)
+    words = "against recurrence", "against load-point velocity"
+    letters(axes, *(f"stress drop {text}" for text in words), first=chr(ord("a") + len(named)))
+    return fig
+
+
+def _named(catalogues):
+    """list of `Named`; ParameterError for what is no catalogue, none, or more than have looks."""
+    if isinstance(catalogues, xarray.Dataset):
+        catalogues = [catalogues]
+    names = list(catalogues) if isinstance(catalogues, dict) else None
+    parts = list(catalogues.values()) if isinstance(catalogues, dict) else list(catalogues)
+    if any(part.attrs.get("title") != "ratestate events" for part in parts):
+        raise ParameterError("a page of events wants results of events alone")
+    if len(parts) > len(LOOKS):
+        raise ParameterError(f"a page shows {len(LOOKS)} catalogues at most, not {len(parts)}")
+    names = names or [_name(part) for part in parts]
+    return [Named(in_si(d), n, *look) for d, n, look in zip(parts, names, LOOKS, strict=False)]
+
+
+def _name(data):
+    """What a catalogue is called: its file, or what it is of."""
+    return str(data.attrs.get("source") or ("simulated" if "slider" in data.attrs else "measured"))
+
+
+def _title(named):
+    """The number of events, and of catalogues."""
+    total = sum(one.data.sizes["event"] for one in named)
+    of = named[0].name if len(named) == 1 else f"{len(named)} catalogues"
+    return f"Stick-slip events of {of}: {total}"
+
+
+def _record(one, ax):
+    """Stress against time with the peaks and troughs of events marked."""
+    data = one.data
+    factor, unit = prefixed("Pa", float(np.abs(data.tau).max()))
+    in_time, time_unit = prefixed("s", float(np.abs(data.time).max()))
+    ax.plot(in_time * data.time, factor * data.tau, color="0.45", lw=0.6, zorder=1)
+    for edge, level, mark in (("start", "tau_max", "v"), ("end", "tau_min", "^")):
+        x, y = in_time * data[f"event_{edge}"], factor * data[level]
+        look = {"color": one.color, "ms": 3.5, "mew": 0.7, "mfc": "none", "ls": ""}
+        ax.plot(x, y, mark, **look, zorder=3)
+    ax.margins(x=0.01)
+    ax.set(xlabel=in_unit("Time", time_unit), ylabel=in_unit(r"$\tau$", unit))
+
+
+def _drops(named, ax, abscissa, factor, stress):
+    """Stress drops with their errors against an abscissa, and the lines through them."""
+    x_name, si = ABSCISSAE[abscissa]
+    values = np.concatenate([one.data[abscissa].values for one in named])
+    values = values[np.isfinite(values) & (values > 0.0)]
+    in_x, unit = prefixed(si, float(values.max(initial=0.0)) or 1.0)
+    for one in named:
+        loaded = np.isin(one.data.event_status, (0, 4)) & one.data.recurrence.notnull().values
+        data, line = one.data.isel(event=loaded), one.data.sel(abscissa=abscissa)
+        x, y = in_x * data[abscissa].values, factor * data.stress_drop.values
+        error = factor * data.stress_drop_error.values
+        name = one.name
+        if np.isfinite(line.trend_B):
+            ends = np.array([np.nanmin(x), np.nanmax(x)])
+            fitted = float(line.trend_A) + float(line.trend_B) * np.log10(ends / in_x)
+            ax.plot(ends, factor * fitted, color=one.color, lw=1.0)
+            name = f"{name}: {_slope(line, factor)} {stress} a decade"
+        ax.errorbar(x, y, error, **one.style, ls="", elinewidth=0.7, label=name)
+    if is_wide(values) or (values.size and values.max() > 1.5 * values.min()):
+        ax.set_xscale("log")
+        plain_ticks(ax.xaxis, in_x * values)
+    ax.set(xlabel=in_unit(x_name, unit))
+    ax.margins(y=0.25)
+    ax.legend(loc="upper left" if abscissa == "recurrence" else "upper right", fontsize=6.5)
+
+
+def _slope(line, factor):
+    """B with its error, in the axis' unit."""
+    text = with_error(factor * float(line.trend_B), factor * float(line.trend_B_error))
+    return text.replace("+-", r"$\pm$").replace("-", "\N{MINUS SIGN}", text.startswith("-"))

@@ -1,0 +1,21 @@
+"""Stick-slip events of a record or a run: the function `events` and its parts.
+
+=============================== =================================================================
+``events``                      the function `events`
+``catalogue``                   in which order all below is done; status, message, recurrence
+``series``                      shear stress and load point of a record or a run, checked
+``detection``                   which falls of the stress are events, and where they roughly are
+``polynomials``                 an extreme of a noisy stress, or of its slope, without bias
+``recorded``                    peaks, troughs, times and slip rates in a noisy record
+``computed``                    the same in a run, whose slip velocity is known
+``stiffness``                   the spring's stiffness from the loading between events
+``measures``                    drop, slip, slip rate, work, kind of each event
+``trends``                      stress drop against the logarithm of recurrence and of V_lp
+``result``                      the Dataset
+``refusals``, ``refusals.toml`` sentences of errors, and of messages on events
+=============================== =================================================================
+"""
+
+from .events import events
+
+__all__ = ["events"]

@@ -1,0 +1,91 @@
+"""Which falls of the shear stress are events: beyond what the noise can do.
+
+A turning point of a series is confirmed as soon as the series has moved away from it by more than a
+threshold; what is between a maximum and the next minimum is an event.  The threshold is the largest
+range that noise alone reaches in a series of this length, so that noise makes no event.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+#: range of the record over the noise from which samples are used as they are; else means of some
+CLEAR = 40.0
+#: most samples in such a mean, over those of the record
+LONGEST = 0.01
+#: standard deviations beyond the expected range of the noise
+MARGIN = 3.0
+#: part of the second differences of white noise within one standard deviation
+ONE_SIGMA = 0.6827
+
+
+class Rough(NamedTuple):
+    """An event by its samples; -1 for a peak or trough that the record does not have."""
+
+    peak: int
+    trough: int
+
+
+def white_noise(y):
+    """Standard deviation of the white noise of a series (n,), from its second differences.
+
+    At least that of rounding to the series' digits: its smallest step.
+    """
+    second = np.abs(np.diff(y, 2)) / math.sqrt(6.0)
+    steps = np.abs(np.diff(y))
+    digit = float(steps[steps > 0.0].min(initial=math.inf))
+    digit = digit / math.sqrt(12.0) if math.isfinite(digit) else 0.0
+    return max(float(np.quantile(second, ONE_SIGMA)), digit)
+
+
+def rough_events(y, noise, inflation=1.0):
+    """list of `Rough` events of a series (n,) with noise of this standard deviation.
+
+    One that the record's start or end cuts is among them, with -1 for what is missing.
+
+    inflation : variance of a mean of samples over that with white noise
+    """
+    spread = float(np.subtract(*np.percentile(y, (99.0, 1.0))))
+    width = 1
+    if noise > 0.0 and spread > 0.0:
+        width = min(math.ceil((CLEAR * noise / spread) ** 2), max(int(LONGEST * y.size), 1))
+    smooth = uniform_filter1d(y, width, mode="nearest") if width > 1 else y
+    independent = max(y.size / width, 2.0)
+    expected = 2.0 * math.sqrt(2.0 * math.log(independent))
+    of_mean = noise * math.sqrt(min(inflation / width, 1.0))
+    turns, leaves = turning_points(smooth, (expected + MARGIN) * of_mean)
+    return _paired(turns, leaves)
+
+
+def turning_points(y, threshold):
+    """Turning points [(sample, +1 for a maximum or -1)] of a series, and how it ends: -1 falling.
+
+    In turn maxima and minima, each more than the threshold from the next; the ends of the series
+    are none.  The end is 0 where no turning point is.
+    """
+    turns: list[tuple[int, int]] = []
+    high = low = 0
+    rising = 0  # unknown until the series has moved
+    for i, value in enumerate(y.tolist()):
+        high, low = (i if value > y[high] else high), (i if value < y[low] else low)
+        if rising >= 0 and y[high] - value > threshold:
+            turns += [(high, 1)] if rising else []
+            rising, low = -1, i
+        elif rising <= 0 and value - y[low] > threshold:
+            turns += [(low, -1)] if rising else []
+            rising, high = 1, i
+    return turns, rising
+
+
+def _paired(turns, leaves):
+    """Maxima with the minima that follow; what the record cuts, with -1."""
+    found = []
+    if turns and turns[0][1] < 0:
+        found.append(Rough(-1, turns[0][0]))
+        turns = turns[1:]
+    found += [Rough(one[0], other[0]) for one, other in zip(turns[::2], turns[1::2], strict=False)]
+    if turns and turns[-1][1] > 0 and leaves < 0:
+        found.append(Rough(turns[-1][0], -1))
+    return found

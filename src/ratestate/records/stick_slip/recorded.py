@@ -1,0 +1,210 @@
+"""Peaks, troughs, times and slip rates of events in a noisy record.
+
+Everything is counted from the middle of an event's fall, where stress is steep and time well known.
+"""
+
+import itertools
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from .polynomials import NOTHING, Noise, Window, chosen_window, extremes
+
+#: part of the rise of stress, in time, whose residuals are the noise
+CALM = (0.2, 0.6)
+#: degree of the polynomial there
+SMOOTH = 3
+#: fewest samples there, and most of them from which the noise is found, in all
+FEWEST, ENOUGH = 12, 20000
+#: extents of windows on the side of the loading, over the time of loading; shortest [samples]
+LOADING = np.geomspace(0.02, 0.85, 9)
+SHORTEST = 6.0
+#: ends of windows on the side of the fall, over the time from its middle to the extreme; and in
+#: samples from the middle
+FALL, CLOSE = (0.1, 0.25, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0), (0.5, 1.0, 1.5, 2.0, 3.0)
+#: half extents of windows for the slip rate, over the time of the fall
+STEEP = np.geomspace(0.05, 0.8, 8)
+#: samples within a fall below which its slip rate is a lower bound
+SPARSE = 8
+#: times that windows are placed about what the last ones gave
+ROUNDS = 2
+
+
+class Found(NamedTuple):
+    """What a record says of m events; NaN where it says nothing."""
+
+    peak: np.ndarray  # (m, 4) tau at the peak [Pa], its error, the time [s], its error
+    trough: np.ndarray  # (m, 4) the same at the trough
+    middle: np.ndarray  # (m, 2) time of the middle of the fall, its error [s]
+    slope: np.ndarray  # (m, 2) steepest fall of tau [Pa/s], its error
+    samples: np.ndarray  # (m,) in the fall, between peak and trough
+    sparse: np.ndarray  # (m,) whether they are too few for the slip rate
+
+
+def loading_noise(t, y, rises, white):
+    """`Noise` about smooth curves through the rises [(first, last sample)], or the white one."""
+    residuals, degrees, products, pairs = [], 0, 0.0, 0
+    for first, last in rises:
+        begin, end = (round(first + part * (last - first)) for part in CALM)
+        if end - begin < FEWEST:
+            continue
+        u = np.linspace(-1.0, 1.0, end - begin)
+        x = (t[begin:end] - t[begin]) / (t[end - 1] - t[begin]) * 2.0 - 1.0
+        rest = y[begin:end] - np.polynomial.Polynomial.fit(x, y[begin:end], SMOOTH)(x)
+        residuals.append(rest)
+        degrees += u.size - SMOOTH - 1
+        products += float(rest[1:] @ rest[:-1])
+        pairs += u.size - 1
+        if degrees > ENOUGH:
+            break
+    if not residuals:
+        return Noise(white)
+    power = sum(float(rest @ rest) for rest in residuals)
+    if not power > 0.0:
+        return Noise(white)
+    # (a fit takes some correlation out: by its degree over the samples, to first order)
+    taken = (SMOOTH + 1) * len(residuals) / pairs
+    correlation = products / power + taken
+    beyond = correlation > 3.0 / math.sqrt(pairs)
+    correlation = min(correlation, 0.95) if beyond else 0.0
+    return Noise(math.sqrt(power / degrees), correlation)
+
+
+def nothing(m):
+    """`Found` with nothing found of m events."""
+    four, two = np.full((m, 4), math.nan), np.full((m, 2), math.nan)
+    return Found(four, four.copy(), two, two.copy(), np.zeros(m, int), np.zeros(m, bool))
+
+
+def found_events(t, y, rough, spans, noise):
+    """`Found` for the whole `Rough` events (m) of one load-point velocity.
+
+    spans : (2, m) samples at which the loading before them begins, and that after them ends
+    """
+    before, after = spans
+    peaks = np.array([one.peak for one in rough])
+    troughs = np.array([one.trough for one in rough])
+    spacing = float(np.median(np.diff(t)))
+    rough_levels = np.stack([y[peaks], y[troughs]])
+    middle = _middles(t, y, peaks, troughs, rough_levels, np.zeros(peaks.size), noise)
+    results = []
+    for sign, at, loading in (
+        (1, t[peaks], float(np.median(t[peaks] - t[before]))),
+        (-1, t[troughs], float(np.median(t[after] - t[troughs]))),
+    ):
+        results.append(_stress_extremes(t, y, middle[:, 0], at, sign, loading, spacing, noise))
+    levels = np.stack([results[0][:, 0], results[1][:, 0]])
+    level_error = 0.5 * np.hypot(results[0][:, 1], results[1][:, 1])
+    middle = _middles(t, y, peaks, troughs, levels, level_error, noise)
+    inside = np.searchsorted(t, results[1][:, 2]) - np.searchsorted(t, results[0][:, 2])
+    samples = np.maximum(inside, 0)
+    slope, few = _slopes(t, y, middle[:, 0], peaks, troughs, noise)
+    return Found(results[0], results[1], middle, slope, samples, few)
+
+
+def _stress_extremes(t, y, middle, at, sign, loading, spacing, noise):
+    """(m, 4) value, error, time, time error of peaks (sign 1) or troughs (-1).
+
+    at : (m,) rough times of these
+    """
+    for _ in range(ROUNDS):
+        offset = float(np.median(at - middle))
+        windows = list(_windows(offset, loading, spacing, sign))
+        window = chosen_window(t, y, middle, windows, 0, sign, noise)
+        if window is None:
+            found = [NOTHING] * middle.size
+            break
+        found = extremes(t, y, middle, window, 0, sign, noise)
+        at = np.array([one.time for one in found])
+        at = np.where(np.isfinite(at), at, middle + offset)
+    bias = _bias(found)
+    return np.array([(e.value, math.hypot(e.error, bias), e.time, e.time_error) for e in found])
+
+
+def _bias(found):
+    """What all `Extreme`s in one window may be off: the mean difference of the degrees; or nan."""
+    differences = [one.difference for one in found if math.isfinite(one.difference)]
+    return abs(float(np.mean(differences))) if differences else math.nan
+
+
+def _windows(offset, loading, spacing, sign):
+    """`Window`s that have an extreme this long after the middle of the fall (peaks: < 0)."""
+    reach, shortest = abs(offset), SHORTEST * spacing
+    nears = [part * reach for part in FALL]
+    nears += [j * spacing for j in CLOSE if j * spacing <= reach + spacing]
+    for extent, near in itertools.product(LOADING * loading, sorted(set(nears))):
+        far = max(reach + extent, near + shortest)
+        yield Window(-far, -near, 1) if sign > 0 else Window(near, far, -1)
+
+
+def _middles(t, y, peaks, troughs, levels, level_error, noise):
+    """(m, 2) times at which stress falls through the middle of its levels (2, m), their errors."""
+    rows = []
+    for peak, trough, (top, bottom), error in zip(
+        peaks, troughs, levels.T, level_error, strict=True
+    ):
+        level, quarter = 0.5 * (top + bottom), 0.25 * (top - bottom)
+        fall = y[peak : trough + 1]
+        above = np.flatnonzero(fall > level + quarter)
+        first = peak + (int(above[-1]) + 1 if above.size else 0)
+        below = np.flatnonzero(y[first : trough + 1] < level - quarter)
+        last = first + (int(below[0]) if below.size else trough - first)
+        rows.append(_crossing(t, y, first, last, (level, error), noise))
+    return np.array(rows)
+
+
+def _crossing(t, y, first, last, level, noise):
+    """Time at which samples first..last-1, on a line, pass this level; and its error.
+
+    level : with its standard error
+    """
+    level, level_error = level
+    if last - first < 4:
+        first, last = max(first - 1, 0), min(last, t.size - 1)
+        between = np.arange(first, last + 1)
+        crossing = float(np.interp(-level, -y[between], t[between]))
+        return crossing, (t[last] - t[first]) / max(last - first, 1) / math.sqrt(12.0)
+    x, values = t[first:last] - t[first:last].mean(), y[first:last]
+    slope = float(x @ values / (x @ x))
+    u = (level - values.mean()) / slope
+    variance = noise.sd**2 * noise.inflation * (1.0 / x.size + u**2 / float(x @ x))
+    return t[first:last].mean() + u, math.hypot(math.sqrt(variance), level_error) / abs(slope)
+
+
+def _slopes(t, y, middle, peaks, troughs, noise):
+    """(m, 2) steepest fall [Pa/s] and its error; (m,) whether samples are too few for it."""
+    spacing = np.median(np.diff(t))
+    fall = max(float(np.median(t[troughs] - t[peaks])), spacing)
+    rows = np.array([_steepest(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)])
+    time, width = float(np.median(rows[:, 0] - middle)), float(np.median(rows[:, 2]))
+    few = rows[:, 2] < SPARSE * spacing
+    window = None
+    for _ in range(ROUNDS if not few.all() else 0):
+        extents = np.unique(np.clip(STEEP * width * 4.0, 3.5 * spacing, fall))
+        windows = [Window(time - a, time + b, 0) for a, b in itertools.product(extents, extents)]
+        window = chosen_window(t, y, middle, windows, 1, -1, noise)
+        if window is None:
+            break
+        found = extremes(t, y, middle, window, 1, -1, noise)
+        time = float(np.nanmedian([one.time for one in found] - middle))
+    if window is None:
+        return np.column_stack([rows[:, 1], rows[:, 3]]), np.ones(middle.size, bool)
+    bias = _bias(found)
+    values = [(-e.value, math.hypot(e.error, bias)) for e in found]
+    result = np.where(few[:, None], rows[:, [1, 3]], np.array(values))
+    return result, few | ~np.isfinite(result[:, 0])
+
+
+def _steepest(t, y, peak, trough):
+    """Time and size of the steepest fall between samples, the time of its middle half, 0 error."""
+    drop = y[peak] - y[trough]
+    level = 0.5 * (y[peak] + y[trough])
+    fall = slice(peak, trough + 1)
+    inside = np.abs(y[fall] - level) < 0.25 * drop
+    times = t[fall][inside]
+    width = float(np.ptp(times)) if times.size else 0.0
+    i = int(np.argmax(-np.diff(y[fall]) / np.diff(t[fall])))
+    steepest = -(y[peak + i + 1] - y[peak + i]) / (t[peak + i + 1] - t[peak + i])
+    middle = float(times.mean()) if times.size else 0.5 * (t[peak + i] + t[peak + i + 1])
+    return middle, steepest, width, math.nan

@@ -1,0 +1,68 @@
+"""Tables in a laboratory's units."""
+
+import io
+
+import numpy as np
+import pandas
+import pytest
+import xarray
+
+import ratestate as rs
+from ratestate.files import laboratory_csv
+from ratestate.model.conversion import in_units
+from ratestate.model.quantities import attrs
+
+
+@pytest.fixture
+def data():
+    drop = np.array([2.5e6, np.nan, 3.5e6])
+    flags = {"flag_values": np.array([0, 1], np.int8), "flag_meanings": "whole cut_by_the_end"}
+    variables = {
+        "stress_drop": ("event", drop, attrs("stress_drop")),
+        "stress_drop_error": ("event", 1e-3 * drop, attrs("stress_drop_error")),
+        "slip": ("event", [1e-5, 2e-5, 3e-5], attrs("slip")),
+        "event_status": ("event", np.array([0, 1, 0], np.int8), attrs("event_status") | flags),
+        "event_message": ("event", ["", "cut, by the end", ""], attrs("event_message")),
+        "tau": ("time", np.zeros(5), attrs("tau")),
+    }
+    return xarray.Dataset(variables, {"event": ("event", [1, 2, 3], {"long_name": "event"})})
+
+
+def test_units_fit_and_errors_are_beside_values(data):
+    text = laboratory_csv(data, "event")
+    table = pandas.read_csv(io.StringIO(text), keep_default_na=False)
+    assert table.columns.tolist() == [
+        "event",
+        "stress drop (MPa)",
+        "stress drop, standard error (MPa)",
+        "slip (um)",
+        "whether the event is whole",
+        "what must be known of the event",
+    ]
+    assert table["stress drop (MPa)"].tolist() == ["2.5", "", "3.5"]
+    assert [float(x) for x in table["stress drop, standard error (MPa)"][[0, 2]]] == [
+        2.5e-3,
+        3.5e-3,
+    ]
+    np.testing.assert_allclose(table["slip (um)"], [10.0, 20.0, 30.0], rtol=1e-12)
+    assert table.iloc[1, 4:].tolist() == ["cut by the end", "cut, by the end"]
+
+
+def test_units_may_be_chosen(data):
+    chosen = laboratory_csv(data, "event", {"stress_drop": "kPa"})
+    assert "stress drop (kPa)" in chosen
+    assert "2500.0" in chosen
+    assert laboratory_csv(in_units(data, slip="mm"), "event") == laboratory_csv(data, "event")
+
+
+@pytest.mark.parametrize(
+    ("dim", "units", "text"),
+    [
+        ("steps", {}, "no variable along 'steps'"),
+        ("event", {"drop": "kPa"}, "no variable drop"),
+        ("event", {"slip": "kPa"}, "slip: 'kPa'"),
+    ],
+)
+def test_what_is_not_there_is_refused(data, dim, units, text):
+    with pytest.raises(rs.ParameterError, match=text):
+        laboratory_csv(data, dim, units)

@@ -1,0 +1,299 @@
+"""`events` against exact limit cycles, with noise and without; what it says of other records."""
+
+import dataclasses
+import itertools
+import json
+
+import numpy as np
+import pytest
+import xarray
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import trapezoid
+from scipy.stats import norm
+from synthetic_stick_slip import cycles
+
+import ratestate as rs
+from ratestate.records.stick_slip.detection import turning_points, white_noise
+from ratestate.records.stick_slip.measures import (
+    CUT_BY_END,
+    CUT_BY_START,
+    LOAD_CHANGES,
+    UNDERSAMPLED,
+    WHOLE,
+)
+from ratestate.records.stick_slip.trends import trend
+
+AGING = rs.SpringSlider(
+    a=0.005, b=0.008, Dc="10 um", sigma="4 MPa", M=100, K="600 MPa/m", law="aging"
+)
+STEPS = rs.Loading.steps("3 um/s", (1300.0, "10 um/s"), (1750.0, "30 um/s"), (1900.0, "100 um/s"))
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    return cycles(6)
+
+
+@pytest.fixture(scope="module")
+def experiment():
+    """A laboratory's record of four speeds, and the run that it is of."""
+    t = np.arange(0.0, 1950.0, 0.02)
+    options = {"t_end": 1950.0, "V_start": "1 um/s"}
+    run = rs.simulate(AGING, STEPS, times=t, **options)
+    noise = 5e-4 * np.random.default_rng(1).normal(size=t.size)
+    columns = {"friction": ("time", run.tau.values / AGING.sigma + noise)}
+    columns["delta_lp"] = ("time", run.delta_lp.values)
+    return xarray.Dataset(columns, {"time": t}), rs.simulate(AGING, STEPS, **options)
+
+
+@pytest.fixture(scope="module")
+def measured(experiment):
+    return rs.events(experiment[0], sigma="4 MPa")
+
+
+def test_runs_have_the_drops_and_periods_of_their_limit_cycles(drawn):
+    for cycle in drawn:
+        events = rs.events(cycle.run(4.2))
+        assert 3 <= events.sizes["event"] <= 5
+        whole = events.isel(event=events.event_status.values == WHOLE)
+        assert whole.sizes["event"] >= 3
+        np.testing.assert_allclose(whole.stress_drop, cycle.drop, rtol=1e-6)
+        np.testing.assert_allclose(whole.recurrence[1:], cycle.period, rtol=1e-6)
+        np.testing.assert_allclose(whole.peak_slip_rate, cycle.V_max, rtol=1e-4)
+        assert (whole.stress_drop_error > 0.0).all()
+
+
+def test_runs_of_even_samples_say_how_far_they_are_off(drawn):
+    """1000 samples a period: to 1e-3, and where a peak lies between samples the error says so."""
+    for cycle in drawn:
+        events = rs.events(cycle.run(3.2, 1000))
+        use = np.isin(events.event_status, (WHOLE, UNDERSAMPLED))
+        off = np.abs(events.stress_drop / cycle.drop - 1.0).values[use]
+        error = (events.stress_drop_error / cycle.drop).values[use]
+        assert use.sum() >= 2
+        assert (off <= np.maximum(1e-3, 3.0 * error)).all()
+        np.testing.assert_allclose(events.recurrence.values[use][1:], cycle.period, rtol=1e-3)
+
+
+def test_errors_of_noisy_records_are_honest(drawn):
+    """Unbiased, and 68 % of the truth within one error; benchmarks/events.py has 200 sliders."""
+    off = []
+    for seed, cycle in enumerate(drawn):
+        rng = np.random.default_rng(seed)
+        samples, noise = 10 ** rng.uniform((2.3, -2.7), (2.7, -1.5))
+        events = rs.events(cycle.record(8.2, samples, noise, rng))
+        use = np.isin(events.event_status, (WHOLE, UNDERSAMPLED))
+        assert use.sum() in (7, 8)
+        z = ((events.stress_drop - cycle.drop) / events.stress_drop_error).values[use]
+        assert 0.7 < events.tau_noise / (noise * cycle.drop) < 1.3
+        off.append(z)
+    z = np.concatenate(off)
+    assert abs(z.mean()) < 3.0 / np.sqrt(z.size)
+    for level, low, high in ((0.68, 0.58, 0.82), (0.95, 0.87, 0.995)):
+        assert low < (np.abs(z) < norm.ppf(0.5 + 0.5 * level)).mean() < high
+
+
+def test_the_largest_samples_would_be_biased(drawn):
+    """What the polynomials are for: raw extremes of the same records are far too far apart."""
+    cycle = drawn[2]
+    record = cycle.record(8.2, 600, 0.02, np.random.default_rng(5))
+    raw = float(np.ptp(record.tau.values[300:900])) / cycle.drop
+    assert raw > 1.05
+    events = rs.events(record)
+    assert abs(float(events.stress_drop.mean()) / cycle.drop - 1.0) < 0.01
+
+
+def test_correlated_noise_enlarges_errors(drawn):
+    cycle = drawn[0]
+    white, red = (
+        rs.events(cycle.record(8.2, 600, 0.01, np.random.default_rng(1), correlation))
+        for correlation in (0.0, 0.7)
+    )
+    assert white.tau_noise_correlation == 0.0
+    assert 0.55 < red.tau_noise_correlation < 0.85
+    assert float(red.stress_drop_error.median()) > 1.5 * float(white.stress_drop_error.median())
+
+
+def test_mere_noise_has_no_event():
+    t = np.arange(5000.0)
+    for seed in range(20):
+        y = 1e6 * (0.6 + 1e-3 * np.random.default_rng(seed).normal(size=t.size))
+        data = xarray.Dataset({"tau": ("time", y), "delta_lp": ("time", 1e-6 * t)}, {"time": t})
+        events = rs.events(data, K="1 GPa/m")
+        assert events.sizes["event"] == 0
+        assert all("0 whole events" in text for text in events.trend_message.values)
+
+
+def test_records_of_several_speeds(measured, experiment):
+    simulated = rs.events(experiment[1])
+    assert measured.sizes["event"] == simulated.sizes["event"] == 29
+    assert measured.event_status[0] == CUT_BY_START
+    both = slice(1, None)
+    off = (measured.stress_drop - simulated.stress_drop).values[both]
+    z = off / measured.stress_drop_error.values[both]
+    assert np.abs(z).max() < 4.5
+    assert 0.5 < z.std() < 1.6
+    np.testing.assert_allclose(measured.K, AGING.K, atol=4.0 * float(measured.K_error), rtol=0.0)
+    assert 1e-4 < float(measured.K_error / measured.K) < 0.01
+    np.testing.assert_allclose(measured.slip[both], simulated.slip[both], rtol=0.02)
+    changed = ["V_lp has changed" in text for text in measured.event_message.values]
+    assert np.flatnonzero(changed).tolist() == [6, 13, 20]
+    assert measured.recurrence[changed].isnull().all()
+    expected = [3e-6] * 6 + [1e-5] * 7 + [3e-5] * 7 + [1e-4] * 9
+    np.testing.assert_allclose(measured.V_lp[1:], expected[1:], rtol=1e-3)
+
+
+def test_stress_drop_grows_with_the_logarithm_of_recurrence(measured, experiment):
+    """The paper's section 3.2, on a record: the drops of the limit cycles are on the line."""
+    B, error = (measured.trend_B.sel(abscissa="recurrence"), measured.trend_B_error[0])
+    V = np.array([3e-6, 1e-5, 3e-5, 1e-4])
+    exact = [rs.limit_cycle(AGING, float(one)) for one in V]
+    drops = [float(cycle.amplitude) * AGING.sigma for cycle in exact]
+    times = [float(cycle.period) for cycle in exact]
+    slope = np.polyfit(np.log10(times), drops, 1)[0]
+    assert abs(B - slope) < 3.0 * error
+    assert 0.0 < error < 0.1 * B
+    assert measured.trend_B.sel(abscissa="V_lp") < -10.0 * measured.trend_B_error[1]
+    assert measured.trend_events.values.tolist() == [24, 24]
+
+
+def test_work_and_energy_are_integrals(experiment):
+    run = experiment[1]
+    events = rs.events(run)
+    for k in (3, 12):
+        one = events.isel(event=k)
+        inside = run.sel(time=slice(float(one.event_start), float(one.event_end)))
+        work = trapezoid(inside.tau.values, inside.delta.values)
+        assert float(one.friction_work) == pytest.approx(work, rel=1e-3)
+        assert float(one.slip) == pytest.approx(float(np.ptp(inside.delta.values)), rel=1e-3)
+        stored = (float(one.tau_max) ** 2 - float(one.tau_min) ** 2) / (2.0 * AGING.K)
+        assert float(one.spring_energy) == pytest.approx(stored, rel=1e-9)
+        assert float(one.friction_drop) == pytest.approx(float(one.stress_drop) / AGING.sigma)
+
+
+@pytest.mark.parametrize(("M", "kind"), [(100.0, "fast"), (0.0, "slow"), (1e-4, "slow")])
+def test_fast_is_what_inertia_limits(M, kind):
+    """At K near the critical one slip is slow; with mass enough, inertia limits it."""
+    K = AGING.sigma * (AGING.b - AGING.a) / AGING.Dc * (0.5 if kind == "fast" else 0.97)
+    damping = {} if kind == "fast" else {"damping": 1e8}
+    slider = dataclasses.replace(AGING, M=M, K=K, **damping)
+    run = rs.simulate(slider, rs.Loading.constant("10 um/s"), 150.0, V_start="5 um/s")
+    events = rs.events(run)
+    assert events.sizes["event"] > 1
+    assert set(events.event_kind.values[1:-1].tolist()) == {kind}
+    # without its mass the speed against V_lp decides
+    unknown = rs.events(run[["tau", "delta_lp"]].drop_attrs(), K=K)
+    ratio = (unknown.peak_slip_rate / unknown.V_lp).values
+    assert ((unknown.event_kind == "fast").values == (ratio >= 100.0)).all()
+
+
+def test_events_that_are_not_whole_say_so(experiment):
+    run = experiment[1]
+    whole = rs.events(run)
+    middle = float(whole.event_start[3]), float(whole.event_time[5])
+    part = rs.events(run.sel(time=slice(middle[0] + 1e-3, middle[1])))
+    assert part.event_status.values.tolist() == [CUT_BY_START, WHOLE, CUT_BY_END]
+    assert part.stress_drop.isnull().values.tolist() == [True, False, True]
+    assert part.event_message.values.tolist() == [
+        "cut by the record's start",
+        "the last event is not whole",
+        "cut by the record's end",
+    ]
+    # V_lp rises while the block slips
+    t = np.linspace(0.0, 400.0, 4001)
+    y = 2e6 - 1e5 * np.abs((t % 100.0) / 50.0 - 1.0)
+    columns = {"tau": ("time", y), "V_load": ("time", np.where(t < 175.0, 1e-6, 1e-5))}
+    events = rs.events(xarray.Dataset(columns, {"time": t}), K="1 GPa/m")
+    assert LOAD_CHANGES in events.event_status.values
+    assert "V_lp changes during the event" in events.event_message.values[1]
+
+
+def test_stiffness_that_cannot_be_known_is_not_made_up():
+    """A smooth oscillation slips throughout: K must be given, or nothing that needs it is there."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="900 MPa/m")
+    t = np.arange(0.0, 0.4, 2e-4)
+    loading = rs.Loading.constant("3.3 mm/s")
+    run = rs.simulate(slider, loading, 2.4, V_start="3 mm/s", times=2.0 + t)
+    record = run[["tau", "delta_lp"]].drop_attrs()
+    events = rs.events(record)
+    period = float(rs.limit_cycle(slider, "3.3 mm/s").period)
+    assert events.sizes["event"] == pytest.approx(0.4 / period, abs=1.5)  # one a period
+    assert events["K"].isnull()
+    assert events.slip.isnull().all()
+    assert "give K" in events.attrs["stiffness"]
+    assert all("stiffness unknown" in text for text in events.event_message.values)
+    known = rs.events(record, K="900 MPa/m")
+    assert known.slip[1:-1].notnull().all()
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (lambda data: data.drop_vars("friction"), "neither tau nor friction"),
+        (lambda data: data.drop_vars("delta_lp"), "neither delta_lp nor V_load"),
+        (lambda data: data.isel(time=slice(20)), "20 samples"),
+        (lambda data: data.isel(time=slice(None, None, -1)), "times must increase"),
+        (lambda data: data.assign(friction=data.friction.where(data.time != 1.0)), "row 50"),
+        (lambda data: data.to_dataarray(), "not DataArray"),
+        (lambda data: data.expand_dims(K=2), "pick one case"),
+    ],
+)
+def test_other_records_are_refused(experiment, change, text):
+    with pytest.raises(rs.ParameterError, match=text):
+        rs.events(change(experiment[0]), sigma="4 MPa")
+
+
+def test_friction_alone_needs_a_normal_stress(experiment):
+    with pytest.raises(rs.ParameterError, match="give sigma"):
+        rs.events(experiment[0])
+    with pytest.raises(rs.ParameterError, match="no parameter least"):
+        rs.events(experiment[0], least=1.0)
+
+
+@given(st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=60), st.floats(1e-3, 1e5))
+def test_turning_points_alternate_and_are_far_apart(values, threshold):
+    y = np.array(values)
+    turns, _ = turning_points(y, threshold)
+    for (i, one), (j, other) in itertools.pairwise(turns):
+        assert i < j
+        assert one == -other
+        assert one * (y[i] - y[j]) > threshold
+        assert one * y[i] == (one * y[i : j + 1]).max()
+
+
+def test_white_noise_is_measured_under_a_trend():
+    rng = np.random.default_rng(3)
+    y = 1e6 * np.sin(np.linspace(0.0, 20.0, 20000)) + 50.0 * rng.normal(size=20000)
+    assert white_noise(y) == pytest.approx(50.0, rel=0.03)
+    # rounded to steps larger than its noise
+    assert 0.2 < white_noise(np.round(y / 500.0)) < 1.0
+
+
+def test_lines_have_errors_that_hold():
+    """Events at five speeds that share what the line does not say: 95 % intervals of B."""
+    rng = np.random.default_rng(7)
+    V = np.repeat([1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3], 8)
+    shared = np.repeat(np.arange(7), 8)
+    held = []
+    for _ in range(400):
+        drop = (
+            1e5 - 2e4 * np.log10(V) + 3e3 * rng.normal(size=7)[shared] + 1e3 * rng.normal(size=56)
+        )
+        line = trend(V, drop, V, "V_lp")
+        held.append(abs(line.B + 2e4) < 2.2 * line.B_error)
+    assert 0.85 < np.mean(held) < 0.99
+    assert trend(V[:8], drop[:8], V[:8], "V_lp").message.startswith("V_lp varies by a factor of 1")
+
+
+def test_catalogues_are_datasets_of_the_package(measured, tmp_path):
+    path = rs.files.write(measured, tmp_path / "events.nc")
+    again = rs.files.read(path)
+    xarray.testing.assert_equal(
+        again.drop_vars("event_message"), measured.drop_vars("event_message")
+    )
+    assert json.loads(measured.attrs["versions"])["ratestate"]
+    for name, variable in measured.data_vars.items():
+        assert variable.attrs["units"]
+        if f"{name}_error" in measured:
+            assert variable.attrs["units"] == measured[f"{name}_error"].attrs["units"]
