@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from .model.slider import SpringSlider
     from .model.user_laws import register
     from .records.fitting.fit import fit
+    from .records.healing.healing import healing
+    from .records.machine.machine_stiffness import machine_stiffness
     from .records.reading import read_lab
     from .records.stick_slip import events
     from .sweeps.sweep import sweep
@@ -55,10 +57,12 @@ __all__ = [
     "explore",
     "fit",
     "frequency_response",
+    "healing",
     "hopf",
     "in_units",
     "limit_cycle",
     "logspace",
+    "machine_stiffness",
     "read_lab",
     "register",
     "simulate",
@@ -88,10 +92,12 @@ _HOMES = {
     "explore": "interfaces.explorer.notebook",
     "fit": "records.fitting.fit",
     "frequency_response": "dynamics.frequency_response",
+    "healing": "records.healing.healing",
     "hopf": "dynamics.hopf",
     "in_units": "model.conversion",
     "limit_cycle": "dynamics.cycles.limit_cycle",
     "logspace": "model.arrays",
+    "machine_stiffness": "records.machine.machine_stiffness",
     "read_lab": "records.reading",
     "register": "model.user_laws",
     "simulate": "dynamics.simulation.simulate",

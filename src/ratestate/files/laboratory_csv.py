@@ -54,7 +54,7 @@ def laboratory_csv(data, dim, units=None):
         if f"{name}_error" in names:
             error = data[f"{name}_error"].values / size
             columns[_with_unit(f"{heading}, standard error", unit)] = error
-    return pandas.DataFrame(columns).to_csv(**FORMAT)
+    return pandas.DataFrame(columns).to_csv(float_format="%.10g", **FORMAT)
 
 
 def _column(name, variable, units):

@@ -101,7 +101,7 @@ def _segments(result):
 def curves(record, ax, rows=WHOLE):
     """Draw the record, the fitted curve of each law, and where 95 % of samples are predicted."""
     shown, friction = record.values[rows], record.friction[rows]
-    _scatter(ax, shown, friction, rows, "0.55", "recorded")
+    scatter(ax, shown, friction, rows, "0.55", "recorded")
     ends = [friction.min(), friction.max()]
     for law, part in record.laws.items():
         if "band" in part:
@@ -125,7 +125,7 @@ def residuals(record, law, ax, rows=WHOLE):
     part = record.laws[law]
     level = float(np.hypot(part["noise_white"], part["noise_red"]))
     left = 1e3 * part["residual"].values
-    _scatter(ax, record.values[rows], left[rows], rows, LAWS[law].color, None)
+    scatter(ax, record.values[rows], left[rows], rows, LAWS[law].color, None)
     normal_95(ax, 1e3 * level, zorder=3)
     most = 1e3 * 1.08 * max(float(np.abs(each["residual"]).max()) for each in record.laws.values())
     ax.set(ylim=(-most, most), ylabel="Residual\n" + r"[$10^{-3}$]")
@@ -153,7 +153,7 @@ def marks(record, ax, *, named=False):
             ax.annotate(text, (left, 0.97), (3, 0), fontsize=7, color="0.3", **at)
 
 
-def _scatter(ax, x, y, rows, color, label):
+def scatter(ax, x, y, rows, color, label):
     """Draw noisy values: single samples where they can be told apart, else a thin line."""
     style = {"color": color, "label": label, "rasterized": True, "zorder": 1}
     if rows == WHOLE:

@@ -7,7 +7,8 @@
 ``run_scenario``                        what these do: outputs checked, computed, printed, written
 ``fit``, ``run_fit``                    its options; initial guesses, and which files are written
 ``lab``                                 ``lab describe``
-``events``, ``reading``                 its options; those that say how a record is read
+``events``, ``healing``, ``stiffness``  events and holds of a record; the machine that made it
+``reading``, ``evaluate_record``        options about a record; reading it, and writing files
 ``sweep``, ``store_report``             its options; what is said of a store
 ``report``                              results as tables, and report.md
 ``document``                            results as JSON

@@ -13,6 +13,7 @@ from .verdict_text import VerdictText
 NESTED = (
     *("slider", "V_lp", "V_start", "t_end", "initial", "frequency", "loading", "versions"),
     *("free", "columns", "notes"),  # of a fit
+    *("noise", "remarks"),  # of healing, and of a machine
 )
 
 

@@ -1,14 +1,14 @@
 """``ratestate fit``: a laboratory record, and the friction parameters in it."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import typer
 
 from ...friction.laws import DEFAULT, friction_law, own_parameters
 from .command import laws_of, own_values
 from .exits import SOME_FAILED
-from .reading import Join, reading_options
+from .reading import Join, noise_of, reading_options
 
 Each = Literal["step"]
 Against = Literal["time", "displacement", "cycles"]
@@ -65,7 +65,7 @@ def fit(
         "trend": None if trend == "none" else trend,
         "start": start,
         "errors": errors,
-        "noise": _noise(noise),
+        "noise": noise_of(noise),
     }
     from .report.markdown import FitRequest
     from .run_fit import fit_and_report
@@ -75,11 +75,3 @@ def fit(
     request = FitRequest(tuple(file), reading, given, laws, fitting)
     if fit_and_report(request, out, json):
         raise typer.Exit(SOME_FAILED)
-
-
-def _noise(text: str | None) -> Any:
-    """The noise as `ratestate.fit` takes it."""
-    if text is None or "=" not in text:
-        return text
-    parts = (part.partition("=") for part in text.split(","))
-    return {name.strip(): value.strip() for name, _, value in parts}

@@ -33,6 +33,14 @@ def reading_options(
     return {name: value for name, value in reading.items() if value not in (None, {})}
 
 
+def noise_of(text: str | None) -> Any:
+    """The noise as `ratestate.fit` takes it."""
+    if text is None or "=" not in text:
+        return text
+    parts = (part.partition("=") for part in text.split(","))
+    return {name.strip(): value.strip() for name, _, value in parts}
+
+
 def _window(text: str | None, option: str) -> tuple[str | None, str | None] | None:
     """START,END as two values, either of which may be omitted."""
     if text is None:

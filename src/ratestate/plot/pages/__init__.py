@@ -9,6 +9,8 @@
 ``steps``              fits of all steps and holds of a record
 ``cycles``, ``frame``  a fit of cycles; what pages of fits share
 ``events``             catalogues of stick-slip events
+``healing``            slide-hold-slide tests
+``machine``            stiffness and inertia of a machine
 ====================== ====================================================
 """
 
@@ -19,6 +21,8 @@ from ...model.conversion import in_si
 from ..bifurcation import branch_page
 from .events import events_page
 from .fit import fit_page
+from .healing import healing_page
+from .machine import machine_page
 from .response import response_page
 from .run import cycle_page, run_page, runs_page
 from .stability import stability_page
@@ -33,7 +37,11 @@ SINGLE = {
     "continue_cycle": branch_page,
     "fit": fit_page,
     "events": events_page,
+    "healing": healing_page,
+    "machine_stiffness": machine_page,
 }
+#: functions of a record, which are never swept
+OF_RECORDS = ("fit", "events", "healing", "machine_stiffness")
 #: function of which a page shows no sweep -> what it shows
 ONE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
 #: dimensions of results that are no axes of a sweep
@@ -47,10 +55,10 @@ def page(result):
     ----------
     result : xarray.Dataset, or list or dict of these
         From `simulate`, `limit_cycle`, `stability`, `frequency_response`, `continue_cycle`, `fit`,
-        `events` or `sweep`: of one slider, or over one axis (lines) or two (maps; lines too where
-        one of them has a few values only).  Several runs of `simulate` are compared: a list or dict
-        as for `plot.trace`, or a few along one axis with more than their ends saved.
-        A list or dict of results of `events` are compared as well: measured beside simulated.
+        `events`, `healing`, `machine_stiffness` or `sweep`: of one slider, or over one axis (lines)
+        or two (maps; lines too where one of them has a few values only).  Several runs of
+        `simulate` are compared: a list or dict as for `plot.trace`, or a few along one axis with
+        more than their ends saved.  So are several results of `events`: measured beside simulated.
 
     Returns
     -------
@@ -73,7 +81,7 @@ def page(result):
             "page wants a Dataset as a function of ratestate gives it, with its attributes"
         )
     result = in_si(result)
-    axes = [] if function == "fit" else [dim for dim in result.sizes if dim not in OWN]
+    axes = [] if function in OF_RECORDS else [dim for dim in result.sizes if dim not in OWN]
     if axes and function in ONE:
         raise ParameterError(
             f"a page shows one {ONE[function]}; pick one along {axes[0]!r} with .isel"

@@ -141,14 +141,23 @@ def load_point_segments(data):
     return find_segments(time, displacement)
 
 
-def _recorded(raw):
-    """The steps and holds of the load point."""
+def recorded_segments(raw):
+    """Starts (n,) [s], the first at or before the first sample, and speeds (n,) [m/s] of segments.
+
+    ParameterError as of `load_point_segments`.
+    """
     time = raw.time
     starts, speeds = load_point_segments(raw.data)
     # a window may have cut off segments at both ends
     inside = starts < time[-1]
     first = max(int(np.searchsorted(starts, time[0], side="right")) - 1, 0)
-    starts, speeds = starts[inside][first:], speeds[inside][first:]
+    return starts[inside][first:], speeds[inside][first:]
+
+
+def _recorded(raw):
+    """The steps and holds of the load point."""
+    time = raw.time
+    starts, speeds = recorded_segments(raw)
     if not speeds[0] > 0.0:
         raise refusal("load_point.rests", start=time[0])
     pairs = zip(starts[1:] - time[0], speeds[1:], strict=True)

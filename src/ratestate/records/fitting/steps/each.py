@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ....child_process import mapped
 from ....dynamics.progress import bar
 from ....errors import RateStateError
+from ...child_process import mapped
 from ..by_law import value_of
 from ..noise import Noise
 from ..one_record import datasets_of, inferences_of, single_blas

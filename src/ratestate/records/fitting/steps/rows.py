@@ -45,7 +45,8 @@ def _of_law(part, law, names, several):
     columns |= {name: _headed(part[name], head) for name, head in BEFORE.items()}
     for name in names:
         columns[name] = _headed(part[name], NAMES.get(name, name))
-        columns[f"{name}_error"] = part["standard_error"].sel(parameter=name).variable
+        error = part["standard_error"].sel(parameter=name)
+        columns[f"{name}_error"] = _headed(error.assign_attrs(part[name].attrs), name)
     columns |= {name: _headed(part[name], head) for name, head in AFTER.items() if name in part}
     return xarray.Dataset(columns, {"step": _headed(part["step"], "step")})
 

@@ -5,8 +5,8 @@ import os
 import pytest
 from child_work import dies_elsewhere, prints, refuses, squared
 
-from ratestate import child_process
-from ratestate.child_process import mapped
+from ratestate.records import child_process
+from ratestate.records.child_process import mapped
 
 
 @pytest.fixture(autouse=True)

@@ -1,0 +1,54 @@
+"""What commands that evaluate a laboratory's record do: read it, and write the result's files."""
+
+import contextlib
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import xarray
+
+from ...errors import RecordWarning
+from ...files import laboratory_csv, replace, write
+from ...records.reading import read_lab
+from .output import make_writable, reporting_files
+
+
+@contextlib.contextmanager
+def reported(
+    what: str, files: list[Path], reading: dict[str, Any], out: Path | None
+) -> Iterator[tuple[xarray.Dataset, list[Path]]]:
+    """The record in these files, and a list that takes the files made; both reported on stderr."""
+    if out:
+        make_writable(out)
+    with reporting_files(f"{what} of {', '.join(file.name for file in files)}") as made:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", RecordWarning)
+            record = read_lab(files if len(files) > 1 else files[0], **reading)
+        yield record, made
+
+
+def write_all(result: xarray.Dataset, out: Path | None, name: str, dim: str) -> list[Path]:
+    """Write NAME.nc, NAME.png and NAME.csv, a row for each value along a dimension; their paths."""
+    if not out:
+        return []
+    from ... import plot
+
+    table = laboratory_csv(_by_law(result, dim), dim)
+    return [
+        write(result, out / f"{name}.nc"),
+        plot.save(plot.page(result), out / f"{name}.png"),
+        replace(out / f"{name}.csv", lambda path: path.write_text(table, "utf-8")),
+    ]
+
+
+def _by_law(result: xarray.Dataset, dim: str) -> xarray.Dataset:
+    """A result with a variable along the dimension alone for each law, where it has several."""
+    table = result.copy()
+    for name, variable in result.data_vars.items():
+        if set(variable.dims) == {"law", dim}:
+            for law in result["law"].values.tolist():
+                one = variable.sel(law=law, drop=True)
+                head = f"{variable.attrs.get('long_name', name)}, {law} law"
+                table[f"{name}_{law}"] = one.assign_attrs(long_name=head)
+    return table

@@ -1,0 +1,59 @@
+"""``ratestate healing``: healing and relaxation in the holds of a laboratory record."""
+
+from pathlib import Path
+from typing import Any, Literal
+
+import typer
+
+from .exits import SOME_FAILED
+from .reading import Join, noise_of, reading_options
+
+Trend = Literal["slip", "time", "none"]
+#: the files' name
+NAME = "healing"
+
+
+def healing(
+    file: list[Path],
+    *,
+    slider: Path | None = None,
+    time: str | None = None,
+    displacement: str | None = None,
+    columns: list[str] | None = None,
+    column_units: list[str] | None = None,
+    rows: int | None = None,
+    join: Join = "auto",
+    format_: Path | None = None,
+    trend: Trend = "slip",
+    noise: str | None = None,
+    out: Path | None = None,
+    json: bool = False,
+) -> None:
+    """Evaluate slide-hold-slide tests: healing and relaxation of each hold, and their rates.
+
+    It ends with code 3 where a hold cannot be evaluated; the reasons are printed.
+
+    Example: ratestate healing record.txt --out healed
+    """
+    reading = reading_options(columns, column_units, time, displacement, format_, rows, join)
+    from ... import files
+    from ...records.healing import summary
+    from ...records.healing.healing import healing as evaluate
+    from .document import document
+    from .evaluate_record import reported, write_all
+    from .output import print_json, print_line
+
+    settings: dict[str, Any] = {
+        "trend": None if trend == "none" else trend,
+        "noise": noise_of(noise),
+    }
+    fitted = files.read(slider) if slider else None
+    with reported(NAME, file, reading, out) as (record, made):
+        result = evaluate(record, fitted, **settings)
+        made += write_all(result, out, NAME, "hold")
+    if json:
+        print_json(document(result, None))
+    else:
+        print_line(summary(result))
+    if bool((result["hold_status"] != 0).any()):
+        raise typer.Exit(SOME_FAILED)

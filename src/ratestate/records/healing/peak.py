@@ -1,0 +1,55 @@
+"""Where friction peaks after a hold: the window about it, and the maximum of a polynomial there.
+
+The largest of noisy samples is above the peak, by two or three standard deviations of the noise.
+The maximum of a polynomial fitted to samples about the peak is above it by far less, by half the
+variance of the slope over the curvature, which is subtracted.
+"""
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from .windows import CERTAIN, GROWTH, fewest_samples, is_curved, window_of
+
+#: orders: of the polynomial that is tested, and of the one that is used
+TESTED, USED = 3, 5
+#: successive windows that must fail: noise about the largest sample may be odd in one
+FAILED = 2
+#: a peak is within this part of its window about the middle
+INSIDE = 0.9
+#: points at which a polynomial is searched for its maximum
+POINTS = 801
+
+
+def peak_window(t, friction, slide, noise):
+    """The `Window` about the peak of a slide (rows); None where friction is not resolved there."""
+    best, width, failed = None, float(fewest_samples(USED)), 0
+    while width <= slide.size and failed < FAILED:
+        rows = _about_maximum(friction, slide, int(width))
+        width *= GROWTH
+        # (the smallest ones may need all orders that are used)
+        test = (USED, noise, CERTAIN) if best is None else (TESTED, noise)
+        if is_curved(t, t, friction, rows, *test):
+            failed += 1
+        else:
+            best, failed = rows, 0
+    return None if best is None else window_of(t, best, USED)
+
+
+def _about_maximum(friction, slide, width):
+    """So many rows about the largest moving average of a slide, as far as the slide goes."""
+    smooth = uniform_filter1d(friction[slide], max(width // 3, 1), mode="nearest")
+    centre = int(np.argmax(smooth))
+    first = min(max(centre - width // 2, 0), slide.size - width)
+    return slide[first : first + width]
+
+
+def maximum_of(window, coefficients):
+    """Abscissa of the maximum of a window's polynomial; None if that is at an end, or none."""
+    edge = 0.5 * (1.0 - INSIDE) * (window.high - window.low)
+    x = np.linspace(window.low, window.high, POINTS)
+    at = x[int(np.argmax(window.basis(x) @ coefficients))]
+    if not window.low + edge < at < window.high - edge:
+        return None
+    # (once is enough: the points are so close)
+    slope, curvature = (float((window.basis(at, k) @ coefficients)[0]) for k in (1, 2))
+    return float(at - slope / curvature) if curvature < 0.0 else None

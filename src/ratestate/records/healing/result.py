@@ -1,0 +1,121 @@
+"""The Dataset of `healing`."""
+
+import numpy as np
+import xarray
+
+from ...dynamics.results import flags
+from ..fitting.result import labelled
+from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
+from .messages import message
+from .rate import line_of, slope_of, times_along
+from .sliding import FEWEST
+
+#: what has a rate per decade -> that rate
+RATES = {"delta_mu": "beta", "delta_mu_c": "beta_c"}
+#: speeds that differ by more are two speeds
+SPEEDS = 0.05
+
+
+def dataset_of(record, noise, measured, sliders, predicted):
+    """The Dataset, without attributes.
+
+    measured : list of `Measured`; sliders : law -> `Fitted`; predicted : law -> list of `Predicted`
+    """
+    variables = _history(record.holds) | _found(measured)
+    result = xarray.Dataset(variables, labelled("time", time=record.t))
+    result = result.assign(labelled("time", friction=record.friction))
+    result = result.assign(_rates(result))
+    messages = [_message(hold, one) for hold, one in zip(record.holds, measured, strict=True)]
+    if predicted:
+        result = result.assign_coords(law=list(predicted))
+        result = result.assign(_predictions(result, sliders, predicted))
+        for each in predicted.values():
+            messages = [
+                "; ".join(filter(None, (text, one.message)))
+                for text, one in zip(messages, each, strict=True)
+            ]
+    return result.assign(
+        labelled("hold", hold_message=messages)
+        | labelled(
+            (),
+            noise_white=noise.white,
+            noise_red=noise.red,
+            noise_time=noise.time if noise.red else 0.0,
+        )
+    )
+
+
+def _history(holds):
+    """What the load point does, along ``hold``."""
+    return labelled(
+        "hold",
+        hold_start=[hold.start for hold in holds],
+        t_hold=[hold.end - hold.start for hold in holds],
+        V_before=[hold.V_before for hold in holds],
+        V_after=[hold.V_after for hold in holds],
+    )
+
+
+def _found(measured):
+    """What is measured, with its errors, and the status."""
+    values: dict = {}
+    for name in NAMES:
+        pairs = np.array([one.found.get(name, (np.nan, np.nan)) for one in measured])
+        values |= {name: pairs[:, 0], f"{name}_error": pairs[:, 1]}
+    values["peak_time"] = np.array([one.peak_time for one in measured])
+    values["hold_status"] = np.array([one.status for one in measured], np.int8)
+    found = labelled("hold", **values)
+    found["hold_status"][2].update(flags(dict(enumerate(STATUSES))))
+    return found
+
+
+def _message(hold, measured):
+    """Why something is not known of a hold, or what must be known of it; "" if nothing."""
+    if measured.status == EVALUATED:
+        before, after = hold.V_before, hold.V_after
+        if abs(after - before) <= SPEEDS * max(before, after):
+            return ""
+        return message("evaluated.other_speed", before=before, after=after)
+    short = measured.status == SHORT
+    samples, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
+    name = STATUSES[measured.status]
+    return message(f"status.{name}", samples=samples.size, fewest=fewest)
+
+
+def _rates(result):
+    """Rates per decade, and the lines of which they are the slopes."""
+    t_hold = result["t_hold"].values
+    values: dict = {}
+    lines: dict = {"line_t_hold": times_along(t_hold)}
+    for name, rate in RATES.items():
+        line = line_of(t_hold, result[name].values, result[f"{name}_error"].values)
+        numbers = (np.nan,) * 3 if line is None else (line.slope, line.slope_error, line.scatter)
+        names = (rate, f"{rate}_error", f"{rate}_scatter")
+        values |= dict(zip(names, numbers, strict=True))
+        at = np.full((2, lines["line_t_hold"].size), np.nan)
+        if line is not None:
+            at = line.at(np.log10(lines["line_t_hold"]))
+        lines |= {f"line_{name}": at[0], f"line_{name}_error": at[1]}
+    return labelled((), **values) | labelled("line", **lines)
+
+
+def _predictions(result, sliders, predicted):
+    """Predicted healing and relaxation along ``law`` and ``hold``, their rates along ``law``."""
+    variables: dict = {}
+    for i, (name, rate) in enumerate(RATES.items()):
+        columns: dict = {key: [] for key in ("", "_error")}
+        rates: dict = {key: [] for key in ("", "_error")}
+        at = result["t_hold"].values, result[f"{name}_error"].values
+        for law, each in predicted.items():
+            values = np.array([one.values[i] for one in each])
+            by = np.array([one.derivatives[i] for one in each])
+            columns[""].append(values)
+            columns["_error"].append(sliders[law].propagated(by))
+            # (the slope is a linear function of the values)
+            slopes = [slope_of(at[0], column, at[1]) for column in (values, *by.T)]
+            rates[""].append(slopes[0])
+            rates["_error"].append(sliders[law].propagated(np.array([slopes[1:]]))[0])
+        names = f"{name}_predicted", f"{rate}_predicted"
+        variables |= labelled(("law", "hold"), **{names[0] + k: x for k, x in columns.items()})
+        variables |= labelled("law", **{names[1] + k: x for k, x in rates.items()})
+    return variables

@@ -1,0 +1,31 @@
+"""Stiffness, mass and damping of a machine: the function `machine_stiffness` and its parts.
+
+========================== ============================================================
+``machine_stiffness``      the function `machine_stiffness`: in which order all is done
+``slopes``                 where the spring loads or unloads
+``loading_curve``          friction there, with creep at constant state
+``ring_down``              free oscillations: frequency and decay
+``inertia``                mass and damping from these, with friction taken out
+``result``                 the Dataset
+``text``                   `summary`, the Dataset as text
+``messages``, ``.toml``    sentences, and errors
+========================== ============================================================
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .text import summary
+
+__all__ = ["summary"]
+
+
+def __getattr__(name):
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.text"), name)
+
+
+def __dir__():
+    return __all__

@@ -1,0 +1,146 @@
+"""The function `machine_stiffness`: stiffness, mass and damping of a machine from a record."""
+
+import numpy as np
+
+from ...dynamics.results import provenance, versions
+from ...friction.laws import friction_law
+from ...model.conversion import in_si
+from ...model.names import keywords_checked
+from ...model.slider import SpringSlider
+from ...model.units import is_array, to_si
+from ..fitting.fit import RECORD_ATTRIBUTES
+from ..fitting.one_record import single_blas
+from ..fitting.raw_record import raw_record
+from ..load_point import segments_of
+from .messages import refusal
+from .result import dataset_of
+from .ring_down import ring_down
+from .slopes import FEWEST, slopes_of, stress_drops
+
+#: parameters of a slider that are used here
+FRICTION = ("a", "b", "Dc")
+
+
+@keywords_checked
+def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
+    """Stiffness, mass and damping of a machine, per area, from its own record.
+
+    K is the slope of stress with load-point displacement where the spring loads: after holds and
+    steps, and between stress drops; or unloads, after a step down.  There the fault creeps, so the
+    slope is less than K: each is fitted with a curve in which slip is that of friction at constant
+    state.  M and the damping are those of free oscillations after a step, a hold or a stress drop.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        A record of `read_lab`; or, along ``time`` [s], ``friction`` (else ``tau`` with ``sigma``
+        [Pa]) and ``delta_lp`` [m] or ``V_load`` [m/s] of the load point.
+    sigma : float or str, optional
+        Normal stress [Pa]; by default the median of the record's.
+    slider : SpringSlider, optional
+        Its a, b and Dc, with which friction is taken out of ring-downs while sliding; under a law
+        with one state.  Without it M is that of a machine without friction, and the damping that
+        of both.
+    loading : Loading, optional
+        The load point's history, with t = 0 at the first sample; by default as recorded.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``K`` [Pa/m] with ``K_error`` and ``K_scatter``; ``M`` [kg/m^2] and ``damping`` [Pa s/m]
+        with ``_error`` and ``_scatter``; NaN for what is not found.  They are means weighted with
+        the errors, and where values scatter significantly more, ``_scatter`` is above 1, and the
+        errors are enlarged by it.  Along ``slope``: ``slope_kind`` ("reload", "step_up",
+        "step_down", "stick"), ``slope_start`` [s], ``slope_K`` [Pa/m], ``slope_K_error``,
+        ``slope_straight`` [Pa/m], of the best straight line, ``slope_creep`` (slip rate over that
+        of the load point
+        at the start), ``slope_used`` (whether the curve describes it, so that it is in K).
+        Along ``ring_down``: ``ring_down_start`` [s], ``ring_down_V`` [m/s], ``ring_down_omega``
+        [rad/s] and ``ring_down_decay`` [1/s] with ``_error``, ``ring_down_M`` and
+        ``ring_down_damping`` with ``_error``.  Along ``time`` friction, and the fitted curves:
+        ``slope_friction`` and ``ring_down_friction``, NaN elsewhere.  The attribute ``remarks``
+        (a JSON list) says what must be known.
+
+    Raises
+    ------
+    ParameterError
+        A record that cannot be used, as of `fit`, or that has no normal stress where none is given;
+        one in which neither a slope nor an oscillation is resolved; a setting out of range.
+
+    Notes
+    -----
+    A block that sticks oscillates with sqrt(K/M).  While it slides, friction changes the frequency
+    by a part of the order of b sigma Dc/(K L^2), L = V/omega, and adds a damping of about
+    a sigma/V (linear theory: eq. 4 at steady sliding).  With a slider both are taken out.
+
+    Examples
+    --------
+    >>> import numpy as np, ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.01, b=0.012, Dc="5 um", sigma="5 MPa", K="8 GPa/m")
+    >>> loading = rs.Loading.steps("10 um/s", (20, 0), (120, "10 um/s"))
+    >>> run = rs.simulate(slider, loading, 140.0, times=np.linspace(0, 140, 14001))
+    >>> noise = 1e-4 * np.random.default_rng(1).normal(size=14001)
+    >>> record = run[["delta_lp"]].assign(friction=run.tau / slider.sigma + noise)
+    >>> result = rs.machine_stiffness(record, "5 MPa")
+    >>> bool(abs(result.K - 8e9) < 2 * result.K_error), bool(result.K_error < 2e8)
+    (True, True)
+    """
+    check_slider(slider)
+    data = in_si(data)
+    sigma = _normal_stress(data, sigma)
+    raw = raw_record(_with_sigma(data, sigma), None)
+    segments = segments_of(raw, loading)
+    with single_blas():
+        slopes = slopes_of(raw.time, raw.friction, segments)
+        oscillations = _ring_downs(raw, segments)
+    if not slopes and not oscillations:
+        raise refusal("record.nothing", samples=FEWEST)
+    result = dataset_of(raw, sigma, slider, slopes, oscillations)
+    kept = {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}
+    origin = {"title": "ratestate machine_stiffness", "versions": versions()}
+    if slider is not None:
+        origin = provenance("machine_stiffness", slider)
+    result.attrs = origin | {"sigma": sigma} | result.attrs | kept
+    return result
+
+
+def check_slider(slider):
+    """ParameterError for what has no one a, b and Dc of a law with one state."""
+    if slider is None:
+        return
+    if not isinstance(slider, SpringSlider):
+        raise refusal("slider.unlike", type=type(slider).__name__)
+    for symbol in FRICTION:
+        if is_array(getattr(slider, symbol)):
+            raise refusal("slider.array", symbol=symbol)
+    if not friction_law(slider.law).one_length or slider.friction != "log":
+        raise refusal("slider.two_states", law=slider.law)
+
+
+def _normal_stress(data, sigma):
+    """Normal stress [Pa], given or the record's."""
+    if sigma is not None:
+        return float(to_si("sigma", sigma))
+    if "sigma" not in getattr(data, "variables", {}):
+        raise refusal("record.no_sigma")
+    return float(np.median(np.asarray(data["sigma"].values, float)))
+
+
+def _with_sigma(data, sigma):
+    """The record with a normal stress, if it has none."""
+    if not hasattr(data, "assign") or "sigma" in data.variables:
+        return data
+    return data.assign(sigma=sigma)
+
+
+def _ring_downs(raw, segments):
+    """`RingDown`s (list) after each change of speed and each stress drop."""
+    t, friction, found = raw.time, raw.friction, []
+    for start, end, V in zip(segments.t, segments.ends, segments.V, strict=True):
+        rows = np.arange(*np.searchsorted(t, (start, end)))[1:]
+        drops = rows[stress_drops(friction[rows])] if rows.size else rows
+        starts = [rows] if drops.size == 0 else np.split(rows, np.searchsorted(rows, drops))[1:]
+        for part in starts:
+            one = ring_down(t, friction, part, float(t[part[0]]), float(V))
+            found += [] if one is None else [one]
+    return found

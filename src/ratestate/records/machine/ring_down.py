@@ -1,0 +1,174 @@
+"""Free oscillations of stress after a step, a hold or a stress drop: frequency and decay.
+
+Stress is c0 + c1 t + exp(-decay t) (A cos omega t + B sin omega t), by least squares; the four
+amplitudes are eliminated (variable projection: Golub & Pereyra 1973 doi:10.1137/0710036).  An
+oscillation that is large beside the speed of sliding has harmonics: its beginning is left out until
+they are not significant.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ..fitting.estimated_noise import estimated_noise
+from ..fitting.noise import Noise
+
+#: shortest window that is searched, and a window over the one before; most samples of the longest
+SHORTEST, GROWTH, LONGEST = 32, 2, 16384
+#: fewest periods in a window; fewest samples of a period; peak of the spectrum over its median
+PERIODS, SAMPLES, PEAK = 2.0, 5.0, 60.0
+#: decay times that are fitted; those left out at a time, how often, and after that
+DECAYS, LEFT_OUT, TIMES, LATER = 5.0, 0.25, 24, (1.5, 1.0, 0.5)
+#: chi-square of the harmonics, which have four coefficients, that 1 of 1000 fits exceed
+SIGNIFICANT = 18.47
+#: least ratio of omega, and of decay, to its error; largest decay over omega
+RESOLVED, OVERDAMPED = 5.0, 0.7
+#: relative error of omega and decay that is added where the oscillation is too short to wait so
+UNCHECKED = 1e-3
+#: relative step of a difference
+STEP = 1e-5
+
+
+class RingDown(NamedTuple):
+    """A damped oscillation."""
+
+    start: float  # [s], of the step or stress drop before it
+    V: float  # load-point speed during it [m/s]
+    omega: float  # [rad/s], of the damped oscillation
+    decay: float  # [1/s]
+    covariance: np.ndarray  # (2, 2) of omega and decay
+    rows: np.ndarray
+    fitted: np.ndarray  # friction of these rows
+
+
+def ring_down(t, friction, rows, start, V):
+    """The `RingDown` in rows after a start [s], at a load-point speed V; None if there is none."""
+    first = _dominant(t, friction, rows)
+    if first is None:
+        return None
+    omega, part = first
+    whole = rows[: LONGEST + np.searchsorted(rows, part[0])]
+    fit = _linear_part(t, friction, whole, omega, 2.0 / float(t[part[-1]] - t[part[0]]))
+    if fit is None:
+        return None
+    # what harmonics do not show yet falls with the square of the amplitude: so wait longer
+    for decays in LATER:
+        later = _window(t, whole, t[fit.rows[0]] + decays / fit.point[1], *fit.point)
+        again = None if later is None else _fit(t, friction, later, *fit.point)
+        if again is not None and again.is_resolved:
+            fit = again
+            break
+    else:
+        unknown = np.diag((UNCHECKED * fit.point) ** 2)
+        fit = fit._replace(covariance=fit.covariance + unknown)
+    omega, decay = fit.point.tolist()
+    return RingDown(start, V, omega, decay, fit.covariance, fit.rows, fit.fitted)
+
+
+def _linear_part(t, friction, whole, omega, decay):
+    """The first `_Fit` without significant harmonics, in what is left of the rows; or None."""
+    begin = t[whole[0]]
+    spacing = float(np.median(np.diff(t[whole])))
+    for _ in range(TIMES):
+        rows = _window(t, whole, begin, omega, decay)
+        if rows is None:
+            return None
+        fit = _fit(t, friction, rows, omega, decay)
+        omega, decay = fit.point
+        if not 0.0 < decay < OVERDAMPED * omega or omega * spacing * SAMPLES > 2.0 * np.pi:
+            return None
+        if fit.harmonics < SIGNIFICANT:
+            return fit if fit.is_resolved else None
+        begin += max(LEFT_OUT / decay, np.pi / omega)
+    return None
+
+
+def _window(t, whole, begin, omega, decay):
+    """Rows from a time on, as long as the oscillation lasts; None if they are too few."""
+    rows = whole[(t[whole] >= begin) & (t[whole] <= begin + DECAYS / decay)]
+    if rows.size < SHORTEST or (t[rows[-1]] - begin) * omega < PERIODS * 2.0 * np.pi:
+        return None
+    return rows
+
+
+def _dominant(t, friction, rows):
+    """omega [rad/s] and rows of the window in which one frequency stands out most; None."""
+    found, size = [], SHORTEST
+    while size <= min(rows.size, LONGEST):
+        part = rows[:size]
+        u = np.linspace(-1.0, 1.0, size)
+        smooth = np.polynomial.Polynomial.fit(u, friction[part], 3)
+        power = np.abs(np.fft.rfft((friction[part] - smooth(u)) * np.hanning(size))) ** 2
+        at = int(np.argmax(power))
+        median = float(np.median(power[1:]))
+        if at >= PERIODS + 1 and power[at] > PEAK * median:
+            omega = 2.0 * np.pi * at / float(t[part[-1]] - t[part[0]])
+            found.append((power[at] / (power.sum() - power[at - 1 : at + 2].sum()), omega, part))
+        size *= GROWTH
+    return None if not found else max(found, key=lambda one: one[0])[1:]
+
+
+class _Fit(NamedTuple):
+    """A fit of omega and decay."""
+
+    point: np.ndarray  # (2,)
+    covariance: np.ndarray  # (2, 2)
+    harmonics: float  # fall of chi-square by them
+    rows: np.ndarray
+    fitted: np.ndarray
+
+    @property
+    def is_resolved(self):
+        """Whether omega and decay are known well enough."""
+        return bool((self.point > RESOLVED * np.sqrt(np.diag(self.covariance))).all())
+
+
+def _columns(t, omega, decay):
+    """(n, 4) what friction is a linear function of, at times from the window's start on."""
+    fall = np.exp(-decay * t)
+    line = np.ones_like(t), t / t[-1]
+    return np.column_stack([*line, fall * np.cos(omega * t), fall * np.sin(omega * t)])
+
+
+def _fit(t, friction, rows, omega, decay):
+    """`_Fit` in these rows, from this start."""
+    at, y = t[rows] - t[rows[0]], friction[rows]
+    level = float(y.mean())
+    y = y - level
+
+    def amplitudes(p, noise):
+        white = noise.whiten(at, np.column_stack([y, _columns(at, *p)]))[0]
+        return np.linalg.lstsq(white[:, 1:], white[:, 0])[0], white
+
+    def residual(p, noise):
+        linear, white = amplitudes(p * scale, noise)
+        return white[:, 0] - white[:, 1:] @ linear
+
+    noise, scale = Noise(float(y.std())), np.array([omega, decay])
+    point = np.ones(2)
+    for _ in range(2):
+        point = least_squares(residual, point, args=(noise,), x_scale=[0.1, 0.5]).x
+        p = point * scale
+        linear, _ = amplitudes(p, noise)
+        fitted = _columns(at, *p) @ linear
+        slopes = [
+            (_columns(at, *(p + h)) - _columns(at, *(p - h))) @ linear / (2.0 * STEP)
+            for h in STEP * np.diag(p)
+        ]
+        jacobian = np.column_stack([*slopes, _columns(at, *p)])
+        noise = estimated_noise(at, y - fitted, jacobian)
+    white, _ = noise.whiten(at, np.column_stack([y - fitted, jacobian, _harmonics(at, *p)]))
+    covariance = np.linalg.pinv(white[:, 1:7].T @ white[:, 1:7], rcond=1e-15)[:2, :2]
+    sums = [
+        float(np.sum((np.linalg.qr(white[:, 1:end])[0].T @ white[:, 0]) ** 2)) for end in (7, 11)
+    ]
+    covariance = covariance * np.outer(p, p)
+    return _Fit(p, covariance, sums[1] - sums[0], rows, fitted + level)
+
+
+def _harmonics(t, omega, decay):
+    """(n, 4) what a larger oscillation brings: the second harmonic, and two changes of level."""
+    fall = np.exp(-2.0 * decay * t)
+    waves = fall * np.cos(2.0 * omega * t), fall * np.sin(2.0 * omega * t)
+    return np.column_stack([*waves, fall, np.exp(-decay * t)])

@@ -1,0 +1,288 @@
+"""`healing`: holds whose healing is known, their errors, rates, statuses and predictions."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+import xarray
+from slide_hold_slide import HOLDS, SLIDE, SLIDER, V, clean, loading_of, noisy, truth
+
+import ratestate as rs
+from ratestate import ParameterError
+from ratestate.records.healing import summary
+from ratestate.records.healing.measured import STATUSES
+from ratestate.records.healing.sliders import Fitted
+
+
+def statuses(result):
+    return [STATUSES[code] for code in result.hold_status.values]
+
+
+@pytest.fixture(scope="module")
+def one():
+    """A record with correlated noise and a drift, evaluated with its own slider."""
+    return rs.healing(noisy(1, white=2e-4, red=2e-4, trend=3.0), SLIDER)
+
+
+def test_holds_are_those_of_the_load_point(one):
+    np.testing.assert_allclose(one.t_hold, HOLDS)
+    starts = SLIDE + np.concatenate([[0.0], np.cumsum(np.array(HOLDS) + SLIDE)[:-1]])
+    np.testing.assert_allclose(one.hold_start, starts)
+    np.testing.assert_allclose(one.V_before, V)
+    assert statuses(one) == ["evaluated"] * 4
+    assert not any(one.hold_message.values)
+
+
+def test_without_noise_it_is_exact():
+    result = rs.healing(clean(dt=0.02), noise=1e-6)
+    np.testing.assert_allclose(result.delta_mu, truth()[:, 0], rtol=0, atol=3e-6)
+    np.testing.assert_allclose(result.delta_mu_c, truth()[:, 1], rtol=0, atol=1e-5)
+    np.testing.assert_allclose(result.friction_peak - result.friction_before, result.delta_mu)
+
+
+def test_estimates_are_unbiased_and_their_errors_hold():
+    """Of 60 records, in every second of which the noise is correlated."""
+    z = []
+    for seed in range(60):
+        result = rs.healing(noisy(seed, red=2e-4 * (seed % 2), trend=2.0))
+        assert statuses(result) == ["evaluated"] * 4
+        found = np.stack([result.delta_mu, result.delta_mu_c], axis=-1)
+        errors = np.stack([result.delta_mu_error, result.delta_mu_c_error], axis=-1)
+        z.append((found - truth()) / errors)
+    z = np.array(z)  # (60, holds, 2)
+    assert np.abs(z.mean(axis=0)).max() < 0.5
+    assert np.abs(z.mean(axis=(0, 1))).max() < 0.25
+    for k in range(2):
+        assert 0.60 < (np.abs(z[..., k]) < 1.0).mean() < 0.76
+        assert 0.90 < (np.abs(z[..., k]) < 1.96).mean() < 0.985
+
+
+def test_the_largest_sample_would_be_biased():
+    """Where healing of `healing` is not: of 15 noisy records."""
+    aging = SLIDER.replace(law="aging", Dc="20 um", K="10 GPa/m")
+    own, largest = [], []
+    for seed in range(15):
+        data = noisy(seed, slider=aging, holds=(100.0,), slide=60.0, white=1e-3)
+        result = rs.healing(data)
+        high = float(data.friction.sel(time=slice(160.0, None)).max())
+        exact = truth(aging, (100.0,))[0, 0]
+        own.append(float((result.delta_mu[0] - exact) / result.delta_mu_error[0]))
+        raw = high - float(result.friction_before[0]) - exact
+        largest.append(raw / float(result.delta_mu_error[0]))
+    assert np.mean(largest) > 2.0
+    assert abs(np.mean(own)) < 0.6
+
+
+def test_errors_grow_with_correlated_noise():
+    white = rs.healing(noisy(5), noise={"white": 3e-4})
+    red = rs.healing(noisy(5), noise={"white": 2e-4, "red": 2.2e-4, "time": "1 s"})
+    ratio = red.delta_mu_error / white.delta_mu_error
+    assert 1.1 < float(ratio.min()) < float(ratio.max()) < 4.0
+    assert float(red.noise_time) == 1.0
+
+
+def test_a_drift_is_extrapolated():
+    level = rs.healing(noisy(7))
+    for trend in (5.0, -5.0):
+        drifting = rs.healing(noisy(7, trend=trend))
+        np.testing.assert_allclose(drifting.delta_mu, level.delta_mu, rtol=0, atol=2e-6)
+    flat = rs.healing(noisy(7, trend=5.0), trend=None)
+    assert "evaluated" not in statuses(flat)[1:] or abs(
+        float((flat.delta_mu - level.delta_mu)[1])
+    ) > 2.0 * float(level.delta_mu_error[1])
+
+
+def test_the_rate_is_a_weighted_line(one):
+    x, y, error = np.log10(one.t_hold), one.delta_mu, one.delta_mu_error
+    slope, _ = np.polyfit(x, y, 1, w=1.0 / error)
+    residual = np.polyval(np.polyfit(x, y, 1, w=1.0 / error), x) - y
+    scatter = np.sqrt(float(((residual / error) ** 2).sum()) / 2)
+    assert float(one.beta) == pytest.approx(slope)
+    assert float(one.beta_scatter) == pytest.approx(scatter)
+    _, covariance = np.polyfit(x, y, 1, w=1.0 / error, cov="unscaled")
+    expected = np.sqrt(covariance[0, 0]) * max(scatter, 1.0)
+    assert float(one.beta_error) == pytest.approx(expected)
+    line = np.interp(10.0, one.line_t_hold, one.line_delta_mu)
+    assert line == pytest.approx(np.polyval(np.polyfit(x, y, 1, w=1.0 / error), 1.0), abs=1e-4)
+
+
+def test_one_hold_time_has_no_rate():
+    result = rs.healing(noisy(2, holds=(10.0, 10.0)), SLIDER)
+    assert statuses(result) == ["evaluated"] * 2
+    assert np.isnan(result.beta)
+    assert np.isnan(result.beta_predicted).all()
+    assert "two holds of different duration" in summary(result)
+
+
+def test_the_slider_predicts_each_hold(one):
+    np.testing.assert_allclose(one.delta_mu_predicted.sel(law="slip"), truth()[:, 0], atol=2e-7)
+    np.testing.assert_allclose(one.delta_mu_c_predicted.sel(law="slip"), truth()[:, 1], atol=2e-7)
+    assert float(one.delta_mu_predicted_error.max()) == 0.0
+    x, w = np.log10(one.t_hold), 1.0 / one.delta_mu_error
+    assert float(one.beta_predicted[0]) == pytest.approx(np.polyfit(x, truth()[:, 0], 1, w=w)[0])
+
+
+def test_errors_of_a_fit_are_propagated():
+    """Against differences of predictions of whole sliders, b and Dc correlated."""
+    from ratestate.records.healing.holds import Hold
+    from ratestate.records.healing.prediction import predict
+
+    rows = np.arange(0)
+    hold = Hold(30.0, 60.0, V, V, rows, rows, rows, 30.0)
+    covariance = np.array([[4e-8, 1.2e-10], [1.2e-10, 1e-12]])
+    fitted = Fitted(SLIDER, ("b", "Dc"), covariance)
+    by = []
+    for symbol, step in (("b", 2e-5), ("Dc", 2e-8)):
+        ends = [
+            predict(Fitted(SLIDER.replace(**{symbol: getattr(SLIDER, symbol) + s})), hold, "tau")
+            for s in (step, -step)
+        ]
+        by.append((ends[0].values - ends[1].values) / (2.0 * step))
+    by = np.array(by).T
+    predicted = predict(fitted, hold, "tau")
+    np.testing.assert_allclose(predicted.derivatives, by, rtol=2e-3)
+    expected = np.sqrt(np.einsum("ni,ij,nj->n", by, covariance, by))
+    np.testing.assert_allclose(fitted.propagated(predicted.derivatives), expected, rtol=2e-3)
+    unbounded = Fitted(SLIDER, ("b",), np.array([[np.inf]]))
+    assert np.isinf(unbounded.propagated(np.ones((1, 1)))).all()
+
+
+def test_a_fit_under_two_laws_predicts_with_errors():
+    data = noisy(11, holds=(3.0, 30.0), white=1e-4)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.errors.FitWarning)
+        fitted = rs.fit(data, SLIDER, law=("slip", "aging"), errors="covariance")
+    result = rs.healing(data, fitted)
+    assert result.law.values.tolist() == ["slip", "aging"]
+    slip = result.sel(law="slip")
+    off = np.abs(slip.delta_mu_predicted - truth(holds=(3.0, 30.0))[:, 0])
+    assert (off < 4.0 * slip.delta_mu_predicted_error).all()
+    assert (slip.delta_mu_predicted_error > 1e-6).all()
+    assert (slip.delta_mu_predicted_error < 1e-3).all()
+    assert "aging law predicts" in summary(result)
+
+
+def test_another_speed_of_reloading_is_mentioned():
+    data = noisy(4, holds=(30.0,), V_after=3e-5, dt=0.05)
+    result = rs.healing(data, SLIDER)
+    assert statuses(result) == ["evaluated"]
+    assert "reloaded at 30 um/s after sliding at 10 um/s" in result.hold_message.item()
+    error = float(result.delta_mu_error[0])
+    assert abs(float(result.delta_mu[0]) - truth(holds=(30.0,), V_after=3e-5)[0, 0]) < 3.5 * error
+    step = (SLIDER.a - SLIDER.b) * np.log(3.0)
+    change = float((result.friction_after - result.friction_before)[0])
+    both = np.hypot(result.friction_after_error, result.friction_before_error)
+    assert abs(change - step) < 3.5 * float(both[0])
+
+
+def test_a_record_that_ends_too_soon():
+    data = noisy(6)
+    last = float(data.time[-1]) - SLIDE + 1.0
+    result = rs.healing(data.sel(time=slice(None, last)))
+    assert statuses(result) == ["evaluated"] * 3 + ["record_ends"]
+    assert np.isnan(result.delta_mu[3])
+    off = abs(float(result.delta_mu_c[3]) - truth()[3, 1])
+    assert off < 4.0 * float(result.delta_mu_c_error[3])
+    np.testing.assert_allclose(result.delta_mu[:3], rs.healing(data).delta_mu[:3], atol=2e-5)
+
+
+def test_a_record_that_ends_in_a_hold():
+    data = noisy(6)
+    result = rs.healing(data.sel(time=slice(None, float(data.time[-1]) - SLIDE - 20.0)))
+    assert statuses(result) == ["evaluated"] * 3 + ["record_ends"]
+    assert np.isnan(result.V_after[3])
+    assert "record ends" in result.hold_message.values[3]
+
+
+def test_a_hold_with_too_few_samples():
+    result = rs.healing(noisy(8, holds=(0.4, 30.0)))
+    assert statuses(result) == ["short_hold", "evaluated"]
+    assert "the hold has 2 samples" in result.hold_message.values[0]
+
+
+def test_a_slide_that_is_not_steady():
+    data = noisy(9, slide=3.0, holds=(100.0, 30.0), white=1e-5, dt=0.02)
+    result = rs.healing(data, noise=1e-5)
+    assert statuses(result)[1] in ("not_steady_before", "record_ends")
+    assert np.isnan(result.delta_mu[1])
+
+
+def test_a_slide_before_with_too_few_samples():
+    data = noisy(9)
+    result = rs.healing(data.sel(time=slice(SLIDE - 0.5, None)))
+    assert statuses(result) == ["no_slide_before"] + ["evaluated"] * 3
+    assert np.isnan(result.delta_mu_c[0])
+
+
+def test_no_peak():
+    """Velocity strengthening without evolution does not heal."""
+    strengthening = SLIDER.replace(b=0.0)
+    result = rs.healing(noisy(10, slider=strengthening, holds=(10.0, 30.0)))
+    assert set(statuses(result)) <= {"no_peak", "record_ends"}
+    assert np.isnan(result.delta_mu).all()
+    assert (np.abs(result.delta_mu_c) > 0).all()
+
+
+def test_a_peak_between_two_samples_is_not_resolved():
+    coarse = noisy(1, holds=(100.0, 30.0), white=1e-6, dt=1.0)
+    assert statuses(rs.healing(coarse))[0] == "peak_not_resolved"
+
+
+def test_friction_of_the_interface():
+    data = noisy(12, holds=(10.0,)).rename(friction="mu")
+    result = rs.healing(data, SLIDER)
+    assert statuses(result) == ["evaluated"]
+    assert float(result.delta_mu_predicted[0, 0]) > float(truth(holds=(10.0,))[0, 0])
+
+
+def test_a_given_loading_and_a_load_velocity():
+    data = noisy(13, holds=(10.0, 30.0)).drop_vars(["segment_t", "segment_V"])
+    loading, _ = loading_of((10.0, 30.0))
+    given = rs.healing(data, loading=loading)
+    found = rs.healing(data)
+    np.testing.assert_allclose(given.delta_mu, found.delta_mu, rtol=0, atol=3e-4)
+    V_load = xarray.DataArray(np.gradient(data.delta_lp, data.time), dims="time")
+    speeds = rs.healing(data.assign(V_load=V_load).drop_vars("delta_lp"), loading=loading)
+    np.testing.assert_allclose(speeds.delta_mu, given.delta_mu, rtol=0, atol=1e-6)
+
+
+def test_in_other_units_and_from_a_file(one, tmp_path):
+    back = rs.files.read(rs.files.write(one, tmp_path / "healing.nc"))
+    assert summary(back) == summary(one)
+    assert summary(rs.in_units(one, V_before="um/s", t_hold="ms")) == summary(one)
+    assert json.loads(one.attrs["noise"]) is None
+
+
+def test_the_summary_has_the_numbers(one):
+    text = summary(one)
+    assert "4 of 4 holds evaluated" in text
+    assert "slip law predicts" in text
+    assert text.count("10 um/s") == 8
+    with pytest.raises(ParameterError, match="summary wants the Dataset that healing gives"):
+        summary(one.drop_attrs())
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "text"),
+    [
+        ({}, {"trend": "both"}, "trend = 'both' is unknown"),
+        ({}, {"noise": -1.0}, "noise"),
+        ({}, {"slider": 3}, "healing wants the Dataset that fit gives"),
+        ({"friction": "tau"}, {}, "tau .* no normal stress"),
+    ],
+)
+def test_bad_input(change, arguments, text):
+    with pytest.raises(ParameterError, match=text):
+        rs.healing(noisy(1).rename(change), **arguments)
+
+
+def test_records_without_holds():
+    step = noisy(1).drop_vars(["segment_t", "segment_V"]).sel(time=slice(0.0, 29.0))
+    with pytest.raises(ParameterError, match="has no hold"):
+        rs.healing(step)
+    swept = SLIDER.replace(K=rs.logspace("K", 1e9, 1e10, 2))
+    with pytest.raises(ParameterError, match="K of the slider is a DataArray"):
+        rs.healing(noisy(1), swept)
+    with pytest.raises(ParameterError, match="no slide of the record has 12 samples"):
+        rs.healing(clean(holds=(30.0,), slide=2.0))
