@@ -5,7 +5,7 @@ import numpy as np
 from ...dynamics import attributes
 from ..curves import WHOLE, scatter
 from ..labels import DASHED, GRAY, LAWS, prefixed
-from ..layout import ABOVE, figure, letters, styled
+from ..layout import ABOVE, figure, letters, plain_ticks, styled
 
 #: what is drawn against hold time -> the name of its axis
 PANELS = {
@@ -71,6 +71,7 @@ def _against_hold_time(result, name, ax):
     for law in result["law"].values.tolist() if "law" in result.dims else []:
         _predicted(result.sel(law=law), name, rate, ax, LAWS[law])
     ax.set_xscale("log")
+    plain_ticks(ax.xaxis, t_hold)
     ax.set(xlabel="Hold time [s]", ylabel=f"{PANELS[name]} [$10^{{-3}}$]")
     ax.legend(loc="upper left", fontsize=7)
 

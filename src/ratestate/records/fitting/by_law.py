@@ -130,8 +130,23 @@ def _relative_slopes(part):
     return slopes
 
 
+def _of_all_steps(result):
+    """A result of steps as that of one fit: shared estimates, medians where there are none."""
+    shared = result["shared"].drop_vars("parameter")
+    each = {name: i for i, name in enumerate(result["parameter"].values.tolist())}
+    one = {
+        name: shared.isel(parameter=i)
+        .fillna(result[name].median("step"))
+        .assign_attrs(result[name].attrs)
+        for name, i in each.items()
+    }
+    return result.isel(step=0, drop=True).drop_vars("sigma").assign(one)
+
+
 def slider_of(result, law=None):
     """The slider that a fit estimated: free parameters and mu0 as fitted, the others as given.
+
+    Of fits of each step: what is shared by all steps, and medians over the steps of the rest.
 
     Parameters
     ----------
@@ -150,6 +165,8 @@ def slider_of(result, law=None):
     ParameterError
         No result of `fit`; a law that was not fitted; several laws, and none is named.
     """
+    if isinstance(result, xarray.Dataset) and "step" in result.dims:
+        result = _of_all_steps(in_si(result))
     laws = checked_by_law(result, "slider_of")
     law = law_name(law) if law is not None else next(iter(laws)) if len(laws) == 1 else None
     if law not in laws:

@@ -72,17 +72,32 @@ def heading_of_steps(result):
 
 
 def remarks_on_steps(result):
-    """The lines below the tables of steps: comparison of the laws, failures, warnings (list)."""
+    """The lines below the tables of steps: comparison of the laws, failures, warnings (list).
+
+    The warnings are those of the law that fits best; of others how many there are.
+    """
     texts = [attributes.text(result, "comparison", ""), *sentences_on_all(result)]
+    best = _best_law(result)
     for law, part in results_by_law_of_steps(result).items():
-        for i, (message, warnings) in enumerate(
-            zip(part["message"].values.tolist(), part["warnings"].values.tolist(), strict=True), 1
-        ):
+        warnings = part["warnings"].values.tolist()
+        for i, message in enumerate(part["message"].values.tolist(), 1):
             texts += [f"step {i}, {law} law, failed: {message}"] if message else []
-            texts += [f"step {i}, {law} law, warning: {one}" for one in warnings.splitlines()]
+        if law == best:
+            for i, several in enumerate(warnings, 1):
+                texts += [f"step {i}, {law} law, warning: {one}" for one in several.splitlines()]
+        elif count := sum(len(several.splitlines()) for several in warnings):
+            texts.append(f"{law} law, warnings: {count}, in the variable warnings of the result")
     if "notes" in result.attrs:
         texts += [f"note: {note}" for note in attributes.from_json(result, "notes", list)]
     return [text for text in texts if text]
+
+
+def _best_law(result):
+    """Of a result of steps the law with the least AIC over all steps in which all are fitted."""
+    laws = [*results_by_law_of_steps(result)]
+    if len(laws) == 1 or not bool(result["aic_difference"].notnull().any()):
+        return laws[0]
+    return laws[int(result["aic_difference"].sum("step").argmin("law"))]
 
 
 def heading(result, laws):

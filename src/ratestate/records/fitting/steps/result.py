@@ -45,6 +45,7 @@ def dataset_of_steps(fits, shared, laws):
         law=laws if len(laws) > 1 else laws[0],
         step=("step", np.arange(1, len(fits) + 1), {"long_name": "step or hold"}),
         parameter=names,
+        other=names,
         level=list(LEVELS),
         side=list(SIDES),
     )
@@ -67,7 +68,7 @@ def _estimates(fits, law, names):
     values = {name: np.full(n, np.nan) for name in (*names, *SCALARS)}
     texts = {name: np.full(n, "", object) for name in (*TEXTS, "message")}
     error, interval = np.full((n, p), np.nan), np.full((n, p, 2, 2), np.nan)
-    kind = np.full((n, p), "", object)
+    kind, correlation = np.full((n, p), "", object), np.full((n, p, p), np.nan)
     status = np.full(n, FAILED, np.int8)
     for i, fit in enumerate(fits):
         one = fit.of(law)
@@ -80,6 +81,7 @@ def _estimates(fits, law, names):
         error[i, rows] = part["standard_error"].values
         interval[i, rows] = part["interval"].transpose("parameter", "level", "side").values
         kind[i, rows] = part["interval_kind"].values
+        correlation[i, *np.ix_(rows, rows)] = part["correlation"].values
         for name in own:
             values[name][i] = value_of(part, name)
         for name in SCALARS:
@@ -94,6 +96,7 @@ def _estimates(fits, law, names):
             **labelled("step", **values, **texts),
             **labelled(("step", "parameter"), standard_error=error, interval_kind=kind.astype(str)),
             **labelled(("step", "parameter", "level", "side"), interval=interval),
+            **labelled(("step", "parameter", "other"), correlation=correlation),
             "status": ("step", status, of_status),
         }
     )
