@@ -11,6 +11,7 @@ import tomllib
 from pathlib import Path
 from urllib.parse import parse_qsl
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -109,6 +110,18 @@ def test_every_description_is_of_a_parameter():
     assert shared.keys() <= set().union(*parameters.values())
 
 
+def write_holds(path):
+    """A record with three holds, which no template has."""
+    slider = ratestate.SpringSlider(a=0.008, b=0.01, Dc=1e-5, sigma=1e7, K=2e10, law="aging")
+    speeds = [(t, V) for t in (20.0, 60.0, 130.0) for t, V in ((t, 0.0), (t + 10.0, 1e-5))]
+    t = np.arange(0.0, 170.0, 0.02)
+    run = ratestate.simulate(slider, ratestate.Loading.steps(1e-5, *speeds), t[-1], times=t)
+    friction = run.tau / slider.sigma + 2e-4 * np.random.default_rng(1).normal(size=t.size)
+    columns = np.transpose([t, run.delta_lp * 1e6, friction, np.full(t.size, 10.0)])
+    head = "Time(s)\tDispl(microns)\tFriction\tNormal stress(MPa)"
+    np.savetxt(path, columns, "%.6g", delimiter="\t", header=head, comments="")
+
+
 def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
     """Those of all helps, one after the other, beside the templates that they name."""
     served = []
@@ -117,6 +130,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     for name in ("record", "fig3"):
         assert call("init", name).exit_code == 0
+    write_holds(tmp_path / "holds.txt")
     for command in ["", *COMMANDS]:
         (line,) = (
             line
@@ -132,6 +146,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
     assert charted == [(law, {"b_over_a": 1.6, "n": 200}) for law in ("slip", "aging")]
     names = {"lab.toml", "lab.png", "brake.toml", "cycle.png", "fig3.zarr", "figures", "fitted"}
     names |= {"record.toml", "record.txt", "fig3.toml", "response.png"}
+    names |= {"holds.txt", "healed", "catalogue"}
     assert {path.name for path in tmp_path.iterdir()} == names
 
 

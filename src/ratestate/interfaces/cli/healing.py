@@ -33,7 +33,7 @@ def healing(
 
     It ends with code 3 where a hold cannot be evaluated; the reasons are printed.
 
-    Example: ratestate healing record.txt --out healed
+    Example: ratestate healing holds.txt --out healed
     """
     reading = reading_options(columns, column_units, time, displacement, format_, rows, join)
     from ... import files

@@ -24,7 +24,7 @@ def stiffness(
 ) -> None:
     """Find stiffness, mass and damping of a machine in its record: slopes of loading, ring-downs.
 
-    Example: ratestate stiffness record.txt --sigma '20 MPa'
+    Example: ratestate stiffness holds.txt --sigma '10 MPa'
     """
     reading = reading_options(columns, column_units, time, displacement, format_, rows, join)
     from ...records.machine import summary

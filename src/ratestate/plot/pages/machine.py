@@ -38,7 +38,7 @@ def _what(result, name, i):
     """What stands above a panel."""
     if name == "slope":
         kind = str(result["slope_kind"].values[i]).replace("_", " ")
-        return f"{kind}: {result['slope_K'].values[i] / 1e9:.4g} GPa/m"
+        return f"{kind}: {result['slope_K'].values[i] / 1e9:.3g} GPa/m"
     hertz = result["ring_down_omega"].values[i] / (2.0 * np.pi)
     return f"ring-down: {hertz:.4g} Hz"
 

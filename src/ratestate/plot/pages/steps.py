@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 
 from ...dynamics import attributes
 from ...model.quantities import QUANTITIES, readable
@@ -16,10 +17,14 @@ from ..layout import figure, letters, plain_ticks
 COLUMNS, MOST = 5, 40
 #: heights [inches] of a step and of the estimates, and of titles and labels
 STEP, ESTIMATE, TITLE, LABELS = 1.05, 1.75, 0.5, 0.35
+#: least height of all steps together [inches]
+LEAST = 1.8
 #: estimates that are drawn along the experiment, where they were made
 DRAWN = ("a_minus_b", "Dc")
 #: against what
 ALONG = ("V_after", "step_delta_lp")
+#: how far the markers of one law are beside those of another [inches]
+BESIDE = 0.035
 #: kind of step -> marker of its estimate, by whether the speed rises
 MARKERS = {("step", True): "^", ("step", False): "v", ("hold", False): "o"}
 
@@ -29,12 +34,14 @@ def steps_page(result):
     laws = results_by_law_of_steps(result)
     shown = np.unique(np.linspace(0, result.sizes["step"] - 1, MOST).astype(int))
     shown = shown if result.sizes["step"] > MOST else np.arange(result.sizes["step"])
-    rows = -(-shown.size // COLUMNS)
-    drawn = [symbol for symbol in DRAWN if symbol in result["parameter"].values]
-    heights = [rows * STEP + LABELS, *([ESTIMATE] * len(drawn))]
+    columns = min(shown.size, COLUMNS)
+    rows = -(-shown.size // columns)
+    of_any = result["parameter"].values if result.sizes["step"] > 1 else ()
+    drawn = [symbol for symbol in DRAWN if symbol in of_any]
+    heights = [max(rows * STEP, LEAST) + LABELS, *([ESTIMATE] * len(drawn))]
     fig = figure(result, sum(heights) + TITLE, "M V0", title=_title(result, laws, shown.size))
     parts = fig.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
-    panels = parts[0].subplots(rows, COLUMNS, squeeze=False).ravel()
+    panels = parts[0].subplots(rows, columns, squeeze=False).ravel()
     for ax, i in zip(panels, shown, strict=False):
         _step(result.isel(step=i), {law: part.isel(step=i) for law, part in laws.items()}, ax)
     for ax in panels[shown.size :]:
@@ -53,7 +60,8 @@ def steps_page(result):
 def _title(result, laws, shown):
     """What was fitted."""
     source, n = attributes.text(result, "source", ""), result.sizes["step"]
-    of = f"Fits of {n} steps and holds{f' of {source}' if source else ''}, {law_names(tuple(laws))}"
+    what = "1 step" if n == 1 else f"{n} steps and holds"
+    of = f"Fits of {what}{f' of {source}' if source else ''}, {law_names(tuple(laws))}"
     return of if shown == n else f"{of} ({shown} of them shown)"
 
 
@@ -120,6 +128,7 @@ def _along(laws, symbol, along, ax):
     to_unit, unit = prefixed(QUANTITIES[along].unit, float(np.nanmax(np.abs(x))))
     for i, (law, part) in enumerate(laws.items()):
         own = part.sel(parameter=symbol)
+        beside = ScaledTranslation(i * BESIDE, 0.0, ax.figure.dpi_scale_trans)
         value = own[symbol].values
         low, high = np.abs(own["interval"].isel(level=0).transpose("side", "step").values - value)
         for (kind, up), marker in MARKERS.items():
@@ -127,13 +136,14 @@ def _along(laws, symbol, along, ax):
             at = ((own["kind"] == kind) & (up == rises)).values & np.isfinite(value)
             errors = np.where(np.isfinite([low, high]), [low, high], 0.0)[:, at]
             ax.errorbar(
-                to_unit * x[at] * (1.03**i if along == "V_after" else 1.0),
+                to_unit * x[at],
                 factor * value[at],
                 factor * errors,
                 fmt=marker,
                 ms=3.5,
                 lw=0.8,
                 color=LAWS[law].color,
+                transform=ax.transData + beside,
             )
     if along == "V_after" and np.ptp(x) > 0.0:
         ax.set_xscale("log")

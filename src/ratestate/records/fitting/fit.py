@@ -109,9 +109,9 @@ def fit(
         curve.  Along ``parameter``: ``shared``, the estimate of one set
         for all steps and holds, and ``shared_error``; ``scatter``, the standard deviation between
         steps beyond their errors; ``up_over_down``, the ratio of the mean over steps up to that
-        over steps down, and its error.  ``shared_p_value`` is the probability of as large a
-        ``shared_deviance`` if one set serves all.  At a step of normal stress only alpha is free,
-        and what the other steps tell of a, b, Dc and K is held.
+        over steps down, with its error and the p-value of Student's test.  ``shared_p_value`` is
+        the probability of as large a ``shared_deviance`` if one set serves all.  At a step of
+        normal stress only alpha is free, and what the other steps tell of a, b, Dc and K is held.
 
     Raises
     ------
@@ -151,9 +151,9 @@ def fit(
     )
     check_each(each, settings, loading)
     names = json.dumps(settings.free)
-    kept = {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}
     if each is not None:
         result = fit_experiment(in_si(data), settings)
+        kept = _kept(data)
         law = settings.laws[0] if len(settings.laws) == 1 else None
         origin = provenance("fit", slider, law=law, free=names, each=each, **settings.recorded)
         result.attrs = origin | result.attrs | kept
@@ -163,6 +163,7 @@ def fit(
     with single_blas():
         fits = fits_of_cycles if against == "cycles" else fits_of_samples
         results = fits(in_si(data), settings, loading)
+    kept = _kept(data)
     for name, result in results.items():
         origin = provenance("fit", slider, law=name, free=names, **settings.recorded)
         result.coords["law"] = name
@@ -172,3 +173,8 @@ def fit(
             warnings.warn(prefix + text, FitWarning, stacklevel=3)
     alone = law is None or isinstance(law, str | type)
     return results[settings.laws[0]] if alone else side_by_side(results)
+
+
+def _kept(data):
+    """What a result keeps of its record's attributes."""
+    return {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}

@@ -39,7 +39,7 @@ def fits_of_cycles(data, settings, loading):
 
 def fits_of_samples(data, settings, loading):
     """dict law -> Dataset of a fit of friction, sample by sample; else as `fits_of_cycles`."""
-    return datasets_of(inferences_of(data, settings, loading), data)
+    return datasets_of(inferences_of(data, settings, loading), settings.laws, data)
 
 
 def inferences_of(data, settings, loading=None):
@@ -57,9 +57,10 @@ def inferences_of(data, settings, loading=None):
     return with_posteriors(inferences) if errors == "posterior" else inferences
 
 
-def datasets_of(inferences, data):
-    """dict law -> Dataset of each `Inference`, with the comparison of several."""
-    results = {one.solution.problem.law.name: dataset_of(one, data) for one in inferences}
+def datasets_of(inferences, laws, data):
+    """dict law -> Dataset of each `Inference`, with the comparison of several; laws : names."""
+    datasets = [dataset_of(inference, data) for inference in inferences]
+    results = dict(zip(laws, datasets, strict=True))
     if len(results) > 1:
         colored = any(inference.solution.noise.red for inference in inferences)
         aic = {law: float(result["aic"]) for law, result in results.items()}

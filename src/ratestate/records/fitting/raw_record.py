@@ -44,6 +44,20 @@ def raw_record(data, slider):
     that is absent, not along time alone, or not finite; friction, or a displacement, of a size that
     means other units.
     """
+    time = checked_time(data)
+    kind, friction = _friction(data, slider)
+    typical = float(np.median(friction))
+    if not LOW < typical < HIGH:
+        hint = "turn its sign" if -HIGH < typical < 0.0 else "is it a stress, or in per cent?"
+        raise refusal("columns.size", typical=typical, high=HIGH, advice=hint)
+    return RawRecord(data, time, kind, friction, _displacement(data, time))
+
+
+def checked_time(data):
+    """(m,) times of a record [s], once its type, number, times and normal stress are checked.
+
+    ParameterError as of `raw_record`.
+    """
     if not isinstance(data, xarray.Dataset):
         raise refusal("record.type", type=type(data).__name__)
     time = _column(data, "time")
@@ -52,12 +66,12 @@ def raw_record(data, slider):
     if not (np.diff(time) > 0.0).all():
         row = int(np.argmin(np.diff(time) > 0.0)) + 1
         raise refusal("columns.not_increasing", before=time[row - 1], after=time[row], row=row)
-    kind, friction = _friction(data, slider)
-    typical = float(np.median(friction))
-    if not LOW < typical < HIGH:
-        hint = "turn its sign" if -HIGH < typical < 0.0 else "is it a stress, or in per cent?"
-        raise refusal("columns.size", typical=typical, high=HIGH, advice=hint)
-    return RawRecord(data, time, kind, friction, _displacement(data, time))
+    if "sigma" in data.variables and data["sigma"].dims == ("time",):
+        sigma = np.asarray(data["sigma"].values, float)
+        if (sigma <= 0.0).any():
+            row = int(np.argmax(sigma <= 0.0))
+            raise refusal("columns.stress", value=sigma[row], row=row)
+    return time
 
 
 def _column(data, name):

@@ -1,6 +1,7 @@
 """The function `machine_stiffness`: stiffness, mass and damping of a machine from a record."""
 
 import numpy as np
+import xarray
 
 from ...dynamics.results import provenance, versions
 from ...friction.laws import friction_law
@@ -127,10 +128,8 @@ def _normal_stress(data, sigma):
 
 
 def _with_sigma(data, sigma):
-    """The record with a normal stress, if it has none."""
-    if not hasattr(data, "assign") or "sigma" in data.variables:
-        return data
-    return data.assign(sigma=sigma)
+    """The record with this normal stress, by which stress is divided as K is multiplied by it."""
+    return data.assign(sigma=sigma) if isinstance(data, xarray.Dataset) else data
 
 
 def _ring_downs(raw, segments):

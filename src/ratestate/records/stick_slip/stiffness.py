@@ -41,8 +41,10 @@ def loading_stiffness(series, rises, falls, noise):
     falls : the same of the events, for the part of the time that they take
     """
     t, y = series.t, series.tau
-    times = [[float(np.median([t[j] - t[i] for i, j in spans]))] for spans in (rises, falls)]
-    falling = times[1][0] / (times[0][0] + times[1][0])
+    if not rises:
+        return Stiffness(math.nan, math.nan, "few")
+    rising, falling = (np.median([t[j] - t[i] for i, j in spans]) for spans in (rises, falls))
+    falling = float(falling / (rising + falling))
     slopes, variances, lost = [], [], []
     for first, last in rises:
         V, V_error = (float(x) for x in series.load.speed(0.5 * (t[first] + t[last])))

@@ -5,12 +5,13 @@ import warnings
 import numpy as np
 import pytest
 import xarray
+from scipy.stats import ttest_ind
 from synthetic_experiments import drawn_experiment, experiment
 
 import ratestate as rs
 from ratestate import fitting
 from ratestate.records.fitting.steps import each
-from ratestate.records.fitting.steps.comparison import group_of
+from ratestate.records.fitting.steps.comparison import group_of, ratio_of
 from ratestate.records.fitting.steps.windows import windows_of
 
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -18,6 +19,7 @@ START = SLIDER.replace(a=0.005, b=0.005, Dc="30 um")
 NOISE = {"noise": 1.5e-4, "red": 1e-4, "time": 3.0}
 FAST, SLOW = 1e-5, 3e-6
 SPEEDS = (SLOW, FAST, SLOW, (0.0, 300.0), SLOW, FAST)
+MANY = (SLOW, FAST) * 3 + (SLOW,)
 FREE = ["a", "b", "Dc", "K"]
 
 
@@ -107,17 +109,47 @@ def test_one_set_serves_all_steps_under_the_right_law_alone(under_both):
     assert np.isnan(shared.sel(parameter="K"))  # the machine's
 
 
-def test_steps_up_and_down_are_alike_under_the_right_law_alone(under_both):
-    ratio = under_both.up_over_down.sel(parameter="Dc")
-    error = under_both.up_over_down_error.sel(parameter="Dc")
-    assert abs(float(ratio.sel(law="slip")) - 1.0) < 3.0 * float(error.sel(law="slip"))
-    # steps of 10/3 up, by the slip law: under the aging law Dc is shorter up and longer down
-    assert float(ratio.sel(law="aging")) < 1.0 - 5.0 * float(error.sel(law="aging"))
-    text = fitting.summary(under_both)
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_steps_up_and_down_are_alike_under_the_right_law_alone():
+    """Of steps of the slip law the aging law wants Dc shorter up and longer down."""
+    many = experiment(SLIDER, MANY, 400e-6, 400, seed=6, **NOISE)
+    result = rs.fit(many, START, law=("slip", "aging"), each="step")
+    ratio = result.up_over_down.sel(parameter="Dc")
+    error = result.up_over_down_error.sel(parameter="Dc")
+    p = result.up_over_down_p_value.sel(parameter="Dc")
+    assert abs(float(ratio.sel(law="slip")) - 1.0) < 4.0 * float(error.sel(law="slip"))
+    assert 0.4 < float(ratio.sel(law="aging")) < 0.75
+    assert float(p.sel(law="slip")) > 0.01
+    assert float(p.sel(law="aging")) < 1e-3
+    text = fitting.summary(result)
     assert "slip law: steps up and steps down are alike: Dc of steps up is" in text
     assert "aging law: steps up and steps down are not alike" in text
+
+
+def test_one_set_is_told_in_a_sentence(under_both):
+    text = " ".join(fitting.summary(under_both).split())
     assert "slip law: one set of parameters serves all steps" in text
     assert "aging law: one set of parameters does not serve all steps" in text
+    p = float(under_both.shared_p_value.sel(law="slip"))
+    assert f"for 9 parameters fewer (p = {p:.2g})" in text
+
+
+def test_steps_up_beside_steps_down():
+    """Against Student's test of SciPy, where errors are small beside the scatter."""
+    rng = np.random.default_rng(4)
+    up, down = rng.normal(0.1, 0.2, 7), rng.normal(0.0, 0.2, 5)
+    found = ratio_of((up, np.full(7, 1e-3)), (down, np.full(5, 1e-3)), True)
+    expected = ttest_ind(up, down)
+    assert found.value == pytest.approx(np.exp(up.mean() - down.mean()))
+    assert found.p_value == pytest.approx(expected.pvalue, rel=1e-6)
+    # of one step each nothing is known of the scatter
+    alone = ratio_of(([0.2], [0.01]), ([0.1], [0.01]), True)
+    assert alone.value == pytest.approx(np.exp(0.1))
+    assert np.isnan(alone.error)
+    assert np.isnan(alone.p_value)
+    # where errors are large they are what counts
+    wide = ratio_of((up, np.full(7, 0.5)), (down, np.full(5, 0.5)), True)
+    assert wide.error == pytest.approx(wide.value * 0.5 * np.sqrt(1 / 7 + 1 / 5))
 
 
 def test_a_step_that_fails_leaves_the_others(data, under_slip):
@@ -167,6 +199,51 @@ def test_where_all_fail_is_an_error(data):
 def test_settings_that_do_not_go_together(data, changed, match):
     with pytest.raises(rs.ParameterError, match=match):
         rs.fit(data, START, **({"each": "step"} | changed))
+
+
+def test_normal_stress_that_changes_slowly_is_no_step(data):
+    wave = 8e6 * (1.0 + 0.1 * np.sin(data.time.values / 60.0))
+    windows = windows_of(data.assign(sigma=("time", wave)))
+    assert [window.kind for window in windows] == ["step", "step", "hold", "step"]
+
+
+def test_a_hold_at_the_end(data):
+    until = data.sel(time=slice(0.0, 600.0))
+    with pytest.warns(rs.FitWarning):
+        result = rs.fit(until, SLIDER, each="step", errors="covariance")
+    assert "217 s, to the record's end" in fitting.summary(result)
+    assert np.isnan(result.V_after[-1])
+
+
+@pytest.mark.parametrize(
+    ("spoil", "match"),
+    [
+        (lambda data: None, "data is of type NoneType"),
+        (lambda data: data.isel(time=slice(0, 0)), "0 samples"),
+        (lambda data: data.assign(sigma=("time", np.full(data.time.size, -8e6))), "must be > 0"),
+        (lambda data: data.isel(time=slice(None, None, -1)), "times must increase"),
+    ],
+)
+def test_what_is_no_record(data, spoil, match):
+    with pytest.raises(rs.ParameterError, match=match):
+        rs.fit(spoil(data), START, each="step")
+
+
+def test_a_window_that_begins_soon_after_a_step_has_a_free_start():
+    """The change before is not over by then: a start in steady sliding would bias the estimates."""
+    speeds = (SLOW, FAST, SLOW, FAST)
+    soon = experiment(SLIDER, speeds, 120e-6, 500, seed=3, noise=1e-4)
+    windows = windows_of(soon)
+    assert windows[0].slid == np.inf
+    assert windows[1].slid == pytest.approx(60e-6, rel=0.02)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        result = rs.fit(soon, SLIDER, each="step")
+    deviation = [
+        (result[name][1:] - getattr(SLIDER, name)) / result.standard_error.sel(parameter=name)[1:]
+        for name in FREE
+    ]
+    assert np.abs(deviation).max() < 3.5
 
 
 def test_a_record_without_steps():

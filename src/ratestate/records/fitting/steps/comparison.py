@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import stdtr
 
 from ..by_law import value_of
 from ..unknowns import SUMS, parameter
@@ -17,15 +18,40 @@ class Group(NamedTuple):
     n: int
     is_log: bool  # whether the coordinate is a logarithm
 
-    def over(self, other):
-        """(ratio of this mean in SI to the other, its standard error); NaN without both."""
-        if not (self.n and other.n):
-            return np.nan, np.nan
-        if self.is_log:
-            ratio = np.exp(self.mean - other.mean)
-            return ratio, ratio * np.hypot(self.error, other.error)
-        ratio = self.mean / other.mean
-        return ratio, np.hypot(self.error, ratio * other.error) / abs(other.mean)
+
+class Ratio(NamedTuple):
+    """Mean over steps up divided by that over steps down."""
+
+    value: float
+    error: float  # standard error, with the scatter within both groups
+    p_value: float  # of as large a difference of the means if there is none
+
+
+def ratio_of(up, down, is_log):
+    """`Ratio` of two groups of estimates: pairs of values (n,) and standard errors (n,).
+
+    The scatter is that about both means together, as of Student's test.  NaN without both, and
+    errors and probability where each has one estimate, for then nothing is known of the scatter.
+    """
+    if not (len(up[0]) and len(down[0])):
+        return Ratio(np.nan, np.nan, np.nan)
+    means, variances, squares = [], [], 0.0
+    for values, errors in (map(np.asarray, up), map(np.asarray, down)):
+        weights = np.maximum(errors, 1e-300) ** -2.0
+        means.append(float(weights @ values / weights.sum()))
+        variances.append(1.0 / float(weights.sum()))
+        squares += float(weights @ (values - means[-1]) ** 2)
+    degrees = len(up[0]) + len(down[0]) - 2
+    value = float(np.exp(means[0] - means[1])) if is_log else means[0] / means[1]
+    if degrees == 0:
+        return Ratio(value, np.nan, np.nan)
+    scale = max(squares / degrees, 1.0)
+    difference, error = means[0] - means[1], np.sqrt(scale * sum(variances))
+    p_value = float(2.0 * stdtr(degrees, -abs(difference) / error))
+    own = value * error
+    if not is_log:
+        own = np.sqrt(scale * (variances[0] + value**2 * variances[1])) / abs(means[1])
+    return Ratio(value, float(own), p_value)
 
 
 def group_of(values, errors, is_log=False):
@@ -47,10 +73,16 @@ def group_of(values, errors, is_log=False):
     return Group(float(mean), float(weights.sum() ** -0.5), float(scatter**0.5), n, is_log)
 
 
-def grouped(fits, law, name, chosen=lambda window: True):
-    """`Group` of a parameter over the `Fitted` windows that are chosen, in its coordinate.
+def grouped(fits, law, name):
+    """`Group` of a parameter over all `Fitted` windows, in its coordinate."""
+    values, errors, is_log = estimates_of(fits, law, name)
+    return group_of(values, errors, is_log)
 
-    Estimates without a finite error do not count.
+
+def estimates_of(fits, law, name, chosen=lambda window: True):
+    """Values (list) of a parameter in its coordinate, errors (list), and whether it is a logarithm.
+
+    Of the `Fitted` windows that are chosen; estimates without a finite error do not count.
     """
     is_log = name not in SUMS and parameter(name).is_log
     values, errors = [], []
@@ -65,7 +97,7 @@ def grouped(fits, law, name, chosen=lambda window: True):
         if np.isfinite(error):
             values.append(np.log(value) if is_log else value)
             errors.append(error / value if is_log else error)
-    return group_of(values, errors, is_log)
+    return values, errors, is_log
 
 
 def is_up(window):

@@ -17,6 +17,8 @@ from .windows import Window, windows_of
 
 #: most samples of a window that are fitted: a step is resolved as well as with ten times as many
 MOST = 20_000
+#: slip since the change before, over Dc, from which on sliding may be steady at a window's begin
+SLID = 5.0
 
 
 class Task(NamedTuple):
@@ -36,6 +38,7 @@ class Separate(NamedTuple):
     point: np.ndarray  # (k,) coordinates of the best fit
     noise: Noise
     chi2: float  # of the whitened residuals
+    errors: np.ndarray  # (k,) of the coordinates, with the noise as estimated
 
 
 class Fitted(NamedTuple):
@@ -124,7 +127,10 @@ def _stress(part, slider):
 
 
 def _nearer(task, pilot):
-    """The `Task` with the estimates of a `Fitted` as initial guess, where it has them."""
+    """The `Task` with the estimates of a `Fitted` as initial guess, where it has them.
+
+    Its start is free where the change before is not over by then.
+    """
     sliders = []
     for slider in task.settings.sliders:
         separate, values = pilot.of(slider.law), {}
@@ -133,16 +139,31 @@ def _nearer(task, pilot):
             names = [name for name in part["parameter"].values.tolist() if name in slider.values]
             values = {name: value_of(part, name) for name in names}
         sliders.append(slider.replace(**values))
-    return task._replace(settings=task.settings._replace(sliders=sliders))
+    start = task.settings.start
+    if start == "auto" and task.window.slid < SLID * max(map(_longest_distance, sliders)):
+        start = "free"
+    return task._replace(settings=task.settings._replace(sliders=sliders, start=start))
+
+
+def _longest_distance(slider):
+    """The longest distance [m] over which a state of a slider evolves."""
+    return max(float(getattr(slider, D)) for D in slider.friction_law.states.values())
 
 
 def _separate(task):
     """law -> `Separate` of a `Task`; ParameterError where a law cannot be fitted."""
     inferences = inferences_of(task.data, task.settings)
-    results = datasets_of(inferences, task.data)
+    results = datasets_of(inferences, task.settings.laws, task.data)
     solutions = [inference.solution for inference in inferences]
     return {
-        law: Separate(result, one.unknowns, one.point, one.noise, one.chi2)
+        law: Separate(
+            result,
+            one.unknowns,
+            one.point,
+            one.noise,
+            one.chi2,
+            np.sqrt(np.diag(one.covariance)),
+        )
         for (law, result), one in zip(results.items(), solutions, strict=True)
     }
 

@@ -11,7 +11,7 @@ from ..diagnostics.model_comparison import compare_laws
 from ..estimates import LEVELS, SIDES
 from ..result import labelled
 from ..unknowns import SUMS, free_under, to_value
-from .comparison import grouped, is_down, is_up
+from .comparison import estimates_of, grouped, is_down, is_up, ratio_of
 
 #: most samples of a window that are kept for figures
 KEPT = 1000
@@ -105,14 +105,16 @@ def _estimates(fits, law, names):
 def _shared(fits, shared, law, names):
     """What all steps together tell of each parameter under a law."""
     rows = {key: np.full(len(names), np.nan) for key in ("shared", "shared_error", "scatter")}
-    rows |= {key: np.full(len(names), np.nan) for key in ("up_over_down", "up_over_down_error")}
+    of_ratio = ("up_over_down", "up_over_down_error", "up_over_down_p_value")
+    rows |= {key: np.full(len(names), np.nan) for key in of_ratio}
     for i, name in enumerate(names):
         everything = grouped(fits, law, name)
         size = np.exp(everything.mean) if everything.is_log else 1.0
         rows["scatter"][i] = size * everything.scatter
-        up, down = grouped(fits, law, name, is_up), grouped(fits, law, name, is_down)
-        ratio, error = up.over(down)
-        rows["up_over_down"][i], rows["up_over_down_error"][i] = ratio, error
+        up, down = (estimates_of(fits, law, name, which)[:2] for which in (is_up, is_down))
+        ratio = ratio_of(up, down, everything.is_log)
+        for key, value in zip(of_ratio, ratio, strict=True):
+            rows[key][i] = value
         if shared is not None and name in shared.names:
             j = shared.names.index(name)
             value, spread = float(to_value(name, shared.point[j])), shared.covariance[j, j] ** 0.5

@@ -2,7 +2,8 @@
 
 The steps share the parameters of the law; stiffness, level, trend and start remain each step's own,
 and so does its noise, at the estimate of its separate fit.  The joint least squares are those of
-all whitened residuals.
+all whitened residuals.  Errors are as much wider as those of the separate fits are for the noise's
+own uncertainty (likelihood/noise_uncertainty.py).
 """
 
 import itertools
@@ -12,8 +13,10 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
+from ..by_law import value_of
 from ..problem import Problem
 from ..record import record_of
+from ..unknowns import parameter
 
 #: parameters of the slider that are the machine's, not the law's
 OF_MACHINE = ("K", "M", "lag")
@@ -30,12 +33,13 @@ class Shared(NamedTuple):
     point: np.ndarray  # (k,) their coordinates
     covariance: np.ndarray  # (k, k) of these
     deviance: float  # chi-square over the sum of those of the separate fits
+    inflation: float  # by how much the noise's own uncertainty raises this, as of variances
     degrees: int  # by how many parameters it has less, k (n - 1)
 
     @property
     def p_value(self):
         """Probability of such a deviance or a larger one, if one set serves all steps."""
-        return float(chdtrc(self.degrees, max(self.deviance, 0.0)))
+        return float(chdtrc(self.degrees, max(self.deviance, 0.0) / self.inflation))
 
 
 class _Step:
@@ -52,6 +56,15 @@ class _Step:
         self.names = tuple(n for n in names if n in settings.free and n not in OF_MACHINE)
         self.shared = [names.index(name) for name in self.names]
         self.own = [i for i in range(len(names)) if i not in self.shared]
+
+    def widening(self):
+        """(k,) errors of the separate fit over those with the noise as known; 1 of profiles."""
+        part, known = self.separate.result, self.separate.errors[self.shared]
+        reported = part["standard_error"].sel(parameter=list(self.names)).values
+        values = np.array([value_of(part, name) for name in self.names])
+        is_log = np.array([parameter(name).is_log for name in self.names])
+        wider = np.where(is_log, reported / values, reported) / known
+        return np.where(np.isfinite(wider), wider, 1.0)
 
     def compressed(self, shared, own):
         """Residual (k + 1,) and jacobian (k + 1, k) with the normal equations of all samples.
@@ -123,4 +136,7 @@ def shared_fit(fits, law):
     separate = sum(step.separate.chi2 for step in steps)
     covariance = np.linalg.pinv(result.jac.T @ result.jac, hermitian=True)[:k, :k]
     degrees = k * (len(steps) - 1)
-    return Shared(steps[0].names, result.x[:k], covariance, 2.0 * result.cost - separate, degrees)
+    wider = np.sqrt(np.mean([step.widening() ** 2 for step in steps], axis=0))
+    covariance *= np.outer(wider, wider)
+    deviance, inflation = 2.0 * result.cost - separate, float(np.mean(wider**2))
+    return Shared(steps[0].names, result.x[:k], covariance, deviance, inflation, degrees)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..by_law import value_of
 from ..estimates import ROOTS
 from ..unknowns import to_value
+from .comparison import grouped
 from .each import Fitted, Task, fit_window
 
 
@@ -25,9 +25,9 @@ def fit_stress_steps(data, windows, settings, fits, shared):
             held, directions = _held(fits, shared[slider.law], slider)
             sliders.append(slider.replace(sigma=sigma, **held))
             task = Task(window, part, settings._replace(free=("alpha",), sliders=sliders[-1:]))
-            one = fit_window(task).of(slider.law)
-            laws[slider.law] = one or fit_window(task).laws[slider.law]
-            if one:
+            fit = fit_window(task)
+            laws[slider.law] = fit.laws[slider.law]
+            if one := fit.of(slider.law):
                 changes = [_change(task, slider.law, moved) for moved in directions]
                 _widen(one.result, float(np.sqrt(np.sum(np.square(changes)))))
         settings_here = settings._replace(free=("alpha",), sliders=sliders)
@@ -40,11 +40,10 @@ def _held(fits, shared, slider):
     in which these are uncertain, two such dicts a standard error to either side.
     """
     held, directions = {}, []
-    K = [value_of(one.result, "K") for one in (fit.of(slider.law) for fit in fits) if one]
-    if K and np.isfinite(K).all():
-        held["K"] = float(np.median(K))
-        spread = float(np.std(K)) / np.sqrt(len(K))
-        directions.append([{"K": held["K"] + side * spread} for side in (1.0, -1.0)])
+    K = grouped(fits, slider.law, "K")
+    if K.n:
+        held["K"] = float(np.exp(K.mean))
+        directions.append([{"K": float(np.exp(K.mean + s * K.error))} for s in (1.0, -1.0)])
     if shared is not None:
         sizes, axes = np.linalg.eigh(shared.covariance)
         moves = (axes * np.sqrt(np.maximum(sizes, 0.0))).T
@@ -62,13 +61,15 @@ def _values(names, point):
 
 
 def _change(task, law, sides):
-    """Half the difference of alpha between two sets of held parameters; 0 where one has no fit."""
+    """Half the difference of alpha between two sets of held parameters; inf without a fit."""
     alphas = []
     for moved in sides:
         sliders = [slider.replace(**moved) for slider in task.settings.sliders]
         one = fit_window(task._replace(settings=task.settings._replace(sliders=sliders))).of(law)
-        alphas.append(float(one.result["alpha"]) if one else np.nan)
-    return float(np.nan_to_num(0.5 * (alphas[0] - alphas[1])))
+        if not one:
+            return np.inf
+        alphas.append(float(one.result["alpha"]))
+    return 0.5 * (alphas[0] - alphas[1])
 
 
 def _widen(result, extra):

@@ -16,8 +16,8 @@ HEADS = ("step", "kind", "time [s]", "load point")
 SMALL = 0.1
 #: in place of an estimate
 NONE = "-"
-#: departure of a ratio from 1 [standard errors] that is significant, and probability that is small
-SIGNIFICANT, IMPROBABLE = 3.0, 0.01
+#: probability that counts as small
+IMPROBABLE = 0.01
 #: least probability that is told as a number: Gaussian tails mean nothing so far out
 LEAST = 1e-6
 
@@ -116,7 +116,8 @@ def _what(step):
     before, after = float(step["V_before"]), float(step["V_after"])
     kind = str(step["kind"].item())
     if kind == "hold":
-        what = f"{readable('t', float(step['t_hold']), 3)}, {readable('V_lp', after, 3)}"
+        then = readable("V_lp", after, 3) if np.isfinite(after) else "to the record's end"
+        what = f"{readable('t', float(step['t_hold']), 3)}, {then}"
     elif kind == "normal stress":
         what = readable("V_lp", after, 3)
     else:
@@ -148,26 +149,28 @@ def _on_one_set(part):
     """A sentence on whether one set of parameters serves all steps."""
     p, degrees = float(part["shared_p_value"]), int(part["shared_degrees"])
     verdict = "serves" if p >= IMPROBABLE else "does not serve"
-    shown = f"= {p:.2g}" if p >= LEAST else f"< {LEAST:g}"
     rise = short(float(part["shared_deviance"]))
     return (
         f"one set of parameters {verdict} all steps: chi-square is larger by {rise} for {degrees} "
-        f"parameters fewer (p {shown})."
+        f"parameters fewer ({_probability(p)})."
     )
 
 
 def _on_symmetry(part):
-    """A sentence on the distances by steps up and steps down, where there are both."""
+    """A sentence on the distances by steps up and steps down, where there are some of both."""
     distances = [s for s in part["parameter"].values.tolist() if QUANTITIES[s].unit == "m"]
     for symbol in distances[:1]:
         here = part.sel(parameter=symbol)
-        ratio, error = float(here["up_over_down"]), float(here["up_over_down_error"])
-        if not np.isfinite(ratio):
-            continue
-        off = abs(np.log(ratio)) / (error / ratio)
-        alike = "alike" if off < SIGNIFICANT else "not alike"
-        yield (
-            f"steps up and steps down are {alike}: {symbol} of steps up is "
-            f"{_plus_minus(ratio, error)} times that of steps down ({off:.1f} standard errors "
-            f"from 1)."
-        )
+        keys = ("up_over_down", "up_over_down_error", "up_over_down_p_value")
+        ratio, error, p = (float(here[key]) for key in keys)
+        if np.isfinite(p):
+            alike = "alike" if p >= IMPROBABLE else "not alike"
+            yield (
+                f"steps up and steps down are {alike}: {symbol} of steps up is "
+                f"{_plus_minus(ratio, error)} times that of steps down ({_probability(p)})."
+            )
+
+
+def _probability(p):
+    """A probability, but none so small that nothing is known of it."""
+    return f"p = {p:.2g}" if p >= LEAST else f"p < {LEAST:g}"

@@ -7,13 +7,15 @@ import numpy as np
 
 from ...reading.segments import segments_from_velocity
 from ..normal_stress import VARIABLE
-from ..raw_record import load_point_segments
+from ..raw_record import checked_time, load_point_segments
 from ..refusals import refusal
 
 #: part of the sliding before a change that belongs to its window: the change before it is over
 LEAD = 0.5
 #: fewest rows there, as far as there are as many
 ROWS = 50
+#: rows on either side of a step of normal stress, between which most of the change happens
+BESIDE, SUDDEN = 5, 0.6
 
 
 class Window(NamedTuple):
@@ -26,6 +28,7 @@ class Window(NamedTuple):
     V_before: float  # of the load point [m/s]
     V_after: float
     t_hold: float  # how long the load point rests [s]; NaN unless it is a hold
+    slid: float  # how far it moves from the change before to the window's begin [m]
 
     def part(self, data):
         """The rows of a record (Dataset) in the window."""
@@ -45,10 +48,10 @@ def windows_of(data):
     """The `Window`s (list) of a record, a Dataset in SI, in order of time.
 
     A hold lasts until the end of the sliding after it.  A step of normal stress is one by
-    `segments_from_velocity`.  ParameterError as of `load_point_segments`, and: no step or hold that
-    follows on sliding.
+    `_stress_steps`.  ParameterError as of `checked_time` and `load_point_segments`, and: no step
+    or hold that follows on sliding.
     """
-    time = data["time"].values
+    time = checked_time(data)
     changes = _changes(data)
     windows = []
     for i in range(1, len(changes) - 1):
@@ -58,15 +61,17 @@ def windows_of(data):
         is_hold = change.V == 0.0
         if is_hold and i + 2 < len(changes):
             after = changes[i + 2]
+        begin = _begin(time, before, change, after)
         windows.append(
             Window(
                 "normal stress" if change.is_of_stress else "hold" if is_hold else "step",
                 change.t,
-                _begin(time, before, change, after),
+                begin,
                 after.t,
                 before.V,
                 changes[i + 1].V if is_hold else change.V,
                 changes[i + 1].t - change.t if is_hold else np.nan,
+                np.inf if i == 1 else before.V * (begin - before.t),
             )
         )
     if not windows:
@@ -92,13 +97,23 @@ def _changes(data):
 
 
 def _stress_steps(data):
-    """Times [s] of steps of normal stress."""
+    """Times [s] of steps of normal stress; where it changes slowly there is none."""
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return []
     sigma = data["sigma"].values
     if not np.isfinite(sigma).all() or sigma.std() <= VARIABLE * sigma.mean():
         return []
-    return segments_from_velocity(data["time"].values, sigma).t[1:].tolist()
+    time = data["time"].values
+    levels = segments_from_velocity(time, sigma)
+    changes = zip(levels.t[1:], np.diff(levels.V), strict=True)
+    return [float(t) for t, change in changes if _is_sudden(time, sigma, t, change)]
+
+
+def _is_sudden(time, sigma, t, change):
+    """Whether a change of normal stress between two levels happens within some rows."""
+    at = int(np.searchsorted(time, t))
+    before, after = sigma[max(at - BESIDE, 0) : at], sigma[at : at + BESIDE]
+    return (np.median(after) - np.median(before)) / change > SUDDEN
 
 
 def _begin(time, before, change, after):
