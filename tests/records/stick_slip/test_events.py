@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import trapezoid
 from scipy.stats import norm
+from synthetic_records import correlated
 from synthetic_stick_slip import cycles
 
 import ratestate as rs
@@ -22,6 +23,7 @@ from ratestate.records.stick_slip.measures import (
     UNDERSAMPLED,
     WHOLE,
 )
+from ratestate.records.stick_slip.significance import are_stick_slip
 from ratestate.records.stick_slip.trends import trend
 
 AGING = rs.SpringSlider(
@@ -123,6 +125,33 @@ def test_mere_noise_has_no_event():
         events = rs.events(data, K="1 GPa/m")
         assert events.sizes["event"] == 0
         assert all("0 whole events" in text for text in events.trend_message.values)
+
+
+@pytest.mark.parametrize("time", [1.0, 10.0])
+def test_noise_that_wanders_has_no_event(time):
+    """It rises as fast as it falls, and at no regular times."""
+    t, found = np.arange(0.0, 600.0, 0.1), []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        friction = 0.6 + 1e-3 * correlated(t, time, rng) + 1e-4 * rng.normal(size=t.size)
+        columns = {"friction": ("time", friction), "delta_lp": ("time", 3e-6 * t)}
+        found.append(rs.events(xarray.Dataset(columns, {"time": t}), sigma="5 MPa").sizes["event"])
+    assert sum(number > 0 for number in found) <= 2
+
+
+def test_regular_or_fast_falls_are_stick_slip():
+    rng = np.random.default_rng(1)
+    starts = np.cumsum(rng.uniform(50.0, 150.0, 6))
+    fast = starts + 40.0, starts + 41.0
+    slow = starts + 20.0, starts + 41.0
+    assert are_stick_slip(starts, *fast)
+    assert not are_stick_slip(starts, *slow)
+    even = 100.0 * np.arange(6)
+    assert are_stick_slip(even, even + 50.0, even + 100.0)
+    # a few must be far faster, or wholly regular
+    assert are_stick_slip(starts[:2], starts[:2] + 40.0, starts[:2] + 43.0)
+    assert not are_stick_slip(starts[:2], starts[:2] + 40.0, starts[:2] + 45.0)
+    assert not are_stick_slip(even[:0], even[:0], even[:0])
 
 
 def test_records_of_several_speeds(measured, experiment):

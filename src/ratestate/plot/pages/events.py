@@ -39,23 +39,30 @@ class Named(NamedTuple):
 def events_page(catalogues):
     """Page (Figure) of a catalogue, or of a list or dict of them: records above, lines below."""
     named = _named(catalogues)
-    fig = blank_figure(RECORD * len(named) + BELOW + 0.9, _title(named))
-    top, below = fig.subfigures(2, 1, height_ratios=[RECORD * len(named) + 0.3, BELOW + 0.3])
+    loaded = any(bool(one.data.recurrence.notnull().any()) for one in named)
+    heights = [RECORD * len(named) + 0.3, *([BELOW + 0.3] if loaded else [])]
+    fig = blank_figure(sum(heights) + 0.3, _title(named))
+    top, *below = fig.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     records = top.subplots(len(named), 1, squeeze=False)[:, 0]
     for one, ax in zip(named, records, strict=True):
         _record(one, ax)
-    axes = below.subplots(1, 2, sharey=True)
+    letters(records, *(f"{one.name}: {one.data.sizes['event']} events" for one in named))
+    for part in below:
+        _lines(named, part)
+    return fig
+
+
+def _lines(named, part):
+    """Stress drop against recurrence and load-point velocity, with the lines."""
+    axes = part.subplots(1, 2, sharey=True)
     drops = np.concatenate([one.data.stress_drop.values for one in named])
     largest = float(drops[np.isfinite(drops)].max(initial=0.0))
     factor, unit = prefixed("Pa", largest or 1.0)
     for abscissa, ax in zip(ABSCISSAE, axes, strict=True):
         _drops(named, ax, abscissa, factor, unit)
     axes[0].set_ylabel(in_unit("Stress drop", unit))
-    texts = [f"{one.name}: {one.data.sizes['event']} events" for one in named]
-    letters(records, *texts)
     words = "against recurrence", "against load-point velocity"
     letters(axes, *(f"stress drop {text}" for text in words), first=chr(ord("a") + len(named)))
-    return fig
 
 
 def _named(catalogues):

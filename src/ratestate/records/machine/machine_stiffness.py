@@ -137,7 +137,7 @@ def _ring_downs(raw, segments):
     t, friction, found = raw.time, raw.friction, []
     for start, end, V in zip(segments.t, segments.ends, segments.V, strict=True):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]
-        drops = rows[stress_drops(friction[rows])] if rows.size else rows
+        drops = rows[stress_drops(t[rows], friction[rows])] if rows.size else rows
         starts = [rows] if drops.size == 0 else np.split(rows, np.searchsorted(rows, drops))[1:]
         for part in starts:
             one = ring_down(t, friction, part, float(t[part[0]]), float(V))

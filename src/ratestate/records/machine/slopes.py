@@ -8,6 +8,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import find_peaks
 
 from ..healing.sliding import noise_of_slides
+from ..stick_slip.significance import are_stick_slip
 from .loading_curve import LoadingCurve, fit_loading_curve
 
 #: part of the change of friction up to the extremum over which a curve is fitted; of the rise
@@ -43,7 +44,7 @@ def slopes_of(t, friction, segments):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]
         if V == 0.0 or rows.size < FEWEST:
             continue
-        drops = stress_drops(friction[rows])
+        drops = stress_drops(t[rows], friction[rows])
         if drops.size:
             found += _stick_phases(t, friction, rows, drops, V)
         elif i:
@@ -100,15 +101,22 @@ def _creep(t, friction, segments, i):
     return -float(np.polyfit(log_t, friction[late], 1)[0]) / (segments.t[i] - segments.t[i - 1])
 
 
-def stress_drops(friction):
-    """Indices of the maxima before the stress drops of stick-slip; none of what only rings down."""
+def stress_drops(t, friction):
+    """Indices of the maxima before the stress drops of stick-slip.
+
+    None of what only rings down, or of noise that wanders.
+    """
     noise = float(np.median(np.abs(np.diff(friction, 2)))) * 1.4826 / 6**0.5
     largest = float(np.ptp(friction))
     if largest < NOISES * noise:
         return np.arange(0)
     drops = find_peaks(friction, prominence=max(DROP * largest, NOISES * noise))[0]
-    goes_on = drops.size >= CYCLES and drops[-1] > GOES_ON * friction.size
-    return drops if goes_on else np.arange(0)
+    if drops.size < CYCLES or drops[-1] <= GOES_ON * friction.size:
+        return np.arange(0)
+    between = pairwise([*drops, friction.size])
+    lowest = np.array([first + int(np.argmin(friction[first:last])) for first, last in between])
+    starts = np.append(t[0], t[lowest[:-1]])
+    return drops if are_stick_slip(starts, t[drops], t[lowest]) else np.arange(0)
 
 
 def _stick_phases(t, friction, rows, drops, V):

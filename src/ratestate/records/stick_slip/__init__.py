@@ -5,6 +5,7 @@
 ``catalogue``                   in which order all below is done; status, message, recurrence
 ``series``                      shear stress and load point of a record or a run, checked
 ``detection``                   which falls of the stress are events, and where they roughly are
+``significance``                whether they are more than noise that wanders
 ``polynomials``                 an extreme of a noisy stress, or of its slope, without bias
 ``recorded``                    peaks, troughs, times and slip rates in a noisy record
 ``computed``                    the same in a run, whose slip velocity is known
