@@ -34,13 +34,13 @@ def test_units_fit_and_errors_are_beside_values(data):
     assert table.columns.tolist() == [
         "event",
         "stress drop (MPa)",
-        "stress drop, standard error (MPa)",
+        "stress drop error (MPa)",
         "slip (um)",
-        "whether the event is whole",
-        "what must be known of the event",
+        "event status",
+        "event message",
     ]
     assert table["stress drop (MPa)"].tolist() == ["2.5", "", "3.5"]
-    assert [float(x) for x in table["stress drop, standard error (MPa)"][[0, 2]]] == [
+    assert [float(x) for x in table["stress drop error (MPa)"][[0, 2]]] == [
         2.5e-3,
         3.5e-3,
     ]

@@ -13,9 +13,9 @@ from .table import FORMAT
 def laboratory_csv(data, dim, units=None):
     """Variables along one dimension as CSV, with headings such as ``stress drop (MPa)``.
 
-    Each quantity is in the prefixed unit that fits its median; its standard error, the variable
-    ``NAME_error``, is beside it in the same unit.  Flags are written as what they mean; what is
-    missing is empty.
+    Headings are the variables' names.  Each quantity is in the prefixed unit that fits its median;
+    its standard error, the variable ``NAME_error``, is beside it in the same unit.  Flags are
+    written as what they mean; what is missing is empty.
 
     Parameters
     ----------
@@ -53,13 +53,13 @@ def laboratory_csv(data, dim, units=None):
         columns[_with_unit(heading, unit)] = values
         if f"{name}_error" in names:
             error = data[f"{name}_error"].values / size
-            columns[_with_unit(f"{heading}, standard error", unit)] = error
+            columns[_with_unit(f"{heading} error", unit)] = error
     return pandas.DataFrame(columns).to_csv(float_format="%.10g", **FORMAT)
 
 
 def _column(name, variable, units):
     """Heading, values in its unit, that unit, and its size in SI."""
-    heading = str(variable.attrs.get("long_name", name))
+    heading = str(name).replace("_", " ")
     if "flag_meanings" in variable.attrs:
         meanings = dict(
             zip(

@@ -38,9 +38,9 @@ def test_it_prints_and_writes_all(file, tmp_path):
     }
     table = pandas.read_csv(tmp_path / "healing.csv")
     result = rs.files.read(tmp_path / "healing.nc")
-    np.testing.assert_allclose(table["load-point velocity before (um/s)"], 10.0, rtol=1e-3)
-    np.testing.assert_allclose(table["frictional healing"], result.delta_mu)
-    np.testing.assert_allclose(table["hold time (s)"], [3, 10, 30, 100], rtol=0.01)
+    np.testing.assert_allclose(table["V before (um/s)"], 10.0, rtol=1e-3)
+    np.testing.assert_allclose(table["delta mu"], result.delta_mu)
+    np.testing.assert_allclose(table["t hold (s)"], [3, 10, 30, 100], rtol=0.01)
 
 
 def test_json_and_a_window(file):

@@ -37,7 +37,7 @@ def test_it_prints_and_writes_all(file, tmp_path):
     result = rs.files.read(tmp_path / "stiffness.nc")
     assert abs(float(result.K) - SLIDER.K) < 4.0 * float(result.K_error) < 0.1 * SLIDER.K
     table = pandas.read_csv(tmp_path / "stiffness.csv")
-    np.testing.assert_allclose(1e9 * table["stiffness by one slope (GPa/m)"], result.slope_K)
+    np.testing.assert_allclose(1e9 * table["slope K (GPa/m)"], result.slope_K)
 
 
 def test_json_and_wrong_use(file):

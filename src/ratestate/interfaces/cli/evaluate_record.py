@@ -48,7 +48,5 @@ def _by_law(result: xarray.Dataset, dim: str) -> xarray.Dataset:
     for name, variable in result.data_vars.items():
         if set(variable.dims) == {"law", dim}:
             for law in result["law"].values.tolist():
-                one = variable.sel(law=law, drop=True)
-                head = f"{variable.attrs.get('long_name', name)}, {law} law"
-                table[f"{name}_{law}"] = one.assign_attrs(long_name=head)
+                table[f"{name}_{law}"] = variable.sel(law=law, drop=True)
     return table

@@ -58,7 +58,7 @@ def _summary_of_steps(result):
     for law in results_by_law_of_steps(result):
         table = table_of(result, law)
         lines += ["", f"{law} law", *_aligned([table.heads, *table.rows, *table.together], 4)]
-    return "\n".join([*lines, "", *map(_wrapped, remarks_on_steps(result))])
+    return "\n".join([*lines, "", *map(_wrapped, remarks_on_steps(result) + notes_of(result))])
 
 
 def heading_of_steps(result):
@@ -87,9 +87,14 @@ def remarks_on_steps(result):
                 texts += [f"step {i}, {law} law, warning: {one}" for one in several.splitlines()]
         elif count := sum(len(several.splitlines()) for several in warnings):
             texts.append(f"{law} law, warnings: {count}, in the variable warnings of the result")
-    if "notes" in result.attrs:
-        texts += [f"note: {note}" for note in attributes.from_json(result, "notes", list)]
     return [text for text in texts if text]
+
+
+def notes_of(result):
+    """The notes on a result's record, a line each (list of str)."""
+    if "notes" not in result.attrs:
+        return []
+    return [f"note: {note}" for note in attributes.from_json(result, "notes", list)]
 
 
 def _best_law(result):
@@ -115,9 +120,7 @@ def remarks(result, laws):
     texts += [f"{law} law: {quality_text(part)}" for law, part in laws.items()]
     texts.append(attributes.text(result, "comparison", ""))
     texts += [f"{law} law: {text}" for law, text in identifiability_by_law(laws).items()]
-    if "notes" in result.attrs:
-        texts += [f"note: {note}" for note in attributes.from_json(result, "notes", list)]
-    return [text for text in texts if text]
+    return [text for text in (*texts, *notes_of(result)) if text]
 
 
 def fixed_parameters(laws):

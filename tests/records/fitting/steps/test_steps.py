@@ -1,8 +1,10 @@
 """Fits of each step and hold of an experiment."""
 
+import io
 import warnings
 
 import numpy as np
+import pandas
 import pytest
 import xarray
 from scipy.stats import ttest_ind
@@ -10,8 +12,10 @@ from synthetic_experiments import drawn_experiment, experiment
 
 import ratestate as rs
 from ratestate import fitting
+from ratestate.files import laboratory_csv
 from ratestate.records.fitting.steps import each
 from ratestate.records.fitting.steps.comparison import group_of, ratio_of
+from ratestate.records.fitting.steps.rows import rows_of
 from ratestate.records.fitting.steps.windows import windows_of
 
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -335,3 +339,32 @@ def test_intervals_of_experiments_hold_the_truth():
             inside.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
     part = np.concatenate(inside).mean()
     assert 0.87 < part <= 1.0
+
+
+def test_rows_of_a_table(under_both):
+    """A row for each step, under one law after the other, in laboratory units."""
+    table = pandas.read_csv(io.StringIO(laboratory_csv(rows_of(under_both), "step")))
+    assert table["step"].tolist() == [1, 2, 3, 4] * 2
+    assert table["law"].tolist() == ["slip"] * 4 + ["aging"] * 4
+    assert table["kind"].tolist() == ["step", "step", "hold", "step"] * 2
+    assert table["status"].tolist() == ["fitted"] * 8
+    slip = under_both.sel(law="slip")
+    np.testing.assert_allclose(table["Dc (um)"][:4], 1e6 * slip.Dc, rtol=1e-9)
+    errors = 1e6 * slip.standard_error.sel(parameter="Dc")
+    np.testing.assert_allclose(table["Dc error (um)"][:4], errors, rtol=1e-9)
+    np.testing.assert_allclose(table["V after (um/s)"][:4], [10.0, 3.0, 3.0, 10.0], rtol=1e-6)
+    aging = 1e-9 * under_both.K.sel(law="aging")
+    np.testing.assert_allclose(table["K (GPa/m)"][4:], aging, rtol=1e-9)
+
+
+def test_the_slider_of_all_steps(under_both):
+    """Shared estimates, and medians of what each step has for itself."""
+    slider = fitting.slider_of(under_both, law="slip")
+    assert slider.law == "slip"
+    for name in ("a", "b", "Dc"):
+        shared = under_both.shared.sel(law="slip", parameter=name)
+        assert getattr(slider, name) == pytest.approx(float(shared), rel=1e-12)
+    assert pytest.approx(float(under_both.K.sel(law="slip").median()), rel=1e-12) == slider.K
+    assert slider.sigma == SLIDER.sigma
+    with pytest.raises(rs.ParameterError, match="several laws"):
+        fitting.slider_of(under_both)

@@ -8,7 +8,7 @@ from rich.text import Text
 
 from ....records.fitting.steps.table import HEADS, results_by_law_of_steps, table_of
 from ....records.fitting.steps.table import Table as StepsTable
-from ....records.fitting.text import heading_of_steps, remarks_on_steps
+from ....records.fitting.text import heading_of_steps, notes_of, remarks_on_steps
 from .rows import FirstThatFits, plain_table
 
 
@@ -18,7 +18,7 @@ def steps(result: xarray.Dataset) -> list[Any]:
     for law in results_by_law_of_steps(result):
         layouts = [[_table(table_of(result, law), no_wrap)] for no_wrap in (True, False)]
         shown += [Text(f"{law} law", style="bold"), FirstThatFits(*layouts), Text("")]
-    return [*shown, *map(Text, remarks_on_steps(result))]
+    return [*shown, *map(Text, remarks_on_steps(result) + notes_of(result))]
 
 
 def _table(table: StepsTable, no_wrap: bool) -> Table:

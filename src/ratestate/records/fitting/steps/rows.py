@@ -5,27 +5,9 @@ import xarray
 
 from .table import results_by_law_of_steps
 
-#: variables of each step, in order, before the estimates and after them -> heads of their columns
-BEFORE = {
-    "kind": "kind",
-    "step_t": "time",
-    "step_delta_lp": "load-point displacement",
-    "V_before": "V before",
-    "V_after": "V after",
-    "t_hold": "hold time",
-    "sigma": "sigma",
-}
-AFTER = {
-    "rms": "r.m.s. residual",
-    "aic": "AIC",
-    "aic_difference": "AIC over the least",
-    "samples": "samples",
-    "status": "status",
-    "warnings": "warnings",
-    "message": "message",
-}
-#: of estimates whose symbol is none
-NAMES = {"a_minus_b": "a - b", "trend_slip": "trend with slip", "trend_time": "trend with time"}
+#: variables of each step, in order, before the estimates and after them
+BEFORE = ("kind", "step_t", "step_delta_lp", "V_before", "V_after", "t_hold", "sigma")
+AFTER = ("rms", "aic", "aic_difference", "samples", "status", "warnings", "message")
 
 
 def rows_of(result):
@@ -42,17 +24,9 @@ def rows_of(result):
 def _of_law(part, law, names, several):
     """The rows under one law; with a column for it where there are several."""
     columns = {"law": ("step", np.full(part.sizes["step"], law))} if several else {}
-    columns |= {name: _headed(part[name], head) for name, head in BEFORE.items()}
+    columns |= {name: part[name].variable for name in BEFORE}
     for name in names:
-        columns[name] = _headed(part[name], NAMES.get(name, name))
-        error = part["standard_error"].sel(parameter=name)
-        columns[f"{name}_error"] = _headed(error.assign_attrs(part[name].attrs), name)
-    columns |= {name: _headed(part[name], head) for name, head in AFTER.items() if name in part}
-    return xarray.Dataset(columns, {"step": _headed(part["step"], "step")})
-
-
-def _headed(array, head):
-    """An array as a Variable with this long name, which heads its column."""
-    variable = array.variable.copy(deep=False)
-    variable.attrs = array.attrs | {"long_name": head}
-    return variable
+        error = part["standard_error"].sel(parameter=name).assign_attrs(part[name].attrs)
+        columns |= {name: part[name].variable, f"{name}_error": error.variable}
+    columns |= {name: part[name].variable for name in AFTER if name in part}
+    return xarray.Dataset(columns, {"step": part["step"].variable})
