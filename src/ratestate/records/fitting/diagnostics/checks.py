@@ -150,11 +150,12 @@ def _normal_stress(problem, data):
     recorded = recorded[np.isfinite(recorded)]
     if not recorded.size:
         return
-    mean = float(recorded.mean())
-    if problem.record.loading.normal_stress is not None:
-        mean = float(recorded[0])  # it varies, from the slider's on
-    if abs(mean / problem.slider.sigma - 1.0) > OFF:
-        yield SENTENCES("normal_stress.other", mean=mean, sigma=problem.slider.sigma)
+    mean, varies = float(recorded.mean()), problem.record.loading.normal_stress is not None
+    stress = float(recorded[0]) if varies else mean  # it varies from the slider's on
+    if abs(stress / problem.slider.sigma - 1.0) > OFF:
+        where = "at the start" if varies else "on average"
+        sigma = problem.slider.sigma
+        yield SENTENCES("normal_stress.other", stress=stress, where=where, sigma=sigma)
     if problem.record.loading.normal_stress is None and recorded.std() > VARIABLE * mean:
         yield SENTENCES("normal_stress.variable", spread=100 * recorded.std() / mean, mean=mean)
 
