@@ -61,7 +61,7 @@ def describe(
     displacement=None,
     format=None,  # noqa: A002
 ):
-    """A description of a laboratory's files, as text for `read_lab(..., format=...)`.
+    """A description of a laboratory's files, as text for ``read_lab(..., format=...)``.
 
     Parameters
     ----------
