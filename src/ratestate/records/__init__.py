@@ -8,6 +8,7 @@
 ``machine``       stiffness, mass and damping of the machine
 ``load_point``    the load point's segments, and its displacement
 ``regression``    linear regression: of correlated samples, and of estimates with errors
+``sample_noise``  the noise of a series from sample to sample
 ``child_process`` work spread over processes
 ================= =======================================================================
 """

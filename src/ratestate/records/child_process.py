@@ -138,7 +138,7 @@ def _serve():
             result, failure = None, None
             try:
                 result = function(item)
-            except Exception as error:
+            except Exception as error:  # raised in the parent
                 failure = error
             pickle.dump((result, failure), answers, 5)
             answers.flush()

@@ -28,7 +28,7 @@ class Segments(NamedTuple):
 def segments_of(raw, loading=None):
     """The `Segments` of a `RawRecord`, as recorded or of a loading (t = 0 at the first sample)."""
     if loading is None:
-        t, V = recorded_segments(raw)
+        t, V = recorded_segments(raw.data, raw.time)
     else:
         checked = loading_of(raw, loading)
         t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)

@@ -1,4 +1,4 @@
-# ruff: noqa: RUF001
+# ruff: noqa: RUF001 (titles of files in Japanese and Chinese)
 """Titles and units in other languages and encodings, and headers of other programs."""
 
 import json

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...model.loading.normal_stress import NormalStress
+from ..sample_noise import sample_noise
 from .refusals import refusal
 
 #: standard deviation, over the mean, from which it counts as varying
@@ -13,8 +14,6 @@ NOISES, LEAST = 4.0, 1e-6
 JUMP = 5.0
 #: most lines: each is a break at which all sliders stop
 MOST = 5000
-#: standard deviation of normal noise over the median of its size, and of its second differences
-OF_MEDIAN, OF_SECOND = 1.4826, np.sqrt(6.0)
 
 
 def recorded_stress(data, t, sigma):
@@ -30,8 +29,7 @@ def recorded_stress(data, t, sigma):
     recorded = np.asarray(data["sigma"].values, float)
     if not np.isfinite(recorded).all() or recorded.std() <= VARIABLE * recorded.mean():
         return None
-    noise = OF_MEDIAN * float(np.median(np.abs(np.diff(recorded, 2)))) / OF_SECOND
-    tolerance = max(NOISES * noise, LEAST * recorded.mean())
+    tolerance = max(NOISES * sample_noise(recorded), LEAST * recorded.mean())
     knots = corners(t, recorded, tolerance)
     if knots.size > MOST:
         raise refusal("record.stress_lines", lines=knots.size, most=MOST)

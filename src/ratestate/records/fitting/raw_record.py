@@ -141,11 +141,8 @@ def loading_of(raw, loading=None, sigma=None):
     return dataclasses.replace(loading, normal_stress=recorded_stress(raw.data, raw.t, sigma))
 
 
-def load_point_segments(data):
-    """(segments,) starts [s] and speeds [m/s] of a record's load point, 0 in a hold.
-
-    ParameterError where its motion is not recorded, or has no constant speeds.
-    """
+def _load_point_segments(data):
+    """(segments,) starts [s] and speeds [m/s] of a record's load point, 0 in a hold."""
     if "segment_t" in data.variables:
         return (np.asarray(data[name].values, float) for name in ("segment_t", "segment_V"))
     time = _column(data, "time")
@@ -155,13 +152,14 @@ def load_point_segments(data):
     return find_segments(time, displacement)
 
 
-def recorded_segments(raw):
+def recorded_segments(data, time):
     """Starts (n,) [s], the first at or before the first sample, and speeds (n,) [m/s] of segments.
 
-    ParameterError as of `load_point_segments`.
+    time : (m,) of the record [s]
+
+    ParameterError where the load point's motion is not recorded, or has no constant speeds.
     """
-    time = raw.time
-    starts, speeds = load_point_segments(raw.data)
+    starts, speeds = _load_point_segments(data)
     # a window may have cut off segments at both ends
     inside = starts < time[-1]
     first = max(int(np.searchsorted(starts, time[0], side="right")) - 1, 0)
@@ -171,7 +169,7 @@ def recorded_segments(raw):
 def _recorded(raw):
     """The steps and holds of the load point."""
     time = raw.time
-    starts, speeds = recorded_segments(raw)
+    starts, speeds = recorded_segments(raw.data, time)
     if not speeds[0] > 0.0:
         raise refusal("load_point.rests", start=time[0])
     pairs = zip(starts[1:] - time[0], speeds[1:], strict=True)

@@ -8,6 +8,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import find_peaks
 
 from ..healing.sliding import noise_of_slides
+from ..sample_noise import sample_noise
 from ..stick_slip.significance import are_stick_slip
 from .loading_curve import LoadingCurve, fit_loading_curve
 
@@ -61,7 +62,7 @@ def _after_change(t, friction, rows, segments, i):
     extreme = int(np.argmax(smooth))
     level = value[0] + UNTIL * (smooth[extreme] - value[0])
     last = _reaches(t[rows], value, smooth[: extreme + 1], level)
-    noise = float(np.median(np.abs(np.diff(friction[rows], 2)))) * 1.4826 / 6**0.5
+    noise = sample_noise(friction[rows])
     if last < FEWEST or smooth[extreme] - value[0] < LEAST * noise:
         return None
     noise_here = noise_of_slides(t, friction, [rows])
@@ -106,7 +107,7 @@ def stress_drops(t, friction):
 
     None of what only rings down, or of noise that wanders.
     """
-    noise = float(np.median(np.abs(np.diff(friction, 2)))) * 1.4826 / 6**0.5
+    noise = sample_noise(friction)
     largest = float(np.ptp(friction))
     if largest < NOISES * noise:
         return np.arange(0)

@@ -59,7 +59,7 @@ def describe(
     M=None,
     time=None,
     displacement=None,
-    format=None,  # noqa: A002
+    format=None,  # noqa: A002 (as of read_lab)
 ):
     """A description of a laboratory's files, as text for ``read_lab(..., format=...)``.
 

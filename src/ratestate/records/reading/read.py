@@ -22,7 +22,7 @@ def read_lab(
     sigma=None,
     rows=MOST,
     join="auto",
-    format=None,  # noqa: A002
+    format=None,  # noqa: A002 (as --format is called)
 ):
     """Read a record of a friction experiment, and find the steps and holds in it.
 

@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 
+from ..sample_noise import sample_noise
 from .messages import message
 from .runs import Run, jump_size, noise_variances, refine_breakpoints
 from .splits import RowSums, cut, drop_weak_cuts
@@ -124,7 +125,7 @@ def _without_ramps(runs):
 def _scatter_of(runs):
     """Standard deviation of a displacement about its lines, and that from row to row."""
     left = np.concatenate([run.residual() for run in runs])
-    return float(left.std()), float(np.median(np.abs(np.diff(left, 2)))) * 1.4826 / 6**0.5
+    return float(left.std()), sample_noise(left)
 
 
 def _oddities(t, x, runs):

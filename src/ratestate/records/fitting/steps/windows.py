@@ -1,13 +1,12 @@
 """Windows of a record: each step and hold with the sliding before it and after."""
 
-import itertools
 from typing import NamedTuple
 
 import numpy as np
 
 from ...reading.segments import segments_from_velocity
 from ..normal_stress import VARIABLE
-from ..raw_record import checked_time, load_point_segments
+from ..raw_record import checked_time, recorded_segments
 from ..refusals import refusal
 
 #: part of the sliding before a change that belongs to its window: the change before it is over
@@ -48,7 +47,7 @@ def windows_of(data):
     """The `Window`s (list) of a record, a Dataset in SI, in order of time.
 
     A hold lasts until the end of the sliding after it.  A step of normal stress is one by
-    `_stress_steps`.  ParameterError as of `checked_time` and `load_point_segments`, and: no step
+    `_stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and: no step
     or hold that follows on sliding.
     """
     time = checked_time(data)
@@ -82,18 +81,14 @@ def windows_of(data):
 def _changes(data):
     """`_Change`s (list), the first at the record's start, the last at its end."""
     time = data["time"].values
-    starts, speeds = load_point_segments(data)
-    inside = (starts > time[0]) & (starts < time[-1])
-    first = float(speeds[max(int(np.searchsorted(starts, time[0], side="right")) - 1, 0)])
-    of_speed = zip(starts[inside].tolist(), speeds[inside].tolist(), strict=True)
+    starts, speeds = recorded_segments(data, time)
+    first, *of_speed = zip(starts.tolist(), speeds.tolist(), strict=True)
     changes = [_Change(t, V, False) for t, V in of_speed]
-    speed_at = dict(itertools.chain([(-np.inf, first)], ((one.t, one.V) for one in changes)))
     for t in _stress_steps(data):
-        V = speed_at[max(at for at in speed_at if at <= t)]
-        changes.append(_Change(t, V, True))
+        V = speeds[max(int(np.searchsorted(starts, t, side="right")) - 1, 0)]
+        changes.append(_Change(t, float(V), True))
     end = float(time[-1]) + 0.5 * float(np.median(np.diff(time)))
-    changes = sorted([*changes, _Change(end, np.nan, False)])
-    return [_Change(float(time[0]), first, False), *changes]
+    return [_Change(float(time[0]), first[1], False), *sorted(changes), _Change(end, np.nan, False)]
 
 
 def _stress_steps(data):
