@@ -1,6 +1,5 @@
 """The command line: what it writes, says and returns."""
 
-import inspect
 import json
 import os
 import re
@@ -19,7 +18,7 @@ import ratestate
 from ratestate import ParameterError, SolverError, files
 from ratestate.interfaces import cli, scenario, templates
 from ratestate.interfaces.cli import main
-from ratestate.interfaces.cli.command import group_of
+from ratestate.interfaces.cli.command import group_of, parameters_of
 from ratestate.paper import atlas, claims_table, figures
 from ratestate.paper.claim import Claim, exact
 
@@ -102,7 +101,7 @@ def test_words_in_brackets_are_told():
 def test_every_description_is_of_a_parameter():
     tables = tomllib.loads((Path(cli.__file__).parent / "commands.toml").read_text())
     shared, groups = tables.pop("shared"), tables.pop("groups")
-    parameters = {one.__name__: {*inspect.signature(one).parameters} for one in cli.COMMANDS}
+    parameters = {one.__name__: {p.name for p in parameters_of(one)} for one in cli.COMMANDS}
     assert tables.keys() == parameters.keys()
     for command, described in tables.items():
         assert described.keys() - {"module", "group"} <= parameters[command]

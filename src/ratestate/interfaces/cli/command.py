@@ -1,5 +1,6 @@
 """From a function to a command, whose arguments and options are described in commands.toml."""
 
+import dataclasses
 import functools
 import importlib
 import inspect
@@ -52,25 +53,38 @@ def group_of(function: Callable[..., None]) -> str:
 def as_command(function: Callable[..., None]) -> Callable[..., None]:
     """A function as a command: with --debug, error messages, and the exit codes in its help.
 
-    Its positional parameters are arguments, the others options; each is in commands.toml.
+    Its parameters are as of `parameters_of`; each is in commands.toml.
     """
     table = _SHARED | _TABLES[function.__name__]
+    own = inspect.signature(function).parameters.values()
 
     @functools.wraps(function)
-    def wrapped(*, context: typer.Context, debug: bool, **arguments: Any) -> None:
+    def wrapped(*, context: typer.Context, debug: bool, **values: Any) -> None:
         with exit_on_error(debug or bool(context.obj)), warnings_as_lines():
-            function(**arguments)
+            function(**{parameter.name: _argument(parameter, values) for parameter in own})
 
     kind = inspect.Parameter.KEYWORD_ONLY
-    own = inspect.signature(function).parameters.values()
     parameters = [
-        *(_described(parameter, **table[parameter.name]) for parameter in own),
+        *(_described(one, **table[one.name]) for one in parameters_of(function)),
         inspect.Parameter("debug", kind, default=False, annotation=Debug),
         inspect.Parameter("context", kind, annotation=typer.Context),
     ]
     wrapped.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     wrapped.__doc__ = f"{_literal(inspect.getdoc(function) or '')}\n\n{EXIT_CODES}"
     return wrapped
+
+
+def parameters_of(function: Callable[..., None]) -> list[inspect.Parameter]:
+    """The parameters of a command: arguments if they are positional, else options.
+
+    A parameter whose type is a dataclass stands for the options that are its fields.
+    """
+    parameters: list[inspect.Parameter] = []
+    for parameter in inspect.signature(function).parameters.values():
+        group = parameter.annotation
+        options = inspect.signature(group).parameters.values() if _is_group(group) else [parameter]
+        parameters += options
+    return parameters
 
 
 def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[str, str]:
@@ -129,6 +143,19 @@ def _law_of(text: str) -> str:
         return law_name(text)
     except ParameterError as error:
         raise typer.BadParameter(str(error), param_hint="'--law'") from None
+
+
+def _is_group(annotation: Any) -> bool:
+    """Whether a parameter of this type is a group of options."""
+    return dataclasses.is_dataclass(annotation)
+
+
+def _argument(parameter: inspect.Parameter, values: dict[str, Any]) -> Any:
+    """What a function is given for a parameter, from the values of the command's parameters."""
+    group = parameter.annotation
+    if not _is_group(group):
+        return values[parameter.name]
+    return group(**{name: values[name] for name in inspect.signature(group).parameters})
 
 
 def _literal(text: str) -> str:

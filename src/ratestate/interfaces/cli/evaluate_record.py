@@ -4,7 +4,6 @@ import contextlib
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import xarray
 
@@ -12,19 +11,21 @@ from ...errors import RecordWarning
 from ...files import laboratory_csv, replace, write
 from ...records.reading import read_lab
 from .output import make_writable, reporting_files
+from .reading import Reading
 
 
 @contextlib.contextmanager
 def reported(
-    what: str, files: list[Path], reading: dict[str, Any], out: Path | None
+    what: str, files: list[Path], reading: Reading, out: Path | None
 ) -> Iterator[tuple[xarray.Dataset, list[Path]]]:
     """The record in these files, and a list that takes the files made; both reported on stderr."""
+    keywords = reading.keywords()
     if out:
         make_writable(out)
     with reporting_files(f"{what} of {', '.join(file.name for file in files)}") as made:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RecordWarning)
-            record = read_lab(files if len(files) > 1 else files[0], **reading)
+            record = read_lab(files if len(files) > 1 else files[0], **keywords)
         yield record, made
 
 

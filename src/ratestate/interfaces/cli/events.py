@@ -3,25 +3,19 @@
 from json import loads
 from pathlib import Path
 
-from .reading import Join, reading_options
+from .reading import Reading
 
 #: the files' name
 NAME = "events"
 
 
 def events(
-    file: list[Path],
+    files: list[Path],
     *,
     K: str | None = None,
     M: str | None = None,
     sigma: str | None = None,
-    time: str | None = None,
-    displacement: str | None = None,
-    columns: list[str] | None = None,
-    column_units: list[str] | None = None,
-    rows: int | None = None,
-    join: Join = "auto",
-    format_: Path | None = None,
+    reading: Reading,
     out: Path | None = None,
     json: bool = False,
 ) -> None:
@@ -29,7 +23,6 @@ def events(
 
     Example: ratestate events record.txt --out catalogue
     """
-    reading = reading_options(columns, column_units, time, displacement, format_, rows, join)
     from ...records.stick_slip import events as find_events
     from .document import document
     from .evaluate_record import reported, write_all
@@ -38,7 +31,7 @@ def events(
 
     given = {"K": K, "M": M, "sigma": sigma}
     given = {name: value for name, value in given.items() if value is not None}
-    with reported(NAME, file, reading, out) as (record, made):
+    with reported(NAME, files, reading, out) as (record, made):
         # what the format says of the machine holds where nothing else is given
         catalogue = find_events(record, **loads(record.attrs.get("machine", "{}")) | given)
         made += write_all(catalogue, out, NAME, "event")

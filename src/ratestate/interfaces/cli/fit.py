@@ -8,7 +8,7 @@ import typer
 from ...friction.laws import DEFAULT, friction_law, own_parameters
 from .command import laws_of, own_values
 from .exits import SOME_FAILED
-from .reading import Join, noise_of, reading_options
+from .reading import Reading, noise_of
 
 Each = Literal["step"]
 Against = Literal["time", "displacement", "cycles"]
@@ -18,7 +18,7 @@ Errors = Literal["auto", "covariance", "profile", "posterior"]
 
 
 def fit(
-    file: list[Path],
+    files: list[Path],
     *,
     law: list[str] | None = None,
     law_file: Path | None = None,
@@ -31,14 +31,8 @@ def fit(
     M: str | None = None,
     V0: str | None = None,
     of_law: list[str] | None = None,
-    time: str | None = None,
-    displacement: str | None = None,
-    columns: list[str] | None = None,
-    column_units: list[str] | None = None,
+    reading: Reading,
     each: Each | None = None,
-    rows: int | None = None,
-    join: Join = "auto",
-    format_: Path | None = None,
     against: Against = "time",
     trend: Trend = "slip",
     start: Start = "auto",
@@ -53,7 +47,6 @@ def fit(
 
     Example: ratestate fit record.txt --each step --out fitted
     """
-    reading = reading_options(columns, column_units, time, displacement, format_, rows, join)
     values = {"sigma": sigma, "a": a, "b": b, "Dc": Dc, "K": K, "M": M, "V0": V0}
     named = (name.strip() for text in law or () for name in text.split(","))
     laws = laws_of(named, law_file, [DEFAULT])
@@ -72,6 +65,6 @@ def fit(
 
     values |= own_values(of_law, own_parameters(map(friction_law, laws)))
     given = {symbol: value for symbol, value in values.items() if value is not None}
-    request = FitRequest(tuple(file), reading, given, laws, fitting)
+    request = FitRequest(tuple(files), reading.keywords(), given, laws, fitting)
     if fit_and_report(request, out, json):
         raise typer.Exit(SOME_FAILED)

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import typer
 
 from .exits import SOME_FAILED
-from .reading import Join, noise_of, reading_options
+from .reading import Reading, noise_of
 
 Trend = Literal["slip", "time", "none"]
 #: the files' name
@@ -14,16 +14,10 @@ NAME = "healing"
 
 
 def healing(
-    file: list[Path],
+    files: list[Path],
     *,
     slider: Path | None = None,
-    time: str | None = None,
-    displacement: str | None = None,
-    columns: list[str] | None = None,
-    column_units: list[str] | None = None,
-    rows: int | None = None,
-    join: Join = "auto",
-    format_: Path | None = None,
+    reading: Reading,
     trend: Trend = "slip",
     noise: str | None = None,
     out: Path | None = None,
@@ -35,8 +29,7 @@ def healing(
 
     Example: ratestate healing holds.txt --out healed
     """
-    reading = reading_options(columns, column_units, time, displacement, format_, rows, join)
-    from ... import files
+    from ...files import read
     from ...records.healing import summary
     from ...records.healing.healing import healing as evaluate
     from .document import document
@@ -47,8 +40,8 @@ def healing(
         "trend": None if trend == "none" else trend,
         "noise": noise_of(noise),
     }
-    fitted = files.read(slider) if slider else None
-    with reported(NAME, file, reading, out) as (record, made):
+    fitted = read(slider) if slider else None
+    with reported(NAME, files, reading, out) as (record, made):
         result = evaluate(record, fitted, **settings)
         made += write_all(result, out, NAME, "hold")
     if json:

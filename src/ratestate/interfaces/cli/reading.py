@@ -1,5 +1,6 @@
 """The options that say how a record is read, as `read_lab` takes them."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,27 +11,41 @@ from .command import pairs_of
 Join = Literal["auto", "absolute", "restart"]
 
 
-def reading_options(
-    columns: list[str] | None,
-    column_units: list[str] | None,
-    time: str | None,
-    displacement: str | None,
-    format_: Path | None,
-    rows: int | None = None,
-    join: Join = "auto",
-) -> dict[str, Any]:
-    """Keywords of `read_lab` for those options that are given."""
-    numbered = {k: int(v) if v.isdigit() else v for k, v in pairs_of(columns, "--columns").items()}
-    reading = {
-        "columns": numbered,
-        "units": pairs_of(column_units, "--units", separator=","),
-        "time": _window(time, "--time"),
-        "displacement": _window(displacement, "--displacement"),
-        "rows": rows,
-        "join": None if join == "auto" else join,
-        "format": format_ and format_.as_posix(),
-    }
-    return {name: value for name, value in reading.items() if value not in (None, {})}
+@dataclass(frozen=True, kw_only=True)
+class FileReading:
+    """The options on one file."""
+
+    time: str | None = None
+    displacement: str | None = None
+    columns: list[str] | None = None
+    column_units: list[str] | None = None
+    format_: Path | None = None
+
+    def keywords(self) -> dict[str, Any]:
+        """Keywords of `read_lab` for those options that are given."""
+        columns = pairs_of(self.columns, "--columns")
+        reading = {
+            "columns": {k: int(v) if v.isdigit() else v for k, v in columns.items()},
+            "units": pairs_of(self.column_units, "--units", separator=","),
+            "time": _window(self.time, "--time"),
+            "displacement": _window(self.displacement, "--displacement"),
+            "format": self.format_ and self.format_.as_posix(),
+        }
+        return {name: value for name, value in reading.items() if value not in (None, {})}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading(FileReading):
+    """The options on a record, which may be in several files."""
+
+    rows: int | None = None
+    join: Join = "auto"
+
+    def keywords(self) -> dict[str, Any]:
+        """Keywords of `read_lab` for those options that are given."""
+        own = {"rows": self.rows, "join": None if self.join == "auto" else self.join}
+        given = {name: value for name, value in own.items() if value is not None}
+        return super().keywords() | given
 
 
 def noise_of(text: str | None) -> Any:

@@ -2,23 +2,17 @@
 
 from pathlib import Path
 
-from .reading import Join, reading_options
+from .reading import Reading
 
 #: the files' name
 NAME = "stiffness"
 
 
 def stiffness(
-    file: list[Path],
+    files: list[Path],
     *,
     sigma: str | None = None,
-    time: str | None = None,
-    displacement: str | None = None,
-    columns: list[str] | None = None,
-    column_units: list[str] | None = None,
-    rows: int | None = None,
-    join: Join = "auto",
-    format_: Path | None = None,
+    reading: Reading,
     out: Path | None = None,
     json: bool = False,
 ) -> None:
@@ -26,14 +20,13 @@ def stiffness(
 
     Example: ratestate stiffness holds.txt --sigma '10 MPa'
     """
-    reading = reading_options(columns, column_units, time, displacement, format_, rows, join)
     from ...records.machine import summary
     from ...records.machine.machine_stiffness import machine_stiffness
     from .document import document
     from .evaluate_record import reported, write_all
     from .output import print_json, print_line
 
-    with reported(NAME, file, reading, out) as (record, made):
+    with reported(NAME, files, reading, out) as (record, made):
         result = machine_stiffness(record, sigma)
         made += write_all(result, out, NAME, "slope")
     if json:
