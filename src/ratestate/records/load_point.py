@@ -8,7 +8,7 @@ from .fitting.raw_record import loading_of, recorded_segments
 
 
 class Segments(NamedTuple):
-    """Starts [s] and speeds [m/s] of n segments, and when the last one ends."""
+    """Starts [s] and speeds [m/s] of n segments, taken as exact, and when the last one ends."""
 
     t: np.ndarray  # (n,)
     V: np.ndarray  # (n,)

@@ -39,7 +39,7 @@ class Slope(NamedTuple):
 
 
 def slopes_of(t, friction, segments):
-    """list of `Slope`s of a record (m,) with these `load_point.Segments`."""
+    """list of `Slope`s of a record (m,) with these `Segments`."""
     found = []
     for i, (start, end, V) in enumerate(zip(segments.t, segments.ends, segments.V, strict=True)):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]

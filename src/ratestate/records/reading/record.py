@@ -133,7 +133,7 @@ def _units(table, chosen, requested, units):
 
 
 def _segments(record, gaps):
-    """The `Segments` of a record; of a very long one from means over blocks of rows."""
+    """The `FoundSegments` of a record; of a very long one from means over blocks of rows."""
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     t, x = record["time"], record[symbol]
     if t.size > MOST:

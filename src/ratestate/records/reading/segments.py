@@ -16,8 +16,8 @@ from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
 POSITION = 26.0
 
 
-class Segments(NamedTuple):
-    """Starts and speeds of n segments with their standard errors, and notes."""
+class FoundSegments(NamedTuple):
+    """Starts and speeds of n segments as found in a record, with standard errors, and notes."""
 
     t: np.ndarray  # (n,) [s]; the first is that of the record
     V: np.ndarray  # (n,) [m/s]; exactly 0 in a hold, never negative
@@ -91,7 +91,7 @@ def find_segments(t, delta_lp):
 
 
 def segments_from_displacement(t, x):
-    """`Segments` of a displacement: `find_segments` with errors and notes; it raises the same."""
+    """`FoundSegments` of a displacement; ParameterError as of `find_segments`."""
     t, x = _checked(t, x, "delta_lp")
     runs, notes = find_runs(t, x)
     for run in runs:
@@ -114,7 +114,7 @@ def segments_from_displacement(t, x):
             ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
             notes.append(message("notes.step_in_gap", **ends))
     V_error = [0.0 if r.hold else (s / r.spread) ** 0.5 for r, s in zip(runs, noise, strict=True)]
-    return Segments(
+    return FoundSegments(
         np.append(t[0], at),
         np.array([run.V for run in runs]),
         np.append(0.0, np.sqrt(variance)),
@@ -124,7 +124,7 @@ def segments_from_displacement(t, x):
 
 
 def segments_from_velocity(t, V):
-    """`Segments` from recorded speeds [m/s]; steps lie midway between two rows.
+    """`FoundSegments` from recorded speeds [m/s]; steps lie midway between two rows.
 
     ParameterError as of `find_segments`, and for a mean speed below 0.
     """
@@ -150,7 +150,7 @@ def segments_from_velocity(t, V):
     edges = np.array(at[1:-1], int)
     before, after = t[edges - 1], t[edges]
     relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise / np.diff(means) ** 2) ** 2)
-    return Segments(
+    return FoundSegments(
         np.append(t[0], 0.5 * (before + after)),
         means,
         np.append(0.0, (after - before) * relative),
