@@ -11,6 +11,7 @@ from ...child_process import mapped
 from ..by_law import value_of
 from ..noise import Noise
 from ..one_record import datasets_of, inferences_of, single_blas
+from ..record import Record
 from ..settings import Settings
 from ..unknowns import Unknowns
 from .windows import Window, windows_of
@@ -34,6 +35,7 @@ class Separate(NamedTuple):
     """The fit of a window under one law."""
 
     result: xarray.Dataset  # of `datasets_of`
+    record: Record
     unknowns: Unknowns
     point: np.ndarray  # (k,) coordinates of the best fit
     noise: Noise
@@ -158,6 +160,7 @@ def _separate(task):
     return {
         law: Separate(
             result,
+            one.problem.record,
             one.unknowns,
             one.point,
             one.noise,

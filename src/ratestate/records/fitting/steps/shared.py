@@ -15,7 +15,6 @@ from scipy.special import chdtrc
 
 from ..by_law import value_of
 from ..problem import Problem
-from ..record import record_of
 from ..unknowns import parameter
 
 #: parameters of the slider that are the machine's, not the law's
@@ -48,10 +47,7 @@ class _Step:
     def __init__(self, fitted, law):
         settings, separate = fitted.task.settings, fitted.of(law)
         slider = settings.sliders[settings.laws.index(law)]
-        record = record_of(
-            fitted.task.data, slider, loading=None, trend=settings.trend, against=settings.against
-        )
-        self.problem = Problem(record, slider, separate.unknowns)
+        self.problem = Problem(separate.record, slider, separate.unknowns)
         self.separate, names = separate, separate.unknowns.names
         self.names = tuple(n for n in names if n in settings.free and n not in OF_MACHINE)
         self.shared = [names.index(name) for name in self.names]
