@@ -3,8 +3,7 @@
 ============================ ==========================================================
 ``healing``                  the function `healing`: in which order all below is done
 ``record``, ``holds``        samples, holds, and the slides before and after them
-``sliding``                  steady friction with its drift; the noise of the slides
-``windows``                  windows in which friction is a polynomial
+``sliding``                  steady friction with its drift
 ``peak``                     the peak on reloading
 ``measured``                 healing and relaxation of one hold, with errors; its status
 ``rate``                     healing and relaxation per decade of hold time

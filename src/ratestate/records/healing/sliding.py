@@ -1,25 +1,12 @@
-"""Steady friction of a slide, with its drift, and the noise that all slides of a record show."""
+"""Steady friction of a slide, with its drift."""
 
-import math
+from ..polynomial_windows import is_curved
+from ..slide_noise import FEWEST, late_part
 
-import numpy as np
-
-from ..fitting.estimated_noise import estimated_noise
-from .windows import is_curved, window_of
-
-#: part of a slide that may be steady: its end; how often that part is halved if it is not
-STEADY, HALVINGS = 0.5, 2
-#: order of steady friction with a drift; fewest samples of it
-LINEAR, FEWEST = 1, 12
-#: most samples of a slide, and most slides, from which noise is estimated
-MOST, SLIDES = 2000, 8
-#: order of friction in these; noise of one over the median that counts as a transient
-SMOOTH, NOISIER = 3, 2.5
-
-
-def late_part(slide):
-    """Rows of the part of a slide (rows) in which friction may be steady: its second half."""
-    return slide[slide.size - int(STEADY * slide.size) :]
+#: how often the part of a slide that may be steady is halved if it is not
+HALVINGS = 2
+#: order of steady friction with a drift
+LINEAR = 1
 
 
 def steady_part(t, friction, slide, noise):
@@ -32,38 +19,3 @@ def steady_part(t, friction, slide, noise):
             return rows
         rows = rows[rows.size // 2 :]
     return None
-
-
-def noise_of_slides(t, friction, slides):
-    """The `Noise` of friction (n,) at times t in the late parts of slides (list of rows).
-
-    Slides that seem noisier than half of them are left out, by `NOISIER`: these are not yet steady.
-    None if none has `FEWEST` samples in that part.
-    """
-    parts = [late_part(rows)[-MOST:] for rows in slides]
-    parts = [rows for rows in parts if rows.size >= FEWEST]
-    if not parts:
-        return None
-    chosen = np.unique(np.linspace(0, len(parts) - 1, SLIDES).round().astype(int))
-    parts = [parts[i] for i in chosen]
-    levels = np.array([_noise(t, friction, [rows]).level for rows in parts])
-    most = NOISIER * np.sort(levels)[(levels.size - 1) // 2]
-    return _noise(t, friction, [parts[i] for i in np.flatnonzero(levels <= most)])
-
-
-def _noise(t, friction, parts):
-    """The `Noise` in parts of slides, in each of which friction is a cubic polynomial of time."""
-    columns = np.zeros((sum(rows.size for rows in parts), len(parts) * (SMOOTH + 1)))
-    first = 0
-    for i, rows in enumerate(parts):
-        block = slice(i * (SMOOTH + 1), (i + 1) * (SMOOTH + 1))
-        columns[first : first + rows.size, block] = window_of(t, rows, SMOOTH).basis(t[rows])
-        first += rows.size
-    rows = np.concatenate(parts)
-    residual = friction[rows] - columns @ np.linalg.lstsq(columns, friction[rows])[0]
-    noise = estimated_noise(t[rows], residual, columns)
-    # of what is slower than a part nothing is known but how fast it spreads, as red^2/time
-    longest = max(float(t[rows[-1]] - t[rows[0]]) for rows in parts)
-    if noise.time <= longest:
-        return noise
-    return noise._replace(red=noise.red * math.sqrt(longest / noise.time), time=longest)

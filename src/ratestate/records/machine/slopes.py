@@ -7,8 +7,8 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import find_peaks
 
-from ..healing.sliding import noise_of_slides
 from ..sample_noise import sample_noise
+from ..slide_noise import noise_of_slides
 from ..stick_slip.significance import are_stick_slip
 from .loading_curve import LoadingCurve, fit_loading_curve
 
