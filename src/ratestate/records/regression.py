@@ -22,6 +22,14 @@ class Linear(NamedTuple):
     chi2: float
 
 
+class Mean(NamedTuple):
+    """The mean of values weighted by their errors, and the misfit."""
+
+    value: float
+    error: float  # if values differ by their errors alone
+    chi2: float
+
+
 class Line(NamedTuple):
     """The best line through points: y = mean + slope (x - centre)."""
 
@@ -52,31 +60,37 @@ def generalized_least_squares(t, values, columns, noise):
 
 
 def weighted_mean(values, errors):
-    """Mean of values (n,) weighted by their errors (n,), its standard error and the scatter."""
+    """The `Mean` of values (n,) weighted by their errors (n,), n > 0."""
     weights = errors**-2.0
-    mean = float(np.average(values, weights=weights))
-    scatter = _scatter((values - mean) / errors, 1)
-    return mean, _enlarged(float(weights.sum() ** -0.5), scatter, values.size - 1), scatter
+    total = float(weights.sum())
+    mean = float(weights @ values) / total
+    return Mean(mean, total**-0.5, float(weights @ (values - mean) ** 2))
+
+
+def mean_with_scatter(values, errors):
+    """Mean of values (n,) weighted by their errors (n,), its standard error and the scatter."""
+    mean, degrees = weighted_mean(values, errors), values.size - 1
+    scatter = _scatter(mean.chi2, degrees)
+    return mean.value, _enlarged(mean.error, scatter, degrees), scatter
 
 
 def weighted_line(x, values, errors):
     """The `Line` through values (n,) at x (n,), not all the same, weighted by their errors (n,)."""
     weights = errors**-2.0
-    centre, mean = (float(np.average(each, weights=weights)) for each in (x, values))
-    away = x - centre
+    centre, mean = weighted_mean(x, errors).value, weighted_mean(values, errors)
+    away, degrees = x - centre, x.size - 2
     spread = float(weights @ away**2)
     slope = float(weights @ (away * values)) / spread
-    scatter = _scatter((values - mean - slope * away) / errors, 2)
+    scatter = _scatter(float(weights @ (values - mean.value - slope * away) ** 2), degrees)
     slope_error, mean_error = (
-        _enlarged(s**-0.5, scatter, x.size - 2) for s in (spread, float(weights.sum()))
+        _enlarged(error, scatter, degrees) for error in (spread**-0.5, mean.error)
     )
-    return Line(slope, slope_error, centre, mean, mean_error, scatter)
+    return Line(slope, slope_error, centre, mean.value, mean_error, scatter)
 
 
-def _scatter(residual, parameters):
-    """Root of the reduced chi-square of residuals over their errors (n,)."""
-    degrees = residual.size - parameters
-    return math.sqrt(float(residual @ residual) / degrees) if degrees > 0 else math.nan
+def _scatter(chi2, degrees):
+    """Root of the reduced chi-square; NaN without a degree of freedom."""
+    return math.sqrt(chi2 / degrees) if degrees > 0 else math.nan
 
 
 def _enlarged(error, scatter, degrees):

@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 
 from ..fitting.result import labelled
-from ..regression import weighted_mean
+from ..regression import mean_with_scatter
 from .inertia import mass_and_damping
 from .messages import message
 
@@ -21,7 +21,7 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
     along = _along_slopes(sigma, slopes)
     used = _best_kinds(along["slope_kind"], along["slope_used"])
     k = along["slope_K"][used], along["slope_K_error"][used]
-    K = weighted_mean(*k) if used.any() else NONE
+    K = mean_with_scatter(*k) if used.any() else NONE
     of_rings, M, damping = _inertia(K, sigma, slider, ring_downs)
     values: dict = {}
     for name, numbers in (("K", K), ("M", M), ("damping", damping)):
@@ -83,7 +83,7 @@ def _mean(values, own, by_K, K):
     """Mean, error and scatter of values (n,), whose errors but those by K's are independent."""
     if not values.size or not np.isfinite(K[0]):
         return NONE
-    mean, error, scatter = weighted_mean(values, own)
+    mean, error, scatter = mean_with_scatter(values, own)
     common = float(np.average(by_K, weights=own**-2.0)) * K[1]
     return mean, float(np.hypot(error, common)), scatter
 

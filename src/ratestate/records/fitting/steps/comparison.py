@@ -1,10 +1,12 @@
 """Several steps compared: scatter of the estimates, steps up beside steps down, law beside law."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import stdtr
 
+from ...regression import weighted_mean
 from ..by_law import value_of
 from ..unknowns import SUMS, parameter
 
@@ -35,23 +37,18 @@ def ratio_of(up, down, is_log):
     """
     if not (len(up[0]) and len(down[0])):
         return Ratio(np.nan, np.nan, np.nan)
-    means, variances, squares = [], [], 0.0
-    for values, errors in (map(np.asarray, up), map(np.asarray, down)):
-        weights = np.maximum(errors, 1e-300) ** -2.0
-        means.append(float(weights @ values / weights.sum()))
-        variances.append(1.0 / float(weights.sum()))
-        squares += float(weights @ (values - means[-1]) ** 2)
-    degrees = len(up[0]) + len(down[0]) - 2
-    value = float(np.exp(means[0] - means[1])) if is_log else means[0] / means[1]
+    of_up, of_down = (weighted_mean(*map(np.asarray, group)) for group in (up, down))
+    difference, degrees = of_up.value - of_down.value, len(up[0]) + len(down[0]) - 2
+    value = float(np.exp(difference)) if is_log else of_up.value / of_down.value
     if degrees == 0:
         return Ratio(value, np.nan, np.nan)
-    scale = max(squares / degrees, 1.0)
-    difference, error = means[0] - means[1], np.sqrt(scale * sum(variances))
+    enlarged = math.sqrt(max((of_up.chi2 + of_down.chi2) / degrees, 1.0))
+    error = enlarged * math.hypot(of_up.error, of_down.error)
     p_value = float(2.0 * stdtr(degrees, -abs(difference) / error))
     own = value * error
     if not is_log:
-        own = np.sqrt(scale * (variances[0] + value**2 * variances[1])) / abs(means[1])
-    return Ratio(value, float(own), p_value)
+        own = enlarged * math.hypot(of_up.error, value * of_down.error) / abs(of_down.value)
+    return Ratio(value, own, p_value)
 
 
 def group_of(values, errors, is_log=False):
@@ -62,15 +59,13 @@ def group_of(values, errors, is_log=False):
     n = len(values)
     if n == 0:
         return Group(np.nan, np.nan, np.nan, 0, is_log)
-    values, errors = np.asarray(values, float), np.maximum(errors, 1e-300)
+    values, errors = np.asarray(values), np.asarray(errors)
     weights = errors**-2.0
-    mean = weights @ values / weights.sum()
-    excess = weights @ (values - mean) ** 2 - (n - 1)
-    per_scatter = weights.sum() - (weights**2).sum() / weights.sum()
-    scatter = max(excess / per_scatter, 0.0) if n > 1 else 0.0
-    weights = 1.0 / (errors**2 + scatter)
-    mean = weights @ values / weights.sum()
-    return Group(float(mean), float(weights.sum() ** -0.5), float(scatter**0.5), n, is_log)
+    excess = weighted_mean(values, errors).chi2 - (n - 1)
+    per_scatter = float(weights.sum() - (weights**2).sum() / weights.sum())
+    scatter = math.sqrt(max(excess / per_scatter, 0.0)) if n > 1 else 0.0
+    mean = weighted_mean(values, np.hypot(errors, scatter))
+    return Group(mean.value, mean.error, scatter, n, is_log)
 
 
 def grouped(fits, law, name):
