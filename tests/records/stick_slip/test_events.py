@@ -15,7 +15,7 @@ from synthetic_records import correlated
 from synthetic_stick_slip import cycles
 
 import ratestate as rs
-from ratestate.records.stick_slip.detection import turning_points, white_noise
+from ratestate.records.stick_slip.detection import turning_points
 from ratestate.records.stick_slip.measures import (
     CUT_BY_END,
     CUT_BY_START,
@@ -23,6 +23,7 @@ from ratestate.records.stick_slip.measures import (
     UNDERSAMPLED,
     WHOLE,
 )
+from ratestate.records.stick_slip.noise import white_noise
 from ratestate.records.stick_slip.significance import are_stick_slip
 from ratestate.records.stick_slip.trends import trend
 
@@ -78,21 +79,48 @@ def test_runs_of_even_samples_say_how_far_they_are_off(drawn):
         np.testing.assert_allclose(events.recurrence.values[use][1:], cycle.period, rtol=1e-3)
 
 
-def test_errors_of_noisy_records_are_honest(drawn):
-    """Unbiased, and 68 % of the truth within one error; benchmarks/events.py has 200 sliders."""
-    off = []
-    for seed, cycle in enumerate(drawn):
-        rng = np.random.default_rng(seed)
-        samples, noise = 10 ** rng.uniform((2.3, -2.7), (2.7, -1.5))
-        events = rs.events(cycle.record(8.2, samples, noise, rng))
-        use = np.isin(events.event_status, (WHOLE, UNDERSAMPLED))
-        assert use.sum() in (7, 8)
-        z = ((events.stress_drop - cycle.drop) / events.stress_drop_error).values[use]
-        assert 0.7 < events.tau_noise / (noise * cycle.drop) < 1.3
-        off.append(z)
-    z = np.concatenate(off)
-    assert abs(z.mean()) < 3.0 / np.sqrt(z.size)
-    for level, low, high in ((0.68, 0.58, 0.82), (0.95, 0.87, 0.995)):
+#: quantity -> largest mean error, and parts within one and within two errors, in standard errors
+HONEST = {
+    "stress_drop": (0.3, (0.58, 0.78), (0.90, 0.99)),
+    "tau_max": (0.35, (0.58, 0.80), (0.90, 0.99)),
+    "tau_min": (0.35, (0.58, 0.80), (0.90, 0.99)),
+    "event_start": (0.6, (0.60, 0.85), (0.88, 0.995)),
+    "event_end": (0.6, (0.65, 0.93), (0.90, 1.0)),
+    "duration": (0.6, (0.60, 0.88), (0.90, 1.0)),
+    "slip": (0.5, (0.60, 0.88), (0.92, 1.0)),
+}
+
+
+@pytest.fixture(scope="module")
+def errors_over_their_estimates(drawn):
+    """Quantity -> (n,) errors over the standard errors told, of 24 noisy records."""
+    off: dict = {name: [] for name in HONEST}
+    for k, cycle in enumerate(drawn):
+        own = rs.events(cycle.run(8.2))
+        own = own.isel(event=own.event_status.values == WHOLE)
+        for seed in range(4):
+            rng = np.random.default_rng(10 * seed + k)
+            samples, noise = 10 ** rng.uniform((2.3, -2.7), (2.9, -1.5))
+            events = rs.events(cycle.record(8.2, samples, noise, rng), K=cycle.slider.K)
+            events = events.isel(event=np.isin(events.event_status, (WHOLE, UNDERSAMPLED)))
+            assert events.sizes["event"] in (7, 8)
+            assert 0.7 < events.tau_noise / (noise * cycle.drop) < 1.3
+            gaps = np.abs(events.event_time.values[:, None] - own.event_time.values)
+            true = own.isel(event=gaps.argmin(axis=1))
+            assert gaps.min(axis=1).max() < 0.1 * cycle.period
+            for name, parts in off.items():
+                parts.append((events[name].values - true[name].values) / events[f"{name}_error"])
+    return {name: np.concatenate(parts) for name, parts in off.items()}
+
+
+@pytest.mark.parametrize("name", HONEST)
+def test_errors_of_noisy_records_are_honest(errors_over_their_estimates, name):
+    """Unbiased, and the truth within one and two errors; benchmarks/events.py has 200 sliders."""
+    z = errors_over_their_estimates[name]
+    bias, *parts = HONEST[name]
+    assert z.size > 180
+    assert abs(z.mean()) < bias
+    for level, (low, high) in zip((0.6827, 0.95), parts, strict=True):
         assert low < (np.abs(z) < norm.ppf(0.5 + 0.5 * level)).mean() < high
 
 
@@ -103,7 +131,7 @@ def test_the_largest_samples_would_be_biased(drawn):
     raw = float(np.ptp(record.tau.values[300:900])) / cycle.drop
     assert raw > 1.05
     events = rs.events(record)
-    assert abs(float(events.stress_drop.mean()) / cycle.drop - 1.0) < 0.01
+    assert abs(float(events.stress_drop.mean()) / cycle.drop - 1.0) < 0.02
 
 
 def test_correlated_noise_enlarges_errors(drawn):
@@ -165,7 +193,11 @@ def test_records_of_several_speeds(measured, experiment):
     assert 0.5 < z.std() < 1.6
     np.testing.assert_allclose(measured.K, AGING.K, atol=4.0 * float(measured.K_error), rtol=0.0)
     assert 1e-4 < float(measured.K_error / measured.K) < 0.01
-    np.testing.assert_allclose(measured.slip[both], simulated.slip[both], rtol=0.02)
+    for name, within in (("slip", 0.05), ("duration", 3.0)):
+        off = (measured[name] - simulated[name]).values[both]
+        assert np.abs(off / measured[f"{name}_error"].values[both]).max() < 4.5
+        np.testing.assert_allclose(measured[name][both], simulated[name][both], rtol=within)
+    assert (measured.duration[both] >= 0.0).all()
     changed = ["V_lp has changed" in text for text in measured.event_message.values]
     assert np.flatnonzero(changed).tolist() == [6, 13, 20]
     assert measured.recurrence[changed].isnull().all()

@@ -6,7 +6,11 @@
 ``series``                      shear stress and load point of a record or a run, checked
 ``detection``                   which falls of the stress are events, and where they roughly are
 ``significance``                whether they are more than noise that wanders
+``noise``                       the noise in the loading, white or correlated
+``crossings``                   when the stress of an event falls through the middle
+``edges``                       an extreme at the edge of the loading, next to a fall
 ``polynomials``                 an extreme of a noisy stress, or of its slope, without bias
+``windows``                     the window around alike extremes, and these
 ``recorded``                    peaks, troughs, times and slip rates in a noisy record
 ``computed``                    the same in a run, whose slip velocity is known
 ``stiffness``                   the spring's stiffness from the loading between events

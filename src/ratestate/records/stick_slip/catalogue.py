@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import computed, recorded
-from .detection import rough_events, white_noise
+from .detection import rough_events
 from .measures import (
     CHANGES,
     CUT_BY_END,
@@ -18,7 +18,7 @@ from .measures import (
     kinds,
     measured_events,
 )
-from .polynomials import Noise
+from .noise import Noise, loading_noise, white_noise
 from .refusals import sentence
 from .significance import are_stick_slip
 from .stiffness import Stiffness, loading_stiffness
@@ -86,7 +86,7 @@ def _detected(series):
     rough = rough_events(series.tau, white)
     for _ in range(2):
         rises = _phases(series, rough)[0]
-        noise = recorded.loading_noise(series.t, series.tau, rises, white)
+        noise = loading_noise(series.t, series.tau, rises, white)
         if noise.sd < LARGER * white:
             break
         rough = rough_events(series.tau, noise.sd, noise.inflation)

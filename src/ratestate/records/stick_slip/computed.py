@@ -13,7 +13,9 @@ from scipy.interpolate import CubicHermiteSpline
 from .recorded import Found
 
 #: error of tau at a sample's time over the drop, from which a fall has too few samples; and samples
-COARSE, SPARSE = 1e-2, 5
+COARSE, SPARSE = 1e-3, 5
+#: relative error of the steepest fall from which they are too few
+ROUGH = 0.1
 #: farthest that an extreme may be from a sample, over the drop
 FAR = 0.01
 #: error of every second sample over that of all, at least
@@ -34,7 +36,7 @@ def found_events(series, rough):
     for (peak, trough), top, bottom in zip(rough, peaks[:, 0], troughs[:, 0], strict=True):
         middle.append(_middle(t, tau, rate, peak, trough, 0.5 * (top + bottom)))
         slope.append(_steepest(t, series.K, V, series.load.V, peak, trough))
-        few.append(trough - peak < SPARSE or slope[-1][1] > COARSE * abs(slope[-1][0]) * 10.0)
+        few.append(trough - peak < SPARSE or slope[-1][1] > ROUGH * abs(slope[-1][0]))
     samples = np.array([trough - peak for peak, trough in rough])
     drop = peaks[:, 0] - troughs[:, 0]
     coarse = np.hypot(peaks[:, 1], troughs[:, 1]) > COARSE * drop

@@ -17,8 +17,6 @@ CLEAR = 40.0
 LONGEST = 0.01
 #: standard deviations beyond the expected range of the noise
 MARGIN = 3.0
-#: part of the second differences of white noise within one standard deviation
-ONE_SIGMA = 0.6827
 
 
 class Rough(NamedTuple):
@@ -26,18 +24,6 @@ class Rough(NamedTuple):
 
     peak: int
     trough: int
-
-
-def white_noise(y):
-    """Standard deviation of the white noise of a series (n,), from its second differences.
-
-    At least that of rounding to the series' digits: its smallest step.
-    """
-    second = np.abs(np.diff(y, 2)) / math.sqrt(6.0)
-    steps = np.abs(np.diff(y))
-    digit = float(steps[steps > 0.0].min(initial=math.inf))
-    digit = digit / math.sqrt(12.0) if math.isfinite(digit) else 0.0
-    return max(float(np.quantile(second, ONE_SIGMA)), digit)
 
 
 def rough_events(y, noise, inflation=1.0):

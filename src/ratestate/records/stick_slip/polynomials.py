@@ -1,20 +1,14 @@
 """An extreme of a noisy series, or of its slope: value, time and their standard errors.
 
-The largest of many noisy samples is too large.  So a polynomial is fitted to a window around the
-extreme, which the fall of the stress may bound closely on one side.  All events at one load-point
-velocity share the window, counted from the middles of their falls: the widest in which a polynomial
-of the lowest degree with an extreme is not contradicted by one two degrees higher, in value and
-slope.  The latter's value is then taken, at the place that the former gives: a bias that cannot be
-seen in the lower degree is far below the error of the higher one.  (Lepskii 1991,
-doi:10.1137/1135065, chooses windows by such comparisons.)
-
-At its own vertex a fitted polynomial is too extreme by var(slope)/(2 |curvature|), which is
-subtracted.  Where the window has no vertex, as after a fall that ends at once, the extreme lies
-where samples begin to leave the polynomial for the fall.
+The largest of many noisy samples is too large.  So polynomials are fitted by least squares to a
+window beside the fall of an event, or within it: one of the lowest degree with an extreme, whose
+vertex is the place, and one two degrees higher, whose value is taken there.  At its own vertex a
+fitted polynomial is too extreme by var(slope)/(2 |curvature|), which is subtracted.  Where the
+window has no vertex the extreme is at its edge (module ``edges``).
 
     k    order of the derivative whose extreme is sought: 0 of the stress, 1 of its slope
     u    time from the window's origin over its extent
-    c    coefficients of a polynomial, from the constant on, C their covariance
+    c    coefficients of a polynomial, from the constant on, C their covariance for unit variance
 """
 
 import math
@@ -22,36 +16,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: events from which a window is chosen, at most
-MOST = 16
-#: standard errors of the mean difference between both degrees that do not contradict
-AGREE = 1.5
-#: standard deviations of a sample from a polynomial that it has left
-LEFT = 4.0
-#: samples from a window in which it must be left
-BEYOND = 4
-#: standard deviations of the sum of squares that a window may have too much
-ROUGH = 4.0
+from .edges import Place, edge
+
 #: samples in a window of which means are taken from twice as many on
 PLENTY = 300
-#: error at a vertex over that at an edge, up to which the vertex is preferred
-PREFERRED = 3.0
-#: excess of what cannot be
-NEVER = 1e6
-#: degree over that with an extreme
+#: degrees over that with an extreme
 MORE = 2
-
-
-class Noise(NamedTuple):
-    """White or first-order correlated noise: standard deviation, and what it does to a mean."""
-
-    sd: float
-    correlation: float = 0.0  # of neighbouring samples
-
-    @property
-    def inflation(self):
-        """Variance of a mean over that with white noise."""
-        return (1.0 + self.correlation) / (1.0 - self.correlation)
+#: least variance of a sample [Pa^2], so that what has no noise can be divided by it
+TINY = 1e-300
+#: excess of a window without a vertex that the fall does not bound: the last to be chosen
+UNBOUNDED = 1e6
 
 
 class Window(NamedTuple):
@@ -63,7 +37,7 @@ class Window(NamedTuple):
 
 
 class Extreme(NamedTuple):
-    """The extreme of a series, or its slope, in a window."""
+    """The extreme of a series, or of its slope, in a window."""
 
     time: float
     value: float
@@ -71,179 +45,122 @@ class Extreme(NamedTuple):
     time_error: float
     difference: float  # of the degrees; nan where there are too few samples
     variance: float  # of that
-    turn: float  # difference of the degrees' slopes there, and its variance
+    turn: float  # difference of the degrees' slopes there, over u
     turn_variance: float
+    curvature: float  # over u
+    extent: float  # of the window [s]
     inside: float  # 1.0 for a vertex in the window, 0.0 for its edge
     excess: float  # sum of squares over its expectation, in standard deviations
+
+
+class Fit(NamedTuple):
+    """Polynomials in both degrees, of one window."""
+
+    low: tuple  # c, C
+    high: tuple
+    curve: np.ndarray  # (3,) the quadratic that is the k-th derivative of the lower one
+    variance: float  # of a sample
+    excess: float
 
 
 NOTHING = Extreme(*[math.nan] * len(Extreme._fields))
 
 
-def chosen_window(t, y, middles, windows, k, sign, noise):
-    """The `Window` among these in which an extreme is least uncertain and not contradicted.
-
-    One in which most events have a vertex is preferred.  Where all are contradicted, the one that
-    is so least; None where none has samples enough.
-    """
-    some = middles[:: math.ceil(middles.size / MOST)]
-    best: list = [(math.inf, None), (math.inf, None)]  # at an edge, at a vertex
-    least = (math.inf, None)
-    for window in windows:
-        found = [extreme(t, y, middle, window, k, sign, noise) for middle in some]
-        found = [one for one in found if math.isfinite(one.value)]
-        if len(found) < 0.8 * len(some):
-            continue
-        column = dict(zip(Extreme._fields, np.array(found).T, strict=True))
-        against = _contradiction(column)
-        least = min(least, (against, window))
-        if against <= 1.0:
-            inside = int(column["inside"].mean() > 0.5)
-            error = math.sqrt(float(np.mean(column["error"] ** 2)))
-            best[inside] = min(best[inside], (error, window))
-    edge, vertex = best
-    chosen = vertex if vertex[0] <= PREFERRED * edge[0] and vertex[1] else edge
-    return chosen[1] or least[1]
-
-
-def _contradiction(column):
-    """How far the degrees are apart, and samples from them, over what is allowed.
-
-    column : field of `Extreme` -> (events,) numbers
-    """
-    excess = column["excess"]
-    parts = [excess.sum() / ROUGH / math.sqrt(excess.size)]
-    for off, variance in (("difference", "variance"), ("turn", "turn_variance")):
-        spread = math.sqrt(max(column[variance].sum(), 1e-300))
-        parts.append(abs(column[off].sum()) / AGREE / spread)
-    return float(max(parts))
-
-
-def extremes(t, y, middles, window, k, sign, noise):
-    """list of `Extreme` of all events in one window.
-
-    Where most have a vertex, those that noise leaves without one are taken where the others are.
-    """
-    found = [extreme(t, y, middle, window, k, sign, noise) for middle in middles]
-    inside = np.array([one.inside == 1.0 for one in found])
-    if not 0.5 < inside.mean() < 1.0:
-        return found
-    after = np.array([one.time for one in found])[inside] - middles[inside]
-    place = float(np.median(after)), float(after.std())
-    for i in np.flatnonzero(~inside):
-        found[i] = extreme(t, y, middles[i], window, k, sign, noise, place)
-    return found
-
-
-def extreme(t, y, middle, window, k, sign, noise, place=None):
+def extreme(t, y, middle, window, k, sign, noise, known=None):
     """The `Extreme` of the k-th derivative, of sign +1 a maximum, in a window after `middle`.
 
-    place : time after `middle`, and its error, of an extreme without a vertex
+    known : time after `middle`, and its error, of an extreme that has no vertex here
     """
     first, last = np.searchsorted(t, (middle + window.start, middle + window.end))
-    low, high = k + 2, k + 2 + MORE
-    if last - first < high + 1:
+    if last - first < k + MORE + 4:
         return NOTHING
-    origin, scale, level = 0.5 * (t[first] + t[last - 1]), t[last - 1] - t[first], y[first]
+    origin, extent, level = 0.5 * (t[first] + t[last - 1]), t[last - 1] - t[first], y[first]
     means, values, variance = _means(t[first:last], y[first:last] - level, noise)
-    (c, C), (c_high, C_high), squares = _fits((means - origin) / scale, values, low, high)
-    curve = np.array([math.perm(k + j, k) * c[k + j] for j in range(3)])
-    ends = (t[first] - origin) / scale, (t[last - 1] - origin) / scale
-    at, bias, spread = _vertex(curve, C, k, sign, variance, ends)
-    edge, inside, left = 0.0, at is not None, True
-    if not inside and place:
-        at, spread = (middle + place[0] - origin) / scale, place[1] / scale
-    elif not inside:
-        here = (t, y, first, last, origin, scale, level)
-        at, step, left = _edge(here, c, window.fall, curve, sign, noise)
-        slope = abs(curve[1] + 2.0 * curve[2] * at)
-        edge, spread, bias = slope * step / math.sqrt(12.0), step / math.sqrt(12.0), 0.0
-    value, of_high, difference, more = _compared(_row(at, high, k), c, C, c_high, C_high)
-    _, _, turn, turn_more = _compared(_row(at, high, k + 1), c, C, c_high, C_high)
-    degrees = max(means.size - high - 1, 1)
-    excess = (squares / variance - degrees) / math.sqrt(2.0 * degrees)
-    per = scale**k
+    fit = _fit((means - origin) / extent, values, k, variance)
+    place, bias = _vertex(fit, k, sign, (t[[first, last - 1]] - origin) / extent)
+    inside = place is not None
+    if place is None and known:
+        place = Place((middle + known[0] - origin) / extent, known[1] / extent)
+    elif place is None:
+        span = first, last, int(np.searchsorted(t, middle))
+        samples = (t - origin) / extent, y - level
+        place = edge(samples, span, fit.low[0], window.fall, sign, noise.sd)
+    value, variance_high, difference, variance_more = _compared(fit, place.u, k)
+    _, _, turn, turn_more = _compared(fit, place.u, k + 1)
+    slope = 0.0 if inside else abs(fit.curve[1] + 2.0 * fit.curve[2] * place.u)
+    spread = place.error
+    if not inside and not known and slope > 0.0:
+        # the extreme is anywhere where the curve is as extreme as its error lets one tell
+        spread = math.hypot(spread, min(math.sqrt(variance * variance_high / 3.0) / slope, 1.0))
+    off = 0.0 if known else slope * place.error
+    per = extent**k
     return Extreme(
-        time=origin + scale * at,
+        time=origin + extent * place.u,
         value=(value - sign * bias) / per + (level if k == 0 else 0.0),
-        error=math.sqrt(variance * of_high + 2.0 * bias**2 + edge**2) / per,
-        time_error=scale * spread,
+        error=math.sqrt(variance * variance_high + 2.0 * bias**2 + off**2) / per,
+        time_error=extent * spread,
         difference=difference / per,
-        variance=variance * more / per**2,
+        variance=variance * variance_more / per**2,
         turn=turn,
         turn_variance=variance * turn_more,
+        curvature=2.0 * fit.curve[2],
+        extent=extent,
         inside=float(inside),
-        excess=min(excess, NEVER) if left else NEVER,
+        excess=min(fit.excess, UNBOUNDED) if place.bounded else UNBOUNDED,
     )
-
-
-def _compared(row, c, C, c_high, C_high):
-    """A linear form of the higher degree, its variance; what it is off the lower, and variance."""
-    n = c.size
-    of_high, of_low = row @ C_high @ row, row[:n] @ C @ row[:n]
-    value = row @ c_high
-    return value, of_high, value - row[:n] @ c, max(of_high - of_low, 0.0)
 
 
 def _means(t, y, noise):
     """Times and values of a window, means of some where it has many; variance of one."""
     block = t.size // PLENTY
-    variance = max(noise.sd, 1e-300) ** 2 * noise.inflation
+    variance = max(noise.sd**2, TINY) * noise.inflation
     if block < 2:
         return t, y, variance
     rows = t.size // block * block
     return (*(x[:rows].reshape(-1, block).mean(axis=1) for x in (t, y)), variance / block)
 
 
-def _fits(u, y, low, high):
-    """Least squares in both degrees: (coefficients, covariance for unit variance); squares."""
-    q, r = np.linalg.qr(np.vander(u, high + 1, increasing=True))
-    projected = q.T @ y
-    fits = []
-    for size in (low + 1, high + 1):
-        inverse = np.linalg.inv(r[:size, :size])
-        fits.append((inverse @ projected[:size], inverse @ inverse.T))
+def _fit(u, y, k, variance):
+    """The `Fit` of values y (n,) at u by least squares."""
+    size = k + MORE + 3
+    q, r = np.linalg.qr(np.vander(u, size, increasing=True))
+    projected, both = q.T @ y, []
+    for n in (size - MORE, size):
+        inverse = np.linalg.inv(r[:n, :n])
+        both.append((inverse @ projected[:n], inverse @ inverse.T))
     rest = y - q @ projected
-    return *fits, float(rest @ rest)
+    degrees = max(u.size - size, 1)
+    excess = (float(rest @ rest) / variance - degrees) / math.sqrt(2.0 * degrees)
+    curve = np.array([math.perm(k + j, k) * both[0][0][k + j] for j in range(3)])
+    return Fit(*both, curve, variance, excess)
 
 
-def _vertex(curve, C, k, sign, variance, ends):
-    """Where a quadratic has its extreme, how much too extreme it is there, and the place's error.
+def _vertex(fit, k, sign, ends):
+    """The `Place` of a quadratic's extreme, and how much too extreme it is there; or None, 0."""
+    curvature = 2.0 * fit.curve[2]
+    if not sign * curvature < 0.0:
+        return None, 0.0
+    u = -fit.curve[1] / curvature
+    if not ends[0] <= u <= ends[1]:
+        return None, 0.0
+    C = fit.low[1]
+    row = derivatives(u, C.shape[0], k + 1)
+    slope = fit.variance * float(row @ C @ row)
+    return Place(u, math.sqrt(slope) / abs(curvature)), 0.5 * slope / abs(curvature)
 
-    (None, 0, 0) where it has none between these ends.
+
+def _compared(fit, u, k):
+    """k-th derivative at u: of the higher degree, with its variance; less the lower's, with that.
+
+    Variances are for unit variance of the samples.
     """
-    if not sign * curve[2] < 0.0:
-        return None, 0.0, 0.0
-    at = -0.5 * curve[1] / curve[2]
-    if not ends[0] <= at <= ends[1]:
-        return None, 0.0, 0.0
-    row = _row(at, C.shape[0] - 1, k + 1)
-    slope = variance * float(row @ C @ row)
-    curvature = 2.0 * abs(curve[2])
-    return at, 0.5 * slope / curvature, math.sqrt(slope) / curvature
+    (c, C), (c_high, C_high) = fit.low, fit.high
+    row, n = derivatives(u, c_high.size, k), c.size
+    value, variance = row @ c_high, row @ C_high @ row
+    more = variance - row[:n] @ C @ row[:n]
+    return value, variance, value - row[:n] @ c, max(more, 0.0)
 
 
-def _edge(here, c, fall, curve, sign, noise):
-    """Where, on the side of the fall, samples leave a polynomial; the sample's length; whether.
-
-    Within `BEYOND` samples from the window: else it is none that the fall bounds, and its end is
-    taken.
-    """
-    t, y, first, last, origin, scale, level = here
-    if fall == 0:
-        ends = (t[[first, last - 1]] - origin) / scale
-        values = sign * np.polyval(curve[::-1], ends)
-        return float(ends[int(np.argmax(values))]), 0.0, True
-    end = last - 1 if fall > 0 else first
-    for i in range(end, end + fall * BEYOND, fall):
-        if not 0 <= i + fall < t.size:
-            break
-        u, step = (t[i + fall] - origin) / scale, abs(t[i + fall] - t[i]) / scale
-        if abs(y[i + fall] - level - np.polyval(c[::-1], u)) > LEFT * noise.sd:
-            return float((t[i] - origin) / scale + 0.5 * fall * step), step, True
-    return float((t[end] - origin) / scale), 0.0, False
-
-
-def _row(u, degree, k):
-    """The k-th derivatives of 1, u, u^2, ... at u."""
-    return np.array([math.perm(j, k) * u ** (j - k) if j >= k else 0.0 for j in range(degree + 1)])
+def derivatives(u, size, k):
+    """The k-th derivatives of 1, u, u^2, ... at u: (size,)."""
+    return np.array([math.perm(j, k) * u ** (j - k) if j >= k else 0.0 for j in range(size)])

@@ -9,14 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .polynomials import NOTHING, Noise, Window, chosen_window, extremes
+from .crossings import middles
+from .polynomials import NOTHING, Window
+from .windows import chosen_window, extremes
 
-#: part of the rise of stress, in time, whose residuals are the noise
-CALM = (0.2, 0.6)
-#: degree of the polynomial there
-SMOOTH = 3
-#: fewest samples there, and most of them from which the noise is found, in all
-FEWEST, ENOUGH = 12, 20000
 #: extents of windows on the side of the loading, over the time of loading; shortest [samples]
 LOADING = np.geomspace(0.02, 0.85, 9)
 SHORTEST = 6.0
@@ -42,35 +38,6 @@ class Found(NamedTuple):
     sparse: np.ndarray  # (m,) whether they are too few for the slip rate
 
 
-def loading_noise(t, y, rises, white):
-    """`Noise` about smooth curves through the rises [(first, last sample)], or the white one."""
-    residuals, degrees, products, pairs = [], 0, 0.0, 0
-    for first, last in rises:
-        begin, end = (round(first + part * (last - first)) for part in CALM)
-        if end - begin < FEWEST:
-            continue
-        u = np.linspace(-1.0, 1.0, end - begin)
-        x = (t[begin:end] - t[begin]) / (t[end - 1] - t[begin]) * 2.0 - 1.0
-        rest = y[begin:end] - np.polynomial.Polynomial.fit(x, y[begin:end], SMOOTH)(x)
-        residuals.append(rest)
-        degrees += u.size - SMOOTH - 1
-        products += float(rest[1:] @ rest[:-1])
-        pairs += u.size - 1
-        if degrees > ENOUGH:
-            break
-    if not residuals:
-        return Noise(white)
-    power = sum(float(rest @ rest) for rest in residuals)
-    if not power > 0.0:
-        return Noise(white)
-    # (a fit takes some correlation out: by its degree over the samples, to first order)
-    taken = (SMOOTH + 1) * len(residuals) / pairs
-    correlation = products / power + taken
-    beyond = correlation > 3.0 / math.sqrt(pairs)
-    correlation = min(correlation, 0.95) if beyond else 0.0
-    return Noise(math.sqrt(power / degrees), correlation)
-
-
 def nothing(m):
     """`Found` with nothing found of m events."""
     four, two = np.full((m, 4), math.nan), np.full((m, 2), math.nan)
@@ -87,7 +54,7 @@ def found_events(t, y, rough, spans, noise):
     troughs = np.array([one.trough for one in rough])
     spacing = float(np.median(np.diff(t)))
     rough_levels = np.stack([y[peaks], y[troughs]])
-    middle = _middles(t, y, peaks, troughs, rough_levels, np.zeros(peaks.size), noise)
+    middle = middles(t, y, peaks, troughs, rough_levels, np.zeros(peaks.size), noise)
     results = []
     for sign, at, loading in (
         (1, t[peaks], float(np.median(t[peaks] - t[before]))),
@@ -96,7 +63,7 @@ def found_events(t, y, rough, spans, noise):
         results.append(_stress_extremes(t, y, middle[:, 0], at, sign, loading, spacing, noise))
     levels = np.stack([results[0][:, 0], results[1][:, 0]])
     level_error = 0.5 * np.hypot(results[0][:, 1], results[1][:, 1])
-    middle = _middles(t, y, peaks, troughs, levels, level_error, noise)
+    middle = middles(t, y, peaks, troughs, levels, level_error, noise)
     inside = np.searchsorted(t, results[1][:, 2]) - np.searchsorted(t, results[0][:, 2])
     samples = np.maximum(inside, 0)
     slope, few = _slopes(t, y, middle[:, 0], peaks, troughs, noise)
@@ -118,14 +85,10 @@ def _stress_extremes(t, y, middle, at, sign, loading, spacing, noise):
         found = extremes(t, y, middle, window, 0, sign, noise)
         at = np.array([one.time for one in found])
         at = np.where(np.isfinite(at), at, middle + offset)
-    bias = _bias(found)
-    return np.array([(e.value, math.hypot(e.error, bias), e.time, e.time_error) for e in found])
-
-
-def _bias(found):
-    """What all `Extreme`s in one window may be off: the mean difference of the degrees; or nan."""
-    differences = [one.difference for one in found if math.isfinite(one.difference)]
-    return abs(float(np.mean(differences))) if differences else math.nan
+    # (a peak is before the middle of its fall, whatever the noise makes of it)
+    times = [sign * min(sign * e.time, sign * at) for e, at in zip(found, middle, strict=True)]
+    rows = [(e.value, e.error, at, e.time_error) for e, at in zip(found, times, strict=True)]
+    return np.array(rows)
 
 
 def _windows(offset, loading, spacing, sign):
@@ -136,40 +99,6 @@ def _windows(offset, loading, spacing, sign):
     for extent, near in itertools.product(LOADING * loading, sorted(set(nears))):
         far = max(reach + extent, near + shortest)
         yield Window(-far, -near, 1) if sign > 0 else Window(near, far, -1)
-
-
-def _middles(t, y, peaks, troughs, levels, level_error, noise):
-    """(m, 2) times at which stress falls through the middle of its levels (2, m), their errors."""
-    rows = []
-    for peak, trough, (top, bottom), error in zip(
-        peaks, troughs, levels.T, level_error, strict=True
-    ):
-        level, quarter = 0.5 * (top + bottom), 0.25 * (top - bottom)
-        fall = y[peak : trough + 1]
-        above = np.flatnonzero(fall > level + quarter)
-        first = peak + (int(above[-1]) + 1 if above.size else 0)
-        below = np.flatnonzero(y[first : trough + 1] < level - quarter)
-        last = first + (int(below[0]) if below.size else trough - first)
-        rows.append(_crossing(t, y, first, last, (level, error), noise))
-    return np.array(rows)
-
-
-def _crossing(t, y, first, last, level, noise):
-    """Time at which samples first..last-1, on a line, pass this level; and its error.
-
-    level : with its standard error
-    """
-    level, level_error = level
-    if last - first < 4:
-        first, last = max(first - 1, 0), min(last, t.size - 1)
-        between = np.arange(first, last + 1)
-        crossing = float(np.interp(-level, -y[between], t[between]))
-        return crossing, (t[last] - t[first]) / max(last - first, 1) / math.sqrt(12.0)
-    x, values = t[first:last] - t[first:last].mean(), y[first:last]
-    slope = float(x @ values / (x @ x))
-    u = (level - values.mean()) / slope
-    variance = noise.sd**2 * noise.inflation * (1.0 / x.size + u**2 / float(x @ x))
-    return t[first:last].mean() + u, math.hypot(math.sqrt(variance), level_error) / abs(slope)
 
 
 def _slopes(t, y, middle, peaks, troughs, noise):
@@ -190,9 +119,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
         time = float(np.nanmedian([one.time for one in found] - middle))
     if window is None:
         return np.column_stack([rows[:, 1], rows[:, 3]]), np.ones(middle.size, bool)
-    bias = _bias(found)
-    values = [(-e.value, math.hypot(e.error, bias)) for e in found]
-    result = np.where(few[:, None], rows[:, [1, 3]], np.array(values))
+    values = np.array([(-e.value, e.error) for e in found])
+    result = np.where(few[:, None], rows[:, [1, 3]], values)
     return result, few | ~np.isfinite(result[:, 0])
 
 

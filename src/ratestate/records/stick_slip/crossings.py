@@ -1,0 +1,64 @@
+"""When the stress of an event falls through the middle of its levels: where it is steep."""
+
+import math
+
+import numpy as np
+
+#: part of the drop on either side of the middle whose samples are fitted; fewest for a cubic
+NEAR, FEWEST = 0.25, 6
+#: Newton steps to the crossing of a cubic
+STEPS = 8
+
+
+def middles(t, y, peaks, troughs, levels, level_error, noise):
+    """(m, 2) times at which stress falls through the middle of its levels (2, m), their errors.
+
+    peaks, troughs : (m,) samples
+    level_error : (m,) standard error of the middle
+    """
+    rows = []
+    for peak, trough, (top, bottom), error in zip(
+        peaks, troughs, levels.T, level_error, strict=True
+    ):
+        level, near = 0.5 * (top + bottom), NEAR * (top - bottom)
+        above = np.flatnonzero(y[peak : trough + 1] > level + near)
+        first = peak + (int(above[-1]) + 1 if above.size else 0)
+        below = np.flatnonzero(y[first : trough + 1] < level - near)
+        last = first + (int(below[0]) if below.size else trough - first)
+        crossing = _on_cubic if last - first >= FEWEST else _between_samples
+        rows.append(crossing(t, y, first, last, level, error, noise))
+    return np.array(rows)
+
+
+def _between_samples(t, y, first, last, level, level_error, noise):
+    """Time at which a line between two samples passes the level, and its error.
+
+    The line's error is that of a time somewhere in the step where the whole fall is in one step,
+    and falls as the square of the bend, with samples on both sides, over the step's fall.
+    """
+    below = np.append(y[first:last] < level, True)
+    i = min(max(first + int(np.argmax(below)), 1), t.size - 1)
+    step, fall = t[i] - t[i - 1], y[i - 1] - y[i]
+    if not fall > 0.0:
+        return 0.5 * (t[i - 1] + t[i]), step / math.sqrt(12.0)
+    bend = float(np.abs(np.diff(y[max(i - 2, 0) : i + 2], 2)).max(initial=0.0)) / fall
+    part = min(max((y[i - 1] - level) / fall, 0.0), 1.0)
+    of_noise = min(math.hypot(noise.sd, level_error) / fall, 1.0)
+    return t[i - 1] + part * step, step * math.hypot(min(bend, 1.0) ** 2 / math.sqrt(12), of_noise)
+
+
+def _on_cubic(t, y, first, last, level, level_error, noise):
+    """Time at which the cubic through samples first..last-1 passes the level, and its error."""
+    origin, extent = t[first:last].mean(), t[last - 1] - t[first]
+    u = (t[first:last] - origin) / extent
+    q, r = np.linalg.qr(np.vander(u, 4, increasing=True))
+    inverse = np.linalg.inv(r)
+    cubic = np.polynomial.Polynomial(inverse @ (q.T @ (y[first:last] - level)))
+    slope, at = cubic.deriv(), 0.0
+    for _ in range(STEPS):
+        if not slope(at) < 0.0:
+            break
+        at = min(max(at - float(cubic(at) / slope(at)), -0.5), 0.5)
+    row = at ** np.arange(4.0) @ inverse
+    error = math.hypot(noise.sd * math.sqrt(noise.inflation * float(row @ row)), level_error)
+    return origin + at * extent, extent * min(error / max(-float(slope(at)), error, 1e-300), 1.0)
