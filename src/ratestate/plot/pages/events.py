@@ -46,10 +46,17 @@ def events_page(catalogues):
     records = top.subplots(len(named), 1, squeeze=False)[:, 0]
     for one, ax in zip(named, records, strict=True):
         _record(one, ax)
-    letters(records, *(f"{one.name}: {one.data.sizes['event']} events" for one in named))
+    letters(records, *(_heading(one, len(named) > 1) for one in named))
     for part in below:
         _lines(named, part)
     return fig
+
+
+def _heading(one, several):
+    """The number of events, and what their marks are."""
+    name = f"{one.name}: " if several else ""
+    marks = "\N{WHITE DOWN-POINTING TRIANGLE} peaks, \N{WHITE UP-POINTING TRIANGLE} troughs"
+    return f"{name}{one.data.sizes['event']} events ({marks})"
 
 
 def _lines(named, part):
@@ -85,10 +92,8 @@ def _name(data):
 
 
 def _title(named):
-    """The number of events, and of catalogues."""
-    total = sum(one.data.sizes["event"] for one in named)
-    of = named[0].name if len(named) == 1 else f"{len(named)} catalogues"
-    return f"Stick-slip events of {of}: {total}"
+    """The catalogue's name, or the number of catalogues."""
+    return f"Stick-slip of {named[0].name if len(named) == 1 else f'{len(named)} catalogues'}"
 
 
 def _record(one, ax):
@@ -116,19 +121,21 @@ def _drops(named, ax, abscissa, factor, stress):
         data, line = one.data.isel(event=loaded), one.data.sel(abscissa=abscissa)
         x, y = in_x * data[abscissa].values, factor * data.stress_drop.values
         error = factor * data.stress_drop_error.values
-        name = one.name
+        name = one.name if len(named) > 1 else ""
         if np.isfinite(line.trend_B):
             ends = np.array([np.nanmin(x), np.nanmax(x)])
             fitted = float(line.trend_A) + float(line.trend_B) * np.log10(ends / in_x)
             ax.plot(ends, factor * fitted, color=one.color, lw=1.0)
-            name = f"{name}: {_slope(line, factor)} {stress} a decade"
-        ax.errorbar(x, y, error, **one.style, ls="", elinewidth=0.7, label=name)
+            name += ": " if name else ""
+            name += f"{_slope(line, factor)} {stress} a decade"
+        ax.errorbar(x, y, error, **one.style, ls="", elinewidth=0.7, label=name or None)
     if is_wide(values) or (values.size and values.max() > 1.5 * values.min()):
         ax.set_xscale("log")
         plain_ticks(ax.xaxis, in_x * values)
     ax.set(xlabel=in_unit(x_name, unit))
     ax.margins(y=0.25)
-    ax.legend(loc="upper left" if abscissa == "recurrence" else "upper right", fontsize=6.5)
+    if ax.get_legend_handles_labels()[1]:
+        ax.legend(loc="upper left" if abscissa == "recurrence" else "upper right", fontsize=6.5)
 
 
 def _slope(line, factor):

@@ -30,16 +30,15 @@ def tables(catalogue: xarray.Dataset) -> list[Any]:
     """The events, the stiffness, and the lines of stress drop, as rich prints them."""
     units = {name: _unit(name, catalogue[name].values) for name in SHOWN}
     heads = [f"{text} [{units[name][1]}]" for name, text in SHOWN.items()]
-    made = plain_table("", *(Column(Text(head), justify="right") for head in heads), "slip")
+    made = plain_table("", *(Column(Text(head), justify="right") for head in heads), "kind")
     for i in range(catalogue.sizes["event"]):
         one = catalogue.isel(event=i)
         cells = [_cell(one, name, units[name][0]) for name in SHOWN]
         made.add_row(str(int(one.event)), *cells, str(one.event_kind.item()))
     count = catalogue.sizes["event"]
     if not count:
-        return [
-            Text("no stick-slip: no fall of stress is more than noise that wanders", style="bold")
-        ]
+        text = "no stick-slip: no fall of the stress is more than its noise and slow wander"
+        return [Text(text, style="bold")]
     title = Text(f"{count} event{'' if count == 1 else 's'}", style="bold")
     below = [*_messages(catalogue), _stiffness(catalogue), *_lines(catalogue)]
     return [title, made, *below]
