@@ -211,6 +211,20 @@ def with_error(value, error):
     return f"{rounded(value, error)} +- {rounded(error, error)}"
 
 
+def concise(value, error):
+    """A value and its standard error, in brackets, in units of the last digit.
+
+    As `with_error` where the error is 0, inf, NaN or not within 1e-12 to 1e5.
+
+    >>> concise(9.4871, 0.1234), concise(27.13, 1.3), concise(27.13, 13.0)
+    ('9.49(12)', '27.1(13)', '27(13)')
+    """
+    if not 1e-12 < error < 1e5:
+        return with_error(value, error)
+    digits = rounded(error, error).replace(".", "").lstrip("0")
+    return f"{rounded(value, error)}({digits})"
+
+
 def rounded(value, error):
     """A value as text, to the last digit of its error: the first one, if it is 3.55 or more, or
     else the second.  In four digits where the error is not within 1e-12 to 1e5.

@@ -6,7 +6,8 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from ...dynamics import attributes
-from ...model.quantities import QUANTITIES, readable
+from ...model.quantities import QUANTITIES
+from ...records.fitting.steps.cells import change_text
 from ...records.fitting.steps.result import FAILED
 from ...records.fitting.steps.table import results_by_law_of_steps
 from ...records.fitting.table import law_names
@@ -110,14 +111,10 @@ def _abscissa(step):
 
 
 def _head(step):
-    """What the load point does, or the normal stress."""
-    if step["kind"] == "hold":
-        return f"hold {readable('t', float(step['t_hold']), 3)}"
-    if step["kind"] == "normal stress":
-        return "normal stress"
-    before, after = (float(step[name]) for name in ("V_before", "V_after"))
-    factor, unit = prefixed("m/s", max(before, after))
-    return f"{factor * before:.3g} \N{RIGHTWARDS ARROW} {factor * after:.3g} {unit}"
+    """What changes at a step, in few letters."""
+    text, *_ = change_text(step).partition(",")
+    text = text.replace("->", "\N{RIGHTWARDS ARROW}").replace("sigma", label("sigma"))
+    return text.replace(" u", " \N{GREEK SMALL LETTER MU}")
 
 
 def _legend(result, part, laws):
