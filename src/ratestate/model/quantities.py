@@ -184,6 +184,18 @@ def readable_range(symbol, low, high):
     return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"
 
 
+def readable_change(symbol, before, after):
+    """Two values [SI] of a quantity, of which one follows the other, in the unit that fits both.
+
+    >>> readable_change("V_lp", 3e-6, 1e-5)
+    '3 -> 10 um/s'
+    """
+    unit = QUANTITIES[symbol].unit
+    power = power_of(unit, max(abs(before), abs(after)))
+    one, other = (f"{x / 10.0**power:.3g}" for x in (before, after))
+    return f"{one} -> {other} {prefixed_unit(unit, power)}"
+
+
 def readable_time(seconds, digits=4, both=False):
     """A time as text, a long one in years, days or hours; both: in seconds too.
 

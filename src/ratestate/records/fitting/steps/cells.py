@@ -3,7 +3,15 @@
 import numpy as np
 
 from ....friction.laws import friction_law
-from ....model.quantities import QUANTITIES, concise, power_of, prefixed_unit, readable, short
+from ....model.quantities import (
+    QUANTITIES,
+    concise,
+    power_of,
+    prefixed_unit,
+    readable,
+    readable_change,
+    short,
+)
 from ..table import rate_dependence_text
 from ..unknowns import SUMS, to_value
 
@@ -77,12 +85,5 @@ def change_text(step):
         return f"hold {readable('t', float(step['t_hold']), 3)}, {then}"
     if kind == "normal stress":
         ends = (float(step[name]) for name in ("sigma", "sigma_after"))
-        return f"sigma {_from_to('Pa', *ends)}"
-    return _from_to("m/s", before, after)
-
-
-def _from_to(unit, before, after):
-    """Two values [SI] in the unit that fits the larger."""
-    power = power_of(unit, max(before, after))
-    one, other = (f"{x / 10.0**power:.3g}" for x in (before, after))
-    return f"{one} -> {other} {prefixed_unit(unit, power)}"
+        return f"sigma {readable_change('sigma', *ends)}"
+    return readable_change("V_lp", before, after)

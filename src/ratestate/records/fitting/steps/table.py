@@ -88,8 +88,8 @@ def table_of(result, law):
         )
     ]
     blank = [""] if has_notes else []
-    told = [cells for cells in together if any(cell not in ("", NONE, "0") for cell in cells[1:])]
-    return Table(heads, rows, [[*cells, *blank] for cells in told])
+    filled = [cells for cells in together if any(cell not in ("", NONE, "0") for cell in cells[1:])]
+    return Table(heads, rows, [[*cells, *blank] for cells in filled])
 
 
 def results_by_law_of_steps(result):
