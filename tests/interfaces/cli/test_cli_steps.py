@@ -12,11 +12,14 @@ from typer.testing import CliRunner
 import ratestate as rs
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.cli.report import report
+from ratestate.interfaces.cli.summary_csv import summary_csv
 from ratestate.records.fitting.steps.table import Table
 
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
 SPEEDS = (3e-6, 3e-5, 3e-6, (0.0, 100.0), 3e-6)
 LAWS = ("aging", "slip")  # the worse one first
+#: what several steps have together
+SHARED = "shared shared_error up_over_down up_over_down_error up_over_down_p_value".split()
 NUMBER = r"-?\d+(?:\.\d+)?\(\d+\)"
 
 
@@ -144,6 +147,10 @@ def test_tables_have_all_that_a_paper_quotes(folder, result):
                 assert size * row[head] == pytest.approx(float(here[key]), rel=1e-8), head
             for head, key in (("up/down", "up_over_down"),):
                 assert row[head] == pytest.approx(float(here[key]), rel=1e-8)
+    of_one = summary_csv(
+        result.assign({name: result[name] * np.nan for name in [*SHARED, "scatter"]})
+    )
+    assert of_one == ",".join([*summary.index.names, *summary.columns]) + "\n"
     steps = (path / "steps.csv").read_text("utf-8").splitlines()
     assert len(steps) == 1 + 3 * len(LAWS)  # one line each, warnings too
     assert sum(" | " in line for line in steps) == sum(

@@ -32,11 +32,13 @@ def summary_csv(result: xarray.Dataset) -> str:
 
     Of fits of steps what all tell together; else all numbers that have an error beside them.
     """
-    rows = _of_steps(result) if is_of_steps(result) else _of_record(result)
-    headings = dict.fromkeys(heading for row in rows for heading in row)
-    if not any(row["law"] for row in rows):
-        headings.pop("law", None)
+    if is_of_steps(result):
+        rows, numbers = _of_steps(result), OF_STEPS
+    else:
+        rows, numbers = _of_record(result), OF_RECORD
+    law = ["law"] if is_of_steps(result) or "law" in result.dims else []
     file = io.StringIO()
+    headings = [*law, "quantity", "unit", *numbers]
     writer = DictWriter(file, headings, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
