@@ -48,6 +48,38 @@ def test_units_fit_and_errors_are_beside_values(data):
     assert table.iloc[1, 4:].tolist() == ["cut by the end", "cut, by the end"]
 
 
+@pytest.mark.parametrize("factor", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize(
+    ("name", "unit", "size"),
+    [
+        ("V_before", "um/s", 1e-6),
+        ("peak_slip_rate", "um/s", 1e-6),
+        ("tau_max", "MPa", 1e6),
+        ("slip", "um", 1e-6),
+        ("Dc", "um", 1e-6),
+        ("step_delta_lp", "mm", 1e-3),
+        ("t_hold", "s", 1.0),
+        ("K", "GPa/m", 1e9),
+        ("damping", "MPa s/m", 1e6),
+        ("M", "kg/m^2", 1.0),
+        ("trend_slip", "1/m", 1.0),
+    ],
+)
+def test_a_quantity_has_one_unit_whatever_its_values(name, unit, size, factor):
+    one = xarray.Dataset({name: ("event", [2.0 * factor * size], attrs(name))})
+    heading = f"{name.replace('_', ' ')} ({unit})"
+    (value,) = pandas.read_csv(io.StringIO(laboratory_csv(one, "event")))[heading]
+    assert value == pytest.approx(2.0 * factor, rel=1e-9)
+    empty = laboratory_csv(one.isel(event=[]), "event")
+    assert empty == f"{heading}\n"
+
+
+def test_a_cell_is_one_line():
+    texts = ["one\ntwo, three", "four"]
+    text = laboratory_csv(xarray.Dataset({"warnings": ("step", texts)}), "step")
+    assert text == 'warnings\n"one | two, three"\nfour\n'
+
+
 def test_units_may_be_chosen(data):
     chosen = laboratory_csv(data, "event", {"stress_drop": "kPa"})
     assert "stress drop (kPa)" in chosen

@@ -5,17 +5,25 @@ import numpy as np
 from ..errors import ParameterError
 from ..model.conversion import in_si
 from ..model.names import one_of
-from ..model.quantities import QUANTITIES, power_of, prefixed_unit
+from ..model.quantities import QUANTITIES
 from ..model.units import unit_factor
 from .table import FORMAT
+
+#: SI unit -> the unit in a table, whatever the values: so columns of several tables can be joined
+UNITS = {"m": "um", "m/s": "um/s", "Pa": "MPa", "Pa/m": "GPa/m", "Pa s/m": "MPa s/m"}
+#: lengths that are displacements of the load point, over a whole experiment
+LONG = {"delta_lp": "mm", "step_delta_lp": "mm"}
+#: between the lines of a text, which has none in a table
+BETWEEN_LINES = " | "
 
 
 def laboratory_csv(data, dim, units=None):
     """Variables along one dimension as CSV, with headings such as ``stress drop (MPa)``.
 
-    Headings are the variables' names.  Each quantity is in the prefixed unit that fits its median;
-    its standard error, the variable ``NAME_error``, is beside it in the same unit.  Flags are
-    written as what they mean; what is missing is empty.
+    Headings are the variables' names.  Each quantity has its unit in all tables: speeds um/s,
+    stresses MPa, stiffness GPa/m, lengths um, but displacements of the load point mm, times s.  Its
+    standard error, the variable ``NAME_error``, is beside it.  Flags are written as what they mean,
+    lines of a text with " | " between them; what is missing is empty.
 
     Parameters
     ----------
@@ -70,19 +78,26 @@ def _column(name, variable, units):
         )
         texts = [meanings[code].replace("_", " ") for code in variable.values.tolist()]
         return heading, texts, "", 1.0
+    if variable.dtype.kind not in "fiu":
+        texts = [BETWEEN_LINES.join(str(one).splitlines()) for one in variable.values.tolist()]
+        return heading, texts, "", 1.0
     si = QUANTITIES[name].unit if name in QUANTITIES else str(variable.attrs.get("units", "1"))
-    if si == "1" or variable.dtype.kind not in "fiu":
-        return heading, variable.values, "", 1.0
-    if name in units:
-        try:
-            size = float(unit_factor(si, units[name]))
-        except ValueError as error:
-            raise ParameterError(f"{name}: {units[name]!r} {error}") from None
-        return heading, variable.values / size, units[name], size
-    finite = np.abs(variable.values[np.isfinite(variable.values)])
-    power = power_of(si, float(np.median(finite))) if finite.size else 0
-    size = 10.0**power
-    return heading, variable.values / size, prefixed_unit(si, power), size
+    try:
+        unit, size = laboratory_unit(name, si, units.get(name))
+    except ValueError as error:
+        raise ParameterError(f"{name}: {units[name]!r} {error}") from None
+    return heading, variable.values / size, unit, size
+
+
+def laboratory_unit(name, si, unit=None):
+    """The unit of a quantity in tables, "" of a pure number, and its size in SI.
+
+    By default that of its SI unit; ValueError for another that is of another kind.
+    """
+    if unit is None:
+        unit = LONG.get(name, UNITS.get(si, si))
+    size = 1.0 if unit == si else float(unit_factor(si, unit))
+    return "" if unit == "1" else unit, size
 
 
 def _with_unit(heading, unit):

@@ -184,6 +184,18 @@ def readable_range(symbol, low, high):
     return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"
 
 
+def readable_change(symbol, before, after):
+    """Two values [SI] of a quantity, of which one follows the other, in the unit that fits both.
+
+    >>> readable_change("V_lp", 3e-6, 1e-5)
+    '3 -> 10 um/s'
+    """
+    unit = QUANTITIES[symbol].unit
+    power = power_of(unit, max(abs(before), abs(after)))
+    one, other = (f"{x / 10.0**power:.3g}" for x in (before, after))
+    return f"{one} -> {other} {prefixed_unit(unit, power)}"
+
+
 def readable_time(seconds, digits=4, both=False):
     """A time as text, a long one in years, days or hours; both: in seconds too.
 
@@ -209,6 +221,20 @@ def with_error(value, error):
     if not 0.0 < error < float("inf"):
         return f"{value:.4g}"
     return f"{rounded(value, error)} +- {rounded(error, error)}"
+
+
+def concise(value, error):
+    """A value and its standard error, in brackets, in units of the last digit.
+
+    As `with_error` where the error is 0, inf, NaN or not within 1e-12 to 1e5.
+
+    >>> concise(9.4871, 0.1234), concise(27.13, 1.3), concise(27.13, 13.0)
+    ('9.49(12)', '27.1(13)', '27(13)')
+    """
+    if not 1e-12 < error < 1e5:
+        return with_error(value, error)
+    digits = rounded(error, error).replace(".", "").lstrip("0")
+    return f"{rounded(value, error)}({digits})"
 
 
 def rounded(value, error):

@@ -45,9 +45,9 @@ def test_it_prints_a_table_and_writes_files(written, tmp_path):
     assert "event 1: cut by the record's start" in result.stdout
     table = pandas.read_csv(tmp_path / "made" / "events.csv")
     assert len(table) == count
-    np.testing.assert_allclose(table["stress drop (kPa)"], events.stress_drop / 1e3, rtol=1e-9)
-    errors = table["stress drop error (kPa)"]
-    np.testing.assert_allclose(errors, events.stress_drop_error / 1e3, rtol=1e-9)
+    np.testing.assert_allclose(table["stress drop (MPa)"], events.stress_drop / 1e6, rtol=1e-9)
+    errors = table["stress drop error (MPa)"]
+    np.testing.assert_allclose(errors, events.stress_drop_error / 1e6, rtol=1e-9)
     assert table["event status"][0] == "cut by the start"
     assert (tmp_path / "made" / "events.png").stat().st_size > 10000
 

@@ -1,5 +1,6 @@
 """``ratestate healing``: what it prints, writes and returns; its page."""
 
+import io
 import json
 
 import numpy as np
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 import ratestate as rs
 from ratestate import plot
 from ratestate.interfaces.cli import main
+from ratestate.interfaces.cli.summary_csv import summary_csv
 
 
 def call(*arguments):
@@ -33,14 +35,29 @@ def test_it_prints_and_writes_all(file, tmp_path):
     done = call(file, "--out", tmp_path)
     assert done.exit_code == 0, done.output
     assert "Healing in holds.txt: 4 of 4 holds evaluated" in done.stdout
-    assert {one.name for one in tmp_path.iterdir()} == {
-        f"healing.{e}" for e in ("nc", "csv", "png")
-    }
+    names = {f"healing.{ending}" for ending in ("nc", "csv", "png")}
+    assert {one.name for one in tmp_path.iterdir()} == {*names, "healing_summary.csv"}
     table = pandas.read_csv(tmp_path / "healing.csv")
     result = rs.files.read(tmp_path / "healing.nc")
     np.testing.assert_allclose(table["V before (um/s)"], 10.0, rtol=1e-3)
     np.testing.assert_allclose(table["delta mu"], result.delta_mu)
     np.testing.assert_allclose(table["t hold (s)"], [3, 10, 30, 100], rtol=0.01)
+    rates = pandas.read_csv(tmp_path / "healing_summary.csv").set_index("quantity")
+    assert rates.columns.tolist() == ["unit", "value", "error", "scatter over errors"]
+    assert rates.index.tolist() == ["beta", "beta c"]
+    assert rates.value["beta"] == pytest.approx(float(result.beta), rel=1e-9)
+    assert rates.error["beta c"] == pytest.approx(float(result.beta_c_error), rel=1e-9)
+
+
+def test_rates_that_a_slider_predicts_are_in_the_summary():
+    from slide_hold_slide import SLIDER
+
+    result = rs.healing(noisy(1), SLIDER)
+    table = pandas.read_csv(io.StringIO(summary_csv(result)), keep_default_na=False)
+    (row,) = table[table.quantity == "beta predicted"].to_dict("records")
+    assert row["law"] == SLIDER.law
+    assert float(row["value"]) == pytest.approx(float(result.beta_predicted[0]), rel=1e-9)
+    assert table["law"].tolist().count("") == 2  # measured
 
 
 def test_json_and_a_window(file):

@@ -32,12 +32,19 @@ def test_it_prints_and_writes_all(file, tmp_path):
     assert done.exit_code == 0, done.output
     assert done.stdout.startswith("K = ")
     assert "M: not found" in done.stdout
-    names = {f"stiffness.{ending}" for ending in ("nc", "csv", "png")}
+    names = {f"stiffness.{ending}" for ending in ("nc", "csv", "png")} | {"stiffness_summary.csv"}
     assert {one.name for one in tmp_path.iterdir()} == names
     result = rs.files.read(tmp_path / "stiffness.nc")
     assert abs(float(result.K) - SLIDER.K) < 4.0 * float(result.K_error) < 0.1 * SLIDER.K
     table = pandas.read_csv(tmp_path / "stiffness.csv")
     np.testing.assert_allclose(1e9 * table["slope K (GPa/m)"], result.slope_K)
+    K, M, damping = pandas.read_csv(tmp_path / "stiffness_summary.csv").to_dict("records")
+    assert (K["quantity"], K["unit"]) == ("K", "GPa/m")
+    assert 1e9 * K["value"] == pytest.approx(float(result.K), rel=1e-9)
+    assert 1e9 * K["error"] == pytest.approx(float(result.K_error), rel=1e-9)
+    assert K["scatter over errors"] == pytest.approx(float(result.K_scatter), rel=1e-9)
+    assert (M["quantity"], damping["unit"]) == ("M", "MPa s/m")
+    assert np.isnan(M["value"])  # not found
 
 
 def test_json_and_wrong_use(file):

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import xarray
 from synthetic_records import SLIDER, STEP, record
 
 import ratestate as rs
@@ -12,6 +13,7 @@ from ratestate.model.quantities import with_error
 from ratestate.records import fitting
 from ratestate.records.fitting.by_law import error_of, results_by_law, stiffness_over_critical
 from ratestate.records.fitting.table import estimate_rows, noise_text
+from ratestate.records.fitting.text import warnings_by_text
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.FitWarning")
 
@@ -125,6 +127,12 @@ def test_a_above_b_is_stated(both):
 )
 def test_noise_as_text(white, red, expected):
     assert noise_text({"noise_white": white, "noise_red": red, "noise_time": 0.0282}) == expected
+
+
+def test_a_warning_of_several_steps_is_written_once():
+    part = xarray.Dataset({"warnings": ("step", ["one\ntwo", "", "two", "three"])})
+    expected = [("step 1", "one"), ("steps 1, 3", "two"), ("step 4", "three")]
+    assert warnings_by_text(part) == expected
 
 
 def test_the_estimated_slider(both):

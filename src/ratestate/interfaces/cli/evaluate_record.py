@@ -12,6 +12,7 @@ from ...files import laboratory_csv, replace, write
 from ...records.reading import read_lab
 from .output import make_writable, reporting_files
 from .reading import Reading
+from .summary_csv import summary_csv
 
 
 @contextlib.contextmanager
@@ -30,7 +31,11 @@ def reported(
 
 
 def write_all(result: xarray.Dataset, out: Path | None, name: str, dim: str) -> list[Path]:
-    """Write NAME.nc, NAME.png and NAME.csv, a row for each value along a dimension; their paths."""
+    """Write a result as NAME.nc and NAME.png, and its tables; the paths.
+
+    NAME.csv has a row for each value along a dimension, NAME_summary.csv one for each quantity of
+    the whole record.
+    """
     if not out:
         return []
     from ... import plot
@@ -39,8 +44,14 @@ def write_all(result: xarray.Dataset, out: Path | None, name: str, dim: str) -> 
     return [
         write(result, out / f"{name}.nc"),
         plot.save(plot.page(result), out / f"{name}.png"),
-        replace(out / f"{name}.csv", lambda path: path.write_text(table, "utf-8")),
+        write_text(out / f"{name}.csv", table),
+        write_text(out / f"{name}_summary.csv", summary_csv(result)),
     ]
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a text to a file, whole or not at all; the file."""
+    return replace(path, lambda partial: partial.write_text(text, "utf-8"))
 
 
 def _by_law(result: xarray.Dataset, dim: str) -> xarray.Dataset:

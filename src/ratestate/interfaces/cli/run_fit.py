@@ -8,7 +8,7 @@ from typing import Any
 import xarray
 
 from ...errors import FitWarning, ParameterError, RecordWarning
-from ...files import laboratory_csv, replace, write
+from ...files import laboratory_csv, write
 from ...friction.laws import friction_law
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
@@ -21,16 +21,19 @@ from ...records.fitting.table import law_names
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
 from .document import document
+from .evaluate_record import write_text
 from .output import make_writable, print_json, reporting_files
 from .report.markdown import HEADING, FitRequest, markdown
 from .run_scenario import print_report
+from .summary_csv import summary_csv
 
 #: initial guesses where none are given; the least squares also scan the scales of the record
 STARTS = {"a": "0.01", "b": "0.01", "Dc": "10 um"}
 #: K over sigma [1/m], likewise
 STIFFNESS = 3e3
 #: file names, which the report has too
-REPORT, PLOT, NUMBERS, TABLE = "report.md", "fit.png", "fit.nc", "steps.csv"
+REPORT, PLOT, NUMBERS = "report.md", "fit.png", "fit.nc"
+TABLE, SUMMARY = "steps.csv", "steps_summary.csv"
 
 
 def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool:
@@ -62,13 +65,13 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
             files += [
                 write(result, out / NUMBERS),
                 plot.save(plot.fit(result), out / PLOT),
-                replace(report, lambda partial: partial.write_text(text, "utf-8")),
+                write_text(report, text),
             ]
             if is_of_steps(result):
-                table = laboratory_csv(rows_of(result), "step")
-                files.append(
-                    replace(out / TABLE, lambda partial: partial.write_text(table, "utf-8"))
-                )
+                files += [
+                    write_text(out / TABLE, laboratory_csv(rows_of(result), "step")),
+                    write_text(out / SUMMARY, summary_csv(result)),
+                ]
     if as_json:
         print_json(document(result, None))
     else:

@@ -6,7 +6,8 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from ...dynamics import attributes
-from ...model.quantities import QUANTITIES, readable
+from ...model.quantities import QUANTITIES
+from ...records.fitting.steps.cells import change_text
 from ...records.fitting.steps.result import FAILED
 from ...records.fitting.steps.table import results_by_law_of_steps
 from ...records.fitting.table import law_names
@@ -16,15 +17,21 @@ from ..layout import figure, letters, plain_ticks
 #: panels in a row; steps that are shown: of more, some all along the record
 COLUMNS, MOST = 5, 40
 #: heights [inches] of a step and of the estimates, and of titles and labels
-STEP, ESTIMATE, TITLE, LABELS = 1.05, 1.75, 0.5, 0.35
+STEP, ESTIMATE, TITLE, LABELS = 1.4, 1.75, 0.5, 0.35
 #: least height of all steps together [inches]
-LEAST = 1.8
+LEAST = 2.2
+#: heights of a step's curves and of their residuals
+CURVES, RESIDUALS = 3.0, 1.0
+#: width of a law's line, and of one below those of other laws, which are dashed: all are visible
+LINE, BELOW = 0.8, 1.5
 #: estimates that are drawn along the experiment, where they were made
 DRAWN = ("a_minus_b", "Dc")
 #: against what
 ALONG = ("V_after", "step_delta_lp")
 #: how far the markers of one law are beside those of another [inches]
 BESIDE = 0.035
+#: the line of a record
+RECORDED = {"color": "0.6", "rasterized": True}
 #: kind of step -> marker of its estimate, by whether the speed rises
 MARKERS = {("step", True): "^", ("step", False): "v", ("hold", False): "o"}
 
@@ -41,13 +48,13 @@ def steps_page(result):
     heights = [max(rows * STEP, LEAST) + LABELS, *([ESTIMATE] * len(drawn))]
     fig = figure(result, sum(heights) + TITLE, "M V0", title=_title(result, laws, shown.size))
     parts = fig.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
-    panels = parts[0].subplots(rows, columns, squeeze=False).ravel()
-    for ax, i in zip(panels, shown, strict=False):
-        _step(result.isel(step=i), {law: part.isel(step=i) for law, part in laws.items()}, ax)
-    for ax in panels[shown.size :]:
-        ax.set_axis_off()
-    _legend(panels[0].lines[0], parts[0], laws)
-    parts[0].supylabel("Friction, change in $10^{-3}$", fontsize=8)
+    grid = parts[0].add_gridspec(rows, columns)
+    for cell, i in zip(grid, shown, strict=False):
+        pair = cell.subgridspec(2, 1, hspace=0.0, height_ratios=(CURVES, RESIDUALS))
+        axes = pair.subplots(sharex=True)
+        _step(result.isel(step=i), {law: part.isel(step=i) for law, part in laws.items()}, axes)
+    _legend(result if drawn else None, parts[0], laws)
+    parts[0].supylabel("Friction, change and residuals in $10^{-3}$", fontsize=8)
     for part, symbol in zip(parts[1:], drawn, strict=True):
         axes = part.subplots(1, len(ALONG), sharey=True)
         for ax, along in zip(axes, ALONG, strict=True):
@@ -65,54 +72,68 @@ def _title(result, laws, shown):
     return of if shown == n else f"{of} ({shown} of them shown)"
 
 
-def _step(step, laws, ax):
-    """A step's record about its start, under the fitted curves."""
-    x, unit = _abscissa(step)
+def _step(step, laws, axes):
+    """A step's record about its start under the fitted curves, and below it the residuals."""
+    x, what = _abscissa(step)
+    ax, below = axes
     level = float(np.nanmedian(step["friction"]))
-    ax.plot(x, 1e3 * (step["friction"] - level), color="0.6", lw=0.4, rasterized=True)
-    for law, part in laws.items():
-        if part["status"] != FAILED:
-            ax.plot(x, 1e3 * (part["friction_fit"] - level), lw=0.9, **LAWS[law].line)
-    ax.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)
-    failed = all(part["status"] == FAILED for part in laws.values())
-    head = f"{int(step['step'])}  {_head(step)}{' failed' if failed else ''}"
-    ax.set_title(head, fontsize=6, pad=2, color="#c00000" if failed else "k")
-    ax.tick_params(labelsize=6, pad=1.5)
-    ax.xaxis.set_major_locator(MaxNLocator(4))
-    ax.yaxis.set_major_locator(MaxNLocator(4))
-    ax.set_xlabel(f"[{unit}]", fontsize=6, labelpad=0.5)
-    ax.margins(x=0.0)
+    ax.plot(x, 1e3 * (step["friction"] - level), lw=0.4, **RECORDED)
+    fitted = {law: part["friction_fit"] for law, part in laws.items() if part["status"] != FAILED}
+    looks = _lines(laws)
+    for law, curve in fitted.items():
+        ax.plot(x, 1e3 * (curve - level), **looks[law])
+        below.plot(x, 1e3 * (step["friction"] - curve), lw=0.4, color=LAWS[law].color)
+    head = f"{int(step['step'])}  {_head(step)}{'' if fitted else ' failed'}"
+    ax.set_title(head, fontsize=6, pad=2, color="k" if fitted else "#c00000")
+    for one, ticks in ((ax, 4), (below, 2)):
+        one.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)
+        one.tick_params(labelsize=6, pad=1.5)
+        one.xaxis.set_major_locator(MaxNLocator(4))
+        one.yaxis.set_major_locator(MaxNLocator(ticks))
+        one.margins(x=0.0)
+    ax.tick_params(labelbottom=False)
+    below.set_xlabel(what, fontsize=6, labelpad=0.5)
+
+
+def _lines(laws):
+    """law -> the style of its line."""
+    widths = [BELOW if len(laws) > 1 else LINE, *([LINE] * len(laws))]
+    return {law: LAWS[law].line | {"lw": lw} for law, lw in zip(laws, widths, strict=False)}
 
 
 def _abscissa(step):
-    """Displacement, or time at a hold and where none was recorded, since the step; its unit."""
+    """Displacement since the step, or time at a hold and where none was recorded; its label."""
     is_hold = step["kind"] == "hold" or not np.isfinite(step["step_delta_lp"])
     name, origin = ("time", "step_t") if is_hold else ("delta_lp", "step_delta_lp")
     values = (step[name] - step[origin]).values
     factor, unit = prefixed(QUANTITIES[name].unit, float(np.nanmax(np.abs(values))))
-    return factor * values, unit
+    return factor * values, in_unit("Time" if is_hold else "Displacement", unit)
 
 
 def _head(step):
-    """What the load point does, or the normal stress."""
-    if step["kind"] == "hold":
-        return f"hold {readable('t', float(step['t_hold']), 3)}"
-    if step["kind"] == "normal stress":
-        return "normal stress"
-    before, after = (float(step[name]) for name in ("V_before", "V_after"))
-    factor, unit = prefixed("m/s", max(before, after))
-    return f"{factor * before:.3g} \N{RIGHTWARDS ARROW} {factor * after:.3g} {unit}"
+    """What changes at a step, in few letters."""
+    text, *_ = change_text(step).partition(",")
+    text = text.replace("->", "\N{RIGHTWARDS ARROW}").replace("sigma", label("sigma"))
+    return text.replace(" u", " \N{GREEK SMALL LETTER MU}")
 
 
-def _legend(recorded, part, laws):
-    """What the lines of the steps and the markers are, above all panels."""
-    handles = [recorded, *(Line2D([], [], **LAWS[law].line) for law in laws)]
+def _legend(result, part, laws):
+    """What the lines of the steps are, and the markers of a result's estimates, if it is given."""
+    looks = ({"lw": LINE, **RECORDED}, *_lines(laws).values())
+    handles = [Line2D([], [], **look) for look in looks]
     names = ["recorded", *(f"{law} law" for law in laws)]
     for (kind, up), marker in MARKERS.items():
-        handles.append(Line2D([], [], marker=marker, color="0.3", ms=3.5, ls=""))
-        names.append("hold" if kind == "hold" else f"step {'up' if up else 'down'}")
-    look = {"handlelength": 1.6, "columnspacing": 0.9, "handletextpad": 0.4, "fontsize": 7}
+        if result is not None and _which(result, kind, up).any():
+            handles.append(Line2D([], [], marker=marker, color="0.3", ms=3.5, ls=""))
+            names.append("hold" if kind == "hold" else f"step {'up' if up else 'down'}")
+    look = {"handlelength": 1.8, "columnspacing": 0.9, "handletextpad": 0.4, "fontsize": 7}
     part.legend(handles, names, loc="outside upper right", ncols=len(names), **look)
+
+
+def _which(result, kind, up):
+    """(n,) which steps are of this kind, to a higher speed or not."""
+    rises = result["V_after"] > result["V_before"] if kind == "step" else False
+    return ((result["kind"] == kind) & (up == rises)).values
 
 
 def _scale(laws, symbol):
@@ -132,19 +153,15 @@ def _along(laws, symbol, along, ax):
         value = own[symbol].values
         low, high = np.abs(own["interval"].isel(level=0).transpose("side", "step").values - value)
         for (kind, up), marker in MARKERS.items():
-            rises = own["V_after"] > own["V_before"] if kind == "step" else False
-            at = ((own["kind"] == kind) & (up == rises)).values & np.isfinite(value)
+            at = _which(own, kind, up) & np.isfinite(value)
             errors = np.where(np.isfinite([low, high]), [low, high], 0.0)[:, at]
-            ax.errorbar(
-                to_unit * x[at],
-                factor * value[at],
-                factor * errors,
-                fmt=marker,
-                ms=3.5,
-                lw=0.8,
-                color=LAWS[law].color,
-                transform=ax.transData + beside,
+            look = {"ms": 3.5, "lw": 0.8, "color": LAWS[law].color}
+            drawn = ax.errorbar(
+                to_unit * x[at], factor * value[at], factor * errors, fmt=marker, **look
             )
+            # only now, for the limits are those of what is drawn in data coordinates
+            for artist in drawn.get_children():
+                artist.set_transform(artist.get_transform() + beside)
     if along == "V_after" and np.ptp(x) > 0.0:
         ax.set_xscale("log")
         plain_ticks(ax.xaxis, to_unit * x)

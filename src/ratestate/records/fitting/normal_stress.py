@@ -3,11 +3,10 @@
 import numpy as np
 
 from ...model.loading.normal_stress import NormalStress
+from ..reading.stress_steps import VARIABLE
 from ..sample_noise import sample_noise
 from .refusals import refusal
 
-#: standard deviation, over the mean, from which it counts as varying
-VARIABLE = 0.01
 #: of the noise, by which lines may miss samples; of the mean, if there is no noise
 NOISES, LEAST = 4.0, 1e-6
 #: tolerances by which a change from one sample to the next is a jump

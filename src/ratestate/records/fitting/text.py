@@ -6,7 +6,14 @@ import textwrap
 from ...dynamics import attributes
 from ...model.quantities import readable
 from .by_law import checked_by_law, law_of, value_of, warnings_of
-from .steps.table import is_of_steps, results_by_law_of_steps, sentences_on_all, table_of
+from .steps.table import (
+    HEADS,
+    NOTATION,
+    is_of_steps,
+    results_by_law_of_steps,
+    sentences_on_all,
+    table_of,
+)
 from .table import estimate_cells, law_names, quality_text
 from .unknowns import of_slider
 
@@ -57,8 +64,14 @@ def _summary_of_steps(result):
     lines = [_wrapped(heading_of_steps(result))]
     for law in results_by_law_of_steps(result):
         table = table_of(result, law)
-        lines += ["", f"{law} law", *_aligned([table.heads, *table.rows, *table.together], 4)]
-    return "\n".join([*lines, "", *map(_wrapped, remarks_on_steps(result) + notes_of(result))])
+        lines += [
+            "",
+            f"{law} law",
+            *_aligned([table.heads, *table.rows, *table.together], len(HEADS)),
+        ]
+    below = [NOTATION, *remarks_on_steps(result)]
+    below += warnings_on_steps(result, "in the variable warnings of the result")
+    return "\n".join([*lines, "", *map(_wrapped, below + notes_of(result))])
 
 
 def heading_of_steps(result):
@@ -72,22 +85,37 @@ def heading_of_steps(result):
 
 
 def remarks_on_steps(result):
-    """The lines below the tables of steps: comparison of the laws, failures, warnings (list).
-
-    The warnings are those of the law that fits best; of others how many there are.
-    """
+    """The lines below the tables of steps: comparison of the laws, failures (list of str)."""
     texts = [attributes.text(result, "comparison", ""), *sentences_on_all(result)]
-    best = _best_law(result)
     for law, part in results_by_law_of_steps(result).items():
-        warnings = part["warnings"].values.tolist()
         for i, message in enumerate(part["message"].values.tolist(), 1):
             texts += [f"step {i}, {law} law, failed: {message}"] if message else []
-        if law == best:
-            for i, several in enumerate(warnings, 1):
-                texts += [f"step {i}, {law} law, warning: {one}" for one in several.splitlines()]
-        elif count := sum(len(several.splitlines()) for several in warnings):
-            texts.append(f"{law} law, warnings: {count}, in the variable warnings of the result")
     return [text for text in texts if text]
+
+
+def warnings_on_steps(result, where):
+    """The warnings of the law that fits best; of others how many there are, and where (list)."""
+    texts, best = [], _best_law(result)
+    for law, part in results_by_law_of_steps(result).items():
+        if law == best:
+            texts += [
+                f"{steps}, {law} law, warning: {text}" for steps, text in warnings_by_text(part)
+            ]
+        elif count := sum(len(of.splitlines()) for of in part["warnings"].values.tolist()):
+            counted = "1 warning" if count == 1 else f"{count} warnings"
+            texts.append(f"{law} law: {counted}, {where}")
+    return texts
+
+
+def warnings_by_text(part):
+    """Pairs of which steps, such as "steps 3, 9", and a warning on these, of one law's part."""
+    steps: dict[str, list[str]] = {}
+    for i, several in enumerate(part["warnings"].values.tolist(), 1):
+        for text in several.splitlines():
+            steps.setdefault(text, []).append(str(i))
+    return [
+        (f"step{'s' if len(of) > 1 else ''} {', '.join(of)}", text) for text, of in steps.items()
+    ]
 
 
 def notes_of(result):

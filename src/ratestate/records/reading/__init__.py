@@ -25,6 +25,7 @@
 ``agreement``                   whether columns contradict each other, or are too coarse
 ``segments``                    `find_segments`: constant speeds, their errors; steps in words
 ``splits``                      where rows are cut into runs; how large the noise is
+``stress_steps``                steps of normal stress
 ``steps``                       which cuts are steps; what is a hold, a jump, a ramp
 ``runs``                        lines through runs, and where they meet
 ``messages``, ``messages.toml`` sentences of notes and errors

@@ -14,6 +14,7 @@ from .messages import message, refusal
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
 from .sizes import check_constant, check_numbers, check_sizes, checked_units, unit_of
+from .stress_steps import stress_steps
 from .table import quoted
 from .values import drop_codes, drop_impossible, flip_signs
 
@@ -76,7 +77,7 @@ def record_of(
     }
     data.attrs = {
         "title": "ratestate read_lab",
-        "found": coarse or segments.history(record["time"], record.get("delta_lp")),
+        "found": coarse or _history(record, segments),
         "source": ", ".join(names),
         "columns": json.dumps(sources),
         "notes": json.dumps(messages + turned + segments.notes),
@@ -142,6 +143,13 @@ def _segments(record, gaps):
     if symbol == "delta_lp":
         return segments_from_displacement(t, x)
     return segments_from_velocity(t, x)
+
+
+def _history(record, segments):
+    """What the load point and the normal stress do."""
+    time = record["time"]
+    steps = stress_steps(time, record["sigma"]) if "sigma" in record else ()
+    return segments.history(time, record.get("delta_lp"), steps)
 
 
 def _dataset(record, segments):

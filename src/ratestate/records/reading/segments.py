@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...model.quantities import power_of, prefixed_unit, readable
+from ...model.quantities import power_of, prefixed_unit, readable, readable_change
 from .messages import message, refusal
 from .runs import breakpoints, noise_variances
 from .splits import RowSums, cut, drop_weak_cuts
@@ -25,28 +25,38 @@ class FoundSegments(NamedTuple):
     V_error: np.ndarray  # (n,) [m/s]; 0 of a hold
     notes: list[str]  # from a velocity none
 
-    def history(self, t, displacement=None):
+    def history(self, t, displacement=None, stress_steps=()):
         """Steps and holds, such as "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)".
 
         t, displacement : (m,) of the record; without the latter none is mentioned
+        stress_steps : `StressStep`s of the record
         """
+        texts = self._of_load_point(t, displacement)
+        for step in stress_steps:
+            change = readable_change("sigma", step.before, step.after)
+            moved = _moved(step.t, t, displacement)
+            texts.append((step.t, f"step of normal stress {change} at {_time(step.t)}{moved}"))
+        return "; ".join(text for _, text in sorted(texts, key=lambda one: one[0]))
+
+    def _of_load_point(self, t, displacement):
+        """Pairs of a time [s] and what the load point does then."""
         if self.V.size == 1:
             V = self.V[0]
-            return f"no step: {'a hold' if V == 0.0 else f'steady at {_speed(V)}'} throughout"
+            what = "a hold" if V == 0.0 else f"steady at {_speed(V)}"
+            return [(self.t[0], f"no step: {what} throughout")]
         ends = np.append(self.t[1:], t[-1])
         texts = []
         for i, (start, V) in enumerate(zip(self.t, self.V, strict=True)):
-            at = f"{start:.1f} s" if abs(start) >= 100.0 else f"{start:.4g} s"
-            moved = "" if displacement is None else _displacement(np.interp(start, t, displacement))
+            at, moved = _time(start), _moved(start, t, displacement)
             before = self.V[i - 1] if i else None
             if V == 0.0:
                 since = f"{at}{moved if i else ''}"
-                texts.append(f"hold of {readable('t', ends[i] - start, 4)} from {since}")
+                texts.append((start, f"hold of {readable('t', ends[i] - start, 4)} from {since}"))
             elif before == 0.0:
-                texts.append(f"slide at {_speed(V)} from {at}")
+                texts.append((start, f"slide at {_speed(V)} from {at}"))
             elif before is not None:
-                texts.append(f"velocity step {_speeds(before, V)} at {at}{moved}")
-        return "; ".join(texts)
+                texts.append((start, f"velocity step {_speeds(before, V)} at {at}{moved}"))
+        return texts
 
 
 def find_segments(t, delta_lp):
@@ -171,6 +181,10 @@ def _checked(t, x, symbol):
     return t, x
 
 
+def _time(t):
+    return f"{t:.1f} s" if abs(t) >= 100.0 else f"{t:.4g} s"
+
+
 def _speed(V):
     return readable("V_lp", V, 3)
 
@@ -184,6 +198,9 @@ def _speeds(before, V):
     return f"{one} -> {other} {prefixed_unit('m/s', power)}"
 
 
-def _displacement(x):
-    """A displacement in brackets."""
+def _moved(at, t, displacement):
+    """Displacement at a time in brackets; "" without a record of it."""
+    if displacement is None:
+        return ""
+    x = np.interp(at, t, displacement)
     return f" ({x * 1e6:.0f} um)" if abs(x) < 0.1 else f" ({x * 1e3:.3f} mm)"

@@ -15,6 +15,7 @@ from ....records.fitting.by_law import results_by_law
 from ....records.fitting.fit import fit
 from ....records.fitting.steps.table import (
     HEADS,
+    NOTATION,
     is_of_steps,
     results_by_law_of_steps,
     table_of,
@@ -26,6 +27,7 @@ from ....records.fitting.text import (
     identifiability_by_law,
     labelled_warnings,
     remarks_on_steps,
+    warnings_by_text,
 )
 from ...scenario.as_python import registration
 
@@ -88,16 +90,22 @@ def _of_steps(
     request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
 ) -> str:
     """The whole report of fits of steps."""
-    tables = ""
-    for law in results_by_law_of_steps(result):
+    tables, warnings = "", ""
+    for law, part in results_by_law_of_steps(result).items():
         heads, rows, together = table_of(result, law)
         table = _table(heads, [*rows, *together], len(HEADS))
         tables += SENTENCES("report.steps_under", law=law, table=table)
+        of_law = [f"- {steps}: {text}" for steps, text in warnings_by_text(part)]
+        if of_law:
+            lines = "\n".join(of_law)
+            warnings += SENTENCES("report.warnings_under", law=law, lines=lines)
     text = SENTENCES(
         "report.steps",
         names=request.names,
         heading=heading_of_steps(result),
         tables=tables,
+        notation=NOTATION,
+        warnings=_part("warnings_of_steps", warnings),
         remarks="\n".join(f"- {remark}" for remark in remarks_on_steps(result)),
         what_was_read=_what_was_read(record),
         **_python(request, slider, result),

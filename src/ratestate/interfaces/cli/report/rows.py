@@ -13,6 +13,8 @@ from ....model.units import unit_factor
 
 #: significant digits of numbers in tables, and in one that would be too wide with these
 DIGITS, FEW_DIGITS = 6, 4
+#: characters between two columns of a `plain_table`
+GAP = 3
 #: values of V_c that stand for all speeds
 ANY_SPEED = {0.0: "unstable at any speed", math.inf: "stable at any speed"}
 #: symbol -> the unit in which its values are wanted

@@ -6,30 +6,54 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ....records.fitting.steps.table import HEADS, results_by_law_of_steps, table_of
+from ....records.fitting.steps.table import (
+    HEADS,
+    NOTATION,
+    results_by_law_of_steps,
+    table_of,
+)
 from ....records.fitting.steps.table import Table as StepsTable
-from ....records.fitting.text import heading_of_steps, notes_of, remarks_on_steps
-from .rows import FirstThatFits, plain_table
+from ....records.fitting.text import (
+    heading_of_steps,
+    notes_of,
+    remarks_on_steps,
+    warnings_on_steps,
+)
+from .rows import GAP, plain_table
+
+#: where all warnings are
+WHERE = "in report.md and steps.csv, which --out FOLDER writes"
 
 
 def steps(result: xarray.Dataset) -> list[Any]:
     """A row for each step under each law, what all tell together, and remarks."""
     shown: list[Any] = [Text(heading_of_steps(result), style="bold")]
     for law in results_by_law_of_steps(result):
-        layouts = [[_table(table_of(result, law), no_wrap)] for no_wrap in (True, False)]
-        shown += [Text(f"{law} law", style="bold"), FirstThatFits(*layouts), Text("")]
-    return [*shown, *map(Text, remarks_on_steps(result) + notes_of(result))]
+        shown += [Text(f"{law} law", style="bold"), _AsWideAsTheTerminal(table_of(result, law))]
+        shown += [Text("")]
+    below = [NOTATION, *remarks_on_steps(result), *warnings_on_steps(result, WHERE)]
+    return [*shown, *map(Text, below + notes_of(result))]
 
 
-def _table(table: StepsTable, no_wrap: bool) -> Table:
-    """The steps under one law, in lines that are not broken or are."""
-    last = len(table.heads) - 1
+class _AsWideAsTheTerminal:
+    """The steps under one law, in as few tables as the terminal has room for."""
+
+    def __init__(self, table: StepsTable) -> None:
+        self.table = table
+
+    def __rich_console__(self, console: Any, options: Any) -> list[Any]:
+        first, *others = map(_table, self.table.parts(options.max_width, GAP))
+        return [first, *(one for table in others for one in (Text(""), table))]
+
+
+def _table(table: StepsTable) -> Table:
+    """A table as rich prints it; cells too wide for any line are broken, never cut."""
     made = plain_table(
         *(
             Column(
-                Text(head), justify="right" if len(HEADS) <= i < last else "left", no_wrap=no_wrap
+                Text(head), justify="left" if head in (*HEADS, "note") else "right", overflow="fold"
             )
-            for i, head in enumerate(table.heads)
+            for head in table.heads
         )
     )
     for row in (*table.rows, *table.together):

@@ -79,8 +79,16 @@ def bounds_of(inference, quantity):
     """(low, high) [SI] of the 95 % interval by a profile, None for an open end; () without one."""
     if quantity.name not in inference.profiles:
         return ()
-    ends = inference.profiles[quantity.name].interval()[-1]
-    return tuple(float(quantity.si(end)) if np.isfinite(end) else None for end in ends)
+    estimate = inference.estimates.of(quantity.name)
+    if estimate.kind != "profile":  # but that of a posterior, which is never open
+        ends = quantity.si(inference.profiles[quantity.name].interval()[-1])
+    else:
+        ends = estimate.interval[-1]
+    open_ends = quantity.si(np.array([-np.inf, np.inf]))
+    return tuple(
+        None if end == at_infinity else float(end)
+        for end, at_infinity in zip(ends, open_ends, strict=True)
+    )
 
 
 def _relative_error(name, estimate):

@@ -20,6 +20,8 @@ from .quantities import reported_quantities
 ERRORS = ("auto", "covariance", "profile", "posterior")
 #: how often a fit starts again from a better point on a profile
 REFITS = 3
+#: distance from a bound, in standard errors, up to which an estimate is at it
+AT_BOUND = 1e-3
 
 
 class Inference(NamedTuple):
@@ -73,10 +75,29 @@ def infer(solution, noise, errors):
 
 
 def _widening(solution, quantities, noise):
-    """The `Widening` of `ReportedQuantity`s by the noise's uncertainty; none of a given noise."""
+    """The `Widening` of `ReportedQuantity`s by the noise's uncertainty; none of a given noise.
+
+    None of an estimate at a bound either: chi-square slopes there, so that to first order other
+    noise would move the estimate out of its bounds, and one end of its interval with it.
+    """
+    none = Widening.none(len(quantities))
     if noise is not None:
-        return Widening.none(len(quantities))
-    return widening(solution, np.array([q.gradient(solution.point) for q in quantities]))
+        return none
+    found = widening(solution, np.array([q.gradient(solution.point) for q in quantities]))
+    at_bound = np.array([_is_at_bound(solution, q) for q in quantities])
+    return Widening(
+        np.where(at_bound, none.errors, found.errors),
+        np.where(at_bound[:, None, None], none.roots, found.roots),
+    )
+
+
+def _is_at_bound(solution, quantity):
+    """Whether a `ReportedQuantity` is a coordinate at the end of its range."""
+    if not quantity.is_coordinate:
+        return False
+    ends = np.array([end[quantity.eliminated] for end in solution.unknowns[1:]])
+    near = AT_BOUND * quantity.standard_error(solution.point, solution.covariance)
+    return bool((np.abs(ends - solution.point[quantity.eliminated]) < near).any())
 
 
 def with_posteriors(inferences):

@@ -1,13 +1,14 @@
 """Fits of each step and hold of a record: an experiment in one call of `fit`.
 
-=================== ===========================================================================
-``experiment``      what `fit` does where each="step"
-``windows``         steps and holds, each with its part of the record
-``each``            the fits of these parts, in parallel
-``shared``          one set of the law's parameters for all, and a test whether it serves
-``stress_response`` alpha from steps of normal stress
-``comparison``      scatter between steps; steps up beside steps down
-``result``          the Dataset along ``step``
-``table``, ``rows`` it as text; as rows of a CSV
-=================== ===========================================================================
+==================== ==========================================================================
+``experiment``       what `fit` does where each="step"
+``windows``          steps and holds, each with its part of the record
+``each``             the fits of these parts, in parallel
+``shared``           one set of the law's parameters for all, and a test whether it serves
+``stress_response``  alpha from steps of normal stress
+``comparison``       scatter between steps; steps up beside steps down
+``result``           the Dataset along ``step``
+``table``, ``cells`` it as text
+``rows``             it as rows of a CSV
+==================== ==========================================================================
 """

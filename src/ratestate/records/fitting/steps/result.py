@@ -110,7 +110,8 @@ def _shared(fits, shared, law, names):
     for i, name in enumerate(names):
         everything = grouped(fits, law, name)
         size = np.exp(everything.mean) if everything.is_log else 1.0
-        rows["scatter"][i] = size * everything.scatter
+        if everything.n > 1:
+            rows["scatter"][i] = size * everything.scatter
         up, down = (estimates_of(fits, law, name, which)[:2] for which in (is_up, is_down))
         ratio = ratio_of(up, down, everything.is_log)
         for key, value in zip(of_ratio, ratio, strict=True):
@@ -140,10 +141,18 @@ def _windows(fits):
         "V_after": np.array([window.V_after for window in windows]),
         "t_hold": np.array([window.t_hold for window in windows]),
         "sigma": np.array([task.settings.sliders[0].sigma for task in tasks]),
+        "sigma_after": np.array([_stress_after(task) for task in tasks]),
         "samples": np.array([task.data.sizes["time"] for task in tasks]),
         "rows_per_sample": np.array([task.rows_per_sample for task in tasks]),
     }
     return labelled("step", **columns)
+
+
+def _stress_after(task):
+    """Normal stress [Pa] after a step of it; NaN of a step or hold of the load point."""
+    if task.window.kind != "normal stress":
+        return np.nan
+    return float(task.data["sigma"].where(task.data["time"] > task.window.t).median())
 
 
 def _displacement(task):

@@ -6,7 +6,16 @@ import xarray
 from .table import results_by_law_of_steps
 
 #: variables of each step, in order, before the estimates and after them
-BEFORE = ("kind", "step_t", "step_delta_lp", "V_before", "V_after", "t_hold", "sigma")
+BEFORE = (
+    "kind",
+    "step_t",
+    "step_delta_lp",
+    "V_before",
+    "V_after",
+    "t_hold",
+    "sigma",
+    "sigma_after",
+)
 AFTER = ("rms", "aic", "aic_difference", "samples", "status", "warnings", "message")
 
 

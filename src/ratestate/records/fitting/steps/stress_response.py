@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ....model.quantities import readable
 from ..estimates import ROOTS
 from ..unknowns import to_value
 from .comparison import grouped
@@ -73,12 +74,17 @@ def _change(task, law, sides):
 
 
 def _widen(result, extra):
-    """Add an independent error to that of alpha in a Dataset, in place."""
+    """Add an independent error to that of alpha in a Dataset, and in its texts, in place."""
     at = {"parameter": "alpha"}
     own = float(result["standard_error"].sel(at))
     total = float(np.hypot(own, extra))
     result["standard_error"].loc[at] = total
     value = float(result["alpha"])
-    ends = result["interval"].sel(at).values
+    ends = result["interval"].sel(at).transpose("level", "side").values
     reach = np.hypot(ends - value, extra * ROOTS[:, None])
-    result["interval"].loc[at] = value + reach * np.array([-1.0, 1.0])
+    is_open = ends == to_value("alpha", -np.inf)
+    wider = np.where(is_open, ends, value + reach * np.array([-1.0, 1.0]))
+    before, after = (f"< {readable('alpha', one[-1, 1], 3)}" for one in (ends, wider))
+    result["interval"].loc[at] = wider  # ("ends" is a view of it)
+    for name in ("warnings", "identifiability"):
+        result[name].values = np.array(str(result[name].item()).replace(before, after))

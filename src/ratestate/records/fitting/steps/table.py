@@ -4,18 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....friction.laws import friction_law
-from ....model.quantities import QUANTITIES, power_of, prefixed_unit, readable, rounded, short
-from ..table import rate_dependence_text
+from ....model.quantities import QUANTITIES, short, with_error
 from ..unknowns import TRENDS
+from .cells import NONE, Column, change_text
 from .result import FAILED
 
-#: heads of the columns on what the load point does
-HEADS = ("step", "kind", "time [s]", "load point")
-#: pure numbers below this are given in thousandths
-SMALL = 0.1
-#: in place of an estimate
-NONE = "-"
+#: heads of the columns on what happens
+HEADS = ("step", "time [s]", "change")
+#: what the table's numbers are
+NOTATION = "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18."
 #: probability that counts as small
 IMPROBABLE = 0.01
 #: least probability that is told as a number: Gaussian tails mean nothing so far out
@@ -29,6 +26,32 @@ class Table(NamedTuple):
     rows: list
     together: list
 
+    def parts(self, width, gap):
+        """`Table`s (list) with its columns one after the other, as many as a width has room for.
+
+        width, gap : characters in a line, and between two columns
+
+        All but the first begin with the steps' numbers.  No column is left out or cut: a table
+        with one estimate may be wider.
+        """
+        lines = [self.heads, *self.rows, *self.together]
+        widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
+        parts = [[*range(len(HEADS))]]
+        for column in range(len(HEADS), len(self.heads)):
+            wider = [*parts[-1], column]
+            if sum(widths[i] + gap for i in wider) - gap <= width or len(parts[-1]) == 1:
+                parts[-1] = wider
+            else:
+                parts.append([0, column])
+        return [self._of(columns) for columns in parts]
+
+    def _of(self, columns):
+        """The `Table` with some of the columns, by their numbers."""
+        rows, together = (
+            [[cells[i] for i in columns] for cells in lines] for lines in (self.rows, self.together)
+        )
+        return Table([self.heads[i] for i in columns], rows, together)
+
 
 def is_of_steps(result):
     """Whether a result of `fit` is one of steps."""
@@ -37,29 +60,36 @@ def is_of_steps(result):
 
 def table_of(result, law):
     """`Table` of a result under one of its laws."""
-    part = results_by_law_of_steps(result)[law]
+    parts = results_by_law_of_steps(result)
+    part = parts[law]
     symbols = [
         symbol
         for symbol in part["parameter"].values.tolist()
         if symbol not in (*TRENDS, "mu0") and np.isfinite(part[symbol].values).any()
     ]
-    columns = [_Column(part, symbol) for symbol in symbols]
-    heads = [*HEADS, *(column.head for column in columns), "note"]
+    columns = [Column(parts, law, symbol) for symbol in symbols]
+    notes = [_note(part, i) for i in range(part.sizes["step"])]
+    has_notes = any(notes)
+    heads = [*HEADS, *(column.head for column in columns), *(["note"] if has_notes else [])]
     rows = [
-        [*_what(part.isel(step=i)), *(column.cell(i) for column in columns), _note(part, i)]
-        for i in range(part.sizes["step"])
+        [
+            *_what(part.isel(step=i)),
+            *(column.cell(i) for column in columns),
+            *([note] if has_notes else []),
+        ]
+        for i, note in enumerate(notes)
     ]
-    blank = [""] * (len(HEADS) - 1)
     together = [
-        [label, *blank, *(column.of_all(name, error) for column in columns), ""]
+        [label, "", "", *(column.of_all(name, error) for column in columns)]
         for label, name, error in (
             ("all", "shared", "shared_error"),
             ("scatter", "scatter", None),
             ("up/down", "up_over_down", "up_over_down_error"),
         )
     ]
-    together = [row for row in together if any(cell not in ("", NONE, "0") for cell in row[1:])]
-    return Table(heads, rows, together)
+    blank = [""] if has_notes else []
+    filled = [cells for cells in together if any(cell not in ("", NONE, "0") for cell in cells[1:])]
+    return Table(heads, rows, [[*cells, *blank] for cells in filled])
 
 
 def results_by_law_of_steps(result):
@@ -69,62 +99,9 @@ def results_by_law_of_steps(result):
     return {str(law): result.sel(law=law) for law in result["law"].values}
 
 
-class _Column:
-    """An estimate along the steps, in a unit that fits."""
-
-    def __init__(self, part, symbol):
-        self.part, self.symbol = part, symbol
-        quantity, values = QUANTITIES[symbol], np.abs(part[symbol].values)
-        typical = float(np.nanmedian(values)) if np.isfinite(values).any() else 1.0
-        power = power_of(quantity.unit, typical)
-        unit = f" [{prefixed_unit(quantity.unit, power)}]"
-        if quantity.unit == "1":
-            power, unit = (-3, " [1e-3]") if typical < SMALL else (0, "")
-        self.factor = 10.0**-power
-        is_rate = symbol == "a_minus_b"
-        law = friction_law(str(part["law"].item()))
-        self.head = (rate_dependence_text([law]) if is_rate else symbol) + unit
-
-    def cell(self, i):
-        """The estimate of a step, with its error."""
-        error = self.part["standard_error"].isel(step=i).sel(parameter=self.symbol)
-        return self._text(self.part[self.symbol].values[i], float(error))
-
-    def of_all(self, name, error):
-        """What all steps tell: a variable along ``parameter``, with its error if there is one."""
-        here = self.part.sel(parameter=self.symbol)
-        own = np.nan if error is None else float(here[error])
-        if name == "up_over_down":
-            return _plus_minus(float(here[name]), own)
-        return self._text(float(here[name]), own)
-
-    def _text(self, value, error):
-        return _plus_minus(self.factor * value, self.factor * error)
-
-
-def _plus_minus(value, error):
-    """A number with its error where that is finite; `NONE` for NaN."""
-    if not np.isfinite(value):
-        return NONE
-    if not 0.0 < error < np.inf:
-        return f"{value:.3g}"
-    return f"{rounded(value, error)} +- {rounded(error, error)}"
-
-
 def _what(step):
-    """Number, kind, time, and the load point's speeds or hold."""
-    before, after = float(step["V_before"]), float(step["V_after"])
-    kind = str(step["kind"].item())
-    if kind == "hold":
-        then = readable("V_lp", after, 3) if np.isfinite(after) else "to the record's end"
-        what = f"{readable('t', float(step['t_hold']), 3)}, {then}"
-    elif kind == "normal stress":
-        what = readable("V_lp", after, 3)
-    else:
-        power = power_of("m/s", max(before, after))
-        one, other = (f"{x / 10.0**power:.3g}" for x in (before, after))
-        what = f"{one} -> {other} {prefixed_unit('m/s', power)}"
-    return str(int(step["step"])), kind, f"{float(step['step_t']):.1f}", what
+    """Number and time of a step, and what changes."""
+    return str(int(step["step"])), f"{float(step['step_t']):.1f}", change_text(step)
 
 
 def _note(part, i):
@@ -167,7 +144,7 @@ def _on_symmetry(part):
             alike = "alike" if p >= IMPROBABLE else "not alike"
             yield (
                 f"steps up and steps down are {alike}: {symbol} of steps up is "
-                f"{_plus_minus(ratio, error)} times that of steps down ({_probability(p)})."
+                f"{with_error(ratio, error)} times that of steps down ({_probability(p)})."
             )
 
 

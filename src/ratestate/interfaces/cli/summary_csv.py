@@ -1,0 +1,81 @@
+"""What a whole record tells, beside the rows of its table: a row for each quantity as CSV."""
+
+import io
+from csv import DictWriter
+from typing import Any
+
+import xarray
+
+from ...files.laboratory_csv import laboratory_unit
+from ...model.quantities import QUANTITIES
+from ...records.fitting.steps.table import is_of_steps, results_by_law_of_steps
+
+#: heading -> variable along ``parameter`` of fits of steps, and whether it has the quantity's unit
+OF_STEPS = {
+    "value": ("shared", True),
+    "error": ("shared_error", True),
+    "scatter": ("scatter", True),
+    "up/down": ("up_over_down", False),
+    "up/down error": ("up_over_down_error", False),
+    "up/down p value": ("up_over_down_p_value", False),
+}
+#: heading -> end of a variable's name, likewise, where an evaluation has one number of a kind
+OF_RECORD = {
+    "value": ("", True),
+    "error": ("_error", True),
+    "scatter over errors": ("_scatter", False),
+}
+
+
+def summary_csv(result: xarray.Dataset) -> str:
+    """The quantities of a result, each in its unit in tables, under each law if there are several.
+
+    Of fits of steps what all tell together; else all numbers that have an error beside them.
+    """
+    if is_of_steps(result):
+        rows, numbers = _of_steps(result), OF_STEPS
+    else:
+        rows, numbers = _of_record(result), OF_RECORD
+    law = ["law"] if is_of_steps(result) or "law" in result.dims else []
+    file = io.StringIO()
+    headings = [*law, "quantity", "unit", *numbers]
+    writer = DictWriter(file, headings, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return file.getvalue()
+
+
+def _of_steps(result: xarray.Dataset) -> list[dict[str, Any]]:
+    """A row for each estimate under each law."""
+    rows = []
+    for law, part in results_by_law_of_steps(result).items():
+        for name in part["parameter"].values.tolist():
+            here = part.sel(parameter=name)
+            numbers = {head: (here[key], own) for head, (key, own) in OF_STEPS.items()}
+            if any(bool(value.notnull()) for value, _ in numbers.values()):
+                rows.append(_row(name, law, numbers))
+    return rows
+
+
+def _of_record(result: xarray.Dataset) -> list[dict[str, Any]]:
+    """A row for each number with an error, under each law where it depends on that."""
+    rows = []
+    for name, variable in result.data_vars.items():
+        if f"{name}_error" not in result or variable.dims not in ((), ("law",)):
+            continue
+        for law in result["law"].values.tolist() if variable.dims else [""]:
+            part = result.sel(law=law) if law else result
+            keys = {head: (f"{name}{end}", own) for head, (end, own) in OF_RECORD.items()}
+            numbers = {head: (part[key], own) for head, (key, own) in keys.items() if key in part}
+            rows.append(_row(str(name), law, numbers))
+    return rows
+
+
+def _row(name: str, law: str, numbers: dict[str, Any]) -> dict[str, Any]:
+    """Law, quantity, its unit, and numbers [SI], some in it; what is missing is empty."""
+    unit, size = laboratory_unit(name, QUANTITIES[name].unit)
+    cells = {
+        head: "" if value.isnull() else f"{float(value) / (size if own else 1.0):.10g}"
+        for head, (value, own) in numbers.items()
+    }
+    return {"law": law, "quantity": name.replace("_", " "), "unit": unit} | cells

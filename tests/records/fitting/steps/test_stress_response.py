@@ -1,0 +1,71 @@
+"""alpha from a step of normal stress of which the record tells only a bound."""
+
+import warnings
+
+import numpy as np
+import pytest
+from synthetic_records import correlated
+
+import ratestate as rs
+from ratestate import fitting
+from ratestate.model.quantities import short
+from ratestate.records.fitting.steps.table import table_of
+from ratestate.records.fitting.steps.windows import windows_of
+
+SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m", alpha=0.0)
+START = SLIDER.replace(alpha=0.1)
+SLOW, FAST = 3e-6, 1e-5
+
+
+@pytest.fixture(scope="module")
+def data():
+    loading = rs.Loading.steps(SLOW, (150.0, FAST), (220.0, SLOW)).sigma_step(400.0, "8.8 MPa")
+    t = np.arange(1200) * 0.5
+    run = rs.simulate(SLIDER, loading, t[-1], times=t, rtol=1e-9)
+    rng = np.random.default_rng(1)
+    noise = 3e-4 * correlated(t, 5.0, rng) + 1e-4 * rng.normal(size=t.size)
+    return run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma + noise)
+
+
+@pytest.fixture(scope="module")
+def result(data):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        return rs.fit(data, START, each="step")
+
+
+def test_the_interval_of_an_estimate_at_its_bound_is_closed_above(data):
+    """The noise's uncertainty would draw its upper end to the bound, or beyond."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        alone = rs.fit(windows_of(data)[-1].part(data), START, free=("alpha",))
+    assert float(alone.alpha) < 1e-6
+    (low, high), (lower, upper) = alone.interval.sel(parameter="alpha").values
+    assert low == lower == 0.0
+    error = float(alone.standard_error.sel(parameter="alpha"))
+    assert 0.1 * error < high < error
+    assert 1.5 * high < upper < 3.0 * error
+    assert f"alpha < {short(upper)} (95 %)" in str(alone.warnings.item())
+
+
+def test_the_table_shows_the_bound(result):
+    """It is that of the interval, which the errors of a, b, Dc and K have widened."""
+    table = table_of(result, "slip")
+    upper = float(result.interval.sel(parameter="alpha", level=0.95, side="upper")[-1])
+    assert 0.005 < upper < 0.03
+    assert "alpha [1e-3]" in table.heads
+    cell = table.rows[-1][table.heads.index("alpha [1e-3]")]
+    assert cell == f"< {short(1e3 * upper)}"
+    assert f"alpha < {short(upper)} (95 %)" in str(result.warnings[-1].item())
+    assert table.rows[-1][:3] == ["3", "399.8", "sigma 8 -> 8.8 MPa"]
+    assert "sigma 8 -> 8.8 MPa" in fitting.summary(result)
+
+
+def test_normal_stress_before_and_after(result):
+    np.testing.assert_allclose(result.sigma, 8e6, rtol=1e-6)
+    np.testing.assert_allclose(result.sigma_after, [np.nan, np.nan, 8.8e6], rtol=1e-6)
+
+
+def test_one_estimate_has_no_scatter(result):
+    assert np.isnan(result.scatter.sel(parameter="alpha"))
+    assert (result.scatter.sel(parameter=["a", "Dc"]) >= 0.0).all()
