@@ -27,9 +27,16 @@ def test_documented_objects_and_their_parameters():
 
 
 def test_commands_and_their_options():
+    """Options by name; arguments, whose names nobody types, by their number."""
     now = commands()
-    for command, options in BEFORE["commands"].items():
-        assert set(options) <= set(now[command]), command
+    for command, before in BEFORE["commands"].items():
+        options, arguments = _by_name(before), len(before) - len(_by_name(before))
+        assert options <= _by_name(now[command]), command
+        assert arguments == len(now[command]) - len(_by_name(now[command])), command
+
+
+def _by_name(parameters):
+    return {name for name in parameters if name.startswith("-")}
 
 
 @pytest.mark.parametrize("table", BEFORE["keys"])
