@@ -20,9 +20,9 @@ BEFORE, MOST_BEFORE = 0.1, 500
 LATE = 0.5
 #: points of a curve through which its straight line is
 STRAIGHT = 100
-#: standard error of ln K by the state's change during loading, and so of the kinds of slopes: about
-#: the largest that noiseless steps by a factor of 3 and 10 and holds have under both laws, at k Dc
-#: from 1e-3 to 0.1
+#: standard error of ln K by the state's change during loading: of the size of the deviations of
+#: noiseless slopes under both laws, at k Dc from 1e-3 to 0.1; these go up to 4e-4 after holds, 6e-3
+#: after steps up by a factor of 3 and 10, and 3e-2 after steps down by a factor of 3
 STATE_ERROR = {"reload": 5e-4, "step_up": 4e-3, "step_down": 2e-2}
 
 
