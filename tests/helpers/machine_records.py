@@ -14,6 +14,10 @@ SLIDER = rs.SpringSlider(
 )
 SLOW = rs.Loading.steps("10 um/s", (10, 0), (60, "10 um/s"), (75, 0), (175, "10 um/s"))
 FAST = rs.Loading.steps("3 cm/s", (0.05, "5 cm/s"))
+#: as stiff as a biaxial machine: a step is over within some 15 samples
+STIFF = rs.SpringSlider(
+    a=0.0092, b=0.0097, Dc="9 um", sigma="20 MPa", K="145 GPa/m", mu0=0.61, V0="3 um/s"
+)
 STICK_SLIP = SLIDER.replace(b=0.014, K="3 GPa/m", M=1e3, law="slip")
 
 
@@ -44,6 +48,27 @@ def stick_slip(slider=STICK_SLIP, t_end=60.0):
     columns = {"friction": ("time", run.tau.values / slider.sigma)}
     columns |= {"delta_lp": ("time", run.delta_lp.values)}
     columns |= {"segment_t": ("segment", [0.0]), "segment_V": ("segment", [5e-5])}
+    return xarray.Dataset(columns, {"time": t})
+
+
+@functools.cache
+def one_step():
+    """A record of one step up in a stiff machine, without noise."""
+    t = np.arange(0.0, 30.0, 0.01)
+    how = rs.Loading.steps("3 um/s", (15.003, "10 um/s"))
+    run = rs.simulate(STIFF, how, float(t[-1]), times=t, rtol=1e-8)
+    columns = {"friction": ("time", run.tau.values / STIFF.sigma)}
+    columns |= {"delta_lp": ("time", run.delta_lp.values)}
+    columns |= {"segment_t": ("segment", how.t), "segment_V": ("segment", how.V)}
+    return xarray.Dataset(columns, {"time": t})
+
+
+def wandering(seed):
+    """A record of steady sliding whose noise wanders."""
+    rng, t = np.random.default_rng(seed), np.arange(0.0, 60.0, 0.05)
+    noise = 1e-4 * rng.normal(size=t.size) + 3e-4 * correlated(t, 2.0, rng)
+    columns = {"friction": ("time", 0.6 + noise), "delta_lp": ("time", 1e-5 * t)}
+    columns |= {"segment_t": ("segment", [0.0]), "segment_V": ("segment", [1e-5])}
     return xarray.Dataset(columns, {"time": t})
 
 

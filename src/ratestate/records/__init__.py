@@ -11,6 +11,7 @@
 ``polynomial_windows`` windows in which friction is a polynomial
 ``regression``         linear regression: of correlated samples, and of estimates with errors
 ``sample_noise``       the noise of a series from sample to sample
+``text_table``         a table of texts as lines
 ``child_process``      work spread over processes
 ====================== =======================================================================
 """

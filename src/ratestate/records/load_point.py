@@ -8,11 +8,12 @@ from .fitting.raw_record import loading_of, recorded_segments
 
 
 class Segments(NamedTuple):
-    """Starts [s] and speeds [m/s] of n segments, taken as exact, and when the last one ends."""
+    """Starts [s] and speeds [m/s] of n segments, and when the last one ends."""
 
     t: np.ndarray  # (n,)
     V: np.ndarray  # (n,)
     end: float
+    t_error: np.ndarray  # (n,) of the starts [s]; 0 of those that are given
 
     @property
     def ends(self):
@@ -29,7 +30,17 @@ def segments_of(raw, loading=None):
     """The `Segments` of a `RawRecord`, as recorded or of a loading (t = 0 at the first sample)."""
     if loading is None:
         t, V = recorded_segments(raw.data, raw.time)
+        t_error = _start_errors(raw.data, t)
     else:
         checked = loading_of(raw, loading)
         t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)
-    return Segments(t, V, float(raw.time[-1]))
+        t_error = np.zeros(t.size)
+    return Segments(t, V, float(raw.time[-1]), t_error)
+
+
+def _start_errors(data, starts):
+    """(n,) standard errors of some of a record's starts [s], as far as it has them."""
+    if "segment_t_error" not in data.variables:
+        return np.zeros(starts.size)
+    at = np.searchsorted(data["segment_t"].values, starts)
+    return np.asarray(data["segment_t_error"].values, float)[at]

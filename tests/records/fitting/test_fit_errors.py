@@ -10,6 +10,7 @@ from scipy.stats import norm
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
+from ratestate import ParameterError
 from ratestate.records.fitting.diagnostics.identifiability import identifiability
 from ratestate.records.fitting.diagnostics.model_comparison import compare_laws
 from ratestate.records.fitting.diagnostics.search import search_warnings
@@ -30,6 +31,7 @@ from ratestate.records.fitting.likelihood.profiles import are_gaussian, compute_
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
+from ratestate.records.fitting.raw_record import raw_record
 from ratestate.records.fitting.record import Record, record_of
 from ratestate.records.fitting.unknowns import Unknowns, starts_of, unknowns_of
 
@@ -42,6 +44,14 @@ STIFF = SLIDER.replace(K=5e12)
 def solution_of(data, slider, free=FREE, noise=None):
     checked = record_of(data, slider, loading=None, trend="slip", against="time")
     return least_squares_fit(checked, slider, free, noise, "steady")
+
+
+@pytest.mark.parametrize("sigma", ["99 Pa", "1.01e11 Pa"])
+def test_a_normal_stress_that_nobody_uses(good, sigma):
+    with pytest.raises(ParameterError, match=r"sigma = .* is given, and no record is of such"):
+        raw_record(good, SLIDER.replace(sigma=sigma))
+    for usual in ("100 Pa", "1e11 Pa"):
+        assert raw_record(good, SLIDER.replace(sigma=usual)).friction.size == T.size
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,6 @@ from ...files import laboratory_csv, write
 from ...friction.laws import friction_law
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
-from ...model.units import to_si
 from ...records.fitting.fit import fit
 from ...records.fitting.settings import sliders_under
 from ...records.fitting.steps.rows import rows_of
@@ -20,6 +19,7 @@ from ...records.fitting.steps.table import is_of_steps
 from ...records.fitting.table import law_names
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
+from ...records.reading.sizes import constant_in_si
 from .document import document
 from .evaluate_record import write_text
 from .output import make_writable, print_json, reporting_files
@@ -93,7 +93,7 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
         default = f"sigma = {readable('sigma', given['sigma'])} is the median of the record's"
         notes = [*json.loads(record.attrs["notes"]), f"{default}, for none was given"]
         record.attrs["notes"] = json.dumps(notes)
-    K = STIFFNESS * to_si("sigma", given["sigma"])
+    K = STIFFNESS * constant_in_si("sigma", given["sigma"])
     # of several laws the one that has the parameters of all, if any does
     law = max(map(friction_law, request.laws), key=lambda law: len(law.parameters))
     examples = {symbol: own.example.strip("'") for symbol, own in law.parameters.items()}

@@ -11,6 +11,7 @@ import xarray
 
 from ...model.loading import Loading
 from ..reading.segments import find_segments
+from ..reading.sizes import constant_in_si
 from .normal_stress import recorded_stress
 from .refusals import refusal
 
@@ -41,9 +42,11 @@ def raw_record(data, slider):
     """The `RawRecord` in a Dataset of `read_lab`, or of `simulate`.
 
     ParameterError: no Dataset; fewer than `FEWEST` samples; times that do not increase; a variable
-    that is absent, not along time alone, or not finite; friction, or a displacement, of a size that
-    means other units.
+    that is absent, not along time alone, or not finite; friction, a displacement, or the slider's
+    normal stress, of a size that means other units.
     """
+    if slider is not None:
+        constant_in_si("sigma", slider.sigma)
     time = checked_time(data)
     kind, friction = _friction(data, slider)
     typical = float(np.median(friction))

@@ -5,6 +5,7 @@ import pandas
 from ...dynamics import attributes
 from ...model.conversion import in_si
 from ...model.quantities import readable, with_error
+from ..text_table import lines_of
 from .messages import message, refusal
 from .result import RATES
 
@@ -35,7 +36,7 @@ def summary(result):
         No result of `healing`.
     """
     result = checked(result, "summary")
-    parts = [heading(result), *_rows(result), "", *rates(result)]
+    parts = [heading(result), *lines_of(table(result)), "", *rates(result)]
     return "\n".join([*parts, *messages(result)])
 
 
@@ -98,11 +99,6 @@ def messages(result):
     """What must be known of holds (list of str), each with the number of its hold."""
     texts = enumerate(result["hold_message"].values.tolist(), start=1)
     return [f"hold {number}: {text}" for number, text in texts if text]
-
-
-def _rows(result):
-    """The lines of the table."""
-    return table(result).to_string().splitlines()
 
 
 def _cells(values, errors):

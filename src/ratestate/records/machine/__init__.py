@@ -2,6 +2,7 @@
 
 ========================== ============================================================
 ``machine_stiffness``      the function `machine_stiffness`: in which order all is done
+``stress_drops``           stress drops of stick-slip, and the loading between them
 ``slopes``                 where the spring loads or unloads
 ``loading_curve``          friction there, with creep at constant state
 ``ring_down``              free oscillations: frequency and decay

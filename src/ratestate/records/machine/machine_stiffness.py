@@ -8,15 +8,17 @@ from ...friction.laws import friction_law
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
 from ...model.slider import SpringSlider
-from ...model.units import is_array, to_si
+from ...model.units import is_array
 from ..fitting.fit import RECORD_ATTRIBUTES
 from ..fitting.one_record import single_blas
 from ..fitting.raw_record import raw_record
 from ..load_point import segments_of
+from ..reading.sizes import constant_in_si
 from .messages import refusal
 from .result import dataset_of
 from .ring_down import ring_down
-from .slopes import FEWEST, slopes_of, stress_drops
+from .slopes import FEWEST, slopes_of
+from .stress_drops import loading_phases, stress_drops
 
 #: parameters of a slider that are used here
 FRICTION = ("a", "b", "Dc")
@@ -27,9 +29,10 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
     """Stiffness, mass and damping of a machine, per area, from its own record.
 
     K is the slope of stress with load-point displacement where the spring loads: after holds and
-    steps, and between stress drops; or unloads, after a step down.  There the fault creeps, so the
-    slope is less than K: each is fitted with a curve in which slip is that of friction at constant
-    state.  M and the damping are those of free oscillations after a step, a hold or a stress drop.
+    steps; or unloads, after a step down.  There the fault creeps, so the slope is less than K: each
+    is fitted with a curve that begins at the level before, and in which slip is that of friction at
+    constant state.  For want of these, K is the slope between stress drops.  M and the damping
+    are those of free oscillations after a step, a hold or a stress drop.
 
     Parameters
     ----------
@@ -50,12 +53,13 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
     xarray.Dataset
         ``K`` [Pa/m] with ``K_error`` and ``K_scatter``; ``M`` [kg/m^2] and ``damping`` [Pa s/m]
         with ``_error`` and ``_scatter``; NaN for what is not found.  They are means weighted with
-        the errors, and where values scatter significantly more, ``_scatter`` is above 1, and the
-        errors are enlarged by it.  Along ``slope``: ``slope_kind`` ("reload", "step_up",
-        "step_down", "stick"), ``slope_start`` [s], ``slope_K`` [Pa/m], ``slope_K_error``,
+        the errors (that of K of its logarithm), and where values scatter significantly more,
+        ``_scatter`` is above 1, and the errors are enlarged by it.  Along ``slope``:
+        ``slope_kind`` ("reload", "step_up", "step_down", "stick"), ``slope_start`` [s],
+        ``slope_K`` [Pa/m], ``slope_K_error``,
         ``slope_straight`` [Pa/m], of the best straight line, ``slope_creep`` (slip rate over that
-        of the load point
-        at the start), ``slope_used`` (whether the curve describes it, so that it is in K).
+        of the load point at the start; 0 between stress drops), ``slope_used`` (whether it is in
+        K: the curve describes it, and for "stick" there is no other).
         Along ``ring_down``: ``ring_down_start`` [s], ``ring_down_V`` [m/s], ``ring_down_omega``
         [rad/s] and ``ring_down_decay`` [1/s] with ``_error``, ``ring_down_M`` and
         ``ring_down_damping`` with ``_error``.  Along ``time`` friction, and the fitted curves:
@@ -92,8 +96,11 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
     raw = raw_record(_with_sigma(data, sigma), None)
     segments = segments_of(raw, loading)
     with single_blas():
-        slopes = slopes_of(raw.time, raw.friction, segments)
-        oscillations = _ring_downs(raw, segments)
+        drops = stress_drops(raw, sigma, segments)
+        phases = [loading_phases(one) for one in drops]
+        oscillations = _ring_downs(raw, segments, drops)
+        slopes = slopes_of(raw.time, raw.friction, segments, phases)
+    slopes = [one for one in slopes if not _is_inertial(raw.time, one, oscillations)]
     if not slopes and not oscillations:
         raise refusal("record.nothing", samples=FEWEST)
     result = dataset_of(raw, sigma, slider, slopes, oscillations)
@@ -119,9 +126,9 @@ def check_slider(slider):
 
 
 def _normal_stress(data, sigma):
-    """Normal stress [Pa], given or the record's."""
+    """Normal stress [Pa], given or the record's; ParameterError for a size that nobody uses."""
     if sigma is not None:
-        return float(to_si("sigma", sigma))
+        return constant_in_si("sigma", sigma)
     if "sigma" not in getattr(data, "variables", {}):
         raise refusal("record.no_sigma")
     return float(np.median(np.asarray(data["sigma"].values, float)))
@@ -132,14 +139,19 @@ def _with_sigma(data, sigma):
     return data.assign(sigma=sigma) if isinstance(data, xarray.Dataset) else data
 
 
-def _ring_downs(raw, segments):
-    """`RingDown`s (list) after each change of speed and each stress drop."""
+def _is_inertial(t, slope, oscillations):
+    """Whether a `Slope` is as fast as the machine's own oscillations (list of `RingDown`)."""
+    period = max((2.0 * np.pi / one.omega for one in oscillations), default=0.0)
+    return float(t[slope.rows[-1]]) - slope.start < period
+
+
+def _ring_downs(raw, segments, drops):
+    """`RingDown`s (list) after each change of speed, or each stress drop of a segment."""
     t, friction, found = raw.time, raw.friction, []
-    for start, end, V in zip(segments.t, segments.ends, segments.V, strict=True):
+    for start, end, V, own in zip(segments.t, segments.ends, segments.V, drops, strict=True):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]
-        drops = rows[stress_drops(t[rows], friction[rows])] if rows.size else rows
-        starts = [rows] if drops.size == 0 else np.split(rows, np.searchsorted(rows, drops))[1:]
-        for part in starts:
-            one = ring_down(t, friction, part, float(t[part[0]]), float(V))
+        peaks = np.searchsorted(t[rows], own[:, 0])
+        for part in np.split(rows, peaks)[1:] if peaks.size else [rows]:
+            one = ring_down(t, friction, part, float(t[part[0]]), float(V)) if part.size else None
             found += [] if one is None else [one]
     return found

@@ -11,6 +11,9 @@ from .inertia import mass_and_damping
 from .messages import message
 
 NONE = (np.nan, np.nan, np.nan)
+#: relative error of K above which a remark warns
+UNCERTAIN = 0.2
+CURVES = ("slope_friction", "ring_down_friction")
 
 
 def dataset_of(raw, sigma, slider, slopes, ring_downs):
@@ -18,41 +21,52 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
 
     slopes, ring_downs : lists of `Slope` and `RingDown`; sigma [Pa]; slider may be None
     """
-    along = _along_slopes(sigma, slopes)
-    used = _best_kinds(along["slope_kind"], along["slope_used"])
-    k = along["slope_K"][used], along["slope_K_error"][used]
-    K = mean_with_scatter(*k) if used.any() else NONE
+    used = _used(slopes)
+    K = _stiffness(sigma, [slopes[i].curve for i in np.flatnonzero(used)])
     of_rings, M, damping = _inertia(K, sigma, slider, ring_downs)
     values: dict = {}
     for name, numbers in (("K", K), ("M", M), ("damping", damping)):
         values |= dict(zip((name, f"{name}_error", f"{name}_scatter"), numbers, strict=True))
-    variables = labelled((), **values) | labelled("slope", **along)
+    variables = labelled((), **values) | labelled(
+        "slope", **_along_slopes(sigma, slopes), slope_used=used
+    )
     variables |= labelled("ring_down", **of_rings)
     variables |= labelled("time", friction=raw.friction, **_curves(raw, slopes, ring_downs))
     result = xarray.Dataset(variables, labelled("time", time=raw.time))
-    result.attrs["remarks"] = json.dumps(_remarks(result, slider))
+    misfits = sum(not one.curve.fits for one in slopes)
+    result.attrs["remarks"] = json.dumps(_remarks(result, slider, misfits))
     return result
 
 
 def _along_slopes(sigma, slopes):
     """What is known of each slope."""
     curves = [one.curve for one in slopes]
-    straight = [np.polyfit(one.x, one.curve.at(one.x), 1)[0] for one in slopes]
     return {
         "slope_kind": np.array([one.kind for one in slopes], str),
         "slope_start": np.array([one.start for one in slopes]),
         "slope_K": sigma * np.array([curve.k for curve in curves]),
         "slope_K_error": sigma * np.array([curve.k_error for curve in curves]),
-        "slope_straight": sigma * np.array(straight),
+        "slope_straight": sigma * np.array([one.straight for one in slopes]),
         "slope_creep": np.array([curve.r for curve in curves]),
-        "slope_used": np.array([curve.fits for curve in curves], bool),
     }
 
 
-def _best_kinds(kinds, used):
+def _used(slopes):
     """Which slopes are in K: those of stick phases, a lower bound, only for want of others."""
-    others = used & (kinds != "stick")
-    return others if others.any() else used
+    fits = np.array([one.curve.fits for one in slopes], bool)
+    others = fits & np.array([one.kind != "stick" for one in slopes], bool)
+    return others if others.any() else fits
+
+
+def _stiffness(sigma, curves):
+    """K, its error and scatter: of the mean of ln K, whose errors do not depend on its value."""
+    ln_k, own, shared = (
+        np.array([getattr(one, name) for one in curves])
+        for name in ("ln_k", "own_error", "shared_error")
+    )
+    mean, error, scatter = _mean(ln_k, own, shared)
+    K = sigma * float(np.exp(mean))
+    return K, K * error, scatter
 
 
 def _inertia(K, sigma, slider, ring_downs):
@@ -75,46 +89,54 @@ def _inertia(K, sigma, slider, ring_downs):
     means = []
     for j, name in enumerate(("M", "damping")):
         along[f"ring_down_{name}"], along[f"ring_down_{name}_error"] = values[:, j], errors[:, j]
-        means.append(_mean(values[:, j], own[:, j], by_K[:, j], K))
+        means.append(_mean(values[:, j], own[:, j], by_K[:, j] * K[1]))
     return along, *means
 
 
-def _mean(values, own, by_K, K):
-    """Mean, error and scatter of values (n,), whose errors but those by K's are independent."""
-    if not values.size or not np.isfinite(K[0]):
+def _mean(values, own, shared):
+    """Mean, error and scatter of values (n,) with independent errors, and shared ones (n,)."""
+    if not values.size or not np.isfinite(values).all():
         return NONE
     mean, error, scatter = mean_with_scatter(values, own)
-    common = float(np.average(by_K, weights=own**-2.0)) * K[1]
-    return mean, float(np.hypot(error, common)), scatter
+    return mean, float(np.hypot(error, np.average(shared, weights=own**-2.0))), scatter
 
 
 def _curves(raw, slopes, ring_downs):
     """Fitted curves along time, NaN elsewhere."""
     lines = {name: np.full(raw.time.size, np.nan) for name in CURVES}
     for slope in slopes:
-        lines["slope_friction"][slope.rows] = slope.curve.at(slope.x)
+        lines["slope_friction"][slope.rows] = slope.fitted
     for one in ring_downs:
         lines["ring_down_friction"][one.rows] = one.fitted
     return lines
 
 
-CURVES = ("slope_friction", "ring_down_friction")
+def _remarks(result, slider, misfits):
+    """What must be known of the result (list of str).
 
-
-def _remarks(result, slider):
-    """What must be known of the result (list of str)."""
-    texts = []
-    used = result["slope_used"].values
-    if not used.all():
-        texts.append(message("about.misfit", number=int((~used).sum()), all=used.size))
-    if not used.any():
-        texts.append(message("about.no_K"))
-    elif float(result["K_scatter"]) > 2.0:
-        texts.append(message("about.scatter", scatter=float(result["K_scatter"])))
-    if used.any() and bool((result["slope_kind"].values[used] == "stick").all()):
-        texts.append(message("about.stick"))
+    misfits : how many slopes the curve does not describe
+    """
+    texts = [*stiffness_remarks(result)]
+    if misfits:
+        texts.insert(0, message("about.misfit", number=misfits, all=result.sizes["slope"]))
     if not result.sizes["ring_down"]:
         texts.append(message("about.no_ring_down"))
     elif slider is None and bool((result["ring_down_V"] > 0.0).any()):
         texts.append(message("about.friction"))
     return texts
+
+
+def stiffness_remarks(result):
+    """What must be known of K (iterator of str)."""
+    kinds = result["slope_kind"].values[result["slope_used"].values]
+    if not kinds.size:
+        yield message("about.no_K")
+        return
+    if float(result["K_scatter"]) > 2.0:
+        yield message("about.scatter", scatter=float(result["K_scatter"]))
+    error = float(result["K_error"] / result["K"])
+    if kinds.size == 1 or error > UNCERTAIN:
+        slopes = "1 slope" if kinds.size == 1 else f"{kinds.size} slopes"
+        yield message("about.uncertain", slopes=slopes, error=100.0 * error)
+    if "stick" in kinds:
+        yield message("about.stick")

@@ -6,6 +6,7 @@ import pandas
 
 from ...model.conversion import in_si
 from ...model.quantities import power_of, prefixed_unit, readable, with_error
+from ..text_table import lines_of
 from .messages import refusal
 
 
@@ -33,7 +34,7 @@ def summary(result):
     result = in_si(result)
     lines = [estimate(result, symbol) for symbol in ("K", "M", "damping")]
     for table in (slopes(result), ring_downs(result)):
-        lines += ["", *table.to_string().splitlines()] if len(table) else []
+        lines += ["", *lines_of(table)] if len(table) else []
     remarks = json.loads(result.attrs["remarks"])
     return "\n".join([*lines, *([""] if remarks else []), *remarks])
 
@@ -43,7 +44,7 @@ def estimate(result, symbol):
     value, error = float(result[symbol]), float(result[f"{symbol}_error"])
     if value != value:
         return f"{symbol}: not found"
-    return f"{symbol} = {_with_unit(value, error, result[symbol].attrs['units'])}"
+    return f"{symbol} = {value_with_unit(value, error, result[symbol].attrs['units'])}"
 
 
 def slopes(result):
@@ -52,7 +53,7 @@ def slopes(result):
     columns = {
         "kind": result["slope_kind"].values.astype(str),
         "start": [readable("t", value, 6) for value in result["slope_start"].values],
-        "K": [_with_unit(*one, "Pa/m") for one in zip(K, errors, strict=True)],
+        "K": [value_with_unit(*one, "Pa/m") for one in zip(K, errors, strict=True)],
         "straight line": [readable("K", value) for value in result["slope_straight"].values],
         "used": ["yes" if used else "no" for used in result["slope_used"].values],
     }
@@ -72,15 +73,15 @@ def ring_downs(result):
             result[f"ring_down_{name}_error"].values,
             strict=True,
         )
-        columns[name] = [_with_unit(*pair, unit) for pair in pairs]
+        columns[name] = [value_with_unit(*pair, unit) for pair in pairs]
     index = pandas.RangeIndex(1, result.sizes["ring_down"] + 1)
     return pandas.DataFrame(columns, index=index)
 
 
-def _with_unit(value, error, unit):
-    """A value +- error in a unit that fits; "-" for NaN."""
+def value_with_unit(value, error, unit, power=None):
+    """A value +- error in a unit that fits, or of this power of ten; "-" for NaN."""
     if value != value:
         return "-"
-    power = power_of(unit, value)
+    power = power_of(unit, value) if power is None else power
     number = with_error(value / 10.0**power, error / 10.0**power)
     return f"{number} {prefixed_unit(unit, power)}"

@@ -4,7 +4,6 @@ import json
 
 from ...errors import ParameterError
 from ...model.quantities import attrs, readable
-from ...model.units import to_si
 from .agreement import coarse_resolution, disagreements
 from .columns import choose_columns, column_by_name
 from .downsampling import MOST, blocks, checked_most, downsample, means
@@ -13,7 +12,7 @@ from .lab_format import LabFormat
 from .messages import message, refusal
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
-from .sizes import check_constant, check_numbers, check_sizes, checked_units, unit_of
+from .sizes import check_numbers, check_sizes, checked_units, constant_in_si, unit_of
 from .stress_steps import stress_steps
 from .table import quoted
 from .values import drop_codes, drop_impossible, flip_signs
@@ -91,9 +90,7 @@ def _constant(sigma, columns):
     """A normal stress that is given [Pa]; ParameterError for none of a usual size, or two."""
     if "sigma" in (columns or {}):
         raise refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
-    value = to_si("sigma", sigma)
-    check_constant("sigma", value)
-    return value
+    return constant_in_si("sigma", sigma)
 
 
 def _part(table, name, columns, units, constant):

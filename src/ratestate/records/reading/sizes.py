@@ -73,12 +73,14 @@ def check_numbers(table, symbol, column, rows=slice(None)):
     raise refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
 
 
-def check_constant(symbol, value):
-    """ParameterError for a constant of a size that nobody has measured friction with."""
+def constant_in_si(symbol, value):
+    """A constant in SI; ParameterError for one of a size that nobody has measured friction with."""
+    number = to_si(symbol, value)
     low, high = USUAL[symbol]
-    if not low <= value <= high:
+    if not low <= number <= high:
         si = QUANTITIES[symbol].unit
-        raise refusal("column.constant", symbol=symbol, value=value, low=low, high=high, si=si)
+        raise refusal("column.constant", symbol=symbol, value=number, low=low, high=high, si=si)
+    return float(number)
 
 
 def check_sizes(symbol, values, column, unit):
