@@ -113,6 +113,42 @@ def test_one_set_serves_all_steps_under_the_right_law_alone(under_both):
     assert np.isnan(shared.sel(parameter="K"))  # the machine's
 
 
+def test_healing_is_predicted_by_the_joint_fit(data, under_both):
+    """Its error is propagated from that of the joint fit, and of K from that of a step."""
+    law = "slip"
+    slider, joint = fitting.slider_of(under_both, law), under_both.sel(law=law, parameter=FREE)
+
+    def healed(**changes):
+        result = rs.healing(data, slider.replace(**changes))
+        return float(result.delta_mu_predicted[0, 0])
+
+    predicted = rs.healing(data, under_both).sel(law=law)
+    assert float(predicted.delta_mu_predicted[0]) == pytest.approx(healed(), rel=1e-9)
+    spacing = {name: 1e-3 * getattr(slider, name) for name in FREE}
+    slopes = [
+        (healed(**{name: getattr(slider, name) + h}) - healed(**{name: getattr(slider, name) - h}))
+        / (2.0 * h)
+        for name, h in spacing.items()
+    ]
+    correlation = joint.shared_correlation.sel(other=FREE).values
+    np.testing.assert_allclose(np.diag(correlation)[:3], 1.0)
+    correlation[3] = correlation[:, 3] = [0.0, 0.0, 0.0, 1.0]
+    errors = joint.shared_error.values
+    errors[3] = np.hypot(float(joint.standard_error[:, 3].median()), float(joint.scatter[3]))
+    changes = slopes * errors
+    expected = float(np.sqrt(changes @ correlation @ changes))
+    assert float(predicted.delta_mu_predicted_error[0]) == pytest.approx(expected, rel=0.01)
+    assert not 0.9 < expected / np.linalg.norm(changes) < 1.1  # the correlation counts
+
+
+def test_healing_of_steps_without_a_joint_fit_is_refused(data, under_both):
+    lacking = under_both.copy(deep=True)
+    lacking.shared.loc[{"law": "aging"}] = np.nan
+    lacking.shared_error.loc[{"law": "aging"}] = np.nan
+    with pytest.raises(rs.ParameterError, match="no joint fit under the aging law"):
+        rs.healing(data, lacking)
+
+
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_steps_up_and_down_are_alike_under_the_right_law_alone():
     """Of steps of the slip law the aging law wants Dc shorter up and longer down."""

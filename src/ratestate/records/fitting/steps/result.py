@@ -125,7 +125,18 @@ def _shared(fits, shared, law, names):
         "shared_degrees": 0 if shared is None else shared.degrees,
         "shared_p_value": np.nan if shared is None else shared.p_value,
     }
-    return labelled("parameter", **rows) | labelled((), **scalars)
+    correlation = labelled(("parameter", "other"), shared_correlation=_correlation(shared, names))
+    return labelled("parameter", **rows) | correlation | labelled((), **scalars)
+
+
+def _correlation(shared, names):
+    """(p, p) correlation of the coordinates that are shared; NaN of others."""
+    table = np.full((len(names), len(names)), np.nan)
+    if shared is not None:
+        rows = [names.index(name) for name in shared.names]
+        errors = np.sqrt(np.diag(shared.covariance))
+        table[np.ix_(rows, rows)] = shared.covariance / np.outer(errors, errors)
+    return table
 
 
 def _windows(fits):
