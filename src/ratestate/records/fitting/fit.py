@@ -102,7 +102,7 @@ def fit(
 
         With each="step" parameters, errors, statistics and texts are along ``step``, 1 to n in
         order of time (and along ``law`` where several), NaN and "" where ``status`` is 1 (failed)
-        and ``message`` says why.  Along ``step`` alone: ``kind`` ("step", "hold" or "normal
+        or 2 (stick-slip, which is not fitted) and ``message`` says why.  Along ``step`` alone: ``kind`` ("step", "hold" or "normal
         stress"), ``step_t`` [s] and ``step_delta_lp`` [m] where it is, ``V_before`` and ``V_after``
         [m/s], ``t_hold`` [s], ``sigma`` [Pa], ``samples``, each the mean of ``rows_per_sample``
         rows (1 up to 20,000 rows); along ``sample``, too, some of the record and of the fitted

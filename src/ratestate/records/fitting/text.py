@@ -3,9 +3,12 @@
 import re
 import textwrap
 
+import numpy as np
+
 from ...dynamics import attributes
 from ...model.quantities import readable
 from .by_law import checked_by_law, law_of, value_of, warnings_of
+from .steps.result import FAILED, STICK_SLIP
 from .steps.table import is_of_steps, results_by_law_of_steps, sentences_on_all, table_of
 from .table import estimate_cells, law_names, quality_text
 from .unknowns import of_slider
@@ -77,17 +80,26 @@ def remarks_on_steps(result):
     The warnings are those of the law that fits best; of others how many there are.
     """
     texts = [attributes.text(result, "comparison", ""), *sentences_on_all(result)]
+    texts += _stick_slip(result)
     best = _best_law(result)
     for law, part in results_by_law_of_steps(result).items():
         warnings = part["warnings"].values.tolist()
         for i, message in enumerate(part["message"].values.tolist(), 1):
-            texts += [f"step {i}, {law} law, failed: {message}"] if message else []
+            failed = message and int(part["status"][i - 1]) == FAILED
+            texts += [f"step {i}, {law} law, failed: {message}"] if failed else []
         if law == best:
             for i, several in enumerate(warnings, 1):
                 texts += [f"step {i}, {law} law, warning: {one}" for one in several.splitlines()]
         elif count := sum(len(several.splitlines()) for several in warnings):
             texts.append(f"{law} law, warnings: {count}, in the variable warnings of the result")
     return [text for text in texts if text]
+
+
+def _stick_slip(result):
+    """A line for each step that is stick-slip (list), which is so under every law."""
+    part = next(iter(results_by_law_of_steps(result).values()))
+    which = np.flatnonzero(part["status"].values == STICK_SLIP).tolist()
+    return [f"step {i + 1}: {part['message'].values[i]}" for i in which]
 
 
 def notes_of(result):

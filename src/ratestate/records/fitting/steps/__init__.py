@@ -2,6 +2,7 @@
 
 =================== ===========================================================================
 ``experiment``      what `fit` does where each="step"
+``stick_slip``      slides that are stick-slip, whose steps are not fitted
 ``windows``         steps and holds, each with its part of the record
 ``each``            the fits of these parts, in parallel
 ``shared``          one set of the law's parameters for all, and a test whether it serves

@@ -12,8 +12,10 @@ from ..by_law import value_of
 from ..noise import Noise
 from ..one_record import datasets_of, inferences_of, single_blas
 from ..record import Record
+from ..refusals import refusal, sentence
 from ..settings import Settings
 from ..unknowns import Unknowns
+from .stick_slip import stick_slip_about, stick_slip_slides
 from .windows import Window, windows_of
 
 #: most samples of a window that are fitted: a step is resolved as well as with ten times as many
@@ -41,6 +43,7 @@ class Separate(NamedTuple):
     noise: Noise
     chi2: float  # of the whitened residuals
     errors: np.ndarray  # (k,) of the coordinates, with the noise as estimated
+    converged: bool  # whether the search has
 
 
 class Fitted(NamedTuple):
@@ -48,11 +51,17 @@ class Fitted(NamedTuple):
 
     task: Task
     laws: dict  # law -> `Separate`, or the message (str) why there is none
+    is_stick_slip: bool = False  # which is why there is none
 
     def of(self, law):
         """The `Separate` of a law, or None."""
         separate = self.laws[law]
         return None if isinstance(separate, str) else separate
+
+    def converged(self, law):
+        """The `Separate` of a law if its search has converged, or None."""
+        separate = self.of(law)
+        return separate if separate and separate.converged else None
 
 
 def fit_each(data, settings):
@@ -60,16 +69,33 @@ def fit_each(data, settings):
 
     data : the record (Dataset in SI)
 
-    And list of `Window`, for each step of normal stress.  ParameterError as of `windows_of`.
+    And list of `Window`, for each step of normal stress.  Where friction is stick-slip, steps of
+    both kinds are among the former, and not fitted.  ParameterError as of `windows_of`, and where
+    all are so.
     """
-    windows = windows_of(data)
+    windows, unstable = _divided(data, settings)
     tasks = [_task(one, data, settings) for one in windows if one.kind != "normal stress"]
     with bar("fits of steps") as show:
         fitted = _pilots(tasks)
         if fitted:
             tasks[len(fitted) :] = [_nearer(task, fitted[-1]) for task in tasks[len(fitted) :]]
         fitted += _fit_all(tasks[len(fitted) :], show)
-    return fitted, [one for one in windows if one.kind == "normal stress"]
+    return fitted + unstable, [one for one in windows if one.kind == "normal stress"]
+
+
+def _divided(data, settings):
+    """The `Window`s (list) of a record, and the `Fitted` of those in stick-slip."""
+    windows = windows_of(data)
+    slides = stick_slip_slides(data, settings.sliders[0].sigma)
+    found = {window: stick_slip_about(window, slides) for window in windows}
+    unstable = []
+    for window in (window for window in windows if found[window]):
+        slide = {"events": found[window].events, "V_lp": found[window].V}
+        laws = dict.fromkeys(settings.laws, sentence("each.stick_slip", **slide))
+        unstable.append(Fitted(_task(window, data, settings), laws, is_stick_slip=True))
+    if len(unstable) == len(windows):
+        raise refusal("each.all_stick_slip", count=len(windows), **slide)
+    return [window for window in windows if not found[window]], unstable
 
 
 def _pilots(tasks):
@@ -166,6 +192,7 @@ def _separate(task):
             one.noise,
             one.chi2,
             np.sqrt(np.diag(one.covariance)),
+            one.converged,
         )
         for (law, result), one in zip(results.items(), solutions, strict=True)
     }

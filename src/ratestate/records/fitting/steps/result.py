@@ -16,7 +16,7 @@ from .comparison import estimates_of, grouped, is_down, is_up, ratio_of
 #: most samples of a window that are kept for figures
 KEPT = 1000
 #: status of a window under a law
-FITTED, FAILED = 0, 1
+FITTED, FAILED, STICK_SLIP = 0, 1, 2
 #: scalars of a fit that are kept for each step
 SCALARS = (
     "rms noise_white noise_red noise_time chi2_white log_likelihood aic bic log_evidence"
@@ -69,13 +69,14 @@ def _estimates(fits, law, names):
     texts = {name: np.full(n, "", object) for name in (*TEXTS, "message")}
     error, interval = np.full((n, p), np.nan), np.full((n, p, 2, 2), np.nan)
     kind, correlation = np.full((n, p), "", object), np.full((n, p, p), np.nan)
-    status = np.full(n, FAILED, np.int8)
+    status = np.full(n, FITTED, np.int8)
     for i, fit in enumerate(fits):
         one = fit.of(law)
         if one is None:
             texts["message"][i] = fit.laws[law]
+            status[i] = STICK_SLIP if fit.is_stick_slip else FAILED
             continue
-        part, status[i] = one.result, FITTED
+        part = one.result
         own = part["parameter"].values.tolist()
         rows = [names.index(name) for name in own]
         error[i, rows] = part["standard_error"].values
@@ -89,7 +90,9 @@ def _estimates(fits, law, names):
         for name in TEXTS:
             texts[name][i] = str(part[name].item())
     values = {name: one for name, one in values.items() if name in names or np.isfinite(one).any()}
-    of_status = attrs("status") | flags({FITTED: "fitted", FAILED: "failed"})
+    of_status = attrs("status") | flags(
+        {FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"}
+    )
     texts = {name: one.astype(str) for name, one in texts.items()}
     return xarray.Dataset(
         {

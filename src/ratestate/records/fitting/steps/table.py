@@ -8,7 +8,7 @@ from ....friction.laws import friction_law
 from ....model.quantities import QUANTITIES, power_of, prefixed_unit, readable, rounded, short
 from ..table import rate_dependence_text
 from ..unknowns import TRENDS
-from .result import FAILED
+from .result import FAILED, STICK_SLIP
 
 #: heads of the columns on what the load point does
 HEADS = ("step", "kind", "time [s]", "load point")
@@ -128,9 +128,10 @@ def _what(step):
 
 
 def _note(part, i):
-    """Whether a step failed, or how many warnings it carries."""
-    if part["status"].values[i] == FAILED:
-        return "failed"
+    """Whether a step is stick-slip or failed, or how many warnings it carries."""
+    status = part["status"].values[i]
+    if status in (FAILED, STICK_SLIP):
+        return "failed" if status == FAILED else "stick-slip"
     count = len(str(part["warnings"].values[i]).splitlines())
     return "" if not count else "1 warning" if count == 1 else f"{count} warnings"
 
