@@ -152,3 +152,20 @@ def test_what_has_no_slider_or_summary_is_refused(both):
             function(both[["Dc"]])
     with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
         _ = fitting.nonsense
+
+
+def test_where_normal_stress_steps_alpha_is_given_or_free():
+    loading = rs.Loading.steps("1 um/s", (40.0, "10 um/s")).sigma_step(60.0, "21 MPa")
+    t = np.linspace(0.0, 80.0, 801)
+    run = rs.simulate(SLIDER.replace(alpha=0.2), loading, 80.0, times=t)
+    friction = run.tau / run.sigma + 1e-4 * np.random.default_rng(3).normal(size=t.size)
+    data = run[["delta_lp", "sigma"]].assign(friction=friction)
+    given = rs.fit(data, SLIDER, ("a", "b", "Dc"), errors="covariance")
+    free = rs.fit(data, SLIDER, ("a", "b", "Dc", "alpha"), errors="covariance")
+    text = " ".join(fitting.summary(given).split())
+    assert "M = 0 kg/m^2, alpha = 0, sigma = 20 MPa" in text
+    assert "was given, alpha = 0, which the other estimates depend on: add alpha to free." in text
+    text = " ".join(fitting.summary(free).split())
+    assert float(free.alpha) == pytest.approx(0.2, abs=0.03)
+    assert "alpha = " not in text
+    assert "add alpha" not in text

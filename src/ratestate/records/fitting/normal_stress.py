@@ -3,11 +3,10 @@
 import numpy as np
 
 from ...model.loading.normal_stress import NormalStress
+from ..reading.normal_stress import varies
 from ..sample_noise import sample_noise
 from .refusals import refusal
 
-#: standard deviation, over the mean, from which it counts as varying
-VARIABLE = 0.01
 #: of the noise, by which lines may miss samples; of the mean, if there is no noise
 NOISES, LEAST = 4.0, 1e-6
 #: tolerances by which a change from one sample to the next is a jump
@@ -27,7 +26,7 @@ def recorded_stress(data, t, sigma):
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return None
     recorded = np.asarray(data["sigma"].values, float)
-    if not np.isfinite(recorded).all() or recorded.std() <= VARIABLE * recorded.mean():
+    if not varies(recorded):
         return None
     tolerance = max(NOISES * sample_noise(recorded), LEAST * recorded.mean())
     knots = corners(t, recorded, tolerance)

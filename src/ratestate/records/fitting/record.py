@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...model.loading import Loading
-from .normal_stress import VARIABLE
+from ..reading.normal_stress import VARIABLE
 from .raw_record import loading_of, raw_record
 from .refusals import refusal
 

@@ -139,7 +139,10 @@ def fixed_parameters(laws):
     """A sentence with the parameters that were given, under any of the laws, and their values."""
     values: dict[str, float] = {}
     for part in laws.values():
-        given = [s for s in of_slider(law_of(part)) if s not in part.data_vars]
+        symbols = of_slider(law_of(part))
+        if "loading" in part.attrs and "sigma" in attributes.loading_record(part):
+            symbols = (*symbols, "alpha")  # which has a part where normal stress varies
+        given = [s for s in symbols if s not in part.data_vars]
         values |= {s: value_of(part, s) for s in (*given, "sigma", "V0")}
     return f"Given: {', '.join(f'{s} = {readable(s, value)}' for s, value in values.items())}."
 

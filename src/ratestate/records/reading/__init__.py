@@ -24,6 +24,7 @@
 ``values``                      rows with codes, impossible values or spikes; signs to turn
 ``agreement``                   whether columns contradict each other, or are too coarse
 ``segments``                    `find_segments`: constant speeds, their errors; steps in words
+``normal_stress``               steps of normal stress
 ``splits``                      where rows are cut into runs; how large the noise is
 ``steps``                       which cuts are steps; what is a hold, a jump, a ramp
 ``runs``                        lines through runs, and where they meet

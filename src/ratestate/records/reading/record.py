@@ -11,6 +11,7 @@ from .downsampling import MOST, blocks, checked_most, downsample, means
 from .joining import Part, check_join, join_parts
 from .lab_format import LabFormat
 from .messages import message, refusal
+from .normal_stress import stress_steps, stress_text
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
 from .sizes import check_constant, check_numbers, check_sizes, checked_units, unit_of
@@ -76,7 +77,7 @@ def record_of(
     }
     data.attrs = {
         "title": "ratestate read_lab",
-        "found": coarse or segments.history(record["time"], record.get("delta_lp")),
+        "found": coarse or _found(record, segments),
         "source": ", ".join(names),
         "columns": json.dumps(sources),
         "notes": json.dumps(messages + turned + segments.notes),
@@ -84,6 +85,14 @@ def record_of(
     if lab.machine:
         data.attrs["machine"] = json.dumps(lab.machine)
     return data, messages
+
+
+def _found(record, segments):
+    """The load point's history, and steps of normal stress."""
+    time = record["time"]
+    history = segments.history(time, record.get("delta_lp"))
+    steps = stress_steps(time, record["sigma"]) if "sigma" in record else []
+    return "; ".join([history, *map(stress_text, steps)])
 
 
 def _constant(sigma, columns):

@@ -36,7 +36,7 @@ class FoundSegments(NamedTuple):
         ends = np.append(self.t[1:], t[-1])
         texts = []
         for i, (start, V) in enumerate(zip(self.t, self.V, strict=True)):
-            at = f"{start:.1f} s" if abs(start) >= 100.0 else f"{start:.4g} s"
+            at = time_text(start)
             moved = "" if displacement is None else _displacement(np.interp(start, t, displacement))
             before = self.V[i - 1] if i else None
             if V == 0.0:
@@ -47,6 +47,11 @@ class FoundSegments(NamedTuple):
             elif before is not None:
                 texts.append(f"velocity step {_speeds(before, V)} at {at}{moved}")
         return "; ".join(texts)
+
+
+def time_text(t):
+    """A time [s] of a change, such as "150.0 s"."""
+    return f"{t:.1f} s" if abs(t) >= 100.0 else f"{t:.4g} s"
 
 
 def find_segments(t, delta_lp):

@@ -7,8 +7,8 @@ from scipy.special import fdtrc
 
 from ....model.quantities import readable
 from ....model.sentences import Sentences
+from ...reading.normal_stress import VARIABLE
 from ..forward import Forward
-from ..normal_stress import VARIABLE
 from ..record import changes
 from ..score import CHANCE, FALL, gain_of, responds, response
 from ..unknowns import of_slider

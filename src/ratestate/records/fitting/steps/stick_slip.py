@@ -1,8 +1,7 @@
-"""Slides of a record in which friction is stick-slip: steady sliding is unstable, and no step is seen.
+"""Slides of a record that are stick-slip: steady sliding is unstable there, and no step is seen.
 
-The events and the test of their significance are those of `events`.  Of noise that wanders that test
-lets some pass; as stick-slip counts what has several events, which make up much of all that friction
-does.
+The events and the test of their significance are those of `events`.  Of noise that wanders that
+test lets some pass: here a slide wants several events, which make up much of what friction does.
 """
 
 from typing import NamedTuple
@@ -52,6 +51,6 @@ def _events_in(part, sigma):
 
 
 def stick_slip_about(window, slides):
-    """The stick-slip `Slide` with most events that a `Window` has a part of; None if there is none."""
+    """Of the stick-slip `Slide`s that a `Window` has a part of that with most events, or None."""
     about = [one for one in slides if one.begin < window.end and window.begin < one.end]
     return max(about, key=lambda one: one.events, default=None)

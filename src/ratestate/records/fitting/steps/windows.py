@@ -4,8 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...reading.segments import segments_from_velocity
-from ..normal_stress import VARIABLE
+from ...reading.normal_stress import stress_steps
 from ..raw_record import checked_time, recorded_segments
 from ..refusals import refusal
 
@@ -13,8 +12,6 @@ from ..refusals import refusal
 LEAD = 0.5
 #: fewest rows there, as far as there are as many
 ROWS = 50
-#: rows on either side of a step of normal stress, between which most of the change happens
-BESIDE, SUDDEN = 5, 0.6
 
 
 class Window(NamedTuple):
@@ -46,8 +43,8 @@ class _Change(NamedTuple):
 def windows_of(data):
     """The `Window`s (list) of a record, a Dataset in SI, in order of time.
 
-    A hold lasts until the end of the sliding after it.  A step of normal stress is one by
-    `_stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and: no step
+    A hold lasts until the end of the sliding after it.  Steps of normal stress are those of
+    `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and: no step
     or hold that follows on sliding.
     """
     time = checked_time(data)
@@ -84,31 +81,13 @@ def _changes(data):
     starts, speeds = recorded_segments(data, time)
     first, *of_speed = zip(starts.tolist(), speeds.tolist(), strict=True)
     changes = [_Change(t, V, False) for t, V in of_speed]
-    for t in _stress_steps(data):
+    sigma = data["sigma"] if "sigma" in data.variables else None
+    has_stress = sigma is not None and sigma.dims == ("time",)
+    for t, _, _ in stress_steps(time, sigma.values) if has_stress else ():
         V = speeds[max(int(np.searchsorted(starts, t, side="right")) - 1, 0)]
         changes.append(_Change(t, float(V), True))
     end = float(time[-1]) + 0.5 * float(np.median(np.diff(time)))
     return [_Change(float(time[0]), first[1], False), *sorted(changes), _Change(end, np.nan, False)]
-
-
-def _stress_steps(data):
-    """Times [s] of steps of normal stress; where it changes slowly there is none."""
-    if "sigma" not in data.variables or data["sigma"].dims != ("time",):
-        return []
-    sigma = data["sigma"].values
-    if not np.isfinite(sigma).all() or sigma.std() <= VARIABLE * sigma.mean():
-        return []
-    time = data["time"].values
-    levels = segments_from_velocity(time, sigma)
-    changes = zip(levels.t[1:], np.diff(levels.V), strict=True)
-    return [float(t) for t, change in changes if _is_sudden(time, sigma, t, change)]
-
-
-def _is_sudden(time, sigma, t, change):
-    """Whether a change of normal stress between two levels happens within some rows."""
-    at = int(np.searchsorted(time, t))
-    before, after = sigma[max(at - BESIDE, 0) : at], sigma[at : at + BESIDE]
-    return (np.median(after) - np.median(before)) / change > SUDDEN
 
 
 def _begin(time, before, change, after):
