@@ -27,6 +27,9 @@ COLORED, LONG = 4.0, 0.1
 MISFIT, AFTER = 1.5, 5.0
 #: eta of the mass with which the effect of inertia is tried
 LIGHT = 1e-3
+#: largest mass per area of the contact that a machine moves [kg/m^2]: that of 100 m of steel, which
+#: is ten times as much as the pistons of the largest ones, on a contact a tenth of their section
+HEAVIEST = 7850.0 * 100.0
 #: fewest samples elsewhere from which the noise is inference
 FEWEST = 30
 #: size of the residuals, over that of a given noise, that contradicts it
@@ -177,7 +180,10 @@ def _later_or_earlier(solution):
 
 
 def _inert(solution):
-    """A warning if inertia, which was left out, would lower chi-square by more than chance does."""
+    """A warning if inertia, which was left out, would lower chi-square by more than chance does.
+
+    Where it takes a mass that no machine has, something else is wrong, and nothing is said.
+    """
     problem, slider = solution.problem, solution.problem.slider
     if slider.M != 0.0 or not np.isfinite(slider.K):
         return
@@ -188,5 +194,5 @@ def _inert(solution):
     friction = heavy.friction(solution.point[None])[0]
     by_eta = np.nan_to_num((friction - solution.fitted_friction) / LIGHT)
     gain, (eta,) = gain_of(solution, by_eta[:, None])
-    if gain > FALL and eta > LIGHT:
+    if gain > FALL and eta > LIGHT and eta * unit < HEAVIEST:
         yield SENTENCES("more.inertia", gain=gain, unit=unit)
