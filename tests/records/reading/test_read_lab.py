@@ -420,6 +420,17 @@ def test_files_refused(tmp_path):
         read_lab(tmp_path / "r.h5")
 
 
+def test_short_rows_are_counted(tmp_path):
+    rows = [row if i % 2 else row[:2] for i, row in enumerate(cells())]
+    match = r"r.txt: 60 of the first 120 rows of numbers .* than the 4 of the others \(first line 2"
+    with pytest.raises(rs.ParameterError, match=match):
+        read_lab(write(tmp_path / "r.txt", rows))
+    few = [row if i % 14 == 1 else row[:2] for i, row in enumerate(cells())]  # 9 whole ones
+    with pytest.raises(rs.ParameterError) as error:
+        read_lab(write(tmp_path / "r.txt", few))
+    assert "of the first" not in str(error.value)
+
+
 def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):
     path = tmp_path / "r.txt"
     for content, match in [

@@ -63,7 +63,7 @@ def record_of(
     signs, turned = flip_signs(kept.record, lab.signs)
     if constant is not None:
         kept.add_constant("sigma", constant)
-    drop_impossible(kept)
+    turned += drop_impossible(kept)
     kept.find_gaps()
     downsample(kept, most)
     record = kept.record
@@ -74,6 +74,7 @@ def record_of(
     sources = {
         s: {"title": c.title, "unit": part.units[s]} | ({"sign": -1} if s in signs else {})
         for s, c in part.columns.items()
+        if s in record
     }
     data.attrs = {
         "title": "ratestate read_lab",
