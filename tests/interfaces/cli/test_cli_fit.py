@@ -166,6 +166,25 @@ def test_bad_input_is_told_in_one_line(tmp_path, arguments, message):
     assert "Traceback" not in done.stderr
 
 
+def test_a_dead_normal_stress_is_named_where_it_is_wanted(tmp_path):
+    path = written(tmp_path / "step.txt", rows=101)
+    path.write_text(path.read_text().replace("\t20\n", "\t0\n"))
+    said = " ".join(call(path).stderr.split())
+    assert "the column 'Normal_stress(MPa)' is 0 Pa" in said
+    assert "add --sigma '20 MPa'" in said
+
+
+def test_an_error_leaves_no_empty_folder(tmp_path):
+    out = tmp_path / "new" / "made"
+    done = call(tmp_path / "absent.txt", "--out", out)
+    assert done.exit_code == 2
+    assert [*tmp_path.iterdir()] == []
+    (tmp_path / "new").mkdir()
+    assert call(tmp_path / "absent.txt", "--out", tmp_path / "new").exit_code == 2
+    assert (tmp_path / "new").is_dir()  # which was there before
+    assert "fit of .," in call(".").stderr
+
+
 def test_a_report_of_others_is_not_replaced(tmp_path):
     (tmp_path / "report.md").write_text("# Minutes of a meeting\n")
     done = call(written(tmp_path / "step.txt", rows=101), "--out", tmp_path)

@@ -21,7 +21,7 @@ from ...records.fitting.table import law_names
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
 from .document import document
-from .output import make_writable, print_json, reporting_files
+from .output import folder, print_json, reporting_files
 from .report.markdown import HEADING, FitRequest, markdown
 from .run_scenario import print_report
 
@@ -39,15 +39,14 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     ParameterError as of `read_lab` and `fit`, and: a report.md there that is none of these; no
     normal stress; a, b, Dc, K or a parameter of the law neither given nor free.
     """
-    if out:
-        make_writable(out)
-        report = out / REPORT
-        if report.is_file() and not report.read_text("utf-8", errors="replace").startswith(HEADING):
+    if out and (report := out / REPORT).is_file():
+        if not report.read_text("utf-8", errors="replace").startswith(HEADING):
             raise ParameterError(
                 f"{report} exists and is no report of ratestate fit; it is not replaced: give "
                 f"another folder with --out"
             )
-    with reporting_files(f"fit of {request.names}, {law_names(request.laws)}") as files:
+    what = f"fit of {request.names}, {law_names(request.laws)}"
+    with folder(out), reporting_files(what) as files:
         with warnings.catch_warnings():
             # both are printed with the result
             warnings.simplefilter("ignore", FitWarning)
@@ -62,7 +61,7 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
             files += [
                 write(result, out / NUMBERS),
                 plot.save(plot.fit(result), out / PLOT),
-                replace(report, lambda partial: partial.write_text(text, "utf-8")),
+                replace(out / REPORT, lambda partial: partial.write_text(text, "utf-8")),
             ]
             if is_of_steps(result):
                 table = laboratory_csv(rows_of(result), "step")
@@ -82,9 +81,11 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
     given: dict[str, Any] = json.loads(record.attrs.get("machine", "{}")) | request.values
     if "sigma" not in given:
         if "sigma" not in record:
+            notes = json.loads(record.attrs["notes"])
+            why = "".join(f" ({note})" for note in notes if note.startswith("sigma is left out"))
             raise ParameterError(
-                "the record has no normal stress, and none is given; add --sigma '20 MPa', or say "
-                "which column it is: --columns sigma=TITLE"
+                f"the record has no normal stress{why}, and none is given; add --sigma '20 MPa', "
+                f"or say which column it is: --columns sigma=TITLE"
             )
         given["sigma"] = float(record["sigma"].median())
         default = f"sigma = {readable('sigma', given['sigma'])} is the median of the record's"
