@@ -39,12 +39,11 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     ParameterError as of `read_lab` and `fit`, and: a report.md there that is none of these; no
     normal stress; a, b, Dc, K or a parameter of the law neither given nor free.
     """
-    if out and (report := out / REPORT).is_file():
-        if not report.read_text("utf-8", errors="replace").startswith(HEADING):
-            raise ParameterError(
-                f"{report} exists and is no report of ratestate fit; it is not replaced: give "
-                f"another folder with --out"
-            )
+    if out and (report := out / REPORT).is_file() and not _is_own(report):
+        raise ParameterError(
+            f"{report} exists and is no report of ratestate fit; it is not replaced: give "
+            f"another folder with --out"
+        )
     what = f"fit of {request.names}, {law_names(request.laws)}"
     with folder(out), reporting_files(what) as files:
         with warnings.catch_warnings():
@@ -73,6 +72,11 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     else:
         print_report(result)
     return bool((result["warnings"] != "").any())
+
+
+def _is_own(report: Path) -> bool:
+    """Whether a file is a report that `fit_and_report` has written."""
+    return report.read_text("utf-8", errors="replace").startswith(HEADING)
 
 
 def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:

@@ -1,67 +1,21 @@
 """Each step and hold of a record fitted on its own window, in parallel."""
 
-from typing import NamedTuple
-
 import numpy as np
-import xarray
 
 from ....dynamics.progress import bar
 from ....errors import RateStateError
 from ...child_process import mapped
 from ..by_law import value_of
-from ..noise import Noise
 from ..one_record import datasets_of, inferences_of, single_blas
-from ..record import Record
 from ..refusals import refusal, sentence
-from ..settings import Settings
-from ..unknowns import Unknowns
+from .fitted import Fitted, Separate, Task
 from .stick_slip import stick_slip_about, stick_slip_slides
-from .windows import Window, windows_of
+from .windows import windows_of
 
 #: most samples of a window that are fitted: a step is resolved as well as with ten times as many
 MOST = 20_000
 #: slip since the change before, over Dc, from which on sliding may be steady at a window's begin
 SLID = 5.0
-
-
-class Task(NamedTuple):
-    """A window to be fitted."""
-
-    window: Window
-    data: xarray.Dataset  # its rows
-    settings: Settings  # with the sliders from where the searches begin
-    rows_per_sample: int = 1  # of the record, which are averaged
-
-
-class Separate(NamedTuple):
-    """The fit of a window under one law."""
-
-    result: xarray.Dataset  # of `datasets_of`
-    record: Record
-    unknowns: Unknowns
-    point: np.ndarray  # (k,) coordinates of the best fit
-    noise: Noise
-    chi2: float  # of the whitened residuals
-    errors: np.ndarray  # (k,) of the coordinates, with the noise as estimated
-    converged: bool  # whether the search has
-
-
-class Fitted(NamedTuple):
-    """A window with its fits."""
-
-    task: Task
-    laws: dict  # law -> `Separate`, or the message (str) why there is none
-    is_stick_slip: bool = False  # which is why there is none
-
-    def of(self, law):
-        """The `Separate` of a law, or None."""
-        separate = self.laws[law]
-        return None if isinstance(separate, str) else separate
-
-    def converged(self, law):
-        """The `Separate` of a law if its search has converged, or None."""
-        separate = self.of(law)
-        return separate if separate and separate.converged else None
 
 
 def fit_each(data, settings):

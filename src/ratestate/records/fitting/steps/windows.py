@@ -81,9 +81,8 @@ def _changes(data):
     starts, speeds = recorded_segments(data, time)
     first, *of_speed = zip(starts.tolist(), speeds.tolist(), strict=True)
     changes = [_Change(t, V, False) for t, V in of_speed]
-    sigma = data["sigma"] if "sigma" in data.variables else None
-    has_stress = sigma is not None and sigma.dims == ("time",)
-    for t, _, _ in stress_steps(time, sigma.values) if has_stress else ():
+    has_stress = "sigma" in data.variables and data["sigma"].dims == ("time",)
+    for t, _, _ in stress_steps(time, data["sigma"].values) if has_stress else ():
         V = speeds[max(int(np.searchsorted(starts, t, side="right")) - 1, 0)]
         changes.append(_Change(t, float(V), True))
     end = float(time[-1]) + 0.5 * float(np.median(np.diff(time)))
