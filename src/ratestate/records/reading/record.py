@@ -14,7 +14,7 @@ from .messages import message, refusal
 from .normal_stress import stress_steps, stress_text
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
-from .sizes import check_constant, check_numbers, check_sizes, checked_units, unit_of
+from .sizes import check_constant, check_numbers, check_sizes, checked_units, unit_of, unusual
 from .table import quoted
 from .values import drop_codes, drop_impossible, flip_signs
 
@@ -69,6 +69,7 @@ def record_of(
     record = kept.record
     segments = _segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)
+    turned += unusual(record, segments.V)
     messages = kept.warnings + notes + of_files + disagreements(kept, coarse)
     data = _dataset(record, segments)
     sources = {
