@@ -71,6 +71,20 @@ def test_where_a_profile_refutes_the_covariance_its_interval_makes_the_error(bot
     assert wide > 2.0 * usual
 
 
+@pytest.mark.parametrize(
+    ("factor", "meaning"),
+    [
+        (1.0, "above 1: steady sliding is stable"),
+        (0.05, "below 1: steady sliding is unstable"),
+    ],
+)
+def test_the_ratio_of_stiffness_says_what_holds_for_its_value(both, factor, meaning):
+    part = results_by_law(both)["slip"]
+    rows = estimate_rows({"slip": part.assign(K=factor * part.K)})
+    (row,) = (row for row in rows if row.symbol == "K/K_c_qs")
+    assert row.meaning == meaning
+
+
 def test_stiffness_over_critical_needs_a_less_b_alone(both):
     """However little is known of a and b: K_c_qs has only their difference."""
     (part,) = results_by_law(both.sel(law="slip")).values()

@@ -36,6 +36,8 @@ FEWEST = 30
 CONTRADICTED = 1.5
 #: residuals, over friction's range, too small to be a misfit
 FINE = 1e-4
+#: the laws with two states, of the sum of two effects that one state cannot give
+TWO_STATES = "two-state-aging or two-state-slip"
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
@@ -135,14 +137,21 @@ def _misfit(solution, name, D):
     if square > MISFIT and fdtrc(count, others, square) < CHANCE:
         massless = solution.problem.forward.fixed["M"] == 0.0
         mass = "the machine's mass (M is 0), " if massless else ""
-        yield SENTENCES("residuals.after_steps", ratio=np.sqrt(square), mass=mass)
+        values = {"ratio": np.sqrt(square), "mass": mass, "other": _other_law(solution)}
+        yield SENTENCES("residuals.after_steps", **values)
         return
     colored = float(np.mean(residual**2)) / (np.var(np.diff(residual)) / 2.0)
     duration = float(durations.min())
     if noise.red and colored > COLORED and noise.time > LONG * duration:
-        yield SENTENCES(
-            "residuals.correlated", red=noise.red, time=noise.time, name=name, duration=duration
-        )
+        values = {"red": noise.red, "time": noise.time, "name": name, "duration": duration}
+        yield SENTENCES("residuals.correlated", other=_other_law(solution), **values)
+
+
+def _other_law(solution):
+    """Which law to try where one does not fit: of one with one state those with two."""
+    if len(solution.problem.law.states) > 1:
+        return "another law"
+    return f"another law, such as {TWO_STATES}"
 
 
 def _normal_stress(problem, data):
