@@ -54,6 +54,14 @@ def test_strings_are_read_exactly(symbol, text, si):
         assert type(to_si(symbol, text)) is float
 
 
+def test_numbers_that_a_float_cannot_hold_are_no_infinities():
+    for text in ("1e300 GPa/m", "-1e300 GPa/m"):
+        with pytest.raises(ParameterError, match=f"K = '{text}' is beyond any size"):
+            to_si("K", text)
+    assert to_si("K", "1e299 GPa/m") == 1e308
+    assert to_si("K", "inf") == np.inf
+
+
 @pytest.mark.parametrize("registry", [pint.UnitRegistry(), pint.UnitRegistry(non_int_type=Decimal)])
 def test_quantities_of_any_registry(registry):
     assert to_si("Dc", registry.Quantity(10, "um")) == 1e-05
@@ -118,7 +126,7 @@ REFUSED = [
     ("K", "-inf", "K = '-inf' must be > 0"),
     ("K", "nan", "K = 'nan' is not a number"),
     ("K", "1e999", "K = '1e999' has no unit"),
-    ("sigma", "1e400 Pa", "sigma = '1e400 Pa' must be finite"),
+    ("sigma", "1e400 Pa", "sigma = '1e400 Pa' is beyond any size"),
     ("sigma", 10**400, "sigma = inf Pa must be finite"),
     ("Dc", np.nan, "Dc = nan m is not a number; expected a length [m] such as '10 um'"),
     ("Dc", 0.0, "Dc = 0 m must be > 0"),

@@ -157,8 +157,12 @@ def _real(symbol, value, label):
 def _convert(symbol, number, unit, given):
     """Number with a unit, both as text, as a float in SI (correctly rounded)."""
     try:
-        return float(Decimal(number) * unit_factor(QUANTITIES[symbol].unit, unit))
-    except ArithmeticError:  # decimal exponents of ten digits
+        exact = Decimal(number) * unit_factor(QUANTITIES[symbol].unit, unit)
+        value = float(exact)
+        if np.isinf(value) and exact.is_finite():
+            raise OverflowError
+        return value
+    except ArithmeticError:  # decimal exponents of ten digits, and what a float cannot hold
         raise ParameterError(f"{given} is beyond any size; {expected(symbol)}") from None
     except ValueError as error:
         raise ParameterError(f"{given} {error}; {expected(symbol)}{_meant(symbol, unit)}") from None

@@ -71,13 +71,17 @@ class Record(NamedTuple):
 def record_of(result, x=None):
     """`Record` of a result of `fit` (not checked) against x; ParameterError for another x.
 
-    By default displacement, but time where the load point rests.  Under a wave, or more than
-    `MARKED` segments, there are no `changes`, and it is displacement.
+    By default displacement, but time where the load point rests, and of cycles, of which nothing
+    else is kept.  Under a wave, or more than `MARKED` segments, there are no `changes`, and it is
+    displacement.
     """
     if x is not None and x not in ABSCISSAE:
         raise ParameterError(f"x = {x!r} is unknown; choose 'delta_lp' or 'time'")
     segments, laws = _segments(result), results_by_law(result)
-    x = x or ("time" if any(V == 0.0 for _, V in segments) else "delta_lp")
+    of_time = "delta_lp" not in result
+    if of_time and x == "delta_lp":
+        raise ParameterError("a fit of cycles has times alone; leave x out, or give x='time'")
+    x = x or ("time" if of_time or any(V == 0.0 for _, V in segments) else "delta_lp")
     part = next(iter(laws.values()))  # (all have the same record)
     t = part["time"].values - part["time"].values[0]
     values = t if x == "time" else part["delta_lp"].values

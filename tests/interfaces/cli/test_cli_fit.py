@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from naive import FIG2
 from synthetic_records import SLIDER, STEP, record
 from typer.testing import CliRunner
 
@@ -166,6 +167,25 @@ def test_bad_input_is_told_in_one_line(tmp_path, arguments, message):
     assert "Traceback" not in done.stderr
 
 
+def test_a_dead_normal_stress_is_named_where_it_is_wanted(tmp_path):
+    path = written(tmp_path / "step.txt", rows=101)
+    path.write_text(path.read_text().replace("\t20\n", "\t0\n"))
+    said = " ".join(call(path).stderr.split())
+    assert "the column 'Normal_stress(MPa)' is 0 Pa" in said
+    assert "add --sigma '20 MPa'" in said
+
+
+def test_an_error_leaves_no_empty_folder(tmp_path):
+    out = tmp_path / "new" / "made"
+    done = call(tmp_path / "absent.txt", "--out", out)
+    assert done.exit_code == 2
+    assert [*tmp_path.iterdir()] == []
+    (tmp_path / "new").mkdir()
+    assert call(tmp_path / "absent.txt", "--out", tmp_path / "new").exit_code == 2
+    assert (tmp_path / "new").is_dir()  # which was there before
+    assert "fit of .," in call(".").stderr
+
+
 def test_a_report_of_others_is_not_replaced(tmp_path):
     (tmp_path / "report.md").write_text("# Minutes of a meeting\n")
     done = call(written(tmp_path / "step.txt", rows=101), "--out", tmp_path)
@@ -194,3 +214,22 @@ def test_parameters_of_the_law_are_set_or_free(folder):
     assert "'c' is no parameter of the law's own; expected b2 or Dc2" in said
     unnamed = call(*both, "--set", "120 um")
     assert "'120 um' has no NAME=..." in " ".join(unnamed.stderr.split())
+
+
+def test_a_fit_of_cycles_writes_its_report_and_picture(tmp_path):
+    slider = rs.SpringSlider(**FIG2).replace(K=7e8)
+    t = np.linspace(0.0, 2.0, 4001)
+    run = rs.simulate(slider, rs.Loading.constant(3.2e-3), 2.0, V_start=3e-3, times=t)
+    friction = run.tau / slider.sigma + 1e-4 * np.random.default_rng(1).normal(size=t.size)
+    table = np.column_stack([t, 1e6 * run.delta_lp, friction])[1000:]
+    header = "Time(s)\tDispl(microns)\tFriction"
+    np.savetxt(tmp_path / "cycles.txt", table, "%.9g", "\t", header=header, comments="")
+    options = ["--sigma", "2 MPa", "--K", "7e8 Pa/m", "--M", f"{slider.M} kg/m^2"]
+    options += ["--a", slider.a, "--Dc", "10 um", "--free", "b", "--against", "cycles"]
+    out = tmp_path / "made"
+    done = call(tmp_path / "cycles.txt", *options, "--out", out)
+    assert done.exit_code in (0, 3), done.output
+    assert {one.name for one in out.iterdir()} == {"fit.nc", "fit.png", "report.md"}
+    result = files.read(out / "fit.nc")
+    assert float(result.b) == pytest.approx(slider.b, rel=0.02)
+    assert f"chi-square {float(result.chi2):.3g}" in " ".join(done.stdout.split())

@@ -1,13 +1,17 @@
 """Fits of stick-slip and vibration by the features of their cycles."""
 
 import functools
+import json
+import warnings
 
 import numpy as np
 import pytest
 import xarray
+from matplotlib.figure import Figure
 from naive import FIG2, Naive, one_cycle
 
 import ratestate as rs
+from ratestate import plot
 from ratestate.records.fitting.cycles import folding
 from ratestate.records.fitting.cycles.diagnostics import diagnose
 from ratestate.records.fitting.cycles.features import FEATURES
@@ -401,6 +405,36 @@ def test_a_transient_is_left_out_and_noted():
     assert float(result.a_minus_b) == pytest.approx(BRAKE.a - float(result.b), rel=1e-12)
     error = result.standard_error.sel(parameter=["b", "a_minus_b"])
     assert float(error[1]) == pytest.approx(float(error[0]), rel=1e-6)
+
+
+def test_the_result_keeps_the_speeds_and_can_be_drawn():
+    parts = [segment(BRAKE, V_lp, noise=0.01) for V_lp in (3.2e-3, 2e-3)]
+    data = record(*parts)
+    result = rs.fit(data, BRAKE.replace(b=0.006), free="b", against="cycles")
+    loading = json.loads(result.attrs["loading"])
+    assert loading["V"] == [3.2e-3, 2e-3]
+    before = float(data.segment_t[1] - result.time[0])
+    assert loading["t"] == pytest.approx([0.0, before], abs=1e-9)
+    ax = Figure().subplots()
+    plot.fit(result, ax=ax)
+    assert ax.get_xlabel().startswith("Time")
+    (mark,) = (line for line in ax.lines if len(set(line.get_xdata())) == 1)
+    unit = 1e3 if "[ms]" in ax.get_xlabel() else 1.0
+    assert mark.get_xdata()[0] == pytest.approx(unit * before)
+    with pytest.raises(rs.ParameterError, match="a fit of cycles has times alone"):
+        plot.fit(result, ax=ax, x="delta_lp")
+    assert len(plot.page(result).axes) >= 3
+
+
+def test_points_far_from_all_sliders_have_no_cycle_and_no_warning():
+    space = Space(BRAKE, ("a", "b", "Dc"), 3.2e-3)
+    model = CycleModel("slip", np.array([3.2e-3]), [40], BRAKE.sigma, BRAKE.V0)
+    far = space.own() + np.array([[0.0, 0.0, 700.0], [0.0, 700.0, 700.0], [700.0, 0.0, 0.0]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        features = model.features(space.values(np.vstack([space.own(), far])))[0]
+    assert np.isfinite(features[0]).all()
+    assert np.isnan(features[1:]).all()
 
 
 def test_what_is_no_record_is_refused():

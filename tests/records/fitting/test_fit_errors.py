@@ -419,7 +419,7 @@ def test_each_doubt_is_a_warning(good):
         "normal stress is 20.5 MPa at the start": (pressed, {}),
         "varies by 2.7 %": (patchy, {}),
         "before friction is steady": (good.isel(time=T < 42.0), {"free": ("a", "K")}),
-        "does not describe the record after its steps": (good, {"law": "aging"}),
+        "try another law, such as two-state-aging or two-state-slip": (good, {"law": "aging"}),
         "times as large as the noise that was given": (good, {"noise": 5e-5}),
     }
     for words, (data, options) in cases.items():

@@ -73,6 +73,20 @@ def test_where_a_profile_refutes_the_covariance_its_interval_makes_the_error(bot
     assert wide > 2.0 * usual
 
 
+@pytest.mark.parametrize(
+    ("factor", "meaning"),
+    [
+        (1.0, "above 1: steady sliding is stable"),
+        (0.05, "below 1: steady sliding is unstable"),
+    ],
+)
+def test_the_ratio_of_stiffness_says_what_holds_for_its_value(both, factor, meaning):
+    part = results_by_law(both)["slip"]
+    rows = estimate_rows({"slip": part.assign(K=factor * part.K)})
+    (row,) = (row for row in rows if row.symbol == "K/K_c_qs")
+    assert row.meaning == meaning
+
+
 def test_stiffness_over_critical_needs_a_less_b_alone(both):
     """However little is known of a and b: K_c_qs has only their difference."""
     (part,) = results_by_law(both.sel(law="slip")).values()
@@ -160,3 +174,20 @@ def test_what_has_no_slider_or_summary_is_refused(both):
             function(both[["Dc"]])
     with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
         _ = fitting.nonsense
+
+
+def test_where_normal_stress_steps_alpha_is_given_or_free():
+    loading = rs.Loading.steps("1 um/s", (40.0, "10 um/s")).sigma_step(60.0, "21 MPa")
+    t = np.linspace(0.0, 80.0, 801)
+    run = rs.simulate(SLIDER.replace(alpha=0.2), loading, 80.0, times=t)
+    friction = run.tau / run.sigma + 1e-4 * np.random.default_rng(3).normal(size=t.size)
+    data = run[["delta_lp", "sigma"]].assign(friction=friction)
+    given = rs.fit(data, SLIDER, ("a", "b", "Dc"), errors="covariance")
+    free = rs.fit(data, SLIDER, ("a", "b", "Dc", "alpha"), errors="covariance")
+    text = " ".join(fitting.summary(given).split())
+    assert "M = 0 kg/m^2, alpha = 0, sigma = 20 MPa" in text
+    assert "was given, alpha = 0, which the other estimates depend on: add alpha to free." in text
+    text = " ".join(fitting.summary(free).split())
+    assert float(free.alpha) == pytest.approx(0.2, abs=0.03)
+    assert "alpha = " not in text
+    assert "add alpha" not in text

@@ -49,6 +49,15 @@ def check(data, rows=slice(None), friction=MU):
     np.testing.assert_array_equal(data.friction, friction[rows])
 
 
+@pytest.mark.parametrize(("rows", "found"), [(1, True), (40, False)])
+def test_a_step_of_normal_stress_is_found_and_a_ramp_is_none(tmp_path, rows, found):
+    """Over as many rows; the load point's step is at 15 s."""
+    sigma = np.interp(T, [20.0, 20.0 + 0.25 * rows], [8.0, 8.8])
+    data = read_lab(write(tmp_path / "p1.txt", cells((T, X, MU, sigma))))
+    step = "; step of normal stress 8 -> 8.8 MPa at 20.12 s (66 um)" if found else ""
+    assert data.attrs["found"] == f"velocity step 1.00 -> 10.0 um/s at 15 s (15 um){step}"
+
+
 def test_a_record(tmp_path):
     data = read_lab(write(tmp_path / "p1.txt", cells()))
     check(data)
@@ -409,6 +418,48 @@ def test_files_refused(tmp_path):
         file["run/friction"] = MU[:-1]
     with pytest.raises(rs.ParameterError, match=r"numbers of rows: .*'run/friction' has 119"):
         read_lab(tmp_path / "r.h5")
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        ((T, X, MU), ""),
+        ((T, X, MU / 20.0), "friction is 0.03"),
+        ((T, X, MU / 10.0), ""),
+        ((T, X, 2.6 * MU), "friction is 1.5"),
+        ((T, 5e3 * X, MU), ""),
+        ((T, 7e3 * X, MU), "delta_lp spans 1.14 m, farther than 1 m"),
+        ((T / 9e3, X, MU), ""),
+        ((T / 2e4, X, MU), "moves at up to 200 mm/s, faster than 0.1 m/s"),
+    ],
+)
+def test_sizes_that_few_experiments_have_are_noted(tmp_path, columns, words):
+    columns = (*columns[:2], columns[2] + 1e-6 * np.sin(T))
+    notes = read_lab(write(tmp_path / "r.txt", cells(columns), HEADER[:3])).attrs["notes"]
+    assert words in notes
+    assert notes == "[]" if not words else len(json.loads(notes)) == 1
+
+
+@pytest.mark.parametrize(("wanders", "noted"), [(0.0, False), (0.05, True)])
+def test_a_load_point_wanders_where_it_is_more_than_rounding(tmp_path, wanders, noted):
+    """Displacement to 0.01 um: by 0.5 um a row, and from a step on by 1.2345 um."""
+    rows = np.arange(600)
+    x = 0.5 * rows + 0.7345 * np.maximum(rows - 400, 0) + wanders * np.sin(rows / 60.0)
+    t, x = 0.5 * rows, np.round(x, 6 if wanders else 2)
+    columns = (t, x, 0.6 + 0.003 * np.sin(t))
+    notes = read_lab(write(tmp_path / "r.txt", cells(columns), HEADER[:3])).attrs["notes"]
+    assert ("wanders about constant speeds" in notes) == noted
+
+
+def test_short_rows_are_counted(tmp_path):
+    rows = [row if i % 2 else row[:2] for i, row in enumerate(cells())]
+    match = r"r.txt: 60 of the first 120 rows of numbers .* than the 4 of the others \(first line 2"
+    with pytest.raises(rs.ParameterError, match=match):
+        read_lab(write(tmp_path / "r.txt", rows))
+    few = [row if i % 14 == 1 else row[:2] for i, row in enumerate(cells())]  # 9 whole ones
+    with pytest.raises(rs.ParameterError) as error:
+        read_lab(write(tmp_path / "r.txt", few))
+    assert "of the first" not in str(error.value)
 
 
 def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):

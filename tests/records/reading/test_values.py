@@ -91,7 +91,11 @@ def test_normal_stress_beside_friction(tmp_path):
     for normal in (20.0 + 0 * T, 0 * T):
         data = read_lab(write(tmp_path / "r.txt", T, X, MU, normal, header=header))
         np.testing.assert_array_equal(data.friction, MU)
-        assert "normal stress" not in data.attrs["notes"]
+        dead = bool((normal == 0.0).all())
+        assert ("sigma" in data) != dead
+        assert ("sigma" in json.loads(data.attrs["columns"])) != dead
+        note = "sigma is left out: the column 'Normal stress (MPa)' is 0 Pa (its median)"
+        assert (note in data.attrs["notes"]) == dead
 
 
 def test_what_is_measured_stays(tmp_path):

@@ -167,6 +167,33 @@ def test_noise_that_wanders_has_no_event(time):
     assert sum(number > 0 for number in found) <= 2
 
 
+@pytest.mark.parametrize(
+    ("sigma", "words"),
+    [
+        ("-5 MPa", ["sigma", "-5 MPa", "must be > 0"]),
+        ("1e300 MPa", ["sigma", "(100 to 1e+11 Pa)", "with its unit"]),
+        ("200 GPa", ["sigma = 200 GPa", "(100 to 1e+11 Pa)"]),
+        ("50 Pa", ["sigma", "50 Pa", "100"]),
+        (float("nan"), ["sigma", "nan", "not a number"]),
+    ],
+)
+def test_normal_stresses_that_nobody_uses_are_refused(experiment, sigma, words):
+    with pytest.raises(rs.ParameterError) as caught:
+        rs.events(experiment[0], sigma=sigma)
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_recorded_tension_is_refused(experiment):
+    record = experiment[0].isel(time=slice(0, 40000))
+    sigma = np.full(record.sizes["time"], 4e6)
+    sigma[7] = -4e6
+    with pytest.raises(rs.ParameterError, match=r"sigma is -4e\+06 Pa in row 7 .* must be > 0"):
+        rs.events(record.assign(sigma=("time", sigma)))
+    whole = rs.events(record.assign(sigma=("time", np.abs(sigma))))
+    given = rs.events(record, sigma="4 MPa")
+    np.testing.assert_allclose(whole.stress_drop, given.stress_drop)
+
+
 def test_regular_or_fast_falls_are_stick_slip():
     rng = np.random.default_rng(1)
     starts = np.cumsum(rng.uniform(50.0, 150.0, 6))

@@ -10,7 +10,7 @@ import xarray
 from ...errors import RecordWarning
 from ...files import laboratory_csv, replace, write
 from ...records.reading import read_lab
-from .output import make_writable, reporting_files
+from .output import folder, names_of, reporting_files
 from .reading import Reading
 from .summary_csv import summary_csv
 
@@ -21,9 +21,7 @@ def reported(
 ) -> Iterator[tuple[xarray.Dataset, list[Path]]]:
     """The record in these files, and a list that takes the files made; both reported on stderr."""
     keywords = reading.keywords()
-    if out:
-        make_writable(out)
-    with reporting_files(f"{what} of {', '.join(file.name for file in files)}") as made:
+    with folder(out), reporting_files(f"{what} of {names_of(files)}") as made:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RecordWarning)
             record = read_lab(files if len(files) > 1 else files[0], **keywords)

@@ -6,7 +6,7 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,6 +79,25 @@ def make_writable(out: Path) -> None:
     with writing(out):
         out.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=out).close()
+
+
+def names_of(files: Iterable[Path]) -> str:
+    """The names of files as a message lists them."""
+    return ", ".join(file.name or str(file) for file in files)
+
+
+@contextlib.contextmanager
+def folder(out: Path | None) -> Iterator[None]:
+    """A folder as by `make_writable`, if any; what was made of it goes if nothing is written."""
+    made = [one for one in (out, *out.parents) if not one.exists()] if out else []
+    try:
+        if out:
+            make_writable(out)
+        yield
+    finally:
+        for one in made:
+            with contextlib.suppress(OSError):  # it has files
+                one.rmdir()
 
 
 @contextlib.contextmanager

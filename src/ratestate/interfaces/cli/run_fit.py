@@ -22,7 +22,7 @@ from ...records.reading import read_lab
 from ...records.reading.sizes import constant_in_si
 from .document import document
 from .evaluate_record import write_text
-from .output import make_writable, print_json, reporting_files
+from .output import folder, print_json, reporting_files
 from .report.markdown import HEADING, FitRequest, markdown
 from .run_scenario import print_report
 from .summary_csv import summary_csv
@@ -42,15 +42,13 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     ParameterError as of `read_lab` and `fit`, and: a report.md there that is none of these; no
     normal stress; a, b, Dc, K or a parameter of the law neither given nor free.
     """
-    if out:
-        make_writable(out)
-        report = out / REPORT
-        if report.is_file() and not report.read_text("utf-8", errors="replace").startswith(HEADING):
-            raise ParameterError(
-                f"{report} exists and is no report of ratestate fit; it is not replaced: give "
-                f"another folder with --out"
-            )
-    with reporting_files(f"fit of {request.names}, {law_names(request.laws)}") as files:
+    if out and (report := out / REPORT).is_file() and not _is_own(report):
+        raise ParameterError(
+            f"{report} exists and is no report of ratestate fit; it is not replaced: give "
+            f"another folder with --out"
+        )
+    what = f"fit of {request.names}, {law_names(request.laws)}"
+    with folder(out), reporting_files(what) as files:
         with warnings.catch_warnings():
             # both are printed with the result
             warnings.simplefilter("ignore", FitWarning)
@@ -79,15 +77,22 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     return bool((result["warnings"] != "").any())
 
 
+def _is_own(report: Path) -> bool:
+    """Whether a file is a report that `fit_and_report` has written."""
+    return report.read_text("utf-8", errors="replace").startswith(HEADING)
+
+
 def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
     """The fixed parameters, and initial guesses of the free ones; a default sigma is noted."""
     # what the format says of the machine holds where nothing else is given
     given: dict[str, Any] = json.loads(record.attrs.get("machine", "{}")) | request.values
     if "sigma" not in given:
         if "sigma" not in record:
+            notes = json.loads(record.attrs["notes"])
+            why = "".join(f" ({note})" for note in notes if note.startswith("sigma is left out"))
             raise ParameterError(
-                "the record has no normal stress, and none is given; add --sigma '20 MPa', or say "
-                "which column it is: --columns sigma=TITLE"
+                f"the record has no normal stress{why}, and none is given; add --sigma '20 MPa', "
+                f"or say which column it is: --columns sigma=TITLE"
             )
         given["sigma"] = float(record["sigma"].median())
         default = f"sigma = {readable('sigma', given['sigma'])} is the median of the record's"

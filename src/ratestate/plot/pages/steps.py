@@ -8,7 +8,7 @@ from matplotlib.transforms import ScaledTranslation
 from ...dynamics import attributes
 from ...model.quantities import QUANTITIES
 from ...records.fitting.steps.cells import change_text
-from ...records.fitting.steps.result import FAILED
+from ...records.fitting.steps.result import FITTED, STICK_SLIP
 from ...records.fitting.steps.table import results_by_law_of_steps
 from ...records.fitting.table import law_names
 from ..labels import ABSCISSAE, GRAY, LAWS, in_unit, label, prefixed, scaled
@@ -78,12 +78,14 @@ def _step(step, laws, axes):
     ax, below = axes
     level = float(np.nanmedian(step["friction"]))
     ax.plot(x, 1e3 * (step["friction"] - level), lw=0.4, **RECORDED)
-    fitted = {law: part["friction_fit"] for law, part in laws.items() if part["status"] != FAILED}
+    fitted = {law: part["friction_fit"] for law, part in laws.items() if part["status"] == FITTED}
     looks = _lines(laws)
     for law, curve in fitted.items():
         ax.plot(x, 1e3 * (curve - level), **looks[law])
         below.plot(x, 1e3 * (step["friction"] - curve), lw=0.4, color=LAWS[law].color)
-    head = f"{int(step['step'])}  {_head(step)}{'' if fitted else ' failed'}"
+    is_stick_slip = any(part["status"] == STICK_SLIP for part in laws.values())
+    why = "" if fitted else " stick-slip" if is_stick_slip else " failed"
+    head = f"{int(step['step'])}  {_head(step)}{why}"
     ax.set_title(head, fontsize=6, pad=2, color="k" if fitted else "#c00000")
     for one, ticks in ((ax, 4), (below, 2)):
         one.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)

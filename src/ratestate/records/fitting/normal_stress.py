@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...model.loading.normal_stress import NormalStress
-from ..reading.stress_steps import VARIABLE
+from ..reading.stress_steps import varies
 from ..sample_noise import sample_noise
 from .refusals import refusal
 
@@ -26,7 +26,7 @@ def recorded_stress(data, t, sigma):
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return None
     recorded = np.asarray(data["sigma"].values, float)
-    if not np.isfinite(recorded).all() or recorded.std() <= VARIABLE * recorded.mean():
+    if not varies(recorded):
         return None
     tolerance = max(NOISES * sample_noise(recorded), LEAST * recorded.mean())
     knots = corners(t, recorded, tolerance)

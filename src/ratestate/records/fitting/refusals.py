@@ -4,5 +4,6 @@ from pathlib import Path
 
 from ...model.sentences import Sentences
 
+sentence = Sentences(Path(__file__).with_suffix(".toml"))
 #: the name of a sentence, ``table.sentence``, and values -> the `ParameterError` that says so
-refusal = Sentences(Path(__file__).with_suffix(".toml")).refusal
+refusal = sentence.refusal

@@ -16,6 +16,8 @@ Laws = dict[str, xarray.Dataset]
 NEGLIGIBLE = 0.05
 #: relative error that sets the digits of K/K_c_qs where its own error is not finite
 ERROR_FOR_DIGITS = 0.1
+#: errors by which a ratio must be off 1 to be on one side of it
+TWO_ERRORS = 2.0
 #: text in place of K/K_c_qs where K_c_qs is not positive
 STABLE_AT_ANY_K = "stable at any K"
 
@@ -56,8 +58,20 @@ def estimate_rows(laws: Laws) -> list[Row]:
         rows.append(Row("K/sigma", "1/um", "stiffness, in friction per displacement", cells))
     if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
         cells = tuple(FormattedEstimate(text, ()) if text else NONE for text in ratios)
-        rows.append(Row("K/K_c_qs", "", "above 1: steady sliding is stable", cells))
+        rows.append(Row("K/K_c_qs", "", _stability(laws), cells))
     return rows
+
+
+def _stability(laws: Laws) -> str:
+    """What K/K_c_qs says under all laws: of values clearly on one side of 1 that alone."""
+    sides = set()
+    for part in laws.values():
+        if (found := stiffness_over_critical(part)) is not None:
+            ratio, error = found
+            sides.add(np.sign(ratio - 1.0) if abs(ratio - 1.0) > TWO_ERRORS * error else 0.0)
+    if sides == {-1.0}:
+        return "below 1: steady sliding is unstable"
+    return "above 1: steady sliding is stable" + (", below it is not" if sides - {1.0} else "")
 
 
 def estimated(laws: Laws) -> list[str]:

@@ -3,9 +3,12 @@
 import re
 import textwrap
 
+import numpy as np
+
 from ...dynamics import attributes
 from ...model.quantities import readable
 from .by_law import checked_by_law, law_of, value_of, warnings_of
+from .steps.result import FAILED, STICK_SLIP
 from .steps.table import (
     HEADS,
     NOTATION,
@@ -87,10 +90,19 @@ def heading_of_steps(result):
 def remarks_on_steps(result):
     """The lines below the tables of steps: comparison of the laws, failures (list of str)."""
     texts = [attributes.text(result, "comparison", ""), *sentences_on_all(result)]
+    texts += _stick_slip(result)
     for law, part in results_by_law_of_steps(result).items():
         for i, message in enumerate(part["message"].values.tolist(), 1):
-            texts += [f"step {i}, {law} law, failed: {message}"] if message else []
+            failed = message and int(part["status"][i - 1]) == FAILED
+            texts += [f"step {i}, {law} law, failed: {message}"] if failed else []
     return [text for text in texts if text]
+
+
+def _stick_slip(result):
+    """A line for each step that is stick-slip (list), which is so under every law."""
+    part = next(iter(results_by_law_of_steps(result).values()))
+    which = np.flatnonzero(part["status"].values == STICK_SLIP).tolist()
+    return [f"step {i + 1}: {part['message'].values[i]}" for i in which]
 
 
 def warnings_on_steps(result, where):
@@ -155,7 +167,10 @@ def fixed_parameters(laws):
     """A sentence with the parameters that were given, under any of the laws, and their values."""
     values: dict[str, float] = {}
     for part in laws.values():
-        given = [s for s in of_slider(law_of(part)) if s not in part.data_vars]
+        symbols = of_slider(law_of(part))
+        if "loading" in part.attrs and "sigma" in attributes.loading_record(part):
+            symbols = (*symbols, "alpha")  # which has a part where normal stress varies
+        given = [s for s in symbols if s not in part.data_vars]
         values |= {s: value_of(part, s) for s in (*given, "sigma", "V0")}
     return f"Given: {', '.join(f'{s} = {readable(s, value)}' for s, value in values.items())}."
 

@@ -35,7 +35,7 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
         [Pa], or ``mu``) and ``delta_lp`` [m] or ``V_load`` [m/s] of the load point.
     slider : SpringSlider or xarray.Dataset, optional
         What holds are to be predicted of: one slider, or a result of `fit`, under one law or
-        several, with its errors.
+        several, with its errors; of fits of each step the joint fit.
     loading : Loading, optional
         The load point's history, with t = 0 at the first sample; by default the steps and holds
         found in its displacement.
@@ -70,7 +70,8 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     ------
     ParameterError
         A record that cannot be used, as of `fit`; none with a hold; slides too short for the noise
-        to be estimated; a slider that is a sweep; a setting out of range.
+        to be estimated; a slider that is a sweep; fits of steps without a joint fit; a setting out
+        of range.
 
     Notes
     -----

@@ -12,7 +12,7 @@ from .lab_format import LabFormat
 from .messages import message, refusal
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
-from .sizes import check_numbers, check_sizes, checked_units, constant_in_si, unit_of
+from .sizes import check_numbers, check_sizes, checked_units, constant_in_si, unit_of, unusual
 from .stress_steps import stress_steps
 from .table import quoted
 from .values import drop_codes, drop_impossible, flip_signs
@@ -62,17 +62,19 @@ def record_of(
     signs, turned = flip_signs(kept.record, lab.signs)
     if constant is not None:
         kept.add_constant("sigma", constant)
-    drop_impossible(kept)
+    turned += drop_impossible(kept)
     kept.find_gaps()
     downsample(kept, most)
     record = kept.record
     segments = _segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)
+    turned += unusual(record, segments.V)
     messages = kept.warnings + notes + of_files + disagreements(kept, coarse)
     data = _dataset(record, segments)
     sources = {
         s: {"title": c.title, "unit": part.units[s]} | ({"sign": -1} if s in signs else {})
         for s, c in part.columns.items()
+        if s in record
     }
     data.attrs = {
         "title": "ratestate read_lab",

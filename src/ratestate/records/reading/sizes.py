@@ -7,10 +7,14 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
 from ...model.units import OF_WHOLE_CONTACT, scaled, to_si, unit_factor
-from .messages import refusal
+from .messages import message, refusal
 from .table import quoted
 from .titles import LIKE, USUAL, plain
 
+#: friction of rocks and gouges, which only a few minerals are below and nothing is far above; how
+#: far [m] and how fast [m/s] load points go but in rotary machines
+COMMON_FRICTION = (0.05, 1.5)
+FAR, FAST = 1.0, 0.1
 CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
@@ -71,6 +75,24 @@ def check_numbers(table, symbol, column, rows=slice(None)):
     cell = table.cell(row, column)
     dated = symbol == "time" and CLOCK.search(cell)
     raise refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
+
+
+def unusual(record, speeds):
+    """Notes (list of str) on sizes that few experiments have, but wrong titles and units often.
+
+    record : symbol -> (n,) [SI]; speeds : of the load point's segments [m/s]
+    """
+    notes = []
+    friction = float(np.median(np.abs(record["friction"])))
+    low, high = COMMON_FRICTION
+    if not low <= friction <= high:
+        notes.append(message("notes.friction", friction=friction, low=low, high=high))
+    far = float(np.ptp(record["delta_lp"])) if "delta_lp" in record else 0.0
+    fastest = float(np.max(speeds))
+    if far > FAR or fastest > FAST:
+        sizes = {"far": far, "most": FAR, "V": fastest, "fast": FAST}
+        notes.append(message("notes.far" if far > FAR else "notes.fast", **sizes))
+    return notes
 
 
 def constant_in_si(symbol, value):

@@ -24,6 +24,8 @@ RAMP = 0.05
 ROUNDED = 1e-9
 #: scatter about the lines, over that from row to row, from which on it is no noise
 WANDER = 10.0
+#: most decimal places that a file has; distance from one, over its size, that is none
+PLACES, ON_GRID = 9, 1e-3
 #: rows in which noise is looked for by a second search, and by how much it must lessen the scatter
 SHORT, SUCCESS = 16, 5.0
 
@@ -128,6 +130,16 @@ def _scatter_of(runs):
     return float(left.std()), sample_noise(left)
 
 
+def _digit(x):
+    """The decimal place to which half of the values (n,) are rounded, as a size; 0 for none."""
+    largest = 10.0 ** np.floor(np.log10(np.abs(x).max()))
+    for place in range(1, PLACES):
+        digit = largest / 10.0**place
+        if np.median(np.abs(x / digit - np.round(x / digit))) < ON_GRID:
+            return float(digit)
+    return 0.0
+
+
 def _oddities(t, x, runs):
     """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
     notes = []
@@ -137,6 +149,6 @@ def _oddities(t, x, runs):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
                 notes.append(message("notes.jump", gap=gap, t=t[first], lost=lost))
     scatter, steps = _scatter_of(runs)
-    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
+    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x), _digit(x)):
         notes.append(message("notes.wanders", scatter=scatter, steps=steps))
     return notes

@@ -20,13 +20,18 @@ class StressStep(NamedTuple):
     after: float
 
 
+def varies(sigma):
+    """Whether a normal stress (n,) is positive everywhere, finite, and varies."""
+    is_stress = np.isfinite(sigma).all() and (sigma > 0.0).all()
+    return bool(is_stress and sigma.std() > VARIABLE * sigma.mean())
+
+
 def stress_steps(time, sigma):
     """`StressStep`s (list) of a record of normal stress; where it changes slowly there is none.
 
     time, sigma : (n,) arrays [s], [Pa]
     """
-    is_stress = np.isfinite(sigma).all() and (sigma > 0.0).all()
-    if not is_stress or sigma.std() <= VARIABLE * sigma.mean():
+    if not varies(sigma):
         return []
     levels = segments_from_velocity(time, sigma)
     steps = zip(levels.t[1:].tolist(), levels.V[:-1], levels.V[1:], strict=True)

@@ -24,6 +24,8 @@ LARGEST = 10**9  # bytes; a number of ten characters takes eight of memory
 LONGEST = 20_000  # characters of a line
 MOST_ABOVE = 2_000  # lines above the numbers
 BLOCK = 1 << 22  # characters read at once
+NEEDED = 3  # columns of a record: time, displacement and friction
+FEWEST = 10  # whole rows beside short ones
 _DECIMAL = re.compile(r"(?<=\d),(?=\d)")
 
 
@@ -123,9 +125,26 @@ def _layout(path, lines, full, delimiters):
             )
             # a date above the table is numbers as well
             if _is_data(cells) and (len(below) == len(cells) or not after):
+                if not after:
+                    _check_short_rows(path, lines, full, delimiters)
                 return start, delimiter
+    if full:
+        _check_short_rows(path, lines, full, delimiters)
     begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
     raise refusal("text.no_numbers" if full else "text.empty", name=path.name, begins=begins)
+
+
+def _check_short_rows(path, lines, full, delimiters):
+    """Refuse rows of numbers of which so many are short that no two whole ones are together."""
+    for delimiter in delimiters:
+        rows = {i: cells_of(_DECIMAL.sub(".", lines[i].rstrip("\n")), delimiter) for i in full}
+        rows = {i: cells for i, cells in rows.items() if _is_data(cells)}
+        width = max(map(len, rows.values()), default=0)
+        short = [i for i, cells in rows.items() if len(cells) < width]
+        if width >= NEEDED and len(rows) - len(short) >= FEWEST:
+            first = {"line": f"line {short[0] + 1}", "cells": quoted(lines[short[0]].strip())}
+            counts = {"short": len(short), "rows": len(rows), "width": width}
+            raise refusal("text.short_rows", name=path.name, **first, **counts)
 
 
 def _decimal_comma(rows):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...model.quantities import readable
+from .messages import message
 from .table import quoted
 from .titles import USUAL
 
@@ -34,14 +35,19 @@ def drop_codes(rows):
 def drop_impossible(rows):
     """Leave out rows whose values cannot be; friction out of the stresses if need be.
 
-    ParameterError where hardly any row is left.
+    A column of sigma that is dead throughout is left out whole beside friction, for which it is not
+    needed: the note (list of str) says so.  ParameterError where hardly any row is left.
     """
+    notes = []
     record = rows.record
     if "sigma" in record:
         low, high = USUAL["sigma"]
         bad = (record["sigma"] < low) | (record["sigma"] > high)
-        # a dead column of sigma is no reason to reject the friction recorded beside it
-        if "friction" not in record or not bad.all():
+        if "friction" in record and bad.all():
+            size = float(np.median(record.pop("sigma")))
+            title = quoted(rows.columns["sigma"].title)
+            notes.append(message("notes.dead_sigma", title=title, size=size, low=low, high=high))
+        else:
             _drop(rows, "sigma", bad, f"with normal stress outside {low:g} to {high:g} Pa")
     if "friction" not in rows.record:
         rows.record["friction"] = rows.record["tau"] / rows.record["sigma"]
@@ -54,6 +60,7 @@ def drop_impossible(rows):
             least = LEAST * float(np.median(np.abs(values))) * (symbol == "friction")
             bad = spikes(values, least)
             _drop(rows, symbol, bad, "as single samples far off from those before and after")
+    return notes
 
 
 def _drop(rows, symbol, bad, why):

@@ -124,15 +124,14 @@ def _fit(u, y, k, variance):
     """The `Fit` of values y (n,) at u by least squares."""
     size = k + MORE + 3
     q, r = np.linalg.qr(np.vander(u, size, increasing=True))
-    projected, both = q.T @ y, []
-    for n in (size - MORE, size):
-        inverse = np.linalg.inv(r[:n, :n])
-        both.append((inverse @ projected[:n], inverse @ inverse.T))
+    projected = q.T @ y
+    inverses = [np.linalg.inv(r[:n, :n]) for n in (size - MORE, size)]
+    low, high = ((inverse @ projected[: len(inverse)], inverse @ inverse.T) for inverse in inverses)
     rest = y - q @ projected
     degrees = max(u.size - size, 1)
     excess = (float(rest @ rest) / variance - degrees) / math.sqrt(2.0 * degrees)
-    curve = np.array([math.perm(k + j, k) * both[0][0][k + j] for j in range(3)])
-    return Fit(*both, curve, variance, excess)
+    curve = np.array([math.perm(k + j, k) * low[0][k + j] for j in range(3)])
+    return Fit(low, high, curve, variance, excess)
 
 
 def _vertex(fit, k, sign, ends):

@@ -10,6 +10,7 @@ from ...dynamics.results import parameter
 from ...model.conversion import in_si
 from ...model.units import is_array, to_si
 from ..reading.segments import segments_from_displacement, segments_from_velocity
+from ..reading.sizes import constant_in_si
 from .refusals import refusal
 
 #: least samples
@@ -121,8 +122,12 @@ def _of_run(run, t, own):
 
 def _of_record(data, t, own):
     """The `Series` of a laboratory's record."""
-    sigma = None if own["sigma"] is None else np.full(t.size, own["sigma"])
+    given = own["sigma"]
+    sigma = None if given is None else np.full(t.size, constant_in_si("sigma", given))
     recorded = _column(data, "sigma") if "sigma" in data.variables and sigma is None else None
+    if recorded is not None and not (recorded > 0.0).all():
+        row = int(np.argmin(recorded > 0.0))
+        raise refusal("data.tension", value=float(recorded[row]), row=row)
     sigma = recorded if sigma is None else sigma
     if "tau" in data.variables:
         tau = _column(data, "tau")
@@ -171,10 +176,9 @@ def _scalar(symbol, value):
     """A value in SI, or None; ParameterError for several."""
     if value is None:
         return None
-    value = to_si(symbol, value)
     if is_array(value) or np.ndim(value):
         raise refusal("data.array", symbol=symbol)
-    return float(value)
+    return float(to_si(symbol, value))
 
 
 def _column(data, name):

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from .polynomials import Extreme, extreme
+from .polynomials import Extreme, Window, extreme
 
 #: events from which a window is chosen, at most; part of them that must have samples enough
 MOST, ENOUGH = 16, 0.8
@@ -29,7 +29,8 @@ def chosen_window(t, y, middles, windows, k, sign, noise):
     Where all are contradicted, the one that is so least; None where none has samples enough.
     """
     some = middles[:: math.ceil(middles.size / MOST)]
-    best, least = (math.inf, None), (math.inf, None)
+    agree: list[tuple[float, Window]] = []
+    contradicted: list[tuple[float, Window]] = []
     for window in windows:
         found = [extreme(t, y, middle, window, k, sign, noise) for middle in some]
         found = [one for one in found if math.isfinite(one.value)]
@@ -37,10 +38,11 @@ def chosen_window(t, y, middles, windows, k, sign, noise):
             continue
         column = dict(zip(Extreme._fields, np.array(found).T, strict=True))
         against = _contradiction(column)
-        least = min(least, (against, window))
         if against <= 1.0:
-            best = min(best, (math.sqrt(float(np.mean(column["error"] ** 2))), window))
-    return best[1] or least[1]
+            agree.append((float(np.mean(column["error"] ** 2)), window))
+        else:
+            contradicted.append((against, window))
+    return min(agree or contradicted, default=(0.0, None))[1]
 
 
 def _contradiction(column):

@@ -1,6 +1,7 @@
 """Fits of each step and hold of an experiment."""
 
 import io
+import itertools
 import warnings
 
 import numpy as np
@@ -13,9 +14,13 @@ from synthetic_experiments import drawn_experiment, experiment
 import ratestate as rs
 from ratestate import fitting
 from ratestate.files import laboratory_csv
-from ratestate.records.fitting.steps import each
-from ratestate.records.fitting.steps.comparison import group_of, ratio_of
+from ratestate.records.fitting.settings import checked_settings
+from ratestate.records.fitting.steps import each, shared
+from ratestate.records.fitting.steps.comparison import group_of, grouped, ratio_of
 from ratestate.records.fitting.steps.rows import rows_of
+from ratestate.records.fitting.steps.shared import shared_fit
+from ratestate.records.fitting.steps.stick_slip import stick_slip_slides
+from ratestate.records.fitting.steps.table import table_of
 from ratestate.records.fitting.steps.windows import windows_of
 
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -113,6 +118,115 @@ def test_one_set_serves_all_steps_under_the_right_law_alone(under_both):
     assert np.isnan(shared.sel(parameter="K"))  # the machine's
 
 
+def test_healing_is_predicted_by_the_joint_fit(data, under_both):
+    """Its error is propagated from that of the joint fit, and of K from that of a step."""
+    law = "slip"
+    slider, joint = fitting.slider_of(under_both, law), under_both.sel(law=law, parameter=FREE)
+
+    def healed(**changes):
+        result = rs.healing(data, slider.replace(**changes))
+        return float(result.delta_mu_predicted[0, 0])
+
+    predicted = rs.healing(data, under_both).sel(law=law)
+    assert float(predicted.delta_mu_predicted[0]) == pytest.approx(healed(), rel=1e-9)
+    spacing = {name: 1e-3 * getattr(slider, name) for name in FREE}
+    slopes = [
+        (healed(**{name: getattr(slider, name) + h}) - healed(**{name: getattr(slider, name) - h}))
+        / (2.0 * h)
+        for name, h in spacing.items()
+    ]
+    correlation = joint.shared_correlation.sel(other=FREE).values
+    np.testing.assert_allclose(np.diag(correlation)[:3], 1.0)
+    correlation[3] = correlation[:, 3] = [0.0, 0.0, 0.0, 1.0]
+    errors = joint.shared_error.values
+    errors[3] = np.hypot(float(joint.standard_error[:, 3].median()), float(joint.scatter[3]))
+    changes = slopes * errors
+    expected = float(np.sqrt(changes @ correlation @ changes))
+    assert float(predicted.delta_mu_predicted_error[0]) == pytest.approx(expected, rel=0.01)
+    assert not 0.9 < expected / np.linalg.norm(changes) < 1.1  # the correlation counts
+
+
+def test_healing_of_steps_without_a_joint_fit_is_refused(data, under_both):
+    lacking = under_both.copy(deep=True)
+    lacking.shared.loc[{"law": "aging"}] = np.nan
+    lacking.shared_error.loc[{"law": "aging"}] = np.nan
+    with pytest.raises(rs.ParameterError, match="no joint fit under the aging law"):
+        rs.healing(data, lacking)
+
+
+def sawtooth(data, teeth, begin, end=np.inf):
+    """The record with so many stress drops of 0.05 in friction between two times."""
+    t = data.time.values
+    inside = (t >= begin) & (t < end)
+    phase = (t[inside] - begin) / (min(end, t[-1]) - begin)
+    friction = data.friction.values.copy()
+    friction[inside] += 0.05 * ((teeth * phase) % 1.0)
+    return data.assign(friction=("time", friction))
+
+
+def test_steps_in_stick_slip_are_named_and_not_fitted(data, under_slip):
+    begin = float(under_slip.step_t[3])
+    with pytest.warns(rs.FitWarning, match=r"1 of 4 are stick-slip, and are not fitted \(step 4"):
+        result = rs.fit(sawtooth(data, 6, begin), START, each="step")
+    assert result.status.values.tolist() == [0, 0, 0, 2]
+    assert result.status.flag_meanings == "fitted failed stick_slip"
+    message = str(result.message[3].item())
+    for words in ("stick-slip, 6 events at 10 um/s", "ratestate events", "--against cycles"):
+        assert words in message
+    for name in FREE:
+        np.testing.assert_allclose(result[name][:3], under_slip[name][:3], rtol=1e-3)
+        assert np.isnan(result[name][3])
+    text = " ".join(fitting.summary(result).split())
+    assert text.count("step 4: not fitted") == 1
+    assert "failed" not in text
+    assert "stick-slip" in next(line for line in table_of(result, "slip").rows if line[0] == "4")
+
+
+def test_a_record_of_stick_slip_alone_is_refused(data, under_slip):
+    times = [float(data.time[0]), *under_slip.step_t.values, np.inf]
+    for begin, end in itertools.pairwise(times):
+        data = sawtooth(data, 6, begin, end)
+    words = r"each of the 4 steps and holds \(.* events at .*ratestate events.*against='cycles'"
+    with pytest.raises(rs.ParameterError, match=words):
+        rs.fit(data, START, each="step")
+
+
+def test_few_drops_and_small_ones_are_no_stick_slip(data, under_slip):
+    begin = float(under_slip.step_t[3])
+    found = [len(stick_slip_slides(sawtooth(data, n, begin), SLIDER.sigma)) for n in (3, 4)]
+    assert found == [0, 1]
+    part = sawtooth(data, 8, begin)
+    drifts = 0.05 * np.where(data.time > begin, data.time - begin, 0.0) / 50.0
+    for times, count in ((1.0, 1), (4.0, 0)):
+        one = part.assign(friction=part.friction + times * drifts)
+        assert len(stick_slip_slides(one, SLIDER.sigma)) == count
+
+
+def test_the_joint_fit_is_of_fits_that_have_converged(data, monkeypatch):
+    settings = checked_settings(
+        START,
+        free=FREE,
+        law=None,
+        noise=None,
+        against="time",
+        trend="slip",
+        start="auto",
+        errors="auto",
+    )
+    fits, _ = each.fit_each(data, settings)
+    assert shared_fit(fits, "slip").degrees == 9
+
+    def unconverged(fit):
+        return fit._replace(laws={"slip": fit.of("slip")._replace(converged=False)})
+
+    some = [unconverged(fits[0]), *fits[1:]]
+    assert shared_fit(some, "slip").degrees == 6
+    assert grouped(some, "slip", "Dc").n == 3
+    assert shared_fit([*map(unconverged, fits[:3]), fits[3]], "slip") is None
+    monkeypatch.setattr(shared, "MOST", 1)
+    assert shared_fit(fits, "slip") is None
+
+
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_steps_up_and_down_are_alike_under_the_right_law_alone():
     """Of steps of the slip law the aging law wants Dc shorter up and longer down."""
@@ -162,7 +276,7 @@ def test_a_step_that_fails_leaves_the_others(data, under_slip):
     with pytest.warns(rs.FitWarning, match=r"1 of 4 cannot be fitted \(step 3; see message\)"):
         result = rs.fit(bad, START, each="step")
     assert result.status.values.tolist() == [0, 0, 1, 0]
-    assert result.status.flag_meanings == "fitted failed"
+    assert result.status.flag_meanings == "fitted failed stick_slip"
     assert "friction is nan in row" in str(result.message[2].item())
     assert (result.message[[0, 1, 3]] == "").all()
     for name in (*FREE, "mu0", "rms", "aic"):

@@ -30,6 +30,7 @@ from ....records.fitting.text import (
     warnings_by_text,
 )
 from ...scenario.as_python import registration
+from ..output import names_of
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 #: how each report begins
@@ -50,7 +51,7 @@ class FitRequest(NamedTuple):
     @property
     def names(self) -> str:
         """The names of the files."""
-        return ", ".join(file.name for file in self.files)
+        return names_of(self.files)
 
     @property
     def paths(self) -> Any:

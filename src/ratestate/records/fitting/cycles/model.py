@@ -108,6 +108,8 @@ class CycleModel:
     def __init__(self, law, V_lp, bins, sigma, V0):
         self.law, self.V_lp, self.bins, self.sigma, self.V0 = law, V_lp, bins, sigma, V0
 
+    # of values far from all sliders, which have no cycle
+    @np.errstate(over="ignore", divide="ignore", invalid="ignore")
     def features(self, values, near=None):
         """Features (n, s, 6) with mu0 = 0, points (n, s, 2) and waves (n, s, q) of tau/sigma.
 

@@ -3,6 +3,8 @@
 import numpy as np
 import xarray
 
+from ....dynamics.results import record_loading
+from ....model.loading import Loading
 from ..result import curve_variables, estimate_variables, labelled, text_variables
 from .diagnostics import diagnose
 from .features import FEATURES, LEVEL
@@ -18,7 +20,15 @@ def cycles_dataset(fit):
         [estimate_variables(fit.estimates), _features(fit), _starts(fit), _curves(fit)]
     )
     result["chi2"] = ((), fit.chi2, {"units": "1", "long_name": "chi-squared of the features"})
+    record_loading(result, _loading(fit, result["time"].values[0]))
     return result.assign(text_variables(*diagnose(fit)))
+
+
+def _loading(fit, start):
+    """The `Loading` of the segments that were fitted, from a time [s] of the record on."""
+    first, *others = (measured.segment for measured in fit.measured)
+    steps = ((float(one.t[0] - start), one.V_lp) for one in others)
+    return Loading.steps(first.V_lp, *steps)
 
 
 def _features(fit):

@@ -54,6 +54,8 @@ class Space:
         # the parameter in place of which the distance from steady sliding is a coordinate
         self.replaced = "b" if "b" in self.names else "a" if "a" in self.names else None
 
+    # far from all sliders, where searches may try, values overflow: there is no cycle
+    @np.errstate(over="ignore", divide="ignore", invalid="ignore")
     def values(self, q):
         """Symbol -> (n,) [SI] of all that the motion depends on at coordinates q (n, k)."""
         n = len(q)

@@ -27,12 +27,17 @@ COLORED, LONG = 4.0, 0.1
 MISFIT, AFTER = 1.5, 5.0
 #: eta of the mass with which the effect of inertia is tried
 LIGHT = 1e-3
+#: largest mass per area of the contact that a machine moves [kg/m^2]: that of 100 m of steel, which
+#: is ten times as much as the pistons of the largest ones, on a contact a tenth of their section
+HEAVIEST = 7850.0 * 100.0
 #: fewest samples elsewhere from which the noise is inference
 FEWEST = 30
 #: size of the residuals, over that of a given noise, that contradicts it
 CONTRADICTED = 1.5
 #: residuals, over friction's range, too small to be a misfit
 FINE = 1e-4
+#: the laws with two states, of the sum of two effects that one state cannot give
+TWO_STATES = "two-state-aging or two-state-slip"
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
@@ -132,14 +137,21 @@ def _misfit(solution, name, D):
     if square > MISFIT and fdtrc(count, others, square) < CHANCE:
         massless = solution.problem.forward.fixed["M"] == 0.0
         mass = "the machine's mass (M is 0), " if massless else ""
-        yield SENTENCES("residuals.after_steps", ratio=np.sqrt(square), mass=mass)
+        values = {"ratio": np.sqrt(square), "mass": mass, "other": _other_law(solution)}
+        yield SENTENCES("residuals.after_steps", **values)
         return
     colored = float(np.mean(residual**2)) / (np.var(np.diff(residual)) / 2.0)
     duration = float(durations.min())
     if noise.red and colored > COLORED and noise.time > LONG * duration:
-        yield SENTENCES(
-            "residuals.correlated", red=noise.red, time=noise.time, name=name, duration=duration
-        )
+        values = {"red": noise.red, "time": noise.time, "name": name, "duration": duration}
+        yield SENTENCES("residuals.correlated", other=_other_law(solution), **values)
+
+
+def _other_law(solution):
+    """Which law to try where one does not fit: of one with one state those with two."""
+    if len(solution.problem.law.states) > 1:
+        return "another law"
+    return f"another law, such as {TWO_STATES}"
 
 
 def _normal_stress(problem, data):
@@ -177,7 +189,10 @@ def _later_or_earlier(solution):
 
 
 def _inert(solution):
-    """A warning if inertia, which was left out, would lower chi-square by more than chance does."""
+    """A warning if inertia, which was left out, would lower chi-square by more than chance does.
+
+    Where it takes a mass that no machine has, something else is wrong, and nothing is said.
+    """
     problem, slider = solution.problem, solution.problem.slider
     if slider.M != 0.0 or not np.isfinite(slider.K):
         return
@@ -188,5 +203,5 @@ def _inert(solution):
     friction = heavy.friction(solution.point[None])[0]
     by_eta = np.nan_to_num((friction - solution.fitted_friction) / LIGHT)
     gain, (eta,) = gain_of(solution, by_eta[:, None])
-    if gain > FALL and eta > LIGHT:
+    if gain > FALL and eta > LIGHT and eta * unit < HEAVIEST:
         yield SENTENCES("more.inertia", gain=gain, unit=unit)

@@ -1,20 +1,16 @@
 """Each step and hold of a record fitted on its own window, in parallel."""
 
-from typing import NamedTuple
-
 import numpy as np
-import xarray
 
 from ....dynamics.progress import bar
 from ....errors import RateStateError
 from ...child_process import mapped
 from ..by_law import value_of
-from ..noise import Noise
 from ..one_record import datasets_of, inferences_of, single_blas
-from ..record import Record
-from ..settings import Settings
-from ..unknowns import Unknowns
-from .windows import Window, windows_of
+from ..refusals import refusal, sentence
+from .fitted import Fitted, Separate, Task
+from .stick_slip import stick_slip_about, stick_slip_slides
+from .windows import windows_of
 
 #: most samples of a window that are fitted: a step is resolved as well as with ten times as many
 MOST = 20_000
@@ -22,54 +18,38 @@ MOST = 20_000
 SLID = 5.0
 
 
-class Task(NamedTuple):
-    """A window to be fitted."""
-
-    window: Window
-    data: xarray.Dataset  # its rows
-    settings: Settings  # with the sliders from where the searches begin
-    rows_per_sample: int = 1  # of the record, which are averaged
-
-
-class Separate(NamedTuple):
-    """The fit of a window under one law."""
-
-    result: xarray.Dataset  # of `datasets_of`
-    record: Record
-    unknowns: Unknowns
-    point: np.ndarray  # (k,) coordinates of the best fit
-    noise: Noise
-    chi2: float  # of the whitened residuals
-    errors: np.ndarray  # (k,) of the coordinates, with the noise as estimated
-
-
-class Fitted(NamedTuple):
-    """A window with its fits."""
-
-    task: Task
-    laws: dict  # law -> `Separate`, or the message (str) why there is none
-
-    def of(self, law):
-        """The `Separate` of a law, or None."""
-        separate = self.laws[law]
-        return None if isinstance(separate, str) else separate
-
-
 def fit_each(data, settings):
     """list of `Fitted`, for each step and hold of the load point, in order of time.
 
     data : the record (Dataset in SI)
 
-    And list of `Window`, for each step of normal stress.  ParameterError as of `windows_of`.
+    And list of `Window`, for each step of normal stress.  Where friction is stick-slip, steps of
+    both kinds are among the former, and not fitted.  ParameterError as of `windows_of`, and where
+    all are so.
     """
-    windows = windows_of(data)
+    windows, unstable = _divided(data, settings)
     tasks = [_task(one, data, settings) for one in windows if one.kind != "normal stress"]
     with bar("fits of steps") as show:
         fitted = _pilots(tasks)
         if fitted:
             tasks[len(fitted) :] = [_nearer(task, fitted[-1]) for task in tasks[len(fitted) :]]
         fitted += _fit_all(tasks[len(fitted) :], show)
-    return fitted, [one for one in windows if one.kind == "normal stress"]
+    return fitted + unstable, [one for one in windows if one.kind == "normal stress"]
+
+
+def _divided(data, settings):
+    """The `Window`s (list) of a record, and the `Fitted` of those in stick-slip."""
+    windows = windows_of(data)
+    slides = stick_slip_slides(data, settings.sliders[0].sigma)
+    found = {window: stick_slip_about(window, slides) for window in windows}
+    unstable = []
+    for window in (window for window in windows if found[window]):
+        slide = {"events": found[window].events, "V_lp": found[window].V}
+        laws = dict.fromkeys(settings.laws, sentence("each.stick_slip", **slide))
+        unstable.append(Fitted(_task(window, data, settings), laws, is_stick_slip=True))
+    if len(unstable) == len(windows):
+        raise refusal("each.all_stick_slip", count=len(windows), **slide)
+    return [window for window in windows if not found[window]], unstable
 
 
 def _pilots(tasks):
@@ -166,6 +146,7 @@ def _separate(task):
             one.noise,
             one.chi2,
             np.sqrt(np.diag(one.covariance)),
+            one.converged,
         )
         for (law, result), one in zip(results.items(), solutions, strict=True)
     }

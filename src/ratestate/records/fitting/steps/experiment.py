@@ -5,7 +5,7 @@ import numpy as np
 from ..one_record import single_blas
 from ..refusals import refusal
 from .each import fit_each
-from .result import FAILED, dataset_of_steps
+from .result import FAILED, STICK_SLIP, dataset_of_steps
 from .shared import shared_fit
 from .stress_response import fit_stress_steps
 
@@ -21,19 +21,26 @@ def fit_experiment(data, settings):
         fits += fit_stress_steps(data, of_stress, settings, fits, shared)
     fits.sort(key=lambda fit: fit.task.window.t)
     if not any(fit.of(law) for fit in fits for law in settings.laws):
-        message = fits[0].laws[settings.laws[0]]
-        raise refusal("each.failed", count=len(fits), message=message)
+        raise refusal("each.failed", count=len(fits), message=_first_failure(fits))
     return dataset_of_steps(fits, shared, settings.laws)
 
 
+def _first_failure(fits):
+    """Why the first of `Fitted` windows failed, under the first law."""
+    failed = next(fit for fit in fits if not fit.is_stick_slip)
+    return next(iter(failed.laws.values()))
+
+
 def warning_of_steps(result):
-    """How many steps failed or carry warnings, as a sentence; "" if none do."""
+    """How many steps are stick-slip, failed or carry warnings, as a sentence; "" if none do."""
     failed = result["status"].values == FAILED
+    unstable = result["status"].values == STICK_SLIP
     doubtful = result["warnings"].values != ""
     if failed.ndim > 1:  # under any law
-        failed, doubtful = failed.any(axis=-1), doubtful.any(axis=-1)
+        failed, unstable, doubtful = (x.any(axis=-1) for x in (failed, unstable, doubtful))
     parts = []
     for which, what, variable in (
+        (unstable, "are stick-slip, and are not fitted", "message"),
         (failed, "cannot be fitted", "message"),
         (doubtful & ~failed, "must not be used unread", "warnings"),
     ):

@@ -12,11 +12,10 @@ from ..estimates import LEVELS, SIDES
 from ..result import labelled
 from ..unknowns import SUMS, free_under, to_value
 from .comparison import estimates_of, grouped, is_down, is_up, ratio_of
+from .recorded import curve_variables, window_variables
 
-#: most samples of a window that are kept for figures
-KEPT = 1000
 #: status of a window under a law
-FITTED, FAILED = 0, 1
+FITTED, FAILED, STICK_SLIP = 0, 1, 2
 #: scalars of a fit that are kept for each step
 SCALARS = (
     "rms noise_white noise_red noise_time chi2_white log_likelihood aic bic log_evidence"
@@ -40,7 +39,7 @@ def dataset_of_steps(fits, shared, laws):
     if len(laws) > 1:
         tables = [table.expand_dims("law", -1) for table in tables]
         result = xarray.concat(tables, "law", join="outer").transpose("step", "law", ...)
-    result = result.assign(_windows(fits) | _curves(fits, laws))
+    result = result.assign(window_variables(fits) | curve_variables(fits, laws))
     result = result.assign_coords(
         law=laws if len(laws) > 1 else laws[0],
         step=("step", np.arange(1, len(fits) + 1), {"long_name": "step or hold"}),
@@ -69,13 +68,14 @@ def _estimates(fits, law, names):
     texts = {name: np.full(n, "", object) for name in (*TEXTS, "message")}
     error, interval = np.full((n, p), np.nan), np.full((n, p, 2, 2), np.nan)
     kind, correlation = np.full((n, p), "", object), np.full((n, p, p), np.nan)
-    status = np.full(n, FAILED, np.int8)
+    status = np.full(n, FITTED, np.int8)
     for i, fit in enumerate(fits):
         one = fit.of(law)
         if one is None:
             texts["message"][i] = fit.laws[law]
+            status[i] = STICK_SLIP if fit.is_stick_slip else FAILED
             continue
-        part, status[i] = one.result, FITTED
+        part = one.result
         own = part["parameter"].values.tolist()
         rows = [names.index(name) for name in own]
         error[i, rows] = part["standard_error"].values
@@ -89,7 +89,9 @@ def _estimates(fits, law, names):
         for name in TEXTS:
             texts[name][i] = str(part[name].item())
     values = {name: one for name, one in values.items() if name in names or np.isfinite(one).any()}
-    of_status = attrs("status") | flags({FITTED: "fitted", FAILED: "failed"})
+    of_status = attrs("status") | flags(
+        {FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"}
+    )
     texts = {name: one.astype(str) for name, one in texts.items()}
     return xarray.Dataset(
         {
@@ -126,59 +128,18 @@ def _shared(fits, shared, law, names):
         "shared_degrees": 0 if shared is None else shared.degrees,
         "shared_p_value": np.nan if shared is None else shared.p_value,
     }
-    return labelled("parameter", **rows) | labelled((), **scalars)
+    correlation = labelled(("parameter", "other"), shared_correlation=_correlation(shared, names))
+    return labelled("parameter", **rows) | correlation | labelled((), **scalars)
 
 
-def _windows(fits):
-    """What the load point does in each window, and the normal stress."""
-    windows = [fit.task.window for fit in fits]
-    tasks = [fit.task for fit in fits]
-    columns = {
-        "kind": np.array([window.kind for window in windows]),
-        "step_t": np.array([window.t for window in windows]),
-        "step_delta_lp": np.array([_displacement(task) for task in tasks]),
-        "V_before": np.array([window.V_before for window in windows]),
-        "V_after": np.array([window.V_after for window in windows]),
-        "t_hold": np.array([window.t_hold for window in windows]),
-        "sigma": np.array([task.settings.sliders[0].sigma for task in tasks]),
-        "sigma_after": np.array([_stress_after(task) for task in tasks]),
-        "samples": np.array([task.data.sizes["time"] for task in tasks]),
-        "rows_per_sample": np.array([task.rows_per_sample for task in tasks]),
-    }
-    return labelled("step", **columns)
-
-
-def _stress_after(task):
-    """Normal stress [Pa] after a step of it; NaN of a step or hold of the load point."""
-    if task.window.kind != "normal stress":
-        return np.nan
-    return float(task.data["sigma"].where(task.data["time"] > task.window.t).median())
-
-
-def _displacement(task):
-    """Displacement of the load point [m] at the step; NaN where it was not recorded."""
-    if "delta_lp" not in task.data or not task.data.sizes["time"]:
-        return np.nan
-    return float(np.interp(task.window.t, task.data["time"], task.data["delta_lp"]))
-
-
-def _curves(fits, laws):
-    """Some samples of each window along ``sample``, and friction as fitted; NaN beyond them."""
-    n, size = len(fits), min(KEPT, max(fit.task.data.sizes["time"] for fit in fits))
-    table = {name: np.full((n, size), np.nan) for name in ("time", "delta_lp", "friction")}
-    fitted = np.full((len(laws), n, size), np.nan)
-    for i, fit in enumerate(fits):
-        data = fit.task.data
-        rows = np.unique(np.linspace(0, data.sizes["time"] - 1, size).astype(int))
-        for name in [name for name in table if name in data.variables]:
-            table[name][i, : rows.size] = data[name].values[rows]
-        for j, law in enumerate(laws):
-            if one := fit.of(law):
-                curve = one.result["friction_fit"].values
-                fitted[j, i, : rows.size] = curve[rows]
-    dims = ("law", "step", "sample") if len(laws) > 1 else ("step", "sample")
-    curves = fitted if len(laws) > 1 else fitted[0]
-    return labelled(("step", "sample"), **table) | labelled(dims, friction_fit=curves)
+def _correlation(shared, names):
+    """(p, p) correlation of the coordinates that are shared; NaN of others."""
+    table = np.full((len(names), len(names)), np.nan)
+    if shared is not None:
+        rows = [names.index(name) for name in shared.names]
+        errors = np.sqrt(np.diag(shared.covariance))
+        table[np.ix_(rows, rows)] = shared.covariance / np.outer(errors, errors)
+    return table
 
 
 def _with_comparison(result, laws):

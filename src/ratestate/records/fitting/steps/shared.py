@@ -112,8 +112,11 @@ class _Joint:
 
 
 def shared_fit(fits, law):
-    """`Shared` of `Fitted` windows under a law; None for fewer than two, or nothing to share."""
-    steps = [_Step(fitted, law) for fitted in fits if fitted.of(law)]
+    """`Shared` of `Fitted` windows that have converged under a law.
+
+    None for fewer than two, for nothing to share, and where the search has not converged.
+    """
+    steps = [_Step(fitted, law) for fitted in fits if fitted.converged(law)]
     if len(steps) < 2 or not steps[0].shared:
         return None
     joint, k = _Joint(steps), len(steps[0].shared)
@@ -129,6 +132,8 @@ def shared_fit(fits, law):
         ftol=TOLERANCE,
         max_nfev=MOST,
     )
+    if result.status <= 0:
+        return None
     separate = sum(step.separate.chi2 for step in steps)
     covariance = np.linalg.pinv(result.jac.T @ result.jac, hermitian=True)[:k, :k]
     degrees = k * (len(steps) - 1)

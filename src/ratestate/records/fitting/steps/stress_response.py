@@ -6,7 +6,8 @@ from ....model.quantities import readable
 from ..estimates import ROOTS
 from ..unknowns import to_value
 from .comparison import grouped
-from .each import Fitted, Task, fit_window
+from .each import fit_window
+from .fitted import Fitted, Task
 
 
 def fit_stress_steps(data, windows, settings, fits, shared):

@@ -7,7 +7,7 @@ import numpy as np
 from ....model.quantities import QUANTITIES, short, with_error
 from ..unknowns import TRENDS
 from .cells import NONE, Column, change_text
-from .result import FAILED
+from .result import FAILED, STICK_SLIP
 
 #: heads of the columns on what happens
 HEADS = ("step", "time [s]", "change")
@@ -105,9 +105,10 @@ def _what(step):
 
 
 def _note(part, i):
-    """Whether a step failed, or how many warnings it carries."""
-    if part["status"].values[i] == FAILED:
-        return "failed"
+    """Whether a step is stick-slip or failed, or how many warnings it carries."""
+    status = part["status"].values[i]
+    if status in (FAILED, STICK_SLIP):
+        return "failed" if status == FAILED else "stick-slip"
     count = len(str(part["warnings"].values[i]).splitlines())
     return "" if not count else "1 warning" if count == 1 else f"{count} warnings"
 

@@ -43,7 +43,7 @@ class _Change(NamedTuple):
 def windows_of(data):
     """The `Window`s (list) of a record, a Dataset in SI, in order of time.
 
-    A hold lasts until the end of the sliding after it.  A step of normal stress is one by
+    A hold lasts until the end of the sliding after it.  Steps of normal stress are those of
     `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and: no step
     or hold that follows on sliding.
     """
@@ -81,18 +81,12 @@ def _changes(data):
     starts, speeds = recorded_segments(data, time)
     first, *of_speed = zip(starts.tolist(), speeds.tolist(), strict=True)
     changes = [_Change(t, V, False) for t, V in of_speed]
-    for t in _stress_steps(data):
+    has_stress = "sigma" in data.variables and data["sigma"].dims == ("time",)
+    for t, _, _ in stress_steps(time, data["sigma"].values) if has_stress else ():
         V = speeds[max(int(np.searchsorted(starts, t, side="right")) - 1, 0)]
         changes.append(_Change(t, float(V), True))
     end = float(time[-1]) + 0.5 * float(np.median(np.diff(time)))
     return [_Change(float(time[0]), first[1], False), *sorted(changes), _Change(end, np.nan, False)]
-
-
-def _stress_steps(data):
-    """Times [s] of steps of normal stress."""
-    if "sigma" not in data.variables or data["sigma"].dims != ("time",):
-        return []
-    return [step.t for step in stress_steps(data["time"].values, data["sigma"].values)]
 
 
 def _begin(time, before, change, after):

@@ -1,0 +1,52 @@
+"""Windows that are to be fitted, and that have been."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+
+from ..noise import Noise
+from ..record import Record
+from ..settings import Settings
+from ..unknowns import Unknowns
+from .windows import Window
+
+
+class Task(NamedTuple):
+    """A window to be fitted."""
+
+    window: Window
+    data: xarray.Dataset  # its rows
+    settings: Settings  # with the sliders from where the searches begin
+    rows_per_sample: int = 1  # of the record, which are averaged
+
+
+class Separate(NamedTuple):
+    """The fit of a window under one law."""
+
+    result: xarray.Dataset  # of `datasets_of`
+    record: Record
+    unknowns: Unknowns
+    point: np.ndarray  # (k,) coordinates of the best fit
+    noise: Noise
+    chi2: float  # of the whitened residuals
+    errors: np.ndarray  # (k,) of the coordinates, with the noise as estimated
+    converged: bool  # whether the search has
+
+
+class Fitted(NamedTuple):
+    """A window with its fits."""
+
+    task: Task
+    laws: dict  # law -> `Separate`, or the message (str) why there is none
+    is_stick_slip: bool = False  # which is why there is none
+
+    def of(self, law):
+        """The `Separate` of a law, or None."""
+        separate = self.laws[law]
+        return None if isinstance(separate, str) else separate
+
+    def converged(self, law):
+        """The `Separate` of a law if its search has converged, or None."""
+        separate = self.of(law)
+        return separate if separate and separate.converged else None
