@@ -75,7 +75,7 @@ def test_one_step_of_a_stiff_machine_is_not_biased():
         error = float(result.K_error / result.K)
         relative.append(error)
         z.append(np.log(float(result.K) / STIFF.K) / error)
-        remark = f"K rests on 1 slope and is known to {100.0 * error:.2g} %"
+        remark = f"K rests on 1 slope, with an error of {100.0 * error:.2g} %"
         assert remark in result.attrs["remarks"]
     assert abs(np.mean(z)) < 0.6
     assert 6 <= np.sum(np.array(z) > 0.0) <= 18
@@ -100,7 +100,7 @@ def test_a_large_error_warns(one):
     for error, expected in ((0.199, 0), (0.201, 1)):
         texts = [*stiffness_remarks(one.assign(K_error=error * one.K))]
         assert len(texts) == expected
-    assert "K rests on 2 slopes and is known to 20 %" in texts[0]
+    assert "K rests on 2 slopes, with an error of 20 %" in texts[0]
     assert "do not fix it in a fit" in texts[0]
 
 

@@ -19,6 +19,7 @@ from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab, titles
 from ratestate.records.reading.columns import choose_columns
 from ratestate.records.reading.messages import message
+from ratestate.records.reading.stress_steps import stress_steps
 from ratestate.records.reading.table import Column, Table
 from ratestate.records.reading.titles import PATTERNS, match_rank
 
@@ -438,6 +439,31 @@ def test_sizes_that_few_experiments_have_are_noted(tmp_path, columns, words):
     notes = read_lab(write(tmp_path / "r.txt", cells(columns), HEADER[:3])).attrs["notes"]
     assert words in notes
     assert notes == "[]" if not words else len(json.loads(notes)) == 1
+
+
+def test_a_load_point_that_rested_long_still_wanders(tmp_path):
+    rows = np.arange(1500)
+    moved = np.maximum(rows - 900, 0)
+    x = 0.5 * moved + 0.05 * np.sin(moved / 60.0)
+    mu, sigma = 0.6 + 1e-4 * np.random.default_rng(1).normal(size=rows.size), 20.0 + 0.0 * rows
+    data = read_lab(write(tmp_path / "p1.txt", cells((0.5 * rows, x, mu, sigma))))
+    assert "wanders about constant speeds" in data.attrs["notes"]
+
+
+def test_rows_that_are_never_adjacent_are_refused_in_words(tmp_path):
+    text = "\n".join(f"{t} {t / 2} 0.6\n# comment" for t in range(60))
+    with pytest.raises(rs.ParameterError, match="no line of numbers"):
+        read_lab(write(tmp_path / "alt.txt", text))
+
+
+@pytest.mark.parametrize("after", [100, 3000])
+def test_a_step_of_normal_stress_is_found_wherever_it_is(after):
+    t, rng = np.arange(6000.0), np.random.default_rng(1)
+    sigma = np.where(t < t.size - after, 8e6, 8.8e6) + 5e3 * rng.normal(size=t.size)
+    (step,) = stress_steps(t, sigma)
+    assert step.t == pytest.approx(t.size - after, abs=1.0)
+    assert (step.before, step.after) == pytest.approx((8e6, 8.8e6), rel=1e-3)
+    assert stress_steps(t, np.where(t < 3000.0, 8e6, 8.07e6)) == []
 
 
 @pytest.mark.parametrize(("wanders", "noted"), [(0.0, False), (0.05, True)])

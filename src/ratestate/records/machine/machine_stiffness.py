@@ -13,7 +13,7 @@ from ..fitting.fit import RECORD_ATTRIBUTES
 from ..fitting.one_record import single_blas
 from ..fitting.raw_record import raw_record
 from ..load_point import segments_of
-from ..reading.sizes import constant_in_si
+from ..reading.sizes import constant_in_si, typical_stress
 from .messages import refusal
 from .result import dataset_of
 from .ring_down import ring_down
@@ -131,7 +131,7 @@ def _normal_stress(data, sigma):
         return constant_in_si("sigma", sigma)
     if "sigma" not in getattr(data, "variables", {}):
         raise refusal("record.no_sigma")
-    return float(np.median(np.asarray(data["sigma"].values, float)))
+    return typical_stress(data["sigma"].values)
 
 
 def _with_sigma(data, sigma):

@@ -135,8 +135,9 @@ def stiffness_remarks(result):
     if float(result["K_scatter"]) > 2.0:
         yield message("about.scatter", scatter=float(result["K_scatter"]))
     error = float(result["K_error"] / result["K"])
-    if kinds.size == 1 or error > UNCERTAIN:
-        slopes = "1 slope" if kinds.size == 1 else f"{kinds.size} slopes"
-        yield message("about.uncertain", slopes=slopes, error=100.0 * error)
+    if kinds.size == 1:
+        yield message("about.single", error=100.0 * error)
+    elif error > UNCERTAIN:
+        yield message("about.uncertain", slopes=kinds.size, error=100.0 * error)
     if "stick" in kinds:
         yield message("about.stick")

@@ -105,6 +105,25 @@ def constant_in_si(symbol, value):
     return float(number)
 
 
+def checked_stress(values):
+    """(n,) a recorded normal stress [Pa]; ParameterError, by row, where it is not finite or > 0."""
+    values = np.atleast_1d(np.asarray(values, float))
+    wrong = ~(np.isfinite(values) & (values > 0.0))
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise refusal("column.stress", value=values[row], row=row)
+    return values
+
+
+def typical_stress(values):
+    """Median [Pa] of a `checked_stress`; ParameterError also for a size that nobody uses."""
+    median = float(np.median(checked_stress(values)))
+    low, high = USUAL["sigma"]
+    if not low <= median <= high:
+        raise refusal("column.stress_size", median=median, low=low, high=high)
+    return median
+
+
 def check_sizes(symbol, values, column, unit):
     """ParameterError for a column that is constant, or of a size that nobody can have measured.
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from .segments import segments_from_velocity
 
-#: standard deviation, over the mean, from which a normal stress counts as varying
+#: standard deviation, or change between levels, over the mean, from which a normal stress varies
 VARIABLE = 0.01
 #: rows on either side of a step of normal stress, between which most of the change happens
 BESIDE, SUDDEN = 5, 0.6
@@ -31,14 +31,15 @@ def stress_steps(time, sigma):
 
     time, sigma : (n,) arrays [s], [Pa]
     """
-    if not varies(sigma):
+    is_stress = np.isfinite(sigma).all() and (sigma > 0.0).all()
+    if not is_stress or np.ptp(sigma) <= VARIABLE * sigma.mean():
         return []
     levels = segments_from_velocity(time, sigma)
     steps = zip(levels.t[1:].tolist(), levels.V[:-1], levels.V[1:], strict=True)
     return [
         StressStep(t, float(before), float(after))
         for t, before, after in steps
-        if _is_sudden(time, sigma, t, after - before)
+        if abs(after - before) > VARIABLE * before and _is_sudden(time, sigma, t, after - before)
     ]
 
 

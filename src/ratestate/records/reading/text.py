@@ -141,7 +141,7 @@ def _check_short_rows(path, lines, full, delimiters):
         rows = {i: cells for i, cells in rows.items() if _is_data(cells)}
         width = max(map(len, rows.values()), default=0)
         short = [i for i, cells in rows.items() if len(cells) < width]
-        if width >= NEEDED and len(rows) - len(short) >= FEWEST:
+        if short and width >= NEEDED and len(rows) - len(short) >= FEWEST:
             first = {"line": f"line {short[0] + 1}", "cells": quoted(lines[short[0]].strip())}
             counts = {"short": len(short), "rows": len(rows), "width": width}
             raise refusal("text.short_rows", name=path.name, **first, **counts)

@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import computed, recorded
-from .detection import rough_events
+from .detection import has_gap, rough_events
 from .measures import (
     CHANGES,
     CUT_BY_END,
     CUT_BY_START,
+    GAP,
     LOAD_CHANGES,
     UNDERSAMPLED,
     WHOLE,
@@ -53,17 +54,18 @@ class Catalogue(NamedTuple):
 
 def catalogue_of(series):
     """The `Catalogue` of a `Series`."""
-    rough, noise = _detected(series)
+    rough, noise = detected(series)
+    gaps = np.array([has_gap(series.t, one) for one in rough], bool)
     rises, falls = _phases(series, rough)
     stiffness = Stiffness(series.K or math.nan, series.K_error, series.K_source)
     if series.K is None:
         stiffness = loading_stiffness(series, rises, falls, noise)
-    found = _found(series, rough, noise)
+    found = _found(series, rough, gaps, noise)
     values = measured_events(series, found, stiffness)
-    status = _status(series, rough, found)
+    status = np.where(gaps, GAP, _status(series, rough, found))
     values["recurrence"], why = _recurrence(series, values["event_time"], status)
     kind = kinds(values, stiffness.K, series.M)
-    message = _messages(status, why, stiffness)
+    message = _messages(status, why, values["stress_drop"][0], stiffness)
     # (of events that were loaded at one V_lp from the last one on)
     whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
     drop, V_lp = np.where(whole, values["stress_drop"][0], np.nan), values["V_lp"][0]
@@ -74,7 +76,7 @@ def catalogue_of(series):
     )
 
 
-def _detected(series):
+def detected(series):
     """list of `Rough` events, and the `Noise`: of the loading, if that is larger than the white.
 
     None of a record whose stress merely wanders.
@@ -112,11 +114,14 @@ def _phases(series, rough):
     return [(i, j) for i, j in pairs if not load.varies(t[i], t[j], CHANGES)], falls
 
 
-def _found(series, rough, noise):
-    """`Found` for all events; NaN for those that the record cuts, but for the time they have."""
-    whole = np.array([min(one) >= 0 for one in rough], bool)
+def _found(series, rough, gaps, noise):
+    """`Found` for all events; NaN for those that the record cuts, but for the time they have.
+
+    gaps : (m,) whether samples are missing during an event, of which nothing is found then
+    """
+    whole = np.array([min(one) >= 0 for one in rough], bool) & ~gaps
     found = recorded.nothing(len(rough))
-    for k in np.flatnonzero(~whole):
+    for k in np.flatnonzero(~whole & ~gaps):
         found.peak[k, 2] = series.t[rough[k].peak] if rough[k].peak >= 0 else math.nan
         found.trough[k, 2] = series.t[rough[k].trough] if rough[k].trough >= 0 else math.nan
     if series.V is not None:
@@ -172,6 +177,8 @@ def _recurrence(series, event_time, status):
     for k in range(1, time.size):
         if not np.isfinite(time[k - 1]) or status[k - 1] == LOAD_CHANGES:
             why.append("after_cut")
+        elif not np.isfinite(time[k]):
+            why.append("")
         elif series.load.varies(time[k - 1], time[k], CHANGES):
             why.append("changed")
         else:
@@ -180,14 +187,18 @@ def _recurrence(series, event_time, status):
     return (values, errors), why
 
 
-def _messages(status, why, stiffness):
+def _messages(status, why, drop, stiffness):
     """(m,) what must be known of each event."""
-    names = {CUT_BY_START: "start", CUT_BY_END: "end", LOAD_CHANGES: "load", UNDERSAMPLED: "sparse"}
+    names = {CUT_BY_START: "start", CUT_BY_END: "end", LOAD_CHANGES: "load", GAP: "gap"}
     messages = []
     for k, code in enumerate(status):
         texts = []
         if code in names:
             texts.append(sentence(f"message.{names[code]}"))
+        elif not math.isfinite(drop[k]):
+            texts.append(sentence("message.unmeasured"))
+        elif code == UNDERSAMPLED:
+            texts.append(sentence("message.sparse"))
         if why[k] and code not in (CUT_BY_START, CUT_BY_END):
             texts.append(sentence(f"message.{why[k]}"))
         if not math.isfinite(stiffness.K):

@@ -11,7 +11,8 @@ STEPS = 8
 
 
 def middles(t, y, peaks, troughs, levels, level_error, noise):
-    """(m, 2) times at which stress falls through the middle of its levels (2, m), their errors.
+    """(m, 2) times at which stress falls through the middle of its levels (2, m), their errors;
+    NaN where a level is unknown.
 
     peaks, troughs : (m,) samples
     level_error : (m,) standard error of the middle
@@ -21,6 +22,9 @@ def middles(t, y, peaks, troughs, levels, level_error, noise):
         peaks, troughs, levels.T, level_error, strict=True
     ):
         level, near = 0.5 * (top + bottom), NEAR * (top - bottom)
+        if not math.isfinite(level):
+            rows.append((math.nan, math.nan))
+            continue
         above = np.flatnonzero(y[peak : trough + 1] > level + near)
         first = peak + (int(above[-1]) + 1 if above.size else 0)
         below = np.flatnonzero(y[first : trough + 1] < level - near)

@@ -17,6 +17,8 @@ CLEAR = 40.0
 LONGEST = 0.01
 #: standard deviations beyond the expected range of the noise
 MARGIN = 3.0
+#: steps between samples on either side of a gap, and how many times as long it is
+BESIDE, LONG = 20, 10.0
 
 
 class Rough(NamedTuple):
@@ -43,6 +45,22 @@ def rough_events(y, noise, inflation=1.0):
     of_mean = noise * math.sqrt(min(inflation / width, 1.0))
     turns, leaves = turning_points(smooth, (expected + MARGIN) * of_mean)
     return _paired(turns, leaves)
+
+
+def has_gap(t, rough):
+    """Whether samples are missing from before the peak to after the trough of a `Rough` event.
+
+    A step between samples is a gap if it is `LONG` times those on either side of it.
+    """
+    if min(rough) < 0:
+        return False
+    steps = np.diff(t)
+    first, last = max(rough.peak - 1, 0), min(rough.trough + 1, t.size - 1)
+    for i in first + np.flatnonzero(steps[first:last] > LONG * np.median(steps)):
+        sides = steps[max(i - BESIDE, 0) : i], steps[i + 1 : i + 1 + BESIDE]
+        if all(side.size and steps[i] > LONG * np.median(side) for side in sides):
+            return True
+    return False
 
 
 def turning_points(y, threshold):

@@ -50,6 +50,6 @@ def edge(samples, span, c, fall, sign, sd):
     j = i + int(far[0]) if far.size else rows.size - 1
     step = abs(float(u[rows[i]] - u[rows[i] - fall]))
     delay = abs(float(u[rows[j]] - u[rows[i]]))
-    # between two samples: sqrt(1/12) of a step; the delay, from two such times: sqrt(2/12)
+    # a time between two samples is known to sqrt(1/12) of a step, the delay to sqrt(2/12)
     error = math.hypot(0.5 * step, 0.5 * delay)
     return Place(float(u[rows[i]]) - fall * (0.5 * step + delay), error)

@@ -59,7 +59,8 @@ def events(data, *, K=None, M=None, sigma=None):
     polynomials, in windows that are as wide as the noise hides what a polynomial cannot follow, and
     without the bias of largest samples.  Errors are from the noise in the loading phases, white or
     correlated.  Errors of slip, slip rate and energies contain that of K, which all events share.
-    A fall whose middle half has fewer than 8 samples has a peak slip rate that is a lower bound.
+    Of a fall whose middle half has fewer than 8 samples the peak slip rate is the mean there: a
+    lower bound.
 
     Examples
     --------

@@ -22,8 +22,9 @@ STATUSES = {
     2: "cut by the end",
     3: "V_lp changes",
     4: "undersampled",
+    5: "gap in the record",
 }
-WHOLE, CUT_BY_START, CUT_BY_END, LOAD_CHANGES, UNDERSAMPLED = STATUSES
+WHOLE, CUT_BY_START, CUT_BY_END, LOAD_CHANGES, UNDERSAMPLED, GAP = STATUSES
 
 
 def measured_events(series, found, stiffness):

@@ -21,8 +21,10 @@ SHORTEST = 6.0
 FALL, CLOSE = (0.1, 0.25, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0), (0.5, 1.0, 1.5, 2.0, 3.0)
 #: half extents of windows for the slip rate, over the time of the fall
 STEEP = np.geomspace(0.05, 0.8, 8)
-#: samples within a fall below which its slip rate is a lower bound
+#: samples in the middle half of a fall below which its mean slope there is taken, a lower bound
 SPARSE = 8
+#: fewest samples of a fall through which a line is drawn
+LINE = 3
 #: times that windows are placed about what the last ones gave
 ROUNDS = 2
 
@@ -105,7 +107,7 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     """(m, 2) steepest fall [Pa/s] and its error; (m,) whether samples are too few for it."""
     spacing = np.median(np.diff(t))
     fall = max(float(np.median(t[troughs] - t[peaks])), spacing)
-    rows = np.array([_steepest(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)])
+    rows = np.array([_fall(t, y, i, j, noise) for i, j in zip(peaks, troughs, strict=True)])
     time, width = float(np.median(rows[:, 0] - middle)), float(np.median(rows[:, 2]))
     few = rows[:, 2] < SPARSE * spacing
     window = None
@@ -124,15 +126,18 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     return result, few | ~np.isfinite(result[:, 0])
 
 
-def _steepest(t, y, peak, trough):
-    """Time and size of the steepest fall between samples, the time of its middle half, 0 error."""
-    drop = y[peak] - y[trough]
-    level = 0.5 * (y[peak] + y[trough])
-    fall = slice(peak, trough + 1)
-    inside = np.abs(y[fall] - level) < 0.25 * drop
-    times = t[fall][inside]
-    width = float(np.ptp(times)) if times.size else 0.0
-    i = int(np.argmax(-np.diff(y[fall]) / np.diff(t[fall])))
-    steepest = -(y[peak + i + 1] - y[peak + i]) / (t[peak + i + 1] - t[peak + i])
-    middle = float(times.mean()) if times.size else 0.5 * (t[peak + i] + t[peak + i + 1])
-    return middle, steepest, width, math.nan
+def _fall(t, y, peak, trough, noise):
+    """Time, slope, and time taken of the middle half of a fall, and the slope's error.
+
+    By the line through its samples; through those on both sides of the middle where they are few.
+    """
+    drop, level = y[peak] - y[trough], 0.5 * (y[peak] + y[trough])
+    rows = peak + np.flatnonzero(np.abs(y[peak : trough + 1] - level) < 0.25 * drop)
+    width = float(np.ptp(t[rows])) if rows.size else 0.0
+    if rows.size < LINE:
+        below = peak + max(int(np.argmax(y[peak : trough + 1] < level)), 1)
+        rows = np.array([below - 1, below])
+    x = t[rows] - t[rows].mean()
+    squares = float(x @ x)
+    error = noise.sd * math.sqrt(noise.inflation / squares)
+    return float(t[rows].mean()), -float(x @ y[rows]) / squares, width, error

@@ -10,7 +10,7 @@ from ...dynamics.results import parameter
 from ...model.conversion import in_si
 from ...model.units import is_array, to_si
 from ..reading.segments import segments_from_displacement, segments_from_velocity
-from ..reading.sizes import constant_in_si
+from ..reading.sizes import constant_in_si, typical_stress
 from .refusals import refusal
 
 #: least samples
@@ -125,9 +125,9 @@ def _of_record(data, t, own):
     given = own["sigma"]
     sigma = None if given is None else np.full(t.size, constant_in_si("sigma", given))
     recorded = _column(data, "sigma") if "sigma" in data.variables and sigma is None else None
-    if recorded is not None and not (recorded > 0.0).all():
-        row = int(np.argmin(recorded > 0.0))
-        raise refusal("data.tension", value=float(recorded[row]), row=row)
+    if recorded is not None:
+        typical_stress(recorded)
+        recorded = np.resize(recorded, t.size)  # one number holds for all samples
     sigma = recorded if sigma is None else sigma
     if "tau" in data.variables:
         tau = _column(data, "tau")

@@ -182,6 +182,27 @@ def test_steps_in_stick_slip_are_named_and_not_fitted(data, under_slip):
     assert "stick-slip" in next(line for line in table_of(result, "slip").rows if line[0] == "4")
 
 
+def test_a_step_of_normal_stress_in_stick_slip_has_both_levels(data, under_slip):
+    begin, t = float(under_slip.step_t[3]), data.time.values
+    at = begin + 0.45 * (t[-1] - begin)
+    sigma = np.where(t < at, 8e6, 8.8e6)
+    record = sawtooth(data, 6, begin).assign(sigma=("time", sigma))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        result = rs.fit(record, START, each="step")
+    of_stress = result.isel(step=result.kind.values == "normal stress")
+    assert of_stress.status.values.tolist() == [2]
+    assert float(of_stress.sigma[0]) == pytest.approx(8e6)
+    assert float(of_stress.sigma_after[0]) == pytest.approx(8.8e6)
+
+
+def test_one_number_of_normal_stress_holds_for_all_steps(data, under_slip):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        result = rs.fit(data.assign(sigma=8e6), START, each="step")
+    np.testing.assert_allclose(result.a, under_slip.a, rtol=1e-6)
+
+
 def test_a_record_of_stick_slip_alone_is_refused(data, under_slip):
     times = [float(data.time[0]), *under_slip.step_t.values, np.inf]
     for begin, end in itertools.pairwise(times):

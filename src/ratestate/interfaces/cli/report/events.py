@@ -37,7 +37,10 @@ def tables(catalogue: xarray.Dataset) -> list[Any]:
         made.add_row(str(int(one.event)), *cells, str(one.event_kind.item()))
     count = catalogue.sizes["event"]
     if not count:
-        text = "no stick-slip: no fall of the stress is more than its noise and slow wander"
+        text = (
+            "no stick-slip: no falls of the stress are beyond its noise, and regular or much "
+            "faster than its rises"
+        )
         return [Text(text, style="bold")]
     title = Text(f"{count} event{'' if count == 1 else 's'}", style="bold")
     below = [*_messages(catalogue), _stiffness(catalogue), *_lines(catalogue)]

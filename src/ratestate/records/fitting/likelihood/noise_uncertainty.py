@@ -56,7 +56,7 @@ def widening(solution, gradients):
     means = np.array([gradients @ one.shift for one in shapes])  # (shapes, q)
     spreads = np.array([np.linalg.norm(gradients @ one.root, axis=1) for one in shapes])
     own = np.sqrt(np.einsum("qi,ij,qj->q", gradients, solution.covariance, gradients))
-    seen = (spreads > 0.0).all(axis=0)
+    seen = (spreads > 0.0).all(axis=0) & (own > 0.0)
     means, spreads, own = means[:, seen], spreads[:, seen], own[seen]
     errors, roots = (part.copy() for part in Widening.none(len(gradients)))
     errors[seen] = np.sqrt(weight @ (spreads**2 + means**2)) / own
@@ -115,9 +115,10 @@ def _principal_axes(likelihood, point, bounds):
         return -likelihood.at(*shape_of(point + np.array([x, y]))).log_likelihood
 
     centre = minus(0.0, 0.0)
-    xx = (minus(h, 0.0) + minus(-h, 0.0) - 2.0 * centre) / h**2
-    yy = (minus(0.0, h) + minus(0.0, -h) - 2.0 * centre) / h**2
-    xy = (minus(h, h) - minus(h, -h) - minus(-h, h) + minus(-h, -h)) / (4.0 * h**2)
+    with np.errstate(invalid="ignore"):  # where a shape is impossible, by its infinite likelihood
+        xx = (minus(h, 0.0) + minus(-h, 0.0) - 2.0 * centre) / h**2
+        yy = (minus(0.0, h) + minus(0.0, -h) - 2.0 * centre) / h**2
+        xy = (minus(h, h) - minus(h, -h) - minus(-h, h) + minus(-h, -h)) / (4.0 * h**2)
     curvature = np.array([[xx, xy], [xy, yy]])
     if not np.isfinite(curvature).all():
         return LONGEST * np.eye(2)

@@ -80,9 +80,13 @@ class ReportedQuantity(NamedTuple):
         return to_value(self.name, value) if self.is_coordinate else value
 
     def standard_error(self, point, covariance):
-        """Standard error of the value at a point (k,), from the covariance (k, k)."""
+        """Standard error of the value at a point (k,), from the covariance (k, k).
+
+        NaN where rounding has made the covariance of what is hardly determined indefinite.
+        """
         gradient = self.gradient(point)
-        return float(np.sqrt(gradient @ covariance @ gradient))
+        variance = float(gradient @ covariance @ gradient)
+        return variance**0.5 if variance >= 0.0 else np.nan
 
 
 def reported_quantities(problem):

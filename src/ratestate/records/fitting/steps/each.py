@@ -19,7 +19,7 @@ SLID = 5.0
 
 
 def fit_each(data, settings):
-    """list of `Fitted`, for each step and hold of the load point, in order of time.
+    """list of `Fitted`, for each step and hold of the load point: first those that are fitted.
 
     data : the record (Dataset in SI)
 
@@ -92,7 +92,7 @@ def _task(window, data, settings):
     """The `Task` of a step or hold of the load point."""
     part, each = _averaged(window.part(data))
     free = tuple(name for name in settings.free if name != "alpha")
-    sliders = [slider.replace(sigma=_stress(part, slider)) for slider in settings.sliders]
+    sliders = [slider.replace(sigma=_stress(window, part, slider)) for slider in settings.sliders]
     return Task(window, part, settings._replace(free=free, sliders=sliders), each)
 
 
@@ -102,8 +102,10 @@ def _averaged(part):
     return (part.coarsen(time=each, boundary="trim").mean(), each) if each > 1 else (part, 1)
 
 
-def _stress(part, slider):
-    """Normal stress [Pa] of a window: as recorded, else the slider's."""
+def _stress(window, part, slider):
+    """Normal stress [Pa] of a window, or before a step of it: as recorded, else the slider's."""
+    if window.kind == "normal stress":
+        return window.stress_before(part)
     recorded = part["sigma"].values if "sigma" in part.data_vars else np.array(np.nan)
     return float(np.median(recorded)) if np.isfinite(recorded).all() else slider.sigma
 

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ....errors import RateStateError
-from ...stick_slip import events
+from ...stick_slip.catalogue import detected
+from ...stick_slip.series import series_of
 from ..raw_record import recorded_segments
 
 #: fewest events at one speed, and least drop of a typical one, over the range of friction there
@@ -40,14 +41,15 @@ def stick_slip_slides(data, sigma):
 def _events_in(part, sigma):
     """Number of stick-slip events in a slide; 0 where there is no stick-slip."""
     try:
-        catalogue = events(part, sigma=None if "sigma" in part.variables else sigma)
+        series = series_of(part, sigma=None if "sigma" in part.variables else sigma)
     except RateStateError:  # such as of missing values: the fit of the slide says so
         return 0
-    count = catalogue.sizes["event"]
-    if count < FEWEST:
+    rough, friction = detected(series)[0], series.tau / series.sigma
+    if len(rough) < FEWEST:
         return 0
-    high, low = np.percentile(catalogue["tau"].values, (99.0, 1.0))
-    return count if catalogue["stress_drop"].median() > DROP * (high - low) else 0
+    drops = [friction[one.peak] - friction[one.trough] for one in rough if min(one) >= 0]
+    high, low = np.percentile(friction, (99.0, 1.0))
+    return len(rough) if np.median(drops) > DROP * (high - low) else 0
 
 
 def stick_slip_about(window, slides):

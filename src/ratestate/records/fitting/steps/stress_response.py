@@ -21,7 +21,7 @@ def fit_stress_steps(data, windows, settings, fits, shared):
     fitted = []
     for window in windows:
         part = window.part(data)
-        sigma = float(part["sigma"].where(part["time"] < window.t, drop=True).median())
+        sigma = window.stress_before(part)
         sliders, laws = [], {}
         for slider in settings.sliders:
             held, directions = _held(fits, shared[slider.law], slider)

@@ -31,6 +31,10 @@ class Window(NamedTuple):
         time = data["time"].values
         return data.isel(time=slice(*np.searchsorted(time, (self.begin, self.end)).tolist()))
 
+    def stress_before(self, part):
+        """Normal stress [Pa] before a step of it; part : the rows of the window."""
+        return float(part["sigma"].where(part["time"] < self.t, drop=True).median())
+
 
 class _Change(NamedTuple):
     """A change of speed or normal stress."""
