@@ -4,6 +4,8 @@
 ``healing``                  the function `healing`: in which order all below is done
 ``record``, ``holds``        samples, holds, and the slides before and after them
 ``sliding``                  steady friction with its drift
+``slide_noise``              the noise of friction that slides show
+``polynomial_windows``       windows in which friction is a polynomial
 ``peak``                     the peak on reloading
 ``measured``                 healing and relaxation of one hold, with errors; its status
 ``rate``                     healing and relaxation per decade of hold time

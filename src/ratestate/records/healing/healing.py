@@ -10,12 +10,12 @@ from ..fitting.noise import given_noise
 from ..fitting.one_record import single_blas
 from ..fitting.refusals import refusal as fit_refusal
 from ..fitting.settings import CHOICES
-from ..slide_noise import FEWEST, noise_of_slides
 from .measured import measure
 from .messages import refusal
 from .prediction import predict
 from .record import healing_record
 from .result import dataset_of
+from .slide_noise import FEWEST, noise_of_slides
 from .sliders import sliders_of
 
 

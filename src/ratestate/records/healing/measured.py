@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..polynomial_windows import GROWTH, fewest_samples, largest_straight, window_of
 from ..regression import generalized_least_squares
-from ..slide_noise import FEWEST
 from .peak import maximum_of, peak_window
+from .polynomial_windows import GROWTH, fewest_samples, largest_straight, window_of
+from .slide_noise import FEWEST
 from .sliding import steady_part
 
 #: orders of friction in ln(time since the hold began): tested, and used

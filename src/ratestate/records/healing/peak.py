@@ -8,7 +8,7 @@ variance of the slope over the curvature, which is subtracted.
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ..polynomial_windows import CERTAIN, GROWTH, fewest_samples, is_curved, window_of
+from .polynomial_windows import CERTAIN, GROWTH, fewest_samples, is_curved, window_of
 
 #: orders: of the polynomial that is tested, and of the one that is used
 TESTED, USED = 3, 5

@@ -5,10 +5,10 @@ import xarray
 
 from ...dynamics.results import flags
 from ..fitting.result import labelled
-from ..slide_noise import FEWEST
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
 from .messages import message
 from .rate import line_of, slope_of, times_along
+from .slide_noise import FEWEST
 
 #: what has a rate per decade -> that rate
 RATES = {"delta_mu": "beta", "delta_mu_c": "beta_c"}

@@ -1,7 +1,7 @@
 """Steady friction of a slide, with its drift."""
 
-from ..polynomial_windows import is_curved
-from ..slide_noise import FEWEST, late_part
+from .polynomial_windows import is_curved
+from .slide_noise import FEWEST, late_part
 
 #: how often the part of a slide that may be steady is halved if it is not
 HALVINGS = 2

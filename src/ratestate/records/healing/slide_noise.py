@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from .fitting.estimated_noise import estimated_noise
+from ..fitting.estimated_noise import estimated_noise
 from .polynomial_windows import window_of
 
 #: part of a slide that may be steady: its end; fewest samples of it
