@@ -11,7 +11,7 @@ import xarray
 
 from ...model.loading import Loading
 from ..reading.segments import find_segments
-from ..reading.sizes import checked_stress, constant_in_si
+from ..reading.sizes import check_stress, constant_in_si
 from .normal_stress import recorded_stress
 from .refusals import refusal
 
@@ -70,7 +70,8 @@ def checked_time(data):
         row = int(np.argmin(np.diff(time) > 0.0)) + 1
         raise refusal("columns.not_increasing", before=time[row - 1], after=time[row], row=row)
     if "sigma" in data.variables and data["sigma"].dims == ("time",):
-        checked_stress(data["sigma"].values)
+        sigma = np.asarray(data["sigma"].values, float)
+        check_stress(sigma <= 0.0, sigma)  # with gaps, of which a warning tells, it serves
     return time
 
 

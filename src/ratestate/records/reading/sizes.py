@@ -105,19 +105,21 @@ def constant_in_si(symbol, value):
     return float(number)
 
 
-def checked_stress(values):
-    """(n,) a recorded normal stress [Pa]; ParameterError, by row, where it is not finite or > 0."""
-    values = np.atleast_1d(np.asarray(values, float))
-    wrong = ~(np.isfinite(values) & (values > 0.0))
+def check_stress(wrong, values):
+    """ParameterError, by row, where a recorded normal stress (n,) is wrong, a mask (n,)."""
     if wrong.any():
         row = int(np.argmax(wrong))
         raise refusal("column.stress", value=values[row], row=row)
-    return values
 
 
 def typical_stress(values):
-    """Median [Pa] of a `checked_stress`; ParameterError also for a size that nobody uses."""
-    median = float(np.median(checked_stress(values)))
+    """Median [Pa] of a recorded normal stress, one number or (n,), finite and > 0.
+
+    ParameterError, by row, where it is not, and for a size that nobody uses.
+    """
+    values = np.atleast_1d(np.asarray(values, float))
+    check_stress(~(np.isfinite(values) & (values > 0.0)), values)
+    median = float(np.median(values))
     low, high = USUAL["sigma"]
     if not low <= median <= high:
         raise refusal("column.stress_size", median=median, low=low, high=high)
