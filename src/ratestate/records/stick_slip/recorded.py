@@ -107,7 +107,7 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     """(m, 2) steepest fall [Pa/s] and its error; (m,) whether samples are too few for it."""
     spacing = np.median(np.diff(t))
     fall = max(float(np.median(t[troughs] - t[peaks])), spacing)
-    rows = np.array([_fall(t, y, i, j, noise) for i, j in zip(peaks, troughs, strict=True)])
+    rows = np.array([_fall(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)])
     time, width = float(np.median(rows[:, 0] - middle)), float(np.median(rows[:, 2]))
     few = rows[:, 2] < SPARSE * spacing
     window = None
@@ -126,8 +126,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     return result, few | ~np.isfinite(result[:, 0])
 
 
-def _fall(t, y, peak, trough, noise):
-    """Time, slope, and time taken of the middle half of a fall, and the slope's error.
+def _fall(t, y, peak, trough):
+    """Time, slope, and time taken of the middle half of a fall, and no error of the slope, a bound.
 
     By the line through its samples; through those on both sides of the middle where they are few.
     """
@@ -138,6 +138,4 @@ def _fall(t, y, peak, trough, noise):
         below = peak + max(int(np.argmax(y[peak : trough + 1] < level)), 1)
         rows = np.array([below - 1, below])
     x = t[rows] - t[rows].mean()
-    squares = float(x @ x)
-    error = noise.sd * math.sqrt(noise.inflation / squares)
-    return float(t[rows].mean()), -float(x @ y[rows]) / squares, width, error
+    return float(t[rows].mean()), -float(x @ y[rows]) / float(x @ x), width, math.nan
