@@ -2,7 +2,7 @@
 
 Between samples tau is the cubic that has its values and slopes, dtau/dt = K (V_load - V), at both:
 its extremes and the middle of a fall are found on that.  What a cubic through every second sample
-gives differently, over 8 (its error is of order h^4), is the error.
+gives differently is taken for the error: the error of few samples does not yet fall as h^4.
 """
 
 import math
@@ -13,13 +13,11 @@ from scipy.interpolate import CubicHermiteSpline
 from .recorded import Found
 
 #: error of tau at a sample's time over the drop, from which a fall has too few samples; and samples
-COARSE, SPARSE = 1e-3, 5
+COARSE, SPARSE = 5e-4, 5
 #: relative error of the steepest fall from which they are too few
 ROUGH = 0.1
 #: farthest that an extreme may be from a sample, over the drop
 FAR = 0.01
-#: error of every second sample over that of all, at least
-GAIN = 8.0
 
 
 def found_events(series, rough):
@@ -57,7 +55,7 @@ def _extreme(t, tau, rate, i, sign, most):
         half = 0.5 * float(np.diff(t[around]).max())
         return tau[i] + sign * beyond, beyond, t[i], half
     other, at = _between(t, tau, rate, [i - 2, i, i + 2], sign)
-    return value, abs(value - other) / GAIN, time, abs(time - at) / GAIN
+    return value, abs(value - other), time, abs(time - at)
 
 
 def _between(t, tau, rate, samples, sign):
@@ -84,7 +82,7 @@ def _middle(t, tau, rate, peak, trough, level):
     straight = float(np.interp(-level, -tau[rows], t[rows]))
     if not at.size:
         return straight, (t[after] - t[after - 1]) / math.sqrt(12.0)
-    return float(at[0] + origin), abs(float(at[0] + origin) - straight) / GAIN
+    return float(at[0] + origin), abs(float(at[0] + origin) - straight)
 
 
 def _steepest(t, K, V, V_load, peak, trough):
