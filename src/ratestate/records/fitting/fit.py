@@ -104,15 +104,15 @@ def fit(
         order of time (and along ``law`` where several), NaN and "" where ``status`` is 1 (failed)
         or 2 (stick-slip, which is not fitted) and ``message`` says why.  Along ``step`` alone:
         ``kind`` ("step", "hold" or "normal stress"), ``step_t`` [s] and ``step_delta_lp`` [m] where
-        it is, ``V_before`` and ``V_after`` [m/s], ``t_hold`` [s], ``sigma`` [Pa], ``samples``, each
-        the mean of ``rows_per_sample`` rows (1 up to 20,000 rows); along ``sample``, too, some of
-        the record and of the fitted curve.  Along ``parameter``: ``shared``, the estimate of one
-        set for all steps and holds, ``shared_error`` and, with ``other``, ``shared_correlation``;
-        ``scatter``, the standard deviation between steps beyond their errors; ``up_over_down``, the
-        ratio of the mean over steps up to that over steps down, with its error and the p-value of
-        Student's test.  ``shared_p_value`` is the probability of as large a ``shared_deviance`` if
-        one set serves all.  At a step of normal stress only alpha is free, and what the other steps
-        tell of a, b, Dc and K is held.
+        it is, ``V_before`` and ``V_after`` [m/s], ``t_hold`` [s], ``sigma`` and, after a step of
+        it, ``sigma_after`` [Pa], ``samples``, each the mean of ``rows_per_sample`` rows (1 up to
+        20,000 rows); along ``sample``, too, some of the record and of the fitted curve.  Along
+        ``parameter``: ``shared``, the estimate of one set for all steps and holds, ``shared_error``
+        and, with ``other``, ``shared_correlation``; ``scatter``, the standard deviation between
+        steps beyond their errors; ``up_over_down``, the ratio of the mean over steps up to that
+        over steps down, with its error and the p-value of Student's test.  ``shared_p_value`` is
+        the probability of as large a ``shared_deviance`` if one set serves all.  At a step of
+        normal stress only alpha is free, and what the other steps tell of a, b, Dc and K is held.
 
     Raises
     ------

@@ -22,8 +22,7 @@ class StressStep(NamedTuple):
 
 def varies(sigma):
     """Whether a normal stress (n,) is positive everywhere, finite, and varies."""
-    is_stress = np.isfinite(sigma).all() and (sigma > 0.0).all()
-    return bool(is_stress and sigma.std() > VARIABLE * sigma.mean())
+    return bool(_is_stress(sigma) and sigma.std() > VARIABLE * sigma.mean())
 
 
 def stress_steps(time, sigma):
@@ -31,8 +30,7 @@ def stress_steps(time, sigma):
 
     time, sigma : (n,) arrays [s], [Pa]
     """
-    is_stress = np.isfinite(sigma).all() and (sigma > 0.0).all()
-    if not is_stress or np.ptp(sigma) <= VARIABLE * sigma.mean():
+    if not _is_stress(sigma) or np.ptp(sigma) <= VARIABLE * sigma.mean():
         return []
     levels = segments_from_velocity(time, sigma)
     steps = zip(levels.t[1:].tolist(), levels.V[:-1], levels.V[1:], strict=True)
@@ -41,6 +39,10 @@ def stress_steps(time, sigma):
         for t, before, after in steps
         if abs(after - before) > VARIABLE * before and _is_sudden(time, sigma, t, after - before)
     ]
+
+
+def _is_stress(sigma):
+    return np.isfinite(sigma).all() and (sigma > 0.0).all()
 
 
 def _is_sudden(time, sigma, t, change):

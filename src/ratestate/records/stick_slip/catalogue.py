@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import computed, recorded
-from .detection import has_gap, rough_events
+from .detection import in_gaps, rough_events
 from .measures import (
     CHANGES,
     CUT_BY_END,
@@ -55,7 +55,7 @@ class Catalogue(NamedTuple):
 def catalogue_of(series):
     """The `Catalogue` of a `Series`."""
     rough, noise = detected(series)
-    gaps = np.array([has_gap(series.t, one) for one in rough], bool)
+    gaps = in_gaps(series.t, rough)
     rises, falls = _phases(series, rough)
     stiffness = Stiffness(series.K or math.nan, series.K_error, series.K_source)
     if series.K is None:

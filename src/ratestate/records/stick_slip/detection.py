@@ -47,16 +47,21 @@ def rough_events(y, noise, inflation=1.0):
     return _paired(turns, leaves)
 
 
-def has_gap(t, rough):
-    """Whether samples are missing from before the peak to after the trough of a `Rough` event.
+def in_gaps(t, rough):
+    """(m,) whether samples are missing from before the peaks to after the troughs of `Rough`s.
 
     A step between samples is a gap if it is `LONG` times those on either side of it.
     """
+    steps = np.diff(t)
+    long = np.flatnonzero(steps > LONG * np.median(steps))
+    return np.array([_has_gap(steps, long, one) for one in rough], bool)
+
+
+def _has_gap(steps, long, rough):
+    """Whether one of these long steps is a gap in a `Rough` event."""
     if min(rough) < 0:
         return False
-    steps = np.diff(t)
-    first, last = max(rough.peak - 1, 0), min(rough.trough + 1, t.size - 1)
-    for i in first + np.flatnonzero(steps[first:last] > LONG * np.median(steps)):
+    for i in long[(long >= rough.peak - 1) & (long <= rough.trough)]:
         sides = steps[max(i - BESIDE, 0) : i], steps[i + 1 : i + 1 + BESIDE]
         if all(side.size and steps[i] > LONG * np.median(side) for side in sides):
             return True
