@@ -36,7 +36,7 @@ def notebook():
 
 def test_each_frame_undoes_its_own_changes(browser, notebook):
     drawn = "K => document.querySelector('#entry-K')?.value.startsWith(K)"
-    settled = "K => decodeURIComponent(location.hash).includes(`K=${K}`)"
+    settled = f"K => decodeURIComponent(location.hash).includes(`K=${{K}}`) && ({drawn})(K)"
     with contextlib.closing(browser.new_context()) as context:
         page = context.new_page()
         page.goto(notebook)
