@@ -131,8 +131,8 @@ def _evaluations(part, name, problem):
     point = problem.best[0]
     many = np.repeat(point[None], LANES, axis=0)
     jobs = {
-        "jacobian": lambda: problem.search.jacobian(point, NOISE),
-        "alone": lambda: problem.search.residual(point, NOISE),
+        "jacobian": lambda: problem.search.whitened(point, NOISE),
+        "alone": lambda: problem.search.difference(point),
         "lanes": lambda: with_best_level(problem.search, many),
     }
     seconds = interleaved(jobs)

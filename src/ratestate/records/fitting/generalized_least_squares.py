@@ -66,26 +66,24 @@ def least_squares_fit(record, slider, free, noise, start):
     solution = solution_from(problem, _best_start(problem), noise)
     if start != "auto" or not _may_start_unsteady(solution):
         return solution
-    # Noise may have been estimated as correlated because of the start: so search anew.
     unknowns = unknowns_of(record, slider, free, start=True)
     problem = Problem(record, slider, unknowns)
-    starts = (_with_more_coordinates(solution, unknowns), _best_start(problem))
-    solutions = [solution_from(problem, start, noise) for start in starts]
-    best = max(solutions, key=lambda one: one.log_likelihood)
-    gain = best.log_likelihood - solution.log_likelihood
-    early_gain = _early_log_likelihood(best) - _early_log_likelihood(solution)
-    return best if min(gain, early_gain) > 0.5 * FALL else solution
+    steady = _with_more_coordinates(solution, unknowns)
+    unsteady = solution_from(problem, _best_start(problem, steady), noise)
+    gain = unsteady.log_likelihood - solution.log_likelihood
+    early_gain = _early_log_likelihood(unsteady) - _early_log_likelihood(solution)
+    return unsteady if min(gain, early_gain) > 0.5 * FALL else solution
 
 
-def _best_start(problem):
-    """The best point that a search on a thinned record reaches from several starts.
+def _best_start(problem, *first):
+    """The best point that a search on a thinned record reaches from these and several starts.
 
     Of equally good ones that with the distances in the order that they have in the slider.
     """
     thin = problem.record.thinned(max(problem.record.t.size // SAMPLES, 1))
     thin_problem = Problem(thin, problem.slider, problem.unknowns)
-    points = starting_points(thin_problem, STARTS)
-    noise = thin_problem.white_noise(points[0]) if len(points) else None
+    points = [*first, *starting_points(thin_problem, STARTS)]
+    noise = thin_problem.white_noise(points[0]) if points else None
     best, distances = None, problem.distances()
     searches: list = []
     for point in points:
@@ -128,7 +126,7 @@ def solution_from(problem, point, noise):
             break  # all weights change by one factor: the minimum stays
         last, was_white = result.x, False
         result = _checked_search(problem, last, current)
-        error = np.sqrt(np.diag(_covariance(result.jac)))
+        error = np.sqrt(np.diag(_covariance(result.jacobian)))
         if (np.abs(result.x - last) <= CONVERGED * error).all():
             break
     friction, jacobian = problem.forward.jacobian(result.x)
@@ -147,7 +145,7 @@ def solution_from(problem, point, noise):
         jacobian,
         chi2,
         -0.5 * (chi2 + log_determinant + constant),
-        result.status > 0,
+        result.converged,
         problem.forward.evaluations - before,
     )
 

@@ -6,9 +6,9 @@ them and the user's own.
 """
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from .forward import Forward
+from .levenberg_marquardt import minimum
 from .noise import Noise
 from .unknowns import distinct, parameter, sizes_of, to_coordinate
 
@@ -36,14 +36,12 @@ class Problem:
         """(m,) model less record; NaN where there is no motion."""
         return self.forward.friction(point[None])[0] - self.record.friction
 
-    def residual(self, point, noise):
-        """(m,) `difference`, whitened; NaN without a motion."""
-        return noise.whiten(self.record.t, self.difference(point))[0][:, 0]
-
-    def jacobian(self, point, noise):
-        """(m, k) derivative of `residual`; 0 where it does not exist."""
-        columns = self.forward.jacobian(point)[1]
-        return np.nan_to_num(noise.whiten(self.record.t, columns)[0])
+    def whitened(self, point, noise):
+        """Whitened `difference` (m,), NaN without a motion, and jacobian (m, k), 0 without one."""
+        friction, jacobian = self.forward.jacobian(point)
+        columns = np.column_stack([friction - self.record.friction, np.nan_to_num(jacobian)])
+        white, _ = noise.whiten(self.record.t, columns)
+        return white[:, 0], white[:, 1:]
 
     def distances(self):
         """Coordinates (list of int) of the free distances over which states evolve.
@@ -60,24 +58,12 @@ class Problem:
 
 
 def search(problem, start, noise, most=MOST):
-    """SciPy's result of `least_squares` from this point (moved within bounds); None without motion.
+    """The `Minimum` from this point (moved within bounds); None where there is no motion.
 
-    problem : has unknowns, and residual and jacobian as functions of a point and a `Noise`
+    problem : has unknowns, and `whitened` as a function of a point and a `Noise`
     """
-    low, high = problem.unknowns.low, problem.unknowns.high
-    inside = 1e-9 * np.where(np.isfinite(high), 1.0 + np.abs(start), 0.0)
-    start = np.clip(start, low + inside, high - inside)
-    if not np.isfinite(problem.residual(start, noise)).all():
-        return None
-    return least_squares(
-        problem.residual,
-        start,
-        problem.jacobian,
-        bounds=(low, high),
-        x_scale="jac",
-        args=(noise,),
-        max_nfev=most,
-    )
+    _, low, high = problem.unknowns
+    return minimum(lambda x: problem.whitened(x, noise), start, low, high, most)
 
 
 def starting_points(problem, most):

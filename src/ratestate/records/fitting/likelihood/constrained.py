@@ -25,16 +25,13 @@ class ConstrainedProblem:
         point = np.insert(rest, self.quantity.eliminated, self.start)
         return self.quantity.constrained(point, self.value)
 
-    def residual(self, rest, noise):
-        """(m,) whitened, as `Problem.residual`, at the other coordinates (k - 1,)."""
-        return self.problem.residual(self.point(rest), noise)
-
-    def jacobian(self, rest, noise):
-        """(m, k - 1) derivative of `residual` by the other coordinates."""
+    def whitened(self, rest, noise):
+        """As `Problem.whitened`, at the other coordinates (k - 1,) and by them."""
         point, eliminated = self.point(rest), self.quantity.eliminated
-        columns, gradient = self.problem.jacobian(point, noise), self.quantity.gradient(point)
+        residual, columns = self.problem.whitened(point, noise)
+        gradient = self.quantity.gradient(point)
         by_rest = -gradient[self.rest] / gradient[eliminated]
-        return columns[:, self.rest] + np.outer(columns[:, eliminated], by_rest)
+        return residual, columns[:, self.rest] + np.outer(columns[:, eliminated], by_rest)
 
 
 def constrained_fit(solution, quantity, value, starts):

@@ -10,19 +10,17 @@ import itertools
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
 from ..by_law import value_of
+from ..levenberg_marquardt import minimum
 from ..problem import Problem
 from ..unknowns import parameter
 
 #: parameters of the slider that are the machine's, not the law's
 OF_MACHINE = ("K", "M", "lag")
-#: relative fall of chi-square at which the search ends; most evaluations
-TOLERANCE, MOST = 1e-7, 60
-#: residual where there is no motion: far above any other, but finite
-NO_MOTION = 1e6
+#: most evaluations of the search
+MOST = 60
 
 
 class Shared(NamedTuple):
@@ -87,22 +85,18 @@ class _Joint:
         self.own = list(itertools.starmap(slice, itertools.pairwise(ends.tolist())))
         self.rows = np.cumsum([0] + [self.k + len(step.own) + 1 for step in steps])
         self.size = int(ends[-1])
-        self.last: tuple = (b"", None)  # point and what is there: residual and jacobian share it
 
     def at(self, point):
-        """Residual (m,) and jacobian (m, n) at a point (n,); large and 0 without a motion."""
-        if self.last[0] != point.tobytes():
-            residual, jacobian = np.empty(self.rows[-1]), np.zeros((self.rows[-1], self.size))
-            for step, own, first, end in zip(
-                self.steps, self.own, self.rows, self.rows[1:], strict=False
-            ):
-                columns = step.compressed(point[: self.k], point[own])
-                jacobian[first:end, : self.k] = columns[:, : self.k]
-                jacobian[first:end, own] = columns[:, self.k : -1]
-                residual[first:end] = columns[:, -1]
-            both = np.nan_to_num(residual, nan=NO_MOTION), np.nan_to_num(jacobian)
-            self.last = point.tobytes(), both
-        return self.last[1]
+        """Residual (m,) and jacobian (m, n) at a point (n,); NaN and 0 without a motion."""
+        residual, jacobian = np.empty(self.rows[-1]), np.zeros((self.rows[-1], self.size))
+        for step, own, first, end in zip(
+            self.steps, self.own, self.rows, self.rows[1:], strict=False
+        ):
+            columns = step.compressed(point[: self.k], point[own])
+            jacobian[first:end, : self.k] = columns[:, : self.k]
+            jacobian[first:end, own] = columns[:, self.k : -1]
+            residual[first:end] = columns[:, -1]
+        return residual, np.nan_to_num(jacobian)
 
     def collected(self, values, of_shared):
         """(n,) coordinates, from those of each step; shared ones by a function of all."""
@@ -123,19 +117,11 @@ def shared_fit(fits, law):
     start = joint.collected([step.separate.point for step in steps], np.median)
     low = joint.collected([step.separate.unknowns.low for step in steps], np.min)
     high = joint.collected([step.separate.unknowns.high for step in steps], np.max)
-    result = least_squares(
-        lambda point: joint.at(point)[0],
-        np.clip(start, low + 1e-9, high - 1e-9),
-        lambda point: joint.at(point)[1],
-        bounds=(low, high),
-        x_scale="jac",
-        ftol=TOLERANCE,
-        max_nfev=MOST,
-    )
-    if result.status <= 0:
+    result = minimum(joint.at, start, low, high, MOST)
+    if result is None or not result.converged:
         return None
     separate = sum(step.separate.chi2 for step in steps)
-    covariance = np.linalg.pinv(result.jac.T @ result.jac, hermitian=True)[:k, :k]
+    covariance = np.linalg.pinv(result.jacobian.T @ result.jacobian, hermitian=True)[:k, :k]
     degrees = k * (len(steps) - 1)
     wider = np.sqrt(np.mean([step.widening() ** 2 for step in steps], axis=0))
     covariance *= np.outer(wider, wider)

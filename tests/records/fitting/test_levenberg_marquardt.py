@@ -1,0 +1,151 @@
+"""Levenberg-Marquardt within bounds, against SciPy's least squares and closed forms."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from ratestate.records.fitting.levenberg_marquardt import CONVERGED, minimum
+
+FREE = np.full(3, -np.inf), np.full(3, np.inf)
+T = np.linspace(0.0, 4.0, 200)
+
+
+def decay(x):
+    """x[0] exp(-x[1] t) + x[2], and its derivatives."""
+    e = np.exp(-x[1] * T)
+    return x[0] * e + x[2], np.column_stack([e, -x[0] * T * e, np.ones(T.size)])
+
+
+def problem(seed):
+    """A decay in noise, as a function, and where a search may start."""
+    rng = np.random.default_rng(seed)
+    truth = rng.uniform((1.0, 0.3, -1.0), (3.0, 3.0, 1.0))
+    data = decay(truth)[0] + 0.1 * rng.normal(size=T.size)
+
+    def function(x):
+        value, jacobian = decay(x)
+        return value - data, jacobian
+
+    return function, truth * rng.uniform(0.4, 2.5, 3)
+
+
+def reference(function, start, low, high):
+    keys = {"ftol": 1e-14, "xtol": 1e-14, "gtol": 1e-14}
+    inside = np.clip(start, low + 1e-9, high - 1e-9)
+    return least_squares(
+        lambda x: function(x)[0], inside, lambda x: function(x)[1], bounds=(low, high), **keys
+    )
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_as_near_the_minimum_as_it_says(seed):
+    function, start = problem(seed)
+    found, exact = minimum(function, start, *FREE, 100), reference(function, start, *FREE)
+    covariance = np.linalg.inv(exact.jac.T @ exact.jac) * 2.0 * exact.cost / T.size
+    off = found.x - exact.x
+    assert found.converged
+    assert np.sqrt(off @ np.linalg.solve(covariance, off)) < np.sqrt(T.size * CONVERGED)
+    assert found.cost == pytest.approx(exact.cost, rel=1e-8)
+    assert function(found.x)[0] @ function(found.x)[0] == pytest.approx(2.0 * found.cost, rel=1e-8)
+    assert found.jacobian == pytest.approx(exact.jac, rel=1e-2, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("side", ["below", "above"])
+def test_a_bound_that_holds(seed, side):
+    """The rate may not come as far as it would: it ends on the bound, and the others fit best."""
+    function, start = problem(seed)
+    free = reference(function, start, *FREE).x
+    low, high = (x.copy() for x in FREE)
+    if side == "below":
+        low[1] = 1.3 * free[1]
+        start[1] = 1.7 * free[1]
+    else:
+        high[1] = 0.7 * free[1]
+        start[1] = 0.3 * free[1]
+    found = minimum(function, start, low, high, 100)
+    assert found.x[1] == (low if side == "below" else high)[1]
+    rest = [0, 2]
+    basis = found.jacobian[:, rest]  # linear in these, once the rate is known
+    best = found.x[rest] - np.linalg.lstsq(basis, function(found.x)[0], rcond=None)[0]
+    assert found.x[rest] == pytest.approx(best, rel=1e-3, abs=1e-4)
+    assert found.converged
+
+
+def test_a_bound_on_the_way_does_not_hold():
+    """A start on the bound leaves it; one beyond it is moved to it first."""
+    function, start = problem(3)
+    exact = reference(function, start, *FREE).x
+    low, high = exact - 0.2, exact + 5.0
+    for first in (low, low - 1.0):
+        assert minimum(function, first, low, high, 100).x == pytest.approx(exact, abs=1e-3)
+
+
+def test_the_last_step_is_free():
+    """A linear problem: of two steps, the second ends at the minimum, without an evaluation."""
+    rng = np.random.default_rng(0)
+    A, b = rng.normal(size=(40, 3)), rng.normal(size=40)
+    calls = []
+
+    def function(x):
+        calls.append(x)
+        return A @ x - b, A
+
+    found = minimum(function, np.array([3.0, -2.0, 1.0]), *FREE, 100)
+    exact, (squares,) = np.linalg.lstsq(A, b, rcond=None)[:2]
+    assert found.x == pytest.approx(exact, abs=1e-7)
+    assert 2.0 * found.cost == pytest.approx(squares, rel=1e-10)
+    assert 3 <= len(calls) <= 4
+    assert all((found.x != x).any() for x in calls)
+
+
+def test_where_nothing_moves():
+    function, start = problem(1)
+    exact = reference(function, start, *FREE).x
+    edge = 1.05 * exact[1]
+
+    def bounded(x):
+        residual, jacobian = function(x)
+        return (residual if x[1] < edge else np.full_like(residual, np.nan)), jacobian
+
+    assert minimum(bounded, np.array([0.2, 10.0, 0.0]), *FREE, 100) is None
+    found = minimum(bounded, np.array([0.2, 0.05, 0.0]), *FREE, 100)
+    assert found.x == pytest.approx(exact, abs=1e-3)
+
+
+def test_a_coordinate_that_changes_nothing_stays():
+    function, start = problem(2)
+
+    def blind(x):
+        residual, jacobian = function(x)
+        return residual, jacobian * [1.0, 1.0, 0.0]
+
+    found = minimum(blind, start, *FREE, 100)
+    assert found.converged
+    assert found.x[2] == start[2]
+
+
+@pytest.mark.parametrize("most", [1, 2, 3])
+def test_no_more_evaluations_than_allowed(most):
+    function, start = problem(4)
+    calls = []
+
+    def counted(x):
+        calls.append(x)
+        return function(x)
+
+    found = minimum(counted, start, *FREE, most)
+    assert len(calls) == most
+    assert not found.converged
+    assert 2.0 * found.cost == pytest.approx(min(np.sum(function(x)[0] ** 2) for x in calls))
+
+
+def test_residuals_that_can_vanish():
+    """The exact curve: the sum of squares falls to what rounding leaves."""
+    truth = np.array([2.0, 1.0, 0.5])
+    data = decay(truth)[0]
+    found = minimum(
+        lambda x: (decay(x)[0] - data, decay(x)[1]), np.array([1.0, 2.0, 0.0]), *FREE, 100
+    )
+    assert found.converged
+    assert found.x == pytest.approx(truth, rel=1e-9)
