@@ -8,27 +8,27 @@ Sigma factors as L L^T with L lower triangular; L^-1 takes O(n), whatever the sa
 
 import math
 
+import numpy as np
+
 from .jit import kernel
 
 
 @kernel
 def whiten(dt, white, red, time, columns, out):
-    """Put L^-1 applied to each row of `columns` into `out`; return ln det Sigma.
+    """Put L^-1 applied to each column of `columns` into `out`; return ln det Sigma.
 
     Parameters
     ----------
     dt : (n - 1,) steps between the samples [s], >= 0
     white, red : variances of the two parts, >= 0, not both 0
     time : correlation time [s], > 0
-    columns, out : (k, n), n >= 1; the result goes into `out`
+    columns, out : (n, k), n >= 1; the result goes into `out`
 
     Nothing is checked here.
     """
-    k, n = columns.shape
+    n, k = columns.shape
     log_determinant = 0.0
-    variance = red  # of z before the sample is seen
-    for j in range(k):
-        out[j, 0] = 0.0  # holds the prediction of z
+    variance, predicted = red, np.zeros(k)  # of z, and its mean, before the sample is seen
     for i in range(n):
         total = variance + white
         log_determinant += math.log(total)
@@ -36,10 +36,8 @@ def whiten(dt, white, red, time, columns, out):
         gain = variance / total
         keep = math.exp(-dt[i] / time) if i + 1 < n else 0.0
         for j in range(k):
-            predicted = out[j, i]
-            innovation = columns[j, i] - predicted
-            out[j, i] = innovation * root
-            if i + 1 < n:
-                out[j, i + 1] = keep * (predicted + gain * innovation)
+            innovation = columns[i, j] - predicted[j]
+            out[i, j] = innovation * root
+            predicted[j] = keep * (predicted[j] + gain * innovation)
         variance = keep * keep * (variance * (1.0 - gain)) + red * (1.0 - keep * keep)
     return log_determinant

@@ -24,7 +24,7 @@ class Noise(NamedTuple):
 
     def whiten(self, t, columns):
         """(n, k) columns at times t (n,) with white noise of unit variance; ln det(covariance)."""
-        columns = np.ascontiguousarray(columns.T if columns.ndim > 1 else columns[None])
+        columns = np.ascontiguousarray(np.reshape(columns, (t.size, -1)))
         if self.red == 0.0:
             out = columns / self.white
             log_determinant = 2.0 * t.size * math.log(self.white)
@@ -32,7 +32,7 @@ class Noise(NamedTuple):
             out = np.empty_like(columns)
             arguments = (np.diff(t), self.white**2, self.red**2, self.time, columns, out)
             log_determinant = whiten(*arguments)
-        return out.T, log_determinant
+        return out, log_determinant
 
     @property
     def level(self):
