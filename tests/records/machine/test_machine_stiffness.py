@@ -24,6 +24,8 @@ from ratestate.records.machine.inertia import mass_and_damping
 from ratestate.records.machine.loading_curve import curve, fit_loading_curve
 from ratestate.records.machine.result import stiffness_remarks
 from ratestate.records.machine.ring_down import RingDown, ring_down
+from ratestate.records.machine.stress_drops import stress_drops
+from ratestate.records.stick_slip import catalogue
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +42,50 @@ def test_the_loading_curve_solves_its_equation():
     assert mu[0] == pytest.approx(0.6)
     np.testing.assert_array_equal(curve(-x, 0.6, k, a, r), 0.6)  # the level before
     np.testing.assert_allclose(curve(x, 0.6, k, a, 0.0), 0.6 + k * x, rtol=1e-14)
+
+
+def test_a_fault_that_heals_while_it_is_loaded():
+    """d mu/dx = k (1 - r exp((mu - mu_0 - h x)/a)): it creeps less."""
+    x, k, a, r, h = np.linspace(0.0, 2e-5, 2001), 2e3, 0.01, 0.2, 60.0
+    mu = curve(x, 0.6, k, a, r, h)
+    slope = np.gradient(mu, x, edge_order=2)
+    np.testing.assert_allclose(slope, k * (1 - r * np.exp((mu - 0.6 - h * x) / a)), rtol=1e-4)
+    assert mu[-1] > curve(x, 0.6, k, a, r)[-1] + 1e-4
+
+
+def test_the_slip_rate_at_the_end_of_a_hold_is_not_a_mean():
+    """It is that of the last moment, of which the record without noise has -dmu/dx = k r."""
+    t, mu = clean().time.values, clean().friction.values
+    pair = [rs.machine_stiffness(noisy(7, clean(), white=w), "10 MPa") for w in (1e-4, -1e-4)]
+    for i, end in enumerate((60.0, 175.0)):
+        last = np.flatnonzero(t < end)[-3:]
+        rate = -np.polyfit(t[last], mu[last], 1)[0]
+        creep = np.mean([one.slope_creep.values[i] for one in pair])
+        assert creep == pytest.approx(rate / (2e3 * 1e-5), rel=0.012)
+    # what noise does is of the opposite sign in the two, to first order
+    K = np.mean([float(one.K) for one in pair])
+    assert pytest.approx(SLIDER.K, rel=2e-4) == K
+
+
+def test_a_clear_record_has_its_stiffness():
+    """The errors are then those of what is assumed: K was left out for a misfit of the creep."""
+    result = rs.machine_stiffness(noisy(1, clean(), white=1e-7), "10 MPa")
+    assert result.slope_used.values.all()
+    assert pytest.approx(SLIDER.K, rel=2e-4) == float(result.K)
+    assert 2e-4 < float(result.K_error / result.K) < 1e-3
+
+
+def test_stress_drops_are_those_of_the_events(monkeypatch):
+    """To the sample, and in none of the time that it takes to measure them."""
+    record = noisy(2, stick_slip())
+    expected = rs.events(record, sigma="10 MPa")
+    whole = np.isfinite(expected.stress_drop.values)
+    monkeypatch.setattr(catalogue, "measured_events", None)
+    raw = raw_record(record, None)
+    (drops,) = stress_drops(raw, 1e7, segments_of(raw))
+    assert len(drops) == whole.sum() == 7
+    for i, name in enumerate(("event_start", "event_end")):
+        np.testing.assert_allclose(drops[:, i], expected[name].values[whole], atol=0.1)
 
 
 def test_a_loading_that_begins_late():
@@ -221,7 +267,7 @@ def test_the_summary_the_page_and_a_file(one, tmp_path):
     fig = plot.page(one)
     fig.draw_without_rendering()
     slope, ring = (ax.get_title("left").split("$ ")[1] for ax in fig.axes[1:])
-    assert slope.startswith("reload\n20.0")
+    assert slope.startswith("reload\n19.98")
     assert slope.endswith(" GPa/m")
     assert "\N{PLUS-MINUS SIGN}" in slope
     assert ring.startswith("ring-down\n222.")

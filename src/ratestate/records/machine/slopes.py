@@ -16,13 +16,14 @@ UNTIL, STICK = 0.6, (0.2, 0.6)
 FEWEST, FEWEST_BEFORE, FEWEST_STUCK, LEAST = 4, 4, 12, 8.0
 #: part of the segment before from which friction's level is, with its noise, and most samples of it
 BEFORE, MOST_BEFORE = 0.1, 500
-#: part of a hold in which friction falls with the logarithm of time
-LATE = 0.5
+#: part of a hold to which its relaxation is fitted, and most samples of it before the last ones
+LATE, MOST_EARLY = 0.5, 1000
 #: points of a curve through which its straight line is
 STRAIGHT = 100
 #: standard error of ln K by the state's change during loading: of the size of the deviations of
-#: noiseless slopes under both laws, at k Dc from 1e-3 to 0.1; these go up to 4e-4 after holds, 6e-3
-#: after steps up by a factor of 3 and 10, and 3e-2 after steps down by a factor of 3
+#: noiseless slopes under both laws, at k Dc from 1e-3 to 0.1; these go up to 5e-4 after holds, but
+#: for what healing does, 6e-3 after steps up by a factor of 3 and 10, and 3e-2 after steps down by
+#: a factor of 3
 STATE_ERROR = {"reload": 5e-4, "step_up": 4e-3, "step_down": 2e-2}
 
 
@@ -41,15 +42,6 @@ class Slope(NamedTuple):
         """Slope of the best straight line through the curve [1/m]."""
         x = np.linspace(0.0, self.x_end, STRAIGHT)
         return float(np.polyfit(x, self.curve.at(x), 1)[0])
-
-
-class Before(NamedTuple):
-    """Friction before loading begins."""
-
-    rows: np.ndarray
-    change: np.ndarray  # of friction, from where loading begins, by the relaxation in a hold
-    level: float  # where loading begins
-    rate: float  # -dmu/dt [1/s] there, of the relaxation
 
 
 def slopes_of(t, friction, segments, phases):
@@ -73,44 +65,46 @@ def slopes_of(t, friction, segments, phases):
 def _after_change(t, friction, rows, segments, i):
     """The `Slope` after a hold or a step, or None."""
     start, V, last_V = float(segments.t[i]), segments.V[i], segments.V[i - 1]
-    before = _before(t, friction, segments, i)
+    before = _rows_before(t, segments, i)
     if before is None:
         return None
+    rested = V * (start - float(segments.t[i - 1])) if last_V == 0.0 else 0.0
+    level = float(np.mean(friction[before]))
+    if rested:
+        level = float(
+            np.polyfit(np.log1p(V * (t[before] - start) / rested), friction[before], 2)[-1]
+        )
     sign = -1.0 if last_V > V else 1.0
-    rise = sign * (friction[rows] - before.level)
+    rise = sign * (friction[rows] - level)
     smooth = uniform_filter1d(rise, 3)
     extreme = int(np.argmax(smooth))
     noise = sample_noise(friction[rows])
     last = _reaches(t[rows] - start, rise, smooth[: extreme + 1], UNTIL * smooth[extreme])
     if last < FEWEST or smooth[extreme] < LEAST * noise:
         return None
-    rows = np.concatenate([before.rows, rows[:last]])
+    rows = np.concatenate([before, rows[:last]])
     x = V * (t[rows] - start)
-    kind, r = ("step_down" if last_V > V else "step_up"), last_V / V
-    change = np.pad(before.change, (0, last))
-    creep = 0.0
-    if last_V == 0.0:
-        kind, creep = "reload", max(before.rate / V, 1e-12)
+    kind = "reload" if rested else "step_down" if last_V > V else "step_up"
     errors = {"x_error": V * segments.t_error[i], "state_error": STATE_ERROR[kind]}
-    curve = fit_loading_curve(t[rows], x, friction[rows] - change, r, creep=creep, **errors)
-    return None if curve is None else Slope(kind, start, rows, curve.at(x) + change, x[-1], curve)
+    curve = fit_loading_curve(t[rows], x, friction[rows], last_V / V, rested=rested, **errors)
+    return None if curve is None else Slope(kind, start, rows, curve.at(x), x[-1], curve)
 
 
-def _before(t, friction, segments, i):
-    """What is `Before` segment i; None where there are too few samples."""
+def _rows_before(t, segments, i):
+    """Rows before segment i from which friction's level is; None where there are too few.
+
+    After sliding the last part; in a hold its relaxation too, of which most rows are left out where
+    they are many.
+    """
     begin, start = segments.t[i - 1 : i + 1]
-    lasts = float(start - begin)
-    late = np.arange(*np.searchsorted(t, (start - LATE * lasts, start)))
-    rows = late[t[late] >= start - BEFORE * lasts][-MOST_BEFORE:]
+    late = np.arange(*np.searchsorted(t, (start - LATE * (start - begin), start)))
+    rows = late[t[late] >= start - BEFORE * (start - begin)][-MOST_BEFORE:]
+    if segments.V[i - 1] == 0.0:
+        early = late[:-MOST_BEFORE]
+        rows = np.append(early[:: early.size // MOST_EARLY + 1], late[-MOST_BEFORE:])
     if rows.size < FEWEST_BEFORE:
         rows = late[-FEWEST_BEFORE:]
-    if rows.size < FEWEST_BEFORE:
-        return None
-    falls = 0.0  # with the logarithm of time
-    if segments.V[i - 1] == 0.0:
-        falls = -float(np.polyfit(np.log((t[late] - begin) / lasts), friction[late], 1)[0])
-    change = -falls * np.log((t[rows] - begin) / lasts)
-    return Before(rows, change, float(np.mean(friction[rows] - change)), falls / lasts)
+    return rows if rows.size >= FEWEST_BEFORE else None
 
 
 def _reaches(t, rise, smooth, level):

@@ -5,7 +5,9 @@ from itertools import pairwise
 import numpy as np
 import xarray
 
-from ..stick_slip import events
+from ..stick_slip.catalogue import detected
+from ..stick_slip.detection import in_gaps
+from ..stick_slip.series import series_of
 
 #: least drop over the largest one of a segment: smaller ones are of what rings
 DROP = 0.3
@@ -14,18 +16,22 @@ CYCLES, GOES_ON = 3, 0.6
 
 
 def stress_drops(raw, sigma, segments):
-    """For each of the `Segments` (m, 2) starts and ends [s] of the stress drops in it."""
+    """For each of the `Segments` (m, 2) starts and ends [s] of the stress drops in it.
+
+    To the sample: what is fitted to begins and ends well between them.
+    """
     variables = {
         "friction": ("time", raw.friction),
         "sigma": ("time", np.full(raw.time.size, sigma)),
     }
     variables |= {"segment_t": ("segment", segments.t), "segment_V": ("segment", segments.V)}
-    found = events(xarray.Dataset(variables, {"time": raw.time}))
-    times = np.column_stack([found["event_start"], found["event_end"]])
-    drops = found["stress_drop"].values
+    series = series_of(xarray.Dataset(variables, {"time": raw.time}))
+    rough = [one for one in detected(series)[0] if min(one) >= 0]
+    samples = np.array(rough, int).reshape(-1, 2)[~in_gaps(series.t, rough)]
+    times, drops = series.t[samples], series.tau[samples] @ (1.0, -1.0)
     chosen = []
     for begin, end in zip(segments.t, segments.ends, strict=True):
-        inside = np.isfinite(drops) & (times[:, 0] >= begin) & (times[:, 1] <= end)
+        inside = (times[:, 0] >= begin) & (times[:, 1] <= end)
         large = inside & (drops > DROP * drops[inside].max(initial=0.0))
         goes_on = large.sum() >= CYCLES and times[large, 0][-1] > begin + GOES_ON * (end - begin)
         chosen.append(times[large & goes_on])

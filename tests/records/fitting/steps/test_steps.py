@@ -503,3 +503,18 @@ def test_the_slider_of_all_steps(under_both):
     assert slider.sigma == SLIDER.sigma
     with pytest.raises(rs.ParameterError, match="several laws"):
         fitting.slider_of(under_both)
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+@pytest.mark.parametrize(("K", "sprung"), [("60 GPa/m", True), ("1e6 GPa/m", False)])
+def test_a_spring_that_is_left_out_is_told(K, sprung):
+    """K = inf takes elasticity for friction; the cause stands before what follows from it."""
+    truth = SLIDER.replace(K=K)
+    data = experiment(truth, (SLOW, FAST, SLOW), 300e-6, 600, seed=4, noise=1.5e-4)
+    rigid = truth.replace(K=np.inf)
+    result = rs.fit(data, rigid, free=("a", "b", "Dc"), each="step", errors="covariance")
+    for text in result.warnings.values:
+        assert text.startswith("a spring would lower chi-square by about") == sprung
+        assert ("K = inf was given" in text) == sprung
+    off = np.abs(result.a / truth.a - 1.0)
+    assert (off > 0.2).all() if sprung else (off < 0.1).all()

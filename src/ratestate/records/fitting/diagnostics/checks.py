@@ -8,11 +8,11 @@ from scipy.special import fdtrc
 from ....model.quantities import readable
 from ....model.sentences import Sentences
 from ...reading.stress_steps import VARIABLE
-from ..forward import Forward
 from ..record import changes
-from ..score import CHANCE, FALL, gain_of, responds, response
+from ..score import CHANCE, responds, response
 from ..unknowns import of_slider
 from .identifiability import identifiability
+from .left_out import left_out, rigid
 from .search import search_warnings
 
 #: slip after the last step, over Dc, after which friction is steady again
@@ -25,11 +25,6 @@ COLORED, LONG = 4.0, 0.1
 #: mean square of whitened residuals after steps that is misfit; slip after a step, over Dc, that
 #: counts as after it
 MISFIT, AFTER = 1.5, 5.0
-#: eta of the mass with which the effect of inertia is tried
-LIGHT = 1e-3
-#: largest mass per area of the contact that a machine moves [kg/m^2]: that of 100 m of steel, which
-#: is ten times as much as the pistons of the largest ones, on a contact a tenth of their section
-HEAVIEST = 7850.0 * 100.0
 #: fewest samples elsewhere from which the noise is inference
 FEWEST = 30
 #: size of the residuals, over that of a given noise, that contradicts it
@@ -50,14 +45,14 @@ def diagnose(inference, data):
     note, warnings = identifiability(inference)
     name, D, high = _longest_distance(inference.estimates, solution.problem.slider)
     return note, [
+        *rigid(solution),  # first, for it explains others
         *search_warnings(inference),
         *warnings,
         *_ends_early(solution.problem.record, name, D, high),
         *_noise_too_small(solution),
         *_misfit(solution, name, D),
         *_normal_stress(solution.problem, data),
-        *_later_or_earlier(solution),
-        *_inert(solution),
+        *left_out(solution),
     ]
 
 
@@ -170,38 +165,3 @@ def _normal_stress(problem, data):
         yield SENTENCES("normal_stress.other", stress=stress, where=where, sigma=sigma)
     if problem.record.loading.normal_stress is None and recorded.std() > VARIABLE * mean:
         yield SENTENCES("normal_stress.variable", spread=100 * recorded.std() / mean, mean=mean)
-
-
-def _later_or_earlier(solution):
-    """A warning if a lag would lower chi-square by more than chance does."""
-    problem, names = solution.problem, solution.unknowns.names
-    if "lag" in names:
-        return
-    forward = Forward(problem.record, problem.slider, (*names, "lag"))
-    step = forward.steps["lag"]
-    points = np.array([np.append(solution.point, lag) for lag in (step, -step)])
-    above, below = forward.friction(points)
-    gain, (lag,) = gain_of(solution, np.nan_to_num((above - below) / (2.0 * step))[:, None])
-    if gain > FALL:
-        yield SENTENCES(
-            "more.lag", lag=abs(lag), side="later" if lag > 0.0 else "earlier", gain=gain
-        )
-
-
-def _inert(solution):
-    """A warning if inertia, which was left out, would lower chi-square by more than chance does.
-
-    Where it takes a mass that no machine has, something else is wrong, and nothing is said.
-    """
-    problem, slider = solution.problem, solution.problem.slider
-    if slider.M != 0.0 or not np.isfinite(slider.K):
-        return
-    at = problem.forward.values(solution.point[None])
-    unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / problem.record.loading.V.max() ** 2
-    massive = slider.replace(M=LIGHT * unit)
-    heavy = Forward(problem.record, massive, solution.unknowns.names)
-    friction = heavy.friction(solution.point[None])[0]
-    by_eta = np.nan_to_num((friction - solution.fitted_friction) / LIGHT)
-    gain, (eta,) = gain_of(solution, by_eta[:, None])
-    if gain > FALL and eta > LIGHT and eta * unit < HEAVIEST:
-        yield SENTENCES("more.inertia", gain=gain, unit=unit)
