@@ -21,7 +21,8 @@ from ratestate.records.fitting.raw_record import raw_record
 from ratestate.records.load_point import segments_of
 from ratestate.records.machine import summary
 from ratestate.records.machine.inertia import mass_and_damping
-from ratestate.records.machine.loading_curve import curve, fit_loading_curve
+from ratestate.records.machine.loading_curve import curve
+from ratestate.records.machine.loading_fit import fit_loading_curve
 from ratestate.records.machine.result import stiffness_remarks
 from ratestate.records.machine.ring_down import RingDown, ring_down
 from ratestate.records.machine.stress_drops import stress_drops

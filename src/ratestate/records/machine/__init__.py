@@ -4,7 +4,8 @@
 ``machine_stiffness``      the function `machine_stiffness`: in which order all is done
 ``stress_drops``           stress drops of stick-slip, and the loading between them
 ``slopes``                 where the spring loads or unloads
-``loading_curve``          friction there, with creep at constant state
+``loading_fit``            fits of friction there, with its noise
+``loading_curve``          the curve that is fitted: creep at constant state, and healing
 ``ring_down``              free oscillations: frequency and decay
 ``inertia``                mass and damping from these, with friction taken out
 ``result``                 the Dataset

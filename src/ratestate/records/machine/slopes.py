@@ -6,7 +6,8 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from ..sample_noise import sample_noise
-from .loading_curve import LoadingCurve, fit_loading_curve
+from .loading_curve import LoadingCurve
+from .loading_fit import fit_loading_curve
 
 #: part of the change of friction up to the extremum over which a curve is fitted; of the time
 #: between two stress drops, from and to which
