@@ -9,7 +9,11 @@ from synthetic_records import correlated
 
 from ratestate.records.fitting.estimated_noise import estimated_noise
 from ratestate.records.fitting.estimates import GAUSSIAN
-from ratestate.records.fitting.likelihood.noise_uncertainty import _quantile, widening
+from ratestate.records.fitting.likelihood.noise_uncertainty import (
+    _quantile,
+    inflation,
+    widening,
+)
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.restricted_likelihood import RestrictedLikelihood
 
@@ -137,3 +141,38 @@ def test_a_search_near_the_noise_finds_it_again():
     np.testing.assert_allclose(again, found, rtol=0.02)
     # where noise is wholly correlated there is no finite place to begin
     assert estimated_noise(T, residual, JACOBIAN, near=Noise(0.0, 1.0, 0.5)).red > 0.0
+
+
+def test_inflation_of_one_coordinate_is_that_of_its_error():
+    rng = np.random.default_rng(3)
+    solution, _ = fitted(correlated(T, 2.0, rng) + 0.5 * rng.normal(size=T.size))
+    wider = widening(solution, TRANSIENT).errors[0]
+    found = inflation(solution, [2])
+    assert found.factor == pytest.approx(wider**2, rel=1e-6)
+    assert 0.0 < found.spread < 1.0
+
+
+def test_inflation_of_several_coordinates_does_not_depend_on_their_units_or_axes():
+    rng = np.random.default_rng(3)
+    solution, _ = fitted(correlated(T, 2.0, rng) + 0.5 * rng.normal(size=T.size))
+    found = inflation(solution, [1, 2])
+    axes = np.array([[1.0, 0.0, 0.0], [0.0, 3e4, 0.0], [2e-4, 5e-4, 1e-3]]).T
+    moved = SimpleNamespace(**vars(solution) | {"jacobian": JACOBIAN @ axes})
+    np.testing.assert_allclose(inflation(moved, [1, 2]), found, rtol=1e-6)
+    unseen = np.column_stack([solution.jacobian, np.zeros(T.size)])
+    more = SimpleNamespace(**vars(solution) | {"jacobian": unseen})
+    np.testing.assert_allclose(inflation(more, [1, 2, 3]), found, rtol=1e-2)
+    assert inflation(more, [3]) == (1.0, 0.0)
+
+
+def test_inflation_makes_up_for_the_error_of_the_noise():
+    """The mean square of deviations over errors is above 1, and 1 with the inflation."""
+    squares, factors = [], []
+    for seed in range(150):
+        rng = np.random.default_rng(seed)
+        noise = np.sqrt(0.2) * rng.normal(size=T.size) + np.sqrt(0.8) * correlated(T, 2.0, rng)
+        solution, deviation = fitted(noise)
+        squares.append(deviation**2)
+        factors.append(inflation(solution, [2]).factor)
+    assert np.mean(squares) > 1.1
+    assert 0.8 < np.mean(squares) / np.mean(factors) < 1.2

@@ -17,7 +17,7 @@ def gain_of(solution, added):
     added : (m, p) derivatives of friction by them
     """
     columns = np.column_stack([solution.residual, added, solution.jacobian])
-    rest = _projected(solution, columns, 1 + added.shape[1])
+    rest = projected(solution, columns, 1 + added.shape[1])
     moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
     return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
 
@@ -30,11 +30,11 @@ def response(solution):
     record = solution.problem.record
     lines = [values / np.abs(values).max() for values in record.regressors().values()]
     columns = np.column_stack([record.friction, *lines])
-    rest = _projected(solution, columns, 1)[:, 0]
+    rest = projected(solution, columns, 1)[:, 0]
     return float(rest @ rest) - solution.chi2, len(solution.point) - columns.shape[1] + 1
 
 
-def _projected(solution, columns, count):
+def projected(solution, columns, count):
     """The first columns (m, count), whitened, less their projections on the other columns."""
     white, _ = solution.noise.whiten(solution.problem.record.t, columns)
     basis, _ = np.linalg.qr(white[:, count:])

@@ -18,6 +18,7 @@ from scipy.special import ndtr
 from ..estimated_noise import bounds_of, modes, shape_of
 from ..estimates import GAUSSIAN, LEVELS
 from ..restricted_likelihood import RestrictedLikelihood
+from ..score import projected
 
 #: spacing of the grid, in standard deviations of the shape; shortest and longest in a coordinate
 STEP, SHORTEST, LONGEST = 1.0, 0.1, 1.5
@@ -42,17 +43,18 @@ class Widening(NamedTuple):
         return cls(np.ones(q), np.broadcast_to(GAUSSIAN, (q, *GAUSSIAN.shape)))
 
 
+class Inflation(NamedTuple):
+    """How the noise's uncertainty enlarges the covariance of several estimates, as one factor."""
+
+    factor: float = 1.0
+    spread: float = 0.0  # relative variance of the factor between shapes of the noise
+
+
 def widening(solution, gradients):
     """The `Widening` of quantities with these gradients (q, k) by the coordinates of a fit."""
-    likelihood = RestrictedLikelihood(
-        solution.problem.record.t, solution.residual, solution.jacobian
-    )
-    shapes, priors = _shapes(likelihood, solution.noise)
-    log_weight = np.array([one.log_likelihood for one in shapes])
-    if not np.isfinite(log_weight).any():
+    shapes, weight = _likely(solution)
+    if not shapes:
         return Widening.none(len(gradients))
-    weight = priors * np.exp(log_weight - log_weight.max())
-    weight /= weight.sum()
     means = np.array([gradients @ one.shift for one in shapes])  # (shapes, q)
     spreads = np.array([np.linalg.norm(gradients @ one.root, axis=1) for one in shapes])
     own = np.sqrt(np.einsum("qi,ij,qj->q", gradients, solution.covariance, gradients))
@@ -67,6 +69,38 @@ def widening(solution, gradients):
             # the estimate itself is in every interval
             roots[seen, level, side] = np.maximum(ends, 0.0) / own
     return Widening(errors, roots)
+
+
+def inflation(solution, coordinates):
+    """The `Inflation` of some coordinates (list of int) of a fit.
+
+    On a shape of the noise its factor is the mean square of the deviation from the truth, in
+    standard errors of the fit, and in all directions of these coordinates.
+    """
+    shapes, weight = _likely(solution)
+    seen = np.flatnonzero(solution.jacobian.any(axis=0)).tolist()
+    chosen = [i for i in coordinates if i in seen]
+    if not shapes or not chosen:
+        return Inflation()
+    others = [i for i in seen if i not in chosen]
+    left = projected(solution, solution.jacobian[:, chosen + others], len(chosen))
+    information = left.T @ left
+    squares = [one.root @ one.root.T + np.outer(one.shift, one.shift) for one in shapes]
+    factors = np.array([np.sum(information * one[np.ix_(chosen, chosen)]) for one in squares])
+    factor = float(weight @ factors) / len(chosen)
+    return Inflation(factor, float(weight @ (factors / len(chosen) / factor - 1.0) ** 2))
+
+
+def _likely(solution):
+    """`Conditional`s (list) on likely shapes of the noise, and their weights; none if none is."""
+    record = solution.problem.record
+    likelihood = RestrictedLikelihood(record.t, solution.residual, solution.jacobian)
+    shapes, priors = _shapes(likelihood, solution.noise)
+    log_weight = np.array([one.log_likelihood for one in shapes])
+    if not np.isfinite(log_weight).any():
+        return [], np.empty(0)
+    weight = priors * np.exp(log_weight - log_weight.max())
+    return shapes, weight / weight.sum()
 
 
 def _quantile(weight, means, spreads, part):

@@ -10,7 +10,7 @@ import numpy as np
 from ..estimates import Estimates, estimates_from
 from ..generalized_least_squares import Solution, solution_from
 from ..score import responds
-from .noise_uncertainty import Widening, widening
+from .noise_uncertainty import Inflation, Widening, inflation, widening
 from .posterior import Posterior, common_prior, sample_posterior
 from .profile import BetterPoint
 from .profiles import compute_profiles
@@ -84,20 +84,27 @@ def _widening(solution, quantities, noise):
     if noise is not None:
         return none
     found = widening(solution, np.array([q.gradient(solution.point) for q in quantities]))
-    at_bound = np.array([_is_at_bound(solution, q) for q in quantities])
+    bound = _at_bound(solution)
+    at_bound = np.array([q.is_coordinate and bound[q.eliminated] for q in quantities])
     return Widening(
         np.where(at_bound, none.errors, found.errors),
         np.where(at_bound[:, None, None], none.roots, found.roots),
     )
 
 
-def _is_at_bound(solution, quantity):
-    """Whether a `ReportedQuantity` is a coordinate at the end of its range."""
-    if not quantity.is_coordinate:
-        return False
-    ends = np.array([end[quantity.eliminated] for end in solution.unknowns[1:]])
-    near = AT_BOUND * quantity.standard_error(solution.point, solution.covariance)
-    return bool((np.abs(ends - solution.point[quantity.eliminated]) < near).any())
+def inflation_of(solution, coordinates, noise):
+    """The `Inflation` of coordinates (list of int), where it is none as of `_widening`."""
+    if noise is not None:
+        return Inflation()
+    bound = _at_bound(solution)
+    return inflation(solution, [i for i in coordinates if not bound[i]])
+
+
+def _at_bound(solution):
+    """(k,) whether a coordinate of a solution is at an end of its range."""
+    _, low, high = solution.unknowns
+    near = AT_BOUND * np.sqrt(np.diag(solution.covariance))
+    return np.minimum(abs(solution.point - low), abs(high - solution.point)) < near
 
 
 def with_posteriors(inferences):

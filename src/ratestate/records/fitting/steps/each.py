@@ -6,9 +6,10 @@ from ....dynamics.progress import bar
 from ....errors import RateStateError
 from ...child_process import mapped
 from ..by_law import value_of
+from ..likelihood.uncertainty import inflation_of
 from ..one_record import datasets_of, inferences_of, single_blas
 from ..refusals import refusal, sentence
-from .fitted import Fitted, Separate, Task
+from .fitted import Fitted, Separate, Task, shared_coordinates
 from .stick_slip import stick_slip_about, stick_slip_slides
 from .windows import windows_of
 
@@ -136,8 +137,9 @@ def _longest_distance(slider):
 
 def _separate(task):
     """law -> `Separate` of a `Task`; ParameterError where a law cannot be fitted."""
-    inferences = inferences_of(task.data, task.settings)
-    results = datasets_of(inferences, task.settings.laws, task.data)
+    settings = task.settings
+    inferences = inferences_of(task.data, settings)
+    results = datasets_of(inferences, settings.laws, task.data)
     solutions = [inference.solution for inference in inferences]
     return {
         law: Separate(
@@ -147,7 +149,7 @@ def _separate(task):
             one.point,
             one.noise,
             one.chi2,
-            np.sqrt(np.diag(one.covariance)),
+            inflation_of(one, shared_coordinates(one.unknowns, settings), settings.noise),
             one.converged,
         )
         for (law, result), one in zip(results.items(), solutions, strict=True)

@@ -5,11 +5,15 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
+from ..likelihood.noise_uncertainty import Inflation
 from ..noise import Noise
 from ..record import Record
 from ..settings import Settings
 from ..unknowns import Unknowns
 from .windows import Window
+
+#: parameters of the slider that are the machine's, not the law's
+OF_MACHINE = ("K", "M", "lag")
 
 
 class Task(NamedTuple):
@@ -30,7 +34,7 @@ class Separate(NamedTuple):
     point: np.ndarray  # (k,) coordinates of the best fit
     noise: Noise
     chi2: float  # of the whitened residuals
-    errors: np.ndarray  # (k,) of the coordinates, with the noise as estimated
+    inflation: Inflation  # of the coordinates that steps share
     converged: bool  # whether the search has
 
 
@@ -50,3 +54,9 @@ class Fitted(NamedTuple):
         """The `Separate` of a law if its search has converged, or None."""
         separate = self.of(law)
         return separate if separate and separate.converged else None
+
+
+def shared_coordinates(unknowns, settings):
+    """Coordinates (list of int) that the steps share: those of the law's parameters."""
+    names = unknowns.names
+    return [i for i, n in enumerate(names) if n in settings.free and n not in OF_MACHINE]

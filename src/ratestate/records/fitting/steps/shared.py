@@ -1,26 +1,29 @@
 """One set of parameters for several steps, and a test whether it serves.
 
 The steps share the parameters of the law; stiffness, level, trend and start remain each step's own,
-and so does its noise, at the estimate of its separate fit.  The joint least squares are those of
-all whitened residuals.  Errors are as much wider as those of the separate fits are for the noise's
-own uncertainty (likelihood/noise_uncertainty.py).
+and so does its noise, at the estimate of its separate fit, but as much larger as its uncertainty
+makes the variances of this step's estimates (likelihood/noise_uncertainty.py).  The joint least
+squares are those of all whitened residuals.
+
+The test is that of Welch (1951) doi:10.1093/biomet/38.3-4.330 for means of groups whose variances
+are estimated, for k parameters as of Johansen (1980) doi:10.1093/biomet/67.1.85.
 """
 
 import itertools
+import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import chdtrc
+from scipy.special import fdtrc
 
-from ..by_law import value_of
 from ..levenberg_marquardt import minimum
 from ..problem import Problem
-from ..unknowns import parameter
+from .fitted import shared_coordinates
 
-#: parameters of the slider that are the machine's, not the law's
-OF_MACHINE = ("K", "M", "lag")
 #: most evaluations of the search
 MOST = 60
+#: least of the sum in `denominator`: above it chi-square and F are the same
+LEAST = 1e-9
 
 
 class Shared(NamedTuple):
@@ -30,13 +33,18 @@ class Shared(NamedTuple):
     point: np.ndarray  # (k,) their coordinates
     covariance: np.ndarray  # (k, k) of these
     deviance: float  # chi-square over the sum of those of the separate fits
-    inflation: float  # by how much the noise's own uncertainty raises this, as of variances
     degrees: int  # by how many parameters it has less, k (n - 1)
+    denominator: float  # degrees of freedom with which the variance is known
 
     @property
     def p_value(self):
-        """Probability of such a deviance or a larger one, if one set serves all steps."""
-        return float(chdtrc(self.degrees, max(self.deviance, 0.0) / self.inflation))
+        """Probability of such a deviance or a larger one, if one set serves all steps.
+
+        It then has the mean `degrees`, and F the mean denominator/(denominator - 2).
+        """
+        mean = self.denominator / (self.denominator - 2.0)
+        ratio = mean * max(self.deviance, 0.0) / self.degrees
+        return float(fdtrc(self.degrees, self.denominator, ratio))
 
 
 class _Step:
@@ -47,18 +55,11 @@ class _Step:
         slider = settings.sliders[settings.laws.index(law)]
         self.problem = Problem(separate.record, slider, separate.unknowns)
         self.separate, names = separate, separate.unknowns.names
-        self.names = tuple(n for n in names if n in settings.free and n not in OF_MACHINE)
-        self.shared = [names.index(name) for name in self.names]
+        self.shared = shared_coordinates(separate.unknowns, settings)
+        self.names = tuple(names[i] for i in self.shared)
+        larger, noise = math.sqrt(separate.inflation.factor), separate.noise
+        self.noise = noise._replace(white=larger * noise.white, red=larger * noise.red)
         self.own = [i for i in range(len(names)) if i not in self.shared]
-
-    def widening(self):
-        """(k,) errors of the separate fit over those with the noise as known; 1 of profiles."""
-        part, known = self.separate.result, self.separate.errors[self.shared]
-        reported = part["standard_error"].sel(parameter=list(self.names)).values
-        values = np.array([value_of(part, name) for name in self.names])
-        is_log = np.array([parameter(name).is_log for name in self.names])
-        wider = np.where(is_log, reported / values, reported) / known
-        return np.where(np.isfinite(wider), wider, 1.0)
 
     def compressed(self, shared, own):
         """Residual (k + 1,) and jacobian (k + 1, k) with the normal equations of all samples.
@@ -67,13 +68,13 @@ class _Step:
         """
         point = np.empty(len(self.shared) + len(self.own))
         point[self.shared], point[self.own] = shared, own
-        record, noise = self.problem.record, self.separate.noise
+        record = self.problem.record
         friction, jacobian = self.problem.forward.jacobian(point)
         columns = np.column_stack([jacobian[:, self.shared + self.own], friction - record.friction])
         if not np.isfinite(columns).all():
             return np.full((point.size + 1, point.size + 1), np.nan)
         # of a QR decomposition, R has the same inner products as the columns
-        return np.linalg.qr(noise.whiten(record.t, columns)[0], mode="r")
+        return np.linalg.qr(self.noise.whiten(record.t, columns)[0], mode="r")
 
 
 class _Joint:
@@ -98,6 +99,15 @@ class _Joint:
             residual[first:end] = columns[:, -1]
         return residual, np.nan_to_num(jacobian)
 
+    def information(self, jacobian):
+        """(steps, k, k) information of each step on the shared coordinates."""
+        of_steps = []
+        for own, first, end in zip(self.own, self.rows, self.rows[1:], strict=False):
+            shared, rest = jacobian[first:end, : self.k], jacobian[first:end, own]
+            left = shared - rest @ np.linalg.lstsq(rest, shared)[0]
+            of_steps.append(left.T @ left)
+        return np.array(of_steps)
+
     def collected(self, values, of_shared):
         """(n,) coordinates, from those of each step; shared ones by a function of all."""
         each = list(zip(self.steps, values, strict=True))
@@ -120,10 +130,23 @@ def shared_fit(fits, law):
     result = minimum(joint.at, start, low, high, MOST)
     if result is None or not result.converged:
         return None
-    separate = sum(step.separate.chi2 for step in steps)
-    covariance = np.linalg.pinv(result.jacobian.T @ result.jacobian, hermitian=True)[:k, :k]
-    degrees = k * (len(steps) - 1)
-    wider = np.sqrt(np.mean([step.widening() ** 2 for step in steps], axis=0))
-    covariance *= np.outer(wider, wider)
-    deviance, inflation = 2.0 * result.cost - separate, float(np.mean(wider**2))
-    return Shared(steps[0].names, result.x[:k], covariance, deviance, inflation, degrees)
+    information = joint.information(result.jacobian)
+    covariance = np.linalg.pinv(information.sum(axis=0), hermitian=True)
+    parts = np.einsum("ij,nji->n", covariance, information) / k
+    inflations = [step.separate.inflation for step in steps]
+    chi2 = np.array([step.separate.chi2 for step in steps])
+    separate = float(np.sum(chi2 / [one.factor for one in inflations]))
+    deviance, degrees = 2.0 * result.cost - separate, k * (len(steps) - 1)
+    below = denominator(k, parts, np.array([one.spread for one in inflations]))
+    return Shared(steps[0].names, result.x[:k], covariance, deviance, degrees, below)
+
+
+def denominator(k, parts, spreads):
+    """Degrees of freedom, above 4, of F with the variance of the deviance of k parameters.
+
+    parts : (n,) of each step in the information on the parameters, their sum 1
+    spreads : (n,) relative variances of the variances of their estimates, as of `Inflation`
+    """
+    degrees = k * (parts.size - 1)
+    more = k * (k + 2) * np.sum((1.0 - parts) ** 2 * spreads)
+    return float(4.0 + 2.0 * degrees * (degrees + 2) / max(more, LEAST))
