@@ -67,6 +67,17 @@ def test_normal_stress_before_and_after(result):
     np.testing.assert_allclose(result.sigma_after, [np.nan, np.nan, 8.8e6], rtol=1e-6)
 
 
+def test_laws_that_fit_no_step_do_not_fit(data):
+    """As where the noise that is given is a tenth of that of the record."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        settings = {"each": "step", "law": ("slip", "aging"), "errors": "covariance"}
+        steps = data.sel(time=slice(0.0, 390.0))
+        found = rs.fit(steps, START, ("a", "Dc"), noise=3e-5, **settings)
+    assert found.sizes["step"] == 2
+    assert found.comparison.startswith("Neither law fits")
+
+
 def test_long_windows_are_averaged(data, monkeypatch):
     """As those of other steps are."""
     monkeypatch.setattr(each, "MOST", 300)

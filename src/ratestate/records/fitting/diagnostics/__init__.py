@@ -1,7 +1,8 @@
 """Notes on a fit: warnings, identifiability of the parameters, comparison of the laws.
 
 ==================== ======================================================================
-``checks``           `diagnose`: all warnings in order; misfit, normal stress, lag, inertia
+``checks``           `diagnose`: all warnings in order; normal stress, lag, inertia
+``misfit``           whether the law fits
 ``identifiability``  which parameters a record determines
 ``tradeoffs``        which parameters trade off, and what combination is determined
 ``search``           whether the search converged, and the posterior is reliable

@@ -6,6 +6,7 @@ from ....dynamics.progress import bar
 from ....errors import RateStateError
 from ...child_process import mapped
 from ..by_law import value_of
+from ..diagnostics.misfit import is_misfit
 from ..one_record import datasets_of, inferences_of, single_blas
 from ..refusals import refusal, sentence
 from .fitted import Fitted, Separate, Task
@@ -140,7 +141,6 @@ def _separate(task):
     """law -> `Separate` of a `Task`; ParameterError where a law cannot be fitted."""
     inferences = inferences_of(task.data, task.settings)
     results = datasets_of(inferences, task.settings.laws, task.data)
-    solutions = [inference.solution for inference in inferences]
     return {
         law: Separate(
             result,
@@ -151,8 +151,10 @@ def _separate(task):
             one.chi2,
             np.sqrt(np.diag(one.covariance)),
             one.converged,
+            is_misfit(inference),
         )
-        for (law, result), one in zip(results.items(), solutions, strict=True)
+        for (law, result), inference in zip(results.items(), inferences, strict=True)
+        for one in [inference.solution]
     }
 
 

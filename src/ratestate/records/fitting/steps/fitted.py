@@ -36,6 +36,7 @@ class Separate(NamedTuple):
     chi2: float  # of the whitened residuals
     errors: np.ndarray  # (k,) of the coordinates, with the noise as estimated
     converged: bool  # whether the search has
+    is_misfit: bool  # whether the residuals are more than noise
 
 
 class Fitted(NamedTuple):
