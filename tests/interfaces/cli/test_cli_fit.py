@@ -38,9 +38,14 @@ def written(path, *, noise=3e-4, sigma=True, rows=701):
     return path
 
 
+def _options():
+    """What commands.toml says of the options."""
+    return tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text())["fit"]
+
+
 def test_help_states_the_initial_guesses():
     """commands.toml repeats them, so that the help need not load what fits."""
-    options = tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text())["fit"]
+    options = _options()
     assert {s: options[s]["show_default"] for s in run_fit.STARTS} == run_fit.STARTS
     assert options["K"]["show_default"] == f"sigma times {run_fit.STIFFNESS:.0f}/m"
     defaults = {field.name: field.default for field in dataclasses.fields(rs.SpringSlider)}
@@ -209,6 +214,9 @@ def test_parameters_of_the_law_are_set_or_free(folder):
     assert abs(two) < 2e-3  # the record has one state
     lacking = call(*both, "--free", "a,b,Dc,K,b2")
     assert "Dc2 is neither free nor given; add --set Dc2=VALUE, or name it" in lacking.stderr
+    own = _options()["of_law"]
+    assert "its value, or where the search begins if --free names it" in own["help"]
+    assert own["show_default"].endswith("else it must be given")  # as Dc2 above
     foreign = call(*both, "--set", "c=1")
     said = " ".join(foreign.stderr.replace("│", " ").split())
     assert "'c' is no parameter of the law's own; expected b2 or Dc2" in said

@@ -299,6 +299,7 @@ def test_two_laws_are_fitted_side_by_side():
     assert both.fitted.dims == ("law", "segment", "feature")
     assert float(both.aic_difference.min()) == 0.0
     assert "AIC" in both.attrs["comparison"]
+    assert "Neither" not in both.attrs["comparison"]
 
 
 def test_intervals_end_where_no_fit_is_likely():

@@ -395,6 +395,45 @@ def test_what_a_difference_of_likelihoods_means(apart, by_likelihood, by_evidenc
     assert float(table.aic_difference.sel(law="aging")) == pytest.approx(2.0 * apart)
 
 
+@pytest.mark.parametrize(
+    ("apart", "words"),
+    [
+        (1.4, "does not decide between"),
+        (1.6, "is nearer to it than"),
+        (9.0, "is nearer to it than"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("laws", "none"),
+    [(("slip", "aging"), "Neither law"), (("slip", "aging", "prz"), "None of the")],
+)
+def test_the_better_of_laws_that_do_not_fit_is_only_nearer(laws, none, apart, words):
+    aic = {law: 2.0 * apart * i for i, law in enumerate(laws)}
+    _, text = compare_laws({law: {} for law in laws}, aic, False, fits=False)
+    assert text.startswith(none)
+    assert words in text
+    assert "better" not in text
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+@pytest.mark.parametrize(("noise", "fits"), [(2e-4, True), (5e-5, False)])
+def test_laws_that_leave_more_than_the_noise_do_not_fit(good, noise, fits):
+    """The record is of the slip law, and its noise is 2e-4."""
+    both = rs.fit(good, SLIDER, law=("slip", "aging"), noise=noise, errors="covariance")
+    assert ("Neither law fits" in both.comparison) != fits
+    assert ("slip law fits clearly better" in both.comparison) == fits
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_of_two_states_no_law_with_one_fits():
+    two = SLIDER.replace(law="two-state-slip", b2=0.004, Dc2="60 um")
+    loading = rs.Loading.steps("1 um/s", (100.0, "10 um/s"))
+    data = record(two, loading, np.arange(0.0, 240.0, 0.2), noise=1e-4)
+    both = rs.fit(data, SLIDER, law=("slip", "aging"), errors="covariance")
+    assert "Neither law fits the record within its noise, as the warnings say" in both.comparison
+    assert all("does not describe the record" in text for text in both.warnings.values)
+
+
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.parametrize(("share", "warned"), [(0.08, False), (0.12, True)])
 def test_noise_that_lasts_a_tenth_of_the_transient_is_doubted(share, warned):

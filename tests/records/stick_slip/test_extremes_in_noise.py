@@ -6,6 +6,7 @@ import pytest
 from ratestate.records.stick_slip.edges import edge
 from ratestate.records.stick_slip.noise import Noise, loading_noise, white_noise
 from ratestate.records.stick_slip.polynomials import Window, extreme
+from ratestate.records.stick_slip.windows import extremes
 
 DRAWS = 3000
 
@@ -29,11 +30,38 @@ def test_vertices_are_unbiased(samples, sd):
     assert abs(np.mean(raw)) < 0.01 * sd
 
 
+def test_the_error_of_a_value_has_that_of_the_vertex():
+    """Of a vertex that noise hides: what the value at it is corrected by is as uncertain."""
+    rng, sd = np.random.default_rng(1), 1.0
+    t, window = np.linspace(-1.0, 1.0, 30), Window(-2.6, -0.4, 1)
+    draws = (-(t**2) + sd * rng.normal(size=t.size) for _ in range(DRAWS))
+    found = [extreme(t, y, 1.5, window, 0, 1, Noise(sd)) for y in draws]
+    value, error = np.array([(one.value, one.error) for one in found if one.inside]).T
+    assert 0.8 < np.std(value) / np.sqrt(np.mean(error**2)) < 1.0
+
+
+def test_what_both_degrees_differ_by_is_part_of_the_errors():
+    """Extremes of -t^2 + 0.3 t^3 at 0, far from those of parabolas, hardly any noise."""
+    begins, window, noise = 10.0 * np.arange(8), Window(-2.5, -0.5, 1), Noise(1e-4)
+    t = np.arange(-1.0, 75.0, 0.02)
+    u = t - 10.0 * np.round(t / 10.0)
+    y = -(u**2) + 0.3 * u**3 + noise.sd * np.random.default_rng(1).normal(size=t.size)
+    found = extremes(t, y, begins + 1.5, window, 0, 1, noise)
+    raw = [extreme(t, y, at + 1.5, window, 0, 1, noise) for at in begins]
+    off = np.array([one.value for one in found]), np.array([one.time for one in found]) - begins
+    bias = abs(np.mean([one.difference for one in raw]))
+    moved = np.mean([one.time for one in raw]) - np.mean([one.time for one in found])
+    np.testing.assert_allclose([one.error for one in found], bias, rtol=1e-3)
+    np.testing.assert_allclose([one.time_error for one in found], 0.5 * moved, rtol=1e-3)
+    assert np.abs(off[0]).max() < 0.1 * bias
+    assert np.abs(off[1]).max() < 0.2 * moved
+
+
 @pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("rate", [0.5, 5.0])
-def test_a_kink_is_where_a_quadratic_fall_begins(sign, rate):
+@pytest.mark.parametrize(("rate", "spread"), [(0.5, (1.2, 1.45)), (5.0, (0.92, 1.2))])
+def test_a_kink_is_where_a_quadratic_fall_begins(sign, rate, spread):
     """Loading at slope 0.01 up to t = 0, from which stress falls as rate t^2: in any phase."""
-    rng, off, sd = np.random.default_rng(2), [], 0.05
+    rng, places, off, sd = np.random.default_rng(2), [], [], 0.05
     for _ in range(300):
         t = np.arange(-60.0, 12.0) + rng.uniform()
         y = np.where(t > 0.0, -rate * t**2, 0.01 * t) + sd * rng.normal(size=t.size)
@@ -45,9 +73,10 @@ def test_a_kink_is_where_a_quadratic_fall_begins(sign, rate):
             span = t.size - last, t.size - first, t.size - middle
         place = edge((t, y), span, c, sign, sign, sd)
         assert place.bounded
+        places.append(place.u)
         off.append(place.u / place.error)
-    assert abs(np.mean(off)) < 0.6
-    assert 0.4 < np.std(off) < 1.5
+    assert abs(np.mean(places)) < 0.15  # of the step between samples
+    assert spread[0] < np.std(off) < spread[1]
 
 
 def test_what_nothing_bounds_is_told():

@@ -6,6 +6,7 @@ from threadpoolctl import ThreadpoolController
 
 from .cycles.fit import fit_cycles
 from .cycles.result import cycles_dataset
+from .diagnostics.misfit import is_misfit
 from .generalized_least_squares import least_squares_fit
 from .likelihood.uncertainty import infer, with_posteriors
 from .record import record_of
@@ -33,7 +34,8 @@ def fits_of_cycles(data, settings, loading):
     if len(results) > 1:
         # errors that were enlarged for a misfit are so in the comparison as well
         scale = min(fit.enlarged for fit in fits.values()) ** 2
-        add_comparison(results, {law: fit.chi2 / scale for law, fit in fits.items()})
+        chi2 = {law: fit.chi2 / scale for law, fit in fits.items()}
+        add_comparison(results, chi2, fits=any(fit.enlarged == 1.0 for fit in fits.values()))
     return results
 
 
@@ -64,5 +66,6 @@ def datasets_of(inferences, laws, data):
     if len(results) > 1:
         colored = any(inference.solution.noise.red for inference in inferences)
         aic = {law: float(result["aic"]) for law, result in results.items()}
-        add_comparison(results, aic, colored=colored)
+        fits = not all(map(is_misfit, inferences))
+        add_comparison(results, aic, colored=colored, fits=fits)
     return results

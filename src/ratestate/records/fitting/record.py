@@ -69,19 +69,14 @@ def record_of(data, slider, *, loading, trend, against):
     step, or one too near to an end; against displacement none, a hold or a ramp.
     """
     raw = raw_record(data, slider)
-    friction, time, t = raw.friction, raw.time, raw.t
-    if t.size > MOST:
-        every = -(-t.size // MOST)
-        raise refusal("record.many", samples=t.size, most=MOST, every=every)
-    if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
-        raise refusal("record.constant", friction=friction[0], samples=t.size)
+    _check_samples(raw.friction)
     loading = loading_of(raw, loading, slider.sigma)
-    order = np.arange(t.size)
+    t, order = raw.t, np.arange(raw.t.size)
     if against == "displacement":
         t, order = _times_at(raw.displacement, loading, t)
-        friction, time = friction[order], time[order]
     _check_steps(loading, t)
     trend_variable = t if trend == "time" else np.asarray(loading.delta_lp(t))
+    friction, time = raw.friction[order], raw.time[order]
     return Record(t, friction, trend_variable, trend, loading, raw.kind, time, order)
 
 
@@ -99,6 +94,15 @@ def before_changes(loading, t):
     events = changes(loading)
     early = t < (events[0] if events.size else np.inf)
     return early if early.sum() >= BESIDE else np.ones(t.size, bool)
+
+
+def _check_samples(friction):
+    """Refuse more samples than a fit takes, and constant friction."""
+    if friction.size > MOST:
+        every = -(-friction.size // MOST)
+        raise refusal("record.many", samples=friction.size, most=MOST, every=every)
+    if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
+        raise refusal("record.constant", friction=friction[0], samples=friction.size)
 
 
 def _check_steps(loading, t):

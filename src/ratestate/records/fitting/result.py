@@ -34,13 +34,13 @@ def dataset_of(inference, data):
     return result
 
 
-def add_comparison(results, aic, *, colored=False):
+def add_comparison(results, aic, *, colored=False, fits=True):
     """Add the comparison of two laws or more to each of their results, in place.
 
     aic : law -> Akaike information criterion, or chi-square of laws with as many parameters
-    colored : whether residuals are correlated
+    colored : whether residuals are correlated; fits : whether any of the laws fits
     """
-    table, text = compare_laws(results, aic, colored)
+    table, text = compare_laws(results, aic, colored, fits)
     for law, result in results.items():
         for name, variable in table.sel(law=law, drop=True).items():
             result[name] = variable

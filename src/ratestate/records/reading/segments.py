@@ -108,7 +108,8 @@ def segments_from_displacement(t, x):
         if run.V < 0.0:
             first, last = f"{run.start:.7g} s", f"{run.end:.7g} s"
             window = f"(None, '{first}')" if run.first else f"('{last}', None)"
-            values = {"first": first, "last": last, "window": window}
+            option = f"',{first}'" if run.first else f"'{last},'"
+            values = {"first": first, "last": last, "window": window, "option": option}
             raise refusal("segments.backwards", V=-run.V, **values)
     noise, (at, spans) = noise_variances(runs), breakpoints(runs)
     variance = [

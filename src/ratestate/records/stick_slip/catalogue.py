@@ -21,7 +21,7 @@ from .measures import (
 )
 from .noise import Noise, loading_noise, white_noise
 from .refusals import sentence
-from .significance import are_stick_slip
+from .significance import is_stick_slip
 from .stiffness import Stiffness, loading_stiffness
 from .trends import Trend, speed_groups, trend
 
@@ -92,18 +92,7 @@ def detected(series):
         if noise.sd < LARGER * white:
             break
         rough = rough_events(series.tau, noise.sd, noise.inflation)
-    return (rough if _is_stick_slip(series, rough) else []), noise
-
-
-def _is_stick_slip(series, rough):
-    """Whether `Rough` events of a record are no noise, by their times."""
-    whole = [one for one in rough if min(one) >= 0]
-    peaks, troughs = (series.t[np.array([one[i] for one in whole], int)] for i in (0, 1))
-    starts = np.concatenate([series.t[:1], troughs[:-1]])[: peaks.size]
-    # after a change of V_lp stress moves by itself
-    changes = np.concatenate([[-math.inf], series.load.t])
-    changed = changes[np.searchsorted(series.load.t, peaks, side="right")]
-    return are_stick_slip(np.maximum(starts, changed), peaks, troughs)
+    return (rough if is_stick_slip(series, rough) else []), noise
 
 
 def _phases(series, rough):

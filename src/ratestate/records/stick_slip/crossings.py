@@ -21,34 +21,36 @@ def middles(t, y, peaks, troughs, levels, level_error, noise):
     for peak, trough, (top, bottom), error in zip(
         peaks, troughs, levels.T, level_error, strict=True
     ):
-        level, near = 0.5 * (top + bottom), NEAR * (top - bottom)
+        level, drop = 0.5 * (top + bottom), top - bottom
         if not math.isfinite(level):
             rows.append((math.nan, math.nan))
             continue
-        above = np.flatnonzero(y[peak : trough + 1] > level + near)
+        above = np.flatnonzero(y[peak : trough + 1] > level + NEAR * drop)
         first = peak + (int(above[-1]) + 1 if above.size else 0)
-        below = np.flatnonzero(y[first : trough + 1] < level - near)
+        below = np.flatnonzero(y[first : trough + 1] < level - NEAR * drop)
         last = first + (int(below[0]) if below.size else trough - first)
-        crossing = _on_cubic if last - first >= FEWEST else _between_samples
-        rows.append(crossing(t, y, first, last, level, error, noise))
+        if last - first >= FEWEST:
+            rows.append(_on_cubic(t, y, first, last, level, error, noise))
+        else:
+            rows.append(_between_samples(t, y, first, last, level, drop, error, noise))
     return np.array(rows)
 
 
-def _between_samples(t, y, first, last, level, level_error, noise):
+def _between_samples(t, y, first, last, level, drop, level_error, noise):
     """Time at which a line between two samples passes the level, and its error.
 
-    The line's error is that of a time somewhere in the step where the whole fall is in one step,
-    and falls as the square of the bend, with samples on both sides, over the step's fall.
+    The line's error is that of a time somewhere in the step where the whole drop is in one step,
+    and falls as the square of the part of the drop that is in it, as the bend of a smooth fall.
     """
     below = np.append(y[first:last] < level, True)
     i = min(max(first + int(np.argmax(below)), 1), t.size - 1)
     step, fall = t[i] - t[i - 1], y[i - 1] - y[i]
     if not fall > 0.0:
         return 0.5 * (t[i - 1] + t[i]), step / math.sqrt(12.0)
-    bend = float(np.abs(np.diff(y[max(i - 2, 0) : i + 2], 2)).max(initial=0.0)) / fall
+    of_line = min(fall / drop, 1.0) ** 2 / math.sqrt(12.0)
     part = min(max((y[i - 1] - level) / fall, 0.0), 1.0)
     of_noise = min(math.hypot(noise.sd, level_error) / fall, 1.0)
-    return t[i - 1] + part * step, step * math.hypot(min(bend, 1.0) ** 2 / math.sqrt(12), of_noise)
+    return t[i - 1] + part * step, step * math.hypot(of_line, of_noise)
 
 
 def _on_cubic(t, y, first, last, level, level_error, noise):

@@ -87,12 +87,9 @@ def extreme(t, y, middle, window, k, sign, noise, known=None):
         place = edge(samples, span, fit.low[0], window.fall, sign, noise.sd)
     value, variance_high, difference, variance_more = _compared(fit, place.u, k)
     _, _, turn, turn_more = _compared(fit, place.u, k + 1)
-    slope = 0.0 if inside else abs(fit.curve[1] + 2.0 * fit.curve[2] * place.u)
-    spread = place.error
-    if not inside and not known and slope > 0.0:
-        # the extreme is anywhere where the curve is as extreme as its error lets one tell
-        spread = math.hypot(spread, min(math.sqrt(variance * variance_high / 3.0) / slope, 1.0))
-    off = 0.0 if known else slope * place.error
+    spread, off = place.error, 0.0
+    if not inside and not known:
+        spread, off = _edge_errors(fit.curve, place, variance * variance_high)
     per = extent**k
     return Extreme(
         time=origin + extent * place.u,
@@ -146,6 +143,18 @@ def _vertex(fit, k, sign, ends):
     row = derivatives(u, C.shape[0], k + 1)
     slope = fit.variance * float(row @ C @ row)
     return Place(u, math.sqrt(slope) / abs(curvature)), 0.5 * slope / abs(curvature)
+
+
+def _edge_errors(curve, place, variance):
+    """Errors of the place of an extreme at an edge, and of a value through that of the edge.
+
+    variance : of the value; an extreme is anywhere where the curve is as extreme as that can tell
+    """
+    slope = abs(curve[1] + 2.0 * curve[2] * place.u)
+    if not slope > 0.0:
+        return place.error, 0.0
+    blurred = min(math.sqrt(variance / 3.0) / slope, 1.0)
+    return math.hypot(place.error, blurred), slope * place.error
 
 
 def _compared(fit, u, k):

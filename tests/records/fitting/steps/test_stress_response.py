@@ -9,6 +9,7 @@ from synthetic_records import correlated
 import ratestate as rs
 from ratestate import fitting
 from ratestate.model.quantities import short
+from ratestate.records.fitting.steps import each
 from ratestate.records.fitting.steps.table import table_of
 from ratestate.records.fitting.steps.windows import windows_of
 
@@ -64,6 +65,29 @@ def test_the_table_shows_the_bound(result):
 def test_normal_stress_before_and_after(result):
     np.testing.assert_allclose(result.sigma, 8e6, rtol=1e-6)
     np.testing.assert_allclose(result.sigma_after, [np.nan, np.nan, 8.8e6], rtol=1e-6)
+
+
+def test_laws_that_fit_no_step_do_not_fit(data):
+    """As where the noise that is given is a tenth of that of the record."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        settings = {"each": "step", "law": ("slip", "aging"), "errors": "covariance"}
+        steps = data.sel(time=slice(0.0, 390.0))
+        found = rs.fit(steps, START, ("a", "Dc"), noise=3e-5, **settings)
+    assert found.sizes["step"] == 2
+    assert found.comparison.startswith("Neither law fits")
+
+
+def test_long_windows_are_averaged(data, monkeypatch):
+    """As those of other steps are."""
+    monkeypatch.setattr(each, "MOST", 300)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        found = rs.fit(data, START, each="step", errors="covariance")
+    rows = [one.part(data).sizes["time"] for one in windows_of(data)]
+    assert rows[-1] > 300
+    np.testing.assert_array_equal(found.rows_per_sample, np.ceil(np.array(rows) / 300))
+    np.testing.assert_array_equal(found.samples, rows // found.rows_per_sample)
 
 
 def test_one_estimate_has_no_scatter(result):

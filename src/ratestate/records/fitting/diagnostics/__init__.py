@@ -1,7 +1,8 @@
 """Notes on a fit: warnings, identifiability of the parameters, comparison of the laws.
 
 ==================== ======================================================================
-``checks``           `diagnose`: all warnings in order; misfit, normal stress
+``checks``           `diagnose`: all warnings in order; normal stress
+``misfit``           whether the law fits
 ``left_out``         a spring, a lag or inertia that the record shows and the slider has not
 ``identifiability``  which parameters a record determines
 ``tradeoffs``        which parameters trade off, and what combination is determined

@@ -14,8 +14,10 @@ UNDECIDED, CLEAR = 1.5, 5.0
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
-def compare_laws(results, aic, colored):
+def compare_laws(results, aic, colored, fits=True):
     """Dataset of differences along ``law``, and a text on them; see `result.add_comparison`.
+
+    fits : whether any of the laws fits
 
     ``bic_difference`` and ``log_bayes_factor`` are absent unless all laws have what they are of.
     """
@@ -33,7 +35,7 @@ def compare_laws(results, aic, colored):
     values = {"aic_difference": difference, "akaike_weight": weight}
     if (bic := column("bic")) is not None:
         values["bic_difference"] = bic - bic.min()
-    sentences = [_by_likelihood(difference, weight, laws)]
+    sentences = [_by_likelihood(difference, weight, laws, fits)]
     if (evidence := column("log_evidence")) is not None:
         best, error = int(np.argmax(evidence)), column("log_evidence_error")
         factor = evidence - evidence[best]
@@ -53,14 +55,17 @@ def _ranked(values, laws):
     return {"best": laws[first], "other": laws[second], "difference": difference}
 
 
-def _by_likelihood(aic, weight, laws):
+def _by_likelihood(aic, weight, laws, fits):
     """The sentence on the Akaike information criterion."""
     ranked = _ranked(aic, laws)
     half = 0.5 * ranked["difference"]
-    which = "undecided" if half < UNDECIDED else "clearly" if half > CLEAR else "somewhat"
+    which = "clearly" if half > CLEAR else "somewhat"
+    which = "undecided" if half < UNDECIDED else which if fits else "nearer"
     *others, last = (f"{_share(w)} ({law})" for law, w in zip(laws, weight, strict=True))
     weights = f"{', '.join(others)} and {last}"
-    return SENTENCES(f"likelihood.{which}", **ranked, half=half, weights=weights)
+    sentence = SENTENCES(f"likelihood.{which}", **ranked, half=half, weights=weights)
+    none = "Neither law" if len(laws) == 2 else "None of the laws"
+    return sentence if fits else f"{SENTENCES('likelihood.none_fits', none=none)} {sentence}"
 
 
 def _share(weight):

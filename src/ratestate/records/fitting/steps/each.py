@@ -6,6 +6,7 @@ from ....dynamics.progress import bar
 from ....errors import RateStateError
 from ...child_process import mapped
 from ..by_law import value_of
+from ..diagnostics.misfit import is_misfit
 from ..likelihood.uncertainty import inflation_of
 from ..one_record import datasets_of, inferences_of, single_blas
 from ..refusals import refusal, sentence
@@ -29,7 +30,7 @@ def fit_each(data, settings):
     all are so.
     """
     windows, unstable = _divided(data, settings)
-    tasks = [_task(one, data, settings) for one in windows if one.kind != "normal stress"]
+    tasks = [task_of(one, data, settings) for one in windows if one.kind != "normal stress"]
     with bar("fits of steps") as show:
         fitted = _pilots(tasks)
         if fitted:
@@ -47,7 +48,7 @@ def _divided(data, settings):
     for window in (window for window in windows if found[window]):
         slide = {"events": found[window].events, "V_lp": found[window].V}
         laws = dict.fromkeys(settings.laws, sentence("each.stick_slip", **slide))
-        unstable.append(Fitted(_task(window, data, settings), laws, is_stick_slip=True))
+        unstable.append(Fitted(task_of(window, data, settings), laws, is_stick_slip=True))
     if len(unstable) == len(windows):
         raise refusal("each.all_stick_slip", count=len(windows), **slide)
     return [window for window in windows if not found[window]], unstable
@@ -83,16 +84,18 @@ def _by_law(task):
     """The `Task`s of each law alone; of a posterior the whole, for laws have one prior."""
     if task.settings.errors == "posterior":
         return [task]
-    return [
-        task._replace(settings=task.settings._replace(sliders=[slider]))
-        for slider in task.settings.sliders
-    ]
+    return [task.with_sliders([slider]) for slider in task.settings.sliders]
 
 
-def _task(window, data, settings):
-    """The `Task` of a step or hold of the load point."""
+def task_of(window, data, settings):
+    """The `Task` of a window: free is alpha alone at a step of normal stress, elsewhere all else.
+
+    data : the record (Dataset in SI)
+    """
     part, each = _averaged(window.part(data))
-    free = tuple(name for name in settings.free if name != "alpha")
+    free = ("alpha",)
+    if window.kind != "normal stress":
+        free = tuple(name for name in settings.free if name != "alpha")
     sliders = [slider.replace(sigma=_stress(window, part, slider)) for slider in settings.sliders]
     return Task(window, part, settings._replace(free=free, sliders=sliders), each)
 
@@ -106,7 +109,7 @@ def _averaged(part):
 def _stress(window, part, slider):
     """Normal stress [Pa] of a window, or before a step of it: as recorded, else the slider's."""
     if window.kind == "normal stress":
-        return window.stress_before(part)
+        return window.stresses(part)[0]
     recorded = part["sigma"].values if "sigma" in part.data_vars else np.array(np.nan)
     return float(np.median(recorded)) if np.isfinite(recorded).all() else slider.sigma
 
@@ -140,7 +143,6 @@ def _separate(task):
     settings = task.settings
     inferences = inferences_of(task.data, settings)
     results = datasets_of(inferences, settings.laws, task.data)
-    solutions = [inference.solution for inference in inferences]
     return {
         law: Separate(
             result,
@@ -151,8 +153,10 @@ def _separate(task):
             one.chi2,
             inflation_of(one, shared_coordinates(one.unknowns, settings), settings.noise),
             one.converged,
+            is_misfit(inference),
         )
-        for (law, result), one in zip(results.items(), solutions, strict=True)
+        for (law, result), inference in zip(results.items(), inferences, strict=True)
+        for one in [inference.solution]
     }
 
 

@@ -22,7 +22,11 @@ class Task(NamedTuple):
     window: Window
     data: xarray.Dataset  # its rows
     settings: Settings  # with the sliders from where the searches begin
-    rows_per_sample: int = 1  # of the record, which are averaged
+    rows_per_sample: int  # of the record, which are averaged
+
+    def with_sliders(self, sliders):
+        """The `Task` with other sliders (list)."""
+        return self._replace(settings=self.settings._replace(sliders=sliders))
 
 
 class Separate(NamedTuple):
@@ -36,6 +40,7 @@ class Separate(NamedTuple):
     chi2: float  # of the whitened residuals
     inflation: Inflation  # of the coordinates that steps share
     converged: bool  # whether the search has
+    is_misfit: bool  # whether the residuals are more than noise
 
 
 class Fitted(NamedTuple):

@@ -29,9 +29,8 @@ def window_variables(fits):
 
 def _stress_after(task):
     """Normal stress [Pa] after a step of it; NaN of a step or hold of the load point."""
-    if task.window.kind != "normal stress":
-        return np.nan
-    return float(task.data["sigma"].where(task.data["time"] > task.window.t).median())
+    is_step = task.window.kind == "normal stress"
+    return task.window.stresses(task.data)[1] if is_step else np.nan
 
 
 def _displacement(task):

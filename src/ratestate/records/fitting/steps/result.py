@@ -49,7 +49,7 @@ def dataset_of_steps(fits, shared, laws):
         side=list(SIDES),
     )
     if len(laws) > 1:
-        result = _with_comparison(result, laws)
+        result = _with_comparison(result, laws, _misfits(fits, laws))
     return result
 
 
@@ -142,8 +142,16 @@ def _correlation(shared, names):
     return table
 
 
-def _with_comparison(result, laws):
-    """The result with the laws compared in each step, and in all in which all are fitted."""
+def _misfits(fits, laws):
+    """(n,) whether all laws are fitted to a window, and none fits."""
+    return np.array([all((one := fit.of(law)) and one.is_misfit for law in laws) for fit in fits])
+
+
+def _with_comparison(result, laws, misfits):
+    """The result with the laws compared in each step, and in all in which all are fitted.
+
+    misfits : of `_misfits`; if that is so in most of these, no law fits
+    """
     everywhere = (result["status"] == FITTED).all("law")
     aic = result["aic"].where(everywhere)
     difference = aic - aic.min("law")
@@ -161,5 +169,6 @@ def _with_comparison(result, laws):
         }
         total = {law: float(aic.sel(law=law).sum()) for law in laws}
         colored = bool((result["noise_red"] > 0.0).any())
-        result.attrs["comparison"] = compare_laws(sums, total, colored)[1]
+        fits = misfits[everywhere].mean() <= 0.5
+        result.attrs["comparison"] = compare_laws(sums, total, colored, fits)[1]
     return result

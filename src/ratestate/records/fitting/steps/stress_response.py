@@ -6,8 +6,8 @@ from ....model.quantities import readable
 from ..estimates import ROOTS
 from ..unknowns import to_value
 from .comparison import grouped
-from .each import fit_window
-from .fitted import Fitted, Task
+from .each import fit_window, task_of
+from .fitted import Fitted
 
 
 def fit_stress_steps(data, windows, settings, fits, shared):
@@ -20,20 +20,17 @@ def fit_stress_steps(data, windows, settings, fits, shared):
     """
     fitted = []
     for window in windows:
-        part = window.part(data)
-        sigma = window.stress_before(part)
-        sliders, laws = [], {}
-        for slider in settings.sliders:
+        task, laws, sliders = task_of(window, data, settings), {}, []
+        for slider in task.settings.sliders:
             held, directions = _held(fits, shared[slider.law], slider)
-            sliders.append(slider.replace(sigma=sigma, **held))
-            task = Task(window, part, settings._replace(free=("alpha",), sliders=sliders[-1:]))
-            fit = fit_window(task)
+            sliders.append(slider.replace(**held))
+            alone = task.with_sliders(sliders[-1:])
+            fit = fit_window(alone)
             laws[slider.law] = fit.laws[slider.law]
             if one := fit.of(slider.law):
-                changes = [_change(task, slider.law, moved) for moved in directions]
+                changes = [_change(alone, slider.law, moved) for moved in directions]
                 _widen(one.result, float(np.sqrt(np.sum(np.square(changes)))))
-        settings_here = settings._replace(free=("alpha",), sliders=sliders)
-        fitted.append(Fitted(Task(window, part, settings_here), laws))
+        fitted.append(Fitted(task.with_sliders(sliders), laws))
     return fitted
 
 
@@ -67,7 +64,7 @@ def _change(task, law, sides):
     alphas = []
     for moved in sides:
         sliders = [slider.replace(**moved) for slider in task.settings.sliders]
-        one = fit_window(task._replace(settings=task.settings._replace(sliders=sliders))).of(law)
+        one = fit_window(task.with_sliders(sliders)).of(law)
         if not one:
             return np.inf
         alphas.append(float(one.result["alpha"]))

@@ -31,9 +31,10 @@ class Window(NamedTuple):
         time = data["time"].values
         return data.isel(time=slice(*np.searchsorted(time, (self.begin, self.end)).tolist()))
 
-    def stress_before(self, part):
-        """Normal stress [Pa] before a step of it; part : the rows of the window."""
-        return float(part["sigma"].where(part["time"] < self.t, drop=True).median())
+    def stresses(self, part):
+        """Normal stress [Pa] before a step of it, and after; part : the rows of the window."""
+        time, sigma = part["time"], part["sigma"]
+        return tuple(float(sigma.where(side).median()) for side in (time < self.t, time > self.t))
 
 
 class _Change(NamedTuple):

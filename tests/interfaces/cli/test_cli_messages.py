@@ -1,0 +1,63 @@
+"""Messages on records name the options of the command line beside those of Python."""
+
+import inspect
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import ratestate.records
+from ratestate.interfaces.cli import events, fit, healing, main
+from ratestate.interfaces.cli.reading import Reading
+
+OPTIONS = {
+    parameter
+    for function in (fit.fit, events.events, healing.healing, Reading)
+    for parameter in inspect.signature(function).parameters
+}
+FOLDER = Path(ratestate.records.__file__).parent
+# (what the machine's stiffness is found by is said in Python's words alone)
+FILES = [path for path in FOLDER.rglob("*.toml") if path.parent.name != "machine"]
+#: an option with a value, such as each='step', columns={{ or time=(None
+GIVEN = re.compile(r"\b(\w+)=(?:'|\(|None|\.\.\.|\{\{)")
+
+
+def sentences():
+    for path in FILES:
+        for table, of_table in tomllib.loads(path.read_text("utf-8")).items():
+            for name, text in of_table.items():
+                in_python = re.sub(r"--\w+ \S+", "", str(text))
+                options = {*GIVEN.findall(in_python)} & (OPTIONS | {"units"})
+                if options and path.name != "column_names.toml":
+                    yield pytest.param(text, options, id=f"{path.parent.name}-{table}.{name}")
+
+
+@pytest.mark.parametrize(("text", "options"), [*sentences()])
+def test_options_of_python_stand_beside_those_of_the_command(text, options):
+    for name in options:
+        assert re.search(rf"\(command line: .*--{name}\b", text), name
+
+
+def test_such_sentences_are_found():
+    assert len([*sentences()]) > 25
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        ("Aika (s)\tDispl(um)\tFriction", "--columns time='Aika (s)'"),
+        ("Time\tDispl(um)\tFriction", "--units time=s"),
+    ],
+)
+def test_what_the_command_says_can_be_typed(tmp_path, head, words):
+    """Its own words, with the titles of the file; given so, it is not asked for again."""
+    path = tmp_path / "record.txt"
+    path.write_text("\n".join([head, *(f"{i}\t{i}\t0.6" for i in range(50))]))
+    said = CliRunner().invoke(main, ["fit", str(path)])
+    assert said.exit_code == 2
+    assert f"(command line: {words})" in said.stderr
+    option, value = words.split(" ", 1)
+    again = CliRunner().invoke(main, ["fit", str(path), option, value.replace("'", "")])
+    assert words not in again.stderr
