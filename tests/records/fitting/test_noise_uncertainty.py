@@ -11,8 +11,7 @@ from ratestate.records.fitting.estimated_noise import estimated_noise
 from ratestate.records.fitting.estimates import GAUSSIAN
 from ratestate.records.fitting.likelihood.noise_uncertainty import (
     _quantile,
-    inflation,
-    widening,
+    likely_noise,
 )
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.restricted_likelihood import RestrictedLikelihood
@@ -47,7 +46,7 @@ def coverage(time, share, number):
         noise = np.sqrt(1.0 - share) * rng.normal(size=T.size)
         noise = noise + np.sqrt(share) * correlated(T, time, rng)
         solution, deviation = fitted(noise)
-        below, above = widening(solution, TRANSIENT).roots[0, 1]
+        below, above = likely_noise(solution).widening(TRANSIENT).roots[0, 1]
         widened.append(-above <= deviation <= below)
         known.append(abs(deviation) <= norm.ppf(0.975))
     return np.mean(widened), np.mean(known)
@@ -63,7 +62,9 @@ def test_intervals_in_slow_noise_hold_the_truth():
 def test_intervals_in_white_noise_are_hardly_wider():
     rng = np.random.default_rng(5)
     solutions = [fitted(rng.normal(size=T.size))[0] for _ in range(20)]
-    roots = np.array([widening(solution, TRANSIENT).roots[0, 1] for solution in solutions])
+    roots = np.array(
+        [likely_noise(solution).widening(TRANSIENT).roots[0, 1] for solution in solutions]
+    )
     widths = roots.sum(axis=1) / GAUSSIAN[1].sum()
     assert np.all(widths > 0.98)
     assert 1.0 <= np.median(widths) < 1.12
@@ -73,7 +74,7 @@ def test_a_coordinate_that_is_not_seen_is_left_alone():
     solution, _ = fitted(np.random.default_rng(1).normal(size=T.size))
     solution.jacobian = np.column_stack([JACOBIAN, np.zeros(T.size)])
     solution.covariance = np.diag([*np.diag(solution.covariance), 1e18])
-    both = widening(solution, np.eye(4)[2:])
+    both = likely_noise(solution).widening(np.eye(4)[2:])
     assert both.errors[1] == 1.0
     np.testing.assert_array_equal(both.roots[1], GAUSSIAN)
     assert both.errors[0] > 1.0
@@ -146,8 +147,8 @@ def test_a_search_near_the_noise_finds_it_again():
 def test_inflation_of_one_coordinate_is_that_of_its_error():
     rng = np.random.default_rng(3)
     solution, _ = fitted(correlated(T, 2.0, rng) + 0.5 * rng.normal(size=T.size))
-    wider = widening(solution, TRANSIENT).errors[0]
-    found = inflation(solution, [2])
+    wider = likely_noise(solution).widening(TRANSIENT).errors[0]
+    found = likely_noise(solution).inflation([2])
     assert found.factor == pytest.approx(wider**2, rel=1e-6)
     assert 0.0 < found.spread < 1.0
 
@@ -155,14 +156,14 @@ def test_inflation_of_one_coordinate_is_that_of_its_error():
 def test_inflation_of_several_coordinates_does_not_depend_on_their_units_or_axes():
     rng = np.random.default_rng(3)
     solution, _ = fitted(correlated(T, 2.0, rng) + 0.5 * rng.normal(size=T.size))
-    found = inflation(solution, [1, 2])
+    found = likely_noise(solution).inflation([1, 2])
     axes = np.array([[1.0, 0.0, 0.0], [0.0, 3e4, 0.0], [2e-4, 5e-4, 1e-3]]).T
     moved = SimpleNamespace(**vars(solution) | {"jacobian": JACOBIAN @ axes})
-    np.testing.assert_allclose(inflation(moved, [1, 2]), found, rtol=1e-6)
+    np.testing.assert_allclose(likely_noise(moved).inflation([1, 2]), found, rtol=1e-6)
     unseen = np.column_stack([solution.jacobian, np.zeros(T.size)])
     more = SimpleNamespace(**vars(solution) | {"jacobian": unseen})
-    np.testing.assert_allclose(inflation(more, [1, 2, 3]), found, rtol=1e-2)
-    assert inflation(more, [3]) == (1.0, 0.0)
+    np.testing.assert_allclose(likely_noise(more).inflation([1, 2, 3]), found, rtol=1e-2)
+    assert likely_noise(more).inflation([3]) == (1.0, 0.0)
 
 
 def test_inflation_makes_up_for_the_error_of_the_noise():
@@ -173,6 +174,6 @@ def test_inflation_makes_up_for_the_error_of_the_noise():
         noise = np.sqrt(0.2) * rng.normal(size=T.size) + np.sqrt(0.8) * correlated(T, 2.0, rng)
         solution, deviation = fitted(noise)
         squares.append(deviation**2)
-        factors.append(inflation(solution, [2]).factor)
+        factors.append(likely_noise(solution).inflation([2]).factor)
     assert np.mean(squares) > 1.1
     assert 0.8 < np.mean(squares) / np.mean(factors) < 1.2

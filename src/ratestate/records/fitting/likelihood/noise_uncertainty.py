@@ -17,6 +17,7 @@ from scipy.special import ndtr
 
 from ..estimated_noise import bounds_of, modes, shape_of
 from ..estimates import GAUSSIAN, LEVELS
+from ..generalized_least_squares import Solution
 from ..restricted_likelihood import RestrictedLikelihood
 from ..score import projected
 
@@ -50,57 +51,62 @@ class Inflation(NamedTuple):
     spread: float = 0.0  # relative variance of the factor between shapes of the noise
 
 
-def widening(solution, gradients):
-    """The `Widening` of quantities with these gradients (q, k) by the coordinates of a fit."""
-    shapes, weight = _likely(solution)
-    if not shapes:
-        return Widening.none(len(gradients))
-    means = np.array([gradients @ one.shift for one in shapes])  # (shapes, q)
-    spreads = np.array([np.linalg.norm(gradients @ one.root, axis=1) for one in shapes])
-    own = np.sqrt(np.einsum("qi,ij,qj->q", gradients, solution.covariance, gradients))
-    seen = (spreads > 0.0).all(axis=0) & (own > 0.0)
-    means, spreads, own = means[:, seen], spreads[:, seen], own[seen]
-    errors, roots = (part.copy() for part in Widening.none(len(gradients)))
-    errors[seen] = np.sqrt(weight @ (spreads**2 + means**2)) / own
-    tails = 0.5 - 0.5 * np.array(LEVELS)
-    for level, tail in enumerate(tails):
-        for side, sign in enumerate((-1.0, 1.0)):
-            ends = _quantile(weight, sign * means, spreads, 1.0 - tail)
-            # the estimate itself is in every interval
-            roots[seen, level, side] = np.maximum(ends, 0.0) / own
-    return Widening(errors, roots)
+class LikelyNoise(NamedTuple):
+    """Shapes of the noise that are likely beside a fit's own noise."""
+
+    solution: Solution  # the fit
+    shapes: list  # `Conditional` on each
+    weight: np.ndarray  # of each, their sum 1
+
+    def widening(self, gradients):
+        """The `Widening` of quantities with these gradients (q, k) by the coordinates."""
+        means = np.array([gradients @ one.shift for one in self.shapes])  # (shapes, q)
+        spreads = np.array([np.linalg.norm(gradients @ one.root, axis=1) for one in self.shapes])
+        covariance = self.solution.covariance
+        own = np.sqrt(np.einsum("qi,ij,qj->q", gradients, covariance, gradients))
+        seen = (spreads > 0.0).all(axis=0) & (own > 0.0)
+        means, spreads, own = means[:, seen], spreads[:, seen], own[seen]
+        errors, roots = (part.copy() for part in Widening.none(len(gradients)))
+        errors[seen] = np.sqrt(self.weight @ (spreads**2 + means**2)) / own
+        tails = 0.5 - 0.5 * np.array(LEVELS)
+        for level, tail in enumerate(tails):
+            for side, sign in enumerate((-1.0, 1.0)):
+                ends = _quantile(self.weight, sign * means, spreads, 1.0 - tail)
+                # the estimate itself is in every interval
+                roots[seen, level, side] = np.maximum(ends, 0.0) / own
+        return Widening(errors, roots)
+
+    def inflation(self, coordinates):
+        """The `Inflation` of some coordinates (list of int).
+
+        On a shape of the noise its factor is the mean square of the deviation from the truth, in
+        standard errors of the fit, and in all directions of these coordinates.
+        """
+        seen = np.flatnonzero(self.solution.jacobian.any(axis=0)).tolist()
+        chosen = [i for i in coordinates if i in seen]
+        if not chosen:
+            return Inflation()
+        others = [i for i in seen if i not in chosen]
+        columns = self.solution.jacobian[:, chosen + others]
+        left = projected(self.solution, columns, len(chosen))
+        information, rows = left.T @ left, np.ix_(chosen, chosen)
+        squares = [one.root @ one.root.T + np.outer(one.shift, one.shift) for one in self.shapes]
+        factors = np.array([np.sum(information * one[rows]) for one in squares]) / len(chosen)
+        factor = float(self.weight @ factors)
+        return Inflation(factor, float(self.weight @ (factors / factor - 1.0) ** 2))
 
 
-def inflation(solution, coordinates):
-    """The `Inflation` of some coordinates (list of int) of a fit.
-
-    On a shape of the noise its factor is the mean square of the deviation from the truth, in
-    standard errors of the fit, and in all directions of these coordinates.
-    """
-    shapes, weight = _likely(solution)
-    seen = np.flatnonzero(solution.jacobian.any(axis=0)).tolist()
-    chosen = [i for i in coordinates if i in seen]
-    if not shapes or not chosen:
-        return Inflation()
-    others = [i for i in seen if i not in chosen]
-    left = projected(solution, solution.jacobian[:, chosen + others], len(chosen))
-    information = left.T @ left
-    squares = [one.root @ one.root.T + np.outer(one.shift, one.shift) for one in shapes]
-    factors = np.array([np.sum(information * one[np.ix_(chosen, chosen)]) for one in squares])
-    factor = float(weight @ factors) / len(chosen)
-    return Inflation(factor, float(weight @ (factors / len(chosen) / factor - 1.0) ** 2))
-
-
-def _likely(solution):
-    """`Conditional`s (list) on likely shapes of the noise, and their weights; none if none is."""
-    record = solution.problem.record
-    likelihood = RestrictedLikelihood(record.t, solution.residual, solution.jacobian)
+def likely_noise(solution):
+    """The `LikelyNoise` of a `Solution`; None if no shape is possible."""
+    likelihood = RestrictedLikelihood(
+        solution.problem.record.t, solution.residual, solution.jacobian
+    )
     shapes, priors = _shapes(likelihood, solution.noise)
     log_weight = np.array([one.log_likelihood for one in shapes])
     if not np.isfinite(log_weight).any():
-        return [], np.empty(0)
+        return None
     weight = priors * np.exp(log_weight - log_weight.max())
-    return shapes, weight / weight.sum()
+    return LikelyNoise(solution, shapes, weight / weight.sum())
 
 
 def _quantile(weight, means, spreads, part):

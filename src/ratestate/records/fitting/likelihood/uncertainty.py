@@ -10,7 +10,7 @@ import numpy as np
 from ..estimates import Estimates, estimates_from
 from ..generalized_least_squares import Solution, solution_from
 from ..score import responds
-from .noise_uncertainty import Inflation, Widening, inflation, widening
+from .noise_uncertainty import Inflation, LikelyNoise, Widening, likely_noise
 from .posterior import Posterior, common_prior, sample_posterior
 from .profile import BetterPoint
 from .profiles import compute_profiles
@@ -28,6 +28,7 @@ class Inference(NamedTuple):
     """A solution with the errors and intervals of its quantities."""
 
     solution: Solution
+    likely_noise: LikelyNoise | None  # None where the noise was given
     quantities: tuple  # `ReportedQuantity`, as in `estimates`
     estimates: Estimates
     profiles: dict  # name -> `Profile`
@@ -43,7 +44,7 @@ def infer(solution, noise, errors):
     """
     profiles, still_improving = {}, False
     quantities = reported_quantities(solution.problem)
-    widened = _widening(solution, quantities, noise)
+    likely, widened = _noise_and_widening(solution, quantities, noise)
     # profiles of a fit to mere noise would lead anywhere
     wanted = errors != "covariance" and (errors != "auto" or responds(solution))
     for attempt in range(REFITS + 1 if wanted else 0):
@@ -55,7 +56,7 @@ def infer(solution, noise, errors):
             still_improving = attempt == REFITS
             if not still_improving:
                 solution = solution_from(solution.problem, better.point, noise)
-                widened = _widening(solution, quantities, noise)
+                likely, widened = _noise_and_widening(solution, quantities, noise)
     point = solution.point
     gradients = np.array([q.gradient(point) for q in quantities])
     estimates = estimates_from(
@@ -71,33 +72,34 @@ def infer(solution, noise, errors):
         if q.name in profiles
     }
     estimates = estimates.with_intervals(ends, "profile")
-    return Inference(solution, quantities, estimates, profiles, None, still_improving)
+    return Inference(solution, likely, quantities, estimates, profiles, None, still_improving)
 
 
-def _widening(solution, quantities, noise):
-    """The `Widening` of `ReportedQuantity`s by the noise's uncertainty; none of a given noise.
+def _noise_and_widening(solution, quantities, noise):
+    """`LikelyNoise`, and the `Widening` of `ReportedQuantity`s by it; none if the noise is given.
 
     None of an estimate at a bound either: chi-square slopes there, so that to first order other
     noise would move the estimate out of its bounds, and one end of its interval with it.
     """
     none = Widening.none(len(quantities))
-    if noise is not None:
-        return none
-    found = widening(solution, np.array([q.gradient(solution.point) for q in quantities]))
+    likely = likely_noise(solution) if noise is None else None
+    if likely is None:
+        return None, none
+    found = likely.widening(np.array([q.gradient(solution.point) for q in quantities]))
     bound = _at_bound(solution)
     at_bound = np.array([q.is_coordinate and bound[q.eliminated] for q in quantities])
-    return Widening(
+    return likely, Widening(
         np.where(at_bound, none.errors, found.errors),
         np.where(at_bound[:, None, None], none.roots, found.roots),
     )
 
 
-def inflation_of(solution, coordinates, noise):
-    """The `Inflation` of coordinates (list of int), where it is none as of `_widening`."""
-    if noise is not None:
+def inflation_of(inference, coordinates):
+    """The `Inflation` of coordinates (list of int) by the noise; none of those at a bound."""
+    if inference.likely_noise is None:
         return Inflation()
-    bound = _at_bound(solution)
-    return inflation(solution, [i for i in coordinates if not bound[i]])
+    bound = _at_bound(inference.solution)
+    return inference.likely_noise.inflation([i for i in coordinates if not bound[i]])
 
 
 def _at_bound(solution):

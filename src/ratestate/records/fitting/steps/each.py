@@ -151,7 +151,7 @@ def _separate(task):
             one.point,
             one.noise,
             one.chi2,
-            inflation_of(one, shared_coordinates(one.unknowns, settings), settings.noise),
+            inflation_of(inference, shared_coordinates(one.unknowns, settings)),
             one.converged,
             is_misfit(inference),
         )
