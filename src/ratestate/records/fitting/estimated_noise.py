@@ -80,7 +80,7 @@ def modes(likelihood, near=None):
             first,
             method="Nelder-Mead",
             bounds=bounds,
-            options={"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.01, "maxfev": 150},
+            options={"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.02, "maxfev": 150},
         )
         found.append(Mode(result.x, -result.fun))
     return found

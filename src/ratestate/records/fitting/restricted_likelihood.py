@@ -35,7 +35,8 @@ class RestrictedLikelihood:
         self.size = jacobian.shape[1]
         self.seen = np.flatnonzero(jacobian.any(axis=0))
         self.scale = np.abs(jacobian[:, self.seen]).max(axis=0)
-        self.columns = np.column_stack([residual, jacobian[:, self.seen] / self.scale])
+        columns = np.column_stack([residual, jacobian[:, self.seen] / self.scale])
+        self.columns = np.ascontiguousarray(columns)  # as they are made white
         self.degrees = residual.size - self.seen.size
         #: usual time between samples, and length of the record [s]
         self.spacing, self.length = float(np.median(np.diff(t))), float(t[-1] - t[0])

@@ -235,7 +235,17 @@ def test_the_joint_fit_is_of_fits_that_have_converged(data, monkeypatch):
         errors="auto",
     )
     fits, _ = each.fit_each(data, settings)
-    assert shared_fit(fits, "slip").degrees == 9
+    joint = shared_fit(fits, "slip")
+    assert joint.degrees == 9
+
+    def runs_away(fit):
+        one = fit.of("slip")
+        point = one.point.copy()
+        point[one.unknowns.names.index("b")] *= 3.0
+        return fit._replace(laws={"slip": one._replace(point=point)})
+
+    wild = [*map(runs_away, fits[:3]), fits[3]]  # with the medians of these no step slides on
+    assert shared_fit(wild, "slip").point == pytest.approx(joint.point, rel=1e-5)
 
     def unconverged(fit):
         return fit._replace(laws={"slip": fit.of("slip")._replace(converged=False)})

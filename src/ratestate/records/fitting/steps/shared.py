@@ -108,6 +108,16 @@ class _Joint:
             of_steps.append(left.T @ left)
         return np.array(of_steps)
 
+    def starts(self):
+        """Points (n,), an iterator: at the medians of shared coordinates, then at each step's.
+
+        With those of another some step may have no motion.
+        """
+        points = [step.separate.point for step in self.steps]
+        yield self.collected(points, np.median)
+        for i in range(len(points)):
+            yield self.collected(points, lambda shared, axis, i=i: shared[i])
+
     def collected(self, values, of_shared):
         """(n,) coordinates, from those of each step; shared ones by a function of all."""
         each = list(zip(self.steps, values, strict=True))
@@ -124,10 +134,10 @@ def shared_fit(fits, law):
     if len(steps) < 2 or not steps[0].shared:
         return None
     joint, k = _Joint(steps), len(steps[0].shared)
-    start = joint.collected([step.separate.point for step in steps], np.median)
     low = joint.collected([step.separate.unknowns.low for step in steps], np.min)
     high = joint.collected([step.separate.unknowns.high for step in steps], np.max)
-    result = minimum(joint.at, start, low, high, MOST)
+    searches = (minimum(joint.at, start, low, high, MOST) for start in joint.starts())
+    result = next((one for one in searches if one), None)
     if result is None or not result.converged:
         return None
     information = joint.information(result.jacobian)
