@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, lsq_linear
 
 from ratestate.records.fitting.levenberg_marquardt import CONVERGED, minimum
 
@@ -111,6 +111,56 @@ def test_where_nothing_moves():
     assert minimum(bounded, np.array([0.2, 10.0, 0.0]), *FREE, 100) is None
     found = minimum(bounded, np.array([0.2, 0.05, 0.0]), *FREE, 100)
     assert found.x == pytest.approx(exact, abs=1e-3)
+
+
+@pytest.mark.parametrize("start", [5.0, 14.0, 20.0, 25.0])
+def test_from_where_derivatives_are_much_larger(start):
+    """e**x against the mean of what is recorded, 1."""
+    data = np.array([1.0, 1.2, 0.8])
+
+    def function(x):
+        return np.exp(x[0]) - data, np.full((3, 1), np.exp(x[0]))
+
+    found = minimum(function, np.array([start]), *(x[:1] for x in FREE), 100)
+    assert found.converged
+    assert found.x[0] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_collinear_columns_within_bounds():
+    """Linear problems, two columns nearly alike, of any scale, against the exact solution."""
+    rng = np.random.default_rng(0)
+    held = 0
+    for _ in range(500):
+        k = rng.integers(2, 6)
+        A = rng.normal(size=(30, k))
+        A[:, 1] = A[:, 0] + 10.0 ** rng.uniform(-6.0, -1.0) * A[:, 1]
+        A *= 10.0 ** rng.uniform(-6.0, 6.0, k)
+        size = 1.0 / np.linalg.norm(A, axis=0)
+        truth = size * rng.normal(size=k)
+        b = A @ truth + 10.0 ** rng.uniform(-6.0, 0.0) * rng.normal(size=30)
+        low = truth + size * rng.uniform(-2.0, 0.5, k)
+        high = low + size * rng.uniform(0.1, 3.0, k)
+        found = minimum(lambda x, A=A, b=b: (A @ x - b, A), low, low, high, 200)
+        best = lsq_linear(A * size, b, (low / size, high / size), method="bvls", tol=1e-14)
+        cost = 0.5 * np.sum((A @ found.x - b) ** 2)
+        assert found.converged
+        assert cost == pytest.approx(best.cost, rel=1e-5)
+        assert found.cost == pytest.approx(cost, rel=1e-6)
+        held += ((found.x == low) | (found.x == high)).any()
+    assert held > 200
+
+
+def test_an_end_at_the_edge_of_motion_is_no_minimum():
+    """Least on the edge x + 2 y = 2 is (1.8, 0.1), and no search gets there."""
+
+    def function(x):
+        residual = np.array([x[0] - 3.0, x[1] - 1.0, 10.0])
+        moves = x[0] + 2.0 * x[1] <= 2.0
+        return residual if moves else residual * np.nan, np.eye(3)[:, :2]
+
+    found = minimum(function, np.zeros(2), *(x[:2] for x in FREE), 200)
+    assert 2.0 * found.cost > 100.5
+    assert not found.converged
 
 
 def test_a_coordinate_that_changes_nothing_stays():

@@ -34,6 +34,12 @@ def one():
     return rs.machine_stiffness(noisy(1, clean()), "10 MPa", slider=SLIDER)
 
 
+def test_no_curve_where_nothing_is_loaded():
+    x = np.linspace(-1e-5, 1e-5, 200)
+    assert fit_loading_curve(x, x, np.full(200, 0.6), 0.3) is None
+    assert fit_loading_curve(x, x, 0.6 - 100.0 * x, 0.3) is None
+
+
 def test_the_loading_curve_solves_its_equation():
     """d mu/dx = k (1 - r exp((mu - mu_0)/a))."""
     x, k, a, r = np.linspace(0.0, 2e-5, 2001), 2e3, 0.01, 0.2

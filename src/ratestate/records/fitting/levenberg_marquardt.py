@@ -6,7 +6,7 @@ and clipped to the bounds; a coordinate stays at a bound beyond which the sum of
 How the damping follows from the last step: Nielsen (1999), report IMM-REP-1999-05.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,8 @@ FIRST, LARGEST = 1e-2, 1e12
 #: relative fall of the sum of squares by the linear model within which its minimum is exact: with n
 #: samples it is sqrt(n CONVERGED) standard errors away
 CONVERGED = 1e-7
-#: squares of scaled derivatives, along principal axes, from which on the record sees an axis
-SEEN = 1e-13
+#: least derivative along a principal axis, where those by coordinates are 1, that a record sees
+SEEN = 1e-8
 
 
 class Minimum(NamedTuple):
@@ -41,35 +41,71 @@ def minimum(function, start, low, high, most):
     cost = _half_square(residual)
     if not np.isfinite(cost):
         return None
-    damping, growth, scale = FIRST, 2.0, np.zeros(x.size)
+    damping, growth, scale, blocked = FIRST, 2.0, np.zeros(x.size), False
     for _ in range(most - 1):
-        slope = jacobian.T @ residual
-        free = ~(((x <= low) & (slope >= 0.0)) | ((x >= high) & (slope <= 0.0)))
+        linear = _Linear(x, residual, jacobian, low, high)
         scale = np.maximum(scale, np.linalg.norm(jacobian, axis=0))
-        size = np.where(scale > 0.0, scale, 1.0)[free]
-        scaled = jacobian[:, free] / size
-        squares, axes = np.linalg.eigh(scaled.T @ scaled)
-        along = axes.T @ (slope[free] / size)
-        step = np.zeros(x.size)
-        step[free] = -(axes @ (along / (np.maximum(squares, 0.0) + damping))) / size
-        trial = np.clip(x + step, low, high)
-        step = trial - x
-        expected = -float(slope @ step) - _half_square(jacobian @ step)
-        seen = squares > SEEN
-        if 0.5 * np.sum(along[seen] ** 2 / squares[seen]) <= CONVERGED * cost:
-            return Minimum(trial, cost - max(expected, 0.0), jacobian, True)
-        if damping > LARGEST:  # rounding is all that is left
-            return Minimum(x, cost, jacobian, True)
+        trial = np.clip(x + linear.step(damping, scale), low, high)
+        expected = linear.fall(trial - x)
+        if linear.most_fall <= CONVERGED * cost and not linear.frees_by(trial - x):
+            better = expected > 0.0  # clipped, a step may lead up
+            return Minimum(trial if better else x, cost - max(expected, 0.0), jacobian, True)
+        if damping > LARGEST:  # rounding is all that is left, or a region without motion
+            return Minimum(x, cost, jacobian, not blocked)
         residual_there, jacobian_there = function(trial)
         fall = cost - _half_square(residual_there)
         if fall > 0.0 and expected > 0.0:
-            x, cost = trial, cost - fall
+            x, cost, blocked = trial, cost - fall, False
             residual, jacobian = residual_there, jacobian_there
             damping *= max(1.0 / 10.0, 1.0 - (2.0 * fall / expected - 1.0) ** 3)
             growth = 2.0
         else:
+            blocked = blocked or not np.isfinite(fall)
             damping, growth = damping * growth, 2.0 * growth
     return Minimum(x, cost, jacobian, False)
+
+
+class _Linear:
+    """The linear model of the residuals about a point, with some coordinates held at bounds."""
+
+    def __init__(self, x, residual, jacobian, low, high):
+        self.jacobian, self.slope = jacobian, jacobian.T @ residual
+        self.at_low, self.at_high = x <= low, x >= high
+        self.free = ~self._held(self.slope)
+        size = np.linalg.norm(jacobian[:, self.free], axis=0)
+        self.size = np.where(size > 0.0, size, 1.0)
+        # of a QR decomposition, R has the same inner products as the columns
+        columns = np.column_stack([jacobian[:, self.free] / self.size, residual])
+        triangle: Any = np.linalg.qr(columns, mode="r")
+        self.columns, self.residual = triangle[:, :-1], triangle[:, -1]
+
+    def _held(self, slope):
+        """(k,) whether a coordinate is at a bound beyond which the sum of squares would fall."""
+        return (self.at_low & (slope >= 0.0)) | (self.at_high & (slope <= 0.0))
+
+    @property
+    def most_fall(self):
+        """Half the fall of the sum of squares to its minimum, were there no bounds."""
+        u, s, _ = np.linalg.svd(self.columns, full_matrices=False)
+        return _half_square(u.T[s > SEEN] @ self.residual)
+
+    def step(self, damping, scale):
+        """(k,) the damped step, of the free coordinates."""
+        weights = np.diag(np.sqrt(damping) * scale[self.free] / self.size)
+        target = np.concatenate([self.residual, np.zeros(len(weights))])
+        moved = np.linalg.lstsq(np.concatenate([self.columns, weights]), -target, rcond=None)[0]
+        step = np.zeros(self.free.size)
+        step[self.free] = moved / self.size
+        return step
+
+    def fall(self, step):
+        """Half the fall of the sum of squares by a step (k,)."""
+        return -float(self.slope @ step) - _half_square(self.jacobian @ step)
+
+    def frees_by(self, step):
+        """Whether after a step (k,) some coordinate would leave the bound at which it is held."""
+        slope = self.slope + self.jacobian.T @ (self.jacobian @ step)
+        return bool((~self.free & ~self._held(slope)).any())
 
 
 def _half_square(x):

@@ -68,7 +68,9 @@ class _Model(NamedTuple):
 
 
 def fit_loading_curve(t, x, friction, r, *, rested=0.0, x_error=0.0, state_error=0.0):
-    """`LoadingCurve` of friction (n,) at times t and displacements x [m]; None if k is not > 0.
+    """`LoadingCurve` of friction (n,) at times t and displacements x [m].
+
+    None if k is not > 0, and where the search does not converge.
 
     r : V/V_lp at x = 0; that of the relaxation if `rested`, as of `relaxation`, is not 0
     x_error : standard error of where loading begins [m]
@@ -77,14 +79,18 @@ def fit_loading_curve(t, x, friction, r, *, rested=0.0, x_error=0.0, state_error
     The noise is estimated from the residuals.
     """
     slope = float(np.polyfit(x[x >= 0.0], friction[x >= 0.0], 1)[0]) / (1.0 - r)
-    if not slope > 0.0:
+    spread = float(np.ptp(friction))
+    if not (slope > 0.0 and spread > 0.0):
         return None
     model = _Model(slope, r, rested, x_error)
     first, priors, reach = model.start(friction[max(int(np.searchsorted(x, 0.0)) - 1, 0)])
-    point, noise = first, Noise(float(np.ptp(friction)))
+    point, noise = first, Noise(spread)
     for _ in range(ROUNDS):
         residuals = _residuals(noise, t, x, friction, model, priors, first)
-        point = minimum(residuals, point, first - reach, first + reach, EVALUATIONS).x
+        found = minimum(residuals, point, first - reach, first + reach, EVALUATIONS)
+        if found is None or not found.converged:
+            return None
+        point = found.x
         residual, columns = friction - model.friction(x, point), model.jacobian(x, point)
         noise = estimated_noise(t, residual, columns)
     white, _ = noise.whiten(t, columns)
