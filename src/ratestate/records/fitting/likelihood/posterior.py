@@ -72,7 +72,8 @@ class Posterior(NamedTuple):
 def common_prior(inferences):
     """name -> (low, high): one box for all laws, so that their evidences can be compared."""
     box: dict[str, tuple[float, float]] = {}
-    for solution, _, _, profiles, *_ in inferences:
+    for inference in inferences:
+        solution, profiles = inference.solution, inference.profiles
         errors = 1.96 * np.sqrt(np.diag(solution.covariance))
         for name, low, high, estimate, error in zip(
             *solution.unknowns, solution.point.tolist(), errors.tolist(), strict=True
