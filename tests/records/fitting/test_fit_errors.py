@@ -635,4 +635,6 @@ def test_a_start_at_its_bound_is_told_in_words(good):
     assert "the upper bound of the search, 4.852e+08 times the load point's" in upper
     assert lower.startswith("theta_start, a state at the record's start, has run to")
     assert "the lower bound of the search, 2.061e-09 times that of steady sliding" in lower
-    assert all("give start='steady' (command line: --start steady) if" in text for text in (upper, lower))
+    assert all(
+        "give start='steady' (command line: --start steady) if" in text for text in (upper, lower)
+    )
