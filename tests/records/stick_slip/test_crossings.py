@@ -6,29 +6,57 @@ import pytest
 from ratestate.records.stick_slip.crossings import middles
 from ratestate.records.stick_slip.noise import Noise
 
+#: fall of stress from 1/2 to -1/2 against time over its width -> when it passes 0
+FALLS = {
+    "parabola": (lambda u: 0.5 - np.clip(u, 0.0, 1.0) ** 2, 0.5**0.5),
+    "exponential": (lambda u: np.exp(-np.maximum(u, 0.0)) - 0.5, np.log(2.0)),
+    "growing": (lambda u: 0.5 - np.exp(np.minimum(u, 0.0)), -np.log(2.0)),
+    "half-cosine": (lambda u: 0.5 * np.cos(np.pi * np.clip(u, 0.0, 1.0)), 0.5),
+    "line": (lambda u: 0.5 - np.clip(u, 0.0, 1.0), 0.5),
+}
 
-def off_and_errors(width, sd=0.0, level_error=0.0, draws=600):
-    """Errors (draws,), and standard errors, of the middle of falls by 1 - (t/width)^2.
 
-    A sample is taken in each unit of time, in any phase to the fall; the drop is 1.
+def off_and_errors(width, sd=0.0, level_error=0.0, draws=600, shape="parabola", uneven=0.0):
+    """Errors (draws,), and standard errors, of the middle of falls of this shape and width.
+
+    A sample is taken in each unit of time, in any phase to the fall, or this much earlier or later
+    at most; the drop is 1.
     """
     rng, rows = np.random.default_rng(1), []
+    fall, middle = FALLS[shape]
     for _ in range(draws):
-        t = np.arange(-20.0, 20.0) + rng.uniform()
-        y = 0.5 - np.clip(t / width, 0.0, 1.0) ** 2 + sd * rng.normal(size=t.size)
+        t = np.arange(-40.0, 60.0) + rng.uniform() + uneven * rng.uniform(-1.0, 1.0, 100)
+        y = fall(t / width) + sd * rng.normal(size=t.size)
         levels = np.array([[0.5], [-0.5]]) + level_error * rng.normal()
         error = np.array([level_error])
-        rows += [*middles(t, y, np.array([15]), np.array([39]), levels, error, Noise(sd))]
+        rows += [*middles(t, y, np.array([10]), np.array([95]), levels, error, Noise(sd))]
     time, error = np.array(rows).T
-    return time - width * np.sqrt(0.5), error
+    return time - width * middle, error
 
 
 @pytest.mark.parametrize("width", [0.02, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0])
 def test_errors_between_samples_are_honest(width):
     """From falls that are in one step between samples to those in five."""
     off, error = off_and_errors(width)
-    assert 0.4 < np.sqrt(np.mean((off / error) ** 2)) < 1.2
+    assert 0.35 < np.sqrt(np.mean((off / error) ** 2)) < 1.2
     assert np.mean(np.abs(off) < 2.0 * error) > 0.93
+
+
+@pytest.mark.parametrize("uneven", [0.0, 0.3])
+@pytest.mark.parametrize("sd", [1e-4, 1e-3])
+@pytest.mark.parametrize(
+    ("shape", "width"),
+    [
+        *(("exponential", width) for width in (1.0, 2.0, 3.0, 4.0)),
+        *(("growing", width) for width in (1.0, 2.0, 3.0, 4.0)),
+        *(("half-cosine", width) for width in (0.1, 0.5)),
+        *(("line", width) for width in (0.1, 0.5, 4.5, 5.5)),
+    ],
+)
+def test_errors_are_those_of_the_bend(shape, width, sd, uneven):
+    """A decaying fall is on one side of the line between samples, by its second difference."""
+    off, error = off_and_errors(width, sd, sd / 3.0, 300, shape, uneven)
+    assert 0.5 < np.sqrt(np.mean((off / error) ** 2)) < 1.35
 
 
 def test_a_fall_within_a_step_is_anywhere_in_it():

@@ -20,6 +20,7 @@ from .measures import (
     measured_events,
 )
 from .noise import Noise, loading_noise, white_noise
+from .outliers import without_outliers
 from .refusals import sentence
 from .significance import is_stick_slip
 from .stiffness import Stiffness, loading_stiffness
@@ -79,11 +80,12 @@ def catalogue_of(series):
 def detected(series):
     """list of `Rough` events, and the `Noise`: of the loading, if that is larger than the white.
 
-    None of a record whose stress merely wanders.
+    None of a record whose stress merely wanders; outliers of one or two samples are no events.
     """
     if series.V is not None:
         return rough_events(series.tau, LEAST * series.resolution), Noise(0.0)
     white = white_noise(series.tau)
+    series = series._replace(tau=without_outliers(series.tau, white))
     noise = Noise(white)
     rough = rough_events(series.tau, white)
     for _ in range(2):

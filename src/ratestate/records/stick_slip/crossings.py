@@ -8,6 +8,8 @@ import numpy as np
 NEAR, FEWEST = 0.25, 6
 #: Newton steps to the crossing of a cubic
 STEPS = 8
+#: standard deviation of a time that may be anywhere in a step, in steps
+ANYWHERE = 1.0 / math.sqrt(12.0)
 
 
 def middles(t, y, peaks, troughs, levels, level_error, noise):
@@ -21,36 +23,44 @@ def middles(t, y, peaks, troughs, levels, level_error, noise):
     for peak, trough, (top, bottom), error in zip(
         peaks, troughs, levels.T, level_error, strict=True
     ):
-        level, drop = 0.5 * (top + bottom), top - bottom
+        level, near = 0.5 * (top + bottom), NEAR * (top - bottom)
         if not math.isfinite(level):
             rows.append((math.nan, math.nan))
             continue
-        above = np.flatnonzero(y[peak : trough + 1] > level + NEAR * drop)
+        above = np.flatnonzero(y[peak : trough + 1] > level + near)
         first = peak + (int(above[-1]) + 1 if above.size else 0)
-        below = np.flatnonzero(y[first : trough + 1] < level - NEAR * drop)
+        below = np.flatnonzero(y[first : trough + 1] < level - near)
         last = first + (int(below[0]) if below.size else trough - first)
-        if last - first >= FEWEST:
-            rows.append(_on_cubic(t, y, first, last, level, error, noise))
-        else:
-            rows.append(_between_samples(t, y, first, last, level, drop, error, noise))
+        crossing = _on_cubic if last - first >= FEWEST else _between_samples
+        rows.append(crossing(t, y, first, last, level, error, noise))
     return np.array(rows)
 
 
-def _between_samples(t, y, first, last, level, drop, level_error, noise):
-    """Time at which a line between two samples passes the level, and its error.
-
-    The line's error is that of a time somewhere in the step where the whole drop is in one step,
-    and falls as the square of the part of the drop that is in it, as the bend of a smooth fall.
-    """
+def _between_samples(t, y, first, last, level, level_error, noise):
+    """Time at which a line between two samples passes the level, and its error."""
     below = np.append(y[first:last] < level, True)
-    i = min(max(first + int(np.argmax(below)), 1), t.size - 1)
+    i = min(max(first + int(np.argmax(below)), 2), t.size - 2)
     step, fall = t[i] - t[i - 1], y[i - 1] - y[i]
     if not fall > 0.0:
-        return 0.5 * (t[i - 1] + t[i]), step / math.sqrt(12.0)
-    of_line = min(fall / drop, 1.0) ** 2 / math.sqrt(12.0)
+        return 0.5 * (t[i - 1] + t[i]), step * ANYWHERE
     part = min(max((y[i - 1] - level) / fall, 0.0), 1.0)
     of_noise = min(math.hypot(noise.sd, level_error) / fall, 1.0)
+    of_line = _error_of_line(t[i - 2 : i + 2], y[i - 2 : i + 2])
     return t[i - 1] + part * step, step * math.hypot(of_line, of_noise)
+
+
+def _error_of_line(t, y):
+    """Error of a line between the middle two of four samples, in steps; stress bends between them.
+
+    A curve with a second difference d is d/8 off the line in the middle of a step.  Where the
+    difference at one end of the step is not that at the other, the fall is sharp: it may be
+    anywhere in the step where all of it is in there, with differences of -1 and 1 falls.
+    """
+    step, fall = t[2] - t[1], y[1] - y[2]
+    second = np.diff(np.diff(y) / np.diff(t)) * 2.0 / (t[2:] - t[:-2]) * step**2
+    bends = np.clip(second / fall, -1.0, 1.0)
+    sharp = 0.5 * float(bends[1] - bends[0])
+    return math.hypot(float(bends.mean()) / 8.0, sharp**2 * ANYWHERE)
 
 
 def _on_cubic(t, y, first, last, level, level_error, noise):

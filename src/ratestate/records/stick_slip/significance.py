@@ -34,8 +34,10 @@ def is_stick_slip(series, rough):
 def _half(series, rough):
     """How long the middle half of the drop of a whole `Rough` event takes [s]; a step at least."""
     t, y = (x[rough.peak : rough.trough + 1] for x in (series.t, series.tau))
-    within = np.abs(y - 0.5 * (y[0] + y[-1])) < 0.25 * (y[0] - y[-1])
-    return max(int(within.sum()), 1) / (t.size - 1) * (t[-1] - t[0])
+    below, quarter = 0.5 * (y[0] + y[-1]) - y, 0.25 * (y[0] - y[-1])
+    middle = int(np.argmax(below > 0.0))
+    each = np.gradient(t)  # time that a sample stands for
+    return max(float(each[np.abs(below) < quarter].sum()), float(t[middle] - t[middle - 1]))
 
 
 def are_stick_slip(starts, peaks, troughs, halves):
