@@ -19,6 +19,15 @@ def stress_jumps(loads, row):
     return jumps
 
 
+def jumps(loads, row):
+    """(segments,) whether speed or normal stress jumps where each begins; not at t = 0."""
+    V, rate = loads.V[row], loads.rate[row]
+    found = stress_jumps(loads, row)
+    before = V[:-1] + rate[:-1] * np.diff(loads.t)
+    found[1:] |= ~np.isclose(V[1:], before, rtol=1e-9, atol=0.0)
+    return found
+
+
 def grid(loads, row, p):
     """Times [s] at which a run is shown by default: dense over 10 Dc of slip after breakpoints.
 
@@ -32,13 +41,11 @@ def grid(loads, row, p):
     that starts at rest: the 100 parts alone.  Before each jump of V also the last time that is
     still before it, so that the motion has both of its sides.
     """
-    starts, V, rate = loads.t, loads.V[row], loads.rate[row]
+    starts, V = loads.t, loads.V[row]
     t_end, period = p.t_end, getattr(p, "sigma_period", np.inf)
     breaks = np.append(starts[starts < t_end], t_end)
-    jump = ~np.isclose(V[1:], V[:-1] + rate[:-1] * np.diff(starts), rtol=1e-9, atol=0.0)
-    jump |= stress_jumps(loads, row)[1:]
-    jumps = starts[1:][jump & (starts[1:] < t_end)]
-    pieces = [np.zeros(1), np.nextafter(jumps, 0.0)]
+    before_jumps = np.nextafter(starts[jumps(loads, row) & (starts < t_end)], 0.0)
+    pieces = [np.zeros(1), before_jumps]
     if t_end / period > MOST:
         raise ParameterError(
             f"K = inf: {t_end:.6g} s are {t_end / period:.6g} periods of the normal stress, and "

@@ -7,6 +7,7 @@
 ``record``                      which records can be fitted sample by sample
 ``unknowns``                    parameters that may be free: coordinates, bounds, starts
 ``forward``                     friction of a slider, and its derivatives
+``rigid_machine``               K = inf, as the march has it
 ``problem``                     residuals, and where searches start
 ``noise``                       level and correlation of the noise, given or estimated
 ``generalized_least_squares``   the best fit, and whether its start is steady or free

@@ -14,11 +14,10 @@ from ...engine import dispatch
 from ...engine.model import FINISHED, RODAS5P, Cases
 from ...friction.composition import under_varying_stress
 from ...model.batch import Batch
+from .rigid_machine import after_jumps, stiffness
 from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 
 RTOL = 1e-8
-#: K Dc/(a sigma) of a machine that counts as rigid: friction follows within 1e-8 Dc of slip
-RIGID = 1e8
 #: of the march, 100 times what a well-fitting slider takes: one that vibrates is no candidate
 MAX_STEPS_OF_FIT = 1e5
 
@@ -33,7 +32,8 @@ class Forward:
         self.record, self.law, self.names = record, slider.friction_law, names
         of_motion = (*of_slider(self.law), "sigma", "alpha")
         self.fixed = {symbol: getattr(slider, symbol) for symbol in of_motion}
-        if np.isinf(slider.K) and "K" not in names:
+        self.rigid = np.isinf(slider.K) and "K" not in names
+        if self.rigid:
             self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
         loading = record.loading
@@ -124,9 +124,8 @@ class Forward:
             for i, name in enumerate(self.names):
                 moved = points[:, i]
                 values[name] = np.exp(moved) if parameter(name).is_log else moved
-        if np.isinf(self.fixed["K"]) and "K" not in self.names:
-            # the march has no rigid machine, but one that is practically rigid
-            values["K"] = RIGID * values["a"] * self.sigma / values["Dc"]
+        if self.rigid:
+            values["K"] = stiffness(values["a"], values["Dc"], self.sigma)
         return values
 
     def start(self, values, p):
@@ -159,11 +158,14 @@ class Forward:
     def _motion(self, values, p):
         """(n, m, 2 + states) x, v, psi at the samples."""
         a, Dc, K, M = (values[symbol] for symbol in ("a", "Dc", "K", "M"))
-        times, which, end = self.record.t[None], np.zeros(a.size, np.int64), self.record.t[-1]
+        times = self.record.t[None]
         if "lag" in self.names:
             # samples from before the start take the value at the start
-            times, which = self.record.t - values["lag"][:, None], np.arange(a.size)
-            end = np.maximum(times[:, -1], 1e-9 * end)
+            times = times - values["lag"][:, None]
+        if self.rigid:
+            times = after_jumps(times, self.loads, Dc)
+        which = np.arange(a.size) if len(times) > 1 else np.zeros(a.size, np.int64)
+        end = np.maximum(times[:, -1], 1e-9 * self.record.t[-1])
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             log_w, log_states = self.start(values, p)
             psi = self.law.variables(log_w, log_states, p)
@@ -178,7 +180,7 @@ class Forward:
                 scale=self.V0 / Dc,
                 V0=self.V0,
                 y=np.stack(np.broadcast_arrays(x, v, *psi), axis=1),
-                t_end=end,
+                t_end=np.broadcast_to(end, a.shape),
                 times=which,
                 rtol=RTOL,
                 v_limit=self.v_limit,

@@ -10,6 +10,8 @@ from ..score import FALL, gain_of
 
 #: K over normal stress [1/m] with which the effect of a spring is tried: of soft to stiff machines
 STIFFNESSES = (1e3, 1e4, 1e5)
+#: lags that are tried: the shortest over the time from sample to sample, the longest over all time
+SHORTEST, LONGEST = 0.5, 1.0 / 30.0
 #: eta of the mass with which the effect of inertia is tried
 LIGHT = 1e-3
 #: largest mass per area of the contact that a machine moves [kg/m^2]: that of 100 m of steel, which
@@ -25,26 +27,60 @@ def left_out(solution):
 
 
 def rigid(solution):
-    """A warning (iterator of str) if a spring, where K = inf was given, would lower chi-square."""
-    problem, slider = solution.problem, solution.problem.slider
-    if np.isfinite(slider.K):
+    """A warning (iterator of str) of what, where K = inf was given, would lower chi-square.
+
+    Where a spring does, both it and the load point are named: seen from the fit of a rigid machine,
+    which is far off, a load point that moves later or more gradually explains as much.
+    """
+    if np.isfinite(solution.problem.slider.K):
         return
-    gains = [0.0]
+    gain = max(_gains_of_springs(solution))
+    if gain > FALL:
+        yield SENTENCES("rigid.sprung", gain=gain)
+    elif "lag" not in solution.unknowns.names:
+        # (a short record may be too short for any lag)
+        gain, lag = max(_gains_of_lags(solution), default=(0.0, 0.0))
+        if gain > FALL:
+            side = "later" if lag > 0.0 else "earlier"
+            yield SENTENCES("rigid.lag", lag=abs(lag), side=side, gain=gain)
+
+
+def _gains_of_springs(solution):
+    """Falls of chi-square by springs (iterator of float)."""
+    problem, slider = solution.problem, solution.problem.slider
     for stiffness in STIFFNESSES:
         sprung = slider.replace(K=stiffness * slider.sigma, M=0.0)
         forward = Forward(problem.record, sprung, solution.unknowns.names)
-        friction = forward.friction(solution.point[None])[0]
-        if np.isfinite(friction).all():  # else it is too soft to slide through the record
-            gain, (part,) = gain_of(solution, (friction - solution.fitted_friction)[:, None])
-            gains += [gain] if part > 0.0 else []
-    if max(gains) > FALL:
-        yield SENTENCES("more.stiffness", gain=max(gains))
+        yield _gain(solution, forward.friction(solution.point[None])[0])
+
+
+def _gains_of_lags(solution):
+    """Falls of chi-square by lags, and these [s] (iterator of pairs).
+
+    Friction of a rigid machine jumps, and has no derivative by the lag: some are tried.
+    """
+    record = solution.problem.record
+    octaves = np.arange(0.0, np.log2(LONGEST * record.t[-1] / (SHORTEST * record.spacing)), 0.5)
+    lags = SHORTEST * record.spacing * 2.0**octaves
+    lags = np.concatenate([lags, -lags])
+    forward = Forward(record, solution.problem.slider, (*solution.unknowns.names, "lag"))
+    points = np.column_stack([np.tile(solution.point, (lags.size, 1)), lags])
+    for lag, friction in zip(lags, forward.friction(points), strict=True):
+        yield _gain(solution, friction), float(lag)
+
+
+def _gain(solution, friction):
+    """Fall of chi-square by some of a change to this friction; 0 if it is NaN, or by less of it."""
+    if not np.isfinite(friction).all():  # a spring too soft to slide through the record
+        return 0.0
+    gain, (part,) = gain_of(solution, (friction - solution.fitted_friction)[:, None])
+    return gain if part > 0.0 else 0.0
 
 
 def _later_or_earlier(solution):
     """A warning if a lag would lower chi-square by more than chance does."""
     problem, names = solution.problem, solution.unknowns.names
-    if "lag" in names:
+    if "lag" in names or not np.isfinite(problem.slider.K):  # `rigid` has tried it
         return
     forward = Forward(problem.record, problem.slider, (*names, "lag"))
     step = forward.steps["lag"]

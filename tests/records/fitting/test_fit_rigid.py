@@ -1,0 +1,77 @@
+"""Fits with K = inf: the friction of a machine that is rigid, or is taken for it."""
+
+import warnings
+
+import numpy as np
+import pytest
+from synthetic_records import record
+
+import ratestate as rs
+
+RIGID = rs.SpringSlider(a=0.008, b=0.010, Dc=1e-5, sigma=1e7, V0=1e-6, K=np.inf, law="slip")
+T = np.arange(600) * 0.3
+
+
+@pytest.mark.parametrize("law", ["slip", "aging"])
+@pytest.mark.parametrize("speeds", [(1e-6, 5e-6, 2e-6), (5e-6, 1e-6, 1e-5)], ids=["up", "down"])
+def test_a_sample_at_the_time_of_a_step_is_that_after_it(law, speeds):
+    """As `simulate` has it; the steps are at samples, 200 and 400."""
+    loading = rs.Loading.steps(speeds[0], (T[200], speeds[1]), (T[400], speeds[2]))
+    data = record(RIGID, loading, T, noise=1e-5, law=law).drop_vars("delta_lp")
+    rigid = RIGID.replace(law=law)
+    result = rs.fit(data, rigid, free=("a", "b", "Dc"), loading=loading, errors="covariance")
+    off = result.friction_fit - data.friction
+    assert np.abs(off).max() < 5e-5
+    for name in ("a", "b", "Dc"):
+        error = float(result.standard_error.sel(parameter=name))
+        assert 0.0 < error < 0.01 * getattr(RIGID, name)
+        assert abs(float(result[name]) - getattr(RIGID, name)) < 4.0 * error
+
+
+def warned(data, loading):
+    """What a fit with K = inf under this loading warns of."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        rs.fit(data, RIGID, free=("a", "b", "Dc"), loading=loading, errors="covariance")
+    return " ".join(str(warning.message) for warning in caught)
+
+
+def moved(lag=0.0, takes=0.0, K=np.inf, seed=0, last=5e-6):
+    """A record of a load point that moves later, or takes a time to reach its speed.
+
+    The loading that is returned is that without either.
+    """
+    t = np.arange(3000) * 0.1
+    loading = rs.Loading.steps(1e-6, (60.04, 5e-6), (180.04, last))
+    truth = rs.Loading.steps(1e-6, (60.04 + lag, 5e-6), (180.04 + lag, last))
+    if takes:
+        truth = rs.Loading.constant(1e-6).ramp(60.04, 5e-6, takes)
+    data = record(RIGID.replace(K=K), truth, t, noise=2e-4, seed=seed).drop_vars("delta_lp")
+    return data, loading
+
+
+@pytest.mark.parametrize(
+    "cause", [{"K": 1e11}, {"K": 3e11}, {"lag": 0.3}, {"takes": 0.5}], ids=lambda cause: str(cause)
+)
+def test_a_spring_and_a_load_point_that_moves_later_are_both_named(cause):
+    text = warned(*moved(**cause))
+    assert "a spring, or a load point that moves later or more gradually than recorded" in text
+    assert "or look at the clock" in text
+
+
+@pytest.mark.parametrize(
+    ("lag", "last", "side"), [(1.0, 1e-6, "later"), (-0.3, 5e-6, "earlier")], ids=str
+)
+def test_a_lag_that_no_spring_explains_is_named_alone(lag, last, side):
+    text = warned(*moved(lag=lag, last=last))
+    assert "a spring" not in text
+    named = text.split("a load point that moves about ")[1].split(f" {side} than recorded")[0]
+    number, unit = named.split()
+    assert 0.7 < float(number) * {"s": 1.0, "ms": 1e-3}[unit] / abs(lag) < 1.4
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_rigid_machine_has_neither(seed):
+    text = warned(*moved(seed=seed))
+    assert "a spring" not in text
+    assert "load point that moves" not in text
