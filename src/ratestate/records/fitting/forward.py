@@ -10,10 +10,9 @@ import numpy as np
 
 from ...dynamics.simulation.cases import V_LIMIT
 from ...dynamics.simulation.loads import engine_loads
-from ...engine import dispatch
-from ...engine.model import FINISHED, RODAS5P, Cases
 from ...friction.composition import under_varying_stress
 from ...model.batch import Batch
+from .march import cases_of, marched
 from .rigid_machine import after_jumps, stiffness
 from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 
@@ -187,24 +186,6 @@ class Forward:
                 max_steps=MAX_STEPS_OF_FIT,
             )
         return marched(self.moving_law, cases, self.loads, times, alone=a.size == 1)
-
-
-def cases_of(*, kappa, **columns):
-    """`Cases` of n sliders under one loading; a column may be one value for all of them."""
-    columns = {"dt": 0.0, "loading": 0, "observe": 0.0, "sigma": 1.0, "kappa": kappa} | columns
-    each = {k: np.full(kappa.size, v) if np.ndim(v) == 0 else v for k, v in columns.items()}
-    return Cases(**each)
-
-
-def marched(law, cases, loads, times, *, alone=False):
-    """(n, m, 2 + states) x, v, psi (engine/model.py) of the cases at these times.
-
-    NaN where a run fails.
-    """
-    which = np.arange(cases.kappa.size)
-    results = dispatch.run_march(RODAS5P, law, cases, loads, times, which, alone)
-    results.saved[results.status != FINISHED] = np.nan
-    return results.saved
 
 
 def _step(name, record, size):
