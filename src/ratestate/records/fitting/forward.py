@@ -179,7 +179,7 @@ class Forward:
                 scale=self.V0 / Dc,
                 V0=self.V0,
                 y=np.stack(np.broadcast_arrays(x, v, *psi), axis=1),
-                t_end=np.broadcast_to(end, a.shape),
+                t_end=np.full(a.size, end),
                 times=which,
                 rtol=RTOL,
                 v_limit=self.v_limit,
