@@ -139,9 +139,8 @@ def test_a_search_near_the_noise_finds_it_again():
     found = estimated_noise(T, residual, JACOBIAN)
     again = estimated_noise(T, residual, JACOBIAN, near=found)
     assert found.red > 0.0
-    np.testing.assert_allclose(
-        again, found, rtol=0.05
-    )  # (the search ends within 0.05 in a logarithm)
+    # (the search ends within 0.05 in a logarithm)
+    np.testing.assert_allclose(again, found, rtol=0.05)
     # where noise is wholly correlated there is no finite place to begin
     assert estimated_noise(T, residual, JACOBIAN, near=Noise(0.0, 1.0, 0.5)).red > 0.0
 
