@@ -104,7 +104,7 @@ def test_clocks_that_begin_anew(tmp_path, whole, first):
     with pytest.warns(RecordWarning, match=r"times of b.txt begin anew: 12.5 s are added"):
         data = rs.read_lab([a, b])
     same(data.assign_coords(time=data.time - first, segment_t=data.segment_t - first), whole)
-    with pytest.raises(rs.ParameterError, match="join='restart' .*if the clock"):
+    with pytest.raises(rs.ParameterError, match=r"join='restart' .*if the clock"):
         rs.read_lab([a, b], join="absolute")
 
 
