@@ -7,14 +7,18 @@
 ``record``                      which records can be fitted sample by sample
 ``unknowns``                    parameters that may be free: coordinates, bounds, starts
 ``forward``                     friction of a slider, and its derivatives
+``march``                       motions of many sliders at the samples, by the engine
 ``rigid_machine``               K = inf, as the march has it
 ``problem``                     residuals, and where searches start
 ``noise``                       level and correlation of the noise, given or estimated
+``estimated_noise``             these from residuals, by their ``restricted_likelihood``
+``levenberg_marquardt``         the search: least squares within bounds
 ``generalized_least_squares``   the best fit, and whether its start is steady or free
 ``score``                       whether one more parameter would fit better, without a search
 ``estimates``                   errors, intervals and correlation from a covariance; what is open
 ``likelihood``                  intervals that are not Gaussian: profiles, posterior
 ``diagnostics``                 warnings, identifiability, comparison of the laws
+``steps``                       every step and hold of an experiment, and one set for all
 ``cycles``                      the fit of stick-slip or vibration by features of its cycles
 ``result``                      the Dataset of a fit
 ``by_law``                      the way back: estimates and `slider_of` from such a Dataset

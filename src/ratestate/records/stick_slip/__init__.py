@@ -4,6 +4,7 @@
 ``events``                      the function `events`
 ``catalogue``                   in which order all below is done; status, message, recurrence
 ``series``                      shear stress and load point of a record or a run, checked
+``outliers``                    samples that stand out by themselves, and are no events
 ``detection``                   which falls of the stress are events, and where they roughly are
 ``significance``                whether they are more than noise that wanders
 ``noise``                       the noise in the loading, white or correlated

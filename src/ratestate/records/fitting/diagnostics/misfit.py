@@ -36,7 +36,7 @@ def is_misfit(inference):
 def misfit_warnings(solution, name, D):
     """Warnings on residuals that are as `is_misfit` says, or last about as long as a transient.
 
-    name, D : the longest distance over which a state evolves, and its symbol
+    name, D : symbol of the longest distance over which a state evolves, and this
     """
     if (ratio := _over_given(solution)) >= CONTRADICTED:
         yield SENTENCES("residuals.above_noise", ratio=ratio)
