@@ -94,14 +94,14 @@ def simulations(law):
     """With saved times; and, as `end_V`, without any, by `Results` of this shape."""
     slider, loading, t_end = arguments(law)
     times = t_end * xr.DataArray([0.0, 0.3, 0.9, 1.0], dims="time")
-    run = rs.simulate(slider, loading, t_end, times=times, rtol=RTOL)
+    run = rs.simulate(slider, loading, t_end, times=times, rtol=RTOL, method="rodas5p")
     few = slider.replace(**{k: slider.parameters[k][:3] for k in ("a", "b", "K", "M")})
     results, march = [], dispatch.run_march
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             dispatch, "run_march", lambda *given: results.append(march(*given)) or results[0]
         )
-        end = rs.simulate(few, loading, 5e-4, rtol=RTOL)
+        end = rs.simulate(few, loading, 5e-4, rtol=RTOL, method="rodas5p")
     out = {name: run[name].values for name in SIMULATED} | {"end_V": end.V.values}
     return out | {"shape": np.array(results[0].saved.shape)}
 

@@ -8,12 +8,15 @@
 ``pipeline``                          numba's compiler, for what compiled code alone calls
 ``vectorisation``                     whether their loops over lanes are SIMD code
 ``law_methods``                       laws as types inside compiled code
-``march``                             a run from start to end: segments, saved times, events
+``march``, ``saving``                 a run from start to end: segments, saved times, events
 ``return_map``                        from one point of the section V = V_lp to the next
 ``lanes``, ``return_lanes``, ``rows`` loops over sliders side by side; the layout of their buffer
 ``lane_case``                         which case a lane takes, its first step, when to give up
 ``equations``                         the equations at one point: speed, force, power
 ``rodas5p``, ``tableau``, ``tangent`` a step, its coefficients, its derivative
+``taylor``                            a step of the Taylor method where nothing is stiff
+``series``, ``recurrences``           its coefficients, written as code from a law's own formulas
+``taylor_lanes``, ``lane_sets``       loops of such steps; sliders that change their method
 ``drift``                             what a step takes from equations that change in time
 ``reversing``                         the derivative where slip may reverse
 ``tuples``                            arithmetic on states of any number of variables

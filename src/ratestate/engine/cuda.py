@@ -121,7 +121,9 @@ def _launch(kernel, size, order, given, results, progress):
         warnings.filterwarnings("ignore", "Grid size")  # a small batch makes a small grid
         launch = kernel[blocks, BLOCK]
     position, there = np.zeros(2, np.int64), _to_device(results)
-    buffers = cuda.to_device(np.full((rows, size), IDLE))
+    columns = np.full((rows, size), IDLE)
+    columns[:, R.HOME : R.HOME + R.LANES] = np.arange(R.LANES)
+    buffers = cuda.to_device(columns)
     queue, counts = _to_device(order), cuda.to_device(position)
     rest = (*map(_to_device, given), there)
     budget = LEAST_BUDGET

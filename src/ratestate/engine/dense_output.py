@@ -1,21 +1,72 @@
 """The dense output of a step: polynomials in the fraction s of the step.
 
-A polynomial is a tuple of 5 coefficients, the constant first.
+A polynomial is a tuple of coefficients, the constant first: 5 of a step of Rodas5P.
 """
 
-from .jit import inner, recursive
+from . import rows as R
+from .jit import inlined, inner, recursive
 from .rows import rows_of
-from .tuples import read_rows
+from .tuples import load_each, read_rows
 
 
 @inner
 def components(s, l, law):
     """The polynomials of x, v and each psi over the lane's step, a tuple."""
+    return by_kind(rows_of(law).c, s, l, components_of_rodas(s, l, law))
+
+
+@inner
+def components_of_rodas(s, l, law):
+    """`components`, of a step of Rodas5P."""
     rows = rows_of(law)
     y, y_new = read_rows(s, rows.y, l), read_rows(s, rows.y_new, l)
     return coefficients(
         y, y_new, read_rows(s, rows.y_1, l), read_rows(s, rows.y_2, l), read_rows(s, rows.y_3, l)
     )
+
+
+@recursive
+def by_kind(rows, s, l, by_rodas):
+    """The polynomials, of as high a degree for both kinds of steps."""
+    if len(rows) == 0:
+        return by_rodas
+    if s[R.TAYLOR + l] > 0.0:
+        return scaled_each(load_each(s, rows, l), s[R.H_USED + l])
+    return padded_each(by_rodas, rows)
+
+
+@recursive
+def scaled_each(c, h):
+    """Polynomials in the fraction of a step h, of those in T."""
+    if len(c) == 0:
+        return ()
+    return scaled(c[0], h, 1.0), *scaled_each(c[1:], h)
+
+
+@recursive
+def scaled(c, h, power):
+    """c_k h**k for each k; power : of h, of the first."""
+    if len(c) == 0:
+        return ()
+    return c[0] * power, *scaled(c[1:], h, power * h)
+
+
+@recursive
+def padded_each(c, rows):
+    """`padded`, of each."""
+    if len(c) == 0:
+        return ()
+    return padded(c[0], rows[0]), *padded_each(c[1:], rows[1:])
+
+
+@recursive
+def padded(c, rows):
+    """c, and zeros, as many numbers as rows."""
+    if len(rows) == 0:
+        return ()
+    if len(c) == 0:
+        return 0.0, *padded(c, rows[1:])
+    return c[0], *padded(c[1:], rows[1:])
 
 
 @recursive
@@ -46,16 +97,34 @@ def derivatives(c, s):
     return derivative(c[0], s), *derivatives(c[1:], s)
 
 
-@inner
+@recursive
 def polynomial(c, s):
     """The value of polynomial c at s."""
-    return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
+    if len(c) == 1:
+        return c[0]
+    return c[0] + s * polynomial(c[1:], s)
 
 
-@inner
+@inlined
 def derivative(c, s):
     """The derivative of polynomial c with respect to s, at s."""
-    return c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * 4.0 * c[4]))
+    return slope_from(c[1:], s, 1.0)
+
+
+@recursive
+def slope_from(c, s, k):
+    """The derivative over s**(k - 1), of the terms from degree k on."""
+    if len(c) == 1:
+        return k * c[0]
+    return k * c[0] + s * slope_from(c[1:], s, k + 1.0)
+
+
+@recursive
+def curvature_from(c, s, k):
+    """The second derivative over s**(k - 2), of the terms from degree k on."""
+    if len(c) == 1:
+        return k * (k - 1.0) * c[0]
+    return k * (k - 1.0) * c[0] + s * curvature_from(c[1:], s, k + 1.0)
 
 
 @inner
@@ -76,7 +145,7 @@ def extreme(c):
             low = s
         else:
             high = s
-        curvature = 2.0 * c[2] + s * (6.0 * c[3] + s * 12.0 * c[4])
+        curvature = curvature_from(c[2:], s, 2.0)
         step = d / curvature if curvature != 0.0 else 2.0
         new = s - step
         if not low < new < high:

@@ -10,6 +10,7 @@ from . import backend
 from . import rows as R
 from .compilation import announce, call, law_among
 from .lane_case import IDLE
+from .lane_sets import SETS
 from .march import march, march_im2017
 from .model import NUMBERS, RODAS5P, STEP_LIMIT, empty_results
 from .return_map import empty_return_results, march_to_section
@@ -28,7 +29,7 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
     `backend.Stopped` where the backend stops it; `CompilationError`, and on "cuda" what
     `cuda.run_march` raises.  The arguments are not checked.
 
-    cases, loads : Cases, Loads (model.py); method : its code; law : of `friction.laws.LAWS`
+    cases, loads : Cases, Loads (model.py); method : of `METHODS`; law : of `friction.laws.LAWS`
     save_times : (rows, n_times) [s], increasing
     order : (m,) numbers of the cases to run, most costly first
     alone : bool, whether this is the only case of the call (which may take the scalar path)
@@ -41,17 +42,17 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
     results = empty_results(cases.y, save_times.shape[1])
     fixed = (cases, loads, save_times, results, np.empty((0, 1 + cases.y.shape[1])))
 
-    def worker(queue):
-        size = R.rows_of(law).march_size
-        return _Worker(_march(method), size, (method, law, alone), queue, fixed)
-
-    _share(order, worker, progress)
+    _share(order, lambda queue: _marcher(method, law, alone, queue, fixed), progress)
     return results
 
 
-def _march(method):
-    """The kernel that marches by this method."""
-    return march if method is RODAS5P else march_im2017
+def _marcher(method, law, alone, queue, fixed):
+    """The `_Worker` of a queue of cases that are marched by this method."""
+    rows = R.rows_of(law)
+    taylor = method.taylor and len(rows.c) > 0
+    kernel = march if method.code is RODAS5P else march_im2017
+    sets = SETS if taylor else 1
+    return _Worker(kernel, rows.march_size, sets, (method.code, law, alone, taylor), queue, fixed)
 
 
 def run_returns(law, starts, alone):
@@ -67,7 +68,7 @@ def run_returns(law, starts, alone):
 
     def worker(queue):
         size = R.rows_of(law).return_size
-        return _Worker(march_to_section, size, (law, alone), queue, (starts, results))
+        return _Worker(march_to_section, size, 1, (law, alone), queue, (starts, results))
 
     _share(np.arange(len(starts.y)), worker)
     return results
@@ -119,8 +120,7 @@ def run_path(method, law, cases, loads, progress=None):
     results = empty_results(cases.y, 0)
     buffer = np.empty((PATH_ROWS, 1 + cases.y.shape[1]))
     fixed = (cases, loads, np.empty((1, 0)), results, buffer)
-    size = R.rows_of(law).march_size
-    worker = _Worker(_march(method), size, (method, law, True), np.zeros(1, np.int64), fixed)
+    worker = _marcher(method, law, True, np.zeros(1, np.int64), fixed)
     pieces = [np.array([[0.0, *cases.y[0]]])]
     done = False
     rows = 0
@@ -137,12 +137,14 @@ def run_path(method, law, cases, loads, progress=None):
 
 
 class _Worker:
-    """One set of lanes, its queue, and the kernel that works it off."""
+    """Sets of lanes, of a size each, their queue, and the kernel that works it off."""
 
-    def __init__(self, kernel, size, codes, queue, fixed):
+    def __init__(self, kernel, size, sets, codes, queue, fixed):
         announce(kernel, law_among(codes))
-        self.s = np.zeros(size)
-        self.s[R.CASE : R.CASE + R.LANES] = IDLE
+        self.s = np.zeros(sets * size)
+        self.columns = np.add.outer(size * np.arange(sets), np.arange(R.LANES))
+        self.s[R.CASE + self.columns] = IDLE
+        self.s[R.HOME + self.columns] = self.columns
         self.position = np.zeros(3, np.int64)
         self.kernel, self.arguments = kernel, (*codes, self.s, queue, self.position, *fixed)
 
@@ -155,9 +157,9 @@ def _fraction(workers, n):
     """Cases done, and the parts of those under way, over all."""
     done = 0.0
     for worker in workers:
-        s, lanes = worker.s, slice(0, R.LANES)
-        busy = s[R.CASE :][lanes] != IDLE
-        with np.errstate(invalid="ignore"):
-            parts = s[R.T :][lanes] / s[R.T_END :][lanes]
+        s, columns = worker.s, worker.columns
+        busy = s[R.CASE + columns] != IDLE
+        with np.errstate(invalid="ignore", divide="ignore"):
+            parts = s[R.T + columns] / s[R.T_END + columns]
         done += worker.position[1] + np.nan_to_num(parts[busy]).sum()
     return min(1.0, done / n)

@@ -15,6 +15,8 @@ FORCE, SPEED, LEAD = (), (0.0,), (0.0, 0.0)
 # Parts of x, the stress S that opposes motion, the strength N and friction R: `force_and_slope`.
 INERTIAL_FORCE, FRICTION = (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
+# The last step of Newton's method, in fractions of a step: its square is below rounding.
+CONVERGED = 1e-9
 
 
 @inner
@@ -26,7 +28,8 @@ def crossing_of_v(c, w_lp, dw, log_w_lp):
     """
     low, high = 0.0, 1.0
     start = c[0] - (log_w_lp if dw == 0.0 else math.log(w_lp))
-    s = 0.5
+    end = polynomial(c, 1.0) - (log_w_lp if dw == 0.0 else math.log(w_lp + dw))
+    s = start / (start - end) if (start < 0.0) != (end < 0.0) else 0.5
     for _ in range(60):
         load = w_lp + dw * s
         value = polynomial(c, s) - (log_w_lp if dw == 0.0 else math.log(load))
@@ -38,7 +41,7 @@ def crossing_of_v(c, w_lp, dw, log_w_lp):
         new = s - value / slope if slope != 0.0 else 2.0
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - s) < 1e-14:
+        elif abs(new - s) < CONVERGED:
             return new
         s = new
     return s

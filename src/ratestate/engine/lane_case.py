@@ -15,9 +15,9 @@ IDLE = -1.0
 
 
 @inner
-def next_case(s, l, queue, position):
-    """Number of the case that the lane, if idle, takes from the queue; -1 if it takes none."""
-    if s[R.CASE + l] != IDLE or position[0] == queue.size:
+def next_case(queue, position):
+    """Number of the next case of the queue, which so is taken; -1 if there is none."""
+    if position[0] == queue.size:
         return -1
     position[0] += 1
     return queue[position[0] - 1]
@@ -25,8 +25,11 @@ def next_case(s, l, queue, position):
 
 @inner
 def fill(s, l, law, i, size, cases):
-    """Put what `Cases` and `Starts` have in common of case i into lane l; all else there is 0."""
-    for row in range(0, size, R.LANES):
+    """Put what `Cases` and `Starts` have in common of case i into lane l; all else there is 0.
+
+    size : of the buffer, up to the last row that the case may find in use
+    """
+    for row in range(R.HOME + R.LANES, size, R.LANES):
         s[row + l] = 0.0
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
     rows = rows_of(law)

@@ -10,15 +10,17 @@ import numpy as np
 
 from . import lanes as L
 from . import rows as R
-from .dense_output import components, polynomials
 from .events import handle_events
 from .im2017 import take_step as take_im2017_step
 from .jit import inner, kernel
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
+from .lane_sets import any_changes, change_sets, next_set, room
 from .model import FINISHED, RUNNING, Numbers
 from .normal_stress import enter_stress
 from .periodicity import last_period
 from .rows import rows_of
+from .saving import POINTS, await_save, keep, keep_inside, save
+from .taylor_lanes import advance
 from .tuples import read_rows, write
 
 
@@ -60,7 +62,7 @@ def enter_segment(s, l, law, cases, loads):
 @inner
 def load(s, l, law, i, cases, loads, save_times, results):
     """Put case i into lane l at t = 0."""
-    fill(s, l, law, i, rows_of(law).march_size, cases)
+    fill(s, l, law, i, rows_of(law).highs, cases)
     s[R.ETA0 + l], s[R.TOLERANCE + l] = cases.eta0[i], cases.rtol[i]
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
@@ -69,31 +71,6 @@ def load(s, l, law, i, cases, loads, save_times, results):
     n, row = 0, cases.times[i]
     while n < save_times.shape[1] and save_times[row, n] <= 0.0:
         write(results.saved[i, n], 0, read_rows(s, rows_of(law).y, l))
-        n += 1
-    await_save(s, l, n, save_times, row, scale)
-
-
-@inner
-def await_save(s, l, n, save_times, row, scale):
-    """Let saved time n be the next one the lane waits for."""
-    s[R.SAVED + l] = n
-    s[R.SAVE_AT + l] = save_times[row, n] * scale if n < save_times.shape[1] else math.inf
-
-
-@inner
-def save(s, l, law, cases, save_times, saved):
-    """Write the state at each saved time inside the lane's accepted step."""
-    i = int(s[R.CASE + l])
-    row, scale = cases.times[i], cases.scale[i]
-    c = components(s, l, law)
-    h = s[R.H_USED + l]
-    n = int(s[R.SAVED + l])
-    while n < save_times.shape[1]:
-        at = ((save_times[row, n] * scale - s[R.T + l]) - s[R.T_LOW + l]) / h
-        if at > 1.0:
-            break
-        at = max(at, 0.0)
-        write(saved[i, n], 0, polynomials(c, at))
         n += 1
     await_save(s, l, n, save_times, row, scale)
 
@@ -154,66 +131,72 @@ def end_segment(s, l, law, cases, loads, save_times, saved):
     return jumps
 
 
-@inner
-def keep(s, law, path, position):
-    """Put T, x, v and psi of lane 0 at the end of a path."""
-    path[position[2], 0] = s[R.T] + s[R.T_LOW]
-    write(path[position[2]], 1, read_rows(s, rows_of(law).y, 0))
-    position[2] += 1
-
-
-def _march(method, law, alone, s, queue, position, cases, loads, save_times, results, path, budget):
+def _march(
+    method, law, alone, taylor, s, queue, position, cases, loads, save_times, results, path, budget
+):
     """March cases until the queue is empty (True), `path` is full or the budget is spent (False).
 
     method : a code (model.py); by its type the compiler leaves out Rodas5P, or all else
     law : of `friction.laws.LAWS`, for which this is compiled
-    alone : bool, whether to march in lane 0 only, by the scalar path
-    s : (march_size,) the lanes; CASE = IDLE in those that are free
+    alone : bool, whether to march in the first lane of a set only, by the scalar path
+    taylor : bool, whether steps that are not stiff are of the Taylor method, which the law allows
+    s : (sets * march_size,) the lanes, in `SETS` if `taylor` (lane_sets.py), else in one set;
+        CASE = IDLE in those that are free
     queue : (n,) case numbers, in the order in which to start them
     position : (3,) int64: next in queue; cases done; rows of `path` filled
-    path : (m, 1 + len(y)) T, x, v, psi after each step of lane 0, and after each jump; empty if not
-        wanted
+    path : (m, 1 + len(y)) T, x, v, psi after each step of the only slider, inside Taylor steps, and
+        after each jump; empty if not wanted
     budget : int, sweeps over the lanes
     """
-    width = 1 if alone else R.LANES
-    vacant = True
+    rows, width = rows_of(law), 1 if alone else R.LANES
+    capacity = 2 * width if taylor else width
+    first, n, lanes = 0, 0, s[: rows.march_size]
+    vacant = regroup = True
     for _ in range(budget):
         if vacant:
-            active = 0
-            for l in range(width):
-                i = next_case(s, l, queue, position)
-                if i >= 0:
-                    load(s, l, law, i, cases, loads, save_times, results)
-                    s[R.EVERY_STEP + l] = 1.0 if path.size > 0 else 0.0
-                active += s[R.CASE + l] != IDLE
-            if active == 0:
-                return True
+            while position[0] - position[1] < capacity:
+                i = next_case(queue, position)
+                if i < 0:
+                    break
+                l = room(s, law, 0.0, width)
+                load(s, l, law, i, cases, loads, save_times, results)
+                s[R.EVERY_STEP + l] = 1.0 if path.size > 0 else 0.0
             vacant = False
+        if regroup:
+            first, n = next_set(s, law, width, taylor)
+            if n == 0:
+                return True
+            lanes, regroup = s[first : first + rows.march_size], False
         if method is None:
-            L.advance(s, law, width)
+            advance(rows.c, lanes, law, n, first > 0)
         else:
-            for l in range(width):
+            for l in range(n):
                 if s[R.CASE + l] != IDLE:
                     take_im2017_step(s, l, law, method)
-        for l in range(width):
+        for l in range(first, first + n):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 handle_events(s, l, law)
                 if L.saves(s, l):
                     save(s, l, law, cases, save_times, results.saved)
-        L.commit(s, law, width)
-        if path.size > 0 and s[R.OK] > 0.0:
-            keep(s, law, path, position)
-        for l in range(width):
+        if path.size > 0 and first > 0:
+            keep_inside(s, first, law, path, position)
+        L.commit(lanes, law, n)
+        if path.size > 0 and s[R.OK + first] > 0.0:
+            keep(s, first, law, path, position)
+        for l in range(first, first + n):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 jumps = end_segment(s, l, law, cases, loads, save_times, results.saved)
                 if jumps and path.size > 0:
-                    keep(s, law, path, position)
+                    keep(s, l, law, path, position)
                 if s[R.STATUS + l] != RUNNING:
                     finish(s, l, law, cases, results)
                     position[1] += 1
-                    vacant = True
-        if path.size > 0 and position[2] + 2 > path.shape[0]:
-            return False  # (a step may need two rows)
+                    vacant = regroup = True
+        if taylor and (vacant or any_changes(lanes, n)):
+            change_sets(s, law, first, width)
+            regroup = True
+        if path.size > 0 and position[2] + POINTS + 1 > path.shape[0]:
+            return False  # (a step needs as many rows, and a jump one more)
     return False
 
 

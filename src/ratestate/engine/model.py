@@ -54,10 +54,12 @@ class Method(NamedTuple):
     needs_dt: bool = False  # it does not choose its steps itself
     needs_mass: bool = False  # and a spring: it steps by sqrt(K/M)
     needs_law: str = ""  # a method of the law's
+    taylor: bool = False  # steps that are not stiff may be of the Taylor method
 
 
 #: name of a method -> what it is
 METHODS = {
+    "auto": Method(RODAS5P, taylor=True),
     "rodas5p": Method(RODAS5P),
     "im2017": Method(IM2017, needs_dt=True, needs_mass=True, needs_law="held"),
     "im2017_euler": Method(IM2017_EULER, needs_dt=True, needs_mass=True, needs_law="held_by_euler"),

@@ -22,7 +22,7 @@ def close_cycle(s, l, law, here, x_high):
     """Record the cycle that ends at this upward crossing; `here` is the time since s[T]."""
     if s[R.CROSS_LOW + l] < math.inf:
         rows = rows_of(law)
-        at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + l
+        at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + int(s[R.HOME + l])
         s[rows.highs + at], s[rows.lows + at] = x_high, s[R.X_LOW + l]
         s[rows.spans + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
         s[R.CYCLES + l] += 1.0
@@ -30,11 +30,14 @@ def close_cycle(s, l, law, here, x_high):
 
 
 @inner
-def change(s, l, rows, cycles, p):
-    """Largest change of a maximum or minimum of x, from the p returns before to the last p."""
+def change(s, home, rows, cycles, p):
+    """Largest change of a maximum or minimum of x, from the p returns before to the last p.
+
+    home : the column where they are kept
+    """
     most = 0.0
     for k in range(cycles - p, cycles):
-        now, before = (k % R.RING) * R.LANES + l, ((k - p) % R.RING) * R.LANES + l
+        now, before = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
         most = max(most, abs(s[rows.highs + now] - s[rows.highs + before]))
         most = max(most, abs(s[rows.lows + now] - s[rows.lows + before]))
     return most
@@ -48,35 +51,35 @@ def last_period(s, l, law):
     irregular there is no period: 0 returns, the amplitude of the later half of those that are
     known, and how long one of them takes.  Before the first return 0.0, inf and 0.
     """
-    rows, cycles = rows_of(law), int(s[R.CYCLES + l])
+    rows, cycles, home = rows_of(law), int(s[R.CYCLES + l]), int(s[R.HOME + l])
     if cycles == 0:
         return 0.0, math.inf, 0
     known = min(cycles, R.RING)
-    last = ((cycles - 1) % R.RING) * R.LANES + l
+    last = ((cycles - 1) % R.RING) * R.LANES + home
     visible = VISIBLE * (s[rows.highs + last] - s[rows.lows + last])
-    returns, left = 1, change(s, l, rows, cycles, 1) if cycles > 1 else 0.0
+    returns, left = 1, change(s, home, rows, cycles, 1) if cycles > 1 else 0.0
     for p in range(2, known // 2 + 1):
         if left > visible:
-            by_p = change(s, l, rows, cycles, p)
+            by_p = change(s, home, rows, cycles, p)
             if by_p < REPEATS * left:
                 returns, left = p, by_p
-    irregular = left > visible and is_irregular(s, l, rows, cycles, visible)
+    irregular = left > visible and is_irregular(s, home, rows, cycles, visible)
     over = known // 2 if irregular else returns
     high, low, span = -math.inf, math.inf, 0.0
     for k in range(cycles - over, cycles):
-        at = (k % R.RING) * R.LANES + l
+        at = (k % R.RING) * R.LANES + home
         high, low = max(high, s[rows.highs + at]), min(low, s[rows.lows + at])
         span += s[rows.spans + at]
     return high - low, span / over if irregular else span, 0 if irregular else returns
 
 
 @inner
-def is_irregular(s, l, rows, cycles, visible):
+def is_irregular(s, home, rows, cycles, visible):
     """Whether stress maxima go up and down visibly, and lately not much less than before."""
     count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
     known = min(cycles, R.RING)
     for k in range(cycles - known + 1, cycles):
-        now, last = (k % R.RING) * R.LANES + l, ((k - 1) % R.RING) * R.LANES + l
+        now, last = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
         rise = s[rows.highs + now] - s[rows.highs + last]
         if abs(rise) > visible:
             count += rise * rise_before < 0.0

@@ -10,30 +10,16 @@ from .tuples import (
     dot,
     dot_onto,
     largest,
+    load_each,
     minus_dot,
     plus,
     read_rows,
     select,
     size_of,
+    store_each,
     times,
     write_rows,
 )
-
-
-@recursive
-def load_each(s, rows, l):
-    """What stands in these tuples of rows of lane l."""
-    if len(rows) == 0:
-        return ()
-    return read_rows(s, rows[0], l), *load_each(s, rows[1:], l)
-
-
-@recursive
-def store_each(s, rows, l, values):
-    """Put tuples into these tuples of rows of lane l."""
-    if len(rows) > 0:
-        write_rows(s, rows[0], l, values[0])
-        store_each(s, rows[1:], l, values[1:])
 
 
 @recursive

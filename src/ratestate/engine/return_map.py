@@ -166,9 +166,10 @@ def march_to_section(law, alone, s, queue, position, starts, results, budget):
         if vacant:
             active = 0
             for l in range(width):
-                i = next_case(s, l, queue, position)
-                if i >= 0:
-                    load(s, l, law, i, starts)
+                if s[R.CASE + l] == IDLE:
+                    i = next_case(queue, position)
+                    if i >= 0:
+                        load(s, l, law, i, starts)
                 active += s[R.CASE + l] != IDLE
             if active == 0:
                 return True

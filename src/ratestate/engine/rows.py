@@ -10,12 +10,15 @@ import functools
 import itertools
 from typing import NamedTuple
 
+from .recurrences import ORDER, has_recurrences
+
 LANES = 16
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-COMMON_ROWS = 71
+COMMON_ROWS = 75
 
 # fmt: off
 (
+    HOME,                                   # a column that keeps returns (`highs`): each has one
     X, V, W,                                # stress, ln w, w
     KAPPA, ETA0,                            # parameters (model.py)
     W_LP, RAMP, LOG_W_LP,                   # load point: speed, its rate, ln of a constant speed
@@ -28,6 +31,8 @@ COMMON_ROWS = 71
     D_LOAD, D_FRICTION,                     # its works
     ERROR, H_USED, H_NEXT, MEMORY_NEW,      # for step control
     OK, CALL, BAD, BREAK,                   # 1 if accepted; eventful; not finite; at a break
+    TAYLOR, CHANGES,                        # 1 where steps are Taylor's; where the next is of the
+    LIMITED,                                # other method; steps in a row cut short to be stable
     LOAD_WORK, DISSIPATION,                 # accumulated works
     STEPS, REJECTED, FAILURES,              # counts; rejections in a row
     V_HIGH, V_LOW, G_HIGH,                  # extremes of ln w and |g|
@@ -63,7 +68,9 @@ class LawRows(NamedTuple):
     y_2: tuple
     y_3: tuple
     steady: tuple  # y of steady sliding, from which STEADY is measured
-    # of a march: of each return, in turn, its stress maximum, the minimum before, how long it took
+    c: tuple  # dense output of a Taylor step, a tuple for each of y; () without recurrences
+    # of a march: of each return, in turn, its stress maximum, the minimum before, how long it took;
+    # these stay in the column HOME where the rest moves to another (lane_sets.py)
     highs: int
     lows: int
     spans: int
@@ -74,6 +81,7 @@ class LawRows(NamedTuple):
     x_low: tuple  # what each makes of the stress minimum,
     v_high: tuple  # and of the extremes of v
     v_low: tuple
+    kept: int  # where those begin that hold nothing between steps
     march_size: int  # of the buffers
     return_size: int
 
@@ -91,15 +99,19 @@ def rows_of(law):
     history = law.history(p)
     psi, psi_new, psi_1, psi_2, psi_3 = (take(n) for _ in range(5))
     steady = take(2 + n)
+    kept = next(place)
+    place = itertools.count(kept, LANES)
+    c = tuple(take(ORDER + 1) for _ in range(2 + n)) if has_recurrences(law) else ()
     start, ring = next(place), RING * LANES
     place = itertools.count(start, LANES)
     z, z_new = (tuple(take(2 + n) for _ in range(n + 1)) for _ in range(2))
     early, x_low, v_high, v_low = (take(n + 1) for _ in range(4))
     return LawRows(
         *(p, history, e, e_new, (X, V, *psi), (X_NEW, V_NEW, *psi_new)),
-        *((X_1, V_1, *psi_1), (X_2, V_2, *psi_2), (X_3, V_3, *psi_3), steady),
+        *((X_1, V_1, *psi_1), (X_2, V_2, *psi_2), (X_3, V_3, *psi_3), steady, c),
         *(start, start + ring, start + 2 * ring),
         *(z, z_new, early, x_low, v_high, v_low),
+        kept=kept,
         march_size=start + 3 * ring,
         return_size=next(place),
     )

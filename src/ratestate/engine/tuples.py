@@ -131,6 +131,22 @@ def write_rows(s, rows, l, values):
         write_rows(s, rows[1:], l, values[1:])
 
 
+@recursive
+def load_each(s, rows, l):
+    """What stands in these tuples of rows of lane l."""
+    if len(rows) == 0:
+        return ()
+    return read_rows(s, rows[0], l), *load_each(s, rows[1:], l)
+
+
+@recursive
+def store_each(s, rows, l, values):
+    """Put tuples into these tuples of rows of lane l."""
+    if len(rows) > 0:
+        write_rows(s, rows[0], l, values[0])
+        store_each(s, rows[1:], l, values[1:])
+
+
 @inner
 def load_rows(s, rows, l, values):
     """Put the numbers of an array into these rows of lane l."""

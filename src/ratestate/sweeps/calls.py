@@ -14,6 +14,7 @@ from ..dynamics.frequency_response import frequency_response, frequency_response
 from ..dynamics.simulation.simulate import simulate, simulate_call
 from ..dynamics.simulation.undisturbed import undisturbed_warning
 from ..dynamics.steady_sliding import stability, stability_call
+from ..engine.model import METHODS
 from ..errors import ParameterError
 from ..model.arrays import cut
 from ..model.initial_state import initial_state
@@ -100,5 +101,5 @@ def check_device(name, call, device):
         raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
     if device == "cuda" and name in IN_CLOSED_FORM:
         raise ParameterError(f"device = 'cuda': {name} is in closed form; leave device out")
-    if device == "cuda" and name == "simulate" and call.method != "rodas5p":
-        raise ParameterError(f"device = 'cuda' knows rodas5p only, not method = {call.method!r}")
+    if device == "cuda" and name == "simulate" and METHODS[call.method].needs_dt:
+        raise ParameterError(f"device = 'cuda' knows Rodas5P only, not method = {call.method!r}")

@@ -59,8 +59,9 @@ def run_cases(method, law, cases, loads, save_times, which, alone, progress=None
     law : of `LAWS`
     """
     order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
-    code = METHODS[method].code
-    return dispatch.run_march(code, law, cases, loads, save_times, order, alone, progress)
+    return dispatch.run_march(
+        METHODS[method], law, cases, loads, save_times, order, alone, progress
+    )
 
 
 def run_path(method, law, cases, loads, progress=None):
@@ -68,7 +69,7 @@ def run_path(method, law, cases, loads, progress=None):
 
     From t = 0 on; if the run fails, up to there, where its final state then is.
     """
-    path, results = dispatch.run_path(METHODS[method].code, law, cases, loads, progress)
+    path, results = dispatch.run_path(METHODS[method], law, cases, loads, progress)
     if results.status[0] != FINISHED:
         results.final[0] = path[-1, 1:]
     t = path[:, 0] / cases.scale[0]

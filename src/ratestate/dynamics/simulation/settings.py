@@ -59,7 +59,7 @@ def check_normal_stress(loading, slider, t_end, method):
     """
     if loading.normal_stress is None:
         return
-    if method != "rodas5p":
+    if METHODS[method].needs_dt:
         raise refusal("settings.normal_stress", method=method)
     if "sigma" in getattr(slider.sigma, "dims", ()):
         raise refusal("settings.sigma_axis")

@@ -46,7 +46,7 @@ def simulate(
     initial=None,
     times=None,
     rtol=1e-6,
-    method="rodas5p",
+    method="auto",
     dt=None,
 ):
     """March a slider, or a sweep of sliders, under a load-point history (eqs 1-4).
@@ -70,12 +70,15 @@ def simulate(
     times : array_like or DataArray, optional
         Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
         differ): 1-D, or a DataArray with the dimension ``time`` and those of the sweep.  By
-        default the solver's own steps for one slider, the final state for a sweep.
+        default the solver's own steps for one slider, with three times more inside those of Taylor
+        series, and the final state for a sweep.
     rtol : float
         Error allowed in a step, in tau/(a sigma), ln V and ln theta: 1e-13 to 0.1, by default
         1e-6.
-    method : {"rodas5p", "im2017", "im2017_euler"}
-        Rodas5P, adaptive; or the paper's own scheme (eqs 8, 9) with fixed steps dt, where the
+    method : {"auto", "rodas5p", "im2017", "im2017_euler"}
+        Adaptive: Taylor series of order 12 where the motion is not stiff and the law's formulas
+        are sums, products, quotients and exponentials of speed and state, and Rodas5P elsewhere;
+        or Rodas5P alone.  Or the paper's own scheme (eqs 8, 9) with fixed steps dt, where the
         state advances exactly for constant V or, "im2017_euler", by backward Euler; for laws that
         know it in closed form.
     dt : float or str, optional
@@ -173,7 +176,7 @@ class SimulateCall:
     initial: dict = dataclasses.field(default_factory=dict)  # as from `initial_values`
     times: Any = None
     rtol: float = 1e-6
-    method: str = "rodas5p"
+    method: str = "auto"
     dt: float | None = None
 
     @functools.cached_property

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...dynamics.simulation.cases import MAX_STEPS
 from ...dynamics.simulation.settings import check_normal_stress, saved_times, solver_settings
+from ...engine.model import METHODS
 from ...errors import ParameterError
 from ...model.batch import Batch
 from ...model.initial_state import initial_state, initial_values
@@ -38,7 +39,7 @@ def check_run(
     t_end, times, dt = (values.get(key) for key in ("t_end", "times", "dt"))
     check_rtol("simulate", values.get("rtol"), place("rtol"))
     if all(values.get(key, "") is not None for key in ("method", "dt")):
-        _check_method(slider, values.get("method", "rodas5p"), dt, place)
+        _check_method(slider, values.get("method", "auto"), dt, place)
         if dt and t_end is not None and (steps := float(np.max(t_end)) / dt) > MAX_STEPS:
             sizes = {"dt": dt, "steps": steps, "most": MAX_STEPS}
             place("dt").add("run.too_many_steps", **sizes, wanted=expected("dt"))
@@ -46,9 +47,9 @@ def check_run(
         place("t_end").noting(lambda: loading.covers(t_end), "t_end", expected("t_end"))
     stressed = loading is not None and loading.normal_stress is not None
     if stressed and slider is not None and t_end is not None:
-        method = values.get("method") or "rodas5p"
+        method = values.get("method") or "auto"
         check = functools.partial(check_normal_stress, loading, slider, t_end, method)
-        if method == "rodas5p":
+        if not METHODS[method].needs_dt:
             where = Place("[loading] sigma", place("K").problems)
             where.noting(check, "sigma", message("loading.stress_wanted"))
         else:

@@ -74,7 +74,7 @@ LIKE = {
     "friction": "'cut-off'",
     "law_file": "'mylaw.py'",
     "verb": "'limit_cycle'",
-    "method": "'rodas5p'",
+    "method": "'auto'",
     "initial": INITIAL_LIKE,
     "times": "[0.5, '1 s']",
     "steps": STEP.like,

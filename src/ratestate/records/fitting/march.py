@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...engine import dispatch
-from ...engine.model import FINISHED, RODAS5P, Cases
+from ...engine.model import FINISHED, METHODS, Cases
 
 
 def cases_of(*, kappa, **columns):
@@ -18,7 +18,7 @@ def marched(law, cases, loads, times, *, alone=False):
 
     NaN where a run fails.
     """
-    which = np.arange(cases.kappa.size)
-    results = dispatch.run_march(RODAS5P, law, cases, loads, times, which, alone)
+    method, which = METHODS["auto"], np.arange(cases.kappa.size)
+    results = dispatch.run_march(method, law, cases, loads, times, which, alone)
     results.saved[results.status != FINISHED] = np.nan
     return results.saved

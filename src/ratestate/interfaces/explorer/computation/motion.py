@@ -32,7 +32,7 @@ class Plan:
     def call(self, t_end=None, times=None):
         """The `SimulateCall`, up to t_end [s] or, by default, the whole run."""
         arguments: dict[str, Any] = dict.fromkeys(("V_start", "initial", "dt"))
-        arguments |= {"rtol": RTOL, "method": "rodas5p", "times": times} | self.settings
+        arguments |= {"rtol": RTOL, "method": "auto", "times": times} | self.settings
         if t_end is not None:
             arguments["t_end"] = t_end
         return simulate_call(self.slider, **arguments)

@@ -1,0 +1,41 @@
+"""The equations of motion under a law as recurrences of Taylor coefficients (series.py)."""
+
+import functools
+
+from .series import Graph, NotASeries, code
+
+#: order of the Taylor method: degree of its polynomials in time
+ORDER = 12
+
+
+def source(law):
+    """The body of `coefficients` under a law; NotASeries where it has no recurrences."""
+    graph = Graph()
+    x, v, *psi = unknowns = [graph.unknown(f"y[{i}]") for i in range(2 + len(law.states))]
+    p = tuple(graph.name(f"p[{i}]") for i in range(law.n_coefficients))
+    w, w_lp = graph.exp(v, "w"), graph.line("w_lp", "ramp")
+    response = graph.exp(-v, "1.0 / (eta0 * w)")  # of dv/dT to the inertial force
+    psi = tuple(psi)
+    if law.reverses or law.history(p):
+        raise NotASeries("slip that may reverse, or normal stress that varies")
+    exponents = law.own_exponents(v, w, psi, (), p)
+    e = tuple(graph.exp(one, f"e[{i}]") for i, one in enumerate(exponents))
+    stress = law.stress_in_v(v, w, psi, p)
+    rates = law.rates_in_v(v, w, psi, e, p)
+    derivatives = [graph.name("kappa") * (w_lp - w), (x - stress) * response, *rates]
+    integrands = [x * w_lp, stress * w]
+    lines, of_y, of_works = code(
+        graph, dict(zip(unknowns, map(graph.series, derivatives), strict=True)), integrands, ORDER
+    )
+    tuples = [", ".join(f"({', '.join(names)})" for names in group) for group in (of_y, of_works)]
+    return [*lines, f"return ({tuples[0]}), ({tuples[1]})"]
+
+
+@functools.cache
+def has_recurrences(law):
+    """Whether all that a law's equations hold has a rule."""
+    try:
+        source(law)
+    except (NotASeries, TypeError, AttributeError):
+        return False
+    return True

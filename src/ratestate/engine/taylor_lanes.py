@@ -1,0 +1,90 @@
+"""Lanes under a law with recurrences: steps of the Taylor method, and which method goes next.
+
+The Taylor method is the faster one where the motion is not stiff: where a step that is accurate is
+no longer than a few times eta0 w, in which inertia responds to a change of friction.  Each slider
+takes the steps that suit it.
+"""
+
+from . import lanes as L
+from . import rows as R
+from .equations import exponentials
+from .jit import inlined, inner, lanewise
+from .rows import rows_of
+from .step_control import step_size
+from .taylor import coefficients, ends, integrals, longest, powers
+from .tuples import read_rows, store_each, total, write_rows
+
+#: The longest step of the Taylor method over eta0 w: a step of order 12 is stable up to some 5.
+STABLE = 4.0
+#: Rodas5P goes on where accuracy alone would allow a step so many times longer, or where it would
+#: allow a longer one for more steps in a row,
+STIFF, PATIENCE = 3.0, 8.0
+#: and the Taylor method where the next step of Rodas5P, over eta0 w, is shorter than this.
+CALM = 2.0
+
+
+@inlined
+def try_step(s, l, law):
+    """Take one step of the lane by the Taylor method, and see whether the next is Rodas5P's."""
+    rows = rows_of(law)
+    y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
+    _, kappa, eta0, p = L.system_of(s, l, law)
+    load_point = s[R.W_LP + l], s[R.RAMP + l]
+    c, rates_of_work = coefficients(law, y, w, e, *load_point, kappa, eta0, p)
+    accurate, limit = longest(c, s[R.TOLERANCE + l]), STABLE * eta0 * w
+    h = accurate if accurate < limit else limit
+    h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
+    store_each(s, rows.c, l, c)
+    h_powers = powers((1.0, h), h * h)
+    y_new = ends(c, h_powers)
+    w_new, _, e_new = exponentials(y_new, law, p)
+    write_rows(s, rows.y_new, l, y_new)
+    write_rows(s, rows.e_new, l, e_new)
+    s[R.W_NEW + l], s[R.H_USED + l] = w_new, h
+    load, friction = integrals(rates_of_work, h_powers)
+    s[R.D_LOAD + l], s[R.D_FRICTION + l] = h * load, h * friction
+    ok = abs(total(y_new)) < 1e300
+    limit = STABLE * eta0 * (w_new if ok else w)
+    limited = s[R.LIMITED + l] + 1.0 if accurate > limit else 0.0
+    stiff = (accurate > STIFF * limit) | (limited > PATIENCE) | (not ok)
+    s[R.LIMITED + l] = 0.0 if stiff else limited
+    s[R.OK + l], s[R.CHANGES + l] = 1.0 if ok else 0.0, 1.0 if stiff else 0.0
+    s[R.H_NEXT + l], s[R.MEMORY_NEW + l] = limit, 1.0
+
+
+@inlined
+def find_calm(s, l):
+    """Set CHANGES: whether, after a step of Rodas5P, the next one is not too long for Taylor's."""
+    calm = s[R.H_NEXT + l] < CALM * s[R.ETA0 + l] * s[R.W_NEW + l]
+    s[R.CHANGES + l] = 1.0 if calm & (s[R.OK + l] > 0.0) else 0.0
+
+
+@lanewise
+def advance_by_taylor(s, law, n):
+    """Take a step by the Taylor method in the first n lanes, as `lanes.advance` does by Rodas5P."""
+    for l in range(n):
+        try_step(s, l, law)
+    for l in range(n):
+        L.has_event(s, l, law)
+
+
+@lanewise
+def advance_by_rodas5p(s, law, n):
+    """`lanes.advance`, and whether the first n lanes change their method after it."""
+    L.advance(s, law, n)
+    for l in range(n):
+        find_calm(s, l)
+
+
+@inner
+def advance(rows, s, law, n, taylor):
+    """A step in the first n lanes, of the Taylor method or of Rodas5P.
+
+    rows : those of Taylor polynomials, () where there is Rodas5P alone
+    """
+    if len(rows) == 0:
+        L.advance(s, law, n)
+    elif taylor:
+        advance_by_taylor(s, law, n)
+    else:
+        advance_by_rodas5p(s, law, n)
