@@ -1,4 +1,6 @@
-"""The problems: P1 to P3, each one slider, and the 156 of Fig. 3; and the engine run on them."""
+"""The problems: P1 to P4a, each one slider, and the 156 of Fig. 3; and the engine run on them."""
+
+import copy
 
 import numpy as np
 
@@ -17,7 +19,7 @@ REFERENCE = 1e-12
 class Problem:
     """Sliders driven at constant speeds V_lp from steady sliding at V_start, for t_end seconds.
 
-    slider and V_lp may hold named DataArrays; `n` is the number of cases.
+    slider and V_lp may hold named DataArrays; `n` is the number of cases, and `which` their numbers.
     """
 
     def __init__(self, slider, V_lp, V_start, t_end):
@@ -26,7 +28,15 @@ class Problem:
         self.batch = Batch({**values, "V_lp": V_lp, "V_start": V_start})
         self.law = friction_law(slider.law)
         self.n = self.batch.n
+        self.which = np.arange(self.n)
         self._reference = self._numbers = None
+
+    def part(self, which):
+        """The problem of these cases alone."""
+        part = copy.copy(self)
+        part.which, part.n = np.asarray(which), len(which)
+        part._reference = part._numbers = None
+        return part
 
     def cases(self, rtol, observe=0.0, dt=None):
         """The engine's `Cases`."""
@@ -34,44 +44,46 @@ class Problem:
             self.law,
             self.batch,
             initial_state(self.law, self.batch, self.batch.flat("V_lp")),
-            t_end=np.full(self.n, self.t_end),
-            loading=np.arange(self.n),
-            times=np.zeros(self.n, np.int64),
+            t_end=np.full(self.batch.n, self.t_end),
+            loading=np.arange(self.batch.n),
+            times=np.zeros(self.batch.n, np.int64),
             dt=dt,
             rtol=rtol,
             observe=observe,
         )
 
-    def job(self, rtol=1e-6, observe=0.0, method="rodas5p", dt=None):
+    def job(self, rtol=1e-6, observe=0.0, method="auto", dt=None):
         """A function of nothing that marches the problem by the engine and returns `Results`."""
         cases = self.cases(rtol, observe, dt)
-        loads = Loads(np.zeros(1), self.batch.flat("V_lp")[:, None].copy(), np.zeros((self.n, 1)))
-        none, which = np.empty((1, 0)), np.arange(self.n)
-        return lambda: run_cases(method, self.law, cases, loads, none, which, self.n == 1)
+        V_lp = self.batch.flat("V_lp")[:, None].copy()
+        loads, none = Loads(np.zeros(1), V_lp, np.zeros_like(V_lp)), np.empty((1, 0))
+        return lambda: run_cases(method, self.law, cases, loads, none, self.which, self.n == 1)
 
     def numbers(self):
         """(n, 6) kappa, beta, eta0, V0/Dc, V_lp/V0, law; (n, 3) x, v, psi at t = 0."""
         if self._numbers is None:
             cases = self.cases(1e-6)
             w_lp = self.batch.flat("V_lp") / cases.V0
-            law = np.full(self.n, float(list(LAWS).index(self.law.name)))
+            law = np.full(len(w_lp), float(list(LAWS).index(self.law.name)))
             rows = [cases.kappa, cases.p[:, 0], cases.eta0, cases.scale, w_lp, law]
-            self._numbers = np.ascontiguousarray(np.transpose(rows)), cases.y
+            numbers = np.ascontiguousarray(np.transpose(rows)[self.which])
+            self._numbers = numbers, cases.y[self.which]
         return self._numbers
 
     def errors(self, final):
         """(n,) largest error at t_end in tau/(a sigma), ln V and psi; NaN where final is."""
         if self._reference is None:
-            self._reference = self.job(REFERENCE)().final
+            self._reference = self.job(REFERENCE, method="rodas5p")().final[self.which]
         return np.abs(final - self._reference).max(axis=1)
 
 
 def lone():
-    """P1 to P3: name -> Problem; the parameters of Figs. 2 and 4 at their time scales."""
+    """P1 to P4a: name -> Problem; the parameters of Figs. 2 and 4 at their time scales."""
     return {
         "P1": Problem(FIG2, 3.2e-3, 1e-4, 10.0),
         "P2": Problem(FIG4.replace(K=0.96e9), 1e-5, 5e-6, 330.0),
         "P3": Problem(FIG4.replace(K=0.96e9), 1e-7, 5e-8, 46000.0),
+        "P4a": Problem(FIG2.replace(law="aging"), 3.2e-3, 1e-4, 10.0),
     }
 
 

@@ -80,7 +80,7 @@ def environment():
     if hasattr(os, "getloadavg"):
         found["load at the end"] = f"{os.getloadavg()[0]:.1f} (1 min; idle but for this run: 1)"
     found["Python"] = platform.python_version()
-    for name in ("ratestate", "numba", "numpy", "scipy", "lmfit", "numbalsoda"):
+    for name in ("ratestate", "numba", "numpy", "scipy", "lmfit", "numbalsoda", "heyoka"):
         try:
             found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:

@@ -5,6 +5,7 @@ went wrong.  All get the same rtol and atol.
 """
 
 import contextlib
+import functools
 import os
 import sys
 import warnings
@@ -134,6 +135,40 @@ def numbalsoda_solvers(all_cores=False):
         "numbalsoda LSODA": solver(all_by_lsoda),
         "numbalsoda dop853": solver(all_by_dop853),
     }
+
+
+def heyoka_solver():
+    """{name: solver} of Taylor series; none where heyoka is not installed.
+
+    An integrator is compiled for a law and a tolerance, which sets its order.
+    """
+    try:
+        import heyoka
+    except ImportError:
+        return {}
+
+    @functools.cache
+    def integrator(law, tol):
+        x, v, psi = heyoka.make_vars("x", "v", "psi")
+        kappa, beta, eta0, scale, w_lp = (heyoka.par[i] for i in range(5))
+        w = heyoka.exp(v)
+        f_psi = -w * (v + psi) if law == 0.0 else heyoka.exp(-psi) - w
+        response = heyoka.exp(-v) / eta0
+        rates = [kappa * (w_lp - w), (x - v - beta * psi) * response, f_psi]
+        equations = [(y, scale * rate) for y, rate in zip((x, v, psi), rates, strict=True)]
+        return heyoka.taylor_adaptive(equations, [0.0] * 3, pars=[1.0] * 5, tol=tol)
+
+    def solve(problem, tol):
+        p, y0 = problem.numbers()
+        y, ok = np.empty_like(y0), np.empty(len(y0), bool)
+        for i, one in enumerate(p):
+            march = integrator(one[5], tol)
+            march.time, march.state[:], march.pars[:] = 0.0, y0[i], one[:5]
+            outcome = march.propagate_until(problem.t_end, max_steps=100 * MAX_STEPS)[0]
+            y[i], ok[i] = march.state, outcome == heyoka.taylor_outcome.time_limit
+        return y, ok
+
+    return {"heyoka": lambda problem, tol: outcome(*solve(problem, tol))}
 
 
 def lsoda_on_all_cores():

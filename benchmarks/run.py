@@ -18,7 +18,7 @@ import steps
 import sweep
 import sweeps
 from report import CONSOLE, write
-from rivals import numbalsoda_solvers, scipy_solvers
+from rivals import heyoka_solver, numbalsoda_solvers, scipy_solvers
 
 PARTS = {
     "a": steps,
@@ -40,9 +40,11 @@ def main():
     if unknown := set(options.parts) - set(PARTS):
         parser.error(f"no such part: {' '.join(sorted(unknown))}; choose from {' '.join(PARTS)}")
     start = time.perf_counter()
-    rivals = numbalsoda_solvers()
-    if not rivals:
-        CONSOLE.print("numbalsoda is not installed: left out (CONTRIBUTING.md says how to add it)")
+    rivals = numbalsoda_solvers() | heyoka_solver()
+    if len(rivals) < 3:
+        CONSOLE.print(
+            "numbalsoda or heyoka is not installed: left out (CONTRIBUTING.md says how to add them)"
+        )
     rivals |= scipy_solvers()
     done = []
     for name in sorted(set(options.parts)) or PARTS:

@@ -40,6 +40,10 @@ def _quotas():
     return found
 
 
+#: bytes that any process has, so that for less the system need not be asked
+AMPLE = 1e6
+
+
 def memory():
     """Bytes of memory that this process may have; inf where the system does not say."""
     limits = [math.inf]
@@ -55,8 +59,7 @@ def check_fits(size, what, remedy):
 
     what, remedy : str, the subject of the message, in the plural, and how to get by with less
     """
-    most = memory()
-    if size > most:
+    if size > AMPLE and size > (most := memory()):
         raise ParameterError(
             f"{what} take {size / 1e9:,.3g} GB of memory, and {most / 1e9:,.3g} GB are there; "
             f"{remedy}"

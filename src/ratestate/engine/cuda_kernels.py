@@ -25,8 +25,9 @@ from . import return_events, return_lanes, return_map
 from . import rows as R
 from .events import handle_events
 from .lane_case import IDLE
-from .march import end_segment, finish, load, save
+from .march import end_segment, finish, load
 from .model import RUNNING
+from .saving import save
 from .step_control import control_step
 
 cuda: Any = numba_cuda  # which of its two modules it is, is known at run time

@@ -11,11 +11,11 @@ ORDER = 12
 def source(law):
     """The body of `coefficients` under a law; NotASeries where it has no recurrences."""
     graph = Graph()
-    x, v, *psi = unknowns = [graph.unknown(f"y[{i}]") for i in range(2 + len(law.states))]
+    unknowns = [graph.unknown(f"y[{i}]") for i in range(2 + len(law.states))]
+    x, v, psi = unknowns[0], unknowns[1], tuple(unknowns[2:])
     p = tuple(graph.name(f"p[{i}]") for i in range(law.n_coefficients))
     w, w_lp = graph.exp(v, "w"), graph.line("w_lp", "ramp")
     response = graph.exp(-v, "1.0 / (eta0 * w)")  # of dv/dT to the inertial force
-    psi = tuple(psi)
     if law.reverses or law.history(p):
         raise NotASeries("slip that may reverse, or normal stress that varies")
     exponents = law.own_exponents(v, w, psi, (), p)

@@ -14,9 +14,19 @@ from .extremes import crossing
 from .jit import inner
 from .lanes import beyond_limit, steadies, system_of
 from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING
-from .return_lanes import changes_of_speed, load_each, step_of_lane
+from .return_lanes import changes_of_speed, step_of_lane
 from .rows import rows_of
-from .tuples import dot, dot_onto, minus_dot, of_each, plus, read_rows, times, write_rows
+from .tuples import (
+    dot,
+    dot_onto,
+    load_each,
+    minus_dot,
+    of_each,
+    plus,
+    read_rows,
+    times,
+    write_rows,
+)
 
 # V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
 SLOW_BELOW, LOG_SLOW_BELOW = 0.1, -2.302585092994046

@@ -17,9 +17,9 @@ from .jit import inner, kernel, recursive
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
 from .model import RUNNING
 from .return_events import handle_events, rates
-from .return_lanes import advance, changes_of_speed, commit, load_each
+from .return_lanes import advance, changes_of_speed, commit
 from .rows import rows_of
-from .tuples import dot_onto, load_rows, of_each, plus, read_rows, times, write
+from .tuples import dot_onto, load_each, load_rows, of_each, plus, read_rows, times, write
 
 
 class Starts(NamedTuple):

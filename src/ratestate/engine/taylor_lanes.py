@@ -14,7 +14,7 @@ from .step_control import step_size
 from .taylor import coefficients, ends, integrals, longest, powers
 from .tuples import read_rows, store_each, total, write_rows
 
-#: The longest step of the Taylor method over eta0 w: a step of order 12 is stable up to some 5.
+#: The longest step of the Taylor method over eta0 w: one of order 12 is stable up to 5.8.
 STABLE = 4.0
 #: Rodas5P goes on where accuracy alone would allow a step so many times longer, or where it would
 #: allow a longer one for more steps in a row,

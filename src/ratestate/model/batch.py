@@ -1,5 +1,7 @@
 """From named values to a flat batch of cases and back."""
 
+import functools
+
 import numpy as np
 import xarray
 
@@ -45,14 +47,14 @@ class Batch:
         """ParameterError if so many numbers a case are more than this process has memory for."""
         check_fits(8 * numbers * self.n, f"the results of {self.n:,} cases", remedy)
 
-    @property
+    @functools.cached_property
     def columns(self):
-        """dict of the values of all symbols, symbol -> (n,)."""
-        return {symbol: self.flat(symbol) for symbol in self.values}
+        """dict of the values of all symbols, symbol -> (n,), which nobody may change."""
+        return {symbol: self._flat(value) for symbol, value in self.values.items()}
 
     def flat(self, symbol):
-        """(n,) array of the values of one symbol."""
-        return self._flat(self.values[symbol])
+        """(n,) array of the values of one symbol, as in `columns`."""
+        return self.columns[symbol]
 
     def _flat(self, value):
         if not is_array(value):

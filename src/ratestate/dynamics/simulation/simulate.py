@@ -265,6 +265,8 @@ class SimulateCall:
             values["times"] = "as saved"  # else the solver's own steps, or the end
         settings = {"method": self.method, "rtol": self.rtol, "dt": self.dt, "initial": initial}
         attributes = provenance("simulate", self.slider, **settings, **values)
-        result = xarray.Dataset(variables, coords, attributes).set_coords({"t"} & set(variables))
+        result = xarray.Dataset(variables, coords, attributes)
+        if "t" in variables:
+            result = result.set_coords("t")
         record_loading(result, self.loading)
         return result

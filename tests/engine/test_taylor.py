@@ -1,0 +1,364 @@
+"""The Taylor method: its coefficients, its order, its answers beside Rodas5P's, and when it steps."""
+
+import functools
+import math
+
+import mpmath
+import numpy as np
+import pytest
+import xarray as xr
+from numba import njit
+from textbook import OF_LAW, drawn
+
+import ratestate as rs
+from ratestate.engine import rows as R
+from ratestate.engine import taylor as T
+from ratestate.engine.recurrences import ORDER, has_recurrences
+from ratestate.engine.series import Graph, NotASeries, code
+from ratestate.engine.taylor import coefficients
+from ratestate.friction.laws import LAWS
+
+WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
+#: of a state in the dimensionless system: x, v, psi, w_lp, its rate, kappa, eta0
+POINT = {"x": 0.3, "v": 0.2, "psi": -0.15, "w_lp": 1.1, "ramp": 0.07, "kappa": 0.8, "eta0": 0.6}
+
+
+
+
+@njit
+def longest(c, tolerance):
+    return T.longest(c, tolerance)
+
+
+@njit
+def rough_log2(x):
+    return T.rough_log2(x)
+
+
+@njit
+def over_step(c, of_works, h):
+    h_powers = T.powers((1.0, h), h * h)
+    return T.ends(c, h_powers), T.integrals(of_works, h_powers)
+
+
+# ----------------------------------------------------------------------------------- coefficients
+
+
+class Truncated:
+    """A power series up to a degree, in many digits: of sums and products, and by Newton."""
+
+    N = 22
+
+    def __init__(self, c):
+        c = [mpmath.mpf(one) for one in np.atleast_1d(c).tolist()]
+        self.c = (c + [mpmath.mpf(0)] * self.N)[: self.N]
+
+    @staticmethod
+    def of(x):
+        return x if isinstance(x, Truncated) else Truncated([x])
+
+    def __add__(self, other):
+        return Truncated([a + b for a, b in zip(self.c, Truncated.of(other).c, strict=True)])
+
+    def __mul__(self, other):
+        b = Truncated.of(other).c
+        terms = (mpmath.fdot(self.c[: k + 1], b[k::-1]) for k in range(self.N))
+        return Truncated(list(terms))
+
+    def __neg__(self):
+        return self * -1
+
+    def __sub__(self, other):
+        return self + -Truncated.of(other)
+
+    def __rsub__(self, other):
+        return -self + other
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __pow__(self, n):
+        return functools.reduce(Truncated.__mul__, [self] * n)
+
+    def reciprocal(self):
+        found = Truncated([1 / self.c[0]])
+        for _ in range(6):
+            found = found * (2 - self * found)
+        return found
+
+    def __truediv__(self, other):
+        return self * Truncated.of(other).reciprocal()
+
+    def __rtruediv__(self, other):
+        return self.reciprocal() * other
+
+    def exp(self):
+        """e**c_0 times the exponential series of the rest."""
+        rest, term, total = Truncated([0, *self.c[1:]]), Truncated([1]), Truncated([1])
+        for k in range(1, self.N):
+            term = term * rest * (mpmath.mpf(1) / k)
+            total = total + term
+        return total * mpmath.exp(self.c[0])
+
+    def at(self, t):
+        return mpmath.fsum(c * mpmath.mpf(t) ** k for k, c in enumerate(self.c))
+
+    def integral(self, start):
+        return Truncated([start, *(c / (k + 1) for k, c in enumerate(self.c[:-1]))])
+
+
+def coefficients_of(law):
+    """Of a law's own p, from the example of each of its parameters."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, law=law, **OF_LAW[law])
+    law = slider.friction_law
+    columns = {k: np.array([v]) for k, v in slider.parameters.items() if not isinstance(v, str)}
+    return law, tuple(float(one[0]) for one in law.coefficient_arrays(1e-6, columns))
+
+
+def solution(law, p, point):
+    """The powers of `works`, and y as `Truncated`, by Picard's iteration."""
+    start = [point["x"], point["v"], *[point["psi"]] * len(law.states)]
+    y = [Truncated([one]) for one in start]
+    w_lp = Truncated([point["w_lp"], point["ramp"]])
+    for _ in range(Truncated.N):
+        x, v, *psi = y
+        w = v.exp()
+        exponents = law.own_exponents(v, w, tuple(psi), (), p)
+        e = tuple(one.exp() for one in exponents)
+        S = law.stress_in_v(v, w, tuple(psi), p)
+        f = law.rates_in_v(v, w, tuple(psi), e, p)
+        rates = [point["kappa"] * (w_lp - w), (x - S) / (w * point["eta0"]), *f]
+        y = [Truncated.of(rate).integral(one) for rate, one in zip(rates, start, strict=True)]
+    return y, [x * w_lp, S * w]
+
+
+def found_coefficients(law, p, point):
+    y = (point["x"], point["v"], *[point["psi"]] * len(law.states))
+    w = math.exp(y[1])
+    e = tuple(map(math.exp, law.own_exponents(y[1], w, y[2:], (), p)))
+    load = point["w_lp"], point["ramp"]
+    return coefficients(law, y, w, e, *load, point["kappa"], point["eta0"], p)
+
+
+@pytest.mark.parametrize("name", WITH_RECURRENCES)
+def test_coefficients(name):
+    """Of the motion and of its powers, beside power series of 22 terms in 40 digits."""
+    law, p = coefficients_of(name)
+    with mpmath.workdps(40):
+        y, works = solution(law, p, POINT)
+    found, powers_found = found_coefficients(law, p, POINT)
+    assert len(found) == 2 + len(law.states)
+    for one, exact in zip((*found, *powers_found), (*y, *works), strict=True):
+        exact = np.array(exact.c[: len(one)], float)
+        np.testing.assert_allclose(one, exact, rtol=1e-12, atol=1e-13 * np.abs(exact).max())
+    assert [len(one) for one in found] == [ORDER + 1] * len(found)
+    assert [len(one) for one in powers_found] == [ORDER] * 2
+
+
+@pytest.mark.parametrize("name", ["slip", "two-state-aging"])
+def test_order(name):
+    """Half the step has an error 2**(ORDER + 1) times smaller, of the motion and of its works."""
+    law, p = coefficients_of(name)
+    with mpmath.workdps(40):
+        y, works = solution(law, p, POINT)
+        c, of_works = found_coefficients(law, p, POINT)
+        errors = []
+        for h in (0.2, 0.1):
+            y_new, of_step = over_step(c, of_works, h)
+            found = [*y_new, *(h * one for one in of_step)]
+            exact = [one.at(h) for one in (*y, *(one.integral(0) for one in works))]
+            errors.append(np.abs(np.array(found) - np.array(exact, float)))
+    ratio = errors[0] / errors[1]
+    assert (2.0 ** (ORDER + 0.5) < ratio).all()
+    assert (ratio < 2.0 ** (ORDER + 1.5)).all()
+
+
+def test_the_step_is_where_the_last_terms_reach_the_tolerance():
+    """A tenth of it, to 1 %, whichever of the last two is longer; and of any variable."""
+    c = [[0.5**k for k in range(ORDER + 1)], [0.25**k for k in range(ORDER + 1)]]
+    h = longest(tuple(map(tuple, c)), 1e-6)
+    assert (0.5 * h) ** (ORDER - 1) == pytest.approx(1e-7, rel=0.12)
+    assert (0.5 * h) ** ORDER < 1e-7
+    c[1][ORDER - 1] = 0.0
+    c[1][ORDER] = 1.0
+    assert longest(tuple(map(tuple, c)), 1e-6) ** ORDER == pytest.approx(1e-7, rel=0.12)
+
+
+@pytest.mark.parametrize("x", [1e-300, 3e-7, 0.75, 1.0, 1.5, 8.0, 1e300])
+def test_rough_log2(x):
+    assert math.log2(x) - 0.0861 < rough_log2(x) <= math.log2(x) + 1e-9
+
+
+# -------------------------------------------------------------------------------------- the series
+
+
+def values(build, x0=0.3, x1=0.7, order=6):
+    """Coefficients of a series of one unknown with derivative x1 x, e**(x1 t) x0, by `code`."""
+    graph = Graph()
+    x = graph.unknown("x0")
+    of = build(graph, x)
+    lines, (names,), (found,) = code(graph, {x: graph.name("x1") * x}, [of], order)
+    scope = {"x0": x0, "x1": x1, "e": math.exp(x0)}
+    exec("\n".join(lines), scope)
+    assert [scope[name] for name in names] == pytest.approx(
+        [x0 * x1**k / math.factorial(k) for k in range(order + 1)]
+    )
+    return [eval(one, scope) for one in found]
+
+
+@pytest.mark.parametrize(
+    ("build", "exact"),
+    [
+        (lambda g, x: 2.0 * x + 3.0 - x, lambda t: 0.3 * mpmath.exp(0.7 * t) + 3),
+        (lambda g, x: (x * x) / (1.0 + x), lambda t: _x(t) ** 2 / (1 + _x(t))),
+        (lambda g, x: 1.0 / x**3, lambda t: _x(t) ** -3),
+        (lambda g, x: g.exp(x, "e"), lambda t: mpmath.exp(_x(t))),
+        (lambda g, x: g.exp(-2.0 * x, "e**-2.0"), lambda t: mpmath.exp(-2 * _x(t))),
+        (lambda g, x: x * g.line("1.5", "-0.5"), lambda t: _x(t) * (1.5 - 0.5 * t)),
+        (lambda g, x: g.exp(x * x, "exp2") * 0.0 + x, lambda t: _x(t)),
+        (lambda g, x: -(1.0 - x), lambda t: _x(t) - 1),
+    ],
+    ids=range(8),
+)
+def test_rules(build, exact):
+    with mpmath.workdps(30):
+        expected = [float(c) for c in mpmath.taylor(exact, 0, 5)]
+    assert values(build) == pytest.approx(expected, rel=1e-12, abs=1e-15)
+
+
+def _x(t):
+    return mpmath.mpf("0.3") * mpmath.exp(mpmath.mpf("0.7") * t)
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        lambda x: x if x > 0.0 else -x,
+        lambda x: abs(x),
+        lambda x: math.exp(x),
+        lambda x: np.log(x),
+        lambda x: x**0.5,
+        lambda x: x**-1,
+        lambda x: x + "1",
+        lambda x: max(x, 1.0),
+        lambda x: x == x,
+        lambda x: not x,
+    ],
+)
+def test_what_has_no_rule(formula):
+    graph = Graph()
+    with pytest.raises((NotASeries, TypeError)):
+        formula(graph.unknown("x"))
+
+
+def test_each_quantity_is_computed_once():
+    graph = Graph()
+    x = graph.unknown("x0")
+    one, other = x * x + 1.0, x * x + 1.0
+    assert one is other
+    assert (x * 0.0).is_constant
+    assert x * 1.0 is x
+    assert x + 0.0 is x
+
+
+# ------------------------------------------------------------------------------ laws that have them
+
+
+@pytest.mark.parametrize("name", OF_LAW)
+def test_which_laws_have_recurrences(name):
+    law, _ = coefficients_of(name)
+    assert has_recurrences(law) == (name in WITH_RECURRENCES)
+    assert (len(R.rows_of(law).c) > 0) == has_recurrences(law)
+
+
+@pytest.mark.parametrize(
+    ("own", "has"),
+    [
+        ({"damping": 1e5}, True),
+        ({"friction": "cut-off", "V1": 1e-2, "V2": 1.0}, False),
+        ({"friction": "regularized"}, False),
+    ],
+)
+def test_which_forms_have_recurrences(own, has):
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, **own)
+    assert has_recurrences(slider.friction_law) == has
+
+
+# ------------------------------------------------------------------------------------- the answers
+
+
+def relative(run, exact):
+    """Largest error in tau/(a sigma), ln V and ln theta."""
+    a_sigma = exact.attrs["a sigma"]
+    off = [abs(run.tau - exact.tau) / a_sigma, abs(np.log(run.V / exact.V))]
+    return max(float(one.max()) for one in off)
+
+
+@pytest.mark.parametrize("law", WITH_RECURRENCES)
+def test_same_answers_as_rodas5p(law):
+    """Of random sliders, quasi-harmonic and stick-slip, under a loading with steps and a ramp."""
+    rng = np.random.default_rng(20)
+    errors = []
+    for _ in range(8):
+        p, V = drawn(law, rng)
+        slider = rs.SpringSlider(**p, law=law)
+        t = 30.0 * p["Dc"] / V
+        loading = rs.Loading.series(
+            np.array([0.0, 0.3, 0.3, 0.6, 1.0]) * t, [V, V, 2 * V, 1.2 * V, 1.2 * V]
+        )
+        run = functools.partial(rs.simulate, slider, loading, t, times=np.linspace(0, t, 50))
+        fine, other = run(rtol=1e-9), run(rtol=1e-9, method="rodas5p")
+        exact = run(rtol=1e-13, method="rodas5p")
+        exact.attrs["a sigma"] = p["a"] * p["sigma"]
+        errors.append((relative(fine, exact), relative(other, exact)))
+        assert abs(float(fine.energy_residual)) < 1e-8
+        moves = float(exact.amplitude) > 1e-4  # else what is left of the first disturbance
+        for name in ("amplitude", "frequency") * moves + ("V_max", "V_min", "inertial_force"):
+            assert float(fine[name]) == pytest.approx(float(exact[name]), rel=1e-6, abs=1e-12), name
+    found, others = np.array(errors).T
+    assert np.median(found) < 2.0 * np.median(others)
+    assert found.max() < 1e-5
+
+
+@pytest.mark.parametrize("law", ["slip", "aging"])
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8, 1e-12])
+def test_who_steps_where(law, rtol):
+    """Fewer steps where nothing is stiff, and not more where it is, through holds and events."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law)
+    run = functools.partial(rs.simulate, rtol=rtol, times=[0.0])
+
+    def steps(slider, *arguments, **more):
+        found = [
+            run(slider, *arguments, method=method, **more) for method in ("auto", "rodas5p")
+        ]
+        return [int(one.steps) for one in found]
+
+    harmonic, by_rodas5p = steps(slider, rs.Loading.constant(1e-2), 1.0, V_start=9e-3)
+    assert harmonic < {1e-4: 0.7, 1e-8: 0.25, 1e-12: 0.07}[rtol] * by_rodas5p
+    stick_slip, by_rodas5p = steps(slider, rs.Loading.constant(1e-5), 40.0, V_start=9e-6)
+    assert stick_slip < 1.02 * by_rodas5p
+    hold, by_rodas5p = steps(slider, rs.Loading.steps(1e-3, (0.05, 0.0)), 1e5, V_start=1e-3)
+    assert hold < 1.02 * by_rodas5p
+
+
+def test_few_steps_are_rejected():
+    """The step follows from coefficients, and where it gets stiff the method is left in time."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law="aging")
+    arrays = slider.replace(M=rs.logspace("M", 1e2, 1e5, 9))
+    run = rs.simulate(arrays, rs.Loading.constant(1e-2), 1.0, V_start=9e-3, rtol=1e-6)
+    assert (run.status == 0).all()
+    assert int(run.steps.sum()) > 10_000
+
+
+def test_sliders_that_change_their_method_in_one_batch():
+    """Their returns and extremes move with them: 40 that differ, in a batch and each alone."""
+    n = 40
+    M = xr.DataArray(np.geomspace(1e2, 1e6, n), dims="case")
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=M, K=9e8, law="aging")
+    run = functools.partial(rs.simulate, rtol=1e-8)
+    many = run(slider, rs.Loading.constant(3e-2), 1.0, V_start=2.5e-2)
+    names = ["amplitude", "frequency", "V_max", "V_min", "cycles", "inertial_force", "steps"]
+    for i in range(0, n, 3):
+        one = run(slider.replace(M=float(M[i])), rs.Loading.constant(3e-2), 1.0, V_start=2.5e-2)
+        for name in names:
+            expected = float(one[name])
+            assert float(many[name][i]) == pytest.approx(expected, rel=2e-6, abs=1e-9), name
