@@ -19,7 +19,7 @@ REFERENCE = 1e-12
 class Problem:
     """Sliders driven at constant speeds V_lp from steady sliding at V_start, for t_end seconds.
 
-    slider and V_lp may hold named DataArrays; `n` is the number of cases, and `which` their numbers.
+    slider and V_lp may hold named DataArrays; `n` is the number of cases, `which` their numbers.
     """
 
     def __init__(self, slider, V_lp, V_start, t_end):

@@ -60,9 +60,7 @@ def _fast_half(part, law, heyoka):
     with one_core():
         heyoka(problem, 1e-2)  # warm
         found = {
-            "engine": loosest(
-                lambda t: problem.job(t)().final[problem.which], problem, TOLERANCES
-            ),
+            "engine": loosest(lambda t: problem.job(t)().final[problem.which], problem, TOLERANCES),
             "heyoka": loosest(lambda t: heyoka(problem, t)[0], problem, TOLERANCES),
         }
         jobs = {

@@ -1,4 +1,4 @@
-"""The Taylor method: its coefficients, its order, its answers beside Rodas5P's, and when it steps."""
+"""The Taylor method: its coefficients, order, answers beside Rodas5P's, and when it steps."""
 
 import functools
 import math
@@ -16,13 +16,10 @@ from ratestate.engine import taylor as T
 from ratestate.engine.recurrences import ORDER, has_recurrences
 from ratestate.engine.series import Graph, NotASeries, code
 from ratestate.engine.taylor import coefficients
-from ratestate.friction.laws import LAWS
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
 #: of a state in the dimensionless system: x, v, psi, w_lp, its rate, kappa, eta0
 POINT = {"x": 0.3, "v": 0.2, "psi": -0.15, "w_lp": 1.1, "ramp": 0.07, "kappa": 0.8, "eta0": 0.6}
-
-
 
 
 @njit
@@ -168,7 +165,7 @@ def test_order(name):
             exact = [one.at(h) for one in (*y, *(one.integral(0) for one in works))]
             errors.append(np.abs(np.array(found) - np.array(exact, float)))
     ratio = errors[0] / errors[1]
-    assert (2.0 ** (ORDER + 0.5) < ratio).all()
+    assert (ratio > 2.0 ** (ORDER + 0.5)).all()
     assert (ratio < 2.0 ** (ORDER + 1.5)).all()
 
 
@@ -327,9 +324,7 @@ def test_who_steps_where(law, rtol):
     run = functools.partial(rs.simulate, rtol=rtol, times=[0.0])
 
     def steps(slider, *arguments, **more):
-        found = [
-            run(slider, *arguments, method=method, **more) for method in ("auto", "rodas5p")
-        ]
+        found = [run(slider, *arguments, method=method, **more) for method in ("auto", "rodas5p")]
         return [int(one.steps) for one in found]
 
     harmonic, by_rodas5p = steps(slider, rs.Loading.constant(1e-2), 1.0, V_start=9e-3)

@@ -31,8 +31,8 @@ def try_step(s, l, law):
     _, kappa, eta0, p = L.system_of(s, l, law)
     load_point = s[R.W_LP + l], s[R.RAMP + l]
     c, rates_of_work = coefficients(law, y, w, e, *load_point, kappa, eta0, p)
-    accurate, limit = longest(c, s[R.TOLERANCE + l]), STABLE * eta0 * w
-    h = accurate if accurate < limit else limit
+    accurate, stable = longest(c, s[R.TOLERANCE + l]), STABLE * eta0 * w
+    h = accurate if accurate < stable else stable
     h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     store_each(s, rows.c, l, c)
     h_powers = powers((1.0, h), h * h)
@@ -44,12 +44,13 @@ def try_step(s, l, law):
     load, friction = integrals(rates_of_work, h_powers)
     s[R.D_LOAD + l], s[R.D_FRICTION + l] = h * load, h * friction
     ok = abs(total(y_new)) < 1e300
-    limit = STABLE * eta0 * (w_new if ok else w)
-    limited = s[R.LIMITED + l] + 1.0 if accurate > limit else 0.0
-    stiff = (accurate > STIFF * limit) | (limited > PATIENCE) | (not ok)
+    stable = STABLE * eta0 * (w_new if ok else w)
+    limited = s[R.LIMITED + l] + 1.0 if accurate > stable else 0.0
+    stiff = (accurate > STIFF * stable) | (limited > PATIENCE) | (not ok)
     s[R.LIMITED + l] = 0.0 if stiff else limited
     s[R.OK + l], s[R.CHANGES + l] = 1.0 if ok else 0.0, 1.0 if stiff else 0.0
-    s[R.H_NEXT + l], s[R.MEMORY_NEW + l] = limit, 1.0
+    # (of the first step of Rodas5P, if that comes next)
+    s[R.H_NEXT + l], s[R.MEMORY_NEW + l] = stable, 1.0
 
 
 @inlined
