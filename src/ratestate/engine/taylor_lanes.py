@@ -1,8 +1,8 @@
 """Lanes under a law with recurrences: steps of the Taylor method, and which method goes next.
 
 The Taylor method is the faster one where the motion is not stiff: where a step that is accurate is
-no longer than a few times eta0 w, in which inertia responds to a change of friction.  Each slider
-takes the steps that suit it.
+no longer than a few times the time in which v, or a state, relaxes.  Each slider takes the steps
+that suit it.
 """
 
 from . import lanes as L
@@ -12,15 +12,24 @@ from .jit import inlined, inner, lanewise
 from .rows import rows_of
 from .step_control import step_size
 from .taylor import coefficients, ends, integrals, longest, powers
-from .tuples import read_rows, store_each, total, write_rows
+from .tuples import largest, read_rows, store_each, total, write_rows
 
-#: The longest step of the Taylor method over eta0 w: one of order 12 is stable up to 5.8.
+#: The longest step of the Taylor method, in relaxation times: of order 12 it is stable up to 5.8.
 STABLE = 4.0
 #: Rodas5P goes on where accuracy alone would allow a step so many times longer, or where it would
 #: allow a longer one for more steps in a row,
 STIFF, PATIENCE = 3.0, 8.0
-#: and the Taylor method where the next step of Rodas5P, over eta0 w, is shorter than this.
+#: and the Taylor method where the next step of Rodas5P is shorter than this, in relaxation times.
 CALM = 2.0
+
+
+@inlined
+def relaxation_rate(y, w, e, system):
+    """The rate at which v relaxes, or the fastest of the states: the larger."""
+    law, _, eta0, p = system
+    S_v, _ = law.stress_slopes(y[1], w, y[2:], e, p)
+    _, f_psi = law.rate_partials(y[1], w, y[2:], e, p)
+    return max(abs(S_v) / (eta0 * w), largest(f_psi))
 
 
 @inlined
@@ -28,10 +37,11 @@ def try_step(s, l, law):
     """Take one step of the lane by the Taylor method, and see whether the next is Rodas5P's."""
     rows = rows_of(law)
     y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
-    _, kappa, eta0, p = L.system_of(s, l, law)
+    _, kappa, eta0, p = system = L.system_of(s, l, law)
     load_point = s[R.W_LP + l], s[R.RAMP + l]
     c, rates_of_work = coefficients(law, y, w, e, *load_point, kappa, eta0, p)
-    accurate, stable = longest(c, s[R.TOLERANCE + l]), STABLE * eta0 * w
+    accurate = longest(c, s[R.TOLERANCE + l])
+    stable = STABLE / relaxation_rate(y, w, e, system)
     h = accurate if accurate < stable else stable
     h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     store_each(s, rows.c, l, c)
@@ -44,7 +54,7 @@ def try_step(s, l, law):
     load, friction = integrals(rates_of_work, h_powers)
     s[R.D_LOAD + l], s[R.D_FRICTION + l] = h * load, h * friction
     ok = abs(total(y_new)) < 1e300
-    stable = STABLE * eta0 * (w_new if ok else w)
+    stable = STABLE / relaxation_rate(y_new, w_new, e_new, system) if ok else stable
     limited = s[R.LIMITED + l] + 1.0 if accurate > stable else 0.0
     stiff = (accurate > STIFF * stable) | (limited > PATIENCE) | (not ok)
     s[R.LIMITED + l] = 0.0 if stiff else limited
@@ -54,9 +64,11 @@ def try_step(s, l, law):
 
 
 @inlined
-def find_calm(s, l):
+def find_calm(s, l, law):
     """Set CHANGES: whether, after a step of Rodas5P, the next one is not too long for Taylor's."""
-    calm = s[R.H_NEXT + l] < CALM * s[R.ETA0 + l] * s[R.W_NEW + l]
+    rows, system = rows_of(law), L.system_of(s, l, law)
+    y, e = read_rows(s, rows.y_new, l), read_rows(s, rows.e_new, l)
+    calm = s[R.H_NEXT + l] * relaxation_rate(y, s[R.W_NEW + l], e, system) < CALM
     s[R.CHANGES + l] = 1.0 if calm & (s[R.OK + l] > 0.0) else 0.0
 
 
@@ -74,7 +86,7 @@ def advance_by_rodas5p(s, law, n):
     """`lanes.advance`, and whether the first n lanes change their method after it."""
     L.advance(s, law, n)
     for l in range(n):
-        find_calm(s, l)
+        find_calm(s, l, law)
 
 
 @inner
