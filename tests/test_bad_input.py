@@ -43,7 +43,7 @@ def axis(values, coordinate=None):
             "('q', 'r')",
             "must be 'time'",
         ),
-        ({"method": "rk4"}, "method", "'rk4'", "rodas5p"),
+        ({"method": "rk4"}, "method", "'rk4'", "auto, rodas5p"),
         ({"method": "im2017"}, "dt", "im2017", "give dt [s]"),
         ({"method": "im2017", "dt": 0.0}, "dt", "0 s", "must be > 0"),
         ({"method": "im2017", "dt": -1e-3}, "dt", "-0.001 s", "must be > 0"),

@@ -16,7 +16,9 @@ STEPS = rs.Loading.steps(1e-4, (0.1, 3.2e-3)).hold(0.3, 0.1)
 V_LP = rs.logspace("V_lp", 3.3e-3, 1e-2, 3)
 #: name -> what makes the result again
 RESULTS = {
-    "simulate": lambda: rs.simulate(SLIDER, STEPS, 0.6, times=[0.0, 0.1, 0.25, 0.35, 0.6]),
+    "simulate": lambda: rs.simulate(
+        SLIDER, STEPS, 0.6, times=[0.0, 0.1, 0.25, 0.35, 0.6], method="rodas5p"
+    ),
     "limit_cycle": lambda: rs.limit_cycle(SLIDER, V_LP),
     "stability": lambda: rs.stability(SLIDER, V_LP),
     "continue_cycle": lambda: rs.continue_cycle(SLIDER, "V_lp", 3.4e-3, 3.3e-3),

@@ -94,7 +94,8 @@ def test_where_it_never_reverses_friction_is_that_of_eq_1(own):
     times, loading = np.linspace(0.0, 60.0, 31), rs.Loading.constant(1e-5)
     if "damping" in own:
         loading = loading.sigma_sinusoid(1e5, period=7.0)
-    runs = [rs.simulate(s, loading, 60.0, V_start=5e-6, times=times, rtol=1e-8) for s in pair]
+    settings = {"V_start": 5e-6, "times": times, "rtol": 1e-8, "method": "rodas5p"}
+    runs = [rs.simulate(s, loading, 60.0, **settings) for s in pair]
     assert int(runs[0].steps) == int(runs[1].steps)
     for name in ("tau", "V", "theta", "mu", "V_max", "V_min", "amplitude", "mu_min"):
         np.testing.assert_allclose(runs[1][name], runs[0][name], rtol=1e-8, err_msg=name)

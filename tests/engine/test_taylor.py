@@ -331,6 +331,16 @@ def test_who_steps_where(law, rtol):
     assert harmonic < {1e-4: 0.7, 1e-8: 0.25, 1e-12: 0.07}[rtol] * by_rodas5p
     stick_slip, by_rodas5p = steps(slider, rs.Loading.constant(1e-5), 40.0, V_start=9e-6)
     assert stick_slip < 1.02 * by_rodas5p
+    stable, by_rodas5p = steps(slider.replace(K=2e9), rs.Loading.constant(0.1), 5.0, V_start=0.09)
+    assert stable < 1.05 * by_rodas5p
+    damped, by_rodas5p = steps(
+        slider.replace(damping=1e7), rs.Loading.constant(0.1), 5.0, V_start=0.09
+    )
+    assert damped < 1.05 * by_rodas5p
+    heavy, by_rodas5p = steps(
+        slider.replace(M=1e7), rs.Loading.constant(0.1), 5.0, V_start=0.09
+    )  # of which the state relaxes a hundred times faster than it vibrates
+    assert heavy < 1.1 * by_rodas5p
     hold, by_rodas5p = steps(slider, rs.Loading.steps(1e-3, (0.05, 0.0)), 1e5, V_start=1e-3)
     assert hold < 1.02 * by_rodas5p
 

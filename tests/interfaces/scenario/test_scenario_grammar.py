@@ -209,7 +209,7 @@ def test_what_a_file_says_is_quoted_as_it_stands(told, folder):
         (line,) = told(f'{more}t_end = "{given}"')
         assert line == f"[run] t_end: {given!r} {what}, expected a time such as '10 s'"
     (line,) = told(f'{more}t_end = 1\nmethod = "m; expected [s]"')
-    assert line.startswith("[run] method: 'm; expected [s]' is unknown, expected one of rodas5p")
+    assert line.startswith("[run] method: 'm; expected [s]' is unknown, expected one of auto")
 
 
 @pytest.mark.parametrize(
@@ -372,8 +372,8 @@ def test_what_a_slider_or_a_method_lacks_is_expected_and_no_more(read, told):
     )
     (line,) = told(f"{history}\nmethod = 'im2017'\ndt = 1e-5")
     assert line == (
-        "[run] method: im2017 is for a constant sigma; use method='rodas5p' for a loading that "
-        "changes it, expected one such as 'rodas5p'"
+        "[run] method: im2017 is for a constant sigma; use method='auto' for a loading that "
+        "changes it, expected one such as 'auto'"
     )
 
 
@@ -476,10 +476,10 @@ RUNS = [
         "t_end = 1\nrtol = 1",
         "rtol: 1.0 is out of range, expected one number from 1e-13 to 0.1 such",
     ),
-    ("t_end = 1\nmethod = 'euler'", "method: 'euler' is unknown, expected one of rodas5p"),
+    ("t_end = 1\nmethod = 'euler'", "method: 'euler' is unknown, expected one of auto"),
     (
         "t_end = 1\ndt = 1e-4",
-        "dt: 0.0001: rodas5p chooses its steps itself; leave dt out, expected",
+        "dt: 0.0001: auto chooses its steps itself; leave dt out, expected",
     ),
     ("t_end = 1\nmethod = 'im2017'", "dt: im2017 needs a time step"),
     ("t_end = 1\nmethod = 'im2017'\ndt = 1", "dt: 1 s is 548/omega"),
