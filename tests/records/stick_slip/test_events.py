@@ -86,7 +86,7 @@ HONEST = {
     "tau_max": (0.25, (0.58, 0.80), (0.90, 0.99)),
     "tau_min": (0.25, (0.58, 0.80), (0.90, 0.99)),
     "event_time": (0.25, (0.58, 0.74), (0.90, 0.99)),
-    "recurrence": (0.15, (0.60, 0.80), (0.90, 0.985)),
+    "recurrence": (0.15, (0.66, 0.84), (0.90, 0.99)),
     "event_start": (0.42, (0.66, 0.84), (0.90, 0.985)),
     "event_end": (0.42, (0.66, 0.84), (0.90, 0.985)),
     "duration": (0.45, (0.66, 0.84), (0.90, 0.985)),
@@ -319,7 +319,7 @@ def test_work_and_energy_are_integrals(experiment):
         inside = run.sel(time=slice(float(one.event_start), float(one.event_end)))
         work = trapezoid(inside.tau.values, inside.delta.values)
         assert float(one.friction_work) == pytest.approx(work, rel=3e-3)  # (by trapezia)
-        assert float(one.slip) == pytest.approx(float(np.ptp(inside.delta.values)), rel=1e-3)
+        assert float(one.slip) == pytest.approx(float(np.ptp(inside.delta.values)), rel=3e-3)
         stored = (float(one.tau_max) ** 2 - float(one.tau_min) ** 2) / (2.0 * AGING.K)
         assert float(one.spring_energy) == pytest.approx(stored, rel=1e-9)
         assert float(one.friction_drop) == pytest.approx(float(one.stress_drop) / AGING.sigma)
