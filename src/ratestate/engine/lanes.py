@@ -1,7 +1,7 @@
 """The lanes: many sliders side by side in one buffer (rows.py), and the loops that SIMD runs.
 
-Every loop here runs over all lanes, idle ones too, so that a slider goes through the same
-instructions, and gets the same bits, wherever it sits.
+Every loop here runs over whole vectors of lanes, idle ones too, so that a slider goes through the
+same instructions, and gets the same bits, wherever it sits.
 """
 
 from . import rows as R
@@ -227,7 +227,8 @@ def assess(s, law, n):
 def advance(s, law, n):
     """Try one step in the first n lanes, accept or reject it, and see whether it holds events.
 
-    n is `LANES`, or 1 for a slider alone, which the loops' scalar remainder then takes; a length
+    n is `LANES`, half of them, or 1 for a slider alone, which the loops' scalar remainder then
+    takes; a length
     known at compile time would get the loops unrolled.  They are three since LLVM vectorises
     each but not their union.
     """

@@ -8,6 +8,10 @@ straight line of arithmetic, which loops over lanes can vectorise.
 """
 
 import itertools
+import math
+
+#: of which the product is written out
+LARGEST_POWER = 16
 
 
 class NotASeries(TypeError):
@@ -52,7 +56,7 @@ class Series:
         return self.graph.product(-1.0, self)
 
     def __pow__(self, power):
-        if not isinstance(power, int) or power < 1:
+        if not isinstance(power, int) or not 1 <= power <= LARGEST_POWER:
             raise NotASeries(f"a power of {power!r}")
         return self if power == 1 else self * self ** (power - 1)
 
@@ -79,8 +83,8 @@ class Graph:
         """A number as a `Series`; one that is a `Series` as it is."""
         if isinstance(x, Series):
             return x
-        if not isinstance(x, (int, float)):
-            raise NotASeries(f"{type(x).__name__}")
+        if not isinstance(x, (int, float)) or not math.isfinite(x):
+            raise NotASeries(f"{x!r}")
         return self._node("number", repr(float(x)))
 
     def name(self, name):
@@ -97,6 +101,8 @@ class Graph:
 
     def exp(self, x, start, rate=1.0):
         """A series proportional to e**(rate x), whose first coefficient is the expression start."""
+        if x.is_constant:
+            return self.name(start)
         if x.rule == "product" and x.operands[0].rule == "number":
             factor, x = x.operands
             return self.exp(x, start, rate * float(factor.operands[0]))

@@ -15,7 +15,7 @@ from .exp import ROUND, exp
 from .functions import ROUND_BITS
 from .jit import INLINED, inlined, recursive
 from .recurrences import ORDER, source
-from .tuples import product, times
+from .tuples import largest, of_each, product, times
 
 _overload: Any = overload  # (its declared arguments lack jit_options)
 
@@ -51,11 +51,16 @@ def _coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
 
 
 @inlined
-def longest(c, tolerance):
-    """The step that the last two of coefficients allow, to 1 %."""
+def longest(c, tolerance, momentum):
+    """The step that the last two of coefficients allow, to 1 %.
+
+    momentum : how many times larger an error of v becomes one of x, if that is more than once:
+        sqrt(kappa eta0) w, the amplitude in x of a free vibration of this speed
+    """
     allowed = rough_log2(PART * tolerance)
-    by_last = (allowed - rough_log2(largest_of(c, ORDER))) * (1.0 / ORDER)
-    by_before = (allowed - rough_log2(largest_of(c, ORDER - 1))) * (1.0 / (ORDER - 1))
+    weight = momentum if momentum > 1.0 else 1.0
+    by_last = (allowed - rough_log2(largest_of(c, ORDER, weight))) * (1.0 / ORDER)
+    by_before = (allowed - rough_log2(largest_of(c, ORDER - 1, weight))) * (1.0 / (ORDER - 1))
     return exp(LN2 * (by_last if by_last < by_before else by_before))
 
 
@@ -66,12 +71,10 @@ def rough_log2(x):
     return (bits.view(np.float64) - ROUND) * 2.0**-40 - 1023.0
 
 
-@recursive
-def largest_of(c, i):
-    """The largest size of the i-th coefficients, `LEAST` at least."""
-    if len(c) == 0:
-        return LEAST
-    return max(largest_of(c[1:], i), abs(c[0][i]))
+@inlined
+def largest_of(c, i, weight):
+    """The largest size of the i-th coefficients, that of v times a weight; `LEAST` at least."""
+    return max(max(abs(c[0][i]), weight * abs(c[1][i])), max(largest(of_each(c[2:], i)), LEAST))
 
 
 @recursive

@@ -1,9 +1,11 @@
 """Lanes under a law with recurrences: steps of the Taylor method, and which method goes next.
 
-The Taylor method is the faster one where the motion is not stiff: where a step that is accurate is
-no longer than a few times the time in which v, or a state, relaxes.  Each slider takes the steps
+The Taylor method is the faster one where the motion is not stiff: where the fastest rate of the
+equations is no faster than what a step, to be accurate, has to follow.  Each slider takes the steps
 that suit it.
 """
+
+import math
 
 from . import lanes as L
 from . import rows as R
@@ -14,22 +16,27 @@ from .step_control import step_size
 from .taylor import coefficients, ends, integrals, longest, powers
 from .tuples import largest, read_rows, store_each, total, write_rows
 
-#: The longest step of the Taylor method, in relaxation times: of order 12 it is stable up to 5.8.
+# Steps of either method are measured by the fastest rate of the equations.
+#: The longest step of the Taylor method: of order 12 it is stable up to 5.8 where that rate is one
+#: of decay.
 STABLE = 4.0
-#: Rodas5P goes on where accuracy alone would allow a step so many times longer, or where it would
-#: allow a longer one for more steps in a row,
-STIFF, PATIENCE = 3.0, 8.0
-#: and the Taylor method where the next step of Rodas5P is shorter than this, in relaxation times.
+#: Rodas5P takes over where accuracy alone would allow a step so many times longer than that.
+STIFF = 3.0
+#: It also does where accuracy has allowed a longer one so many times in a row.
+PATIENCE = 8.0
+#: The Taylor method takes over where the next step of Rodas5P is shorter than this.
 CALM = 2.0
+#: Powers of rates beyond this, or below its inverse, would be no numbers: at rest, say.
+FASTEST = 1e20
 
 
 @inlined
-def relaxation_rate(y, w, e, system):
-    """The rate at which v relaxes, or the fastest of the states: the larger."""
-    law, _, eta0, p = system
+def fastest_rate(y, w, e, system):
+    """The fastest of these: how v relaxes, how each state does, how the slider vibrates."""
+    law, kappa, eta0, p = system
     S_v, _ = law.stress_slopes(y[1], w, y[2:], e, p)
     _, f_psi = law.rate_partials(y[1], w, y[2:], e, p)
-    return max(abs(S_v) / (eta0 * w), largest(f_psi))
+    return max(max(abs(S_v) / (eta0 * w), math.sqrt(kappa / eta0)), largest(f_psi))
 
 
 @inlined
@@ -40,8 +47,8 @@ def try_step(s, l, law):
     _, kappa, eta0, p = system = L.system_of(s, l, law)
     load_point = s[R.W_LP + l], s[R.RAMP + l]
     c, rates_of_work = coefficients(law, y, w, e, *load_point, kappa, eta0, p)
-    accurate = longest(c, s[R.TOLERANCE + l])
-    stable = STABLE / relaxation_rate(y, w, e, system)
+    accurate = longest(c, s[R.TOLERANCE + l], math.sqrt(kappa * eta0) * w)
+    stable = STABLE / fastest_rate(y, w, e, system)
     h = accurate if accurate < stable else stable
     h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     store_each(s, rows.c, l, c)
@@ -54,7 +61,7 @@ def try_step(s, l, law):
     load, friction = integrals(rates_of_work, h_powers)
     s[R.D_LOAD + l], s[R.D_FRICTION + l] = h * load, h * friction
     ok = abs(total(y_new)) < 1e300
-    stable = STABLE / relaxation_rate(y_new, w_new, e_new, system) if ok else stable
+    stable = STABLE / fastest_rate(y_new, w_new, e_new, system) if ok else stable
     limited = s[R.LIMITED + l] + 1.0 if accurate > stable else 0.0
     stiff = (accurate > STIFF * stable) | (limited > PATIENCE) | (not ok)
     s[R.LIMITED + l] = 0.0 if stiff else limited
@@ -68,7 +75,8 @@ def find_calm(s, l, law):
     """Set CHANGES: whether, after a step of Rodas5P, the next one is not too long for Taylor's."""
     rows, system = rows_of(law), L.system_of(s, l, law)
     y, e = read_rows(s, rows.y_new, l), read_rows(s, rows.e_new, l)
-    calm = s[R.H_NEXT + l] * relaxation_rate(y, s[R.W_NEW + l], e, system) < CALM
+    rate = fastest_rate(y, s[R.W_NEW + l], e, system)
+    calm = (s[R.H_NEXT + l] * rate < CALM) & (rate < FASTEST) & (rate > 1.0 / FASTEST)
     s[R.CHANGES + l] = 1.0 if calm & (s[R.OK + l] > 0.0) else 0.0
 
 
