@@ -46,7 +46,7 @@ def test_where_a_step_has_its_extreme(roots, at, sign):
 
 @njit
 def crossing(c, w_lp, dw, log_w_lp):
-    return extremes.crossing_of_v(c, w_lp, dw, log_w_lp)
+    return extremes.crossing_of_v(c, (w_lp, dw, log_w_lp), 0.0, 1.0)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

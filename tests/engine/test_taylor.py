@@ -368,3 +368,23 @@ def test_sliders_that_change_their_method_in_one_batch():
         for name in names:
             expected = float(one[name])
             assert float(many[name][i]) == pytest.approx(expected, rel=2e-6, abs=1e-9), name
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("method", ["auto", "rodas5p"])
+def test_no_return_is_missed(method, seed):
+    """V may rise above V_lp and fall below it again within a step, as it does in transients."""
+    rng = np.random.default_rng(seed)
+    a, b, Dc, sigma, V = 0.005, 0.0005, 1e-5, 1e6, 1e-5
+    K, M = 25.0 * a * sigma / Dc, 0.02 * a * sigma * Dc / V**2
+    slider = rs.SpringSlider(a=a, b=b, Dc=Dc, sigma=sigma, K=K, M=M, law="prz")
+    loading = rs.Loading.constant(V)
+    for k in range(12):
+        loading = loading.ramp(1.0 + 2.2 * k, V * rng.uniform(0.2, 3.0), 2.0)
+    times = np.linspace(0.0, 30.0, 60_001)
+    exact = rs.simulate(slider, loading, 30.0, V_start=0.9 * V, times=times, rtol=1e-11)
+    above = (exact.V >= exact.V_load).values
+    returns = int((~above[:-1] & above[1:]).sum()) - 1
+    run = rs.simulate(slider, loading, 30.0, V_start=0.9 * V, times=[30.0], method=method)
+    assert returns > 8
+    assert int(run.cycles) == returns

@@ -5,7 +5,8 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 """
 
 from . import rows as R
-from .dense_output import components, polynomial
+from .dense_output import components, polynomial, polynomials
+from .equations import speed_alone
 from .extremes import (
     FRICTION,
     INERTIAL_FORCE,
@@ -63,20 +64,34 @@ def outrun(s, l, law):
 
 
 @inner
+def cross(s, l, law, c, rises, low, high):
+    """Record that V crosses V_lp from low to high in the step: a maximum of stress if it rises."""
+    p, h = read_rows(s, rows_of(law).p, l), s[R.H_USED + l]
+    load = s[R.W_LP + l], h * s[R.RAMP + l], s[R.LOG_W_LP + l]
+    at = crossing(c, load, law, p, low, high)
+    if rises:
+        close_cycle(s, l, law, s[R.T_LOW + l] + at * h, polynomial(c[0], at))
+    else:
+        s[R.X_LOW + l] = polynomial(c[0], at)
+
+
+@inner
 def handle_events(s, l, law):
     """Everything of interest in the lane's accepted step, before it is committed."""
-    c = components(s, l, law)
-    h, w_lp = s[R.H_USED + l], s[R.W_LP + l]
-    dw = h * s[R.RAMP + l]
+    c, p = components(s, l, law), read_rows(s, rows_of(law).p, l)
+    w_lp, dw = s[R.W_LP + l], s[R.H_USED + l] * s[R.RAMP + l]
+    at = -1.0  # where V is extreme
     if s[R.OBSERVE + l] > 0.0:
-        observe(s, l, law, c)
-    rises = s[R.W_NEW + l] >= w_lp + dw
-    if (s[R.W + l] < w_lp) == rises:
-        p = read_rows(s, rows_of(law).p, l)
-        at = crossing(c, w_lp, dw, s[R.LOG_W_LP + l], law, p)
-        if rises:
-            close_cycle(s, l, law, s[R.T_LOW + l] + at * h, polynomial(c[0], at))
-        else:
-            s[R.X_LOW + l] = polynomial(c[0], at)
+        at = observe(s, l, law, c)
+    elif s[R.GRAZES + l] > 0.0:
+        at, _ = extreme_speed(c, law, p)
+    above = s[R.W_NEW + l] >= w_lp + dw
+    if (s[R.W + l] < w_lp) == above:
+        cross(s, l, law, c, above, 0.0, 1.0)
+    elif at > 0.0:
+        w, _ = speed_alone(polynomials(c, at), law, p)
+        if (w < w_lp + dw * at) == above:  # there and back
+            cross(s, l, law, c, not above, 0.0, at)
+            cross(s, l, law, c, above, at, 1.0)
     if beyond_limit(s, l, law):
         outrun(s, l, law)

@@ -20,24 +20,24 @@ CONVERGED = 1e-9
 
 
 @inner
-def crossing_of_v(c, w_lp, dw, log_w_lp):
-    """Where in 0..1 the polynomial c of v is ln(w_lp + dw s), which the caller has seen it cross.
+def crossing_of_v(c, load, low, high):
+    """Where from low to high the polynomial c of v is ln(w_lp + dw s), of speeds > 0.
 
-    w_lp, dw : speed at the start of the step, > 0 at any s, and its change in the step
-    log_w_lp : ln(w_lp), used where dw = 0
+    load : as of `crossing`
     """
-    low, high = 0.0, 1.0
-    start = c[0] - (log_w_lp if dw == 0.0 else math.log(w_lp))
-    end = polynomial(c, 1.0) - (log_w_lp if dw == 0.0 else math.log(w_lp + dw))
-    s = start / (start - end) if (start < 0.0) != (end < 0.0) else 0.5
+    w_lp, dw, log_w_lp = load
+    start = polynomial(c, low) - (log_w_lp if dw == 0.0 else math.log(w_lp + dw * low))
+    end = polynomial(c, high) - (log_w_lp if dw == 0.0 else math.log(w_lp + dw * high))
+    between = start / (start - end) if (start < 0.0) != (end < 0.0) else 0.5
+    s = low + (high - low) * between
     for _ in range(60):
-        load = w_lp + dw * s
-        value = polynomial(c, s) - (log_w_lp if dw == 0.0 else math.log(load))
+        speed = w_lp + dw * s
+        value = polynomial(c, s) - (log_w_lp if dw == 0.0 else math.log(speed))
         if (value < 0.0) == (start < 0.0):
             low = s
         else:
             high = s
-        slope = derivative(c, s) - dw / load
+        slope = derivative(c, s) - dw / speed
         new = s - value / slope if slope != 0.0 else 2.0
         if not low < new < high:
             new = 0.5 * (low + high)
@@ -114,18 +114,17 @@ def of_step(what, s, c, of, law, p):
 
 
 @inner
-def root(what, c, of, law, p):
-    """Where in 0..1 the second of what `of_step` gives vanishes, and the first there.
+def root(what, c, of, law, p, low, high):
+    """Where from low to high the second of what `of_step` gives vanishes, and the first there.
 
     By regula falsi (Illinois).  Where it has one sign at both ends, the end where it is smaller in
     size.
     """
-    low, high = 0.0, 1.0
     first, at_low = of_step(what, low, c, of, law, p)
     here, at_high = of_step(what, high, c, of, law, p)
     if (at_low < 0.0) == (at_high < 0.0):
-        return (0.0, first) if abs(at_low) < abs(at_high) else (1.0, here)
-    side, s, last = 0, 1.0, 2.0
+        return (low, first) if abs(at_low) < abs(at_high) else (high, here)
+    side, s, last = 0, high, 2.0
     for _ in range(100):
         s = (low * at_high - high * at_low) / (at_high - at_low)
         here, off = of_step(what, s, c, of, law, p)
@@ -149,7 +148,7 @@ def extreme_value(c, parts, h, law, p):
 
     h : length of the step, at the start of which the coefficients are p
     """
-    return root(FORCE, c, (parts, h), law, p)[1]
+    return root(FORCE, c, (parts, h), law, p, 0.0, 1.0)[1]
 
 
 @inner
@@ -159,12 +158,13 @@ def extreme_speed(c, law, p):
 
 
 @inner
-def crossing(c, w_lp, dw, log_w_lp, law, p):
-    """Where in 0..1 the speed is that of the load point, which the caller has seen it cross.
+def crossing(c, load, law, p, low, high):
+    """Where from low to high the speed is the load point's, which the caller has seen it cross.
 
-    w_lp, dw, log_w_lp : as of `crossing_of_v`
+    load : the load point's speed at the start of the step, its change in the step, and, if that is
+        0, the logarithm of the speed
     """
-    return _crossing(backward(c, law, p), c, w_lp, dw, log_w_lp, law, p)
+    return _crossing(backward(c, law, p), c, load, law, p, low, high)
 
 
 @inlined
@@ -179,11 +179,11 @@ def _extreme_speed(back, c, law, p):
     if len(back) == 0:
         at = extreme(c[1])
         return at, polynomial(c[1], at)
-    return root(SPEED, c, (), law, p)
+    return root(SPEED, c, (), law, p, 0.0, 1.0)
 
 
 @recursive
-def _crossing(back, c, w_lp, dw, log_w_lp, law, p):
+def _crossing(back, c, load, law, p, low, high):
     if len(back) == 0:
-        return crossing_of_v(c[1], w_lp, dw, log_w_lp)
-    return root(LEAD, c, (w_lp, dw), law, p)[0]
+        return crossing_of_v(c[1], load, low, high)
+    return root(LEAD, c, load[:2], law, p, low, high)[0]

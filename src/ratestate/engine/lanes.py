@@ -82,6 +82,15 @@ def saves(s, l):
 
 
 @inlined
+def nears_load_point(s, l, law):
+    """Whether V, at the rate of the step's start, comes up to V_lp within the step."""
+    rows = rows_of(law)
+    y, p = read_rows(s, rows.y, l), read_rows(s, rows.p, l)
+    gap, g = s[R.W_LP + l] - s[R.W + l], y[0] - law.stress_in_v(y[1], s[R.W + l], y[2:], p)
+    return (gap * g > 0.0) & (abs(gap) * s[R.ETA0 + l] < abs(g) * s[R.H_USED + l])
+
+
+@inlined
 def steadies(s, l, law):
     """Whether the step ends within the lane's tolerance of steady sliding.
 
@@ -107,9 +116,11 @@ def has_event(s, l, law):
     w_lp = s[R.W_LP + l]
     crosses = (s[R.W + l] < w_lp) != (s[R.W_NEW + l] < w_lp + s[R.H_USED + l] * s[R.RAMP + l])
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
+    grazes = v_extremum & nears_load_point(s, l, law)
+    s[R.GRAZES + l] = 1.0 if grazes else 0.0
     extreme = (v_extremum | g_extremum | f_extremum | xf_extremum) & (s[R.OBSERVE + l] > 0.0)
     runs_away = beyond_limit(s, l, law)
-    flag = crosses | extreme | saves(s, l) | steadies(s, l, law) | runs_away
+    flag = crosses | grazes | extreme | saves(s, l) | steadies(s, l, law) | runs_away
     flag = flag | (s[R.EVERY_STEP + l] > 0.0)
     s[R.CALL + l] = 1.0 if (s[R.OK + l] > 0.0) & flag else 0.0
 
@@ -228,9 +239,8 @@ def advance(s, law, n):
     """Try one step in the first n lanes, accept or reject it, and see whether it holds events.
 
     n is `LANES`, half of them, or 1 for a slider alone, which the loops' scalar remainder then
-    takes; a length
-    known at compile time would get the loops unrolled.  They are three since LLVM vectorises
-    each but not their union.
+    takes; a length known at compile time would get the loops unrolled.  They are three since LLVM
+    vectorises each but not their union.
     """
     for l in range(n):
         try_step(s, l, law)

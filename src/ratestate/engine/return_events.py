@@ -111,7 +111,7 @@ def record_waveform(s, l, law, c):
     part = 1.0 if slow else 0.0
     if slow != slow_before:
         p = read_rows(s, rows_of(law).p, l)
-        at = crossing(c, SLOW_BELOW, 0.0, LOG_SLOW_BELOW, law, p)
+        at = crossing(c, (SLOW_BELOW, 0.0, LOG_SLOW_BELOW), law, p, 0.0, 1.0)
         part = 1.0 - at if slow else at
     s[R.SLOW + l] += part * h
     pace = 2.0 * math.pi / s[R.GUESS + l]
@@ -142,7 +142,7 @@ def handle_events(s, l, law):
     rises = s[R.W_NEW + l] >= 1.0
     if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
         p = read_rows(s, rows_of(law).p, l)
-        at = max(crossing(c, 1.0, 0.0, 0.0, law, p), NEAREST)
+        at = max(crossing(c, (1.0, 0.0, 0.0), law, p, 0.0, 1.0), NEAREST)
         s[R.H_PLANNED + l] = s[R.H_NEXT + l]
         s[R.H_NEXT + l] = s[R.LANDING_STEP + l] = at * s[R.H_USED + l]
         s[R.EVERY_STEP + l], s[R.OK + l] = 1.0, 0.0

@@ -14,7 +14,7 @@ from .recurrences import ORDER, has_recurrences
 
 LANES = 16
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-COMMON_ROWS = 75
+COMMON_ROWS = 76
 
 # fmt: off
 (
@@ -30,7 +30,8 @@ COMMON_ROWS = 75
     X_1, V_1, X_2, V_2, X_3, V_3,           # its dense output
     D_LOAD, D_FRICTION,                     # its works
     ERROR, H_USED, H_NEXT, MEMORY_NEW,      # for step control
-    OK, CALL, BAD, BREAK,                   # 1 if accepted; eventful; not finite; at a break
+    OK, CALL, BAD, BREAK,                   # 1 if accepted; eventful; not finite; at a break;
+    GRAZES,                                 # where V may reach V_lp and turn back
     TAYLOR, CHANGES,                        # 1 where steps are Taylor's; where the next is of the
     LIMITED,                                # other method; steps in a row cut short to be stable
     LOAD_WORK, DISSIPATION,                 # accumulated works
