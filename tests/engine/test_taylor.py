@@ -370,7 +370,7 @@ def test_sliders_that_change_their_method_in_one_batch():
             assert float(many[name][i]) == pytest.approx(expected, rel=2e-6, abs=1e-9), name
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("method", ["auto", "rodas5p"])
 def test_no_return_is_missed(method, seed):
     """V may rise above V_lp and fall below it again within a step, as it does in transients."""
@@ -385,6 +385,8 @@ def test_no_return_is_missed(method, seed):
     exact = rs.simulate(slider, loading, 30.0, V_start=0.9 * V, times=times, rtol=1e-11)
     above = (exact.V >= exact.V_load).values
     returns = int((~above[:-1] & above[1:]).sum()) - 1
-    run = rs.simulate(slider, loading, 30.0, V_start=0.9 * V, times=[30.0], method=method)
+    run = rs.simulate(
+        slider, loading, 30.0, V_start=0.9 * V, times=[30.0], rtol=1e-9, method=method
+    )
     assert returns > 8
     assert int(run.cycles) == returns
