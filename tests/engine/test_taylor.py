@@ -383,7 +383,7 @@ def test_no_return_is_missed(method, seed):
         loading = loading.ramp(1.0 + 2.2 * k, V * rng.uniform(0.2, 3.0), 2.0)
     times = np.linspace(0.0, 30.0, 60_001)
     exact = rs.simulate(slider, loading, 30.0, V_start=0.9 * V, times=times, rtol=1e-11)
-    above = (exact.V >= exact.V_load).values
+    above = (exact.V_load <= exact.V).values
     returns = int((~above[:-1] & above[1:]).sum()) - 1
     run = rs.simulate(
         slider, loading, 30.0, V_start=0.9 * V, times=[30.0], rtol=1e-9, method=method
