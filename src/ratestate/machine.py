@@ -41,7 +41,7 @@ def _quotas():
 
 
 #: bytes that any process has, so that for less the system need not be asked
-AMPLE = 1e6
+AMPLE = 1e3
 
 
 def memory():

@@ -8,8 +8,8 @@ from .jit import inner
 from .rows import rows_of
 from .tuples import read_rows, write
 
-#: points of a path in a step of the Taylor method, which alone are too few to draw it
-POINTS = 4
+#: points of a path in a step of the Taylor method: its ends are too few to draw or to interpolate
+POINTS = 8
 
 
 @inner

@@ -70,7 +70,7 @@ def simulate(
     times : array_like or DataArray, optional
         Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
         differ): 1-D, or a DataArray with the dimension ``time`` and those of the sweep.  By
-        default the solver's own steps for one slider, with three times more inside those of Taylor
+        default the solver's own steps for one slider, with seven times more inside those of Taylor
         series, and the final state for a sweep.
     rtol : float
         Error allowed in a step, in tau/(a sigma), ln V and ln theta: 1e-13 to 0.1, by default
