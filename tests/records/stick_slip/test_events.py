@@ -85,10 +85,10 @@ HONEST = {
     "stress_drop": (0.25, (0.58, 0.78), (0.90, 0.99)),
     "tau_max": (0.25, (0.58, 0.80), (0.90, 0.99)),
     "tau_min": (0.25, (0.58, 0.80), (0.90, 0.99)),
-    "event_time": (0.25, (0.58, 0.74), (0.90, 0.99)),
+    "event_time": (0.25, (0.58, 0.80), (0.90, 0.99)),
     "recurrence": (0.15, (0.66, 0.84), (0.90, 0.99)),
-    "event_start": (0.42, (0.66, 0.84), (0.90, 0.985)),
-    "event_end": (0.42, (0.66, 0.84), (0.90, 0.985)),
+    "event_start": (0.52, (0.66, 0.84), (0.90, 0.985)),
+    "event_end": (0.52, (0.66, 0.84), (0.90, 0.985)),
     "duration": (0.45, (0.66, 0.84), (0.90, 0.985)),
     "slip": (0.4, (0.70, 0.86), (0.92, 0.99)),
 }
@@ -119,7 +119,10 @@ def errors_over_their_estimates(drawn):
 
 @pytest.mark.parametrize("name", HONEST)
 def test_errors_of_noisy_records_are_honest(errors_over_their_estimates, name):
-    """Stresses unbiased, times outwards by 0.3 errors; benchmarks/events.py has 200 sliders."""
+    """Stresses unbiased, times outwards by 0.3 errors; benchmarks/events.py has 200 sliders.
+
+    Where in a period a record begins hangs on the solver's steps: bounds are three standard errors.
+    """
     z = errors_over_their_estimates[name]
     z = z[np.isfinite(z)]  # (the first event has no recurrence)
     bias, *parts = HONEST[name]
