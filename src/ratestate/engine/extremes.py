@@ -19,25 +19,30 @@ WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
 CONVERGED = 1e-9
 
 
+@inlined
+def v_ahead(c, load, s):
+    """How far the polynomial c of v is above the load point's at s; load : as of `crossing`."""
+    w_lp, dw, log_w_lp = load
+    return polynomial(c, s) - (log_w_lp if dw == 0.0 else math.log(w_lp + dw * s))
+
+
 @inner
 def crossing_of_v(c, load, low, high):
     """Where from low to high the polynomial c of v is ln(w_lp + dw s), of speeds > 0.
 
     load : as of `crossing`
     """
-    w_lp, dw, log_w_lp = load
-    start = polynomial(c, low) - (log_w_lp if dw == 0.0 else math.log(w_lp + dw * low))
-    end = polynomial(c, high) - (log_w_lp if dw == 0.0 else math.log(w_lp + dw * high))
+    w_lp, dw, _ = load
+    start, end = v_ahead(c, load, low), v_ahead(c, load, high)
     between = start / (start - end) if (start < 0.0) != (end < 0.0) else 0.5
     s = low + (high - low) * between
     for _ in range(60):
-        speed = w_lp + dw * s
-        value = polynomial(c, s) - (log_w_lp if dw == 0.0 else math.log(speed))
+        value = v_ahead(c, load, s)
         if (value < 0.0) == (start < 0.0):
             low = s
         else:
             high = s
-        slope = derivative(c, s) - dw / speed
+        slope = derivative(c, s) - dw / (w_lp + dw * s)
         new = s - value / slope if slope != 0.0 else 2.0
         if not low < new < high:
             new = 0.5 * (low + high)

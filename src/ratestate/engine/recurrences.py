@@ -8,10 +8,24 @@ from .series import Graph, NotASeries, code
 ORDER = 12
 
 
+@functools.cache
 def source(law):
     """The body of `coefficients` under a law; NotASeries where it has no recurrences."""
     graph = Graph()
     unknowns = [graph.unknown(f"y[{i}]") for i in range(2 + len(law.states))]
+    try:
+        derivatives, integrands = equations(law, graph, unknowns)
+    except Exception as error:  # (where it gets no numbers, a law of a user may raise anything)
+        raise NotASeries(f"the law {law.name}") from error
+    lines, of_y, of_works = code(
+        graph, dict(zip(unknowns, derivatives, strict=True)), integrands, ORDER
+    )
+    tuples = [", ".join(f"({', '.join(names)})" for names in group) for group in (of_y, of_works)]
+    return [*lines, f"return ({tuples[0]}), ({tuples[1]})"]
+
+
+def equations(law, graph, unknowns):
+    """Derivatives in T of x, v and each psi, and the powers of `works`: `Series`."""
     x, v, psi = unknowns[0], unknowns[1], tuple(unknowns[2:])
     p = tuple(graph.name(f"p[{i}]") for i in range(law.n_coefficients))
     w, w_lp = graph.exp(v, "w"), graph.line("w_lp", "ramp")
@@ -23,19 +37,13 @@ def source(law):
     stress = law.stress_in_v(v, w, psi, p)
     rates = law.rates_in_v(v, w, psi, e, p)
     derivatives = [graph.name("kappa") * (w_lp - w), (x - stress) * response, *rates]
-    integrands = [x * w_lp, stress * w]
-    lines, of_y, of_works = code(
-        graph, dict(zip(unknowns, map(graph.series, derivatives), strict=True)), integrands, ORDER
-    )
-    tuples = [", ".join(f"({', '.join(names)})" for names in group) for group in (of_y, of_works)]
-    return [*lines, f"return ({tuples[0]}), ({tuples[1]})"]
+    return list(map(graph.series, derivatives)), [x * w_lp, stress * w]
 
 
-@functools.cache
 def has_recurrences(law):
     """Whether all that a law's equations hold has a rule."""
     try:
         source(law)
-    except Exception:  # (where it gets no numbers, a law of a user may raise anything)
+    except NotASeries:
         return False
     return True

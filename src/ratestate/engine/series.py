@@ -7,7 +7,6 @@ doi:10.1080/10586458.2005.10128904).  `code` writes these rules out, order by or
 straight line of arithmetic, which loops over lanes can vectorise.
 """
 
-import itertools
 import math
 
 #: of which the product is written out
@@ -26,7 +25,7 @@ class Series:
         self.is_constant = rule in ("number", "name") or (
             rule in ("sum", "product", "quotient") and all(one.is_constant for one in operands)
         )
-        self.name = graph.next_name()
+        self.name = f"s{len(graph.nodes)}"
 
     def __add__(self, other):
         return self.graph.sum(self, other)
@@ -73,11 +72,7 @@ class Graph:
     """The `Series` of some equations, each of them once, in the order in which they follow."""
 
     def __init__(self):
-        self.nodes, self.known, self._count = [], {}, itertools.count()
-
-    def next_name(self):
-        """A name for the next of the series."""
-        return f"s{next(self._count)}"
+        self.nodes, self.known = [], {}
 
     def series(self, x):
         """A number as a `Series`; one that is a `Series` as it is."""

@@ -233,9 +233,10 @@ def _array_to_si(symbol, array, label, bound):
                 f"{label} has a dimension called {dim!r}, which cannot name a sweep; "
                 f"rename it, for example xarray.DataArray(values, dims='{symbol}')"
             )
-    si = array.astype(float, keep_attrs=False).rename(symbol).assign_attrs(attrs(symbol))
+    si = array.astype(float, keep_attrs=False)
     if any(coordinate.attrs for coordinate in si.coords.values()):
-        si = si.drop_attrs().assign_attrs(attrs(symbol))
+        si = si.drop_attrs()
+    si = si.rename(symbol).assign_attrs(attrs(symbol))
     if unit is not None:
         try:
             factor = unit_factor(QUANTITIES[symbol].unit, str(unit))
