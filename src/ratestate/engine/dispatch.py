@@ -49,7 +49,7 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
 def _marcher(method, law, alone, queue, fixed):
     """The `_Worker` of a queue of cases that are marched by this method."""
     rows = R.rows_of(law)
-    taylor = method.taylor and len(rows.c) > 0
+    taylor = method.taylor and len(rows.c[0]) > R.OF_RODAS5P
     kernel = march if method.code is RODAS5P else march_im2017
     sets = SETS if taylor else 1
     return _Worker(kernel, rows.march_size, sets, (method.code, law, alone, taylor), queue, fixed)

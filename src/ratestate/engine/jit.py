@@ -6,6 +6,7 @@ nor sums associative.  What compiled code alone calls goes without all that only
 """
 
 import functools
+import inspect
 from typing import Any
 
 import numba
@@ -52,6 +53,31 @@ def recursive(function):
         return function
 
     return function
+
+
+def unrolled(lines):
+    """A function of tuples that is written out for their lengths, and inlined.
+
+    lines : the function, its arguments -> the lines of its body, which hang on lengths alone
+    """
+    name, arguments = lines.__name__, ", ".join(inspect.signature(lines).parameters)
+
+    def written_out(*given):
+        scope: dict[str, Any] = {}
+        body = "\n    ".join([f"def {name}({arguments}):", *lines(*given)])
+        exec(body, lines.__globals__, scope)
+        return scope[name]
+
+    @functools.wraps(lines)
+    def plain(*given):
+        return written_out(*given)(*given)
+
+    @_overload(plain, jit_options=INLINED)
+    @functools.wraps(lines)  # numba compares the arguments
+    def of_types(*given):
+        return written_out(*given)
+
+    return plain
 
 
 def kernel(function, name=None):

@@ -21,6 +21,7 @@ from .tuples import (
     read_rows,
     select,
     size_of,
+    store_each,
     write_rows,
 )
 
@@ -135,15 +136,13 @@ def system_of(s, l, law):
 def record(s, l, law, h, new, error, dense):
     """Put the outcome of a step into its rows.
 
-    new : y_new, w_new, e_new; error : tuple; dense : the dense output's K_1, K_2, K_3
+    new : y_new, w_new, e_new; error : tuple; dense : the dense output
     """
     rows = rows_of(law)
     write_rows(s, rows.y_new, l, new[0])
     s[R.W_NEW + l] = new[1]
     write_rows(s, rows.e_new, l, new[2])
-    write_rows(s, rows.y_1, l, dense[0])
-    write_rows(s, rows.y_2, l, dense[1])
-    write_rows(s, rows.y_3, l, dense[2])
+    store_each(s, rows.c, l, dense)
     s[R.H_USED + l] = h
     # (v is far larger at rest, and means nothing there)
     size = max(abs(new[0][0]), largest(new[0][2:]))
@@ -230,6 +229,12 @@ def assess(s, law, n):
     """Accept or reject the steps of the first n lanes, and see whether they hold events."""
     for l in range(n):
         control_step(s, l)
+    find_events(s, law, n)
+
+
+@lanewise
+def find_events(s, law, n):
+    """`has_event` in the first n lanes."""
     for l in range(n):
         has_event(s, l, law)
 

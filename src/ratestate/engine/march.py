@@ -168,7 +168,7 @@ def _march(
                 return True
             lanes, regroup = s[first : first + rows.march_size], False
         if method is None:
-            advance(rows.c, lanes, law, n, first > 0)
+            advance(rows.c[0], lanes, law, n, first > 0)
         else:
             for l in range(n):
                 if s[R.CASE + l] != IDLE:

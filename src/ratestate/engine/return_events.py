@@ -7,7 +7,7 @@ is as accurate as the steps are.
 import math
 
 from . import rows as R
-from .dense_output import components_of_rodas, polynomial
+from .dense_output import components, polynomial
 from .equations import exponentials_alone, inertial_force
 from .events import observe, outrun
 from .extremes import crossing
@@ -131,7 +131,7 @@ def record_waveform(s, l, law, c):
 @inner
 def handle_events(s, l, law):
     """Record what happens in the lane's step, or take it back, to end it at a crossing."""
-    c = components_of_rodas(s, l, law)
+    c = components(s, l, law)
     landing_step = s[R.LANDING_STEP + l]
     if landing_step > 0.0 and s[R.H_USED + l] >= landing_step:
         if s[R.OBSERVE + l] > 0.0:

@@ -131,17 +131,22 @@ def stages(k, powers, y, w_lp, dw, h, drift, system, start):
     # (only now: before the branches of `exponentials` no product could be fused with what it is
     # added to, and a slider alone would have other bits than in a lane)
     rest, drift_of_v = with_drift(times(1.0 / h, c), drift, k)
-    w_lp_here = w_lp + NODES[i] * dw
-    k_new = increment(u, at, w_lp_here, rest, drift_of_v, here, start)
-    power = works(u, at[0], w_lp_here, here)
+    k_new, power = stage(u, at, w_lp + NODES[i] * dw, rest, drift_of_v, here, start)
     if len(k) == 7:
         return (*k, k_new), (*powers, power), at
     return stages((*k, k_new), (*powers, power), y, w_lp, dw, h, drift, system, start)
 
 
 @inlined
+def stage(u, at, w_lp, rest, drift, system, start):
+    """What `increment` gives, and `works`."""
+    k = increment(u, at, w_lp, rest, drift, system, start)
+    return k, works(u, at[0], w_lp, system)
+
+
+@inlined
 def end_of_step(y, k, last, h, system):
-    """The state (y, w, e) at the end; whether v is held; the estimated error; K_1, K_2, K_3.
+    """The state (y, w, e) at the end; whether v is held; the estimated error; dense output.
 
     k : the eight increments; last : w, 1/c and e of the last stage
     """
@@ -149,7 +154,20 @@ def end_of_step(y, k, last, h, system):
     y_new, held = on_manifold(free, last[0], last[2], y[1], h, system)
     error = (k[7][0], k[7][1] + (y_new[1] - free[1]), *k[7][2:])
     w_new, _, e_new = exponentials(y_new, system[0], system[3])
-    return (y_new, w_new, e_new), held, error, (sum_of(H[0], k), sum_of(H[1], k), sum_of(H[2], k))
+    dense = dense_output(y, y_new, sum_of(H[0], k), sum_of(H[1], k), sum_of(H[2], k))
+    return (y_new, w_new, e_new), held, error, dense
+
+
+@recursive
+def dense_output(y0, y1, k1, k2, k3):
+    """Polynomials in the fraction of the step, each a tuple of coefficients, the constant first.
+
+    y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 (tableau.py)
+    """
+    if len(y0) == 0:
+        return ()
+    first = y0[0], (y1[0] - y0[0]) + k1[0], k2[0] - k1[0], k3[0] - k2[0], -k3[0]
+    return first, *dense_output(y0[1:], y1[1:], k1[1:], k2[1:], k3[1:])
 
 
 @inlined
@@ -166,7 +184,7 @@ def step(y, w, e, w_lp, ramp, h, system):
     -------
     new : y, w and e at the end
     error : estimated error of y (tuple)
-    dense : the dense output's K_1, K_2, K_3 (tuples)
+    dense : what `dense_output` gives
     load_work, dissipation : integrals of `works` over the step
     """
     law, _, _, p = system

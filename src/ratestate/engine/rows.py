@@ -13,8 +13,9 @@ from typing import NamedTuple
 from .recurrences import ORDER, has_recurrences
 
 LANES = 16
+OF_RODAS5P = 5  # coefficients of a polynomial over one of its steps
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-COMMON_ROWS = 76
+COMMON_ROWS = 70
 
 # fmt: off
 (
@@ -27,7 +28,6 @@ COMMON_ROWS = 76
     SAVE_AT, V_LIMIT, STEADY,               # next saved time, runaway ln w, steady-state tolerance
     OBSERVE, EVERY_STEP,                    # 1 where extremes are wanted; where each step is
     X_NEW, V_NEW, W_NEW,                    # the step's outcome
-    X_1, V_1, X_2, V_2, X_3, V_3,           # its dense output
     D_LOAD, D_FRICTION,                     # its works
     ERROR, H_USED, H_NEXT, MEMORY_NEW,      # for step control
     OK, CALL, BAD, BREAK,                   # 1 if accepted; eventful; not finite; at a break;
@@ -65,11 +65,9 @@ class LawRows(NamedTuple):
     e_new: tuple
     y: tuple  # before and after a step
     y_new: tuple
-    y_1: tuple  # its dense output
-    y_2: tuple
-    y_3: tuple
     steady: tuple  # y of steady sliding, from which STEADY is measured
-    c: tuple  # dense output of a Taylor step, a tuple for each of y; () without recurrences
+    c: tuple  # its dense output, coefficients of each of y: `ORDER` + 1 where the law has
+    # recurrences, else `OF_RODAS5P`
     # of a march: of each return, in turn, its stress maximum, the minimum before, how long it took;
     # these stay in the column HOME where the rest moves to another (lane_sets.py)
     highs: int
@@ -98,18 +96,18 @@ def rows_of(law):
     n = len(law.states)
     p, e, e_new = take(law.n_coefficients), take(law.n_kept), take(law.n_kept)
     history = law.history(p)
-    psi, psi_new, psi_1, psi_2, psi_3 = (take(n) for _ in range(5))
-    steady = take(2 + n)
+    psi, psi_new, steady = take(n), take(n), take(2 + n)
     kept = next(place)
     place = itertools.count(kept, LANES)
-    c = tuple(take(ORDER + 1) for _ in range(2 + n)) if has_recurrences(law) else ()
+    terms = ORDER + 1 if has_recurrences(law) else OF_RODAS5P
+    c = tuple(take(terms) for _ in range(2 + n))
     start, ring = next(place), RING * LANES
     place = itertools.count(start, LANES)
     z, z_new = (tuple(take(2 + n) for _ in range(n + 1)) for _ in range(2))
     early, x_low, v_high, v_low = (take(n + 1) for _ in range(4))
     return LawRows(
         *(p, history, e, e_new, (X, V, *psi), (X_NEW, V_NEW, *psi_new)),
-        *((X_1, V_1, *psi_1), (X_2, V_2, *psi_2), (X_3, V_3, *psi_3), steady, c),
+        *(steady, c),
         *(start, start + ring, start + 2 * ring),
         *(z, z_new, early, x_low, v_high, v_low),
         kept=kept,

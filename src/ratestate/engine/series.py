@@ -1,13 +1,15 @@
-"""Recurrences of Taylor coefficients, as code, from the formulas of a law.
+"""Taylor coefficients by recurrences, from the formulas of a law.
 
 The methods of a law are arithmetic.  Given `Series` instead of numbers they give the equations of
 motion as a graph of sums, products, quotients and exponentials, each of which has a rule by which
 its coefficient of order k in time follows from those of lower order (Moore 1966; Jorba & Zou 2005
-doi:10.1080/10586458.2005.10128904).  `code` writes these rules out, order by order, as one
-straight line of arithmetic, which loops over lanes can vectorise.
+doi:10.1080/10586458.2005.10128904).  `expand` goes through these rules, order by order, with any
+kind of numbers: those of code that is being compiled, too (llvm_numbers.py).
 """
 
+import functools
 import math
+import operator
 
 #: of which the product is written out
 LARGEST_POWER = 16
@@ -25,7 +27,6 @@ class Series:
         self.is_constant = rule in ("number", "name") or (
             rule in ("sum", "product", "quotient") and all(one.is_constant for one in operands)
         )
-        self.name = f"s{len(graph.nodes)}"
 
     def __add__(self, other):
         return self.graph.sum(self, other)
@@ -80,14 +81,14 @@ class Graph:
             return x
         if not isinstance(x, (int, float)) or not math.isfinite(x):
             raise NotASeries(f"{x!r}")
-        return self._node("number", repr(float(x)))
+        return self._node("number", float(x))
 
     def name(self, name):
-        """A constant that has this name in the code."""
+        """A constant that is known by this name."""
         return self._node("name", name)
 
     def unknown(self, name):
-        """A series whose first coefficient has this name; `code` is given its derivative."""
+        """A series whose first coefficient has this name; `expand` is given its derivative."""
         return self._node("unknown", name)
 
     def line(self, start, slope):
@@ -95,12 +96,12 @@ class Graph:
         return self._node("line", start, slope)
 
     def exp(self, x, start, rate=1.0):
-        """A series proportional to e**(rate x), whose first coefficient is the expression start."""
+        """A series proportional to e**(rate x), whose first coefficient is known by a name."""
         if x.is_constant:
             return self.name(start)
         if x.rule == "product" and x.operands[0].rule == "number":
             factor, x = x.operands
-            return self.exp(x, start, rate * float(factor.operands[0]))
+            return self.exp(x, start, rate * factor.operands[0])
         return self._node("exp", x, start, rate)
 
     def sum(self, x, y):
@@ -126,7 +127,7 @@ class Graph:
         return self._node("quotient", self.series(x), self.series(y))
 
     def _is(self, x, value):
-        return x.rule == "number" and float(x.operands[0]) == value
+        return x.rule == "number" and x.operands[0] == value
 
     def _node(self, rule, *operands):
         key = (rule, *(id(one) if isinstance(one, Series) else one for one in operands))
@@ -140,91 +141,117 @@ class Graph:
         """A node; a number where it is arithmetic of numbers."""
         of = [one for one in operands if isinstance(one, Series)]
         if of and rule in ("sum", "product") and all(one.rule == "number" for one in of):
-            x, y = (float(one.operands[0]) for one in of)
+            x, y = (one.operands[0] for one in of)
             return self.series(x + y if rule == "sum" else x * y)
         return Series(self, rule, *operands)
 
 
-def code(graph, derivatives, integrands, order):
-    """Lines (list of str) that compute coefficients up to an order, and names of these.
+def expand(derivatives, integrands, order, known):
+    """Coefficients up to an order of each unknown, and of each integrand up to one less.
+
+    Lists, in which None is a coefficient that is always 0.
 
     derivatives : dict unknown `Series` -> its derivative in time, a `Series`
-    integrands : `Series` whose coefficients are wanted up to one order less
-
-    The names are those of each unknown (tuple of order + 1), and of each integrand (of order).
+    integrands : `Series`
+    known : dict name -> number
     """
-    needed = _needed([*derivatives.values(), *integrands])
-    nodes = [one for one in graph.nodes if id(one) in needed]
-    lines = [f"{one.name} = {_constant(one)}" for one in nodes if one.is_constant]
-    lines += [f"{one.name}_0 = {one.operands[0]}" for one in derivatives]
-    exponents = {id(one.operands[0]): one.operands[0] for one in nodes if one.rule == "exp"}
-    slopes = {one.name: [""] for one in exponents.values()}  # names of j x_j, by j
+    found = _Expansion(known)
+    nodes = _needed([*derivatives.values(), *integrands])
     for k in range(order):
         for one in nodes:
-            if not one.is_constant and one.rule not in ("unknown", "line"):
-                lines.append(f"{one.name}_{k} = {_coefficient(one, k, slopes)}")
-                if one.name in slopes and k:
-                    slopes[one.name].append(f"{one.name}_slope_{k}")
-                    lines.append(f"{one.name}_slope_{k} = {float(k)!r} * {one.name}_{k}")
+            found.add(one, k)
         for unknown, derivative in derivatives.items():
-            value = _at(derivative, k)
-            slopes.setdefault(unknown.name, [""]).append(value)
-            lines.append(f"{unknown.name}_{k + 1} = {value or '0.0'} * {1.0 / (k + 1)!r}")
-    unknowns = [[f"{one.name}_{k}" for k in range(order + 1)] for one in derivatives]
-    return lines, unknowns, [[_at(one, k) or "0.0" for k in range(order)] for one in integrands]
+            found.add(unknown, 0)
+            found.add_slope(unknown, k + 1, found.at(derivative, k))
+    unknowns = [[found.at(one, k) for k in range(order + 1)] for one in derivatives]
+    return unknowns, [[found.at(one, k) for k in range(order)] for one in integrands]
 
 
 def _needed(series):
-    """The ids of those from which these follow, and of these."""
-    found, todo = set(), list(series)
-    while todo:
-        one = todo.pop()
-        if id(one) not in found:
-            found.add(id(one))
-            todo += [x for x in one.operands if isinstance(x, Series)]
+    """Those from which these follow, and these, each after those from which it follows."""
+    found = {}
+
+    def find(one):
+        if one not in found:
+            for operand in one.operands:
+                if isinstance(operand, Series):
+                    find(operand)
+            found[one] = True
+
+    for one in series:
+        find(one)
     return found
 
 
-def _constant(one):
-    """The expression of a constant."""
-    if one.rule in ("number", "name"):
-        return one.operands[0]
-    sign = {"sum": "+", "product": "*", "quotient": "/"}[one.rule]
-    return f"{one.operands[0].name} {sign} {one.operands[1].name}"
+class _Expansion:
+    """Coefficients of `Series`, as far as they are found; None is one that is always 0."""
 
+    def __init__(self, known):
+        self.known = known
+        self.c = {}  # (series, order) -> coefficient
+        self.slopes = {}  # (series, j) -> j times the coefficient of order j
+        self.inverses = {}  # series -> one over its first coefficient
 
-def _at(one, k):
-    """The coefficient of order k of a series as it is called in the code; "" where that is 0."""
-    if one.is_constant:
-        return "" if k else one.name
-    if one.rule == "line":
-        return one.operands[k] if k < 2 else ""
-    return f"{one.name}_{k}"
+    def at(self, one, k):
+        """The coefficient of order k of a series; 0 beyond those of constants and lines."""
+        return self.c.get((one, k))
 
+    def add(self, one, k):
+        """Find the coefficient of order k, after those of lower order, and of its operands."""
+        names = {"name": 1, "unknown": 1, "line": 2}.get(one.rule, 0)
+        if one.rule == "number" and k == 0:
+            self.c[one, 0] = one.operands[0]
+        elif k < names:
+            self.c[one, k] = self.known[one.operands[k]]
+        elif names == 0 and (k == 0 or not one.is_constant):
+            self.c[one, k] = getattr(self, f"_{one.rule}")(k, one, *one.operands)
 
-def _coefficient(one, k, slopes):
-    """The expression of the coefficient of order k; slopes : name -> names of j x_j, by j."""
-    if one.rule == "exp":
-        x, start, rate = one.operands
+    def add_slope(self, one, j, value):
+        """Let j times the coefficient of order j be this."""
+        self.slopes[one, j] = value
+        self.c[one, j] = _product(value, 1.0 / j)
+
+    def _slope(self, one, j):
+        if (one, j) not in self.slopes:
+            self.slopes[one, j] = _product(self.at(one, j), float(j))
+        return self.slopes[one, j]
+
+    def _exp(self, k, one, x, start, rate):
         if k == 0:
-            return start
+            return self.known[start]
         # k e_k = rate sum_j j x_j e_(k-j)
-        whole = _total((slopes[x.name][j], f"{one.name}_{k - j}") for j in range(1, k + 1))
-        return f"({whole}) * {rate / k!r}"
-    x, y = one.operands
-    if one.rule == "sum":
-        return " + ".join(filter(None, (_at(x, k), _at(y, k)))) or "0.0"
-    if one.rule == "product":
-        return _total((_at(x, j), _at(y, k - j)) for j in range(k + 1))
-    # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
-    less = "".join(f" - {one.name}_{j} * {_at(y, k - j)}" for j in range(k) if _at(y, k - j))
-    return f"({_at(x, k) or '0.0'}{less}) / {_at(y, 0)}"
+        pairs = [(self._slope(x, j), self.at(one, k - j)) for j in range(1, k + 1)]
+        return _product(_sum_of_products(pairs), rate / k)
+
+    def _sum(self, k, _, x, y):
+        return _sum([self.at(x, k), self.at(y, k)])
+
+    def _product(self, k, _, x, y):
+        return _sum_of_products([(self.at(x, j), self.at(y, k - j)) for j in range(k + 1)])
+
+    def _quotient(self, k, one, x, y):
+        if y not in self.inverses:
+            self.inverses[y] = 1.0 / self.at(y, 0)
+        # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
+        less = _sum([_product(self.at(one, j), self.at(y, k - j)) for j in range(k)])
+        if less is None:
+            return _product(self.at(x, k), self.inverses[y])
+        rest = self.at(x, k)
+        return _product(-less if rest is None else rest - less, self.inverses[y])
 
 
-def _total(pairs):
-    """The sum of products of factors that are not 0, those last that are known last."""
-    pairs = list(pairs)
+def _product(x, y):
+    return None if x is None or y is None else x * y
+
+
+def _sum(terms):
+    """Of those that are not 0, from the left."""
+    known = [one for one in terms if one is not None]
+    return functools.reduce(operator.add, known) if known else None
+
+
+def _sum_of_products(pairs):
+    """Those of factors known last come last."""
     middle = (len(pairs) - 1) / 2
     ordered = sorted(range(len(pairs)), key=lambda j: abs(j - middle))
-    known = [pairs[j] for j in ordered if all(pairs[j])]
-    return " + ".join(f"{x} * {y}" for x, y in known) or "0.0"
+    return _sum([_product(*pairs[j]) for j in ordered])

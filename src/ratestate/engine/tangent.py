@@ -185,7 +185,7 @@ def step(y, w, e, z, w_lp, h, system):
     new : y, w and e at the end
     z_new : the perturbations there
     error : estimated error of y (tuple)
-    dense : the dense output's K_1, K_2, K_3 (tuples)
+    dense : what `rodas5p.dense_output` gives
     trace : integral of the trace of J
     """
     law, _, _, p = system

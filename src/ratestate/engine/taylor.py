@@ -4,20 +4,24 @@ The polynomial of the step is its dense output too.  The step follows from the l
 (Jorba & Zou 2005 doi:10.1080/10586458.2005.10128904), and is never rejected.
 """
 
-import functools
 import math
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
+from numba import types
+from numba.core.cgutils import unpack_tuple
+from numba.extending import intrinsic, overload
 
+from . import recurrences
 from .exp import ROUND, exp
 from .functions import ROUND_BITS
-from .jit import INLINED, inlined, recursive
-from .recurrences import ORDER, source
-from .tuples import largest, of_each, product, times
+from .jit import INLINED, inlined, unrolled
+from .llvm_numbers import LLVMNumber
+from .recurrences import ORDER
+from .tuples import largest, pairwise_sums, product, product_each
 
 _overload: Any = overload  # (its declared arguments lack jit_options)
+_intrinsic: Any = intrinsic
 
 #: part of the tolerance that the last terms of a step may reach
 PART = 0.1
@@ -28,39 +32,62 @@ LN2 = math.log(2.0)
 OF_INTEGRAL = tuple(1.0 / (k + 1.0) for k in range(ORDER))
 
 
-@functools.cache
-def function_of(law):
-    """`coefficients` under a law."""
-    names: dict[str, Any] = {}
-    head = "def of_law(law, y, w, e, w_lp, ramp, kappa, eta0, p):"
-    exec("\n    ".join([head, *source(law)]), names)
-    return names["of_law"]
-
-
 def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
-    """Taylor coefficients in T of x, v and each psi, and of the powers of `works`: tuples.
+    """`recurrences.coefficients`: tuples of tuples."""
+    found = recurrences.coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p)
+    return tuple(tuple(tuple(one or 0.0 for one in c) for c in group) for group in found)
 
-    The latter have one term less.  Arguments as of `rodas5p.step`.
-    """
-    return function_of(law)(law, y, w, e, w_lp, ramp, kappa, eta0, p)
+
+@_intrinsic
+def _coefficients(typing_context, law, y, w, e, w_lp, ramp, kappa, eta0, p):
+    """As `coefficients`, as one straight line of arithmetic, which a loop can vectorise."""
+    polynomials = types.UniTuple(types.UniTuple(types.float64, ORDER + 1), len(y))
+    powers = types.UniTuple(types.UniTuple(types.float64, ORDER), 2)
+    result = types.Tuple((polynomials, powers))
+
+    def generate(context, builder, signature, arguments):
+        given = [
+            [LLVMNumber(builder, x) for x in unpack_tuple(builder, argument)]
+            if isinstance(kind, types.BaseTuple)
+            else LLVMNumber(builder, argument)
+            for kind, argument in zip(signature.args[1:], arguments[1:], strict=True)
+        ]
+        zero = LLVMNumber(builder, 0.0)
+        groups = [
+            context.make_tuple(
+                builder,
+                kind,
+                [
+                    context.make_tuple(builder, kind[0], [(x or zero).value for x in c])
+                    for c in group
+                ],
+            )
+            for kind, group in zip(result, recurrences.coefficients(law.law, *given), strict=True)
+        ]
+        return context.make_tuple(builder, result, groups)
+
+    return result(law, y, w, e, w_lp, ramp, kappa, eta0, p), generate
 
 
 @_overload(coefficients, jit_options=INLINED)
-def _coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
-    return function_of(law.law)
+def _compiled(law, y, w, e, w_lp, ramp, kappa, eta0, p):
+    return lambda law, y, w, e, w_lp, ramp, kappa, eta0, p: _coefficients(
+        law, y, w, e, w_lp, ramp, kappa, eta0, p
+    )
 
 
 @inlined
-def longest(c, tolerance, momentum):
+def longest(last, before, tolerance, momentum):
     """The step that the last two of coefficients allow, to 1 %.
 
+    last, before : of order `ORDER`, and one less, of x, v and each psi (tuples)
     momentum : how many times larger an error of v becomes one of x, if that is more than once:
         sqrt(kappa eta0) w, the amplitude in x of a free vibration of this speed
     """
     allowed = rough_log2(PART * tolerance)
     weight = momentum if momentum > 1.0 else 1.0
-    by_last = (allowed - rough_log2(largest_of(c, ORDER, weight))) * (1.0 / ORDER)
-    by_before = (allowed - rough_log2(largest_of(c, ORDER - 1, weight))) * (1.0 / (ORDER - 1))
+    by_last = (allowed - rough_log2(size(last, weight))) * (1.0 / ORDER)
+    by_before = (allowed - rough_log2(size(before, weight))) * (1.0 / (ORDER - 1))
     return exp(LN2 * (by_last if by_last < by_before else by_before))
 
 
@@ -72,49 +99,20 @@ def rough_log2(x):
 
 
 @inlined
-def largest_of(c, i, weight):
-    """The largest size of the i-th coefficients, that of v times a weight; `LEAST` at least."""
-    return max(max(abs(c[0][i]), weight * abs(c[1][i])), max(largest(of_each(c[2:], i)), LEAST))
+def size(y, weight):
+    """The largest size of x, v and each psi, that of v times a weight; `LEAST` at least."""
+    return max(max(abs(y[0]), weight * abs(y[1])), max(largest(y[2:]), LEAST))
 
 
-@recursive
-def powers(known, next_one):
-    """Powers of h from 0 to `ORDER`, or beyond.
-
-    known : the first 2**n of them; next_one : h**(2**n)
-    """
-    if len(known) > ORDER:
-        return known
-    return powers((*known, *times(next_one, known)), next_one * next_one)
-
-
-@recursive
-def ends(c, h):
-    """The values of polynomials at the end of a step, c_0 added last; h : its `powers`."""
-    if len(c) == 0:
-        return ()
-    return c[0][0] + dot_in_two(0.0, 0.0, c[0][1:], h[1:]), *ends(c[1:], h)
+@unrolled
+def powers(h):
+    """h**k for k from 0 to `ORDER`."""
+    lines = [f"h_{k} = h_{k // 2} * h_{k - k // 2}" for k in range(2, ORDER + 1)]
+    return ["h_0, h_1 = 1.0, h", *lines, f"return {', '.join(f'h_{k}' for k in range(ORDER + 1))}"]
 
 
 @inlined
 def integrals(c, h):
     """The integrals of polynomials over a step, over its length; h : its `powers`."""
-    return dots(c, product(OF_INTEGRAL, h))
-
-
-@recursive
-def dots(c, weights):
-    """The sum of each of tuples, weighed."""
-    if len(c) == 0:
-        return ()
-    return dot_in_two(0.0, 0.0, c[0], weights), *dots(c[1:], weights)
-
-
-@recursive
-def dot_in_two(even, odd, c, k):
-    """even + odd + sum_i c_i k_i for at least as many k as c, in two chains of half the length."""
-    if len(c) == 0:
-        return even + odd
-    if len(c) == 1:
-        return (even + c[0] * k[0]) + odd
-    return dot_in_two(even + c[0] * k[0], odd + c[1] * k[1], c[2:], k[2:])
+    weights = product(OF_INTEGRAL, h)
+    return pairwise_sums(product_each(c, weights))

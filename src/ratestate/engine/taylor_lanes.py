@@ -11,10 +11,11 @@ from . import lanes as L
 from . import rows as R
 from .equations import exponentials
 from .jit import inlined, inner, lanewise
+from .recurrences import ORDER
 from .rows import rows_of
 from .step_control import step_size
-from .taylor import coefficients, ends, integrals, longest, powers
-from .tuples import largest, read_rows, store_each, total, write_rows
+from .taylor import coefficients, integrals, longest, powers
+from .tuples import largest, of_each, pairwise_sums, product_each, read_rows, store_each, total, write_rows
 
 # Steps of either method are measured by the fastest rate of the equations.
 #: The longest step of the Taylor method: of order 12 it is stable up to 5.8 where that rate is one
@@ -47,13 +48,15 @@ def try_step(s, l, law):
     _, kappa, eta0, p = system = L.system_of(s, l, law)
     load_point = s[R.W_LP + l], s[R.RAMP + l]
     c, rates_of_work = coefficients(law, y, w, e, *load_point, kappa, eta0, p)
-    accurate = longest(c, s[R.TOLERANCE + l], math.sqrt(kappa * eta0) * w)
+    last, before = of_each(c, ORDER), of_each(c, ORDER - 1)
+    accurate = longest(last, before, s[R.TOLERANCE + l], math.sqrt(kappa * eta0) * w)
     stable = STABLE / fastest_rate(y, w, e, system)
     h = accurate if accurate < stable else stable
     h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
-    store_each(s, rows.c, l, c)
-    h_powers = powers((1.0, h), h * h)
-    y_new = ends(c, h_powers)
+    h_powers = powers(h)
+    dense = product_each(c, h_powers)
+    store_each(s, rows.c, l, dense)
+    y_new = pairwise_sums(dense)
     w_new, _, e_new = exponentials(y_new, law, p)
     write_rows(s, rows.y_new, l, y_new)
     write_rows(s, rows.e_new, l, e_new)
@@ -85,8 +88,7 @@ def advance_by_taylor(s, law, n):
     """Take a step by the Taylor method in the first n lanes, as `lanes.advance` does by Rodas5P."""
     for l in range(n):
         try_step(s, l, law)
-    for l in range(n):
-        L.has_event(s, l, law)
+    L.find_events(s, law, n)
 
 
 @lanewise
@@ -101,9 +103,9 @@ def advance_by_rodas5p(s, law, n):
 def advance(rows, s, law, n, taylor):
     """A step in the first n lanes, of the Taylor method or of Rodas5P.
 
-    rows : those of Taylor polynomials, () where there is Rodas5P alone
+    rows : those of the dense output of a variable: `OF_RODAS5P` where there is that alone
     """
-    if len(rows) == 0:
+    if len(rows) == R.OF_RODAS5P:
         L.advance(s, law, n)
     elif taylor:
         advance_by_taylor(s, law, n)

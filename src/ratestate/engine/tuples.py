@@ -1,21 +1,39 @@
 """Arithmetic on tuples of numbers, of any length, and their way into the lane buffer and out of it.
 
-The length of a tuple is known to the compiler, which leaves out what does not apply: so each of
-these is straight-line code in the end.  An index that is computed has to be unsigned, or a loop
-over lanes does not vectorise.  (`load_rows`, of arrays, is for no such loop.)
+The length of a tuple is known to the compiler, for which each of these is written out.  An index
+that is computed has to be unsigned, or a loop over lanes does not vectorise.  (`load_rows`, of
+arrays, is for no such loop.)
 """
 
-import numpy as np
+import numpy as np  # noqa: F401  (in what is written out)
 
-from .jit import inlined, inner, recursive
+from .jit import inlined, inner, unrolled
 
 
-@recursive
+def _lines(line, like):
+    """A line for each index # of a tuple, one at least."""
+    return [line.replace("#", str(i)) for i in range(len(like))] or ["pass"]
+
+
+def _each(item, like):
+    """Lines that return a tuple as long as another, of an item for each index #."""
+    return ["return ()" if len(like) == 0 else f"return ({', '.join(_lines(item, like))},)"]
+
+
+def _sum(term, like):
+    """Lines that return a sum of a term for each index #, from the left; 0 of none."""
+    return ["return 0.0" if len(like) == 0 else "return " + " + ".join(_lines(term, like))]
+
+
+def _onto(first, term, like):
+    """Lines that return a number, and a signed term for each index #, from the left."""
+    return [f"return {first}" + "".join(_lines(term, like) if len(like) > 0 else ())]
+
+
+@unrolled
 def full(like, value):
     """The value, as many times as a tuple has elements."""
-    if len(like) == 0:
-        return ()
-    return value, *full(like[1:], value)
+    return _each("value", like)
 
 
 @inlined
@@ -24,80 +42,71 @@ def zeros(like):
     return full(like, 0.0)
 
 
-@recursive
+@unrolled
 def plus(y, a, k):
     """y + a k."""
-    if len(y) == 0:
-        return ()
-    return y[0] + a * k[0], *plus(y[1:], a, k[1:])
+    return _each("y[#] + a * k[#]", y)
 
 
-@recursive
+@unrolled
 def times(a, k):
     """a k."""
-    if len(k) == 0:
-        return ()
-    return a * k[0], *times(a, k[1:])
+    return _each("a * k[#]", k)
 
 
-@inlined
+@unrolled
+def product(x, y):
+    """x_i y_i."""
+    return _each("x[#] * y[#]", x)
+
+
+@unrolled
 def dot(c, k):
     """sum_i c_i k_i, summed from the left."""
-    if len(c) == 0:
-        return 0.0
-    return dot_onto(c[0] * k[0], c[1:], k[1:])
+    return _sum("c[#] * k[#]", c)
 
 
-@recursive
+@unrolled
 def dot_onto(total, c, k):
     """total + sum_i c_i k_i, summed from the left."""
-    if len(c) == 0:
-        return total
-    return dot_onto(total + c[0] * k[0], c[1:], k[1:])
+    return _onto("total", " + c[#] * k[#]", c)
 
 
-@recursive
+@unrolled
+def minus_dot(total, c, k):
+    """total - sum_i c_i k_i, from the left."""
+    return _onto("total", " - c[#] * k[#]", c)
+
+
+@unrolled
 def total(k):
     """sum_i k_i, from the left."""
-    if len(k) == 0:
-        return 0.0
-    if len(k) == 1:
-        return k[0]
-    return total(k[:-1]) + k[-1]
+    return _sum("k[#]", k)
 
 
-@recursive
-def largest(k):
-    """max_i |k_i|; 0 of none."""
-    if len(k) == 0:
-        return 0.0
-    if len(k) == 1:
-        return abs(k[0])
-    return max(abs(k[0]), largest(k[1:]))
-
-
-@recursive
-def size_of(c, k):
-    """sum_i |c_i k_i|."""
-    if len(c) == 0:
-        return 0.0
-    return abs(c[0] * k[0]) + size_of(c[1:], k[1:])
-
-
-@recursive
+@unrolled
 def sum_of_sizes(k):
     """sum_i |k_i|."""
-    if len(k) == 0:
-        return 0.0
-    return abs(k[0]) + sum_of_sizes(k[1:])
+    return _sum("abs(k[#])", k)
 
 
-@recursive
+@unrolled
+def size_of(c, k):
+    """sum_i |c_i k_i|."""
+    return _sum("abs(c[#] * k[#])", c)
+
+
+@unrolled
+def largest(k):
+    """max_i |k_i|; 0 of none."""
+    return [f"return max(0.0, {', '.join(_lines('abs(k[#])', k))})" if len(k) else "return 0.0"]
+
+
+@unrolled
 def plus_sum(y, c, k):
     """y + sum_i c_i k_i for tuples k_i, as many as there are, summed from the left."""
-    if len(k) == 0:
-        return y
-    return plus_sum(plus(y, c[0], k[0]), c[1:], k[1:])
+    names = [line for i in range(len(k)) for line in (f"c_{i} = c[{i}]", f"k_{i} = k[{i}]")]
+    return names + _each("y[#]" + "".join(f" + c_{i} * k_{i}[#]" for i in range(len(k))), y)
 
 
 @inlined
@@ -106,45 +115,68 @@ def sum_of(c, k):
     return plus_sum(times(c[0], k[0]), c[1:], k[1:])
 
 
-@recursive
+@unrolled
+def dot_each(rows, k):
+    """The product of a matrix, a tuple of rows, with k."""
+    return _each("dot(rows[#], k)", rows)
+
+
+@unrolled
+def product_each(rows, k):
+    """The `product` of each of some tuples with k."""
+    return _each("product(rows[#], k)", rows)
+
+
+@unrolled
+def pairwise_sum(k):
+    """sum_i k_i of a tuple, of pairs and pairs of pairs, added to the first last."""
+    terms = [f"k[{i}]" for i in range(1, len(k))]
+    while len(terms) > 1:
+        pairs = [f"({a} + {b})" for a, b in zip(terms[::2], terms[1::2], strict=False)]
+        terms = pairs + terms[2 * len(pairs) :]
+    return [f"return {' + '.join(['k[0]', *terms])}"]
+
+
+@unrolled
+def pairwise_sums(rows):
+    """The `pairwise_sum` of each of some tuples."""
+    return _each("pairwise_sum(rows[#])", rows)
+
+
+@unrolled
+def of_each(rows, i):
+    """The i-th number of each of some tuples."""
+    return _each("rows[#][i]", rows)
+
+
+@unrolled
 def select(condition, x, y):
     """x where the condition is true, else y."""
-    if len(x) == 0:
-        return ()
-    first = x[0] if condition else y[0]
-    return first, *select(condition, x[1:], y[1:])
+    return _each("x[#] if condition else y[#]", x)
 
 
-@recursive
+@unrolled
 def read_rows(s, rows, l):
     """What stands in these rows of lane l."""
-    if len(rows) == 0:
-        return ()
-    return s[np.uintp(rows[0] + l)], *read_rows(s, rows[1:], l)
+    return _each("s[np.uintp(rows[#] + l)]", rows)
 
 
-@recursive
+@unrolled
 def write_rows(s, rows, l, values):
-    """Put values into these rows of lane l."""
-    if len(rows) > 0:
-        s[np.uintp(rows[0] + l)] = values[0]
-        write_rows(s, rows[1:], l, values[1:])
+    """Put values into these rows of lane l, or the first of them."""
+    return _lines("s[np.uintp(rows[#] + l)] = values[#]", values)
 
 
-@recursive
+@unrolled
 def load_each(s, rows, l):
     """What stands in these tuples of rows of lane l."""
-    if len(rows) == 0:
-        return ()
-    return read_rows(s, rows[0], l), *load_each(s, rows[1:], l)
+    return _each("read_rows(s, rows[#], l)", rows)
 
 
-@recursive
+@unrolled
 def store_each(s, rows, l, values):
     """Put tuples into these tuples of rows of lane l."""
-    if len(rows) > 0:
-        write_rows(s, rows[0], l, values[0])
-        store_each(s, rows[1:], l, values[1:])
+    return _lines("write_rows(s, rows[#], l, values[#])", rows)
 
 
 @inner
@@ -154,41 +186,7 @@ def load_rows(s, rows, l, values):
         s[rows[k] + l] = values[k]
 
 
-@recursive
-def minus_dot(total, c, k):
-    """total - sum_i c_i k_i, from the left."""
-    if len(c) == 0:
-        return total
-    return minus_dot(total - c[0] * k[0], c[1:], k[1:])
-
-
-@recursive
-def product(x, y):
-    """x_i y_i."""
-    if len(x) == 0:
-        return ()
-    return x[0] * y[0], *product(x[1:], y[1:])
-
-
-@recursive
-def dot_each(rows, k):
-    """The product of a matrix, a tuple of rows, with k."""
-    if len(rows) == 0:
-        return ()
-    return dot(rows[0], k), *dot_each(rows[1:], k)
-
-
-@recursive
-def of_each(rows, i):
-    """The i-th number of each of some tuples."""
-    if len(rows) == 0:
-        return ()
-    return rows[0][i], *of_each(rows[1:], i)
-
-
-@recursive
+@unrolled
 def write(out, start, values):
     """Put the numbers of a tuple into an array, from an index on."""
-    if len(values) > 0:
-        out[start] = values[0]
-        write(out, start + 1, values[1:])
+    return _lines("out[start + #] = values[#]", values)
