@@ -146,7 +146,7 @@ def _scipy(part, law):
     K, eta = sample(n, 3, ETA_SCIPY)
     exact = truth(listed(law, K, eta)) / [[1.0], [BASE.a]]
     system = one_length_system(law, K, np.full(n, 2.0), eta, np.full(n, np.inf))
-    points = find_attractors(system, steady_start(system), EXACT, False, None).u
+    points = find_attractors(system, steady_start(system), EXACT, None).u
     cases = [
         case_of(sliders(law, K[i], eta[i]), system.at([i]), points[i], T)
         for i, T in enumerate(exact[0])

@@ -57,7 +57,7 @@ class Problem:
         cases = self.cases(rtol, observe, dt)
         V_lp = self.batch.flat("V_lp")[:, None].copy()
         loads, none = Loads(np.zeros(1), V_lp, np.zeros_like(V_lp)), np.empty((1, 0))
-        return lambda: run_cases(method, self.law, cases, loads, none, self.which, self.n == 1)
+        return lambda: run_cases(method, self.law, cases, loads, none, self.which)
 
     def numbers(self):
         """(n, 6) kappa, beta, eta0, V0/Dc, V_lp/V0, law; (n, 3) x, v, psi at t = 0."""

@@ -62,7 +62,7 @@ def test_two_cycles_meet_there():
     eta = np.geomspace(1e-6, 0.12, 12)
     found = folds("aging", 2.0, eta)
     there = system("aging", found.kappa, 2.0, eta)
-    returns = return_map(there, state(there, found.u), 1e-12, alone=False)
+    returns = return_map(there, state(there, found.u), 1e-12)
     # G is stress over eta: weighed by it
     off = np.abs(returns.image - found.u) * np.stack([np.ones(12), eta], axis=1)
     assert off.max() < 1e-6
@@ -76,7 +76,7 @@ def test_cycles_are_reached_below_the_fold_only(eta):
     for factor, status in ((0.99, FINISHED), (1.01, STEADY_SLIDING)):
         here = system("aging", (1.0 + eta) * (1.0 + factor * width), 2.0, np.array([eta]))
         start = state(here, 1.3 * found.u)
-        assert find_attractors(here, start, 1e-6, True, lambda fraction: None).status == status
+        assert find_attractors(here, start, 1e-6, lambda fraction: None).status == status
 
 
 @pytest.mark.parametrize("eta", [1e-3, 0.05])
@@ -90,7 +90,7 @@ def test_a_small_unstable_cycle_parts_rest_from_vibration(eta):
     u = np.ones((1, 2))
     u *= r / small_amplitude(here, u)
     for size, status in ((0.5, STEADY_SLIDING), (0.95, STEADY_SLIDING), (1.05, FINISHED)):
-        assert find_attractors(here, state(here, size * u), 1e-6, True, None).status == status
+        assert find_attractors(here, state(here, size * u), 1e-6, None).status == status
 
 
 def test_the_strip_closes_at_the_bautin_point():
@@ -115,7 +115,7 @@ def test_slip_law_has_no_cycle_beside_stable_sliding(b_over_a):
     psi, v = rng.uniform(-15, 15, 150), rng.uniform(-15, 5, 150)
     here = system("slip", (b_over_a - 1.0) * (1.0 + eta) * (1.0 + above), b_over_a, eta)
     start = np.stack([v + b_over_a * psi + rng.normal(size=150), v, psi], axis=1)
-    found = find_attractors(here, start, 1e-6, False, lambda fraction: None)
+    found = find_attractors(here, start, 1e-6, lambda fraction: None)
     np.testing.assert_array_equal(found.status, STEADY_SLIDING)
 
 

@@ -124,7 +124,6 @@ def turns(law):
             system,
             state(system, u),
             RTOL,
-            alone=False,
             steady_tol=np.where(np.arange(7) == 4, 0.5, 0.0),
             period=np.linspace(3.0, 9.0, 7),
         )

@@ -21,7 +21,7 @@ def extreme(c):
 def from_derivative(*roots):
     """Coefficients, lowest first, of a polynomial whose derivative has these roots."""
     c = np.polynomial.Polynomial.fromroots(roots).integ().coef
-    return tuple(np.append(c, np.zeros(5 - len(c))))
+    return np.append(c, np.zeros(5 - len(c)))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -40,7 +40,7 @@ def from_derivative(*roots):
     ],
 )
 def test_where_a_step_has_its_extreme(roots, at, sign):
-    c = tuple(sign * x for x in from_derivative(*roots))
+    c = sign * from_derivative(*roots)
     assert extreme(c) == pytest.approx(at, abs=1e-13)
 
 
@@ -64,18 +64,18 @@ def test_where_a_step_crosses_the_speed_of_the_load_point(roots, at, sign):
     c = np.append(c, np.zeros(5 - c.size))
     c[0] += np.log(3.0)
     near = 1e-13 if len(set(roots)) == len(roots) else 1e-4  # rounding hides a flat crossing
-    assert crossing(tuple(c), 3.0, 0.0, np.log(3.0)) == pytest.approx(at, abs=near)
+    assert crossing(c, 3.0, 0.0, np.log(3.0)) == pytest.approx(at, abs=near)
 
 
 def test_a_crossing_from_where_the_middle_is_flat():
     """(s - 1/2)^3 - 0.027, in which Newton's method cannot begin."""
-    c = (-0.152, 0.75, -1.5, 1.0, 0.0)
+    c = np.array([-0.152, 0.75, -1.5, 1.0, 0.0])
     assert crossing(c, 1.0, 0.0, 0.0) == pytest.approx(0.8, abs=1e-13)
 
 
 def test_a_crossing_of_a_load_point_that_speeds_up():
     """From 0.01 below ln(2), v meets ln(2 + 2 s) at s = 1/2, where both are ln(3)."""
-    c = (np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0)
+    c = np.array([np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0])
     assert crossing(c, 2.0, 2.0, np.nan) == pytest.approx(0.5, abs=1e-12)
 
 
@@ -115,7 +115,7 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
         friction = v + p[0] * psi + (0.3 * np.exp(v) if isinstance(law, Viscous) else 0.0)
         stress = friction + (0.2 * np.exp(v) if damped else 0.0)
         force = parts[0] * x + parts[1] * stress + (parts[2] + parts[3]) * friction
-        found = extreme_value(tuple(map(tuple, c)), parts, h, law, p)
+        found = extreme_value(tuple(c), parts, h, law, p)
         rises = np.diff(force) > 0.0
         if rises[0] == rises[-1]:
             changes[0] += 1
@@ -145,7 +145,7 @@ def test_extreme_forces_where_normal_stress_varies(parts):
         ratio = 1.1 + 0.2 * h * s + 0.1 * np.sin(2.0 * np.pi * (0.3 + h * s))
         strength = ratio * (v + beta * psi) + (ratio - 1.0) * 3.0
         force = x + (parts[1] + parts[2]) * strength
-        found = extreme_value(tuple(map(tuple, c)), parts, h, law, p)
+        found = extreme_value(tuple(c), parts, h, law, p)
         rises = np.diff(force) > 0.0
         if rises[0] != rises[-1]:
             inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])

@@ -1,4 +1,4 @@
-"""The same bits wherever a slider marches: lane, batch, order, threads; alone within tolerance."""
+"""The same bits wherever a slider marches: lane, batch, order, threads, or alone."""
 
 import json
 import os
@@ -27,6 +27,7 @@ LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 NAMES = ["V", "theta", "tau", "delta", "mu", "status", "steps", "energy_residual", "V_max", "V_min"]
 NAMES += ["inertial_force", "mu_min", "reversal_margin", "outside_domain", "amplitude", "frequency"]
 NAMES += ["cycles"]
+TIMES = np.array([0.0, 0.4, 0.8])
 LOADING = rs.Loading.steps(1e-4, (0.02, 3e-3), (0.1, 0.0), (0.3, 1e-2))
 
 
@@ -44,7 +45,7 @@ def run(parameters, t_end, law="slip", pick=None):
     arrays = {k: xr.DataArray(v[pick], dims="case") for k, v in parameters.items()}
     slider = rs.SpringSlider(**arrays, Dc=1e-5, sigma=2e6, V0=1e-9, law=law)
     ends = xr.DataArray(t_end[pick], dims="case")
-    times = ends * xr.DataArray([0.0, 0.4, 0.8], dims="time")
+    times = ends * xr.DataArray(TIMES, dims="time")
     return rs.simulate(slider, LOADING, ends, times=times, rtol=1e-6)
 
 
@@ -63,7 +64,7 @@ def commit_often(s, law, h, n):
 def test_a_million_steps_lose_no_time():
     """Time is known to twice the digits of its first part: 1e6 steps of 0.1 are its 1e6-fold."""
     law = FORMULAS["aging"]
-    s = np.zeros(R.rows_of(law).march_size)
+    s = np.zeros(R.rows_of(law).size)
     commit_often(s, law, 0.1, 10**6)
     exact = 10**6 * Fraction(0.1)
     off = Fraction(s[R.T]) + Fraction(s[R.T_LOW]) - exact
@@ -138,7 +139,7 @@ def test_a_single_run_is_stopped_between_two_budgets(times):
 
 @LAWS
 def test_alone(reference, law):
-    """A single call takes the scalar path: other rounding, the same answer."""
+    """A slider in a call of its own."""
     parameters, t_end = cases(40)
     for i in range(40):
         batch = reference[law].isel(case=i)
@@ -150,11 +151,7 @@ def test_alone(reference, law):
             with pytest.raises(rs.SolverError):
                 rs.simulate(slider, LOADING, end)
             continue
-        one = rs.simulate(slider, LOADING, end, times=end * np.array([0.0, 0.4, 0.8]), rtol=1e-6)
-        np.testing.assert_allclose(np.log(one.V), np.log(batch.V), rtol=0, atol=1e-5)
-        np.testing.assert_allclose(np.log(one.theta), np.log(batch.theta), rtol=0, atol=1e-5)
-        np.testing.assert_allclose(one.tau, batch.tau, rtol=1e-6)
-        assert abs(int(one.steps) - int(batch.steps)) <= 2 + 0.01 * int(batch.steps)
+        same(rs.simulate(slider, LOADING, end, times=end * TIMES, rtol=1e-6), batch)
 
 
 @LAWS
@@ -247,4 +244,5 @@ def test_loops_over_lanes_are_vectorised(own):
     rs.limit_cycle(slider, 1e-2, rtol=1e-3)
     for kernel in (march, march_to_section):
         alone, vectors = kernel._cache.products[law]
-        assert vectors > 0.98 * alone > 490
+        assert vectors > 490
+        assert alone < 0.02 * vectors

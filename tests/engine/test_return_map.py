@@ -30,7 +30,7 @@ LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 def test_derivative_by_differences(law, eta):
     """Of the map, the period and the lowest stress; by differences of much finer returns."""
     system, y = random_sliders(law, 12, eta)
-    returns = return_map(system, y, 1e-9, alone=False)
+    returns = return_map(system, y, 1e-9)
     assert returns.came_back.all()
     assert np.abs(returns.jacobian[:, 0, 0]).max() > 1e-4  # there is something to see
     # eta d G is lost in the rounding of x where eta is small, and so is G
@@ -39,7 +39,7 @@ def test_derivative_by_differences(law, eta):
         d = 3e-5 * (np.abs(y).max(axis=1) if name == "a" else 1 / (1 + eta / 10))
         sizes = d * np.linspace(0.8, 1.2, 5)[:, None]  # on average rounding has less effect
         ends = [
-            [return_map(system, y + (e * along.T).T, 1e-12, alone=False) for e in (size, -size)]
+            [return_map(system, y + (e * along.T).T, 1e-12) for e in (size, -size)]
             for size in sizes
         ]
         found = [(returns.jacobian[:, 0, :], lambda end: end.image[:, 0])]
@@ -60,9 +60,9 @@ def test_derivative_by_differences(law, eta):
 def test_turns_follow_the_tolerance(law):
     """Errors of the section's next point and of the period: near the tolerance, on both sides."""
     system, y = random_sliders(law, 24)
-    exact = return_map(system, y, 1e-12, alone=False)
+    exact = return_map(system, y, 1e-12)
     for rtol in (1e-5, 1e-7, 1e-9):
-        found = return_map(system, y, rtol, alone=False)
+        found = return_map(system, y, rtol)
         off = np.abs(found.image[:, 0] - exact.image[:, 0]) / np.hypot(y[:, 0], y[:, 2])
         assert off.max() < 10 * rtol
         assert off.max() > 1e-2 * rtol  # the test is not blind
@@ -142,10 +142,10 @@ class Return:
 def test_derivative_of_smooth_cycles(law, parameters):
     """Against DOP853 through the variational equations: both multipliers, Liouville's product."""
     system = make_system(law, *parameters)
-    attractors = find_attractors(system, steady_start(system), 1e-10, False, None)
+    attractors = find_attractors(system, steady_start(system), 1e-10, None)
     assert attractors.status == FINISHED
     u = attractors.u[0]
-    returns = return_map(system, state(system, attractors.u), 1e-12, alone=False)
+    returns = return_map(system, state(system, attractors.u), 1e-12)
     numbers = {name: value[0] for name, value in returns.numbers.items()}
     exact = Return(law, *parameters, u, 1.2 * numbers["period"], "DOP853", 1e-13)
     assert numbers["period"] == pytest.approx(exact.period, rel=1e-11)
@@ -174,8 +174,8 @@ def test_derivative_of_smooth_cycles(law, parameters):
 def test_derivative_of_stick_slip(law, parameters, multiplier):
     """Against Radau; rounding of x - beta psi over eta leaves it no digits of G."""
     system = make_system(law, *parameters)
-    attractors = find_attractors(system, steady_start(system), 1e-10, False, None)
-    returns = return_map(system, state(system, attractors.u), 1e-12, alone=False)
+    attractors = find_attractors(system, steady_start(system), 1e-10, None)
+    returns = return_map(system, state(system, attractors.u), 1e-12)
     numbers = {name: value[0] for name, value in returns.numbers.items()}
     exact = Return(law, *parameters, attractors.u[0], 1.2 * numbers["period"], "Radau", 3e-9)
     assert numbers["period"] == pytest.approx(exact.period, rel=1e-10)
@@ -203,13 +203,13 @@ def test_statuses(law):
     kappa, eta, v_limit = np.array(kinds).T
     system = make_system(law, kappa, 2.0, eta, v_limit)
     y = state(system, np.array([[0.5, 1.0], [1e-3, 1e-3], [0.5, 1.0], [0.5, 1.0]]))
-    returns = return_map(system, y, 1e-6, alone=False, steady_tol=2e-3)
+    returns = return_map(system, y, 1e-6, steady_tol=2e-3)
     assert returns.status.tolist() == [FINISHED, STEADY_SLIDING, RUNAWAY, NOT_FINITE]
     assert np.isnan(returns.image[1:]).all()
     assert np.isfinite(returns.image[0]).all()
     assert returns.came_back.tolist() == [True, False, False, False]
     # nothing is steady that is not asked to be
-    assert return_map(system, y, 1e-6, alone=False).status[1] == FINISHED
+    assert return_map(system, y, 1e-6).status[1] == FINISHED
 
 
 def test_step_limit():
@@ -232,7 +232,7 @@ def test_step_limit():
         v_limit=np.inf * ones,
         max_steps=steps,
     )
-    returns = dispatch.run_returns(ROWS["slip"], starts, False)
+    returns = dispatch.run_returns(ROWS["slip"], starts)
     assert returns.status.tolist() == [STEP_LIMIT, STEP_LIMIT, FINISHED]
     assert returns.numbers[:2, RETURN_NUMBERS.index("steps")].tolist() == [5, 40]
 
@@ -242,14 +242,14 @@ def test_a_turn_is_from_maximum_to_maximum(law):
     """From anywhere to the next rise of V through V_lp; from one to the next, not to itself."""
     system, y = random_sliders(law, 24)
     assert (y[:, 1] == 0).all()
-    returns = return_map(system, y, 1e-8, alone=False)
+    returns = return_map(system, y, 1e-8)
     numbers = returns.numbers
     assert (numbers["G"] > 0).all()
     assert (numbers["x_low"] < numbers["x"]).all()
     assert (numbers["period"] > 2).all()
     # from a state between two maxima to the second of them
     smooth, y = random_sliders(law, 4, 1.0)
-    returns = return_map(smooth, y, 1e-11, alone=False)
+    returns = return_map(smooth, y, 1e-11)
     period = returns.numbers["period"]
     between = y.copy()
     for i, (kappa, beta, eta) in enumerate(zip(smooth.kappa, smooth.beta, smooth.eta, strict=True)):
@@ -258,7 +258,7 @@ def test_a_turn_is_from_maximum_to_maximum(law):
         span = (0, 0.4 * period[i])
         run = solve_ivp(lambda t, y, f=f: f(y), span, y[i], "LSODA", **settings)
         between[i] = run.y[:, -1]
-    rest = return_map(smooth, between, 1e-11, alone=False)
+    rest = return_map(smooth, between, 1e-11)
     np.testing.assert_allclose(rest.image, returns.image, rtol=1e-9)
     np.testing.assert_allclose(rest.numbers["period"], 0.6 * period, rtol=1e-9)
 
@@ -281,7 +281,7 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
     def run(pick):
         mine = system.at(pick)
         guess = None if period is None else period[pick]
-        return every(return_map(mine, y[pick], rtol[pick], alone=False, period=guess))
+        return every(return_map(mine, y[pick], rtol[pick], period=guess))
 
     whole = run(np.arange(40))
     rng = np.random.default_rng(4)
@@ -299,9 +299,9 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
 def test_alone(law):
     """The scalar path: other rounding, the same answer."""
     system, y = random_sliders(law, 20)
-    whole = return_map(system, y, 1e-8, alone=False, period=np.full(20, 7.0))
+    whole = return_map(system, y, 1e-8, period=np.full(20, 7.0))
     for i in range(20):
-        one = return_map(system.at([i]), y[[i]], 1e-8, alone=True, period=np.full(1, 7.0))
+        one = return_map(system.at([i]), y[[i]], 1e-8, period=np.full(1, 7.0))
         assert one.status[0] == whole.status[i]
         psi = whole.image[i, 0]
         assert one.image[0, 0] == pytest.approx(psi, rel=3e-7, abs=1e-12)
@@ -322,7 +322,7 @@ for law in ("slip", "aging"):
     system = one_length_system(law, np.array([0.9, 0.48]), np.array([2.0, 1.6]),
                                np.array([0.1, 1e-10]), np.full(2, np.inf))
     y = state(system, np.array([[0.3, 0.5], [0.4, 1.6 * 0.4]]))
-    found = return_map(system, y, 1e-6, alone=False, period=np.full(2, 7.0))
+    found = return_map(system, y, 1e-6, period=np.full(2, 7.0))
     values = found.numbers | {f"{k} by {c}": d[:, c] for k, d in found.gradients.items()
                               for c in (0, 1)}
     out.append([found.status.tolist(), {name: value.tolist() for name, value in values.items()},

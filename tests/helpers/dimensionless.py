@@ -23,7 +23,7 @@ def random_sliders(law, n, eta=None, seed=5):
     eta = 10 ** rng.uniform(-20, 4, n) if eta is None else np.full(n, eta)
     softness = 10 ** rng.uniform(-4, -0.2, n)
     system = make_system(law, (1 - softness) * (beta - 1), beta, eta)
-    first = return_map(system, steady_start(system), 1e-6, alone=False)
+    first = return_map(system, steady_start(system), 1e-6)
     assert first.came_back.all()
     return system, state(system, first.image)
 

@@ -117,8 +117,8 @@ def _cycles_around(system, columns, which, u):
     """
     result = {name: np.full(len(u), np.nan) for name in CYCLES}
     part = system.at(which)
-    attractors = find_attractors(part, state(part, u[which]), CYCLE_RTOL, False, None)
-    stable = refine(part, attractors, CYCLE_RTOL, False)
+    attractors = find_attractors(part, state(part, u[which]), CYCLE_RTOL, None)
+    stable = refine(part, attractors, CYCLE_RTOL)
     result["amplitude"][which], result["period"][which] = stable["amplitude"], stable["period"]
     single = attractors.n_returns == 1  # as many as of the unstable cycle that meets it
     for i, u_i in zip(which[single], attractors.u[single], strict=True):

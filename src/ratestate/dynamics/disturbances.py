@@ -89,7 +89,7 @@ def _search(system, kind, largest, progress):
         part = system.at(np.repeat(which, m))
         start = _disturbed(part, np.repeat(kind[which], m), trial.ravel())
         loosest = ORBIT_RTOL * np.clip(trial.ravel(), 1e-5, 1.0)
-        attractors = find_attractors(part, start, RTOL, False, progress, loosest)
+        attractors = find_attractors(part, start, RTOL, progress, loosest)
         leaves = (attractors.status != STEADY_SLIDING).reshape(-1, m)
         first, some = leaves.argmax(axis=1), leaves.any(axis=1)
         row = np.arange(len(which))

@@ -76,7 +76,7 @@ def run_march(law, cases, loads, save_times, order, progress=None):
         save_times = np.full((len(save_times), 1), np.inf)
     results = empty_results(cases.y, save_times.shape[1])
     kernel = cuda_kernels.march_kernel(law)
-    _work(kernel, rows_of(law).march_size, order, (cases, loads, save_times), results, progress)
+    _work(kernel, rows_of(law).size, order, (cases, loads, save_times), results, progress)
     return results._replace(saved=results.saved[:, :n_times])
 
 
@@ -91,7 +91,7 @@ def run_returns(law, starts):
     results = empty_return_results(starts.y)
     kernel = cuda_kernels.return_kernel(law)
     order = np.arange(len(starts.y))
-    _work(kernel, rows_of(law).return_size, order, (starts,), results, None)
+    _work(kernel, rows_of(law).size, order, (starts,), results, None)
     return results
 
 

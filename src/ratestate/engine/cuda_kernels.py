@@ -45,7 +45,7 @@ def march_kernel(law):
 
         Parameters
         ----------
-        buffers : (rows, march_size) the lanes; CASE = IDLE in those that are free
+        buffers : (rows, size) the lanes; CASE = IDLE in those that are free
         queue : (n,) case numbers, in the order in which to start them
         position : (2,) int64: next in queue; cases done
         under_way : (1,) to which the fractions done of unfinished cases are added

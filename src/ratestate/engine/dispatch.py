@@ -21,7 +21,7 @@ PATH_ROWS = 8192
 MAX_ROWS = 10_000_000  # of a path, 320 MB; then STEP_LIMIT
 
 
-def run_march(method, law, cases, loads, save_times, order, alone, progress=None):
+def run_march(method, law, cases, loads, save_times, order, progress=None):
     """`Results` of all cases, on one thread a core, but no more than full sets of lanes.
 
     At most `backend.Backend.threads`, or on its device, always by Rodas5P on "cuda".  No case
@@ -32,7 +32,6 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
     cases, loads : Cases, Loads (model.py); method : of `METHODS`; law : of `friction.laws.LAWS`
     save_times : (rows, n_times) [s], increasing
     order : (m,) numbers of the cases to run, most costly first
-    alone : bool, whether this is the only case of the call (which may take the scalar path)
     progress : callable, optional, given the fraction done, 0 to 1, many times a second
     """
     if backend.current().device == "cuda":
@@ -42,23 +41,23 @@ def run_march(method, law, cases, loads, save_times, order, alone, progress=None
     results = empty_results(cases.y, save_times.shape[1])
     fixed = (cases, loads, save_times, results, np.empty((0, 1 + cases.y.shape[1])))
 
-    _share(order, lambda queue: _marcher(method, law, alone, queue, fixed), progress)
+    _share(order, lambda queue: _marcher(method, law, queue, fixed), progress)
     return results
 
 
-def _marcher(method, law, alone, queue, fixed):
+def _marcher(method, law, queue, fixed):
     """The `_Worker` of a queue of cases that are marched by this method."""
     rows = R.rows_of(law)
     taylor = method.taylor and len(rows.c[0]) > R.OF_RODAS5P
     kernel = march if method.code is RODAS5P else march_im2017
     sets = SETS if taylor else 1
-    return _Worker(kernel, rows.march_size, sets, (method.code, law, alone, taylor), queue, fixed)
+    return _Worker(kernel, rows.size, sets, (method.code, law, taylor), queue, fixed)
 
 
-def run_returns(law, starts, alone):
+def run_returns(law, starts):
     """`ReturnResults` of all cases, from `Starts` to the next upward crossing of the section.
 
-    Threads, device, exceptions, `law` and `alone` as for `run_march`.
+    Threads, device, exceptions, `law` as for `run_march`.
     """
     if backend.current().device == "cuda":
         from . import cuda
@@ -67,8 +66,8 @@ def run_returns(law, starts, alone):
     results = empty_return_results(starts.y)
 
     def worker(queue):
-        size = R.rows_of(law).return_size
-        return _Worker(march_to_section, size, 1, (law, alone), queue, (starts, results))
+        size = R.rows_of(law).size
+        return _Worker(march_to_section, size, 1, (law,), queue, (starts, results))
 
     _share(np.arange(len(starts.y)), worker)
     return results
@@ -120,7 +119,7 @@ def run_path(method, law, cases, loads, progress=None):
     results = empty_results(cases.y, 0)
     buffer = np.empty((PATH_ROWS, 1 + cases.y.shape[1]))
     fixed = (cases, loads, np.empty((1, 0)), results, buffer)
-    worker = _marcher(method, law, True, np.zeros(1, np.int64), fixed)
+    worker = _marcher(method, law, np.zeros(1, np.int64), fixed)
     pieces = [np.array([[0.0, *cases.y[0]]])]
     done = False
     rows = 0

@@ -9,6 +9,7 @@ from .dense_output import derivative, derivatives, extreme, polynomial, polynomi
 from .drift import UNITY
 from .equations import speed_alone
 from .jit import inlined, inner, recursive
+from .tracing import traced
 from .tuples import dot_onto, times
 
 FORCE, SPEED, LEAD = (), (0.0,), (0.0, 0.0)
@@ -74,7 +75,7 @@ def force_and_slope(s, c, of, law, p):
     return force, parts[0] * by_x + parts[1] * by_S + parts[2] * by_N + parts[3] * by_R
 
 
-@inlined
+@traced
 def along(slopes, d_omega, d_psi):
     """The change of what has these slopes."""
     return dot_onto(slopes[0] * d_omega, slopes[1], d_psi)

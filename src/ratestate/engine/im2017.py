@@ -21,9 +21,10 @@ from .equations import exponentials_alone
 from .exp import exp_alone
 from .jit import inner, kernel
 from .model import IM2017_EULER, NO_ROOT
+from .rodas5p import dense_output
 from .rows import rows_of
 from .step_control import step_size
-from .tuples import dot_onto, read_rows, total, write_rows
+from .tuples import dot_onto, read_rows, store_each, total, write_rows, zeros
 
 MAX_ITERATIONS = 200
 
@@ -97,8 +98,11 @@ def take_step(s, l, law, method):
     # Between its points the scheme says nothing; x is drawn as the cubic with its end slopes.
     x, x_new = y[0], y_new[0]
     rise = x_new - x
-    s[R.X_1 + l] = h * kappa * (w_lp - w) - rise
-    s[R.X_2 + l] = rise - h * kappa * (w_lp + dw - w_new) - s[R.X_1 + l]
+    first = h * kappa * (w_lp - w) - rise
+    second = rise - h * kappa * (w_lp + dw - w_new) - first
+    none = zeros(y)
+    dense = dense_output(y, y_new, (first, *none[1:]), (second, *none[1:]), none)
+    store_each(s, rows.c, l, dense)
     s[R.D_LOAD + l] = 0.5 * h * (x * w_lp + x_new * (w_lp + dw))
     stress = law.stress(y[1], w, y[2:], p), law.stress(y_new[1], w_new, y_new[2:], p)
     s[R.D_FRICTION + l] = 0.5 * h * (stress[0] * w + stress[1] * w_new)

@@ -24,15 +24,12 @@ def next_case(queue, position):
 
 
 @inner
-def fill(s, l, law, i, size, cases):
-    """Put what `Cases` and `Starts` have in common of case i into lane l; all else there is 0.
-
-    size : of the buffer, up to the last row that the case may find in use
-    """
-    for row in range(R.HOME + R.LANES, size, R.LANES):
+def fill(s, l, law, i, cases):
+    """Put what `Cases` and `Starts` have in common of case i into lane l; all else there is 0."""
+    rows = rows_of(law)
+    for row in range(R.HOME + R.LANES, rows.kept, R.LANES):
         s[row + l] = 0.0
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
-    rows = rows_of(law)
     s[R.KAPPA + l] = cases.kappa[i]
     load_rows(s, rows.p, l, cases.p[i])
     load_rows(s, rows.y, l, cases.y[i])

@@ -15,68 +15,62 @@ from .rows import rows_of
 
 #: sets of a march that may take steps of the Taylor method: for Rodas5P, for these, to wait in
 SETS = 3
-#: lanes of a set that go if no more are busy: a vector of the widest registers
-HALF = R.LANES // 2
 
 
 @inner
-def idle_column(s, first, n):
-    """The first of n columns that holds no slider, or -1."""
-    for l in range(first, first + n):
+def idle_column(s, first):
+    """The first column of a set that holds no slider, or -1."""
+    for l in range(first, first + R.LANES):
         if s[R.CASE + l] == IDLE:
             return l
     return -1
 
 
 @inner
-def busy_columns(s, first, n):
-    """How many of n columns hold a slider."""
+def busy_columns(s, first):
+    """How many columns of a set hold a slider."""
     busy = 0
-    for l in range(first, first + n):
+    for l in range(first, first + R.LANES):
         busy += s[R.CASE + l] != IDLE
     return busy
 
 
 @inner
-def room(s, law, taylor, width):
+def room(s, law, taylor):
     """A column for one more slider.
 
     taylor : 1.0 if it takes steps of the Taylor method, 0.0 if of Rodas5P
-    width : how many lanes of a set are in use
     """
-    size = rows_of(law).march_size
-    l = idle_column(s, size if taylor > 0.0 else 0, width)
-    return l if l >= 0 else idle_column(s, 2 * size, width)
+    size = rows_of(law).size
+    l = idle_column(s, size if taylor > 0.0 else 0)
+    return l if l >= 0 else idle_column(s, 2 * size)
 
 
 @inner
-def next_set(s, law, width, taylor):
-    """Where the set begins that goes next, and how many of its lanes: 0 where none has a slider.
+def next_set(s, law, taylor):
+    """Where the set begins that goes next, and how many vectors of its lanes: 0 without sliders.
 
     Of the two of the methods, or without `taylor` of the only one, that of which more lanes are
     busy, as a part of those that go.  Its sliders are then in these.
     """
-    size, first = rows_of(law).march_size, 0
-    busy = busy_columns(s, first, width)
-    n = lanes_for(busy, width)
+    first, busy = 0, busy_columns(s, 0)
+    n = vectors_for(busy)
     if taylor:
-        others = busy_columns(s, size, width)
-        n_others = lanes_for(others, width)
+        size = rows_of(law).size
+        others = busy_columns(s, size)
+        n_others = vectors_for(others)
         if (others * n, others) > (busy * n_others, busy):
             first, n = size, n_others
-    if n < width:
-        for l in range(first + n, first + width):
-            if s[R.CASE + l] != IDLE:
-                move(s, law, l, idle_column(s, first, n))
+    for l in range(first + R.WIDTH * n, first + R.LANES):
+        if s[R.CASE + l] != IDLE:
+            move(s, law, l, idle_column(s, first))
     return first, n
 
 
 @inner
-def lanes_for(busy, width):
-    """How many lanes go if so many are busy, the first ones: all, half of them or none."""
-    if busy == 0:
-        return 0
-    return width if busy > HALF else min(width, HALF)
+def vectors_for(busy):
+    """How many vectors of lanes go if so many lanes are busy, the first ones."""
+    return (busy + R.WIDTH - 1) // R.WIDTH
 
 
 @inner
@@ -89,26 +83,26 @@ def move(s, law, l, to):
 
 
 @inner
-def any_changes(s, n):
-    """Whether one of the first n lanes of a set changes its method."""
-    for l in range(n):
+def any_changes(s):
+    """Whether a slider of a set changes its method."""
+    for l in range(R.LANES):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
             return True
     return False
 
 
 @inner
-def change_sets(s, law, first, width):
+def change_sets(s, law, first):
     """Move those of a set that change their method, and call in sliders that wait for its lanes."""
-    size = rows_of(law).march_size
+    size = rows_of(law).size
     taylor = 1.0 if first == size else 0.0
-    for l in range(first, first + width):
+    for l in range(first, first + R.LANES):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
             s[R.TAYLOR + l] = 1.0 - taylor
-            move(s, law, l, room(s, law, 1.0 - taylor, width))
-    for l in range(2 * size, 2 * size + width):
+            move(s, law, l, room(s, law, 1.0 - taylor))
+    for l in range(2 * size, 2 * size + R.LANES):
         if s[R.CASE + l] != IDLE and s[R.TAYLOR + l] == taylor:
-            to = idle_column(s, first, width)
+            to = idle_column(s, first)
             if to < 0:
                 break
             move(s, law, l, to)

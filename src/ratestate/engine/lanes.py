@@ -227,7 +227,7 @@ def commit_lane(s, l, law):
 @inlined
 def assess(s, law, n):
     """Accept or reject the steps of the first n lanes, and see whether they hold events."""
-    for l in range(n):
+    for l in range(R.WIDTH * n):
         control_step(s, l)
     find_events(s, law, n)
 
@@ -235,7 +235,7 @@ def assess(s, law, n):
 @lanewise
 def find_events(s, law, n):
     """`has_event` in the first n lanes."""
-    for l in range(n):
+    for l in range(R.WIDTH * n):
         has_event(s, l, law)
 
 
@@ -247,7 +247,7 @@ def advance(s, law, n):
     takes; a length known at compile time would get the loops unrolled.  They are three since LLVM
     vectorises each but not their union.
     """
-    for l in range(n):
+    for l in range(R.WIDTH * n):
         try_step(s, l, law)
     assess(s, law, n)
 
@@ -255,5 +255,5 @@ def advance(s, law, n):
 @lanewise
 def commit(s, law, n):
     """`commit_lane` in the first n lanes."""
-    for l in range(n):
+    for l in range(R.WIDTH * n):
         commit_lane(s, l, law)

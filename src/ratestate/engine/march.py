@@ -62,7 +62,7 @@ def enter_segment(s, l, law, cases, loads):
 @inner
 def load(s, l, law, i, cases, loads, save_times, results):
     """Put case i into lane l at t = 0."""
-    fill(s, l, law, i, rows_of(law).highs, cases)
+    fill(s, l, law, i, cases)
     s[R.ETA0 + l], s[R.TOLERANCE + l] = cases.eta0[i], cases.rtol[i]
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
@@ -132,15 +132,14 @@ def end_segment(s, l, law, cases, loads, save_times, saved):
 
 
 def _march(
-    method, law, alone, taylor, s, queue, position, cases, loads, save_times, results, path, budget
+    method, law, taylor, s, queue, position, cases, loads, save_times, results, path, budget
 ):
     """March cases until the queue is empty (True), `path` is full or the budget is spent (False).
 
     method : a code (model.py); by its type the compiler leaves out Rodas5P, or all else
     law : of `friction.laws.LAWS`, for which this is compiled
-    alone : bool, whether to march in the first lane of a set only, by the scalar path
     taylor : bool, whether steps that are not stiff are of the Taylor method, which the law allows
-    s : (sets * march_size,) the lanes, in `SETS` if `taylor` (lane_sets.py), else in one set;
+    s : (sets * size,) the lanes, in `SETS` if `taylor` (lane_sets.py), else in one set;
         CASE = IDLE in those that are free
     queue : (n,) case numbers, in the order in which to start them
     position : (3,) int64: next in queue; cases done; rows of `path` filled
@@ -148,9 +147,9 @@ def _march(
         after each jump; empty if not wanted
     budget : int, sweeps over the lanes
     """
-    rows, width = rows_of(law), 1 if alone else R.LANES
-    capacity = 2 * width if taylor else width
-    first, n, lanes = 0, 0, s[: rows.march_size]
+    rows = rows_of(law)
+    capacity = 2 * R.LANES if taylor else R.LANES
+    first, n, lanes = 0, 0, s[: rows.size]
     vacant = regroup = True
     for _ in range(budget):
         if vacant:
@@ -158,22 +157,22 @@ def _march(
                 i = next_case(queue, position)
                 if i < 0:
                     break
-                l = room(s, law, 0.0, width)
+                l = room(s, law, 0.0)
                 load(s, l, law, i, cases, loads, save_times, results)
                 s[R.EVERY_STEP + l] = 1.0 if path.size > 0 else 0.0
             vacant = False
         if regroup:
-            first, n = next_set(s, law, width, taylor)
+            first, n = next_set(s, law, taylor)
             if n == 0:
                 return True
-            lanes, regroup = s[first : first + rows.march_size], False
+            lanes, regroup = s[first : first + rows.size], False
         if method is None:
             advance(rows.c[0], lanes, law, n, first > 0)
         else:
-            for l in range(n):
+            for l in range(R.WIDTH * n):
                 if s[R.CASE + l] != IDLE:
                     take_im2017_step(s, l, law, method)
-        for l in range(first, first + n):
+        for l in range(first, first + R.WIDTH * n):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 handle_events(s, l, law)
                 if L.saves(s, l):
@@ -183,7 +182,7 @@ def _march(
         L.commit(lanes, law, n)
         if path.size > 0 and s[R.OK + first] > 0.0:
             keep(s, first, law, path, position)
-        for l in range(first, first + n):
+        for l in range(first, first + R.WIDTH * n):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 jumps = end_segment(s, l, law, cases, loads, save_times, results.saved)
                 if jumps and path.size > 0:
@@ -192,8 +191,8 @@ def _march(
                     finish(s, l, law, cases, results)
                     position[1] += 1
                     vacant = regroup = True
-        if taylor and (vacant or any_changes(lanes, n)):
-            change_sets(s, law, first, width)
+        if taylor and (vacant or any_changes(lanes)):
+            change_sets(s, law, first)
             regroup = True
         if path.size > 0 and position[2] + POINTS + 1 > path.shape[0]:
             return False  # (a step needs as many rows, and a jump one more)

@@ -6,6 +6,7 @@ from .equations import inertial_force
 from .jit import inlined, lanewise, recursive
 from .rows import rows_of
 from .tangent import step as tangent_step
+from .tracing import traced
 from .tuples import (
     dot,
     dot_onto,
@@ -22,12 +23,10 @@ from .tuples import (
 )
 
 
-@recursive
+@traced
 def changes_of_speed(z, shares):
     """The change of omega (`kinematics`) by each of the perturbations z."""
-    if len(z) == 0:
-        return ()
-    return dot_onto(z[0][1], shares, z[0][2:]), *changes_of_speed(z[1:], shares)
+    return tuple(dot_onto(one[1], shares, one[2:]) for one in z)
 
 
 @inlined
@@ -50,7 +49,7 @@ def try_step(s, l, law):
 @lanewise
 def advance(s, law, n):
     """Try one step in the first n lanes, accept or reject it, and see whether it holds events."""
-    for l in range(n):
+    for l in range(R.WIDTH * n):
         try_step(s, l, law)
     L.assess(s, law, n)
 
@@ -110,5 +109,5 @@ def commit_lane(s, l, law):
 @lanewise
 def commit(s, law, n):
     """`commit_lane` in the first n lanes."""
-    for l in range(n):
+    for l in range(R.WIDTH * n):
         commit_lane(s, l, law)

@@ -15,6 +15,7 @@ from . import lanes as L
 from . import rows as R
 from .jit import inner, kernel, recursive
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
+from .lane_sets import idle_column, next_set
 from .model import RUNNING
 from .return_events import handle_events, rates
 from .return_lanes import advance, changes_of_speed, commit
@@ -79,7 +80,7 @@ def empty_return_results(y):
 def load(s, l, law, i, starts):
     """Put case i into lane l."""
     rows = rows_of(law)
-    fill(s, l, law, i, rows.return_size, starts)
+    fill(s, l, law, i, starts)
     s[R.ETA0 + l], s[R.TOLERANCE + l] = starts.eta[i], starts.atol[i]
     for k in range(len(rows.z)):
         load_rows(s, rows.z[k], l, starts.along[i, k])
@@ -155,32 +156,30 @@ def finish(s, l, law, results):
 
 
 @kernel
-def march_to_section(law, alone, s, queue, position, starts, results, budget):
+def march_to_section(law, s, queue, position, starts, results, budget):
     """Take the cases of a queue to their next upward crossing of the section; whether all are done.
 
-    Parameters as for `march.march`; s : (return_size,)
+    Parameters as for `march.march`; s : (size,)
     """
-    width = 1 if alone else R.LANES
-    vacant = True
+    n, vacant = 0, True
     for _ in range(budget):
         if vacant:
-            active = 0
-            for l in range(width):
-                if s[R.CASE + l] == IDLE:
-                    i = next_case(queue, position)
-                    if i >= 0:
-                        load(s, l, law, i, starts)
-                active += s[R.CASE + l] != IDLE
-            if active == 0:
+            while position[0] - position[1] < R.LANES:
+                i = next_case(queue, position)
+                if i < 0:
+                    break
+                load(s, idle_column(s, 0), law, i, starts)
+            _, n = next_set(s, law, False)
+            if n == 0:
                 return True
             vacant = False
-        advance(s, law, width)
-        for l in range(width):
+        advance(s, law, n)
+        for l in range(R.WIDTH * n):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 handle_events(s, l, law)
-        L.commit(s, law, width)
-        commit(s, law, width)
-        for l in range(width):
+        L.commit(s, law, n)
+        commit(s, law, n)
+        for l in range(R.WIDTH * n):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 finish(s, l, law, results)
                 position[1] += 1

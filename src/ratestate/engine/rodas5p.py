@@ -20,7 +20,8 @@ from ..friction.kinematics import LIMIT
 from .drift import UNITY, drift_of, with_drift
 from .equations import exponentials, inertial_force, later, works
 from .jit import inlined, recursive
-from .tableau import DRIFT, GAMMA, NODES, A, B, C, H
+from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
+from .tracing import traced
 from .tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, zeros
 
 
@@ -57,15 +58,13 @@ def prepare(y, w, e, h, system):
     return Arrow(c, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, shares)
 
 
-@recursive
+@traced
 def leaves(gamma_h, f_psi):
     """One over each diagonal element of the arrow that belongs to a state."""
-    if len(f_psi) == 0:
-        return ()
-    return gamma_h / (1.0 - gamma_h * f_psi[0]), *leaves(gamma_h, f_psi[1:])
+    return tuple(gamma_h / (1.0 - gamma_h * slope) for slope in f_psi)
 
 
-@inlined
+@traced
 def solve_arrow(r, start):
     """The k that solves the arrow matrix of `prepare` for this right-hand side (x, v, psi).
 
@@ -111,7 +110,7 @@ def increment(u, at, w_lp, rest, drift, system, start):
     return solve_arrow((r_x, r_v, *plus(f, 1.0, rest[2:])), start)
 
 
-@inlined
+@traced
 def next_point(y, k):
     """Where the stage after those of the increments k is taken: its u, and sum_j C_ij k_j."""
     i = len(k)
@@ -126,22 +125,19 @@ def stages(k, powers, y, w_lp, dw, h, drift, system, start):
     """
     i = len(k)
     u, c = next_point(y, k)
+    rest, drift_of_v = with_drift(times(1.0 / h, c), drift, D[i])
     here = later(system, NODES[i] * h)
-    at = exponentials(u, here[0], here[3])
-    # (only now: before the branches of `exponentials` no product could be fused with what it is
-    # added to, and a slider alone would have other bits than in a lane)
-    rest, drift_of_v = with_drift(times(1.0 / h, c), drift, k)
-    k_new, power = stage(u, at, w_lp + NODES[i] * dw, rest, drift_of_v, here, start)
+    k_new, power, at = stage(u, w_lp + NODES[i] * dw, rest, drift_of_v, here, start)
     if len(k) == 7:
         return (*k, k_new), (*powers, power), at
     return stages((*k, k_new), (*powers, power), y, w_lp, dw, h, drift, system, start)
 
 
 @inlined
-def stage(u, at, w_lp, rest, drift, system, start):
-    """What `increment` gives, and `works`."""
-    k = increment(u, at, w_lp, rest, drift, system, start)
-    return k, works(u, at[0], w_lp, system)
+def stage(u, w_lp, rest, drift, system, start):
+    """The increment of the stage at u, `works` there, and w, 1/c and e; arguments as there."""
+    at = exponentials(u, system[0], system[3])
+    return increment(u, at, w_lp, rest, drift, system, start), works(u, at[0], w_lp, system), at
 
 
 @inlined
@@ -158,16 +154,14 @@ def end_of_step(y, k, last, h, system):
     return (y_new, w_new, e_new), held, error, dense
 
 
-@recursive
+@traced
 def dense_output(y0, y1, k1, k2, k3):
     """Polynomials in the fraction of the step, each a tuple of coefficients, the constant first.
 
     y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 (tableau.py)
     """
-    if len(y0) == 0:
-        return ()
-    first = y0[0], (y1[0] - y0[0]) + k1[0], k2[0] - k1[0], k3[0] - k2[0], -k3[0]
-    return first, *dense_output(y0[1:], y1[1:], k1[1:], k2[1:], k3[1:])
+    each = zip(y0, y1, k1, k2, k3, strict=True)
+    return tuple((u0, (u1 - u0) + a, b - a, c - b, -c) for u0, u1, a, b, c in each)
 
 
 @inlined
@@ -190,7 +184,7 @@ def step(y, w, e, w_lp, ramp, h, system):
     law, _, _, p = system
     start = prepare(y, w, e, h, system)
     dw, drift = h * ramp, drift_of(y, w, h, ramp, system, start)
-    rest, drift_of_v = with_drift(zeros(y), drift, ())
+    rest, drift_of_v = with_drift(zeros(y), drift, D[0])
     first = increment(y, (w, 1.0 / start.c, e), w_lp, rest, drift_of_v, system, start)
     powers = (works(y, w, w_lp, system),)
     k, powers, last = stages((first,), powers, y, w_lp, dw, h, drift, system, start)

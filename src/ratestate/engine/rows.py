@@ -11,8 +11,10 @@ import itertools
 from typing import NamedTuple
 
 from .recurrences import ORDER, has_recurrences
+from .vectorisation import doubles_of_vector
 
 LANES = 16
+WIDTH = doubles_of_vector()  # lanes that go together
 OF_RODAS5P = 5  # coefficients of a polynomial over one of its steps
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
 COMMON_ROWS = 70
@@ -66,23 +68,22 @@ class LawRows(NamedTuple):
     y: tuple  # before and after a step
     y_new: tuple
     steady: tuple  # y of steady sliding, from which STEADY is measured
-    c: tuple  # its dense output, coefficients of each of y: `ORDER` + 1 where the law has
+    # of a return map: one more perturbation of the state than the law has variables
+    z: tuple  # each a tuple
+    early: tuple  # how much earlier each is: shifts along the orbit
+    x_low: tuple  # what each makes of the stress minimum,
+    v_high: tuple  # and of the extremes of v
+    v_low: tuple
+    kept: int  # where those begin that hold nothing between steps
+    z_new: tuple  # z after a step
+    c: tuple  # dense output of a step, coefficients of each of y: `ORDER` + 1 where the law has
     # recurrences, else `OF_RODAS5P`
     # of a march: of each return, in turn, its stress maximum, the minimum before, how long it took;
     # these stay in the column HOME where the rest moves to another (lane_sets.py)
     highs: int
     lows: int
     spans: int
-    # of a return map: one more perturbation of the state than the law has variables
-    z: tuple  # each a tuple, before and after a step
-    z_new: tuple
-    early: tuple  # how much earlier each is: shifts along the orbit
-    x_low: tuple  # what each makes of the stress minimum,
-    v_high: tuple  # and of the extremes of v
-    v_low: tuple
-    kept: int  # where those begin that hold nothing between steps
-    march_size: int  # of the buffers
-    return_size: int
+    size: int  # of the buffer
 
 
 @functools.cache
@@ -97,20 +98,17 @@ def rows_of(law):
     p, e, e_new = take(law.n_coefficients), take(law.n_kept), take(law.n_kept)
     history = law.history(p)
     psi, psi_new, steady = take(n), take(n), take(2 + n)
+    z = tuple(take(2 + n) for _ in range(n + 1))
+    of_each = [take(n + 1) for _ in range(4)]
     kept = next(place)
     place = itertools.count(kept, LANES)
+    z_new = tuple(take(2 + n) for _ in range(n + 1))
     terms = ORDER + 1 if has_recurrences(law) else OF_RODAS5P
     c = tuple(take(terms) for _ in range(2 + n))
     start, ring = next(place), RING * LANES
-    place = itertools.count(start, LANES)
-    z, z_new = (tuple(take(2 + n) for _ in range(n + 1)) for _ in range(2))
-    early, x_low, v_high, v_low = (take(n + 1) for _ in range(4))
+    y, y_new = (X, V, *psi), (X_NEW, V_NEW, *psi_new)
+    rings = start, start + ring, start + 2 * ring
+    size = start + 3 * ring
     return LawRows(
-        *(p, history, e, e_new, (X, V, *psi), (X_NEW, V_NEW, *psi_new)),
-        *(steady, c),
-        *(start, start + ring, start + 2 * ring),
-        *(z, z_new, early, x_low, v_high, v_low),
-        kept=kept,
-        march_size=start + 3 * ring,
-        return_size=next(place),
+        p, history, e, e_new, y, y_new, steady, z, *of_each, kept, z_new, c, *rings, size
     )

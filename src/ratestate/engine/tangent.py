@@ -18,10 +18,11 @@ from .equations import exponentials, inertial_force
 from .jit import inlined, recursive
 from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
 from .tableau import A, B
+from .tracing import traced
 from .tuples import dot, dot_each, minus_dot, plus, plus_sum, product, sum_of, times, total, zeros
 
 
-@inlined
+@traced
 def change_of_g(z, S_v, S_psi):
     """How g = x - S changes in the direction z."""
     return minus_dot(z[0] - S_v * z[1], S_psi, z[2:])

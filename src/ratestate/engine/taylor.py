@@ -5,23 +5,16 @@ The polynomial of the step is its dense output too.  The step follows from the l
 """
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import types
-from numba.core.cgutils import unpack_tuple
-from numba.extending import intrinsic, overload
 
 from . import recurrences
 from .exp import ROUND, exp
 from .functions import ROUND_BITS
-from .jit import INLINED, inlined, unrolled
-from .llvm_numbers import LLVMNumber
+from .jit import inlined
 from .recurrences import ORDER
+from .tracing import traced
 from .tuples import largest, pairwise_sums, product, product_each
-
-_overload: Any = overload  # (its declared arguments lack jit_options)
-_intrinsic: Any = intrinsic
 
 #: part of the tolerance that the last terms of a step may reach
 PART = 0.1
@@ -32,48 +25,16 @@ LN2 = math.log(2.0)
 OF_INTEGRAL = tuple(1.0 / (k + 1.0) for k in range(ORDER))
 
 
+@traced
 def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
-    """`recurrences.coefficients`: tuples of tuples."""
+    """`recurrences.coefficients`, as tuples of tuples."""
     found = recurrences.coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p)
-    return tuple(tuple(tuple(one or 0.0 for one in c) for c in group) for group in found)
+    return tuple(tuple(tuple(_number(one) for one in c) for c in group) for group in found)
 
 
-@_intrinsic
-def _coefficients(typing_context, law, y, w, e, w_lp, ramp, kappa, eta0, p):
-    """As `coefficients`, as one straight line of arithmetic, which a loop can vectorise."""
-    polynomials = types.UniTuple(types.UniTuple(types.float64, ORDER + 1), len(y))
-    powers = types.UniTuple(types.UniTuple(types.float64, ORDER), 2)
-    result = types.Tuple((polynomials, powers))
-
-    def generate(context, builder, signature, arguments):
-        given = [
-            [LLVMNumber(builder, x) for x in unpack_tuple(builder, argument)]
-            if isinstance(kind, types.BaseTuple)
-            else LLVMNumber(builder, argument)
-            for kind, argument in zip(signature.args[1:], arguments[1:], strict=True)
-        ]
-        zero = LLVMNumber(builder, 0.0)
-        groups = [
-            context.make_tuple(
-                builder,
-                kind,
-                [
-                    context.make_tuple(builder, kind[0], [(x or zero).value for x in c])
-                    for c in group
-                ],
-            )
-            for kind, group in zip(result, recurrences.coefficients(law.law, *given), strict=True)
-        ]
-        return context.make_tuple(builder, result, groups)
-
-    return result(law, y, w, e, w_lp, ramp, kappa, eta0, p), generate
-
-
-@_overload(coefficients, jit_options=INLINED)
-def _compiled(law, y, w, e, w_lp, ramp, kappa, eta0, p):
-    return lambda law, y, w, e, w_lp, ramp, kappa, eta0, p: _coefficients(
-        law, y, w, e, w_lp, ramp, kappa, eta0, p
-    )
+def _number(coefficient):
+    """A coefficient; 0.0 where it is always that."""
+    return 0.0 if coefficient is None else coefficient
 
 
 @inlined
@@ -104,14 +65,16 @@ def size(y, weight):
     return max(max(abs(y[0]), weight * abs(y[1])), max(largest(y[2:]), LEAST))
 
 
-@unrolled
+@traced
 def powers(h):
     """h**k for k from 0 to `ORDER`."""
-    lines = [f"h_{k} = h_{k // 2} * h_{k - k // 2}" for k in range(2, ORDER + 1)]
-    return ["h_0, h_1 = 1.0, h", *lines, f"return {', '.join(f'h_{k}' for k in range(ORDER + 1))}"]
+    found = [1.0, h]
+    for k in range(2, ORDER + 1):
+        found.append(found[k // 2] * found[k - k // 2])
+    return tuple(found)
 
 
-@inlined
+@traced
 def integrals(c, h):
     """The integrals of polynomials over a step, over its length; h : its `powers`."""
     weights = product(OF_INTEGRAL, h)

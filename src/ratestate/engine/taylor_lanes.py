@@ -12,10 +12,19 @@ from . import rows as R
 from .equations import exponentials
 from .jit import inlined, inner, lanewise
 from .recurrences import ORDER
-from .rows import rows_of
+from .rows import OF_RODAS5P, rows_of
 from .step_control import step_size
 from .taylor import coefficients, integrals, longest, powers
-from .tuples import largest, of_each, pairwise_sums, product_each, read_rows, store_each, total, write_rows
+from .tuples import (
+    largest,
+    of_each,
+    pairwise_sums,
+    product_each,
+    read_rows,
+    store_each,
+    total,
+    write_rows,
+)
 
 # Steps of either method are measured by the fastest rate of the equations.
 #: The longest step of the Taylor method: of order 12 it is stable up to 5.8 where that rate is one
@@ -86,7 +95,7 @@ def find_calm(s, l, law):
 @lanewise
 def advance_by_taylor(s, law, n):
     """Take a step by the Taylor method in the first n lanes, as `lanes.advance` does by Rodas5P."""
-    for l in range(n):
+    for l in range(R.WIDTH * n):
         try_step(s, l, law)
     L.find_events(s, law, n)
 
@@ -95,7 +104,7 @@ def advance_by_taylor(s, law, n):
 def advance_by_rodas5p(s, law, n):
     """`lanes.advance`, and whether the first n lanes change their method after it."""
     L.advance(s, law, n)
-    for l in range(n):
+    for l in range(R.WIDTH * n):
         find_calm(s, l, law)
 
 
@@ -105,7 +114,7 @@ def advance(rows, s, law, n, taylor):
 
     rows : those of the dense output of a variable: `OF_RODAS5P` where there is that alone
     """
-    if len(rows) == R.OF_RODAS5P:
+    if len(rows) == OF_RODAS5P:
         L.advance(s, law, n)
     elif taylor:
         advance_by_taylor(s, law, n)

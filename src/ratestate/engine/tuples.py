@@ -5,9 +5,119 @@ that is computed has to be unsigned, or a loop over lanes does not vectorise.  (
 arrays, is for no such loop.)
 """
 
+import functools
+import operator
+
 import numpy as np  # noqa: F401  (in what is written out)
 
-from .jit import inlined, inner, unrolled
+from .jit import inner, unrolled
+from .tracing import traced
+
+
+def _sum(terms):
+    """From the left; 0 of none."""
+    terms = tuple(terms)
+    return functools.reduce(operator.add, terms) if terms else 0.0
+
+
+@traced
+def zeros(like):
+    """As many zeros as a tuple has elements."""
+    return (0.0,) * len(like)
+
+
+@traced
+def plus(y, a, k):
+    """y + a k."""
+    return tuple(y_i + a * k_i for y_i, k_i in zip(y, k, strict=True))
+
+
+@traced
+def times(a, k):
+    """a k."""
+    return tuple(a * k_i for k_i in k)
+
+
+@traced
+def product(x, y):
+    """x_i y_i."""
+    return tuple(x_i * y_i for x_i, y_i in zip(x, y, strict=False))
+
+
+@traced
+def product_each(rows, k):
+    """The `product` of each of some tuples with k."""
+    return tuple(product(row, k) for row in rows)
+
+
+@traced
+def dot(c, k):
+    """sum_i c_i k_i, summed from the left."""
+    return _sum(product(c, k))
+
+
+@traced
+def dot_onto(total, c, k):
+    """total + sum_i c_i k_i, summed from the left."""
+    return _sum((total, *product(c, k)))
+
+
+@traced
+def minus_dot(total, c, k):
+    """total - sum_i c_i k_i, from the left."""
+    return functools.reduce(operator.sub, product(c, k), total)
+
+
+@traced
+def dot_each(rows, k):
+    """The product of a matrix, a tuple of rows, with k."""
+    return tuple(dot(row, k) for row in rows)
+
+
+@traced
+def total(k):
+    """sum_i k_i, from the left."""
+    return _sum(k)
+
+
+@traced
+def sum_of_sizes(k):
+    """sum_i |k_i|."""
+    return _sum(map(abs, k))
+
+
+@traced
+def size_of(c, k):
+    """sum_i |c_i k_i|."""
+    return sum_of_sizes(product(c, k))
+
+
+@traced
+def plus_sum(y, c, k):
+    """y + sum_i c_i k_i for tuples k_i, as many as there are, summed from the left."""
+    return functools.reduce(lambda y, one: plus(y, *one), zip(c, k, strict=False), y)
+
+
+@traced
+def sum_of(c, k):
+    """sum_i c_i k_i for one tuple k_i or more."""
+    return plus_sum(times(c[0], k[0]), c[1:], k[1:])
+
+
+@traced
+def pairwise_sum(k):
+    """sum_i k_i of pairs, and pairs of pairs, added to the first number last."""
+    terms = k[1:]
+    while len(terms) > 1:
+        pairs = [a + b for a, b in zip(terms[::2], terms[1::2], strict=False)]
+        terms = (*pairs, *terms[2 * len(pairs) :])
+    return k[0] + terms[0]
+
+
+@traced
+def pairwise_sums(rows):
+    """The `pairwise_sum` of each of some tuples."""
+    return tuple(map(pairwise_sum, rows))
 
 
 def _lines(line, like):
@@ -20,127 +130,10 @@ def _each(item, like):
     return ["return ()" if len(like) == 0 else f"return ({', '.join(_lines(item, like))},)"]
 
 
-def _sum(term, like):
-    """Lines that return a sum of a term for each index #, from the left; 0 of none."""
-    return ["return 0.0" if len(like) == 0 else "return " + " + ".join(_lines(term, like))]
-
-
-def _onto(first, term, like):
-    """Lines that return a number, and a signed term for each index #, from the left."""
-    return [f"return {first}" + "".join(_lines(term, like) if len(like) > 0 else ())]
-
-
-@unrolled
-def full(like, value):
-    """The value, as many times as a tuple has elements."""
-    return _each("value", like)
-
-
-@inlined
-def zeros(like):
-    """As many zeros as a tuple has elements."""
-    return full(like, 0.0)
-
-
-@unrolled
-def plus(y, a, k):
-    """y + a k."""
-    return _each("y[#] + a * k[#]", y)
-
-
-@unrolled
-def times(a, k):
-    """a k."""
-    return _each("a * k[#]", k)
-
-
-@unrolled
-def product(x, y):
-    """x_i y_i."""
-    return _each("x[#] * y[#]", x)
-
-
-@unrolled
-def dot(c, k):
-    """sum_i c_i k_i, summed from the left."""
-    return _sum("c[#] * k[#]", c)
-
-
-@unrolled
-def dot_onto(total, c, k):
-    """total + sum_i c_i k_i, summed from the left."""
-    return _onto("total", " + c[#] * k[#]", c)
-
-
-@unrolled
-def minus_dot(total, c, k):
-    """total - sum_i c_i k_i, from the left."""
-    return _onto("total", " - c[#] * k[#]", c)
-
-
-@unrolled
-def total(k):
-    """sum_i k_i, from the left."""
-    return _sum("k[#]", k)
-
-
-@unrolled
-def sum_of_sizes(k):
-    """sum_i |k_i|."""
-    return _sum("abs(k[#])", k)
-
-
-@unrolled
-def size_of(c, k):
-    """sum_i |c_i k_i|."""
-    return _sum("abs(c[#] * k[#])", c)
-
-
 @unrolled
 def largest(k):
     """max_i |k_i|; 0 of none."""
     return [f"return max(0.0, {', '.join(_lines('abs(k[#])', k))})" if len(k) else "return 0.0"]
-
-
-@unrolled
-def plus_sum(y, c, k):
-    """y + sum_i c_i k_i for tuples k_i, as many as there are, summed from the left."""
-    names = [line for i in range(len(k)) for line in (f"c_{i} = c[{i}]", f"k_{i} = k[{i}]")]
-    return names + _each("y[#]" + "".join(f" + c_{i} * k_{i}[#]" for i in range(len(k))), y)
-
-
-@inlined
-def sum_of(c, k):
-    """sum_i c_i k_i for one tuple k_i or more."""
-    return plus_sum(times(c[0], k[0]), c[1:], k[1:])
-
-
-@unrolled
-def dot_each(rows, k):
-    """The product of a matrix, a tuple of rows, with k."""
-    return _each("dot(rows[#], k)", rows)
-
-
-@unrolled
-def product_each(rows, k):
-    """The `product` of each of some tuples with k."""
-    return _each("product(rows[#], k)", rows)
-
-
-@unrolled
-def pairwise_sum(k):
-    """sum_i k_i of a tuple, of pairs and pairs of pairs, added to the first last."""
-    terms = [f"k[{i}]" for i in range(1, len(k))]
-    while len(terms) > 1:
-        pairs = [f"({a} + {b})" for a, b in zip(terms[::2], terms[1::2], strict=False)]
-        terms = pairs + terms[2 * len(pairs) :]
-    return [f"return {' + '.join(['k[0]', *terms])}"]
-
-
-@unrolled
-def pairwise_sums(rows):
-    """The `pairwise_sum` of each of some tuples."""
-    return _each("pairwise_sum(rows[#])", rows)
 
 
 @unrolled

@@ -1,18 +1,28 @@
 """Whether the loops over lanes are SIMD code, as the compiled code itself tells.
 
 LLVM leaves a loop that it cannot vectorise as it is, without a word, and it runs at a sixth of the
-speed.  A vectorised loop holds each product twice: of vectors, and of single numbers, for the
-lanes that are left at its end.
+speed.  The loops go over whole vectors, so that a vectorised one holds no products of single
+numbers.
 """
 
 import re
 
-#: the functions `advance` and `commit` of `lanes` and `return_lanes`, in LLVM's own text
-LOOPS = re.compile(r"^define [^@\n]*@[^(\n]*lanes\d+(?:advance|commit).*?^}", re.M | re.S)
+from numba.core.registry import cpu_target
+
+#: the loops of `lanes`, `taylor_lanes` and `return_lanes`, in LLVM's own text
+LOOPS = re.compile(r"^define [^@\n]*@[^(\n]*lanes\d+(?:advance|find|commit).*?^}", re.M | re.S)
 ALONE = re.compile(r"= fmul (?:contract )?double")
 VECTORS = re.compile(r"= fmul (?:contract )?<\d+ x double>")
 # LLVM may double a few of the products of single numbers.
 ENOUGH = 0.95
+
+
+def doubles_of_vector():
+    """How many doubles the vectors have to which LLVM compiles for this processor."""
+    _, processor, features = cpu_target.target_context.codegen().magic_tuple()
+    if "+avx512f" in features and processor.startswith(("znver", "knl", "knm")):
+        return 8  # (for others LLVM takes half of their widest)
+    return 4 if "+avx" in features else 2
 
 
 def products(library):

@@ -27,10 +27,10 @@ V_LP = 8.78e-3
 
 def iterate_plainly(system, returns, rtol=1e-10):
     """Stress maxima and minima of the last 64 returns of plain iteration, and where it ends."""
-    u = return_map(system, steady_start(system), rtol, alone=False).image
+    u = return_map(system, steady_start(system), rtol).image
     high, low = [], []
     for number in range(returns):
-        single = return_map(system, state(system, u), rtol, alone=False)
+        single = return_map(system, state(system, u), rtol)
         if number >= returns - 64:
             high.append(state(system, u)[:, 0])
             low.append(single.numbers["x_low"])
@@ -39,8 +39,8 @@ def iterate_plainly(system, returns, rtol=1e-10):
 
 
 def cycles_by_search(system):
-    attractors = find_attractors(system, steady_start(system), 1e-9, False, None)
-    return attractors, refine(system, attractors, 1e-9, False)
+    attractors = find_attractors(system, steady_start(system), 1e-9, None)
+    return attractors, refine(system, attractors, 1e-9)
 
 
 def test_the_attractor_and_not_the_cycle_beside_it():
@@ -194,14 +194,12 @@ def test_measures_of_two_returns_by_scipy():
 def test_iterate_is_the_map_applied_again():
     """Image, derivative, times and extremes of three returns at once, against one by one."""
     system = make_system("slip", 1.1 * 8.0, [9.0, 9.0], [0.9, 0.9])
-    u = return_map(system, steady_start(system), 1e-11, alone=False).image
-    together = iterated_map(
-        system, u, 1e-11, np.array([3, 1]), alone=False, period=np.array([7.0, 2.0])
-    )
+    u = return_map(system, steady_start(system), 1e-11).image
+    together = iterated_map(system, u, 1e-11, np.array([3, 1]), period=np.array([7.0, 2.0]))
     point, matrix, times, highs, lows, traces = u[:1], np.eye(2), [], [], [], []
     one = system.at([0])
     for _ in range(3):
-        single = return_map(one, state(one, point), 1e-11, alone=False)
+        single = return_map(one, state(one, point), 1e-11)
         highs.append(state(one, point)[0, 0])
         lows.append(single.numbers["x_low"][0])
         times.append(single.numbers["period"][0])
@@ -218,9 +216,7 @@ def test_iterate_is_the_map_applied_again():
     for column in range(2):
         change = 1e-6 * np.eye(2)[column]
         up, down = (
-            iterated_map(
-                one, start, 1e-13, np.array([3]), alone=False, period=np.array([7.0])
-            ).numbers
+            iterated_map(one, start, 1e-13, np.array([3]), period=np.array([7.0])).numbers
             for start in (u[:1] + change, u[:1] - change)
         )
         for what in ("period", "x_high", "x_low", "v_max", "v_min"):
@@ -230,7 +226,7 @@ def test_iterate_is_the_map_applied_again():
             assert derivative == pytest.approx(slope, rel=near, abs=1e-6), what
     assert numbers["trace"] == pytest.approx(sum(traces), rel=1e-12)
     # and where one return is asked for, it is one
-    single = return_map(system.at([1]), state(system.at([1]), u[1:]), 1e-11, alone=False)
+    single = return_map(system.at([1]), state(system.at([1]), u[1:]), 1e-11)
     assert together.numbers["period"][1] == single.numbers["period"][0]
 
 
@@ -295,9 +291,9 @@ def test_errors_of_speeds():
     values = {"kappa": below * (beta - 1), "beta": beta, "eta": eta}
     system = make_system("slip", *values.values())
     (_, loose), (_, exact) = (
-        (s, refine(system, s, rtol, False))
+        (s, refine(system, s, rtol))
         for rtol in (1e-6, 1e-11)
-        for s in [find_attractors(system, steady_start(system), rtol, False, None)]
+        for s in [find_attractors(system, steady_start(system), rtol, None)]
     )
     known = exact["error"] < 1e-9
     assert known.mean() > 0.9
@@ -330,11 +326,11 @@ def test_multipliers_of_the_whole_period():
     """Those of two returns are those of the map's second iterate."""
     system = make_system("slip", 1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
     attractors, found = cycles_by_search(system)
-    twice = iterated_map(system, found["u"], 1e-11, attractors.n_returns, alone=True)
+    twice = iterated_map(system, found["u"], 1e-11, attractors.n_returns)
     np.testing.assert_allclose(
         multipliers(twice)[0, 0].real, found["multipliers"][0, 0].real, rtol=1e-5
     )
-    single = return_map(system, state(system, found["u"]), 1e-11, alone=True)
+    single = return_map(system, state(system, found["u"]), 1e-11)
     assert np.abs(single.image - found["u"]).max() > 0.1
 
 

@@ -98,12 +98,12 @@ def test_newton_step():
 @LAWS
 def test_newton_converges_quadratically(law):
     system = make_system(law, 0.9 * 0.8 * 1.5, 1.8, 0.5)
-    attractors = find_attractors(system, steady_start(system), 1e-11, False, None)
+    attractors = find_attractors(system, steady_start(system), 1e-11, None)
     u = attractors.u * [1.01, 0.98]
     off = []
     for _ in range(4):
         off.append(np.abs(u / attractors.u - 1).max())
-        returns = return_map(system, state(system, u), 1e-13, alone=False)
+        returns = return_map(system, state(system, u), 1e-13)
         u = u + newton_step(returns, u)
     assert off[3] < 1e-10
     for before, after in ((off[0], off[1]), (off[1], off[2])):
@@ -117,13 +117,11 @@ def test_newton_converges_quadratically(law):
 def follow(system, returns):
     """The orbit from steady sliding at V_lp/10, return by return; NaN once it is steady sliding."""
     steady = np.where(system.margin > 0, 1e-6, 0.0)
-    image = return_map(system, steady_start(system), 1e-9, alone=False, steady_tol=steady).image
+    image = return_map(system, steady_start(system), 1e-9, steady_tol=steady).image
     for _ in range(returns):
         on = np.flatnonzero(np.isfinite(image[:, 0]))
         part = system.at(on)
-        image[on] = return_map(
-            part, state(part, image[on]), 1e-9, alone=False, steady_tol=steady[on]
-        ).image
+        image[on] = return_map(part, state(part, image[on]), 1e-9, steady_tol=steady[on]).image
     return image
 
 
@@ -131,10 +129,8 @@ def follow(system, returns):
 def test_a_return_is_as_fine_as_its_cycle_attracts(law):
     """Errors of a return add up, along a slow direction, to 1/(1 - multiplier) times as much."""
     system = make_system(law, [0.2, 0.6, 1.05], 2.0, 0.5)
-    attractors = find_attractors(system, steady_start(system), 1e-8, False, None)
-    first = multipliers(return_map(system, state(system, attractors.u), 1e-10, alone=False))[
-        :, 0
-    ].real
+    attractors = find_attractors(system, steady_start(system), 1e-8, None)
+    first = multipliers(return_map(system, state(system, attractors.u), 1e-10))[:, 0].real
     assert 0.0 < first.min() < 0.2 < first.max() < 0.8
     np.testing.assert_allclose(attractors.tol, 1e-8 * (1.0 - first), rtol=0.01)
 
@@ -147,15 +143,13 @@ def test_settles_where_the_orbit_goes(law):
     beta, eta = 1 + 10 ** rng.uniform(-0.5, 0.6, n), 10 ** rng.uniform(-5, 1.5, n)
     ratio = np.where(rng.random(n) < 0.7, rng.uniform(0.1, 0.97, n), 1.2 + eta)
     system = make_system(law, ratio * (beta - 1), beta, eta)
-    attractors = find_attractors(system, steady_start(system), 1e-8, False, None)
+    attractors = find_attractors(system, steady_start(system), 1e-8, None)
     end = follow(system, 40)
     cycle = attractors.status == FINISHED
     assert cycle.sum() > 20
     assert (attractors.status[~cycle] == STEADY_SLIDING).all()
     assert (system.margin[~cycle] > 0).all()
-    returns = return_map(
-        system.at(cycle), state(system.at(cycle), attractors.u[cycle]), 1e-9, alone=False
-    )
+    returns = return_map(system.at(cycle), state(system.at(cycle), attractors.u[cycle]), 1e-9)
     quick = np.abs(multipliers(returns)[:, 0]) < 0.55  # 40 returns are enough
     assert quick.sum() > 10
     np.testing.assert_allclose(attractors.u[cycle][quick, 0], end[cycle][quick, 0], rtol=1e-7)
@@ -170,7 +164,7 @@ def test_leaps_pass_no_fixed_point():
     beta, eta = 2.0, 0.05
     above = np.array([0.001, 0.003, 0.005, 0.0054, 0.0065, 0.009, 0.02])
     system = make_system("aging", (beta - 1) * (1 + eta) * (1 + above), beta, eta)
-    attractors = find_attractors(system, steady_start(system), 1e-8, False, None)
+    attractors = find_attractors(system, steady_start(system), 1e-8, None)
     end = follow(system, 600)
     cycle = np.hypot(*end.T) > 0.1
     assert {FINISHED, STEADY_SLIDING} == set(attractors.status.tolist())
@@ -214,8 +208,8 @@ def test_how_far_an_orbit_leaps(multiplier, fixed_point, expected):
 def test_measures_against_a_dense_run(law, parameters, method):
     """Extremes, time spent sticking and the fundamental's share, by SciPy and a fast transform."""
     system = make_system(law, *parameters)
-    attractors = find_attractors(system, steady_start(system), 1e-9, False, None)
-    found = {name: value[0] for name, value in measure(system, attractors, False).items()}
+    attractors = find_attractors(system, steady_start(system), 1e-9, None)
+    found = {name: value[0] for name, value in measure(system, attractors).items()}
     f, J = rates(law, *parameters), jacobian(law, *parameters)
     known = {"jac": lambda t, y: J(y)} if method == "Radau" else {}
     y, period = state(system, attractors.u)[0], found["period"]
@@ -259,9 +253,9 @@ def test_measures_against_a_dense_run(law, parameters, method):
 def test_measures_take_the_step_that_is_left(law):
     """From a point a little off, amplitude and period are the cycle's to second order."""
     system = make_system(law, 0.9 * 0.8 * 1.5, 1.8, 0.5)
-    attractors = find_attractors(system, steady_start(system), 1e-11, False, None)
-    exact = measure(system, attractors, False)
-    off = measure(system, attractors._replace(u=attractors.u * (1 + 1e-5)), False)
+    attractors = find_attractors(system, steady_start(system), 1e-11, None)
+    exact = measure(system, attractors)
+    off = measure(system, attractors._replace(u=attractors.u * (1 + 1e-5)))
     for name in ("period", "amplitude"):
         assert off[name] == pytest.approx(exact[name], rel=1e-8)
     assert 1e-6 < off["error"][0] < 1e-3  # but it is not trusted further than the step is long
@@ -272,10 +266,10 @@ def test_measures_take_the_step_that_is_left(law):
 def test_a_failed_return_leaves_nothing():
     system = make_system("slip", [0.5, math.nan], 2.0, 0.1)
     u = np.ones((2, 2))
-    attractors = find_attractors(system, steady_start(system), 1e-6, False, None)
+    attractors = find_attractors(system, steady_start(system), 1e-6, None)
     assert attractors.status[0] == FINISHED
     assert attractors.status[1] > STEADY_SLIDING
-    found = measure(system, attractors._replace(u=u, tol=np.full(2, 1e-8)), False)
+    found = measure(system, attractors._replace(u=u, tol=np.full(2, 1e-8)))
     for name, value in found.items():
         assert np.isnan(value[1]).all(), name
         assert np.isfinite(value[0]).all(), name
@@ -284,11 +278,11 @@ def test_a_failed_return_leaves_nothing():
 @LAWS
 def test_same_bits_in_any_batch(law):
     system, _ = random_sliders(law, 24)
-    whole = find_attractors(system, steady_start(system), 1e-7, False, None)
+    whole = find_attractors(system, steady_start(system), 1e-7, None)
     pick = np.random.default_rng(34).permutation(24)[:7]
-    part = find_attractors(system.at(pick), steady_start(system.at(pick)), 1e-7, False, None)
+    part = find_attractors(system.at(pick), steady_start(system.at(pick)), 1e-7, None)
     for one, other in zip(part, whole.at(pick), strict=True):
         np.testing.assert_array_equal(one, other)
-    one, other = measure(system.at(pick), part, False), measure(system, whole, False)
+    one, other = measure(system.at(pick), part), measure(system, whole)
     for name, value in one.items():
         np.testing.assert_array_equal(value, other[name][pick], err_msg=name)

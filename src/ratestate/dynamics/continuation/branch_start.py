@@ -34,7 +34,7 @@ def beginning(family, p_start, p_stop):
     """
     system = family.system(p_start)
     if system.may_cycle[0]:
-        attractor = find_attractors(system, steady_start(system), family.rtol, True, None)
+        attractor = find_attractors(system, steady_start(system), family.rtol, None)
         status, returns = int(attractor.status[0]), int(attractor.n_returns[0])
         if status == FINISHED and returns > 1:
             raise NotConverged(sentence("branch_begins.doubled", returns=returns), None)

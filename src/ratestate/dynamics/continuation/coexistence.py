@@ -175,7 +175,7 @@ def _linearised(law, beta, eta, psi, G, excess):
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + np.stack([excess, excess + h]))
     system = one_length_system(law, kappa.ravel(), twice(beta), twice(eta), np.full(2 * n, np.inf))
     u = twice(np.stack([psi, G], axis=1))
-    returns = return_map(system, state(system, u), twice(tol), alone=False)
+    returns = return_map(system, state(system, u), twice(tol))
     gap = returns.image - u
     by_psi, by_G = np.moveaxis(returns.jacobian[:n] - np.eye(2), -1, 0)
     by_K = (gap[n:] - gap[:n]) / h[:, None]

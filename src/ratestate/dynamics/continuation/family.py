@@ -116,7 +116,7 @@ class Family(NamedTuple):
         tol = self.tolerance(u, p)
         usable = system.may_cycle & (u[:, -1] > 0.0) & np.isfinite(u).all(axis=1)
         u[~usable] = np.nan
-        returns = return_map(system, state(system, u), tol, alone=False)
+        returns = return_map(system, state(system, u), tol)
         scale = _scale(system)
         jacobian = returns.jacobian.copy()
         jacobian[:, -1, :] *= scale[:, None]
@@ -150,7 +150,7 @@ class Family(NamedTuple):
         # An error > 0 keeps `measure` from correcting the cycle at constant p.
         error = points.errors[:, :2].max(axis=1) + 1e-16
         cycles = single_returns(points.u, points.tol, points.period, error)
-        values = measure(self.sliders(points.parameter), cycles, False)
+        values = measure(self.sliders(points.parameter), cycles)
         for name, of_speed in zip(("v_max_error", "v_min_error"), points.errors.T[2:], strict=True):
             values[name] = np.maximum(values[name], of_speed)
         return values | {"parameter": points.parameter}

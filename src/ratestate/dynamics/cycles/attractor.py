@@ -67,7 +67,7 @@ def steady_start(system, slower=SLOWER):
     return steady_sliding_at(system, np.full(len(system.kappa), 1.0 / slower))
 
 
-def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
+def find_attractors(system, start, rtol, progress, loosest=LOOSEST):
     """Follow n > 0 sliders from the states start (n, len(y)) to their attractors; `CycleEstimates`.
 
     Each step of the search is one return of all orbits that have not arrived, or as many as make
@@ -78,7 +78,6 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
     of the search is given up (NO_CONVERGENCE).
 
     rtol : relative accuracy of the cycle; at most 1e-5 is used
-    alone : whether this is the one case of a call
     progress : callable or None, given the fraction of sliders whose search is over
     loosest : (n,) largest tolerance of a return; the orbit itself is followed at least this closely
     """
@@ -86,7 +85,7 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
     rtol, loosest = min(rtol, LOOSEST_ANSWER), np.broadcast_to(loosest, n)
     stable = system.stable
     steady_tol = np.where(stable, 1e-6, 0.0)
-    first = return_map(system, start, loosest, alone=alone, steady_tol=steady_tol)
+    first = return_map(system, start, loosest, steady_tol=steady_tol)
     status = np.where(first.came_back, RUNNING, first.status)
     period = first.numbers["period"]
     estimates = single_returns(first.image.copy(), loosest.astype(float), period, status=status)
@@ -100,7 +99,7 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
         if not len(active):
             break
         part, current, searching = system.at(active), estimates.at(active), search[active]
-        options = {"alone": alone, "steady_tol": steady_tol[active]}
+        options = {"steady_tol": steady_tol[active]}
         returns = iterated_map(part, current.u, current.tol, current.n_returns, **options)
         followed[active] += current.n_returns
         on_orbit = returns.came_back & ~searching["ahead"]
@@ -118,16 +117,16 @@ def find_attractors(system, start, rtol, alone, progress, loosest=LOOSEST):
         _finish_on_small_cycles(system, estimates, small)
         balance_untried[small] = False
     estimates.status[estimates.status == RUNNING] = NO_CONVERGENCE
-    _halve_periods(system, estimates, alone)
+    _halve_periods(system, estimates)
     return estimates
 
 
-def _halve_periods(system, estimates, alone):
+def _halve_periods(system, estimates):
     """Halve the returns of a cycle as long as it closes after half of them already."""
     which = np.flatnonzero((estimates.status == FINISHED) & (estimates.n_returns > 1))
     while len(which):
         part, cycles = system.at(which), estimates.at(which)
-        half = iterated_map(part, cycles.u, cycles.tol, cycles.n_returns // 2, alone=alone)
+        half = iterated_map(part, cycles.u, cycles.tol, cycles.n_returns // 2)
         closes = distance(part, half.image - cycles.u) <= CLOSES * distance(part, cycles.u)
         which = which[closes]
         estimates.n_returns[which] //= 2

@@ -16,7 +16,7 @@ one = np.ones(1)
 own = dict.fromkeys({own!r}, one)
 common = dict(a=one, b=2.0 * one, Dc=one, sigma=one, K=0.5 * one, M=one, V_lp=one)
 system = system_of({law!r}, **common, **own)
-return_map(system, np.full((1, {n}), 0.1), 1e-3, alone=True)
+return_map(system, np.full((1, {n}), 0.1), 1e-3)
 """
 
 

@@ -12,7 +12,7 @@ from .system import state
 SUMS = ("period", "trace", "slow", "mean", "square", "steps")
 
 
-def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
+def iterated_map(system, u, atol, count, *, steady_tol=0.0, period=None):
     """`return_map` from the section's points u (n, k), count (n,) >= 1 times over; `Returns`.
 
     The numbers are those of all returns together: sums, extremes, Fourier integrals of a phase
@@ -31,7 +31,7 @@ def iterated_map(system, u, atol, count, *, alone, steady_tol=0.0, period=None):
         """One return of the sliders with these numbers."""
         part = system.at(which)
         y, assumed = state(part, u), None if period is None else each[which]
-        options = {"alone": alone, "steady_tol": steady_tol[which], "period": assumed}
+        options = {"steady_tol": steady_tol[which], "period": assumed}
         return return_map(part, y, atol[which], **options)
 
     returns = once(np.arange(n), u)

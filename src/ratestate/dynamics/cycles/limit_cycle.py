@@ -178,11 +178,11 @@ class LimitCycleCall:
             before, share = first / len(may_cycle), len(which) / len(may_cycle)
             advance = progress and (lambda done, b=before, s=share: progress(b + s * done))
             start = steady_start(part, self._slower(which))
-            attractors = find_attractors(part, start, self.rtol, alone, advance)
+            attractors = find_attractors(part, start, self.rtol, advance)
             status[which] = attractors.status
             cycle = attractors.status == FINISHED
             cycle |= alone & (attractors.status == NO_CONVERGENCE)
-            values = refine(part.at(cycle), attractors.at(cycle), self.rtol, alone)
+            values = refine(part.at(cycle), attractors.at(cycle), self.rtol)
             for name, value in values.items():
                 empty = np.full((n, *value.shape[1:]), np.nan, value.dtype)
                 measures.setdefault(name, empty)[which[cycle]] = value

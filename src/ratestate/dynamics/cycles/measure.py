@@ -23,14 +23,14 @@ MAX_REFINEMENTS = 8
 UNRESOLVED = 1e-2
 
 
-def refine(system, cycles, rtol, alone):
+def refine(system, cycles, rtol):
     """`measure`, repeated with finer returns where the error is larger than rtol.
 
     At most `MAX_REFINEMENTS` times and down to rounding: the error may stay larger.
 
     cycles : `CycleEstimates`, refined in place
     """
-    measures = measure(system, cycles, alone)
+    measures = measure(system, cycles)
     for _ in range(MAX_REFINEMENTS):
         floor = tightest(system, cycles.u)
         worse = (measures["error"] > rtol) & (cycles.tol > floor) & (cycles.error == 0.0)
@@ -40,7 +40,7 @@ def refine(system, cycles, rtol, alone):
         cycles.tol[worse] = np.maximum(finer, floor[worse])
         cycles.u[worse] = measures["u"][worse]
         cycles.period[worse] = measures["period"][worse]
-        for name, value in measure(system.at(worse), cycles.at(worse), alone).items():
+        for name, value in measure(system.at(worse), cycles.at(worse)).items():
             measures[name][worse] = value
     small = cycles.error > 0.0
     if not small.any():
@@ -62,7 +62,7 @@ def _small_cycle_multiplier(system, period):
     return np.exp(-2.0 * modes[:, 0].real * period)
 
 
-def measure(system, cycles, alone):
+def measure(system, cycles):
     """Measures of the `CycleEstimates`, name -> (n,) or (n, 2); NaN where an orbit did not return.
 
     In units of a (stress), Dc/V_lp (time) and ln V_lp (speeds).  One more period is followed, with
@@ -73,7 +73,7 @@ def measure(system, cycles, alone):
     """
     u, fixed = cycles.u, cycles.error > 0.0
     tol = np.maximum(FINER * cycles.tol, tightest(system, u))
-    orbits = orbits_of_one_period(system, cycles, tol, alone)
+    orbits = orbits_of_one_period(system, cycles, tol)
     returns, numbers = orbits.returns, orbits.returns.numbers
     step = np.where(fixed[:, None], 0.0, newton_step(returns, u))
     corrected = ("x_high", "x_low", "period", "v_max", "v_min")
@@ -94,7 +94,7 @@ def measure(system, cycles, alone):
         whole = np.array([values["amplitude"], values["period"]])
         whole = np.where((whole > 0.0).all(axis=0), whole, 0.0)
         changes = np.stack([*np.abs([larger, longer]) / whole, *np.abs([v_max, v_min])], axis=1)
-        errors = _errors(orbits, values["multipliers"], changes, alone)
+        errors = _errors(orbits, values["multipliers"], changes)
         # By Parseval's theorem the share is at most 1.  Where it is not, steps were too long for
         # the waveform, whose speeds differ by seventy decades and more, and nothing is known of it.
         excess = values["fundamental"] - 1.0
@@ -115,7 +115,7 @@ def _fundamental_share(numbers):
     return 2.0 * wave / variance
 
 
-def _errors(orbits, floquet, changes, alone):
+def _errors(orbits, floquet, changes):
     """(3, n) relative errors: the larger one of amplitude and period, of V_max, and of V_min.
 
     Each is the sum of four parts.  Errors go with the tolerance, so what Newton's step leaves is
@@ -134,7 +134,7 @@ def _errors(orbits, floquet, changes, alone):
     # Where the stress is large and the cycle hardly attracts, rounding can feign a cycle.
     feigned = ROUNDING_OF_RETURN * distance(system, cycles.u) > 1e-4 * attraction
     least = tol / scale + np.where(feigned & ~fixed, np.inf, ROUNDING_OF_RETURN / attraction)
-    accumulated = np.where(fixed[:, None], 0.0, _accumulated_errors(orbits, alone))
+    accumulated = np.where(fixed[:, None], 0.0, _accumulated_errors(orbits))
     by_stiffness = backward_error(system, tol)[:, None] * stiffness_sensitivity(orbits)
     by_stiffness = np.where(fixed[:, None], 0.0, by_stiffness)
 
@@ -145,7 +145,7 @@ def _errors(orbits, floquet, changes, alone):
     return cycles.error + SAFETY * parts
 
 
-def _accumulated_errors(orbits, alone):
+def _accumulated_errors(orbits):
     """(n, 4) errors of amplitude, period, V_max and V_min that the steps of an orbit add up to.
 
     Estimated from a coarser orbit, no finer than the one that led to the estimate: steps may
@@ -155,7 +155,7 @@ def _accumulated_errors(orbits, alone):
     but not in another: they are scaled by the root of the ratio of tolerances, and their parts are
     added without their signs.
     """
-    coarse, finer = coarser_orbits(orbits, orbits.cycles.tol, alone)
+    coarse, finer = coarser_orbits(orbits, orbits.cycles.tol)
     u, finer = orbits.cycles.u, finer[:, None]
     step = newton_step(coarse.returns, u) - newton_step(orbits.returns, u)
     at_u, gradients = difference(coarse, orbits).measures, orbits.by_u

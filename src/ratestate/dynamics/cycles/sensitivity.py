@@ -46,10 +46,10 @@ class Difference(NamedTuple):
     measures: np.ndarray  # (n, 4) of `Orbits.measures`; means nothing where `image` is NaN
 
 
-def orbits_of_one_period(system, cycles, tol, alone=False):
+def orbits_of_one_period(system, cycles, tol):
     """`Orbits` of one period from the `attractor.CycleEstimates` cycles, at the tolerance tol."""
     count, period = cycles.n_returns, cycles.period
-    returns = iterated_map(system, cycles.u, tol, count, alone=alone, period=period)
+    returns = iterated_map(system, cycles.u, tol, count, period=period)
     numbers, gradients = returns.numbers, returns.gradients
     with np.errstate(divide="ignore", invalid="ignore"):
         amplitude, period = numbers["x_high"] - numbers["x_low"], numbers["period"]
@@ -69,7 +69,7 @@ def difference(orbits, reference):
     return Difference(images, orbits.measures - reference.measures)
 
 
-def coarser_orbits(orbits, tol, alone=False):
+def coarser_orbits(orbits, tol):
     """The same orbits by larger steps, of the tolerance tol (n,) or more; and a factor (n,) <= 1/2.
 
     By this factor the errors that the first ones accumulate are smaller than how much the two
@@ -77,7 +77,7 @@ def coarser_orbits(orbits, tol, alone=False):
     """
     fine = effective_tolerance(orbits.returns, orbits.tol)
     coarse = np.maximum(tol, COARSER * fine)
-    return orbits_of_one_period(orbits.system, orbits.cycles, coarse, alone), fine / coarse
+    return orbits_of_one_period(orbits.system, orbits.cycles, coarse), fine / coarse
 
 
 def parameter_derivatives(orbits, changed):

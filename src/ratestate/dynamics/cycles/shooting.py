@@ -39,13 +39,12 @@ class Returns(NamedTuple):
         return self.status == FINISHED
 
 
-def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
+def return_map(system, y, atol, *, steady_tol=0.0, period=None):
     """`Returns` of sliders from y (n, 3) to their next stress maximum.
 
     STEADY_SLIDING where `steady_tol` stops it; after 200,000 steps STEP_LIMIT.
 
     atol : (n,) tolerance of a step in x, v and psi
-    alone : whether this is the one case of a call, which may take the scalar path
     steady_tol : (n,) distance from steady sliding at which to stop
     period : (n,) periods assumed for the waveform; if given, extremes and waveform are recorded,
         else these numbers mean nothing
@@ -70,7 +69,7 @@ def return_map(system, y, atol, *, alone, steady_tol=0.0, period=None):
         v_limit=system.v_limit,
         max_steps=np.full(n, MAX_STEPS_OF_RETURN),
     )
-    results = dispatch.run_returns(system.friction_law, starts, alone)
+    results = dispatch.run_returns(system.friction_law, starts)
     numbers = dict(zip(RETURN_NUMBERS, results.numbers.T, strict=True))
     gradients = dict(zip(DERIVATIVES, np.moveaxis(results.along, -1, 0), strict=True))
     numbers["x_high"], gradients["x_high"] = y[:, 0], directions[:, :, 0]

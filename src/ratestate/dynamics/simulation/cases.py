@@ -52,16 +52,14 @@ def engine_cases(law, batch, y0, *, t_end, loading, times, dt=None, rtol, observ
     )
 
 
-def run_cases(method, law, cases, loads, save_times, which, alone, progress=None):
+def run_cases(method, law, cases, loads, save_times, which, progress=None):
     """March the cases with these numbers; `Results` of all n cases.
 
     Of the others they are NaN, with the status RUNNING.  method : a name in `METHODS`
     law : of `LAWS`
     """
     order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
-    return dispatch.run_march(
-        METHODS[method], law, cases, loads, save_times, order, alone, progress
-    )
+    return dispatch.run_march(METHODS[method], law, cases, loads, save_times, order, progress)
 
 
 def run_path(method, law, cases, loads, progress=None):

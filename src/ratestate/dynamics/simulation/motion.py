@@ -63,8 +63,7 @@ def move(call, progress):
         t, states, results = run_path(call.method, law, cases, loads, progress)
     else:
         which = np.flatnonzero(~is_rigid)
-        alone = batch.alone
-        results = run_cases(call.method, law, cases, loads, save_times, which, alone, progress)
+        results = run_cases(call.method, law, cases, loads, save_times, which, progress)
         if own_steps:
             t = grid(loads, 0, _case(batch, 0))
             states = np.full((1, t.size, y0.shape[1]), np.nan)

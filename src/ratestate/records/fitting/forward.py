@@ -185,7 +185,7 @@ class Forward:
                 v_limit=self.v_limit,
                 max_steps=MAX_STEPS_OF_FIT,
             )
-        return marched(self.moving_law, cases, self.loads, times, alone=a.size == 1)
+        return marched(self.moving_law, cases, self.loads, times)
 
 
 def _step(name, record, size):

@@ -13,12 +13,12 @@ def cases_of(*, kappa, **columns):
     return Cases(**each)
 
 
-def marched(law, cases, loads, times, *, alone=False):
+def marched(law, cases, loads, times):
     """(n, m, 2 + states) x, v, psi (engine/model.py) of the cases at these times.
 
     NaN where a run fails.
     """
     method, which = METHODS["auto"], np.arange(cases.kappa.size)
-    results = dispatch.run_march(method, law, cases, loads, times, which, alone)
+    results = dispatch.run_march(method, law, cases, loads, times, which)
     results.saved[results.status != FINISHED] = np.nan
     return results.saved

@@ -46,12 +46,12 @@ def limit_waves(law, values, V_lp, near=None):
     cycles = Waves(np.full(n, np.nan), np.full((n, GRID.size), np.nan), np.full((n, 2), np.nan))
     start = steady_start(system) if near is None else state(system, near)
     which = np.flatnonzero((system.beta > WEAKEST) & (system.beta < STRONGEST))
-    attractors = find_attractors(system.at(which), start[which], RTOL, False, None)
+    attractors = find_attractors(system.at(which), start[which], RTOL, None)
     cyclic = (attractors.status == FINISHED) & (attractors.n_returns == 1)
     which, attractors = which[cyclic], attractors.at(cyclic)
     if not which.size:
         return cycles
-    cycle = refine(system.at(which), attractors, RTOL, False)
+    cycle = refine(system.at(which), attractors, RTOL)
     good = (cycle["error"] <= WORST) & (np.abs(cycle["multipliers"][:, 0]) < 1.0)
     which = which[good]
     u, period = cycle["u"][good], cycle["period"][good]
