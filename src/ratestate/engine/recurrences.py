@@ -20,8 +20,8 @@ class Equations(NamedTuple):
 def equations(law):
     """`Equations` under a law; NotASeries where it has no recurrences."""
     graph = Graph()
-    x, v, *psi = (graph.unknown(("y", i)) for i in range(2 + len(law.states)))
-    psi, p = tuple(psi), tuple(graph.name(("p", i)) for i in range(law.n_coefficients))
+    x, v, *states = (graph.unknown(("y", i)) for i in range(2 + len(law.states)))
+    psi, p = tuple(states), tuple(graph.name(("p", i)) for i in range(law.n_coefficients))
     w, w_lp = graph.exp(v, "w"), graph.line("w_lp", "ramp")
     response = graph.exp(-v, "1/(eta0 w)")  # of dv/dT to the inertial force
     try:

@@ -99,7 +99,7 @@ def rows_of(law):
     history = law.history(p)
     psi, psi_new, steady = take(n), take(n), take(2 + n)
     z = tuple(take(2 + n) for _ in range(n + 1))
-    of_each = [take(n + 1) for _ in range(4)]
+    early, x_low, v_high, v_low = (take(n + 1) for _ in range(4))
     kept = next(place)
     place = itertools.count(kept, LANES)
     z_new = tuple(take(2 + n) for _ in range(n + 1))
@@ -110,5 +110,7 @@ def rows_of(law):
     rings = start, start + ring, start + 2 * ring
     size = start + 3 * ring
     return LawRows(
-        p, history, e, e_new, y, y_new, steady, z, *of_each, kept, z_new, c, *rings, size
+        *(p, history, e, e_new, y, y_new, steady),
+        *(z, early, x_low, v_high, v_low, kept, z_new),
+        *(c, *rings, size),
     )

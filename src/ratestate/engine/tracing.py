@@ -19,8 +19,7 @@ DOUBLE = ir.DoubleType()
 def traced(function):
     """A function of numbers, and tuples of numbers or of tuples, without conditions on numbers.
 
-    Compiled code may call it; so may Python, of numbers of any kind.  A law may be among the
-    arguments.
+    Compiled code may call it, with a law among the arguments too; so may Python, with any numbers.
     """
 
     def definition(typing_context, *given):
@@ -110,12 +109,15 @@ def _stand_in(kind):
 def _traced(builder, kind, value):
     """An argument as the function gets it."""
     if isinstance(kind, types.BaseTuple):
-        n = len(kind)
-        values = [None] * n if builder is None else unpack_tuple(builder, value, n)
-        items = [_traced(builder, *one) for one in zip(kind, values, strict=True)]
-        named = isinstance(kind, types.BaseNamedTuple)
-        return kind.instance_class(*items) if named else tuple(items)
+        kinds: list = list(kind)  # type: ignore[call-overload]
+        values = [None] * len(kinds) if builder is None else unpack_tuple(builder, value)
+        items = map(functools.partial(_traced, builder), kinds, values)
+        return getattr(kind, "instance_class", _tuple)(*items)
     return Number(builder, value) if kind == types.float64 else kind.law
+
+
+def _tuple(*items):
+    return items
 
 
 def _type_of(result):
@@ -132,5 +134,5 @@ def _value(context, builder, kind, result):
     """The value in LLVM of what the function returns."""
     if not isinstance(result, tuple):
         return _double(builder, result)
-    values = [_value(context, builder, *one) for one in zip(kind, result, strict=True)]
+    values = list(map(functools.partial(_value, context, builder), kind, result))
     return context.make_tuple(builder, kind, values)
