@@ -33,7 +33,7 @@ def traced(function):
 
     parameters = inspect.signature(function).parameters.values()
     context = inspect.Parameter("typing_context", inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    definition.__signature__ = inspect.Signature([context, *parameters])
+    definition.__signature__ = inspect.Signature([context, *parameters])  # type: ignore[attr-defined]
     template = make_intrinsic_template(function, definition, function.__name__)
     infer(template)
     infer_global(function, types.Function(template))
