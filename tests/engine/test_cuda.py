@@ -125,6 +125,7 @@ def turns(law):
             state(system, u),
             RTOL,
             steady_tol=np.where(np.arange(7) == 4, 0.5, 0.0),
+            observe=True,
             period=np.linspace(3.0, 9.0, 7),
         )
     back = found.came_back

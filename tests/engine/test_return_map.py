@@ -281,7 +281,7 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
     def run(pick):
         mine = system.at(pick)
         guess = None if period is None else period[pick]
-        return every(return_map(mine, y[pick], rtol[pick], period=guess))
+        return every(return_map(mine, y[pick], rtol[pick], observe=observed, period=guess))
 
     whole = run(np.arange(40))
     rng = np.random.default_rng(4)
@@ -295,22 +295,6 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
         np.testing.assert_array_equal(run(pick), whole[pick])
 
 
-@LAWS
-def test_alone(law):
-    """The scalar path: other rounding, the same answer."""
-    system, y = random_sliders(law, 20)
-    whole = return_map(system, y, 1e-8, period=np.full(20, 7.0))
-    for i in range(20):
-        one = return_map(system.at([i]), y[[i]], 1e-8, period=np.full(1, 7.0))
-        assert one.status[0] == whole.status[i]
-        psi = whole.image[i, 0]
-        assert one.image[0, 0] == pytest.approx(psi, rel=3e-7, abs=1e-12)
-        for name in ("period", "x", "x_low", "slow", "mean", "square"):
-            value = whole.numbers[name][i]
-            assert one.numbers[name][0] == pytest.approx(value, rel=3e-7, abs=1e-12), name
-        assert abs(one.numbers["steps"][0] / whole.numbers["steps"][i] - 1) < 0.02
-
-
 SCRIPT = """
 import json
 import numpy as np
@@ -322,7 +306,7 @@ for law in ("slip", "aging"):
     system = one_length_system(law, np.array([0.9, 0.48]), np.array([2.0, 1.6]),
                                np.array([0.1, 1e-10]), np.full(2, np.inf))
     y = state(system, np.array([[0.3, 0.5], [0.4, 1.6 * 0.4]]))
-    found = return_map(system, y, 1e-6, period=np.full(2, 7.0))
+    found = return_map(system, y, 1e-6, observe=True, period=np.full(2, 7.0))
     values = found.numbers | {f"{k} by {c}": d[:, c] for k, d in found.gradients.items()
                               for c in (0, 1)}
     out.append([found.status.tolist(), {name: value.tolist() for name, value in values.items()},

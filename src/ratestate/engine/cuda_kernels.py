@@ -21,12 +21,13 @@ from typing import Any
 from numba import cuda as numba_cuda
 
 from . import lanes as L
-from . import return_events, return_lanes, return_map
+from . import return_events, return_lanes, return_map, waveform
 from . import rows as R
 from .events import handle_events
 from .lane_case import IDLE
 from .march import end_segment, finish, load
 from .model import RUNNING
+from .rows import rows_of
 from .saving import save
 from .step_control import control_step
 
@@ -99,10 +100,13 @@ def return_kernel(law):
             return_lanes.try_step(s, l, law)
             control_step(s, l)
             L.has_event(s, l, law)
+            waveform.find_slow(s, l)
             if s[R.CALL + l] > 0.0:
                 return_events.handle_events(s, l, law)
             L.commit_lane(s, l, law)
             return_lanes.commit_lane(s, l, law)
+            if s[R.GUESS + l] > 0.0:
+                waveform.add_step(s, l, rows_of(law).c[0][: R.OF_RODAS5P])
             if s[R.BREAK + l] > 0.0:
                 return_map.finish(s, l, law, results)
                 cuda.atomic.add(position, 1, 1)

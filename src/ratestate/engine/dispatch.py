@@ -8,7 +8,7 @@ import numpy as np
 from ..machine import cores
 from . import backend
 from . import rows as R
-from .compilation import announce, call, law_among
+from .compilation import announce, call
 from .lane_case import IDLE
 from .lane_sets import SETS
 from .march import march, march_im2017
@@ -47,11 +47,8 @@ def run_march(method, law, cases, loads, save_times, order, progress=None):
 
 def _marcher(method, law, queue, fixed):
     """The `_Worker` of a queue of cases that are marched by this method."""
-    rows = R.rows_of(law)
-    taylor = method.taylor and len(rows.c[0]) > R.OF_RODAS5P
     kernel = march if method.code is RODAS5P else march_im2017
-    sets = SETS if taylor else 1
-    return _Worker(kernel, rows.size, sets, (method.code, law, taylor), queue, fixed)
+    return _Worker(kernel, (method.code,), law, method.taylor, queue, fixed)
 
 
 def run_returns(law, starts):
@@ -66,8 +63,7 @@ def run_returns(law, starts):
     results = empty_return_results(starts.y)
 
     def worker(queue):
-        size = R.rows_of(law).size
-        return _Worker(march_to_section, size, 1, (law,), queue, (starts, results))
+        return _Worker(march_to_section, (), law, True, queue, (starts, results))
 
     _share(np.arange(len(starts.y)), worker)
     return results
@@ -136,16 +132,24 @@ def run_path(method, law, cases, loads, progress=None):
 
 
 class _Worker:
-    """Sets of lanes, of a size each, their queue, and the kernel that works it off."""
+    """Sets of lanes, their queue, and the kernel that works it off.
 
-    def __init__(self, kernel, size, sets, codes, queue, fixed):
-        announce(kernel, law_among(codes))
-        self.s = np.zeros(sets * size)
-        self.columns = np.add.outer(size * np.arange(sets), np.arange(R.LANES))
+    codes : what the kernel is given before the law
+    taylor : whether steps may be of the Taylor method, if the law allows
+    """
+
+    def __init__(self, kernel, codes, law, taylor, queue, fixed):
+        announce(kernel, law)
+        rows = R.rows_of(law)
+        taylor = taylor and len(rows.c[0]) > R.OF_RODAS5P
+        sets = SETS if taylor else 1
+        self.s = np.zeros(sets * rows.size)
+        self.columns = np.add.outer(rows.size * np.arange(sets), np.arange(R.LANES))
         self.s[R.CASE + self.columns] = IDLE
         self.s[R.HOME + self.columns] = self.columns
         self.position = np.zeros(3, np.int64)
-        self.kernel, self.arguments = kernel, (*codes, self.s, queue, self.position, *fixed)
+        self.kernel = kernel
+        self.arguments = (*codes, law, taylor, self.s, queue, self.position, *fixed)
 
     def go(self):
         """Work for a while; whether all is done."""

@@ -14,6 +14,7 @@ from ..friction import functions
 from ..friction.functions import asinh_of, larger, log, logistic, softplus
 from .exp import LN2_HIGH, LN2_LOW, ROUND, exp
 from .jit import INLINED, inlined
+from .tracing import traced
 
 _overload: Any = overload  # (its declared arguments lack jit_options)
 
@@ -111,7 +112,7 @@ SINE = tuple(
 )
 
 
-@inlined
+@traced
 def cosine_of_periods(x):
     """cos(2 pi x), off by some 1e-16 and by what 2 pi times the rounding of x makes."""
     q = 0.25 - abs(x - ((x + ROUND) - ROUND))

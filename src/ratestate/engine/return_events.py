@@ -4,14 +4,12 @@ A step that holds a crossing of the section is taken back, and repeated to end t
 is as accurate as the steps are.
 """
 
-import math
-
 from . import rows as R
-from .dense_output import components, polynomial
+from .dense_output import components, polynomials, views
 from .equations import exponentials_alone, inertial_force
 from .events import observe, outrun
 from .extremes import crossing
-from .jit import inner
+from .jit import inner, recursive
 from .lanes import beyond_limit, steadies, system_of
 from .model import FINISHED, RUNAWAY, SLAVED, STEADY_SLIDING
 from .return_lanes import changes_of_speed, step_of_lane
@@ -19,6 +17,7 @@ from .rows import rows_of
 from .tuples import (
     dot,
     dot_onto,
+    grouped,
     load_each,
     minus_dot,
     of_each,
@@ -27,13 +26,10 @@ from .tuples import (
     times,
     write_rows,
 )
+from .waveform import split
 
-# V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
-SLOW_BELOW, LOG_SLOW_BELOW = 0.1, -2.302585092994046
 # A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
 NEAREST = 1e-6
-# Gauss-Legendre nodes on 0..1 are 0.5 and 0.5 -+ ASIDE, of weights CENTRE and (1 - CENTRE)/2.
-ASIDE, CENTRE = 0.3872983346207417, 0.4444444444444444
 
 
 @inner
@@ -68,7 +64,7 @@ def end_at_crossing(s, l, law):
     s[R.H_USED + l] += dt
     s[R.H_NEXT + l] = s[R.H_PLANNED + l]
     s[R.LANDING_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
-    s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
+    s[R.EVERY_STEP + l] = 0.0
     if omega > 0.0:
         s[R.STATUS + l] = FINISHED
     else:
@@ -78,7 +74,7 @@ def end_at_crossing(s, l, law):
 
 @inner
 def observe_step(s, l, law, c):
-    """`observe`, with the derivatives of what it finds of V, and the waveform.
+    """`observe`, with the derivatives of what it finds of V.
 
     They are those of V at that time: where it is extreme, a shift along the orbit does not count.
     Where V stops falling at once, as at a sudden arrest, they are good to some ten per cent.
@@ -87,51 +83,51 @@ def observe_step(s, l, law, c):
     high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
     at = observe(s, l, law, c)
     if s[R.V_HIGH + l] > high:
-        write_rows(s, rows.v_high, l, perturbed(s, l, law, at * s[R.H_USED + l]))
+        write_rows(s, rows.v_high, l, perturbed(s, l, law, at))
     elif s[R.V_LOW + l] < low:
-        write_rows(s, rows.v_low, l, perturbed(s, l, law, at * s[R.H_USED + l]))
-    record_waveform(s, l, law, c)
+        write_rows(s, rows.v_low, l, perturbed(s, l, law, at))
+
+
+@recursive
+def inside(rows, s, l, law, at):
+    """The state, its w and e, and the perturbations at a place in the step.
+
+    By the dense output of the Taylor method; that of Rodas5P has none of perturbations, and its
+    step is repeated.
+
+    rows : c_z
+    """
+    if len(rows) == 0:
+        return by_rodas5p(s, l, law, at)
+    if s[R.TAYLOR + l] > 0.0:
+        y = polynomials(components(s, l, law), at)
+        w, e = exponentials_alone(y, law, read_rows(s, rows_of(law).p, l))
+        z = polynomials(views(s, rows, l, R.LANES * len(rows[0])), at)
+        return (y, w, e), grouped(z, y)
+    return by_rodas5p(s, l, law, at)
 
 
 @inner
-def perturbed(s, l, law, h):
-    """The perturbations of the speed, as of `v_of_order`, a time h after the start of the step."""
-    new, z, _, _, _ = step_of_lane(s, l, law, h)
-    y, w, e = new
+def by_rodas5p(s, l, law, at):
+    """`inside`, by a step that ends there."""
+    new, z, _, _, _ = step_of_lane(s, l, law, at * s[R.H_USED + l])
+    return new, z
+
+
+@inner
+def perturbed(s, l, law, at):
+    """The perturbations of the speed, as of `v_of_order`, where in the step it is at, 0 to 1."""
+    (y, w, e), z = inside(rows_of(law).c_z, s, l, law, at)
     p = read_rows(s, rows_of(law).p, l)
     shares = law.shares(e, 1.0 / law.speed_slope(w, e), p)
     return times(law.order_slope(w, y[2:], e, p), changes_of_speed(z, shares))
 
 
 @inner
-def record_waveform(s, l, law, c):
-    """Add the step to the time spent below V_lp/10 (SLOW) and to the integrals of the stress."""
-    h = s[R.H_USED + l]
-    slow, slow_before = s[R.W_NEW + l] < SLOW_BELOW, s[R.W + l] < SLOW_BELOW
-    part = 1.0 if slow else 0.0
-    if slow != slow_before:
-        p = read_rows(s, rows_of(law).p, l)
-        at = crossing(c, (SLOW_BELOW, 0.0, LOG_SLOW_BELOW), law, p, 0.0, 1.0)
-        part = 1.0 - at if slow else at
-    s[R.SLOW + l] += part * h
-    pace = 2.0 * math.pi / s[R.GUESS + l]
-    phase = pace * (s[R.T + l] + (s[R.T_LOW + l] + 0.5 * h))
-    cos, sin = math.cos(phase), math.sin(phase)
-    c_aside, s_aside = math.cos(pace * ASIDE * h), math.sin(pace * ASIDE * h)
-    middle = CENTRE * polynomial(c[0], 0.5)
-    early, late = polynomial(c[0], 0.5 - ASIDE), polynomial(c[0], 0.5 + ASIDE)
-    weight = 0.5 - 0.5 * CENTRE
-    total, skew = weight * (late + early), weight * (late - early)
-    s[R.MEAN + l] += h * (middle + total)
-    s[R.SQUARE + l] += h * (middle * middle / CENTRE + weight * (early * early + late * late))
-    s[R.COSINE + l] += h * (cos * (middle + total * c_aside) - sin * skew * s_aside)
-    s[R.SINE + l] += h * (sin * (middle + total * c_aside) + cos * skew * s_aside)
-
-
-@inner
 def handle_events(s, l, law):
     """Record what happens in the lane's step, or take it back, to end it at a crossing."""
     c = components(s, l, law)
+    split(s, l, law, c)
     landing_step = s[R.LANDING_STEP + l]
     if landing_step > 0.0 and s[R.H_USED + l] >= landing_step:
         if s[R.OBSERVE + l] > 0.0:
@@ -145,9 +141,9 @@ def handle_events(s, l, law):
         at = max(crossing(c, (1.0, 0.0, 0.0), law, p, 0.0, 1.0), NEAREST)
         s[R.H_PLANNED + l] = s[R.H_NEXT + l]
         s[R.H_NEXT + l] = s[R.LANDING_STEP + l] = at * s[R.H_USED + l]
-        s[R.EVERY_STEP + l], s[R.OK + l] = 1.0, 0.0
+        s[R.EVERY_STEP + l], s[R.OK + l], s[R.CHANGES + l] = 1.0, 0.0, 0.0
         return
-    s[R.EVERY_STEP + l] = s[R.OBSERVE + l]
+    s[R.EVERY_STEP + l] = 0.0
     if s[R.OBSERVE + l] > 0.0:
         observe_step(s, l, law, c)
     if beyond_limit(s, l, law):

@@ -21,6 +21,7 @@ from .tuples import (
     times,
     write_rows,
 )
+from .waveform import find_slow_lanes
 
 
 @traced
@@ -39,7 +40,7 @@ def step_of_lane(s, l, law, h):
 
 @inlined
 def try_step(s, l, law):
-    """Try one step of the lane, perturbations included, and record its outcome."""
+    """Try one step of the lane by Rodas5P, perturbations included, and record its outcome."""
     h = s[R.H + l]
     new, z_new, error, dense, s[R.D_TRACE + l] = step_of_lane(s, l, law, h)
     store_each(s, rows_of(law).z_new, l, z_new)
@@ -52,6 +53,7 @@ def advance(s, law, n):
     for l in range(R.WIDTH * n):
         try_step(s, l, law)
     L.assess(s, law, n)
+    find_slow_lanes(s, n)
 
 
 @recursive

@@ -15,12 +15,14 @@ from . import lanes as L
 from . import rows as R
 from .jit import inner, kernel, recursive
 from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
-from .lane_sets import idle_column, next_set
+from .lane_sets import any_changes, change_sets, next_set, room
 from .model import RUNNING
 from .return_events import handle_events, rates
-from .return_lanes import advance, changes_of_speed, commit
+from .return_lanes import changes_of_speed, commit
+from .return_taylor_lanes import advance
 from .rows import rows_of
 from .tuples import dot_onto, load_each, load_rows, of_each, plus, read_rows, times, write
+from .waveform import add_waveforms
 
 
 class Starts(NamedTuple):
@@ -35,8 +37,8 @@ class Starts(NamedTuple):
     unstable: np.ndarray  # 1 where steady sliding is
     atol: np.ndarray  # of a step in x, v and psi
     steady_tol: np.ndarray
-    observe: np.ndarray  # 1 where extremes and waveform are wanted
-    period: np.ndarray  # assumed for the waveform
+    observe: np.ndarray  # 1 where extremes are wanted
+    period: np.ndarray  # assumed for the waveform; all 0 if none is wanted
     v_limit: np.ndarray  # ln(V/V_lp) beyond which an orbit that does not turn back has run away
     max_steps: np.ndarray
 
@@ -57,7 +59,7 @@ class ReturnResults(NamedTuple):
 #: Dimensionless; G is dv/dT at the return, v_max and v_min are ln(V/V_lp), slow is the time below
 #: V_lp/10, and the four after it integrals over T of x, x^2, x cos and x sin
 #: (2 pi T/`Starts.period`).  x_low is NaN without a stress minimum.  Where `Starts.observe` is 0,
-#: slow and the integrals are 0, and extremes those of the ends of steps.
+#: extremes are those of the ends of steps; without a waveform slow and the integrals are 0.
 ReturnNumbers = namedtuple(
     "ReturnNumbers",
     "period x G x_low trace v_max v_min g_max slow mean square cosine sine steps f_min xf_min",
@@ -89,7 +91,6 @@ def load(s, l, law, i, starts):
     s[R.W_LP + l] = 1.0
     s[R.T_END + l] = s[R.BREAKPOINT + l] = s[R.SAVE_AT + l] = math.inf
     s[R.STEADY + l], s[R.GUESS + l] = starts.steady_tol[i], starts.period[i]
-    s[R.EVERY_STEP + l] = starts.observe[i]
     s[R.X_LOW + l] = math.nan
     for row in rows.x_low:
         s[row + l] = math.nan
@@ -156,32 +157,42 @@ def finish(s, l, law, results):
 
 
 @kernel
-def march_to_section(law, s, queue, position, starts, results, budget):
+def march_to_section(law, taylor, s, queue, position, starts, results, budget):
     """Take the cases of a queue to their next upward crossing of the section; whether all are done.
 
-    Parameters as for `march.march`; s : (size,)
+    Parameters as for `march.march`.
     """
-    n, vacant = 0, True
+    rows = rows_of(law)
+    capacity = 2 * R.LANES if taylor else R.LANES
+    first, n, lanes = 0, 0, s[: rows.size]
+    vacant = regroup = True
     for _ in range(budget):
         if vacant:
-            while position[0] - position[1] < R.LANES:
+            while position[0] - position[1] < capacity:
                 i = next_case(queue, position)
                 if i < 0:
                     break
-                load(s, idle_column(s, 0), law, i, starts)
-            _, n = next_set(s, law, False)
+                load(s, room(s, law, 0.0), law, i, starts)
+            vacant = False
+        if regroup:
+            first, n = next_set(s, law, taylor)
             if n == 0:
                 return True
-            vacant = False
-        advance(s, law, n)
-        for l in range(R.WIDTH * n):
+            lanes, regroup = s[first : first + rows.size], False
+        advance(rows.c[0], lanes, law, n, first > 0)
+        for l in range(first, first + R.WIDTH * n):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 handle_events(s, l, law)
-        L.commit(s, law, n)
-        commit(s, law, n)
-        for l in range(R.WIDTH * n):
+        L.commit(lanes, law, n)
+        commit(lanes, law, n)
+        if starts.period[0] > 0.0:
+            add_waveforms(rows.c[0], lanes, n, first > 0)
+        for l in range(first, first + R.WIDTH * n):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 finish(s, l, law, results)
                 position[1] += 1
-                vacant = True
+                vacant = regroup = True
+        if taylor and (vacant or any_changes(lanes)):
+            change_sets(s, law, first)
+            regroup = True
     return False

@@ -17,7 +17,7 @@ LANES = 16
 WIDTH = doubles_of_vector()  # lanes that go together
 OF_RODAS5P = 5  # coefficients of a polynomial over one of its steps
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-COMMON_ROWS = 70
+COMMON_ROWS = 71
 
 # fmt: off
 (
@@ -50,7 +50,8 @@ COMMON_ROWS = 70
     UNSTABLE,                               # 1 where steady sliding is
     TRACE, D_TRACE,                         # integral of the trace of J; the step's part
     SINCE, LANDING_STEP, H_PLANNED,         # steps since a crossing; length of the step cut to one
-    GUESS, SLOW, MEAN, SQUARE, COSINE, SINE,  # waveform: period assumed; integrals
+    GUESS, SLOW, MEAN, SQUARE, COSINE, SINE,  # waveform: period assumed, 0 if it is not wanted;
+    SLOW_PART,                              # integrals; how much of the step is slow
 ) = range(0, COMMON_ROWS * LANES, LANES)
 # fmt: on
 
@@ -76,6 +77,7 @@ class LawRows(NamedTuple):
     v_low: tuple
     kept: int  # where those begin that hold nothing between steps
     z_new: tuple  # z after a step
+    c_z: tuple  # and over one of the Taylor method, coefficients of each number; () without these
     c: tuple  # dense output of a step, coefficients of each of y: `ORDER` + 1 where the law has
     # recurrences, else `OF_RODAS5P`
     # of a march: of each return, in turn, its stress maximum, the minimum before, how long it took;
@@ -96,7 +98,6 @@ def rows_of(law):
 
     n = len(law.states)
     p, e, e_new = take(law.n_coefficients), take(law.n_kept), take(law.n_kept)
-    history = law.history(p)
     psi, psi_new, steady = take(n), take(n), take(2 + n)
     z = tuple(take(2 + n) for _ in range(n + 1))
     early, x_low, v_high, v_low = (take(n + 1) for _ in range(4))
@@ -105,12 +106,27 @@ def rows_of(law):
     z_new = tuple(take(2 + n) for _ in range(n + 1))
     terms = ORDER + 1 if has_recurrences(law) else OF_RODAS5P
     c = tuple(take(terms) for _ in range(2 + n))
-    start, ring = next(place), RING * LANES
-    y, y_new = (X, V, *psi), (X_NEW, V_NEW, *psi_new)
-    rings = start, start + ring, start + 2 * ring
-    size = start + 3 * ring
+    c_z = tuple(take(terms) for one in z for _ in one) if terms > OF_RODAS5P else ()
+    highs, ring = next(place), RING * LANES
     return LawRows(
-        *(p, history, e, e_new, y, y_new, steady),
-        *(z, early, x_low, v_high, v_low, kept, z_new),
-        *(c, *rings, size),
+        p=p,
+        history=law.history(p),
+        e=e,
+        e_new=e_new,
+        y=(X, V, *psi),
+        y_new=(X_NEW, V_NEW, *psi_new),
+        steady=steady,
+        z=z,
+        early=early,
+        x_low=x_low,
+        v_high=v_high,
+        v_low=v_low,
+        kept=kept,
+        z_new=z_new,
+        c=c,
+        c_z=c_z,
+        highs=highs,
+        lows=highs + ring,
+        spans=highs + 2 * ring,
+        size=highs + 3 * ring,
     )

@@ -70,10 +70,10 @@ class Series:
 
 
 class Graph:
-    """The `Series` of some equations, each of them once, in the order in which they follow."""
+    """The `Series` of some equations, each of them once."""
 
     def __init__(self):
-        self.nodes, self.known = [], {}
+        self.known = {}
 
     def series(self, x):
         """A number as a `Series`; one that is a `Series` as it is."""
@@ -126,15 +126,36 @@ class Graph:
         """x/y."""
         return self._node("quotient", self.series(x), self.series(y))
 
+    def differential(self, x, changes):
+        """How x changes, to first order, where unknowns do.
+
+        changes : dict unknown `Series` -> its change, a `Series`; all that is found is added
+        """
+        if x.is_constant or x.rule == "line":
+            return self.series(0.0)
+        if x not in changes:
+            changes[x] = self._differential(x, changes)
+        return changes[x]
+
+    def _differential(self, x, changes):
+        if x.rule == "exp":
+            exponent, _, rate = x.operands
+            return rate * (x * self.differential(exponent, changes))
+        one, other = x.operands
+        d_one, d_other = (self.differential(part, changes) for part in x.operands)
+        if x.rule == "sum":
+            return d_one + d_other
+        if x.rule == "product":
+            return d_one * other + one * d_other
+        return (d_one - x * d_other) / other
+
     def _is(self, x, value):
         return x.rule == "number" and x.operands[0] == value
 
     def _node(self, rule, *operands):
         key = (rule, *(id(one) if isinstance(one, Series) else one for one in operands))
         if key not in self.known:
-            self.known[key] = one = self._folded(rule, operands)
-            if not any(one is other for other in self.nodes):
-                self.nodes.append(one)
+            self.known[key] = self._folded(rule, operands)
         return self.known[key]
 
     def _folded(self, rule, operands):

@@ -29,12 +29,19 @@ OF_INTEGRAL = tuple(1.0 / (k + 1.0) for k in range(ORDER))
 def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
     """`recurrences.coefficients`, as tuples of tuples."""
     found = recurrences.coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p)
-    return tuple(tuple(tuple(_number(one) for one in c) for c in group) for group in found)
+    return tuple(map(_numbers, found))
 
 
-def _number(coefficient):
-    """A coefficient; 0.0 where it is always that."""
-    return 0.0 if coefficient is None else coefficient
+@traced
+def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
+    """`recurrences.variational_coefficients`, as tuples of tuples."""
+    c, c_z, trace = recurrences.variational_coefficients(law, y, w, e, z, kappa, eta0, p)
+    return _numbers(c), _numbers(c_z), _numbers([trace])[0]
+
+
+def _numbers(polynomials):
+    """As tuples, 0.0 for a coefficient that is always that."""
+    return tuple(tuple(0.0 if c is None else c for c in one) for one in polynomials)
 
 
 @inlined

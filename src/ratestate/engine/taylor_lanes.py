@@ -50,29 +50,31 @@ def fastest_rate(y, w, e, system):
 
 
 @inlined
-def try_step(s, l, law):
-    """Take one step of the lane by the Taylor method, and see whether the next is Rodas5P's."""
-    rows = rows_of(law)
-    y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
-    _, kappa, eta0, p = system = L.system_of(s, l, law)
-    load_point = s[R.W_LP + l], s[R.RAMP + l]
-    c, rates_of_work = coefficients(law, y, w, e, *load_point, kappa, eta0, p)
+def step_lengths(c, y, w, e, tolerance, system):
+    """How long a step may be to be accurate, and to be stable, from its `coefficients`."""
+    _, kappa, eta0, _ = system
     last, before = of_each(c, ORDER), of_each(c, ORDER - 1)
-    accurate = longest(last, before, s[R.TOLERANCE + l], math.sqrt(kappa * eta0) * w)
-    stable = STABLE / fastest_rate(y, w, e, system)
-    h = accurate if accurate < stable else stable
-    h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
-    h_powers = powers(h)
+    accurate = longest(last, before, tolerance, math.sqrt(kappa * eta0) * w)
+    return accurate, STABLE / fastest_rate(y, w, e, system)
+
+
+@inlined
+def record(s, l, law, h, h_powers, c, lengths, also):
+    """Put the outcome of a step into its rows, and see whether the next is Rodas5P's.
+
+    h : its length; h_powers : `powers` of that; lengths : what `step_lengths` gave
+    also : a number that is finite where all else is that the step has found
+    """
+    accurate, stable = lengths
+    rows, system = rows_of(law), L.system_of(s, l, law)
     dense = product_each(c, h_powers)
     store_each(s, rows.c, l, dense)
     y_new = pairwise_sums(dense)
-    w_new, _, e_new = exponentials(y_new, law, p)
+    w_new, _, e_new = exponentials(y_new, law, system[3])
     write_rows(s, rows.y_new, l, y_new)
     write_rows(s, rows.e_new, l, e_new)
     s[R.W_NEW + l], s[R.H_USED + l] = w_new, h
-    load, friction = integrals(rates_of_work, h_powers)
-    s[R.D_LOAD + l], s[R.D_FRICTION + l] = h * load, h * friction
-    ok = abs(total(y_new)) < 1e300
+    ok = abs(total(y_new) + also) < 1e300
     stable = STABLE / fastest_rate(y_new, w_new, e_new, system) if ok else stable
     limited = s[R.LIMITED + l] + 1.0 if accurate > stable else 0.0
     stiff = (accurate > STIFF * stable) | (limited > PATIENCE) | (not ok)
@@ -80,6 +82,21 @@ def try_step(s, l, law):
     s[R.OK + l], s[R.CHANGES + l] = 1.0 if ok else 0.0, 1.0 if stiff else 0.0
     # (of the first step of Rodas5P, if that comes next)
     s[R.H_NEXT + l], s[R.MEMORY_NEW + l] = stable, 1.0
+
+
+@inlined
+def try_step(s, l, law):
+    """Take one step of the lane by the Taylor method."""
+    rows, system = rows_of(law), L.system_of(s, l, law)
+    y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
+    c, rates_of_work = coefficients(law, y, w, e, s[R.W_LP + l], s[R.RAMP + l], *system[1:])
+    lengths = step_lengths(c, y, w, e, s[R.TOLERANCE + l], system)
+    h = lengths[0] if lengths[0] < lengths[1] else lengths[1]
+    h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
+    h_powers = powers(h)
+    load, friction = integrals(rates_of_work, h_powers)
+    s[R.D_LOAD + l], s[R.D_FRICTION + l] = h * load, h * friction
+    record(s, l, law, h, h_powers, c, lengths, load + friction)
 
 
 @inlined
@@ -101,9 +118,8 @@ def advance_by_taylor(s, law, n):
 
 
 @lanewise
-def advance_by_rodas5p(s, law, n):
-    """`lanes.advance`, and whether the first n lanes change their method after it."""
-    L.advance(s, law, n)
+def find_calms(s, law, n):
+    """`find_calm` in the first n vectors of lanes."""
     for l in range(R.WIDTH * n):
         find_calm(s, l, law)
 
@@ -119,4 +135,5 @@ def advance(rows, s, law, n, taylor):
     elif taylor:
         advance_by_taylor(s, law, n)
     else:
-        advance_by_rodas5p(s, law, n)
+        L.advance(s, law, n)
+        find_calms(s, law, n)

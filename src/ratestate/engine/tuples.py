@@ -105,6 +105,13 @@ def sum_of(c, k):
 
 
 @traced
+def grouped(values, like):
+    """Numbers in tuples as long as another."""
+    n = len(like)
+    return tuple(values[k : k + n] for k in range(0, len(values), n))
+
+
+@traced
 def pairwise_sum(k):
     """sum_i k_i of pairs, and pairs of pairs, added to the first number last."""
     terms = k[1:]

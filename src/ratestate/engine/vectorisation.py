@@ -9,8 +9,9 @@ import re
 
 from numba.core.registry import cpu_target
 
-#: the loops of `lanes`, `taylor_lanes` and `return_lanes`, in LLVM's own text
-LOOPS = re.compile(r"^define [^@\n]*@[^(\n]*lanes\d+(?:advance|find|commit).*?^}", re.M | re.S)
+#: the loops over lanes, of the modules of that name and of `waveform`, in LLVM's own text
+NAMES = r"(?:lanes|waveform)\d+(?:advance|find|commit|add)"
+LOOPS = re.compile(rf"^define [^@\n]*@[^(\n]*{NAMES}.*?^}}", re.M | re.S)
 ALONE = re.compile(r"= fmul (?:contract )?double")
 VECTORS = re.compile(r"= fmul (?:contract )?<\d+ x double>")
 # LLVM may double a few of the products of single numbers.

@@ -116,7 +116,7 @@ def test_small_amplitudes_are_those_of_the_linear_equations(law):
     np.testing.assert_allclose(small_amplitude(system, u), 1e-5, rtol=1e-12)
     returns = return_map(system, state(system, u), np.full(1, 1e-13))
     np.testing.assert_allclose(returns.image / u, 1.0, atol=1e-4)
-    waves = return_map(system, state(system, u), np.full(1, 1e-13), period=np.ones(1))
+    waves = return_map(system, state(system, u), np.full(1, 1e-13), observe=True, period=np.ones(1))
     assert waves.numbers["v_max"][0] == pytest.approx(1e-5, rel=1e-4)
 
 

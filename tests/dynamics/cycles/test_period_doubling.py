@@ -195,7 +195,7 @@ def test_iterate_is_the_map_applied_again():
     """Image, derivative, times and extremes of three returns at once, against one by one."""
     system = make_system("slip", 1.1 * 8.0, [9.0, 9.0], [0.9, 0.9])
     u = return_map(system, steady_start(system), 1e-11).image
-    together = iterated_map(system, u, 1e-11, np.array([3, 1]), period=np.array([7.0, 2.0]))
+    together = iterated_map(system, u, 1e-11, np.array([3, 1]), observe=True)
     point, matrix, times, highs, lows, traces = u[:1], np.eye(2), [], [], [], []
     one = system.at([0])
     for _ in range(3):
@@ -216,7 +216,7 @@ def test_iterate_is_the_map_applied_again():
     for column in range(2):
         change = 1e-6 * np.eye(2)[column]
         up, down = (
-            iterated_map(one, start, 1e-13, np.array([3]), period=np.array([7.0])).numbers
+            iterated_map(one, start, 1e-13, np.array([3]), observe=True).numbers
             for start in (u[:1] + change, u[:1] - change)
         )
         for what in ("period", "x_high", "x_low", "v_max", "v_min"):

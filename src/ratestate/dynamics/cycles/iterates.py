@@ -12,16 +12,16 @@ from .system import state
 SUMS = ("period", "trace", "slow", "mean", "square", "steps")
 
 
-def iterated_map(system, u, atol, count, *, steady_tol=0.0, period=None):
+def iterated_map(system, u, atol, count, *, steady_tol=0.0, observe=False, period=None):
     """`return_map` from the section's points u (n, k), count (n,) >= 1 times over; `Returns`.
 
     The numbers are those of all returns together: sums, extremes, Fourier integrals of a phase
     that runs on, and derivatives of times by the first u; x_high is the largest stress maximum
-    from u on, without that at the end (on a cycle it is the first again).  Extremes
-    and Fourier integrals are there only with a `period`.  A slider that does not come back keeps
-    the status of that return, and its image is NaN.
+    from u on, without that at the end (on a cycle it is the first again).  A slider that does not
+    come back keeps the status of that return, and its image is NaN.
 
-    period : (n,) of all returns together
+    observe : whether extremes are recorded, which else mean nothing
+    period : (n,) of all returns together, for the waveform; without it that means nothing
     """
     n = len(u)
     atol, steady_tol = np.broadcast_to(atol, n), np.broadcast_to(steady_tol, n)
@@ -31,7 +31,7 @@ def iterated_map(system, u, atol, count, *, steady_tol=0.0, period=None):
         """One return of the sliders with these numbers."""
         part = system.at(which)
         y, assumed = state(part, u), None if period is None else each[which]
-        options = {"steady_tol": steady_tol[which], "period": assumed}
+        options = {"steady_tol": steady_tol[which], "observe": observe, "period": assumed}
         return return_map(part, y, atol[which], **options)
 
     returns = once(np.arange(n), u)

@@ -69,11 +69,11 @@ def measure(system, cycles):
     finer steps than those that led to the estimate.  The step of Newton's method that is left is
     taken to first order, for period, amplitude and speeds.  Estimates that come with an error are
     known better, or under another condition than constant parameters, and are not corrected.
-    The time below V_lp/10, for ``slow_fraction``, is summed in `engine.return_events`.
+    The time below V_lp/10, for ``slow_fraction``, is summed in `engine.waveform`.
     """
     u, fixed = cycles.u, cycles.error > 0.0
     tol = np.maximum(FINER * cycles.tol, tightest(system, u))
-    orbits = orbits_of_one_period(system, cycles, tol)
+    orbits = orbits_of_one_period(system, cycles, tol, waveform=True)
     returns, numbers = orbits.returns, orbits.returns.numbers
     step = np.where(fixed[:, None], 0.0, newton_step(returns, u))
     corrected = ("x_high", "x_low", "period", "v_max", "v_min")

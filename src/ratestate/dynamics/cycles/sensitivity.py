@@ -46,10 +46,13 @@ class Difference(NamedTuple):
     measures: np.ndarray  # (n, 4) of `Orbits.measures`; means nothing where `image` is NaN
 
 
-def orbits_of_one_period(system, cycles, tol):
-    """`Orbits` of one period from the `attractor.CycleEstimates` cycles, at the tolerance tol."""
-    count, period = cycles.n_returns, cycles.period
-    returns = iterated_map(system, cycles.u, tol, count, period=period)
+def orbits_of_one_period(system, cycles, tol, *, waveform=False):
+    """`Orbits` of one period from the `attractor.CycleEstimates` cycles, at the tolerance tol.
+
+    waveform : whether it is recorded too
+    """
+    period = cycles.period if waveform else None
+    returns = iterated_map(system, cycles.u, tol, cycles.n_returns, observe=True, period=period)
     numbers, gradients = returns.numbers, returns.gradients
     with np.errstate(divide="ignore", invalid="ignore"):
         amplitude, period = numbers["x_high"] - numbers["x_low"], numbers["period"]

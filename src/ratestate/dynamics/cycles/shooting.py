@@ -39,15 +39,15 @@ class Returns(NamedTuple):
         return self.status == FINISHED
 
 
-def return_map(system, y, atol, *, steady_tol=0.0, period=None):
+def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
     """`Returns` of sliders from y (n, 3) to their next stress maximum.
 
     STEADY_SLIDING where `steady_tol` stops it; after 200,000 steps STEP_LIMIT.
 
     atol : (n,) tolerance of a step in x, v and psi
     steady_tol : (n,) distance from steady sliding at which to stop
-    period : (n,) periods assumed for the waveform; if given, extremes and waveform are recorded,
-        else these numbers mean nothing
+    observe : whether extremes are recorded, which else mean nothing
+    period : (n,) periods assumed for the waveform; without them that means nothing
     """
     n, k = len(y), y.shape[1] - 1
     _, by_psi = system.slopes(y[:, 2:])
@@ -64,8 +64,8 @@ def return_map(system, y, atol, *, steady_tol=0.0, period=None):
         unstable=(~system.stable).astype(float),
         atol=np.broadcast_to(atol, n).astype(float),
         steady_tol=np.broadcast_to(steady_tol, n).astype(float),
-        observe=np.full(n, float(period is not None)),
-        period=np.ones(n) if period is None else np.ascontiguousarray(period),
+        observe=np.full(n, float(observe)),
+        period=np.zeros(n) if period is None else np.ascontiguousarray(period),
         v_limit=system.v_limit,
         max_steps=np.full(n, MAX_STEPS_OF_RETURN),
     )

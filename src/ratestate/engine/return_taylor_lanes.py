@@ -1,0 +1,51 @@
+"""Lanes of a return map under a law with recurrences: steps of the Taylor method, of both kinds."""
+
+from . import lanes as L
+from . import return_lanes
+from . import rows as R
+from .jit import inlined, inner, lanewise
+from .rows import OF_RODAS5P, rows_of
+from .taylor import integrals, powers, variational_coefficients
+from .taylor_lanes import find_calms, record, step_lengths
+from .tuples import grouped, load_each, pairwise_sums, product_each, read_rows, store_each, total
+
+
+@inlined
+def try_step(s, l, law):
+    """Take one step of the lane by the Taylor method, perturbations included."""
+    rows, system = rows_of(law), L.system_of(s, l, law)
+    y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
+    z = load_each(s, rows.z, l)
+    c, c_z, trace = variational_coefficients(law, y, w, e, z, *system[1:])
+    lengths = step_lengths(c, y, w, e, s[R.TOLERANCE + l], system)
+    h = lengths[0] if lengths[0] < lengths[1] else lengths[1]
+    landing = s[R.LANDING_STEP + l]
+    h = landing if (landing > 0.0) & (landing < h) else h
+    h_powers = powers(h)
+    dense = product_each(c_z, h_powers)
+    store_each(s, rows.c_z, l, dense)
+    z_new = pairwise_sums(dense)
+    store_each(s, rows.z_new, l, grouped(z_new, y))
+    (mean_trace,) = integrals((trace,), h_powers)
+    s[R.D_TRACE + l] = h * mean_trace
+    record(s, l, law, h, h_powers, c, lengths, total(z_new) + mean_trace)
+
+
+@lanewise
+def advance_by_taylor(s, law, n):
+    """Take a step by the Taylor method in the first n vectors of lanes."""
+    for l in range(R.WIDTH * n):
+        try_step(s, l, law)
+    L.find_events(s, law, n)
+
+
+@inner
+def advance(rows, s, law, n, taylor):
+    """As `taylor_lanes.advance`."""
+    if len(rows) == OF_RODAS5P:
+        return_lanes.advance(s, law, n)
+    elif taylor:
+        advance_by_taylor(s, law, n)
+    else:
+        return_lanes.advance(s, law, n)
+        find_calms(s, law, n)
